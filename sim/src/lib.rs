@@ -1,1 +1,5 @@
-//! To be written.
+//! Plants, sensors with seeded noise, faults and scenarios: the truth that estimates are judged by.
+//!
+//! This crate never imports the estimators, so that truth and belief cannot share a mistake.
+
+pub mod noise;
