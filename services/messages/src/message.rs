@@ -1,0 +1,278 @@
+use core::fmt::Debug;
+
+use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
+
+use crate::{Hops, Stamp};
+
+/// Type of a field of a message.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// Unsigned 32-bit number; bits or an index.
+    U32,
+    /// Unsigned 64-bit number; a count or a time in nanoseconds.
+    U64,
+    /// Double-precision number in the field's unit.
+    F64,
+}
+
+/// Value of a field of a message.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Value {
+    /// See [`Kind::U32`].
+    U32(u32),
+    /// See [`Kind::U64`].
+    U64(u64),
+    /// See [`Kind::F64`].
+    F64(f64),
+}
+
+impl Value {
+    /// The value as a double, for plots. Counts above 2^53 lose their last bits.
+    #[must_use]
+    pub fn as_f64(self) -> f64 {
+        match self {
+            Self::U32(v) => f64::from(v),
+            Self::U64(v) => v as f64,
+            Self::F64(v) => v,
+        }
+    }
+
+    /// Whether both have the same type and the same bits (NaN equals itself, 0 differs from -0).
+    #[must_use]
+    pub fn same_bits(self, other: Self) -> bool {
+        match (self, other) {
+            (Self::F64(a), Self::F64(b)) => a.to_bits() == b.to_bits(),
+            (a, b) => a == b,
+        }
+    }
+}
+
+/// Description of a field: what a reader that knows nothing of heft must be told.
+#[derive(Debug, Clone, Copy)]
+pub struct Field {
+    /// Name, as in the CSV and in the recording.
+    pub name: &'static str,
+    /// SI unit, "" for bits and pure numbers.
+    pub unit: &'static str,
+    /// One sentence.
+    pub doc: &'static str,
+    /// Type.
+    pub kind: Kind,
+}
+
+/// A payload of a channel, with its own description.
+pub trait Message: ZeroCopySend + Copy + Debug + Default + PartialEq + Send + 'static {
+    /// Type name, as iceoryx2 and the recording show it.
+    const NAME: &'static str;
+    /// All fields in the order of the structure, those of stamp and hops first.
+    const FIELDS: &'static [Field];
+
+    /// Identity of the sample.
+    fn stamp(&self) -> &Stamp;
+    /// Identity of the sample, to write.
+    fn stamp_mut(&mut self) -> &mut Stamp;
+    /// Publish times.
+    fn hops(&self) -> &Hops;
+    /// Publish times, to write.
+    fn hops_mut(&mut self) -> &mut Hops;
+    /// Value of field `index` of [`Message::FIELDS`]; `None` past the end.
+    fn get(&self, index: usize) -> Option<Value>;
+    /// Sets field `index`; false if there is none or the type differs.
+    fn set(&mut self, index: usize, value: Value) -> bool;
+
+    /// Position of the field called `name`.
+    #[must_use]
+    fn index(name: &str) -> Option<usize> {
+        Self::FIELDS.iter().position(|f| f.name == name)
+    }
+}
+
+/// Number of fields that [`Stamp`] and [`Hops`] put before those of the message.
+pub(crate) const HEAD: usize = 8;
+
+pub(crate) const HEAD_FIELDS: [Field; HEAD] = [
+    field("machine", "", "Which machine.", Kind::U32),
+    field(
+        "epoch",
+        "",
+        "Restarts of the source before this sample.",
+        Kind::U32,
+    ),
+    field("sequence", "", "Number of the sample, from 0.", Kind::U64),
+    field(
+        "t",
+        "s",
+        "Time of the measurement as the data tell it.",
+        Kind::F64,
+    ),
+    field(
+        "measured_ns",
+        "ns",
+        "Time of the measurement, host monotonic clock.",
+        Kind::U64,
+    ),
+    field(
+        "sensor_ns",
+        "ns",
+        "Published by the sensor process.",
+        Kind::U64,
+    ),
+    field(
+        "filter_ns",
+        "ns",
+        "Published by the filter stage, 0 if none.",
+        Kind::U64,
+    ),
+    field(
+        "estimate_ns",
+        "ns",
+        "Published by the estimator, 0 if none.",
+        Kind::U64,
+    ),
+];
+
+const fn field(name: &'static str, unit: &'static str, doc: &'static str, kind: Kind) -> Field {
+    Field {
+        name,
+        unit,
+        doc,
+        kind,
+    }
+}
+
+pub(crate) fn get_head(stamp: &Stamp, hops: &Hops, index: usize) -> Value {
+    match index {
+        0 => Value::U32(stamp.machine),
+        1 => Value::U32(stamp.epoch),
+        2 => Value::U64(stamp.sequence),
+        3 => Value::F64(stamp.time),
+        4 => Value::U64(stamp.measured_ns),
+        5 => Value::U64(hops.sensor_ns),
+        6 => Value::U64(hops.filter_ns),
+        _ => Value::U64(hops.estimate_ns),
+    }
+}
+
+pub(crate) fn set_head(stamp: &mut Stamp, hops: &mut Hops, index: usize, value: Value) -> bool {
+    match (index, value) {
+        (0, Value::U32(v)) => stamp.machine = v,
+        (1, Value::U32(v)) => stamp.epoch = v,
+        (2, Value::U64(v)) => stamp.sequence = v,
+        (3, Value::F64(v)) => stamp.time = v,
+        (4, Value::U64(v)) => stamp.measured_ns = v,
+        (5, Value::U64(v)) => hops.sensor_ns = v,
+        (6, Value::U64(v)) => hops.filter_ns = v,
+        (7, Value::U64(v)) => hops.estimate_ns = v,
+        _ => return false,
+    }
+    true
+}
+
+/// Type of a field, found from its Rust type.
+pub(crate) trait FieldType: Copy {
+    const KIND: Kind;
+    fn wrap(self) -> Value;
+    fn unwrap(value: Value) -> Option<Self>;
+}
+
+macro_rules! field_type {
+    ($($type:ty => $kind:ident),*) => {$(
+        impl FieldType for $type {
+            const KIND: Kind = Kind::$kind;
+            fn wrap(self) -> Value { Value::$kind(self) }
+            fn unwrap(value: Value) -> Option<Self> {
+                match value { Value::$kind(v) => Some(v), _ => None }
+            }
+        }
+    )*};
+}
+field_type!(u32 => U32, u64 => U64, f64 => F64);
+
+/// Defines a payload together with its description: the structure that iceoryx2 carries, and the
+/// table that every generic reader uses, cannot disagree.
+macro_rules! message {
+    (
+        $(#[doc = $doc:literal])*
+        pub struct $name:ident, $type_name:tt, size $size:literal {
+            $( $(#[doc = $field_doc:literal])+ $field:ident: $type:ty, $unit:literal; )*
+        }
+    ) => {
+        $(#[doc = $doc])*
+        #[derive(Debug, Clone, Copy, Default, PartialEq, iceoryx2_bb_derive_macros::ZeroCopySend)]
+        #[type_name($type_name)]
+        #[repr(C)]
+        pub struct $name {
+            /// Identity of the sample.
+            pub stamp: $crate::Stamp,
+            /// Publish times.
+            pub hops: $crate::Hops,
+            $( $(#[doc = $field_doc])+ #[doc = concat!(" Unit: ", $unit, ".")] pub $field: $type, )*
+        }
+
+        // The size is part of the interface: readers in other languages declare it themselves.
+        const _: () = assert!(core::mem::size_of::<$name>() == $size);
+        const _: () = assert!(core::mem::align_of::<$name>() == 8);
+
+        impl $crate::Message for $name {
+            const NAME: &'static str = $type_name;
+            const FIELDS: &'static [$crate::Field] = {
+                const OWN: &[$crate::Field] = &[$( $crate::Field {
+                    name: stringify!($field),
+                    unit: $unit,
+                    doc: concat!($($field_doc),+),
+                    kind: <$type as $crate::message::FieldType>::KIND,
+                } ),*];
+                const ALL: [$crate::Field; $crate::message::HEAD + OWN.len()] =
+                    $crate::message::join(OWN);
+                &ALL
+            };
+
+            fn stamp(&self) -> &$crate::Stamp { &self.stamp }
+            fn stamp_mut(&mut self) -> &mut $crate::Stamp { &mut self.stamp }
+            fn hops(&self) -> &$crate::Hops { &self.hops }
+            fn hops_mut(&mut self) -> &mut $crate::Hops { &mut self.hops }
+
+            fn get(&self, index: usize) -> Option<$crate::Value> {
+                if index < $crate::message::HEAD {
+                    return Some($crate::message::get_head(&self.stamp, &self.hops, index));
+                }
+                let own = [$( $crate::message::FieldType::wrap(self.$field) ),*];
+                own.get(index - $crate::message::HEAD).copied()
+            }
+
+            fn set(&mut self, index: usize, value: $crate::Value) -> bool {
+                use $crate::message::FieldType;
+                if index < $crate::message::HEAD {
+                    return $crate::message::set_head(&mut self.stamp, &mut self.hops, index, value);
+                }
+                let mut _at = $crate::message::HEAD;
+                $(
+                    if index == _at {
+                        return match <$type>::unwrap(value) {
+                            Some(v) => { self.$field = v; true }
+                            None => false,
+                        };
+                    }
+                    _at += 1;
+                )*
+                false
+            }
+        }
+    };
+}
+pub(crate) use message;
+
+/// The fields of the head followed by those of one message.
+pub(crate) const fn join<const N: usize>(own: &[Field]) -> [Field; N] {
+    let mut all = [HEAD_FIELDS[0]; N];
+    let mut i = 0;
+    while i < N {
+        all[i] = if i < HEAD {
+            HEAD_FIELDS[i]
+        } else {
+            own[i - HEAD]
+        };
+        i += 1;
+    }
+    all
+}

@@ -1,0 +1,32 @@
+use iceoryx2_bb_derive_macros::ZeroCopySend;
+use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
+
+/// Identity of a sample, made by the sensor process and copied unchanged through every stage.
+#[derive(Debug, Clone, Copy, Default, PartialEq, ZeroCopySend)]
+#[type_name("Stamp")]
+#[repr(C)]
+pub struct Stamp {
+    /// Which machine (0 where there is only one).
+    pub machine: u32,
+    /// How often the source had been restarted when it made this sample.
+    pub epoch: u32,
+    /// Number of the sample since the start of the run, from 0; a gap is a loss.
+    pub sequence: u64,
+    /// Time of the measurement as the data tell it [s].
+    pub time: f64,
+    /// Time of the measurement on the host's monotonic clock [ns].
+    pub measured_ns: u64,
+}
+
+/// When each stage published the sample, on the host's monotonic clock [ns]; 0 = not passed.
+#[derive(Debug, Clone, Copy, Default, PartialEq, ZeroCopySend)]
+#[type_name("Hops")]
+#[repr(C)]
+pub struct Hops {
+    /// Published by the sensor process.
+    pub sensor_ns: u64,
+    /// Published by the filter stage, where the sample went through one.
+    pub filter_ns: u64,
+    /// Published by the estimator.
+    pub estimate_ns: u64,
+}
