@@ -7,12 +7,14 @@
 //! knowledge of any particular one.
 
 pub mod channels;
+mod envelope;
 mod excavator;
 mod health;
 mod loader;
 mod message;
 mod stamp;
 
+pub use envelope::{Envelope, Receiver};
 pub use excavator::{
     ExcavatorEstimate, ExcavatorSensors, ExcavatorTruth, SwingMotion, excavator_bits,
 };

@@ -80,6 +80,9 @@ pub trait Message: ZeroCopySend + Copy + Debug + Default + PartialEq + Send + 's
     /// Sets field `index`; false if there is none or the type differs.
     fn set(&mut self, index: usize, value: Value) -> bool;
 
+    /// The message with its type put aside, to be queued with others.
+    fn envelope(&self) -> crate::Envelope;
+
     /// Position of the field called `name`.
     #[must_use]
     fn index(name: &str) -> Option<usize> {
@@ -231,6 +234,7 @@ macro_rules! message {
             fn stamp_mut(&mut self) -> &mut $crate::Stamp { &mut self.stamp }
             fn hops(&self) -> &$crate::Hops { &self.hops }
             fn hops_mut(&mut self) -> &mut $crate::Hops { &mut self.hops }
+            fn envelope(&self) -> $crate::Envelope { $crate::Envelope::$name(*self) }
 
             fn get(&self, index: usize) -> Option<$crate::Value> {
                 if index < $crate::message::HEAD {

@@ -1,8 +1,33 @@
 //! What every process of heft shares: ports, wake-ups, clock, real-time set-up, telemetry.
 //!
-//! This crate alone talks to iceoryx2. A service gives it a [`Step`] (or a [`Source`]) and knows
-//! nothing of channels, bells and clocks.
+//! This crate alone talks to iceoryx2. A service gives it a [`Step`] (or a [`Source`], a [`Sink`])
+//! and knows nothing of channels, bells and clocks. The supervisor creates and holds every channel
+//! ([`Ports::create`]) and hands every worker its bells ([`Control`]); a worker opens its ports,
+//! says `ready` and is driven by [`run_stage`], [`run_source`] or [`run_sink`].
 
+mod bell;
+mod clock;
+mod control;
+mod domain;
+mod error;
+mod ports;
+pub mod realtime;
+mod sink;
+mod source;
+mod stage;
 mod step;
+mod telemetry;
+mod worker;
 
+pub use bell::Bell;
+pub use clock::{now_ns, sleep_until};
+pub use control::{Control, Heard};
+pub use domain::{Domain, Owner, free_shared_memory};
+pub use error::Error;
+pub use ports::{Held, Input, Output, Ports};
+pub use sink::{Sink, run_sink};
+pub use source::{Pace, run_source};
+pub use stage::{MarkHop, mark_estimate, mark_filter, run_stage};
 pub use step::{Source, Step, answer};
+pub use telemetry::Identity;
+pub use worker::{Setup, Worker};

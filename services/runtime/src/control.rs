@@ -1,0 +1,276 @@
+//! What supervisor and worker say to each other, over the worker's standard input.
+//!
+//! | from | word | meaning |
+//! |---|---|---|
+//! | supervisor | `bells`, with file descriptors | the worker's own bell, then those of its readers, next stage first |
+//! | worker | `ready` | all ports are open |
+//! | supervisor | `go N T` | begin; a source begins with sample N, and sample 0 was due at T ns |
+//! | worker | `ended` | the source has no more samples |
+//! | supervisor | `drain` | answer what is waiting, then say so |
+//! | worker | `drained` | nothing was left to answer |
+//! | supervisor | `exit` | end |
+//!
+//! The socket closes when either side dies: a worker whose supervisor is gone ends by itself.
+
+use std::io::{IoSlice, IoSliceMut};
+use std::mem::MaybeUninit;
+use std::os::fd::{AsFd, OwnedFd};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::net::{
+    AddressFamily, RecvAncillaryBuffer, RecvAncillaryMessage, RecvFlags, SendAncillaryBuffer,
+    SendAncillaryMessage, SendFlags, SocketFlags, SocketType, recvmsg, sendmsg, socketpair,
+};
+
+use crate::{Bell, Error};
+
+/// A worker's bell and those of at most seven readers.
+const MAX_BELLS: usize = 8;
+
+/// One end of the conversation.
+#[derive(Debug)]
+pub struct Control(OwnedFd);
+
+impl Control {
+    /// Both ends: the supervisor's, and the one that becomes a worker's standard input.
+    ///
+    /// # Errors
+    /// The limit of open files is reached.
+    pub fn pair() -> Result<(Self, OwnedFd), Error> {
+        let (mine, theirs) = socketpair(
+            AddressFamily::UNIX,
+            SocketType::SEQPACKET,
+            SocketFlags::CLOEXEC,
+            None,
+        )
+        .map_err(|e| Error::os("make a control socket", "limit of open files", e))?;
+        Ok((Self(mine), theirs))
+    }
+
+    /// The worker's end: standard input.
+    ///
+    /// # Errors
+    /// Standard input is closed.
+    pub fn of_worker() -> Result<Self, Error> {
+        let fd = rustix::io::dup(rustix::stdio::stdin())
+            .map_err(|e| Error::os("read the control socket", "standard input", e))?;
+        Ok(Self(fd))
+    }
+
+    /// Says a word; false if nobody is there to hear it.
+    pub fn say(&self, word: &str) -> bool {
+        rustix::net::send(&self.0, word.as_bytes(), SendFlags::NOSIGNAL).is_ok()
+    }
+
+    /// Hands over bells.
+    ///
+    /// # Errors
+    /// The worker is gone.
+    pub fn hand_over(&self, bells: &[&Bell]) -> Result<(), Error> {
+        let fds: Vec<_> = bells.iter().map(|b| b.as_fd()).collect();
+        let mut space = [MaybeUninit::uninit(); rustix::cmsg_space!(ScmRights(MAX_BELLS))];
+        let mut ancillary = SendAncillaryBuffer::new(&mut space);
+        ancillary.push(SendAncillaryMessage::ScmRights(&fds));
+        sendmsg(
+            &self.0,
+            &[IoSlice::new(b"bells")],
+            &mut ancillary,
+            SendFlags::NOSIGNAL,
+        )
+        .map_err(|e| Error::os("hand over the bells", "control socket", e))?;
+        Ok(())
+    }
+
+    /// Receives the bells: the worker's own and those of its readers.
+    ///
+    /// # Errors
+    /// The first word is not `bells`: this process was not started by a supervisor.
+    pub fn receive_bells(&self) -> Result<(Bell, Vec<Bell>), Error> {
+        let not_ours = |detail: String| {
+            Error::new(
+                format!("this process has no supervisor ({detail})"),
+                "heft service",
+                "start the pipeline with `heft run`; it starts the services itself",
+            )
+        };
+        let mut space = [MaybeUninit::uninit(); rustix::cmsg_space!(ScmRights(MAX_BELLS))];
+        let mut ancillary = RecvAncillaryBuffer::new(&mut space);
+        let mut word = [0u8; 8];
+        recvmsg(
+            &self.0,
+            &mut [IoSliceMut::new(&mut word)],
+            &mut ancillary,
+            RecvFlags::CMSG_CLOEXEC,
+        )
+        .map_err(|e| not_ours(e.to_string()))?;
+        let mut bells = Vec::new();
+        for message in ancillary.drain() {
+            if let RecvAncillaryMessage::ScmRights(fds) = message {
+                bells.extend(fds.map(Bell::from_fd));
+            }
+        }
+        if bells.is_empty() {
+            return Err(not_ours("no bells on standard input".into()));
+        }
+        let readers = bells.split_off(1);
+        let own = bells
+            .pop()
+            .ok_or_else(|| not_ours("no bell of its own".into()))?;
+        Ok((own, readers))
+    }
+
+    /// The next word within `timeout_ms`; `Heard::Nothing` on time-out, `Heard::Gone` if the
+    /// other side has died.
+    pub fn hear(&self, timeout_ms: u32) -> Heard {
+        let timeout = Timespec {
+            tv_sec: i64::from(timeout_ms / 1000),
+            tv_nsec: i64::from(timeout_ms % 1000) * 1_000_000,
+        };
+        match poll(&mut [PollFd::new(&self.0, PollFlags::IN)], Some(&timeout)) {
+            Ok(0) | Err(_) => return Heard::Nothing,
+            Ok(_) => {}
+        }
+        let mut buffer = [0u8; 64];
+        match rustix::net::recv(&self.0, &mut buffer, RecvFlags::empty()) {
+            Ok((n, _)) if n > 0 => Heard::Word(String::from_utf8_lossy(&buffer[..n]).into_owned()),
+            Err(rustix::io::Errno::INTR) => Heard::Nothing,
+            _ => Heard::Gone,
+        }
+    }
+}
+
+impl AsFd for Control {
+    fn as_fd(&self) -> std::os::fd::BorrowedFd<'_> {
+        self.0.as_fd()
+    }
+}
+
+/// What was heard.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Heard {
+    /// A word.
+    Word(String),
+    /// Nothing so far.
+    Nothing,
+    /// The other side has died.
+    Gone,
+}
+
+/// Where a source begins.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Begin {
+    /// First sample to send: not 0 after a restart.
+    pub first: u64,
+    /// Instant at which sample 0 is (or was) due, on the monotonic clock [ns].
+    pub start_ns: u64,
+}
+
+/// What the supervisor wants, for the loop of a worker to look at.
+#[derive(Debug, Default)]
+pub struct Wishes {
+    first: AtomicU64,
+    start_ns: AtomicU64,
+    go: AtomicBool,
+    drain: AtomicBool,
+    exit: AtomicBool,
+}
+
+impl Wishes {
+    /// Where to begin, once told to.
+    #[must_use]
+    pub fn begin(&self) -> Option<Begin> {
+        self.go.load(Ordering::Acquire).then(|| Begin {
+            first: self.first.load(Ordering::Relaxed),
+            start_ns: self.start_ns.load(Ordering::Relaxed),
+        })
+    }
+
+    /// Whether to answer what is waiting and say so; asked for once.
+    pub fn take_drain(&self) -> bool {
+        self.drain.load(Ordering::Relaxed) && self.drain.swap(false, Ordering::AcqRel)
+    }
+
+    /// Whether a drain is asked for.
+    #[must_use]
+    pub fn wants_drain(&self) -> bool {
+        self.drain.load(Ordering::Relaxed)
+    }
+
+    /// Whether to end.
+    #[must_use]
+    pub fn wants_exit(&self) -> bool {
+        self.exit.load(Ordering::Relaxed)
+    }
+}
+
+/// Listens to the supervisor on a thread of its own, so that the loop of the worker waits for its
+/// bell alone. Rings the bell on every wish.
+pub(crate) fn listen(control: Arc<Control>, bell: Bell) -> Arc<Wishes> {
+    let wishes = Arc::new(Wishes::default());
+    let told = Arc::clone(&wishes);
+    std::thread::spawn(move || {
+        loop {
+            match control.hear(1000) {
+                Heard::Word(word) => obey(&told, &word),
+                Heard::Nothing => {}
+                Heard::Gone => told.exit.store(true, Ordering::Release),
+            }
+            bell.ring();
+            if told.wants_exit() {
+                return;
+            }
+        }
+    });
+    wishes
+}
+
+fn obey(wishes: &Wishes, word: &str) {
+    match word.split_once(' ').unwrap_or((word, "")) {
+        ("go", numbers) => {
+            let mut numbers = numbers.split(' ').map(|n| n.parse().unwrap_or(0));
+            wishes
+                .first
+                .store(numbers.next().unwrap_or(0), Ordering::Relaxed);
+            wishes
+                .start_ns
+                .store(numbers.next().unwrap_or(0), Ordering::Relaxed);
+            wishes.go.store(true, Ordering::Release);
+        }
+        ("drain", _) => wishes.drain.store(true, Ordering::Release),
+        ("exit", _) => wishes.exit.store(true, Ordering::Release),
+        _ => {}
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bells_pass_through_the_socket_and_ring_on_the_other_side() {
+        let (supervisor, worker) = Control::pair().unwrap();
+        let (own, reader) = (Bell::new().unwrap(), Bell::new().unwrap());
+        supervisor.hand_over(&[&own, &reader]).unwrap();
+        let worker = Control(worker);
+        let (its_own, readers) = worker.receive_bells().unwrap();
+        assert_eq!(readers.len(), 1);
+        readers[0].ring();
+        reader.wait();
+        own.ring();
+        its_own.wait();
+    }
+
+    #[test]
+    fn a_worker_hears_that_its_supervisor_died() {
+        let (supervisor, worker) = Control::pair().unwrap();
+        let worker = Control(worker);
+        assert!(supervisor.say("go 7"));
+        assert_eq!(worker.hear(100), Heard::Word("go 7".into()));
+        assert_eq!(worker.hear(1), Heard::Nothing);
+        drop(supervisor);
+        assert_eq!(worker.hear(100), Heard::Gone);
+        assert!(!worker.say("ready"));
+    }
+}

@@ -1,0 +1,57 @@
+use std::fmt;
+
+/// What went wrong, where, and what to do about it: one line each.
+#[derive(Debug, Clone)]
+pub struct Error {
+    /// What happened.
+    pub what: String,
+    /// Which channel, process, file or limit.
+    pub place: String,
+    /// What the user can do.
+    pub remedy: String,
+}
+
+impl Error {
+    /// Puts the three lines together.
+    pub fn new(
+        what: impl Into<String>,
+        place: impl Into<String>,
+        remedy: impl Into<String>,
+    ) -> Self {
+        Self {
+            what: what.into(),
+            place: place.into(),
+            remedy: remedy.into(),
+        }
+    }
+
+    /// An error of iceoryx2 on a channel or node.
+    pub(crate) fn ipc(action: &str, name: &str, error: impl fmt::Debug) -> Self {
+        Self::new(
+            format!("cannot {action}: {error:?}"),
+            format!("shared memory, {name}"),
+            "run `heft doctor --clean`; if another run uses this domain, choose another --domain",
+        )
+    }
+
+    /// An error of the operating system.
+    pub(crate) fn os(action: &str, place: impl Into<String>, error: impl fmt::Display) -> Self {
+        Self::new(
+            format!("cannot {action}: {error}"),
+            place,
+            "run `heft doctor`",
+        )
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{}\n  where: {}\n  what to do: {}",
+            self.what, self.place, self.remedy
+        )
+    }
+}
+
+impl std::error::Error for Error {}

@@ -1,0 +1,165 @@
+//! Drives a [`Source`]: at its own pace on the clock, or as fast as the readers take it.
+
+use messages::channels::{CREDIT, Channel};
+use messages::{Credit, Message, fault};
+
+use crate::clock::{now_ns, sleep_until};
+use crate::control::Begin;
+use crate::step::Source;
+use crate::telemetry::Event;
+use crate::{Error, Input, Output, Worker};
+
+/// When a source sends its samples.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Pace {
+    /// At the times that the samples tell.
+    RealTime,
+    /// As fast as the readers take it, losing nothing.
+    Lossless,
+}
+
+/// Samples that may be under way without having reached the logger: less than any depth.
+const WINDOW: u64 = 256;
+/// A reader that died took the samples in its buffer along: after this time without progress the
+/// source goes on, and the loss is counted by the readers.
+const GIVE_UP_NS: u64 = 2_000_000_000;
+/// Longest sleep at one go, so that a wish of the supervisor is seen in time.
+const NAP_NS: u64 = 20_000_000;
+
+/// Sends everything that `source` gives on `sensors` and `truth`.
+///
+/// # Errors
+/// A channel cannot be opened.
+pub fn run_source<S: Source>(
+    mut worker: Worker,
+    sensors: &Channel,
+    truth: &Channel,
+    pace: Pace,
+    mut source: S,
+) -> Result<(), Error> {
+    let mut sender = Sender {
+        sensors: worker.ports.output::<S::Sensors>(sensors)?,
+        truth: worker.ports.output::<S::Truth>(truth)?,
+        credit: worker.ports.input::<Credit>(&CREDIT, CREDIT.depth)?,
+        through: 0,
+    };
+    let Some(Begin { first, start_ns }) = worker.begin() else {
+        return Ok(());
+    };
+    sender.sensors.connect();
+    sender.truth.connect();
+    let epoch = worker.setup.identity.restarts;
+    let mut origin = None;
+    while let Some((mut measured, mut true_values)) = source.next() {
+        let stamp = measured.stamp();
+        let origin = *origin.get_or_insert(stamp.time);
+        if stamp.sequence < first {
+            continue;
+        }
+        let deadline = due(start_ns, stamp.time - origin);
+        if !sender.wait_for_turn(&worker, pace, stamp.sequence, deadline) {
+            break;
+        }
+        let now = now_ns();
+        if pace == Pace::RealTime && epoch > 0 && now > deadline + NAP_NS {
+            // After a restart: what should have been sent meanwhile is lost, not sent late.
+            continue;
+        }
+        for stamp in [measured.stamp_mut(), true_values.stamp_mut()] {
+            stamp.measured_ns = now;
+            stamp.epoch = epoch;
+        }
+        true_values.stamp_mut().sequence = measured.stamp().sequence;
+        true_values.stamp_mut().time = measured.stamp().time;
+        sender.send(&mut worker, measured, true_values);
+        worker.reporter.sample(Event {
+            age_ns: now_ns() - now,
+            step_ns: 0,
+            lost: 0,
+            late: false,
+        });
+    }
+    finish(&worker);
+    Ok(())
+}
+
+struct Sender<S: Message, T: Message> {
+    sensors: Output<S>,
+    truth: Output<T>,
+    credit: Input<Credit>,
+    through: u64,
+}
+
+impl<S: Message, T: Message> Sender<S, T> {
+    /// Waits until sample `sequence`, due at `deadline`, may be sent; false if the run ends
+    /// meanwhile.
+    fn wait_for_turn(&mut self, worker: &Worker, pace: Pace, sequence: u64, deadline: u64) -> bool {
+        match pace {
+            Pace::RealTime => wait_for_time(worker, deadline),
+            Pace::Lossless => self.wait_for_credit(worker, sequence),
+        }
+    }
+
+    fn wait_for_credit(&mut self, worker: &Worker, sequence: u64) -> bool {
+        let begun = now_ns();
+        loop {
+            if is_ending(worker) {
+                return false;
+            }
+            while let Some((credit, _)) = self.credit.receive() {
+                self.through = self.through.max(credit.through);
+            }
+            if sequence < self.through + WINDOW {
+                return true;
+            }
+            if now_ns() - begun > GIVE_UP_NS {
+                self.through = sequence + 1;
+                return true;
+            }
+            worker.bell.wait();
+        }
+    }
+
+    fn send(&self, worker: &mut Worker, mut measured: S, true_values: T) {
+        measured.hops_mut().sensor_ns = now_ns();
+        if !self.sensors.send(&measured) {
+            worker.reporter.fault(fault::SEND);
+        }
+        worker.ring();
+        self.truth.send(&true_values);
+        self.sensors.notify();
+    }
+}
+
+fn due(start_ns: u64, offset: f64) -> u64 {
+    // A duration within a run: far below 2^53 ns; a row that goes back in time is due at once.
+    start_ns + (offset.max(0.0) * 1e9) as u64
+}
+
+fn wait_for_time(worker: &Worker, deadline: u64) -> bool {
+    loop {
+        if is_ending(worker) {
+            return false;
+        }
+        let now = now_ns();
+        if now >= deadline {
+            return true;
+        }
+        sleep_until(deadline.min(now + NAP_NS));
+    }
+}
+
+fn is_ending(worker: &Worker) -> bool {
+    worker.wishes.wants_exit() || worker.wishes.wants_drain()
+}
+
+/// Says that there is no more, and stays until told to go: readers may still be draining.
+fn finish(worker: &Worker) {
+    worker.control.say("ended");
+    while !worker.wishes.wants_exit() {
+        if worker.wishes.take_drain() {
+            worker.control.say("drained");
+        }
+        worker.bell.wait();
+    }
+}

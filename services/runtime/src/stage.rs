@@ -1,0 +1,80 @@
+//! Drives a [`Step`]: wait for the bell, answer everything that is there.
+
+use messages::channels::Channel;
+use messages::{Hops, Message, fault};
+
+use crate::clock::now_ns;
+use crate::step::{Step, answer};
+use crate::telemetry::Event;
+use crate::{Error, Input, Output, Worker};
+
+/// Writes the publish time of a stage into the hops.
+pub type MarkHop = fn(&mut Hops, u64);
+
+/// The hop of a filter stage.
+pub fn mark_filter(hops: &mut Hops, now: u64) {
+    hops.filter_ns = now;
+}
+
+/// The hop of an estimator.
+pub fn mark_estimate(hops: &mut Hops, now: u64) {
+    hops.estimate_ns = now;
+}
+
+/// Runs `step` from `input` to `output` until the supervisor ends it.
+///
+/// # Errors
+/// A channel cannot be opened.
+pub fn run_stage<S: Step>(
+    mut worker: Worker,
+    input: &Channel,
+    output: &Channel,
+    mark: MarkHop,
+    mut step: S,
+) -> Result<(), Error> {
+    let mut input = worker.ports.input::<S::Input>(input, input.depth)?;
+    let output = worker.ports.output::<S::Output>(output)?;
+    input.connect();
+    output.connect();
+    if worker.begin().is_none() {
+        return Ok(());
+    }
+    input.connect();
+    output.connect();
+    while !worker.wishes.wants_exit() {
+        worker.bell.wait();
+        let draining = worker.wishes.take_drain();
+        answer_all(&mut worker, &mut input, &output, mark, &mut step);
+        if draining {
+            worker.control.say("drained");
+        }
+    }
+    Ok(())
+}
+
+fn answer_all<S: Step>(
+    worker: &mut Worker,
+    input: &mut Input<S::Input>,
+    output: &Output<S::Output>,
+    mark: MarkHop,
+    step: &mut S,
+) {
+    while let Some((message, lost)) = input.receive() {
+        let received = now_ns();
+        let mut out = answer(step, &message);
+        let published = now_ns();
+        mark(out.hops_mut(), published);
+        if !output.send(&out) {
+            worker.reporter.fault(fault::SEND);
+        }
+        worker.ring();
+        output.notify();
+        let measured = message.stamp().measured_ns;
+        worker.reporter.sample(Event {
+            age_ns: published.saturating_sub(measured),
+            step_ns: published.saturating_sub(received),
+            lost,
+            late: received.saturating_sub(measured) > worker.setup.period_ns,
+        });
+    }
+}

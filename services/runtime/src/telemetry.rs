@@ -1,0 +1,217 @@
+//! Telemetry: from the stepping thread through a lock-free ring to a thread that counts, warns and
+//! publishes `health`. The stepping thread never logs, locks or waits.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use hdrhistogram::Histogram;
+use messages::channels::HEALTH;
+use messages::{Health, State, fault};
+use rtrb::{Consumer, Producer, RingBuffer};
+
+use crate::clock::now_ns;
+use crate::{Output, Ports};
+
+/// Events that may wait: 0.4 s at 10 kHz.
+const RING: usize = 4096;
+const PERIOD: Duration = Duration::from_millis(100);
+
+/// What the stepping thread says of one sample.
+#[derive(Debug, Clone, Copy)]
+pub struct Event {
+    /// Age of the sample when the answer was published [ns].
+    pub age_ns: u64,
+    /// Time of the step alone [ns].
+    pub step_ns: u64,
+    /// Samples lost before this one.
+    pub lost: u64,
+    /// Whether the sample came later than one period.
+    pub late: bool,
+}
+
+/// Who this process is, for the `health` channel.
+#[derive(Debug, Clone, Copy)]
+pub struct Identity {
+    /// Position in the table of processes.
+    pub process: u32,
+    /// Restarts before this one.
+    pub restarts: u32,
+    /// Name, for the log.
+    pub name: &'static str,
+}
+
+/// The stepping thread's end.
+#[derive(Debug)]
+pub struct Reporter {
+    // Declared first, dropped first: the half that is dropped last frees the buffer, and that
+    // shall not be the stepping thread.
+    events: Producer<Event>,
+    shared: Arc<Shared>,
+    thread: Option<JoinHandle<()>>,
+}
+
+#[derive(Debug, Default)]
+struct Shared {
+    fault: AtomicU32,
+    realtime: AtomicBool,
+    end: AtomicBool,
+}
+
+impl Reporter {
+    /// Starts the telemetry thread.
+    #[must_use]
+    pub fn start(identity: Identity) -> Self {
+        let (events, consumer) = RingBuffer::new(RING);
+        let shared = Arc::new(Shared::default());
+        let its = Arc::clone(&shared);
+        let thread = std::thread::Builder::new()
+            .name("telemetry".into())
+            .spawn(move || report(identity, consumer, &its))
+            .ok();
+        Self {
+            events,
+            shared,
+            thread,
+        }
+    }
+
+    /// Reports a sample. If the ring is full the event is dropped: telemetry never costs a sample.
+    pub fn sample(&mut self, event: Event) {
+        let _ = self.events.push(event);
+    }
+
+    /// Reports a fault, by its code.
+    pub fn fault(&self, code: u32) {
+        self.shared.fault.store(code, Ordering::Relaxed);
+    }
+
+    /// Says that the real-time class is in force.
+    pub fn realtime(&self, fifo: bool) {
+        self.shared.realtime.store(fifo, Ordering::Relaxed);
+    }
+}
+
+impl Drop for Reporter {
+    fn drop(&mut self) {
+        self.shared.end.store(true, Ordering::Release);
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+/// Counts of one process since its start.
+struct Counts {
+    health: Health,
+    steps: Histogram<u64>,
+    ages: Histogram<u64>,
+}
+
+impl Counts {
+    fn new(identity: Identity) -> Option<Self> {
+        // 1 ns to 100 s at three significant digits; values beyond are counted as 100 s.
+        let histogram = || Histogram::new_with_bounds(1, 100_000_000_000, 3).ok();
+        let health = Health {
+            process: identity.process,
+            pid: std::process::id(),
+            restarts: identity.restarts,
+            ..Health::default()
+        };
+        Some(Self {
+            health,
+            steps: histogram()?,
+            ages: histogram()?,
+        })
+    }
+
+    fn add(&mut self, event: Event) {
+        self.health.steps += 1;
+        self.health.late += u64::from(event.late);
+        self.health.lost += event.lost;
+        self.steps.saturating_record(event.step_ns);
+        self.ages.saturating_record(event.age_ns);
+    }
+
+    fn message(&mut self, sequence: u64) -> Health {
+        let health = &mut self.health;
+        health.stamp.sequence = sequence;
+        health.stamp.measured_ns = now_ns();
+        health.stamp.time = health.stamp.measured_ns as f64 * 1e-9;
+        health.hops.sensor_ns = health.stamp.measured_ns;
+        health.step_p50_ns = self.steps.value_at_quantile(0.5);
+        health.step_p99_ns = self.steps.value_at_quantile(0.99);
+        health.step_max_ns = self.steps.max();
+        health.age_p50_ns = self.ages.value_at_quantile(0.5);
+        health.age_p99_ns = self.ages.value_at_quantile(0.99);
+        health.age_p999_ns = self.ages.value_at_quantile(0.999);
+        health.age_max_ns = self.ages.max();
+        *health
+    }
+}
+
+fn report(identity: Identity, mut events: Consumer<Event>, shared: &Shared) {
+    let Some(mut counts) = Counts::new(identity) else {
+        return;
+    };
+    let output = open(identity);
+    let mut quiet = 0;
+    for sequence in 0.. {
+        let ending = shared.end.load(Ordering::Acquire);
+        let before = (counts.health.steps, counts.health.lost);
+        while let Ok(event) = events.pop() {
+            counts.add(event);
+        }
+        quiet = if counts.health.steps == before.0 {
+            quiet + 1
+        } else {
+            0
+        };
+        let lost = counts.health.lost - before.1;
+        if lost > 0 {
+            counts.health.fault = fault::LOST;
+            tracing::warn!(
+                process = identity.name,
+                lost,
+                "samples lost before this process"
+            );
+        }
+        if quiet == 10 && counts.health.steps > 0 && !ending {
+            counts.health.fault = fault::DEADLINE;
+            tracing::warn!(process = identity.name, "no sample for a second");
+        }
+        match shared.fault.load(Ordering::Relaxed) {
+            fault::NONE => {}
+            code => counts.health.fault = code,
+        }
+        counts.health.realtime = u32::from(shared.realtime.load(Ordering::Relaxed));
+        counts.health.state = state(ending, quiet, counts.health.steps) as u32;
+        if let Some(output) = &output {
+            output.send(&counts.message(sequence));
+            output.notify();
+        }
+        if ending {
+            break;
+        }
+        std::thread::park_timeout(PERIOD);
+    }
+}
+
+fn open(identity: Identity) -> Option<Output<Health>> {
+    let opened = Ports::new(identity.name).and_then(|ports| ports.output::<Health>(&HEALTH));
+    opened
+        .inspect_err(|error| {
+            tracing::warn!(process = identity.name, %error, "health is not published");
+        })
+        .ok()
+}
+
+fn state(ending: bool, quiet: u32, steps: u64) -> State {
+    match (ending, quiet, steps) {
+        (true, _, _) => State::Ended,
+        (_, _, 0) => State::Starting,
+        (_, 0..10, _) => State::Running,
+        _ => State::Waiting,
+    }
+}

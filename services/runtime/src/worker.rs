@@ -1,0 +1,90 @@
+//! The life of a worker process: get the bells, open the ports, say `ready`, loop, end.
+
+use std::sync::Arc;
+
+use crate::control::{self, Begin, Wishes};
+use crate::telemetry::{Identity, Reporter};
+use crate::{Bell, Control, Error, Ports, realtime};
+
+/// How a worker shall run.
+#[derive(Debug, Clone, Copy)]
+pub struct Setup {
+    /// Who it is.
+    pub identity: Identity,
+    /// SCHED_FIFO priority and core, where real time was asked for.
+    pub realtime: Option<(u8, Option<usize>)>,
+    /// Sampling period [ns]: a sample that is older when it arrives is late.
+    pub period_ns: u64,
+}
+
+/// A worker that has its bells and can open ports.
+#[derive(Debug)]
+pub struct Worker {
+    pub(crate) setup: Setup,
+    pub(crate) control: Arc<Control>,
+    pub(crate) bell: Bell,
+    pub(crate) readers: Vec<Bell>,
+    pub(crate) ports: Ports,
+    pub(crate) wishes: Arc<Wishes>,
+    pub(crate) reporter: Reporter,
+}
+
+impl Worker {
+    /// Receives the bells from the supervisor and announces the process to iceoryx2; the domain
+    /// has been entered before.
+    ///
+    /// # Errors
+    /// There is no supervisor, or iceoryx2 refuses.
+    pub fn start(setup: Setup) -> Result<Self, Error> {
+        let control = Arc::new(Control::of_worker()?);
+        let (bell, readers) = control.receive_bells()?;
+        let ports = Ports::new(setup.identity.name)?;
+        let wishes = control::listen(Arc::clone(&control), bell.try_clone()?);
+        let reporter = Reporter::start(setup.identity);
+        Ok(Self {
+            setup,
+            control,
+            bell,
+            readers,
+            ports,
+            wishes,
+            reporter,
+        })
+    }
+
+    /// The ports of this process.
+    #[must_use]
+    pub fn ports(&self) -> &Ports {
+        &self.ports
+    }
+
+    /// Says `ready`, waits for `go`, then makes the calling thread a real-time one if asked for.
+    /// Returns where to begin; `None` if the run ended before it began.
+    pub(crate) fn begin(&mut self) -> Option<Begin> {
+        self.control.say("ready");
+        let begin = loop {
+            if self.wishes.wants_exit() {
+                return None;
+            }
+            if let Some(begin) = self.wishes.begin() {
+                break begin;
+            }
+            self.bell.wait();
+        };
+        if let Some((priority, core)) = self.setup.realtime {
+            let result = realtime::enter(priority, core);
+            self.reporter.realtime(result.fifo);
+            for refused in &result.refused {
+                tracing::warn!(process = self.setup.identity.name, "real time: {refused}");
+            }
+        }
+        Some(begin)
+    }
+
+    /// Rings the bells of all readers, next stage first.
+    pub(crate) fn ring(&self) {
+        for bell in &self.readers {
+            bell.ring();
+        }
+    }
+}
