@@ -1,0 +1,53 @@
+use std::fmt;
+
+/// A defect of a description. Prints as three lines: what, where, what to do.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Error {
+    /// What is wrong.
+    pub what: String,
+    /// File name, or the command line option.
+    pub file: String,
+    /// Line, counted from 1; `None` where there is no line to point at.
+    pub line: Option<usize>,
+    /// Key with its table, such as `sensors.rate`; empty if none is concerned.
+    pub key: String,
+    /// What to do about it.
+    pub remedy: String,
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}\n  in {}", self.what, self.file)?;
+        if let Some(line) = self.line {
+            write!(f, ":{line}")?;
+        }
+        if !self.key.is_empty() {
+            write!(f, ", key {}", self.key)?;
+        }
+        write!(f, "\n  {}", self.remedy)
+    }
+}
+
+impl std::error::Error for Error {}
+
+/// All defects found in one description, in the order of the file; never empty.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Errors(pub Vec<Error>);
+
+impl fmt::Display for Errors {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (i, error) in self.0.iter().enumerate() {
+            let separator = if i == 0 { "" } else { "\n" };
+            write!(f, "{separator}{error}")?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for Errors {}
+
+impl From<Error> for Errors {
+    fn from(error: Error) -> Self {
+        Self(vec![error])
+    }
+}

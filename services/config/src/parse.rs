@@ -1,0 +1,365 @@
+//! From TOML text to a description, by the table of keys alone.
+
+use core::cmp::Ordering;
+use core::ops::Range as Span;
+
+use toml_edit::{Document, Item, TableLike};
+
+use crate::{Error, Errors, Excavator, Key, Kind, Loader, Machine, Table, Value, nearest, print};
+
+impl Error {
+    /// A contradiction between keys.
+    pub(crate) fn between(what: String, key: &str, remedy: &str) -> Self {
+        Self {
+            what,
+            file: String::new(),
+            line: None,
+            key: key.into(),
+            remedy: remedy.into(),
+        }
+    }
+}
+
+/// One `key = value` of a file.
+struct Entry<'a> {
+    path: String,
+    item: &'a Item,
+    line: Option<usize>,
+}
+
+pub(crate) fn parse<M: Machine>(text: &str, file: &str) -> Result<M, Errors> {
+    let document = document(text, file)?;
+    let mut machine = M::default();
+    let (entries, mut errors) = entries::<M>(&document, text, file);
+    for entry in &entries {
+        let outcome = value_of(entry.item)
+            .map_err(Defect::Form)
+            .and_then(|value| assign(&mut machine, &entry.path, &value));
+        if let Err(defect) = outcome {
+            errors.push(explain::<M>(defect, &entry.path, file, entry.line));
+        }
+    }
+    if errors.is_empty() {
+        errors = machine.contradictions();
+        for error in &mut errors {
+            error.file = file.into();
+            error.line = entries
+                .iter()
+                .find(|e| e.path == error.key)
+                .and_then(|e| e.line);
+        }
+    }
+    if errors.is_empty() {
+        Ok(machine)
+    } else {
+        errors.sort_by_key(|e| e.line);
+        Err(Errors(errors))
+    }
+}
+
+pub(crate) fn set<M: Machine>(machine: &mut M, assignment: &str) -> Result<(), Error> {
+    let file = format!("--set {assignment}");
+    let Some((path, text)) = assignment.split_once('=') else {
+        return Err(Error {
+            what: "no = between key and value".into(),
+            file,
+            line: None,
+            key: String::new(),
+            remedy: "write it like --set sensors.rate=100".into(),
+        });
+    };
+    let (path, text) = (path.trim(), text.trim());
+    let mut changed = machine.clone();
+    let item = match text.parse::<toml_edit::Value>() {
+        Ok(value) => Item::Value(value),
+        Err(_) => toml_edit::value(text), // a word without its quotes
+    };
+    value_of(&item)
+        .map_err(Defect::Form)
+        .and_then(|value| assign(&mut changed, path, &value))
+        .map_err(|defect| explain::<M>(defect, path, &file, None))?;
+    if let Some(mut error) = changed.contradictions().into_iter().next() {
+        error.file = file;
+        return Err(error);
+    }
+    *machine = changed;
+    Ok(())
+}
+
+/// The machine that the text names, or else the one that knows more of its keys; `None` if it
+/// names none and both know as many.
+pub(crate) fn kind(text: &str, file: &str) -> Result<Option<Kind>, Errors> {
+    let document = document(text, file)?;
+    let named = document.get("machine").and_then(|m| m.get("kind"));
+    if let Some(kind) = named.and_then(Item::as_str).and_then(Kind::from_name) {
+        return Ok(Some(kind));
+    }
+    let known = (
+        known_keys::<Excavator>(&document, text, file),
+        known_keys::<Loader>(&document, text, file),
+    );
+    Ok(match known.0.cmp(&known.1) {
+        Ordering::Greater => Some(Kind::Excavator),
+        Ordering::Less => Some(Kind::Loader),
+        Ordering::Equal => None,
+    })
+}
+
+fn known_keys<M: Machine>(document: &Document<String>, text: &str, file: &str) -> usize {
+    let (entries, _) = entries::<M>(document, text, file);
+    entries
+        .iter()
+        .filter(|e| find::<M>(&e.path).is_some())
+        .count()
+}
+
+fn document(text: &str, file: &str) -> Result<Document<String>, Errors> {
+    Document::parse(text.to_owned()).map_err(|error| {
+        Errors::from(Error {
+            what: error.message().trim().replace('\n', "; "),
+            file: file.into(),
+            line: error.span().map(|span| line_of(text, &span)),
+            key: String::new(),
+            remedy: "correct the TOML there (table in [brackets], key = value, words in quotes)"
+                .into(),
+        })
+    })
+}
+
+fn line_of(text: &str, span: &Span<usize>) -> usize {
+    let before = text.get(..span.start).unwrap_or(text);
+    before.matches('\n').count() + 1
+}
+
+/// All leaves of the document, and the tables that the machine does not have.
+fn entries<'a, M: Machine>(
+    document: &'a Document<String>,
+    text: &str,
+    file: &str,
+) -> (Vec<Entry<'a>>, Vec<Error>) {
+    let tables = table_names::<M>();
+    let mut walk = Walk {
+        text,
+        file,
+        tables,
+        entries: Vec::new(),
+        errors: Vec::new(),
+    };
+    walk.visit("", document.as_table());
+    (walk.entries, walk.errors)
+}
+
+struct Walk<'a, 't> {
+    text: &'t str,
+    file: &'t str,
+    tables: Vec<&'static str>,
+    entries: Vec<Entry<'a>>,
+    errors: Vec<Error>,
+}
+
+impl<'a> Walk<'a, '_> {
+    fn visit(&mut self, prefix: &str, table: &'a dyn TableLike) {
+        for (name, item) in table.iter() {
+            let path = if prefix.is_empty() {
+                name.to_owned()
+            } else {
+                format!("{prefix}.{name}")
+            };
+            let span = table.get_key_value(name).and_then(|(key, _)| key.span());
+            let line = span.or_else(|| item.span()).map(|s| line_of(self.text, &s));
+            match item.as_table_like() {
+                Some(inner) if self.tables.contains(&path.as_str()) => self.visit(&path, inner),
+                Some(inner) => self.foreign(path, inner, line),
+                None => self.entries.push(Entry { path, item, line }),
+            }
+        }
+    }
+
+    fn foreign(&mut self, path: String, inner: &dyn TableLike, line: Option<usize>) {
+        let first = inner.iter().next().and_then(|(name, item)| {
+            let span = inner.get_key_value(name).and_then(|(key, _)| key.span());
+            span.or_else(|| item.span()).map(|s| line_of(self.text, &s))
+        });
+        let remedy = match nearest(&path, self.tables.iter().copied()) {
+            Some(table) => format!("did you mean [{table}]?"),
+            None => format!("the tables are [{}]", self.tables.join("], [")),
+        };
+        self.errors.push(Error {
+            what: format!("there is no table [{path}]"),
+            file: self.file.into(),
+            line: line.or(first),
+            key: path,
+            remedy,
+        });
+    }
+}
+
+/// The value of an item, or what it is instead.
+fn value_of(item: &Item) -> Result<Value, &'static str> {
+    use toml_edit::Value as Toml;
+    match item.as_value() {
+        Some(Toml::String(s)) if s.value() == "none" => Ok(Value::None),
+        Some(Toml::String(s)) => Ok(Value::Word(s.value().clone())),
+        Some(Toml::Integer(i)) => Ok(Value::Number(*i.value() as f64)),
+        Some(Toml::Float(x)) => Ok(Value::Number(*x.value())),
+        Some(Toml::Boolean(b)) => Ok(Value::Flag(*b.value())),
+        Some(Toml::Array(list)) => list
+            .iter()
+            .map(|v| v.as_float().or(v.as_integer().map(|i| i as f64)))
+            .collect::<Option<Vec<f64>>>()
+            .map(Value::Numbers)
+            .ok_or("a list with something else than numbers"),
+        Some(Toml::Datetime(_)) => Err("a date"),
+        Some(Toml::InlineTable(_)) | None => Err("a table"),
+    }
+}
+
+/// Why a value was not taken.
+enum Defect {
+    /// There is no such key.
+    Unknown,
+    /// It is not of the key's form, but what the text says.
+    Form(&'static str),
+    /// This number is outside the range.
+    Outside(f64),
+    /// The description is for another machine.
+    OtherMachine,
+}
+
+fn assign<M: Machine>(machine: &mut M, path: &str, value: &Value) -> Result<(), Defect> {
+    if path == "machine.kind" {
+        let same = *value == Value::Word(M::KIND.name().into());
+        return if same {
+            Ok(())
+        } else {
+            Err(Defect::OtherMachine)
+        };
+    }
+    let (table_name, name) = path.rsplit_once('.').ok_or(Defect::Unknown)?;
+    for table in machine.tables_mut() {
+        if table.name() != table_name {
+            continue;
+        }
+        let at = table.keys().iter().position(|key| key.name == name);
+        let index = at.ok_or(Defect::Unknown)?;
+        return store(table, index, value);
+    }
+    Err(Defect::Unknown)
+}
+
+fn store(table: &mut dyn Table, index: usize, value: &Value) -> Result<(), Defect> {
+    let outside = table.keys()[index].range.and_then(|r| value.outside(r));
+    if let Some(number) = outside {
+        return Err(Defect::Outside(number));
+    }
+    if table.set(index, value) {
+        Ok(())
+    } else {
+        Err(Defect::Form(match value {
+            Value::Number(_) => "a number",
+            Value::None => "\"none\"",
+            Value::Flag(_) => "true or false",
+            Value::Word(_) => "a word",
+            Value::Numbers(_) => "a list of numbers",
+        }))
+    }
+}
+
+fn explain<M: Machine>(defect: Defect, path: &str, file: &str, line: Option<usize>) -> Error {
+    let key = find::<M>(path);
+    let (what, remedy) = match (defect, key) {
+        (Defect::OtherMachine, _) => (
+            format!(
+                "machine.kind is not \"{}\", for which the description is read",
+                M::KIND
+            ),
+            format!(
+                "write kind = \"{}\" or use the description with the other machine",
+                M::KIND
+            ),
+        ),
+        (Defect::Outside(number), Some(key)) => (
+            format!(
+                "{path} is {}, outside {}",
+                print::with_unit(number, key.unit),
+                print::limits(&key)
+            ),
+            format!("give {}", print::expected(&key)),
+        ),
+        (Defect::Form(found), Some(key)) => (
+            format!("{path} is {found}; it takes {}", print::expected(&key)),
+            format!("write it like {} = {}", key.name, print::example::<M>(path)),
+        ),
+        (_, _) => (
+            format!("the {} has no key {path}", M::KIND),
+            suggestion::<M>(path),
+        ),
+    };
+    Error {
+        what,
+        file: file.into(),
+        line,
+        key: path.into(),
+        remedy,
+    }
+}
+
+fn find<M: Machine>(path: &str) -> Option<Key> {
+    let (table_name, name) = path.rsplit_once('.')?;
+    let machine = M::default();
+    let tables = machine.tables();
+    let table = tables.iter().find(|t| t.name() == table_name)?;
+    table.keys().iter().find(|k| k.name == name).copied()
+}
+
+fn suggestion<M: Machine>(path: &str) -> String {
+    let name = path.rsplit('.').next().unwrap_or(path);
+    let keys = all_keys::<M>();
+    let elsewhere = keys.iter().find(|k| k.rsplit('.').next() == Some(name));
+    let similar = nearest(path, keys.iter().map(String::as_str)).or_else(|| {
+        let last = keys.iter().filter_map(|k| k.rsplit('.').next());
+        let close = nearest(name, last)?;
+        let full = keys.iter().find(|k| k.rsplit('.').next() == Some(close))?;
+        Some(full.as_str())
+    });
+    let other = match M::KIND {
+        Kind::Excavator => (Kind::Loader, all_keys::<Loader>()),
+        Kind::Loader => (Kind::Excavator, all_keys::<Excavator>()),
+    };
+    match (elsewhere, similar) {
+        (Some(full), _) => format!("the key is {full}: put it under [{}]", table_of(full)),
+        (None, _) if other.1.iter().any(|k| k == path) => {
+            format!("{path} belongs to the {}; leave it out here", other.0)
+        }
+        (None, Some(full)) => format!("did you mean {full}?"),
+        (None, None) => match keys_of::<M>(table_of(path)) {
+            Some(names) => format!("the keys of [{}] are {names}", table_of(path)),
+            None => format!("the tables are [{}]", table_names::<M>().join("], [")),
+        },
+    }
+}
+
+fn keys_of<M: Machine>(table: &str) -> Option<String> {
+    let machine = M::default();
+    let tables = machine.tables();
+    let table = tables.iter().find(|t| t.name() == table)?;
+    let names: Vec<&str> = table.keys().iter().map(|k| k.name).collect();
+    Some(names.join(", "))
+}
+
+fn table_of(path: &str) -> &str {
+    path.rsplit_once('.').map_or(path, |(table, _)| table)
+}
+
+fn table_names<M: Machine>() -> Vec<&'static str> {
+    M::default().tables().iter().map(|t| t.name()).collect()
+}
+
+fn all_keys<M: Machine>() -> Vec<String> {
+    let machine = M::default();
+    let tables = machine.tables();
+    let keys = tables
+        .iter()
+        .flat_map(|t| t.keys().iter().map(|k| format!("{}.{}", t.name(), k.name)));
+    keys.collect()
+}

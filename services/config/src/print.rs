@@ -1,0 +1,103 @@
+//! A description as text: the whole table of keys with comments.
+
+use std::fmt::Write;
+
+use crate::{Form, Key, Machine, Range, Value};
+
+pub(crate) fn print<M: Machine>(machine: &M) -> String {
+    let mut out = String::new();
+    for (i, table) in machine.tables().iter().enumerate() {
+        let gap = if i == 0 { "" } else { "\n" };
+        let _ = writeln!(out, "{gap}[{}]", table.name());
+        if i == 0 {
+            let _ = writeln!(out, "# Which machine.\nkind = \"{}\"", M::KIND);
+        }
+        for (index, key) in table.keys().iter().enumerate() {
+            if let Some(value) = table.get(index) {
+                let _ = writeln!(out, "{}\n{} = {}", comment(key), key.name, toml(&value));
+            }
+        }
+    }
+    out
+}
+
+fn comment(key: &Key) -> String {
+    let takes = match key.form {
+        Form::Flag => String::new(),
+        _ => format!(" [{}]", expected(key)),
+    };
+    format!("#{}{takes}", key.doc)
+}
+
+/// A value in TOML; a number with as few digits as give it back to the last bit.
+fn toml(value: &Value) -> String {
+    match value {
+        Value::Number(x) => number(*x),
+        Value::None => "\"none\"".into(),
+        Value::Flag(x) => x.to_string(),
+        Value::Word(word) => format!("\"{word}\""),
+        Value::Numbers(list) => {
+            let items: Vec<String> = list.iter().map(|x| number(*x)).collect();
+            format!("[{}]", items.join(", "))
+        }
+    }
+}
+
+fn number(x: f64) -> String {
+    format!("{x:?}")
+}
+
+/// What a key takes, in words.
+pub(crate) fn expected(key: &Key) -> String {
+    match key.form {
+        Form::Number => format!("a number {}", limits(key)),
+        Form::OptionalNumber => format!("a number {}, or \"none\"", limits(key)),
+        Form::Count => format!("a whole number {}", limits(key)),
+        Form::Flag => "true or false".into(),
+        Form::Choice(words) => format!("\"{}\"", words.join("\" or \"")),
+        Form::List(n) => format!("a list of {n} numbers {}", limits(key)),
+        Form::Numbers => format!("a list of numbers {}", limits(key)),
+    }
+}
+
+/// The range of a key with its unit.
+pub(crate) fn limits(key: &Key) -> String {
+    match key.range {
+        Some(Range { low, high }) => {
+            let high = with_unit(high, key.unit);
+            format!("from {} to {high}", short(low))
+        }
+        None => key.unit.into(),
+    }
+}
+
+/// A number with its unit.
+pub(crate) fn with_unit(x: f64, unit: &str) -> String {
+    let space = if unit.is_empty() { "" } else { " " };
+    format!("{}{space}{unit}", short(x))
+}
+
+fn short(x: f64) -> String {
+    if x.fract() == 0.0 && x.abs() < 1e6 {
+        format!("{x:.0}")
+    } else {
+        format!("{x:?}")
+    }
+}
+
+/// The default of a key, as an example of how to write it.
+pub(crate) fn example<M: Machine>(path: &str) -> String {
+    let machine = M::default();
+    for table in machine.tables() {
+        for (index, key) in table.keys().iter().enumerate() {
+            if path
+                .strip_prefix(table.name())
+                .and_then(|p| p.strip_prefix('.'))
+                == Some(key.name)
+            {
+                return table.get(index).map_or_else(String::new, |v| toml(&v));
+            }
+        }
+    }
+    String::new()
+}

@@ -1,0 +1,217 @@
+//! What a description may say, what it prints, and how it refuses.
+
+use config::{Description, Excavator, Form, Kind, Loader, Machine, Value, Variant};
+
+/// One error of a text that is meant to have exactly one.
+fn error(text: &str) -> config::Error {
+    let errors = Excavator::parse(text, "bench.toml").expect_err("the text is wrong");
+    assert_eq!(errors.0.len(), 1, "{errors}");
+    errors.0[0].clone()
+}
+
+#[test]
+fn an_empty_description_is_the_reference_machine() {
+    let excavator = Excavator::parse("", "empty.toml").expect("nothing to refuse");
+    assert_eq!(excavator, Excavator::default());
+    assert_eq!(excavator.machine.nominal_damping, 1500.0);
+    assert_eq!(Loader::parse("", "empty.toml"), Ok(Loader::default()));
+}
+
+#[test]
+fn every_default_lies_in_its_own_range_and_contradicts_nothing() {
+    fn check<M: Machine>() {
+        let machine = M::default();
+        assert!(machine.contradictions().is_empty());
+        for table in machine.tables() {
+            for (i, key) in table.keys().iter().enumerate() {
+                let value = table.get(i).expect("every key has a value");
+                let numbers = match value {
+                    Value::Number(x) => vec![x],
+                    Value::Numbers(list) => list,
+                    _ => vec![],
+                };
+                if matches!(
+                    key.form,
+                    Form::Number | Form::Count | Form::List(_) | Form::Numbers
+                ) {
+                    let range = key.range.expect("numbers have a range");
+                    assert!(numbers.iter().all(|x| (range.low..=range.high).contains(x)));
+                }
+                assert!(key.doc.trim().ends_with('.'), "{} is documented", key.name);
+            }
+        }
+    }
+    check::<Excavator>();
+    check::<Loader>();
+}
+
+#[test]
+fn the_printed_description_reads_back_to_the_last_bit() {
+    let mut excavator = Excavator::paper_preset(4451.320_000_000_001);
+    excavator.sensors.swing_velocity_std = 0.1 + 0.2;
+    excavator.estimator.q_c = f64::MIN_POSITIVE.max(1e-15);
+    excavator.estimator.variant = Variant::Tolerant;
+    excavator.estimator.forgetting = vec![1.0 - f64::EPSILON];
+    let text = excavator.to_toml();
+    assert_eq!(Excavator::parse(&text, "x"), Ok(excavator));
+    let text = Loader::default().to_toml();
+    assert_eq!(Loader::parse(&text, "x"), Ok(Loader::default()));
+}
+
+#[test]
+fn an_unknown_key_names_its_line_and_the_nearest_key() {
+    let e = error("[sensors]\nrate = 100\n\nswing_velocty_std = 0.01\n");
+    assert_eq!(
+        (e.line, e.key.as_str()),
+        (Some(4), "sensors.swing_velocty_std")
+    );
+    assert_eq!(e.remedy, "did you mean sensors.swing_velocity_std?");
+}
+
+#[test]
+fn a_key_in_the_wrong_table_is_told_its_place() {
+    let e = error("[machine]\nrate = 100\n");
+    assert_eq!(e.remedy, "the key is sensors.rate: put it under [sensors]");
+}
+
+#[test]
+fn a_key_of_the_other_machine_is_named_as_such() {
+    let e = error("machine.wheelbase = 2.3\n");
+    assert_eq!(
+        e.remedy,
+        "machine.wheelbase belongs to the loader; leave it out here"
+    );
+}
+
+#[test]
+fn an_unknown_table_names_its_line_and_the_nearest_table() {
+    let e = error("\n[sensor]\nrate = 100\n");
+    assert_eq!(
+        (e.line, e.remedy.as_str()),
+        (Some(2), "did you mean [sensors]?")
+    );
+}
+
+#[test]
+fn a_number_out_of_range_is_told_the_range_and_the_unit() {
+    let e = error("[sensors]\nrate = -5\n");
+    assert_eq!(e.what, "sensors.rate is -5 Hz, outside from 1 to 100000 Hz");
+    assert_eq!(
+        e.to_string(),
+        "sensors.rate is -5 Hz, outside from 1 to 100000 Hz\n  in bench.toml:2, key sensors.rate\n  \
+         give a number from 1 to 100000 Hz"
+    );
+    assert!(
+        error("[estimator]\nforgetting = [0.9, 1.5, 0.9]")
+            .what
+            .contains("1.5")
+    );
+    assert!(error("[sensors]\nrate = nan").what.contains("NaN"));
+}
+
+#[test]
+fn text_for_a_number_is_told_how_to_write_it() {
+    let e = error("[sensors]\nrate = \"fast\"\n");
+    assert_eq!(
+        e.what,
+        "sensors.rate is a word; it takes a number from 1 to 100000 Hz"
+    );
+    assert_eq!(e.remedy, "write it like rate = 100.0");
+    let e = error("[estimator]\nvariant = \"best\"\n");
+    assert!(
+        e.what
+            .ends_with("\"auto\" or \"known\" or \"tolerant\" or \"drop\""),
+        "{e}"
+    );
+    let e = error("[estimator.paper]\nlambda_normal = [0.9, 0.9]\n");
+    assert!(e.what.contains("a list of 3 numbers"), "{e}");
+}
+
+#[test]
+fn broken_toml_names_its_line() {
+    let e = error("[sensors]\nrate = 100\nrate = 200\n");
+    assert_eq!(e.line, Some(3), "{e}");
+    assert_eq!(error("[sensors\n").line, Some(1));
+    assert_eq!(error("[sensors]\nrate 100\n").line, Some(2));
+}
+
+#[test]
+fn contradictions_between_keys_are_found() {
+    let e = error("[machine]\ninertia_min = 30000\n");
+    assert_eq!((e.line, e.key.as_str()), (Some(2), "machine.inertia_min"));
+    let e = error("[prior]\ninertia = 100\n");
+    assert_eq!((e.line, e.key.as_str()), (Some(2), "prior.inertia"));
+    assert!(Loader::parse("[prior]\ncg_height = 4.0", "x").is_err());
+}
+
+#[test]
+fn all_defects_are_told_at_once_in_the_order_of_the_file() {
+    let text = "[sensors]\nrate = 0\nspeed = 3\n[prior]\npayload = true\n";
+    let errors = Excavator::parse(text, "x.toml").expect_err("three defects");
+    let lines: Vec<_> = errors.0.iter().map(|e| e.line).collect();
+    assert_eq!(lines, [Some(2), Some(3), Some(5)]);
+    assert_eq!(errors.to_string().lines().count(), 9);
+}
+
+#[test]
+fn set_overrides_one_key_and_refuses_without_a_change() {
+    let mut excavator = Excavator::default();
+    excavator
+        .set("sensors.swing_velocity_std=0.008")
+        .expect("a known key");
+    assert_eq!(excavator.sensors.swing_velocity_std, 0.008);
+    excavator
+        .set("estimator.variant=drop")
+        .expect("a word needs no quotes");
+    assert_eq!(excavator.estimator.variant, Variant::Drop);
+    excavator
+        .set("estimator.forgetting=0.97")
+        .expect("one factor is a list of one");
+    assert_eq!(excavator.estimator.forgetting, [0.97]);
+    excavator
+        .set("estimator.convergence_delay = 0.2")
+        .expect("spaces are harmless");
+    excavator
+        .set("estimator.convergence_delay=none")
+        .expect("none unsets");
+    assert_eq!(excavator.estimator.convergence_delay, None);
+    let before = excavator.clone();
+    let unknown = excavator.set("sensors.rat=5").expect_err("no such key");
+    assert_eq!(unknown.remedy, "did you mean sensors.rate?");
+    assert!(
+        unknown.to_string().contains("in --set sensors.rat=5"),
+        "{unknown}"
+    );
+    for wrong in [
+        "sensors.rate",
+        "sensors.rate=0",
+        "machine.inertia_max=1",
+        "rate=1",
+        "=",
+        "",
+    ] {
+        assert!(excavator.set(wrong).is_err(), "{wrong}");
+    }
+    assert_eq!(excavator, before);
+}
+
+#[test]
+fn a_description_finds_out_for_which_machine_it_is() {
+    let of = |text| Description::parse(text, "x", None).map(|d| d.kind());
+    assert_eq!(of("machine.kind = \"loader\""), Ok(Kind::Loader));
+    assert_eq!(
+        of("[machine]\nwheelbase = 2.0\n[sensors]\nrate = 100"),
+        Ok(Kind::Loader)
+    );
+    assert_eq!(
+        of("[machine.geometry]\nboom_length = 4"),
+        Ok(Kind::Excavator)
+    );
+    assert!(of("[sensors]\nrate = 100").is_err());
+    let given = Description::parse("[sensors]\nrate = 100", "x", Some(Kind::Loader));
+    assert_eq!(given.map(|d| d.kind()), Ok(Kind::Loader));
+    let printed = Description::default_of(Kind::Loader).to_toml();
+    assert_eq!(of(&printed), Ok(Kind::Loader));
+    assert!(Excavator::parse(&printed, "x").is_err());
+    assert!(of("machine.kind = \"crane\"\nmachine.wheelbase = 2.0").is_err());
+}
