@@ -1,0 +1,196 @@
+//! The few statistics that the plots and tables show.
+
+/// Count, mean and standard deviation (population) of a sample, and its largest magnitude.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Summary {
+    /// How many values.
+    pub count: usize,
+    /// Mean.
+    pub mean: f64,
+    /// Standard deviation.
+    pub std: f64,
+    /// Largest absolute value.
+    pub max_abs: f64,
+}
+
+impl Summary {
+    /// Summary of the finite ones among `values`; `None` where there is none.
+    #[must_use]
+    pub fn of(values: &[f64]) -> Option<Self> {
+        let finite = || values.iter().copied().filter(|v| v.is_finite());
+        let count = finite().count();
+        if count == 0 {
+            return None;
+        }
+        let n = count as f64;
+        let mean = finite().sum::<f64>() / n;
+        let variance = finite().map(|v| (v - mean).powi(2)).sum::<f64>() / n;
+        Some(Self {
+            count,
+            mean,
+            std: variance.sqrt(),
+            max_abs: finite().fold(0.0, |m, v| m.max(v.abs())),
+        })
+    }
+}
+
+/// Quantile `q` (0 to 1) of sorted values, linearly interpolated; NaN for none.
+#[must_use]
+pub fn quantile(sorted: &[f64], q: f64) -> f64 {
+    let Some(last) = sorted.len().checked_sub(1) else {
+        return f64::NAN;
+    };
+    let place = q.clamp(0.0, 1.0) * last as f64;
+    let (low, high) = (place.floor() as usize, place.ceil() as usize);
+    sorted[low] + (place - low as f64) * (sorted[high] - sorted[low])
+}
+
+/// Density of the normal distribution.
+#[must_use]
+pub fn normal_density(x: f64, mean: f64, std: f64) -> f64 {
+    let z = (x - mean) / std;
+    (-0.5 * z * z).exp() / (std * (2.0 * std::f64::consts::PI).sqrt())
+}
+
+/// A histogram as densities, so that a normal density can be laid over it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Histogram {
+    /// Bounds of the bins, one more than there are bins.
+    pub edges: Vec<f64>,
+    /// Share of the samples per bin, divided by its width.
+    pub density: Vec<f64>,
+}
+
+impl Histogram {
+    /// Histogram over mean ± 4 standard deviations; what lies outside counts in the outermost bins.
+    #[must_use]
+    pub fn of(values: &[f64], bins: usize) -> Option<Self> {
+        let summary = Summary::of(values)?;
+        let half = if summary.std > 0.0 {
+            4.0 * summary.std
+        } else {
+            0.5
+        };
+        let low = summary.mean - half;
+        let width = 2.0 * half / bins as f64;
+        let mut density = vec![0.0; bins];
+        for v in values.iter().filter(|v| v.is_finite()) {
+            let bin = ((v - low) / width).floor().clamp(0.0, bins as f64 - 1.0) as usize;
+            density[bin] += 1.0 / (summary.count as f64 * width);
+        }
+        let edges = (0..=bins).map(|i| low + width * i as f64).collect();
+        Some(Self { edges, density })
+    }
+}
+
+/// Autocorrelation of `values` about their mean at lags 0 to `lags`; empty for a constant.
+#[must_use]
+pub fn autocorrelation(values: &[f64], lags: usize) -> Vec<f64> {
+    let Some(summary) = Summary::of(values) else {
+        return Vec::new();
+    };
+    let centred: Vec<f64> = values.iter().map(|v| v - summary.mean).collect();
+    let power: f64 = centred.iter().map(|v| v * v).sum();
+    if power <= 0.0 || !power.is_finite() {
+        return Vec::new();
+    }
+    (0..=lags.min(values.len() - 1))
+        .map(|lag| {
+            let shifted = centred[lag..].iter().zip(&centred);
+            shifted.map(|(a, b)| a * b).sum::<f64>() / power
+        })
+        .collect()
+}
+
+/// Central 95 % interval of a chi-square variable with `freedom` degrees, divided by `freedom`
+/// (Wilson and Hilferty's approximation, better than 1 % from 10 degrees on).
+#[must_use]
+pub fn mean_chi_square_95(freedom: f64) -> (f64, f64) {
+    let variance = 2.0 / (9.0 * freedom);
+    let bound = |z: f64| (1.0 - variance + z * variance.sqrt()).max(0.0).powi(3);
+    (bound(-1.96), bound(1.96))
+}
+
+/// Mean over the last `window` values, at each value.
+#[must_use]
+pub fn moving_mean(values: &[f64], window: usize) -> Vec<f64> {
+    let mut sum = 0.0;
+    let mut out = Vec::with_capacity(values.len());
+    for (i, v) in values.iter().enumerate() {
+        sum += v;
+        if i >= window {
+            sum -= values[i - window];
+        }
+        out.push(sum / (i + 1).min(window) as f64);
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A fixed sequence that is uniform on 0..1 and as white as a 64-bit LCG is.
+    fn uniform(n: usize) -> Vec<f64> {
+        let mut state = 1u64;
+        let mut next = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1u64 << 53) as f64
+        };
+        (0..n).map(|_| next()).collect()
+    }
+
+    #[test]
+    fn summary_and_quantiles_of_a_known_sample() {
+        let s = Summary::of(&[1.0, f64::NAN, 3.0, -4.0]).expect("values");
+        assert_eq!((s.count, s.mean, s.max_abs), (3, 0.0, 4.0));
+        assert!((s.std - (26.0f64 / 3.0).sqrt()).abs() < 1e-15);
+        assert_eq!(quantile(&[0.0, 1.0, 2.0, 3.0, 4.0], 0.9), 3.6);
+        assert!(quantile(&[], 0.5).is_nan());
+        assert_eq!(Summary::of(&[f64::NAN]), None);
+    }
+
+    #[test]
+    fn a_histogram_encloses_the_area_one() {
+        let h = Histogram::of(&uniform(1000), 24).expect("values");
+        let area: f64 = h
+            .density
+            .iter()
+            .zip(h.edges.windows(2))
+            .map(|(d, e)| d * (e[1] - e[0]))
+            .sum();
+        assert!((area - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn white_noise_stays_in_the_band_and_a_ramp_does_not() {
+        let n = 4000;
+        let r = autocorrelation(&uniform(n), 40);
+        assert_eq!(r[0], 1.0);
+        let outside = r[1..]
+            .iter()
+            .filter(|v| v.abs() > 1.96 / (n as f64).sqrt())
+            .count();
+        assert!(
+            outside <= 5,
+            "{outside} of 40 outside: 2 expected, 5 is the 98 % bound"
+        );
+        let ramp: Vec<f64> = (0..100).map(f64::from).collect();
+        assert!(autocorrelation(&ramp, 1)[1] > 0.9);
+        assert!(autocorrelation(&[2.0; 10], 3).is_empty());
+    }
+
+    #[test]
+    fn chi_square_bounds_agree_with_the_tables() {
+        // Chi-square with 50 degrees: 32.357 and 71.420.
+        let (low, high) = mean_chi_square_95(50.0);
+        assert!((low * 50.0 - 32.357).abs() < 0.05 && (high * 50.0 - 71.420).abs() < 0.05);
+    }
+
+    #[test]
+    fn a_moving_mean_forgets_what_left_the_window() {
+        assert_eq!(moving_mean(&[1.0, 3.0, 5.0, 7.0], 2), [1.0, 2.0, 4.0, 6.0]);
+    }
+}
