@@ -47,7 +47,7 @@ fn every_default_lies_in_its_own_range_and_contradicts_nothing() {
 
 #[test]
 fn the_printed_description_reads_back_to_the_last_bit() {
-    let mut excavator = Excavator::paper_preset(4451.320_000_000_001);
+    let mut excavator = Excavator::paper_preset(4451.320000000001);
     excavator.sensors.swing_velocity_std = 0.1 + 0.2;
     excavator.estimator.q_c = f64::MIN_POSITIVE.max(1e-15);
     excavator.estimator.variant = Variant::Tolerant;
