@@ -16,6 +16,7 @@ mod sink;
 mod source;
 mod stage;
 mod step;
+mod taps;
 mod telemetry;
 mod worker;
 
@@ -29,5 +30,6 @@ pub use sink::{Sink, run_sink};
 pub use source::{Pace, run_source};
 pub use stage::{MarkHop, mark_estimate, mark_filter, run_stage};
 pub use step::{Source, Step, answer};
+pub use taps::{Taps, Visit};
 pub use telemetry::Identity;
 pub use worker::{Setup, Worker};

@@ -1,0 +1,121 @@
+//! Every channel of a machine, read by one process: the logger, the supervisor, a dashboard.
+
+use std::marker::PhantomData;
+
+use messages::Message;
+use messages::channels::{CREDIT, Channel, Rate, Visitor};
+
+use crate::{Error, Input, Ports, Sink};
+
+/// Readers of several channels, all handing their messages to one sink.
+pub struct Taps<S: Sink>(Vec<Box<dyn Tap<S>>>);
+
+/// What a visit to the channels found.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Visit {
+    /// Messages taken.
+    pub taken: u64,
+    /// Samples that were dropped before they could be taken.
+    pub lost: u64,
+}
+
+impl<S: Sink + 'static> Taps<S> {
+    /// Opens `channels`, except the credit that only a source reads.
+    ///
+    /// # Errors
+    /// A channel does not exist or has too many readers.
+    pub fn open(ports: &Ports, channels: &[&'static Channel]) -> Result<Self, Error> {
+        channels
+            .iter()
+            .filter(|channel| channel.name != CREDIT.name)
+            .map(|&channel| {
+                channel.payload.visit(Open {
+                    ports,
+                    channel,
+                    sink: PhantomData,
+                })
+            })
+            .collect::<Result<_, _>>()
+            .map(Self)
+    }
+
+    /// Hands every waiting message to the sink.
+    pub fn drain(&mut self, sink: &mut S) -> Visit {
+        let mut sum = Visit::default();
+        for tap in &mut self.0 {
+            let visit = tap.drain(sink);
+            sum.taken += visit.taken;
+            sum.lost += visit.lost;
+        }
+        sum
+    }
+
+    /// How many samples have passed through every channel that carries each of them.
+    #[must_use]
+    pub fn through(&self) -> u64 {
+        self.0
+            .iter()
+            .filter_map(|tap| tap.through())
+            .min()
+            .unwrap_or(0)
+    }
+}
+
+/// A channel with its type hidden.
+trait Tap<S: Sink> {
+    fn drain(&mut self, sink: &mut S) -> Visit;
+    fn through(&self) -> Option<u64>;
+}
+
+struct TypedTap<M: Message> {
+    channel: &'static Channel,
+    input: Input<M>,
+    through: u64,
+}
+
+impl<M: Message> TypedTap<M> {
+    /// Several processes write `health`; their numbers interleave and say nothing of loss.
+    fn carries_every_sample(&self) -> bool {
+        self.channel.rate == Rate::Sensors
+    }
+}
+
+impl<M: Message, S: Sink> Tap<S> for TypedTap<M> {
+    fn drain(&mut self, sink: &mut S) -> Visit {
+        let mut visit = Visit::default();
+        while sink.has_room() {
+            let Some((message, lost)) = self.input.receive() else {
+                break;
+            };
+            self.through = self.through.max(message.stamp().sequence + 1);
+            sink.accept(self.channel, &message);
+            visit.taken += 1;
+            visit.lost += if self.carries_every_sample() { lost } else { 0 };
+        }
+        visit
+    }
+
+    fn through(&self) -> Option<u64> {
+        self.carries_every_sample().then_some(self.through)
+    }
+}
+
+struct Open<'a, S> {
+    ports: &'a Ports,
+    channel: &'static Channel,
+    sink: PhantomData<S>,
+}
+
+impl<S: Sink + 'static> Visitor for Open<'_, S> {
+    type Output = Result<Box<dyn Tap<S>>, Error>;
+
+    fn visit<M: Message>(self) -> Self::Output {
+        let input = self.ports.input::<M>(self.channel, self.channel.depth)?;
+        input.connect();
+        Ok(Box::new(TypedTap {
+            channel: self.channel,
+            input,
+            through: 0,
+        }))
+    }
+}
