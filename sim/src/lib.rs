@@ -2,4 +2,8 @@
 //!
 //! This crate never imports the estimators, so that truth and belief cannot share a mistake.
 
+pub mod blend;
+pub mod excavator;
+pub mod fault;
 pub mod noise;
+pub mod rk4;

@@ -1,0 +1,35 @@
+//! A 5.5 t excavator swinging its upper body: the plant of Oh, Yi, Seo, Kim, Lee 2017, with the parameters
+//! that the paper leaves open chosen so that its published extremes of inertia, 4380 and 9761 kg m^2, come out.
+//!
+//! | symbol | code | meaning | unit |
+//! |---|---|---|---|
+//! | w | `velocity` | swing velocity of the upper body | rad/s |
+//! | J, J' | `inertia`, `inertia_rate` | inertia about the swing axis, its rate due to posture alone | kg m^2, kg m^2/s |
+//! | T_sw | `torque` | swing torque, of the sign of the motion it drives | N m |
+//! | b | `damping` | viscous damping, 1500 | N m s/rad |
+//! | T_f | `friction` | Coulomb friction, 250 | N m |
+//! | m | `payload` | mass in the bucket | kg |
+//!
+//! The momentum form (`Dynamics::Momentum`) is the physics: `J w' + J' w = T_sw - b w - T_f sgn w`. Material that
+//! leaves the bucket takes its own momentum with it, so J' is that of the posture. The paper's form
+//! (`Dynamics::Paper`) leaves out `J' w`.
+
+mod cycle;
+mod event;
+mod geometry;
+mod path;
+mod payload;
+mod plant;
+mod plateaus;
+mod scenario;
+mod simulation;
+mod torque;
+
+pub use geometry::{Attachment, Geometry, Inertia, Link};
+pub use path::{Joint, Move, Path, Posture};
+pub use payload::{Load, payload};
+pub use plant::{Dynamics, Machine, Motion, Plant, Point};
+pub use plateaus::{Plateaus, Targets};
+pub use scenario::Scenario;
+pub use simulation::{CHANNELS, InvalidRun, Row, Run, Sensors, Simulation, Truth};
+pub use torque::Swing;

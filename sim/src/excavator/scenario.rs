@@ -1,0 +1,371 @@
+//! What can be simulated, by name.
+
+use super::cycle;
+use super::event::Event;
+use super::geometry::{Attachment, Geometry};
+use super::path::{Joint, Path};
+use super::payload::Load;
+use super::plant::{Dynamics, Machine, Plant};
+use super::plateaus::{Plateaus, Targets};
+use super::torque::Swing;
+
+/// Viscous damping b [N m s/rad].
+const DAMPING: f64 = 1500.0;
+/// Coulomb friction T_f [N m].
+const FRICTION: f64 = 250.0;
+
+/// A named course of events. The order is that of [`Scenario::ALL`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(missing_docs, reason = "Scenario::ALL describes them")]
+pub enum Scenario {
+    Base,
+    Gentle,
+    Paper,
+    Constant,
+    TwoSwings,
+    SoftBrake,
+    Drop,
+    DropAccelerating,
+    DropReversal,
+    DropBraking,
+    HalfAccelerating,
+    HalfBraking,
+    SlowDrop,
+    SlowBraking,
+    OpenAccelerating,
+    OpenBraking,
+    OpenEmpty,
+    StillAccelerating,
+    StillBraking,
+    PickUpAccelerating,
+    PickUpBraking,
+    Cycle,
+}
+
+use Scenario::*;
+
+/// The scenarios in the order of [`Scenario::ALL`].
+const IN_ORDER: [Scenario; 22] = [
+    Base,
+    Gentle,
+    Paper,
+    Constant,
+    TwoSwings,
+    SoftBrake,
+    Drop,
+    DropAccelerating,
+    DropReversal,
+    DropBraking,
+    HalfAccelerating,
+    HalfBraking,
+    SlowDrop,
+    SlowBraking,
+    OpenAccelerating,
+    OpenBraking,
+    OpenEmpty,
+    StillAccelerating,
+    StillBraking,
+    PickUpAccelerating,
+    PickUpBraking,
+    Cycle,
+];
+
+impl Scenario {
+    /// Name and one line of explanation.
+    pub const ALL: &[(&'static str, &'static str)] = &[
+        (
+            "base",
+            "load, swing 97 degrees while the arm extends, brake",
+        ),
+        (
+            "gentle",
+            "the same with the arm extended late: the inertia changes little in the swing",
+        ),
+        (
+            "paper",
+            "gentle, with the paper's equation of motion (no posture rate)",
+        ),
+        ("constant", "a long swing at constant posture, 150 kg"),
+        ("two-swings", "swing, dump in the stop, swing back"),
+        (
+            "soft-brake",
+            "base, but the torque is reduced to 60 % instead of braking",
+        ),
+        (
+            "drop",
+            "350 kg dumped in mid-swing across the torque reversal, boom and arm lifting early",
+        ),
+        (
+            "drop-accelerating",
+            "bucket opens and 423 kg fall while accelerating",
+        ),
+        ("drop-reversal", "the same across the torque reversal"),
+        ("drop-braking", "the same while braking"),
+        (
+            "half-accelerating",
+            "half of the load falls while accelerating",
+        ),
+        ("half-braking", "half of the load falls while braking"),
+        (
+            "slow-drop",
+            "the load leaves in 2.0 s, from accelerating into braking",
+        ),
+        ("slow-braking", "the load leaves in 1.7 s while braking"),
+        (
+            "open-accelerating",
+            "bucket opens 60 degrees while accelerating, the load stays",
+        ),
+        (
+            "open-braking",
+            "bucket opens 60 degrees while braking, the load stays",
+        ),
+        ("open-empty", "an empty bucket opens while braking"),
+        (
+            "still-accelerating",
+            "the load falls in 0.4 s while accelerating, the bucket angle does not move",
+        ),
+        (
+            "still-braking",
+            "the load falls while braking, the bucket angle does not move",
+        ),
+        (
+            "pick-up-accelerating",
+            "300 kg are taken up in 0.6 s while accelerating",
+        ),
+        (
+            "pick-up-braking",
+            "300 kg are taken up in 0.6 s while braking",
+        ),
+        (
+            "cycle",
+            "without end: dig, swing, dump, swing back, with 288, 423, 200 and 350 kg in turn",
+        ),
+    ];
+
+    /// The scenario of a name.
+    pub fn parse(name: &str) -> Option<Self> {
+        let index = Self::ALL.iter().position(|(known, _)| *known == name)?;
+        IN_ORDER.get(index).copied()
+    }
+
+    /// All scenarios.
+    pub fn all() -> impl Iterator<Item = Self> {
+        IN_ORDER.into_iter()
+    }
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        Self::ALL[self as usize].0
+    }
+
+    /// The mass in the bucket when it is full, where the run does not say otherwise [kg]. `cycle` has its own.
+    pub fn default_payload(self) -> f64 {
+        match self {
+            Constant => 150.0,
+            Drop => 350.0,
+            _ => self.event().map_or(288.0, |event| event.payload),
+        }
+    }
+
+    /// Time at which the record begins [s].
+    pub fn start(self) -> f64 {
+        if self == Cycle { 0.0 } else { 5.0 }
+    }
+
+    /// Length of the record [s]; infinite for `cycle`.
+    pub fn duration(self) -> f64 {
+        match self {
+            Constant => 11.5,
+            TwoSwings => 11.0,
+            Cycle => f64::INFINITY,
+            _ => 4.8,
+        }
+    }
+
+    /// First and last time at which material leaves or enters the bucket in mid-swing, or the bucket
+    /// moves as if it did [s].
+    pub fn change(self) -> Option<(f64, f64)> {
+        match self {
+            Drop => Some((7.75, 8.45)),
+            _ => self.event().map(|event| event.change),
+        }
+    }
+
+    /// The plant, its torque plateaus solved, with a full bucket of `payload` [kg].
+    pub fn plant(self, payload: Option<f64>) -> Plant {
+        let mass = payload.unwrap_or(self.default_payload());
+        match self {
+            Base => working(Path::base(), mass, (9.6, 10.5)),
+            Gentle => working(Path::gentle(), mass, (10.2, 11.2)),
+            Paper => paper(mass),
+            Constant => constant(mass),
+            TwoSwings => two_swings(mass),
+            SoftBrake => soft_brake(mass),
+            Drop => drop_in_swing(mass),
+            Cycle => cycle::plant(payload),
+            _ => self.event().map_or_else(
+                || working(Path::base(), mass, (9.6, 10.5)),
+                |e| e.plant(mass),
+            ),
+        }
+    }
+
+    fn event(self) -> Option<Event> {
+        Some(match self {
+            DropAccelerating => Event::dump(6.25),
+            DropReversal => Event::dump(7.15),
+            DropBraking => Event::dump(7.70),
+            HalfAccelerating => Event::half(6.25),
+            HalfBraking => Event::half(7.70),
+            SlowDrop => Event::slow(6.20, 2.0),
+            SlowBraking => Event::slow(7.50, 1.7),
+            OpenAccelerating => Event::open(6.25),
+            OpenBraking => Event::open(7.70),
+            OpenEmpty => Event::open_empty(7.70),
+            StillAccelerating => Event::still(6.40, 0.40),
+            StillBraking => Event::still(7.85, 0.65),
+            PickUpAccelerating => Event::pick_up(6.40),
+            PickUpBraking => Event::pick_up(7.85),
+            _ => return None,
+        })
+    }
+}
+
+/// The machine with its bucket.
+pub(super) fn machine() -> Machine {
+    Machine {
+        geometry: Geometry::with(Attachment::bucket()),
+        damping: DAMPING,
+        friction: FRICTION,
+        dynamics: Dynamics::Momentum,
+    }
+}
+
+/// A plant whose swings are still to be solved.
+pub(super) fn at_rest(path: Path, loads: Vec<Load>) -> Plant {
+    Plant {
+        machine: machine(),
+        path,
+        loads,
+        swings: Vec::new(),
+        period: f64::INFINITY,
+    }
+}
+
+/// Adds the swing that meets the targets.
+pub(super) fn swing(mut plant: Plant, targets: Targets) -> Plant {
+    let swing = Plateaus::new(&plant, targets).solve();
+    plant.swings.push(swing);
+    plant
+}
+
+/// The swing of the working cycle.
+pub(super) fn working_swing() -> Targets {
+    Targets::working(5.5, 7.5, 9.3)
+}
+
+fn filled(mass: f64, dump: (f64, f64)) -> Vec<Load> {
+    vec![Load {
+        mass,
+        fill: (1.5, 3.4),
+        dump,
+    }]
+}
+
+fn working(path: Path, mass: f64, dump: (f64, f64)) -> Plant {
+    swing(at_rest(path, filled(mass, dump)), working_swing())
+}
+
+fn paper(mass: f64) -> Plant {
+    let mut plant = at_rest(Path::gentle(), filled(mass, (10.2, 11.2)));
+    plant.machine.dynamics = Dynamics::Paper;
+    swing(plant, working_swing())
+}
+
+fn constant(mass: f64) -> Plant {
+    swing(
+        at_rest(Path::constant(), vec![Load::kept(mass)]),
+        Targets::working(5.5, 12.5, 16.0),
+    )
+}
+
+fn two_swings(mass: f64) -> Plant {
+    let mut path = Path::base();
+    path.joints[0]
+        .moves
+        .extend(Joint::new(0.0, &[(11.3, 13.5, -10.0)]).moves);
+    path.joints[1]
+        .moves
+        .extend(Joint::new(0.0, &[(11.3, 14.0, -40.0)]).moves);
+    let plant = swing(at_rest(path, filled(mass, (9.6, 10.5))), working_swing());
+    swing(plant, Targets::back(11.2, 13.0, 14.8))
+}
+
+/// The drive goes on with 60 % of its torque and is faded out, without braking.
+fn soft_brake(mass: f64) -> Plant {
+    let mut plant = working(Path::base(), mass, (9.6, 10.5));
+    for Swing {
+        accelerate, brake, ..
+    } in &mut plant.swings
+    {
+        *brake = -0.6 * *accelerate;
+    }
+    plant
+}
+
+fn drop_in_swing(mass: f64) -> Plant {
+    let path = Path {
+        joints: [
+            Joint::new(40.0, &[(3.2, 5.6, 15.0), (5.7, 7.6, 7.0)]),
+            Joint::new(
+                -110.0,
+                &[(0.8, 3.2, -30.0), (3.2, 5.4, -6.0), (6.0, 9.6, 44.0)],
+            ),
+            Joint::new(-35.0, &[(1.4, 3.4, -50.0), (7.55, 8.6, 68.0)]),
+        ],
+    };
+    working(path, mass, (7.75, 8.45))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_name_means_its_own_scenario() {
+        assert_eq!(IN_ORDER.len(), Scenario::ALL.len());
+        for (scenario, (name, _)) in Scenario::all().zip(Scenario::ALL) {
+            assert_eq!(Scenario::parse(name), Some(scenario));
+            assert_eq!(scenario.name(), *name);
+        }
+        assert_eq!(Scenario::parse("no such thing"), None);
+    }
+
+    #[test]
+    fn every_working_swing_meets_its_velocities() {
+        for scenario in Scenario::all().filter(|s| !matches!(s, SoftBrake | Constant | Cycle)) {
+            let plant = scenario.plant(None);
+            let swing = plant.swings[0];
+            let rest = Plant {
+                swings: Vec::new(),
+                ..plant.clone()
+            };
+            assert_eq!(
+                Plateaus::new(&rest, working_swing()).solve(),
+                swing,
+                "{}",
+                scenario.name()
+            );
+            assert!(
+                (1000.0..6000.0).contains(&swing.accelerate),
+                "{}",
+                scenario.name()
+            );
+            assert!(
+                (500.0..6000.0).contains(&swing.brake),
+                "{}",
+                scenario.name()
+            );
+        }
+    }
+}
