@@ -5,5 +5,6 @@
 pub mod blend;
 pub mod excavator;
 pub mod fault;
+pub mod loader;
 pub mod noise;
 pub mod rk4;

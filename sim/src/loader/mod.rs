@@ -1,0 +1,38 @@
+//! The wheel loader: plant, roads, scenarios, sensors and faults.
+//!
+//! After Yang, Wang, Han 2021, "A Novel Real-Time Center of Gravity Estimation Method for Wheel Loaders
+//! with Front/Rear-Axle-Independent Electric Driving". Two entries of their Table 1 cannot be meant as
+//! printed: the mass of 4.7 kg is read as 4.7 t, and the 50 N m as motor torque in front of a gear of 20
+//! (as wheel torque it would not overcome the rolling resistance). Geometry, roads and sensors are not in the
+//! paper and are chosen here.
+//!
+//! Signs: forward speed and slope uphill are positive; the horizontal spading force is positive pushing the
+//! machine backward, the vertical one pushing it down; pitch is positive nose up.
+//!
+//! ```
+//! use sim::loader::{Run, Scenario, Simulation};
+//!
+//! let run = Run { seed: 7, ..Run::new(Scenario::Bumpy) };
+//! let rows: Vec<_> = Simulation::new(&run)?.collect();
+//! assert_eq!(rows.len(), 1001);
+//! # Ok::<(), sim::loader::InvalidRun>(())
+//! ```
+
+mod cycle;
+mod plant;
+mod profile;
+mod road;
+mod scenario;
+mod sensors;
+mod simulation;
+mod tier;
+
+#[cfg(test)]
+mod golden;
+
+pub use plant::{GRAVITY, Inputs, Machine, Motion, Plant, State, motion};
+pub use road::{Phases, Road, Surface};
+pub use scenario::{Payload, Scenario, loaded};
+pub use sensors::Grade;
+pub use simulation::{CHANNELS, InvalidRun, Row, Run, Simulation, Truth};
+pub use tier::{Tier, Told};

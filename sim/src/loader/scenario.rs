@@ -1,0 +1,418 @@
+//! The manoeuvres.
+//!
+//! | name | code | what | duration, evaluated from |
+//! |---|---|---|---|
+//! | `bumpy` | S1 | a rough field track under constant drive | 10 s, 4 s |
+//! | `spading` | S2 | the same with 600 N at the bucket for 2 s | 10 s, 4 s |
+//! | `digging` | S2d | the same with 11 kN, as digging really takes | 10 s, 4 s |
+//! | `constant-torque` | S3 | asphalt, long stretches of constant torque | 20 s, 6 s |
+//! | `accel-decel` | S4 | asphalt, hard acceleration and braking | 30 s, 8 s |
+//! | `load-cycle` | S5 | drive, fill the bucket with 1500 kg, lift it, drive | 60 s, 20 s |
+//! | `work-cycle` | S6 | random acceleration and braking | 300 s, 100 s |
+//! | `dither` | S6x | the same with the torque shifted between the axles | 300 s, 100 s |
+//! | `cruise` | | up to 2.5 m/s, then constant speed | 60 s, 20 s |
+
+use std::f64::consts::TAU;
+
+use super::cycle::WorkCycle;
+use super::plant::{GRAVITY, Inputs, Machine};
+use super::profile::Profile;
+use super::road::Surface;
+use crate::noise::Noise;
+
+/// The payload lies this far ahead of the front axle [m].
+pub(super) const PAYLOAD_REACH: f64 = 1.35;
+/// Height of the payload while it is carried low [m].
+const PAYLOAD_HEIGHT: f64 = 0.6;
+/// Payload of a load cycle if the run does not say otherwise [kg].
+const LOAD_CYCLE_PAYLOAD: f64 = 1500.0;
+const CRUISE_SPEED: f64 = 2.5;
+
+/// What the machine does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scenario {
+    /// S1.
+    Bumpy,
+    /// S2.
+    Spading,
+    /// S2d.
+    Digging,
+    /// S3.
+    ConstantTorque,
+    /// S4.
+    AccelDecel,
+    /// S5.
+    LoadCycle,
+    /// S6.
+    WorkCycle,
+    /// S6x.
+    Dither,
+    /// Constant speed.
+    Cruise,
+}
+
+impl Scenario {
+    /// Every scenario's name and what it is, in one line.
+    pub const ALL: &[(&str, &str)] = &[
+        (
+            "bumpy",
+            "a rough field track under constant drive, 10 s (S1)",
+        ),
+        ("spading", "the same with 600 N at the bucket for 2 s (S2)"),
+        (
+            "digging",
+            "the same with 11 kN at the bucket, real digging (S2d)",
+        ),
+        (
+            "constant-torque",
+            "asphalt, long stretches of constant torque, 20 s (S3)",
+        ),
+        (
+            "accel-decel",
+            "asphalt, hard acceleration and braking, 30 s (S4)",
+        ),
+        (
+            "load-cycle",
+            "drive, fill the bucket with 1500 kg, lift it, drive, 60 s (S5)",
+        ),
+        ("work-cycle", "random acceleration and braking, 300 s (S6)"),
+        (
+            "dither",
+            "the work cycle with torque shifted between the axles, 300 s (S6x)",
+        ),
+        (
+            "cruise",
+            "constant speed, from which the height cannot be learnt, 60 s",
+        ),
+    ];
+
+    /// The scenario of a name or code, in upper or lower case.
+    pub fn parse(text: &str) -> Option<Self> {
+        Some(match text.to_ascii_lowercase().as_str() {
+            "bumpy" | "s1" => Self::Bumpy,
+            "spading" | "s2" => Self::Spading,
+            "digging" | "s2d" => Self::Digging,
+            "constant-torque" | "s3" => Self::ConstantTorque,
+            "accel-decel" | "s4" => Self::AccelDecel,
+            "load-cycle" | "s5" => Self::LoadCycle,
+            "work-cycle" | "s6" => Self::WorkCycle,
+            "dither" | "s6x" => Self::Dither,
+            "cruise" => Self::Cruise,
+            _ => return None,
+        })
+    }
+
+    /// The name that [`Self::parse`] reads.
+    pub fn name(self) -> &'static str {
+        Self::ALL[self as usize].0
+    }
+
+    /// How long it takes [s].
+    pub fn duration(self) -> f64 {
+        match self {
+            Self::Bumpy | Self::Spading | Self::Digging => 10.0,
+            Self::ConstantTorque => 20.0,
+            Self::AccelDecel => 30.0,
+            Self::LoadCycle | Self::Cruise => 60.0,
+            Self::WorkCycle | Self::Dither => 300.0,
+        }
+    }
+
+    /// When the estimates should have settled: errors count from here on [s].
+    pub fn evaluated_from(self) -> f64 {
+        match self {
+            Self::Bumpy | Self::Spading | Self::Digging => 4.0,
+            Self::ConstantTorque => 6.0,
+            Self::AccelDecel => 8.0,
+            Self::LoadCycle | Self::Cruise => 20.0,
+            Self::WorkCycle | Self::Dither => 100.0,
+        }
+    }
+
+    /// Speed at the start [m/s].
+    pub fn start_speed(self) -> f64 {
+        if matches!(self, Self::Bumpy | Self::Spading | Self::Digging) {
+            1.0
+        } else {
+            0.0
+        }
+    }
+
+    /// The road it is driven on.
+    pub fn surface(self) -> Surface {
+        let (slope_amplitude_deg, roughness, length) = match self {
+            Self::Bumpy | Self::Spading | Self::Digging => (4.0, 128e-6, 260.0),
+            Self::ConstantTorque | Self::AccelDecel | Self::Cruise => (0.3, 16e-6, 260.0),
+            Self::LoadCycle => (0.8, 32e-6, 260.0),
+            Self::WorkCycle | Self::Dither => (1.0, 32e-6, 1400.0),
+        };
+        Surface {
+            slope_amplitude_deg,
+            roughness,
+            length,
+        }
+    }
+
+    /// The payload it picks up, or carries from the start [kg].
+    pub(super) fn payload(self, asked: Option<f64>) -> f64 {
+        asked.unwrap_or(if self == Self::LoadCycle {
+            LOAD_CYCLE_PAYLOAD
+        } else {
+            0.0
+        })
+    }
+
+    /// Motor torque per axle [N m]; empty where a work cycle decides as it goes.
+    fn motor_torque(self, machine: &Machine, mass: f64) -> Profile {
+        const FIELD: &[(f64, f64)] = &[(0.0, 0.0), (0.3, 50.0)];
+        const DIG: &[(f64, f64)] = &[
+            (0.0, 0.0),
+            (0.3, 50.0),
+            (3.0, -20.0),
+            (4.8, 120.0),
+            (5.2, 210.0),
+            (7.0, -30.0),
+            (8.0, 40.0),
+        ];
+        const STEADY: &[(f64, f64)] = &[
+            (0.0, 0.0),
+            (1.0, 14.0),
+            (4.0, 32.0),
+            (14.0, -16.0),
+            (18.0, 8.0),
+        ];
+        const HARD: &[(f64, f64)] = &[
+            (0.0, 0.0),
+            (0.5, 30.0),
+            (4.0, 50.0),
+            (7.0, 10.0),
+            (8.5, -30.0),
+            (10.5, 45.0),
+            (13.0, 20.0),
+            (14.5, -35.0),
+            (16.5, 50.0),
+            (19.5, 25.0),
+            (21.0, 55.0),
+            (24.0, -55.0),
+            (27.0, -20.0),
+            (28.0, 30.0),
+        ];
+        const LOAD: &[(f64, f64)] = &[
+            (0.0, 0.0),
+            (0.5, 45.0),
+            (5.0, -25.0),
+            (7.5, 60.0),
+            (10.0, -35.0),
+            (12.0, 40.0),
+            (14.0, 10.0),
+            (15.0, 120.0),
+            (15.6, 190.0),
+            (18.0, 0.0),
+            (18.5, -60.0),
+            (22.0, 40.0),
+            (24.5, 0.0),
+            (25.0, 70.0),
+            (30.0, -50.0),
+            (33.5, 60.0),
+            (38.0, -45.0),
+            (42.0, 60.0),
+            (46.0, -55.0),
+            (50.0, 70.0),
+            (54.0, -50.0),
+        ];
+        match self {
+            Self::Bumpy | Self::Spading => Profile::new(FIELD, 0.5),
+            Self::Digging => Profile::new(DIG, 0.3),
+            Self::ConstantTorque => Profile::new(STEADY, 0.3),
+            Self::AccelDecel => Profile::new(HARD, 0.2),
+            Self::LoadCycle => Profile::new(LOAD, 0.3),
+            Self::WorkCycle | Self::Dither => Profile::new(&[(0.0, 0.0)], WorkCycle::RAMP),
+            Self::Cruise => {
+                let torque = |a: f64| motor_torque(machine, mass, a);
+                let reached = 0.5 + CRUISE_SPEED / 0.8;
+                Profile::new(
+                    &[(0.0, 0.0), (0.5, torque(0.8)), (reached, torque(0.0))],
+                    0.3,
+                )
+            }
+        }
+    }
+}
+
+/// Motor torque per axle that accelerates the machine by `a` on level ground [N m].
+pub(super) fn motor_torque(machine: &Machine, mass: f64, a: f64) -> f64 {
+    let force = (a + machine.rolling_resistance * GRAVITY) * mass;
+    force * machine.wheel_radius / (2.0 * machine.gear_ratio)
+}
+
+/// The payload in the bucket at one instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Payload {
+    /// Its mass [kg].
+    pub mass: f64,
+    /// Height of its centre of gravity above ground [m].
+    pub height: f64,
+    /// How far its centre of gravity lies ahead of the front axle [m].
+    pub reach: f64,
+}
+
+/// A machine with its payload: mass [kg], height of the centre of gravity [m], share of the front axle.
+pub fn loaded(machine: &Machine, payload: &Payload) -> (f64, f64, f64) {
+    let mass = machine.mass + payload.mass;
+    let place = (machine.wheelbase + payload.reach) / machine.wheelbase;
+    let mean = |empty: f64, load: f64| (machine.mass * empty + payload.mass * load) / mass;
+    (
+        mass,
+        mean(machine.cg_height, payload.height),
+        mean(machine.cg_ratio, place),
+    )
+}
+
+/// The driver: what acts on the machine over time.
+#[derive(Clone, Debug)]
+pub(super) struct Driver {
+    scenario: Scenario,
+    machine: Machine,
+    motor: Profile,
+    cycle: WorkCycle,
+    bucket: Profile,
+    payload: Profile,
+    lift: Profile,
+}
+
+impl Driver {
+    pub fn new(scenario: Scenario, payload: Option<f64>, machine: &Machine, noise: Noise) -> Self {
+        let mass = scenario.payload(payload);
+        let picks_up = scenario == Scenario::LoadCycle;
+        let bucket: &[(f64, f64)] = match scenario {
+            Scenario::Spading | Scenario::Digging => &[(0.0, 0.0), (5.0, 1.0), (7.0, 0.0)],
+            Scenario::LoadCycle => &[(0.0, 0.0), (15.0, 1.0), (18.0, 0.0)],
+            _ => &[],
+        };
+        let steps = |level: f64, at: f64| [(0.0, 0.0), (at, level)];
+        Self {
+            scenario,
+            machine: *machine,
+            motor: scenario.motor_torque(machine, machine.mass + mass),
+            cycle: WorkCycle::new(scenario, noise),
+            bucket: Profile::new(
+                bucket,
+                if scenario == Scenario::Spading {
+                    0.15
+                } else {
+                    0.5
+                },
+            ),
+            payload: Profile::new(
+                &if picks_up {
+                    steps(mass, 16.0)
+                } else {
+                    [(0.0, mass); 2]
+                },
+                2.0,
+            ),
+            lift: Profile::new(
+                &if picks_up {
+                    steps(0.9, 20.0)
+                } else {
+                    [(0.0, 0.0); 2]
+                },
+                4.0,
+            ),
+        }
+    }
+
+    /// The payload at time `t`.
+    pub fn payload(&self, t: f64) -> Payload {
+        Payload {
+            mass: self.payload.at(t),
+            height: PAYLOAD_HEIGHT + self.lift.at(t),
+            reach: PAYLOAD_REACH,
+        }
+    }
+
+    /// Whether the boom moves with a payload that changes the centre of gravity.
+    pub fn boom_moving(&self, t: f64) -> bool {
+        self.payload.moving(t) || self.lift.moving(t)
+    }
+
+    /// What acts at time `t`, to be asked in the order of time; `speed` is the machine's just before.
+    pub fn inputs(&mut self, t: f64, speed: f64) -> Inputs {
+        let (mass, cg_height, cg_ratio) = loaded(&self.machine, &self.payload(t));
+        if let Some((time, a)) = self.cycle.next_leg(t, speed) {
+            self.motor.push(time, motor_torque(&self.machine, mass, a));
+        }
+        let torque = self.machine.gear_ratio * self.motor.at(t);
+        let share = if self.scenario == Scenario::Dither {
+            0.5 + 0.25 * (4.0 * (TAU * t / 6.0).sin()).clamp(-1.0, 1.0)
+        } else {
+            0.5
+        };
+        let [spade_force_x, spade_force_z] = self.spade_force(t);
+        Inputs {
+            front_torque: 2.0 * torque * share,
+            rear_torque: 2.0 * torque * (1.0 - share),
+            spade_force_x,
+            spade_force_z,
+            mass,
+            cg_height,
+            cg_ratio,
+        }
+    }
+
+    fn spade_force(&self, t: f64) -> [f64; 2] {
+        let b = self.bucket.at(t);
+        match self.scenario {
+            Scenario::Spading => [600.0 * b, 0.0],
+            Scenario::Digging => [
+                11_000.0 * b * (1.0 + 0.15 * (TAU * 1.3 * t).sin()),
+                2_500.0 * b * (1.0 + 0.3 * (TAU * 0.9 * t + 1.0).sin()),
+            ],
+            Scenario::LoadCycle => [10_000.0 * b, 1_500.0 * b],
+            _ => [0.0, 0.0],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_name_and_code_is_read_back() {
+        for (name, _) in Scenario::ALL {
+            assert_eq!(Scenario::parse(name).map(Scenario::name), Some(*name));
+        }
+        assert_eq!(Scenario::parse("S2d"), Some(Scenario::Digging));
+        assert_eq!(Scenario::parse("s7"), None);
+    }
+
+    #[test]
+    fn the_payload_moves_the_centre_of_gravity_forward_and_up() {
+        let payload = Payload {
+            mass: 1500.0,
+            height: 1.5,
+            reach: PAYLOAD_REACH,
+        };
+        let (mass, height, ratio) = loaded(&Machine::NOMINAL, &payload);
+        // (4700 * 0.9 + 1500 * 1.5) / 6200 and (4700 * 0.45 + 1500 * 3.65 / 2.3) / 6200.
+        assert_eq!(mass, 6200.0);
+        assert!((height - 1.045_161_29).abs() < 1e-8);
+        assert!((ratio - 0.725_070_13).abs() < 1e-8);
+    }
+
+    #[test]
+    fn a_load_cycle_picks_up_what_the_run_asks_for() {
+        let driver = Driver::new(
+            Scenario::LoadCycle,
+            Some(800.0),
+            &Machine::NOMINAL,
+            Noise::new(1),
+        );
+        assert_eq!(
+            (driver.payload(16.0).mass, driver.payload(18.0).mass),
+            (0.0, 800.0)
+        );
+        assert!(!driver.boom_moving(15.9) && driver.boom_moving(17.0) && driver.boom_moving(22.0));
+    }
+}

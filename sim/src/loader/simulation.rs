@@ -1,0 +1,471 @@
+//! A run: the plant driven through a scenario and what its sensors report.
+
+use std::fmt;
+
+use super::plant::{GRAVITY, Machine, Plant};
+use super::road::{Phases, Road};
+use super::scenario::{Driver, Payload, Scenario};
+use super::sensors::Grade;
+use super::tier::{self, Calibration, Tier, Told};
+use crate::fault::{Fault, Injector, InvalidFault};
+use crate::noise::Noise;
+
+/// The channels that a [`Fault`] can name.
+pub const CHANNELS: &[&str] = &[
+    "time",
+    "speed",
+    "front_wheel_speed",
+    "rear_wheel_speed",
+    "front_torque",
+    "rear_torque",
+    "slope",
+    "acceleration",
+    "mass",
+    "spade_force_x",
+    "spade_force_z",
+];
+
+/// Streams of [`Noise::channel`]: the sensors take 1 to 7.
+const MACHINE_STREAM: u64 = 10;
+const ROAD_STREAM: u64 = 11;
+const DRIVER_STREAM: u64 = 12;
+
+/// What to simulate.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Run {
+    /// The manoeuvre.
+    pub scenario: Scenario,
+    /// Payload that a load cycle picks up and every other scenario carries from the start [kg]; none is
+    /// the scenario's own (1500 kg in a load cycle, otherwise none).
+    pub payload: Option<f64>,
+    /// Samples per second [Hz].
+    pub rate: f64,
+    /// Determines the machine, the road, the driver and the noise.
+    pub seed: u64,
+    /// The sensors.
+    pub grade: Grade,
+    /// How well the machine is known.
+    pub tier: Tier,
+    /// What goes wrong.
+    pub faults: Vec<Fault>,
+    /// How long [s]; none is the scenario's own. A longer run goes on as a work cycle (a cruise goes on
+    /// as a cruise).
+    pub duration: Option<f64>,
+}
+
+impl Run {
+    /// A scenario at 100 Hz with resolver-grade sensors on an exactly known machine.
+    pub fn new(scenario: Scenario) -> Self {
+        Self {
+            scenario,
+            payload: None,
+            rate: 100.0,
+            seed: 0,
+            grade: Grade::Resolver,
+            tier: Tier::A,
+            faults: Vec::new(),
+            duration: None,
+        }
+    }
+
+    fn check(&self) -> Result<(), InvalidRun> {
+        let duration = self.duration.unwrap_or(0.0);
+        let payload = self.payload.unwrap_or(0.0);
+        if !(1.0..=10_000.0).contains(&self.rate) {
+            Err(InvalidRun(format!(
+                "rate {} Hz: expected 1 to 10000",
+                self.rate
+            )))
+        } else if !(0.0..1e9).contains(&duration) {
+            Err(InvalidRun(format!(
+                "duration {duration} s: expected a number that is not negative"
+            )))
+        } else if !(0.0..=3000.0).contains(&payload) {
+            Err(InvalidRun(format!(
+                "payload {payload} kg: expected 0 to 3000 (the machine tips beyond)"
+            )))
+        } else {
+            Ok(())
+        }
+    }
+}
+
+/// A run that cannot be simulated.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct InvalidRun(String);
+
+impl fmt::Display for InvalidRun {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for InvalidRun {}
+
+impl From<InvalidFault> for InvalidRun {
+    fn from(fault: InvalidFault) -> Self {
+        Self(fault.to_string())
+    }
+}
+
+/// What is true at the time of a row.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Truth {
+    /// Forward speed [m/s].
+    pub speed: f64,
+    /// Front wheel speed [rad/s].
+    pub front_wheel_speed: f64,
+    /// Rear wheel speed [rad/s].
+    pub rear_wheel_speed: f64,
+    /// Height of the centre of gravity, with payload [m].
+    pub cg_height: f64,
+    /// Share of the static weight on the front axle, with payload.
+    pub cg_ratio: f64,
+    /// Slip stiffness.
+    pub slip_stiffness: f64,
+    /// Horizontal spading force [N].
+    pub spade_force_x: f64,
+    /// Road slope [rad].
+    pub slope: f64,
+    /// Rate of the speed along the road [m/s^2].
+    pub acceleration: f64,
+}
+
+/// One sample. A measurement that is missing is not a number.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Row {
+    /// Time [s].
+    pub time: f64,
+    /// Forward speed [m/s].
+    pub speed: f64,
+    /// Front wheel speed [rad/s].
+    pub front_wheel_speed: f64,
+    /// Rear wheel speed [rad/s].
+    pub rear_wheel_speed: f64,
+    /// Front axle torque at the wheel [N m].
+    pub front_torque: f64,
+    /// Rear axle torque at the wheel [N m].
+    pub rear_torque: f64,
+    /// Road slope [rad].
+    pub slope: f64,
+    /// Specific force along the body axis, dv/dt + g sin(slope) [m/s^2].
+    pub acceleration: f64,
+    /// Mass with payload [kg], where it is not simply the machine's.
+    pub mass: Option<f64>,
+    /// Horizontal spading force [N]; none if it is not measured.
+    pub spade_force_x: Option<f64>,
+    /// Vertical spading force [N].
+    pub spade_force_z: Option<f64>,
+    /// Whether the boom moves the payload.
+    pub boom_moving: Option<bool>,
+    /// What the weighing system and the boom angles say of the payload.
+    pub payload: Payload,
+    /// The truth.
+    pub truth: Truth,
+}
+
+/// The rows of a run, one after the other.
+#[derive(Clone, Debug)]
+pub struct Simulation {
+    plant: Plant,
+    driver: Driver,
+    machine: Machine,
+    calibration: Calibration,
+    told: Told,
+    tells_mass: bool,
+    noise: [Noise; 7],
+    faults: Injector,
+    rate: f64,
+    next: u64,
+    rows: u64,
+}
+
+impl Simulation {
+    /// Draws the machine and the road and puts one on the other.
+    ///
+    /// # Errors
+    /// Rate, duration or payload are out of range, or a fault names no channel.
+    pub fn new(run: &Run) -> Result<Self, InvalidRun> {
+        run.check()?;
+        let stream = |channel| Noise::channel(run.seed, channel);
+        let (machine, calibration, told) =
+            tier::draw(run.tier, run.grade, &mut stream(MACHINE_STREAM));
+        let road = Road::new(
+            &run.scenario.surface(),
+            &Phases::draw(&mut stream(ROAD_STREAM)),
+        );
+        let mut driver = Driver::new(run.scenario, run.payload, &machine, stream(DRIVER_STREAM));
+        let plant = Plant::new(machine, road, run.scenario.start_speed(), &mut |t, x| {
+            driver.inputs(t, x[0])
+        });
+        let duration = run.duration.unwrap_or(run.scenario.duration());
+        Ok(Self {
+            plant,
+            driver,
+            machine,
+            calibration,
+            told,
+            tells_mass: run.tier == Tier::B || run.scenario.payload(run.payload) > 0.0,
+            noise: std::array::from_fn(|channel| stream(channel as u64 + 1)),
+            faults: Injector::new(&run.faults, CHANNELS, run.seed)?,
+            rate: run.rate,
+            next: 0,
+            rows: (duration * run.rate + 1e-6) as u64 + 1,
+        })
+    }
+
+    /// What the estimator is told.
+    pub fn told(&self) -> &Told {
+        &self.told
+    }
+
+    /// The machine as it is.
+    pub fn machine(&self) -> &Machine {
+        &self.machine
+    }
+
+    fn measure(&mut self, time: f64) -> Row {
+        let motion = self.plant.motion();
+        let inputs = self.plant.inputs();
+        let &[speed, front_wheel_speed, rear_wheel_speed, ..] = self.plant.state();
+        let (grade, known) = (self.told.grade, &self.calibration);
+        let noise: [f64; 7] = std::array::from_fn(|channel| self.noise[channel].normal());
+        let torque = |true_torque: f64, gain: f64, n: f64| {
+            true_torque * gain * (1.0 + grade.torque_std() * n)
+        };
+        let acceleration = motion.rate[0];
+        let specific_force = acceleration + GRAVITY * motion.slope.sin();
+        Row {
+            time,
+            speed: speed + grade.speed_std() * noise[0],
+            front_wheel_speed: front_wheel_speed + grade.wheel_speed_std() * noise[1],
+            rear_wheel_speed: rear_wheel_speed + grade.wheel_speed_std() * noise[2],
+            front_torque: torque(inputs.front_torque, known.front_torque_gain, noise[3]),
+            rear_torque: torque(inputs.rear_torque, known.rear_torque_gain, noise[4]),
+            slope: motion.slope + known.slope_bias + grade.slope_std() * noise[5],
+            acceleration: specific_force + grade.acceleration_std() * noise[6],
+            mass: self.tells_mass.then_some(inputs.mass * known.mass_gain),
+            spade_force_x: known.spade_force_x_known.then_some(inputs.spade_force_x),
+            spade_force_z: Some(inputs.spade_force_z * known.spade_force_z_gain),
+            boom_moving: Some(self.driver.boom_moving(time)),
+            payload: self.weigh(time),
+            truth: Truth {
+                speed,
+                front_wheel_speed,
+                rear_wheel_speed,
+                cg_height: inputs.cg_height,
+                cg_ratio: inputs.cg_ratio,
+                slip_stiffness: self.machine.slip_stiffness,
+                spade_force_x: inputs.spade_force_x,
+                slope: motion.slope,
+                acceleration,
+            },
+        }
+    }
+
+    fn weigh(&self, time: f64) -> Payload {
+        let (payload, known) = (self.driver.payload(time), &self.calibration);
+        Payload {
+            mass: payload.mass * known.payload_gain,
+            height: payload.height + known.payload_height_error,
+            reach: payload.reach + known.payload_reach_error,
+        }
+    }
+
+    fn damage(&mut self, row: &mut Row) {
+        let time = row.time;
+        let faults = &mut self.faults;
+        let required = [
+            &mut row.time,
+            &mut row.speed,
+            &mut row.front_wheel_speed,
+            &mut row.rear_wheel_speed,
+            &mut row.front_torque,
+            &mut row.rear_torque,
+            &mut row.slope,
+            &mut row.acceleration,
+        ];
+        let count = required.len();
+        for (channel, value) in required.into_iter().enumerate() {
+            *value = faults
+                .apply(channel, time, Some(*value))
+                .unwrap_or(f64::NAN);
+        }
+        for (channel, value) in [
+            &mut row.mass,
+            &mut row.spade_force_x,
+            &mut row.spade_force_z,
+        ]
+        .into_iter()
+        .enumerate()
+        {
+            *value = faults.apply(count + channel, time, *value);
+        }
+    }
+}
+
+impl Iterator for Simulation {
+    type Item = Row;
+
+    fn next(&mut self) -> Option<Row> {
+        while self.next < self.rows {
+            let time = self.next as f64 / self.rate;
+            if self.next > 0 {
+                let driver = &mut self.driver;
+                self.plant
+                    .advance(time, &mut |t, state| driver.inputs(t, state[0]));
+            }
+            self.next += 1;
+            let mut row = self.measure(time);
+            let lost = self.faults.loses_row(time);
+            self.damage(&mut row);
+            if !lost {
+                return Some(row);
+            }
+        }
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rows(run: &Run) -> Vec<Row> {
+        Simulation::new(run).unwrap().collect()
+    }
+
+    #[test]
+    fn the_same_seed_gives_the_same_rows_and_another_seed_others() {
+        let run = Run {
+            duration: Some(1.0),
+            tier: Tier::B,
+            ..Run::new(Scenario::WorkCycle)
+        };
+        assert_eq!(rows(&run), rows(&run));
+        assert_ne!(
+            rows(&run)[50].speed,
+            rows(&Run {
+                seed: 1,
+                ..run.clone()
+            })[50]
+                .speed
+        );
+    }
+
+    #[test]
+    fn a_fault_changes_its_channel_and_nothing_else() {
+        let run = Run {
+            duration: Some(1.0),
+            ..Run::new(Scenario::Bumpy)
+        };
+        let fault = Fault::parse("front_wheel_speed:scale=0,from=0.5,to=0.6").unwrap();
+        let locked = rows(&Run {
+            faults: vec![fault],
+            ..run.clone()
+        });
+        for (sound, row) in rows(&run).iter().zip(&locked) {
+            let expected = if (0.5..0.6).contains(&row.time) {
+                0.0
+            } else {
+                sound.front_wheel_speed
+            };
+            assert_eq!(
+                *row,
+                Row {
+                    front_wheel_speed: expected,
+                    ..*sound
+                }
+            );
+        }
+    }
+
+    #[test]
+    fn missing_rows_are_left_out_and_the_time_can_jump() {
+        let run = Run {
+            duration: Some(1.0),
+            ..Run::new(Scenario::Bumpy)
+        };
+        let faults = [
+            "row:missing,from=0.2,to=0.4",
+            "time:bias=-0.3,from=0.7,to=0.71",
+            "slope:missing,from=0.9",
+        ];
+        let faults = faults.iter().map(|t| Fault::parse(t).unwrap()).collect();
+        let rows = rows(&Run { faults, ..run });
+        assert_eq!(rows.len(), 81);
+        assert!(rows.iter().any(|row| (row.time - 0.4).abs() < 1e-9));
+        assert!(rows.windows(2).any(|pair| pair[1].time < pair[0].time));
+        assert!(rows.last().unwrap().slope.is_nan());
+    }
+
+    #[test]
+    fn a_machine_of_tier_b_reports_no_horizontal_spading_force() {
+        let run = Run {
+            tier: Tier::B,
+            duration: Some(6.0),
+            ..Run::new(Scenario::Digging)
+        };
+        let last = rows(&run).pop().unwrap();
+        assert_eq!(last.spade_force_x, None);
+        assert!(last.truth.spade_force_x > 5000.0 && last.mass.is_some());
+    }
+
+    #[test]
+    fn a_run_goes_on_after_the_end_of_its_scenario_and_keeps_its_speed_in_range() {
+        let run = Run {
+            duration: Some(200.0),
+            rate: 10.0,
+            tier: Tier::B,
+            ..Run::new(Scenario::AccelDecel)
+        };
+        let rows = rows(&run);
+        assert_eq!(rows.len(), 2001);
+        assert!(
+            rows.iter()
+                .all(|row| (-0.5..8.0).contains(&row.truth.speed))
+        );
+        let spread = |from: f64| {
+            let late = rows
+                .iter()
+                .filter(|row| row.time > from)
+                .map(|row| row.truth.speed);
+            late.clone().fold(f64::MIN, f64::max) - late.fold(f64::MAX, f64::min)
+        };
+        assert!(spread(100.0) > 2.0, "{}", spread(100.0));
+    }
+
+    #[test]
+    fn what_cannot_be_simulated_is_refused() {
+        let run = Run::new(Scenario::Bumpy);
+        assert!(
+            Simulation::new(&Run {
+                rate: 0.0,
+                ..run.clone()
+            })
+            .is_err()
+        );
+        assert!(
+            Simulation::new(&Run {
+                duration: Some(f64::NAN),
+                ..run.clone()
+            })
+            .is_err()
+        );
+        assert!(
+            Simulation::new(&Run {
+                payload: Some(-1.0),
+                ..run.clone()
+            })
+            .is_err()
+        );
+        let fault = Fault::parse("swing_velocity:missing").unwrap();
+        assert!(
+            Simulation::new(&Run {
+                faults: vec![fault],
+                ..run
+            })
+            .is_err()
+        );
+    }
+}
