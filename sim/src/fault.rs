@@ -10,6 +10,7 @@
 //! | `swing_velocity:outlier=0.3,p=0.02` | plus or minus 0.3 rad/s on one sample in fifty |
 //! | `swing_velocity:saturation=0.8` | stops at plus or minus 0.8 |
 //! | `swing_velocity:bias=0.01`, `swing_torque:scale=1.02` | offset, gain |
+//! | `front_wheel_speed:quantum=0.05` | rounded to multiples of 0.05 |
 //! | `boom_angle:hold,from=6,to=7` | repeats its last value |
 //! | `swing_torque:missing` | no such column |
 //! | `row:missing,from=8.1,to=8.15` | a gap: the samples do not exist |
@@ -38,6 +39,8 @@ pub enum Kind {
     Bias(f64),
     /// The value is multiplied by this.
     Scale(f64),
+    /// The value is rounded to a multiple of this.
+    Quantum(f64),
     /// The last value before the fault is repeated.
     Hold,
 }
@@ -142,7 +145,8 @@ impl Kind {
             ("saturation", Some(limit)) if limit >= 0.0 => Ok(Self::Saturation(limit)),
             ("bias", Some(bias)) => Ok(Self::Bias(bias)),
             ("scale", Some(scale)) => Ok(Self::Scale(scale)),
-            _ => Err("kinds are missing, nan, hold, outlier=SIZE, saturation=LIMIT (not negative), bias=B, scale=F".into()),
+            ("quantum", Some(quantum)) if quantum > 0.0 => Ok(Self::Quantum(quantum)),
+            _ => Err("kinds are missing, nan, hold, outlier=SIZE, saturation=LIMIT (not negative), bias=B, scale=F, quantum=Q (positive)".into()),
         }
     }
 
@@ -154,6 +158,7 @@ impl Kind {
             Self::Saturation(limit) => value.map(|v| v.clamp(-limit, limit)),
             Self::Bias(bias) => value.map(|v| v + bias),
             Self::Scale(scale) => value.map(|v| v * scale),
+            Self::Quantum(quantum) => value.map(|v| (v / quantum).round() * quantum),
             Self::Hold => last,
         }
     }

@@ -30,7 +30,7 @@ mod tier;
 #[cfg(test)]
 mod golden;
 
-pub use plant::{GRAVITY, Inputs, Machine, Motion, Plant, State, motion};
+pub use plant::{GRAVITY, Inputs, Machine, Motion, Plant, State};
 pub use road::{Phases, Road, Surface};
 pub use scenario::{Payload, Scenario, loaded};
 pub use sensors::Grade;

@@ -146,7 +146,7 @@ pub struct Motion {
 /// A machine on a road.
 #[derive(Clone, Debug)]
 pub struct Plant {
-    machine: Machine,
+    vehicle: Vehicle,
     road: Road,
     /// Integration steps taken in the present output interval are counted from here [s].
     time: f64,
@@ -176,7 +176,7 @@ impl Plant {
         state[7] = pitch;
         let table = [start, inputs(INPUT_INTERVAL, &state)];
         Self {
-            machine,
+            vehicle: Vehicle::new(machine),
             road,
             time: 0.0,
             state,
@@ -197,7 +197,7 @@ impl Plant {
 
     /// What the machine does now.
     pub fn motion(&self) -> Motion {
-        motion(&self.machine, &self.road, &self.state, &self.inputs())
+        motion(&self.vehicle, &self.road, &self.state, &self.inputs())
     }
 
     /// Moves on to `time` [s]. `inputs` gives the inputs at a time, and is asked in the order of time.
@@ -215,14 +215,14 @@ impl Plant {
     fn step(&mut self, t: f64, h: f64, inputs: &mut impl FnMut(f64, &State) -> Inputs) {
         self.look_up(t, inputs);
         let at = [0.0, 0.5, 1.0].map(|share| self.inputs_at(t + share * h));
-        let (machine, road) = (&self.machine, &self.road);
+        let (vehicle, road) = (&self.vehicle, &self.road);
         self.state = rk4::step(self.state, h, |stage, state| {
             let u = match stage {
                 Stage::Start => &at[0],
                 Stage::Middle => &at[1],
                 Stage::End => &at[2],
             };
-            motion(machine, road, &state, u).rate
+            motion(vehicle, road, &state, u).rate
         });
     }
 
@@ -243,12 +243,14 @@ impl Plant {
 }
 
 /// The equations of motion.
-pub fn motion(machine: &Machine, road: &Road, state: &State, u: &Inputs) -> Motion {
+#[inline]
+fn motion(vehicle: &Vehicle, road: &Road, state: &State, u: &Inputs) -> Motion {
+    let machine = &vehicle.machine;
     let &[v, wheel_f, wheel_r, slip_f, slip_r, z, z_rate, p, p_rate, x] = state;
     let rear_arm = u.cg_ratio * machine.wheelbase;
     let front_arm = machine.wheelbase - rear_arm;
     let slope = road.slope(x);
-    let (sin, cos) = slope.sin_cos();
+    let (sin, cos) = sin_cos(slope);
     let load = |arm: f64| {
         let [height, derivative] = road.profile(x + arm);
         let compression = height - (z + p * arm);
@@ -261,46 +263,68 @@ pub fn motion(machine: &Machine, road: &Road, state: &State, u: &Inputs) -> Moti
         }
     };
     let loads = [load(front_arm), load(-rear_arm)];
+    let per_mass = 1.0 / u.mass;
+    let per_axle_weight = per_mass * (2.0 / GRAVITY);
     let front = axle(
-        machine,
-        u.mass,
+        vehicle,
         v,
         wheel_f,
         slip_f,
-        loads[0],
+        [loads[0], loads[0] * per_axle_weight],
         machine.front_radius_error,
     );
     let rear = axle(
-        machine,
-        u.mass,
+        vehicle,
         v,
         wheel_r,
         slip_r,
-        loads[1],
+        [loads[1], loads[1] * per_axle_weight],
         machine.rear_radius_error,
     );
     let normal = loads[0] + loads[1];
-    let rolling = machine.rolling_resistance * normal * tanh(v / ROLLING_FADE);
+    let rolling = machine.rolling_resistance * normal * tanh(v * (1.0 / ROLLING_FADE));
     let traction = front.force + rear.force - rolling;
     let pitch_moment = loads[0] * front_arm - loads[1] * rear_arm + u.cg_height * traction
         - u.spade_force_z * (front_arm + machine.bucket_reach)
         - u.spade_force_x * u.cg_height;
     Motion {
         rate: [
-            (traction - u.spade_force_x) / u.mass - GRAVITY * sin,
-            (u.front_torque - front.radius * front.force) / machine.axle_inertia,
-            (u.rear_torque - rear.radius * rear.force) / machine.axle_inertia,
+            (traction - u.spade_force_x) * per_mass - GRAVITY * sin,
+            (u.front_torque - front.radius * front.force) * vehicle.per_axle_inertia,
+            (u.rear_torque - rear.radius * rear.force) * vehicle.per_axle_inertia,
             front.slip_rate,
             rear.slip_rate,
             z_rate,
-            (normal - u.spade_force_z) / u.mass - GRAVITY * cos,
+            (normal - u.spade_force_z) * per_mass - GRAVITY * cos,
             p_rate,
-            pitch_moment / machine.pitch_inertia,
+            pitch_moment * vehicle.per_pitch_inertia,
             v,
         ],
         slope,
         loads,
         forces: [front.force, rear.force],
+    }
+}
+
+/// A machine and the reciprocals that the equations of motion need; divisions would be a third of their cost.
+#[derive(Clone, Copy, Debug)]
+struct Vehicle {
+    machine: Machine,
+    per_relaxation_length: f64,
+    stiffness_per_friction: f64,
+    per_axle_inertia: f64,
+    per_pitch_inertia: f64,
+}
+
+impl Vehicle {
+    fn new(machine: Machine) -> Self {
+        Self {
+            machine,
+            per_relaxation_length: 1.0 / machine.relaxation_length,
+            stiffness_per_friction: machine.slip_stiffness / machine.friction,
+            per_axle_inertia: 1.0 / machine.axle_inertia,
+            per_pitch_inertia: 1.0 / machine.pitch_inertia,
+        }
     }
 }
 
@@ -310,24 +334,25 @@ struct Axle {
     force: f64,
 }
 
+/// One axle under a load [N], also given relative to half the weight.
+#[inline]
 fn axle(
-    machine: &Machine,
-    mass: f64,
+    vehicle: &Vehicle,
     v: f64,
     wheel: f64,
     slip: f64,
-    load: f64,
+    [load, relative]: [f64; 2],
     error: f64,
 ) -> Axle {
-    let excess = load / (0.5 * mass * GRAVITY) - 1.0;
-    let radius =
-        machine.wheel_radius * (1.0 + error) * (1.0 - machine.radius_load_sensitivity * excess);
+    let machine = &vehicle.machine;
+    let radius = machine.wheel_radius
+        * (1.0 + error)
+        * (1.0 - machine.radius_load_sensitivity * (relative - 1.0));
     let rim = radius * wheel;
     let speed = v.abs().max(rim.abs()).max(SMALLEST_SLIP_SPEED);
-    let slip_rate = ((rim - v) - speed * slip) / machine.relaxation_length;
+    let slip_rate = ((rim - v) - speed * slip) * vehicle.per_relaxation_length;
     let carcass_slip = slip + machine.carcass_time * slip_rate;
-    let force =
-        machine.friction * tanh(machine.slip_stiffness * carcass_slip / machine.friction) * load;
+    let force = machine.friction * tanh(vehicle.stiffness_per_friction * carcass_slip) * load;
     Axle {
         radius,
         slip_rate,
@@ -337,6 +362,7 @@ fn axle(
 
 /// The hyperbolic tangent. Half of the plant's work would be in the library's; below 0.5 the [7/6] Pade
 /// approximant is exact to rounding, and beyond 20 the result is 1.
+#[inline]
 fn tanh(x: f64) -> f64 {
     let s = x * x;
     if s < 0.25 {
@@ -350,9 +376,40 @@ fn tanh(x: f64) -> f64 {
     }
 }
 
+/// Sine and cosine; the Taylor series is exact to rounding on roads.
+#[inline]
+fn sin_cos(x: f64) -> (f64, f64) {
+    let s = x * x;
+    if s > 0.0225 {
+        return x.sin_cos();
+    }
+    let sin = 1.0
+        - s * (1.0 / 6.0)
+            * (1.0 - s * (1.0 / 20.0) * (1.0 - s * (1.0 / 42.0) * (1.0 - s * (1.0 / 72.0))));
+    let cos = 1.0
+        - s * (1.0 / 2.0)
+            * (1.0
+                - s * (1.0 / 12.0)
+                    * (1.0
+                        - s * (1.0 / 30.0) * (1.0 - s * (1.0 / 56.0) * (1.0 - s * (1.0 / 90.0)))));
+    (x * sin, cos)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_fast_sine_and_cosine_are_the_sine_and_cosine() {
+        for k in -200..200 {
+            let x = f64::from(k) * 1e-3 + 1e-5;
+            let (sin, cos) = sin_cos(x);
+            assert!(
+                (sin - x.sin()).abs() <= 4e-16 * x.abs() && (cos - x.cos()).abs() <= 4e-16,
+                "{x}"
+            );
+        }
+    }
 
     #[test]
     fn the_fast_tanh_is_the_tanh() {

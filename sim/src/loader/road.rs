@@ -96,7 +96,7 @@ impl Road {
 
 /// The grid cell of a distance and how far into it the distance lies, 0 to 1.
 fn cell(x: f64) -> (i64, f64) {
-    let place = (x - START) / SPACING;
+    let place = (x - START) * (1.0 / SPACING);
     let k = place as i64 - i64::from(place < 0.0);
     (k, place - k as f64)
 }
