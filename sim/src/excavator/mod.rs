@@ -14,6 +14,7 @@
 //! leaves the bucket takes its own momentum with it, so J' is that of the posture. The paper's form
 //! (`Dynamics::Paper`) leaves out `J' w`.
 
+mod course;
 mod cycle;
 mod event;
 mod geometry;
@@ -22,14 +23,17 @@ mod payload;
 mod plant;
 mod plateaus;
 mod scenario;
+mod sensors;
 mod simulation;
 mod torque;
 
+pub use course::{Course, Exact};
 pub use geometry::{Attachment, Geometry, Inertia, Link};
 pub use path::{Joint, Move, Path, Posture};
 pub use payload::{Load, payload};
 pub use plant::{Dynamics, Machine, Motion, Plant, Point};
 pub use plateaus::{Plateaus, Targets};
 pub use scenario::Scenario;
-pub use simulation::{CHANNELS, InvalidRun, Row, Run, Sensors, Simulation, Truth};
+pub use sensors::{CHANNELS, Instruments, Sensors};
+pub use simulation::{InvalidRun, Row, Run, Simulation, Truth};
 pub use torque::Swing;

@@ -1,59 +1,14 @@
 //! A run of the plant, sampled by its sensors.
 
-use super::plant::{Motion, Plant, Point};
+use super::course::Course;
+use super::plant::Plant;
 use super::scenario::Scenario;
-use crate::fault::{Fault, Injector};
-use crate::noise::Noise;
+use super::sensors::{Instruments, Sensors};
+use crate::fault::Fault;
 use std::fmt;
 
-/// The longest integration step [s].
-const LONGEST_STEP: f64 = 1e-3;
 /// The sampling rates that can be simulated [Hz].
 const RATES: std::ops::RangeInclusive<f64> = 10.0..=10_000.0;
-
-/// The sensors, by the names that faults use; the order is that of the noise streams.
-pub const CHANNELS: [&str; 6] = [
-    "swing_velocity",
-    "swing_angle",
-    "swing_torque",
-    "boom_angle",
-    "arm_angle",
-    "bucket_angle",
-];
-
-/// Standard deviations of the white noise per sample.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sensors {
-    /// Of the swing velocity [rad/s].
-    pub swing_velocity: f64,
-    /// Of the swing angle, an encoder's [rad].
-    pub swing_angle: f64,
-    /// Of the swing torque [N m].
-    pub swing_torque: f64,
-    /// Of the joint angles [rad].
-    pub joint_angle: f64,
-}
-
-impl Default for Sensors {
-    fn default() -> Self {
-        Self {
-            swing_velocity: 0.005,
-            swing_angle: 2e-4,
-            swing_torque: 100.0,
-            joint_angle: 0.0,
-        }
-    }
-}
-
-impl Sensors {
-    /// Sensors without noise.
-    pub const EXACT: Self = Self {
-        swing_velocity: 0.0,
-        swing_angle: 0.0,
-        swing_torque: 0.0,
-        joint_angle: 0.0,
-    };
-}
 
 /// What to simulate.
 #[derive(Clone, Debug, PartialEq)]
@@ -141,21 +96,8 @@ impl std::error::Error for InvalidRun {}
 /// its period and allocates nothing.
 #[derive(Clone, Debug)]
 pub struct Simulation {
-    plant: Plant,
-    start: f64,
-    rate: f64,
-    /// Integration steps per sample.
-    steps: u32,
-    /// Index of the next sample.
-    next: u64,
-    /// Samples in all.
-    count: u64,
-    motion: Motion,
-    /// What acts at the time of the next sample.
-    point: Point,
-    noise: [Noise; 6],
-    deviation: [f64; 6],
-    injector: Injector,
+    course: Course,
+    instruments: Instruments,
 }
 
 impl Simulation {
@@ -175,95 +117,11 @@ impl Simulation {
     /// As [`Self::new`].
     pub fn of(plant: Plant, start: f64, run: &Run) -> Result<Self, InvalidRun> {
         check(run)?;
-        let injector = Injector::new(&run.faults, &CHANNELS, run.seed);
-        let Sensors {
-            swing_velocity,
-            swing_angle,
-            swing_torque,
-            joint_angle,
-        } = run.noise;
+        let instruments = Instruments::new(run.noise, &run.faults, run.seed);
         Ok(Self {
-            start,
-            rate: run.rate,
-            steps: (1.0 / (run.rate * LONGEST_STEP) - 1e-9).ceil().max(1.0) as u32,
-            next: 0,
-            // Both ends are samples; a saturating cast makes an infinite run endless.
-            count: ((run.duration * run.rate + 1e-6).floor() as u64).saturating_add(1),
-            motion: Motion::default(),
-            point: plant.point(start),
-            noise: std::array::from_fn(|channel| Noise::channel(run.seed, channel as u64)),
-            deviation: [
-                swing_velocity,
-                swing_angle,
-                swing_torque,
-                joint_angle,
-                joint_angle,
-                joint_angle,
-            ],
-            injector: injector.map_err(|e| InvalidRun(e.to_string()))?,
-            plant,
+            course: Course::new(plant, start, run.rate, run.duration),
+            instruments: instruments.map_err(|e| InvalidRun(e.to_string()))?,
         })
-    }
-
-    /// The plant that is simulated.
-    pub fn plant(&self) -> &Plant {
-        &self.plant
-    }
-
-    /// Time `steps` integration steps after the next sample [s].
-    fn time(&self, steps: f64) -> f64 {
-        self.start + (self.next as f64 + steps / f64::from(self.steps)) / self.rate
-    }
-
-    /// The sample at the current state, or none if it is lost as a whole.
-    fn measure(&mut self) -> Option<Row> {
-        let time = self.time(0.0);
-        let [boom, arm, bucket] = self.plant.posture(time);
-        let Motion { velocity, angle } = self.motion;
-        let exact = [velocity, angle, self.point.torque, boom, arm, bucket];
-        let lost = self.injector.loses_row(time);
-        let mut seen = [None; 6];
-        for (channel, value) in exact.into_iter().enumerate() {
-            let noisy = value + self.deviation[channel] * self.noise[channel].normal();
-            seen[channel] = self.injector.apply(channel, time, Some(noisy));
-        }
-        let row = Row {
-            time,
-            swing_velocity: seen[0],
-            swing_angle: seen[1],
-            swing_torque: seen[2],
-            posture: [seen[3], seen[4], seen[5]],
-            truth: self.truth(time),
-        };
-        (!lost).then_some(row)
-    }
-
-    fn truth(&self, time: f64) -> Truth {
-        let machine = &self.plant.machine;
-        Truth {
-            inertia: self.point.inertia,
-            damping: machine.damping,
-            friction: machine.friction,
-            torque: self.point.torque,
-            velocity: self.motion.velocity,
-            acceleration: machine.acceleration(&self.point, self.motion.velocity),
-            payload: self.plant.payload(time),
-        }
-    }
-
-    /// Integrates to the next sample.
-    fn advance(&mut self) {
-        let h = 1.0 / (self.rate * f64::from(self.steps));
-        for i in 0..self.steps {
-            let middle = self.plant.point(self.time(f64::from(i) + 0.5));
-            let end = self.plant.point(self.time(f64::from(i) + 1.0));
-            self.motion = self
-                .plant
-                .machine
-                .advance(self.motion, h, &[self.point, middle, end]);
-            self.point = end;
-        }
-        self.next += 1;
     }
 }
 
@@ -271,14 +129,8 @@ impl Iterator for Simulation {
     type Item = Row;
 
     fn next(&mut self) -> Option<Row> {
-        while self.next < self.count {
-            let row = self.measure();
-            self.advance();
-            if row.is_some() {
-                return row;
-            }
-        }
-        None
+        let instruments = &mut self.instruments;
+        self.course.find_map(|exact| instruments.measure(&exact))
     }
 }
 

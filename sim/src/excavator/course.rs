@@ -1,0 +1,106 @@
+//! The course of a run: the plant, integrated and sampled without any sensor.
+
+use super::plant::{Motion, Plant, Point};
+use super::simulation::Truth;
+
+/// The longest integration step [s].
+const LONGEST_STEP: f64 = 1e-3;
+
+/// What exact sensors would see, and what is really so.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Exact {
+    /// Time of the sample [s].
+    pub time: f64,
+    /// The values of the channels, in the order of [`super::CHANNELS`].
+    pub values: [f64; 6],
+    /// What is really so.
+    pub truth: Truth,
+}
+
+/// Yields the exact samples of a plant. Computed once, they serve any number of seeds and faults.
+#[derive(Clone, Debug)]
+pub struct Course {
+    plant: Plant,
+    start: f64,
+    rate: f64,
+    /// Integration steps per sample.
+    steps: u32,
+    /// Index of the next sample.
+    next: u64,
+    /// Samples in all.
+    count: u64,
+    motion: Motion,
+    /// What acts at the time of the next sample.
+    point: Point,
+}
+
+impl Course {
+    /// The course of a plant that is at rest at `start` [s], sampled at `rate` [Hz] for `duration` [s], both
+    /// ends included.
+    pub fn new(plant: Plant, start: f64, rate: f64, duration: f64) -> Self {
+        Self {
+            start,
+            rate,
+            steps: (1.0 / (rate * LONGEST_STEP) - 1e-9).ceil().max(1.0) as u32,
+            next: 0,
+            // A saturating cast makes an infinite run endless.
+            count: ((duration * rate + 1e-6).floor() as u64).saturating_add(1),
+            motion: Motion::default(),
+            point: plant.point(start),
+            plant,
+        }
+    }
+
+    /// Time `steps` integration steps after the next sample [s].
+    fn time(&self, steps: f64) -> f64 {
+        self.start + (self.next as f64 + steps / f64::from(self.steps)) / self.rate
+    }
+
+    fn sample(&self) -> Exact {
+        let time = self.time(0.0);
+        let [boom, arm, bucket] = self.plant.posture(time);
+        let Motion { velocity, angle } = self.motion;
+        let machine = &self.plant.machine;
+        let truth = Truth {
+            inertia: self.point.inertia,
+            damping: machine.damping,
+            friction: machine.friction,
+            torque: self.point.torque,
+            velocity,
+            acceleration: machine.acceleration(&self.point, velocity),
+            payload: self.plant.payload(time),
+        };
+        Exact {
+            time,
+            values: [velocity, angle, truth.torque, boom, arm, bucket],
+            truth,
+        }
+    }
+
+    /// Integrates to the next sample.
+    fn advance(&mut self) {
+        let h = 1.0 / (self.rate * f64::from(self.steps));
+        for i in 0..self.steps {
+            let middle = self.plant.point(self.time(f64::from(i) + 0.5));
+            let end = self.plant.point(self.time(f64::from(i) + 1.0));
+            self.motion = self
+                .plant
+                .machine
+                .advance(self.motion, h, &[self.point, middle, end]);
+            self.point = end;
+        }
+        self.next += 1;
+    }
+}
+
+impl Iterator for Course {
+    type Item = Exact;
+
+    fn next(&mut self) -> Option<Exact> {
+        (self.next < self.count).then(|| {
+            let sample = self.sample();
+            self.advance();
+            sample
+        })
+    }
+}
