@@ -1,6 +1,15 @@
 //! What people see of heft: the report, the live page, the terminal dashboard and the papers'
 //! figures, all from one set of plots and one set of words.
 
+pub mod estimate;
 pub mod number;
+pub mod panels;
 pub mod plot;
+mod report;
+mod run;
+pub mod score;
 pub mod statistics;
+pub mod words;
+
+pub use report::report;
+pub use run::{Estimator, MachineRun, Run, lost};

@@ -69,6 +69,7 @@ pub struct Plot {
     x_range: Option<(f64, f64)>,
     y_range: Option<(f64, f64)>,
     x_names: Vec<(f64, String)>,
+    y_names: Vec<(f64, String)>,
     items: Vec<Item>,
 }
 
@@ -84,6 +85,7 @@ impl Plot {
             x_range: None,
             y_range: None,
             x_names: Vec::new(),
+            y_names: Vec::new(),
             items: Vec::new(),
         }
     }
@@ -114,6 +116,13 @@ impl Plot {
     #[must_use]
     pub fn x_names(mut self, names: Vec<(f64, String)>) -> Self {
         self.x_names = names;
+        self
+    }
+
+    /// Names in place of numbers on the ordinate.
+    #[must_use]
+    pub fn y_names(mut self, names: Vec<(f64, String)>) -> Self {
+        self.y_names = names;
         self
     }
 

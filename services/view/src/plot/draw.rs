@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::scale::Axis;
-use super::{Item, Mark, Plot, STYLE, Style, decimate, escape};
+use super::{Item, Mark, Plot, STYLE, decimate, escape};
 
 /// Height of a line of text, and the mean width of a character of it, in a 12 px sans serif.
 const LINE: f64 = 17.0;
@@ -60,7 +60,11 @@ fn body(out: &mut String, plot: &Plot, prefix: &str, width: f64, height: f64) {
     let _ = write!(out, "<text class=\"title\" x=\"4\" y=\"14\">{title}</text>");
     let top = 20.0 + legend(out, plot, width);
     let y_count = ((height - top - 36.0) / 38.0).max(2.0) as usize;
-    let y_ticks = Axis::new(plot.y_scale, plot.y_extent(), 0.0, 1.0).ticks(y_count);
+    let y_ticks = if plot.y_names.is_empty() {
+        Axis::new(plot.y_scale, plot.y_extent(), 0.0, 1.0).ticks(y_count)
+    } else {
+        plot.y_names.clone()
+    };
     let longest = y_ticks
         .iter()
         .map(|t| t.1.chars().count())
@@ -134,8 +138,9 @@ fn axes(out: &mut String, plot: &Plot, f: &Frame, x: &Axis, y: &Axis, ticks: &[(
         let _ = write!(
             out,
             "<path class=\"grid\" d=\"M{:.1} {at:.1}H{right:.1}\"/>\
-             <text class=\"tick end\" x=\"{text_x:.1}\" y=\"{text_y:.1}\">{label}</text>",
-            f.left
+             <text class=\"tick end\" x=\"{text_x:.1}\" y=\"{text_y:.1}\">{}</text>",
+            f.left,
+            escape(label)
         );
     }
     let named = !plot.x_names.is_empty();
@@ -270,6 +275,7 @@ fn short(value: f64) -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Style;
     use super::*;
 
     #[test]

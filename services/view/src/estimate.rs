@@ -1,0 +1,117 @@
+//! What report, live page and terminal need to know of an estimate: its parameters with label,
+//! unit, truth and verdict, in one table per machine.
+
+mod excavator;
+mod loader;
+
+use messages::Message;
+
+use crate::words::Judgement;
+
+/// An estimate message of one machine.
+pub trait Estimate: Message {
+    /// The truth that belongs to it.
+    type Truth: Message;
+    /// Name of the machine, as in the names of the channels.
+    const MACHINE: &'static str;
+    /// Names of the methods, indexed by [`Estimate::method`].
+    const METHODS: &'static [&'static str];
+    /// Its parameters, those that the machine is about first.
+    const PARAMETERS: &'static [Parameter<Self, Self::Truth>];
+    /// How its normalised innovations are judged.
+    const INNOVATION: InnovationRule;
+
+    /// Index of the method.
+    fn method(&self) -> u32;
+    /// Verdict bits.
+    fn flags(&self) -> u32;
+    /// Normalised innovation squared, 0 where no measurement was accepted.
+    fn nis(&self) -> f64;
+    /// What heft says of each headline parameter.
+    fn judgements(&self) -> Vec<Judgement>;
+
+    /// Name of the method.
+    fn method_name(&self) -> &'static str {
+        usize::try_from(self.method())
+            .ok()
+            .and_then(|i| Self::METHODS.get(i))
+            .copied()
+            .unwrap_or("unknown method")
+    }
+
+    /// Whether every headline parameter is trusted.
+    fn trusted(&self) -> bool {
+        Self::PARAMETERS
+            .iter()
+            .filter(|p| p.headline())
+            .all(|p| self.flags() & p.trusted != 0)
+    }
+}
+
+/// How the normalised innovation squared of a machine's filters is averaged and judged.
+#[derive(Debug, Clone, Copy)]
+pub struct InnovationRule {
+    /// Samples in the moving mean.
+    pub window: usize,
+    /// Measurements a sample.
+    pub measurements: f64,
+    /// The mean above which `consistent` goes off.
+    pub limit: f64,
+}
+
+/// A quantity of an estimate.
+#[derive(Debug)]
+pub struct Parameter<E, T> {
+    /// Name of the field, as in the CSV.
+    pub key: &'static str,
+    /// What people call it.
+    pub label: &'static str,
+    /// Unit, as in [`messages::Field::unit`].
+    pub unit: &'static str,
+    value: fn(&E) -> f64,
+    std: Option<fn(&E) -> f64>,
+    estimated: fn(&E) -> bool,
+    truth: Option<fn(&T) -> Option<f64>>,
+    /// Bit of [`Estimate::flags`] that says that it may be believed; 0 where there is no verdict.
+    pub trusted: u32,
+    /// Bit that says that the motion informs about it; errors are counted there.
+    pub excited: u32,
+}
+
+impl<E, T> Parameter<E, T> {
+    /// The value, NaN where the method does not estimate it.
+    pub fn value(&self, estimate: &E) -> f64 {
+        if (self.estimated)(estimate) {
+            (self.value)(estimate)
+        } else {
+            f64::NAN
+        }
+    }
+
+    /// Its standard deviation, NaN where there is none.
+    pub fn std(&self, estimate: &E) -> f64 {
+        match self.std {
+            Some(std) if (self.estimated)(estimate) => std(estimate),
+            _ => f64::NAN,
+        }
+    }
+
+    /// The truth, NaN where it is not known.
+    pub fn truth(&self, truth: &T) -> f64 {
+        self.truth.and_then(|f| f(truth)).unwrap_or(f64::NAN)
+    }
+
+    /// Whether heft gives a verdict on it.
+    pub fn headline(&self) -> bool {
+        self.trusted != 0
+    }
+
+    /// "Swing inertia [kg m²]".
+    pub fn title(&self) -> String {
+        if self.unit.is_empty() {
+            format!("{} [–]", self.label)
+        } else {
+            format!("{} [{}]", self.label, crate::number::unit(self.unit))
+        }
+    }
+}

@@ -1,0 +1,133 @@
+//! The excavator's parameters.
+
+use messages::{EXCAVATOR_METHODS, ExcavatorEstimate, ExcavatorTruth, excavator_bits as bits};
+
+use super::{Estimate, InnovationRule, Parameter};
+use crate::words::{self, Judgement};
+
+type Row = Parameter<ExcavatorEstimate, ExcavatorTruth>;
+
+/// A parameter without verdict; `$truth` is the field of the truth and its bit in `known`.
+macro_rules! row {
+    ($key:literal, $label:literal, $unit:literal, $value:ident, $std:expr, $bit:expr, $truth:expr) => {
+        Row {
+            key: $key,
+            label: $label,
+            unit: $unit,
+            value: |e| e.$value,
+            std: $std,
+            estimated: |e| e.estimated & $bit != 0,
+            truth: $truth,
+            trusted: 0,
+            excited: bits::EXCITED,
+        }
+    };
+}
+
+fn known(truth: &ExcavatorTruth, bit: u32, value: f64) -> Option<f64> {
+    (truth.known & (1 << bit) != 0).then_some(value)
+}
+
+impl Estimate for ExcavatorEstimate {
+    type Truth = ExcavatorTruth;
+    const MACHINE: &'static str = "excavator";
+    const METHODS: &'static [&'static str] = EXCAVATOR_METHODS;
+    const INNOVATION: InnovationRule = InnovationRule {
+        window: 50,
+        measurements: 1.0,
+        limit: 1.8,
+    };
+    const PARAMETERS: &'static [Row] = &[
+        Row {
+            trusted: bits::TRUSTED,
+            ..row!(
+                "inertia",
+                "Swing inertia",
+                "kg m^2",
+                inertia,
+                Some(|e| e.inertia_std),
+                bits::INERTIA,
+                Some(|t| known(t, 0, t.inertia))
+            )
+        },
+        row!(
+            "payload",
+            "Payload",
+            "kg",
+            payload,
+            Some(|e| e.payload_std),
+            bits::PAYLOAD,
+            Some(|t| known(t, 6, t.payload))
+        ),
+        row!(
+            "torque",
+            "Torque",
+            "N m",
+            torque,
+            Some(|e| e.torque_std),
+            bits::TORQUE,
+            Some(|t| known(t, 3, t.torque))
+        ),
+        row!(
+            "damping",
+            "Damping",
+            "N m s/rad",
+            damping,
+            Some(|e| e.damping_std),
+            bits::DAMPING,
+            Some(|t| known(t, 1, t.damping))
+        ),
+        row!(
+            "friction",
+            "Coulomb friction",
+            "N m",
+            friction,
+            Some(|e| e.friction_std),
+            bits::FRICTION,
+            Some(|t| known(t, 2, t.friction))
+        ),
+        row!(
+            "offset",
+            "Torque offset",
+            "N m",
+            offset,
+            Some(|e| e.offset_std),
+            bits::OFFSET,
+            None
+        ),
+        row!(
+            "velocity",
+            "Swing velocity",
+            "rad/s",
+            velocity,
+            None,
+            u32::MAX,
+            Some(|t| known(t, 4, t.velocity))
+        ),
+        row!(
+            "acceleration",
+            "Swing acceleration",
+            "rad/s^2",
+            acceleration,
+            None,
+            bits::ACCELERATION,
+            Some(|t| known(t, 5, t.acceleration))
+        ),
+    ];
+
+    fn method(&self) -> u32 {
+        self.method
+    }
+
+    fn flags(&self) -> u32 {
+        self.flags
+    }
+
+    fn nis(&self) -> f64 {
+        self.nis
+    }
+
+    fn judgements(&self) -> Vec<Judgement> {
+        vec![words::excavator::inertia(self)]
+    }
+}

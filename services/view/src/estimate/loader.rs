@@ -1,0 +1,136 @@
+//! The wheel loader's parameters.
+
+use messages::{LOADER_METHODS, LoaderEstimate, LoaderTruth, loader_bits as bits};
+
+use super::{Estimate, InnovationRule, Parameter};
+use crate::words::{self, Judgement};
+
+type Row = Parameter<LoaderEstimate, LoaderTruth>;
+
+macro_rules! row {
+    ($key:literal, $label:literal, $unit:literal, $value:ident, $std:expr, $bit:expr, $truth:expr) => {
+        Row {
+            key: $key,
+            label: $label,
+            unit: $unit,
+            value: |e| e.$value,
+            std: $std,
+            estimated: |e| e.estimated & $bit != 0,
+            truth: $truth,
+            trusted: 0,
+            excited: bits::EXCITED_RATIO,
+        }
+    };
+}
+
+fn known(truth: &LoaderTruth, bit: u32, value: f64) -> Option<f64> {
+    (truth.known & (1 << bit) != 0).then_some(value)
+}
+
+impl Estimate for LoaderEstimate {
+    type Truth = LoaderTruth;
+    const MACHINE: &'static str = "loader";
+    const METHODS: &'static [&'static str] = LOADER_METHODS;
+    const INNOVATION: InnovationRule = InnovationRule {
+        window: 400,
+        measurements: 3.0,
+        limit: 2.0,
+    };
+    const PARAMETERS: &'static [Row] = &[
+        Row {
+            trusted: bits::TRUSTED_RATIO,
+            ..row!(
+                "cg_ratio",
+                "Share of the weight on the front axle",
+                "",
+                cg_ratio,
+                Some(|e| e.cg_ratio_std),
+                bits::STATE,
+                Some(|t| known(t, 4, t.cg_ratio))
+            )
+        },
+        Row {
+            trusted: bits::TRUSTED_HEIGHT,
+            excited: bits::EXCITED_HEIGHT,
+            ..row!(
+                "cg_height",
+                "Height of the centre of gravity",
+                "m",
+                cg_height,
+                Some(|e| e.cg_height_std),
+                bits::STATE,
+                Some(|t| known(t, 3, t.cg_height))
+            )
+        },
+        row!(
+            "slip_stiffness",
+            "Tyre slip stiffness",
+            "",
+            slip_stiffness,
+            Some(|e| e.slip_stiffness_std),
+            bits::STATE,
+            Some(|t| known(t, 5, t.slip_stiffness))
+        ),
+        row!(
+            "spade_force_x",
+            "Horizontal spade force",
+            "N",
+            spade_force_x,
+            Some(|e| e.spade_force_x_std),
+            bits::ESTIMATED_SPADE_FORCE_X,
+            Some(|t| known(t, 6, t.spade_force_x))
+        ),
+        row!(
+            "speed",
+            "Speed",
+            "m/s",
+            speed,
+            None,
+            bits::STATE,
+            Some(|t| known(t, 0, t.speed))
+        ),
+        row!(
+            "slope_bias",
+            "Bias of the slope sensor",
+            "rad",
+            slope_bias,
+            None,
+            bits::SLOPE_BIAS,
+            None
+        ),
+        row!(
+            "front_radius_scale",
+            "Front rolling radius over nominal",
+            "",
+            front_radius_scale,
+            None,
+            bits::RADIUS_SCALES,
+            None
+        ),
+        row!(
+            "rear_radius_scale",
+            "Rear rolling radius over nominal",
+            "",
+            rear_radius_scale,
+            None,
+            bits::RADIUS_SCALES,
+            None
+        ),
+    ];
+
+    fn method(&self) -> u32 {
+        self.method
+    }
+
+    fn flags(&self) -> u32 {
+        self.flags
+    }
+
+    fn nis(&self) -> f64 {
+        self.nis
+    }
+
+    fn judgements(&self) -> Vec<Judgement> {
+        vec![words::loader::position(self), words::loader::height(self)]
+    }
+}

@@ -1,0 +1,55 @@
+//! Histograms of the relative error with their normal fit, as the papers draw them.
+
+use super::Panel;
+use super::history::style;
+use crate::estimate::Estimate;
+use crate::number::grouped;
+use crate::plot::{Plot, Style};
+use crate::run::MachineRun;
+use crate::score::Score;
+use crate::statistics::{Histogram, Summary, normal_density};
+
+const BINS: usize = 32;
+
+/// A histogram for each estimator and headline parameter whose truth is known.
+#[must_use]
+pub fn panels<E: Estimate>(run: &MachineRun<E>) -> Vec<Panel> {
+    let mut panels = Vec::new();
+    for parameter in E::PARAMETERS.iter().filter(|p| p.headline()) {
+        for estimator in &run.estimators {
+            let score = Score::of(run, estimator, parameter);
+            let title = format!(
+                "Error of {}: {}",
+                parameter.label.to_lowercase(),
+                estimator.method()
+            );
+            let plot = histogram(&title, &score.errors, style(run, estimator));
+            panels.extend(plot.map(|plot| Panel::half(plot, "")));
+        }
+    }
+    panels
+}
+
+/// Histogram of errors in percent with the normal density of the same mean and standard deviation.
+#[must_use]
+pub fn histogram(title: &str, errors: &[f64], style: Style) -> Option<Plot> {
+    let (summary, bins) = (Summary::of(errors)?, Histogram::of(errors, BINS)?);
+    let mut plot = Plot::new(title, "Error [%], share of samples per 1 %");
+    plot.bars("while moving", style, &bins.edges, &bins.density);
+    if summary.std > 0.0 {
+        let fit = format!(
+            "normal fit: mean {} %, std {} %",
+            grouped(summary.mean, 2),
+            grouped(summary.std, 2)
+        );
+        plot.line(fit, Style::Truth, &normal_curve(&summary));
+    }
+    Some(plot)
+}
+
+fn normal_curve(summary: &Summary) -> Vec<(f64, f64)> {
+    let at = |i: i32| summary.mean + summary.std * f64::from(i) / 20.0;
+    (-80..=80)
+        .map(|i| (at(i), normal_density(at(i), summary.mean, summary.std)))
+        .collect()
+}

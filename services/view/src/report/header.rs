@@ -1,0 +1,148 @@
+//! The top of the report: what the run says, how sure, and why.
+
+use std::fmt::Write;
+
+use messages::Message;
+
+use super::html::text;
+use crate::estimate::{Estimate, Parameter};
+use crate::number::{grouped, significant};
+use crate::run::{Estimator, MachineRun, Run};
+use crate::words::{RunJudgement, run_judgements};
+
+/// Title of the page.
+pub(super) fn title(run: &Run) -> String {
+    let machines = [
+        (!run.excavator.estimators.is_empty()).then_some("excavator"),
+        (!run.loader.estimators.is_empty()).then_some("wheel loader"),
+    ];
+    let machines: Vec<_> = machines.into_iter().flatten().collect();
+    if machines.is_empty() {
+        return "heft report: no estimates".into();
+    }
+    format!("heft report: {}", machines.join(" and "))
+}
+
+pub(super) fn write(body: &mut String, run: &Run) {
+    let _ = write!(body, "<header><h1>{}</h1>", text(&title(run)));
+    let facts = ["scenario", "payload", "seed", "version", "host", "started"];
+    let known = facts
+        .iter()
+        .filter_map(|f| run.metadata(f).map(|v| format!("{f} {}", text(v))));
+    let line: Vec<_> = known.collect();
+    if !line.is_empty() {
+        let _ = write!(body, "<p class=\"facts\">{}</p>", line.join(" · "));
+    }
+    if run.excavator.estimators.is_empty() && run.loader.estimators.is_empty() {
+        body.push_str("<p>This run holds no estimate of a machine.</p>");
+    }
+    machine(body, &run.excavator);
+    machine(body, &run.loader);
+    body.push_str("</header>");
+}
+
+/// The verdict of the primary estimator as cards, those of the others as a list.
+fn machine<E: Estimate>(body: &mut String, part: &MachineRun<E>) {
+    let Some(primary) = part.primary() else {
+        return;
+    };
+    for (judgement, parameter) in run_judgements(&primary.estimates)
+        .iter()
+        .zip(headline::<E>())
+    {
+        card(body, part, primary, judgement, parameter);
+    }
+    for other in part
+        .estimators
+        .iter()
+        .filter(|e| e.channel != primary.channel)
+    {
+        let judgements = run_judgements(&other.estimates);
+        let sentences: Vec<_> = judgements
+            .iter()
+            .map(|j| text(&j.told.sentence()))
+            .collect();
+        let name = other.method();
+        let _ = write!(
+            body,
+            "<p class=\"other\"><b>{name}</b>: {}</p>",
+            sentences.join(" ")
+        );
+    }
+}
+
+fn headline<E: Estimate>() -> impl Iterator<Item = &'static Parameter<E, E::Truth>> {
+    E::PARAMETERS.iter().filter(|p| p.headline())
+}
+
+fn card<E: Estimate>(
+    body: &mut String,
+    part: &MachineRun<E>,
+    estimator: &Estimator<E>,
+    judgement: &RunJudgement,
+    parameter: &Parameter<E, E::Truth>,
+) {
+    let class = if judgement.told.trusted {
+        "trusted"
+    } else {
+        "doubted"
+    };
+    let word = if judgement.told.trusted {
+        "trusted"
+    } else {
+        "not trusted"
+    };
+    let at = grouped(judgement.time, 1);
+    let _ = write!(
+        body,
+        "<article class=\"verdict {class}\"><p class=\"value\">{}.</p>\
+         <p><span class=\"badge\">{word}</span> {}</p><p class=\"when\">{} by <b>{}</b> at t = {at} s; trusted {} % of the run.",
+        text(&judgement.told.value),
+        text(&judgement.told.verdict()),
+        if judgement.told.trusted {
+            "Last trusted value"
+        } else {
+            "Last value"
+        },
+        estimator.method(),
+        significant(100.0 * judgement.trusted_share, 3),
+    );
+    if let Some(end) = &judgement.end {
+        let _ = write!(body, " At the end: {}", text(&end.verdict()));
+    }
+    if let Some(sentence) = truth_sentence(part, estimator, judgement, parameter) {
+        let _ = write!(body, " {sentence}");
+    }
+    body.push_str("</p></article>");
+}
+
+/// How far the told value is from the truth.
+fn truth_sentence<E: Estimate>(
+    part: &MachineRun<E>,
+    estimator: &Estimator<E>,
+    judgement: &RunJudgement,
+    parameter: &Parameter<E, E::Truth>,
+) -> Option<String> {
+    let estimate = estimator.estimates.get(judgement.index)?;
+    let sequence = estimate.stamp().sequence;
+    let at = part
+        .truth
+        .binary_search_by_key(&sequence, |t| t.stamp().sequence)
+        .ok()?;
+    let truth = parameter.truth(&part.truth[at]);
+    let (value, std) = (parameter.value(estimate), parameter.std(estimate));
+    let error = 100.0 * (value / truth - 1.0);
+    let inside = if (value - truth).abs() <= 1.96 * std {
+        "inside"
+    } else {
+        "outside"
+    };
+    let unit = crate::number::unit(parameter.unit);
+    error.is_finite().then(|| {
+        format!(
+            "The truth was {} {unit}: the error is {} %, {inside} the 95 % interval.",
+            grouped(truth, crate::number::decimals(std)),
+            grouped(error, 2),
+        )
+    })
+}

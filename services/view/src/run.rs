@@ -1,0 +1,161 @@
+//! A run in memory: what the report is made of.
+
+use messages::{ExcavatorEstimate, Health, LoaderEstimate, Message, SwingMotion};
+
+use crate::estimate::Estimate;
+
+/// The estimates of one estimator, in the order of their time.
+#[derive(Debug, Clone)]
+pub struct Estimator<E> {
+    /// Name of the channel, for example `excavator/inertia_rls`.
+    pub channel: String,
+    /// What it published.
+    pub estimates: Vec<E>,
+}
+
+impl<E: Estimate> Estimator<E> {
+    /// The method of the last estimate.
+    #[must_use]
+    pub fn method(&self) -> &'static str {
+        self.estimates
+            .last()
+            .map_or("no estimate", Estimate::method_name)
+    }
+}
+
+/// The part of a run that concerns one machine.
+#[derive(Debug, Clone)]
+pub struct MachineRun<E: Estimate> {
+    /// Its estimators, those without an estimate left out.
+    pub estimators: Vec<Estimator<E>>,
+    /// The truth, empty where it is not known.
+    pub truth: Vec<E::Truth>,
+}
+
+impl<E: Estimate> Default for MachineRun<E> {
+    fn default() -> Self {
+        Self {
+            estimators: Vec::new(),
+            truth: Vec::new(),
+        }
+    }
+}
+
+impl<E: Estimate> MachineRun<E> {
+    /// The estimator to tell about first: the one that trusted its estimates longest, of equals
+    /// the last.
+    #[must_use]
+    pub fn primary(&self) -> Option<&Estimator<E>> {
+        let trusted = |e: &&Estimator<E>| e.estimates.iter().filter(|e| e.trusted()).count();
+        self.estimators.iter().max_by_key(trusted)
+    }
+
+    /// The truth of each estimate, by the number of the sample.
+    #[must_use]
+    pub fn truth_of<'a>(&'a self, estimates: &[E]) -> Vec<Option<&'a E::Truth>> {
+        let mut rest = self.truth.as_slice();
+        let mut find = |estimate: &E| {
+            let wanted = estimate.stamp().sequence;
+            let ahead = rest
+                .iter()
+                .take_while(|t| t.stamp().sequence < wanted)
+                .count();
+            rest = &rest[ahead..];
+            rest.first().filter(|t| t.stamp().sequence == wanted)
+        };
+        estimates.iter().map(&mut find).collect()
+    }
+}
+
+/// A run: a recording, or what `heft estimate` has just computed.
+#[derive(Debug, Clone, Default)]
+pub struct Run {
+    /// Names and values in the order of the recording: version, configuration, host...
+    pub metadata: Vec<(String, String)>,
+    /// The excavator's part, empty for a loader.
+    pub excavator: MachineRun<ExcavatorEstimate>,
+    /// The loader's part, empty for an excavator.
+    pub loader: MachineRun<LoaderEstimate>,
+    /// The excavator's filter stage.
+    pub motion: Vec<SwingMotion>,
+    /// What the processes said of themselves.
+    pub health: Vec<Health>,
+    /// Names of the processes, by [`Health::process`].
+    pub processes: Vec<String>,
+}
+
+impl Run {
+    /// Metadata value called `name`.
+    #[must_use]
+    pub fn metadata(&self, name: &str) -> Option<&str> {
+        let mut pairs = self.metadata.iter();
+        pairs.find(|(n, _)| n == name).map(|(_, v)| v.as_str())
+    }
+
+    /// Name of process `index`.
+    #[must_use]
+    pub fn process_name(&self, index: u32) -> String {
+        let known = usize::try_from(index)
+            .ok()
+            .and_then(|i| self.processes.get(i));
+        known.cloned().unwrap_or_else(|| format!("process {index}"))
+    }
+}
+
+/// Samples that never arrived, by the gaps of the sequence within each life of the source.
+#[must_use]
+pub fn lost<M: Message>(messages: &[M]) -> u64 {
+    let gap = |pair: &[M]| {
+        let (a, b) = (pair[0].stamp(), pair[1].stamp());
+        let ahead = b.sequence.saturating_sub(a.sequence).saturating_sub(1);
+        if a.machine == b.machine { ahead } else { 0 }
+    };
+    messages.windows(2).map(gap).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use messages::{ExcavatorTruth, Stamp};
+
+    fn stamp(sequence: u64) -> Stamp {
+        Stamp {
+            sequence,
+            ..Default::default()
+        }
+    }
+
+    #[test]
+    fn gaps_in_the_sequence_are_losses() {
+        let seen = [0, 1, 4, 5, 9].map(|n| Health {
+            stamp: stamp(n),
+            ..Default::default()
+        });
+        assert_eq!(lost(&seen), 5);
+        assert_eq!(lost::<Health>(&[]), 0);
+    }
+
+    #[test]
+    fn truth_is_matched_by_sample_number() {
+        let truth = [1, 2, 4].map(|n| ExcavatorTruth {
+            stamp: stamp(n),
+            ..Default::default()
+        });
+        let estimates = [0, 2, 3, 4, 5].map(|n| ExcavatorEstimate {
+            stamp: stamp(n),
+            ..Default::default()
+        });
+        let run = MachineRun {
+            estimators: Vec::new(),
+            truth: truth.to_vec(),
+        };
+        let found = run
+            .truth_of(&estimates)
+            .into_iter()
+            .map(|t| t.map(|t| t.stamp.sequence));
+        assert_eq!(
+            found.collect::<Vec<_>>(),
+            [None, Some(2), None, Some(4), None]
+        );
+    }
+}

@@ -1,0 +1,219 @@
+//! The verdict in plain words, with numbers rounded to their uncertainty: one wording for the
+//! command line, the report, the live page and the terminal dashboard.
+
+pub(crate) mod excavator;
+pub(crate) mod loader;
+
+use messages::{ExcavatorEstimate, LoaderEstimate};
+
+use crate::estimate::Estimate;
+
+/// What heft says of one quantity.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Judgement {
+    /// The value with its uncertainty: "The swing inertia is 5 873 ± 61 kg m² (95 %: ...)".
+    pub value: String,
+    /// Whether it may be believed.
+    pub trusted: bool,
+    /// Why, or why not.
+    pub reasons: Vec<String>,
+}
+
+impl Judgement {
+    /// Verdict and reasons: "heft trusts it: ...", "heft does not trust it, because ...".
+    #[must_use]
+    pub fn verdict(&self) -> String {
+        let reasons = list(&self.reasons);
+        if self.trusted {
+            format!("heft trusts it: {reasons}.")
+        } else {
+            format!("heft does not trust it, because {reasons}.")
+        }
+    }
+
+    /// Value, verdict and reasons.
+    #[must_use]
+    pub fn sentence(&self) -> String {
+        format!("{}. {}", self.value, self.verdict())
+    }
+}
+
+/// The verdict on an excavator estimate.
+#[must_use]
+pub fn excavator_verdict(estimate: &ExcavatorEstimate) -> String {
+    verdict(estimate)
+}
+
+/// The verdict on a loader estimate, position and height.
+#[must_use]
+pub fn loader_verdict(estimate: &LoaderEstimate) -> String {
+    verdict(estimate)
+}
+
+/// The verdict on the estimate of any machine.
+#[must_use]
+pub fn verdict<E: Estimate>(estimate: &E) -> String {
+    let sentences: Vec<_> = estimate
+        .judgements()
+        .iter()
+        .map(Judgement::sentence)
+        .collect();
+    sentences.join(" ")
+}
+
+/// A headline quantity over a whole run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RunJudgement {
+    /// The last estimate that heft trusted, else the last one.
+    pub told: Judgement,
+    /// Time of it [s].
+    pub time: f64,
+    /// Where `told` is not the last: what heft says at the end.
+    pub end: Option<Judgement>,
+    /// Share of the samples that were trusted.
+    pub trusted_share: f64,
+    /// Position of the estimate that `told` is about.
+    pub index: usize,
+}
+
+/// What a whole run says of each headline quantity: a machine that stands still at the end has
+/// not lost what it told while it moved. Empty without an estimate.
+#[must_use]
+pub fn run_judgements<E: Estimate>(estimates: &[E]) -> Vec<RunJudgement> {
+    let Some(last) = estimates.last() else {
+        return Vec::new();
+    };
+    let headline = E::PARAMETERS.iter().filter(|p| p.headline());
+    let over_the_run = |(i, bit): (usize, u32)| {
+        let trusted = |e: &&E| e.flags() & bit != 0;
+        let index = estimates.iter().rposition(|e| trusted(&e));
+        let at = index.unwrap_or(estimates.len() - 1);
+        let end = (at + 1 != estimates.len()).then(|| last.judgements().swap_remove(i));
+        RunJudgement {
+            told: estimates[at].judgements().swap_remove(i),
+            time: estimates[at].stamp().time,
+            end: end.filter(|e| !e.trusted),
+            trusted_share: estimates.iter().filter(trusted).count() as f64 / estimates.len() as f64,
+            index: at,
+        }
+    };
+    headline
+        .map(|p| p.trusted)
+        .enumerate()
+        .map(over_the_run)
+        .collect()
+}
+
+/// "a", "a and b", "a, b and c".
+fn list(items: &[String]) -> String {
+    match items {
+        [] => "no reason was given".into(),
+        [one] => one.clone(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::number::GROUP;
+    use messages::{excavator_bits as x, loader_bits as l};
+
+    fn plain(text: &str) -> String {
+        text.replace(GROUP, " ")
+    }
+
+    fn inertia(flags: u32) -> ExcavatorEstimate {
+        ExcavatorEstimate {
+            inertia: 5873.2,
+            inertia_std: 61.2,
+            estimated: x::INERTIA,
+            flags,
+            ..Default::default()
+        }
+    }
+
+    const ALL: u32 = x::EXCITED | x::CONSISTENT | x::FRESH | x::CONVERGED | x::IDENTIFIABLE;
+
+    #[test]
+    fn a_trusted_inertia_says_value_interval_and_why() {
+        let text = plain(&excavator_verdict(&inertia(ALL | x::TRUSTED)));
+        assert!(text.starts_with("The swing inertia is 5 873 ± 61 kg m² (95 %: 5 753 to 5 993 kg m²). heft trusts it:"), "{text}");
+    }
+
+    #[test]
+    fn every_missing_bit_is_a_reason_of_its_own() {
+        for bit in [
+            x::EXCITED,
+            x::CONSISTENT,
+            x::FRESH,
+            x::CONVERGED,
+            x::IDENTIFIABLE,
+        ] {
+            let judgement = excavator::inertia(&inertia(ALL & !bit));
+            assert!(!judgement.trusted);
+            assert_eq!(judgement.reasons.len(), 1, "{judgement:?}");
+        }
+        let none = excavator::inertia(&inertia(0));
+        let distinct: std::collections::HashSet<_> = none.reasons.iter().collect();
+        assert_eq!(distinct.len(), 5);
+    }
+
+    #[test]
+    fn standstill_and_a_changing_payload_are_named() {
+        let held = excavator_verdict(&inertia(ALL & !x::EXCITED | x::HELD));
+        assert!(held.contains("stands still"), "{held}");
+        let changing = excavator_verdict(&inertia(ALL & !x::CONVERGED | x::CHANGING));
+        assert!(changing.contains("payload is changing"), "{changing}");
+    }
+
+    #[test]
+    fn no_estimate_is_not_an_inertia_of_zero() {
+        let text = excavator_verdict(&ExcavatorEstimate::default());
+        assert!(text.starts_with("There is no swing inertia yet"), "{text}");
+    }
+
+    #[test]
+    fn position_and_height_have_verdicts_of_their_own() {
+        let estimate = LoaderEstimate {
+            cg_ratio: 0.42,
+            cg_ratio_std: 0.0042,
+            cg_distance: 1.624,
+            cg_height: 0.91,
+            cg_height_std: 0.12,
+            estimated: l::STATE,
+            flags: l::EXCITED_RATIO
+                | l::CONSISTENT
+                | l::FRESH
+                | l::CONVERGED_RATIO
+                | l::TRUSTED_RATIO,
+            ..Default::default()
+        };
+        let text = plain(&loader_verdict(&estimate));
+        assert!(
+            text.contains("1.624 ± 0.012 m behind the front axle"),
+            "{text}"
+        );
+        assert!(text.contains("heft trusts it"), "{text}");
+        assert!(text.contains("0.91 ± 0.12 m above the ground"), "{text}");
+        assert!(text.contains("heft does not trust it, because"), "{text}");
+    }
+
+    #[test]
+    fn a_run_that_ends_at_standstill_tells_what_it_knew_before() {
+        let run = [
+            inertia(0),
+            inertia(ALL | x::TRUSTED),
+            inertia(ALL & !x::EXCITED | x::HELD),
+        ];
+        let judgement = run_judgements(&run).swap_remove(0);
+        assert!(judgement.told.trusted && judgement.index == 1);
+        assert!(
+            judgement
+                .end
+                .is_some_and(|e| e.reasons[0].contains("stands still"))
+        );
+        assert!((judgement.trusted_share - 1.0 / 3.0).abs() < 1e-12);
+        assert!(run_judgements::<ExcavatorEstimate>(&[]).is_empty());
+    }
+}

@@ -1,0 +1,98 @@
+//! What a reader of the report may rely on.
+
+mod common;
+
+use view::{Run, report};
+
+/// Addresses that a page could load; the only ones allowed are names of XML vocabularies.
+fn addresses(html: &str) -> Vec<&str> {
+    html.match_indices("http")
+        .map(|(at, _)| &html[at..(at + 30).min(html.len())])
+        .filter(|a| a.starts_with("http:") || a.starts_with("https:"))
+        .collect()
+}
+
+fn keep(name: &str, html: &str) {
+    let dir = std::path::Path::new(env!("CARGO_TARGET_TMPDIR"));
+    std::fs::write(dir.join(name), html).expect("the test folder can be written");
+}
+
+#[test]
+fn the_report_tells_inertia_uncertainty_reasons_and_truth() {
+    let html = report(&common::excavator(20.0, 100.0, true));
+    keep("excavator.html", &html);
+    for part in [
+        "The swing inertia is",
+        "heft trusts it: the machine swings",
+        "The truth was",
+        "stands still",
+        "normal fit: mean",
+        "Forgetting factors",
+        "Updating rules",
+        "Autocorrelation",
+        "whole way",
+        "nominal_damping = 1500",
+        "posture-torque",
+    ] {
+        assert!(html.contains(part), "{part}");
+    }
+    assert!(
+        html.contains("two swings &lt;made up&gt;"),
+        "text is escaped"
+    );
+}
+
+#[test]
+fn the_report_tells_position_and_height_apart() {
+    let html = report(&common::loader(60.0, 100.0, true));
+    keep("loader.html", &html);
+    for part in [
+        "behind the front axle",
+        "above the ground",
+        "heft trusts it: the axle torques change",
+        "heft does not trust it, because",
+    ] {
+        assert!(html.contains(part), "{part}");
+    }
+}
+
+#[test]
+fn without_truth_there_is_no_error_but_a_verdict() {
+    let html = report(&common::excavator(10.0, 100.0, false));
+    keep("no_truth.html", &html);
+    assert!(
+        !html.contains("normal fit") && !html.contains("The truth was") && !html.contains("NaN")
+    );
+    assert!(html.contains("heft trusts it"));
+}
+
+#[test]
+fn the_report_loads_nothing_and_runs_no_script() {
+    for run in [
+        common::excavator(5.0, 100.0, true),
+        common::loader(5.0, 100.0, true),
+        Run::default(),
+    ] {
+        let html = report(&run);
+        assert_eq!(addresses(&html), Vec::<&str>::new());
+        assert!(
+            !html.contains("<script")
+                && !html.contains("<link")
+                && !html.contains("@import")
+                && !html.contains("url(")
+        );
+        assert!(html.contains("default-src 'none'"));
+    }
+}
+
+#[test]
+fn ten_minutes_at_a_kilohertz_fit_in_three_megabytes() {
+    let html = report(&common::excavator(600.0, 1000.0, true));
+    println!("{} bytes", html.len());
+    assert!(html.len() < 3_000_000, "{} bytes", html.len());
+}
+
+#[test]
+fn an_empty_run_makes_a_page_that_says_so() {
+    assert!(report(&Run::default()).contains("no estimate"));
+}
