@@ -1,0 +1,80 @@
+//! Extended Kalman filter in square-root form on any [`Model`], with exact derivatives from dual numbers.
+//!
+//! The derivative directions are the columns of the root, so the derivatives of the model's outputs are F S and H S
+//! themselves and no Jacobian is formed. From there on it is the step of [`crate::prediction`].
+
+use crate::dual::Dual;
+use crate::model::Model;
+use crate::prediction::{Images, Prediction, Update};
+
+/// The filter: a state and the lower root of its covariance.
+#[derive(Clone, Copy, Debug)]
+pub struct Ekf<const N: usize, const M: usize> {
+    /// State x.
+    pub state: [f64; N],
+    /// Lower root S of the covariance, P = S S'.
+    pub root: [[f64; N]; N],
+}
+
+impl<const N: usize, const M: usize> Ekf<N, M> {
+    /// A filter at `state` with independent standard deviations.
+    pub fn new(state: [f64; N], std: &[f64; N]) -> Self {
+        let mut root = [[0.0; N]; N];
+        for (i, row) in root.iter_mut().enumerate() {
+            row[i] = std[i];
+        }
+        Self { state, root }
+    }
+
+    /// Predicts one step; `process_std` is the additive process noise of the step.
+    #[inline]
+    pub fn predict<P: Model<N, M>>(&self, model: &P, process_std: &[f64; N]) -> Prediction<N, M> {
+        self.images(model).predict(process_std)
+    }
+
+    /// The prediction before the process noise is added.
+    #[inline(always)]
+    pub fn images<P: Model<N, M>>(&self, model: &P) -> Images<N, M, 1> {
+        let seeded: [Dual<N>; N] = core::array::from_fn(|k| Dual::new(self.state[k], self.root[k]));
+        let (state, measurement) = model.predict(&seeded);
+        let state: [Dual<N>; N] =
+            core::array::from_fn(|k| if k < P::DYNAMIC { state[k] } else { seeded[k] });
+        let measurement: [Dual<N>; M] = core::array::from_fn(|p| {
+            if p < P::DIRECT {
+                state[p]
+            } else {
+                measurement[p]
+            }
+        });
+        Images {
+            state: state.map(|x| x.value),
+            measurement: measurement.map(|y| y.value),
+            rows: state.map(|x| [x.derivative]),
+            measured: measurement.map(|y| [y.derivative]),
+            noise_coupling: model.noise_coupling(),
+            direct: P::DIRECT,
+        }
+    }
+
+    /// Takes over the result of an update.
+    pub fn accept(&mut self, update: &Update<N, M>) {
+        self.state = update.state;
+        self.root = update.root;
+    }
+
+    /// One step with every measurement present; returns the normalised innovation squared.
+    #[inline]
+    pub fn step<P: Model<N, M>>(
+        &mut self,
+        model: &P,
+        process_std: &[f64; N],
+        measurement: &[f64; M],
+        measurement_std: &[f64; M],
+    ) -> f64 {
+        let prediction = self.predict(model, process_std);
+        let innovation = core::array::from_fn(|j| measurement[j] - prediction.measurement[j]);
+        let update = prediction.update(&innovation, measurement_std, &[true; M]);
+        self.accept(&update);
+        update.nis()
+    }
+}

@@ -1,0 +1,103 @@
+//! The estimator's model of the loader: states, measurements, and the payload that is known beforehand.
+//!
+//! | states | x | filter |
+//! |---|---|---|
+//! | 6 | v, w_f, w_r, K, h, lam | the paper, (15)-(17) |
+//! | 8 | .., d_f, d_r | no accelerometer |
+//! | 10 | .., F_x, d_f, d_r, b | recommended |
+//!
+//! Measurements are v, w_f, w_r and, with four, the specific force a_x = (v+ - v)/dt + g sin th along the body axis.
+//! Parameters are random walks. (15) names L the measurement matrix (it is the noise input) and v_k process noise (it is
+//! the measurement noise); (17) rewrites (15), not (12).
+
+use super::settings::Integration;
+use super::wheel_dynamics::{GRAVITY, Inputs, Motion, Parameters, Road, WheelDynamics};
+use crate::model::Model;
+use crate::scalar::Scalar;
+
+/// Loaded centre of gravity as a function of the empty machine's: h = share h_0 + `height`, lam = share lam_0 + `ratio`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Loading {
+    /// Empty mass over total mass.
+    pub share: f64,
+    /// The payload's part of the height [m].
+    pub height: f64,
+    /// The payload's part of the ratio.
+    pub ratio: f64,
+}
+
+impl Loading {
+    /// No known payload: the states are the loaded machine's.
+    pub const NONE: Self = Self {
+        share: 1.0,
+        height: 0.0,
+        ratio: 0.0,
+    };
+}
+
+/// One step of the loader under given inputs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CgModel {
+    /// The machine, its mass that of this step.
+    pub dynamics: WheelDynamics,
+    /// Inputs of the step.
+    pub inputs: Inputs,
+    /// Length of the step [s].
+    pub dt: f64,
+    /// Integration.
+    pub integration: Integration,
+    /// Parts into which the step is divided.
+    pub substeps: u32,
+    /// Known payload.
+    pub loading: Loading,
+}
+
+impl<const N: usize, const M: usize> Model<N, M> for CgModel {
+    const DYNAMIC: usize = 3;
+    const DIRECT: usize = 3;
+
+    fn predict<T: Scalar>(&self, state: &[T; N]) -> ([T; N], [T; M]) {
+        let mut parameters = Parameters::of(state);
+        let Loading {
+            share,
+            height,
+            ratio,
+        } = self.loading;
+        parameters.cg_height = parameters.cg_height * share + height;
+        parameters.cg_ratio = parameters.cg_ratio * share + ratio;
+        let road = Road::of(-parameters.slope_bias + self.inputs.slope);
+        let old = Motion::of(state);
+        let new = match self.integration {
+            Integration::Implicit => self.dynamics.substeps(
+                &old,
+                &parameters,
+                &self.inputs,
+                &road,
+                self.dt,
+                self.substeps,
+            ),
+            Integration::Euler => self.dynamics.euler(
+                &old,
+                &parameters,
+                &self.inputs,
+                &road,
+                self.dt,
+                self.substeps,
+            ),
+        };
+        let mut next = *state;
+        (next[0], next[1], next[2]) = (new.speed, new.front_wheel_speed, new.rear_wheel_speed);
+        let specific_force = (new.speed - old.speed) / self.dt + road.sine * GRAVITY;
+        let measurement = core::array::from_fn(|j| if j < 3 { next[j] } else { specific_force });
+        (next, measurement)
+    }
+
+    /// The speed noise of the step acts on the specific force as q_v/dt.
+    fn noise_coupling(&self) -> [[f64; N]; M] {
+        let mut coupling = [[0.0; N]; M];
+        for row in coupling.iter_mut().skip(3) {
+            row[0] = 1.0 / self.dt;
+        }
+        coupling
+    }
+}

@@ -1,0 +1,128 @@
+//! When the parameters are held, and how noisy the wheels are: low speed, digging, axle-load ripple, tyre relaxation.
+//!
+//! | symbol | code | meaning |
+//! |---|---|---|
+//! | vm | `speed` | magnitude of the predicted speed |
+//! | vs | - | max(vm, v_min) |
+//! | den | - | r K 0.5 m g: torque per unit slip of one axle |
+//! | Tlag | `lagged_torque` | axle torque through the relaxation length |
+//!
+//! The disturbances are correlated over some 10 ms and more. Sampling faster than that tells nothing new about them, so at
+//! higher rates their standard deviation grows with the root of the rate.
+
+use super::settings::{Digging, Inflation, Tuning};
+use super::wheel_dynamics::{GRAVITY, Inputs, MINIMUM_SPEED, WheelDynamics};
+use crate::scalar::Scalar;
+
+/// Step length for which noises are stated [s].
+pub(super) const REFERENCE_STEP: f64 = 0.01;
+
+/// Relaxation length of a tyre as the noise model has it [m].
+const RELAXATION_LENGTH: f64 = 0.3;
+
+/// Load sensitivity below which radius ripple is taken to be this [-].
+const LEAST_SENSITIVITY: f64 = 0.002;
+
+/// What holds during one step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Conditions {
+    /// Slow or digging: no parameter noise.
+    pub frozen: bool,
+    /// The wheel rows are weak.
+    pub weak_wheels: bool,
+    /// Digging just ended: the bucket may be full.
+    pub reopen: bool,
+}
+
+/// Memory of digging and of the lagged torques.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Monitor {
+    hold: f64,
+    lagged_torque: [f64; 2],
+}
+
+impl Monitor {
+    /// Conditions of a step with this predicted speed and total spade force.
+    pub fn conditions(
+        &mut self,
+        tuning: &Tuning,
+        speed: f64,
+        spade_force: f64,
+        dt: f64,
+    ) -> Conditions {
+        let slow = speed.abs() < tuning.freeze_speed;
+        let (digging, reopen) = tuning
+            .digging
+            .map_or((false, false), |rule| self.digging(&rule, spade_force, dt));
+        Conditions {
+            frozen: slow || digging,
+            weak_wheels: slow || digging,
+            reopen,
+        }
+    }
+
+    /// Whether the machine digs or did so within the hold time, and whether the hold ends with this row.
+    fn digging(&mut self, rule: &Digging, spade_force: f64, dt: f64) -> (bool, bool) {
+        if spade_force.abs() > rule.force {
+            self.hold = rule.hold;
+            return (true, false);
+        }
+        if self.hold <= 0.0 {
+            return (false, false);
+        }
+        self.hold -= dt;
+        // Half a row of slack: times are rounded.
+        let over = self.hold < 0.5 * dt;
+        if over {
+            self.hold = 0.0;
+        }
+        (true, over)
+    }
+
+    /// Standard deviations of the two wheel speeds under these conditions [rad/s].
+    ///
+    /// `speed` and `slip_stiffness` are the predicted ones.
+    pub fn wheel_std(
+        &mut self,
+        rules: &Inflation,
+        step: &WheelStep,
+        speed: f64,
+        slip_stiffness: f64,
+    ) -> [f64; 2] {
+        let speed = speed.abs();
+        let radius = step.machine.wheel_radius;
+        let torque_per_slip = radius * slip_stiffness * 0.5 * step.machine.mass * GRAVITY;
+        let per_torque = speed.max(MINIMUM_SPEED) / (torque_per_slip * radius);
+        let sensitivity = step
+            .machine
+            .radius_load_sensitivity
+            .abs()
+            .max(LEAST_SENSITIVITY);
+        let radius_ripple = rules.radius_ripple * sensitivity * speed / radius;
+        let rate = (REFERENCE_STEP / step.dt).max(1.0).sqrt();
+        let settle = (step.dt * speed.max(MINIMUM_SPEED) / RELAXATION_LENGTH).min(1.0);
+        core::array::from_fn(|i| {
+            let torque = [step.inputs.front_torque, step.inputs.rear_torque][i];
+            self.lagged_torque[i] += settle * (torque - self.lagged_torque[i]);
+            let ripple = rules.load_ripple * torque * per_torque;
+            let lag = rules.torque_lag * (torque - self.lagged_torque[i]) * per_torque;
+            let extra = ripple * ripple + radius_ripple * radius_ripple + lag * lag;
+            let std = (step.sensor_std * step.sensor_std + rate * rate * extra).sqrt();
+            if step.weak {
+                std.max(rate * rules.frozen_wheel_speed_std)
+            } else {
+                std
+            }
+        })
+    }
+}
+
+/// What the noise of the wheel speeds depends on.
+#[derive(Clone, Copy)]
+pub(super) struct WheelStep<'a> {
+    pub machine: &'a WheelDynamics,
+    pub inputs: &'a Inputs,
+    pub sensor_std: f64,
+    pub weak: bool,
+    pub dt: f64,
+}

@@ -1,0 +1,87 @@
+//! What the estimator answers to each row: values, standard deviations, and whether to believe them.
+
+use super::Method;
+use crate::Quantity;
+
+/// What the estimator did with a row.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Status {
+    /// No row has been accepted yet: the values are the prior.
+    #[default]
+    Waiting,
+    /// The first accepted row started the clock; nothing was updated.
+    First,
+    /// Predicted and updated.
+    Updated,
+    /// The time did not increase or is not finite: the row was ignored, the state is untouched.
+    Refused,
+    /// The row came after a gap: speeds re-anchored on the measurements, parameters kept.
+    Gap,
+    /// The innovations stayed too large for too long: the covariance restarted, the values kept.
+    Reset,
+    /// The filter left the finite numbers: everything restarted from the prior.
+    Diverged,
+}
+
+/// State of the estimate after one row. Every number is finite.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    /// Time of the row [s]; the last accepted time when the row was refused.
+    pub time: f64,
+    /// Forward speed [m/s].
+    pub speed: f64,
+    /// Speed of the front wheels [rad/s].
+    pub front_wheel_speed: f64,
+    /// Speed of the rear wheels [rad/s].
+    pub rear_wheel_speed: f64,
+    /// Slip stiffness K of the tyres, F_x = K slip F_z.
+    pub slip_stiffness: Quantity,
+    /// Height h of the centre of gravity above ground [m]; the standard deviation includes the floor.
+    pub cg_height: Quantity,
+    /// Share lambda of the static weight on the front axle; the standard deviation includes the floor.
+    pub cg_ratio: Quantity,
+    /// Distance from the front axle back to the centre of gravity, (1 - lambda) l [m].
+    pub cg_distance: f64,
+    /// Force on the bucket tip, measured plus unknown part, positive backward [N].
+    pub spade_force_x: Option<Quantity>,
+    /// Bias of the slope sensor, true slope = measured - bias [rad].
+    pub slope_bias: Option<f64>,
+    /// Rolling radius of the front wheels over its nominal value, 1 + d_f.
+    pub front_radius_scale: Option<f64>,
+    /// Rolling radius of the rear wheels over its nominal value, 1 + d_r.
+    pub rear_radius_scale: Option<f64>,
+    /// Normalised innovation squared of this row per accepted measurement; 1 is the expected value.
+    pub nis: f64,
+    /// The torques changed enough to tell the axle loads apart.
+    pub excited_ratio: bool,
+    /// The acceleration changed enough to shift load between the axles.
+    pub excited_height: bool,
+    /// The innovations are not larger than predicted.
+    pub consistent: bool,
+    /// Speed and both wheel speeds were accepted within the last 0.25 s.
+    pub fresh: bool,
+    /// The data, not the prior, determine the ratio.
+    pub observable_ratio: bool,
+    /// The data, not the prior, determine the height.
+    pub observable_height: bool,
+    /// Observable, consistent, fresh, not reset, and the ratio's interval is narrower than its limit.
+    pub converged_ratio: bool,
+    /// Observable, consistent, fresh, not reset, and the height's interval is narrower than its limit.
+    pub converged_height: bool,
+    /// Slow or digging: the parameters are held nearly constant.
+    pub frozen: bool,
+    /// A reset happened within the last 2 s.
+    pub reset: bool,
+    /// The ratio may be believed: excited and converged, with all that this includes.
+    pub trusted_ratio: bool,
+    /// The height may be believed: excited and converged, with all that this includes.
+    pub trusted_height: bool,
+    /// What was done with the row.
+    pub status: Status,
+    /// The method that made the estimate.
+    pub method: Method,
+    /// Resets so far.
+    pub resets: u32,
+    /// Rows refused so far.
+    pub refused: u64,
+}

@@ -1,0 +1,81 @@
+//! Inputs and the specific force between two rows: held where missing, averaged over the step.
+
+use super::sample::{Sample, finite};
+use super::wheel_dynamics::Inputs;
+
+/// The last finite input of each kind, the mass, and the last specific force.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct InputHold {
+    held: [f64; 5],
+    acceleration: Option<f64>,
+    /// Mass with its load [kg].
+    pub mass: f64,
+}
+
+/// What a row means for the step that ends at it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct StepInputs {
+    pub inputs: Inputs,
+    /// Mean specific force over the step; missing when either end is.
+    pub acceleration: Option<f64>,
+}
+
+impl InputHold {
+    pub fn new(mass: f64) -> Self {
+        Self {
+            held: [0.0; 5],
+            acceleration: None,
+            mass,
+        }
+    }
+
+    /// Takes a row over and returns what acted during the step that it ends.
+    ///
+    /// An input that is missing keeps its last finite value; before any it is 0. Mid-point inputs are the mean of the held
+    /// value and the new one, otherwise the older one is held over the step as the paper does.
+    pub fn advance(&mut self, sample: &Sample, midpoint: bool) -> StepInputs {
+        let row = [
+            sample.front_torque,
+            sample.rear_torque,
+            sample.spade_force_x,
+            sample.spade_force_z,
+            sample.slope,
+        ];
+        let mut used = self.held;
+        for ((used, held), new) in used.iter_mut().zip(&mut self.held).zip(row) {
+            if let Some(new) = finite(new) {
+                if midpoint {
+                    *used = 0.5 * (*held + new);
+                }
+                *held = new;
+            }
+        }
+        let acceleration = finite(sample.acceleration);
+        let mean = self
+            .acceleration
+            .zip(acceleration)
+            .map(|(a, b)| 0.5 * (a + b));
+        self.acceleration = acceleration;
+        if let Some(mass) = finite(sample.mass).filter(|m| *m > 0.0) {
+            self.mass = mass;
+        }
+        let [
+            front_torque,
+            rear_torque,
+            spade_force_x,
+            spade_force_z,
+            slope,
+        ] = used;
+        let inputs = Inputs {
+            front_torque,
+            rear_torque,
+            spade_force_x,
+            spade_force_z,
+            slope,
+        };
+        StepInputs {
+            inputs,
+            acceleration: mean,
+        }
+    }
+}

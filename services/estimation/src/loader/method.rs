@@ -1,0 +1,44 @@
+//! The methods by the names that the command line and the files use.
+
+use core::fmt;
+
+/// How the centre of gravity is estimated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Method {
+    /// 10 states with rolling radii, unknown spade force and slope bias (8 without an accelerometer), protected
+    /// against bad input: the product.
+    #[default]
+    Full,
+    /// The improved square-root UKF with 6 states exactly as Yang, Wang, Han 2021 print it.
+    IsrUkfPrinted,
+    /// The same 6 states with gain and covariance that agree with each other.
+    IsrUkf,
+    /// The extended Kalman filter on the same 6 states.
+    Ekf,
+}
+
+impl Method {
+    /// Every method, the default first.
+    pub const ALL: [Self; 4] = [Self::Full, Self::IsrUkfPrinted, Self::IsrUkf, Self::Ekf];
+
+    /// The name in files and on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Full => "full",
+            Self::IsrUkfPrinted => "isr-ukf-printed",
+            Self::IsrUkf => "isr-ukf",
+            Self::Ekf => "ekf",
+        }
+    }
+
+    /// The method of that name.
+    pub fn parse(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|method| method.name() == name)
+    }
+}
+
+impl fmt::Display for Method {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}

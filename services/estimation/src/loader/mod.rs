@@ -1,0 +1,39 @@
+//! Centre of gravity of a wheel loader from its motion: Yang, Wang, Han 2021, as printed, corrected, and made to survive
+//! a real machine.
+//!
+//! The load on each axle shows in its slip: quasi-steadily K F_z = T/(r slip). The sum over the axles gives the slip
+//! stiffness K, their ratio the share lam of the weight in front, less the load h a_x/(g l) that acceleration moves
+//! backward. So lam needs traction and accurate slips, and the height h needs *changes* of acceleration.
+//!
+//! | file | idea |
+//! |---|---|
+//! | `sample`, `estimate`, `settings`, `method` | what goes in and comes out |
+//! | [`axle_loads`] | (6), (7), (10), (11) |
+//! | [`wheel_dynamics`] | (1)-(5), (8), (9), (12)-(14), (18): the process |
+//! | [`cg_model`] | (15)-(17): states and measurements |
+//! | `inputs`, `conditions` | inputs between rows; freezing and wheel noise |
+//! | `filter`, `estimator` | one row |
+//! | `verdict` | whether to believe it |
+//! | [`payload`] | a load that is known |
+
+pub mod axle_loads;
+pub mod cg_model;
+mod conditions;
+mod estimate;
+mod estimator;
+mod filter;
+mod inputs;
+mod method;
+pub mod payload;
+mod sample;
+pub mod settings;
+mod verdict;
+pub mod wheel_dynamics;
+
+pub use estimate::{Estimate, Status};
+pub use estimator::CgEstimator;
+pub use filter::{CgFilter, RowReport};
+pub use method::Method;
+pub use payload::Payload;
+pub use sample::{Columns, Sample};
+pub use settings::{LoadTransfer, Machine, Prior, Sensors, Settings, SettingsError, Tuning};

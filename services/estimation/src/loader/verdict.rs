@@ -1,0 +1,199 @@
+//! Whether to believe the estimate: excitation, consistency, freshness, convergence, and the reported intervals.
+//!
+//! Errors that cannot be learnt on line (load sensitivity of the radius, torque ratio, what the model leaves out) are added
+//! to the variance in the report only, never in the filter:
+//! ```text
+//! sd_lam,rep^2 = sd_lam^2 + lam^2 [(16 sigma_rho)^2 + ((1 - lam) sigma_Tratio)^2 + 0.011^2]
+//! sd_h,rep^2   = sd_h^2 + (0.04 m)^2
+//! ```
+
+use super::settings::{Settings, Tuning};
+use crate::scalar::Scalar;
+
+/// Relative error of the ratio per load sensitivity.
+const RATIO_PER_SENSITIVITY: f64 = 16.0;
+/// Relative error of the ratio that remains with everything calibrated.
+const RATIO_FLOOR: f64 = 0.011;
+/// Error of the height that remains [m].
+const HEIGHT_FLOOR: f64 = 0.04;
+
+/// Averaging time of the excitation [s].
+const EXCITATION_TIME: f64 = 5.0;
+/// Variation of the total torque that excites the ratio [N m].
+const RATIO_EXCITATION: f64 = 300.0;
+/// Variation of the acceleration that excites the height [m/s^2].
+const HEIGHT_EXCITATION: f64 = 0.3;
+/// Age of the last accepted speed and wheel speeds that still counts as fresh [s].
+const FRESH: f64 = 0.25;
+/// Running mean of the normalised innovation squared that still counts as consistent.
+const CONSISTENT: f64 = 2.0;
+/// How long a reset is shown [s].
+const RESET_SHOWN: f64 = 2.0;
+/// Share of the prior's standard deviation below which the data determine the parameter: ratio, height.
+const OBSERVABLE: (f64, f64) = (0.5, 0.7);
+/// Reported standard deviation below which the parameter has converged: ratio (relative), height [m].
+const CONVERGED: (f64, f64) = (0.03, 0.08);
+
+/// Exponentially weighted mean and variance.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Variation {
+    mean: f64,
+    variance: f64,
+    started: bool,
+}
+
+impl Variation {
+    fn update(&mut self, value: f64, weight: f64) {
+        if !self.started {
+            *self = Self {
+                mean: value,
+                variance: 0.0,
+                started: true,
+            };
+        }
+        let away = value - self.mean;
+        self.mean += weight * away;
+        self.variance = (1.0 - weight) * (self.variance + weight * away * away);
+    }
+
+    fn std(&self) -> f64 {
+        self.variance.sqrt()
+    }
+}
+
+/// What is remembered for the verdict.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Evidence {
+    torque: Variation,
+    acceleration: Variation,
+    /// Ages of the last accepted speed and wheel speeds [s].
+    age: [f64; 3],
+    /// Running mean of the normalised innovation squared per measurement.
+    pub consistency: f64,
+    /// Time since the start or the last reset [s].
+    pub since_reset: f64,
+    /// Resets so far.
+    pub resets: u32,
+}
+
+/// Verdict of one row.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Verdict {
+    pub excited_ratio: bool,
+    pub excited_height: bool,
+    pub consistent: bool,
+    pub fresh: bool,
+    pub observable_ratio: bool,
+    pub observable_height: bool,
+    pub converged_ratio: bool,
+    pub converged_height: bool,
+    pub reset: bool,
+}
+
+/// Standard deviations of the two parameters that carry a verdict.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Intervals {
+    /// Of the filter.
+    pub filter: (f64, f64),
+    /// As reported, floors included.
+    pub reported: (f64, f64),
+    /// The ratio itself: its limit is relative.
+    pub ratio: f64,
+}
+
+impl Evidence {
+    pub fn new() -> Self {
+        Self {
+            torque: Variation::default(),
+            acceleration: Variation::default(),
+            age: [f64::INFINITY; 3],
+            consistency: 1.0,
+            since_reset: 0.0,
+            resets: 0,
+        }
+    }
+
+    /// Time passes; the motion of the row counts as excitation.
+    pub fn advance(&mut self, dt: f64, total_torque: f64, acceleration: Option<f64>) {
+        let weight = (dt / EXCITATION_TIME).min(1.0);
+        self.torque.update(total_torque, weight);
+        if let Some(acceleration) = acceleration {
+            self.acceleration.update(acceleration, weight);
+        }
+        for age in &mut self.age {
+            *age += dt;
+        }
+        self.since_reset += dt;
+    }
+
+    /// The row's measurements were accepted or not; `nis` is per accepted measurement.
+    pub fn judge(&mut self, accepted: &[bool], nis: f64, weight: f64) {
+        for (age, accepted) in self.age.iter_mut().zip(accepted) {
+            if *accepted {
+                *age = 0.0;
+            }
+        }
+        self.consistency += weight * (nis - self.consistency);
+    }
+
+    /// The filter restarted.
+    pub fn restart(&mut self) {
+        self.consistency = 1.0;
+        self.since_reset = 0.0;
+        self.resets += 1;
+    }
+
+    pub fn verdict(&self, settings: &Settings, intervals: &Intervals, frozen: bool) -> Verdict {
+        let (ratio_std, height_std) = intervals.filter;
+        let fresh = self.age.iter().all(|age| *age <= FRESH);
+        let consistent = self.consistency <= CONSISTENT;
+        let reset = self.resets > 0 && self.since_reset < RESET_SHOWN;
+        let sound = consistent && fresh && !reset;
+        let observable_ratio = ratio_std <= OBSERVABLE.0 * settings.prior.cg_ratio_std;
+        let observable_height = height_std <= OBSERVABLE.1 * settings.prior.cg_height_std;
+        Verdict {
+            excited_ratio: !frozen && self.torque.std() >= RATIO_EXCITATION,
+            excited_height: !frozen && self.acceleration.std() >= HEIGHT_EXCITATION,
+            consistent,
+            fresh,
+            observable_ratio,
+            observable_height,
+            converged_ratio: sound
+                && observable_ratio
+                && intervals.reported.0 <= CONVERGED.0 * intervals.ratio.abs(),
+            converged_height: sound && observable_height && intervals.reported.1 <= CONVERGED.1,
+            reset,
+        }
+    }
+}
+
+/// Standard deviations with the floors, of ratio and height.
+pub(super) fn with_floors(
+    settings: &Settings,
+    tuning: &Tuning,
+    ratio: f64,
+    (ratio_std, height_std): (f64, f64),
+) -> (f64, f64) {
+    let machine = &settings.machine;
+    // A tyre modelled as rigid is wrong by the whole load sensitivity, not by its uncertainty.
+    let unmodelled = if tuning.real_tyre {
+        0.0
+    } else {
+        machine.radius_load_sensitivity
+    };
+    let sensitivity = norm(&[machine.radius_load_sensitivity_std, unmodelled]);
+    let torque_ratio = core::f64::consts::SQRT_2 * settings.sensors.torque_gain_std;
+    let relative = norm(&[
+        RATIO_PER_SENSITIVITY * sensitivity,
+        (1.0 - ratio) * torque_ratio,
+        RATIO_FLOOR,
+    ]);
+    (
+        norm(&[ratio_std, ratio * relative]),
+        norm(&[height_std, HEIGHT_FLOOR]),
+    )
+}
+
+fn norm(parts: &[f64]) -> f64 {
+    parts.iter().map(|x| x * x).sum::<f64>().sqrt()
+}

@@ -1,0 +1,411 @@
+//! Longitudinal motion of a loader with driven axles, slip and load transfer: the process model of the estimator.
+//!
+//! | symbol | code | meaning | unit |
+//! |---|---|---|---|
+//! | v, w_f, w_r | `Motion` | body speed, wheel speeds | m/s, rad/s |
+//! | K, h, lam | `Parameters` | slip stiffness, height and ratio of the centre of gravity | -, m, - |
+//! | d_f, d_r | `front_radius_error`, .. | relative rolling-radius errors | - |
+//! | T_f, T_r | `front_torque`, .. | axle torques at the wheel | N m |
+//! | F_x, F_z | `spade_force_x`, .. | forces on the bucket tip, backward and down positive | N |
+//! | th | `slope` | road slope, uphill positive | rad |
+//! | r, I, rho, mu | `wheel_radius`, .. | rolling radius, axle inertia, load sensitivity, friction limit | m, kg m^2, - |
+//! | sigma_i | - | slip (r w_i - v)/max(\|r w_i\|, \|v\|, v_min), not defined in the paper | - |
+//!
+//! Source: Yang, Wang, Han 2021, (1)-(18). Rolling resistance is a force on the body, f tanh(v/0.05) times the load, so that
+//! it vanishes at standstill; (4), (5) have no sign.
+//!
+//! Two integrators. [`WheelDynamics::derivative`] with Euler steps is (12)-(14), (18): a wheel's eigenvalue is some
+//! -1.5e4 1/s at 3 m/s, so 10 ms steps are unstable for a real machine (the paper's Table 1 gives 4.7 kg). The
+//! *linearly implicit* step [`WheelDynamics::step`] is backward Euler with frozen loads and slip denominators, in closed form:
+//! unconditionally stable, constant cost, any sign of v, standstill included.
+
+use super::LoadTransfer;
+use super::axle_loads::{axle_loads, unfloored_axle_loads};
+use crate::scalar::Scalar;
+
+/// Gravity [m/s^2].
+pub const GRAVITY: f64 = 9.81;
+
+/// Speed in slip denominators below which slip is no longer relative [m/s].
+pub const MINIMUM_SPEED: f64 = 0.3;
+
+/// Width of the rolling resistance at standstill [m/s].
+const ROLLING_WIDTH: f64 = 0.05;
+
+/// Loads and friction are inserted into the step this often.
+const PASSES: usize = 2;
+
+/// The machine as the process model knows it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WheelDynamics {
+    /// Mass [kg].
+    pub mass: f64,
+    /// Nominal rolling radius [m].
+    pub wheel_radius: f64,
+    /// Axle inertia [kg m^2].
+    pub axle_inertia: f64,
+    /// Axle distance [m].
+    pub wheelbase: f64,
+    /// Front axle to bucket tip [m].
+    pub bucket_reach: f64,
+    /// Rolling resistance per load.
+    pub rolling_resistance: f64,
+    /// Friction limit; infinite for the linear tyre.
+    pub friction: f64,
+    /// Load sensitivity of the rolling radius.
+    pub radius_load_sensitivity: f64,
+    /// Sign of the load transfer.
+    pub load_transfer: LoadTransfer,
+}
+
+/// What drives the machine during a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Inputs {
+    /// Front axle torque [N m].
+    pub front_torque: f64,
+    /// Rear axle torque [N m].
+    pub rear_torque: f64,
+    /// Measured force on the bucket tip, backward positive [N].
+    pub spade_force_x: f64,
+    /// Measured force on the bucket tip, down positive [N].
+    pub spade_force_z: f64,
+    /// Measured slope [rad].
+    pub slope: f64,
+}
+
+/// The part of the state that moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion<T> {
+    /// Body speed [m/s].
+    pub speed: T,
+    /// Front wheel speed [rad/s].
+    pub front_wheel_speed: T,
+    /// Rear wheel speed [rad/s].
+    pub rear_wheel_speed: T,
+}
+
+/// The part of the state that is constant during a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameters<T> {
+    /// Slip stiffness.
+    pub slip_stiffness: T,
+    /// Height of the centre of gravity [m].
+    pub cg_height: T,
+    /// Share of the static weight in front.
+    pub cg_ratio: T,
+    /// Spade force beside the measured one [N].
+    pub spade_force_x: T,
+    /// Relative radius error in front.
+    pub front_radius_error: T,
+    /// Relative radius error behind.
+    pub rear_radius_error: T,
+    /// Slope bias, true slope = measured - bias [rad].
+    pub slope_bias: T,
+}
+
+/// Sine and cosine of the true slope.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Road<T> {
+    /// sin th.
+    pub sine: T,
+    /// cos th.
+    pub cosine: T,
+}
+
+impl<T: Scalar> Road<T> {
+    /// The road under a slope.
+    pub fn of(slope: T) -> Self {
+        Self {
+            sine: slope.sin(),
+            cosine: slope.cos(),
+        }
+    }
+}
+
+impl<T: Scalar> Motion<T> {
+    /// The motion at the head of a state vector.
+    pub fn of<const N: usize>(x: &[T; N]) -> Self {
+        Self {
+            speed: x[0],
+            front_wheel_speed: x[1],
+            rear_wheel_speed: x[2],
+        }
+    }
+}
+
+impl<T: Scalar> Parameters<T> {
+    /// The parameters of a state vector of 6 (\[.., K, h, lam\]), 8 (\[.., d_f, d_r\]) or 10 (\[.., F_x, d_f, d_r, b\]) entries.
+    pub fn of<const N: usize>(x: &[T; N]) -> Self {
+        let zero = T::constant(0.0);
+        let (force, radii, bias) = match N {
+            10 => (x[6], (x[7], x[8]), x[9]),
+            8 => (zero, (x[6], x[7]), zero),
+            _ => (zero, (zero, zero), zero),
+        };
+        Self {
+            slip_stiffness: x[3],
+            cg_height: x[4],
+            cg_ratio: x[5],
+            spade_force_x: force,
+            front_radius_error: radii.0,
+            rear_radius_error: radii.1,
+            slope_bias: bias,
+        }
+    }
+}
+
+/// What one wheel contributes to the implicit step.
+struct Wheel<T> {
+    /// r_i c_i: force per slip speed times radius.
+    pull: T,
+    /// N_i = 1 + dt r_i^2 c_i/I.
+    denominator: T,
+    /// g_i = c_i/N_i.
+    grip: T,
+    /// r_i w_i + dt r_i T_i/I: rim speed without the ground.
+    free_rim_speed: T,
+}
+
+impl WheelDynamics {
+    /// One linearly implicit step of `dt` seconds.
+    #[inline]
+    pub fn step<T: Scalar>(
+        &self,
+        old: &Motion<T>,
+        p: &Parameters<T>,
+        u: &Inputs,
+        road: &Road<T>,
+        dt: f64,
+    ) -> Motion<T> {
+        let drag = self.drag(old.speed, u, road) + p.spade_force_x + u.spade_force_x;
+        let radius_front = (p.front_radius_error + 1.0) * self.wheel_radius;
+        let radius_rear = (p.rear_radius_error + 1.0) * self.wheel_radius;
+        let mut acceleration = self.rigid_acceleration(radius_front, radius_rear, u, drag);
+        let mut new = *old;
+        for _ in 0..PASSES {
+            let (load_front, load_rear) = axle_loads(
+                self,
+                acceleration,
+                p.cg_height,
+                p.cg_ratio,
+                u.spade_force_z,
+                road,
+            );
+            let (w_front, w_rear) = (old.front_wheel_speed, old.rear_wheel_speed);
+            let rim = |d, load| self.radius(d, load);
+            let (r_front, r_rear) = (
+                rim(p.front_radius_error, load_front),
+                rim(p.rear_radius_error, load_rear),
+            );
+            let wheel = |torque, radius: T, load, old_speed, new_speed: T| {
+                let stiffness =
+                    self.stiffness(p.slip_stiffness, torque, radius, load, acceleration);
+                let slip_speed = slip_denominator(new.speed, radius * new_speed);
+                self.wheel(stiffness * load / slip_speed, torque, radius, old_speed, dt)
+            };
+            let front = wheel(
+                u.front_torque,
+                r_front,
+                load_front,
+                w_front,
+                new.front_wheel_speed,
+            );
+            let rear = wheel(
+                u.rear_torque,
+                r_rear,
+                load_rear,
+                w_rear,
+                new.rear_wheel_speed,
+            );
+            let push = front.grip * front.free_rim_speed + rear.grip * rear.free_rim_speed - drag;
+            let speed = (old.speed + push * (dt / self.mass))
+                / ((front.grip + rear.grip) * (dt / self.mass) + 1.0);
+            new = Motion {
+                speed,
+                front_wheel_speed: self.wheel_speed(&front, u.front_torque, w_front, speed, dt),
+                rear_wheel_speed: self.wheel_speed(&rear, u.rear_torque, w_rear, speed, dt),
+            };
+            acceleration = (speed - old.speed) / dt;
+        }
+        new
+    }
+
+    /// `parts` linearly implicit steps of `dt / parts` with the same inputs.
+    #[inline]
+    pub fn substeps<T: Scalar>(
+        &self,
+        old: &Motion<T>,
+        p: &Parameters<T>,
+        u: &Inputs,
+        road: &Road<T>,
+        dt: f64,
+        parts: u32,
+    ) -> Motion<T> {
+        let part = dt / f64::from(parts);
+        (0..parts).fold(*old, |motion, _| self.step(&motion, p, u, road, part))
+    }
+
+    /// Acceleration that the torques would give without slip: the start of the loads [m/s^2].
+    #[inline(always)]
+    fn rigid_acceleration<T: Scalar>(
+        &self,
+        radius_front: T,
+        radius_rear: T,
+        u: &Inputs,
+        drag: T,
+    ) -> T {
+        let force = T::constant(u.front_torque) / radius_front
+            + T::constant(u.rear_torque) / radius_rear
+            - drag;
+        let spin = |radius: T| T::constant(self.axle_inertia) / (radius * radius);
+        force / (spin(radius_front) + spin(radius_rear) + self.mass)
+    }
+
+    /// Rolling resistance and slope: forces against forward motion that do not depend on slip [N].
+    #[inline(always)]
+    fn drag<T: Scalar>(&self, speed: T, u: &Inputs, road: &Road<T>) -> T {
+        let load = road.cosine * (self.mass * GRAVITY) + u.spade_force_z;
+        (speed / ROLLING_WIDTH).tanh() * load * self.rolling_resistance
+            + road.sine * (self.mass * GRAVITY)
+    }
+
+    /// Rolling radius under load [m].
+    #[inline(always)]
+    fn radius<T: Scalar>(&self, error: T, load: T) -> T {
+        let excess = load / (0.5 * self.mass * GRAVITY) - 1.0;
+        (error - excess * self.radius_load_sensitivity + 1.0) * self.wheel_radius
+    }
+
+    /// Secant slip stiffness of a tyre that saturates like mu tanh(K sigma/mu).
+    #[inline(always)]
+    fn stiffness<T: Scalar>(
+        &self,
+        slip_stiffness: T,
+        torque: f64,
+        radius: T,
+        load: T,
+        acceleration: T,
+    ) -> T {
+        if self.friction.is_infinite() {
+            return slip_stiffness;
+        }
+        let demand = (-(acceleration * self.axle_inertia / radius) + torque).abs()
+            / (radius * load * self.friction);
+        let use_of_friction = demand.min(T::constant(0.995));
+        let bent = slip_stiffness * use_of_friction / use_of_friction.atanh();
+        use_of_friction.above(T::constant(1e-6), bent, slip_stiffness)
+    }
+
+    #[inline(always)]
+    fn wheel<T: Scalar>(
+        &self,
+        force_per_slip_speed: T,
+        torque: f64,
+        radius: T,
+        old_speed: T,
+        dt: f64,
+    ) -> Wheel<T> {
+        let pull = radius * force_per_slip_speed;
+        let denominator = radius * pull * (dt / self.axle_inertia) + 1.0;
+        Wheel {
+            pull,
+            denominator,
+            grip: force_per_slip_speed / denominator,
+            free_rim_speed: radius * (old_speed + dt * torque / self.axle_inertia),
+        }
+    }
+
+    #[inline(always)]
+    fn wheel_speed<T: Scalar>(
+        &self,
+        wheel: &Wheel<T>,
+        torque: f64,
+        old_speed: T,
+        speed: T,
+        dt: f64,
+    ) -> T {
+        (old_speed + (wheel.pull * speed + torque) * (dt / self.axle_inertia)) / wheel.denominator
+    }
+
+    /// Rates of the motion, (12)-(14), linear tyre, no floor under the loads.
+    ///
+    /// The denominator is 1 + D for the physical load transfer and 1 - D for the printed one, D = (h K/l)(sigma_f - sigma_r).
+    pub fn derivative<T: Scalar>(
+        &self,
+        motion: &Motion<T>,
+        p: &Parameters<T>,
+        u: &Inputs,
+        road: &Road<T>,
+    ) -> Motion<T> {
+        let slip = |wheel_speed: T| {
+            let rim = wheel_speed * self.wheel_radius;
+            (rim - motion.speed) / slip_denominator(motion.speed, rim)
+        };
+        let (front, rear) = (
+            slip(motion.front_wheel_speed),
+            slip(motion.rear_wheel_speed),
+        );
+        let stiffness = p.slip_stiffness;
+        let transfer = p.cg_height * stiffness * (front - rear) / self.wheelbase;
+        let rolling = (motion.speed / ROLLING_WIDTH).tanh() * self.rolling_resistance;
+        let lever = self.bucket_reach / self.wheelbase;
+        let pull =
+            p.cg_ratio * stiffness * front + (-p.cg_ratio + 1.0) * stiffness * rear - rolling;
+        let spade = (stiffness * (front * (1.0 + lever) - rear * lever) - rolling)
+            * (u.spade_force_z / self.mass);
+        let numerator = pull * road.cosine * GRAVITY - (transfer + 1.0) * road.sine * GRAVITY
+            + spade
+            - (p.spade_force_x + u.spade_force_x) / self.mass;
+        let denominator = match self.load_transfer {
+            LoadTransfer::Physical => transfer + 1.0,
+            LoadTransfer::Printed => -transfer + 1.0,
+        };
+        let acceleration = numerator / denominator; // (12)
+        let (load_front, load_rear) = unfloored_axle_loads(
+            self,
+            acceleration,
+            p.cg_height,
+            p.cg_ratio,
+            u.spade_force_z,
+            road,
+        );
+        let spin = |torque: f64, slip: T, load: T| {
+            (-(stiffness * slip * load * self.wheel_radius) + torque) / self.axle_inertia // (13), (14)
+        };
+        Motion {
+            speed: acceleration,
+            front_wheel_speed: spin(u.front_torque, front, load_front),
+            rear_wheel_speed: spin(u.rear_torque, rear, load_rear),
+        }
+    }
+
+    /// `parts` explicit Euler steps of `dt / parts` (18). Unstable unless the steps are tiny: for comparison only.
+    pub fn euler<T: Scalar>(
+        &self,
+        old: &Motion<T>,
+        p: &Parameters<T>,
+        u: &Inputs,
+        road: &Road<T>,
+        dt: f64,
+        parts: u32,
+    ) -> Motion<T> {
+        let part = dt / f64::from(parts);
+        (0..parts).fold(*old, |motion, _| {
+            let rate = self.derivative(&motion, p, u, road);
+            Motion {
+                speed: motion.speed + rate.speed * part,
+                front_wheel_speed: motion.front_wheel_speed + rate.front_wheel_speed * part,
+                rear_wheel_speed: motion.rear_wheel_speed + rate.rear_wheel_speed * part,
+            }
+        })
+    }
+}
+
+/// max(|v|, |r w|, v_min).
+#[inline(always)]
+fn slip_denominator<T: Scalar>(speed: T, rim_speed: T) -> T {
+    speed
+        .abs()
+        .max(rim_speed.abs())
+        .max(T::constant(MINIMUM_SPEED))
+}

@@ -1,0 +1,26 @@
+//! What a filter asks of a model: one step of the process and the measurement predicted with it.
+
+use crate::scalar::Scalar;
+
+/// A process with `N` states and `M` measurements, additive noise on both.
+///
+/// Written once for any [`Scalar`]: the square-root UKF evaluates it at sigma points, the EKF differentiates it.
+pub trait Model<const N: usize, const M: usize> {
+    /// The process changes the first `DYNAMIC` states; the others are random walks, which the filter copies.
+    const DYNAMIC: usize = N;
+
+    /// The first `DIRECT` measurements are the first `DIRECT` predicted states themselves.
+    const DIRECT: usize = 0;
+
+    /// The state one step later, and the measurement made there.
+    ///
+    /// Entries of the state from `DYNAMIC` on, and of the measurement before `DIRECT`, are not looked at.
+    fn predict<T: Scalar>(&self, state: &[T; N]) -> ([T; N], [T; M]);
+
+    /// Derivative of each measurement with respect to the process noise of the step (Q_Y = G diag(q)).
+    ///
+    /// Rows before `DIRECT` are not looked at. Zero means that the measurement does not see the noise of its own step.
+    fn noise_coupling(&self) -> [[f64; N]; M] {
+        [[0.0; N]; M]
+    }
+}

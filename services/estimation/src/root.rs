@@ -1,0 +1,154 @@
+//! Triangular roots: L lower with positive diagonal and L L' = A A', for the arrays that square-root filters meet.
+//!
+//! | symbol | code | meaning |
+//! |---|---|---|
+//! | A = \[C D diag(q)\] | `rows`, `diagonal` | one row per state: `B` blocks of `W` columns, then independent noise |
+//! | L | result | lower-triangular root, L L' = C C' + D D' + diag(q)^2 |
+//! | P | `passengers` | further rows that undergo the same rotations: measurements that depend on the same noise |
+//!
+//! A textbook QR of \[C D diag(q)\]' spends most of its work on the zeros of diag(q). Here column i of the diagonal is the
+//! pivot of row i. Nothing has touched it before its turn and nothing needs it afterwards, so a reflection only ever
+//! works on the dense blocks and on one further number per row. Each reflection maps (q_i, c, d) to (-norm, 0, 0): q_i is
+//! never negative, so the pivot is formed without cancellation; the sign is turned afterwards.
+//!
+//! What this is not: a rank-revealing factorisation. A row of zeros gives a zero on the diagonal.
+
+use crate::scalar::Scalar;
+
+/// One row of the dense part: `B` blocks of `W` columns.
+pub type Row<const W: usize, const B: usize> = [[f64; W]; B];
+
+/// Sum of products in four independent partial sums, so that it vectorises; the order is fixed.
+#[inline(always)]
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut sums = [0.0; 4];
+    let (a4, a_rest) = a.as_chunks::<4>();
+    let (b4, b_rest) = b.as_chunks::<4>();
+    for (x, y) in a4.iter().zip(b4) {
+        for i in 0..4 {
+            sums[i] += x[i] * y[i];
+        }
+    }
+    for (i, (x, y)) in a_rest.iter().zip(b_rest).enumerate() {
+        sums[i] += x * y;
+    }
+    (sums[0] + sums[2]) + (sums[1] + sums[3])
+}
+
+/// A Householder reflection that sends (pivot, row) to (-norm, 0).
+#[derive(Clone, Copy)]
+struct Reflection<const W: usize, const B: usize> {
+    row: Row<W, B>,
+    pivot: f64,
+    scale: f64,
+}
+
+impl<const W: usize, const B: usize> Reflection<W, B> {
+    /// The reflection and the norm it leaves.
+    #[inline(always)]
+    fn of(row: &Row<W, B>, pivot: f64) -> (Self, f64) {
+        let flat = row.as_flattened();
+        let norm = (pivot * pivot + dot(flat, flat)).sqrt();
+        let pivot = pivot + norm;
+        // A row of zeros needs no reflection: the guard keeps its scale finite.
+        let scale = 1.0 / (norm * pivot).max(f64::MIN_POSITIVE);
+        (
+            Self {
+                row: *row,
+                pivot,
+                scale,
+            },
+            norm,
+        )
+    }
+
+    /// Reflects another row, whose entry in the pivot column is `entry`; returns the new entry, sign turned.
+    #[inline(always)]
+    fn apply(&self, row: &mut Row<W, B>, entry: f64) -> f64 {
+        let along =
+            self.scale * (self.pivot * entry + dot(self.row.as_flattened(), row.as_flattened()));
+        for (x, v) in row
+            .as_flattened_mut()
+            .iter_mut()
+            .zip(self.row.as_flattened())
+        {
+            *x -= along * v;
+        }
+        along * self.pivot - entry
+    }
+}
+
+/// Lower-triangular L with L L' = C C' + D D' + diag(q)^2; `rows` is used up.
+///
+/// `diagonal` must not be negative. The diagonal of L is not negative.
+#[inline]
+pub fn triangularise<const R: usize, const W: usize, const B: usize>(
+    rows: &mut [Row<W, B>; R],
+    diagonal: &[f64; R],
+) -> [[f64; R]; R] {
+    triangularise_with(rows, diagonal, &mut [], &mut [], 0)
+}
+
+/// As [`triangularise`], with passengers: rows `first..P` of \[C D G\] undergo the same rotations.
+///
+/// On entry `coupling` holds G. On return `coupling[p]` holds passenger p in the columns of L, and `passengers[p]` what is
+/// left of it: the part that is independent of every state.
+#[inline(always)]
+pub fn triangularise_with<const R: usize, const P: usize, const W: usize, const B: usize>(
+    rows: &mut [Row<W, B>; R],
+    diagonal: &[f64; R],
+    passengers: &mut [Row<W, B>; P],
+    coupling: &mut [[f64; R]; P],
+    first: usize,
+) -> [[f64; R]; R] {
+    let mut root = [[0.0; R]; R];
+    for i in 0..R {
+        let (reflection, norm) = Reflection::of(&rows[i], diagonal[i]);
+        root[i][i] = norm;
+        for (row, out) in rows[i + 1..].iter_mut().zip(&mut root[i + 1..]) {
+            out[i] = reflection.apply(row, 0.0);
+        }
+        for (row, out) in passengers.iter_mut().zip(coupling.iter_mut()).skip(first) {
+            out[i] = reflection.apply(row, out[i]);
+        }
+    }
+    root
+}
+
+/// Lower-triangular root of the rows `first..P`, which need not have a diagonal; the other rows of the result are zero.
+#[inline(always)]
+pub fn triangularise_rest<const P: usize, const W: usize, const B: usize>(
+    rows: &mut [Row<W, B>; P],
+    first: usize,
+) -> [[f64; P]; P] {
+    let mut root = [[0.0; P]; P];
+    for i in first..P {
+        let (reflection, norm) = Reflection::of(&rows[i], 0.0);
+        root[i][i] = norm;
+        for (row, out) in rows[i + 1..].iter_mut().zip(&mut root[i + 1..]) {
+            out[i] = reflection.apply(row, 0.0);
+        }
+    }
+    root
+}
+
+/// Solves L x = b for lower-triangular L, in place.
+pub fn solve_lower<const R: usize>(root: &[[f64; R]; R], b: &mut [f64; R]) {
+    for i in 0..R {
+        let known: f64 = (0..i).map(|j| root[i][j] * b[j]).sum();
+        b[i] = (b[i] - known) / root[i][i];
+    }
+}
+
+/// Solves L' x = b for lower-triangular L, in place.
+pub fn solve_lower_transposed<const R: usize>(root: &[[f64; R]; R], b: &mut [f64; R]) {
+    for i in (0..R).rev() {
+        let known: f64 = (i + 1..R).map(|j| root[j][i] * b[j]).sum();
+        b[i] = (b[i] - known) / root[i][i];
+    }
+}
+
+/// Standard deviation of each state: the norms of the rows of a root.
+pub fn standard_deviations<const R: usize>(root: &[[f64; R]; R]) -> [f64; R] {
+    root.map(|row| dot(&row, &row).sqrt())
+}

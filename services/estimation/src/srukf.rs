@@ -1,0 +1,244 @@
+//! Square-root unscented Kalman filter on any [`Model`]: the consistent step, and the improved SR-UKF of Yang, Wang, Han
+//! 2021 exactly as printed.
+//!
+//! ```text
+//! X_0 = x, X_i = x + sqrt(c) S[:,i], X_(n+i) = x - sqrt(c) S[:,i]        (21)
+//! Z = f(X),  x^- = Z_0 + w sum (Z_i - Z_0)                                (23), mean without cancellation
+//! D = sqrt(w) [Z_i - Z_0]                                                 (23), referenced to point 0
+//! ```
+//! The *consistent* step continues as [`crate::prediction`] describes: gain and covariance come from one factor. The
+//! *printed* step, [`SquareRootUkf::step_printed`], takes S_y from the propagated points without process noise (26) but
+//! S^- with it (28): its gain and its covariance disagree, by some 10 % in the gain.
+//!
+//! What this is not: the redraw of sigma points after the process noise. For linear measurements both agree.
+
+use crate::model::Model;
+use crate::prediction::{Images, Prediction, Update};
+use crate::root::{Row, solve_lower, solve_lower_transposed, triangularise};
+use crate::sigma_points::{Spread, Weights};
+
+/// The filter: a state and the lower root of its covariance.
+#[derive(Clone, Copy, Debug)]
+pub struct SquareRootUkf<const N: usize, const M: usize> {
+    /// State x.
+    pub state: [f64; N],
+    /// Lower root S of the covariance, P = S S'.
+    pub root: [[f64; N]; N],
+    spread: Spread,
+    weights: Weights,
+}
+
+impl<const N: usize, const M: usize> SquareRootUkf<N, M> {
+    /// A filter at `state` with independent standard deviations.
+    pub fn new(state: [f64; N], std: &[f64; N], spread: Spread) -> Self {
+        let mut root = [[0.0; N]; N];
+        for (i, row) in root.iter_mut().enumerate() {
+            row[i] = std[i];
+        }
+        Self::with_root(state, root, spread)
+    }
+
+    /// A filter at `state` with a lower-triangular covariance root.
+    pub fn with_root(state: [f64; N], root: [[f64; N]; N], spread: Spread) -> Self {
+        Self {
+            state,
+            root,
+            spread,
+            weights: spread.weights(N),
+        }
+    }
+
+    /// The spread of the sigma points.
+    pub fn spread(&self) -> Spread {
+        self.spread
+    }
+
+    /// Predicts one step; `process_std` is the additive process noise of the step.
+    #[inline]
+    pub fn predict<P: Model<N, M>>(&self, model: &P, process_std: &[f64; N]) -> Prediction<N, M> {
+        self.images(model).predict(process_std)
+    }
+
+    /// The prediction before the process noise is added.
+    #[inline(always)]
+    pub fn images<P: Model<N, M>>(&self, model: &P) -> Images<N, M, 2> {
+        self.images_with_shift(model).0
+    }
+
+    /// Takes over the result of an update.
+    pub fn accept(&mut self, update: &Update<N, M>) {
+        self.state = update.state;
+        self.root = update.root;
+    }
+
+    /// One consistent step with every measurement present; returns the normalised innovation squared.
+    #[inline]
+    pub fn step<P: Model<N, M>>(
+        &mut self,
+        model: &P,
+        process_std: &[f64; N],
+        measurement: &[f64; M],
+        measurement_std: &[f64; M],
+    ) -> f64 {
+        let prediction = self.predict(model, process_std);
+        let innovation = core::array::from_fn(|j| measurement[j] - prediction.measurement[j]);
+        let update = prediction.update(&innovation, measurement_std, &[true; M]);
+        self.accept(&update);
+        update.nis()
+    }
+
+    /// Sigma points through the model: rows of \[C D\] in pair form, and how far the means lie from the centre's image.
+    #[inline(always)]
+    fn images_with_shift<P: Model<N, M>>(&self, model: &P) -> (Images<N, M, 2>, [f64; N]) {
+        let (center, center_measured) = model.predict(&self.state);
+        let mut images = Images {
+            state: self.state,
+            measurement: center_measured,
+            rows: self.root.map(|row| [row, [0.0; N]]),
+            measured: [[[0.0; N]; 2]; M],
+            noise_coupling: model.noise_coupling(),
+            direct: P::DIRECT,
+        };
+        let (mut shift, mut shift_measured) = ([0.0; N], [0.0; M]);
+        for i in 0..N {
+            let offset: [f64; N] = core::array::from_fn(|k| self.weights.scale * self.root[k][i]);
+            let (plus, plus_measured) =
+                model.predict(&core::array::from_fn(|k| self.state[k] + offset[k]));
+            let (minus, minus_measured) =
+                model.predict(&core::array::from_fn(|k| self.state[k] - offset[k]));
+            for k in 0..P::DYNAMIC {
+                shift[k] += self.pair(&mut images.rows[k], i, plus[k], minus[k], center[k]);
+            }
+            for p in P::DIRECT..M {
+                let (plus, minus) = (plus_measured[p], minus_measured[p]);
+                shift_measured[p] +=
+                    self.pair(&mut images.measured[p], i, plus, minus, center_measured[p]);
+            }
+        }
+        for k in 0..P::DYNAMIC {
+            shift[k] *= self.weights.mean;
+            images.state[k] = center[k] + shift[k];
+        }
+        for p in 0..M {
+            let mean = center_measured[p] + self.weights.mean * shift_measured[p];
+            images.measurement[p] = if p < P::DIRECT { images.state[p] } else { mean };
+        }
+        (images, shift)
+    }
+
+    /// Writes column i of C and D of one quantity, and returns how far the pair's mean lies from the centre.
+    #[inline(always)]
+    fn pair(&self, row: &mut Row<N, 2>, i: usize, plus: f64, minus: f64, center: f64) -> f64 {
+        let bend = 0.5 * ((plus - center) + (minus - center));
+        row[0][i] = self.weights.odd * (plus - minus);
+        row[1][i] = self.weights.even * bend;
+        bend
+    }
+}
+
+/// What a printed step computes on its way.
+#[derive(Clone, Copy, Debug)]
+pub struct PrintedStep<const N: usize, const M: usize> {
+    /// Predicted state (23).
+    pub predicted: [f64; N],
+    /// Predicted root S^- (23).
+    pub predicted_root: [[f64; N]; N],
+    /// S_y (26), process noise not included.
+    pub innovation_root: [[f64; M]; M],
+    /// P_xy (26).
+    pub cross_covariance: [[f64; M]; N],
+    /// Gain K (27).
+    pub gain: [[f64; M]; N],
+    /// S^- (I - F U'^-1 (U + V)^-1 F') (28), not triangular.
+    pub updated_root: [[f64; N]; N],
+    /// |S_y^-1 (y - y^)|^2.
+    pub nis: f64,
+}
+
+impl<const N: usize, const M: usize> SquareRootUkf<N, M> {
+    /// One step of the improved SR-UKF as printed, (23)-(28), for models whose measurements are all direct.
+    ///
+    /// A missing measurement has innovation 0 and a large standard deviation. (20): the root of P_0 is meant. (27): the
+    /// gain is (P_xy / S_y') / S_y. (28) is Andrews' update; its result is triangularised again.
+    pub fn step_printed<P: Model<N, M>>(
+        &mut self,
+        model: &P,
+        process_std: &[f64; N],
+        measurement_std: &[f64; M],
+        innovation: impl Fn(&[f64; M]) -> [f64; M],
+    ) -> PrintedStep<N, M> {
+        let (mut images, shift) = self.images_with_shift(model);
+        let measured: [Row<N, 2>; M] = core::array::from_fn(|j| images.rows[j]);
+        let cross_covariance = self.cross_covariance(&images.rows, &measured, &shift);
+        let innovation_root = triangularise(&mut measured.clone(), measurement_std); // (26)
+        let predicted_root = triangularise(&mut images.rows, process_std); // (23)
+        let innovation = innovation(&images.measurement);
+
+        let gain = cross_covariance.map(|row| {
+            let mut k = row;
+            solve_lower(&innovation_root, &mut k);
+            solve_lower_transposed(&innovation_root, &mut k);
+            k
+        }); // (27)
+        self.state = core::array::from_fn(|i| images.state[i] + inner(&gain[i], &innovation));
+        let updated_root = andrews(&predicted_root, measurement_std); // (28)
+        self.root = triangularise(&mut updated_root.map(|row| [row]), &[0.0; N]);
+
+        let mut whitened = innovation;
+        solve_lower(&innovation_root, &mut whitened);
+        PrintedStep {
+            predicted: images.state,
+            predicted_root,
+            innovation_root,
+            cross_covariance,
+            gain,
+            updated_root,
+            nis: inner(&whitened, &whitened),
+        }
+    }
+
+    /// P_xy of (26) about the means, with w_c0 on the centre: 2w sum (c c' + d d') + (beta - alpha^2) m m'.
+    fn cross_covariance(
+        &self,
+        rows: &[Row<N, 2>; N],
+        measured: &[Row<N, 2>; M],
+        shift: &[f64; N],
+    ) -> [[f64; M]; N] {
+        let excess = self.spread.beta - self.spread.alpha * self.spread.alpha;
+        core::array::from_fn(|k| {
+            core::array::from_fn(|j| {
+                let spread = inner(rows[k].as_flattened(), measured[j].as_flattened());
+                spread + excess * shift[k] * shift[j]
+            })
+        })
+    }
+}
+
+fn inner(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+/// S (I - F U'^-1 (U + V)^-1 F') with F = S' H', U U' = F'F + V V', H the leading unit rows.
+fn andrews<const N: usize, const M: usize>(root: &[[f64; N]; N], std: &[f64; M]) -> [[f64; N]; N] {
+    let f: [[f64; N]; M] = core::array::from_fn(|j| root[j]); // F', row by row
+    let u = triangularise(&mut f.map(|row| [row]), std);
+    let mut u_plus_v = u;
+    for (j, row) in u_plus_v.iter_mut().enumerate() {
+        row[j] += std[j];
+    }
+    // Columns of (U + V)^-1 F', then of U'^-1 (U + V)^-1 F'.
+    let mut correction = [[0.0; N]; N];
+    for i in 0..N {
+        let mut column: [f64; M] = core::array::from_fn(|j| f[j][i]);
+        solve_lower(&u_plus_v, &mut column);
+        solve_lower_transposed(&u, &mut column);
+        for (k, row) in correction.iter_mut().enumerate() {
+            row[i] = (0..M).map(|j| f[j][k] * column[j]).sum();
+        }
+    }
+    core::array::from_fn(|k| {
+        core::array::from_fn(|i| {
+            root[k][i] - (0..N).map(|l| root[k][l] * correction[l][i]).sum::<f64>()
+        })
+    })
+}
