@@ -71,7 +71,7 @@ pub mod excavator_bits {
 
 message! {
     /// What the excavator's sensors measured; a signal without its bit in `valid` is 0 and means nothing.
-    pub struct ExcavatorSensors, "ExcavatorSensors", size 112 {
+    pub struct ExcavatorSensors, "ExcavatorSensors", size 120 {
         /// Swing rate, positive anticlockwise from above.
         swing_velocity: f64, "rad/s";
         /// Swing angle, same sign.
@@ -93,7 +93,7 @@ message! {
 
 message! {
     /// The truth behind a simulated or annotated sample; estimators never read it.
-    pub struct ExcavatorTruth, "ExcavatorTruth", size 120 {
+    pub struct ExcavatorTruth, "ExcavatorTruth", size 128 {
         /// True swing inertia.
         inertia: f64, "kg m^2";
         /// True viscous damping.
@@ -117,7 +117,7 @@ message! {
 
 message! {
     /// Swing motion after the filter stage.
-    pub struct SwingMotion, "SwingMotion", size 176 {
+    pub struct SwingMotion, "SwingMotion", size 184 {
         /// Velocity of the Kalman filter.
         velocity: f64, "rad/s";
         /// Its standard deviation.
@@ -155,7 +155,7 @@ message! {
 
 message! {
     /// Estimated swing inertia with its verdict.
-    pub struct ExcavatorEstimate, "ExcavatorEstimate", size 232 {
+    pub struct ExcavatorEstimate, "ExcavatorEstimate", size 240 {
         /// Swing inertia.
         inertia: f64, "kg m^2";
         /// Standard deviation of the inertia.

@@ -47,7 +47,7 @@ pub mod fault {
 
 message! {
     /// Ten times a second: how a process is doing. Counts are since its start.
-    pub struct Health, "Health", size 160 {
+    pub struct Health, "Health", size 168 {
         /// Position of the process in the table of processes.
         process: u32, "";
         /// Process id.
@@ -85,7 +85,7 @@ message! {
 
 message! {
     /// How far the logger has got; a lossless source waits for it.
-    pub struct Credit, "Credit", size 64 {
+    pub struct Credit, "Credit", size 72 {
         /// Number of samples that have passed through every channel.
         through: u64, "";
     }

@@ -20,7 +20,7 @@ pub use excavator::{
 };
 pub use health::{Credit, Health, State, fault};
 pub use loader::{LoaderEstimate, LoaderSensors, LoaderTruth, loader_bits};
-pub use message::{Field, Kind, Message, Value};
+pub use message::{Field, HEAD, Kind, Message, Value};
 pub use stamp::{Hops, Stamp};
 
 /// Names of the excavator estimation methods on the command line and in every output, indexed by

@@ -69,7 +69,7 @@ pub mod loader_bits {
 
 message! {
     /// What the loader's sensors measured; a signal without its bit in `valid` is 0 and means nothing.
-    pub struct LoaderSensors, "LoaderSensors", size 144 {
+    pub struct LoaderSensors, "LoaderSensors", size 152 {
         /// Forward speed of the body.
         speed: f64, "m/s";
         /// Speed of the front wheels.
@@ -99,7 +99,7 @@ message! {
 
 message! {
     /// The truth behind a simulated or annotated sample; estimators never read it.
-    pub struct LoaderTruth, "LoaderTruth", size 128 {
+    pub struct LoaderTruth, "LoaderTruth", size 136 {
         /// True forward speed.
         speed: f64, "m/s";
         /// True speed of the front wheels.
@@ -125,7 +125,7 @@ message! {
 
 message! {
     /// Estimated centre of gravity with its verdict.
-    pub struct LoaderEstimate, "LoaderEstimate", size 208 {
+    pub struct LoaderEstimate, "LoaderEstimate", size 216 {
         /// Forward speed.
         speed: f64, "m/s";
         /// Speed of the front wheels.

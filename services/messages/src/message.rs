@@ -90,8 +90,8 @@ pub trait Message: ZeroCopySend + Copy + Debug + Default + PartialEq + Send + 's
     }
 }
 
-/// Number of fields that [`Stamp`] and [`Hops`] put before those of the message.
-pub(crate) const HEAD: usize = 8;
+/// Number of fields that [`Stamp`] and [`Hops`] put before those of the message itself.
+pub const HEAD: usize = 10;
 
 pub(crate) const HEAD_FIELDS: [Field; HEAD] = [
     field("machine", "", "Which machine.", Kind::U32),
@@ -132,6 +132,18 @@ pub(crate) const HEAD_FIELDS: [Field; HEAD] = [
         "Published by the estimator, 0 if none.",
         Kind::U64,
     ),
+    field(
+        "filter_restarts",
+        "",
+        "Restarts of the filter stage before this.",
+        Kind::U32,
+    ),
+    field(
+        "estimate_restarts",
+        "",
+        "Restarts of the estimator before this.",
+        Kind::U32,
+    ),
 ];
 
 const fn field(name: &'static str, unit: &'static str, doc: &'static str, kind: Kind) -> Field {
@@ -152,7 +164,9 @@ pub(crate) fn get_head(stamp: &Stamp, hops: &Hops, index: usize) -> Value {
         4 => Value::U64(stamp.measured_ns),
         5 => Value::U64(hops.sensor_ns),
         6 => Value::U64(hops.filter_ns),
-        _ => Value::U64(hops.estimate_ns),
+        7 => Value::U64(hops.estimate_ns),
+        8 => Value::U32(hops.filter_restarts),
+        _ => Value::U32(hops.estimate_restarts),
     }
 }
 
@@ -166,6 +180,8 @@ pub(crate) fn set_head(stamp: &mut Stamp, hops: &mut Hops, index: usize, value: 
         (5, Value::U64(v)) => hops.sensor_ns = v,
         (6, Value::U64(v)) => hops.filter_ns = v,
         (7, Value::U64(v)) => hops.estimate_ns = v,
+        (8, Value::U32(v)) => hops.filter_restarts = v,
+        (9, Value::U32(v)) => hops.estimate_restarts = v,
         _ => return false,
     }
     true

@@ -19,6 +19,7 @@ pub struct Stamp {
 }
 
 /// When each stage published the sample, on the host's monotonic clock [ns]; 0 = not passed.
+/// And which life of that stage it was, so that a replay knows when its state began anew.
 #[derive(Debug, Clone, Copy, Default, PartialEq, ZeroCopySend)]
 #[type_name("Hops")]
 #[repr(C)]
@@ -29,4 +30,8 @@ pub struct Hops {
     pub filter_ns: u64,
     /// Published by the estimator.
     pub estimate_ns: u64,
+    /// Restarts of the filter stage before it published this: a new state each time.
+    pub filter_restarts: u32,
+    /// Restarts of the estimator before it published this.
+    pub estimate_restarts: u32,
 }

@@ -8,17 +8,17 @@ use crate::step::{Step, answer};
 use crate::telemetry::Event;
 use crate::{Error, Input, Output, Worker};
 
-/// Writes the publish time of a stage into the hops.
-pub type MarkHop = fn(&mut Hops, u64);
+/// Writes into the hops when a stage published, and how often it had been restarted before.
+pub type MarkHop = fn(&mut Hops, u64, u32);
 
 /// The hop of a filter stage.
-pub fn mark_filter(hops: &mut Hops, now: u64) {
-    hops.filter_ns = now;
+pub fn mark_filter(hops: &mut Hops, now: u64, restarts: u32) {
+    (hops.filter_ns, hops.filter_restarts) = (now, restarts);
 }
 
 /// The hop of an estimator.
-pub fn mark_estimate(hops: &mut Hops, now: u64) {
-    hops.estimate_ns = now;
+pub fn mark_estimate(hops: &mut Hops, now: u64, restarts: u32) {
+    (hops.estimate_ns, hops.estimate_restarts) = (now, restarts);
 }
 
 /// Runs `step` from `input` to `output` until the supervisor ends it.
@@ -63,7 +63,7 @@ fn answer_all<S: Step>(
         let received = now_ns();
         let mut out = answer(step, &message);
         let published = now_ns();
-        mark(out.hops_mut(), published);
+        mark(out.hops_mut(), published, worker.setup.identity.restarts);
         if !output.send(&out) {
             worker.reporter.fault(fault::SEND);
         }

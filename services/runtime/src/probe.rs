@@ -1,0 +1,76 @@
+//! A reader that does nothing but note when messages arrive: the controller at the end of the
+//! chain, as far as latency is concerned.
+
+use messages::Message;
+use messages::channels::Channel;
+
+use crate::clock::now_ns;
+use crate::telemetry::Event;
+use crate::{Error, Worker};
+
+/// When a message passed each stage, relative to its measurement [ns].
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Arrival {
+    /// Number of the sample.
+    pub sequence: u64,
+    /// Published by the sensor process.
+    pub sensor_ns: u64,
+    /// Published by the filter stage; 0 if none.
+    pub filter_ns: u64,
+    /// Published by the estimator.
+    pub estimate_ns: u64,
+    /// Received here.
+    pub received_ns: u64,
+}
+
+/// Notes up to `capacity` arrivals on `channel` until the supervisor ends it.
+///
+/// # Errors
+/// The channel cannot be opened.
+pub fn run_probe<M: Message>(
+    mut worker: Worker,
+    channel: &Channel,
+    capacity: usize,
+) -> Result<Vec<Arrival>, Error> {
+    let mut input = worker.ports.input::<M>(channel, channel.depth)?;
+    input.connect();
+    let mut arrivals = Vec::with_capacity(capacity);
+    if worker.begin().is_none() {
+        return Ok(arrivals);
+    }
+    input.connect();
+    while !worker.wishes.wants_exit() {
+        worker.bell.wait();
+        let draining = worker.wishes.take_drain();
+        while let Some((message, lost)) = input.receive() {
+            let now = now_ns();
+            let measured = message.stamp().measured_ns;
+            if arrivals.len() < capacity {
+                arrivals.push(arrival(&message, now));
+            }
+            let age_ns = now.saturating_sub(measured);
+            worker.reporter.sample(Event {
+                age_ns,
+                step_ns: 0,
+                lost,
+                late: false,
+            });
+        }
+        if draining {
+            worker.control.say("drained");
+        }
+    }
+    Ok(arrivals)
+}
+
+fn arrival<M: Message>(message: &M, now: u64) -> Arrival {
+    let (stamp, hops) = (message.stamp(), message.hops());
+    let since = |ns: u64| ns.saturating_sub(stamp.measured_ns);
+    Arrival {
+        sequence: stamp.sequence,
+        sensor_ns: since(hops.sensor_ns),
+        filter_ns: since(hops.filter_ns),
+        estimate_ns: since(hops.estimate_ns),
+        received_ns: since(now),
+    }
+}

@@ -1,0 +1,101 @@
+//! The simulated wheel loader as a source of messages.
+
+use messages::loader_bits::{
+    ACCELERATION, BOOM_MOVING, FRONT_TORQUE, FRONT_WHEEL_SPEED, MASS, REAR_TORQUE,
+    REAR_WHEEL_SPEED, SLOPE, SPADE_FORCE_X, SPADE_FORCE_Z, SPEED,
+};
+use messages::{LoaderSensors, LoaderTruth};
+use runtime::Source;
+use sim::loader::{InvalidRun, Row, Run, Simulation, Truth};
+
+/// What every simulated loader has.
+const COLUMNS: u32 = SPEED
+    | FRONT_WHEEL_SPEED
+    | REAR_WHEEL_SPEED
+    | FRONT_TORQUE
+    | REAR_TORQUE
+    | SLOPE
+    | ACCELERATION;
+/// All eight true values are known.
+const ALL_KNOWN: u32 = 0b1111_1111;
+
+/// A simulated wheel loader.
+#[derive(Debug)]
+pub struct SimulatedLoader {
+    rows: Simulation,
+    sequence: u64,
+}
+
+impl SimulatedLoader {
+    /// Begins a run of the simulator.
+    ///
+    /// # Errors
+    /// A number of the run is out of its range.
+    pub fn new(run: &Run) -> Result<Self, InvalidRun> {
+        Ok(Self { rows: Simulation::new(run)?, sequence: 0 })
+    }
+}
+
+impl Source for SimulatedLoader {
+    type Sensors = LoaderSensors;
+    type Truth = LoaderTruth;
+
+    fn next(&mut self) -> Option<(LoaderSensors, LoaderTruth)> {
+        let row = self.rows.next()?;
+        let mut measured = measured(&row);
+        let mut known = truth(&row.truth);
+        for stamp in [&mut measured.stamp, &mut known.stamp] {
+            stamp.sequence = self.sequence;
+            stamp.time = row.time;
+        }
+        self.sequence += 1;
+        Some((measured, known))
+    }
+}
+
+fn measured(row: &Row) -> LoaderSensors {
+    let (mut valid, mut columns) = (0, COLUMNS);
+    let mut take = |value: Option<f64>, bit: u32| {
+        columns |= if value.is_some() { bit } else { 0 };
+        match value {
+            Some(value) if value.is_finite() => {
+                valid |= bit;
+                value
+            }
+            _ => 0.0,
+        }
+    };
+    let message = LoaderSensors {
+        speed: take(Some(row.speed), SPEED),
+        front_wheel_speed: take(Some(row.front_wheel_speed), FRONT_WHEEL_SPEED),
+        rear_wheel_speed: take(Some(row.rear_wheel_speed), REAR_WHEEL_SPEED),
+        front_torque: take(Some(row.front_torque), FRONT_TORQUE),
+        rear_torque: take(Some(row.rear_torque), REAR_TORQUE),
+        slope: take(Some(row.slope), SLOPE),
+        acceleration: take(Some(row.acceleration), ACCELERATION),
+        mass: take(row.mass, MASS),
+        spade_force_x: take(row.spade_force_x, SPADE_FORCE_X),
+        spade_force_z: take(row.spade_force_z, SPADE_FORCE_Z),
+        ..LoaderSensors::default()
+    };
+    if let Some(moving) = row.boom_moving {
+        columns |= BOOM_MOVING;
+        valid |= if moving { BOOM_MOVING } else { 0 };
+    }
+    LoaderSensors { valid, columns, ..message }
+}
+
+fn truth(truth: &Truth) -> LoaderTruth {
+    LoaderTruth {
+        speed: truth.speed,
+        front_wheel_speed: truth.front_wheel_speed,
+        rear_wheel_speed: truth.rear_wheel_speed,
+        cg_height: truth.cg_height,
+        cg_ratio: truth.cg_ratio,
+        slip_stiffness: truth.slip_stiffness,
+        spade_force_x: truth.spade_force_x,
+        slope: truth.slope,
+        known: ALL_KNOWN,
+        ..LoaderTruth::default()
+    }
+}
