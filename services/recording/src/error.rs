@@ -1,0 +1,70 @@
+use std::fmt;
+use std::io;
+use std::path::Path;
+
+/// Why a file could not be read or written. Prints as three lines: what, where, what to do.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Error {
+    /// What is wrong.
+    pub what: String,
+    /// File, with line and column where there are some.
+    pub place: String,
+    /// What to do about it.
+    pub remedy: String,
+    /// The system's reason, where the system refused.
+    pub io: Option<io::ErrorKind>,
+}
+
+impl Error {
+    /// An error found in the content of a file.
+    pub(crate) fn new(
+        what: impl Into<String>,
+        place: impl Into<String>,
+        remedy: impl Into<String>,
+    ) -> Self {
+        Self {
+            what: what.into(),
+            place: place.into(),
+            remedy: remedy.into(),
+            io: None,
+        }
+    }
+
+    /// The system refused to open, read or write `path`.
+    pub(crate) fn system(doing: &str, path: &Path, error: &io::Error) -> Self {
+        use io::ErrorKind as Kind;
+        let remedy = match error.kind() {
+            Kind::NotFound => "check the name and the folder",
+            Kind::PermissionDenied => "check the rights of the file and of its folder",
+            Kind::StorageFull | Kind::QuotaExceeded | Kind::FileTooLarge => {
+                "make room, or choose another folder with --out"
+            }
+            Kind::IsADirectory => "give a file, not a folder",
+            _ => "check the file and the disk",
+        };
+        Self {
+            what: format!("cannot {doing}: {error}"),
+            place: path.display().to_string(),
+            remedy: remedy.into(),
+            io: Some(error.kind()),
+        }
+    }
+
+    /// Whether the disk is full.
+    #[must_use]
+    pub fn is_disk_full(&self) -> bool {
+        use io::ErrorKind as Kind;
+        matches!(
+            self.io,
+            Some(Kind::StorageFull | Kind::QuotaExceeded | Kind::FileTooLarge)
+        )
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}\n  in {}\n  {}", self.what, self.place, self.remedy)
+    }
+}
+
+impl std::error::Error for Error {}

@@ -1,0 +1,295 @@
+//! What a recording keeps, and what is left of it when it is cut off, damaged or refused.
+
+use std::path::Path;
+
+use messages::channels::{self, EXCAVATOR_SENSORS, EXCAVATOR_TRUTH, HEALTH, Visitor};
+use messages::{ExcavatorSensors, ExcavatorTruth, Health, Kind, Message, Value};
+use recording::{Metadata, Reader, Writer, is_complete, recover};
+
+fn sample(n: u64) -> ExcavatorSensors {
+    let mut sensors = ExcavatorSensors::default();
+    sensors.stamp.sequence = n;
+    sensors.stamp.time = n as f64 * 0.01;
+    sensors.stamp.measured_ns = 1_000_000 * n + 7;
+    sensors.swing_velocity = (n as f64 * 0.1).sin();
+    sensors.valid = (n % 64) as u32;
+    sensors
+}
+
+fn metadata() -> Metadata {
+    let pairs = [
+        ("seed", "7"),
+        ("configuration", "[machine]\nkind = \"excavator\"\n"),
+    ];
+    pairs.map(|(k, v)| (k.to_owned(), v.to_owned())).into()
+}
+
+/// A recording of `n` samples, flushed after every tenth.
+fn write(path: &Path, n: u64) {
+    let mut writer = Writer::create(path, &metadata()).expect("a writable folder");
+    for i in 0..n {
+        writer
+            .write(&EXCAVATOR_SENSORS, &sample(i))
+            .expect("room on the disk");
+        let truth = ExcavatorTruth {
+            inertia: i as f64,
+            ..Default::default()
+        };
+        writer
+            .write(&EXCAVATOR_TRUTH, &truth)
+            .expect("room on the disk");
+        if i % 10 == 9 {
+            writer.flush().expect("room on the disk");
+        }
+    }
+    writer.finish().expect("room on the disk");
+}
+
+fn folder() -> tempfile::TempDir {
+    tempfile::tempdir().expect("a folder for temporary files")
+}
+
+#[test]
+fn a_recording_reads_back_as_written() {
+    let dir = folder();
+    let path = dir.path().join("run.mcap");
+    write(&path, 25);
+    let reader = Reader::open(&path).expect("a recording");
+    assert!(reader.is_complete() && is_complete(&path).expect("readable"));
+    assert_eq!(reader.metadata(), &metadata());
+    assert_eq!(reader.channels(), ["excavator/sensors", "excavator/truth"]);
+    let read: Vec<ExcavatorSensors> = reader.messages("excavator/sensors").expect("sensors");
+    assert_eq!(read, (0..25).map(sample).collect::<Vec<_>>());
+    assert!(
+        reader
+            .messages::<Health>("health")
+            .expect("not recorded is empty")
+            .is_empty()
+    );
+    assert!(
+        reader.messages::<Health>("excavator/sensors").is_err(),
+        "another type"
+    );
+}
+
+#[test]
+fn every_payload_survives_bit_for_bit_with_extreme_values() {
+    struct RoundTrip<'a>(&'a Path, &'a channels::Channel);
+    impl Visitor for RoundTrip<'_> {
+        type Output = ();
+        fn visit<M: Message>(self) {
+            let doubles = [
+                f64::NAN,
+                -0.0,
+                f64::MIN_POSITIVE,
+                f64::NEG_INFINITY,
+                0.1 + 0.2,
+            ];
+            let counts = [u64::MAX, 0, 1, 1 << 63, 300];
+            let mut written = M::default();
+            for (i, field) in M::FIELDS.iter().enumerate() {
+                let value = match field.kind {
+                    Kind::F64 => Value::F64(doubles[i % 5]),
+                    Kind::U32 => Value::U32(counts[i % 5] as u32),
+                    Kind::U64 => Value::U64(counts[i % 5]),
+                };
+                assert!(written.set(i, value));
+            }
+            let mut writer = Writer::create(self.0, &metadata()).expect("a writable folder");
+            writer.write(self.1, &written).expect("room on the disk");
+            writer
+                .write(self.1, &M::default())
+                .expect("room on the disk");
+            writer.finish().expect("room on the disk");
+            let reader = Reader::open(self.0).expect("a recording");
+            let read: Vec<M> = reader.messages(self.1.name).expect("the channel");
+            assert_eq!(read.len(), 2);
+            assert_eq!(read[1], M::default());
+            for i in 0..M::FIELDS.len() {
+                let (a, b) = (
+                    written.get(i).expect("field"),
+                    read[0].get(i).expect("field"),
+                );
+                assert!(a.same_bits(b), "{} {a:?} {b:?}", M::FIELDS[i].name);
+            }
+        }
+    }
+    let dir = folder();
+    for channel in channels::CHANNELS {
+        channel
+            .payload
+            .visit(RoundTrip(&dir.path().join("run.mcap"), channel));
+    }
+}
+
+#[test]
+fn values_come_with_the_names_and_units_of_the_file() {
+    let dir = folder();
+    let path = dir.path().join("run.mcap");
+    write(&path, 3);
+    let reader = Reader::open(&path).expect("a recording");
+    let fields = reader.fields("excavator/sensors");
+    let at = fields
+        .iter()
+        .position(|f| f.name == "swing_velocity")
+        .expect("the field");
+    assert_eq!(fields[at].unit, "rad/s");
+    let mut seen = Vec::new();
+    reader
+        .for_each_value("excavator/sensors", |time, values| {
+            seen.push((time, values[at]))
+        })
+        .expect("the channel");
+    assert_eq!(seen[2], (2_000_007, Value::F64(sample(2).swing_velocity)));
+}
+
+/// Cuts at every record boundary and one byte to either side, and at a sample of other places.
+#[test]
+fn a_recording_cut_anywhere_keeps_every_whole_chunk() {
+    let dir = folder();
+    let path = dir.path().join("run.mcap");
+    write(&path, 50);
+    let whole = std::fs::read(&path).expect("readable");
+    let boundaries = boundaries(&whole);
+    let mut cuts: Vec<usize> = boundaries.iter().flat_map(|b| [b - 1, *b, b + 1]).collect();
+    cuts.extend((0..whole.len()).step_by(499));
+    cuts.retain(|cut| *cut < whole.len());
+    let mut most = 0;
+    for cut in cuts {
+        std::fs::write(&path, &whole[..cut]).expect("writable");
+        assert!(!is_complete(&path).expect("readable"), "cut at {cut}");
+        let Ok(reader) = Reader::open(&path) else {
+            assert!(
+                cut < 8,
+                "only without the first eight bytes it is no recording: {cut}"
+            );
+            assert!(recover(&path).is_err());
+            continue;
+        };
+        let read: Vec<ExcavatorSensors> = reader.messages("excavator/sensors").expect("sensors");
+        assert_eq!(read.len() % 10, 0, "whole chunks only, cut at {cut}");
+        assert_eq!(read, (0..read.len() as u64).map(sample).collect::<Vec<_>>());
+        most = most.max(read.len());
+        let recovered = recover(&path).expect("recoverable");
+        assert_eq!(recovered.messages, 2 * read.len() as u64, "cut at {cut}");
+        assert!(!recovered.was_complete && is_complete(&path).expect("readable"));
+        let mended = Reader::open(&path).expect("a recording");
+        assert_eq!(
+            mended.messages::<ExcavatorSensors>("excavator/sensors"),
+            Ok(read)
+        );
+        assert_eq!(
+            recover(&path).map(|r| r.was_complete),
+            Ok(true),
+            "once is enough"
+        );
+    }
+    assert_eq!(most, 50, "a cut in the index loses nothing");
+    assert_eq!(
+        std::fs::read_dir(dir.path()).expect("readable").count(),
+        1,
+        "nothing left beside"
+    );
+}
+
+/// Ends of the records of a file, that of the leading magic included.
+fn boundaries(bytes: &[u8]) -> Vec<usize> {
+    let mut found = vec![8];
+    let mut at = 8;
+    while at + 9 < bytes.len() {
+        let length = bytes[at + 1..at + 9].try_into().expect("eight bytes");
+        at += 9 + u64::from_le_bytes(length) as usize;
+        found.push(at);
+    }
+    found
+}
+
+/// No flipped bit may panic or invent a sample.
+#[test]
+fn a_damaged_recording_is_refused_or_mended_but_never_invents_a_sample() {
+    let dir = folder();
+    let path = dir.path().join("run.mcap");
+    write(&path, 20);
+    let whole = std::fs::read(&path).expect("readable");
+    let good: Vec<_> = (0..20).map(sample).collect();
+    for at in (0..whole.len()).step_by(3) {
+        let mut bytes = whole.clone();
+        bytes[at] ^= 1 << (at % 8);
+        std::fs::write(&path, &bytes).expect("writable");
+        let Ok(reader) = Reader::open(&path) else {
+            continue;
+        };
+        let read = reader
+            .messages::<ExcavatorSensors>("excavator/sensors")
+            .unwrap_or_default();
+        assert!(read.iter().all(|m| good.contains(m)), "flipped at {at}");
+        let _ = recover(&path);
+    }
+}
+
+#[test]
+fn a_live_recording_can_be_read_up_to_its_last_flush() {
+    let dir = folder();
+    let path = dir.path().join("run.mcap");
+    let mut writer = Writer::create(&path, &metadata()).expect("a writable folder");
+    let reader = Reader::open(&path).expect("metadata are there at once");
+    assert_eq!(reader.metadata(), &metadata());
+    for i in 0..100 {
+        writer
+            .write(&EXCAVATOR_SENSORS, &sample(i))
+            .expect("room on the disk");
+    }
+    writer.flush().expect("room on the disk");
+    writer
+        .write(&EXCAVATOR_SENSORS, &sample(100))
+        .expect("room on the disk");
+    let reader = Reader::open(&path).expect("a recording");
+    assert!(!reader.is_complete());
+    let read = reader.messages::<ExcavatorSensors>("excavator/sensors");
+    assert_eq!(read.map(|r| r.len()), Ok(100));
+}
+
+#[test]
+fn a_full_disk_is_an_error_that_names_itself() {
+    let Ok(mut writer) = Writer::create("/dev/full", &Metadata::new()) else {
+        return; // refused at once: that is an answer too
+    };
+    let error = (0..1_000_000u64)
+        .find_map(|i| {
+            writer
+                .write(
+                    &HEALTH,
+                    &Health {
+                        steps: i,
+                        ..Default::default()
+                    },
+                )
+                .err()
+        })
+        .or_else(|| writer.flush().err())
+        .expect("the disk is full");
+    assert!(error.is_disk_full(), "{error}");
+    assert!(
+        writer.write(&HEALTH, &Health::default()).is_err(),
+        "and stays an error"
+    );
+    assert!(writer.finish().is_err());
+}
+
+#[test]
+fn what_cannot_be_opened_is_told_in_three_lines() {
+    let dir = folder();
+    let missing = Reader::open(dir.path().join("none.mcap"))
+        .err()
+        .expect("not there");
+    assert_eq!(missing.to_string().lines().count(), 3);
+    let text = dir.path().join("text.mcap");
+    std::fs::write(&text, "t,swing_velocity\n0,1\n").expect("writable");
+    let error = Reader::open(&text).err().expect("not a recording");
+    assert_eq!(error.what, "this is no MCAP recording");
+    assert!(
+        Writer::create(dir.path(), &Metadata::new()).is_err(),
+        "a folder"
+    );
+    assert!(Writer::create(dir.path().join("none/run.mcap"), &Metadata::new()).is_err());
+}
