@@ -14,6 +14,13 @@ pub struct Contender {
     single: Box<dyn FnMut()>,
 }
 
+impl Contender {
+    /// One pass over the data; returns the number of steps.
+    pub fn pass(&mut self) -> u64 {
+        (self.block)()
+    }
+}
+
 /// Times of one step [ns].
 #[derive(Debug, Clone, Copy)]
 pub struct Timing {

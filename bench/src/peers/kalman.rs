@@ -9,9 +9,7 @@ use minikalman::prelude::*;
 use minikalman::regular::builder::{
     KalmanFilterBuilder, KalmanFilterObservationType, KalmanFilterType,
 };
-use nalgebra::{
-    Matrix1, Matrix1x2, Matrix2, OMatrix, OVector, SVector, U1, U2, Vector1, Vector2,
-};
+use nalgebra::{Matrix1, Matrix1x2, Matrix2, OMatrix, OVector, SVector, U1, U2, Vector1, Vector2};
 use nalgebra_of_kfilter as older;
 
 fn transition(problem: &VelocityProblem) -> Matrix2<f64> {
