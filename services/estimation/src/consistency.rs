@@ -1,0 +1,91 @@
+//! Do the innovations agree with their predicted size?
+//!
+//! The normalised innovation squared (NIS) of a scalar measurement is chi-square with one degree
+//! of freedom, mean 1, where model and noise are right.
+
+/// Mean of the last `N` normalised innovations squared, each limited so that a single outlier
+/// cannot decide.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NisWindow<const N: usize> {
+    values: [f64; N],
+    next: usize,
+    filled: usize,
+    limit: f64,
+}
+
+impl<const N: usize> NisWindow<N> {
+    /// An empty window whose entries are limited to `limit`.
+    pub fn new(limit: f64) -> Self {
+        Self {
+            values: [0.0; N],
+            next: 0,
+            filled: 0,
+            limit,
+        }
+    }
+
+    /// Adds one value.
+    pub fn push(&mut self, nis: f64) {
+        self.values[self.next] = nis.min(self.limit);
+        self.next = (self.next + 1) % N;
+        self.filled = (self.filled + 1).min(N);
+    }
+
+    /// Mean of what is in the window; 1, the expected value, while it is empty.
+    pub fn mean(&self) -> f64 {
+        if self.filled == 0 {
+            return 1.0;
+        }
+        self.values[..self.filled].iter().sum::<f64>() / self.filled as f64
+    }
+}
+
+/// Two-sided cumulative sum of normalised innovations: sees a small lasting shift of their mean
+/// that no single sample shows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cusum {
+    drift: f64,
+    threshold: f64,
+    up: f64,
+    down: f64,
+}
+
+impl Cusum {
+    /// Forgives `drift` per sample and alarms above `threshold`, both in standard deviations.
+    pub fn new(drift: f64, threshold: f64) -> Self {
+        Self {
+            drift,
+            threshold,
+            up: 0.0,
+            down: 0.0,
+        }
+    }
+
+    /// Adds one normalised innovation. An alarm sets both sums back to zero.
+    pub fn push(&mut self, z: f64) -> bool {
+        self.up = (self.up + z - self.drift).max(0.0);
+        self.down = (self.down - z - self.drift).max(0.0);
+        let alarm = self.level() > self.threshold;
+        if alarm {
+            self.clear();
+        }
+        alarm
+    }
+
+    /// The larger of the two sums.
+    pub fn level(&self) -> f64 {
+        self.up.max(self.down)
+    }
+
+    /// Forgets everything.
+    pub fn clear(&mut self) {
+        self.up = 0.0;
+        self.down = 0.0;
+    }
+}
+
+/// Variance that limits an innovation to `gate` standard deviations: outliers still move the
+/// state, but no further than the gate.
+pub fn gated_variance(innovation: f64, variance: f64, gate: f64) -> f64 {
+    variance.max(innovation * innovation / (gate * gate))
+}

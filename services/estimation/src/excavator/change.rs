@@ -1,0 +1,118 @@
+//! Innovation gate and detection of torque changes from the velocity alone.
+//!
+//! A Kalman filter of velocity and acceleration predicts each sample. What lies far outside is
+//! dropped, but never more than three in a row: then it is the machine that has moved. A lasting
+//! shift of the innovations, or setting off from rest, is a change of torque.
+
+use crate::consistency::Cusum;
+use crate::kalman::{Innovation, VelocityFilter};
+
+/// Random walk of the acceleration, variance per second, for q_c = 4.7e-3 [rad^2/s^5].
+const Q_PER_SECOND: f64 = 5e-2;
+const REST_VELOCITY: f64 = 0.012;
+
+/// A velocity after the gate.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Gated {
+    /// `None` where it is missing or was dropped.
+    pub(super) velocity: Option<f64>,
+    /// A change of torque was detected at this sample.
+    pub(super) event: bool,
+}
+
+/// Gate and detector.
+#[derive(Debug, Clone)]
+pub(super) struct ChangeDetector {
+    filter: Option<VelocityFilter>,
+    gate: f64,
+    process_per_second: f64,
+    rejections: u32,
+    cusum: Cusum,
+    rest: Rest,
+    rest_velocity: f64,
+}
+
+/// Counts samples that say rest or motion.
+#[derive(Debug, Clone, Default)]
+struct Rest {
+    moving: bool,
+    small: u32,
+    large: u32,
+}
+
+impl ChangeDetector {
+    pub(super) fn new(gate: f64, q_c: f64, velocity_std: f64) -> Self {
+        Self {
+            filter: None,
+            gate,
+            process_per_second: Q_PER_SECOND * q_c / 4.7e-3,
+            rejections: 0,
+            cusum: Cusum::new(1.0, 4.0),
+            rest: Rest::default(),
+            rest_velocity: REST_VELOCITY * velocity_std / 0.005,
+        }
+    }
+
+    /// Takes in one sample.
+    pub(super) fn step(&mut self, velocity: Option<f64>, variance: f64, period: f64) -> Gated {
+        let filter = match &mut self.filter {
+            Some(filter) => {
+                filter.predict(period, self.process_per_second * period);
+                filter
+            }
+            none => none.insert(VelocityFilter::new(velocity.unwrap_or(0.0), variance)),
+        };
+        let velocity = pass(filter, velocity, variance, self.gate, &mut self.rejections);
+        let innovation = filter.correct(velocity, variance);
+        let shifted = self.cusum.push(innovation.normalised());
+        let set_off = self.rest.step(velocity, self.rest_velocity);
+        Gated {
+            velocity,
+            event: shifted || set_off,
+        }
+    }
+
+    /// Velocity and acceleration of the detector's filter.
+    pub(super) fn motion(&self) -> (f64, f64) {
+        self.filter
+            .as_ref()
+            .map_or((0.0, 0.0), |f| (f.velocity(), f.acceleration()))
+    }
+}
+
+/// Drops a velocity more than `gate` standard deviations off, at most three in a row.
+pub(super) fn pass(
+    filter: &VelocityFilter,
+    velocity: Option<f64>,
+    variance: f64,
+    gate: f64,
+    rejections: &mut u32,
+) -> Option<f64> {
+    velocity?;
+    let Innovation { value, variance } = filter.innovation(velocity, variance);
+    if value * value > gate * gate * variance && *rejections < 3 {
+        *rejections += 1;
+        return None;
+    }
+    *rejections = 0;
+    velocity
+}
+
+impl Rest {
+    fn step(&mut self, velocity: Option<f64>, threshold: f64) -> bool {
+        let Some(y) = velocity else { return false };
+        if y.abs() < threshold {
+            self.small += 1;
+            self.large = 0;
+        } else {
+            self.large += 1;
+            self.small = 0;
+        }
+        if self.moving {
+            self.moving = self.small < 12;
+            return false;
+        }
+        self.moving = self.large >= 3;
+        self.moving
+    }
+}

@@ -1,0 +1,177 @@
+//! What goes in and what comes out.
+
+use crate::Quantity;
+
+/// One row of sensors; a missing value is `None`, a non-finite one counts as missing.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Sample {
+    /// Time of the measurement [s].
+    pub time: f64,
+    /// Swing velocity, positive anticlockwise from above [rad/s].
+    pub velocity: Option<f64>,
+    /// Swing angle of an encoder, same sign; used where there is no velocity [rad].
+    pub angle: Option<f64>,
+    /// Swing torque at the upper body, positive in the direction of positive motion [N m].
+    pub torque: Option<f64>,
+    /// Boom (to the horizontal, up positive), arm (relative to the boom), bucket (relative to the
+    /// arm) [rad].
+    pub posture: [Option<f64>; 3],
+}
+
+/// Which columns the source has at all.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Columns {
+    /// Swing velocity.
+    pub velocity: bool,
+    /// Swing angle.
+    pub angle: bool,
+    /// Swing torque.
+    pub torque: bool,
+    /// All three joint angles.
+    pub posture: bool,
+}
+
+/// Verdict of one estimate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Flags {
+    /// The motion carries information about the inertia.
+    pub excited: bool,
+    /// Innovations agree with their predicted size.
+    pub consistent: bool,
+    /// Inputs are recent and complete.
+    pub fresh: bool,
+    /// The 95 % interval is narrower than the stated limit.
+    pub converged: bool,
+    /// These inputs can determine the inertia at all.
+    pub identifiable: bool,
+    /// Standstill: the estimate is held.
+    pub held: bool,
+    /// The payload is changing, or has just done so.
+    pub changing: bool,
+    /// The filter was set back to its prior at this sample.
+    pub reset: bool,
+    /// Paper: the nominal-parameter rule acted (Eqs. 28-29).
+    pub nominal: bool,
+    /// Paper: inside a change window (section 3.5).
+    pub window: bool,
+    /// The row was refused (time not increasing or not finite); the state is untouched.
+    pub refused: bool,
+}
+
+impl Flags {
+    /// All five reasons to believe the estimate hold, and the row was not refused.
+    pub fn trusted(&self) -> bool {
+        self.excited
+            && self.consistent
+            && self.fresh
+            && self.converged
+            && self.identifiable
+            && !self.changing
+            && !self.refused
+    }
+}
+
+/// Estimation methods, by the names of the command line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Method {
+    /// By the columns that exist.
+    #[default]
+    Auto,
+    /// The paper: velocity only, multiple forgetting.
+    MultiForgettingRls,
+    /// Measured torque, both sides equally filtered.
+    SvfRls,
+    /// Torque and posture: inertia and payload (D).
+    PostureTorque,
+    /// Torque, momentum form (BM).
+    Torque,
+    /// Posture, torque unknown but constant for a while (C).
+    Posture,
+    /// Velocity and nominal damping only (A).
+    Velocity,
+}
+
+impl Method {
+    /// All methods, in the order of their index in the messages.
+    pub const ALL: [Self; 7] = [
+        Self::Auto,
+        Self::MultiForgettingRls,
+        Self::SvfRls,
+        Self::PostureTorque,
+        Self::Torque,
+        Self::Posture,
+        Self::Velocity,
+    ];
+
+    /// Name on the command line and in every output.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::MultiForgettingRls => "multi-forgetting-rls",
+            Self::SvfRls => "svf-rls",
+            Self::PostureTorque => "posture-torque",
+            Self::Torque => "torque",
+            Self::Posture => "posture",
+            Self::Velocity => "velocity",
+        }
+    }
+
+    /// The method of this name.
+    pub fn parse(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|method| method.name() == name)
+    }
+
+    /// Position in [`Method::ALL`].
+    pub fn index(self) -> u32 {
+        self as u32
+    }
+
+    /// Whether [`super::Regression`] runs it; the others belong to [`super::SwingEstimator`].
+    pub fn is_regression(self) -> bool {
+        matches!(self, Self::MultiForgettingRls | Self::SvfRls)
+    }
+
+    /// What `auto` means with these columns.
+    pub fn for_columns(columns: Columns) -> Self {
+        match (columns.torque, columns.posture) {
+            (true, true) => Self::PostureTorque,
+            (true, false) => Self::Torque,
+            (false, true) => Self::Posture,
+            (false, false) => Self::Velocity,
+        }
+    }
+}
+
+/// The answer to one sample. Every number is finite.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Estimate {
+    /// Swing inertia [kg m^2].
+    pub inertia: f64,
+    /// Its reported standard deviation: the interval is inertia +- 1.96 of it [kg m^2].
+    pub inertia_std: f64,
+    /// Viscous damping, where it is estimated [N m s/rad].
+    pub damping: Option<Quantity>,
+    /// Torque [N m]: the measured one corrected by its offset where it is measured, else the total
+    /// torque T_t = T - T_f sgn(w).
+    pub torque: Option<Quantity>,
+    /// Payload [kg].
+    pub payload: Option<Quantity>,
+    /// Coulomb friction torque, where it is estimated [N m].
+    pub friction: Option<Quantity>,
+    /// Torque offset, where it is estimated: the measured torque minus the true one [N m].
+    pub offset: Option<Quantity>,
+    /// Swing velocity [rad/s].
+    pub velocity: f64,
+    /// Swing acceleration [rad/s^2].
+    pub acceleration: f64,
+    /// Normalised innovation squared of this sample before any gate; 0 where nothing was measured.
+    pub nis: f64,
+    /// Verdict.
+    pub flags: Flags,
+    /// Method that made this estimate; never `Auto`.
+    pub method: Method,
+    /// Forgetting factors of inertia, damping and torque (regressions; else 0).
+    pub forgetting: [f64; 3],
+    /// Rows refused so far.
+    pub refused: u64,
+}

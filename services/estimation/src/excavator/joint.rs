@@ -1,0 +1,161 @@
+//! `svf-rls` with damping, friction and offset beside the inertia: ordinary RLS with exponential
+//! forgetting and full covariance on equally filtered signals.
+//!
+//! ```text
+//! T_f = J a_f + b w_f + Fc s_f + offset 1_f
+//! ```
+//!
+//! The residual of equally filtered signals is strongly correlated, and part of it is not noise
+//! but what the model leaves out. The covariance is therefore not sigma^2 P but P M P, where M sums
+//! the products of the scores phi e with their own past (Newey and West 1987, with an exponential
+//! window).
+
+use super::motion::Motion;
+use super::regression::Fit;
+use super::settings::Settings;
+use crate::Quantity;
+use crate::math::{exp, sqrt};
+use crate::rls::Rls;
+use nalgebra::{Matrix4, Vector4};
+
+/// Memory where the settings give no forgetting factor [s].
+const MEMORY: f64 = 20.0;
+/// Correlation time that the covariance allows for, in periods of the filter: 1/wn times this.
+const CORRELATION: f64 = 20.0;
+/// Relative standard deviation that no data can take away (gain of the torque measurement).
+const FLOOR: f64 = 0.02;
+/// The prior's standard deviations are widened this much: the data decide.
+const DIFFUSE: f64 = 1e3;
+
+/// Joint regression of inertia, damping, friction and offset.
+#[derive(Debug, Clone)]
+pub(super) struct JointRegression {
+    settings: Settings,
+    rls: Rls<4>,
+    prior: [f64; 4],
+    /// Scores with their exponentially weighted past.
+    past: Vector4<f64>,
+    meat: Matrix4<f64>,
+    residual_square: f64,
+    weight: f64,
+    period: f64,
+}
+
+impl JointRegression {
+    pub(super) fn new(settings: &Settings) -> Self {
+        let (e, p) = (&settings.estimator, &settings.prior);
+        let on = |estimated: bool, std: f64| if estimated { std } else { 0.0 };
+        let prior = [
+            p.inertia_std,
+            on(e.estimate_damping, p.damping_std),
+            on(e.estimate_friction, p.friction_std),
+            on(e.estimate_offset, p.torque_offset_std),
+        ];
+        let start = [
+            p.inertia,
+            settings.nominal_damping,
+            settings.coulomb_friction,
+            0.0,
+        ];
+        let noise = settings.sensors.swing_torque_std;
+        let variance = prior.map(|std| (DIFFUSE * std / noise) * (DIFFUSE * std / noise));
+        Self {
+            settings: *settings,
+            rls: Rls::new(start, variance),
+            prior,
+            past: Vector4::zeros(),
+            meat: Matrix4::zeros(),
+            residual_square: 0.0,
+            weight: 0.0,
+            period: 0.0,
+        }
+    }
+
+    pub(super) fn step(&mut self, motion: &Motion, held: bool) -> Fit {
+        let forgetting = self
+            .settings
+            .estimator
+            .forgetting
+            .unwrap_or_else(|| exp(-motion.period / MEMORY));
+        // A missing torque or position is held by the filters; nothing is learned from long holds.
+        let fresh = motion.age <= self.settings.estimator.fresh_velocity
+            && motion.torque_age <= self.settings.estimator.fresh_others;
+        if !held && fresh {
+            self.learn(motion, forgetting);
+        }
+        self.fit(motion, forgetting)
+    }
+
+    fn learn(&mut self, motion: &Motion, forgetting: f64) {
+        let regressor = [
+            motion.filtered_acceleration,
+            motion.filtered_velocity,
+            motion.filtered_direction,
+            motion.filtered_one,
+        ];
+        let before = self.rls.clone();
+        let residual = self
+            .rls
+            .update(&regressor, motion.filtered_torque, forgetting);
+        if !self.rls.parameters.iter().all(|x| x.is_finite()) {
+            self.rls = before;
+            return;
+        }
+        let score = Vector4::from(regressor) * residual;
+        let window = CORRELATION / self.settings.estimator.filter_frequency;
+        self.past = self.past * (exp(-motion.period / window) * forgetting) + score;
+        let cross = score * self.past.transpose();
+        self.meat = self.meat * (forgetting * forgetting) + cross + cross.transpose()
+            - score * score.transpose();
+        self.residual_square = forgetting * self.residual_square + residual * residual;
+        self.weight = forgetting * self.weight + 1.0;
+        self.period = motion.period;
+    }
+
+    fn fit(&self, motion: &Motion, forgetting: f64) -> Fit {
+        let s = &self.settings;
+        let quantity = |i: usize| {
+            (self.prior[i] > 0.0).then(|| Quantity {
+                value: self.rls.parameters[i],
+                std: self.std(i),
+            })
+        };
+        let inertia = quantity(0).unwrap_or_default();
+        let enough = 20.0 / s.estimator.filter_frequency;
+        Fit {
+            inertia: Quantity {
+                value: inertia.value.clamp(s.inertia_min, s.inertia_max),
+                std: inertia.std,
+            },
+            damping: quantity(1),
+            torque: motion.has_torque.then_some(Quantity {
+                value: motion.filtered_torque,
+                std: s.sensors.swing_torque_std,
+            }),
+            friction: quantity(2),
+            offset: quantity(3),
+            forgetting: [forgetting; 3],
+            identifiable: self.weight * self.period > enough && inertia.std < self.prior[0],
+            consistent: true,
+            ..Fit::default()
+        }
+    }
+
+    /// Standard deviation of a parameter, at most the prior's.
+    fn std(&self, i: usize) -> f64 {
+        let prior = self.prior[i];
+        let wn = self.settings.estimator.filter_frequency;
+        if self.weight * self.period < 2.0 / wn {
+            return prior;
+        }
+        let p = self.rls.covariance();
+        let row = p.row(i);
+        let sandwich = (row * self.meat * row.transpose())[(0, 0)];
+        // Never less than white noise whose samples within 1/wn count as one.
+        let samples = (1.0 / (wn * self.period)).max(1.0);
+        let plain = self.residual_square / self.weight * p[(i, i)] * samples;
+        let floor = FLOOR * self.rls.parameters[i];
+        let variance = sandwich.max(plain) + floor * floor;
+        sqrt(variance).min(prior.max(floor.abs()))
+    }
+}

@@ -1,0 +1,30 @@
+//! The excavator: swing inertia, damping, torque and payload.
+//!
+//! Two ways lead from the sensors to an estimate. [`MotionFilter`] and then [`Regression`] are the
+//! paper's (Oh, Yi, Seo, Kim, Lee 2017) and its measured-torque relative; [`SwingEstimator`] holds
+//! the state-space estimators and chooses among them by the columns that exist. Each takes one
+//! sample and gives one answer.
+//!
+//! The physics of the state-space estimators is `J a + Jd w = T - b w - T_f sgn(w)`, with Jd the
+//! posture's part of dJ/dt: material that leaves the bucket takes its momentum along. The paper's
+//! Eq. 11 lacks `Jd w` and the sign of the friction.
+
+mod change;
+mod estimate;
+mod geometry;
+mod grid;
+mod joint;
+mod motion;
+mod regression;
+mod screen;
+mod settings;
+mod single;
+mod standstill;
+mod svf;
+
+pub use crate::Quantity;
+pub use estimate::{Columns, Estimate, Flags, Method, Sample};
+pub use geometry::{Geometry, Inertia};
+pub use motion::{Motion, MotionFilter};
+pub use regression::Regression;
+pub use settings::{Estimator, Paper, Prior, Sensors, Settings, SettingsError, Variant};

@@ -1,0 +1,418 @@
+//! Settings of every excavator estimator; the default is the reference machine.
+
+use super::geometry::Geometry;
+
+/// What the estimators with measured torque assume of damping, torque offset and payload.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Variant {
+    /// Payload that may change, noticed by itself (for `torque`: as `Known`).
+    #[default]
+    Auto,
+    /// Damping and torque are calibrated.
+    Known,
+    /// Damping within 20 %, torque with an offset, payload constant while moving.
+    Tolerant,
+    /// As tolerant, with the older drop model; for comparison (for `torque`: as `Tolerant`).
+    Drop,
+}
+
+/// Sensors.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sensors {
+    /// Samples per second; only the first sample needs it, later ones bring their time [Hz].
+    pub rate: f64,
+    /// Noise of a velocity sample (sigma_w) [rad/s].
+    pub swing_velocity_std: f64,
+    /// Noise of a swing angle sample [rad].
+    pub swing_angle_std: f64,
+    /// Noise of a torque sample (sigma_T) [N m].
+    pub swing_torque_std: f64,
+    /// A velocity of this size or more is missing [rad/s].
+    pub swing_velocity_limit: f64,
+    /// A joint angle of this size or more is missing [rad].
+    pub angle_limit: f64,
+}
+
+/// What is known before the first sample.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Prior {
+    /// Swing inertia [kg m^2].
+    pub inertia: f64,
+    /// Its standard deviation [kg m^2].
+    pub inertia_std: f64,
+    /// Payload [kg].
+    pub payload: f64,
+    /// Its standard deviation [kg].
+    pub payload_std: f64,
+    /// Standard deviation of the damping about its nominal value (s_b), not for `Known` [N m s/rad].
+    pub damping_std: f64,
+    /// Standard deviation of the torque offset (s_d) [N m].
+    pub torque_offset_std: f64,
+    /// The same for `Known` [N m].
+    pub known_torque_offset_std: f64,
+    /// Standard deviation of the Coulomb friction about its nominal value [N m].
+    pub friction_std: f64,
+}
+
+/// The regression of the paper.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Paper {
+    /// Known times of torque changes [s]; all `None` finds them online.
+    pub change_times: [Option<f64>; 8],
+    /// Forgetting of inertia, damping and torque outside the change windows.
+    pub lambda_normal: [f64; 3],
+    /// The same inside the change windows.
+    pub lambda_window: [f64; 3],
+    /// Initial variances P_i of the three.
+    pub covariance: [f64; 3],
+    /// Initial total torque [N m].
+    pub torque: f64,
+    /// The nominal-parameter rule (Eqs. 28-29) is on.
+    pub nominal_rule: bool,
+    /// The regression begins at this time [s].
+    pub start_time: Option<f64>,
+    /// It holds its estimate after this time [s].
+    pub stop_time: Option<f64>,
+    /// No regression at standstill.
+    pub hold_at_standstill: bool,
+}
+
+/// Constants of the estimators.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Estimator {
+    /// Natural frequency of the equal filters [rad/s].
+    pub filter_frequency: f64,
+    /// Their damping ratio.
+    pub filter_damping: f64,
+    /// Random walk of the acceleration in the Kalman filter, variance per second (q_c)
+    /// [rad^2/s^5]; per step q = q_c T.
+    pub q_c: f64,
+    /// Length of a change window [s]; `None` computes it from the gain.
+    pub convergence_delay: Option<f64>,
+    /// Forgetting of `svf-rls` per 0.01 s; `None` takes 0.9, or 0.9999 where other parameters are
+    /// estimated beside the inertia.
+    pub forgetting: Option<f64>,
+    /// The nominal rule acts beyond this distance from the nominal damping [N m s/rad].
+    pub epsilon: f64,
+    /// `svf-rls` estimates the viscous damping.
+    pub estimate_damping: bool,
+    /// `svf-rls` estimates the Coulomb friction.
+    pub estimate_friction: bool,
+    /// `svf-rls` estimates a torque offset.
+    pub estimate_offset: bool,
+    /// The caller declares that the inertia does not change.
+    pub constant_inertia: bool,
+    /// Assumptions of the methods with torque.
+    pub variant: Variant,
+    /// Velocity over which the friction changes sign in the joint estimators [rad/s].
+    pub friction_width: f64,
+    /// The same in the equal filters [rad/s].
+    pub svf_friction_width: f64,
+    /// `svf-rls` learns the inertia above this filtered acceleration [rad/s^2].
+    pub svf_acceleration_min: f64,
+    /// Variance of `svf-rls` at the start and its largest value.
+    pub svf_covariance: f64,
+    /// The torque enters as the mean of two samples: its variance is (sigma_T / this)^2.
+    pub torque_noise_divisor: f64,
+    /// Innovations beyond this many standard deviations are weakened.
+    pub gate: f64,
+    /// Innovations beyond this many standard deviations are dropped, at most three in a row.
+    pub reject: f64,
+    /// Smallest payload [kg].
+    pub payload_min: f64,
+    /// Largest payload [kg].
+    pub payload_max: f64,
+    /// Random walk of the payload, variance per second (q_m) [kg^2/s].
+    pub q_m: f64,
+    /// Random walk of ln J, variance per second (q_l) [1/s].
+    pub q_l: f64,
+    /// Factor of the reported standard deviation of `torque`, known damping (c_I).
+    pub interval_factor: f64,
+    /// Velocity bias is measured over the first 0.5 s at rest.
+    pub calibrate_at_rest: bool,
+    /// Velocity noise is measured in the same time.
+    pub measure_noise_at_rest: bool,
+    /// After a stand of this length the payload may be another [s].
+    pub reopen_after: f64,
+    /// Second, more sensitive detector of torque changes.
+    pub weak_onset: bool,
+    /// Bucket opening rate that announces a change of payload [rad/s].
+    pub opening_rate: f64,
+    /// Share of the payload that leaves per angle of opening [1/rad].
+    pub opening_decay: f64,
+    /// Largest free change of payload per angle of opening [kg/rad].
+    pub opening_change_max: f64,
+    /// Free change of payload after an alarm and in the second filter [kg/s].
+    pub change_rate_std: f64,
+    /// Sum of normalised innovations at which a changed payload is declared.
+    pub change_threshold: f64,
+    /// Random walk of the payload in the second model of `Drop`, variance per second [kg^2/s].
+    pub drop_q_m: f64,
+    /// Relative random walk of the inertia in `velocity` [1/sqrt(s)].
+    pub velocity_drift: f64,
+    /// The same with constant inertia.
+    pub velocity_drift_constant: f64,
+    /// Random walk of the torque in `velocity` [N m/sqrt(s)].
+    pub velocity_torque_drift: f64,
+    /// The same with constant inertia.
+    pub velocity_torque_drift_constant: f64,
+    /// Verdict: excited at this velocity [rad/s].
+    pub excited_velocity: f64,
+    /// Verdict: consistent up to this mean of the normalised innovations squared.
+    pub consistent_nis: f64,
+    /// Verdict: converged when the half width of the 95 % interval is below this share.
+    pub converged_share: f64,
+    /// Verdict: fresh with a velocity at most this old [s].
+    pub fresh_velocity: f64,
+    /// Verdict: fresh with torque and angles at most this old [s].
+    pub fresh_others: f64,
+}
+
+/// Everything an excavator estimator needs to know beforehand.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// Lengths and masses.
+    pub geometry: Geometry,
+    /// Viscous damping of the swing (b-bar) [N m s/rad].
+    pub nominal_damping: f64,
+    /// Coulomb friction torque (T_f) [N m].
+    pub coulomb_friction: f64,
+    /// Smallest inertia that an estimate may take [kg m^2].
+    pub inertia_min: f64,
+    /// Largest inertia that an estimate may take [kg m^2].
+    pub inertia_max: f64,
+    /// Sensors.
+    pub sensors: Sensors,
+    /// Prior.
+    pub prior: Prior,
+    /// Constants.
+    pub estimator: Estimator,
+    /// The paper's regression.
+    pub paper: Paper,
+}
+
+/// What is wrong with the settings.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum SettingsError {
+    /// A value is not finite, or outside its range.
+    OutOfRange {
+        /// Key of the description.
+        key: &'static str,
+        /// The value.
+        value: f64,
+    },
+    /// The method needs a column that the source does not have.
+    MissingColumn {
+        /// The method.
+        method: &'static str,
+        /// The column.
+        column: &'static str,
+    },
+    /// The method belongs to the other process.
+    WrongStage {
+        /// The method.
+        method: &'static str,
+    },
+}
+
+impl core::fmt::Display for SettingsError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::OutOfRange { key, value } => write!(f, "{key} = {value} is out of range"),
+            Self::MissingColumn { method, column } => {
+                write!(f, "the method {method} needs the column {column}")
+            }
+            Self::WrongStage { method } => {
+                write!(f, "the method {method} does not run in this service")
+            }
+        }
+    }
+}
+
+impl core::error::Error for SettingsError {}
+
+impl Default for Sensors {
+    fn default() -> Self {
+        Self {
+            rate: 100.0,
+            swing_velocity_std: 0.005,
+            swing_angle_std: 0.0005,
+            swing_torque_std: 100.0,
+            swing_velocity_limit: 5.0,
+            angle_limit: core::f64::consts::TAU,
+        }
+    }
+}
+
+impl Default for Prior {
+    fn default() -> Self {
+        Self {
+            inertia: 6500.0,
+            inertia_std: 1950.0,
+            payload: 200.0,
+            payload_std: 160.0,
+            damping_std: 225.0,
+            torque_offset_std: 60.0,
+            known_torque_offset_std: 30.0,
+            friction_std: 250.0,
+        }
+    }
+}
+
+impl Default for Paper {
+    fn default() -> Self {
+        Self {
+            change_times: [None; 8],
+            lambda_normal: [0.99, 0.69, 0.1],
+            lambda_window: [0.99, 0.69, 0.1],
+            covariance: [19.0, 6e6, 6e9],
+            torque: 2548.0,
+            nominal_rule: true,
+            start_time: None,
+            stop_time: None,
+            hold_at_standstill: true,
+        }
+    }
+}
+
+impl Default for Estimator {
+    fn default() -> Self {
+        Self {
+            filter_frequency: 11.7,
+            filter_damping: 0.707,
+            q_c: 4.7e-3,
+            convergence_delay: None,
+            forgetting: None,
+            epsilon: 27.0,
+            estimate_damping: false,
+            estimate_friction: false,
+            estimate_offset: false,
+            constant_inertia: false,
+            variant: Variant::Auto,
+            friction_width: 0.008,
+            svf_friction_width: 0.02,
+            svf_acceleration_min: 0.05,
+            svf_covariance: 100.0,
+            torque_noise_divisor: 1.41,
+            gate: 4.0,
+            reject: 5.0,
+            payload_min: -50.0,
+            payload_max: 900.0,
+            q_m: 1.0,
+            q_l: 0.15 * 0.15,
+            interval_factor: 0.6,
+            calibrate_at_rest: true,
+            measure_noise_at_rest: true,
+            reopen_after: 0.5,
+            weak_onset: true,
+            opening_rate: 20.0 / 180.0 * core::f64::consts::PI,
+            opening_decay: 1.4,
+            opening_change_max: 300.0,
+            change_rate_std: 600.0,
+            change_threshold: 10.0,
+            drop_q_m: 250.0 * 250.0,
+            velocity_drift: 0.2,
+            velocity_drift_constant: 0.005,
+            velocity_torque_drift: 30.0,
+            velocity_torque_drift_constant: 10.0,
+            excited_velocity: 0.10,
+            consistent_nis: 1.8,
+            converged_share: 0.10,
+            fresh_velocity: 0.10,
+            fresh_others: 0.20,
+        }
+    }
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            geometry: Geometry::default(),
+            nominal_damping: 1500.0,
+            coulomb_friction: 250.0,
+            inertia_min: 2500.0,
+            inertia_max: 20_000.0,
+            sensors: Sensors::default(),
+            prior: Prior::default(),
+            estimator: Estimator::default(),
+            paper: Paper::default(),
+        }
+    }
+}
+
+impl Settings {
+    /// The configuration that reproduces Table 1 of the paper on its own cycle, starting at
+    /// `inertia`: the figures are reached only by starting at the true one.
+    pub fn paper(inertia: f64) -> Self {
+        let mut settings = Self::default();
+        settings.prior.inertia = inertia;
+        settings.estimator.calibrate_at_rest = false;
+        settings.estimator.convergence_delay = Some(0.25);
+        settings.paper.change_times[0] = Some(5.5);
+        settings.paper.change_times[1] = Some(7.5);
+        settings.paper.start_time = Some(5.5);
+        settings.paper.stop_time = Some(9.3);
+        settings.paper.hold_at_standstill = false;
+        settings
+    }
+
+    /// Refuses values that an estimator could not work with.
+    pub fn check(&self) -> Result<(), SettingsError> {
+        let (s, p, e) = (&self.sensors, &self.prior, &self.estimator);
+        let positive = [
+            ("machine.inertia_min", self.inertia_min),
+            ("machine.inertia_max", self.inertia_max - self.inertia_min),
+            ("sensors.rate", s.rate),
+            ("sensors.swing_velocity_std", s.swing_velocity_std),
+            ("sensors.swing_angle_std", s.swing_angle_std),
+            ("sensors.swing_torque_std", s.swing_torque_std),
+            ("sensors.swing_velocity_limit", s.swing_velocity_limit),
+            ("prior.inertia", p.inertia),
+            ("prior.inertia_std", p.inertia_std),
+            ("prior.payload_std", p.payload_std),
+            ("estimator.filter_frequency", e.filter_frequency),
+            ("estimator.filter_damping", e.filter_damping),
+            ("estimator.q_c", e.q_c),
+            ("estimator.friction_width", e.friction_width),
+            ("estimator.svf_friction_width", e.svf_friction_width),
+            ("estimator.svf_covariance", e.svf_covariance),
+            ("estimator.torque_noise_divisor", e.torque_noise_divisor),
+            ("estimator.gate", e.gate),
+            ("estimator.payload_max", e.payload_max - e.payload_min),
+            (
+                "estimator.paper.lambda_normal",
+                least(&self.paper.lambda_normal),
+            ),
+            (
+                "estimator.paper.lambda_window",
+                least(&self.paper.lambda_window),
+            ),
+            ("estimator.paper.covariance", least(&self.paper.covariance)),
+            ("estimator.forgetting", e.forgetting.unwrap_or(1.0)),
+        ];
+        let not_negative = [
+            ("machine.nominal_damping", self.nominal_damping),
+            ("machine.coulomb_friction", self.coulomb_friction),
+            ("prior.damping_std", p.damping_std),
+            ("prior.torque_offset_std", p.torque_offset_std),
+            ("prior.known_torque_offset_std", p.known_torque_offset_std),
+            ("prior.friction_std", p.friction_std),
+            ("estimator.q_m", e.q_m),
+            ("estimator.q_l", e.q_l),
+        ];
+        let bad = positive
+            .iter()
+            .find(|(_, value)| !(value.is_finite() && *value > 0.0))
+            .or(not_negative
+                .iter()
+                .find(|(_, value)| !(value.is_finite() && *value >= 0.0)));
+        match bad {
+            Some(&(key, value)) => Err(SettingsError::OutOfRange { key, value }),
+            None => Ok(()),
+        }
+    }
+}
+
+fn least(values: &[f64; 3]) -> f64 {
+    values[0].min(values[1]).min(values[2])
+}

@@ -1,0 +1,158 @@
+//! Recursive least squares, two kinds.
+//!
+//! [`MultipleForgettingRls`] gives every parameter its own forgetting factor (Oh, Yi, Seo, Kim, Lee
+//! 2017, Eqs. 13-27, after Vahidi). It is **not** ordinary RLS with equal factors: each parameter
+//! keeps a scalar variance and the parameters meet only in the innovation. [`Rls`] is the ordinary
+//! one: one factor, full covariance.
+//!
+//! | symbol | code | meaning |
+//! |---|---|---|
+//! | phi | `regressor` | column of known signals |
+//! | theta | `parameters` | what is estimated |
+//! | y | `output` | measured combination of them |
+//! | lambda_i | `forgetting` | forgetting factor of parameter i, in (0, 1] |
+//! | P_i, P | `variance`, `covariance` | uncertainty in units of the output's variance |
+//!
+//! Misprints of the source corrected here: rows and columns mixed in Eqs. 13-15 (columns); true
+//! parameters inside the cost of Eq. 16 (estimates, Eq. 23); the regressor missing in the right-hand
+//! sums of Eq. 18; L_i for L_i(k) in Eq. 19; matrix notation for the scalars of Eqs. 20-22.
+
+use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+
+/// Variances beyond this carry no information and would only lose digits.
+const VARIANCE_LIMIT: f64 = 1e14;
+
+/// Recursive least squares with one forgetting factor per parameter.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MultipleForgettingRls<const N: usize> {
+    /// Current parameters.
+    pub parameters: [f64; N],
+    variance: [f64; N],
+}
+
+impl<const N: usize> MultipleForgettingRls<N> {
+    /// Starts at `parameters` with the scalar variances P_i.
+    pub fn new(parameters: [f64; N], variance: [f64; N]) -> Self {
+        Self {
+            parameters,
+            variance,
+        }
+    }
+
+    /// The scalar variances P_i.
+    pub fn variance(&self) -> [f64; N] {
+        self.variance
+    }
+
+    /// Takes in one sample and returns its innovation `y - phi . theta`.
+    ///
+    /// Closed form of Eq. 26 by the matrix determinant lemma: with D_i = P_i / lambda_i the joint
+    /// solution is a gain D_i phi_i / (1 + sum D_j phi_j^2). There is no singular case.
+    pub fn update(&mut self, regressor: &[f64; N], output: f64, forgetting: &[f64; N]) -> f64 {
+        let mut d = [0.0; N];
+        let (mut predicted, mut s) = (0.0, 1.0);
+        for i in 0..N {
+            d[i] = self.variance[i] / forgetting[i];
+            predicted += regressor[i] * self.parameters[i];
+            s += d[i] * regressor[i] * regressor[i];
+        }
+        let innovation = output - predicted;
+        for i in 0..N {
+            self.parameters[i] += d[i] * regressor[i] * innovation / s; // (26)
+            self.variance[i] = shrink(d[i], regressor[i]); // (22)
+        }
+        innovation
+    }
+}
+
+impl MultipleForgettingRls<3> {
+    /// The same step by solving Eq. 26 as printed: unit diagonal, L_i phi_j beside it. Its
+    /// determinant, prod(1-g_i) (1 + sum g_i/(1-g_i)) with g_i = L_i phi_i in [0, 1), is positive;
+    /// the source only refers to that (Eq. 27).
+    pub fn update_by_solve(
+        &mut self,
+        regressor: &[f64; 3],
+        output: f64,
+        forgetting: &[f64; 3],
+    ) -> Option<f64> {
+        let mut matrix = Matrix3::<f64>::identity();
+        let mut right = Vector3::<f64>::zeros();
+        let mut variance = self.variance;
+        let mut predicted = 0.0;
+        for i in 0..3 {
+            let d = self.variance[i] / forgetting[i];
+            let gain = d * regressor[i] / (1.0 + d * regressor[i] * regressor[i]); // (20)
+            for j in (0..3).filter(|&j| j != i) {
+                matrix[(i, j)] = gain * regressor[j];
+            }
+            let own = regressor[i] * self.parameters[i];
+            right[i] = self.parameters[i] + gain * (output - own);
+            variance[i] = shrink(d, regressor[i]);
+            predicted += own;
+        }
+        let solution = matrix.lu().solve(&right)?; // (26)
+        self.parameters = solution.into();
+        self.variance = variance;
+        Some(output - predicted)
+    }
+}
+
+/// P after a sample: D / (1 + D phi^2), kept below the limit, since without excitation of its
+/// parameter it would grow for ever.
+fn shrink(d: f64, regressor: f64) -> f64 {
+    (d / (1.0 + d * regressor * regressor)).min(VARIANCE_LIMIT)
+}
+
+/// Ordinary recursive least squares: one forgetting factor, full covariance.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rls<const N: usize> {
+    /// Current parameters.
+    pub parameters: SVector<f64, N>,
+    covariance: SMatrix<f64, N, N>,
+    limit: SVector<f64, N>,
+}
+
+impl<const N: usize> Rls<N> {
+    /// Starts at `parameters`; `variance` are the prior variances in units of the output's noise
+    /// variance. No parameter's variance grows beyond its prior by forgetting. A prior of 0 keeps
+    /// a parameter fixed.
+    pub fn new(parameters: [f64; N], variance: [f64; N]) -> Self {
+        let limit = SVector::from(variance);
+        Self {
+            parameters: parameters.into(),
+            covariance: SMatrix::from_diagonal(&limit),
+            limit,
+        }
+    }
+
+    /// Covariance in units of the output's noise variance.
+    pub fn covariance(&self) -> &SMatrix<f64, N, N> {
+        &self.covariance
+    }
+
+    /// Takes in one sample and returns its innovation.
+    pub fn update(&mut self, regressor: &[f64; N], output: f64, forgetting: f64) -> f64 {
+        let phi = SVector::<f64, N>::from(*regressor);
+        let p_phi = self.covariance * phi;
+        let innovation = output - phi.dot(&self.parameters);
+        let gain = p_phi / (forgetting + phi.dot(&p_phi));
+        self.parameters += gain * innovation;
+        let updated = (self.covariance - gain * p_phi.transpose()) / forgetting;
+        self.covariance = (updated + updated.transpose()) * 0.5;
+        self.bound();
+        innovation
+    }
+
+    /// Scales rows and columns back where forgetting without excitation has let a variance grow
+    /// past the prior: no data, no more than the prior is known.
+    fn bound(&mut self) {
+        for i in 0..N {
+            let variance = self.covariance[(i, i)];
+            if variance > self.limit[i] {
+                let scale = crate::math::sqrt(self.limit[i] / variance);
+                self.covariance.row_mut(i).scale_mut(scale);
+                self.covariance.column_mut(i).scale_mut(scale);
+            }
+        }
+    }
+}
