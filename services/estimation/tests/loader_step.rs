@@ -24,6 +24,7 @@ fn dynamics(load_transfer: LoadTransfer) -> WheelDynamics {
         rolling_resistance: 0.02,
         friction: f64::INFINITY,
         radius_load_sensitivity: 0.0,
+        minimum_speed: 0.3,
         load_transfer,
     }
 }

@@ -11,7 +11,7 @@
 //! higher rates their standard deviation grows with the root of the rate.
 
 use super::settings::{Digging, Inflation, Tuning};
-use super::wheel_dynamics::{GRAVITY, Inputs, MINIMUM_SPEED, WheelDynamics};
+use super::wheel_dynamics::{GRAVITY, Inputs, WheelDynamics};
 use crate::scalar::Scalar;
 
 /// Step length for which noises are stated [s].
@@ -19,6 +19,9 @@ pub(super) const REFERENCE_STEP: f64 = 0.01;
 
 /// Relaxation length of a tyre as the noise model has it [m].
 const RELAXATION_LENGTH: f64 = 0.3;
+
+/// The tyre relaxes at least as if it rolled at this speed [m/s].
+const LEAST_ROLLING_SPEED: f64 = 0.3;
 
 /// Load sensitivity below which radius ripple is taken to be this [-].
 const LEAST_SENSITIVITY: f64 = 0.002;
@@ -92,7 +95,7 @@ impl Monitor {
         let speed = speed.abs();
         let radius = step.machine.wheel_radius;
         let torque_per_slip = radius * slip_stiffness * 0.5 * step.machine.mass * GRAVITY;
-        let per_torque = speed.max(MINIMUM_SPEED) / (torque_per_slip * radius);
+        let per_torque = speed.max(step.machine.minimum_speed) / (torque_per_slip * radius);
         let sensitivity = step
             .machine
             .radius_load_sensitivity
@@ -100,7 +103,7 @@ impl Monitor {
             .max(LEAST_SENSITIVITY);
         let radius_ripple = rules.radius_ripple * sensitivity * speed / radius;
         let rate = (REFERENCE_STEP / step.dt).max(1.0).sqrt();
-        let settle = (step.dt * speed.max(MINIMUM_SPEED) / RELAXATION_LENGTH).min(1.0);
+        let settle = (step.dt * speed.max(LEAST_ROLLING_SPEED) / RELAXATION_LENGTH).min(1.0);
         core::array::from_fn(|i| {
             let torque = [step.inputs.front_torque, step.inputs.rear_torque][i];
             self.lagged_torque[i] += settle * (torque - self.lagged_torque[i]);

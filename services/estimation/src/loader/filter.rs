@@ -87,6 +87,7 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
             } else {
                 0.0
             },
+            minimum_speed: tuning.minimum_speed,
             load_transfer: tuning.load_transfer,
         };
         let spread = Spread {
@@ -344,9 +345,14 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
             *row = [[0.0; N]];
         }
         self.filter.root = triangularise(&mut rows, &[0.0; N]);
-        let sensors = self.sensor_std();
-        for (i, sensor) in sensors.iter().enumerate().take(3) {
-            self.filter.root[i][i] = (3.0 * sensor).max(self.tuning.initial_speed_std);
+        let prior = &self.settings.prior;
+        let least = [
+            prior.speed_std,
+            prior.wheel_speed_std,
+            prior.wheel_speed_std,
+        ];
+        for (i, (sensor, least)) in self.sensor_std().into_iter().zip(least).enumerate() {
+            self.filter.root[i][i] = least.max(3.0 * sensor);
         }
         RowReport::without_update(Status::Gap, self.frozen)
     }
@@ -450,7 +456,11 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
     fn prior_root(&self) -> [[f64; N]; N] {
         let prior = &self.settings.prior;
         let std: [f64; N] = by_state(
-            [self.tuning.initial_speed_std; 3],
+            [
+                prior.speed_std,
+                prior.wheel_speed_std,
+                prior.wheel_speed_std,
+            ],
             [
                 prior.slip_stiffness_std,
                 prior.cg_height_std,

@@ -40,7 +40,7 @@ impl Default for Machine {
             rolling_resistance: 0.02,
             gear_ratio: 20.0,
             friction: 0.8,
-            radius_load_sensitivity: 0.0,
+            radius_load_sensitivity: 0.01,
             radius_load_sensitivity_std: 0.001,
         }
     }
@@ -88,6 +88,10 @@ pub struct Prior {
     pub cg_ratio: f64,
     /// Its standard deviation.
     pub cg_ratio_std: f64,
+    /// Standard deviation of the speed at the start [m/s].
+    pub speed_std: f64,
+    /// Standard deviation of the wheel speeds at the start [rad/s].
+    pub wheel_speed_std: f64,
     /// Relative error of each rolling radius; 5e-4 when the radii are calibrated.
     pub radius_std: f64,
     /// Unknown part of the spade force [N].
@@ -105,6 +109,8 @@ impl Default for Prior {
             cg_height_std: 0.1,
             cg_ratio: 0.45,
             cg_ratio_std: 0.05,
+            speed_std: 0.05,
+            wheel_speed_std: 0.05,
             radius_std: 0.005,
             spade_force_x_std: 300.0,
             slope_bias_std: 0.01,
@@ -215,8 +221,8 @@ pub struct Reset {
 pub struct Tuning {
     /// Process noise.
     pub noise: ProcessNoise,
-    /// Standard deviation of speed and wheel speeds at the start.
-    pub initial_speed_std: f64,
+    /// Smallest speed in a slip denominator, v_min [m/s].
+    pub minimum_speed: f64,
     /// Use the mean of two neighbouring input samples; otherwise the older one is held.
     pub midpoint_inputs: bool,
     /// Use the friction limit and the load sensitivity of the machine; otherwise the linear, rigid tyre.
@@ -273,7 +279,7 @@ impl Tuning {
                 radius: 1e-7,
                 slope_bias: 1e-5,
             },
-            initial_speed_std: 0.05,
+            minimum_speed: 0.3,
             midpoint_inputs: true,
             real_tyre: true,
             integration: Integration::Implicit,
@@ -368,6 +374,55 @@ impl Clamps {
     };
 }
 
+/// What the report adds to the filter's standard deviations, and the limits of the verdict.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Verdict {
+    /// Error of the height that cannot be learnt on line [m].
+    pub cg_height_floor: f64,
+    /// Relative error of the ratio that remains with everything calibrated.
+    pub cg_ratio_floor: f64,
+    /// Variation of the total torque that excites the ratio [N m].
+    pub excited_torque: f64,
+    /// Variation of the acceleration that excites the height [m/s^2].
+    pub excited_acceleration: f64,
+    /// Age of the last accepted speed and wheel speeds that is still fresh [s].
+    pub fresh: f64,
+    /// Running mean of the normalised innovation squared that is still consistent.
+    pub consistent_nis: f64,
+    /// Reported relative standard deviation at which the ratio has converged.
+    pub converged_ratio: f64,
+    /// Reported standard deviation at which the height has converged [m].
+    pub converged_height: f64,
+}
+
+impl Default for Verdict {
+    fn default() -> Self {
+        Self {
+            cg_height_floor: 0.04,
+            cg_ratio_floor: 0.011,
+            excited_torque: 300.0,
+            excited_acceleration: 0.3,
+            fresh: 0.25,
+            consistent_nis: 2.0,
+            converged_ratio: 0.03,
+            converged_height: 0.08,
+        }
+    }
+}
+
+impl Verdict {
+    fn check(&self) -> Result<(), SettingsError> {
+        not_negative("estimator.cg_height_floor", self.cg_height_floor)?;
+        not_negative("estimator.cg_ratio_floor", self.cg_ratio_floor)?;
+        not_negative("estimator.excited_torque", self.excited_torque)?;
+        not_negative("estimator.excited_acceleration", self.excited_acceleration)?;
+        positive("estimator.fresh", self.fresh)?;
+        positive("estimator.consistent_nis", self.consistent_nis)?;
+        positive("estimator.converged_ratio", self.converged_ratio)?;
+        positive("estimator.converged_height", self.converged_height)
+    }
+}
+
 /// Everything the estimator is told.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Settings {
@@ -377,6 +432,8 @@ pub struct Settings {
     pub sensors: Sensors,
     /// The prior.
     pub prior: Prior,
+    /// Floors and limits of the verdict.
+    pub verdict: Verdict,
     /// Choices other than the method's own; `None` takes [`Tuning::of`].
     pub tuning: Option<Tuning>,
 }
@@ -417,6 +474,7 @@ impl Settings {
         self.machine.check()?;
         self.sensors.check()?;
         self.prior.check()?;
+        self.verdict.check()?;
         self.tuning(method).check()
     }
 }
@@ -499,8 +557,10 @@ impl Prior {
             ratio > 0.0 && ratio < 1.0,
         )?;
         positive("prior.cg_ratio_std", self.cg_ratio_std)?;
+        positive("prior.speed_std", self.speed_std)?;
+        positive("prior.wheel_speed_std", self.wheel_speed_std)?;
         positive("prior.radius_std", self.radius_std)?;
-        positive("prior.spade_force_x_std", self.spade_force_x_std)?;
+        positive("prior.spade_force_std", self.spade_force_x_std)?;
         positive("prior.slope_bias_std", self.slope_bias_std)
     }
 }
@@ -515,17 +575,17 @@ impl Tuning {
             (1..=1000).contains(&self.substeps),
         )?;
         require(
-            "estimator.spread",
+            "estimator.alpha",
             "within 1e-3 .. 1",
             self.spread,
             (1e-3..=1.0).contains(&self.spread),
         )?;
         not_negative("estimator.beta", self.beta)?;
         not_negative("estimator.kappa", self.kappa)?;
-        positive("estimator.initial_speed_std", self.initial_speed_std)?;
+        positive("estimator.v_min", self.minimum_speed)?;
         self.noise.check()?;
         self.inflation.check()?;
-        not_negative("estimator.freeze_speed", self.freeze_speed)?;
+        not_negative("estimator.v_freeze", self.freeze_speed)?;
         require("estimator.gap", "positive", self.gap, self.gap > 0.0)?;
         self.check_rules()
     }
@@ -540,6 +600,15 @@ impl Tuning {
                 gates.hard > gates.soft,
             )?;
         }
+        if let Some(clamps) = self.clamps {
+            for (key, (low, high)) in [
+                ("estimator.slip_stiffness_min", clamps.slip_stiffness),
+                ("estimator.cg_height_min", clamps.cg_height),
+                ("estimator.cg_ratio_min", clamps.cg_ratio),
+            ] {
+                require(key, "below its maximum", low, low < high)?;
+            }
+        }
         if let Some(digging) = self.digging {
             positive("estimator.dig_force", digging.force)?;
             not_negative("estimator.dig_hold", digging.hold)?;
@@ -547,7 +616,7 @@ impl Tuning {
             not_negative("estimator.boom_gain", digging.boom_gain)?;
         }
         if let Some(reset) = self.reset {
-            positive("estimator.reset_level", reset.level)?;
+            positive("estimator.reset_nis", reset.level)?;
             positive("estimator.reset_time_constant", reset.time_constant)?;
             not_negative("estimator.reset_hold_off", reset.hold_off)?;
         }
@@ -557,22 +626,22 @@ impl Tuning {
 
 impl ProcessNoise {
     fn check(&self) -> Result<(), SettingsError> {
-        not_negative("estimator.noise_speed", self.speed)?;
-        not_negative("estimator.noise_wheel_speed", self.wheel_speed)?;
-        not_negative("estimator.noise_slip_stiffness", self.slip_stiffness)?;
-        not_negative("estimator.noise_cg_height", self.cg_height)?;
-        not_negative("estimator.noise_cg_ratio", self.cg_ratio)?;
-        not_negative("estimator.noise_spade_force_x", self.spade_force_x)?;
-        not_negative("estimator.noise_radius", self.radius)?;
-        not_negative("estimator.noise_slope_bias", self.slope_bias)
+        not_negative("estimator.q_speed", self.speed)?;
+        not_negative("estimator.q_wheel_speed", self.wheel_speed)?;
+        not_negative("estimator.q_slip_stiffness", self.slip_stiffness)?;
+        not_negative("estimator.q_cg_height", self.cg_height)?;
+        not_negative("estimator.q_cg_ratio", self.cg_ratio)?;
+        not_negative("estimator.q_spade_force", self.spade_force_x)?;
+        not_negative("estimator.q_radius", self.radius)?;
+        not_negative("estimator.q_slope_bias", self.slope_bias)
     }
 }
 
 impl Inflation {
     fn check(&self) -> Result<(), SettingsError> {
-        not_negative("estimator.load_ripple", self.load_ripple)?;
-        not_negative("estimator.radius_ripple", self.radius_ripple)?;
-        not_negative("estimator.torque_lag", self.torque_lag)?;
+        not_negative("estimator.c_b", self.load_ripple)?;
+        not_negative("estimator.c_rho", self.radius_ripple)?;
+        not_negative("estimator.c_t", self.torque_lag)?;
         not_negative(
             "estimator.frozen_wheel_speed_std",
             self.frozen_wheel_speed_std,

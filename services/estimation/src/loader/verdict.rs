@@ -12,27 +12,13 @@ use crate::scalar::Scalar;
 
 /// Relative error of the ratio per load sensitivity.
 const RATIO_PER_SENSITIVITY: f64 = 16.0;
-/// Relative error of the ratio that remains with everything calibrated.
-const RATIO_FLOOR: f64 = 0.011;
-/// Error of the height that remains [m].
-const HEIGHT_FLOOR: f64 = 0.04;
 
 /// Averaging time of the excitation [s].
 const EXCITATION_TIME: f64 = 5.0;
-/// Variation of the total torque that excites the ratio [N m].
-const RATIO_EXCITATION: f64 = 300.0;
-/// Variation of the acceleration that excites the height [m/s^2].
-const HEIGHT_EXCITATION: f64 = 0.3;
-/// Age of the last accepted speed and wheel speeds that still counts as fresh [s].
-const FRESH: f64 = 0.25;
-/// Running mean of the normalised innovation squared that still counts as consistent.
-const CONSISTENT: f64 = 2.0;
 /// How long a reset is shown [s].
 const RESET_SHOWN: f64 = 2.0;
 /// Share of the prior's standard deviation below which the data determine the parameter: ratio, height.
 const OBSERVABLE: (f64, f64) = (0.5, 0.7);
-/// Reported standard deviation below which the parameter has converged: ratio (relative), height [m].
-const CONVERGED: (f64, f64) = (0.03, 0.08);
 
 /// Exponentially weighted mean and variance.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -145,23 +131,26 @@ impl Evidence {
 
     pub fn verdict(&self, settings: &Settings, intervals: &Intervals, frozen: bool) -> Verdict {
         let (ratio_std, height_std) = intervals.filter;
-        let fresh = self.age.iter().all(|age| *age <= FRESH);
-        let consistent = self.consistency <= CONSISTENT;
+        let limits = &settings.verdict;
+        let fresh = self.age.iter().all(|age| *age <= limits.fresh);
+        let consistent = self.consistency <= limits.consistent_nis;
         let reset = self.resets > 0 && self.since_reset < RESET_SHOWN;
         let sound = consistent && fresh && !reset;
         let observable_ratio = ratio_std <= OBSERVABLE.0 * settings.prior.cg_ratio_std;
         let observable_height = height_std <= OBSERVABLE.1 * settings.prior.cg_height_std;
         Verdict {
-            excited_ratio: !frozen && self.torque.std() >= RATIO_EXCITATION,
-            excited_height: !frozen && self.acceleration.std() >= HEIGHT_EXCITATION,
+            excited_ratio: !frozen && self.torque.std() >= limits.excited_torque,
+            excited_height: !frozen && self.acceleration.std() >= limits.excited_acceleration,
             consistent,
             fresh,
             observable_ratio,
             observable_height,
             converged_ratio: sound
                 && observable_ratio
-                && intervals.reported.0 <= CONVERGED.0 * intervals.ratio.abs(),
-            converged_height: sound && observable_height && intervals.reported.1 <= CONVERGED.1,
+                && intervals.reported.0 <= limits.converged_ratio * intervals.ratio.abs(),
+            converged_height: sound
+                && observable_height
+                && intervals.reported.1 <= limits.converged_height,
             reset,
         }
     }
@@ -186,11 +175,11 @@ pub(super) fn with_floors(
     let relative = norm(&[
         RATIO_PER_SENSITIVITY * sensitivity,
         (1.0 - ratio) * torque_ratio,
-        RATIO_FLOOR,
+        settings.verdict.cg_ratio_floor,
     ]);
     (
         norm(&[ratio_std, ratio * relative]),
-        norm(&[height_std, HEIGHT_FLOOR]),
+        norm(&[height_std, settings.verdict.cg_height_floor]),
     )
 }
 

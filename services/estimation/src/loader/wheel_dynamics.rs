@@ -26,9 +26,6 @@ use crate::scalar::Scalar;
 /// Gravity [m/s^2].
 pub const GRAVITY: f64 = 9.81;
 
-/// Speed in slip denominators below which slip is no longer relative [m/s].
-pub const MINIMUM_SPEED: f64 = 0.3;
-
 /// Width of the rolling resistance at standstill [m/s].
 const ROLLING_WIDTH: f64 = 0.05;
 
@@ -54,6 +51,8 @@ pub struct WheelDynamics {
     pub friction: f64,
     /// Load sensitivity of the rolling radius.
     pub radius_load_sensitivity: f64,
+    /// Smallest speed in a slip denominator, v_min [m/s].
+    pub minimum_speed: f64,
     /// Sign of the load transfer.
     pub load_transfer: LoadTransfer,
 }
@@ -200,7 +199,7 @@ impl WheelDynamics {
             let wheel = |torque, radius: T, load, old_speed, new_speed: T| {
                 let stiffness =
                     self.stiffness(p.slip_stiffness, torque, radius, load, acceleration);
-                let slip_speed = slip_denominator(new.speed, radius * new_speed);
+                let slip_speed = self.slip_denominator(new.speed, radius * new_speed);
                 self.wheel(stiffness * load / slip_speed, torque, radius, old_speed, dt)
             };
             let front = wheel(
@@ -339,7 +338,7 @@ impl WheelDynamics {
     ) -> Motion<T> {
         let slip = |wheel_speed: T| {
             let rim = wheel_speed * self.wheel_radius;
-            (rim - motion.speed) / slip_denominator(motion.speed, rim)
+            (rim - motion.speed) / self.slip_denominator(motion.speed, rim)
         };
         let (front, rear) = (
             slip(motion.front_wheel_speed),
@@ -399,13 +398,13 @@ impl WheelDynamics {
             }
         })
     }
-}
 
-/// max(|v|, |r w|, v_min).
-#[inline(always)]
-fn slip_denominator<T: Scalar>(speed: T, rim_speed: T) -> T {
-    speed
-        .abs()
-        .max(rim_speed.abs())
-        .max(T::constant(MINIMUM_SPEED))
+    /// max(|v|, |r w|, v_min).
+    #[inline(always)]
+    fn slip_denominator<T: Scalar>(&self, speed: T, rim_speed: T) -> T {
+        speed
+            .abs()
+            .max(rim_speed.abs())
+            .max(T::constant(self.minimum_speed))
+    }
 }
