@@ -4,7 +4,7 @@
 //! |---|---|---|---|
 //! | `kf_2_1` | velocity, acceleration | velocity | acceleration is a random walk |
 //! | `rls_3` | inertia, damping, torque | - | 0 = J a + b w - T, a forgetting factor each |
-//! | `srukf_6_3`, `ekf_6_3` | v, w_f, w_r, K, h, lambda | v, w_f, w_r | [`Rover`], some 50 flops with 5 divisions |
+//! | `srukf_6_3`, `ekf_6_3` | v, w_f, w_r, K, h, lambda | v, w_f, w_r | [`Rover`], some 40 flops with 3 divisions |
 //!
 //! `Rover` is a wheel loader reduced until every peer can run it: explicit Euler, no limits, no rolling resistance law. What the real
 //! loader costs is measured apart.
@@ -105,10 +105,10 @@ pub struct Rover {
     pub radius: f64,
     /// Gravity [m/s^2].
     pub gravity: f64,
-    /// Wheelbase [m].
-    pub wheelbase: f64,
-    /// Inertia of an axle per unit of mass [m^2].
-    pub axle_inertia: f64,
+    /// One over the wheelbase [1/m].
+    pub per_wheelbase: f64,
+    /// Sampling period over the inertia of an axle per unit of mass [s/m^2].
+    pub gain: f64,
     /// Resistance per unit of mass [m/s^2].
     pub resistance: f64,
     /// Torques of the step [m^2/s^2].
@@ -121,8 +121,8 @@ impl Rover {
         period: 0.01,
         radius: 0.5,
         gravity: 9.81,
-        wheelbase: 2.0,
-        axle_inertia: 1.0,
+        per_wheelbase: 0.5,
+        gain: 0.01,
         resistance: 0.2,
         torque: [0.0; 2],
     };
@@ -131,21 +131,19 @@ impl Rover {
     #[inline(always)]
     pub fn advance<T: Scalar>(&self, x: &[T; 6]) -> [T; 3] {
         let [v, front, rear, stiffness, height, share] = *x;
-        let slip_front = (front * self.radius - v) / v;
-        let slip_rear = (rear * self.radius - v) / v;
-        let lever = height / self.wheelbase;
-        let rest = T::constant(1.0) - share;
-        let drive =
-            (share * slip_front + rest * slip_rear) * stiffness * self.gravity - self.resistance;
-        let transfer = lever * stiffness * (slip_front - slip_rear);
-        let acceleration = drive / (transfer + 1.0);
-        let force_front = stiffness * slip_front * (share * self.gravity - lever * acceleration);
-        let force_rear = stiffness * slip_rear * (rest * self.gravity + lever * acceleration);
-        let gain = self.period / self.axle_inertia;
+        let grip_front = stiffness * ((front * self.radius) / v - 1.0);
+        let grip_rear = stiffness * ((rear * self.radius) / v - 1.0);
+        let difference = grip_front - grip_rear;
+        let lever = height * self.per_wheelbase;
+        let drive = (share * difference + grip_rear) * self.gravity - self.resistance;
+        let acceleration = drive / (lever * difference + 1.0);
+        let transfer = share * self.gravity - lever * acceleration;
+        let force_front = grip_front * transfer;
+        let force_rear = grip_rear * (-transfer + self.gravity);
         [
             v + acceleration * self.period,
-            front + (T::constant(self.torque[0]) - force_front * self.radius) * gain,
-            rear + (T::constant(self.torque[1]) - force_rear * self.radius) * gain,
+            front + (-force_front * self.radius + self.torque[0]) * self.gain,
+            rear + (-force_rear * self.radius + self.torque[1]) * self.gain,
         ]
     }
 
@@ -160,50 +158,32 @@ impl Rover {
     #[inline(always)]
     pub fn jacobian(&self, x: &[f64; 6]) -> [[f64; 6]; 3] {
         let [v, front, rear, k, height, share] = *x;
-        let (g, reciprocal, lever, rest) =
-            (self.gravity, 1.0 / v, height / self.wheelbase, 1.0 - share);
-        let (sf, sr) = (
-            self.radius * front * reciprocal - 1.0,
-            self.radius * rear * reciprocal - 1.0,
+        let (g, reciprocal, lever) = (self.gravity, 1.0 / v, height * self.per_wheelbase);
+        let (ratio_front, ratio_rear) = (
+            self.radius * front * reciprocal,
+            self.radius * rear * reciprocal,
         );
-        let (sf_v, sr_v, s_w) = (
-            -(sf + 1.0) * reciprocal,
-            -(sr + 1.0) * reciprocal,
-            self.radius * reciprocal,
-        );
-        let mean = share * sf + rest * sr;
-        let scale = 1.0 / (1.0 + lever * k * (sf - sr));
-        let a = (mean * k * g - self.resistance) * scale;
-        let d_drive = [
-            g * k * (share * sf_v + rest * sr_v),
-            g * k * share * s_w,
-            g * k * rest * s_w,
-            g * mean,
-            0.0,
-            g * k * (sf - sr),
-        ];
-        let turn = k * (sf - sr) / self.wheelbase;
-        let d_transfer = [
-            lever * k * (sf_v - sr_v),
-            lever * k * s_w,
-            -lever * k * s_w,
-            lever * (sf - sr),
-            turn,
-            0.0,
-        ];
-        let (load_front, load_rear) = (share * g - lever * a, rest * g + lever * a);
-        let gain = -self.period * self.radius / self.axle_inertia;
+        let (slip_front, slip_rear) = (ratio_front - 1.0, ratio_rear - 1.0);
+        let (grip_front, grip_rear) = (k * slip_front, k * slip_rear);
+        let difference = grip_front - grip_rear;
+        let scale = 1.0 / (lever * difference + 1.0);
+        let a = ((share * difference + grip_rear) * g - self.resistance) * scale;
+        let transfer = share * g - lever * a;
+        let (by_speed, by_wheel) = (-k * reciprocal, k * self.radius * reciprocal);
+        let d_front = [by_speed * ratio_front, by_wheel, 0.0, slip_front, 0.0, 0.0];
+        let d_rear = [by_speed * ratio_rear, 0.0, by_wheel, slip_rear, 0.0, 0.0];
+        let d_lever = [0.0, 0.0, 0.0, 0.0, self.per_wheelbase, 0.0];
+        let d_share = [0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+        let gain = -self.radius * self.gain;
         let mut rows = [[0.0; 6]; 3];
-        let d_lever = [0.0, 0.0, 0.0, 0.0, 1.0 / self.wheelbase, 0.0];
-        let d_front = [k * sf_v, k * s_w, 0.0, sf, 0.0, 0.0];
-        let d_rear = [k * sr_v, 0.0, k * s_w, sr, 0.0, 0.0];
-        let d_share = [0.0, 0.0, 0.0, 0.0, 0.0, g];
         for i in 0..6 {
-            let d_a = (d_drive[i] - a * d_transfer[i]) * scale;
-            let d_shift = d_lever[i] * a + lever * d_a;
+            let d_difference = d_front[i] - d_rear[i];
+            let d_drive = (d_rear[i] + share * d_difference + d_share[i] * difference) * g;
+            let d_a = (d_drive - a * (lever * d_difference + d_lever[i] * difference)) * scale;
+            let d_transfer = d_share[i] * g - d_lever[i] * a - lever * d_a;
             rows[0][i] = self.period * d_a;
-            rows[1][i] = gain * (d_front[i] * load_front + k * sf * (d_share[i] - d_shift));
-            rows[2][i] = gain * (d_rear[i] * load_rear + k * sr * (d_shift - d_share[i]));
+            rows[1][i] = gain * (d_front[i] * transfer + grip_front * d_transfer);
+            rows[2][i] = gain * (d_rear[i] * (g - transfer) - grip_rear * d_transfer);
         }
         for (i, row) in rows.iter_mut().enumerate() {
             row[i] += 1.0;
