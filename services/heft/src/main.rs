@@ -1,2 +1,67 @@
-//! To be written.
-fn main() {}
+//! heft: the command line, and the supervisor of the processes.
+
+mod cli;
+mod commands;
+mod failure;
+mod figures;
+mod live;
+mod pipeline;
+mod plan;
+mod processes;
+mod quantity;
+mod summary;
+mod supervisor;
+mod watch;
+
+use std::process::ExitCode;
+
+use clap::{CommandFactory, Parser};
+use cli::{Cli, Command};
+use failure::Failure;
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    log();
+    match dispatch(cli) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("heft: {failure}");
+            ExitCode::from(failure.status)
+        }
+    }
+}
+
+/// Warnings go to standard error; `HEFT_LOG` chooses otherwise, in the syntax of `env_logger`.
+fn log() {
+    let filter = tracing_subscriber::EnvFilter::try_from_env("HEFT_LOG")
+        .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("warn,iceoryx2=off,iceoryx2_log=off"));
+    tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).without_time().init();
+}
+
+fn dispatch(cli: Cli) -> Result<(), Failure> {
+    let Some(command) = cli.command else { return commands::demo::demo() };
+    match command {
+        Command::Run(args) => commands::run::run(&args),
+        Command::Estimate(args) => commands::estimate::estimate(&args),
+        Command::Replay(args) => commands::replay::replay(&args),
+        Command::Evaluate(args) => commands::evaluate::evaluate(&args),
+        Command::Recover { file } => commands::recover::recover(&file),
+        Command::Report { file, output } => commands::report::report(&file, output.as_deref()),
+        Command::Export { file, output } => commands::export::export(&file, &output),
+        Command::Top { domain, once } => commands::top::top(domain.as_deref(), once),
+        Command::Latency(args) => commands::latency::latency(&args),
+        Command::Doctor { clean } => commands::doctor::doctor(clean),
+        Command::Check { file, machine, print } => {
+            commands::check::check(&file, machine.map(Into::into), print)
+        }
+        Command::Weigh { file, description, json } => {
+            commands::weigh::weigh(&file, &description, json.as_deref())
+        }
+        Command::Completions { shell } => {
+            clap_complete::generate(shell, &mut Cli::command(), "heft", &mut std::io::stdout());
+            Ok(())
+        }
+        Command::Service { name, domain, restarts } => pipeline::serve(&name, &domain, restarts),
+        Command::LimitsWorker { args } => std::process::exit(limits::worker_main(&args)),
+    }
+}

@@ -1,0 +1,301 @@
+//! The command line: names, arguments, help texts.
+
+use std::net::SocketAddr;
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap_complete::Shell;
+
+/// Lets a construction machine know its own mass properties while it works.
+///
+/// Without a command: the demonstration. Both machines run in real time as separate processes for
+/// some 20 s; then heft says what it found and whether to believe it.
+#[derive(Debug, Parser)]
+#[command(name = "heft", version, max_term_width = 100)]
+#[command(after_help = "Exit status: 0 done, 1 ran but the answer is no, 2 wrong use or bad input.")]
+pub struct Cli {
+    /// What to do; the demonstration if absent.
+    #[command(subcommand)]
+    pub command: Option<Command>,
+}
+
+/// A machine.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Machine {
+    /// Swing inertia, damping, torque, payload.
+    Excavator,
+    /// Centre of gravity, slip stiffness, digging force.
+    Loader,
+}
+
+impl From<Machine> for config::Kind {
+    fn from(machine: Machine) -> Self {
+        match machine {
+            Machine::Excavator => Self::Excavator,
+            Machine::Loader => Self::Loader,
+        }
+    }
+}
+
+/// How fast a run goes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Pace {
+    /// At the times that the samples tell.
+    Realtime,
+    /// As fast as the processes take it, without losing a sample.
+    Max,
+}
+
+/// Commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Run the pipeline as separate processes, on the simulator or on recorded data
+    Run(RunArgs),
+    /// Run the same steps in one process on recorded data
+    Estimate(EstimateArgs),
+    /// Recompute every estimate of a recording
+    Replay(ReplayArgs),
+    /// Evaluate the estimators by Monte-Carlo simulation, next to the published figures
+    Evaluate(EvaluateArgs),
+    /// Mend a recording that was cut off
+    Recover {
+        /// The recording
+        file: PathBuf,
+    },
+    /// Make one offline HTML page of a recording
+    Report {
+        /// The recording
+        file: PathBuf,
+        /// Page to write; the recording's name with .html if absent
+        #[arg(short, long)]
+        output: Option<PathBuf>,
+    },
+    /// Write every channel of a recording as CSV
+    Export {
+        /// The recording
+        file: PathBuf,
+        /// Folder to write to
+        #[arg(short, long)]
+        output: PathBuf,
+    },
+    /// Dashboard of a running pipeline in the terminal
+    Top {
+        /// The domain to attach to; the only one there is if absent
+        #[arg(long)]
+        domain: Option<String>,
+        /// Print one picture as text and end
+        #[arg(long)]
+        once: bool,
+    },
+    /// Measure the latency of the real processes next to the machine's own limits
+    Latency(LatencyArgs),
+    /// Say what this host lacks for real-time work, and what killed runs left behind
+    Doctor {
+        /// Remove what killed runs left behind
+        #[arg(long)]
+        clean: bool,
+    },
+    /// Validate a description of a machine
+    Check {
+        /// The description (TOML)
+        file: PathBuf,
+        /// Machine, where the file does not say
+        #[arg(long, value_enum)]
+        machine: Option<Machine>,
+        /// Print the complete description, every key with its unit, range and meaning
+        #[arg(long)]
+        print: bool,
+    },
+    /// Centre of gravity from axle weights on level and tilted ground
+    Weigh {
+        /// CSV with the columns pitch [rad], front_load [N], rear_load [N]
+        file: PathBuf,
+        /// Description of the loader
+        #[command(flatten)]
+        description: DescriptionArgs,
+        /// Write the result as JSON
+        #[arg(long, value_name = "FILE")]
+        json: Option<PathBuf>,
+    },
+    /// Print a completion script for a shell
+    Completions {
+        /// The shell
+        shell: Shell,
+    },
+    /// Be one service of a pipeline (started by the supervisor)
+    #[command(hide = true)]
+    Service {
+        /// Name in the table of processes
+        name: String,
+        /// Domain of the run
+        #[arg(long)]
+        domain: String,
+        /// How often it was started before
+        #[arg(long, default_value_t = 0)]
+        restarts: u32,
+    },
+    /// Be one link of a bare chain (started by `heft latency`)
+    #[command(hide = true, name = "limits-worker")]
+    LimitsWorker {
+        /// What the chain tells its links
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        args: Vec<String>,
+    },
+}
+
+/// The machine's description.
+#[derive(Debug, Clone, Args)]
+pub struct DescriptionArgs {
+    /// Description of the machine (TOML)
+    #[arg(long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
+    /// Set one key of the description, such as sensors.swing_velocity_std=0.008
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+}
+
+/// `heft run`
+#[derive(Debug, Clone, Args)]
+pub struct RunArgs {
+    /// The machine
+    #[arg(value_enum)]
+    pub machine: Machine,
+    /// Scenario of the simulator; `--scenario list` names them
+    #[arg(long)]
+    pub scenario: Option<String>,
+    /// Payload of the simulator [kg]
+    #[arg(long, value_name = "KG")]
+    pub payload: Option<f64>,
+    /// Take the samples from a recording (.csv, .mcap, .log) instead of the simulator
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["scenario", "payload"])]
+    pub input: Option<PathBuf>,
+    /// Signal map of a recording with foreign names and units (TOML)
+    #[arg(long, requires = "input")]
+    pub map: Option<PathBuf>,
+    /// The machine's description
+    #[command(flatten)]
+    pub description: DescriptionArgs,
+    /// Method of the ukf process
+    #[arg(long)]
+    pub method: Option<String>,
+    /// Length of the run [s]; until the scenario ends if absent
+    #[arg(long, value_name = "S")]
+    pub duration: Option<f64>,
+    /// Sampling rate of the simulator [Hz]; that of the description if absent
+    #[arg(long, value_name = "HZ")]
+    pub rate: Option<f64>,
+    /// Seed of the simulator
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Real time, or as fast as it goes without losing a sample
+    #[arg(long, value_enum, default_value = "realtime")]
+    pub pace: Pace,
+    /// Real-time scheduling: SCHED_FIFO by stage, one core, locked memory
+    #[arg(long)]
+    pub rt: bool,
+    /// Core of the stages under --rt; the last one if absent
+    #[arg(long, requires = "rt")]
+    pub core: Option<usize>,
+    /// Show a live page
+    #[arg(long, value_name = "ADDR", num_args = 0..=1, default_missing_value = "127.0.0.1:8000")]
+    pub view: Option<SocketAddr>,
+    /// Folder for the recording and the report
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Name of the run's corner of shared memory
+    #[arg(long)]
+    pub domain: Option<String>,
+    /// Exit with status 1 if the last verdict is not `trusted`
+    #[arg(long)]
+    pub require_trust: bool,
+    /// Nothing on the terminal while it runs
+    #[arg(long, short)]
+    pub quiet: bool,
+    /// Write no report
+    #[arg(long)]
+    pub no_report: bool,
+    /// Print the live line to standard output (for the demonstration)
+    #[arg(long, hide = true)]
+    pub live_lines: bool,
+    /// Add a process that notes when estimates arrive, and write its notes here (for `latency`)
+    #[arg(long, hide = true, value_name = "FILE")]
+    pub probe: Option<PathBuf>,
+}
+
+/// `heft estimate`
+#[derive(Debug, Args)]
+pub struct EstimateArgs {
+    /// Recorded data: .csv, .mcap, or .log (candump)
+    pub file: PathBuf,
+    /// The machine
+    #[arg(long, value_enum)]
+    pub machine: Machine,
+    /// Signal map (TOML)
+    #[arg(long)]
+    pub map: Option<PathBuf>,
+    /// Method; see the README for the list
+    #[arg(long)]
+    pub method: Option<String>,
+    /// The machine's description
+    #[command(flatten)]
+    pub description: DescriptionArgs,
+    /// Estimates, one row per accepted row of the input (CSV)
+    #[arg(short, long, value_name = "OUT.csv")]
+    pub output: PathBuf,
+    /// Also write an HTML report
+    #[arg(long, value_name = "R.html")]
+    pub report: Option<PathBuf>,
+    /// Exit with status 1 if the last verdict is not `trusted`
+    #[arg(long)]
+    pub require_trust: bool,
+}
+
+/// `heft replay`
+#[derive(Debug, Args)]
+pub struct ReplayArgs {
+    /// The recording
+    pub file: PathBuf,
+    /// Compare every estimate bit for bit; exit 1 if one differs
+    #[arg(long)]
+    pub verify: bool,
+}
+
+/// `heft evaluate`
+#[derive(Debug, Args)]
+pub struct EvaluateArgs {
+    /// The machine
+    #[arg(value_enum)]
+    pub machine: Machine,
+    /// One table only; an unknown name lists them
+    #[arg(long)]
+    pub table: Option<String>,
+    /// Monte-Carlo runs per case
+    #[arg(long, default_value_t = 100)]
+    pub seeds: usize,
+    /// Write the numbers as JSON
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Draw the papers' figures from our runs as SVG into this folder
+    #[arg(long, value_name = "DIR")]
+    pub figures: Option<PathBuf>,
+}
+
+/// `heft latency`
+#[derive(Debug, Args)]
+pub struct LatencyArgs {
+    /// One sampling rate [Hz]; 100, 1000 and 10000 if absent
+    #[arg(long, value_name = "HZ")]
+    pub rate: Option<f64>,
+    /// Seconds per measurement
+    #[arg(long, default_value_t = 5.0)]
+    pub duration: f64,
+    /// Real-time scheduling only; with and without if absent
+    #[arg(long)]
+    pub rt: bool,
+    /// Also under a load that occupies every core
+    #[arg(long)]
+    pub load: bool,
+    /// Write the numbers as JSON
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+}

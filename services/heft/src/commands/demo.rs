@@ -1,0 +1,121 @@
+//! `heft` without a command: both machines at work in real time, each a pipeline of processes.
+
+use std::io::{BufRead, BufReader, IsTerminal, Write};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::sync::mpsc::{Sender, channel};
+use std::time::Instant;
+
+use config::Kind;
+
+use crate::commands::run::{folder, signals};
+use crate::failure::Failure;
+use crate::watch::LIVE;
+
+/// Length of the demonstration [s].
+const DURATION: &str = "18";
+
+/// A line of one of the two runs; `None` at its end.
+type Line = (usize, Option<String>);
+
+/// `heft`
+pub fn demo() -> Result<(), Failure> {
+    println!(
+        "heft {}: an excavator and a wheel loader at work, simulated in real time for {DURATION} s.\n\
+         Each machine is five processes (sensor, kalman, rls or ukf, logger) that exchange samples\n\
+         through shared memory; the estimators never see the truth printed beside them.\n",
+        env!("CARGO_PKG_VERSION")
+    );
+    // Ctrl-C reaches both runs as well: they end in order, and this process waits for them.
+    let _signal = signals()?;
+    let folder = folder(None, "demo")?;
+    let (sender, lines) = channel::<Line>();
+    let mut runs = Vec::new();
+    for (index, kind) in Kind::ALL.into_iter().enumerate() {
+        runs.push(start(kind, &folder, index, sender.clone())?);
+    }
+    drop(sender);
+    let mut screen = Screen::default();
+    let mut summaries = [String::new(), String::new()];
+    for (index, line) in lines {
+        match line {
+            Some(line) => match line.strip_prefix(LIVE) {
+                Some(live) => screen.show(index, live),
+                None => summaries[index] += &(line + "\n"),
+            },
+            None => screen.ended += 1,
+        }
+    }
+    screen.finish();
+    print!("{}", summaries.concat());
+    let mut failed = false;
+    for mut run in runs {
+        failed |= !run.wait().map_err(Failure::internal)?.success();
+    }
+    if failed {
+        return Err(Failure::answer_is_no("a pipeline of the demonstration failed; see above"));
+    }
+    println!("\nOpen the reports in a browser, or go on with `heft run --help`.");
+    Ok(())
+}
+
+fn start(kind: Kind, folder: &Path, index: usize, sender: Sender<Line>) -> Result<Child, Failure> {
+    let exe = std::env::current_exe().map_err(Failure::internal)?;
+    let scenario = match kind {
+        Kind::Excavator => "cycle",
+        Kind::Loader => "work-cycle",
+    };
+    let mut child = Command::new(exe)
+        .args(["run", kind.name(), "--scenario", scenario, "--duration", DURATION])
+        .args(["--live-lines", "--out"])
+        .arg(folder.join(kind.name()))
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .spawn()
+        .map_err(Failure::internal)?;
+    let Some(stdout) = child.stdout.take() else {
+        return Err(Failure::internal("a run has no standard output"));
+    };
+    std::thread::spawn(move || {
+        for line in BufReader::new(stdout).lines().map_while(Result::ok) {
+            if sender.send((index, Some(line))).is_err() {
+                return;
+            }
+        }
+        let _ = sender.send((index, None));
+    });
+    Ok(child)
+}
+
+/// The live lines, one per machine: redrawn in place on a terminal, every five seconds elsewhere.
+#[derive(Default)]
+struct Screen {
+    lines: [String; 2],
+    drawn: bool,
+    shown: Option<Instant>,
+    ended: usize,
+}
+
+impl Screen {
+    fn show(&mut self, index: usize, live: &str) {
+        self.lines[index] = format!("{:<9} {live}", Kind::ALL[index].name());
+        let terminal = std::io::stdout().is_terminal();
+        let pause = if terminal { 0.1 } else { 5.0 };
+        if self.shown.is_some_and(|t| t.elapsed().as_secs_f64() < pause)
+            || self.lines.iter().any(String::is_empty)
+        {
+            return;
+        }
+        self.shown = Some(Instant::now());
+        let mut out = std::io::stdout().lock();
+        let back = if terminal && self.drawn { "\x1b[2A" } else { "" };
+        let clear = if terminal { "\x1b[2K" } else { "" };
+        let _ = write!(out, "{back}{clear}{}\n{clear}{}\n", self.lines[0], self.lines[1]);
+        let _ = out.flush();
+        self.drawn = true;
+    }
+
+    fn finish(&mut self) {
+        let _ = std::io::stdout().flush();
+    }
+}

@@ -1,0 +1,165 @@
+//! `heft doctor`: what this host lacks for real-time work, and what killed runs left behind.
+
+use std::fs;
+
+use runtime::{Domain, free_shared_memory, realtime};
+use rustix::process::{Resource, getrlimit};
+
+use crate::failure::Failure;
+
+/// One thing that was looked at.
+struct Finding {
+    good: bool,
+    what: String,
+    remedy: Option<String>,
+}
+
+fn good(what: impl Into<String>) -> Finding {
+    Finding { good: true, what: what.into(), remedy: None }
+}
+
+fn bad(what: impl Into<String>, remedy: impl Into<String>) -> Finding {
+    Finding { good: false, what: what.into(), remedy: Some(remedy.into()) }
+}
+
+/// `heft doctor`
+pub fn doctor(clean: bool) -> Result<(), Failure> {
+    if clean {
+        for name in Domain::remove_leftovers() {
+            println!("removed  what the killed run `{name}` had left behind");
+        }
+        for file in strays() {
+            match fs::remove_file(&file) {
+                Ok(()) => println!("removed  {}", file.display()),
+                Err(e) => println!("kept     {}: {e}", file.display()),
+            }
+        }
+    }
+    let findings = [domains(), room(), priority(), memory(), files(), clock(), cores(), kernel()];
+    let mut all_good = true;
+    for finding in findings.iter().flatten() {
+        all_good &= finding.good;
+        println!("{}  {}", if finding.good { "ok     " } else { "missing" }, finding.what);
+        if let Some(remedy) = &finding.remedy {
+            println!("         {remedy}");
+        }
+    }
+    println!(
+        "note     channels belong to the user who runs heft (mode 0600): other users cannot open them"
+    );
+    if all_good { Ok(()) } else { Err(Failure::answer_is_no("heft runs, but not everything is as it should be for real-time work")) }
+}
+
+fn domains() -> Vec<Finding> {
+    let mut findings: Vec<Finding> = Domain::all()
+        .into_iter()
+        .map(|domain| {
+            if domain.is_alive() {
+                good(format!("the run `{}` is alive", domain.name()))
+            } else {
+                bad(
+                    format!("a killed run left the domain `{}` behind", domain.name()),
+                    "heft doctor --clean",
+                )
+            }
+        })
+        .collect();
+    let strays = strays().len();
+    if strays > 0 {
+        findings.push(bad(
+            format!("{strays} objects of killed runs in /dev/shm"),
+            "heft doctor --clean",
+        ));
+    }
+    if findings.iter().all(|f| f.good) {
+        findings.push(good("nothing left behind in shared memory"));
+    }
+    findings
+}
+
+/// Shared-memory objects of domains that no longer exist.
+fn strays() -> Vec<std::path::PathBuf> {
+    let known: Vec<String> =
+        Domain::all().iter().map(|d| format!("heft-{}_", d.name())).collect();
+    let entries = fs::read_dir("/dev/shm").into_iter().flatten().flatten();
+    entries
+        .filter(|entry| {
+            let name = entry.file_name().to_string_lossy().into_owned();
+            name.starts_with("heft-") && !known.iter().any(|prefix| name.starts_with(prefix))
+        })
+        .map(|entry| entry.path())
+        .collect()
+}
+
+fn room() -> Vec<Finding> {
+    let mib = free_shared_memory() >> 20;
+    let what = format!("{mib} MiB free in /dev/shm");
+    vec![if mib >= 64 {
+        good(what)
+    } else {
+        bad(what, "a run needs 64 MiB; mount -o remount,size=256M /dev/shm (containers: --shm-size=256m)")
+    }]
+}
+
+fn priority() -> Vec<Finding> {
+    vec![if realtime::permitted() {
+        good("SCHED_FIFO is permitted")
+    } else {
+        bad(
+            "SCHED_FIFO is not permitted: --rt runs without it",
+            "ulimit -r 90, or sudo setcap cap_sys_nice,cap_ipc_lock+ep $(command -v heft), or LimitRTPRIO=90 in the systemd unit",
+        )
+    }]
+}
+
+fn memory() -> Vec<Finding> {
+    let limit = getrlimit(Resource::Memlock).current;
+    let enough = limit.is_none_or(|bytes| bytes >= 256 << 20) || rustix::process::geteuid().is_root();
+    vec![if enough {
+        good("memory can be locked")
+    } else {
+        bad(
+            format!("only {} KiB of memory can be locked", limit.unwrap_or(0) >> 10),
+            "ulimit -l unlimited, or LimitMEMLOCK=infinity in the systemd unit",
+        )
+    }]
+}
+
+fn files() -> Vec<Finding> {
+    let limit = getrlimit(Resource::Nofile).current.unwrap_or(u64::MAX);
+    let what = format!("{limit} open files permitted");
+    vec![if limit >= 512 { good(what) } else { bad(what, "ulimit -n 4096") }]
+}
+
+fn clock() -> Vec<Finding> {
+    let path = "/sys/devices/system/clocksource/clocksource0/current_clocksource";
+    let Ok(source) = fs::read_to_string(path) else { return Vec::new() };
+    let source = source.trim();
+    let fast = ["tsc", "kvm-clock", "arch_sys_counter", "hyperv_clocksource_tsc_page"];
+    vec![if fast.contains(&source) {
+        good(format!("the clock source {source} is read without a system call"))
+    } else {
+        bad(
+            format!("the clock source {source} needs a system call per reading"),
+            format!("echo tsc | sudo tee {path}"),
+        )
+    }]
+}
+
+fn cores() -> Vec<Finding> {
+    let n = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    vec![if n > 1 {
+        good(format!("{n} cores: the stages of one machine share the last one under --rt"))
+    } else {
+        bad("one core only", "under load every process waits for every other; use --rt")
+    }]
+}
+
+fn kernel() -> Vec<Finding> {
+    let version = rustix::system::uname().version().to_string_lossy().into_owned();
+    vec![good(if version.contains("PREEMPT_RT") {
+        "the kernel is a real-time kernel (PREEMPT_RT)".to_owned()
+    } else {
+        format!("the kernel is not PREEMPT_RT ({version}): rare delays of a millisecond must be expected")
+    })]
+}

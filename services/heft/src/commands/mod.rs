@@ -1,0 +1,15 @@
+//! One file per command.
+
+pub mod check;
+pub mod demo;
+pub mod doctor;
+pub mod estimate;
+pub mod evaluate;
+pub mod export;
+pub mod latency;
+pub mod recover;
+pub mod replay;
+pub mod report;
+pub mod run;
+pub mod top;
+pub mod weigh;

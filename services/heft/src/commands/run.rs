@@ -1,0 +1,177 @@
+//! `heft run`: a pipeline of processes, from its first sample to its summary.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use config::{Description, Kind};
+use runtime::Domain;
+
+use crate::cli::{self, DescriptionArgs, RunArgs};
+use crate::failure::Failure;
+use crate::pipeline;
+use crate::plan::Plan;
+use crate::summary;
+use crate::supervisor::{End, Supervisor};
+use crate::watch::{Show, Watch};
+
+/// Reads the description that `--config` and `--set` make.
+pub fn description(kind: Kind, args: &DescriptionArgs) -> Result<Description, Failure> {
+    let mut description = match &args.config {
+        None => Description::default_of(kind),
+        Some(path) => {
+            let text =
+                std::fs::read_to_string(path).map_err(|e| Failure::file("read", path, &e))?;
+            Description::parse(&text, &path.display().to_string(), Some(kind))?
+        }
+    };
+    if description.kind() != kind {
+        return Err(Failure::input(
+            format!("the description is for the {}, not for the {kind}", description.kind()),
+            args.config.as_deref().unwrap_or(Path::new("--config")).display(),
+            "give the description of this machine, or name the other one",
+        ));
+    }
+    for assignment in &args.set {
+        description.set(assignment)?;
+    }
+    Ok(description)
+}
+
+/// Sets a flag on SIGINT and SIGTERM.
+pub fn signals() -> Result<Arc<AtomicBool>, Failure> {
+    let flag = Arc::new(AtomicBool::new(false));
+    for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
+        signal_hook::flag::register(signal, Arc::clone(&flag)).map_err(Failure::internal)?;
+    }
+    Ok(flag)
+}
+
+/// A folder for a run that has none of its own: `runs/MACHINE-TIME`.
+fn default_folder(machine: &str) -> PathBuf {
+    let seconds = std::time::SystemTime::now()
+        .duration_since(std::time::UNIX_EPOCH)
+        .map_or(0, |d| d.as_secs());
+    PathBuf::from("runs").join(format!("{machine}-{seconds}-{}", std::process::id()))
+}
+
+/// Makes the folder of a run.
+pub fn folder(out: Option<&Path>, machine: &str) -> Result<PathBuf, Failure> {
+    let folder = out.map_or_else(|| default_folder(machine), Path::to_path_buf);
+    std::fs::create_dir_all(&folder)
+        .map_err(|e| Failure::file("make the folder", &folder, &e))?;
+    Ok(folder)
+}
+
+/// The plan that the arguments describe.
+pub fn plan(args: &RunArgs) -> Result<(Plan, PathBuf), Failure> {
+    let kind = Kind::from(args.machine);
+    let description = description(kind, &args.description)?;
+    let rate = args.rate.unwrap_or(match &description {
+        Description::Excavator(d) => d.sensors.rate,
+        Description::Loader(d) => d.sensors.rate,
+    });
+    if let Some(duration) = args.duration
+        && !(duration > 0.0)
+    {
+        return Err(Failure::input(
+            format!("a run cannot last {duration} s"),
+            "--duration",
+            "give a positive number of seconds",
+        ));
+    }
+    let (scenario, second_method) = match kind {
+        Kind::Excavator => ("base", "auto"),
+        Kind::Loader => ("work-cycle", "full"),
+    };
+    let (first_method, second_method) = methods(kind, args.method.as_deref(), second_method);
+    let mut plan = Plan {
+        machine: kind.name().to_owned(),
+        scenario: args.scenario.clone().unwrap_or_else(|| scenario.to_owned()),
+        payload: args.payload,
+        input: args.input.as_deref().map(absolute).transpose()?,
+        map: args.map.as_deref().map(absolute).transpose()?,
+        description: description.to_toml(),
+        first_method,
+        second_method,
+        duration: args.duration,
+        rate,
+        seed: args.seed,
+        lossless: args.pace == cli::Pace::Max,
+        realtime: args.rt,
+        core: args.rt.then(|| args.core.unwrap_or_else(last_core)),
+        recording: PathBuf::new(),
+        probe: args.probe.as_deref().map(absolute).transpose()?,
+    };
+    pipeline::check(&plan)?;
+    let folder = absolute(&folder(args.out.as_deref(), kind.name())?)?;
+    plan.recording = folder.join("run.mcap");
+    Ok((plan, folder))
+}
+
+/// Methods of the two estimating processes: a regression named by `--method` goes to `rls`.
+fn methods(kind: Kind, asked: Option<&str>, default: &str) -> (String, String) {
+    let regression = pipeline::REGRESSIONS[0];
+    match (kind, asked) {
+        (Kind::Excavator, Some(m)) if pipeline::REGRESSIONS.contains(&m) => {
+            (m.to_owned(), default.to_owned())
+        }
+        (Kind::Excavator, m) => (regression.to_owned(), m.unwrap_or(default).to_owned()),
+        (Kind::Loader, m) => ("ekf".to_owned(), m.unwrap_or(default).to_owned()),
+    }
+}
+
+fn absolute(path: &Path) -> Result<PathBuf, Failure> {
+    std::path::absolute(path).map_err(|e| Failure::file("find", path, &e))
+}
+
+fn last_core() -> usize {
+    std::thread::available_parallelism().map_or(0, |n| n.get() - 1)
+}
+
+/// A domain of this name, or one of this process's own.
+pub fn domain(name: Option<&str>, suffix: &str) -> Result<Domain, Failure> {
+    Ok(match name {
+        Some(name) => Domain::new(name)?,
+        None => Domain::new(&format!("run-{}{suffix}", std::process::id()))?,
+    })
+}
+
+/// Where the live line goes.
+fn show(args: &RunArgs) -> Show {
+    match (args.live_lines, args.quiet) {
+        (true, _) => Show::Lines,
+        (false, true) => Show::Nothing,
+        (false, false) => Show::Terminal,
+    }
+}
+
+/// `heft run`
+pub fn run(args: &RunArgs) -> Result<(), Failure> {
+    for name in Domain::remove_leftovers() {
+        eprintln!("removed what the killed run `{name}` had left in shared memory");
+    }
+    let (plan, folder) = plan(args)?;
+    let kind = plan.kind();
+    let feed = args.view.map(|addr| crate::live::start(addr, kind)).transpose()?;
+    let watch = Watch::new(kind, feed, show(args));
+    let recording = plan.recording.clone();
+    let supervisor =
+        Supervisor::start(&domain(args.domain.as_deref(), "")?, plan, watch, signals()?)?;
+    let (end, watch) = supervisor.run()?;
+    let report = (!args.no_report).then(|| summary::report(&recording, &folder)).flatten();
+    print!("{}", summary::text(kind, &watch, &recording, report.as_deref()));
+    verdict(&end, &watch, args.require_trust)
+}
+
+fn verdict(end: &End, watch: &Watch, require_trust: bool) -> Result<(), Failure> {
+    if let End::Failed(reason) = end {
+        return Err(Failure::answer_is_no(format!(
+            "the run ended early: {reason}\n  where: the supervisor\n  what to do: see the messages above; the recording holds what was seen"
+        )));
+    }
+    if require_trust && !summary::is_trusted(watch) {
+        return Err(Failure::answer_is_no("the last verdict is not `trusted`"));
+    }
+    Ok(())
+}

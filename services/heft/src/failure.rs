@@ -1,0 +1,59 @@
+//! How a command fails: a message of three lines, and an exit status.
+
+use std::fmt;
+use std::path::Path;
+
+/// A command ended without doing what it should.
+#[derive(Debug)]
+pub struct Failure {
+    message: String,
+    /// 1: it ran, but the answer is no. 2: wrong use or bad input.
+    pub status: u8,
+}
+
+impl Failure {
+    /// Wrong use or bad input: what, where, what to do.
+    pub fn input(what: impl fmt::Display, place: impl fmt::Display, remedy: impl fmt::Display) -> Self {
+        Self {
+            message: format!("{what}\n  where: {place}\n  what to do: {remedy}"),
+            status: 2,
+        }
+    }
+
+    /// The command ran, but the answer is no.
+    pub fn answer_is_no(message: impl Into<String>) -> Self {
+        Self { message: message.into(), status: 1 }
+    }
+
+    /// A file could not be used.
+    pub fn file(action: &str, path: &Path, error: &std::io::Error) -> Self {
+        Self::input(
+            format!("cannot {action} the file: {error}"),
+            path.display(),
+            "check the path, the permissions and the free space",
+        )
+    }
+
+    /// A defect of heft itself.
+    pub fn internal(error: impl fmt::Display) -> Self {
+        Self::input(error, "heft itself", "please report this with the command you ran")
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message)
+    }
+}
+
+/// Errors of the libraries already say what, where and what to do.
+macro_rules! from_errors {
+    ($($error:ty),* $(,)?) => {$(
+        impl From<$error> for Failure {
+            fn from(error: $error) -> Self {
+                Self { message: error.to_string(), status: 2 }
+            }
+        }
+    )*};
+}
+from_errors!(runtime::Error, config::Errors, config::Error, recording::Error);

@@ -1,0 +1,112 @@
+//! The plan of a run: everything that the supervisor tells its workers, in one file.
+
+use std::fs;
+use std::path::PathBuf;
+
+use config::{Description, Kind};
+use recording::Metadata;
+use runtime::Domain;
+use serde::{Deserialize, Serialize};
+
+use crate::failure::Failure;
+
+/// What a run does. Written to the domain by the supervisor, read by every worker.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Plan {
+    /// "excavator" or "loader".
+    pub machine: String,
+    /// Scenario of the simulator; unused with an input file.
+    pub scenario: String,
+    /// Payload of the simulator [kg], its own default where absent.
+    pub payload: Option<f64>,
+    /// Recording to take the samples from.
+    pub input: Option<PathBuf>,
+    /// Signal map of that recording.
+    pub map: Option<PathBuf>,
+    /// The machine's description, as canonical TOML.
+    pub description: String,
+    /// Method of the `rls` or `kalman` process that estimates.
+    pub first_method: String,
+    /// Method of the `ukf` process.
+    pub second_method: String,
+    /// Length of a simulated run [s]; endless where absent.
+    pub duration: Option<f64>,
+    /// Sampling rate of the simulator [Hz].
+    pub rate: f64,
+    /// Seed of the simulator.
+    pub seed: u64,
+    /// As fast as the readers take it instead of real time.
+    pub lossless: bool,
+    /// Real-time scheduling was asked for.
+    pub realtime: bool,
+    /// Core for the stages of this machine under real-time scheduling.
+    pub core: Option<usize>,
+    /// File to record to.
+    pub recording: PathBuf,
+    /// Whether a process that only measures the arrival of estimates joins the chain.
+    pub probe: Option<PathBuf>,
+}
+
+impl Plan {
+    /// Which machine.
+    pub fn kind(&self) -> Kind {
+        Kind::from_name(&self.machine).unwrap_or(Kind::Excavator)
+    }
+
+    /// The machine's description.
+    pub fn description(&self) -> Result<Description, Failure> {
+        Ok(Description::parse(&self.description, "the plan of the run", Some(self.kind()))?)
+    }
+
+    /// Writes it to the domain.
+    pub fn write(&self, domain: &Domain) -> Result<(), Failure> {
+        let text = serde_json::to_string_pretty(self).map_err(Failure::internal)?;
+        let file = domain.plan_file();
+        fs::write(&file, text).map_err(|e| Failure::file("write", &file, &e))
+    }
+
+    /// Reads it from the domain.
+    pub fn read(domain: &Domain) -> Result<Self, Failure> {
+        let file = domain.plan_file();
+        let text = fs::read_to_string(&file).map_err(|e| Failure::file("read", &file, &e))?;
+        serde_json::from_str(&text).map_err(Failure::internal)
+    }
+
+    /// What a recording of this run says of itself.
+    pub fn metadata(&self) -> Metadata {
+        let mut metadata = Metadata::new();
+        let mut put = |key: &str, value: String| {
+            metadata.insert(key.to_owned(), value);
+        };
+        put("heft.version", env!("CARGO_PKG_VERSION").to_owned());
+        put("machine", self.machine.clone());
+        put("description", self.description.clone());
+        put("description.sha256", recording::sha256(&self.description));
+        put("first_method", self.first_method.clone());
+        put("second_method", self.second_method.clone());
+        match &self.input {
+            Some(input) => put("input", input.display().to_string()),
+            None => {
+                put("scenario", self.scenario.clone());
+                put("seed", self.seed.to_string());
+                if let Some(payload) = self.payload {
+                    put("payload_kg", payload.to_string());
+                }
+            }
+        }
+        put("rate_hz", self.rate.to_string());
+        put("pace", if self.lossless { "max" } else { "realtime" }.to_owned());
+        put("scheduling", if self.realtime { "SCHED_FIFO asked for" } else { "normal" }.to_owned());
+        let system = rustix::system::uname();
+        put("host", system.nodename().to_string_lossy().into_owned());
+        put(
+            "kernel",
+            format!(
+                "{} {}",
+                system.sysname().to_string_lossy(),
+                system.release().to_string_lossy()
+            ),
+        );
+        metadata
+    }
+}

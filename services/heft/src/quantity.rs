@@ -1,0 +1,163 @@
+//! The quantities that heft is about: where they stand in the messages and how people write them.
+
+use messages::{Envelope, Message, Receiver, Value, excavator_bits, loader_bits};
+
+use crate::watch::Score;
+
+/// An estimated quantity.
+#[derive(Debug)]
+pub struct Quantity {
+    /// Channel of the estimate.
+    pub channel: &'static str,
+    /// What people call it.
+    pub label: &'static str,
+    /// Its symbol on the live line.
+    pub symbol: &'static str,
+    /// Unit.
+    pub unit: &'static str,
+    /// Field of the estimate.
+    pub field: &'static str,
+    /// Field of its standard deviation.
+    pub std_field: &'static str,
+    /// Field of the truth.
+    pub truth_field: &'static str,
+    /// Flag that says that it may be believed.
+    pub trusted_bit: u32,
+    /// Whether the live line shows it.
+    pub preferred: bool,
+}
+
+/// All of them.
+pub const QUANTITIES: &[Quantity] = &[
+    inertia("excavator/inertia_ukf", true),
+    inertia("excavator/inertia_rls", false),
+    ratio("loader/cg_ukf", true),
+    height("loader/cg_ukf", true),
+    ratio("loader/cg_ekf", false),
+    height("loader/cg_ekf", false),
+];
+
+const fn inertia(channel: &'static str, preferred: bool) -> Quantity {
+    Quantity {
+        channel,
+        label: "swing inertia",
+        symbol: "J",
+        unit: "kg m²",
+        field: "inertia",
+        std_field: "inertia_std",
+        truth_field: "inertia",
+        trusted_bit: excavator_bits::TRUSTED,
+        preferred,
+    }
+}
+
+const fn ratio(channel: &'static str, preferred: bool) -> Quantity {
+    Quantity {
+        channel,
+        label: "front share of the weight",
+        symbol: "λ",
+        unit: "",
+        field: "cg_ratio",
+        std_field: "cg_ratio_std",
+        truth_field: "cg_ratio",
+        trusted_bit: loader_bits::TRUSTED_RATIO,
+        preferred,
+    }
+}
+
+const fn height(channel: &'static str, preferred: bool) -> Quantity {
+    Quantity {
+        channel,
+        label: "height of the centre of gravity",
+        symbol: "h",
+        unit: "m",
+        field: "cg_height",
+        std_field: "cg_height_std",
+        truth_field: "cg_height",
+        trusted_bit: loader_bits::TRUSTED_HEIGHT,
+        preferred,
+    }
+}
+
+impl Quantity {
+    /// `value ± std`, rounded to two digits of the standard deviation.
+    pub fn text(&self, value: f64, std: f64) -> String {
+        let decimals = decimals(std);
+        let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
+        format!("{value:.decimals$} ± {std:.decimals$}{unit}")
+    }
+
+    /// A value without its unit, rounded like an estimate of this standard deviation.
+    pub fn number(&self, value: f64, std: f64) -> String {
+        format!("{value:.*}", decimals(std))
+    }
+
+    /// The quantity on the live line.
+    pub fn short(&self, score: &Score) -> String {
+        let decimals = decimals(score.std);
+        let truth = score.truth.map_or(String::new(), |t| format!(" (truth {t:.decimals$})"));
+        let verdict = if score.trusted { "trusted" } else { "not trusted" };
+        format!("{} {}{truth} {verdict} ", self.symbol, self.text(score.value, score.std))
+    }
+
+    /// The true value in a truth message, if it is known.
+    pub fn truth(&self, message: &Envelope) -> Option<f64> {
+        message.open(Truth(self.truth_field))
+    }
+}
+
+/// Decimals that show two digits of `std`.
+fn decimals(std: f64) -> usize {
+    if std > 0.0 { (1.0 - std.log10().floor()).clamp(0.0, 6.0) as usize } else { 3 }
+}
+
+struct Truth(&'static str);
+
+impl Receiver for Truth {
+    type Output = Option<f64>;
+
+    fn receive<M: Message>(self, message: &M) -> Option<f64> {
+        let index = M::index(self.0)?;
+        // Bit i of `known` belongs to the i-th field of the message itself.
+        let own = index.checked_sub(messages::HEAD)?;
+        let Some(Value::U32(known)) = message.get(M::index("known")?) else { return None };
+        (known >> own & 1 == 1).then(|| message.get(index).map(Value::as_f64))?
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_quantity_names_fields_that_exist() {
+        use messages::{ExcavatorEstimate, ExcavatorTruth, LoaderEstimate, LoaderTruth};
+        for q in QUANTITIES {
+            let (estimate, truth) = if q.channel.starts_with("excavator") {
+                (ExcavatorEstimate::FIELDS, ExcavatorTruth::FIELDS)
+            } else {
+                (LoaderEstimate::FIELDS, LoaderTruth::FIELDS)
+            };
+            for name in [q.field, q.std_field, "flags"] {
+                assert!(estimate.iter().any(|f| f.name == name), "{name}");
+            }
+            assert!(truth.iter().any(|f| f.name == q.truth_field));
+        }
+    }
+
+    #[test]
+    fn truth_is_taken_only_where_it_is_known() {
+        use messages::LoaderTruth;
+        let mut truth = LoaderTruth { cg_height: 0.9, cg_ratio: 0.45, ..LoaderTruth::default() };
+        truth.known = 1 << 4; // the fifth field is the ratio
+        let envelope = truth.envelope();
+        assert_eq!(QUANTITIES[2].truth(&envelope), Some(0.45));
+        assert_eq!(QUANTITIES[3].truth(&envelope), None);
+    }
+
+    #[test]
+    fn numbers_are_rounded_to_their_uncertainty() {
+        assert_eq!(QUANTITIES[0].text(5873.4, 61.2), "5873 ± 61 kg m²");
+        assert_eq!(QUANTITIES[2].text(0.45123, 0.0071), "0.4512 ± 0.0071");
+    }
+}

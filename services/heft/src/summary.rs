@@ -1,0 +1,113 @@
+//! What is said at the end of a run.
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use config::Kind;
+use messages::Envelope;
+use messages::channels::{EXCAVATOR_INERTIA_UKF, LOADER_CG_UKF};
+
+use crate::watch::{Score, Watch};
+
+/// Writes the HTML report of a recording; `None`, with the reason told, if that fails.
+pub fn report(recording: &Path, folder: &Path) -> Option<PathBuf> {
+    let path = folder.join("report.html");
+    match super::commands::report::write(recording, &path) {
+        Ok(()) => Some(path),
+        Err(failure) => {
+            eprintln!("no report: {failure}");
+            None
+        }
+    }
+}
+
+/// The verdict per quantity, the latency, the losses, and where everything is.
+pub fn text(kind: Kind, watch: &Watch, recording: &Path, report: Option<&Path>) -> String {
+    let mut out = format!("\n{kind}\n");
+    let mut line = |text: String| {
+        let _ = writeln!(out, "  {text}");
+    };
+    line(in_words(kind, watch));
+    for score in watch.scores() {
+        for text in score_lines(score) {
+            line(text);
+        }
+    }
+    for (name, health) in watch.all_health().filter(|(_, h)| h.age_max_ns > 0) {
+        if name == "sensor" {
+            continue;
+        }
+        line(format!(
+            "{name:<7} answers after p50 {:.0}, p99 {:.0}, p99.9 {:.0}, max {:.0} µs; step p50 {:.2} µs; {} samples, {} lost",
+            us(health.age_p50_ns), us(health.age_p99_ns), us(health.age_p999_ns), us(health.age_max_ns),
+            us(health.step_p50_ns), health.steps, health.lost
+        ));
+    }
+    for death in watch.deaths() {
+        line(format!("{death}; it was started again"));
+    }
+    if watch.recording_failed() {
+        line("the recording is incomplete: the disk took no more".into());
+    }
+    line(format!("recording  {}", shown(recording)));
+    if let Some(report) = report {
+        line(format!("report     {}", shown(report)));
+    }
+    out
+}
+
+/// Whether the last verdict on every preferred quantity is `trusted`.
+pub fn is_trusted(watch: &Watch) -> bool {
+    let mut preferred = watch.scores().iter().filter(|s| s.quantity.preferred).peekable();
+    preferred.peek().is_some() && preferred.all(|s| s.trusted)
+}
+
+fn us(ns: u64) -> f64 {
+    ns as f64 / 1e3
+}
+
+/// A path as the user would type it.
+fn shown(path: &Path) -> String {
+    let here = std::env::current_dir().unwrap_or_default();
+    path.strip_prefix(&here).unwrap_or(path).display().to_string()
+}
+
+fn in_words(kind: Kind, watch: &Watch) -> String {
+    let channel = match kind {
+        Kind::Excavator => &EXCAVATOR_INERTIA_UKF,
+        Kind::Loader => &LOADER_CG_UKF,
+    };
+    match watch.latest(channel) {
+        Some(Envelope::ExcavatorEstimate(e)) => view::words::excavator_verdict(e),
+        Some(Envelope::LoaderEstimate(e)) => view::words::loader_verdict(e),
+        _ => "no estimate was made".into(),
+    }
+}
+
+fn score_lines(score: &Score) -> Vec<String> {
+    let q = score.quantity;
+    let name = format!("{} ({})", q.label, q.channel);
+    let mut lines = Vec::new();
+    let share = 100.0 * score.trusted_count as f64 / score.seen.max(1) as f64;
+    match score.last_trusted {
+        None => lines.push(format!("{name}: never trusted in {} estimates", score.seen)),
+        Some((time, value, std, truth)) => {
+            let truth = truth.map_or(String::new(), |t| {
+                format!(", truth {}, error {:+.1} %", q.number(t, std), 100.0 * (value / t - 1.0))
+            });
+            lines.push(format!(
+                "{name}: last trusted at {time:.1} s: {}{truth}; trusted {share:.0} % of the time",
+                q.text(value, std)
+            ));
+        }
+    }
+    if score.scored > 0 {
+        lines.push(format!(
+            "    while trusted: rms error {:.1} %, worst {:.1} %, the 95 % interval held the truth {:.0} % of the time",
+            (score.squares / score.scored as f64).sqrt(),
+            score.worst,
+            100.0 * score.covered as f64 / score.scored as f64
+        ));
+    }
+    lines
+}

@@ -1,0 +1,314 @@
+//! What the supervisor sees of a run: scores every estimate against the truth where there is one,
+//! keeps the latest of everything, shows it on the terminal and hands it to the live page.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::io::{IsTerminal, Write};
+use std::time::{Duration, Instant};
+
+use config::Kind;
+use messages::channels::Channel;
+use messages::{Envelope, Health, Message, Value, fault};
+use runtime::Sink;
+use view::live::Feed;
+
+use crate::processes;
+use crate::quantity::{QUANTITIES, Quantity};
+
+/// Truths that may wait for their estimates.
+const TRUTHS: usize = 2048;
+const SHOW_PERIOD: Duration = Duration::from_millis(200);
+const PLAIN_PERIOD: Duration = Duration::from_secs(5);
+
+/// First word of a live line on standard output.
+pub const LIVE: &str = "live ";
+
+/// Where the live line goes.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Show {
+    /// Nowhere.
+    #[default]
+    Nothing,
+    /// To the terminal, redrawn in place; a plain line now and then where there is none.
+    Terminal,
+    /// To standard output, a line each, for a program that draws them.
+    Lines,
+}
+
+/// How one estimated quantity has done so far.
+#[derive(Debug, Clone, Copy)]
+pub struct Score {
+    /// What it is.
+    pub quantity: &'static Quantity,
+    /// Time of the latest estimate [s].
+    pub time: f64,
+    /// Latest value.
+    pub value: f64,
+    /// Its standard deviation.
+    pub std: f64,
+    /// Whether it is trusted.
+    pub trusted: bool,
+    /// Truth at the same sample.
+    pub truth: Option<f64>,
+    /// Estimates seen.
+    pub seen: u64,
+    /// Trusted ones among them.
+    pub trusted_count: u64,
+    /// Trusted ones with a known truth.
+    pub scored: u64,
+    /// Those whose 95 % interval held the truth.
+    pub covered: u64,
+    /// Largest error of a trusted estimate [%].
+    pub worst: f64,
+    /// Sum of squared errors of trusted estimates [%^2].
+    pub squares: f64,
+    /// Latest trusted estimate: time, value, standard deviation, truth.
+    pub last_trusted: Option<(f64, f64, f64, Option<f64>)>,
+}
+
+impl Score {
+    fn new(quantity: &'static Quantity) -> Self {
+        Self {
+            quantity,
+            time: 0.0,
+            value: 0.0,
+            std: 0.0,
+            trusted: false,
+            truth: None,
+            seen: 0,
+            trusted_count: 0,
+            scored: 0,
+            covered: 0,
+            worst: 0.0,
+            squares: 0.0,
+            last_trusted: None,
+        }
+    }
+
+    fn add(&mut self, time: f64, value: f64, std: f64, trusted: bool, truth: Option<f64>) {
+        (self.time, self.value, self.std) = (time, value, std);
+        (self.trusted, self.truth) = (trusted, truth);
+        self.seen += 1;
+        if !trusted {
+            return;
+        }
+        self.trusted_count += 1;
+        self.last_trusted = Some((time, value, std, truth));
+        if let Some(truth) = truth.filter(|t| *t != 0.0) {
+            let error = 100.0 * (value / truth - 1.0);
+            self.scored += 1;
+            self.covered += u64::from((value - truth).abs() < 1.96 * std);
+            self.worst = self.worst.max(error.abs());
+            self.squares += error * error;
+        }
+    }
+}
+
+/// Everything seen of a run.
+#[derive(Default)]
+pub struct Watch {
+    kind: Option<Kind>,
+    show: Show,
+    feed: Option<Feed>,
+    next_sequence: u64,
+    truths: VecDeque<(u64, Envelope)>,
+    scores: Vec<Score>,
+    latest: BTreeMap<&'static str, Envelope>,
+    health: BTreeMap<u32, Health>,
+    deaths: Vec<String>,
+    restarts: u32,
+    shown: Option<Instant>,
+    begun: Option<Instant>,
+}
+
+impl Watch {
+    /// Watches a machine.
+    pub fn new(kind: Kind, feed: Option<Feed>, show: Show) -> Self {
+        Self {
+            kind: Some(kind),
+            show,
+            feed,
+            begun: Some(Instant::now()),
+            ..Self::default()
+        }
+    }
+
+    /// Number after that of the latest sample seen.
+    pub fn next_sequence(&self) -> u64 {
+        self.next_sequence
+    }
+
+    /// Samples seen.
+    pub fn samples(&self) -> u64 {
+        self.next_sequence
+    }
+
+    /// Scores of all quantities, in the order of their first estimate.
+    pub fn scores(&self) -> &[Score] {
+        &self.scores
+    }
+
+    /// Latest message of a channel.
+    pub fn latest(&self, channel: &Channel) -> Option<&Envelope> {
+        self.latest.get(channel.name)
+    }
+
+    /// Latest health of the process called `name`.
+    pub fn health(&self, name: &str) -> Option<&Health> {
+        let kind = self.kind?;
+        self.health
+            .iter()
+            .find(|(index, _)| processes::name(kind, **index) == name)
+            .map(|(_, health)| health)
+    }
+
+    /// Health of all processes, by name.
+    pub fn all_health(&self) -> impl Iterator<Item = (&'static str, &Health)> {
+        let kind = self.kind.unwrap_or(Kind::Excavator);
+        self.health.iter().map(move |(index, health)| (processes::name(kind, *index), health))
+    }
+
+    /// Samples lost before any process.
+    pub fn lost(&self) -> u64 {
+        self.health.values().map(|h| h.lost).sum()
+    }
+
+    /// Processes that were started again.
+    pub fn restarts(&self) -> u32 {
+        self.restarts
+    }
+
+    /// Deaths, in words.
+    pub fn deaths(&self) -> &[String] {
+        &self.deaths
+    }
+
+    /// Whether the recording misses something.
+    pub fn recording_failed(&self) -> bool {
+        self.health("logger").is_some_and(|h| h.fault == fault::DISK)
+    }
+
+    /// Notes that a service died.
+    pub fn note_death(&mut self, service: &str, status: &str) {
+        self.deaths.push(format!("{service} died ({status})"));
+    }
+
+    /// Shows the state, not too often.
+    pub fn tick(&mut self, restarts: u32) {
+        self.restarts = restarts;
+        if self.show == Show::Nothing || self.scores.is_empty() {
+            return;
+        }
+        let in_place = self.show == Show::Terminal && std::io::stderr().is_terminal();
+        let period = if in_place || self.show == Show::Lines { SHOW_PERIOD } else { PLAIN_PERIOD };
+        if self.shown.or(self.begun).is_some_and(|t| t.elapsed() < period) {
+            return;
+        }
+        self.shown = Some(Instant::now());
+        let line = self.line();
+        let mut err = std::io::stderr().lock();
+        // A terminal that went away is no reason to end a run.
+        let _ = match self.show {
+            Show::Lines => writeln!(std::io::stdout(), "{LIVE}{line}"),
+            _ if in_place => write!(err, "\r\x1b[2K{line}").and_then(|()| err.flush()),
+            _ => writeln!(err, "{line}"),
+        };
+    }
+
+    /// Ends the live line.
+    pub fn finish(&mut self) {
+        if self.show == Show::Terminal && self.shown.is_some() && std::io::stderr().is_terminal() {
+            eprintln!();
+        }
+    }
+
+    /// The live line: time, quantities, latency, loss.
+    fn line(&self) -> String {
+        let preferred = self.scores.iter().filter(|s| s.quantity.preferred);
+        let shown: Vec<&Score> = preferred.collect();
+        let time = shown.first().map_or(0.0, |s| s.time);
+        let mut line = format!("{time:6.1} s ");
+        for score in shown {
+            line += &format!(" {}", score.quantity.short(score));
+        }
+        if let Some(health) = self.health(self.estimator()) {
+            line += &format!(
+                "  latency p50 {:.0} p99 {:.0} max {:.0} µs",
+                health.age_p50_ns as f64 / 1e3,
+                health.age_p99_ns as f64 / 1e3,
+                health.age_max_ns as f64 / 1e3
+            );
+        }
+        line + &format!("  lost {}", self.lost())
+    }
+
+    /// Process that makes the preferred estimate.
+    pub fn estimator(&self) -> &'static str {
+        "ukf"
+    }
+
+    fn note_estimate<M: Message>(&mut self, channel: &'static Channel, message: &M) {
+        let sequence = message.stamp().sequence;
+        for quantity in QUANTITIES.iter().filter(|q| q.channel == channel.name) {
+            let number = |name: &str| M::index(name).and_then(|i| message.get(i)).map(Value::as_f64);
+            let (Some(value), Some(std), Some(flags)) =
+                (number(quantity.field), number(quantity.std_field), number("flags"))
+            else {
+                continue;
+            };
+            let truth = self.truth(sequence, quantity);
+            let trusted = (flags as u32) & quantity.trusted_bit != 0;
+            let score = match self.scores.iter_mut().position(|s| std::ptr::eq(s.quantity, quantity)) {
+                Some(i) => &mut self.scores[i],
+                None => {
+                    self.scores.push(Score::new(quantity));
+                    let last = self.scores.len() - 1;
+                    &mut self.scores[last]
+                }
+            };
+            score.add(message.stamp().time, value, std, trusted, truth);
+        }
+    }
+
+    fn truth(&self, sequence: u64, quantity: &Quantity) -> Option<f64> {
+        let at = self.truths.binary_search_by_key(&sequence, |(s, _)| *s).ok()?;
+        quantity.truth(&self.truths[at].1)
+    }
+}
+
+impl Sink for Watch {
+    fn accept<M: Message>(&mut self, channel: &'static Channel, message: &M) {
+        if let Some(feed) = &self.feed {
+            feed.push(channel, message);
+        }
+        let envelope = message.envelope();
+        match &envelope {
+            Envelope::ExcavatorTruth(_) | Envelope::LoaderTruth(_) => {
+                if self.truths.len() == TRUTHS {
+                    self.truths.pop_front();
+                }
+                self.truths.push_back((message.stamp().sequence, envelope));
+            }
+            Envelope::ExcavatorSensors(_) | Envelope::LoaderSensors(_) => {
+                self.next_sequence = self.next_sequence.max(message.stamp().sequence + 1);
+            }
+            Envelope::ExcavatorEstimate(_) | Envelope::LoaderEstimate(_) => {
+                self.note_estimate(channel, message);
+            }
+            Envelope::Health(health) => {
+                self.health.insert(health.process, *health);
+            }
+            _ => {}
+        }
+        self.latest.insert(channel.name, envelope);
+    }
+
+    fn has_room(&self) -> bool {
+        true
+    }
+
+    fn fault(&self) -> u32 {
+        fault::NONE
+    }
+
+    fn drain(&mut self) {}
+}

@@ -1,0 +1,173 @@
+//! Wrong use and bad input: what, where, what to do; exit 2; nothing half-written.
+
+mod common;
+
+use std::fs;
+use std::path::Path;
+
+use common::{both, golden, run};
+
+/// Expects exit status 2, the words, and no output file.
+fn refused(args: &[&str], words: &[&str], output: &Path) {
+    let result = run(args);
+    let text = both(&result);
+    assert_eq!(result.status.code(), Some(2), "{args:?}\n{text}");
+    for word in words {
+        assert!(text.contains(word), "`{word}` is missing for {args:?}:\n{text}");
+    }
+    assert!(!text.contains("panicked"), "{text}");
+    assert!(!output.exists(), "{args:?} left {}", output.display());
+    let folder = output.parent().expect("a folder");
+    let leftovers: Vec<_> = fs::read_dir(folder)
+        .expect("the folder")
+        .flatten()
+        .filter(|e| e.file_name().to_string_lossy().contains("out.csv"))
+        .collect();
+    assert!(leftovers.is_empty(), "{leftovers:?}");
+}
+
+fn estimate(machine: &str, name: &str, content: &str, words: &[&str]) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (input, output) = (folder.path().join(name), folder.path().join("out.csv"));
+    fs::write(&input, content).expect("a file");
+    let (i, o) = (input.to_str().expect("a path"), output.to_str().expect("a path"));
+    refused(&["estimate", i, "--machine", machine, "-o", o], words, &output);
+}
+
+#[test]
+fn a_missing_column_is_named_with_the_nearest_one() {
+    estimate("excavator", "in.csv", "t,swing_velocty\n0,1\n", &["swing_velocity", "swing_velocty", "in.csv"]);
+    estimate(
+        "loader",
+        "in.csv",
+        "t,speed,front_wheel_speed,rear_wheel_speed,front_torque,rear_torque\n0,1,1,1,1,1\n",
+        &["slope"],
+    );
+}
+
+#[test]
+fn text_in_a_number_is_named_with_row_and_column() {
+    estimate(
+        "excavator",
+        "in.csv",
+        "t,swing_velocity\n0,0.1\n0.01,fast\n",
+        &["fast", "swing_velocity", "3"],
+    );
+}
+
+#[test]
+fn empty_files_and_headers_without_rows_are_refused() {
+    estimate("excavator", "in.csv", "", &["empty"]);
+    estimate("excavator", "in.csv", "t,swing_velocity\n", &["no rows"]);
+}
+
+#[test]
+fn files_that_do_not_exist_or_have_foreign_endings_are_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = folder.path().join("out.csv");
+    let o = output.to_str().expect("a path");
+    refused(&["estimate", "/nowhere/in.csv", "--machine", "excavator", "-o", o], &["/nowhere/in.csv"], &output);
+    let foreign = folder.path().join("in.xlsx");
+    fs::write(&foreign, "PK").expect("a file");
+    refused(
+        &["estimate", foreign.to_str().expect("a path"), "--machine", "excavator", "-o", o],
+        &[".csv"],
+        &output,
+    );
+}
+
+#[test]
+fn an_output_that_cannot_be_written_is_told() {
+    let input = golden("excavator_input_base_case1.csv");
+    let result = run(&[
+        "estimate",
+        input.to_str().expect("a path"),
+        "--machine",
+        "excavator",
+        "-o",
+        "/nowhere/out.csv",
+    ]);
+    assert_eq!(result.status.code(), Some(2));
+    assert!(both(&result).contains("/nowhere/out.csv"), "{}", both(&result));
+}
+
+#[test]
+fn a_full_disk_ends_an_estimate_with_a_word() {
+    let input = golden("excavator_input_base_case1.csv");
+    let result = run(&[
+        "report",
+        input.to_str().expect("a path"),
+        "-o",
+        "/dev/full/x.html",
+    ]);
+    assert_eq!(result.status.code(), Some(2), "{}", both(&result));
+}
+
+#[test]
+fn nan_backward_and_repeated_times_lose_nothing_but_their_rows() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (input, output) = (folder.path().join("in.csv"), folder.path().join("out.csv"));
+    let mut text = String::from("t,swing_velocity,swing_torque\n");
+    for k in 0..400 {
+        let t = 0.01 * f64::from(k);
+        text += &match k {
+            50 => format!("{t},nan,100\n"),
+            60 => format!("{t},,\n"),
+            70 => "nan,0.1,100\n".to_owned(),
+            80 => "0.1,0.1,100\n".to_owned(),
+            90 => format!("{t},inf,-inf\n"),
+            _ => format!("{t},{},{}\n", 0.3 * (1.0 - (-t).exp()), 900.0 * (-t).exp()),
+        };
+    }
+    fs::write(&input, text).expect("a file");
+    let (i, o) = (input.to_str().expect("a path"), output.to_str().expect("a path"));
+    for method in ["auto", "svf-rls", "multi-forgetting-rls", "torque", "velocity"] {
+        let result = run(&["estimate", i, "--machine", "excavator", "--method", method, "-o", o]);
+        assert!(result.status.success(), "{method}: {}", both(&result));
+        let text = fs::read_to_string(&output).expect("the estimates");
+        assert_eq!(text.lines().count(), 1 + 398, "{method}: a row per row with a valid time");
+        assert!(!text.contains("NaN") && !text.contains("inf,") && !text.contains("nan"), "{method}");
+    }
+}
+
+#[test]
+fn wrong_keys_and_values_of_a_description_are_told_with_line_and_suggestion() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("m.toml");
+    let f = file.to_str().expect("a path");
+    fs::write(&file, "[sensors]\nrate = 100\nswing_velocty_std = 0.005\n").expect("a file");
+    let result = run(&["check", f, "--machine", "excavator"]);
+    let text = both(&result);
+    assert_eq!(result.status.code(), Some(2), "{text}");
+    for word in ["m.toml:3", "swing_velocty_std", "swing_velocity_std"] {
+        assert!(text.contains(word), "{word}: {text}");
+    }
+    fs::write(&file, "[sensors]\nrate = -5\n").expect("a file");
+    let result = run(&["check", f, "--machine", "excavator"]);
+    let text = both(&result);
+    assert_eq!(result.status.code(), Some(2), "{text}");
+    assert!(text.contains("m.toml:2") && text.contains("rate"), "{text}");
+}
+
+#[test]
+fn unknown_methods_scenarios_and_domains_name_the_choices() {
+    for (args, word) in [
+        (vec!["run", "excavator", "--scenario", "bsae"], "base"),
+        (vec!["run", "excavator", "--method", "magic"], "magic"),
+        (vec!["run", "loader", "--method", "magic"], "magic"),
+        (vec!["run", "excavator", "--domain", "a/b", "--duration", "1"], "a/b"),
+        (vec!["run", "excavator", "--rate", "1e9"], "rate"),
+        (vec!["evaluate", "excavator", "--table", "nothing", "--seeds", "1"], "table1"),
+    ] {
+        let result = run(&args);
+        assert_eq!(result.status.code(), Some(2), "{args:?}: {}", both(&result));
+        assert!(both(&result).contains(word), "{args:?}: {}", both(&result));
+    }
+}
+
+#[test]
+fn a_service_without_a_supervisor_says_how_to_start_one() {
+    let result = run(&["service", "kalman", "--domain", "nowhere"]);
+    assert_eq!(result.status.code(), Some(2));
+    assert!(both(&result).contains("what to do"), "{}", both(&result));
+}

@@ -1,0 +1,167 @@
+//! What the integration tests share: running the binary as a user does.
+#![allow(dead_code, reason = "each test uses its own part")]
+
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+use recording::Reader;
+
+/// The binary under test.
+pub fn heft() -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_heft"));
+    command.stdin(Stdio::null());
+    command
+}
+
+/// Runs it to its end.
+pub fn run(args: &[&str]) -> Output {
+    heft().args(args).output().expect("heft starts")
+}
+
+/// Runs it and expects success; the output is in the message otherwise.
+pub fn run_ok(args: &[&str]) -> String {
+    let output = run(args);
+    assert!(output.status.success(), "heft {args:?}: {}\n{}", output.status, both(&output));
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+/// Everything that a run printed.
+pub fn both(output: &Output) -> String {
+    format!(
+        "{}{}",
+        String::from_utf8_lossy(&output.stdout),
+        String::from_utf8_lossy(&output.stderr)
+    )
+}
+
+/// A domain name that no other test uses.
+pub fn domain(name: &str) -> String {
+    format!("t{}-{name}", std::process::id())
+}
+
+/// A golden file of the project.
+pub fn golden(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(name)
+}
+
+/// A pipeline that runs in the background.
+pub struct Running {
+    pub child: Child,
+    pub domain: String,
+    pub folder: tempfile::TempDir,
+}
+
+impl Running {
+    /// Starts `heft run` with its own domain and folder.
+    pub fn start(name: &str, args: &[&str]) -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        let domain = domain(name);
+        let child = heft()
+            .arg("run")
+            .args(args)
+            .args(["--quiet", "--no-report", "--domain", &domain, "--out"])
+            .arg(folder.path())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("heft starts");
+        Self { child, domain, folder }
+    }
+
+    pub fn recording(&self) -> PathBuf {
+        self.folder.path().join("run.mcap")
+    }
+
+    /// Sends a signal to the supervisor.
+    pub fn signal(&self, signal: rustix::process::Signal) {
+        kill(self.child.id(), signal);
+    }
+
+    /// Waits for the end and returns what was printed.
+    pub fn wait(self) -> (Output, tempfile::TempDir) {
+        (self.child.wait_with_output().expect("heft ends"), self.folder)
+    }
+
+    /// Process id of a service of this run.
+    pub fn service(&self, name: &str) -> Option<u32> {
+        processes().into_iter().find_map(|(pid, args)| {
+            let ours = args.iter().any(|a| *a == self.domain);
+            (ours && args.get(1).is_some_and(|a| a == "service") && args.get(2).is_some_and(|a| a == name))
+                .then_some(pid)
+        })
+    }
+
+    /// Waits until all services of an excavator run exist.
+    pub fn wait_for_services(&self) {
+        wait_until("all services run", Duration::from_secs(20), || {
+            ["sensor", "kalman", "rls", "ukf", "logger"].iter().all(|n| self.service(n).is_some())
+        });
+    }
+}
+
+/// Kills a process; its absence is no error.
+pub fn kill(pid: u32, signal: rustix::process::Signal) {
+    if let Some(pid) = rustix::process::Pid::from_raw(pid as i32) {
+        let _ = rustix::process::kill_process(pid, signal);
+    }
+}
+
+/// Living processes with their arguments.
+pub fn processes() -> Vec<(u32, Vec<String>)> {
+    let mut all = Vec::new();
+    for entry in std::fs::read_dir("/proc").expect("/proc").flatten() {
+        let Some(pid) = entry.file_name().to_str().and_then(|n| n.parse().ok()) else { continue };
+        let Ok(text) = std::fs::read(entry.path().join("cmdline")) else { continue };
+        let args = text
+            .split(|b| *b == 0)
+            .filter(|a| !a.is_empty())
+            .map(|a| String::from_utf8_lossy(a).into_owned())
+            .collect::<Vec<_>>();
+        if !args.is_empty() {
+            all.push((pid, args));
+        }
+    }
+    all
+}
+
+/// Processes of a domain that still live.
+pub fn survivors(domain: &str) -> Vec<u32> {
+    processes()
+        .into_iter()
+        .filter(|(_, args)| args.iter().any(|a| a == domain))
+        .map(|(pid, _)| pid)
+        .collect()
+}
+
+/// What a domain has in shared memory.
+pub fn shared_memory(domain: &str) -> Vec<String> {
+    let names = |path: &str| -> Vec<String> {
+        std::fs::read_dir(path)
+            .into_iter()
+            .flatten()
+            .flatten()
+            .map(|e| e.file_name().to_string_lossy().into_owned())
+            .collect()
+    };
+    let mut found = names("/dev/shm");
+    found.retain(|n| n.starts_with(&format!("heft-{domain}_")));
+    found.extend(names("/dev/shm/heft").into_iter().filter(|n| n == domain));
+    found
+}
+
+/// Waits until something is so.
+pub fn wait_until(what: &str, limit: Duration, mut condition: impl FnMut() -> bool) {
+    let begun = Instant::now();
+    while !condition() {
+        assert!(begun.elapsed() < limit, "waited {limit:?} in vain: {what}");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+/// Sequence numbers on a channel of a recording.
+pub fn sequences<M: messages::Message>(recording: &Path, channel: &str) -> Vec<u64> {
+    let reader = Reader::open(recording).expect("a recording");
+    let messages: Vec<M> = reader.messages(channel).expect("its messages");
+    messages.iter().map(|m| m.stamp().sequence).collect()
+}
