@@ -71,13 +71,6 @@ impl ChangeDetector {
             event: shifted || set_off,
         }
     }
-
-    /// Velocity and acceleration of the detector's filter.
-    pub(super) fn motion(&self) -> (f64, f64) {
-        self.filter
-            .as_ref()
-            .map_or((0.0, 0.0), |f| (f.velocity(), f.acceleration()))
-    }
 }
 
 /// Drops a velocity more than `gate` standard deviations off, at most three in a row.

@@ -36,6 +36,10 @@ pub(super) struct Tick {
     pub(super) posture: [f64; 3],
     /// Share of a single row's noise variance that is left.
     pub(super) share: f64,
+    /// Time since the last torque, infinite before the first [s].
+    pub(super) torque_age: f64,
+    /// Time since all three angles were there, infinite before [s].
+    pub(super) posture_age: f64,
 }
 
 /// What one row set off: some prediction-only ticks and a tick with data.
@@ -68,6 +72,8 @@ impl Fill {
                 velocity_variance: to.velocity_variance,
                 torque: from.torque,
                 share: to.share,
+                torque_age: from.torque_age + h * i as f64,
+                posture_age: from.posture_age + h * i as f64,
             }
         })
     }
@@ -179,6 +185,18 @@ impl Grid {
             torque: self.torque.unwrap_or(0.0),
             posture: self.posture.map(|q| q.unwrap_or(0.0)),
             share,
+            torque_age: if block.torque.count > 0 {
+                0.0
+            } else {
+                self.last
+                    .map_or(f64::INFINITY, |last| last.torque_age + period)
+            },
+            posture_age: if block.posture.iter().all(|mean| mean.count > 0) {
+                0.0
+            } else {
+                self.last
+                    .map_or(f64::INFINITY, |last| last.posture_age + period)
+            },
         };
         let from = self.last.unwrap_or(to);
         let restart = self.last.is_some() && period > LONG_GAP;

@@ -9,18 +9,30 @@
 //! posture's part of dJ/dt: material that leaves the bucket takes its momentum along. The paper's
 //! Eq. 11 lacks `Jd w` and the sign of the friction.
 
+mod calibration;
 mod change;
+mod delay;
+mod drive;
 mod estimate;
 mod geometry;
 mod grid;
 mod joint;
 mod motion;
+mod onset;
+mod payload;
+mod posture;
+mod posture_torque;
 mod regression;
 mod screen;
 mod settings;
 mod single;
 mod standstill;
+mod state;
 mod svf;
+mod swing;
+mod torque;
+mod velocity;
+mod verdict;
 
 pub use crate::Quantity;
 pub use estimate::{Columns, Estimate, Flags, Method, Sample};
@@ -28,3 +40,4 @@ pub use geometry::{Geometry, Inertia};
 pub use motion::{Motion, MotionFilter};
 pub use regression::Regression;
 pub use settings::{Estimator, Paper, Prior, Sensors, Settings, SettingsError, Variant};
+pub use swing::{Details, SwingEstimator};

@@ -1,0 +1,61 @@
+//! Detector of weak torque changes (modes C, and A with constant inertia).
+//!
+//! One filter of velocity and unknown torque that knows the posture, at a payload of 200 kg; a
+//! cumulative sum of its innovations. The posture is what makes so low a threshold possible.
+
+use super::drive::Drive;
+use super::posture::{Physics, UnknownTorque};
+use super::settings::Settings;
+use super::standstill::Phase;
+use crate::consistency::Cusum;
+
+/// Detector of weak changes.
+#[derive(Debug, Clone)]
+pub(super) struct WeakOnset {
+    filter: UnknownTorque,
+    cusum: Cusum,
+    settings: Settings,
+    posture: bool,
+}
+
+impl WeakOnset {
+    /// `posture`: the posture is known; else the inertia is constant.
+    pub(super) fn new(settings: &Settings, posture: bool) -> Self {
+        Self {
+            filter: UnknownTorque::START,
+            cusum: Cusum::new(0.7, 6.0),
+            settings: *settings,
+            posture,
+        }
+    }
+
+    /// Takes in one tick; true where a change is detected.
+    pub(super) fn step(&mut self, drive: &Drive, phase: Phase) -> bool {
+        let z = if phase == Phase::Moving {
+            let physics = self.physics(drive);
+            self.filter.step(&physics, drive).normalised()
+        } else {
+            self.filter.rest(drive, phase);
+            0.0
+        };
+        self.cusum.push(z)
+    }
+
+    fn physics(&self, drive: &Drive) -> Physics {
+        let s = &self.settings;
+        let (inertia, rate, torque_drift) = if self.posture {
+            let payload = s.prior.payload;
+            let inertia = drive.mean.with_payload(payload);
+            (inertia, drive.rate.with_payload(payload), 400.0)
+        } else {
+            (s.prior.inertia, 0.0, 100.0)
+        };
+        Physics {
+            inertia: inertia.max(0.1 * s.inertia_min),
+            rate,
+            damping: s.nominal_damping,
+            torque_noise: 0.0,
+            torque_drift,
+        }
+    }
+}

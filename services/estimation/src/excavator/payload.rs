@@ -1,0 +1,236 @@
+//! Extended Kalman filter of velocity and payload (mode D): torque and posture are measured.
+//!
+//! ```text
+//! w' = (T + d - T_f tanh(w/0.008) - (b + Jd) w) / J,   J = J_e(q) + m g(q),   Jd = J_e' + m g'
+//! m' = h u - kap m + noise,   u' = -u/tu + noise,   d, b constant
+//! ```
+//!
+//! | symbol | code | meaning | unit |
+//! |---|---|---|---|
+//! | w | `x[0]` | swing velocity | rad/s |
+//! | m | `x[1]` | payload | kg |
+//! | d | `x[2]` | torque offset: true minus measured | N m |
+//! | b | `x[3]` | viscous damping | N m s/rad |
+//! | u | `x[4]` | drive of a changing payload | kg/s, kg/rad |
+//!
+//! The state takes an Euler step, its own derivative the exponential: the pair for which the gains
+//! were set. u is 0 with no variance while nothing changes the payload.
+
+use super::drive::Drive;
+use super::settings::Settings;
+use super::standstill::Phase;
+use crate::consistency::gated_variance;
+use crate::kalman::Innovation;
+use crate::math::{exp, tanh};
+use nalgebra::{SMatrix, SVector};
+
+type State = SVector<f64, 5>;
+type Covariance = SMatrix<f64, 5, 5>;
+
+/// How the payload may change during one step.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Change {
+    /// Weight of the drive u (h).
+    pub(super) weight: f64,
+    /// Share that leaves per second (kap) [1/s].
+    pub(super) decay: f64,
+    /// Standard deviation of u (us).
+    pub(super) std: f64,
+    /// Correlation time of u (tu) [s].
+    pub(super) time: f64,
+}
+
+/// Constants of the filter.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Model {
+    friction: f64,
+    friction_width: f64,
+    torque_variance: f64,
+    gate: f64,
+    payload_variance_rate: f64,
+    payload: [f64; 2],
+    inertia_min: f64,
+    start: State,
+    start_variance: State,
+}
+
+impl Model {
+    /// `known`: damping and torque are calibrated.
+    pub(super) fn new(settings: &Settings, known: bool) -> Self {
+        let (e, p) = (&settings.estimator, &settings.prior);
+        let (offset_std, damping_std) = if known {
+            (p.known_torque_offset_std, 0.0)
+        } else {
+            (p.torque_offset_std, p.damping_std)
+        };
+        let torque_std = settings.sensors.swing_torque_std / e.torque_noise_divisor;
+        let stds = State::new(1e-3, p.payload_std, offset_std, damping_std, 0.0);
+        Self {
+            friction: settings.coulomb_friction,
+            friction_width: e.friction_width,
+            torque_variance: torque_std * torque_std,
+            gate: e.gate,
+            payload_variance_rate: e.q_m,
+            payload: [e.payload_min, e.payload_max],
+            inertia_min: settings.inertia_min,
+            start: State::new(0.0, p.payload, 0.0, settings.nominal_damping, 0.0),
+            start_variance: stds.component_mul(&stds),
+        }
+    }
+
+    /// The same with another random walk of the payload, variance per second.
+    pub(super) fn with_payload_variance_rate(self, rate: f64) -> Self {
+        Self {
+            payload_variance_rate: rate,
+            ..self
+        }
+    }
+}
+
+/// State and covariance.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct PayloadFilter {
+    pub(super) x: State,
+    pub(super) p: Covariance,
+}
+
+/// Innovation of a step with the variance before and after the gate.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Outcome {
+    /// Ungated; variance 0 where nothing was measured.
+    pub(super) innovation: Innovation,
+    /// Variance limited by the gate.
+    pub(super) gated: f64,
+    /// Acceleration of the model over the step [rad/s^2].
+    pub(super) acceleration: f64,
+}
+
+impl PayloadFilter {
+    pub(super) fn new(model: &Model) -> Self {
+        Self {
+            x: model.start,
+            p: Covariance::from_diagonal(&model.start_variance),
+        }
+    }
+
+    /// Predicts over one step and takes in its velocity.
+    pub(super) fn step(&mut self, model: &Model, drive: &Drive, change: Change) -> Outcome {
+        let acceleration = self.predict(model, drive, change);
+        let mut outcome = self.correct(model, drive);
+        outcome.acceleration = acceleration;
+        outcome
+    }
+
+    #[expect(non_snake_case, reason = "the symbols of the model")]
+    fn predict(&mut self, model: &Model, drive: &Drive, change: Change) -> f64 {
+        let dt = drive.period;
+        let [w, m, d, b, u] = [self.x[0], self.x[1], self.x[2], self.x[3], self.x[4]];
+        let inertia = drive.mean.with_payload(m).max(model.inertia_min);
+        let rate = drive.rate.with_payload(m);
+        let th = tanh(w / model.friction_width);
+        let friction_slope = model.friction * (1.0 - th * th) / model.friction_width;
+        let torque = drive.torque + d - model.friction * th;
+        let f = (torque - (b + rate) * w) / inertia;
+
+        let mut F = Covariance::identity();
+        F[(0, 0)] = exp(-dt * (b + rate + friction_slope) / inertia);
+        F[(0, 1)] = dt * (-drive.rate.per_payload * w - f * drive.mean.per_payload) / inertia;
+        F[(0, 2)] = dt / inertia;
+        F[(0, 3)] = -dt * w / inertia;
+        self.x[0] += dt * f;
+        if change.weight > 0.0 {
+            let decay = exp(-dt / change.time);
+            F[(1, 1)] = 1.0 - change.decay * dt;
+            F[(1, 4)] = change.weight * dt;
+            F[(4, 4)] = decay;
+            self.x[1] += dt * (change.weight * u - change.decay * m);
+            self.x[4] *= decay;
+        }
+        self.p = F * self.p * F.transpose();
+        let torque_step = dt / inertia;
+        let torque_variance = model.torque_variance * drive.share + drive.stale_torque;
+        self.p[(0, 0)] += torque_variance * torque_step * torque_step;
+        self.p[(1, 1)] += model.payload_variance_rate * dt;
+        if change.weight > 0.0 {
+            let kept = F[(4, 4)] * F[(4, 4)];
+            self.p[(4, 4)] += change.std * change.std * (1.0 - kept);
+        }
+        f
+    }
+
+    fn correct(&mut self, model: &Model, drive: &Drive) -> Outcome {
+        let variance = self.p[(0, 0)] + drive.variance;
+        let Some(y) = drive.velocity else {
+            self.limit(model);
+            return Outcome {
+                gated: variance,
+                ..Outcome::default()
+            };
+        };
+        let value = y - self.x[0];
+        let gated = gated_variance(value, variance, model.gate);
+        let gain = self.p.column(0) / gated;
+        self.x += gain * value;
+        self.p -= gain * self.p.row(0);
+        self.p = (self.p + self.p.transpose()) * 0.5;
+        self.limit(model);
+        Outcome {
+            innovation: Innovation { value, variance },
+            gated,
+            acceleration: 0.0,
+        }
+    }
+
+    fn limit(&mut self, model: &Model) {
+        self.x[1] = self.x[1].clamp(model.payload[0], model.payload[1]);
+    }
+
+    /// Standing, or setting off: the velocity is known, the rest is kept.
+    pub(super) fn rest(&mut self, model: &Model, drive: &Drive, phase: Phase) {
+        self.clear(0);
+        match phase {
+            Phase::Released(velocity) => {
+                self.x[0] = velocity;
+                self.p[(0, 0)] = drive.variance / 4.0 + 0.02 * 0.02;
+            }
+            _ => {
+                self.x[0] = 0.0;
+                self.p[(0, 0)] = 1e-6;
+                self.p[(1, 1)] += 0.1 * model.payload_variance_rate * drive.period;
+            }
+        }
+    }
+
+    /// After a stand the payload may be another: its variance is at least the prior's.
+    pub(super) fn reopen(&mut self, model: &Model) {
+        let start = model.start_variance[1];
+        if self.p[(1, 1)] < start {
+            self.clear(1);
+            self.p[(1, 1)] = start;
+        }
+    }
+
+    /// Forgets the drive of the payload and gives it a variance.
+    pub(super) fn restart_drive(&mut self, variance: f64) {
+        self.x[4] = 0.0;
+        self.clear(4);
+        self.p[(4, 4)] = variance;
+    }
+
+    /// Payload and its variance.
+    pub(super) fn payload(&self) -> (f64, f64) {
+        (self.x[1], self.p[(1, 1)])
+    }
+
+    /// Whether every number is one, and no variance negative.
+    pub(super) fn is_sound(&self) -> bool {
+        self.x.iter().all(|v| v.is_finite())
+            && self.p.iter().all(|v| v.is_finite())
+            && self.p.diagonal().iter().all(|&v| v >= 0.0)
+    }
+
+    fn clear(&mut self, i: usize) {
+        self.p.row_mut(i).fill(0.0);
+        self.p.column_mut(i).fill(0.0);
+    }
+}

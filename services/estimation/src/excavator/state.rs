@@ -1,0 +1,25 @@
+//! What a state-space mode says after one tick.
+
+/// Reading of a mode, before the verdict.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct State {
+    pub(super) inertia: f64,
+    pub(super) inertia_std: f64,
+    /// Value and standard deviation.
+    pub(super) payload: Option<(f64, f64)>,
+    pub(super) damping: Option<(f64, f64)>,
+    /// Offset of the torque: true minus measured.
+    pub(super) offset: Option<(f64, f64)>,
+    /// Unknown total torque.
+    pub(super) total_torque: Option<(f64, f64)>,
+    pub(super) velocity: f64,
+    pub(super) acceleration: f64,
+    /// Ungated; 0 where nothing was measured.
+    pub(super) nis: f64,
+    pub(super) changing: bool,
+    pub(super) change_mode: bool,
+    pub(super) opening: bool,
+    pub(super) drop_probability: f64,
+    /// Change flag of the tick behind this reading.
+    pub(super) flagged: bool,
+}

@@ -1,0 +1,523 @@
+//! State-space estimators behind one `step` (process `ukf`): input conditioning, choice of the
+//! mode, standstill, verdict.
+//!
+//! The modes are extended Kalman filters and a grid; the specification's square-root UKF on the
+//! same models has to meet the same tables, and at these nearly linear models the two agree while
+//! the EKF costs a fraction.
+
+use super::calibration::{Calibrated, Calibration};
+use super::change::ChangeDetector;
+use super::delay::Entry;
+use super::drive::Driver;
+use super::estimate::{Columns, Estimate, Flags, Method, Sample};
+use super::grid::{Grid, Tick};
+use super::onset::WeakOnset;
+use super::posture::PostureMode;
+use super::posture_torque::PostureTorque;
+use super::screen::Screen;
+use super::settings::{Settings, SettingsError};
+use super::standstill::{Phase, Standstill};
+use super::state::State;
+use super::torque::TorqueMode;
+use super::velocity::VelocityMode;
+use super::verdict::{Basis, Reasons, Verdict};
+use crate::Quantity;
+use crate::math::sqrt;
+
+/// A column that has no value for this long counts as absent [s].
+const PRESENCE: f64 = 1.0;
+/// Growth of the relative standard deviation while the posture is stale [1/s].
+const STALE_POSTURE: f64 = 0.3;
+
+#[derive(Debug, Clone)]
+#[expect(clippy::large_enum_variant, reason = "no allocator; one per process")]
+enum Mode {
+    PostureTorque(PostureTorque),
+    Torque(TorqueMode),
+    Posture(PostureMode),
+    Velocity(VelocityMode),
+}
+
+/// A mode with what feeds it; rebuilt from the prior after a reset.
+#[derive(Debug, Clone)]
+struct Core {
+    mode: Mode,
+    driver: Driver,
+    standstill: Standstill,
+    detector: ChangeDetector,
+    onset: Option<WeakOnset>,
+    verdict: Verdict,
+}
+
+/// What a tick led to.
+#[derive(Debug, Clone, Copy)]
+struct Reading {
+    tick: Tick,
+    state: State,
+    reasons: Reasons,
+    held: bool,
+    code: u8,
+}
+
+/// Swing inertia from the sensors, by any state-space mode.
+#[derive(Debug, Clone)]
+pub struct SwingEstimator {
+    /// As given, and with the measured noise.
+    described: Settings,
+    settings: Settings,
+    method: Method,
+    columns: Columns,
+    screen: Screen,
+    grid: Grid,
+    calibration: Option<Calibration>,
+    bias: f64,
+    core: Core,
+    elapsed: f64,
+    presence_checked: bool,
+    reading: Option<Reading>,
+    last: Estimate,
+}
+
+impl SwingEstimator {
+    /// Checks the settings, and that the columns which `method` needs exist. `Auto` chooses by the
+    /// columns, and falls back where a column turns out to have no values in the first second.
+    pub fn new(
+        settings: &Settings,
+        method: Method,
+        columns: Columns,
+    ) -> Result<Self, SettingsError> {
+        settings.check()?;
+        let auto = method == Method::Auto;
+        let method = if auto {
+            Method::for_columns(columns)
+        } else {
+            method
+        };
+        check_columns(method, columns)?;
+        if settings.nominal_damping <= 0.0 && method == Method::Velocity {
+            let (key, value) = ("machine.nominal_damping", settings.nominal_damping);
+            return Err(SettingsError::OutOfRange { key, value });
+        }
+        let e = &settings.estimator;
+        Ok(Self {
+            described: *settings,
+            settings: *settings,
+            method,
+            columns,
+            screen: Screen::new(&settings.sensors),
+            grid: Grid::new(settings, !columns.velocity),
+            calibration: e.calibrate_at_rest.then(|| Calibration::new(settings)),
+            bias: 0.0,
+            core: Core::new(settings, method, false),
+            elapsed: 0.0,
+            presence_checked: !auto,
+            reading: None,
+            last: Estimate {
+                inertia: settings.prior.inertia,
+                inertia_std: settings.prior.inertia_std,
+                method,
+                flags: Flags {
+                    held: true,
+                    ..Flags::default()
+                },
+                ..Estimate::default()
+            },
+        })
+    }
+
+    /// The method at work; never `Auto`.
+    pub fn method(&self) -> Method {
+        self.method
+    }
+
+    /// What the last tick did: 0 moved, 1 held, 2 set off with a measured velocity.
+    pub fn code(&self) -> u8 {
+        self.reading.map_or(1, |reading| reading.code)
+    }
+
+    /// Details of the last tick for comparison with a reference: bucket opening, change mode, change
+    /// flag of the delayed tick, probability of the drop model, velocity of the mode.
+    pub fn details(&self) -> Details {
+        let state = self
+            .reading
+            .map(|reading| reading.state)
+            .unwrap_or_default();
+        Details {
+            opening: state.opening,
+            change_mode: state.change_mode,
+            flagged: state.flagged,
+            drop_probability: state.drop_probability,
+            velocity: state.velocity,
+        }
+    }
+
+    /// Takes in one row and always answers. A row whose time does not increase is refused and
+    /// changes nothing.
+    pub fn step(&mut self, sample: &Sample) -> Estimate {
+        let Some((sample, period)) = self.screen.accept(sample) else {
+            let mut again = self.last;
+            again.refused = self.screen.refused();
+            again.flags.refused = true;
+            return again;
+        };
+        let mut reset = false;
+        if let Some(fill) = self.grid.push(&sample, period) {
+            if fill.restart {
+                self.restart(false);
+                reset = true;
+            }
+            for tick in fill.ticks() {
+                reset |= self.tick(&tick);
+            }
+        }
+        self.last = self.estimate(&sample, reset);
+        self.last
+    }
+
+    /// One tick of the grid; true where the filter was set back to its prior.
+    fn tick(&mut self, tick: &Tick) -> bool {
+        self.elapsed += tick.period;
+        let mut reset = self.check_presence();
+        if let Some(calibration) = &mut self.calibration {
+            match calibration.step(tick) {
+                Some(calibrated) => self.calibrated(calibrated),
+                None => {
+                    self.wait(tick);
+                    return reset;
+                }
+            }
+        }
+        let needs_posture = self.needs().1;
+        if needs_posture && !self.grid.has_posture() {
+            self.wait(tick);
+            return reset;
+        }
+        let tick = Tick {
+            velocity: tick.velocity.map(|y| y - self.bias),
+            velocity_variance: tick.velocity_variance * self.noise_ratio(),
+            ..*tick
+        };
+        let reading = self.core.step(&self.settings, &tick, self.method);
+        if self.core.is_sound() {
+            self.reading = Some(reading);
+        } else {
+            self.restart(false);
+            reset = true;
+        }
+        reset
+    }
+
+    /// Measured over described variance of the velocity.
+    fn noise_ratio(&self) -> f64 {
+        let ratio =
+            self.settings.sensors.swing_velocity_std / self.described.sensors.swing_velocity_std;
+        ratio * ratio
+    }
+
+    fn calibrated(&mut self, found: Calibrated) {
+        self.calibration = None;
+        self.bias = found.bias;
+        self.settings.sensors.swing_velocity_std *= found.noise;
+        self.restart(found.stood);
+    }
+
+    fn restart(&mut self, stood: bool) {
+        self.core = Core::new(&self.settings, self.method, stood);
+        self.reading = None;
+    }
+
+    /// Nothing to go by yet: the prior at this posture.
+    fn wait(&mut self, tick: &Tick) {
+        let posture = self.grid.has_posture().then_some(tick.posture);
+        self.reading = Some(Reading {
+            tick: *tick,
+            state: prior_state(&self.settings, self.needs().1, posture),
+            reasons: Reasons {
+                consistent: true,
+                fresh: tick.velocity.is_some(),
+                ..Reasons::default()
+            },
+            held: true,
+            code: 1,
+        });
+    }
+
+    /// After the first second, `auto` gives up columns that never had a value.
+    fn check_presence(&mut self) -> bool {
+        if self.presence_checked || self.elapsed < PRESENCE {
+            return false;
+        }
+        self.presence_checked = true;
+        let mut columns = self.columns;
+        columns.torque &= self.grid.torque().is_some();
+        columns.posture &= self.grid.has_posture();
+        let method = Method::for_columns(columns);
+        if method == self.method || check_columns(method, columns).is_err() {
+            return false;
+        }
+        self.columns = columns;
+        self.method = method;
+        let stood = self.core.standstill.seen();
+        self.restart(stood);
+        true
+    }
+
+    /// Whether the method uses torque, posture.
+    fn needs(&self) -> (bool, bool) {
+        needs(self.method)
+    }
+
+    fn estimate(&self, sample: &Sample, reset: bool) -> Estimate {
+        let Some(reading) = self.reading else {
+            let mut again = self.last;
+            again.refused = self.screen.refused();
+            again.method = self.method;
+            again.flags = Flags {
+                reset,
+                held: true,
+                ..Flags::default()
+            };
+            return again;
+        };
+        let state = self.at_row(&reading, sample);
+        let r = reading.reasons;
+        let ahead = sample.time - reading.tick.time;
+        let (needs_torque, _) = self.needs();
+        Estimate {
+            inertia: state.inertia,
+            inertia_std: state.inertia_std,
+            damping: state.damping.filter(|d| d.1 > 0.0).map(quantity),
+            torque: if needs_torque {
+                self.measured_torque(&reading)
+            } else {
+                state.total_torque.map(quantity)
+            },
+            payload: state.payload.map(quantity),
+            friction: None,
+            offset: state
+                .offset
+                .filter(|_| needs_torque)
+                .map(|(d, std)| quantity((-d, std))),
+            velocity: state.velocity + state.acceleration * ahead,
+            acceleration: state.acceleration,
+            nis: state.nis,
+            flags: Flags {
+                excited: r.excited,
+                consistent: r.consistent,
+                fresh: r.fresh,
+                converged: r.converged,
+                identifiable: r.identifiable,
+                held: reading.held,
+                changing: state.changing,
+                reset,
+                ..Flags::default()
+            },
+            method: self.method,
+            forgetting: [0.0; 3],
+            refused: self.screen.refused(),
+        }
+    }
+
+    /// Torque corrected by its offset.
+    fn measured_torque(&self, reading: &Reading) -> Option<Quantity> {
+        let torque = self.grid.torque()?;
+        let (offset, offset_std) = reading.state.offset.unwrap_or((0.0, 0.0));
+        let noise = self.settings.sensors.swing_torque_std;
+        let variance = noise * noise * reading.tick.share + offset_std * offset_std;
+        Some(quantity((torque + offset, sqrt(variance))))
+    }
+
+    /// The reading at the posture of this row, which may be newer than the tick.
+    fn at_row(&self, reading: &Reading, sample: &Sample) -> State {
+        let mut state = reading.state;
+        let posture = sample.posture;
+        if let ((_, true), Some((mass, std)), [Some(boom), Some(arm), Some(bucket)]) =
+            (self.needs(), state.payload, posture)
+        {
+            let now = self.settings.geometry.inertia([boom, arm, bucket]);
+            let before = self.settings.geometry.inertia(reading.tick.posture);
+            if now != before {
+                state.inertia = now.with_payload(mass);
+                state.inertia_std *= now.per_payload / before.per_payload;
+                debug_assert!(std >= 0.0);
+            }
+        }
+        let age = reading.tick.posture_age;
+        if self.needs().1 && age.is_finite() && age > self.settings.estimator.fresh_others {
+            let stale = (age - self.settings.estimator.fresh_others).min(3.0);
+            let unknown = STALE_POSTURE * stale * state.inertia;
+            state.inertia_std = sqrt(state.inertia_std * state.inertia_std + unknown * unknown);
+        }
+        state
+    }
+}
+
+/// What a reference implementation would show besides the estimate.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Details {
+    /// The bucket opens.
+    pub opening: bool,
+    /// A change of payload was declared less than 0.3 s ago.
+    pub change_mode: bool,
+    /// The tick behind the estimate lies in a change of torque.
+    pub flagged: bool,
+    /// Probability of the drop model (variant `Drop`).
+    pub drop_probability: f64,
+    /// Velocity of the tick behind the estimate [rad/s].
+    pub velocity: f64,
+}
+
+fn quantity((value, std): (f64, f64)) -> Quantity {
+    Quantity { value, std }
+}
+
+fn needs(method: Method) -> (bool, bool) {
+    (
+        matches!(method, Method::PostureTorque | Method::Torque),
+        matches!(method, Method::PostureTorque | Method::Posture),
+    )
+}
+
+fn check_columns(method: Method, columns: Columns) -> Result<(), SettingsError> {
+    if method.is_regression() {
+        return Err(SettingsError::WrongStage {
+            method: method.name(),
+        });
+    }
+    let (torque, posture) = needs(method);
+    let missing = if !(columns.velocity || columns.angle) {
+        Some("swing_velocity")
+    } else if torque && !columns.torque {
+        Some("swing_torque")
+    } else if posture && !columns.posture {
+        Some("boom_angle, arm_angle, bucket_angle")
+    } else {
+        None
+    };
+    missing.map_or(Ok(()), |column| {
+        Err(SettingsError::MissingColumn {
+            method: method.name(),
+            column,
+        })
+    })
+}
+
+fn prior_state(settings: &Settings, uses_posture: bool, posture: Option<[f64; 3]>) -> State {
+    let prior = &settings.prior;
+    match posture {
+        Some(posture) if uses_posture => {
+            let now = settings.geometry.inertia(posture);
+            State {
+                inertia: now.with_payload(prior.payload),
+                inertia_std: now.per_payload * prior.payload_std,
+                payload: Some((prior.payload, prior.payload_std)),
+                ..State::default()
+            }
+        }
+        _ => State {
+            inertia: prior.inertia,
+            inertia_std: prior.inertia_std,
+            ..State::default()
+        },
+    }
+}
+
+impl Core {
+    fn new(settings: &Settings, method: Method, stood: bool) -> Self {
+        let (s, e) = (&settings.sensors, &settings.estimator);
+        let mode = match method {
+            Method::PostureTorque => Mode::PostureTorque(PostureTorque::new(settings)),
+            Method::Torque => Mode::Torque(TorqueMode::new(settings)),
+            Method::Posture => Mode::Posture(PostureMode::new(settings)),
+            _ => Mode::Velocity(VelocityMode::new(settings)),
+        };
+        let posture = method == Method::Posture;
+        let constant = method == Method::Velocity && e.constant_inertia;
+        let mut standstill = Standstill::new(s.swing_velocity_std, settings.coulomb_friction);
+        if stood {
+            standstill.confirm();
+        }
+        Self {
+            mode,
+            driver: Driver::default(),
+            standstill,
+            detector: ChangeDetector::new(e.reject, e.q_c, s.swing_velocity_std),
+            onset: (e.weak_onset && (posture || constant))
+                .then(|| WeakOnset::new(settings, posture)),
+            verdict: Verdict::new(),
+        }
+    }
+
+    fn step(&mut self, settings: &Settings, tick: &Tick, method: Method) -> Reading {
+        let (needs_torque, needs_posture) = needs(method);
+        let torque = (needs_torque && tick.torque_age.is_finite()).then_some(tick.torque);
+        let mut tick = *tick;
+        let mut event = false;
+        if !needs_torque {
+            let gated = self
+                .detector
+                .step(tick.velocity, tick.velocity_variance, tick.period);
+            tick.velocity = gated.velocity;
+            event = gated.event;
+        }
+        let phase = self.standstill.step(tick.velocity, torque, tick.period);
+        let stood_for = self.standstill.held_for();
+        let reopen = phase != Phase::Held && stood_for >= settings.estimator.reopen_after - 1e-9;
+        self.standstill.count(phase, tick.period);
+        let geometry = needs_posture.then_some(&settings.geometry);
+        let torque_std = settings.sensors.swing_torque_std;
+        let drive = self.driver.step(&tick, geometry, torque_std);
+        if let Some(onset) = &mut self.onset {
+            event |= onset.step(&drive, phase);
+        }
+        let entry = Entry {
+            drive,
+            phase,
+            reopen,
+            flagged: false,
+        };
+        let mut held = phase == Phase::Held;
+        let constant = settings.estimator.constant_inertia;
+        let (state, basis) = match &mut self.mode {
+            Mode::PostureTorque(mode) => (mode.step(&drive, phase, reopen), Basis::PostureTorque),
+            Mode::Torque(mode) => {
+                let stood = self.standstill.seen();
+                (mode.step(&drive, phase, reopen), Basis::Torque { stood })
+            }
+            Mode::Posture(mode) => {
+                let state = mode.step(entry, event);
+                held = mode.held();
+                (state, Basis::Steady(mode.unflagged_for()))
+            }
+            Mode::Velocity(mode) => {
+                let state = mode.step(entry, event);
+                held = mode.held();
+                let steady = Basis::Steady(mode.unflagged_for());
+                (state, if constant { steady } else { Basis::Nothing })
+            }
+        };
+        let accepted = tick.velocity.is_some();
+        self.verdict.step(settings, &tick, accepted, &state, basis);
+        let needs = (needs_torque, needs_posture);
+        Reading {
+            tick,
+            state,
+            reasons: self.verdict.reasons(settings, &tick, &state, basis, needs),
+            held,
+            code: match phase {
+                _ if held => 1,
+                Phase::Released(_) => 2,
+                _ => 0,
+            },
+        }
+    }
+
+    fn is_sound(&self) -> bool {
+        match &self.mode {
+            Mode::PostureTorque(mode) => mode.is_sound(),
+            Mode::Torque(mode) => mode.is_sound(),
+            Mode::Posture(mode) => mode.is_sound(),
+            Mode::Velocity(mode) => mode.is_sound(),
+        }
+    }
+}

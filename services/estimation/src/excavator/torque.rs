@@ -1,0 +1,163 @@
+//! Mode BM: torque without posture, in momentum form.
+//!
+//! ```text
+//! p = J w,   l = ln J:   p' = T + d - T_f tanh(w/0.008) - b w,   l a random walk,   y = p exp(-l)
+//! ```
+//!
+//! In p the unknown posture rate does not appear, which is what makes the mode possible: the form
+//! with w and J errs by tens of percent while the arm moves. It needs a rest in the record, where
+//! p is known to be 0; a start in mid-swing has no anchor.
+//!
+//! The random walk of l is deliberately fast, so that l can follow the posture; its variance then
+//! overstates the error, and the reported deviation is c_I = 0.6 of it with damping known.
+
+use super::drive::Drive;
+use super::settings::{Settings, Variant};
+use super::standstill::Phase;
+use super::state::State;
+use crate::consistency::gated_variance;
+use crate::kalman::Innovation;
+use crate::math::{exp, ln, sqrt, tanh};
+use nalgebra::{Matrix4, Vector4};
+
+/// Filter of momentum, ln J, torque offset and damping.
+#[derive(Debug, Clone)]
+pub(super) struct TorqueMode {
+    x: Vector4<f64>,
+    p: Matrix4<f64>,
+    settings: Settings,
+    known: bool,
+    prior_variance: f64,
+}
+
+impl TorqueMode {
+    pub(super) fn new(settings: &Settings) -> Self {
+        let (e, prior) = (&settings.estimator, &settings.prior);
+        let known = matches!(e.variant, Variant::Auto | Variant::Known);
+        let (offset_std, damping_std) = if known {
+            (prior.known_torque_offset_std, 0.0)
+        } else {
+            (prior.torque_offset_std, prior.damping_std)
+        };
+        let relative = prior.inertia_std / prior.inertia;
+        let stds = Vector4::new(1.0, relative, offset_std, damping_std);
+        Self {
+            x: Vector4::new(0.0, ln(prior.inertia), 0.0, settings.nominal_damping),
+            p: Matrix4::from_diagonal(&stds.component_mul(&stds)),
+            settings: *settings,
+            known,
+            prior_variance: relative * relative,
+        }
+    }
+
+    pub(super) fn step(&mut self, drive: &Drive, phase: Phase, reopen: bool) -> State {
+        if reopen && self.p[(1, 1)] < self.prior_variance {
+            self.clear(1);
+            self.p[(1, 1)] = self.prior_variance;
+        }
+        let (innovation, acceleration) = match phase {
+            Phase::Moving => {
+                let acceleration = self.predict(drive);
+                (self.correct(drive), acceleration)
+            }
+            _ => {
+                self.rest(drive, phase);
+                (Innovation::default(), 0.0)
+            }
+        };
+        self.state(innovation, acceleration)
+    }
+
+    #[expect(non_snake_case, reason = "the symbols of the model")]
+    fn predict(&mut self, drive: &Drive) -> f64 {
+        let (s, e) = (&self.settings, &self.settings.estimator);
+        let dt = drive.period;
+        let inertia = exp(self.x[1]);
+        let w = self.x[0] / inertia;
+        let b = self.x[3];
+        let th = tanh(w / e.friction_width);
+        let slope = s.coulomb_friction * (1.0 - th * th) / e.friction_width;
+        let f = drive.torque + self.x[2] - s.coulomb_friction * th - b * w;
+        let mut F = Matrix4::identity();
+        F[(0, 0)] = exp(-dt * (b + slope) / inertia);
+        F[(0, 1)] = dt * (b + slope) * w;
+        F[(0, 2)] = dt;
+        F[(0, 3)] = -dt * w;
+        self.x[0] += dt * f;
+        self.p = F * self.p * F.transpose();
+        let torque_std = s.sensors.swing_torque_std / e.torque_noise_divisor;
+        let torque_variance = torque_std * torque_std * drive.share + drive.stale_torque;
+        self.p[(0, 0)] += torque_variance * dt * dt;
+        self.p[(1, 1)] += e.q_l * dt;
+        f / inertia
+    }
+
+    #[expect(non_snake_case, reason = "the symbols of the model")]
+    fn correct(&mut self, drive: &Drive) -> Innovation {
+        let Some(y) = drive.velocity else {
+            return Innovation::default();
+        };
+        let reciprocal = exp(-self.x[1]);
+        let h = self.x[0] * reciprocal;
+        let H = Vector4::new(reciprocal, -h, 0.0, 0.0);
+        let PH = self.p * H;
+        let variance = H.dot(&PH) + drive.variance;
+        let value = y - h;
+        let gain = PH / gated_variance(value, variance, self.settings.estimator.gate);
+        self.x += gain * value;
+        self.p -= gain * PH.transpose();
+        self.p = (self.p + self.p.transpose()) * 0.5;
+        let limits = [self.settings.inertia_min, self.settings.inertia_max];
+        self.x[1] = self.x[1].clamp(ln(limits[0]), ln(limits[1]));
+        Innovation { value, variance }
+    }
+
+    fn rest(&mut self, drive: &Drive, phase: Phase) {
+        self.clear(0);
+        if let Phase::Released(w) = phase {
+            let inertia = exp(self.x[1]);
+            let p = w * inertia;
+            let relative = self.p[(1, 1)];
+            self.x[0] = p;
+            self.p[(0, 0)] =
+                inertia * inertia * (drive.variance / 4.0 + 0.02 * 0.02) + p * p * relative;
+            self.p[(0, 1)] = p * relative;
+            self.p[(1, 0)] = p * relative;
+        } else {
+            self.x[0] = 0.0;
+            self.p[(0, 0)] = 100.0;
+            self.p[(1, 1)] += 0.1 * self.settings.estimator.q_l * drive.period;
+        }
+    }
+
+    fn clear(&mut self, i: usize) {
+        self.p.row_mut(i).fill(0.0);
+        self.p.column_mut(i).fill(0.0);
+    }
+
+    pub(super) fn is_sound(&self) -> bool {
+        self.x.iter().chain(self.p.iter()).all(|v| v.is_finite())
+            && self.p.diagonal().iter().all(|&v| v >= 0.0)
+    }
+
+    fn state(&self, innovation: Innovation, acceleration: f64) -> State {
+        let s = &self.settings;
+        let inertia = exp(self.x[1]).clamp(s.inertia_min, s.inertia_max);
+        let factor = if self.known {
+            s.estimator.interval_factor
+        } else {
+            1.0
+        };
+        let std = |i: usize| sqrt(self.p[(i, i)].max(0.0));
+        State {
+            inertia,
+            inertia_std: factor * inertia * std(1),
+            damping: Some((self.x[3], std(3))),
+            offset: Some((self.x[2], std(2))),
+            velocity: self.x[0] / inertia,
+            acceleration,
+            nis: innovation.nis(),
+            ..State::default()
+        }
+    }
+}

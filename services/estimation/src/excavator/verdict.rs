@@ -1,0 +1,106 @@
+//! Whether to believe a state-space estimate, and why not.
+
+use super::grid::Tick;
+use super::settings::Settings;
+use super::state::State;
+use crate::consistency::NisWindow;
+
+/// Excitation after which D and BM may speak [s].
+const EXCITED_FOR: f64 = 0.2;
+/// Unflagged motion after which C and A may speak [s].
+const STEADY_FOR: f64 = 1.5;
+
+/// What decides whether the inputs can determine the inertia at all.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Basis {
+    /// Torque and posture.
+    PostureTorque,
+    /// Torque; a standstill must have been seen.
+    Torque {
+        /// It was.
+        stood: bool,
+    },
+    /// A constant torque for a while [s].
+    Steady(f64),
+    /// Nothing: the inertia changes and only the velocity is known.
+    Nothing,
+}
+
+/// Reasons, accumulated over ticks.
+#[derive(Debug, Clone)]
+pub(super) struct Verdict {
+    nis: NisWindow<50>,
+    velocity_age: f64,
+    excited_for: f64,
+}
+
+/// The five reasons.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Reasons {
+    pub(super) excited: bool,
+    pub(super) consistent: bool,
+    pub(super) fresh: bool,
+    pub(super) converged: bool,
+    pub(super) identifiable: bool,
+}
+
+impl Verdict {
+    pub(super) fn new() -> Self {
+        Self {
+            nis: NisWindow::new(16.0),
+            velocity_age: f64::INFINITY,
+            excited_for: 0.0,
+        }
+    }
+
+    /// Counts one tick: `accepted` velocity, reading of the mode.
+    pub(super) fn step(
+        &mut self,
+        settings: &Settings,
+        tick: &Tick,
+        accepted: bool,
+        state: &State,
+        basis: Basis,
+    ) {
+        self.velocity_age = if accepted {
+            0.0
+        } else {
+            self.velocity_age + tick.period
+        };
+        if state.nis > 0.0 {
+            self.nis.push(state.nis);
+        }
+        let counts = basis != Basis::Torque { stood: false };
+        if counts && state.velocity.abs() >= settings.estimator.excited_velocity {
+            self.excited_for += tick.period;
+        }
+    }
+
+    /// The reasons after this tick.
+    pub(super) fn reasons(
+        &self,
+        settings: &Settings,
+        tick: &Tick,
+        state: &State,
+        basis: Basis,
+        needs: (bool, bool),
+    ) -> Reasons {
+        let e = &settings.estimator;
+        let (torque, posture) = needs;
+        let converged = 1.96 * state.inertia_std < e.converged_share * state.inertia;
+        Reasons {
+            excited: state.velocity.abs() >= e.excited_velocity,
+            consistent: self.nis.mean() <= e.consistent_nis,
+            fresh: self.velocity_age <= e.fresh_velocity
+                && (!torque || tick.torque_age <= e.fresh_others)
+                && (!posture || tick.posture_age <= e.fresh_others),
+            converged: converged && !state.changing,
+            identifiable: match basis {
+                Basis::PostureTorque => self.excited_for >= EXCITED_FOR,
+                Basis::Torque { stood } => stood && self.excited_for >= EXCITED_FOR,
+                Basis::Steady(time) => converged && time >= STEADY_FOR,
+                Basis::Nothing => false,
+            },
+        }
+    }
+}
