@@ -20,8 +20,8 @@
 //! | L_e | `independent` | root of what of them no state explains |
 //! | S_y, K_b | `innovation_root`, `gain_root` | as above; the gain is K = K_b S_y^-1 |
 
+use crate::math::sqrt;
 use crate::root::{Row, triangularise_rest, triangularise_with};
-use crate::scalar::Scalar;
 
 /// A predicted state and measurement with their joint uncertainty, measurement noise not included.
 #[derive(Clone, Copy, Debug)]
@@ -80,7 +80,7 @@ impl<const K: usize> Rotations<K> {
         let mut norm = pivot;
         for i in (0..len).rev() {
             sum += row[i] * row[i];
-            let next = sum.sqrt();
+            let next = sqrt(sum);
             let reciprocal = 1.0 / next;
             cosine[i] = norm * reciprocal;
             sine[i] = row[i] * reciprocal;
@@ -154,9 +154,9 @@ impl<const N: usize, const M: usize> Prediction<N, M> {
     pub fn measurement_std(&self, j: usize) -> f64 {
         let norm = |row: &[f64]| row.iter().map(|x| x * x).sum::<f64>();
         if j < self.direct {
-            norm(&self.root[j]).sqrt()
+            sqrt(norm(&self.root[j]))
         } else {
-            (norm(&self.coupling[j]) + norm(&self.independent[j])).sqrt()
+            sqrt(norm(&self.coupling[j]) + norm(&self.independent[j]))
         }
     }
 

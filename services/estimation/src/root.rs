@@ -13,7 +13,7 @@
 //!
 //! What this is not: a rank-revealing factorisation. A row of zeros gives a zero on the diagonal.
 
-use crate::scalar::Scalar;
+use crate::math::sqrt;
 
 /// One row of the dense part: `B` blocks of `W` columns.
 pub type Row<const W: usize, const B: usize> = [[f64; W]; B];
@@ -48,7 +48,7 @@ impl<const W: usize, const B: usize> Reflection<W, B> {
     #[inline(always)]
     fn of(row: &Row<W, B>, pivot: f64) -> (Self, f64) {
         let flat = row.as_flattened();
-        let norm = (pivot * pivot + dot(flat, flat)).sqrt();
+        let norm = sqrt(pivot * pivot + dot(flat, flat));
         let pivot = pivot + norm;
         // A row of zeros needs no reflection: the guard keeps its scale finite.
         let scale = 1.0 / (norm * pivot).max(f64::MIN_POSITIVE);
@@ -150,5 +150,5 @@ pub fn solve_lower_transposed<const R: usize>(root: &[[f64; R]; R], b: &mut [f64
 
 /// Standard deviation of each state: the norms of the rows of a root.
 pub fn standard_deviations<const R: usize>(root: &[[f64; R]; R]) -> [f64; R] {
-    root.map(|row| dot(&row, &row).sqrt())
+    root.map(|row| sqrt(dot(&row, &row)))
 }

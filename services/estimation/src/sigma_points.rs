@@ -14,7 +14,7 @@
 //! (23), with positive terms only. It equals the usual scaled covariance with beta = alpha^2, so no downdate exists, and the
 //! weight -9999 of the centre at alpha = 0.01 never appears. The mean is Z0 + 2w sum d.
 
-use crate::scalar::Scalar;
+use crate::math::sqrt;
 
 /// Spread parameters of the unscented transformation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,7 +44,7 @@ impl Spread {
     /// Scale and weights for n states.
     pub fn weights(&self, n: usize) -> Weights {
         let c = self.alpha * self.alpha * (n as f64 + self.kappa);
-        let scale = c.sqrt();
+        let scale = sqrt(c);
         Weights {
             scale,
             odd: 0.5 / scale,

@@ -1,1 +1,5 @@
-//! To be written.
+//! The state-space estimators: swing inertia of the excavator, centre of gravity of the loader.
+
+mod loader;
+
+pub use loader::{Loader, LoaderError};

@@ -12,7 +12,7 @@
 
 use super::settings::{Digging, Inflation, Tuning};
 use super::wheel_dynamics::{GRAVITY, Inputs, WheelDynamics};
-use crate::scalar::Scalar;
+use crate::math::sqrt;
 
 /// Step length for which noises are stated [s].
 pub(super) const REFERENCE_STEP: f64 = 0.01;
@@ -102,7 +102,7 @@ impl Monitor {
             .abs()
             .max(LEAST_SENSITIVITY);
         let radius_ripple = rules.radius_ripple * sensitivity * speed / radius;
-        let rate = (REFERENCE_STEP / step.dt).max(1.0).sqrt();
+        let rate = sqrt((REFERENCE_STEP / step.dt).max(1.0));
         let settle = (step.dt * speed.max(LEAST_ROLLING_SPEED) / RELAXATION_LENGTH).min(1.0);
         core::array::from_fn(|i| {
             let torque = [step.inputs.front_torque, step.inputs.rear_torque][i];
@@ -110,7 +110,7 @@ impl Monitor {
             let ripple = rules.load_ripple * torque * per_torque;
             let lag = rules.torque_lag * (torque - self.lagged_torque[i]) * per_torque;
             let extra = ripple * ripple + radius_ripple * radius_ripple + lag * lag;
-            let std = (step.sensor_std * step.sensor_std + rate * rate * extra).sqrt();
+            let std = sqrt(step.sensor_std * step.sensor_std + rate * rate * extra);
             if step.weak {
                 std.max(rate * rules.frozen_wheel_speed_std)
             } else {

@@ -26,6 +26,8 @@ pub enum Status {
 /// State of the estimate after one row. Every number is finite.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
+    /// A row has been accepted; before, the values are the prior.
+    pub started: bool,
     /// Time of the row [s]; the last accepted time when the row was refused.
     pub time: f64,
     /// Forward speed [m/s].

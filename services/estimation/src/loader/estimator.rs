@@ -53,12 +53,11 @@ impl CgEstimator {
             Method::Full => Filter::Eight(CgFilter::new(&settings, method)),
             _ => Filter::Six(CgFilter::new(&settings, method)),
         };
-        let mut last = match &filter {
+        let last = match &filter {
             Filter::Six(f) => report(f, &settings, method, &waiting()),
             Filter::Eight(f) => report(f, &settings, method, &waiting()),
             Filter::Ten(f) => report(f, &settings, method, &waiting()),
         };
-        last.time = 0.0;
         Ok(Self {
             settings,
             method,
@@ -177,6 +176,7 @@ fn report<const N: usize, const M: usize>(
     };
     let used = row.accepted.iter().filter(|a| **a).count().max(1);
     Estimate {
+        started: filter.last_time().is_some(),
         time: filter.last_time().unwrap_or(0.0),
         speed: x[0],
         front_wheel_speed: x[1],

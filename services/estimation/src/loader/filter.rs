@@ -11,9 +11,9 @@ use super::settings::{Gates, Settings, Tuning};
 use super::verdict::Evidence;
 use super::wheel_dynamics::{GRAVITY, Inputs, WheelDynamics};
 use crate::ekf::Ekf;
+use crate::math::{sin_cos, sqrt, tanh};
 use crate::prediction::Images;
 use crate::root::triangularise;
-use crate::scalar::Scalar;
 use crate::sigma_points::Spread;
 use crate::srukf::SquareRootUkf;
 
@@ -215,7 +215,7 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
 
     /// Acceleration along the road, measured, or what the torques would give without slip [m/s^2].
     fn free_acceleration(&self, step: &StepInputs) -> Option<f64> {
-        let slope = Scalar::sin(step.inputs.slope);
+        let slope = sin_cos(step.inputs.slope).0;
         if M > 3 {
             return step.acceleration.map(|a| a - GRAVITY * slope);
         }
@@ -223,8 +223,7 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
         let spin = 2.0 * self.dynamics.axle_inertia / (radius * radius);
         let pull = (step.inputs.front_torque + step.inputs.rear_torque) / radius;
         let weight = self.dynamics.mass * GRAVITY;
-        let rolling =
-            self.dynamics.rolling_resistance * Scalar::tanh(self.filter.state[0] / 0.05) * weight;
+        let rolling = self.dynamics.rolling_resistance * tanh(self.filter.state[0] / 0.05) * weight;
         Some(
             (pull - rolling - weight * slope - step.inputs.spade_force_x)
                 / (self.dynamics.mass + spin),
@@ -392,7 +391,7 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
     /// Process noise of a step, by state.
     fn process_std(&self, conditions: &Conditions, boom_moving: bool, dt: f64) -> [f64; N] {
         let (noise, prior) = (&self.tuning.noise, &self.settings.prior);
-        let scale = (dt / REFERENCE_STEP).sqrt();
+        let scale = sqrt(dt / REFERENCE_STEP);
         let mut parameters =
             [noise.slip_stiffness, noise.cg_height, noise.cg_ratio].map(|q| q * scale);
         if conditions.frozen {
@@ -519,7 +518,7 @@ fn gate(
         return (true, false);
     };
     let predicted = predicted_std();
-    let normalised = innovation.abs() / (*std * *std + predicted * predicted).sqrt();
+    let normalised = innovation.abs() / sqrt(*std * *std + predicted * predicted);
     if normalised >= gates.hard || normalised.is_nan() {
         return (false, false);
     }

@@ -7,7 +7,7 @@
 //! With it the states h, lam mean the empty machine, so taking up a load does not move them.
 
 use super::cg_model::Loading;
-use crate::scalar::Scalar;
+use crate::math::sqrt;
 
 /// A known payload with its standard deviations.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,7 +73,7 @@ impl Payload {
         let total = empty_mass + self.mass;
         let (share, part) = (empty_mass / total, self.mass / total);
         let arm = (wheelbase + self.overhang) / wheelbase;
-        let norm = |a: f64, b: f64, c: f64| (a * a + b * b + c * c).sqrt();
+        let norm = |a: f64, b: f64, c: f64| sqrt(a * a + b * b + c * c);
         let mass_std = self.mass_std / total;
         (
             norm(

@@ -576,12 +576,19 @@ impl Tuning {
         )?;
         require(
             "estimator.alpha",
-            "within 1e-3 .. 1",
+            "within 1e-4 .. 10",
             self.spread,
-            (1e-3..=1.0).contains(&self.spread),
+            (1e-4..=10.0).contains(&self.spread),
         )?;
-        not_negative("estimator.beta", self.beta)?;
-        not_negative("estimator.kappa", self.kappa)?;
+        require("estimator.beta", "finite", self.beta, self.beta.is_finite())?;
+        // alpha^2 (n + kappa) must be positive for the smallest n, 6.
+        let kappa = self.kappa;
+        require(
+            "estimator.kappa",
+            "within -5 .. 100",
+            kappa,
+            (-5.0..=100.0).contains(&kappa),
+        )?;
         positive("estimator.v_min", self.minimum_speed)?;
         self.noise.check()?;
         self.inflation.check()?;

@@ -8,7 +8,7 @@
 //! ```
 
 use super::settings::{Settings, Tuning};
-use crate::scalar::Scalar;
+use crate::math::sqrt;
 
 /// Relative error of the ratio per load sensitivity.
 const RATIO_PER_SENSITIVITY: f64 = 16.0;
@@ -43,7 +43,7 @@ impl Variation {
     }
 
     fn std(&self) -> f64 {
-        self.variance.sqrt()
+        sqrt(self.variance)
     }
 }
 
@@ -184,5 +184,5 @@ pub(super) fn with_floors(
 }
 
 fn norm(parts: &[f64]) -> f64 {
-    parts.iter().map(|x| x * x).sum::<f64>().sqrt()
+    sqrt(parts.iter().map(|x| x * x).sum::<f64>())
 }
