@@ -20,13 +20,55 @@ pub(super) struct Gated {
     pub(super) event: bool,
 }
 
-/// Gate and detector.
+/// Innovation gate: a fast Kalman filter that drops what lies far outside.
 #[derive(Debug, Clone)]
-pub(super) struct ChangeDetector {
+pub(super) struct Gate {
     filter: Option<VelocityFilter>,
     gate: f64,
     process_per_second: f64,
     rejections: u32,
+}
+
+impl Gate {
+    pub(super) fn new(gate: f64, q_c: f64) -> Self {
+        Self {
+            filter: None,
+            gate,
+            process_per_second: Q_PER_SECOND * q_c / 4.7e-3,
+            rejections: 0,
+        }
+    }
+
+    /// The velocity, `None` where it is missing or dropped, and its innovation.
+    pub(super) fn step(
+        &mut self,
+        velocity: Option<f64>,
+        variance: f64,
+        period: f64,
+    ) -> (Option<f64>, Innovation) {
+        let filter = match &mut self.filter {
+            Some(filter) => {
+                filter.predict(period, self.process_per_second * period);
+                filter
+            }
+            none => none.insert(VelocityFilter::new(velocity.unwrap_or(0.0), variance)),
+        };
+        let expected = filter.innovation(velocity, variance);
+        let far = expected.nis() > self.gate * self.gate && self.rejections < 3;
+        let velocity = velocity.filter(|_| !far);
+        if far {
+            self.rejections += 1;
+        } else if velocity.is_some() {
+            self.rejections = 0;
+        }
+        (velocity, filter.correct(velocity, variance))
+    }
+}
+
+/// Gate and detector.
+#[derive(Debug, Clone)]
+pub(super) struct ChangeDetector {
+    gate: Gate,
     cusum: Cusum,
     rest: Rest,
     rest_velocity: f64,
@@ -43,10 +85,7 @@ struct Rest {
 impl ChangeDetector {
     pub(super) fn new(gate: f64, q_c: f64, velocity_std: f64) -> Self {
         Self {
-            filter: None,
-            gate,
-            process_per_second: Q_PER_SECOND * q_c / 4.7e-3,
-            rejections: 0,
+            gate: Gate::new(gate, q_c),
             cusum: Cusum::new(1.0, 4.0),
             rest: Rest::default(),
             rest_velocity: REST_VELOCITY * velocity_std / 0.005,
@@ -55,15 +94,7 @@ impl ChangeDetector {
 
     /// Takes in one sample.
     pub(super) fn step(&mut self, velocity: Option<f64>, variance: f64, period: f64) -> Gated {
-        let filter = match &mut self.filter {
-            Some(filter) => {
-                filter.predict(period, self.process_per_second * period);
-                filter
-            }
-            none => none.insert(VelocityFilter::new(velocity.unwrap_or(0.0), variance)),
-        };
-        let velocity = pass(filter, velocity, variance, self.gate, &mut self.rejections);
-        let innovation = filter.correct(velocity, variance);
+        let (velocity, innovation) = self.gate.step(velocity, variance, period);
         let shifted = self.cusum.push(innovation.normalised());
         let set_off = self.rest.step(velocity, self.rest_velocity);
         Gated {
@@ -71,24 +102,6 @@ impl ChangeDetector {
             event: shifted || set_off,
         }
     }
-}
-
-/// Drops a velocity more than `gate` standard deviations off, at most three in a row.
-pub(super) fn pass(
-    filter: &VelocityFilter,
-    velocity: Option<f64>,
-    variance: f64,
-    gate: f64,
-    rejections: &mut u32,
-) -> Option<f64> {
-    velocity?;
-    let Innovation { value, variance } = filter.innovation(velocity, variance);
-    if value * value > gate * gate * variance && *rejections < 3 {
-        *rejections += 1;
-        return None;
-    }
-    *rejections = 0;
-    velocity
 }
 
 impl Rest {

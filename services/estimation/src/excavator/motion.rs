@@ -6,7 +6,7 @@
 //! encoder the angle takes the place of the velocity: the Kalman filter then has three states, and
 //! the bank one more stage.
 
-use super::change::{ChangeDetector, pass};
+use super::change::{ChangeDetector, Gate};
 use super::estimate::{Columns, Sample};
 use super::grid::Grid;
 use super::screen::Screen;
@@ -86,7 +86,7 @@ pub struct MotionFilter {
     angle: bool,
     screen: Screen,
     filter: Filter,
-    rejections: u32,
+    gate: Gate,
     shape: Shape,
     bank: Option<Bank>,
     input: [f64; 3],
@@ -117,7 +117,7 @@ impl MotionFilter {
             angle,
             screen: Screen::new(s),
             filter: Filter::Waiting,
-            rejections: 0,
+            gate: Gate::new(e.reject, e.q_c),
             shape: Shape {
                 frequency: e.filter_frequency,
                 damping: e.filter_damping,
@@ -171,12 +171,11 @@ impl MotionFilter {
     fn kalman(&mut self, sample: &Sample, period: f64) -> Innovation {
         let r = self.measurement_variance();
         let q = self.settings.estimator.q_c * period;
-        let gate = self.settings.estimator.reject;
+        let (velocity, _) = self.gate.step(sample.velocity, r, period);
         let (measured, innovation) = match &mut self.filter {
             Filter::Velocity(filter) => {
                 filter.predict(period, q);
-                let y = pass(filter, sample.velocity, r, gate, &mut self.rejections);
-                (y.is_some(), filter.correct(y, r))
+                (velocity.is_some(), filter.correct(velocity, r))
             }
             Filter::Angle(filter) => {
                 filter.predict(period, q);
