@@ -2,6 +2,8 @@
 //! figures, all from one set of plots and one set of words.
 
 pub mod estimate;
+pub mod live;
+pub mod monitor;
 pub mod number;
 pub mod panels;
 pub mod plot;

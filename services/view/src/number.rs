@@ -79,9 +79,9 @@ pub fn value_and_std(value: f64, std: f64) -> (String, String) {
 pub fn with_std(value: f64, std: f64, unit: &str) -> String {
     let (value, std) = value_and_std(value, std);
     if unit.is_empty() {
-        format!("{value} ± {std}")
+        format!("{value}{GROUP}±{GROUP}{std}")
     } else {
-        format!("{value} ± {std}{GROUP}{unit}")
+        format!("{value}{GROUP}±{GROUP}{std}{GROUP}{unit}")
     }
 }
 

@@ -26,6 +26,8 @@ pub enum Style {
     Truth,
     /// A stretch in which heft trusts the estimate.
     Trusted,
+    /// A stretch in which a condition holds.
+    Holds,
     /// What is expected, or a threshold.
     Limit,
 }
@@ -37,6 +39,7 @@ impl Style {
             Self::Series(i) => format!("s{}", i % 6),
             Self::Truth => "truth".into(),
             Self::Trusted => "trusted".into(),
+            Self::Holds => "holds".into(),
             Self::Limit => "limit".into(),
         }
     }

@@ -10,6 +10,8 @@ use crate::estimate::Estimate;
 use crate::panels::{self, Panel};
 use crate::run::{MachineRun, Run};
 
+pub(crate) use tables::state_name;
+
 /// Style of the page; the plots bring their own.
 const STYLE: &str = include_str!("../assets/report.css");
 
@@ -77,7 +79,7 @@ fn latency<E: Estimate>(body: &mut String, part: &MachineRun<E>) {
         let hops = panels::latency::hops(estimator);
         tables::hop_rows(&mut rows, &estimator.channel, &hops);
         panels.extend(panels::latency::panel(
-            &format!("Latency: {}", estimator.channel),
+            &format!("Share of samples slower: {}", estimator.channel),
             &hops,
         ));
     }

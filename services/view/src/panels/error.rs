@@ -18,13 +18,12 @@ pub fn panels<E: Estimate>(run: &MachineRun<E>) -> Vec<Panel> {
     for parameter in E::PARAMETERS.iter().filter(|p| p.headline()) {
         for estimator in &run.estimators {
             let score = Score::of(run, estimator, parameter);
-            let title = format!(
-                "Error of {}: {}",
-                parameter.label.to_lowercase(),
-                estimator.method()
-            );
-            let plot = histogram(&title, &score.errors, style(run, estimator));
-            panels.extend(plot.map(|plot| Panel::half(plot, "")));
+            let title = format!("Error of {}", parameter.label.to_lowercase());
+            let (label, style) = (estimator.method(), style(run, estimator));
+            let plot = histogram(&title, label, &score.errors, style);
+            let note =
+                "While the motion informs about it; bars are shares of samples per 1 % of error.";
+            panels.extend(plot.map(|plot| Panel::half(plot, note)));
         }
     }
     panels
@@ -32,10 +31,10 @@ pub fn panels<E: Estimate>(run: &MachineRun<E>) -> Vec<Panel> {
 
 /// Histogram of errors in percent with the normal density of the same mean and standard deviation.
 #[must_use]
-pub fn histogram(title: &str, errors: &[f64], style: Style) -> Option<Plot> {
+pub fn histogram(title: &str, label: &str, errors: &[f64], style: Style) -> Option<Plot> {
     let (summary, bins) = (Summary::of(errors)?, Histogram::of(errors, BINS)?);
-    let mut plot = Plot::new(title, "Error [%], share of samples per 1 %");
-    plot.bars("while moving", style, &bins.edges, &bins.density);
+    let mut plot = Plot::new(title, "Relative error [%]");
+    plot.bars(label, style, &bins.edges, &bins.density);
     if summary.std > 0.0 {
         let fit = format!(
             "normal fit: mean {} %, std {} %",

@@ -29,8 +29,11 @@ fn panel<E: Estimate>(run: &MachineRun<E>, parameter: &Parameter<E, E::Truth>) -
             plot.shade(label, Style::Trusted, &spans);
         }
     }
+    let mut label = "95 % interval";
     for estimator in &estimators {
-        add_band(&mut plot, run, estimator, parameter);
+        if add_band(&mut plot, run, estimator, parameter, label) {
+            label = "";
+        }
     }
     add_truth(&mut plot, run, parameter);
     for estimator in &estimators {
@@ -58,15 +61,18 @@ fn add_band<E: Estimate>(
     run: &MachineRun<E>,
     estimator: &Estimator<E>,
     parameter: &Parameter<E, E::Truth>,
-) {
+    label: &str,
+) -> bool {
     let point = |e: &E| {
         let (value, half) = (parameter.value(e), 1.96 * parameter.std(e));
         (e.stamp().time, value - half, value + half)
     };
     let points: Vec<_> = estimator.estimates.iter().map(point).collect();
-    if points.iter().any(|p| p.1.is_finite() && p.2 > p.1) {
-        plot.band("95 %", style(run, estimator), &points);
+    let known = points.iter().any(|p| p.1.is_finite() && p.2 > p.1);
+    if known {
+        plot.band(label, style(run, estimator), &points);
     }
+    known
 }
 
 fn add_truth<E: Estimate>(

@@ -61,8 +61,7 @@ pub fn hops<E: Estimate>(estimator: &Estimator<E>) -> Vec<Hop> {
 /// The share of samples that took longer, over the latency.
 #[must_use]
 pub fn panel(title: &str, hops: &[Hop]) -> Option<Panel> {
-    let mut plot =
-        Plot::new(title, "Latency [µs], share of samples that took longer").logarithmic();
+    let mut plot = Plot::new(title, "Latency [µs]").logarithmic();
     for (i, hop) in hops.iter().enumerate() {
         plot.line(hop.name, Style::Series(i), &exceedance(&hop.sorted_ns));
     }

@@ -69,7 +69,7 @@ fn conditions<E: Estimate>(estimator: &Estimator<E>, names: &[(&str, u32)]) -> P
         let style = if name.ends_with("trusted") {
             Style::Trusted
         } else {
-            Style::Series(0)
+            Style::Holds
         };
         let band = spans(
             &estimator.estimates,

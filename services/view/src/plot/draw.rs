@@ -7,7 +7,7 @@ use super::{Item, Mark, Plot, STYLE, decimate, escape};
 
 /// Height of a line of text, and the mean width of a character of it, in a 12 px sans serif.
 const LINE: f64 = 17.0;
-const CHARACTER: f64 = 6.3;
+const CHARACTER: f64 = 6.7;
 
 /// The frame of the marks within the picture.
 struct Frame {

@@ -141,12 +141,12 @@ fn linear_ticks(low: f64, high: f64, count: usize) -> Vec<(f64, String)> {
 fn decade_ticks(low: f64, high: f64, count: usize) -> Vec<(f64, String)> {
     let (first, last) = (low.log10().floor() as i32, high.log10().ceil() as i32);
     let decades = usize::try_from(last - first).unwrap_or(1).max(1);
-    let steps: &[f64] = if decades * 3 <= count {
+    let steps: &[f64] = if decades <= 2 || decades * 3 <= count {
         &[1.0, 2.0, 5.0]
     } else {
         &[1.0]
     };
-    let every = decades.div_ceil(count.max(1)).max(1);
+    let every = decades.div_ceil(count.max(6));
     (first..=last)
         .step_by(every)
         .flat_map(|d| steps.iter().map(move |s| (s * 10f64.powi(d), (-d).max(0))))

@@ -96,7 +96,7 @@ fn card<E: Estimate>(
     let _ = write!(
         body,
         "<article class=\"verdict {class}\"><p class=\"value\">{}.</p>\
-         <p><span class=\"badge\">{word}</span> {}</p><p class=\"when\">{} by <b>{}</b> at t = {at} s; trusted {} % of the run.",
+         <p><span class=\"badge\">{word}</span> {}</p><p class=\"when\">{}, method <b>{}</b>, at t = {at} s; trusted {} % of the run.",
         text(&judgement.told.value),
         text(&judgement.told.verdict()),
         if judgement.told.trusted {
@@ -138,9 +138,14 @@ fn truth_sentence<E: Estimate>(
         "outside"
     };
     let unit = crate::number::unit(parameter.unit);
+    let unit = if unit.is_empty() {
+        unit
+    } else {
+        format!("{}{unit}", crate::number::GROUP)
+    };
     error.is_finite().then(|| {
         format!(
-            "The truth was {} {unit}: the error is {} %, {inside} the 95 % interval.",
+            "The truth was {}{unit}: the error is {} %, {inside} the 95 % interval.",
             grouped(truth, crate::number::decimals(std)),
             grouped(error, 2),
         )

@@ -22,9 +22,10 @@ pub(super) fn row(cells: &[String]) -> String {
 }
 
 /// A table in a frame that scrolls where the screen is narrow.
-pub(super) fn table(head: &[&str], rows: &str) -> String {
+/// The first `names` columns hold names, the others numbers.
+pub(super) fn table(names: usize, head: &[&str], rows: &str) -> String {
     let head: String = head.iter().map(|h| format!("<th>{h}</th>")).collect();
     format!(
-        "<div class=\"scroll\"><table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>"
+        "<div class=\"scroll\"><table class=\"names{names}\"><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>"
     )
 }

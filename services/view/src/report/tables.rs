@@ -45,7 +45,7 @@ pub(super) fn comparison<E: Estimate>(body: &mut String, run: &Run, part: &Machi
         "<section><h2>The estimators compared</h2>{}<p class=\"note\">Errors are relative, while the motion informs about \
          the quantity; coverage is the share of these samples whose 95 % interval held the truth. A dash: no truth, \
          or no sample of that kind.</p></section>",
-        table(&head, &rows)
+        table(2, &head, &rows)
     );
 }
 
@@ -134,8 +134,8 @@ pub(super) fn latency<E: Estimate>(body: &mut String, hop_rows: &str, part: &Mac
     let _ = write!(
         body,
         "<section>{}{}</section>",
-        table(&head, hop_rows),
-        table(&loss_head, &losses)
+        table(2, &head, hop_rows),
+        table(1, &loss_head, &losses)
     );
 }
 
@@ -163,7 +163,7 @@ pub(super) fn processes(body: &mut String, run: &Run) {
     let _ = write!(
         body,
         "<section><h2>Processes</h2>{}</section>",
-        table(&head, &rows)
+        table(2, &head, &rows)
     );
 }
 

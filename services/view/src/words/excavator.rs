@@ -63,7 +63,7 @@ fn reasons_against(e: &ExcavatorEstimate) -> Vec<String> {
         reasons.push("the last sample was refused (its time does not increase)".into());
     }
     if !has(bits::IDENTIFIABLE) {
-        reasons.push("these inputs cannot determine the inertia, or not yet".into());
+        reasons.push("these inputs cannot determine the inertia (or not yet)".into());
     }
     if !has(bits::EXCITED) {
         let why = if has(bits::HELD) {

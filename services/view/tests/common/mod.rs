@@ -44,6 +44,7 @@ fn hops(stamp: &Stamp, noise: &mut Noise, filtered: bool) -> Hops {
         sensor_ns,
         filter_ns: if filtered { filter_ns } else { 0 },
         estimate_ns,
+        ..Default::default()
     }
 }
 

@@ -1,0 +1,51 @@
+//! The live page: the report's plots while the run goes on, over server-sent events.
+//!
+//! The supervisor pushes messages into a [`Feed`]; that costs a short lock and never waits for a
+//! viewer. A task takes a frame 30 times a second and puts it into a ring; each viewer reads the
+//! ring at its own pace, and one that falls behind skips the oldest frames, counted. A viewer that
+//! stalls holds a socket and 64 frames that all viewers share, nothing else.
+
+mod frame;
+mod page;
+mod server;
+#[cfg(test)]
+mod tests;
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
+
+use messages::Message;
+use messages::channels::Channel;
+
+use crate::monitor::Monitor;
+
+pub use server::{MAX_VIEWERS, Server, serve};
+
+/// Where `--view` listens unless told otherwise: this host only.
+pub const DEFAULT_ADDRESS: &str = "127.0.0.1:8440";
+
+/// Where messages go to be seen; clones share the same page.
+#[derive(Debug, Clone, Default)]
+pub struct Feed {
+    monitor: Arc<Mutex<Monitor>>,
+}
+
+impl Feed {
+    /// A feed that calls the processes by `names`, in the order of the table of processes.
+    #[must_use]
+    pub fn new(names: Vec<String>) -> Self {
+        Self {
+            monitor: Arc::new(Mutex::new(Monitor::new(names))),
+        }
+    }
+
+    /// Shows `message`. Not for a real-time thread: it takes a lock, which the page holds for some
+    /// tens of microseconds 30 times a second.
+    pub fn push<M: Message>(&self, channel: &Channel, message: &M) {
+        self.lock().push(channel, message, Instant::now());
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Monitor> {
+        self.monitor.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}

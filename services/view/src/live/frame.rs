@@ -1,0 +1,133 @@
+//! What goes over the wire, as JSON: numbers 30 times a second, words 4 times a second.
+
+use std::time::Instant;
+
+use messages::fault;
+use serde_json::{Value, json};
+
+use crate::estimate::Estimate;
+use crate::monitor::{ChannelState, MachineState, Monitor, ProcessState, Tracked};
+use crate::number::nanoseconds;
+use crate::report::state_name;
+
+/// The numbers of all estimators: `{t, e: [{c, v: [[value, std]...], k: trusted, n: NIS, f: forgetting}], truth}`.
+pub(super) fn series(monitor: &Monitor) -> String {
+    let excavator = estimators(&monitor.excavator, |e| {
+        [
+            e.forgetting_inertia,
+            e.forgetting_damping,
+            e.forgetting_torque,
+        ]
+        .to_vec()
+    });
+    let loader = estimators(&monitor.loader, |_| Vec::new());
+    let all: Vec<_> = excavator.into_iter().chain(loader).collect();
+    json!({
+        "t": monitor.time,
+        "e": all,
+        "truth": {"excavator": truth(&monitor.excavator), "loader": truth(&monitor.loader)},
+    })
+    .to_string()
+}
+
+fn estimators<E: Estimate>(state: &MachineState<E>, forgetting: fn(&E) -> Vec<f64>) -> Vec<Value> {
+    let one = |(channel, tracked): (&&'static str, &Tracked<E>)| {
+        let last = &tracked.last;
+        let values = E::PARAMETERS
+            .iter()
+            .map(|p| json!([number(p.value(last)), number(p.std(last))]));
+        let headline = E::PARAMETERS.iter().filter(|p| p.headline());
+        let trusted = headline.map(|p| u8::from(last.flags() & p.trusted != 0));
+        json!({
+            "c": channel,
+            "m": last.method_name(),
+            "v": values.collect::<Vec<_>>(),
+            "k": trusted.collect::<Vec<_>>(),
+            "n": number(tracked.nis_mean),
+            "f": forgetting(last),
+        })
+    };
+    state.estimators.iter().map(one).collect()
+}
+
+fn truth<E: Estimate>(state: &MachineState<E>) -> Value {
+    state.truth.as_ref().map_or(Value::Null, |t| {
+        E::PARAMETERS.iter().map(|p| number(p.truth(t))).collect()
+    })
+}
+
+/// Seven digits: more than a screen shows; null for what is not a number.
+fn number(value: f64) -> Value {
+    if !value.is_finite() {
+        return Value::Null;
+    }
+    format!("{value:.6e}")
+        .parse::<f64>()
+        .map_or(Value::Null, Value::from)
+}
+
+/// Verdicts, processes and channels in words.
+pub(super) fn status(monitor: &Monitor, now: Instant, viewers: usize, skipped: u64) -> String {
+    let mut verdicts = judgements(&monitor.excavator);
+    verdicts.extend(judgements(&monitor.loader));
+    let processes = monitor
+        .processes
+        .iter()
+        .map(|(i, p)| process(&monitor.name(*i), p, now));
+    let channels = monitor
+        .channels
+        .iter()
+        .map(|(name, c)| channel(name, c, now));
+    json!({
+        "verdicts": verdicts,
+        "processes": processes.collect::<Vec<_>>(),
+        "channels": channels.collect::<Vec<_>>(),
+        "viewers": viewers,
+        "skipped": skipped,
+    })
+    .to_string()
+}
+
+fn judgements<E: Estimate>(state: &MachineState<E>) -> Vec<Value> {
+    let one = |(channel, tracked): (&&'static str, &Tracked<E>)| {
+        let words = tracked.last.judgements().into_iter().map(
+            |j| json!({"value": j.value.clone(), "trusted": j.trusted, "verdict": j.verdict()}),
+        );
+        json!({
+            "channel": channel,
+            "machine": E::MACHINE,
+            "method": tracked.last.method_name(),
+            "time": tracked.last.stamp().time,
+            "judgements": words.collect::<Vec<_>>(),
+        })
+    };
+    state.estimators.iter().map(one).collect()
+}
+
+fn process(name: &str, state: &ProcessState, now: Instant) -> Value {
+    let h = &state.health;
+    let ns = |ns: u64| nanoseconds(ns as f64);
+    json!({
+        "name": name,
+        "pid": h.pid,
+        "state": state_name(h.state),
+        "silent_s": now.saturating_duration_since(state.seen).as_secs_f64(),
+        "rate": state.rate(),
+        "lost": h.lost,
+        "late": h.late,
+        "restarts": h.restarts,
+        "step": format!("{} / {}", ns(h.step_p50_ns), ns(h.step_p99_ns)),
+        "age": format!("{} / {}", ns(h.age_p50_ns), ns(h.age_p999_ns)),
+        "fault": fault::text(h.fault),
+    })
+}
+
+fn channel(name: &str, state: &ChannelState, now: Instant) -> Value {
+    json!({
+        "name": name,
+        "rate": state.rate(),
+        "lost": state.lost,
+        "count": state.count,
+        "silent_s": now.saturating_duration_since(state.seen).as_secs_f64(),
+    })
+}

@@ -1,0 +1,303 @@
+//! The server: one thread, one task a viewer, one task that takes the frames.
+
+use std::collections::VecDeque;
+use std::convert::Infallible;
+use std::io;
+use std::net::SocketAddr;
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use axum::Router;
+use axum::extract::State;
+use axum::http::{HeaderMap, StatusCode, header};
+use axum::response::sse::{Event, KeepAlive, Sse};
+use axum::response::{Html, IntoResponse, Response};
+use axum::routing::get;
+use futures_util::stream::{self, Stream, StreamExt};
+use tokio::net::{TcpListener, TcpSocket};
+use tokio::sync::broadcast::{self, error::RecvError};
+use tokio::sync::oneshot;
+
+use super::{Feed, frame, page};
+
+/// Viewers at a time; the next one is told to wait.
+pub const MAX_VIEWERS: usize = 16;
+/// Between two frames: at most 30 a second.
+const PERIOD: Duration = Duration::from_millis(34);
+/// Words change slower than numbers: every eighth frame, 4 times a second.
+const STATUS_EVERY: u64 = 8;
+/// Frames that a viewer may be behind before it skips the oldest: 2 s.
+const RING: usize = 64;
+/// Bytes that the kernel holds for a viewer.
+const SEND_BUFFER: u32 = 64 * 1024;
+/// Frames that a new viewer gets to see: one minute.
+const HISTORY: usize = 1800;
+
+/// A running page; dropping it ends it, with all its viewers.
+#[derive(Debug)]
+pub struct Server {
+    address: SocketAddr,
+    shared: Arc<Shared>,
+    stop: Option<oneshot::Sender<()>>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Server {
+    /// Where it listens; the port that was chosen where 0 was asked for.
+    #[must_use]
+    pub fn address(&self) -> SocketAddr {
+        self.address
+    }
+
+    /// Viewers right now.
+    #[must_use]
+    pub fn viewers(&self) -> usize {
+        self.shared.viewers.load(Ordering::Relaxed)
+    }
+
+    /// Frames that slow viewers skipped so far.
+    #[must_use]
+    pub fn skipped(&self) -> u64 {
+        self.shared.skipped.load(Ordering::Relaxed)
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        if let Some(stop) = self.stop.take() {
+            let _ = stop.send(());
+        }
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+/// What the tasks share.
+#[derive(Debug)]
+struct Shared {
+    frames: broadcast::Sender<Frame>,
+    history: Mutex<VecDeque<Arc<str>>>,
+    viewers: AtomicUsize,
+    skipped: AtomicU64,
+    loopback: bool,
+}
+
+/// An event for all viewers.
+#[derive(Debug, Clone)]
+struct Frame {
+    kind: &'static str,
+    data: Arc<str>,
+}
+
+/// Shows `feed` at `address`.
+///
+/// # Errors
+/// The address cannot be bound, or the thread not started.
+pub fn serve(address: SocketAddr, feed: Feed) -> io::Result<Server> {
+    serve_every(PERIOD, address, feed)
+}
+
+/// [`serve`] with a frame every `period`.
+pub(super) fn serve_every(period: Duration, address: SocketAddr, feed: Feed) -> io::Result<Server> {
+    let runtime = tokio::runtime::Builder::new_current_thread()
+        .enable_io()
+        .enable_time()
+        .build()?;
+    let listener = {
+        let _context = runtime.enter();
+        listen(address)?
+    };
+    let address = listener.local_addr()?;
+    let shared = Arc::new(Shared {
+        frames: broadcast::channel(RING).0,
+        history: Mutex::new(VecDeque::with_capacity(HISTORY)),
+        viewers: AtomicUsize::new(0),
+        skipped: AtomicU64::new(0),
+        loopback: address.ip().is_loopback(),
+    });
+    let (stop, stopped) = oneshot::channel();
+    let for_thread = Arc::clone(&shared);
+    let thread = std::thread::Builder::new()
+        .name("live page".into())
+        .spawn(move || {
+            runtime.block_on(async move {
+                tokio::spawn(take_frames(period, feed, Arc::clone(&for_thread)));
+                run(listener, for_thread, stopped).await;
+            });
+            // Dropping the runtime here closes every connection, the stalled ones too.
+        })?;
+    Ok(Server {
+        address,
+        shared,
+        stop: Some(stop),
+        thread: Some(thread),
+    })
+}
+
+/// A listening socket whose connections hold little: what a stalled viewer costs the kernel.
+fn listen(address: SocketAddr) -> io::Result<TcpListener> {
+    let socket = if address.is_ipv4() {
+        TcpSocket::new_v4()
+    } else {
+        TcpSocket::new_v6()
+    }?;
+    socket.set_reuseaddr(true)?;
+    socket.set_send_buffer_size(SEND_BUFFER)?;
+    socket.bind(address)?;
+    socket.listen(64)
+}
+
+async fn run(listener: TcpListener, shared: Arc<Shared>, stopped: oneshot::Receiver<()>) {
+    let router = Router::new()
+        .route("/", get(show))
+        .route("/events", get(events))
+        .with_state(shared);
+    let serving = Box::pin(async move { axum::serve(listener, router).await });
+    futures_util::future::select(serving, stopped).await;
+}
+
+/// Takes a frame every `period` where there is news, for whoever watches and whoever comes.
+async fn take_frames(period: Duration, feed: Feed, shared: Arc<Shared>) {
+    let mut clock = tokio::time::interval(period);
+    clock.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
+    let mut shown = f64::NEG_INFINITY;
+    for turn in 0u64.. {
+        clock.tick().await;
+        let viewers = shared.viewers.load(Ordering::Relaxed);
+        let skipped = shared.skipped.load(Ordering::Relaxed);
+        let (series, status) = {
+            let monitor = feed.lock();
+            let news = monitor.time != shown && !monitor.channels.is_empty();
+            shown = if news { monitor.time } else { shown };
+            let words = turn.is_multiple_of(STATUS_EVERY) && viewers > 0;
+            let status = words.then(|| frame::status(&monitor, Instant::now(), viewers, skipped));
+            (news.then(|| frame::series(&monitor)), status)
+        };
+        if let Some(series) = series {
+            let data: Arc<str> = series.into();
+            shared.remember(Arc::clone(&data));
+            // An error means that nobody watches.
+            let _ = shared.frames.send(Frame {
+                kind: "series",
+                data,
+            });
+        }
+        if let Some(status) = status {
+            let _ = shared.frames.send(Frame {
+                kind: "status",
+                data: status.into(),
+            });
+        }
+    }
+}
+
+impl Shared {
+    fn remember(&self, data: Arc<str>) {
+        let mut history = self.history.lock().unwrap_or_else(PoisonError::into_inner);
+        if history.len() == HISTORY {
+            history.pop_front();
+        }
+        history.push_back(data);
+    }
+
+    /// The last minute as one JSON array.
+    fn history(&self) -> String {
+        let history = self.history.lock().unwrap_or_else(PoisonError::into_inner);
+        let frames: Vec<&str> = history.iter().map(AsRef::as_ref).collect();
+        format!("[{}]", frames.join(","))
+    }
+
+    /// A page on this host answers only to a name of this host, or any site could read it through
+    /// a name that it points here.
+    fn admits(&self, headers: &HeaderMap) -> bool {
+        let host = headers
+            .get(header::HOST)
+            .and_then(|h| h.to_str().ok())
+            .unwrap_or("");
+        let name = host.rsplit_once(':').map_or(host, |(name, port)| {
+            if port.bytes().all(|b| b.is_ascii_digit()) {
+                name
+            } else {
+                host
+            }
+        });
+        !self.loopback || ["localhost", "127.0.0.1", "[::1]"].contains(&name)
+    }
+}
+
+async fn show(State(shared): State<Arc<Shared>>, headers: HeaderMap) -> Response {
+    if !shared.admits(&headers) {
+        return StatusCode::FORBIDDEN.into_response();
+    }
+    let policy = [
+        (header::CONTENT_SECURITY_POLICY, page::POLICY),
+        (header::CACHE_CONTROL, "no-store"),
+    ];
+    (policy, Html(page::page())).into_response()
+}
+
+async fn events(State(shared): State<Arc<Shared>>, headers: HeaderMap) -> Response {
+    if !shared.admits(&headers) {
+        return StatusCode::FORBIDDEN.into_response();
+    }
+    let Some(viewer) = Viewer::admit(shared) else {
+        return (StatusCode::SERVICE_UNAVAILABLE, "too many viewers").into_response();
+    };
+    Sse::new(viewer.stream())
+        .keep_alive(KeepAlive::default())
+        .into_response()
+}
+
+/// A seat; leaving it makes room.
+struct Viewer {
+    shared: Arc<Shared>,
+    frames: broadcast::Receiver<Frame>,
+}
+
+impl Viewer {
+    fn admit(shared: Arc<Shared>) -> Option<Self> {
+        let seats = |n: usize| (n < MAX_VIEWERS).then_some(n + 1);
+        shared
+            .viewers
+            .fetch_update(Ordering::Relaxed, Ordering::Relaxed, seats)
+            .ok()?;
+        let frames = shared.frames.subscribe();
+        Some(Self { shared, frames })
+    }
+
+    /// The last minute, then every frame that the viewer is fast enough for.
+    fn stream(self) -> impl Stream<Item = Result<Event, Infallible>> {
+        let history = Event::default()
+            .event("history")
+            .data(self.shared.history());
+        let live = stream::unfold(self, |mut viewer| async move {
+            let frame = viewer.next().await?;
+            Some((
+                Ok(Event::default().event(frame.kind).data(&*frame.data)),
+                viewer,
+            ))
+        });
+        stream::once(async move { Ok(history) }).chain(live)
+    }
+
+    async fn next(&mut self) -> Option<Frame> {
+        loop {
+            match self.frames.recv().await {
+                Ok(frame) => return Some(frame),
+                Err(RecvError::Lagged(n)) => {
+                    self.shared.skipped.fetch_add(n, Ordering::Relaxed);
+                }
+                Err(RecvError::Closed) => return None,
+            }
+        }
+    }
+}
+
+impl Drop for Viewer {
+    fn drop(&mut self) {
+        self.shared.viewers.fetch_sub(1, Ordering::Relaxed);
+    }
+}

@@ -1,0 +1,322 @@
+//! The latest of everything that runs, for the live page and the terminal dashboard: bounded in
+//! size whatever the rate.
+
+use std::any::Any;
+use std::collections::{BTreeMap, VecDeque};
+use std::time::{Duration, Instant};
+
+use messages::channels::Channel;
+use messages::{ExcavatorEstimate, ExcavatorTruth, Health, LoaderEstimate, LoaderTruth, Message};
+
+use crate::estimate::Estimate;
+
+/// Values that a sparkline shows at most.
+const TREND: usize = 240;
+/// Between two values of a sparkline.
+const TREND_PERIOD: Duration = Duration::from_millis(100);
+
+/// Counts events and tells their rate once a second.
+#[derive(Debug, Clone, Copy)]
+pub struct Meter {
+    since: Instant,
+    counted: u64,
+    rate: f64,
+}
+
+impl Meter {
+    fn new(now: Instant, count: u64) -> Self {
+        Self {
+            since: now,
+            counted: count,
+            rate: 0.0,
+        }
+    }
+
+    fn update(&mut self, now: Instant, count: u64) {
+        let elapsed = now.saturating_duration_since(self.since).as_secs_f64();
+        if count < self.counted {
+            *self = Self::new(now, count);
+        } else if elapsed >= 1.0 {
+            self.rate = (count - self.counted) as f64 / elapsed;
+            (self.since, self.counted) = (now, count);
+        }
+    }
+}
+
+/// What is known of a channel.
+#[derive(Debug, Clone, Copy)]
+pub struct ChannelState {
+    /// Messages received.
+    pub count: u64,
+    /// Messages that never came (gaps in the sequence).
+    pub lost: u64,
+    /// When the last one came.
+    pub seen: Instant,
+    last_sequence: u64,
+    meter: Meter,
+}
+
+impl ChannelState {
+    /// Messages a second.
+    #[must_use]
+    pub fn rate(&self) -> f64 {
+        self.meter.rate
+    }
+}
+
+/// What is known of a process.
+#[derive(Debug, Clone, Copy)]
+pub struct ProcessState {
+    /// What it said last.
+    pub health: Health,
+    /// When it said it.
+    pub seen: Instant,
+    meter: Meter,
+}
+
+impl ProcessState {
+    /// Samples a second.
+    #[must_use]
+    pub fn rate(&self) -> f64 {
+        self.meter.rate
+    }
+}
+
+/// What is known of an estimator.
+#[derive(Debug, Clone)]
+pub struct Tracked<E> {
+    /// Its last estimate.
+    pub last: E,
+    /// Exponential mean of the normalised innovation squared, over the window of the verdict.
+    pub nis_mean: f64,
+    /// The headline parameters over the last 24 s, for sparklines.
+    pub trend: VecDeque<Vec<f64>>,
+    trend_time: Instant,
+}
+
+impl<E: Estimate> Tracked<E> {
+    fn new(estimate: &E, now: Instant) -> Self {
+        let mut tracked = Self {
+            last: *estimate,
+            nis_mean: 1.0,
+            trend: VecDeque::new(),
+            trend_time: now,
+        };
+        tracked.remember(now);
+        tracked
+    }
+
+    fn update(&mut self, estimate: &E, now: Instant) {
+        self.last = *estimate;
+        if estimate.nis() > 0.0 {
+            let weight = 1.0 / E::INNOVATION.window as f64;
+            self.nis_mean += weight * (estimate.nis().min(16.0) - self.nis_mean);
+        }
+        if now.saturating_duration_since(self.trend_time) >= TREND_PERIOD {
+            self.remember(now);
+        }
+    }
+
+    fn remember(&mut self, now: Instant) {
+        if self.trend.len() == TREND {
+            self.trend.pop_front();
+        }
+        let headline = E::PARAMETERS.iter().filter(|p| p.headline());
+        self.trend
+            .push_back(headline.map(|p| p.value(&self.last)).collect());
+        self.trend_time = now;
+    }
+}
+
+/// The estimators and the truth of one machine.
+#[derive(Debug, Clone)]
+pub struct MachineState<E: Estimate> {
+    /// By the name of the channel.
+    pub estimators: BTreeMap<&'static str, Tracked<E>>,
+    /// The last truth, where it is known.
+    pub truth: Option<E::Truth>,
+}
+
+impl<E: Estimate> Default for MachineState<E> {
+    fn default() -> Self {
+        Self {
+            estimators: BTreeMap::new(),
+            truth: None,
+        }
+    }
+}
+
+impl<E: Estimate> MachineState<E> {
+    fn estimate(&mut self, channel: &Channel, estimate: &E, now: Instant) {
+        self.estimators
+            .entry(channel.name)
+            .and_modify(|tracked| tracked.update(estimate, now))
+            .or_insert_with(|| Tracked::new(estimate, now));
+    }
+}
+
+/// The latest of everything.
+#[derive(Debug, Clone, Default)]
+pub struct Monitor {
+    /// Names of the processes, by [`Health::process`].
+    pub names: Vec<String>,
+    /// By the name of the channel.
+    pub channels: BTreeMap<&'static str, ChannelState>,
+    /// By their position in the table of processes.
+    pub processes: BTreeMap<u32, ProcessState>,
+    /// The excavator's part.
+    pub excavator: MachineState<ExcavatorEstimate>,
+    /// The loader's part.
+    pub loader: MachineState<LoaderEstimate>,
+    /// Time of the newest estimate, as the data tell it [s].
+    pub time: f64,
+}
+
+impl Monitor {
+    /// A monitor that calls the processes by `names`.
+    #[must_use]
+    pub fn new(names: Vec<String>) -> Self {
+        Self {
+            names,
+            ..Self::default()
+        }
+    }
+
+    /// Takes note of a message.
+    pub fn push<M: Message>(&mut self, channel: &Channel, message: &M, now: Instant) {
+        self.count(channel, message, now);
+        let message: &dyn Any = message;
+        if let Some(e) = message.downcast_ref::<ExcavatorEstimate>() {
+            self.time = e.stamp.time;
+            self.excavator.estimate(channel, e, now);
+        } else if let Some(e) = message.downcast_ref::<LoaderEstimate>() {
+            self.time = e.stamp.time;
+            self.loader.estimate(channel, e, now);
+        } else if let Some(t) = message.downcast_ref::<ExcavatorTruth>() {
+            self.excavator.truth = Some(*t);
+        } else if let Some(t) = message.downcast_ref::<LoaderTruth>() {
+            self.loader.truth = Some(*t);
+        } else if let Some(h) = message.downcast_ref::<Health>() {
+            self.process(h, now);
+        }
+    }
+
+    /// Name of process `index`.
+    #[must_use]
+    pub fn name(&self, index: u32) -> String {
+        let known = usize::try_from(index).ok().and_then(|i| self.names.get(i));
+        known.cloned().unwrap_or_else(|| format!("process {index}"))
+    }
+
+    fn count<M: Message>(&mut self, channel: &Channel, message: &M, now: Instant) {
+        let sequence = message.stamp().sequence;
+        let state = self
+            .channels
+            .entry(channel.name)
+            .or_insert_with(|| ChannelState {
+                count: 0,
+                lost: 0,
+                seen: now,
+                last_sequence: sequence.wrapping_sub(1),
+                meter: Meter::new(now, 0),
+            });
+        // Several processes write to `health`, each with a sequence of its own: no gaps there.
+        if channel.name.contains('/') && sequence > state.last_sequence {
+            state.lost += sequence - state.last_sequence - 1;
+        }
+        state.last_sequence = sequence;
+        state.count += 1;
+        state.seen = now;
+        state.meter.update(now, state.count);
+    }
+
+    fn process(&mut self, health: &Health, now: Instant) {
+        let fresh = ProcessState {
+            health: *health,
+            seen: now,
+            meter: Meter::new(now, health.steps),
+        };
+        let state = self.processes.entry(health.process).or_insert(fresh);
+        (state.health, state.seen) = (*health, now);
+        state.meter.update(now, health.steps);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use messages::{Stamp, channels};
+
+    #[test]
+    fn rate_and_loss_come_from_arrivals_and_sequence() {
+        let start = Instant::now();
+        let mut monitor = Monitor::new(Vec::new());
+        for n in (0..150u64).filter(|n| n % 10 != 9) {
+            let estimate = LoaderEstimate {
+                stamp: Stamp {
+                    sequence: n,
+                    ..Default::default()
+                },
+                ..Default::default()
+            };
+            monitor.push(
+                &channels::LOADER_CG_UKF,
+                &estimate,
+                start + Duration::from_millis(10 * n),
+            );
+        }
+        let state = monitor.channels["loader/cg_ukf"];
+        assert_eq!(
+            (state.count, state.lost),
+            (135, 14),
+            "the last gap is still open"
+        );
+        assert!(
+            (state.rate() - 90.0).abs() < 2.0,
+            "{} Hz of 90",
+            state.rate()
+        );
+    }
+
+    #[test]
+    fn a_restarted_process_begins_to_count_anew() {
+        let start = Instant::now();
+        let mut monitor = Monitor::new(vec!["sensor".into()]);
+        for (second, steps) in [(0, 0), (1, 1000), (2, 2000), (3, 10), (4, 1010)] {
+            let health = Health {
+                steps,
+                ..Default::default()
+            };
+            monitor.push(
+                &channels::HEALTH,
+                &health,
+                start + Duration::from_secs(second),
+            );
+        }
+        assert!((monitor.processes[&0].rate() - 1000.0).abs() < 1e-9);
+        assert_eq!(
+            (monitor.name(0), monitor.name(7)),
+            ("sensor".into(), "process 7".into())
+        );
+    }
+
+    #[test]
+    fn memory_stays_bounded() {
+        let start = Instant::now();
+        let mut monitor = Monitor::new(Vec::new());
+        for n in 0..10_000 {
+            let at = start + Duration::from_millis(100 * n);
+            monitor.push(
+                &channels::EXCAVATOR_INERTIA_UKF,
+                &ExcavatorEstimate::default(),
+                at,
+            );
+        }
+        assert_eq!(
+            monitor.excavator.estimators["excavator/inertia_ukf"]
+                .trend
+                .len(),
+            TREND
+        );
+    }
+}
