@@ -1,0 +1,10 @@
+//! CSV in and out.
+
+mod estimate;
+mod export;
+mod read;
+
+pub use estimate::{Estimate, EstimateWriter};
+pub use export::export;
+pub(crate) use read::read;
+pub use read::{read_excavator, read_loader};

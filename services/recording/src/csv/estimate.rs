@@ -1,0 +1,243 @@
+use std::fmt::Write as _;
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use messages::{
+    EXCAVATOR_METHODS, ExcavatorEstimate, LOADER_METHODS, LoaderEstimate, Message, Value,
+    excavator_bits as e, loader_bits as l,
+};
+
+use crate::Error;
+
+/// A column of the output.
+#[derive(Debug, Clone, Copy)]
+pub enum Column {
+    /// A field, empty unless `estimated` has all of these bits.
+    Value(&'static str, u32),
+    /// A bit of `flags`, 0 or 1.
+    Flag(&'static str, u32),
+}
+
+/// An estimate that can be written as a row.
+pub trait Estimate: Message {
+    /// Its columns after the time; the method is last.
+    const COLUMNS: &'static [Column];
+    /// Columns that are added before the method where these bits of `estimated` are set.
+    const EXTRA: (&'static [Column], u32);
+    /// Bit of `flags` that marks a refused row.
+    const REFUSED: u32;
+    /// Names of the methods.
+    const METHODS: &'static [&'static str];
+    /// Flags, bits of the estimated quantities, index of the method.
+    fn bits(&self) -> (u32, u32, u32);
+}
+
+use Column::{Flag, Value as Field};
+
+impl Estimate for ExcavatorEstimate {
+    const COLUMNS: &'static [Column] = &[
+        Field("inertia", e::INERTIA),
+        Field("inertia_std", e::INERTIA),
+        Field("damping", e::DAMPING),
+        Field("damping_std", e::DAMPING),
+        Field("torque", e::TORQUE),
+        Field("torque_std", e::TORQUE),
+        Field("payload", e::PAYLOAD),
+        Field("payload_std", e::PAYLOAD),
+        Field("velocity", 0),
+        Field("acceleration", e::ACCELERATION),
+        Flag("excited", e::EXCITED),
+        Flag("consistent", e::CONSISTENT),
+        Flag("fresh", e::FRESH),
+        Flag("converged", e::CONVERGED),
+        Flag("identifiable", e::IDENTIFIABLE),
+        Flag("held", e::HELD),
+        Flag("changing", e::CHANGING),
+        Flag("reset", e::RESET),
+        Flag("trusted", e::TRUSTED),
+    ];
+    const EXTRA: (&'static [Column], u32) = (
+        &[
+            Field("friction", e::FRICTION),
+            Field("friction_std", e::FRICTION),
+            Field("offset", e::OFFSET),
+            Field("offset_std", e::OFFSET),
+        ],
+        e::FRICTION | e::OFFSET,
+    );
+    const REFUSED: u32 = e::REFUSED;
+    const METHODS: &'static [&'static str] = EXCAVATOR_METHODS;
+    fn bits(&self) -> (u32, u32, u32) {
+        (self.flags, self.estimated, self.method)
+    }
+}
+
+impl Estimate for LoaderEstimate {
+    const COLUMNS: &'static [Column] = &[
+        Field("speed", l::STATE),
+        Field("front_wheel_speed", l::STATE),
+        Field("rear_wheel_speed", l::STATE),
+        Field("slip_stiffness", l::STATE),
+        Field("slip_stiffness_std", l::STATE),
+        Field("cg_height", l::STATE),
+        Field("cg_height_std", l::STATE),
+        Field("cg_ratio", l::STATE),
+        Field("cg_ratio_std", l::STATE),
+        Field("cg_distance", l::STATE),
+        Field("spade_force_x", l::ESTIMATED_SPADE_FORCE_X),
+        Field("spade_force_x_std", l::ESTIMATED_SPADE_FORCE_X),
+        Field("slope_bias", l::SLOPE_BIAS),
+        Field("front_radius_scale", l::RADIUS_SCALES),
+        Field("rear_radius_scale", l::RADIUS_SCALES),
+        Field("nis", 0),
+        Flag("excited_ratio", l::EXCITED_RATIO),
+        Flag("excited_height", l::EXCITED_HEIGHT),
+        Flag("consistent", l::CONSISTENT),
+        Flag("fresh", l::FRESH),
+        Flag("converged_ratio", l::CONVERGED_RATIO),
+        Flag("converged_height", l::CONVERGED_HEIGHT),
+        Flag("frozen", l::FROZEN),
+        Flag("reset", l::RESET),
+        Flag("trusted_ratio", l::TRUSTED_RATIO),
+        Flag("trusted_height", l::TRUSTED_HEIGHT),
+    ];
+    const EXTRA: (&'static [Column], u32) = (&[], 0);
+    const REFUSED: u32 = l::REFUSED;
+    const METHODS: &'static [&'static str] = LOADER_METHODS;
+    fn bits(&self) -> (u32, u32, u32) {
+        (self.flags, self.estimated, self.method)
+    }
+}
+
+/// Writes estimates as CSV, one row per accepted sample. The file appears under its name only when
+/// it is complete.
+pub struct EstimateWriter {
+    path: PathBuf,
+    /// Where it is written until then; none where the name is that of a device or a pipe.
+    beside: Option<PathBuf>,
+    out: BufWriter<File>,
+    columns: Vec<(Column, Option<usize>)>,
+    row: String,
+}
+
+impl EstimateWriter {
+    /// Begins a file with the columns of `E`; `extra` adds friction and offset.
+    ///
+    /// # Errors
+    /// The file cannot be created.
+    pub fn create<E: Estimate>(path: impl AsRef<Path>, extra: bool) -> Result<Self, Error> {
+        let path = path.as_ref().to_owned();
+        if path.is_dir() {
+            let is_folder = std::io::Error::from(std::io::ErrorKind::IsADirectory);
+            return Err(Error::system("write the estimates", &path, &is_folder));
+        }
+        let device = path.exists() && !path.is_file();
+        let beside = (!device).then(|| {
+            let mut name = path.as_os_str().to_owned();
+            name.push(".partial");
+            PathBuf::from(name)
+        });
+        let target = beside.as_ref().unwrap_or(&path);
+        let file =
+            File::create(target).map_err(|e| Error::system("write the estimates", target, &e))?;
+        let extra = if extra { E::EXTRA.0 } else { &[] };
+        let columns = E::COLUMNS.iter().chain(extra);
+        let mut writer = Self {
+            beside,
+            out: BufWriter::new(file),
+            columns: columns.map(|c| (*c, index::<E>(*c))).collect(),
+            row: String::from("t"),
+            path,
+        };
+        for (column, _) in &writer.columns {
+            let (Column::Value(name, _) | Column::Flag(name, _)) = column;
+            let _ = write!(writer.row, ",{name}");
+        }
+        writer.row.push_str(",method\n");
+        writer.put_row()?;
+        Ok(writer)
+    }
+
+    /// Whether an estimate has the extra columns.
+    #[must_use]
+    pub fn has_extra<E: Estimate>(estimate: &E) -> bool {
+        estimate.bits().1 & E::EXTRA.1 != 0
+    }
+
+    /// Adds an estimate; a refused row is left out.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn write<E: Estimate>(&mut self, estimate: &E) -> Result<(), Error> {
+        let (flags, estimated, method) = estimate.bits();
+        if flags & E::REFUSED != 0 {
+            return Ok(());
+        }
+        self.row.clear();
+        put_number(&mut self.row, estimate.stamp().time);
+        for (column, index) in &self.columns {
+            self.row.push(',');
+            match column {
+                Column::Flag(_, bit) => self.row.push(if flags & bit != 0 { '1' } else { '0' }),
+                Column::Value(_, bits) if estimated & bits != *bits => {}
+                Column::Value(..) => {
+                    if let Some(Value::F64(x)) = index.and_then(|i| estimate.get(i)) {
+                        put_number(&mut self.row, x);
+                    }
+                }
+            }
+        }
+        let name = E::METHODS.get(method as usize).copied().unwrap_or_default();
+        let _ = writeln!(self.row, ",{name}");
+        self.put_row()
+    }
+
+    /// Ends the file and gives it its name.
+    ///
+    /// # Errors
+    /// The file cannot be written; nothing is then left behind.
+    pub fn finish(mut self) -> Result<(), Error> {
+        let flushed = self.out.flush().and_then(|()| match &self.beside {
+            Some(_) => self.out.get_ref().sync_all(),
+            None => Ok(()),
+        });
+        flushed.map_err(|e| Error::system("write the estimates", &self.path, &e))?;
+        if let Some(beside) = self.beside.take() {
+            std::fs::rename(&beside, &self.path)
+                .map_err(|e| Error::system("write the estimates", &self.path, &e))?;
+        }
+        Ok(())
+    }
+
+    fn put_row(&mut self) -> Result<(), Error> {
+        let written = self.out.write_all(self.row.as_bytes());
+        written.map_err(|e| Error::system("write the estimates", &self.path, &e))
+    }
+}
+
+impl Drop for EstimateWriter {
+    /// A file that was not finished is removed.
+    fn drop(&mut self) {
+        if let Some(beside) = &self.beside {
+            let _ = std::fs::remove_file(beside);
+        }
+    }
+}
+
+fn index<E: Estimate>(column: Column) -> Option<usize> {
+    match column {
+        Column::Value(name, _) => E::index(name),
+        Column::Flag(..) => None,
+    }
+}
+
+/// The shortest text that reads back to the same number; nothing for what is no number.
+pub(crate) fn put_number(out: &mut String, x: f64) {
+    let plain = x == 0.0 || (1e-5..1e16).contains(&x.abs());
+    let _ = match x {
+        _ if !x.is_finite() => Ok(()),
+        _ if plain => write!(out, "{x}"),
+        _ => write!(out, "{x:e}"),
+    };
+}

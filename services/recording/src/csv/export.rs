@@ -1,0 +1,84 @@
+use std::fmt::Write as _;
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use messages::Value;
+
+use super::estimate::put_number;
+use crate::signal::sensor_bit;
+use crate::{Error, Reader, RecordedField};
+
+/// Writes each channel of a recording as a CSV file of its own into a folder, which is created if
+/// need be: `excavator/sensors` becomes `excavator_sensors.csv`. Columns are the recorded fields; a
+/// sample that a sensor did not give is an empty cell.
+///
+/// # Errors
+/// The recording is damaged, or the folder cannot be written.
+pub fn export(reader: &Reader, folder: impl AsRef<Path>) -> Result<Vec<PathBuf>, Error> {
+    let folder = folder.as_ref();
+    std::fs::create_dir_all(folder).map_err(|e| Error::system("create the folder", folder, &e))?;
+    let channels = reader.channels().into_iter();
+    channels
+        .map(|channel| one(reader, channel, folder))
+        .collect()
+}
+
+fn one(reader: &Reader, channel: &str, folder: &Path) -> Result<PathBuf, Error> {
+    let path = folder.join(format!("{}.csv", channel.replace('/', "_")));
+    let fail = |e: std::io::Error| Error::system("write the channel", &path, &e);
+    let mut out = BufWriter::new(File::create(&path).map_err(fail)?);
+    let fields = reader.fields(channel);
+    let names: Vec<&str> = fields.iter().map(|f| f.name.as_str()).collect();
+    writeln!(out, "{}", names.join(",")).map_err(fail)?;
+    let bits = bits(&fields);
+    let mut row = String::new();
+    let mut outcome = Ok(());
+    reader.for_each_value(channel, |_, values| {
+        row.clear();
+        let valid = bits.valid.map_or(u32::MAX, |at| values[at].as_f64() as u32);
+        for (i, value) in values.iter().enumerate() {
+            row.push_str(if i == 0 { "" } else { "," });
+            if bits.of[i] & valid == bits.of[i] {
+                put(&mut row, *value);
+            }
+        }
+        row.push('\n');
+        if outcome.is_ok() {
+            outcome = out.write_all(row.as_bytes());
+        }
+    })?;
+    outcome.and_then(|()| out.flush()).map_err(fail)?;
+    Ok(path)
+}
+
+/// Which fields a sample of sensors may lack: a missing signal is an empty cell, not a 0.
+struct Bits {
+    /// Position of `valid`, if these are sensors.
+    valid: Option<usize>,
+    /// For each field its bit, 0 if it is always there.
+    of: Vec<u32>,
+}
+
+fn bits(fields: &[RecordedField]) -> Bits {
+    let at = |name: &str| fields.iter().position(|f| f.name == name);
+    let valid = at("columns").and_then(|_| at("valid"));
+    let of = fields
+        .iter()
+        .map(|f| valid.map_or(0, |_| sensor_bit(&f.name)));
+    Bits {
+        valid,
+        of: of.collect(),
+    }
+}
+
+fn put(row: &mut String, value: Value) {
+    let _ = match value {
+        Value::F64(x) => {
+            put_number(row, x);
+            Ok(())
+        }
+        Value::U32(n) => write!(row, "{n}"),
+        Value::U64(n) => write!(row, "{n}"),
+    };
+}

@@ -1,0 +1,305 @@
+//! Signal maps: foreign names and units, and what is said when a name does not fit.
+
+use std::path::{Path, PathBuf};
+
+use messages::{ExcavatorSensors, excavator_bits as e};
+use recording::csv::read_excavator;
+use recording::{Error, Map, load_excavator, load_loader};
+
+fn map(text: &str) -> Result<Map, Error> {
+    Map::parse(text, "map.toml")
+}
+
+/// Reads a table through a map.
+fn through(text: &str, table: &str) -> Result<Vec<ExcavatorSensors>, Error> {
+    let dir = tempfile::tempdir().expect("a folder");
+    let path = dir.path().join("data.csv");
+    std::fs::write(&path, table).expect("writable");
+    let rows = read_excavator(path, Some(&map(text)?))?;
+    Ok(rows.into_iter().map(|(s, _)| s).collect())
+}
+
+#[test]
+fn columns_are_renamed_scaled_turned_and_shifted() {
+    let text = r#"[columns]
+t = { column = "ms", unit = "ms" }
+swing_velocity = { column = "n", unit = "rpm", sign = -1 }
+swing_torque = { column = "dp", unit = "bar", scale = 2e-3 }
+boom_angle = { column = "boom", unit = "deg", offset = 0.5 }
+arm_angle = { constant = -2.0 }
+bucket_angle = "none"
+"#;
+    let rows = through(text, "ms,n,dp,boom,bucket_angle\n500,60,100,90,1\n").expect("rows");
+    let row = rows[0];
+    assert_eq!(row.stamp.time, 0.5);
+    assert_eq!(row.swing_velocity, -core::f64::consts::TAU);
+    assert_eq!(row.swing_torque, 20_000.0); // 100 bar = 1e7 Pa, times 2e-3 N m/Pa
+    assert_eq!(row.boom_angle, core::f64::consts::FRAC_PI_2 + 0.5);
+    assert_eq!(row.arm_angle, -2.0);
+    assert_eq!(row.columns & e::BUCKET_ANGLE, 0);
+}
+
+#[test]
+fn a_column_of_hefts_own_name_needs_no_entry() {
+    let rows = through(
+        "[columns]\nswing_velocity = \"w\"\n",
+        "t,w,swing_torque\n0,1,2\n",
+    );
+    let row = rows.expect("rows")[0];
+    assert_eq!((row.swing_velocity, row.swing_torque), (1.0, 2.0));
+}
+
+#[test]
+fn names_that_do_not_fit_are_told_with_the_nearest_ones() {
+    let table = "t,swing_deg\n0,1\n";
+    let error =
+        through("[columns]\n\nswing_angle = \"swing_dge\"\n", table).expect_err("no such column");
+    assert_eq!(error.place, "map.toml:3");
+    assert_eq!(error.remedy, "did you mean swing_deg?");
+    let error =
+        through("[columns]\nswing_angel = \"swing_deg\"\n", table).expect_err("no such signal");
+    assert_eq!(
+        (error.place.as_str(), error.remedy.as_str()),
+        ("map.toml:2", "did you mean swing_angle?")
+    );
+    let error =
+        through("[columns]\nspeed = \"swing_deg\"\n", table).expect_err("of the other machine");
+    assert!(error.remedy.contains("swing_velocity"), "{error}");
+}
+
+#[test]
+fn a_unit_of_another_dimension_needs_a_scale() {
+    let text = "[columns]\nswing_angle = { column = \"x\", unit = \"mm\" }\n";
+    let error = through(text, "t,x\n0,1\n").expect_err("a length is no angle");
+    assert_eq!(error.what, "swing_angle is measured in rad, not in mm");
+    let text = "[columns]\nswing_angle = { column = \"x\", unit = \"mm\", scale = 2.0 }\n";
+    assert_eq!(
+        through(text, "t,x\n0,500\n").expect("rows")[0].swing_angle,
+        1.0
+    );
+}
+
+#[test]
+fn a_map_that_says_nonsense_is_refused_with_its_line() {
+    for (text, line, what) in [
+        ("", 1, "the map is empty"),
+        ("[columns\n", 1, ""),
+        ("\n[colums]\nt = \"x\"\n", 2, "a map has no table [colums]"),
+        (
+            "[columns]\nt = 5\n",
+            2,
+            "t does not say where it comes from",
+        ),
+        (
+            "[columns]\nt = { colum = \"x\" }\n",
+            2,
+            "a map has no key colum there",
+        ),
+        (
+            "[columns]\nt = { column = \"x\", unit = \"kmh\" }\n",
+            2,
+            "unknown unit kmh",
+        ),
+        (
+            "[columns]\nt = { column = \"x\", sign = 2 }\n",
+            2,
+            "sign is 2",
+        ),
+        (
+            "[columns]\nt = { column = \"x\", scale = \"2\" }\n",
+            2,
+            "scale is no number",
+        ),
+        ("[can]\nmaster = \"t\"\n", 1, "[can] names no DBC file"),
+        (
+            "[can]\ndbc = \"x.dbc\"\n",
+            1,
+            "[can] does not say when there is a row",
+        ),
+        (
+            "[can]\ndbc = \"x.dbc\"\nrate = 10\n",
+            1,
+            "[can] names no signals",
+        ),
+    ] {
+        let error = map(text).expect_err(text);
+        assert!(error.what.contains(what), "{error}");
+        assert_eq!(error.place, format!("map.toml:{line}"), "{error}");
+    }
+    assert!(Map::open("/nowhere/map.toml").is_err());
+}
+
+const DBC: &str = "BO_ 100 Swing: 8 X\n SG_ rate : 0|16@1- (0.001,0) [0|0] \"rad/s\" X\n\
+                   BO_ 101 Torque: 8 X\n SG_ torque : 7|16@0- (1,0) [0|0] \"N m\" X\n";
+
+/// Reads a CAN log through a map whose lines follow `[can]`.
+fn log(can: &str, signals: &str, frames: &str) -> Result<Vec<ExcavatorSensors>, Error> {
+    let dir = tempfile::tempdir().expect("a folder");
+    let path = dir.path().join("run.log");
+    std::fs::write(&path, frames).expect("writable");
+    std::fs::write(dir.path().join("swing.dbc"), DBC).expect("writable");
+    let text = format!("[can]\ndbc = \"swing.dbc\"\n{can}\n[can.signals]\n{signals}");
+    let map = Map::parse(&text, dir.path().join("map.toml"))?;
+    Ok(load_excavator(&path, Some(&map))?
+        .into_iter()
+        .map(|(s, _)| s)
+        .collect())
+}
+
+const SIGNALS: &str = "swing_velocity = { message = \"Swing\", signal = \"rate\" }\n\
+                       swing_torque = { message = \"Torque\", signal = \"torque\", unit = \"kN m\", sign = -1 }\n";
+const FRAMES: &str =
+    "(100.0) can0 065#0002\n(100.1) can0 064#E803\n(100.2) can0 064#D007\n(100.9) can0 064#0CFE\n";
+
+#[test]
+fn a_log_has_a_row_for_each_frame_of_the_master_and_holds_the_others() {
+    let rows = log("master = \"swing_velocity\"\nhold = 0.5", SIGNALS, FRAMES).expect("rows");
+    let times: Vec<f64> = rows
+        .iter()
+        .map(|r| (r.stamp.time * 1e9).round() / 1e9)
+        .collect();
+    assert_eq!(times, [0.1, 0.2, 0.9]);
+    assert_eq!(
+        rows.iter().map(|r| r.swing_velocity).collect::<Vec<_>>(),
+        [1.0, 2.0, -0.5]
+    );
+    assert_eq!(rows[1].swing_torque, -2000.0);
+    assert_eq!(
+        rows[2].valid,
+        e::SWING_VELOCITY,
+        "a torque of 0.9 s ago is missing"
+    );
+}
+
+#[test]
+fn a_log_can_be_read_at_a_rate() {
+    let rows = log("rate = 4", SIGNALS, FRAMES).expect("rows");
+    assert_eq!(
+        rows.iter().map(|r| r.stamp.time).collect::<Vec<_>>(),
+        [0.0, 0.25, 0.5, 0.75]
+    );
+    assert_eq!(rows[0].valid, e::SWING_TORQUE);
+    assert_eq!(rows[1].swing_velocity, 2.0);
+}
+
+#[test]
+fn can_names_that_do_not_fit_are_told_with_the_nearest_ones() {
+    let can = "master = \"swing_velocity\"";
+    let of = |message: &str, signal: &str| {
+        let signals =
+            format!("swing_velocity = {{ message = \"{message}\", signal = \"{signal}\" }}\n");
+        log(can, &signals, FRAMES).expect_err("a wrong name").remedy
+    };
+    assert_eq!(of("Swin", "rate"), "did you mean Swing?");
+    assert_eq!(of("Swing", "rat"), "did you mean rate?");
+    let silent = log(can, SIGNALS, "(1.0) can0 064#E803\n").expect_err("no torque ever");
+    assert!(
+        silent.what.ends_with("has no value of swing_torque"),
+        "{silent}"
+    );
+    let text = log(can, SIGNALS, "(1.0) can0 064#E803\nhello\n").expect_err("no frame");
+    assert!(text.place.ends_with("run.log:2"), "{text}");
+    assert!(
+        log(can, "swing_torque = { constant = 1.0 }\n", FRAMES).is_err(),
+        "no velocity"
+    );
+}
+
+/// The folder with data made by others, if there is one.
+fn data() -> Option<PathBuf> {
+    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data");
+    let folder = std::env::var_os("HEFT_DATA").map_or_else(|| beside.into(), PathBuf::from);
+    let there = folder.join("can").is_dir();
+    if !there {
+        println!(
+            "skipped: no data of others in {} (set HEFT_DATA)",
+            folder.display()
+        );
+    }
+    there.then_some(folder)
+}
+
+fn shipped(name: &str) -> Map {
+    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/maps"));
+    Map::open(folder.join(name)).expect("a shipped map")
+}
+
+/// Values of one column at the times of the published decoding.
+fn published(data: &Path, column: usize) -> Vec<(f64, f64)> {
+    let text = std::fs::read_to_string(data.join("can/truck_decoded_10Hz.csv")).expect("readable");
+    let number = |line: &str, i: usize| line.split(',').nth(i).and_then(|c| c.parse().ok());
+    let rows = text.lines().skip(1);
+    rows.map(|l| {
+        (
+            number(l, 0).expect("a time"),
+            number(l, column).expect("a value"),
+        )
+    })
+    .collect()
+}
+
+/// Linear interpolation of a series at `time`; none outside.
+fn interpolate(series: &[(f64, f64)], time: f64) -> Option<f64> {
+    let after = series.partition_point(|(t, _)| *t < time);
+    let ((t0, v0), (t1, v1)) = (series.get(after.checked_sub(1)?)?, series.get(after)?);
+    Some(v0 + (v1 - v0) * (time - t0) / (t1 - t0))
+}
+
+/// A driving truck's J1939 log against its published decoding at 10 Hz. That one interpolates
+/// between frames and is printed with six digits, hence the tolerance of 2e-5.
+#[test]
+fn a_trucks_log_decodes_as_published() {
+    let Some(data) = data() else { return };
+    type Get = fn(&messages::LoaderSensors) -> f64;
+    let signals: [(&str, usize, Get); 4] = [
+        ("front_wheel_speed", 1, |s| s.front_wheel_speed * 0.5 * 3.6),
+        ("speed", 6, |s| s.speed * 3.6),
+        ("rear_torque", 8, |s| s.rear_torque / 11.09),
+        ("rear_wheel_speed", 10, |s| {
+            s.rear_wheel_speed * 60.0 / core::f64::consts::TAU
+        }),
+    ];
+    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/maps"));
+    let text = std::fs::read_to_string(folder.join("truck.toml")).expect("a shipped map");
+    for (signal, column, get) in signals {
+        let text = text.replace(
+            "master = \"front_wheel_speed\"",
+            &format!("master = \"{signal}\""),
+        );
+        let map = Map::parse(&text, folder.join("truck.toml")).expect("a map");
+        let rows = load_loader(data.join("can/truck_normal_drive.log"), Some(&map)).expect("rows");
+        let series: Vec<(f64, f64)> = rows.iter().map(|(s, _)| (s.stamp.time, get(s))).collect();
+        let mut compared = 0;
+        for (time, expected) in published(&data, column) {
+            // The time is printed with six digits too: the value may be that of 50 us beside it.
+            let near = [-6e-5, 0.0, 6e-5].map(|d| interpolate(&series, time + d));
+            if let [Some(a), Some(b), Some(c)] = near {
+                let tolerance = 2e-5 * expected.abs().max(1.0);
+                let (low, high) = (a.min(b).min(c) - tolerance, a.max(b).max(c) + tolerance);
+                assert!(
+                    (low..=high).contains(&expected),
+                    "{signal} at {time}: {b} {expected}"
+                );
+                compared += 1;
+            }
+        }
+        assert!(compared >= 297, "{signal}: {compared}");
+    }
+}
+
+#[test]
+fn the_shipped_maps_read_the_data_of_others() {
+    let Some(data) = data() else { return };
+    let load = |file: &str, map: &str| {
+        load_excavator(data.join("recorded").join(file), Some(&shipped(map))).expect("rows")
+    };
+    let rows = load("emps_identification.csv", "emps.toml");
+    assert_eq!(rows.len(), 24_841);
+    assert_eq!(rows[1].0.swing_angle, 1.43e-5);
+    assert_eq!(rows[0].1.inertia, 95.1089);
+    let rows = load("hsm150_torque_steps.csv", "hsm150.toml");
+    assert_eq!(rows[1].0.swing_torque, 0.0683827);
+    let rows = load("excavator_boom_up_80.csv", "excavator_boom_up_80.toml");
+    assert_eq!(rows.len(), 892);
+    assert!((rows[0].0.boom_angle - -0.59523_f64.to_radians()).abs() < 1e-15);
+}

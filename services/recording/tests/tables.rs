@@ -1,0 +1,348 @@
+//! CSV in and out, and what is said of files that are not as they should be.
+
+use std::path::{Path, PathBuf};
+
+use messages::channels::EXCAVATOR_SENSORS;
+use messages::{
+    ExcavatorEstimate, ExcavatorSensors, ExcavatorTruth, LoaderEstimate, excavator_bits as e,
+    loader_bits as l,
+};
+use recording::csv::{EstimateWriter, export, read_excavator, read_loader};
+use recording::{Error, Map, Metadata, Reader, Writer, load_excavator};
+
+/// A file with this text in a folder of its own.
+fn file(text: impl AsRef<[u8]>) -> (tempfile::TempDir, PathBuf) {
+    let dir = tempfile::tempdir().expect("a folder for temporary files");
+    let path = dir.path().join("data.csv");
+    std::fs::write(&path, text).expect("writable");
+    (dir, path)
+}
+
+fn excavator(text: &str) -> Result<Vec<ExcavatorSensors>, Error> {
+    let (_dir, path) = file(text);
+    read_excavator(path, None).map(|rows| rows.into_iter().map(|(s, _)| s).collect())
+}
+
+fn golden(name: &str) -> PathBuf {
+    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/golden")).join(name)
+}
+
+#[test]
+fn a_table_becomes_samples_with_their_bits_and_the_truth() {
+    let rows = read_excavator(golden("excavator_input_base_case2.csv"), None).expect("a table");
+    assert_eq!(rows.len(), 481);
+    let (sensors, truth) = rows[2];
+    assert_eq!((sensors.stamp.sequence, sensors.stamp.time), (2, 5.02));
+    assert_eq!(
+        (sensors.swing_velocity, sensors.boom_angle),
+        (-0.00206532, 0.93508)
+    );
+    let all = 0b11_1101; // all but the swing angle
+    assert_eq!((sensors.valid, sensors.columns), (all, all));
+    assert_eq!(
+        (truth.inertia, truth.payload, truth.known),
+        (5584.36, 288.0, 0b111_1111)
+    );
+}
+
+#[test]
+fn the_loaders_table_has_its_optional_columns_as_bits() {
+    let rows = read_loader(golden("loader_input_S4_tierB.csv"), None).expect("a table");
+    let (sensors, truth) = rows[0];
+    assert_eq!((sensors.mass, truth.cg_ratio), (4770.5, 0.414194));
+    assert_eq!(sensors.columns & l::MASS, l::MASS);
+    assert_eq!(sensors.columns & (l::SPADE_FORCE_X | l::BOOM_MOVING), 0);
+    let rows = read_loader(golden("loader_input_S6_60s_tierA.csv"), None).expect("a table");
+    assert_eq!(rows[0].0.columns & l::BOOM_MOVING, l::BOOM_MOVING);
+    assert_eq!(
+        rows[0].0.valid & l::BOOM_MOVING,
+        0,
+        "it does not move there"
+    );
+}
+
+#[test]
+fn empty_cells_and_numbers_that_are_not_finite_are_missing() {
+    let rows = excavator("t,swing_velocity,swing_torque\n0,,1\n1,nan,2\n2,-inf,\n3,0.5,3\n")
+        .expect("a table");
+    let valid: Vec<u32> = rows.iter().map(|r| r.valid).collect();
+    let (velocity, torque) = (e::SWING_VELOCITY, e::SWING_TORQUE);
+    assert_eq!(valid, [torque, torque, 0, velocity | torque]);
+    assert_eq!(rows[0].swing_velocity, 0.0, "and 0 in the message");
+}
+
+#[test]
+fn rows_with_a_wrong_time_are_passed_on() {
+    let rows = excavator("t,swing_velocity\n0,1\n,2\n0,3\n-5,4\n1,5\n").expect("a table");
+    assert_eq!(rows.len(), 5);
+    assert!(rows[1].stamp.time.is_nan());
+    assert_eq!(
+        rows.iter().map(|r| r.stamp.sequence).collect::<Vec<_>>(),
+        [0, 1, 2, 3, 4]
+    );
+}
+
+#[test]
+fn an_optional_column_without_a_value_in_the_first_second_is_not_there() {
+    let late = excavator("t,swing_velocity,swing_torque\n0,1,\n1.5,1,7\n").expect("a table");
+    assert_eq!(late[0].columns, e::SWING_VELOCITY);
+    let early = excavator("t,swing_velocity,swing_torque\n0,1,\n0.5,1,7\n").expect("a table");
+    assert_eq!(early[0].columns, e::SWING_VELOCITY | e::SWING_TORQUE);
+}
+
+#[test]
+fn line_ends_marks_quotes_spaces_and_surplus_columns_do_no_harm() {
+    let text = "\u{feff}comment, t ,\"swing_velocity\"\r\n\"a, b\", 0.5 ,\"1e-3\"\r\nx,0.6,2\r\n";
+    let rows = excavator(text).expect("a table");
+    assert_eq!((rows[0].stamp.time, rows[0].swing_velocity), (0.5, 1e-3));
+    assert_eq!(rows[1].swing_velocity, 2.0);
+}
+
+#[test]
+fn a_missing_column_is_named_with_the_nearest_one() {
+    let error = excavator("t,swing_velocty\n0,1\n").expect_err("no velocity");
+    assert_eq!(
+        error.what,
+        "there is no column swing_velocity or swing_angle (excavator)"
+    );
+    assert!(
+        error.remedy.starts_with("rename column swing_velocty"),
+        "{error}"
+    );
+    assert!(error.place.ends_with("data.csv:1"));
+    assert!(excavator("swing_velocity\n1\n").is_err(), "no time");
+    let (_dir, path) = file("t,speed\n0,1\n");
+    let error = read_loader(path, None).expect_err("no wheels");
+    assert_eq!(error.what, "there is no column front_wheel_speed (loader)");
+}
+
+#[test]
+fn text_in_a_number_is_told_with_line_and_column() {
+    let error = excavator("t,swing_velocity\n0,1\n\n1,fast\n").expect_err("text");
+    assert_eq!(error.what, "\"fast\" is no number");
+    assert!(
+        error.place.ends_with("data.csv:4, column swing_velocity"),
+        "{error}"
+    );
+    assert_eq!(error.to_string().lines().count(), 3);
+}
+
+#[test]
+fn files_without_samples_are_refused() {
+    for (text, what) in [
+        ("", "the file is empty"),
+        (" \n\n", "the file is empty"),
+        ("t,swing_velocity\n", "the file has a header but no rows"),
+        ("t;swing_velocity\n0;1\n", "columns are separated by ';'"),
+        ("t,t,swing_velocity\n0,0,1\n", "two columns are called t"),
+        (
+            "t,swing_velocity\n0,1\n1\n",
+            "the row has 1 cells, the header 2",
+        ),
+        (
+            "t,swing_velocity\n0,1,5\n",
+            "the row has 3 cells, the header 2",
+        ),
+    ] {
+        assert_eq!(excavator(text).expect_err(what).what, what);
+    }
+    assert!(read_excavator("/nowhere/data.csv", None).is_err());
+    assert!(read_excavator("/", None).is_err());
+    let (_dir, path) = file([0, 159, 146, 150, 10, 1, 2, 3]);
+    assert!(read_excavator(path, None).is_err(), "no text at all");
+}
+
+fn estimate(n: u32) -> ExcavatorEstimate {
+    let mut estimate = ExcavatorEstimate {
+        inertia: 5000.1 + f64::from(n),
+        inertia_std: 1e-7,
+        velocity: 1.0 / 3.0,
+        flags: e::EXCITED | e::TRUSTED,
+        estimated: e::INERTIA,
+        method: 3,
+        ..Default::default()
+    };
+    estimate.stamp.time = 0.1 + f64::from(n);
+    estimate
+}
+
+#[test]
+fn estimates_have_the_columns_of_the_contract() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let path = dir.path().join("out.csv");
+    let mut writer = EstimateWriter::create::<ExcavatorEstimate>(&path, false).expect("a file");
+    writer.write(&estimate(0)).expect("room");
+    writer
+        .write(&ExcavatorEstimate {
+            flags: e::REFUSED,
+            ..estimate(1)
+        })
+        .expect("room");
+    writer
+        .write(&ExcavatorEstimate {
+            inertia: f64::NAN,
+            ..estimate(2)
+        })
+        .expect("room");
+    assert!(!path.exists(), "not before it is complete");
+    writer.finish().expect("room");
+    let text = std::fs::read_to_string(&path).expect("readable");
+    let lines: Vec<&str> = text.lines().collect();
+    assert_eq!(
+        lines[0],
+        "t,inertia,inertia_std,damping,damping_std,torque,torque_std,payload,payload_std,velocity,\
+         acceleration,excited,consistent,fresh,converged,identifiable,held,changing,reset,trusted,method"
+    );
+    assert_eq!(
+        lines[1],
+        "0.1,5000.1,1e-7,,,,,,,0.3333333333333333,,1,0,0,0,0,0,0,0,1,posture-torque"
+    );
+    assert!(lines[2].starts_with("2.1,,1e-7,"), "{}", lines[2]);
+    assert_eq!(lines.len(), 3);
+    assert_eq!(std::fs::read_dir(dir.path()).expect("readable").count(), 1);
+}
+
+#[test]
+fn friction_and_offset_are_added_where_they_are_estimated() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let path = dir.path().join("out.csv");
+    let row = ExcavatorEstimate {
+        friction: 20.0,
+        estimated: e::FRICTION,
+        ..estimate(0)
+    };
+    assert!(EstimateWriter::has_extra(&row) && !EstimateWriter::has_extra(&estimate(0)));
+    let mut writer = EstimateWriter::create::<ExcavatorEstimate>(&path, true).expect("a file");
+    writer.write(&row).expect("room");
+    writer.finish().expect("room");
+    let text = std::fs::read_to_string(&path).expect("readable");
+    assert!(text.contains(",trusted,friction,friction_std,offset,offset_std,method\n"));
+    assert!(text.ends_with(",1,20,0,,,posture-torque\n"), "{text}");
+}
+
+#[test]
+fn the_loaders_estimates_have_the_columns_of_the_contract() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let path = dir.path().join("out.csv");
+    let mut writer = EstimateWriter::create::<LoaderEstimate>(&path, false).expect("a file");
+    let row = LoaderEstimate {
+        cg_ratio: 0.45,
+        estimated: l::STATE,
+        ..Default::default()
+    };
+    writer.write(&row).expect("room");
+    writer.finish().expect("room");
+    let text = std::fs::read_to_string(&path).expect("readable");
+    assert_eq!(
+        text,
+        "t,speed,front_wheel_speed,rear_wheel_speed,slip_stiffness,slip_stiffness_std,cg_height,\
+         cg_height_std,cg_ratio,cg_ratio_std,cg_distance,spade_force_x,spade_force_x_std,slope_bias,\
+         front_radius_scale,rear_radius_scale,nis,excited_ratio,excited_height,consistent,fresh,\
+         converged_ratio,converged_height,frozen,reset,trusted_ratio,trusted_height,method\n\
+         0,0,0,0,0,0,0,0,0.45,0,0,,,,,,0,0,0,0,0,0,0,0,0,0,0,full\n"
+    );
+}
+
+#[test]
+fn an_unfinished_output_leaves_nothing_behind_and_an_unwritable_one_is_an_error() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let path = dir.path().join("out.csv");
+    let mut writer = EstimateWriter::create::<ExcavatorEstimate>(&path, false).expect("a file");
+    writer.write(&estimate(0)).expect("room");
+    drop(writer);
+    assert_eq!(std::fs::read_dir(dir.path()).expect("readable").count(), 0);
+    assert!(
+        EstimateWriter::create::<ExcavatorEstimate>(dir.path(), false).is_err(),
+        "a folder"
+    );
+    if Path::new("/dev/full").exists() {
+        let mut full =
+            EstimateWriter::create::<ExcavatorEstimate>("/dev/full", false).expect("a device");
+        let written = (0..10_000).try_for_each(|n| full.write(&estimate(n)));
+        assert!(
+            written
+                .and_then(|()| full.finish())
+                .is_err_and(|e| e.is_disk_full())
+        );
+    }
+}
+
+#[test]
+fn numbers_read_back_to_the_last_bit() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let path = dir.path().join("out.csv");
+    let values = [
+        0.1 + 0.2,
+        1e-300,
+        -1.5e22,
+        f64::MIN_POSITIVE,
+        123_456_789.123_456_79,
+        -0.0,
+    ];
+    let mut writer = EstimateWriter::create::<ExcavatorEstimate>(&path, false).expect("a file");
+    for value in values {
+        writer
+            .write(&ExcavatorEstimate {
+                velocity: value,
+                ..estimate(0)
+            })
+            .expect("room");
+    }
+    writer.finish().expect("room");
+    let text = std::fs::read_to_string(&path).expect("readable");
+    for (line, value) in text.lines().skip(1).zip(values) {
+        let cell = line.split(',').nth(9).expect("the velocity");
+        assert_eq!(
+            cell.parse::<f64>().map(f64::to_bits),
+            Ok(value.to_bits()),
+            "{cell}"
+        );
+    }
+}
+
+#[test]
+fn a_recording_exports_to_tables_and_loads_as_samples() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let run = dir.path().join("run.mcap");
+    let rows = read_excavator(golden("excavator_input_base_case2.csv"), None).expect("a table");
+    let mut writer = Writer::create(&run, &Metadata::new()).expect("a file");
+    for (sensors, truth) in &rows {
+        writer.write(&EXCAVATOR_SENSORS, sensors).expect("room");
+        writer
+            .write(&messages::channels::EXCAVATOR_TRUTH, truth)
+            .expect("room");
+    }
+    writer.finish().expect("room");
+    assert_eq!(load_excavator(&run, None).as_ref(), Ok(&rows));
+    let reader = Reader::open(&run).expect("a recording");
+    let files = export(&reader, dir.path().join("tables")).expect("room");
+    let again = read_excavator(&files[0], None).expect("an exported table is an input");
+    assert!(files[0].ends_with("excavator_sensors.csv"));
+    let values = |row: &(ExcavatorSensors, ExcavatorTruth)| {
+        let (s, _) = row;
+        (
+            s.stamp.time.to_bits(),
+            s.swing_torque.to_bits(),
+            s.valid,
+            s.columns,
+        )
+    };
+    assert!(
+        rows.iter().map(values).eq(again.iter().map(values)),
+        "missing samples stay missing"
+    );
+    assert!(recording::load_loader(&run, None).is_err_and(|e| e.what.contains("loader")));
+}
+
+#[test]
+fn the_kind_of_file_is_told_from_its_ending() {
+    let (_dir, path) = file("t,swing_velocity\n0,1\n");
+    assert!(load_excavator(&path, None).is_ok());
+    let other = path.with_extension("xlsx");
+    std::fs::rename(&path, &other).expect("renamed");
+    let error = load_excavator(&other, None).expect_err("not known");
+    assert_eq!(error.remedy, "give a file that ends in .csv, .mcap or .log");
+    assert!(load_excavator("x.log", None).is_err_and(|e| e.what == "a CAN log needs a signal map"));
+    let map = Map::parse("[columns]\nt = \"time\"\n", "m.toml").expect("a map");
+    assert!(load_excavator("x.mcap", Some(&map)).is_err_and(|e| e.remedy == "leave out --map"));
+}
