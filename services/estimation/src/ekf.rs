@@ -35,25 +35,33 @@ impl<const N: usize, const M: usize> Ekf<N, M> {
     /// The prediction before the process noise is added.
     #[inline(always)]
     pub fn images<P: Model<N, M>>(&self, model: &P) -> Images<N, M, 1> {
-        let seeded: [Dual<N>; N] = core::array::from_fn(|k| Dual::new(self.state[k], self.root[k]));
-        let (state, measurement) = model.predict(&seeded);
-        let state: [Dual<N>; N] =
-            core::array::from_fn(|k| if k < P::DYNAMIC { state[k] } else { seeded[k] });
-        let measurement: [Dual<N>; M] = core::array::from_fn(|p| {
-            if p < P::DIRECT {
-                state[p]
-            } else {
-                measurement[p]
-            }
-        });
-        Images {
-            state: state.map(|x| x.value),
-            measurement: measurement.map(|y| y.value),
-            rows: state.map(|x| [x.derivative]),
-            measured: measurement.map(|y| [y.derivative]),
+        let mut seeded = [Dual::new(0.0, [0.0; N]); N];
+        for k in 0..N {
+            seeded[k] = Dual::new(self.state[k], self.root[k]);
+        }
+        let (next, measured) = model.predict(&seeded);
+        let mut images = Images {
+            state: self.state,
+            measurement: [0.0; M],
+            rows: [[[0.0; N]; 1]; N],
+            measured: [[[0.0; N]; 1]; M],
             noise_coupling: model.noise_coupling(),
             direct: P::DIRECT,
+        };
+        for k in 0..N {
+            let image = if k < P::DYNAMIC { &next[k] } else { &seeded[k] };
+            images.state[k] = image.value;
+            images.rows[k] = [image.derivative];
         }
+        for p in 0..M {
+            images.measurement[p] = if p < P::DIRECT {
+                images.state[p]
+            } else {
+                measured[p].value
+            };
+            images.measured[p] = [measured[p].derivative];
+        }
+        images
     }
 
     /// Takes over the result of an update.

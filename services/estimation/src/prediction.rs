@@ -62,7 +62,8 @@ impl<const N: usize, const M: usize> Update<N, M> {
     }
 }
 
-/// The Givens rotations that fold the entries of one measurement row into its noise.
+/// The Givens rotations that fold the leading entries of one measurement row into its noise.
+#[derive(Clone, Copy)]
 struct Rotations<const K: usize> {
     cosine: [f64; K],
     sine: [f64; K],
@@ -71,28 +72,36 @@ struct Rotations<const K: usize> {
 }
 
 impl<const K: usize> Rotations<K> {
-    /// For the first `len` entries of a row, from the last to the first. The partial sums come first, so the square roots
-    /// do not wait for each other.
+    /// Rotations that change nothing: a measurement that is not used.
+    const NONE: Self = Self {
+        cosine: [1.0; K],
+        sine: [0.0; K],
+        norm: 0.0,
+    };
+
+    /// Folds the row from its last entry to the first, so that rotated rows stay triangular. The partial sums come first:
+    /// the square roots do not wait for each other.
     #[inline(always)]
-    fn of(row: &[f64; K], len: usize, pivot: f64) -> Self {
-        let (mut cosine, mut sine) = ([1.0; K], [0.0; K]);
-        let mut sum = pivot * pivot;
-        let mut norm = pivot;
-        for i in (0..len).rev() {
+    fn of(row: &[f64; K], std: f64) -> Self {
+        let mut rotations = Self::NONE;
+        let mut sum = std * std;
+        let mut norm = std;
+        for i in (0..K).rev() {
             sum += row[i] * row[i];
             let next = sqrt(sum);
             let reciprocal = 1.0 / next;
-            cosine[i] = norm * reciprocal;
-            sine[i] = row[i] * reciprocal;
+            rotations.cosine[i] = norm * reciprocal;
+            rotations.sine[i] = row[i] * reciprocal;
             norm = next;
         }
-        Self { cosine, sine, norm }
+        rotations.norm = norm;
+        rotations
     }
 
-    /// Rotates the first `len` entries of another row with its entry in the pivot column, and returns that entry.
+    /// Rotates another row with its entry in the pivot column, and returns that entry.
     #[inline(always)]
-    fn apply(&self, row: &mut [f64; K], len: usize, mut pivot: f64) -> f64 {
-        for i in (0..len).rev() {
+    fn apply(&self, row: &mut [f64; K], mut pivot: f64) -> f64 {
+        for i in (0..K).rev() {
             let entry = row[i];
             row[i] = self.cosine[i] * entry - self.sine[i] * pivot;
             pivot = self.cosine[i] * pivot + self.sine[i] * entry;
@@ -123,7 +132,7 @@ pub struct Images<const N: usize, const M: usize, const B: usize> {
 impl<const N: usize, const M: usize, const B: usize> Images<N, M, B> {
     /// Adds the process noise of the step and triangularises.
     #[inline(always)]
-    pub fn predict(mut self, process_std: &[f64; N]) -> Prediction<N, M> {
+    pub fn predict(&mut self, process_std: &[f64; N]) -> Prediction<N, M> {
         let mut coupling = self.noise_coupling;
         for row in &mut coupling[self.direct..] {
             for (g, q) in row.iter_mut().zip(process_std) {
@@ -163,14 +172,13 @@ impl<const N: usize, const M: usize> Prediction<N, M> {
     /// Absorbs the accepted measurements.
     ///
     /// `innovation` is y - y^ and `std` the measurement noise, which must be positive where accepted.
-    #[inline]
+    #[inline(always)]
     pub fn update(
         &self,
         innovation: &[f64; M],
         std: &[f64; M],
         accepted: &[bool; M],
     ) -> Update<N, M> {
-        let mut work = *self;
         let mut out = Update {
             state: self.state,
             root: [[0.0; N]; N],
@@ -178,56 +186,116 @@ impl<const N: usize, const M: usize> Prediction<N, M> {
             gain_root: [[0.0; M]; N],
             whitened: [0.0; M],
         };
-        let mut left = *innovation;
-        for j in 0..M {
-            if accepted[j] {
-                work.absorb(j, &mut left, std[j], &mut out);
+        let rotations = self.direct_rotations(innovation, std, accepted, &mut out);
+        for k in 0..N {
+            // Row k of a lower-triangular root; a measured state has no entry beyond column M - 1.
+            let mut row = self.root[k];
+            let mut head = leading(&row);
+            for j in 0..self.direct {
+                let gain = rotations[j].apply(&mut head, 0.0);
+                out.gain_root[k][j] = gain;
+                out.state[k] += gain * out.whitened[j];
             }
+            set_leading(&mut row, &head);
+            out.root[k] = row;
         }
-        out.root = work.root;
+        if self.direct < M {
+            self.update_indirect(&rotations, innovation, std, accepted, &mut out);
+        }
         out
     }
 
-    /// Folds measurement j into the root and moves the state by what it says.
+    /// The measurements of states themselves: their rotations and whitened innovations.
+    ///
+    /// Row j of S^- has j + 1 entries. Before its own rotations it undergoes those of the measurements before it, just as
+    /// the row of the state does.
     #[inline(always)]
-    fn absorb(&mut self, j: usize, left: &mut [f64; M], std: f64, out: &mut Update<N, M>) {
-        let mut pivots = [0.0; M];
-        let (row, len, noise) = if j < self.direct {
-            (self.root[j], j + 1, std)
-        } else {
-            (
-                self.coupling[j],
-                N,
-                self.absorb_independent(j, std, &mut pivots),
-            )
-        };
-        let rotations = Rotations::of(&row, len, noise);
-        let z = left[j] / rotations.norm;
-        out.whitened[j] = z;
-        out.innovation_root[j][j] = rotations.norm;
-        for k in 0..N {
-            let gain = rotations.apply(&mut self.root[k], len.min(k + 1), 0.0);
-            out.gain_root[k][j] = gain;
-            out.state[k] += gain * z;
+    fn direct_rotations(
+        &self,
+        innovation: &[f64; M],
+        std: &[f64; M],
+        accepted: &[bool; M],
+        out: &mut Update<N, M>,
+    ) -> [Rotations<M>; M] {
+        let mut rotations = [Rotations::NONE; M];
+        for j in 0..self.direct {
+            if !accepted[j] {
+                continue;
+            }
+            let mut row: [f64; M] =
+                core::array::from_fn(|i| if i <= j { self.root[j][i] } else { 0.0 });
+            let mut left = innovation[j];
+            for i in 0..j {
+                let gain = rotations[i].apply(&mut row, 0.0);
+                out.innovation_root[j][i] = gain;
+                left -= gain * out.whitened[i];
+            }
+            rotations[j] = Rotations::of(&row, std[j]);
+            out.innovation_root[j][j] = rotations[j].norm;
+            out.whitened[j] = left / rotations[j].norm;
         }
-        for p in j + 1..M {
-            let gain = if p < self.direct {
-                out.gain_root[p][j]
-            } else {
-                rotations.apply(&mut self.coupling[p], len, pivots[p])
-            };
-            out.innovation_root[p][j] = gain;
-            left[p] -= gain * z;
-        }
+        rotations
     }
 
-    /// Folds the part of measurement j that no state explains into its noise.
-    #[inline(always)]
-    fn absorb_independent(&mut self, j: usize, std: f64, pivots: &mut [f64; M]) -> f64 {
-        let rotations = Rotations::of(&self.independent[j], j + 1, std);
-        for (row, pivot) in self.independent.iter_mut().zip(pivots).skip(j + 1) {
-            *pivot = rotations.apply(row, j + 1, 0.0);
+    /// The other measurements: first their part that no state explains, then the columns of the states.
+    fn update_indirect(
+        &self,
+        direct: &[Rotations<M>; M],
+        innovation: &[f64; M],
+        std: &[f64; M],
+        accepted: &[bool; M],
+        out: &mut Update<N, M>,
+    ) {
+        let (mut coupling, mut independent) = (self.coupling, self.independent);
+        let mut left = *innovation;
+        for p in self.direct..M {
+            let mut head = leading(&coupling[p]);
+            for j in 0..self.direct {
+                let gain = direct[j].apply(&mut head, 0.0);
+                out.innovation_root[p][j] = gain;
+                left[p] -= gain * out.whitened[j];
+            }
+            set_leading(&mut coupling[p], &head);
         }
-        rotations.norm
+        for j in self.direct..M {
+            if !accepted[j] {
+                out.innovation_root[j] = [0.0; M];
+                continue;
+            }
+            let alone = Rotations::of(&independent[j], std[j]);
+            let shared = Rotations::of(&coupling[j], alone.norm);
+            out.innovation_root[j][j] = shared.norm;
+            let z = left[j] / shared.norm;
+            out.whitened[j] = z;
+            for k in 0..N {
+                let gain = shared.apply(&mut out.root[k], 0.0);
+                out.gain_root[k][j] = gain;
+                out.state[k] += gain * z;
+            }
+            for p in j + 1..M {
+                let pivot = alone.apply(&mut independent[p], 0.0);
+                let gain = shared.apply(&mut coupling[p], pivot);
+                out.innovation_root[p][j] = gain;
+                left[p] -= gain * z;
+            }
+        }
+    }
+}
+
+/// The first `K` entries of a row, or all and zeros.
+#[inline(always)]
+fn leading<const N: usize, const K: usize>(row: &[f64; N]) -> [f64; K] {
+    let mut head = [0.0; K];
+    for (h, x) in head.iter_mut().zip(row) {
+        *h = *x;
+    }
+    head
+}
+
+/// Writes the first `K` entries of a row back.
+#[inline(always)]
+fn set_leading<const N: usize, const K: usize>(row: &mut [f64; N], head: &[f64; K]) {
+    for (x, h) in row.iter_mut().zip(head) {
+        *x = *h;
     }
 }

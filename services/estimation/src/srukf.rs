@@ -94,11 +94,14 @@ impl<const N: usize, const M: usize> SquareRootUkf<N, M> {
         let mut images = Images {
             state: self.state,
             measurement: center_measured,
-            rows: self.root.map(|row| [row, [0.0; N]]),
+            rows: [[[0.0; N]; 2]; N],
             measured: [[[0.0; N]; 2]; M],
             noise_coupling: model.noise_coupling(),
             direct: P::DIRECT,
         };
+        for k in P::DYNAMIC..N {
+            images.rows[k][0] = self.root[k];
+        }
         let (mut shift, mut shift_measured) = ([0.0; N], [0.0; M]);
         for i in 0..N {
             let offset: [f64; N] = core::array::from_fn(|k| self.weights.scale * self.root[k][i]);

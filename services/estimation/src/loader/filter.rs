@@ -233,7 +233,7 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
     /// The consistent step with every rule of the tuning.
     fn update<const B: usize>(
         &mut self,
-        images: Images<N, M, B>,
+        mut images: Images<N, M, B>,
         model: &CgModel,
         sample: &Sample,
         step: &StepInputs,
