@@ -5,6 +5,7 @@
 
 mod error;
 pub mod excavator;
+pub mod loader;
 mod options;
 mod parallel;
 pub mod statistics;
@@ -20,4 +21,12 @@ pub use parallel::seeds;
 /// The table is unknown, or the estimators refuse their settings.
 pub fn excavator(options: &Options) -> Result<Report, Error> {
     excavator::evaluate(options)
+}
+
+/// Evaluates the loader's estimators.
+///
+/// # Errors
+/// The table is unknown, or the estimators refuse their settings.
+pub fn loader(options: &Options) -> Result<Report, Error> {
+    loader::evaluate(options)
 }

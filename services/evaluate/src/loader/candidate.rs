@@ -1,0 +1,207 @@
+//! The filters under comparison: which method, with which tuning, told what.
+
+use estimation::loader::settings::{Inflation, ProcessNoise};
+use estimation::loader::{
+    CgEstimator, Columns, LoadTransfer, Machine, Method, Payload, Prior, Sample, Sensors, Settings,
+    SettingsError, Tuning,
+};
+use sim::loader::{Grade, Row, Told};
+
+/// One filter under comparison.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Candidate {
+    /// Name in the tables.
+    pub name: &'static str,
+    method: Method,
+    tuning: Tuning,
+    prior_radius_std: f64,
+    prior_height_std: f64,
+    /// Start from the truth instead of the initial guess.
+    start_at_truth: bool,
+    /// The wheel speeds are corrected with radii that were calibrated before.
+    warm: bool,
+    /// The payload is told by the weighing system.
+    weighed: bool,
+}
+
+impl Candidate {
+    const fn new(name: &'static str, method: Method, tuning: Tuning) -> Self {
+        Self {
+            name,
+            method,
+            tuning,
+            prior_radius_std: 0.005,
+            prior_height_std: 0.10,
+            start_at_truth: false,
+            warm: false,
+            weighed: false,
+        }
+    }
+
+    /// The paper's filter as printed.
+    pub const PRINTED: Self = Self::new("ISR-UKF printed", Method::IsrUkfPrinted, Tuning::paper());
+    /// The paper's filter with gain and covariance that agree.
+    pub const JOINT: Self = Self::new("ISR-UKF", Method::IsrUkf, Tuning::paper());
+    /// The paper's baseline.
+    pub const EKF: Self = Self::new("EKF", Method::Ekf, Tuning::paper());
+    /// Six states with the tuning that suits an exactly known machine.
+    pub const TUNED: Self = Self::new("tuned 6 states", Method::IsrUkf, Tuning::tuned());
+    /// The product, nothing calibrated.
+    pub const COLD: Self = Self::new("full, cold", Method::Full, Tuning::recommended());
+    /// The product with rolling radii known to 5e-4.
+    pub const WARM: Self = Self {
+        warm: true,
+        prior_radius_std: 5e-4,
+        ..Self::new("full, warm", Method::Full, Tuning::recommended())
+    };
+    /// The product that is told the payload.
+    pub const WEIGHED: Self = Self {
+        weighed: true,
+        ..Self::new("full, weighed", Method::Full, weighed_tuning())
+    };
+
+    /// The filter of the demonstration about the sign of the load transfer: height held, everything else known.
+    pub const fn sign(load_transfer: LoadTransfer) -> Self {
+        let tuning = Tuning {
+            load_transfer,
+            noise: ProcessNoise {
+                speed: 1e-3,
+                wheel_speed: 2e-3,
+                slip_stiffness: 1e-4,
+                cg_height: 1e-6,
+                cg_ratio: 1e-3,
+                ..Tuning::tuned().noise
+            },
+            inflation: Inflation {
+                radius_ripple: 0.0,
+                ..Tuning::tuned().inflation
+            },
+            clamps: None,
+            ..Tuning::tuned()
+        };
+        let name = match load_transfer {
+            LoadTransfer::Physical => "physical",
+            LoadTransfer::Printed => "printed",
+        };
+        Self {
+            prior_height_std: 0.01,
+            start_at_truth: true,
+            ..Self::new(name, Method::IsrUkf, tuning)
+        }
+    }
+
+    /// The settings that follow from what is told.
+    pub fn settings(&self, told: &Told, first: &Row) -> Settings {
+        let mut prior = Prior {
+            slip_stiffness: told.slip_stiffness,
+            cg_height: told.cg_height.max(0.3),
+            cg_ratio: told.cg_ratio,
+            cg_height_std: self.prior_height_std,
+            radius_std: self.prior_radius_std,
+            ..Prior::default()
+        };
+        if self.start_at_truth {
+            prior.slip_stiffness = first.truth.slip_stiffness;
+            prior.cg_height = first.truth.cg_height;
+            prior.cg_ratio = first.truth.cg_ratio;
+        }
+        Settings {
+            machine: machine(told),
+            sensors: sensors(told.grade),
+            prior,
+            tuning: Some(self.tuning),
+            ..Settings::default()
+        }
+    }
+
+    /// A filter that waits for the first row.
+    pub fn estimator(&self, told: &Told, first: &Row) -> Result<CgEstimator, SettingsError> {
+        let columns = Columns {
+            acceleration: true,
+            mass: first.mass.is_some(),
+            spade_force: first.spade_force_z.is_some(),
+            boom_moving: first.boom_moving.is_some() && !self.weighed,
+        };
+        CgEstimator::new(&self.settings(told, first), self.method, columns)
+    }
+
+    /// What this filter gets to see of a row.
+    pub fn sample(&self, told: &Told, row: &Row) -> Sample {
+        let mut sample = sample(row);
+        if self.warm {
+            let scale = |value: &mut Option<f64>, by: f64| *value = value.map(|v| v * by);
+            // The same rim speed and the same tyre force on a wheel of nominal radius.
+            scale(&mut sample.front_wheel_speed, 1.0 + told.front_radius_error);
+            scale(&mut sample.rear_wheel_speed, 1.0 + told.rear_radius_error);
+            scale(
+                &mut sample.front_torque,
+                1.0 / (1.0 + told.front_radius_error),
+            );
+            scale(
+                &mut sample.rear_torque,
+                1.0 / (1.0 + told.rear_radius_error),
+            );
+        }
+        sample.boom_moving &= !self.weighed;
+        sample
+    }
+
+    /// What the weighing system tells this filter before a row.
+    pub fn payload(&self, row: &Row) -> Option<Payload> {
+        let p = &row.payload;
+        self.weighed
+            .then(|| Payload::new(p.mass, p.height, p.reach))
+    }
+}
+
+const fn weighed_tuning() -> Tuning {
+    let mut tuning = Tuning::recommended();
+    if let Some(digging) = &mut tuning.digging {
+        // A payload that is told moves no state: nothing to reopen.
+        digging.reopen = 0.0;
+        digging.boom_gain = 1.0;
+    }
+    tuning
+}
+
+fn machine(told: &Told) -> Machine {
+    Machine {
+        mass: told.mass,
+        wheel_radius: told.wheel_radius,
+        axle_inertia: told.axle_inertia,
+        wheelbase: told.wheelbase,
+        bucket_reach: told.bucket_reach,
+        rolling_resistance: told.rolling_resistance,
+        friction: told.friction,
+        radius_load_sensitivity: told.radius_load_sensitivity,
+        ..Machine::default()
+    }
+}
+
+fn sensors(grade: Grade) -> Sensors {
+    Sensors {
+        speed_std: grade.speed_std(),
+        wheel_speed_std: grade.wheel_speed_std(),
+        slope_std: grade.slope_std(),
+        acceleration_std: grade.acceleration_std(),
+        ..Sensors::default()
+    }
+}
+
+/// A row as the estimator takes it.
+fn sample(row: &Row) -> Sample {
+    Sample {
+        time: row.time,
+        speed: Some(row.speed),
+        front_wheel_speed: Some(row.front_wheel_speed),
+        rear_wheel_speed: Some(row.rear_wheel_speed),
+        front_torque: Some(row.front_torque),
+        rear_torque: Some(row.rear_torque),
+        slope: Some(row.slope),
+        acceleration: Some(row.acceleration),
+        mass: row.mass,
+        spade_force_x: row.spade_force_x,
+        spade_force_z: row.spade_force_z,
+        boom_moving: row.boom_moving.unwrap_or(false),
+    }
+}

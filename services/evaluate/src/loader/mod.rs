@@ -1,0 +1,94 @@
+//! The loader: the paper's conditions, what it does not show, and our targets.
+//!
+//! | table | shows |
+//! |---|---|
+//! | `conditions` | ISR-UKF against EKF under the paper's conditions, next to the published errors |
+//! | `sign` | that the printed sign of the load transfer makes a rigid centre of gravity seem to move |
+//! | `height` | when the height is observable, and what the interval says when it is not |
+//! | `tiers` | the targets on a known machine (tier A) and on a real one (tier B) |
+//! | `robustness` | bad input, and runs without divergence |
+//! | `observability` | which parameter is weak, along a manoeuvre |
+
+mod candidate;
+mod conditions;
+mod height;
+mod observability;
+mod robustness;
+mod score;
+mod sign;
+mod tiers;
+mod trial;
+
+use crate::{Error, Options, Report};
+
+type Evaluate = fn(&Options) -> Result<Report, Error>;
+
+const TABLES: [(&str, Evaluate); 6] = [
+    ("conditions", conditions::evaluate),
+    ("sign", sign::evaluate),
+    ("height", height::evaluate),
+    ("tiers", tiers::evaluate),
+    ("robustness", robustness::evaluate),
+    ("observability", observability::evaluate),
+];
+
+/// One table, whose JSON is that table's; or all of them, whose JSON has one key per table.
+pub(crate) fn evaluate(options: &Options) -> Result<Report, Error> {
+    if let Some(name) = &options.table {
+        let table = TABLES.iter().find(|table| table.0 == name);
+        let known = || TABLES.iter().map(|table| table.0).collect();
+        let (_, evaluate) = table.ok_or_else(|| Error::UnknownTable {
+            name: name.clone(),
+            known: known(),
+        })?;
+        return evaluate(options);
+    }
+    let mut all = Report {
+        text: String::new(),
+        json: serde_json::json!({}),
+        met: true,
+    };
+    for (name, evaluate) in TABLES {
+        let report = evaluate(options)?;
+        all.text += &report.text;
+        all.text.push('\n');
+        all.json[name] = report.json;
+        all.met &= report.met;
+    }
+    Ok(all)
+}
+
+/// The same options with fewer seeds, for long runs.
+fn fewer(options: &Options, divisor: usize) -> Options {
+    Options {
+        seeds: options.seeds.div_ceil(divisor),
+        ..options.clone()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table(name: &str, seeds: usize) -> Report {
+        evaluate(&Options {
+            table: Some(name.to_owned()),
+            seeds,
+            ..Options::default()
+        })
+        .unwrap()
+    }
+
+    #[test]
+    fn an_unknown_table_is_an_error_that_names_the_known_ones() {
+        let options = Options {
+            table: Some("weight".to_owned()),
+            ..Options::default()
+        };
+        let message = evaluate(&options).unwrap_err().to_string();
+        assert!(
+            message.contains("weight") && message.contains("conditions"),
+            "{message}"
+        );
+    }
+}

@@ -1,0 +1,238 @@
+//! The targets, on a known machine (tier A) and on a real one (tier B), resolver-grade wheel speeds.
+//!
+//! JSON: `[{"tier", "scenario", "filter", "ratio", "height", "diverged", "runs", "met"}]`; `met` is null without a target.
+
+use serde_json::{Value, json};
+use sim::loader::{Run, Scenario, Tier};
+
+use super::candidate::Candidate;
+use super::score::{Errors, Summary};
+use super::{fewer, trial};
+use crate::text::{Table, plain, verdict};
+use crate::{Error, Options, Report, seeds};
+
+/// Upper limits [percent]; what is infinite is no target.
+#[derive(Clone, Copy, Debug)]
+struct Limits {
+    median: f64,
+    p95: f64,
+    rms: f64,
+}
+
+const NONE: Limits = Limits {
+    median: f64::INFINITY,
+    p95: f64::INFINITY,
+    rms: f64::INFINITY,
+};
+
+impl Limits {
+    fn hold(self, errors: &Errors) -> bool {
+        errors.median <= self.median && errors.p95 <= self.p95 && errors.rms <= self.rms
+    }
+
+    fn text(self) -> String {
+        let parts = [
+            ("median", self.median),
+            ("p95", self.p95),
+            ("rms", self.rms),
+        ];
+        let parts = parts
+            .iter()
+            .filter(|p| p.1.is_finite())
+            .map(|p| format!("{} {}", p.0, p.1));
+        parts.collect::<Vec<_>>().join(", ")
+    }
+}
+
+/// One line of the table.
+#[derive(Clone, Copy, Debug)]
+struct Case {
+    tier: Tier,
+    scenario: Scenario,
+    filter: Candidate,
+    ratio: Limits,
+    height: Limits,
+    /// Least share of rows whose interval holds the truth, for both parameters.
+    coverage: f64,
+}
+
+impl Case {
+    const fn new(tier: Tier, scenario: Scenario, filter: Candidate) -> Self {
+        Self {
+            tier,
+            scenario,
+            filter,
+            ratio: NONE,
+            height: NONE,
+            coverage: 0.0,
+        }
+    }
+
+    const fn ratio(mut self, median: f64, p95: f64, rms: f64) -> Self {
+        self.ratio = Limits { median, p95, rms };
+        self
+    }
+
+    const fn height(mut self, p95: f64, rms: f64) -> Self {
+        self.height = Limits { p95, rms, ..NONE };
+        self
+    }
+
+    const fn covered(mut self) -> Self {
+        self.coverage = 0.93;
+        self
+    }
+
+    fn has_target(&self) -> bool {
+        self.coverage > 0.0
+            || [self.ratio, self.height]
+                .iter()
+                .any(|l| !l.text().is_empty())
+    }
+
+    fn holds(&self, summary: &Summary) -> bool {
+        let covered = summary.ratio.coverage.min(summary.height.coverage) >= self.coverage;
+        self.ratio.hold(&summary.ratio) && self.height.hold(&summary.height) && covered
+    }
+}
+
+const INF: f64 = f64::INFINITY;
+
+/// The lines; consecutive ones of the same tier and scenario share their runs.
+const CASES: [Case; 24] = {
+    use Scenario::{AccelDecel, Bumpy, ConstantTorque, Digging, LoadCycle, Spading, WorkCycle};
+    use Tier::{A, B};
+    [
+        Case::new(A, Bumpy, Candidate::PRINTED),
+        Case::new(A, Bumpy, Candidate::TUNED),
+        Case::new(A, Bumpy, Candidate::COLD),
+        Case::new(A, AccelDecel, Candidate::PRINTED),
+        Case::new(A, AccelDecel, Candidate::TUNED).ratio(1.5, 3.0, INF),
+        Case::new(A, AccelDecel, Candidate::COLD),
+        Case::new(A, WorkCycle, Candidate::TUNED)
+            .ratio(INF, 0.5, INF)
+            .height(4.5, INF),
+        Case::new(A, WorkCycle, Candidate::COLD),
+        Case::new(B, Bumpy, Candidate::PRINTED),
+        Case::new(B, Bumpy, Candidate::EKF),
+        Case::new(B, Bumpy, Candidate::COLD)
+            .ratio(3.2, 9.2, INF)
+            .covered(),
+        Case::new(B, Spading, Candidate::COLD),
+        Case::new(B, Digging, Candidate::COLD),
+        Case::new(B, ConstantTorque, Candidate::COLD),
+        Case::new(B, AccelDecel, Candidate::PRINTED),
+        Case::new(B, AccelDecel, Candidate::EKF),
+        // The sampling spread of the median is 0.3 points.
+        Case::new(B, AccelDecel, Candidate::COLD)
+            .ratio(3.3, 6.0, INF)
+            .covered(),
+        Case::new(B, AccelDecel, Candidate::WARM),
+        Case::new(A, LoadCycle, Candidate::WEIGHED),
+        Case::new(B, LoadCycle, Candidate::COLD),
+        Case::new(B, LoadCycle, Candidate::WEIGHED).ratio(2.8, 6.6, INF),
+        Case::new(B, WorkCycle, Candidate::TUNED),
+        Case::new(B, WorkCycle, Candidate::COLD)
+            .ratio(INF, 3.5, 1.8)
+            .height(11.0, 4.0)
+            .covered(),
+        Case::new(B, WorkCycle, Candidate::WARM),
+    ]
+};
+
+/// A work cycle takes ten times as long as the other scenarios.
+const FEWER_WORK_CYCLES: usize = 4;
+
+pub(super) fn evaluate(options: &Options) -> Result<Report, Error> {
+    let header = [
+        "tier, scenario",
+        "filter",
+        "runs",
+        "ratio",
+        "rms",
+        "covered",
+        "height",
+        "rms",
+        "covered",
+        "diverged",
+        "target",
+        "",
+    ];
+    let mut table = Table::new(&header);
+    let (mut json, mut met) = (Vec::new(), true);
+    for group in CASES.chunk_by(|a, b| (a.tier, a.scenario) == (b.tier, b.scenario)) {
+        for (case, summary) in group.iter().zip(run(options, group)?) {
+            let passed = case.has_target().then(|| case.holds(&summary));
+            met &= passed != Some(false);
+            table.row(line(case, &summary, passed));
+            json.push(record(case, &summary, passed));
+        }
+    }
+    let text = format!(
+        "Targets: largest error [%] in the window, median (p95) over the runs; rms error [%]; 95 % interval coverage [%]\n{table}"
+    );
+    Ok(Report {
+        text,
+        json: Value::Array(json),
+        met,
+    })
+}
+
+fn run(options: &Options, group: &[Case]) -> Result<Vec<Summary>, Error> {
+    let Case { tier, scenario, .. } = group[0];
+    let filters: Vec<Candidate> = group.iter().map(|case| case.filter).collect();
+    let long = scenario == Scenario::WorkCycle;
+    let options = if long {
+        fewer(options, FEWER_WORK_CYCLES)
+    } else {
+        options.clone()
+    };
+    let label = format!("tier {tier:?}, {}", scenario.name());
+    let runs = seeds(&options, &label, |seed| {
+        trial::scores(
+            &Run {
+                seed,
+                tier,
+                ..Run::new(scenario)
+            },
+            &filters,
+        )
+    })?;
+    Ok((0..filters.len()).map(|k| Summary::of(&runs, k)).collect())
+}
+
+fn line(case: &Case, summary: &Summary, passed: Option<bool>) -> Vec<String> {
+    let Summary { ratio, height, .. } = summary;
+    let limits = [("ratio", case.ratio.text()), ("height", case.height.text())];
+    let mut target: Vec<String> = limits
+        .iter()
+        .filter(|l| !l.1.is_empty())
+        .map(|l| format!("{} {}", l.0, l.1))
+        .collect();
+    if case.coverage > 0.0 {
+        target.push(format!("covered {:.0}", 100.0 * case.coverage));
+    }
+    vec![
+        format!("{:?} {}", case.tier, case.scenario.name()),
+        case.filter.name.to_owned(),
+        summary.runs.to_string(),
+        ratio.largest(),
+        plain(ratio.rms, 2),
+        plain(100.0 * ratio.coverage, 1),
+        height.largest(),
+        plain(height.rms, 2),
+        plain(100.0 * height.coverage, 1),
+        summary.diverged.to_string(),
+        target.join("; "),
+        passed.map(verdict).unwrap_or_default(),
+    ]
+}
+
+fn record(case: &Case, summary: &Summary, passed: Option<bool>) -> Value {
+    let mut record = summary.json();
+    record["tier"] = json!(format!("{:?}", case.tier));
+    record["scenario"] = json!(case.scenario.name());
+    record["filter"] = json!(case.filter.name);
+    record["met"] = json!(passed);
+    record
+}

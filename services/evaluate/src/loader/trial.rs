@@ -1,0 +1,50 @@
+//! One simulated run through several filters at once.
+
+use estimation::loader::Estimate;
+use sim::loader::{Row, Run, Simulation};
+
+use super::candidate::Candidate;
+use super::score::Score;
+use crate::Error;
+
+/// Drives every candidate through the same rows; `look` sees each answer: candidate, row, estimate.
+///
+/// # Errors
+/// The run cannot be simulated, or a candidate refuses its settings.
+pub(super) fn each_row(
+    run: &Run,
+    candidates: &[Candidate],
+    mut look: impl FnMut(usize, &Row, &Estimate),
+) -> Result<(), Error> {
+    let mut simulation = Simulation::new(run).map_err(Error::refused)?;
+    let told = *simulation.told();
+    let Some(first) = simulation.next() else {
+        return Ok(());
+    };
+    let mut filters = candidates
+        .iter()
+        .map(|candidate| candidate.estimator(&told, &first))
+        .collect::<Result<Vec<_>, _>>()
+        .map_err(Error::refused)?;
+    for row in std::iter::once(first).chain(simulation) {
+        for (k, (filter, candidate)) in filters.iter_mut().zip(candidates).enumerate() {
+            if let Some(payload) = candidate.payload(&row) {
+                filter.set_payload(Some(payload));
+            }
+            look(k, &row, &filter.step(&candidate.sample(&told, &row)));
+        }
+    }
+    Ok(())
+}
+
+/// The scores of every candidate over the scenario's window of evaluation.
+pub(super) fn scores(run: &Run, candidates: &[Candidate]) -> Result<Vec<Score>, Error> {
+    let from = run.scenario.evaluated_from();
+    let mut scores = vec![Score::default(); candidates.len()];
+    each_row(run, candidates, |k, row, estimate| {
+        if row.time >= from {
+            scores[k].take(row, estimate);
+        }
+    })?;
+    Ok(scores)
+}
