@@ -1,0 +1,278 @@
+//! The default estimator while the payload changes in mid-swing.
+//!
+//! JSON: `{"events":[{"event":..,"during":{..},"after":{..},"later":{..},"flag":{"median":..,"missed":..},
+//! "valid_wrong":{"median":..,"p95":..},"targets":[..],"met":..},..],"no_change":{..}}`. `during` is from first to last
+//! material, `after` 0.3 to 0.5 s after, `later` from 0.5 s on; errors in percent; `flag` is the time from the
+//! first material to the flag `changing`, `valid_wrong` how long a value wrong by more than 10 % is called valid [s].
+
+use super::case::{Case, PAYLOADS};
+use super::estimators::{Point, Setup};
+use super::score::{Score, Summary, Window};
+use super::target::{Target, judgement};
+use crate::statistics::{median, p95, percentage};
+use crate::text::{Table, plain};
+use crate::{Error, Options, Report, seeds};
+use serde_json::{Value, json};
+use sim::excavator::Scenario::{self, *};
+use sim::excavator::Sensors;
+
+/// What is asked of an event; none is asked of a part that the swing does not reach.
+#[derive(Clone, Copy)]
+struct Asked {
+    during: Option<f64>,
+    later: f64,
+    /// Whether the bucket is seen to open.
+    visible: bool,
+}
+
+const fn seen(during: f64) -> Asked {
+    Asked {
+        during: Some(during),
+        later: 5.5,
+        visible: true,
+    }
+}
+
+const fn unseen() -> Asked {
+    Asked {
+        during: None,
+        later: 11.0,
+        visible: false,
+    }
+}
+
+const EVENTS: [(Scenario, Asked); 15] = [
+    (DropAccelerating, seen(12.0)),
+    (DropReversal, seen(25.0)),
+    (Drop, seen(25.0)),
+    (DropBraking, seen(37.0)),
+    (HalfAccelerating, seen(12.0)),
+    (HalfBraking, seen(37.0)),
+    (SlowDrop, seen(17.0)),
+    (
+        SlowBraking,
+        Asked {
+            later: 7.0,
+            ..seen(17.0)
+        },
+    ),
+    (OpenAccelerating, seen(12.0)),
+    (OpenBraking, seen(37.0)),
+    (OpenEmpty, seen(37.0)),
+    (StillAccelerating, unseen()),
+    (StillBraking, unseen()),
+    (PickUpAccelerating, unseen()),
+    (PickUpBraking, unseen()),
+];
+
+/// Largest error after a change that is seen, and after one that is not [%].
+const AFTER: (f64, f64) = (7.0, 11.0);
+/// The flag comes within this after the first material where the bucket does not move [s].
+const FLAG: f64 = 0.45;
+
+/// Period of the samples [s].
+const PERIOD: f64 = 0.01;
+
+struct Outcome {
+    during: Score,
+    after: Score,
+    later: Score,
+    /// Time from the first material to the flag [s].
+    flag: Option<f64>,
+    /// How long a wrong value is called valid [s].
+    valid_wrong: f64,
+}
+
+/// Evaluates the table.
+///
+/// # Errors
+/// As [`crate::excavator()`].
+pub fn evaluate(options: &Options) -> Result<Report, Error> {
+    let mut table = Table::new(&[
+        "event",
+        "during: max median",
+        "p95",
+        "coverage",
+        "after: p95",
+        "coverage",
+        "later: p95",
+        "flag s",
+        "missed %",
+        "valid wrong s",
+        "p95",
+        "target",
+    ]);
+    let (mut list, mut met) = (Vec::new(), true);
+    for (scenario, asked) in EVENTS {
+        let outcomes = outcomes(options, scenario)?;
+        let event = Event::of(scenario, asked, &outcomes);
+        met &= event.targets.iter().all(Target::met);
+        table.row(event.cells());
+        list.push(event.json());
+    }
+    let (alarms, alarm_targets) = false_alarms(options)?;
+    met &= alarm_targets.iter().all(Target::met);
+    let text = format!(
+        "Payload that changes in the swing (D_auto): largest errors in percent, {} seeds\n\n{table}  \
+         without a change: false alarms in {alarms:.2} % of the swings: {}\n",
+        options.seeds,
+        judgement(&alarm_targets),
+    );
+    let json = json!({
+        "events": list,
+        "no_change": { "false_alarms": alarms, "targets": alarm_targets.iter().map(Target::json).collect::<Vec<_>>() },
+    });
+    Ok(Report { text, json, met })
+}
+
+fn outcomes(options: &Options, scenario: Scenario) -> Result<Vec<Outcome>, Error> {
+    let case = Case::new(scenario, None);
+    let (first, last) = scenario.change().unwrap_or((f64::INFINITY, f64::INFINITY));
+    let setup = Setup::auto();
+    seeds(options, scenario.name(), |seed| {
+        let points = setup.run(&case.rows(seed, Sensors::default(), &[])?)?;
+        let score = |from, to| {
+            Score::of(
+                &points,
+                Window {
+                    from,
+                    to,
+                    velocity: 0.05,
+                },
+            )
+        };
+        Ok(Outcome {
+            during: score(first, last),
+            after: score(last + 0.3, last + 0.5),
+            later: score(last + 0.5, 9.3),
+            flag: flag(&points, first),
+            valid_wrong: PERIOD
+                * points
+                    .iter()
+                    .filter(|p| p.time >= first && valid_and_wrong(p))
+                    .count() as f64,
+        })
+    })
+}
+
+fn valid_and_wrong(point: &Point) -> bool {
+    let flags = point.estimate.flags;
+    let valid = flags.converged && !flags.changing;
+    valid && point.error().abs() > 10.0 && point.truth.velocity.abs() >= 0.05
+}
+
+/// Time from the first material to the flag; negative if the flag was there before.
+fn flag(points: &[Point], first: f64) -> Option<f64> {
+    let before = points.iter().rev().skip_while(|p| p.time > first - 1e-9);
+    let raised = before.take_while(|p| p.estimate.flags.changing).last();
+    let later = points
+        .iter()
+        .find(|p| p.time >= first - 1e-9 && p.estimate.flags.changing);
+    raised.or(later).map(|p| p.time - first)
+}
+
+struct Event {
+    scenario: Scenario,
+    during: Summary,
+    after: Summary,
+    later: Summary,
+    reached_after: bool,
+    flag: f64,
+    missed: f64,
+    valid_wrong: (f64, f64),
+    targets: Vec<Target>,
+}
+
+impl Event {
+    fn of(scenario: Scenario, asked: Asked, outcomes: &[Outcome]) -> Self {
+        let summary = |part: fn(&Outcome) -> Score| {
+            Summary::of(&outcomes.iter().map(part).collect::<Vec<_>>())
+        };
+        let flags: Vec<f64> = outcomes.iter().filter_map(|o| o.flag).collect();
+        let wrong: Vec<f64> = outcomes.iter().map(|o| o.valid_wrong).collect();
+        let mut event = Self {
+            scenario,
+            during: summary(|o| o.during),
+            after: summary(|o| o.after),
+            later: summary(|o| o.later),
+            reached_after: outcomes.iter().all(|o| o.after.samples > 0),
+            flag: median(&flags),
+            missed: percentage(outcomes.iter().map(|o| o.flag.is_none())),
+            valid_wrong: (median(&wrong), p95(&wrong)),
+            targets: Vec::new(),
+        };
+        event.targets = event.asked(asked);
+        event
+    }
+
+    fn asked(&self, asked: Asked) -> Vec<Target> {
+        let mut targets = vec![Target::most("missed", self.missed, 0.0)];
+        targets.extend(
+            asked
+                .during
+                .map(|most| Target::most("during", self.during.max_p95, most)),
+        );
+        if self.reached_after {
+            let after = if asked.visible { AFTER.0 } else { AFTER.1 };
+            targets.push(Target::most("after", self.after.max_p95, after));
+        }
+        targets.push(Target::most("later", self.later.max_p95, asked.later));
+        if asked.visible {
+            targets.push(Target::least("coverage", self.during.coverage, 95.0));
+            targets.push(Target::most("valid wrong", self.valid_wrong.1, 0.0));
+        } else {
+            targets.push(Target::most("flag", self.flag, FLAG));
+        }
+        targets
+    }
+
+    fn cells(&self) -> Vec<String> {
+        let after = |value: f64| {
+            if self.reached_after {
+                plain(value, 1)
+            } else {
+                "-".into()
+            }
+        };
+        vec![
+            self.scenario.name().into(),
+            plain(self.during.max_median, 1),
+            plain(self.during.max_p95, 1),
+            plain(self.during.coverage, 0),
+            after(self.after.max_p95),
+            after(self.after.coverage),
+            plain(self.later.max_p95, 1),
+            plain(self.flag, 2),
+            plain(self.missed, 0),
+            plain(self.valid_wrong.0, 2),
+            plain(self.valid_wrong.1, 2),
+            judgement(&self.targets),
+        ]
+    }
+
+    fn json(&self) -> Value {
+        json!({
+            "event": self.scenario.name(), "during": self.during.json(), "after": self.after.json(),
+            "later": self.later.json(), "flag": { "median": self.flag, "missed": self.missed },
+            "valid_wrong": { "median": self.valid_wrong.0, "p95": self.valid_wrong.1 },
+            "targets": self.targets.iter().map(Target::json).collect::<Vec<_>>(),
+            "met": self.targets.iter().all(Target::met),
+        })
+    }
+}
+
+/// Share of undisturbed swings in which the flag is raised before the bucket opens at 9.3 s [%].
+fn false_alarms(options: &Options) -> Result<(f64, Vec<Target>), Error> {
+    let mut alarms = Vec::new();
+    for payload in PAYLOADS {
+        let case = Case::new(Base, Some(payload));
+        alarms.extend(seeds(options, "false alarms", |seed| {
+            let points = Setup::auto().run(&case.rows(seed, Sensors::default(), &[])?)?;
+            Ok(points
+                .iter()
+                .any(|p| p.time < 9.3 && p.estimate.flags.changing))
+        })?);
+    }
+    let share = percentage(alarms);
+    Ok((share, vec![Target::most("false alarms", share, 1.0)]))
+}

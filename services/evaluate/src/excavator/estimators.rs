@@ -1,0 +1,186 @@
+//! From simulated samples to estimates: which estimator sees which columns.
+
+use super::case::Case;
+use crate::Error;
+use estimation::excavator::{
+    Columns, Estimate, Method, MotionFilter, Regression, Sample, Settings, SwingEstimator, Variant,
+};
+use sim::excavator::{Row, Sensors, Truth};
+
+/// An estimator with its settings and the columns it is given.
+#[derive(Clone, Copy, Debug)]
+pub struct Setup {
+    /// How tables call it.
+    pub name: &'static str,
+    /// The method.
+    pub method: Method,
+    /// Its settings.
+    pub settings: Settings,
+    /// What it is given.
+    pub columns: Columns,
+}
+
+/// One sample's truth and estimate.
+#[derive(Clone, Copy, Debug)]
+pub struct Point {
+    /// Time [s].
+    pub time: f64,
+    /// What is so.
+    pub truth: Truth,
+    /// What the estimator says.
+    pub estimate: Estimate,
+}
+
+impl Point {
+    /// The relative error of the inertia [%].
+    pub fn error(&self) -> f64 {
+        100.0 * (self.estimate.inertia / self.truth.inertia - 1.0)
+    }
+
+    /// Whether the 95 % interval holds the truth.
+    pub fn covered(&self) -> bool {
+        let error = (self.estimate.inertia - self.truth.inertia).abs();
+        error < 1.96 * self.estimate.inertia_std
+    }
+}
+
+impl Setup {
+    fn new(name: &'static str, method: Method, torque: bool, posture: bool) -> Self {
+        let columns = Columns {
+            velocity: true,
+            angle: false,
+            torque,
+            posture,
+        };
+        Self {
+            name,
+            method,
+            settings: Settings::default(),
+            columns,
+        }
+    }
+
+    fn variant(mut self, variant: Variant) -> Self {
+        self.settings.estimator.variant = variant;
+        self
+    }
+
+    /// The default with torque and posture: payload that may change.
+    pub fn auto() -> Self {
+        Self::new("D_auto", Method::Auto, true, true)
+    }
+
+    /// Torque and posture, damping and torque calibrated.
+    pub fn known() -> Self {
+        Self::new("D_known", Method::PostureTorque, true, true).variant(Variant::Known)
+    }
+
+    /// Torque and posture, damping within 20 %, constant payload.
+    pub fn tolerant() -> Self {
+        Self::new("D_tol", Method::PostureTorque, true, true).variant(Variant::Tolerant)
+    }
+
+    /// Torque and posture, the older drop model.
+    pub fn drop() -> Self {
+        Self::new("D_drop", Method::PostureTorque, true, true).variant(Variant::Drop)
+    }
+
+    /// Torque, damping calibrated.
+    pub fn torque() -> Self {
+        Self::new("BM_known", Method::Torque, true, false).variant(Variant::Known)
+    }
+
+    /// Torque, damping within 20 %.
+    pub fn torque_tolerant() -> Self {
+        Self::new("BM_tol", Method::Torque, true, false).variant(Variant::Tolerant)
+    }
+
+    /// Posture without torque.
+    pub fn posture() -> Self {
+        Self::new("C", Method::Posture, false, true)
+    }
+
+    /// Velocity alone.
+    pub fn velocity() -> Self {
+        Self::new("A", Method::Velocity, false, false)
+    }
+
+    /// Velocity alone, the inertia declared constant.
+    pub fn velocity_constant() -> Self {
+        let mut setup = Self::new("A_const", Method::Velocity, false, false);
+        setup.settings.estimator.constant_inertia = true;
+        setup
+    }
+
+    /// Measured torque, both sides of the regression equally filtered.
+    pub fn svf() -> Self {
+        Self::new("svf-rls", Method::SvfRls, true, false)
+    }
+
+    /// The paper's estimator in its tuned configuration, started at `inertia` [kg m^2].
+    pub fn paper(inertia: f64) -> Self {
+        let paper = Self::new("paper", Method::MultiForgettingRls, false, false);
+        Self {
+            settings: Settings::paper(inertia),
+            ..paper
+        }
+    }
+
+    /// Runs the estimator over the samples of one seed.
+    ///
+    /// # Errors
+    /// The estimator refuses its settings.
+    pub fn run(&self, rows: &[Row]) -> Result<Vec<Point>, Error> {
+        let mut step = self.estimator()?;
+        Ok(rows.iter().map(|row| self.point(row, &mut step)).collect())
+    }
+
+    fn point(&self, row: &Row, step: &mut Step) -> Point {
+        Point {
+            time: row.time,
+            truth: row.truth,
+            estimate: step(&self.sample(row)),
+        }
+    }
+
+    /// What of a row the estimator is given.
+    fn sample(&self, row: &Row) -> Sample {
+        let Columns {
+            velocity,
+            angle,
+            torque,
+            posture,
+        } = self.columns;
+        Sample {
+            time: row.time,
+            velocity: row.swing_velocity.filter(|_| velocity),
+            angle: row.swing_angle.filter(|_| angle),
+            torque: row.swing_torque.filter(|_| torque),
+            posture: row.posture.map(|joint| joint.filter(|_| posture)),
+        }
+    }
+
+    fn estimator(&self) -> Result<Step, Error> {
+        let settings = &self.settings;
+        if self.method.is_regression() {
+            let mut filter = MotionFilter::new(settings, self.columns).map_err(Error::refused)?;
+            let mut regression = Regression::new(settings, self.method).map_err(Error::refused)?;
+            return Ok(Box::new(move |sample| {
+                regression.step(&filter.step(sample))
+            }));
+        }
+        let estimator = SwingEstimator::new(settings, self.method, self.columns);
+        let mut estimator = estimator.map_err(Error::refused)?;
+        Ok(Box::new(move |sample| estimator.step(sample)))
+    }
+}
+
+type Step = Box<dyn FnMut(&Sample) -> Estimate>;
+
+/// Truth and estimates of one seed: what a figure shows.
+///
+/// # Errors
+/// The estimator refuses its settings.
+pub fn series(case: &Case, setup: &Setup, seed: u64) -> Result<Vec<Point>, Error> {
+    setup.run(&case.rows(seed, Sensors::default(), &[])?)
+}

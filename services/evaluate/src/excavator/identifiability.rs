@@ -1,0 +1,227 @@
+//! What can be known at all: bounds beside what the estimators reach, and why the paper's regression cannot.
+//!
+//! JSON: `{"regression":{"singular_values":[..],"null_vector":[..]},"modes":[{"mode":..,"points":[{"time":..,
+//! "singular_values":[..],"bound":..,"bound_data_alone":..,"reached":..},..]},..]}`. Bounds are standard deviations of
+//! the inertia in percent (null: not determined); `reached` is the root mean square error over the seeds.
+
+use super::case::Case;
+use super::estimators::Setup;
+use super::information::{Bound, Knowledge};
+use crate::text::{Table, plain, verdict};
+use crate::{Error, Options, Report, seeds};
+use faer::Mat;
+use serde_json::{Value, json};
+use sim::excavator::{Exact, Scenario, Sensors};
+
+/// The load [kg].
+const PAYLOAD: f64 = 288.0;
+/// The swing begins at rest [s].
+const START: f64 = 5.5;
+/// Where bounds are computed [s].
+const TIMES: [f64; 8] = [5.75, 6.0, 6.5, 7.0, 7.5, 8.0, 8.5, 9.0];
+/// A direction that the data do not determine [share of the largest singular value].
+const NULL: f64 = 1e-3;
+
+fn modes() -> [(Setup, Knowledge); 5] {
+    let known = Knowledge {
+        posture: Ok(()),
+        torque: Ok(30.0),
+        damping_std: 0.0,
+    };
+    [
+        (Setup::known(), known),
+        (
+            Setup::auto(),
+            Knowledge {
+                torque: Ok(60.0),
+                damping_std: 225.0,
+                ..known
+            },
+        ),
+        (
+            Setup::torque(),
+            Knowledge {
+                posture: Err(0.15),
+                ..known
+            },
+        ),
+        (
+            Setup::posture(),
+            Knowledge {
+                torque: Err(10.0),
+                ..known
+            },
+        ),
+        (
+            Setup::velocity(),
+            Knowledge {
+                posture: Err(0.2),
+                torque: Err(30.0),
+                damping_std: 0.0,
+            },
+        ),
+    ]
+}
+
+/// Evaluates the table.
+///
+/// # Errors
+/// As [`crate::excavator()`].
+pub fn evaluate(options: &Options) -> Result<Report, Error> {
+    let case = Case::new(Scenario::Base, Some(PAYLOAD));
+    let mut table = Table::new(&[
+        "mode",
+        "until s",
+        "singular values of the information",
+        "bound %",
+        "data alone %",
+        "reached %",
+        "reached/bound",
+    ]);
+    let mut list = Vec::new();
+    for (setup, knowledge) in modes() {
+        let reached = reached(options, &case, &setup)?;
+        let mut points = Vec::new();
+        for (time, reached) in TIMES.into_iter().zip(reached) {
+            let bound = bound(&case, &knowledge, time)?;
+            table.row(cells(setup.name, time, &bound, reached));
+            points.push(point(time, &bound, reached));
+        }
+        list.push(json!({ "mode": setup.name, "points": points }));
+    }
+    let regression = regression()?;
+    let text = format!("{HEAD}\n{table}\n{}", regression.text());
+    let json = json!({ "regression": regression.json(), "modes": list });
+    Ok(Report {
+        text,
+        json,
+        met: regression.met(),
+    })
+}
+
+const HEAD: &str = "\
+Identifiability: Cramer-Rao bound of the inertia (base path, 288 kg, from rest at 5.5 s) beside what is reached
+  (singular values: the information in units of the prior; below 1 the prior says more than the data. Reached can be
+  below the bound where the prior happens to be right: damping and torque offset are exact in these runs.)
+";
+
+fn bound(case: &Case, knowledge: &Knowledge, time: f64) -> Result<Bound, Error> {
+    let within = (START - 1e-9)..=(time + 1e-9);
+    let exact: Vec<Exact> = case
+        .exact()
+        .iter()
+        .filter(|s| within.contains(&s.time))
+        .copied()
+        .collect();
+    let factor: Vec<f64> = exact
+        .iter()
+        .map(|s| case.plant.inertia(s.time).factor)
+        .collect();
+    knowledge.bound(&exact, &factor)
+}
+
+/// Root mean square error at every time of [`TIMES`] [%].
+fn reached(options: &Options, case: &Case, setup: &Setup) -> Result<Vec<f64>, Error> {
+    let errors = seeds(
+        options,
+        &format!("identifiability, {}", setup.name),
+        |seed| {
+            let points = setup.run(&case.rows(seed, Sensors::default(), &[])?)?;
+            Ok(TIMES.map(|time| {
+                points
+                    .iter()
+                    .find(|p| p.time >= time - 1e-9)
+                    .map_or(0.0, |p| p.error())
+            }))
+        },
+    )?;
+    let square = |i: usize| errors.iter().map(|e| e[i] * e[i]).sum::<f64>() / errors.len() as f64;
+    Ok((0..TIMES.len()).map(|i| square(i).sqrt()).collect())
+}
+
+fn cells(mode: &str, time: f64, bound: &Bound, reached: f64) -> Vec<String> {
+    let values: Vec<String> = bound
+        .singular_values
+        .iter()
+        .map(|s| format!("{s:.2}"))
+        .collect();
+    vec![
+        mode.into(),
+        plain(time, 2),
+        values.join(" "),
+        plain(bound.with_prior, 2),
+        bound.data_alone.map_or("-".into(), |b| plain(b, 2)),
+        plain(reached, 2),
+        plain(reached / bound.with_prior, 2),
+    ]
+}
+
+fn point(time: f64, bound: &Bound, reached: f64) -> Value {
+    json!({
+        "time": time, "singular_values": bound.singular_values, "bound": bound.with_prior,
+        "bound_data_alone": bound.data_alone, "reached": reached,
+    })
+}
+
+/// The regressor (a, w, -1) of the paper on a plateau of constant inertia and torque, scaled by the true
+/// parameters (J, b, T_t), without any noise.
+struct Regression {
+    singular_values: Vec<f64>,
+    null_vector: Vec<f64>,
+}
+
+fn regression() -> Result<Regression, Error> {
+    let case = Case::new(Scenario::Constant, None);
+    let plateau: Vec<_> = case
+        .exact()
+        .iter()
+        .filter(|s| (6.0..12.4).contains(&s.time))
+        .map(|s| s.truth)
+        .collect();
+    let regressor = Mat::from_fn(plateau.len(), 3, |row, column| {
+        let truth = &plateau[row];
+        let total = truth.torque - truth.friction;
+        [
+            truth.inertia * truth.acceleration,
+            truth.damping * truth.velocity,
+            -total,
+        ][column]
+            / total
+    });
+    let svd = regressor
+        .thin_svd()
+        .map_err(|e| Error::refused(format!("{e:?}")))?;
+    Ok(Regression {
+        singular_values: svd.S().column_vector().iter().copied().collect(),
+        null_vector: (0..3).map(|row| svd.V()[(row, 2)]).collect(),
+    })
+}
+
+impl Regression {
+    /// The null direction exists: that is the finding.
+    fn met(&self) -> bool {
+        self.singular_values[2] < NULL * self.singular_values[0]
+    }
+
+    fn text(&self) -> String {
+        let list = |values: &[f64]| {
+            values
+                .iter()
+                .map(|v| format!("{v:.4}"))
+                .collect::<Vec<_>>()
+                .join(", ")
+        };
+        format!(
+            "The paper's regression, regressor (a, w, -1) scaled by the true (J, b, T_t), noise-free plateau:\n  \
+             singular values {}; direction of the smallest: ({})\n  \
+             Equal shares of all three: a common factor on J, b and T_t changes nothing that is measured ({}).\n",
+            list(&self.singular_values),
+            list(&self.null_vector),
+            verdict(self.met()),
+        )
+    }
+
+    fn json(&self) -> Value {
+        json!({ "singular_values": self.singular_values, "null_vector": self.null_vector })
+    }
+}
