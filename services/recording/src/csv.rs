@@ -7,4 +7,4 @@ mod read;
 pub use estimate::{Estimate, EstimateWriter};
 pub use export::export;
 pub(crate) use read::read;
-pub use read::{read_excavator, read_loader};
+pub use read::{read_excavator, read_loader, read_weighings};

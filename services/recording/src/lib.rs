@@ -23,10 +23,11 @@ mod unit;
 mod wire;
 mod writer;
 
+pub use csv::EstimateWriter;
 pub use error::Error;
 pub use load::{load_excavator, load_loader};
 pub use map::Map;
 pub use reader::Reader;
 pub use recover::{Recovered, is_complete, recover};
 pub use schema::RecordedField;
-pub use writer::{Metadata, Writer};
+pub use writer::{Metadata, Writer, sha256};

@@ -126,8 +126,7 @@ impl Map {
     ///
     /// # Errors
     /// The file cannot be read or is no map.
-    pub fn open(path: impl AsRef<Path>) -> Result<Self, Error> {
-        let path = path.as_ref();
+    pub fn read(path: &Path) -> Result<Self, Error> {
         let text = std::fs::read_to_string(path)
             .map_err(|e| Error::system("read the signal map", path, &e))?;
         Self::parse(&text, path)

@@ -1,3 +1,4 @@
+use std::fmt;
 use std::fs::File;
 use std::io::{BufWriter, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
@@ -20,6 +21,31 @@ pub struct Recovered {
     pub lost_bytes: usize,
     /// Chunks within the file that could not be unpacked.
     pub damaged_chunks: usize,
+}
+
+impl fmt::Display for Recovered {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            messages,
+            lost_bytes,
+            damaged_chunks,
+            ..
+        } = self;
+        if self.was_complete {
+            return write!(f, "complete, {messages} messages; nothing was changed");
+        }
+        write!(
+            f,
+            "recovered {messages} messages; {lost_bytes} bytes at the end were cut off"
+        )?;
+        if *damaged_chunks > 0 {
+            write!(
+                f,
+                ", {damaged_chunks} blocks within were damaged and are lost"
+            )?;
+        }
+        Ok(())
+    }
 }
 
 /// Whether the recording was finished. It is read only at both ends.

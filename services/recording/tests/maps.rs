@@ -126,7 +126,7 @@ fn a_map_that_says_nonsense_is_refused_with_its_line() {
         assert!(error.what.contains(what), "{error}");
         assert_eq!(error.place, format!("map.toml:{line}"), "{error}");
     }
-    assert!(Map::open("/nowhere/map.toml").is_err());
+    assert!(Map::read(Path::new("/nowhere/map.toml")).is_err());
 }
 
 const DBC: &str = "BO_ 100 Swing: 8 X\n SG_ rate : 0|16@1- (0.001,0) [0|0] \"rad/s\" X\n\
@@ -221,7 +221,7 @@ fn data() -> Option<PathBuf> {
 
 fn shipped(name: &str) -> Map {
     let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/maps"));
-    Map::open(folder.join(name)).expect("a shipped map")
+    Map::read(&folder.join(name)).expect("a shipped map")
 }
 
 /// Values of one column at the times of the published decoding.

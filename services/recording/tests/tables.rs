@@ -7,7 +7,7 @@ use messages::{
     ExcavatorEstimate, ExcavatorSensors, ExcavatorTruth, LoaderEstimate, excavator_bits as e,
     loader_bits as l,
 };
-use recording::csv::{EstimateWriter, export, read_excavator, read_loader};
+use recording::csv::{EstimateWriter, export, read_excavator, read_loader, read_weighings};
 use recording::{Error, Map, Metadata, Reader, Writer, load_excavator};
 
 /// A file with this text in a folder of its own.
@@ -170,22 +170,22 @@ fn estimate(n: u32) -> ExcavatorEstimate {
 fn estimates_have_the_columns_of_the_contract() {
     let dir = tempfile::tempdir().expect("a folder");
     let path = dir.path().join("out.csv");
-    let mut writer = EstimateWriter::create::<ExcavatorEstimate>(&path, false).expect("a file");
-    writer.write(&estimate(0)).expect("room");
+    let mut writer = EstimateWriter::excavator(&path).expect("a file");
+    writer.write_excavator(&estimate(0)).expect("room");
     writer
-        .write(&ExcavatorEstimate {
+        .write_excavator(&ExcavatorEstimate {
             flags: e::REFUSED,
             ..estimate(1)
         })
         .expect("room");
     writer
-        .write(&ExcavatorEstimate {
+        .write_excavator(&ExcavatorEstimate {
             inertia: f64::NAN,
             ..estimate(2)
         })
         .expect("room");
     assert!(!path.exists(), "not before it is complete");
-    writer.finish().expect("room");
+    assert_eq!(writer.finish(), Ok(2));
     let text = std::fs::read_to_string(&path).expect("readable");
     let lines: Vec<&str> = text.lines().collect();
     assert_eq!(
@@ -211,9 +211,8 @@ fn friction_and_offset_are_added_where_they_are_estimated() {
         estimated: e::FRICTION,
         ..estimate(0)
     };
-    assert!(EstimateWriter::has_extra(&row) && !EstimateWriter::has_extra(&estimate(0)));
-    let mut writer = EstimateWriter::create::<ExcavatorEstimate>(&path, true).expect("a file");
-    writer.write(&row).expect("room");
+    let mut writer = EstimateWriter::excavator(&path).expect("a file");
+    writer.write_excavator(&row).expect("room");
     writer.finish().expect("room");
     let text = std::fs::read_to_string(&path).expect("readable");
     assert!(text.contains(",trusted,friction,friction_std,offset,offset_std,method\n"));
@@ -224,13 +223,13 @@ fn friction_and_offset_are_added_where_they_are_estimated() {
 fn the_loaders_estimates_have_the_columns_of_the_contract() {
     let dir = tempfile::tempdir().expect("a folder");
     let path = dir.path().join("out.csv");
-    let mut writer = EstimateWriter::create::<LoaderEstimate>(&path, false).expect("a file");
+    let mut writer = EstimateWriter::loader(&path).expect("a file");
     let row = LoaderEstimate {
         cg_ratio: 0.45,
         estimated: l::STATE,
         ..Default::default()
     };
-    writer.write(&row).expect("room");
+    writer.write_loader(&row).expect("room");
     writer.finish().expect("room");
     let text = std::fs::read_to_string(&path).expect("readable");
     assert_eq!(
@@ -247,18 +246,14 @@ fn the_loaders_estimates_have_the_columns_of_the_contract() {
 fn an_unfinished_output_leaves_nothing_behind_and_an_unwritable_one_is_an_error() {
     let dir = tempfile::tempdir().expect("a folder");
     let path = dir.path().join("out.csv");
-    let mut writer = EstimateWriter::create::<ExcavatorEstimate>(&path, false).expect("a file");
-    writer.write(&estimate(0)).expect("room");
+    let mut writer = EstimateWriter::excavator(&path).expect("a file");
+    writer.write_excavator(&estimate(0)).expect("room");
     drop(writer);
     assert_eq!(std::fs::read_dir(dir.path()).expect("readable").count(), 0);
-    assert!(
-        EstimateWriter::create::<ExcavatorEstimate>(dir.path(), false).is_err(),
-        "a folder"
-    );
+    assert!(EstimateWriter::excavator(dir.path()).is_err(), "a folder");
     if Path::new("/dev/full").exists() {
-        let mut full =
-            EstimateWriter::create::<ExcavatorEstimate>("/dev/full", false).expect("a device");
-        let written = (0..10_000).try_for_each(|n| full.write(&estimate(n)));
+        let mut full = EstimateWriter::excavator("/dev/full").expect("a device");
+        let written = (0..10_000).try_for_each(|n| full.write_excavator(&estimate(n)));
         assert!(
             written
                 .and_then(|()| full.finish())
@@ -279,10 +274,10 @@ fn numbers_read_back_to_the_last_bit() {
         123_456_789.123_456_79,
         -0.0,
     ];
-    let mut writer = EstimateWriter::create::<ExcavatorEstimate>(&path, false).expect("a file");
+    let mut writer = EstimateWriter::excavator(&path).expect("a file");
     for value in values {
         writer
-            .write(&ExcavatorEstimate {
+            .write_excavator(&ExcavatorEstimate {
                 velocity: value,
                 ..estimate(0)
             })
@@ -345,4 +340,21 @@ fn the_kind_of_file_is_told_from_its_ending() {
     assert!(load_excavator("x.log", None).is_err_and(|e| e.what == "a CAN log needs a signal map"));
     let map = Map::parse("[columns]\nt = \"time\"\n", "m.toml").expect("a map");
     assert!(load_excavator("x.mcap", Some(&map)).is_err_and(|e| e.remedy == "leave out --map"));
+}
+
+#[test]
+fn weighings_are_read_and_refused_like_other_tables() {
+    let (_dir, path) = file("pitch, rear_load, front_load\n0,1,2\n0.2,3,4\n");
+    assert_eq!(
+        read_weighings(&path),
+        Ok(vec![[0.0, 2.0, 1.0], [0.2, 4.0, 3.0]])
+    );
+    let (_dir, path) = file("pitch,rear_load,front_load\n0,1,\n");
+    let error = read_weighings(&path).expect_err("a weight is missing");
+    assert!(
+        error.place.ends_with("data.csv:2, column front_load"),
+        "{error}"
+    );
+    let (_dir, path) = file("pitch,rear,front_load\n0,1,2\n");
+    assert!(read_weighings(&path).is_err_and(|e| e.what.contains("rear_load")));
 }

@@ -1,6 +1,7 @@
 use std::fmt::Write as _;
 use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::{BufWriter, ErrorKind, Write};
+use std::marker::PhantomData;
 use std::path::{Path, PathBuf};
 
 use messages::{
@@ -23,7 +24,7 @@ pub enum Column {
 pub trait Estimate: Message {
     /// Its columns after the time; the method is last.
     const COLUMNS: &'static [Column];
-    /// Columns that are added before the method where these bits of `estimated` are set.
+    /// Columns that are added before the method where one of these bits of `estimated` is set.
     const EXTRA: (&'static [Column], u32);
     /// Bit of `flags` that marks a refused row.
     const REFUSED: u32;
@@ -112,25 +113,60 @@ impl Estimate for LoaderEstimate {
 
 /// Writes estimates as CSV, one row per accepted sample. The file appears under its name only when
 /// it is complete.
-pub struct EstimateWriter {
+pub struct EstimateWriter<E: Estimate> {
     path: PathBuf,
     /// Where it is written until then; none where the name is that of a device or a pipe.
     beside: Option<PathBuf>,
     out: BufWriter<File>,
+    /// Columns with the field of each; none before the first row, which decides whether there are
+    /// those of friction and offset.
     columns: Vec<(Column, Option<usize>)>,
     row: String,
+    written: usize,
+    estimates: PhantomData<E>,
 }
 
-impl EstimateWriter {
-    /// Begins a file with the columns of `E`; `extra` adds friction and offset.
+impl EstimateWriter<ExcavatorEstimate> {
+    /// Begins a file of an excavator's estimates.
     ///
     /// # Errors
     /// The file cannot be created.
-    pub fn create<E: Estimate>(path: impl AsRef<Path>, extra: bool) -> Result<Self, Error> {
-        let path = path.as_ref().to_owned();
+    pub fn excavator(path: impl AsRef<Path>) -> Result<Self, Error> {
+        Self::create(path.as_ref())
+    }
+
+    /// Adds an estimate; a refused row is left out.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn write_excavator(&mut self, estimate: &ExcavatorEstimate) -> Result<(), Error> {
+        self.write(estimate)
+    }
+}
+
+impl EstimateWriter<LoaderEstimate> {
+    /// Begins a file of a wheel loader's estimates.
+    ///
+    /// # Errors
+    /// The file cannot be created.
+    pub fn loader(path: impl AsRef<Path>) -> Result<Self, Error> {
+        Self::create(path.as_ref())
+    }
+
+    /// Adds an estimate; a refused row is left out.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn write_loader(&mut self, estimate: &LoaderEstimate) -> Result<(), Error> {
+        self.write(estimate)
+    }
+}
+
+impl<E: Estimate> EstimateWriter<E> {
+    fn create(path: &Path) -> Result<Self, Error> {
+        let fail = |e| Error::system("write the estimates", path, &e);
         if path.is_dir() {
-            let is_folder = std::io::Error::from(std::io::ErrorKind::IsADirectory);
-            return Err(Error::system("write the estimates", &path, &is_folder));
+            return Err(fail(ErrorKind::IsADirectory.into()));
         }
         let device = path.exists() && !path.is_file();
         let beside = (!device).then(|| {
@@ -138,43 +174,43 @@ impl EstimateWriter {
             name.push(".partial");
             PathBuf::from(name)
         });
-        let target = beside.as_ref().unwrap_or(&path);
-        let file =
-            File::create(target).map_err(|e| Error::system("write the estimates", target, &e))?;
-        let extra = if extra { E::EXTRA.0 } else { &[] };
-        let columns = E::COLUMNS.iter().chain(extra);
-        let mut writer = Self {
+        let file = File::create(beside.as_deref().unwrap_or(path)).map_err(fail)?;
+        Ok(Self {
+            path: path.to_owned(),
             beside,
             out: BufWriter::new(file),
-            columns: columns.map(|c| (*c, index::<E>(*c))).collect(),
-            row: String::from("t"),
-            path,
+            columns: Vec::new(),
+            row: String::new(),
+            written: 0,
+            estimates: PhantomData,
+        })
+    }
+
+    fn header(&mut self, estimated: u32) -> Result<(), Error> {
+        let extra: &[Column] = if estimated & E::EXTRA.1 == 0 {
+            &[]
+        } else {
+            E::EXTRA.0
         };
-        for (column, _) in &writer.columns {
+        let columns = E::COLUMNS.iter().chain(extra);
+        self.columns = columns.map(|c| (*c, index::<E>(*c))).collect();
+        self.row.push('t');
+        for (column, _) in &self.columns {
             let (Column::Value(name, _) | Column::Flag(name, _)) = column;
-            let _ = write!(writer.row, ",{name}");
+            let _ = write!(self.row, ",{name}");
         }
-        writer.row.push_str(",method\n");
-        writer.put_row()?;
-        Ok(writer)
+        self.row.push_str(",method\n");
+        self.put_row()
     }
 
-    /// Whether an estimate has the extra columns.
-    #[must_use]
-    pub fn has_extra<E: Estimate>(estimate: &E) -> bool {
-        estimate.bits().1 & E::EXTRA.1 != 0
-    }
-
-    /// Adds an estimate; a refused row is left out.
-    ///
-    /// # Errors
-    /// The file cannot be written.
-    pub fn write<E: Estimate>(&mut self, estimate: &E) -> Result<(), Error> {
+    fn write(&mut self, estimate: &E) -> Result<(), Error> {
         let (flags, estimated, method) = estimate.bits();
         if flags & E::REFUSED != 0 {
             return Ok(());
         }
-        self.row.clear();
+        if self.columns.is_empty() {
+            self.header(estimated)?;
+        }
         put_number(&mut self.row, estimate.stamp().time);
         for (column, index) in &self.columns {
             self.row.push(',');
@@ -190,14 +226,18 @@ impl EstimateWriter {
         }
         let name = E::METHODS.get(method as usize).copied().unwrap_or_default();
         let _ = writeln!(self.row, ",{name}");
+        self.written += 1;
         self.put_row()
     }
 
-    /// Ends the file and gives it its name.
+    /// Ends the file, gives it its name and says how many rows it has.
     ///
     /// # Errors
     /// The file cannot be written; nothing is then left behind.
-    pub fn finish(mut self) -> Result<(), Error> {
+    pub fn finish(mut self) -> Result<usize, Error> {
+        if self.columns.is_empty() {
+            self.header(0)?;
+        }
         let flushed = self.out.flush().and_then(|()| match &self.beside {
             Some(_) => self.out.get_ref().sync_all(),
             None => Ok(()),
@@ -207,16 +247,17 @@ impl EstimateWriter {
             std::fs::rename(&beside, &self.path)
                 .map_err(|e| Error::system("write the estimates", &self.path, &e))?;
         }
-        Ok(())
+        Ok(self.written)
     }
 
     fn put_row(&mut self) -> Result<(), Error> {
         let written = self.out.write_all(self.row.as_bytes());
+        self.row.clear();
         written.map_err(|e| Error::system("write the estimates", &self.path, &e))
     }
 }
 
-impl Drop for EstimateWriter {
+impl<E: Estimate> Drop for EstimateWriter<E> {
     /// A file that was not finished is removed.
     fn drop(&mut self) {
         if let Some(beside) = &self.beside {

@@ -32,23 +32,89 @@ pub fn read_loader(
     read::<Loader>(path.as_ref(), map)
 }
 
-pub(crate) fn read<M: Machine>(path: &Path, map: Option<&Map>) -> Result<Vec<Row<M>>, Error> {
-    let text = std::fs::read(path).map_err(|e| Error::system("read the data", path, &e))?;
-    let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&text);
-    let file = path.display().to_string();
-    if text.trim_ascii().is_empty() {
-        let remedy = "give a CSV file with a header and a row per sample";
-        return Err(Error::new("the file is empty", file, remedy));
+/// Reads axle weights on level and tilted ground: `pitch` [rad, nose up positive], `front_load`
+/// and `rear_load` [N].
+///
+/// # Errors
+/// The file cannot be read, lacks a column, or a cell holds no finite number.
+pub fn read_weighings(path: impl AsRef<Path>) -> Result<Vec<[f64; 3]>, Error> {
+    const NAMES: [&str; 3] = ["pitch", "front_load", "rear_load"];
+    let table = Table::open(path.as_ref())?;
+    let (mut reader, header) = table.reader()?;
+    let mut at = [0; 3];
+    for (at, name) in at.iter_mut().zip(NAMES) {
+        let found = header.iter().position(|h| h == name);
+        *at = found.ok_or_else(|| absent(&[name], "weighing", &header, &table.file))?;
     }
-    let mut reader = ReaderBuilder::new()
-        .trim(Trim::All)
-        .flexible(true)
-        .from_reader(text);
-    let header = header(&mut reader, &file)?;
+    let mut rows = Vec::new();
+    let mut record = ByteRecord::new();
+    while reader
+        .read_byte_record(&mut record)
+        .map_err(|e| broken(&e, &table.file))?
+    {
+        let mut row = [0.0; 3];
+        for (value, at) in row.iter_mut().zip(at) {
+            let cell = record.get(at).unwrap_or_default();
+            *value = number(cell).filter(|x| x.is_finite()).ok_or_else(|| {
+                no_number(
+                    cell,
+                    &header[at],
+                    line_of(&record, table.text()),
+                    &table.file,
+                )
+            })?;
+        }
+        rows.push(row);
+    }
+    Ok(rows)
+}
+
+/// The bytes of a file.
+struct Table {
+    bytes: Vec<u8>,
+    file: String,
+}
+
+impl Table {
+    fn open(path: &Path) -> Result<Self, Error> {
+        let bytes = std::fs::read(path).map_err(|e| Error::system("read the data", path, &e))?;
+        let table = Self {
+            bytes,
+            file: path.display().to_string(),
+        };
+        if table.text().trim_ascii().is_empty() {
+            let remedy = "give a CSV file with a header and a row per sample";
+            return Err(Error::new("the file is empty", table.file, remedy));
+        }
+        Ok(table)
+    }
+
+    /// Without the byte order mark.
+    fn text(&self) -> &[u8] {
+        self.bytes
+            .strip_prefix(b"\xef\xbb\xbf")
+            .unwrap_or(&self.bytes)
+    }
+
+    /// A reader behind the header, and the header.
+    fn reader(&self) -> Result<(Reader<&[u8]>, Vec<String>), Error> {
+        let mut builder = ReaderBuilder::new();
+        let mut reader = builder
+            .trim(Trim::All)
+            .flexible(true)
+            .from_reader(self.text());
+        let header = header(&mut reader, &self.file)?;
+        Ok((reader, header))
+    }
+}
+
+pub(crate) fn read<M: Machine>(path: &Path, map: Option<&Map>) -> Result<Vec<Row<M>>, Error> {
+    let table = Table::open(path)?;
+    let (reader, header) = table.reader()?;
     let signals = signal::signals::<M>();
-    let columns = choose(&header, &signals, map, &file)?;
-    require::<M>(&columns, &header, &file)?;
-    rows::<M>(reader, text, &columns, &header, &file)
+    let columns = choose(&header, &signals, map, &table.file)?;
+    require::<M>(&columns, &header, &table.file)?;
+    rows::<M>(reader, table.text(), &columns, &header, &table.file)
 }
 
 fn header<R: Read>(reader: &mut Reader<R>, file: &str) -> Result<Vec<String>, Error> {
@@ -135,21 +201,23 @@ fn require<M: Machine>(columns: &[Column], header: &[String], file: &str) -> Res
         {
             continue;
         }
-        let similar = config::nearest(group[0], header.iter().map(String::as_str));
-        let remedy = match similar {
-            Some(name) => format!("rename column {name}, or name it in a signal map (--map)"),
-            None => format!(
-                "add the column, or name another in a signal map (--map); the file has {}",
-                header.join(", ")
-            ),
-        };
-        return Err(Error::new(
-            format!("there is no column {} ({})", group.join(" or "), M::NAME),
-            format!("{file}:1"),
-            remedy,
-        ));
+        return Err(absent(group, M::NAME, header, file));
     }
     Ok(())
+}
+
+/// None of these columns is there.
+fn absent(names: &[&str], of: &str, header: &[String], file: &str) -> Error {
+    let similar = config::nearest(names[0], header.iter().map(String::as_str));
+    let remedy = match similar {
+        Some(name) => format!("rename column {name}, or name it in a signal map (--map)"),
+        None => format!(
+            "add the column, or name another in a signal map (--map); the file has {}",
+            header.join(", ")
+        ),
+    };
+    let what = format!("there is no column {} ({of})", names.join(" or "));
+    Error::new(what, format!("{file}:1"), remedy)
 }
 
 fn rows<M: Machine>(
