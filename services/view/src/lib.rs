@@ -11,6 +11,7 @@ mod report;
 mod run;
 pub mod score;
 pub mod statistics;
+pub mod top;
 pub mod words;
 
 pub use report::report;

@@ -1,6 +1,8 @@
 //! A run in memory: what the report is made of.
 
+use messages::channels::{self, Channel};
 use messages::{ExcavatorEstimate, Health, LoaderEstimate, Message, SwingMotion};
+use recording::Reader;
 
 use crate::estimate::Estimate;
 
@@ -85,6 +87,41 @@ pub struct Run {
 }
 
 impl Run {
+    /// Reads a recording.
+    ///
+    /// # Errors
+    /// The recording is damaged, or a channel carries another type than its name says.
+    pub fn from_recording(reader: &Reader) -> Result<Self, recording::Error> {
+        use channels::{
+            EXCAVATOR_INERTIA_RLS, EXCAVATOR_INERTIA_UKF, LOADER_CG_EKF, LOADER_CG_UKF,
+        };
+        let metadata = reader.metadata();
+        let processes = metadata.get("processes").map_or_else(Vec::new, |names| {
+            names
+                .split([',', ' '])
+                .filter(|n| !n.is_empty())
+                .map(str::to_owned)
+                .collect()
+        });
+        Ok(Self {
+            excavator: MachineRun {
+                estimators: estimators(reader, &[EXCAVATOR_INERTIA_RLS, EXCAVATOR_INERTIA_UKF])?,
+                truth: reader.messages(channels::EXCAVATOR_TRUTH.name)?,
+            },
+            loader: MachineRun {
+                estimators: estimators(reader, &[LOADER_CG_EKF, LOADER_CG_UKF])?,
+                truth: reader.messages(channels::LOADER_TRUTH.name)?,
+            },
+            motion: reader.messages(channels::EXCAVATOR_MOTION.name)?,
+            health: reader.messages(channels::HEALTH.name)?,
+            metadata: metadata
+                .iter()
+                .map(|(k, v)| (k.clone(), v.clone()))
+                .collect(),
+            processes,
+        })
+    }
+
     /// Metadata value called `name`.
     #[must_use]
     pub fn metadata(&self, name: &str) -> Option<&str> {
@@ -100,6 +137,23 @@ impl Run {
             .and_then(|i| self.processes.get(i));
         known.cloned().unwrap_or_else(|| format!("process {index}"))
     }
+}
+
+fn estimators<E: Estimate>(
+    reader: &Reader,
+    channels: &[Channel],
+) -> Result<Vec<Estimator<E>>, recording::Error> {
+    let mut found = Vec::new();
+    for channel in channels {
+        let estimates = reader.messages(channel.name)?;
+        if !estimates.is_empty() {
+            found.push(Estimator {
+                channel: channel.name.to_owned(),
+                estimates,
+            });
+        }
+    }
+    Ok(found)
 }
 
 /// Samples that never arrived, by the gaps of the sequence within each life of the source.

@@ -95,9 +95,13 @@ fn the_live_page_draws_and_tells_in_chromium() {
     });
     std::thread::sleep(Duration::from_secs(6));
     let picture = Path::new(env!("CARGO_TARGET_TMPDIR")).join("live.png");
-    let dom = browse(chromium, &url, &["--timeout=4000", "--dump-dom"]);
+    let dom = browse(
+        chromium,
+        &url,
+        &["--virtual-time-budget=4000", "--dump-dom"],
+    );
     let screenshot = format!("--screenshot={}", picture.display());
-    browse(chromium, &url, &["--timeout=4000", &screenshot]);
+    browse(chromium, &url, &["--virtual-time-budget=4000", &screenshot]);
     stop.store(true, Ordering::Relaxed);
     feeding.join().expect("the feeder ends");
     for part in [

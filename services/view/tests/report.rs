@@ -96,3 +96,20 @@ fn ten_minutes_at_a_kilohertz_fit_in_three_megabytes() {
 fn an_empty_run_makes_a_page_that_says_so() {
     assert!(report(&Run::default()).contains("no estimate"));
 }
+
+#[test]
+fn a_recording_makes_the_same_report_as_the_run_in_memory() {
+    let run = common::excavator(5.0, 100.0, true);
+    let file = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("report.mcap");
+    let mut metadata: recording::Metadata = run.metadata.iter().cloned().collect();
+    metadata.insert("processes".into(), run.processes.join(","));
+    common::record(&file, &metadata, &run);
+    let read = Run::from_recording(&recording::Reader::open(&file).expect("opened")).expect("read");
+    assert_eq!(read.processes, run.processes);
+    assert_eq!(read.excavator.truth, run.excavator.truth);
+    let sorted = Run {
+        metadata: read.metadata.clone(),
+        ..run
+    };
+    assert_eq!(report(&read), report(&sorted));
+}

@@ -25,10 +25,18 @@ pub(super) fn title(run: &Run) -> String {
 
 pub(super) fn write(body: &mut String, run: &Run) {
     let _ = write!(body, "<header><h1>{}</h1>", text(&title(run)));
-    let facts = ["scenario", "payload", "seed", "version", "host", "started"];
-    let known = facts
-        .iter()
-        .filter_map(|f| run.metadata(f).map(|v| format!("{f} {}", text(v))));
+    let facts = [
+        ("scenario", "scenario "),
+        ("input", "input "),
+        ("payload_kg", "payload [kg] "),
+        ("seed", "seed "),
+        ("heft.version", "heft "),
+        ("host", "on "),
+    ];
+    let known = facts.iter().filter_map(|(key, words)| {
+        run.metadata(key)
+            .map(|value| format!("{words}{}", text(value)))
+    });
     let line: Vec<_> = known.collect();
     if !line.is_empty() {
         let _ = write!(body, "<p class=\"facts\">{}</p>", line.join(" · "));

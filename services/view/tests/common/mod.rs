@@ -211,7 +211,7 @@ pub const PROCESSES: [&str; 5] = ["sensor", "kalman", "rls", "ukf", "logger"];
 
 fn common(run: Run) -> Run {
     let pairs = [
-        ("version", "0.1.0"),
+        ("heft.version", "0.1.0"),
         ("scenario", "two swings <made up>"),
         ("seed", "1"),
         ("host", "test"),
@@ -222,7 +222,7 @@ fn common(run: Run) -> Run {
             "[machine]\nnominal_damping = 1500\n\n[sensors]\nrate = 100\nswing_velocity_std = 0.005\n",
         ),
         (
-            "config_sha256",
+            "description.sha256",
             "8d969eef6ecad3c29a3a629280e686cf0c3f5d5a86aff3ca12020c923adc6c92",
         ),
     ];
@@ -302,4 +302,41 @@ pub fn loader(seconds: f64, rate: f64, truth: bool) -> Run {
         loader: MachineRun { estimators, truth },
         ..Default::default()
     })
+}
+
+/// Writes the run as a recording.
+pub fn record(path: &std::path::Path, metadata: &recording::Metadata, run: &Run) {
+    use messages::channels::{CHANNELS, EXCAVATOR_MOTION, EXCAVATOR_TRUTH, HEALTH, LOADER_TRUTH};
+    let mut writer = recording::Writer::create(path, metadata).expect("created");
+    let channel = |name: &str| {
+        CHANNELS
+            .iter()
+            .find(|c| c.name == name)
+            .expect("a channel of the table")
+    };
+    run.health
+        .iter()
+        .for_each(|m| writer.write(&HEALTH, m).expect("written"));
+    run.motion
+        .iter()
+        .for_each(|m| writer.write(&EXCAVATOR_MOTION, m).expect("written"));
+    run.excavator
+        .truth
+        .iter()
+        .for_each(|m| writer.write(&EXCAVATOR_TRUTH, m).expect("written"));
+    run.loader
+        .truth
+        .iter()
+        .for_each(|m| writer.write(&LOADER_TRUTH, m).expect("written"));
+    for e in &run.excavator.estimators {
+        e.estimates
+            .iter()
+            .for_each(|m| writer.write(channel(&e.channel), m).expect("written"));
+    }
+    for e in &run.loader.estimators {
+        e.estimates
+            .iter()
+            .for_each(|m| writer.write(channel(&e.channel), m).expect("written"));
+    }
+    writer.finish().expect("finished");
 }
