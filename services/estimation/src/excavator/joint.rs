@@ -21,11 +21,18 @@ use nalgebra::{Matrix4, Vector4};
 /// Memory where the settings give no forgetting factor [s].
 const MEMORY: f64 = 20.0;
 /// Correlation time that the covariance allows for, in periods of the filter: 1/wn times this.
-const CORRELATION: f64 = 20.0;
+const CORRELATION: f64 = 60.0;
 /// Relative standard deviation that no data can take away (gain of the torque measurement).
 const FLOOR: f64 = 0.02;
-/// The prior's standard deviations are widened this much: the data decide.
-const DIFFUSE: f64 = 1e3;
+/// Friction is not a constant: it wanders by this share of its size within this time [s], which no
+/// residual shows once the parameters have absorbed it.
+const FRICTION_DRIFT: f64 = 0.05;
+const FRICTION_TIME: f64 = 0.5;
+/// Torque and motion are sampled together only within this part of a period. What is late by tau
+/// looks like damping of J tau a^2/w^2.
+const SKEW: f64 = 0.25;
+/// The prior's standard deviations are widened this much, so that the data decide what they can.
+const DIFFUSE: f64 = 3.0;
 
 /// Joint regression of inertia, damping, friction and offset.
 #[derive(Debug, Clone)]
@@ -37,6 +44,8 @@ pub(super) struct JointRegression {
     past: Vector4<f64>,
     meat: Matrix4<f64>,
     residual_square: f64,
+    /// Sums of squared acceleration and velocity.
+    squares: [f64; 2],
     weight: f64,
     period: f64,
 }
@@ -66,6 +75,7 @@ impl JointRegression {
             past: Vector4::zeros(),
             meat: Matrix4::zeros(),
             residual_square: 0.0,
+            squares: [0.0; 2],
             weight: 0.0,
             period: 0.0,
         }
@@ -108,6 +118,9 @@ impl JointRegression {
         self.meat = self.meat * (forgetting * forgetting) + cross + cross.transpose()
             - score * score.transpose();
         self.residual_square = forgetting * self.residual_square + residual * residual;
+        for (sum, signal) in self.squares.iter_mut().zip(regressor) {
+            *sum = forgetting * *sum + signal * signal;
+        }
         self.weight = forgetting * self.weight + 1.0;
         self.period = motion.period;
     }
@@ -141,6 +154,15 @@ impl JointRegression {
         }
     }
 
+    /// Apparent damping of a torque that is a part of a period late.
+    fn skew(&self) -> f64 {
+        let [acceleration, velocity] = self.squares;
+        if velocity <= 0.0 {
+            return 0.0;
+        }
+        SKEW * self.period * self.rls.parameters[0] * acceleration / velocity
+    }
+
     /// Standard deviation of a parameter, at most the prior's.
     fn std(&self, i: usize) -> f64 {
         let prior = self.prior[i];
@@ -155,7 +177,11 @@ impl JointRegression {
         let samples = (1.0 / (wn * self.period)).max(1.0);
         let plain = self.residual_square / self.weight * p[(i, i)] * samples;
         let floor = FLOOR * self.rls.parameters[i];
-        let variance = sandwich.max(plain) + floor * floor;
+        let constant = self.rls.parameters[2].abs() + self.rls.parameters[3].abs();
+        let drift = FRICTION_DRIFT * constant;
+        let drifting = drift * drift * p[(i, i)] * (FRICTION_TIME / self.period).max(1.0);
+        let skew = if i == 1 { self.skew() } else { 0.0 };
+        let variance = sandwich.max(plain) + drifting + skew * skew + floor * floor;
         sqrt(variance).min(prior.max(floor.abs()))
     }
 }

@@ -13,6 +13,7 @@ mod calibration;
 mod change;
 mod delay;
 mod drive;
+mod encoder;
 mod estimate;
 mod geometry;
 mod grid;

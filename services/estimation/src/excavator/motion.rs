@@ -7,6 +7,7 @@
 //! the bank one more stage.
 
 use super::change::{ChangeDetector, Gate};
+use super::encoder::{Aligned, Aligner};
 use super::estimate::{Columns, Sample};
 use super::grid::Grid;
 use super::screen::Screen;
@@ -89,7 +90,8 @@ pub struct MotionFilter {
     gate: Gate,
     shape: Shape,
     bank: Option<Bank>,
-    input: [f64; 3],
+    input: [f64; 2],
+    aligner: Aligner,
     grid: Grid,
     detector: ChangeDetector,
     standstill: Standstill,
@@ -124,7 +126,8 @@ impl MotionFilter {
                 third_order: angle,
             },
             bank: None,
-            input: [0.0; 3],
+            input: [0.0; 2],
+            aligner: Aligner::new(settings),
             grid: Grid::new(settings, angle),
             detector: ChangeDetector::new(e.reject, e.q_c, s.swing_velocity_std),
             standstill: Standstill::new(s.swing_velocity_std, settings.coulomb_friction),
@@ -219,25 +222,29 @@ impl MotionFilter {
         if let Some(torque) = sample.torque {
             self.input[1] = torque;
         }
-        let width = self.settings.estimator.svf_friction_width;
-        let velocity = match &self.filter {
-            Filter::Angle(filter) => filter.velocity(),
-            _ => self.input[0],
-        };
-        self.input[2] = tanh(velocity / width);
-        let angle = self.angle;
-        if angle && matches!(self.filter, Filter::Waiting) {
+        if self.angle && matches!(self.filter, Filter::Waiting) {
             return;
         }
-        let [motion, torque, direction] = self.input;
+        let [motion, torque] = self.input;
+        let aligned = if self.angle {
+            self.aligner.push(sample.time, motion, torque)
+        } else {
+            Aligned {
+                angle: motion,
+                torque,
+                velocity: motion,
+            }
+        };
+        let direction = tanh(aligned.velocity / self.settings.estimator.svf_friction_width);
+        let start = if self.angle { aligned.angle } else { 0.0 };
         let bank = self.bank.get_or_insert_with(|| Bank {
             // The angle counts from wherever the encoder starts.
-            motion: Lowpass::settled(if angle { motion } else { 0.0 }),
+            motion: Lowpass::settled(start),
             ..Bank::default()
         });
         let shape = &self.shape;
-        bank.motion.step(shape, motion, period);
-        bank.torque.step(shape, torque, period);
+        bank.motion.step(shape, aligned.angle, period);
+        bank.torque.step(shape, aligned.torque, period);
         bank.direction.step(shape, direction, period);
         bank.one.step(shape, 1.0, period);
     }
