@@ -197,7 +197,7 @@ pub struct RunArgs {
     #[arg(long, requires = "rt")]
     pub core: Option<usize>,
     /// Show a live page
-    #[arg(long, value_name = "ADDR", num_args = 0..=1, default_missing_value = "127.0.0.1:8000")]
+    #[arg(long, value_name = "ADDR", num_args = 0..=1, default_missing_value = view::live::DEFAULT_ADDRESS)]
     pub view: Option<SocketAddr>,
     /// Folder for the recording and the report
     #[arg(long, value_name = "DIR")]

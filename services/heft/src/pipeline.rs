@@ -41,6 +41,26 @@ pub fn excavator_estimator(d: &config::Excavator, method: &str) -> Result<impl S
     ukf::Excavator::new(d, method).map_err(refused)
 }
 
+/// Whether a method can work with a source that has these columns.
+pub fn check_columns(d: &config::Excavator, method: &str, columns: u32) -> Result<(), Failure> {
+    use messages::excavator_bits::{SWING_ANGLE, SWING_TORQUE, SWING_VELOCITY};
+    let missing = |column: &str| {
+        Failure::input(
+            format!("the method {method} needs the column {column}, which the input does not have"),
+            "--method",
+            "choose another method, or name the column in a signal map (--map)",
+        )
+    };
+    if columns & (SWING_VELOCITY | SWING_ANGLE) == 0 {
+        return Err(missing("swing_velocity or swing_angle"));
+    }
+    match method {
+        "svf-rls" if columns & SWING_TORQUE == 0 => Err(missing("swing_torque")),
+        m if REGRESSIONS.contains(&m) => Ok(()),
+        m => ukf::Excavator::check(d, m, columns).map_err(refused),
+    }
+}
+
 /// Extended Kalman filter of the loader.
 pub fn loader_baseline(d: &config::Loader) -> Result<impl Step<Input = LoaderSensors, Output = LoaderEstimate>, Failure> {
     kalman::Loader::new(d).map_err(refused)

@@ -67,6 +67,12 @@ pub mod excavator_bits {
     pub const MANOEUVRE: u32 = 1;
     /// The machine stands still.
     pub const STANDSTILL: u32 = 1 << 1;
+    /// A velocity or angle was accepted at this sample.
+    pub const MEASURED: u32 = 1 << 2;
+    /// A torque has been seen.
+    pub const HAS_TORQUE: u32 = 1 << 3;
+    /// The row was refused; everything else repeats the last answer.
+    pub const MOTION_REFUSED: u32 = 1 << 4;
 }
 
 message! {
@@ -117,7 +123,7 @@ message! {
 
 message! {
     /// Swing motion after the filter stage.
-    pub struct SwingMotion, "SwingMotion", size 184 {
+    pub struct SwingMotion, "SwingMotion", size 192 {
         /// Velocity of the Kalman filter.
         velocity: f64, "rad/s";
         /// Its standard deviation.
@@ -146,9 +152,11 @@ message! {
         period: f64, "s";
         /// Time since the last accepted velocity or angle.
         age: f64, "s";
+        /// Time since the last torque.
+        torque_age: f64, "s";
         /// Signal bits of the sample that this was made from.
         valid: u32, "";
-        /// Manoeuvre and standstill bits.
+        /// Bits of this message.
         flags: u32, "";
     }
 }

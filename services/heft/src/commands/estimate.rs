@@ -71,6 +71,7 @@ fn excavator(
     rows: &[(ExcavatorSensors, ExcavatorTruth)],
 ) -> Result<(), Failure> {
     let method = args.method.as_deref().unwrap_or("auto");
+    pipeline::check_columns(d, method, rows.first().map_or(0, |(s, _)| s.columns))?;
     let run = run_excavator(d, method, rows)?;
     let mut writer = EstimateWriter::excavator(&args.output)?;
     for estimate in run.estimates.iter().filter(|e| e.flags & excavator_bits::REFUSED == 0) {

@@ -153,8 +153,8 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     }
     let (plan, folder) = plan(args)?;
     let kind = plan.kind();
-    let feed = args.view.map(|addr| crate::live::start(addr, kind)).transpose()?;
-    let watch = Watch::new(kind, feed, show(args));
+    let page = args.view.map(|addr| crate::live::start(addr, kind)).transpose()?;
+    let watch = Watch::new(kind, page.as_ref().map(|(feed, _)| feed.clone()), show(args));
     let recording = plan.recording.clone();
     let supervisor =
         Supervisor::start(&domain(args.domain.as_deref(), "")?, plan, watch, signals()?)?;

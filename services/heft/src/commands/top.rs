@@ -1,0 +1,149 @@
+//! `heft top`: attaches to a running pipeline and shows it in the terminal.
+
+use std::time::{Duration, Instant};
+
+use messages::channels::{Channel, of_machine};
+use messages::{Message, fault};
+use ratatui::crossterm::event::{self, Event, KeyCode, KeyModifiers};
+use runtime::{Domain, Ports, Sink, Taps};
+use view::top::{TopState, draw};
+
+use crate::failure::Failure;
+use crate::plan::Plan;
+use crate::processes;
+
+/// Time between two pictures.
+const PERIOD: Duration = Duration::from_millis(100);
+/// How long one picture as text looks at the channels first.
+const ONCE: Duration = Duration::from_millis(1500);
+/// Size of that picture.
+const ONCE_SIZE: (u16, u16) = (110, 36);
+
+/// What the dashboard sees.
+struct Seen(TopState);
+
+impl Sink for Seen {
+    fn accept<M: Message>(&mut self, channel: &'static Channel, message: &M) {
+        self.0.push(channel, message, Instant::now());
+    }
+
+    fn has_room(&self) -> bool {
+        true
+    }
+
+    fn fault(&self) -> u32 {
+        fault::NONE
+    }
+
+    fn drain(&mut self) {}
+}
+
+/// `heft top`
+pub fn top(domain: Option<&str>, once: bool) -> Result<(), Failure> {
+    let domain = find(domain)?;
+    let plan = Plan::read(&domain)?;
+    domain.enter()?;
+    let ports = Ports::new("top")?;
+    let channels: Vec<_> = of_machine(&plan.machine).collect();
+    let mut taps = Taps::open(&ports, &channels)?;
+    let names = processes::of_machine(plan.kind()).iter().map(|p| p.name.to_owned()).collect();
+    let mut seen = Seen(TopState::new(domain.name(), names));
+    if once { print_once(&mut taps, &mut seen) } else { show(&domain, &mut taps, &mut seen) }
+}
+
+/// The domain of this name, or the only living one.
+fn find(name: Option<&str>) -> Result<Domain, Failure> {
+    if let Some(name) = name {
+        let domain = Domain::new(name)?;
+        return if domain.is_alive() { Ok(domain) } else { Err(not_running(name)) };
+    }
+    let mut alive = Domain::all().into_iter().filter(Domain::is_alive);
+    match (alive.next(), alive.next()) {
+        (Some(domain), None) => Ok(domain),
+        (None, _) => Err(Failure::input(
+            "no pipeline is running",
+            "/dev/shm/heft",
+            "start one with `heft run excavator`",
+        )),
+        (Some(one), Some(two)) => Err(Failure::input(
+            format!("several pipelines are running: {}, {}, ...", one.name(), two.name()),
+            "--domain",
+            "name the one to show",
+        )),
+    }
+}
+
+fn not_running(name: &str) -> Failure {
+    let alive: Vec<String> = Domain::all()
+        .into_iter()
+        .filter(Domain::is_alive)
+        .map(|d| d.name().to_owned())
+        .collect();
+    let remedy = if alive.is_empty() {
+        "start one with `heft run excavator`".to_owned()
+    } else {
+        format!("these are: {}", alive.join(", "))
+    };
+    Failure::input(format!("no pipeline runs in the domain `{name}`"), "--domain", remedy)
+}
+
+fn print_once(taps: &mut Taps<Seen>, seen: &mut Seen) -> Result<(), Failure> {
+    let begun = Instant::now();
+    while begun.elapsed() < ONCE {
+        taps.drain(seen);
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    let backend = ratatui::backend::TestBackend::new(ONCE_SIZE.0, ONCE_SIZE.1);
+    let mut terminal = ratatui::Terminal::new(backend).map_err(Failure::internal)?;
+    terminal.draw(|frame| draw(frame, &seen.0)).map_err(Failure::internal)?;
+    let buffer = terminal.backend().buffer();
+    for row in buffer.content().chunks(usize::from(ONCE_SIZE.0)) {
+        let line: String = row.iter().map(|cell| cell.symbol()).collect();
+        println!("{}", line.trim_end());
+    }
+    Ok(())
+}
+
+fn show(domain: &Domain, taps: &mut Taps<Seen>, seen: &mut Seen) -> Result<(), Failure> {
+    let mut terminal = ratatui::try_init().map_err(|e| {
+        Failure::input(
+            format!("cannot draw here: {e}"),
+            "the terminal",
+            "use a terminal, or `heft top --once` for one picture as text",
+        )
+    })?;
+    let mut looked = Instant::now();
+    let result = loop {
+        taps.drain(seen);
+        if let Err(e) = terminal.draw(|frame| draw(frame, &seen.0)) {
+            break Err(Failure::internal(e));
+        }
+        if looked.elapsed() > Duration::from_secs(1) {
+            looked = Instant::now();
+            if !domain.is_alive() {
+                break Ok(());
+            }
+        }
+        if wants_to_quit() {
+            break Ok(());
+        }
+    };
+    ratatui::restore();
+    if result.is_ok() && !domain.is_alive() {
+        println!("the run `{}` has ended", domain.name());
+    }
+    result
+}
+
+fn wants_to_quit() -> bool {
+    if !event::poll(PERIOD).unwrap_or(false) {
+        return false;
+    }
+    match event::read() {
+        Ok(Event::Key(key)) => {
+            matches!(key.code, KeyCode::Char('q') | KeyCode::Esc)
+                || (key.code == KeyCode::Char('c') && key.modifiers.contains(KeyModifiers::CONTROL))
+        }
+        _ => false,
+    }
+}

@@ -1,0 +1,24 @@
+//! The live page of a run.
+
+use std::net::SocketAddr;
+
+use config::Kind;
+use view::live::{Feed, Server, serve};
+
+use crate::failure::Failure;
+use crate::processes;
+
+/// Serves the page; it is there until the server is dropped.
+pub fn start(address: SocketAddr, kind: Kind) -> Result<(Feed, Server), Failure> {
+    let names = processes::of_machine(kind).iter().map(|p| p.name.to_owned()).collect();
+    let feed = Feed::new(names);
+    let server = serve(address, feed.clone()).map_err(|e| {
+        Failure::input(
+            format!("cannot show the live page: {e}"),
+            format!("--view {address}"),
+            "choose another address or port, such as --view 127.0.0.1:8441",
+        )
+    })?;
+    eprintln!("live page: http://{}", server.address());
+    Ok((feed, server))
+}

@@ -1,0 +1,78 @@
+//! Data recorded by others, where it is present (`HEFT_DATA`, or `../shared/data` beside the
+//! project). It is not ours to ship; without it these tests say so and pass.
+
+mod common;
+
+use std::path::{Path, PathBuf};
+
+use common::{both, run};
+
+fn data(name: &str) -> Option<PathBuf> {
+    let root = std::env::var_os("HEFT_DATA").map_or_else(
+        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data"),
+        PathBuf::from,
+    );
+    let file = root.join(name);
+    if file.exists() {
+        return Some(file);
+    }
+    println!("skipped: {} is not here (set HEFT_DATA to the folder of recorded data)", file.display());
+    None
+}
+
+fn shipped(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests").join(name)
+}
+
+/// Header and last row of a CSV file.
+fn last_row(file: &Path) -> Vec<(String, String)> {
+    let text = std::fs::read_to_string(file).expect("the estimates");
+    let header = text.lines().next().expect("a header").split(',').map(str::to_owned);
+    let last = text.lines().last().expect("a row").split(',').map(str::to_owned);
+    header.zip(last).collect()
+}
+
+fn number(row: &[(String, String)], name: &str) -> f64 {
+    let cell = row.iter().find(|(n, _)| n == name).map(|(_, v)| v.as_str());
+    cell.and_then(|v| v.parse().ok()).unwrap_or_else(|| panic!("no {name} in {row:?}"))
+}
+
+fn estimate(input: &Path, map: &str, description: &str) -> Vec<(String, String)> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = folder.path().join("out.csv");
+    let (map, description) = (shipped(map), shipped(description));
+    let text = |p: &Path| p.to_str().expect("a path").to_owned();
+    let result = run(&[
+        "estimate", &text(input), "--machine", "excavator", "--map", &text(&map), "--config",
+        &text(&description), "--method", "svf-rls", "-o", &text(&output),
+    ]);
+    assert!(result.status.success(), "{}", both(&result));
+    last_row(&output)
+}
+
+#[test]
+fn the_parameters_of_a_real_axis_are_found_within_a_few_percent() {
+    let Some(input) = data("recorded/emps_identification.csv") else { return };
+    let row = estimate(&input, "maps/emps.toml", "descriptions/emps.toml");
+    // Published values of the EMPS benchmark (Janot, Gautier, Brunot 2019).
+    for (name, published, tolerance) in
+        [("inertia", 95.1089, 0.02), ("damping", 203.5034, 0.03), ("friction", 20.3935, 0.05)]
+    {
+        let (value, std) = (number(&row, name), number(&row, &format!("{name}_std")));
+        let error = value / published - 1.0;
+        assert!(error.abs() < tolerance, "{name} {value}: {:+.2} %", 100.0 * error);
+        assert!(
+            (value - published).abs() < 3.0 * std,
+            "{name} {value} ± {std} claims to know better than the published {published}"
+        );
+    }
+}
+
+#[test]
+fn the_interval_of_a_servo_stand_holds_its_inertia() {
+    let Some(input) = data("recorded/hsm150_torque_steps.csv") else { return };
+    let row = estimate(&input, "maps/hsm150.toml", "descriptions/hsm150.toml");
+    let (value, std) = (number(&row, "inertia"), number(&row, "inertia_std"));
+    assert!((value - 1.2e-4).abs() < 1.96 * std, "{value} ± {std} against 1.2e-4 kg m²");
+    assert!(std < 0.5 * value, "{value} ± {std} says nothing");
+}
