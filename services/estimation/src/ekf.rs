@@ -3,6 +3,8 @@
 //! The derivative directions are the columns of the root, so the derivatives of the model's outputs are F S and H S
 //! themselves and no Jacobian is formed. From there on it is the step of [`crate::prediction`].
 
+#![allow(clippy::needless_range_loop)] // indices as in the formulas
+
 use crate::dual::Dual;
 use crate::model::Model;
 use crate::prediction::{Images, Prediction, Update};

@@ -20,6 +20,8 @@
 //! | L_e | `independent` | root of what of them no state explains |
 //! | S_y, K_b | `innovation_root`, `gain_root` | as above; the gain is K = K_b S_y^-1 |
 
+#![allow(clippy::needless_range_loop)] // indices as in the formulas
+
 use crate::math::sqrt;
 use crate::root::{Row, triangularise_rest, triangularise_with};
 
@@ -133,28 +135,30 @@ impl<const N: usize, const M: usize, const B: usize> Images<N, M, B> {
     /// Adds the process noise of the step and triangularises.
     #[inline(always)]
     pub fn predict(&mut self, process_std: &[f64; N]) -> Prediction<N, M> {
-        let mut coupling = self.noise_coupling;
-        for row in &mut coupling[self.direct..] {
-            for (g, q) in row.iter_mut().zip(process_std) {
-                *g *= q;
+        let mut prediction = Prediction {
+            state: self.state,
+            measurement: self.measurement,
+            root: [[0.0; N]; N],
+            coupling: [[0.0; N]; M],
+            independent: [[0.0; M]; M],
+            direct: self.direct,
+        };
+        let (root, coupling) = (&mut prediction.root, &mut prediction.coupling);
+        for p in self.direct..M {
+            for i in 0..N {
+                coupling[p][i] = self.noise_coupling[p][i] * process_std[i];
             }
         }
-        let root = triangularise_with(
+        triangularise_with(
             &mut self.rows,
             process_std,
             &mut self.measured,
-            &mut coupling,
-            self.direct,
-        );
-        let independent = triangularise_rest(&mut self.measured, self.direct);
-        Prediction {
-            state: self.state,
-            measurement: self.measurement,
             root,
             coupling,
-            independent,
-            direct: self.direct,
-        }
+            self.direct,
+        );
+        triangularise_rest(&mut self.measured, &mut prediction.independent, self.direct);
+        prediction
     }
 }
 
@@ -187,18 +191,7 @@ impl<const N: usize, const M: usize> Prediction<N, M> {
             whitened: [0.0; M],
         };
         let rotations = self.direct_rotations(innovation, std, accepted, &mut out);
-        for k in 0..N {
-            // Row k of a lower-triangular root; a measured state has no entry beyond column M - 1.
-            let mut row = self.root[k];
-            let mut head = leading(&row);
-            for j in 0..self.direct {
-                let gain = rotations[j].apply(&mut head, 0.0);
-                out.gain_root[k][j] = gain;
-                out.state[k] += gain * out.whitened[j];
-            }
-            set_leading(&mut row, &head);
-            out.root[k] = row;
-        }
+        self.apply_direct(&rotations, &mut out);
         if self.direct < M {
             self.update_indirect(&rotations, innovation, std, accepted, &mut out);
         }
@@ -235,6 +228,39 @@ impl<const N: usize, const M: usize> Prediction<N, M> {
             out.whitened[j] = left / rotations[j].norm;
         }
         rotations
+    }
+
+    /// Rotates the rows of all states at once: lane k is row k, so the work runs side by side.
+    #[inline(always)]
+    fn apply_direct(&self, rotations: &[Rotations<M>; M], out: &mut Update<N, M>) {
+        let mut columns = [[0.0; N]; M];
+        for k in 0..N {
+            for (i, column) in columns.iter_mut().enumerate().take(N) {
+                column[k] = self.root[k][i];
+            }
+        }
+        for j in 0..self.direct {
+            let mut pivots = [0.0; N];
+            // Row j and the rows before it have no entries beyond column j.
+            for i in (0..=j).rev() {
+                let (cosine, sine) = (rotations[j].cosine[i], rotations[j].sine[i]);
+                for k in 0..N {
+                    let entry = columns[i][k];
+                    columns[i][k] = cosine * entry - sine * pivots[k];
+                    pivots[k] = cosine * pivots[k] + sine * entry;
+                }
+            }
+            for k in 0..N {
+                out.gain_root[k][j] = pivots[k];
+                out.state[k] += pivots[k] * out.whitened[j];
+            }
+        }
+        out.root = self.root;
+        for k in 0..N {
+            for (i, column) in columns.iter().enumerate().take(N) {
+                out.root[k][i] = column[k];
+            }
+        }
     }
 
     /// The other measurements: first their part that no state explains, then the columns of the states.

@@ -13,26 +13,29 @@
 //!
 //! What this is not: a rank-revealing factorisation. A row of zeros gives a zero on the diagonal.
 
+#![allow(clippy::needless_range_loop)] // indices as in the formulas
+
 use crate::math::sqrt;
 
 /// One row of the dense part: `B` blocks of `W` columns.
 pub type Row<const W: usize, const B: usize> = [[f64; W]; B];
 
-/// Sum of products in four independent partial sums, so that it vectorises; the order is fixed.
+/// Sum of products in two independent partial sums, so that it vectorises; the order is fixed.
 #[inline(always)]
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; 4];
-    let (a4, a_rest) = a.as_chunks::<4>();
-    let (b4, b_rest) = b.as_chunks::<4>();
-    for (x, y) in a4.iter().zip(b4) {
-        for i in 0..4 {
-            sums[i] += x[i] * y[i];
+fn dot<const W: usize, const B: usize>(a: &Row<W, B>, b: &Row<W, B>) -> f64 {
+    let (mut even, mut odd) = (0.0, 0.0);
+    for (x, y) in a.iter().zip(b) {
+        let mut i = 0;
+        while i + 1 < W {
+            even += x[i] * y[i];
+            odd += x[i + 1] * y[i + 1];
+            i += 2;
+        }
+        if i < W {
+            even += x[i] * y[i];
         }
     }
-    for (i, (x, y)) in a_rest.iter().zip(b_rest).enumerate() {
-        sums[i] += x * y;
-    }
-    (sums[0] + sums[2]) + (sums[1] + sums[3])
+    even + odd
 }
 
 /// A Householder reflection that sends (pivot, row) to (-norm, 0).
@@ -47,8 +50,7 @@ impl<const W: usize, const B: usize> Reflection<W, B> {
     /// The reflection and the norm it leaves.
     #[inline(always)]
     fn of(row: &Row<W, B>, pivot: f64) -> (Self, f64) {
-        let flat = row.as_flattened();
-        let norm = sqrt(pivot * pivot + dot(flat, flat));
+        let norm = sqrt(pivot * pivot + dot(row, row));
         let pivot = pivot + norm;
         // A row of zeros needs no reflection: the guard keeps its scale finite.
         let scale = 1.0 / (norm * pivot).max(f64::MIN_POSITIVE);
@@ -65,14 +67,11 @@ impl<const W: usize, const B: usize> Reflection<W, B> {
     /// Reflects another row, whose entry in the pivot column is `entry`; returns the new entry, sign turned.
     #[inline(always)]
     fn apply(&self, row: &mut Row<W, B>, entry: f64) -> f64 {
-        let along =
-            self.scale * (self.pivot * entry + dot(self.row.as_flattened(), row.as_flattened()));
-        for (x, v) in row
-            .as_flattened_mut()
-            .iter_mut()
-            .zip(self.row.as_flattened())
-        {
-            *x -= along * v;
+        let along = self.scale * (self.pivot * entry + dot(&self.row, row));
+        for (x, v) in row.iter_mut().zip(&self.row) {
+            for i in 0..W {
+                x[i] -= along * v[i];
+            }
         }
         along * self.pivot - entry
     }
@@ -86,50 +85,50 @@ pub fn triangularise<const R: usize, const W: usize, const B: usize>(
     rows: &mut [Row<W, B>; R],
     diagonal: &[f64; R],
 ) -> [[f64; R]; R] {
-    triangularise_with(rows, diagonal, &mut [], &mut [], 0)
+    let mut root = [[0.0; R]; R];
+    triangularise_with(rows, diagonal, &mut [], &mut root, &mut [], 0);
+    root
 }
 
 /// As [`triangularise`], with passengers: rows `first..P` of \[C D G\] undergo the same rotations.
 ///
-/// On entry `coupling` holds G. On return `coupling[p]` holds passenger p in the columns of L, and `passengers[p]` what is
-/// left of it: the part that is independent of every state.
+/// `root` must hold zeros; L is written into it. On entry `coupling` holds G. On return `coupling[p]` holds passenger p in
+/// the columns of L, and `passengers[p]` what is left of it: the part that is independent of every state.
 #[inline(always)]
 pub fn triangularise_with<const R: usize, const P: usize, const W: usize, const B: usize>(
     rows: &mut [Row<W, B>; R],
     diagonal: &[f64; R],
     passengers: &mut [Row<W, B>; P],
+    root: &mut [[f64; R]; R],
     coupling: &mut [[f64; R]; P],
     first: usize,
-) -> [[f64; R]; R] {
-    let mut root = [[0.0; R]; R];
+) {
     for i in 0..R {
         let (reflection, norm) = Reflection::of(&rows[i], diagonal[i]);
         root[i][i] = norm;
-        for (row, out) in rows[i + 1..].iter_mut().zip(&mut root[i + 1..]) {
-            out[i] = reflection.apply(row, 0.0);
+        for k in i + 1..R {
+            root[k][i] = reflection.apply(&mut rows[k], 0.0);
         }
-        for (row, out) in passengers.iter_mut().zip(coupling.iter_mut()).skip(first) {
-            out[i] = reflection.apply(row, out[i]);
+        for p in first..P {
+            coupling[p][i] = reflection.apply(&mut passengers[p], coupling[p][i]);
         }
     }
-    root
 }
 
-/// Lower-triangular root of the rows `first..P`, which need not have a diagonal; the other rows of the result are zero.
+/// Lower-triangular root of the rows `first..P`, which have no diagonal, written into `root`, which must hold zeros.
 #[inline(always)]
 pub fn triangularise_rest<const P: usize, const W: usize, const B: usize>(
     rows: &mut [Row<W, B>; P],
+    root: &mut [[f64; P]; P],
     first: usize,
-) -> [[f64; P]; P] {
-    let mut root = [[0.0; P]; P];
+) {
     for i in first..P {
         let (reflection, norm) = Reflection::of(&rows[i], 0.0);
         root[i][i] = norm;
-        for (row, out) in rows[i + 1..].iter_mut().zip(&mut root[i + 1..]) {
-            out[i] = reflection.apply(row, 0.0);
+        for k in i + 1..P {
+            root[k][i] = reflection.apply(&mut rows[k], 0.0);
         }
     }
-    root
 }
 
 /// Solves L x = b for lower-triangular L, in place.
@@ -150,5 +149,5 @@ pub fn solve_lower_transposed<const R: usize>(root: &[[f64; R]; R], b: &mut [f64
 
 /// Standard deviation of each state: the norms of the rows of a root.
 pub fn standard_deviations<const R: usize>(root: &[[f64; R]; R]) -> [f64; R] {
-    root.map(|row| sqrt(dot(&row, &row)))
+    root.map(|row| sqrt(row.iter().map(|x| x * x).sum()))
 }

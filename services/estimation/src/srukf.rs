@@ -12,6 +12,8 @@
 //!
 //! What this is not: the redraw of sigma points after the process noise. For linear measurements both agree.
 
+#![allow(clippy::needless_range_loop)] // indices as in the formulas
+
 use crate::model::Model;
 use crate::prediction::{Images, Prediction, Update};
 use crate::root::{Row, solve_lower, solve_lower_transposed, triangularise};

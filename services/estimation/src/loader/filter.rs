@@ -20,6 +20,11 @@ use crate::srukf::SquareRootUkf;
 /// Measurement noise that stands for "not measured" in the printed form.
 const NOT_MEASURED_STD: f64 = 1e6;
 
+/// When every speed that comes has been rejected for this long, the filter is wrong and not the sensors [s].
+///
+/// Rejected rows have no normalised innovation, so the reset rule alone would never see this.
+const LOCKED_OUT: f64 = 1.0;
+
 /// What a row did.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RowReport<const M: usize> {
@@ -145,6 +150,8 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
 
     /// Takes one row.
     pub fn step(&mut self, sample: &Sample) -> RowReport<M> {
+        let machine = &self.settings.machine;
+        let sample = &sample.plausible(machine.mass, machine.wheel_radius);
         let Some(last) = self.last_time else {
             return self.first(sample);
         };
@@ -309,11 +316,21 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
             self.restart(sample);
             return RowReport::without_update(Status::Diverged, report.frozen);
         }
+        let came = [
+            sample.speed,
+            sample.front_wheel_speed,
+            sample.rear_wheel_speed,
+        ];
+        self.evidence
+            .admit(came.iter().any(Option::is_some), &report.accepted, dt);
+        if self.evidence.locked_out > LOCKED_OUT {
+            self.evidence.locked_out = 0.0;
+            return self.bridge_gap(sample);
+        }
         let used = report.accepted.iter().filter(|a| **a).count();
         let time_constant = self.tuning.reset.map_or(2.0, |rule| rule.time_constant);
         let weight = (dt / time_constant).min(1.0);
-        self.evidence
-            .judge(&report.accepted, report.nis / used.max(1) as f64, weight);
+        self.evidence.judge(report.nis / used.max(1) as f64, weight);
         if let Some(rule) = self.tuning.reset
             && self.evidence.consistency > rule.level
             && self.evidence.since_reset > rule.hold_off

@@ -15,6 +15,7 @@
 //! | `filter`, `estimator` | one row |
 //! | `verdict` | whether to believe it |
 //! | [`payload`] | a load that is known |
+//! | [`weigh`] | the static reference |
 
 pub mod axle_loads;
 pub mod cg_model;
@@ -28,6 +29,7 @@ pub mod payload;
 mod sample;
 pub mod settings;
 mod verdict;
+pub mod weigh;
 pub mod wheel_dynamics;
 
 pub use estimate::{Estimate, Status};

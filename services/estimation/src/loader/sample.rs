@@ -46,3 +46,42 @@ pub struct Columns {
 pub(super) fn finite(value: Option<f64>) -> Option<f64> {
     value.filter(|v| v.is_finite())
 }
+
+/// Beyond this a speed is no measurement [m/s].
+const SPEED_LIMIT: f64 = 200.0;
+/// Beyond this a wheel speed is no measurement [rad/s].
+const WHEEL_SPEED_LIMIT: f64 = 1000.0;
+/// Beyond this a specific force is no measurement [m/s^2].
+const ACCELERATION_LIMIT: f64 = 1000.0;
+/// Beyond this a slope is no measurement [rad].
+const SLOPE_LIMIT: f64 = 1.5;
+/// Beyond this multiple of the weight a force on wheels or bucket is no measurement.
+const FORCE_LIMIT: f64 = 10.0;
+/// Beyond this factor of the machine's mass a mass is no measurement.
+const MASS_LIMIT: f64 = 20.0;
+
+impl Sample {
+    /// The sample without values that no machine of this mass [kg] and wheel radius [m] can have.
+    ///
+    /// Gates judge a measurement against the prediction; this is for what has no prediction (inputs, first rows,
+    /// restarts) and keeps every later number finite.
+    pub(super) fn plausible(&self, mass: f64, radius: f64) -> Self {
+        let within = |value: Option<f64>, limit: f64| value.filter(|v| v.abs() <= limit);
+        let force = FORCE_LIMIT * mass * super::wheel_dynamics::GRAVITY;
+        let mass_range = mass / MASS_LIMIT..=mass * MASS_LIMIT;
+        Self {
+            time: self.time,
+            speed: within(self.speed, SPEED_LIMIT),
+            front_wheel_speed: within(self.front_wheel_speed, WHEEL_SPEED_LIMIT),
+            rear_wheel_speed: within(self.rear_wheel_speed, WHEEL_SPEED_LIMIT),
+            front_torque: within(self.front_torque, force * radius),
+            rear_torque: within(self.rear_torque, force * radius),
+            slope: within(self.slope, SLOPE_LIMIT),
+            acceleration: within(self.acceleration, ACCELERATION_LIMIT),
+            mass: self.mass.filter(|m| mass_range.contains(m)),
+            spade_force_x: within(self.spade_force_x, force),
+            spade_force_z: within(self.spade_force_z, force),
+            boom_moving: self.boom_moving,
+        }
+    }
+}

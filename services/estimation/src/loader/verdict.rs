@@ -54,6 +54,8 @@ pub(super) struct Evidence {
     acceleration: Variation,
     /// Ages of the last accepted speed and wheel speeds [s].
     age: [f64; 3],
+    /// How long every motion measurement that came was rejected [s].
+    pub locked_out: f64,
     /// Running mean of the normalised innovation squared per measurement.
     pub consistency: f64,
     /// Time since the start or the last reset [s].
@@ -93,6 +95,7 @@ impl Evidence {
             torque: Variation::default(),
             acceleration: Variation::default(),
             age: [f64::INFINITY; 3],
+            locked_out: 0.0,
             consistency: 1.0,
             since_reset: 0.0,
             resets: 0,
@@ -112,13 +115,22 @@ impl Evidence {
         self.since_reset += dt;
     }
 
-    /// The row's measurements were accepted or not; `nis` is per accepted measurement.
-    pub fn judge(&mut self, accepted: &[bool], nis: f64, weight: f64) {
+    /// The row's measurements came and were accepted, or not.
+    pub fn admit(&mut self, came: bool, accepted: &[bool], dt: f64) {
+        if accepted.iter().take(3).any(|a| *a) {
+            self.locked_out = 0.0;
+        } else if came {
+            self.locked_out += dt;
+        }
         for (age, accepted) in self.age.iter_mut().zip(accepted) {
             if *accepted {
                 *age = 0.0;
             }
         }
+    }
+
+    /// The normalised innovation squared of the row, per accepted measurement.
+    pub fn judge(&mut self, nis: f64, weight: f64) {
         self.consistency += weight * (nis - self.consistency);
     }
 

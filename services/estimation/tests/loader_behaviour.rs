@@ -1,0 +1,301 @@
+//! What the loader's estimator does with rows that it should not believe.
+
+use estimation::loader::{
+    CgEstimator, Columns, Estimate, Machine, Method, Payload, Sample, Settings, Status, Tuning,
+};
+
+const COLUMNS: Columns = Columns {
+    acceleration: true,
+    mass: false,
+    spade_force: false,
+    boom_moving: false,
+};
+
+fn estimator(method: Method) -> CgEstimator {
+    CgEstimator::new(&Settings::default(), method, COLUMNS).unwrap()
+}
+
+/// Steady driving at 2.5 m/s on a level road: torque against the rolling resistance only.
+fn cruise(time: f64) -> Sample {
+    let machine = Machine::default();
+    let force = machine.rolling_resistance * machine.mass * 9.81;
+    let torque = 0.5 * force * machine.wheel_radius;
+    let slip = |share: f64| 0.5 * force / (19.0 * share * machine.mass * 9.81);
+    Sample {
+        time,
+        speed: Some(2.5),
+        front_wheel_speed: Some(2.5 * (1.0 + slip(0.45)) / machine.wheel_radius),
+        rear_wheel_speed: Some(2.5 * (1.0 + slip(0.55)) / machine.wheel_radius),
+        front_torque: Some(torque),
+        rear_torque: Some(torque),
+        slope: Some(0.0),
+        acceleration: Some(0.0),
+        mass: Some(machine.mass),
+        spade_force_x: Some(0.0),
+        spade_force_z: Some(0.0),
+        ..Sample::default()
+    }
+}
+
+fn numbers(e: &Estimate) -> Vec<f64> {
+    let mut all = vec![
+        e.time,
+        e.speed,
+        e.front_wheel_speed,
+        e.rear_wheel_speed,
+        e.cg_distance,
+        e.nis,
+    ];
+    for q in [
+        Some(e.slip_stiffness),
+        Some(e.cg_height),
+        Some(e.cg_ratio),
+        e.spade_force_x,
+    ] {
+        all.extend(q.iter().flat_map(|q| [q.value, q.std]));
+    }
+    all.extend(
+        [e.slope_bias, e.front_radius_scale, e.rear_radius_scale]
+            .iter()
+            .flatten(),
+    );
+    all
+}
+
+/// A row whose cells are drawn from everything a broken bus delivers.
+fn nasty(k: u64) -> Sample {
+    const CELLS: [Option<f64>; 12] = [
+        None,
+        Some(f64::NAN),
+        Some(f64::INFINITY),
+        Some(f64::NEG_INFINITY),
+        Some(f64::MAX),
+        Some(-1e300),
+        Some(1e9),
+        Some(-1e6),
+        Some(0.0),
+        Some(f64::MIN_POSITIVE),
+        Some(1.0),
+        Some(-3.0),
+    ];
+    let mut seed = k.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0xD1B5_4A32_D192_ED03;
+    let mut cell = || {
+        seed ^= seed << 13;
+        seed ^= seed >> 7;
+        seed ^= seed << 17;
+        CELLS[(seed % 12) as usize]
+    };
+    Sample {
+        time: k as f64 * 0.01,
+        speed: cell(),
+        front_wheel_speed: cell(),
+        rear_wheel_speed: cell(),
+        front_torque: cell(),
+        rear_torque: cell(),
+        slope: cell(),
+        acceleration: cell(),
+        mass: cell(),
+        spade_force_x: cell(),
+        spade_force_z: cell(),
+        boom_moving: k % 5 == 0,
+    }
+}
+
+#[test]
+fn every_answer_is_finite_whatever_the_rows_hold() {
+    for method in Method::ALL {
+        for acceleration in [true, false] {
+            let columns = Columns {
+                acceleration,
+                ..COLUMNS
+            };
+            let mut estimator = CgEstimator::new(&Settings::default(), method, columns).unwrap();
+            for k in 0..3000 {
+                let answer = estimator.step(&nasty(k));
+                let finite = numbers(&answer).iter().all(|x| x.is_finite());
+                assert!(finite, "{method}, row {k}: {answer:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn full_finds_back_after_a_broken_bus() {
+    let mut estimator = estimator(Method::Full);
+    for k in 0..500 {
+        estimator.step(&nasty(k));
+    }
+    let mut last = *estimator.last();
+    for k in 500..1500 {
+        last = estimator.step(&cruise(k as f64 * 0.01));
+    }
+    assert!((last.speed - 2.5).abs() < 0.05, "{}", last.speed);
+    assert!(last.fresh && last.consistent, "{last:?}");
+}
+
+#[test]
+fn a_refused_time_changes_nothing() {
+    let mut a = estimator(Method::Full);
+    for k in 0..100 {
+        a.step(&cruise(k as f64 * 0.01));
+    }
+    let mut b = a;
+    for time in [0.99, 0.5, -1.0, f64::NAN, f64::NEG_INFINITY, f64::INFINITY] {
+        let answer = b.step(&Sample {
+            time,
+            speed: Some(50.0),
+            ..cruise(0.0)
+        });
+        assert_eq!(answer.status, Status::Refused);
+        assert_eq!(answer.time, 0.99);
+    }
+    assert_eq!(b.last().refused, 6);
+    let (x, y) = (a.step(&cruise(1.0)), b.step(&cruise(1.0)));
+    assert_eq!(numbers(&x), numbers(&y));
+    assert_eq!(a.state(), b.state());
+}
+
+#[test]
+fn rows_before_the_first_time_leave_the_prior() {
+    let mut estimator = estimator(Method::Full);
+    let answer = estimator.step(&cruise(f64::NAN));
+    assert!(!answer.started);
+    assert_eq!(answer.cg_height.value, 0.9);
+    assert_eq!(estimator.step(&cruise(5.0)).status, Status::First);
+}
+
+#[test]
+fn height_is_not_trusted_on_a_cruise() {
+    for method in Method::ALL {
+        let mut estimator = estimator(method);
+        for k in 0..12_000 {
+            let answer = estimator.step(&cruise(k as f64 * 0.01));
+            assert!(
+                !answer.trusted_height && !answer.excited_height,
+                "{method}, row {k}"
+            );
+        }
+        // The prior is 0.1 m; the report may not claim to know more than 15 % of it better.
+        assert!(
+            estimator.last().cg_height.std > 0.085,
+            "{method}: {:?}",
+            estimator.last().cg_height
+        );
+        assert!(
+            !estimator.last().trusted_ratio,
+            "{method}: torque is constant"
+        );
+    }
+}
+
+#[test]
+fn lost_signals_are_stale_after_a_quarter_second_and_the_interval_grows() {
+    let mut estimator = estimator(Method::Full);
+    let mut before = *estimator.last();
+    for k in 0..500 {
+        before = estimator.step(&cruise(k as f64 * 0.01));
+    }
+    assert!(before.fresh);
+    let mut after = before;
+    for k in 500..550 {
+        after = estimator.step(&Sample {
+            speed: None,
+            ..cruise(k as f64 * 0.01)
+        });
+        assert_eq!(after.fresh, k < 500 + 25, "row {k}");
+    }
+    assert!(!after.trusted_ratio && after.cg_ratio.std >= before.cg_ratio.std * 0.999);
+}
+
+#[test]
+fn standing_still_freezes_the_parameters() {
+    let mut estimator = estimator(Method::Full);
+    let mut last = *estimator.last();
+    for k in 0..3000 {
+        let still = Sample {
+            speed: Some(0.0),
+            front_wheel_speed: Some(0.0),
+            rear_wheel_speed: Some(0.0),
+            front_torque: Some(0.0),
+            rear_torque: Some(0.0),
+            ..cruise(k as f64 * 0.01)
+        };
+        last = estimator.step(&still);
+    }
+    assert!(last.frozen && !last.trusted_ratio && !last.trusted_height);
+    assert!((last.cg_ratio.value - 0.45).abs() < 1e-3 && (last.cg_height.value - 0.9).abs() < 1e-3);
+}
+
+/// Information per second, not per row: ten times the rate with the same noise per second ends at the same interval.
+#[test]
+fn the_interval_does_not_depend_on_the_rate() {
+    let run = |rate: f64, std_scale: f64| {
+        let mut settings = Settings::default();
+        settings.sensors.speed_std *= std_scale;
+        settings.sensors.wheel_speed_std *= std_scale;
+        settings.sensors.acceleration_std *= std_scale;
+        let mut estimator = CgEstimator::new(&settings, Method::Full, COLUMNS).unwrap();
+        let mut last = *estimator.last();
+        for k in 0..(20.0 * rate) as usize {
+            last = estimator.step(&cruise(k as f64 / rate));
+        }
+        (
+            last.slip_stiffness.std,
+            last.cg_ratio.std,
+            last.cg_height.std,
+        )
+    };
+    let (at_100, at_1000) = (run(100.0, 1.0), run(1000.0, 10.0_f64.sqrt()));
+    for (a, b) in [
+        (at_100.0, at_1000.0),
+        (at_100.1, at_1000.1),
+        (at_100.2, at_1000.2),
+    ] {
+        // The specific force of neighbouring rows shares a sample, so the rates are not exactly equal.
+        assert!((a / b - 1.0).abs() < 0.1, "{a} {b}");
+    }
+}
+
+#[test]
+fn a_told_payload_is_added_to_the_empty_machine() {
+    let mut estimator = estimator(Method::Full);
+    estimator.set_payload(Some(Payload::new(0.0, 0.0, 0.0)));
+    for k in 0..100 {
+        estimator.step(&cruise(k as f64 * 0.01));
+    }
+    estimator.set_payload(Some(Payload::new(1500.0, 1.5, 1.35)));
+    let answer = estimator.step(&cruise(1.0));
+    let empty = estimator.state();
+    let ratio = (4700.0 * empty[5] + 1500.0 * (2.3 + 1.35) / 2.3) / 6200.0;
+    let height = (4700.0 * empty[4] + 1500.0 * 1.5) / 6200.0;
+    assert!((answer.cg_ratio.value - ratio).abs() < 1e-12);
+    assert!((answer.cg_height.value - height).abs() < 1e-12);
+    // What weighing and boom do not know of the payload stays in the interval.
+    assert!(answer.cg_ratio.std > 1500.0 / 6200.0 * 0.05 / 2.3);
+    estimator.set_payload(Some(Payload::new(f64::NAN, 0.0, 0.0)));
+    assert!(estimator.step(&cruise(1.01)).cg_ratio.value.is_finite());
+}
+
+#[test]
+fn unusable_settings_are_named() {
+    let refuse = |change: fn(&mut Settings), key: &str| {
+        let mut settings = Settings::default();
+        change(&mut settings);
+        let error = CgEstimator::new(&settings, Method::Full, COLUMNS).unwrap_err();
+        assert_eq!(error.key, key);
+    };
+    refuse(|s| s.machine.mass = 0.0, "machine.mass");
+    refuse(|s| s.machine.friction = -1.0, "machine.friction");
+    refuse(|s| s.sensors.speed_std = -0.1, "sensors.speed_std");
+    refuse(|s| s.prior.cg_ratio_std = 0.0, "prior.cg_ratio_std");
+    refuse(|s| s.prior.cg_height = f64::NAN, "prior.cg_height");
+    refuse(
+        |s| {
+            s.tuning = Some(Tuning {
+                substeps: 0,
+                ..Tuning::recommended()
+            })
+        },
+        "estimator.substeps",
+    );
+}
