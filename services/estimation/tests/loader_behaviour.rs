@@ -97,7 +97,7 @@ fn nasty(k: u64) -> Sample {
         mass: cell(),
         spade_force_x: cell(),
         spade_force_z: cell(),
-        boom_moving: k % 5 == 0,
+        boom_moving: k.is_multiple_of(5),
     }
 }
 

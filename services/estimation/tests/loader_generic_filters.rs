@@ -1,0 +1,239 @@
+//! The generic filters against textbook algebra: nalgebra's QR of the whole array, and the Kalman filter.
+
+use estimation::ekf::Ekf;
+use estimation::model::Model;
+use estimation::prediction::Update;
+use estimation::root::triangularise;
+use estimation::scalar::Scalar;
+use estimation::sigma_points::Spread;
+use estimation::srukf::SquareRootUkf;
+use nalgebra::{SMatrix, SVector};
+
+/// Factor of measurements and states together.
+type Factor = SMatrix<f64, 7, 7>;
+
+const N: usize = 4;
+const M: usize = 3;
+
+/// Two moving states, two parameters; one measured state, two nonlinear measurements that share noise with the states.
+struct Bent;
+
+impl Model<N, M> for Bent {
+    const DYNAMIC: usize = 2;
+    const DIRECT: usize = 1;
+
+    fn predict<T: Scalar>(&self, x: &[T; N]) -> ([T; N], [T; M]) {
+        let next = [
+            x[0] + (x[1] * x[2]).sin() * 0.1,
+            x[1] * 0.9 + x[3] * x[0],
+            x[2],
+            x[3],
+        ];
+        (
+            next,
+            [next[0], next[1] * x[2] + next[0], (next[0] * x[3]).tanh()],
+        )
+    }
+
+    fn noise_coupling(&self) -> [[f64; N]; M] {
+        [[0.0; N], [1.0, 2.0, 0.0, 0.0], [0.3, 0.0, 0.0, 0.0]]
+    }
+}
+
+/// The same with nothing declared: every state may move, no measurement is a state itself.
+struct Undeclared;
+
+impl Model<N, M> for Undeclared {
+    fn predict<T: Scalar>(&self, x: &[T; N]) -> ([T; N], [T; M]) {
+        Bent.predict(x)
+    }
+
+    fn noise_coupling(&self) -> [[f64; N]; M] {
+        let mut coupling = Bent.noise_coupling();
+        coupling[0][0] = 1.0; // the measured state carries its own noise
+        coupling
+    }
+}
+
+const X: [f64; N] = [0.4, -0.7, 1.3, 0.25];
+const S: [[f64; N]; N] = [
+    [0.2, 0.0, 0.0, 0.0],
+    [0.05, 0.3, 0.0, 0.0],
+    [-0.1, 0.02, 0.15, 0.0],
+    [0.03, -0.04, 0.01, 0.1],
+];
+const Q: [f64; N] = [0.02, 0.05, 0.0, 0.01];
+const R: [f64; M] = [0.1, 0.2, 0.3];
+
+/// Lower factor of the whole array [D_Y Q_Y R; D_X Q 0] by nalgebra's QR, straight from the sigma points.
+fn textbook_factor(alpha: f64) -> Factor {
+    let c = alpha * alpha * N as f64;
+    let weight = 1.0 / (2.0 * c);
+    let image = |x: &[f64; N]| {
+        let (next, y): ([f64; N], [f64; M]) = Bent.predict(x);
+        y.iter().chain(&next).copied().collect::<Vec<f64>>()
+    };
+    let center = image(&X);
+    let mut a = SMatrix::<f64, 7, 15>::zeros();
+    for i in 0..N {
+        for (half, sign) in [1.0, -1.0].into_iter().enumerate() {
+            let point = core::array::from_fn(|k| X[k] + sign * c.sqrt() * S[k][i]);
+            for (row, (z, z0)) in image(&point).iter().zip(&center).enumerate() {
+                a[(row, half * N + i)] = weight.sqrt() * (z - z0);
+            }
+        }
+        a[(M + i, 2 * N + i)] = Q[i];
+        a[(0, 2 * N + i)] = if i == 0 { Q[0] } else { 0.0 };
+        for p in 1..M {
+            a[(p, 2 * N + i)] = Bent.noise_coupling()[p][i] * Q[i];
+        }
+    }
+    for j in 0..M {
+        a[(j, 3 * N + j)] = R[j];
+    }
+    let mut factor = a.transpose().qr().r().transpose();
+    for i in 0..M + N {
+        if factor[(i, i)] < 0.0 {
+            factor.column_mut(i).neg_mut();
+        }
+    }
+    factor
+}
+
+fn factor(update: &Update<N, M>) -> Factor {
+    Factor::from_fn(|i, j| match (i < M, j < M) {
+        (true, true) => update.innovation_root[i][j],
+        (false, true) => update.gain_root[i - M][j],
+        (false, false) => update.root[i - M][j - M],
+        (true, false) => 0.0,
+    })
+}
+
+#[test]
+fn structured_step_equals_the_qr_of_the_whole_array() {
+    for alpha in [1.0, 0.3] {
+        let spread = Spread {
+            alpha,
+            ..Spread::UNIT
+        };
+        let ukf = SquareRootUkf::<N, M>::with_root(X, S, spread);
+        let e = [0.1, -0.2, 0.05];
+        let golden = textbook_factor(alpha);
+        for prediction in [ukf.predict(&Bent, &Q), ukf.predict(&Undeclared, &Q)] {
+            let update = prediction.update(&e, &R, &[true; M]);
+            // Rounding of two different orders of elimination.
+            assert!((factor(&update) - &golden).amax() < 1e-14);
+            let s_y = golden.fixed_view::<M, M>(0, 0).into_owned();
+            let z = s_y
+                .lu()
+                .solve(&SVector::<f64, M>::from(e))
+                .unwrap();
+            for (ours, theirs) in update.whitened.iter().zip(z.iter()) {
+                assert!((ours - theirs).abs() < 1e-13);
+            }
+            let moved = golden.fixed_view::<N, M>(M, 0) * z;
+            for k in 0..N {
+                assert!((update.state[k] - prediction.state[k] - moved[k]).abs() < 1e-14);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_rejected_measurement_is_as_if_it_did_not_exist() {
+    let prediction = SquareRootUkf::<N, M>::with_root(X, S, Spread::UNIT).predict(&Bent, &Q);
+    for skipped in 0..M {
+        let accepted = core::array::from_fn(|j| j != skipped);
+        let (mut e, mut r) = ([0.1, -0.2, 0.05], R);
+        let without = prediction.update(&e, &r, &accepted);
+        (e[skipped], r[skipped]) = (0.0, 1e9);
+        let with = prediction.update(&e, &r, &[true; M]);
+        for k in 0..N {
+            assert!((with.state[k] - without.state[k]).abs() < 1e-12);
+            for i in 0..N {
+                assert!((with.root[k][i] - without.root[k][i]).abs() < 1e-12);
+            }
+        }
+        assert_eq!(without.whitened[skipped], 0.0);
+    }
+}
+
+#[test]
+fn predicted_measurement_deviation_is_the_row_norm_of_the_factor() {
+    let prediction = SquareRootUkf::<N, M>::with_root(X, S, Spread::UNIT).predict(&Bent, &Q);
+    let factor = textbook_factor(1.0);
+    for j in 0..M {
+        let total = factor.row(j).norm();
+        let ours = prediction.measurement_std(j).hypot(R[j]);
+        assert!((ours - total).abs() < 1e-14);
+    }
+}
+
+#[test]
+fn triangularise_equals_qr_and_bears_rows_of_zeros() {
+    let rows = [[[1.0, -2.0, 0.5]], [[0.0, 0.0, 0.0]], [[3.0, 1.0, 0.25]]];
+    let diagonal = [0.1, 0.0, 2.0];
+    let root = triangularise(&mut rows.clone(), &diagonal);
+    let ours = SMatrix::<f64, 3, 3>::from_fn(|i, j| root[i][j]);
+    let dense = SMatrix::<f64, 3, 3>::from_fn(|i, j| rows[i][0][j]);
+    let noise = SMatrix::<f64, 3, 3>::from_diagonal(&diagonal.into());
+    let covariance = dense * dense.transpose() + noise * noise;
+    assert!((ours * ours.transpose() - covariance).amax() < 1e-14);
+    assert!(
+        ours.iter().all(|x| x.is_finite()) && ours.upper_triangle().sum() == ours.diagonal().sum()
+    );
+}
+
+/// Constant acceleration, position and velocity measured.
+struct Linear;
+
+impl Model<2, 1> for Linear {
+    const DIRECT: usize = 1;
+
+    fn predict<T: Scalar>(&self, x: &[T; 2]) -> ([T; 2], [T; 1]) {
+        let next = [x[0] + x[1] * 0.1, x[1] * 0.99];
+        (next, [next[0]])
+    }
+}
+
+#[test]
+fn on_a_linear_model_both_filters_are_the_kalman_filter() {
+    let (q, r) = ([0.01, 0.02], [0.1]);
+    let mut ukf = SquareRootUkf::<2, 1>::new([0.0, 1.0], &[1.0, 0.5], Spread::UNIT);
+    let mut ekf = Ekf::<2, 1>::new([0.0, 1.0], &[1.0, 0.5]);
+    let (mut x, mut p) = (
+        [0.0, 1.0],
+        SMatrix::<f64, 2, 2>::from_diagonal(&[1.0, 0.25].into()),
+    );
+    let f = SMatrix::<f64, 2, 2>::new(1.0, 0.1, 0.0, 0.99);
+    for k in 0..200 {
+        let y = (f64::from(k) * 0.1).sin();
+        let nis = (
+            ukf.step(&Linear, &q, &[y], &r),
+            ekf.step(&Linear, &q, &[y], &r),
+        );
+        x = [x[0] + 0.1 * x[1], 0.99 * x[1]];
+        p = f * p * f.transpose() + SMatrix::<f64, 2, 2>::from_diagonal(&[1e-4, 4e-4].into());
+        let s = p[(0, 0)] + 0.01;
+        let e = y - x[0];
+        x = [x[0] + p[(0, 0)] / s * e, x[1] + p[(1, 0)] / s * e];
+        p -= p.column(0) * p.row(0) / s;
+        assert!((nis.0 - e * e / s).abs() < 1e-11 && (nis.1 - e * e / s).abs() < 1e-11);
+        for (state, root) in [(ukf.state, ukf.root), (ekf.state, ekf.root)] {
+            assert!((state[0] - x[0]).abs() < 1e-12 && (state[1] - x[1]).abs() < 1e-12);
+            let covariance = root[1][0] * root[1][0] + root[1][1] * root[1][1];
+            assert!((covariance - p[(1, 1)]).abs() < 1e-13);
+        }
+    }
+}
+
+#[test]
+fn covariance_stays_positive_through_a_million_precise_measurements() {
+    let mut ukf = SquareRootUkf::<2, 1>::new([0.0, 0.0], &[1e3, 1e3], Spread::PAPER);
+    for _ in 0..1_000_000 {
+        ukf.step(&Linear, &[0.0, 1e-9], &[0.0], &[1e-8]);
+    }
+    assert!(
+        ukf.root[0][0] > 0.0 && ukf.root[1][1] > 0.0 && ukf.state.iter().all(|x| x.is_finite())
+    );
+}
