@@ -215,3 +215,17 @@ fn a_description_finds_out_for_which_machine_it_is() {
     assert!(Excavator::parse(&printed, "x").is_err());
     assert!(of("machine.kind = \"crane\"\nmachine.wheelbase = 2.0").is_err());
 }
+
+#[test]
+fn the_shipped_descriptions_are_valid() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/descriptions");
+    let mut found = 0;
+    for entry in std::fs::read_dir(folder).expect("the folder") {
+        let path = entry.expect("an entry").path();
+        let text = std::fs::read_to_string(&path).expect("readable");
+        let name = path.display().to_string();
+        Description::parse(&text, &name, None).unwrap_or_else(|errors| panic!("{errors}"));
+        found += 1;
+    }
+    assert!(found >= 3);
+}
