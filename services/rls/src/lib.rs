@@ -1,4 +1,5 @@
-//! The regression stage: recursive least squares on the filtered swing motion.
+//! The regression stage: the paper's recursive least squares with multiple forgetting, and its
+//! relative with measured torque. Sees the swing motion only.
 
 mod excavator;
 

@@ -1,102 +1,71 @@
-//! The excavator's state-space estimators as a step: sensors to inertia.
-
-use core::fmt;
+//! The excavator's state-space estimators as a step: `auto`, `posture-torque`, `torque`, `posture`,
+//! `velocity`.
 
 use config::Excavator as Description;
 use estimation::excavator::{Columns, Method, Settings, SettingsError, SwingEstimator};
-use kalman::{excavator_columns, excavator_message, excavator_sample, excavator_settings};
+use kalman::{
+    ExcavatorError, SourceWatch, excavator_columns, excavator_message, excavator_sample,
+    excavator_settings,
+};
 use messages::{ExcavatorEstimate, ExcavatorSensors};
 use runtime::Step;
 
-/// `auto`, `posture-torque`, `torque`, `posture` or `velocity`.
-#[derive(Debug, Clone)]
+/// One state-space method, or the choice among them.
+#[derive(Clone, Debug)]
 pub struct Excavator {
     settings: Settings,
     method: Method,
     estimator: SwingEstimator,
-    begun: bool,
+    source: SourceWatch,
+    started: bool,
 }
-
-/// Why an estimator cannot start.
-#[derive(Clone, Debug, PartialEq)]
-pub enum ExcavatorError {
-    /// There is no method of that name.
-    UnknownMethod(String),
-    /// The description has a value that the method cannot use, or the source lacks a column.
-    Settings(SettingsError),
-}
-
-impl fmt::Display for ExcavatorError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::UnknownMethod(name) => {
-                let known = Method::ALL.map(Method::name).join(", ");
-                write!(
-                    f,
-                    "the excavator has no method `{name}`; methods are {known}"
-                )
-            }
-            Self::Settings(error) => error.fmt(f),
-        }
-    }
-}
-
-impl std::error::Error for ExcavatorError {}
 
 impl Excavator {
-    /// An estimator by the name of its method. Its first sample tells the columns of the source.
+    /// An estimator by the name of its method. It waits for its first sample, which tells the
+    /// columns of the source.
     ///
     /// # Errors
-    /// The name is unknown, or the description has a value that the method cannot use.
+    /// The name is unknown, belongs to another service, or the description has a value that the
+    /// method cannot use.
     pub fn new(description: &Description, method: &str) -> Result<Self, ExcavatorError> {
-        let all = Columns {
-            velocity: true,
-            angle: true,
-            torque: true,
-            posture: true,
-        };
-        Self::with(description, method, all)
-    }
-
-    /// Whether `method` can work with a source that has these columns (bits of the message).
-    ///
-    /// # Errors
-    /// As [`Excavator::new`], and where a column is missing that the method needs.
-    pub fn check(
-        description: &Description,
-        method: &str,
-        columns: u32,
-    ) -> Result<(), ExcavatorError> {
-        Self::with(description, method, excavator_columns(columns)).map(drop)
-    }
-
-    fn with(
-        description: &Description,
-        method: &str,
-        columns: Columns,
-    ) -> Result<Self, ExcavatorError> {
         let method =
             Method::parse(method).ok_or_else(|| ExcavatorError::UnknownMethod(method.into()))?;
         let settings = excavator_settings(description);
-        let estimator =
-            SwingEstimator::new(&settings, method, columns).map_err(ExcavatorError::Settings)?;
+        let estimator = estimator(&settings, method, ALL).map_err(ExcavatorError::Settings)?;
         Ok(Self {
             settings,
             method,
             estimator,
-            begun: false,
+            source: SourceWatch::default(),
+            started: false,
         })
     }
+}
 
-    /// The columns are known with the first sample. A source that lacks one which a fixed method
-    /// needs has been refused before (`check`); should it come anyway, its values are missing.
-    fn begin(&mut self, columns: u32) {
-        self.begun = true;
-        let columns = excavator_columns(columns);
-        if let Ok(estimator) = SwingEstimator::new(&self.settings, self.method, columns) {
-            self.estimator = estimator;
+const ALL: Columns = Columns {
+    velocity: true,
+    angle: false,
+    torque: true,
+    posture: true,
+};
+
+/// The estimator for these columns. A method that lacks one of its columns gets it as one without
+/// values: it then holds its prior, and says that it is neither fresh nor trusted.
+fn estimator(
+    settings: &Settings,
+    method: Method,
+    columns: Columns,
+) -> Result<SwingEstimator, SettingsError> {
+    let velocity = columns.velocity || !columns.angle;
+    let columns = if method == Method::Auto {
+        Columns {
+            velocity,
+            ..columns
         }
-    }
+    } else {
+        Columns { velocity, ..ALL }
+    };
+    SwingEstimator::new(settings, method, columns)
 }
 
 impl Step for Excavator {
@@ -104,9 +73,13 @@ impl Step for Excavator {
     type Output = ExcavatorEstimate;
 
     fn step(&mut self, input: &ExcavatorSensors) -> ExcavatorEstimate {
-        if !self.begun {
-            self.begin(input.columns);
+        if self.source.is_new(&input.stamp)
+            && let Ok(new) = estimator(&self.settings, self.method, excavator_columns(input))
+        {
+            self.estimator = new;
         }
-        excavator_message(&self.estimator.step(&excavator_sample(input)))
+        let estimate = self.estimator.step(&excavator_sample(input));
+        self.started |= !estimate.flags.refused;
+        excavator_message(&estimate, self.started)
     }
 }

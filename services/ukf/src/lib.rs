@@ -3,5 +3,6 @@
 mod excavator;
 mod loader;
 
-pub use excavator::{Excavator, ExcavatorError};
+pub use excavator::Excavator;
+pub use kalman::ExcavatorError;
 pub use loader::{Loader, LoaderError};

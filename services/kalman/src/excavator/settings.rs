@@ -1,9 +1,9 @@
-//! The description of an excavator in the terms of the estimators.
+//! From the description of an excavator to the settings of its estimators.
 
 use config::{Excavator as Description, Variant as Described};
 use estimation::excavator::{Estimator, Geometry, Paper, Prior, Sensors, Settings, Variant};
 
-/// The settings that a description makes.
+/// The settings that a description means.
 #[must_use]
 pub fn settings(d: &Description) -> Settings {
     Settings {
@@ -71,16 +71,18 @@ fn estimator(d: &Description) -> Estimator {
         filter_damping: e.filter_damping,
         q_c: e.q_c,
         convergence_delay: e.convergence_delay,
-        forgetting: e
-            .forgetting
-            .first()
-            .map(|f| per_centisecond(*f, d.sensors.rate)),
+        forgetting: e.forgetting.first().copied(),
         epsilon: e.epsilon,
         estimate_damping: e.estimate_damping,
         estimate_friction: e.estimate_friction,
         estimate_offset: e.estimate_offset,
         constant_inertia: e.constant_inertia,
-        variant: variant(e.variant),
+        variant: match e.variant {
+            Described::Auto => Variant::Auto,
+            Described::Known => Variant::Known,
+            Described::Tolerant => Variant::Tolerant,
+            Described::Drop => Variant::Drop,
+        },
         friction_width: e.friction_width,
         svf_friction_width: e.svf_friction_width,
         svf_acceleration_min: e.svf_acceleration_min,
@@ -115,76 +117,28 @@ fn estimator(d: &Description) -> Estimator {
     }
 }
 
-/// A description says forgetting per sample at its rate; the estimators count it per 0.01 s, so
-/// that irregular samples forget by time.
-fn per_centisecond(factor: f64, rate: f64) -> f64 {
-    // At 100 Hz the factor is taken as it stands, to the last bit.
-    if rate == 100.0 {
-        factor
-    } else {
-        factor.powf(0.01 * rate)
-    }
-}
-
-fn variant(variant: Described) -> Variant {
-    match variant {
-        Described::Auto => Variant::Auto,
-        Described::Known => Variant::Known,
-        Described::Tolerant => Variant::Tolerant,
-        Described::Drop => Variant::Drop,
-    }
-}
-
-/// A list of three factors under `estimator.forgetting` is the paper's, inside and outside the
-/// windows; one factor is for all three.
 fn paper(d: &Description) -> Paper {
     let p = &d.paper;
-    let given = match d.estimator.forgetting.as_slice() {
-        [all] => Some([*all; 3]),
-        [inertia, damping, torque, ..] => Some([*inertia, *damping, *torque]),
-        _ => None,
-    };
     let mut change_times = [None; 8];
     for (slot, time) in change_times.iter_mut().zip(&p.change_times) {
         *slot = Some(*time);
     }
+    // A list under estimator.forgetting holds inside and outside the windows alike.
+    let common = match d.estimator.forgetting.as_slice() {
+        [all] => Some([*all; 3]),
+        [inertia, damping, torque, ..] => Some([*inertia, *damping, *torque]),
+        _ => None,
+    };
     Paper {
         change_times,
-        lambda_normal: given.unwrap_or(p.lambda_normal),
-        lambda_window: given.unwrap_or(p.lambda_window),
+        lambda_normal: common.unwrap_or(p.lambda_normal),
+        lambda_window: common.unwrap_or(p.lambda_window),
         covariance: p.covariance,
         torque: p.torque,
         nominal_rule: p.nominal_rule,
         start_time: p.start_time,
         stop_time: p.stop_time,
-        // With its own times the paper regresses also where the machine stands.
+        // Where the user says when to begin, the regression runs from then on, as the paper's did.
         hold_at_standstill: p.start_time.is_none(),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_default_description_is_the_default_of_the_estimators() {
-        assert_eq!(settings(&Description::default()), Settings::default());
-    }
-
-    #[test]
-    fn the_paper_preset_is_that_of_the_estimators() {
-        assert_eq!(
-            settings(&Description::paper_preset(5000.0)),
-            Settings::paper(5000.0)
-        );
-    }
-
-    #[test]
-    fn forgetting_per_sample_becomes_forgetting_by_time() {
-        let mut d = Description::default();
-        d.estimator.forgetting = vec![0.999];
-        d.sensors.rate = 1000.0;
-        let per_centisecond = settings(&d).estimator.forgetting.unwrap();
-        assert!((per_centisecond - 0.999f64.powi(10)).abs() < 1e-15);
     }
 }
