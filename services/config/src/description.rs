@@ -85,9 +85,17 @@ impl Description {
     /// # Errors
     /// No such key, or a value that it cannot have.
     pub fn set(&mut self, assignment: &str) -> Result<(), Error> {
+        self.set_all(&[assignment])
+    }
+
+    /// Sets several keys in their order, as several `--set` do.
+    ///
+    /// # Errors
+    /// No such key, a value that it cannot have, or an outcome that contradicts itself.
+    pub fn set_all(&mut self, assignments: &[impl AsRef<str>]) -> Result<(), Error> {
         match self {
-            Self::Excavator(m) => m.set(assignment),
-            Self::Loader(m) => m.set(assignment),
+            Self::Excavator(m) => m.set_all(assignments),
+            Self::Loader(m) => m.set_all(assignments),
         }
     }
 

@@ -57,7 +57,25 @@ pub(crate) fn parse<M: Machine>(text: &str, file: &str) -> Result<M, Errors> {
     }
 }
 
-pub(crate) fn set<M: Machine>(machine: &mut M, assignment: &str) -> Result<(), Error> {
+/// Applies `--set` options in their order; only the outcome may not contradict itself.
+pub(crate) fn set_all<M: Machine>(
+    machine: &mut M,
+    assignments: &[impl AsRef<str>],
+) -> Result<(), Error> {
+    let mut changed = machine.clone();
+    for assignment in assignments {
+        set_one(&mut changed, assignment.as_ref())?;
+    }
+    if let Some(mut error) = changed.contradictions().into_iter().next() {
+        let options = assignments.iter().map(|a| format!("--set {}", a.as_ref()));
+        error.file = options.collect::<Vec<_>>().join(" ");
+        return Err(error);
+    }
+    *machine = changed;
+    Ok(())
+}
+
+fn set_one<M: Machine>(machine: &mut M, assignment: &str) -> Result<(), Error> {
     let file = format!("--set {assignment}");
     let Some((path, text)) = assignment.split_once('=') else {
         return Err(Error {
@@ -69,21 +87,14 @@ pub(crate) fn set<M: Machine>(machine: &mut M, assignment: &str) -> Result<(), E
         });
     };
     let (path, text) = (path.trim(), text.trim());
-    let mut changed = machine.clone();
     let item = match text.parse::<toml_edit::Value>() {
         Ok(value) => Item::Value(value),
         Err(_) => toml_edit::value(text), // a word without its quotes
     };
     value_of(&item)
         .map_err(Defect::Form)
-        .and_then(|value| assign(&mut changed, path, &value))
-        .map_err(|defect| explain::<M>(defect, path, &file, None))?;
-    if let Some(mut error) = changed.contradictions().into_iter().next() {
-        error.file = file;
-        return Err(error);
-    }
-    *machine = changed;
-    Ok(())
+        .and_then(|value| assign(machine, path, &value))
+        .map_err(|defect| explain::<M>(defect, path, &file, None))
 }
 
 /// The machine that the text names, or else the one that knows more of its keys; `None` if it

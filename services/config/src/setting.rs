@@ -308,7 +308,16 @@ macro_rules! machine {
             /// # Errors
             /// No such key, or a value that it cannot have; the description is then unchanged.
             pub fn set(&mut self, assignment: &str) -> Result<(), $crate::Error> {
-                $crate::parse::set(self, assignment)
+                self.set_all(&[assignment])
+            }
+
+            /// Sets several keys in their order. Limits that are moved together need not fit one
+            /// by one.
+            ///
+            /// # Errors
+            /// As [`Self::set`]; the description is then unchanged.
+            pub fn set_all(&mut self, assignments: &[impl AsRef<str>]) -> Result<(), $crate::Error> {
+                $crate::parse::set_all(self, assignments)
             }
 
             /// The whole description with its comments; [`Self::parse`] gives the same value back,

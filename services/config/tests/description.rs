@@ -196,6 +196,22 @@ fn set_overrides_one_key_and_refuses_without_a_change() {
 }
 
 #[test]
+fn limits_can_be_moved_together() {
+    let mut excavator = Excavator::default();
+    let all = [
+        "machine.inertia_min=30000",
+        "machine.inertia_max=90000",
+        "prior.inertia=50000",
+    ];
+    assert!(
+        excavator.set(all[0]).is_err(),
+        "alone it contradicts the others"
+    );
+    excavator.set_all(&all).expect("together they fit");
+    assert_eq!(excavator.machine.inertia_max, 90000.0);
+}
+
+#[test]
 fn a_description_finds_out_for_which_machine_it_is() {
     let of = |text| Description::parse(text, "x", None).map(|d| d.kind());
     assert_eq!(of("machine.kind = \"loader\""), Ok(Kind::Loader));

@@ -32,9 +32,7 @@ pub fn description(kind: Kind, args: &DescriptionArgs) -> Result<Description, Fa
             "give the description of this machine, or name the other one",
         ));
     }
-    for assignment in &args.set {
-        description.set(assignment)?;
-    }
+    description.set_all(&args.set)?;
     Ok(description)
 }
 
