@@ -181,7 +181,8 @@ impl PayloadFilter {
         }
     }
 
-    fn limit(&mut self, model: &Model) {
+    /// Keeps the payload inside its limits.
+    pub(super) fn limit(&mut self, model: &Model) {
         self.x[1] = self.x[1].clamp(model.payload[0], model.payload[1]);
     }
 

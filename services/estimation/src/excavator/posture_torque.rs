@@ -146,7 +146,8 @@ impl DropMixture {
             }
         }
         self.started = true;
-        let mean = merge(&self.filters, self.probability);
+        let mut mean = merge(&self.filters, self.probability);
+        mean.limit(&self.models[0]);
         let mut state = state(&mean, drive, &outcome, mean.payload().1, false);
         state.drop_probability = self.probability[1];
         state
@@ -217,6 +218,8 @@ pub(super) struct ChangingPayload {
     down: f64,
     /// Mean normalised innovation squared of filter 1 (n2).
     noise: f64,
+    /// Variance of the payload as last reported [kg^2].
+    variance: f64,
 }
 
 /// Bucket opening: its rate, and for how long it still counts.
@@ -273,6 +276,7 @@ impl ChangingPayload {
             up: 0.0,
             down: 0.0,
             noise: 1.0,
+            variance: 0.0,
         }
     }
 
@@ -290,7 +294,13 @@ impl ChangingPayload {
         let active = self.opening.left > 0 || change_mode;
         let outcome = self.advance(drive, rho, change_mode, active);
         let (scale, inflation) = self.compare(drive, &outcome, active);
-        let variance = self.constant.payload().1.max(0.0) * scale * scale + inflation * inflation;
+        let mut variance =
+            self.constant.payload().1.max(0.0) * scale * scale + inflation * inflation;
+        if drive.velocity.is_none() {
+            // What no measurement has shown is not known better, however the filters come together.
+            variance = variance.max(self.variance);
+        }
+        self.variance = variance;
         let changing = self.change > 0 || self.opening.left > 0;
         let mut state = state(&self.constant, drive, &outcome, variance, changing);
         state.change_mode = self.change > 0;
@@ -308,6 +318,7 @@ impl ChangingPayload {
         self.active = false;
         self.hold_off();
         let variance = self.constant.payload().1;
+        self.variance = variance;
         let opening = self.opening.left > 0;
         let mut state = state(
             &self.constant,
