@@ -44,6 +44,18 @@ pub fn p95(values: &[f64]) -> f64 {
     percentile(values, 0.95)
 }
 
+/// Standard error of [`mean`]; 0 of nothing.
+pub fn mean_error(values: &[f64]) -> f64 {
+    deviation(values) / (values.len().max(1) as f64).sqrt()
+}
+
+/// Standard error of [`p95`]: half the distance between the percentiles one standard deviation of the rank
+/// below and above, without a law of distribution.
+pub fn p95_error(values: &[f64]) -> f64 {
+    let rank = (0.95 * 0.05 / values.len().max(1) as f64).sqrt();
+    0.5 * (percentile(values, 0.95 + rank) - percentile(values, 0.95 - rank))
+}
+
 /// The percentage of true values; 0 of nothing.
 pub fn percentage(values: impl IntoIterator<Item = bool>) -> f64 {
     let hits: Vec<f64> = values

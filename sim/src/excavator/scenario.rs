@@ -93,7 +93,7 @@ impl Scenario {
         ),
         (
             "drop",
-            "350 kg dumped in mid-swing across the torque reversal, boom and arm lifting early",
+            "350 kg dumped as braking begins, on a path of its own",
         ),
         (
             "drop-accelerating",
@@ -210,16 +210,21 @@ impl Scenario {
         }
     }
 
+    /// The base path with 423 kg dumped in 0.65 s, the bucket opening at `time` [s].
+    pub fn dump_at(time: f64) -> Plant {
+        Event::dump(time).plant(423.0)
+    }
+
     fn event(self) -> Option<Event> {
         Some(match self {
-            DropAccelerating => Event::dump(6.25),
-            DropReversal => Event::dump(7.15),
+            DropAccelerating => Event::dump(6.40),
+            DropReversal => Event::dump(7.05),
             DropBraking => Event::dump(7.70),
-            HalfAccelerating => Event::half(6.25),
+            HalfAccelerating => Event::half(6.40),
             HalfBraking => Event::half(7.70),
             SlowDrop => Event::slow(6.20, 2.0),
             SlowBraking => Event::slow(7.50, 1.7),
-            OpenAccelerating => Event::open(6.25),
+            OpenAccelerating => Event::open(6.40),
             OpenBraking => Event::open(7.70),
             OpenEmpty => Event::open_empty(7.70),
             StillAccelerating => Event::still(6.40, 0.40),

@@ -89,7 +89,7 @@ fn modes(start: f64) -> [(Setup, Window); 3] {
 fn targets(summary: &Summary, most: f64) -> Vec<Target> {
     let mut targets = vec![Target::most("wrong", summary.trusted_wrong, TRUSTED_WRONG)];
     if most.is_finite() {
-        targets.push(Target::most("max", summary.max_p95, most));
+        targets.push(Target::most("max", summary.max_p95, most).known_to(summary.error.max_p95));
     }
     targets
 }

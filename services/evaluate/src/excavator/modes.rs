@@ -68,8 +68,9 @@ fn heading(options: &Options) -> String {
 }
 
 const NOTE: &str = "\
-  trusted: share of the time; wrong: trusted and off by more than 10 %. D: torque and posture; BM: torque; C: posture;
-  A: velocity alone, which promises nothing but an honest interval; lines without a target are for comparison.
+  p95: over the seeds; the targets are set for 300 to 1000 of them, with fewer a p95 scatters. trusted: share of the
+  time; wrong: trusted and off by more than 10 %. D: torque and posture; BM: torque; C: posture; A: velocity alone,
+  which promises nothing but an honest interval; svf-rls on the paper's plant. Lines without a target are for comparison.
 ";
 
 impl Line {
@@ -135,8 +136,8 @@ fn lines() -> Vec<Line> {
     three(Setup::drop(), Scenario::Base, swing, none);
     three(Setup::torque_tolerant(), Scenario::Base, swing, none);
     three(Setup::svf(), Scenario::Paper, swing, none);
-    three(Setup::auto(), Scenario::Gentle, swing, tolerant);
-    three(Setup::torque(), Scenario::Gentle, swing, torque);
+    three(Setup::auto(), Scenario::Gentle, swing, none);
+    three(Setup::torque(), Scenario::Gentle, swing, none);
     let plateau = Window::new(8.5, 12.4);
     lines.push(line(
         Setup::velocity_constant(),
@@ -150,7 +151,7 @@ fn lines() -> Vec<Line> {
         Scenario::Constant,
         150.0,
         plateau,
-        tolerant,
+        none,
     ));
     let back = Window::new(11.8, 14.8);
     for payload in [288.0, 423.0] {
@@ -213,10 +214,10 @@ fn none(_: &Summary) -> Vec<Target> {
 
 fn known(s: &Summary) -> Vec<Target> {
     vec![
-        Target::most("|mean|", s.mean_p95, 1.0),
-        Target::most("std", s.std_p95, 0.9),
-        Target::most("max", s.max_p95, 3.0),
-        Target::between("coverage", s.coverage, 92.0, 98.0),
+        Target::most("|mean|", s.mean_p95, 1.0).known_to(s.error.mean_p95),
+        Target::most("std", s.std_p95, 0.9).known_to(s.error.std_p95),
+        Target::most("max", s.max_p95, 3.0).known_to(s.error.max_p95),
+        Target::between("coverage", s.coverage, 92.0, 98.0).known_to(s.error.coverage),
         Target::most("to 5 %", s.convergence_p95, 0.35),
     ]
 }
@@ -224,51 +225,51 @@ fn known(s: &Summary) -> Vec<Target> {
 /// The goal for the maximum is 6; 6.5 is accepted.
 fn tolerant(s: &Summary) -> Vec<Target> {
     vec![
-        Target::most("|mean|", s.mean_p95, 2.2),
-        Target::most("std", s.std_p95, 1.9),
-        Target::most("max", s.max_p95, 6.5),
-        Target::between("coverage", s.coverage, 90.0, 98.0),
+        Target::most("|mean|", s.mean_p95, 2.2).known_to(s.error.mean_p95),
+        Target::most("std", s.std_p95, 1.9).known_to(s.error.std_p95),
+        Target::most("max", s.max_p95, 6.5).known_to(s.error.max_p95),
+        Target::between("coverage", s.coverage, 90.0, 98.0).known_to(s.error.coverage),
         Target::most("to 5 %", s.convergence, 0.3),
     ]
 }
 
 fn torque(s: &Summary) -> Vec<Target> {
     vec![
-        Target::most("|mean|", s.mean_p95, 1.6),
-        Target::most("std", s.std_p95, 1.8),
-        Target::most("max", s.max_p95, 7.0),
-        Target::between("coverage", s.coverage, 92.0, 98.0),
+        Target::most("|mean|", s.mean_p95, 1.6).known_to(s.error.mean_p95),
+        Target::most("std", s.std_p95, 1.8).known_to(s.error.std_p95),
+        Target::most("max", s.max_p95, 7.0).known_to(s.error.max_p95),
+        Target::between("coverage", s.coverage, 92.0, 98.0).known_to(s.error.coverage),
     ]
 }
 
 fn posture(s: &Summary) -> Vec<Target> {
     vec![
-        Target::between("mean", s.mean, -3.0, 3.0),
-        Target::most("std", s.std, 1.3),
-        Target::most("max", s.max_p95, 15.0),
-        Target::least("coverage", s.coverage, 90.0),
+        Target::between("mean", s.mean, -3.0, 3.0).known_to(s.error.mean),
+        Target::most("std", s.std, 1.3).known_to(s.error.std),
+        Target::most("max", s.max_p95, 15.0).known_to(s.error.max_p95),
+        Target::least("coverage", s.coverage, 90.0).known_to(s.error.coverage),
     ]
 }
 
 fn soft(s: &Summary) -> Vec<Target> {
     vec![
-        Target::most("max", s.max_p95, 15.0),
-        Target::least("coverage", s.coverage, 90.0),
+        Target::most("max", s.max_p95, 15.0).known_to(s.error.max_p95),
+        Target::least("coverage", s.coverage, 90.0).known_to(s.error.coverage),
     ]
 }
 
 fn constant(s: &Summary) -> Vec<Target> {
     vec![
-        Target::most("|mean|", s.mean_p95, 2.1),
-        Target::most("std", s.std_p95, 1.3),
-        Target::most("max", s.max_p95, 7.5),
-        Target::least("coverage", s.coverage, 90.0),
+        Target::most("|mean|", s.mean_p95, 2.1).known_to(s.error.mean_p95),
+        Target::most("std", s.std_p95, 1.3).known_to(s.error.std_p95),
+        Target::most("max", s.max_p95, 7.5).known_to(s.error.max_p95),
+        Target::least("coverage", s.coverage, 90.0).known_to(s.error.coverage),
     ]
 }
 
 fn velocity(s: &Summary) -> Vec<Target> {
     vec![
-        Target::least("coverage", s.coverage, 95.0),
+        Target::least("coverage", s.coverage, 95.0).known_to(s.error.coverage),
         Target::most("identifiable", s.identifiable, 0.0),
         Target::most("trusted", s.trusted, 0.0),
     ]
@@ -277,7 +278,7 @@ fn velocity(s: &Summary) -> Vec<Target> {
 /// The swing back after a dump in the stop; specified as measured, 2.5 and 2.8 % maximum, coverage 90 %.
 fn second_swing(s: &Summary) -> Vec<Target> {
     vec![
-        Target::most("max", s.max_p95, 3.5),
-        Target::least("coverage", s.coverage, 88.0),
+        Target::most("max", s.max_p95, 3.5).known_to(s.error.max_p95),
+        Target::least("coverage", s.coverage, 88.0).known_to(s.error.coverage),
     ]
 }

@@ -1,7 +1,7 @@
 //! Error statistics of one run, and of many.
 
 use super::estimators::Point;
-use crate::statistics::{deviation, largest, mean, median, p95, percentage};
+use crate::statistics::{deviation, largest, mean, mean_error, median, p95, p95_error, percentage};
 use serde_json::{Value, json};
 
 /// The swing begins [s].
@@ -135,6 +135,25 @@ pub struct Summary {
     pub convergence_p95: f64,
     /// Number of seeds.
     pub seeds: usize,
+    /// How sure these numbers are.
+    pub error: StandardErrors,
+}
+
+/// Standard errors of the numbers of a [`Summary`], from the scatter of the seeds.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StandardErrors {
+    /// Of the average mean error [%].
+    pub mean: f64,
+    /// Of the 95th percentile of its size [%].
+    pub mean_p95: f64,
+    /// Of the average standard deviation [%].
+    pub std: f64,
+    /// Of its 95th percentile [%].
+    pub std_p95: f64,
+    /// Of the 95th percentile of the largest error [%].
+    pub max_p95: f64,
+    /// Of the coverage [%].
+    pub coverage: f64,
 }
 
 impl Summary {
@@ -159,6 +178,14 @@ impl Summary {
             convergence: nearest(&times, 0.5),
             convergence_p95: nearest(&times, 0.95),
             seeds: scores.len(),
+            error: StandardErrors {
+                mean: mean_error(&all(|s| s.mean)),
+                mean_p95: p95_error(&means),
+                std: mean_error(&stds),
+                std_p95: p95_error(&stds),
+                max_p95: p95_error(&maxima),
+                coverage: mean_error(&all(|s| s.coverage)),
+            },
         }
     }
 
