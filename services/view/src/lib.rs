@@ -2,6 +2,7 @@
 //! figures, all from one set of plots and one set of words.
 
 pub mod estimate;
+pub mod figures;
 pub mod live;
 pub mod monitor;
 pub mod number;
