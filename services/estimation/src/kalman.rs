@@ -79,15 +79,18 @@ impl VelocityFilter {
     }
 
     /// Moves the state forward by `period` seconds.
+    #[inline]
     pub fn predict(&mut self, period: f64, process_variance: f64) {
         let t = period;
         self.velocity += t * self.acceleration; // (5)
-        self.p11 += 2.0 * t * self.p12 + t * t * self.p22; // (6)
-        self.p12 += t * self.p22;
+        let p12 = self.p12 + t * self.p22; // (6)
+        self.p11 += t * (self.p12 + p12);
+        self.p12 = p12;
         self.p22 += process_variance;
     }
 
     /// The innovation that `velocity` would have; nothing is changed.
+    #[inline]
     pub fn innovation(&self, velocity: Option<f64>, measurement_variance: f64) -> Innovation {
         Innovation {
             value: velocity.map_or(0.0, |y| y - self.velocity),
@@ -96,6 +99,7 @@ impl VelocityFilter {
     }
 
     /// Takes in a measured velocity; a missing one changes nothing.
+    #[inline]
     pub fn correct(&mut self, velocity: Option<f64>, measurement_variance: f64) -> Innovation {
         let innovation = self.innovation(velocity, measurement_variance);
         if velocity.is_some() {
@@ -104,8 +108,8 @@ impl VelocityFilter {
             self.velocity += k1 * innovation.value; // (9)
             self.acceleration += k2 * innovation.value;
             self.p22 -= k2 * self.p12; // (10)
-            self.p12 *= 1.0 - k1;
-            self.p11 *= 1.0 - k1;
+            self.p12 = k2 * measurement_variance; // P H' = K R, and nothing cancels
+            self.p11 = k1 * measurement_variance;
         }
         innovation
     }

@@ -6,6 +6,7 @@
 //! data give the same bits on every platform.
 #![no_std]
 
+pub mod batch;
 pub mod consistency;
 pub mod dual;
 pub mod ekf;

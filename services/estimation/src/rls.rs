@@ -17,9 +17,10 @@
 //! parameters inside the cost of Eq. 16 (estimates, Eq. 23); the regressor missing in the right-hand
 //! sums of Eq. 18; L_i for L_i(k) in Eq. 19; matrix notation for the scalars of Eqs. 20-22.
 
-use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+use nalgebra::{SMatrix, SVector};
 
-/// Variances beyond this carry no information and would only lose digits.
+/// Variances beyond this carry no information and would only lose digits: without excitation of its parameter a variance would
+/// grow for ever.
 const VARIANCE_LIMIT: f64 = 1e14;
 
 /// Recursive least squares with one forgetting factor per parameter.
@@ -48,59 +49,57 @@ impl<const N: usize> MultipleForgettingRls<N> {
     ///
     /// Closed form of Eq. 26 by the matrix determinant lemma: with D_i = P_i / lambda_i the joint
     /// solution is a gain D_i phi_i / (1 + sum D_j phi_j^2). There is no singular case.
+    #[inline]
     pub fn update(&mut self, regressor: &[f64; N], output: f64, forgetting: &[f64; N]) -> f64 {
-        let mut d = [0.0; N];
-        let (mut predicted, mut s) = (0.0, 1.0);
+        let (mut d, mut spread) = ([0.0; N], [0.0; N]);
+        let (mut innovation, mut s) = (output, 1.0);
         for i in 0..N {
             d[i] = self.variance[i] / forgetting[i];
-            predicted += regressor[i] * self.parameters[i];
-            s += d[i] * regressor[i] * regressor[i];
+            let own = d[i] * regressor[i] * regressor[i];
+            spread[i] = 1.0 + own;
+            s += own;
+            innovation -= regressor[i] * self.parameters[i];
         }
-        let innovation = output - predicted;
+        let share = innovation / s;
         for i in 0..N {
-            self.parameters[i] += d[i] * regressor[i] * innovation / s; // (26)
-            self.variance[i] = shrink(d[i], regressor[i]); // (22)
+            self.parameters[i] += d[i] * regressor[i] * share; // (26)
+            self.variance[i] = (d[i] / spread[i]).min(VARIANCE_LIMIT); // (22)
         }
         innovation
     }
 }
 
 impl MultipleForgettingRls<3> {
-    /// The same step by solving Eq. 26 as printed: unit diagonal, L_i phi_j beside it. Its
-    /// determinant, prod(1-g_i) (1 + sum g_i/(1-g_i)) with g_i = L_i phi_i in [0, 1), is positive;
-    /// the source only refers to that (Eq. 27).
+    /// The same step by solving Eq. 26 as printed: unit diagonal, L_i phi_j beside it.
+    ///
+    /// With g_i = L_i phi_i and theta_i = old theta_i + L_i u_i the system becomes u_i + sum_{j != i} g_j u_j = e. Its rows
+    /// less each other give (1 - g_i) u_i = m for all i, and m = e / (1 + sum g_i / (1 - g_i)): the determinant of Eq. 27, which
+    /// the source only refers to, over prod (1 - g_i). 1 - g_i is positive, but loses its digits as P_i phi_i^2 grows; it is
+    /// kept from vanishing. [`update`](Self::update) loses nothing there.
+    #[inline]
     pub fn update_by_solve(
         &mut self,
         regressor: &[f64; 3],
         output: f64,
         forgetting: &[f64; 3],
-    ) -> Option<f64> {
-        let mut matrix = Matrix3::<f64>::identity();
-        let mut right = Vector3::<f64>::zeros();
-        let mut variance = self.variance;
-        let mut predicted = 0.0;
+    ) -> f64 {
+        let mut step = [0.0; 3];
+        let (mut innovation, mut determinant) = (output, 1.0);
         for i in 0..3 {
             let d = self.variance[i] / forgetting[i];
-            let gain = d * regressor[i] / (1.0 + d * regressor[i] * regressor[i]); // (20)
-            for j in (0..3).filter(|&j| j != i) {
-                matrix[(i, j)] = gain * regressor[j];
-            }
-            let own = regressor[i] * self.parameters[i];
-            right[i] = self.parameters[i] + gain * (output - own);
-            variance[i] = shrink(d, regressor[i]);
-            predicted += own;
+            let spread = 1.0 + d * regressor[i] * regressor[i];
+            let gain = d * regressor[i] / spread; // (20)
+            step[i] = gain / (1.0 - gain * regressor[i]).max(f64::EPSILON);
+            determinant += step[i] * regressor[i]; // (27)
+            innovation -= regressor[i] * self.parameters[i];
+            self.variance[i] = (d / spread).min(VARIANCE_LIMIT); // (22)
         }
-        let solution = matrix.lu().solve(&right)?; // (26)
-        self.parameters = solution.into();
-        self.variance = variance;
-        Some(output - predicted)
+        let m = innovation / determinant;
+        for i in 0..3 {
+            self.parameters[i] += step[i] * m; // (26)
+        }
+        innovation
     }
-}
-
-/// P after a sample: D / (1 + D phi^2), kept below the limit, since without excitation of its
-/// parameter it would grow for ever.
-fn shrink(d: f64, regressor: f64) -> f64 {
-    (d / (1.0 + d * regressor * regressor)).min(VARIANCE_LIMIT)
 }
 
 /// Ordinary recursive least squares: one forgetting factor, full covariance.
