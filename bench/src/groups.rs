@@ -1,8 +1,9 @@
 //! What is compared with what, and the targets.
 
 use crate::bounds::{self, Operations};
-use crate::measure::{Contender, contender};
-use crate::problem::{Filter, regression_data, rover_data, velocity_data};
+use crate::measure::{Contender, contender, custom};
+use crate::problem::{Filter, SAMPLES, regression_data, rover_data, velocity_data};
+use crate::wide::{Batch, LANES, LaneSample, Path};
 use crate::{ours, peers};
 
 /// What a contender is to its group.
@@ -118,6 +119,28 @@ pub fn extended() -> Group {
         .with::<Smelly, _, 6>(Role::Peer, "smelly 0.2.0", &data)
         .with::<Numeris, _, 6>(Role::Peer, "numeris 0.6.0", &data)
         .with::<Textbook, _, 6>(Role::Peer, "textbook nalgebra", &data)
+}
+
+/// Highest allowed ratio of a machine's share of a batch to a single step.
+pub const BATCH_TARGET: f64 = 0.35;
+
+/// The single step, then batches of eight machines on every path this machine has.
+pub fn batches() -> Vec<Contender> {
+    let data = rover_data();
+    let lanes: Vec<LaneSample> = (0..SAMPLES)
+        .map(|k| LaneSample::of(std::array::from_fn(|lane| data[(k + 31 * lane) % SAMPLES])))
+        .collect();
+    let mut contenders = vec![contender::<ours::Unscented, _, 6>("single", data)];
+    for path in Path::available() {
+        let (mut batch, lanes) = (Batch::new(path), lanes.clone());
+        let block = move || {
+            batch.run(std::hint::black_box(&lanes));
+            std::hint::black_box(batch.state(0));
+            (LANES * SAMPLES) as u64
+        };
+        contenders.push(custom(path.name(), block, || ()));
+    }
+    contenders
 }
 
 /// All comparisons with peers.

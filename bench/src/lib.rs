@@ -8,6 +8,9 @@
 //! | [`groups`] | what is compared with what, and the targets |
 //! | [`measure`] | interleaved blocks, minimum and median, single calls |
 //! | [`bounds`] | what the machine could do at best |
+//! | [`real`] | the steps of the product on the simulators' rows |
+//! | [`scale`], [`plot`] | machines per core |
+//! | [`wide`] | eight machines at once |
 //! | [`counts`] | instructions a step |
 //! | [`report`] | table and JSON |
 //!
@@ -21,5 +24,9 @@ pub mod groups;
 pub mod measure;
 pub mod ours;
 pub mod peers;
+pub mod plot;
 pub mod problem;
+pub mod real;
 pub mod report;
+pub mod scale;
+pub mod wide;

@@ -1,15 +1,18 @@
 //! `cargo run --release -p bench`: what a step costs, next to the peers and to the limits of the machine.
 
 use bench::bounds::Machine;
-use bench::{counts, groups, report};
+use bench::{counts, groups, measure, real, report, scale as shards};
 use serde_json::{Map, Value, json};
-use std::process::ExitCode;
+use std::process::{ExitCode, exit};
 
 const USAGE: &str = "\
 usage: bench [--json FILE]          steps of ours and of the peers, interleaved
        bench counts                 instructions a step, against the budgets (needs valgrind)
        bench scale [--json FILE] [--plot FILE.svg]
                                     machines on one host";
+
+/// Laps over the rows of the real steps.
+const LAPS: usize = 7;
 
 fn main() -> ExitCode {
     let args: Vec<String> = std::env::args().skip(1).collect();
@@ -18,6 +21,11 @@ fn main() -> ExitCode {
         [] => compare(None),
         ["--json", file] => compare(Some(file)),
         ["counts"] => count(),
+        ["scale"] => scale(None, None),
+        ["scale", "--json", file] => scale(Some(file), None),
+        ["scale", "--plot", plot] => scale(None, Some(plot)),
+        ["scale", "--json", file, "--plot", plot] => scale(Some(file), Some(plot)),
+        [limits::SUBCOMMAND, ..] => exit(limits::worker_main(&args[1..])),
         [counts::SUBCOMMAND, key, index, passes] => block(key, index, passes),
         _ => {
             eprintln!("{USAGE}");
@@ -45,8 +53,84 @@ fn compare(file: Option<&str>) -> ExitCode {
             report::to_json(&group, &measured, &machine),
         );
     }
+    document.insert("batch8_srukf".to_string(), batches());
+    document.insert("real".to_string(), Value::Object(real_steps()));
     document.insert("machine".to_string(), describe(&machine));
-    write(file, &Value::Object(document))
+    write(file, &format!("{:#}\n", Value::Object(document)))
+}
+
+fn batches() -> Value {
+    let mut contenders = groups::batches();
+    let times = measure::interleaved(&mut contenders, report::BLOCKS, report::BLOCK_US);
+    let single = times[0].min;
+    let Some(best) = times[1..].iter().map(|time| time.min).reduce(f64::min) else {
+        return Value::Null;
+    };
+    let verdict = if best / single <= groups::BATCH_TARGET {
+        "met"
+    } else {
+        "MISSED"
+    };
+    println!(
+        "\nSquare-root UKF 6/3, eight machines at once: {:.2} x a single step per machine, target {} {verdict}",
+        best / single,
+        groups::BATCH_TARGET
+    );
+    let mut all = Map::new();
+    for (contender, time) in contenders.iter().zip(&times) {
+        println!(
+            "  {:34} {:9.1} {:9.1} {:10.2}",
+            contender.name,
+            time.min,
+            time.median,
+            time.min / single
+        );
+        all.insert(
+            contender.name.to_string(),
+            json!({ "ns_per_machine": time.min, "median_ns_per_machine": time.median }),
+        );
+    }
+    json!({ "ns_per_machine": best, "single_ns": single, "ratio": best / single, "target": groups::BATCH_TARGET, "all": all })
+}
+
+fn real_steps() -> Map<String, Value> {
+    println!(
+        "\nThe steps of the product, ns: each row of a minute, the quickest of {LAPS} laps; then all single calls"
+    );
+    println!(
+        "  {:34} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}",
+        "", "mean row", "worst row", "call p50", "p99", "p99.9", "max"
+    );
+    let mut document = Map::new();
+    for (key, mut step) in real::steps() {
+        let rows = measure::rows(&mut step, real::ROWS, LAPS);
+        let tail = measure::tail(&mut step, report::CALLS);
+        println!(
+            "  {:34} {:9.0} {:9.0} {:9.0} {:9.0} {:9.0} {:9.0}",
+            step.name, rows.mean, rows.worst, tail.p50, tail.p99, tail.p999, tail.max
+        );
+        document.insert(
+            key.to_string(),
+            json!({ "ns": rows.mean, "worst_row_ns": rows.worst, "call_ns": report::tail_json(&tail) }),
+        );
+    }
+    document
+}
+
+fn scale(file: Option<&str>, plot: Option<&str>) -> ExitCode {
+    let (document, svg) = match shards::run() {
+        Ok(results) => results,
+        Err(error) => {
+            eprintln!("bench scale: {error}");
+            return ExitCode::from(2);
+        }
+    };
+    let plotted = write(plot, &svg);
+    if plotted == ExitCode::SUCCESS {
+        write(file, &format!("{document:#}\n"))
+    } else {
+        plotted
+    }
 }
 
 fn count() -> ExitCode {
@@ -91,11 +175,11 @@ fn describe(machine: &Machine) -> Value {
     })
 }
 
-fn write(file: Option<&str>, document: &Value) -> ExitCode {
+fn write(file: Option<&str>, text: &str) -> ExitCode {
     let Some(file) = file else {
         return ExitCode::SUCCESS;
     };
-    match std::fs::write(file, format!("{document:#}\n")) {
+    match std::fs::write(file, text) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!(

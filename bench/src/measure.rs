@@ -19,6 +19,11 @@ impl Contender {
     pub fn pass(&mut self) -> u64 {
         (self.block)()
     }
+
+    /// One step.
+    pub fn step(&mut self) {
+        (self.single)();
+    }
 }
 
 /// Times of one step [ns].
@@ -147,6 +152,36 @@ pub fn tail(contender: &mut Contender, calls: usize) -> Tail {
         p99: at(0.99),
         p999: at(0.999),
         max: at(1.0),
+    }
+}
+
+/// Undisturbed cost of the rows of a recording [ns].
+#[derive(Debug, Clone, Copy)]
+pub struct Rows {
+    /// Mean over the rows.
+    pub mean: f64,
+    /// The dearest row.
+    pub worst: f64,
+}
+
+/// Times every row on its own in some laps and keeps the quickest time of each, less what the clock costs.
+///
+/// What disturbs a lap does not disturb the same row in all of them; what is left is the row's own work.
+pub fn rows(contender: &mut Contender, rows: usize, laps: usize) -> Rows {
+    let mut quickest = vec![f64::INFINITY; rows];
+    for _ in 0..laps {
+        for time in &mut quickest {
+            let start = Instant::now();
+            (contender.single)();
+            *time = time.min(start.elapsed().as_nanos() as f64);
+        }
+    }
+    let clock = (0..1000)
+        .map(|_| Instant::now().elapsed().as_nanos() as f64)
+        .fold(f64::INFINITY, f64::min);
+    Rows {
+        mean: quickest.iter().sum::<f64>() / rows as f64 - clock,
+        worst: quickest.iter().copied().fold(0.0, f64::max) - clock,
     }
 }
 

@@ -130,6 +130,12 @@ impl Rover {
     /// The dynamic states a period later.
     #[inline(always)]
     pub fn advance<T: Scalar>(&self, x: &[T; 6]) -> [T; 3] {
+        self.advance_with(x, self.torque.map(T::constant))
+    }
+
+    /// The same with torques of the state's type, which may differ from lane to lane.
+    #[inline(always)]
+    pub fn advance_with<T: Scalar>(&self, x: &[T; 6], torque: [T; 2]) -> [T; 3] {
         let [v, front, rear, stiffness, height, share] = *x;
         let grip_front = stiffness * ((front * self.radius) / v - 1.0);
         let grip_rear = stiffness * ((rear * self.radius) / v - 1.0);
@@ -142,8 +148,8 @@ impl Rover {
         let force_rear = grip_rear * (-transfer + self.gravity);
         [
             v + acceleration * self.period,
-            front + (-force_front * self.radius + self.torque[0]) * self.gain,
-            rear + (-force_rear * self.radius + self.torque[1]) * self.gain,
+            front + (torque[0] - force_front * self.radius) * self.gain,
+            rear + (torque[1] - force_rear * self.radius) * self.gain,
         ]
     }
 

@@ -124,7 +124,12 @@ pub fn to_json(group: &Group, measured: &Measured, machine: &Machine) -> Value {
         "other_kind_ns": other.map(|i| measured.times[i].min),
         "flop_bound_ns": machine.flop_bound(&group.operations),
         "chain_bound_ns": machine.chain_bound(&group.operations),
-        "call_ns": { "p50": measured.tail.p50, "p99": measured.tail.p99, "p999": measured.tail.p999, "max": measured.tail.max },
+        "call_ns": tail_json(&measured.tail),
         "all": all,
     })
+}
+
+/// Single calls as JSON.
+pub fn tail_json(tail: &Tail) -> Value {
+    json!({ "p50": tail.p50, "p99": tail.p99, "p999": tail.p999, "max": tail.max })
 }

@@ -1,0 +1,310 @@
+//! The steps of the product, on the simulators' rows: a minute of a working cycle of each machine at 100 Hz, again and again.
+
+use crate::measure::{Contender, contender};
+use crate::problem::Filter;
+use estimation::{excavator, loader};
+
+/// A problem whose rows carry a time, repeated with the time running on.
+struct Laps {
+    offset: f64,
+    last: f64,
+    period: f64,
+}
+
+impl Laps {
+    const NEW: Laps = Laps {
+        offset: 0.0,
+        last: f64::NEG_INFINITY,
+        period: 0.01,
+    };
+
+    fn time(&mut self, time: f64) -> f64 {
+        if time <= self.last {
+            self.offset += self.last - time + self.period;
+        }
+        self.last = time;
+        time + self.offset
+    }
+}
+
+/// Rows of a minute at 100 Hz.
+pub const ROWS: usize = 6000;
+
+/// Sixty seconds of loading cycles of the excavator.
+pub fn excavator_rows() -> Vec<excavator::Sample> {
+    let run = sim::excavator::Run {
+        duration: 60.0,
+        ..sim::excavator::Run::new(sim::excavator::Scenario::Cycle)
+    };
+    let rows = sim::excavator::Simulation::new(&run)
+        .unwrap_or_else(|error| panic!("the run is ours: {error}"));
+    rows.take(ROWS)
+        .map(|row| excavator::Sample {
+            time: row.time,
+            velocity: row.swing_velocity,
+            angle: None,
+            torque: row.swing_torque,
+            posture: row.posture,
+        })
+        .collect()
+}
+
+/// Sixty seconds of work of the loader.
+pub fn loader_rows() -> Vec<loader::Sample> {
+    let run = sim::loader::Run {
+        duration: Some(60.0),
+        ..sim::loader::Run::new(sim::loader::Scenario::WorkCycle)
+    };
+    let rows = sim::loader::Simulation::new(&run)
+        .unwrap_or_else(|error| panic!("the run is ours: {error}"));
+    rows.take(ROWS)
+        .map(|row| loader::Sample {
+            time: row.time,
+            speed: Some(row.speed),
+            front_wheel_speed: Some(row.front_wheel_speed),
+            rear_wheel_speed: Some(row.rear_wheel_speed),
+            front_torque: Some(row.front_torque),
+            rear_torque: Some(row.rear_torque),
+            slope: Some(row.slope),
+            acceleration: Some(row.acceleration),
+            mass: row.mass,
+            spade_force_x: row.spade_force_x,
+            spade_force_z: row.spade_force_z,
+            boom_moving: row.boom_moving.unwrap_or(false),
+        })
+        .collect()
+}
+
+const EXCAVATOR_COLUMNS: excavator::Columns = excavator::Columns {
+    velocity: true,
+    angle: false,
+    torque: true,
+    posture: true,
+};
+const LOADER_COLUMNS: loader::Columns = loader::Columns {
+    acceleration: true,
+    mass: false,
+    spade_force: false,
+    boom_moving: false,
+};
+
+/// The Kalman filter stage of the excavator.
+pub struct Motion {
+    filter: excavator::MotionFilter,
+    laps: Laps,
+    last: excavator::Motion,
+}
+
+impl Default for Motion {
+    fn default() -> Self {
+        let filter =
+            excavator::MotionFilter::new(&excavator::Settings::default(), EXCAVATOR_COLUMNS);
+        let filter = filter.unwrap_or_else(|error| panic!("defaults are valid: {error}"));
+        Self {
+            filter,
+            laps: Laps::NEW,
+            last: excavator::Motion::default(),
+        }
+    }
+}
+
+impl Filter<excavator::Sample, 2> for Motion {
+    fn step(&mut self, sample: &excavator::Sample) {
+        let time = self.laps.time(sample.time);
+        self.last = self.filter.step(&excavator::Sample { time, ..*sample });
+    }
+
+    fn state(&self) -> [f64; 2] {
+        [self.last.velocity, self.last.acceleration]
+    }
+}
+
+/// The regression stage behind it; `METHOD` counts in [`excavator::Method::ALL`].
+pub struct Regression<const METHOD: usize> {
+    filter: excavator::Regression,
+    laps: Laps,
+    last: excavator::Estimate,
+}
+
+impl<const METHOD: usize> Default for Regression<METHOD> {
+    fn default() -> Self {
+        let filter = excavator::Regression::new(
+            &excavator::Settings::default(),
+            excavator::Method::ALL[METHOD],
+        );
+        let filter = filter.unwrap_or_else(|error| panic!("defaults are valid: {error}"));
+        Self {
+            filter,
+            laps: Laps::NEW,
+            last: excavator::Estimate::default(),
+        }
+    }
+}
+
+impl<const METHOD: usize> Filter<excavator::Motion, 1> for Regression<METHOD> {
+    fn step(&mut self, motion: &excavator::Motion) {
+        let time = self.laps.time(motion.time);
+        self.last = self.filter.step(&excavator::Motion { time, ..*motion });
+    }
+
+    fn state(&self) -> [f64; 1] {
+        [self.last.inertia]
+    }
+}
+
+/// A state-space estimator of the excavator; `METHOD` counts in [`excavator::Method::ALL`].
+pub struct Swing<const METHOD: usize> {
+    filter: excavator::SwingEstimator,
+    laps: Laps,
+    last: excavator::Estimate,
+}
+
+impl<const METHOD: usize> Default for Swing<METHOD> {
+    fn default() -> Self {
+        let method = excavator::Method::ALL[METHOD];
+        let filter = excavator::SwingEstimator::new(
+            &excavator::Settings::default(),
+            method,
+            EXCAVATOR_COLUMNS,
+        );
+        let filter = filter.unwrap_or_else(|error| panic!("defaults are valid: {error}"));
+        Self {
+            filter,
+            laps: Laps::NEW,
+            last: excavator::Estimate::default(),
+        }
+    }
+}
+
+impl<const METHOD: usize> Filter<excavator::Sample, 1> for Swing<METHOD> {
+    fn step(&mut self, sample: &excavator::Sample) {
+        let time = self.laps.time(sample.time);
+        self.last = self.filter.step(&excavator::Sample { time, ..*sample });
+    }
+
+    fn state(&self) -> [f64; 1] {
+        [self.last.inertia]
+    }
+}
+
+/// An estimator of the loader; `METHOD` counts in [`loader::Method::ALL`].
+pub struct Loader<const METHOD: usize> {
+    filter: loader::CgEstimator,
+    laps: Laps,
+}
+
+impl<const METHOD: usize> Default for Loader<METHOD> {
+    fn default() -> Self {
+        let method = loader::Method::ALL[METHOD];
+        let filter = loader::CgEstimator::new(&loader::Settings::default(), method, LOADER_COLUMNS);
+        Self {
+            filter: filter.unwrap_or_else(|error| panic!("defaults are valid: {error}")),
+            laps: Laps::NEW,
+        }
+    }
+}
+
+impl<const METHOD: usize> Filter<loader::Sample, 2> for Loader<METHOD> {
+    fn step(&mut self, sample: &loader::Sample) {
+        let time = self.laps.time(sample.time);
+        self.filter.step(&loader::Sample { time, ..*sample });
+    }
+
+    fn state(&self) -> [f64; 2] {
+        [
+            self.filter.last().cg_height.value,
+            self.filter.last().cg_ratio.value,
+        ]
+    }
+}
+
+/// Every real step with the key it has in the JSON.
+pub fn steps() -> Vec<(&'static str, Contender)> {
+    let (rows, work) = (excavator_rows(), loader_rows());
+    let mut filter = Motion::default();
+    let motions: Vec<excavator::Motion> = rows
+        .iter()
+        .map(|row| {
+            filter.step(row);
+            filter.last
+        })
+        .collect();
+    vec![
+        (
+            "excavator_kalman",
+            contender::<Motion, _, 2>("excavator, kalman stage", rows.clone()),
+        ),
+        (
+            "excavator_multi_forgetting_rls",
+            contender::<Regression<1>, _, 1>("excavator, multi-forgetting-rls", motions.clone()),
+        ),
+        (
+            "excavator_svf_rls",
+            contender::<Regression<2>, _, 1>("excavator, svf-rls", motions),
+        ),
+        (
+            "excavator_posture_torque",
+            contender::<Swing<3>, _, 1>("excavator, posture-torque", rows.clone()),
+        ),
+        (
+            "excavator_torque",
+            contender::<Swing<4>, _, 1>("excavator, torque", rows.clone()),
+        ),
+        (
+            "excavator_posture",
+            contender::<Swing<5>, _, 1>("excavator, posture", rows.clone()),
+        ),
+        (
+            "excavator_velocity",
+            contender::<Swing<6>, _, 1>("excavator, velocity", rows),
+        ),
+        (
+            "loader_full_10",
+            contender::<Loader<0>, _, 2>("loader, full, 10 states", work.clone()),
+        ),
+        (
+            "loader_isr_ukf_printed_6",
+            contender::<Loader<1>, _, 2>("loader, isr-ukf-printed, 6 states", work.clone()),
+        ),
+        (
+            "loader_isr_ukf_6",
+            contender::<Loader<2>, _, 2>("loader, isr-ukf, 6 states", work.clone()),
+        ),
+        (
+            "loader_ekf_6",
+            contender::<Loader<3>, _, 2>("loader, ekf, 6 states", work),
+        ),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn time_runs_on_over_the_laps() {
+        let mut laps = Laps::NEW;
+        let times = [0.0, 0.01, 0.02, 0.0, 0.01].map(|time| laps.time(time));
+        for (time, expected) in times.into_iter().zip([0.0, 0.01, 0.02, 0.03, 0.04]) {
+            assert!((time - expected).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn the_real_steps_do_real_work() {
+        let mut loader = Loader::<0>::default();
+        loader_rows().iter().for_each(|row| loader.step(row));
+        assert!(
+            loader.filter.last().refused == 0 && (loader.state()[0] - 0.9).abs() < 0.3,
+            "{:?}",
+            loader.state()
+        );
+        let mut swing = Swing::<3>::default();
+        excavator_rows().iter().for_each(|row| swing.step(row));
+        assert!(
+            (2500.0..20_000.0).contains(&swing.state()[0]) && swing.last.inertia_std < 1000.0,
+            "{:?}",
+            swing.last
+        );
+    }
+}

@@ -1,0 +1,182 @@
+//! Machines per core: a shard that steps many machines in one process, against a chain of processes for each.
+//!
+//! A shard pays for the steps and for fetching each machine's state; a process pays for its wake besides. A core that is busy all the
+//! time serves `period / cost` machines.
+
+use crate::measure::{Contender, custom, interleaved};
+use crate::problem::Filter;
+use crate::{plot, real};
+use limits::{Kind, Options};
+use serde_json::{Value, json};
+use std::rc::Rc;
+
+/// Numbers of machines.
+pub const MACHINES: [usize; 4] = [1, 10, 100, 1000];
+/// Machine steps in a block: a minute of one machine's rows.
+const STEPS: usize = 6000;
+/// Sampling period [ns]: 100 Hz.
+const PERIOD_NS: f64 = 1e7;
+/// Processes of one machine: sensor, kalman, rls or ukf, logger.
+const PROCESSES: usize = 4;
+
+/// Cost of one machine's sample [ns] for each of [`MACHINES`].
+struct Curve {
+    name: &'static str,
+    state_bytes: usize,
+    cost_ns: Vec<f64>,
+}
+
+/// A shard of some estimators, all fed the same rows.
+fn shard<F, Z: 'static, const N: usize>(name: &'static str, rows: Rc<Vec<Z>>) -> Curve
+where
+    F: Filter<Z, N> + Default + 'static,
+{
+    let mut shards: Vec<Contender> = MACHINES
+        .iter()
+        .map(|machines| {
+            let mut shard: Vec<F> = (0..*machines).map(|_| F::default()).collect();
+            let (rows, mut next) = (rows.clone(), 0);
+            let block = move || {
+                // Every machine is somewhere else in its cycle.
+                let ticks = (STEPS / shard.len()).max(1);
+                for _ in 0..ticks {
+                    for (i, machine) in shard.iter_mut().enumerate() {
+                        machine.step(&rows[(next + 37 * i) % rows.len()]);
+                    }
+                    next = (next + 1) % rows.len();
+                }
+                std::hint::black_box(shard[0].state());
+                (ticks * shard.len()) as u64
+            };
+            custom(name, block, || ())
+        })
+        .collect();
+    let cost_ns = interleaved(&mut shards, 15, 1.0)
+        .into_iter()
+        .map(|time| time.min)
+        .collect();
+    Curve {
+        name,
+        state_bytes: std::mem::size_of::<F>(),
+        cost_ns,
+    }
+}
+
+/// What passing a sample through a machine's processes costs [ns]: the bare futex chain on one core, where a hop is all work.
+fn wakes() -> std::io::Result<(f64, bool)> {
+    let core = std::thread::available_parallelism().map_or(0, |cores| cores.get() - 1);
+    let options = Options {
+        stages: PROCESSES,
+        samples: 2000,
+        fifo: true,
+        cores: Some(vec![core]),
+        ..Options::default()
+    };
+    let outcome = limits::chain(Kind::Futex, &options)?;
+    let mut latencies = outcome.latencies_ns;
+    latencies.sort_unstable();
+    Ok((
+        latencies
+            .get(latencies.len() / 2)
+            .map_or(0.0, |median| *median as f64),
+        outcome.fifo,
+    ))
+}
+
+/// Measures, prints, and returns the JSON and the plot.
+pub fn run() -> std::io::Result<(Value, String)> {
+    let (rows, work) = (
+        Rc::new(real::excavator_rows()),
+        Rc::new(real::loader_rows()),
+    );
+    let curves = [
+        shard::<real::Swing<3>, _, 1>("excavator, posture-torque", rows),
+        shard::<real::Loader<2>, _, 2>("loader, isr-ukf, 6 states", work.clone()),
+        shard::<real::Loader<0>, _, 2>("loader, full, 10 states", work),
+    ];
+    let (wake_ns, fifo) = wakes()?;
+    print(&curves, wake_ns, fifo);
+    let mut series: Vec<plot::Series> = curves
+        .iter()
+        .map(|curve| plot::Series {
+            name: format!("shard: {}", curve.name),
+            points: MACHINES
+                .iter()
+                .zip(&curve.cost_ns)
+                .map(|(n, cost)| (*n as f64, PERIOD_NS / cost))
+                .collect(),
+        })
+        .collect();
+    let full = &curves[2];
+    series.push(plot::Series {
+        name: format!("{PROCESSES} processes each: {}", full.name),
+        points: MACHINES
+            .iter()
+            .zip(&full.cost_ns)
+            .map(|(n, cost)| (*n as f64, PERIOD_NS / (cost + wake_ns)))
+            .collect(),
+    });
+    let svg = plot::log_log(
+        "Machines per core at 100 Hz",
+        "machines in the shard",
+        "machines per core",
+        &series,
+    );
+    let shards: serde_json::Map<String, Value> = curves
+        .iter()
+        .map(|curve| {
+            let points: Vec<Value> = MACHINES
+                .iter()
+                .zip(&curve.cost_ns)
+                .map(|(n, cost)| json!({ "machines": n, "ns": cost, "machines_per_core": PERIOD_NS / cost }))
+                .collect();
+            (curve.name.to_string(), json!({ "state_bytes": curve.state_bytes, "shard": points }))
+        })
+        .collect();
+    let document = json!({ "rate_hz": 1e9 / PERIOD_NS, "processes": PROCESSES, "wakes_ns": wake_ns, "wakes_fifo": fifo, "steps": shards });
+    Ok((document, svg))
+}
+
+fn print(curves: &[Curve], wake_ns: f64, fifo: bool) {
+    println!("ns a machine and sample, and machines per core at 100 Hz");
+    println!(
+        "{:28} {:>8}  {}",
+        "",
+        "bytes",
+        MACHINES
+            .map(|n| format!("{:>17}", format!("N = {n}")))
+            .join("")
+    );
+    for curve in curves {
+        let cells = curve
+            .cost_ns
+            .iter()
+            .map(|cost| format!("{cost:9.0} {:>7.0}", PERIOD_NS / cost));
+        println!(
+            "{:28} {:8}  {}",
+            curve.name,
+            curve.state_bytes,
+            cells.collect::<String>()
+        );
+    }
+    let scheduling = if fifo {
+        "under SCHED_FIFO"
+    } else {
+        "without SCHED_FIFO"
+    };
+    println!(
+        "a sample through {PROCESSES} processes costs {:.1} us of wakes on one core {scheduling}: {:.0} machines per core with no step at all",
+        wake_ns / 1e3,
+        PERIOD_NS / wake_ns
+    );
+    for curve in curves {
+        let (first, last) = (curve.cost_ns[0], curve.cost_ns[MACHINES.len() - 1]);
+        println!(
+            "{}: a step at N = 1000 costs {:.2} x that at N = 1; the states are then {:.1} MB; processes cost {:.1} x a shard",
+            curve.name,
+            last / first,
+            (curve.state_bytes * MACHINES[MACHINES.len() - 1]) as f64 / 1e6,
+            (first + wake_ns) / first
+        );
+    }
+}

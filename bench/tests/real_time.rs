@@ -1,0 +1,112 @@
+//! Real-time manners of the steps: they do not allocate, do not call the system, and the filters do the same work whatever the data.
+
+use bench::{counts, groups, real};
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+/// The system's allocator, counting the calls of each thread.
+struct Counting;
+
+thread_local! {
+    static CALLS: Cell<u64> = const { Cell::new(0) };
+}
+
+fn note() {
+    // A thread that is being torn down has no counter left, and is not under test.
+    let _ = CALLS.try_with(|calls| calls.set(calls.get() + 1));
+}
+
+// SAFETY: every call is passed on to the system's allocator unchanged; counting touches a constant-initialised thread local only,
+// which does not allocate.
+#[allow(unsafe_code)]
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        note();
+        // SAFETY: the caller's promises about `layout` are passed on.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        note();
+        // SAFETY: `pointer` came from `System.alloc` with this layout.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+#[test]
+fn ten_thousand_steps_allocate_nothing() {
+    let comparisons = groups::all()
+        .into_iter()
+        .map(|mut group| group.contenders.swap_remove(0));
+    let product = real::steps().into_iter().map(|(_, step)| step);
+    for mut step in comparisons.chain(product) {
+        let before = CALLS.get();
+        (0..10_000).for_each(|_| step.step());
+        assert_eq!(CALLS.get() - before, 0, "{}", step.name);
+    }
+}
+
+#[test]
+fn the_counter_counts() {
+    let before = CALLS.get();
+    drop(std::hint::black_box(Box::new(1)));
+    assert_eq!(CALLS.get() - before, 2);
+}
+
+/// System calls of a process that runs `passes` passes over the data of a step.
+fn system_calls(key: &str, passes: usize) -> usize {
+    let output = Command::new("valgrind")
+        .args([
+            "--tool=none",
+            "--trace-syscalls=yes",
+            env!("CARGO_BIN_EXE_bench"),
+        ])
+        .args([counts::SUBCOMMAND, key, "0", &passes.to_string()])
+        .stdout(Stdio::null())
+        .output()
+        .expect("valgrind was found before");
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    String::from_utf8_lossy(&output.stderr)
+        .matches("SYSCALL[")
+        .count()
+}
+
+#[test]
+fn steps_make_no_system_calls() {
+    if !counts::available() {
+        println!("skipped: valgrind is not installed");
+        return;
+    }
+    // Thousands of steps more, and not one call more: start-up and end are all there is.
+    for key in ["srukf_6_3", "excavator_posture_torque", "loader_full_10"] {
+        let (few, many) = (system_calls(key, 1), system_calls(key, 2));
+        assert!(few > 10, "{key}: valgrind reports calls at all");
+        assert_eq!(many, few, "{key}");
+    }
+}
+
+#[test]
+fn a_filter_does_the_same_work_on_all_data() {
+    if !counts::available() {
+        println!("skipped: valgrind is not installed");
+        return;
+    }
+    let bench = Path::new(env!("CARGO_BIN_EXE_bench"));
+    for (key, index, _) in counts::BUDGETS {
+        let count =
+            |passes| counts::instructions(bench, key, index, passes).expect("valgrind counts");
+        // The first pass starts at the prior, the later ones in other states: the work must not show it.
+        let (one, two, three) = (count(1), count(2), count(3));
+        assert_eq!(two - one, three - two, "{key} {index}");
+        assert_eq!(two, 2 * one, "{key} {index}");
+    }
+}
