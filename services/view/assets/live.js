@@ -8,6 +8,9 @@ let paused = false, dirty = false, layout = "";
 const byId = (id) => document.getElementById(id);
 const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
+// Thousands apart, as everywhere in heft.
+const grouped = (v) => v.toLocaleString("en", { maximumFractionDigits: 6 }).replaceAll(",", "\u00a0").replace("-", "\u2212");
+
 function element(tag, text, className) {
   const e = document.createElement(tag);
   if (text !== undefined) e.textContent = text;
@@ -115,12 +118,12 @@ function make(wish, parent) {
   figure.append(element("h3", wish.title + (wish.trust ? " – shaded: trusted" : "")));
   parent.append(figure);
   const series = [{ label: "t [s]", value: (u, v) => (v === null ? "–" : v.toFixed(2)) }], bands = [];
-  const digits = (u, v) => (v === null || v === undefined ? "–" : Number(v.toPrecision(5)).toLocaleString("fr"));
+  const digits = (u, v) => (v === null || v === undefined ? "–" : grouped(Number(v.toPrecision(5))));
   for (const c of wish.columns) {
     series.push({ label: c.label, stroke: () => colour(c.hue), width: c.width === undefined ? 1.5 : c.width, dash: c.dash, points: { show: false }, value: digits });
     if (c.band) {
       const at = series.length;
-      const edge = { label: "", stroke: "transparent", width: 0, points: { show: false }, class: "edge" };
+      const edge = { label: "edge", stroke: "transparent", width: 0, points: { show: false }, class: "edge" };
       series.push({ ...edge }, { ...edge });
       bands.push({ series: [at + 1, at], fill: () => colour(c.hue) + "33" });
     }
@@ -131,7 +134,7 @@ function make(wish, parent) {
     legend: { live: true },
     cursor: { drag: { x: true, y: false }, sync: { key: "heft" } },
     scales: { x: { time: false }, y: { range: () => range(wish.columns, visible(wish.key)) } },
-    axes: [axis, { ...axis, size: 66, values: (u, ticks) => ticks.map((v) => v.toLocaleString("fr")) }],
+    axes: [axis, { ...axis, size: 66, values: (u, ticks) => ticks.map(grouped) }],
     hooks: {
       drawClear: [(u) => shade(u, wish.trust)],
       ready: [(u) => u.over.addEventListener("dblclick", () => { zoom = null; dirty = true; })],
@@ -139,8 +142,6 @@ function make(wish, parent) {
     },
   };
   const plot = new uPlot(options, data(wish.columns), figure);
-  // The edges of the bands need no line in the legend.
-  figure.querySelectorAll(".u-series").forEach((row) => { if (row.querySelector(".u-label").textContent === "") row.style.display = "none"; });
   return { plot, wish, figure };
 }
 
@@ -193,17 +194,17 @@ function draw() {
 
 function verdicts(list) {
   const cards = [];
-  for (const v of list) {
+  for (const v of list.slice().reverse()) {
     for (const j of v.judgements) {
       const card = element("article", undefined, "verdict " + (j.trusted ? "trusted" : "doubted"));
       card.append(element("p", j.value + ".", "value"));
       const why = element("p");
       why.append(element("span", j.trusted ? "trusted" : "not trusted", "badge"), " " + j.verdict);
       card.append(why, element("p", v.channel + ", method " + v.method + ", t = " + v.time.toFixed(1) + " s", "when"));
-      cards.push([j.trusted ? 0 : 1, card]);
+      cards.push(card);
     }
   }
-  if (cards.length) byId("verdicts").replaceChildren(...cards.map((c) => c[1]));
+  if (cards.length) byId("verdicts").replaceChildren(...cards);
 }
 
 const seconds = (s) => (s < 1 ? Math.round(s * 1000) + " ms" : s.toFixed(1) + " s");
@@ -219,7 +220,7 @@ function rows(id, list, cells) {
 function status(s) {
   verdicts(s.verdicts);
   rows("processes", s.processes, (p) => [[p.name + " (" + p.pid + ")"], [p.state, p.state === "waiting"], [p.rate.toFixed(0)], [p.age], [p.step], [p.late], [p.lost, p.lost > 0], [p.restarts, p.restarts > 0], [seconds(p.silent_s), p.silent_s > 1], [p.fault, p.fault !== "none"]]);
-  rows("channels", s.channels, (c) => [[c.name], [c.rate.toFixed(0)], [c.count.toLocaleString("fr")], [c.lost, c.lost > 0], [seconds(c.silent_s), c.silent_s > 1]]);
+  rows("channels", s.channels, (c) => [[c.name], [c.rate.toFixed(0)], [grouped(c.count)], [c.lost, c.lost > 0], [seconds(c.silent_s), c.silent_s > 1]]);
   byId("link").textContent = "live · " + s.viewers + (s.viewers === 1 ? " viewer" : " viewers") + (s.skipped ? " · " + s.skipped + " frames skipped by slow viewers" : "");
 }
 
