@@ -156,6 +156,20 @@ fn a_refused_time_changes_nothing() {
 }
 
 #[test]
+fn a_clock_that_stands_still_does_not_stay_fresh() {
+    let mut estimator = estimator(Method::Full);
+    for k in 0..100 {
+        estimator.step(&cruise(f64::from(k) * 0.01));
+    }
+    for k in 0..100 {
+        let answer = estimator.step(&cruise(0.5));
+        // 0.25 s are 25 rows; times are rounded.
+        assert!((24..26).contains(&k) || answer.fresh == (k < 25), "{k}");
+    }
+    assert!(estimator.step(&cruise(1.0)).fresh);
+}
+
+#[test]
 fn rows_before_the_first_time_leave_the_prior() {
     let mut estimator = estimator(Method::Full);
     let answer = estimator.step(&cruise(f64::NAN));

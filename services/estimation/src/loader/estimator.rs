@@ -28,6 +28,10 @@ pub struct CgEstimator {
     method: Method,
     filter: Filter,
     refused: u64,
+    /// Time between the last two accepted rows [s].
+    period: f64,
+    /// Rows refused since the last accepted one.
+    refused_in_a_row: u32,
     last: Estimate,
 }
 
@@ -63,6 +67,8 @@ impl CgEstimator {
             method,
             filter,
             refused: 0,
+            period: 0.0,
+            refused_in_a_row: 0,
             last,
         })
     }
@@ -76,13 +82,28 @@ impl CgEstimator {
         };
         if answer.status == Status::Refused {
             self.refused += 1;
-            answer = Estimate {
-                status: Status::Refused,
-                ..self.last
-            };
+            self.refused_in_a_row = self.refused_in_a_row.saturating_add(1);
+            answer = self.stale();
+        } else {
+            self.period = answer.time - self.last.time;
+            self.refused_in_a_row = 0;
         }
         answer.refused = self.refused;
         self.last = answer;
+        answer
+    }
+
+    /// The last answer to a row that was refused; believed only as long as inputs count as fresh.
+    fn stale(&self) -> Estimate {
+        let mut answer = Estimate {
+            status: Status::Refused,
+            ..self.last
+        };
+        if f64::from(self.refused_in_a_row) * self.period > self.settings.verdict.fresh {
+            answer.fresh = false;
+            (answer.converged_ratio, answer.converged_height) = (false, false);
+            (answer.trusted_ratio, answer.trusted_height) = (false, false);
+        }
         answer
     }
 

@@ -53,7 +53,7 @@ pub struct Sensors {
     pub speed_std: f64,
     /// Wheel speeds [rad/s].
     pub wheel_speed_std: f64,
-    /// Slope [rad].
+    /// Slope [rad]. Its noise acts through the process noise of the speed, so it is not used by itself.
     pub slope_std: f64,
     /// Specific force [m/s^2].
     pub acceleration_std: f64,
