@@ -18,8 +18,9 @@ const SINGLE: f64 = 0.51 * PERIOD;
 /// Faster rows are collected until this much time has passed [s].
 const BLOCK: f64 = 0.99 * PERIOD;
 /// More than this share of the noise variance is never averaged away: real noise is not white
-/// without limit.
-const LEAST_SHARE: f64 = 0.1;
+/// without limit, and the models' own errors on the grid do not average. With 0.1 mode D covers
+/// the truth in 85 % of the samples at 1 kHz, with 0.4 as at 100 Hz.
+const LEAST_SHARE: f64 = 0.4;
 
 /// One sample on the grid.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -48,14 +49,25 @@ pub(super) struct Fill {
     from: Tick,
     to: Tick,
     inserted: usize,
+    /// The rows come slower than the grid, but regularly: nothing is missing between them.
+    pub(super) regular: bool,
     /// The gap was too long to fill: begin anew.
     pub(super) restart: bool,
 }
 
 impl Fill {
+    /// Ticks per row of a regular source that is slower than the grid, else 1.
+    pub(super) fn slowness(&self) -> f64 {
+        if self.regular {
+            (self.inserted + 1) as f64
+        } else {
+            1.0
+        }
+    }
+
     /// The ticks, in order; at most 100.
     pub(super) fn ticks(&self) -> impl Iterator<Item = Tick> + use<> {
-        let (from, to, n) = (self.from, self.to, self.inserted);
+        let (from, to, n, regular) = (self.from, self.to, self.inserted, self.regular);
         let h = to.period / (n + 1) as f64;
         (1..=n + 1).map(move |i| {
             if i > n {
@@ -70,7 +82,12 @@ impl Fill {
                     from.posture[j] + share * (to.posture[j] - from.posture[j])
                 }),
                 velocity_variance: to.velocity_variance,
-                torque: from.torque,
+                // Between regular rows the torque has moved on; in a gap it is not known how.
+                torque: if regular {
+                    from.torque + share * (to.torque - from.torque)
+                } else {
+                    from.torque
+                },
                 share: to.share,
                 torque_age: from.torque_age + h * i as f64,
                 posture_age: from.posture_age + h * i as f64,
@@ -115,6 +132,8 @@ pub(super) struct Grid {
     angle_variance: f64,
     block: Block,
     since: f64,
+    /// Length of the step before [s].
+    period: f64,
     last: Option<Tick>,
     last_angle: Option<(f64, f64)>,
     torque: Option<f64>,
@@ -131,6 +150,7 @@ impl Grid {
             angle_variance: s.swing_angle_std * s.swing_angle_std,
             block: Block::default(),
             since: 0.0,
+            period: 0.0,
             last: None,
             last_angle: None,
             torque: None,
@@ -209,7 +229,10 @@ impl Grid {
             whole.saturating_sub(1)
         };
         self.last = Some(to);
+        let regular = inserted > 0 && (period - self.period).abs() < 0.2 * period;
+        self.period = period;
         Fill {
+            regular,
             from,
             to: Tick {
                 period: if restart { PERIOD } else { period },

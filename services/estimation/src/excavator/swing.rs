@@ -26,6 +26,9 @@ use crate::math::sqrt;
 
 /// A column that has no value for this long counts as absent [s].
 const PRESENCE: f64 = 1.0;
+/// Factor of the standard deviation where the torque is unknown and the velocity is differenced from
+/// an angle: changes of torque are then found late.
+const ENCODER_WITHOUT_TORQUE: f64 = 3.0;
 /// Growth of the relative standard deviation while the posture is stale [1/s].
 const STALE_POSTURE: f64 = 0.3;
 
@@ -73,6 +76,8 @@ pub struct SwingEstimator {
     bias: f64,
     core: Core,
     elapsed: f64,
+    /// Ticks of the grid per row of the source.
+    slowness: f64,
     presence_checked: bool,
     reading: Option<Reading>,
     last: Estimate,
@@ -110,6 +115,7 @@ impl SwingEstimator {
             bias: 0.0,
             core: Core::new(settings, method, false),
             elapsed: 0.0,
+            slowness: 1.0,
             presence_checked: !auto,
             reading: None,
             last: Estimate {
@@ -165,6 +171,9 @@ impl SwingEstimator {
             if fill.restart {
                 self.restart(false);
                 reset = true;
+            }
+            if sample.velocity.or(sample.angle).is_some() {
+                self.slowness = fill.slowness();
             }
             for tick in fill.ticks() {
                 reset |= self.tick(&tick);
@@ -306,7 +315,7 @@ impl SwingEstimator {
                 consistent: r.consistent,
                 fresh: r.fresh,
                 converged: r.converged,
-                identifiable: r.identifiable,
+                identifiable: r.identifiable && self.lateness() < 1.5,
                 held: reading.held,
                 changing: state.changing,
                 reset,
@@ -327,11 +336,25 @@ impl SwingEstimator {
         Some(quantity((torque + offset, sqrt(variance))))
     }
 
+    /// Without torque the modes live on finding its changes within 0.15 s. Rows slower than the grid
+    /// and differenced angles delay that; the interval then widens, and the verdict is no.
+    fn lateness(&self) -> f64 {
+        if self.needs().0 {
+            return 1.0;
+        }
+        let encoder = if self.columns.velocity {
+            1.0
+        } else {
+            ENCODER_WITHOUT_TORQUE
+        };
+        encoder * self.slowness
+    }
+
     /// The reading at the posture of this row, which may be newer than the tick.
     fn at_row(&self, reading: &Reading, sample: &Sample) -> State {
         let mut state = reading.state;
         let posture = sample.posture;
-        if let ((_, true), Some((mass, std)), [Some(boom), Some(arm), Some(bucket)]) =
+        if let ((_, true), Some((mass, _)), [Some(boom), Some(arm), Some(bucket)]) =
             (self.needs(), state.payload, posture)
         {
             let now = self.settings.geometry.inertia([boom, arm, bucket]);
@@ -339,9 +362,11 @@ impl SwingEstimator {
             if now != before {
                 state.inertia = now.with_payload(mass);
                 state.inertia_std *= now.per_payload / before.per_payload;
-                debug_assert!(std >= 0.0);
             }
         }
+        let lateness = self.lateness();
+        state.inertia_std *= lateness;
+        state.payload = state.payload.map(|(mass, std)| (mass, std * lateness));
         let age = reading.tick.posture_age;
         if self.needs().1 && age.is_finite() && age > self.settings.estimator.fresh_others {
             let stale = (age - self.settings.estimator.fresh_others).min(3.0);
