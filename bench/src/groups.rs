@@ -47,15 +47,10 @@ impl Group {
         }
     }
 
-    fn with<F, Z: 'static, const N: usize>(
-        mut self,
-        role: Role,
-        name: &'static str,
-        data: &[Z],
-    ) -> Self
+    fn with<F, Z, const N: usize>(mut self, role: Role, name: &'static str, data: &[Z]) -> Self
     where
         F: Filter<Z, N> + Default + 'static,
-        Z: Clone,
+        Z: Clone + 'static,
     {
         self.contenders
             .push(contender::<F, Z, N>(name, data.to_vec()));

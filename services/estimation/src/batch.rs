@@ -7,6 +7,9 @@
 //! Only for models whose measurements are their leading states. A measurement that is missing in one lane has innovation 0 and
 //! a large standard deviation there; nothing is left out.
 
+// Formulas with two indices each read better with them than with iterators.
+#![allow(clippy::needless_range_loop)]
+
 use crate::scalar::Scalar;
 use crate::sigma_points::{Spread, Weights};
 

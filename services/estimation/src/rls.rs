@@ -95,8 +95,8 @@ impl MultipleForgettingRls<3> {
             self.variance[i] = (d / spread).min(VARIANCE_LIMIT); // (22)
         }
         let m = innovation / determinant;
-        for i in 0..3 {
-            self.parameters[i] += step[i] * m; // (26)
+        for (parameter, step) in self.parameters.iter_mut().zip(step) {
+            *parameter += step * m; // (26)
         }
         innovation
     }
