@@ -50,17 +50,18 @@ impl<const N: usize, const M: usize> Ekf<N, M> {
             noise_coupling: model.noise_coupling(),
             direct: P::DIRECT,
         };
-        for k in 0..N {
-            let image = if k < P::DYNAMIC { &next[k] } else { &seeded[k] };
-            images.state[k] = image.value;
-            images.rows[k] = [image.derivative];
+        for k in 0..P::DYNAMIC {
+            images.state[k] = next[k].value;
+            images.rows[k] = [next[k].derivative];
         }
-        for p in 0..M {
-            images.measurement[p] = if p < P::DIRECT {
-                images.state[p]
-            } else {
-                measured[p].value
-            };
+        for k in P::DYNAMIC..N {
+            images.rows[k] = [self.root[k]];
+        }
+        for p in 0..P::DIRECT {
+            images.measurement[p] = images.state[p];
+        }
+        for p in P::DIRECT..M {
+            images.measurement[p] = measured[p].value;
             images.measured[p] = [measured[p].derivative];
         }
         images

@@ -185,7 +185,7 @@ impl<const N: usize, const M: usize> Prediction<N, M> {
     ) -> Update<N, M> {
         let mut out = Update {
             state: self.state,
-            root: [[0.0; N]; N],
+            root: self.root,
             innovation_root: [[0.0; M]; M],
             gain_root: [[0.0; M]; N],
             whitened: [0.0; M],
@@ -255,7 +255,6 @@ impl<const N: usize, const M: usize> Prediction<N, M> {
                 out.state[k] += pivots[k] * out.whitened[j];
             }
         }
-        out.root = self.root;
         for k in 0..N {
             for (i, column) in columns.iter().enumerate().take(N) {
                 out.root[k][i] = column[k];
