@@ -257,7 +257,8 @@ fn score(rows: &[Sample], truth: &Table, settings: &Settings) -> (f64, f64) {
 fn bias_noise_outliers_and_saturation_are_dealt_with() {
     let truth = Table::golden("input_base_case2.csv");
     let clean = base();
-    let cases: [(&str, fn(usize, f64) -> Option<f64>, f64); 4] = [
+    type Fault = fn(usize, f64) -> Option<f64>;
+    let cases: [(&str, Fault, f64); 4] = [
         ("as it is", |_, y| Some(y), 5.0),
         ("bias of 0.01 rad/s", |_, y| Some(y + 0.01), 5.0),
         (
