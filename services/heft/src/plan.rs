@@ -80,6 +80,8 @@ impl Plan {
         };
         put("heft.version", env!("CARGO_PKG_VERSION").to_owned());
         put("machine", self.machine.clone());
+        let processes = crate::processes::of_machine(self.kind()).iter().map(|p| p.name);
+        put("processes", processes.collect::<Vec<_>>().join(","));
         put("description", self.description.clone());
         put("description.sha256", recording::sha256(&self.description));
         put("first_method", self.first_method.clone());

@@ -117,8 +117,9 @@ function make(wish, parent) {
   const figure = element("figure", undefined, wish.wide ? "wide" : "");
   figure.append(element("h3", wish.title + (wish.trust ? " – shaded: trusted" : "")));
   parent.append(figure);
-  const series = [{ label: "t [s]", value: (u, v) => (v === null ? "–" : v.toFixed(2)) }], bands = [];
-  const digits = (u, v) => (v === null || v === undefined ? "–" : grouped(Number(v.toPrecision(5))));
+  const series = [{ label: "t [s]", value: (u, v) => { const t = v === null || v === undefined ? u.data[0][u.data[0].length - 1] : v; return t === undefined ? "–" : t.toFixed(2); } }], bands = [];
+  // Away from the cursor the legend tells the newest values.
+  const digits = (u, v, i, at) => { if (at === null || at === undefined) v = u.data[i][u.data[i].length - 1]; return v === null || v === undefined ? "–" : grouped(Number(v.toPrecision(5))); };
   for (const c of wish.columns) {
     series.push({ label: c.label, stroke: () => colour(c.hue), width: c.width === undefined ? 1.5 : c.width, dash: c.dash, points: { show: false }, value: digits });
     if (c.band) {
@@ -194,7 +195,7 @@ function draw() {
 
 function verdicts(list) {
   const cards = [];
-  for (const v of list.slice().reverse()) {
+  for (const v of list) {
     for (const j of v.judgements) {
       const card = element("article", undefined, "verdict " + (j.trusted ? "trusted" : "doubted"));
       card.append(element("p", j.value + ".", "value"));

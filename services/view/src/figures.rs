@@ -26,8 +26,10 @@ pub struct Curve<'a> {
 
 /// A figure: caption and panels; "heft" says that the data are ours.
 fn figure(number: &str, paper: &str, what: &str, panels: &[Plot]) -> String {
+    let caption = format!("Fig. {number}: {what}");
     crate::plot::file(
-        &format!("Fig. {number} {paper}, data of heft: {what}"),
+        &caption,
+        &format!("Data of heft, {paper}"),
         panels,
         WIDTH,
         HEIGHT,
@@ -38,14 +40,14 @@ fn points(t: &[f64], values: &[f64]) -> Vec<(f64, f64)> {
     t.iter().copied().zip(values.iter().copied()).collect()
 }
 
-/// Curves over time, the reference dashed and first.
+/// Curves over time, the reference dashed and on top.
 fn panel(title: &str, t: &[f64], reference: Option<&[f64]>, curves: &[Curve<'_>]) -> Plot {
     let mut plot = Plot::new(title, "Time [s]");
-    if let Some(reference) = reference {
-        plot.line("reference", Style::Truth, &points(t, reference));
-    }
     for (i, curve) in curves.iter().enumerate() {
         plot.line(curve.label, Style::Series(i), &points(t, curve.values));
+    }
+    if let Some(reference) = reference {
+        plot.line("reference", Style::Truth, &points(t, reference));
     }
     plot
 }
@@ -107,7 +109,7 @@ mod tests {
         for file in files {
             assert!(
                 file.starts_with("<svg xmlns=")
-                    && file.contains("data of heft")
+                    && file.contains("Data of heft")
                     && file.ends_with("</svg>\n")
             );
             assert!(!file.contains("NaN"));

@@ -222,10 +222,11 @@ fn add_band(extent: &mut scale::Extent, points: &[(f64, f64, f64)]) {
     }
 }
 
-/// Plots one below the other in a file of their own, with `caption` above them.
+/// Plots one below the other in a file of their own, with `caption` and the `source` of the data
+/// above them.
 #[must_use]
-pub fn file(caption: &str, plots: &[Plot], width: u32, height: u32) -> String {
-    draw::file(caption, plots, f64::from(width), f64::from(height))
+pub fn file(caption: &str, source: &str, plots: &[Plot], width: u32, height: u32) -> String {
+    draw::file(caption, source, plots, f64::from(width), f64::from(height))
 }
 
 /// Text made safe for HTML and SVG.
@@ -287,7 +288,13 @@ mod tests {
 
     #[test]
     fn a_file_stands_alone() {
-        let file = file("c", &[Plot::new("a", "t"), Plot::new("b", "t")], 600, 200);
+        let file = file(
+            "c",
+            "s",
+            &[Plot::new("a", "t"), Plot::new("b", "t")],
+            600,
+            200,
+        );
         assert!(file.starts_with("<svg xmlns=\"http://www.w3.org/2000/svg\""));
         assert!(file.contains("(a)") && file.contains("(b)") && file.contains("<style>"));
     }

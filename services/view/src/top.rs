@@ -98,14 +98,18 @@ struct Verdict {
 
 /// The verdicts of a machine, trend included.
 fn verdicts<E: Estimate>(state: &MachineState<E>) -> impl Iterator<Item = Verdict> {
-    state.estimators.iter().flat_map(|(channel, tracked)| {
-        let judgements = tracked.last.judgements().into_iter().enumerate();
-        judgements.map(move |(i, judgement)| Verdict {
-            source: format!("{channel}, {}", tracked.last.method_name()),
-            judgement,
-            trend: trend(tracked, i),
+    state
+        .estimators
+        .iter()
+        .rev()
+        .flat_map(|(channel, tracked)| {
+            let judgements = tracked.last.judgements().into_iter().enumerate();
+            judgements.map(move |(i, judgement)| Verdict {
+                source: format!("{channel}, {}", tracked.last.method_name()),
+                judgement,
+                trend: trend(tracked, i),
+            })
         })
-    })
 }
 
 /// Headline parameter `index` from its lowest (1) to its highest (100) over the last seconds.

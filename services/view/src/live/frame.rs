@@ -89,6 +89,7 @@ pub(super) fn status(monitor: &Monitor, now: Instant, viewers: usize, skipped: u
 }
 
 fn judgements<E: Estimate>(state: &MachineState<E>) -> Vec<Value> {
+    // The product's filter, ukf, comes before the regression.
     let one = |(channel, tracked): (&&'static str, &Tracked<E>)| {
         let words = tracked.last.judgements().into_iter().map(
             |j| json!({"value": j.value.clone(), "trusted": j.trusted, "verdict": j.verdict()}),
@@ -101,7 +102,7 @@ fn judgements<E: Estimate>(state: &MachineState<E>) -> Vec<Value> {
             "judgements": words.collect::<Vec<_>>(),
         })
     };
-    state.estimators.iter().map(one).collect()
+    state.estimators.iter().rev().map(one).collect()
 }
 
 fn process(name: &str, state: &ProcessState, now: Instant) -> Value {

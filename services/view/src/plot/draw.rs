@@ -27,20 +27,24 @@ pub(super) fn svg(plot: &Plot, width: f64, height: f64) -> String {
     out
 }
 
-pub(super) fn file(caption: &str, plots: &[Plot], width: f64, height: f64) -> String {
-    let total = 30.0 + height * plots.len() as f64;
+/// Height of caption and source.
+const HEAD: f64 = 48.0;
+
+pub(super) fn file(caption: &str, source: &str, plots: &[Plot], width: f64, height: f64) -> String {
+    let total = HEAD + height * plots.len() as f64;
     let mut out = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"plot file\" width=\"{width}\" \
          height=\"{total}\" viewBox=\"0 0 {width} {total}\"><style>{STYLE}</style>\
          <rect class=\"paper\" width=\"{width}\" height=\"{total}\"/>\
-         <text class=\"caption\" x=\"8\" y=\"20\">{}</text>",
-        escape(caption)
+         <text class=\"caption\" x=\"4\" y=\"18\">{}</text><text class=\"key\" x=\"4\" y=\"35\">{}</text>",
+        escape(caption),
+        escape(source)
     );
     for (i, plot) in plots.iter().enumerate() {
         let _ = write!(
             out,
             "<g transform=\"translate(0 {})\">",
-            30.0 + height * i as f64
+            HEAD + height * i as f64
         );
         let letter = (b'a' + (i % 26) as u8) as char;
         let prefix = if plots.len() > 1 {

@@ -104,7 +104,7 @@ fn card<E: Estimate>(
     let _ = write!(
         body,
         "<article class=\"verdict {class}\"><p class=\"value\">{}.</p>\
-         <p><span class=\"badge\">{word}</span> {}</p><p class=\"when\">{}, method <b>{}</b>, at t = {at} s; trusted {} % of the run.",
+         <p><span class=\"badge\">{word}</span> {}</p><p class=\"when\">{}, method <b>{}</b>, at t\u{a0}=\u{a0}{at}\u{a0}s; trusted {}\u{a0}% of the run.",
         text(&judgement.told.value),
         text(&judgement.told.verdict()),
         if judgement.told.trusted {
@@ -153,7 +153,7 @@ fn truth_sentence<E: Estimate>(
     };
     error.is_finite().then(|| {
         format!(
-            "The truth was {}{unit}: the error is {} %, {inside} the 95 % interval.",
+            "The truth was {}{unit}: the error is {}\u{a0}%, {inside} the 95\u{a0}% interval.",
             grouped(truth, crate::number::decimals(std)),
             grouped(error, 2),
         )

@@ -29,7 +29,7 @@ pub(crate) fn inertia(e: &ExcavatorEstimate) -> Judgement {
 fn value(e: &ExcavatorEstimate) -> String {
     let unit = number::unit("kg m^2");
     let mut text = format!(
-        "The swing inertia is {} (95 %: {}{}{unit}",
+        "The swing inertia is {} (95\u{a0}%: {}{}{unit}",
         number::with_std(e.inertia, e.inertia_std, &unit),
         number::interval_95(e.inertia, e.inertia_std),
         number::GROUP,
@@ -42,7 +42,7 @@ fn value(e: &ExcavatorEstimate) -> String {
     text
 }
 
-/// Half width of the 95 % interval in percent of the value.
+/// Half width of the 95\u{a0}% interval in percent of the value.
 fn percent(e: &ExcavatorEstimate) -> String {
     significant(100.0 * 1.96 * e.inertia_std / e.inertia.abs().max(1e-9), 2)
 }
@@ -52,7 +52,10 @@ fn reasons_for(e: &ExcavatorEstimate) -> Vec<String> {
         "the machine swings".into(),
         "the inputs are complete and can determine the inertia".into(),
         "the measurements agree with the model".into(),
-        format!("the 95 % interval is narrow (± {} %)", percent(e)),
+        format!(
+            "the 95\u{a0}% interval is narrow (±\u{a0}{}\u{a0}%)",
+            percent(e)
+        ),
     ]
 }
 
@@ -83,7 +86,7 @@ fn reasons_against(e: &ExcavatorEstimate) -> Vec<String> {
         reasons.push("the payload is changing".into());
     } else if !has(bits::CONVERGED) {
         reasons.push(format!(
-            "the 95 % interval is still wide (± {} %)",
+            "the 95\u{a0}% interval is still wide (±\u{a0}{}\u{a0}%)",
             percent(e)
         ));
     }

@@ -14,14 +14,14 @@ pub(crate) fn position(e: &LoaderEstimate) -> Judgement {
     let wheelbase = e.cg_distance / (1.0 - e.cg_ratio).max(1e-9);
     let std = e.cg_ratio_std * wheelbase;
     let value = format!(
-        "The centre of gravity lies {} behind the front axle (95 %: {}{}m; {} of the weight on the front axle)",
+        "The centre of gravity lies {} behind the front axle (95\u{a0}%: {}{}m; {} of the weight on the front axle)",
         number::with_std(e.cg_distance, std, "m"),
         number::interval_95(e.cg_distance, std),
         number::GROUP,
         number::with_std(100.0 * e.cg_ratio, 100.0 * e.cg_ratio_std, "%"),
     );
     let width = format!(
-        "± {} %",
+        "±\u{a0}{}\u{a0}%",
         significant(196.0 * e.cg_ratio_std / e.cg_ratio.abs().max(1e-9), 2)
     );
     judgement(e, value, &Part::POSITION, &width)
@@ -33,13 +33,13 @@ pub(crate) fn height(e: &LoaderEstimate) -> Judgement {
         return none("There is no height of the centre of gravity yet");
     }
     let value = format!(
-        "The centre of gravity lies {} above the ground (95 %: {}{}m)",
+        "The centre of gravity lies {} above the ground (95\u{a0}%: {}{}m)",
         number::with_std(e.cg_height, e.cg_height_std, "m"),
         number::interval_95(e.cg_height, e.cg_height_std),
         number::GROUP,
     );
     let width = format!(
-        "±{}{} m",
+        "±{}{}\u{a0}m",
         number::GROUP,
         significant(1.96 * e.cg_height_std, 2)
     );
@@ -87,7 +87,7 @@ fn judgement(e: &LoaderEstimate, value: String, part: &Part, width: &str) -> Jud
             part.moving.into(),
             "the inputs are complete".into(),
             "the measurements agree with the model".into(),
-            format!("the 95 % interval is narrow ({width})"),
+            format!("the 95\u{a0}% interval is narrow ({width})"),
         ]
     } else {
         reasons_against(e, part, width)
@@ -122,7 +122,7 @@ fn reasons_against(e: &LoaderEstimate, part: &Part, width: &str) -> Vec<String> 
     if has(bits::RESET) {
         reasons.push("the filter has just been reset".into());
     } else if !has(part.converged) {
-        reasons.push(format!("the 95 % interval is still wide ({width})"));
+        reasons.push(format!("the 95\u{a0}% interval is still wide ({width})"));
     }
     reasons
 }
