@@ -173,11 +173,14 @@ mod tests {
         );
     }
 
+    /// A function on dual numbers and the same on real ones.
+    type Pair = (fn(Dual<1>) -> Dual<1>, fn(f64) -> f64);
+
     #[test]
     fn elementary_functions_have_their_slopes() {
         let at = |x: f64| Dual::new(x, [1.0]);
         let central = |f: fn(f64) -> f64, x: f64| (f(x + 1e-6) - f(x - 1e-6)) / 2e-6;
-        let pairs: [(fn(Dual<1>) -> Dual<1>, fn(f64) -> f64); 7] = [
+        let pairs: [Pair; 7] = [
             (Scalar::sin, Scalar::sin),
             (Scalar::cos, Scalar::cos),
             (Scalar::exp, Scalar::exp),
