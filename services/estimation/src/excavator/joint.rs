@@ -149,7 +149,6 @@ impl JointRegression {
             offset: quantity(3),
             forgetting: [forgetting; 3],
             identifiable: self.weight * self.period > enough && inertia.std < self.prior[0],
-            consistent: true,
             ..Fit::default()
         }
     }

@@ -62,7 +62,6 @@ pub(super) struct Fit {
     pub(super) nominal: bool,
     pub(super) window: bool,
     pub(super) identifiable: bool,
-    pub(super) consistent: bool,
 }
 
 impl Regression {
@@ -165,6 +164,8 @@ impl Regression {
         } else {
             !held && motion.filtered_acceleration.abs() > e.svf_acceleration_min
         };
+        // The joint regression does not use the Kalman filter, and measures its own residual.
+        let measured_noise = matches!(self.kind, Kind::Joint(_));
         let fresh = motion.age <= e.fresh_velocity
             && (paper || motion.has_torque && motion.torque_age <= e.fresh_others);
         self.excited_for += if excited { motion.period } else { 0.0 };
@@ -182,7 +183,7 @@ impl Regression {
             nis,
             flags: Flags {
                 excited,
-                consistent: fit.consistent && self.nis.mean() <= e.consistent_nis,
+                consistent: measured_noise || self.nis.mean() <= e.consistent_nis,
                 fresh,
                 converged: 1.96 * inertia.std < e.converged_share * inertia.value,
                 identifiable: fit.identifiable,
@@ -253,7 +254,6 @@ fn paper_step(
         nominal,
         window,
         identifiable: false,
-        consistent: true,
         ..Fit::default()
     }
 }

@@ -55,7 +55,6 @@ impl SingleRegression {
             }),
             forgetting: [forgetting, 0.0, 0.0],
             identifiable: e.constant_inertia && self.learned_for >= 0.2,
-            consistent: true,
             ..Fit::default()
         }
     }
