@@ -169,14 +169,27 @@ fn print(curves: &[Curve], wake_ns: f64, fifo: bool) {
         wake_ns / 1e3,
         PERIOD_NS / wake_ns
     );
+    let cache = second_level_cache();
     for curve in curves {
         let (first, last) = (curve.cost_ns[0], curve.cost_ns[MACHINES.len() - 1]);
         println!(
-            "{}: a step at N = 1000 costs {:.2} x that at N = 1; the states are then {:.1} MB; processes cost {:.1} x a shard",
+            "{}: a step at N = 1000 costs {:.2} x that at N = 1; four processes cost {:.1} x a shard",
             curve.name,
             last / first,
-            (curve.state_bytes * MACHINES[MACHINES.len() - 1]) as f64 / 1e6,
             (first + wake_ns) / first
         );
+        if let Some(cache) = cache {
+            println!(
+                "  it bends at N = {}, where the states fill the second-level cache of {} kB; before that the step itself is all",
+                cache / curve.state_bytes,
+                cache / 1024
+            );
+        }
     }
+}
+
+/// Size of the first core's second-level cache [bytes], where the system tells.
+fn second_level_cache() -> Option<usize> {
+    let text = std::fs::read_to_string("/sys/devices/system/cpu/cpu0/cache/index2/size").ok()?;
+    Some(text.trim().strip_suffix('K')?.parse::<usize>().ok()? * 1024)
 }
