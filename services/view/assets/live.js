@@ -9,7 +9,15 @@ const byId = (id) => document.getElementById(id);
 const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
 // Thousands apart, as everywhere in heft.
-const grouped = (v) => v.toLocaleString("en", { maximumFractionDigits: 6 }).replaceAll(",", "\u00a0").replace("-", "\u2212");
+const grouped = (v, places) => v.toLocaleString("en", { minimumFractionDigits: places || 0, maximumFractionDigits: places === undefined ? 6 : places }).replaceAll(",", "\u00a0").replace("-", "\u2212");
+
+/** "8 257 ± 90": both with the places that two digits of the standard deviation need. */
+function rounded(v, std) {
+  if (!(std > 0)) return grouped(Number(v.toPrecision(4)));
+  const places = 1 - Math.floor(Math.log10(std)), unit = 10 ** -Math.min(places, 0);
+  const show = (x) => grouped(places < 0 ? Math.round(x / unit) * unit : x, Math.min(Math.max(places, 0), 9));
+  return show(v) + " \u00b1 " + show(std);
+}
 
 function element(tag, text, className) {
   const e = document.createElement(tag);
@@ -117,9 +125,12 @@ function make(wish, parent) {
   const figure = element("figure", undefined, wish.wide ? "wide" : "");
   figure.append(element("h3", wish.title + (wish.trust ? " – shaded: trusted" : "")));
   parent.append(figure);
-  const series = [{ label: "t [s]", value: (u, v) => { const t = v === null || v === undefined ? u.data[0][u.data[0].length - 1] : v; return t === undefined ? "–" : t.toFixed(2); } }], bands = [];
-  // Away from the cursor the legend tells the newest values.
-  const digits = (u, v, i, at) => { if (at === null || at === undefined) v = u.data[i][u.data[i].length - 1]; return v === null || v === undefined ? "–" : grouped(Number(v.toPrecision(5))); };
+  const series = [{ label: "t [s]", value: (u, v) => (v === null || v === undefined ? "–" : v.toFixed(2)) }], bands = [];
+  const digits = (u, v, i, at) => {
+    if (v === null || v === undefined) return "–";
+    const edge = u.series[i + 2] && u.series[i + 2].label === "edge" ? u.data[i + 2][at] : null;
+    return edge === null || edge === undefined ? grouped(Number(v.toPrecision(4))) : rounded(v, (edge - v) / 1.96);
+  };
   for (const c of wish.columns) {
     series.push({ label: c.label, stroke: () => colour(c.hue), width: c.width === undefined ? 1.5 : c.width, dash: c.dash, points: { show: false }, value: digits });
     if (c.band) {
@@ -135,7 +146,7 @@ function make(wish, parent) {
     legend: { live: true },
     cursor: { drag: { x: true, y: false }, sync: { key: "heft" } },
     scales: { x: { time: false }, y: { range: () => range(wish.columns, visible(wish.key)) } },
-    axes: [axis, { ...axis, size: 66, values: (u, ticks) => ticks.map(grouped) }],
+    axes: [axis, { ...axis, size: 66, values: (u, ticks) => ticks.map((v) => grouped(v)) }],
     hooks: {
       drawClear: [(u) => shade(u, wish.trust)],
       ready: [(u) => u.over.addEventListener("dblclick", () => { zoom = null; dirty = true; })],
@@ -187,7 +198,10 @@ function draw() {
   if (!times.length) return;
   const [from, to] = zoom || [frames[0].t, frames[frames.length - 1].t];
   for (const { plot, wish } of charts.values()) {
+    const idle = plot.cursor.left === undefined || plot.cursor.left < 0;
     plot.batch(() => { plot.setData(data(wish.columns), false); plot.setScale("x", { min: from, max: to > from ? to : from + 1 }); });
+    // Away from the cursor the legend tells the newest values.
+    if (idle) plot.setLegend({ idx: frames.length - 1 }, false);
   }
 }
 

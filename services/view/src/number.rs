@@ -44,8 +44,7 @@ fn group(text: &str) -> String {
     out
 }
 
-/// Decimal places that show `resolution` with two digits (one where it begins with 3 or more
-/// would hide nothing, but two is what the field prints).
+/// Decimal places that show `resolution` with two digits.
 #[must_use]
 pub fn decimals(resolution: f64) -> i32 {
     if !resolution.is_finite() || resolution <= 0.0 {

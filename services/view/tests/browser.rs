@@ -81,7 +81,10 @@ fn the_live_page_draws_and_tells_in_chromium() {
             "excavator/inertia_ukf",
         ],
     );
+    let legend = "return document.querySelector('.u-value').textContent";
+    let before = driver.run(legend);
     std::thread::sleep(Duration::from_secs(6));
+    assert_ne!(driver.run(legend), before, "the legend follows the run");
     let ink = "const c = document.querySelector('canvas'); const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data; \
                let n = 0; for (let i = 3; i < d.length; i += 4) if (d[i] > 0) n++; return n";
     assert!(

@@ -21,8 +21,7 @@ pub fn panels<E: Estimate>(run: &MachineRun<E>) -> Vec<Panel> {
             let title = format!("Error of {}", parameter.label.to_lowercase());
             let (label, style) = (estimator.method(), style(run, estimator));
             let plot = histogram(&title, label, &score.errors, style);
-            let note =
-                "While the motion informs about it; bars are shares of samples per 1 % of error.";
+            let note = "While the motion informs about it; bars are shares of samples per 1\u{a0}% of error.";
             panels.extend(plot.map(|plot| Panel::half(plot, note)));
         }
     }
