@@ -6,6 +6,7 @@
 #![allow(clippy::needless_range_loop)] // indices as in the formulas
 
 use crate::dual::Dual;
+use crate::math::sqrt;
 use crate::model::Model;
 use crate::prediction::{Images, Prediction, Update};
 
@@ -82,10 +83,94 @@ impl<const N: usize, const M: usize> Ekf<N, M> {
         measurement: &[f64; M],
         measurement_std: &[f64; M],
     ) -> f64 {
+        if P::DIRECT == M {
+            return self.step_direct(model, process_std, measurement, measurement_std);
+        }
         let prediction = self.predict(model, process_std);
         let innovation = core::array::from_fn(|j| measurement[j] - prediction.measurement[j]);
         let update = prediction.update(&innovation, measurement_std, &[true; M]);
         self.accept(&update);
         update.nis()
     }
+
+    /// The step for models whose measurements are all leading states: in place, and column by column, so that a rotation acts
+    /// on neighbouring numbers.
+    #[inline(always)]
+    fn step_direct<P: Model<N, M>>(
+        &mut self,
+        model: &P,
+        process_std: &[f64; N],
+        measurement: &[f64; M],
+        measurement_std: &[f64; M],
+    ) -> f64 {
+        let mut seeded = [Dual::new(0.0, [0.0; N]); N];
+        for k in 0..N {
+            seeded[k] = Dual::new(self.state[k], self.root[k]);
+        }
+        let (image, _) = model.predict(&seeded);
+        for k in 0..P::DYNAMIC {
+            self.state[k] = image[k].value;
+            self.root[k] = image[k].derivative;
+        }
+        let mut columns = triangular_columns(&mut self.root, process_std);
+        let mut nis = 0.0;
+        for j in 0..M {
+            let (mut pivots, mut norm) = ([0.0; N], measurement_std[j]);
+            for i in (0..=j).rev() {
+                let entry = columns[i][j];
+                let next = sqrt(norm * norm + entry * entry);
+                let (cosine, sine) = (norm / next, entry / next);
+                for k in 0..N {
+                    let old = columns[i][k];
+                    columns[i][k] = cosine * old - sine * pivots[k];
+                    pivots[k] = cosine * pivots[k] + sine * old;
+                }
+                norm = next;
+            }
+            let z = (measurement[j] - self.state[j]) / norm;
+            for k in 0..N {
+                self.state[k] += pivots[k] * z;
+            }
+            nis += z * z;
+        }
+        for k in 0..N {
+            for i in 0..N {
+                self.root[k][i] = if i <= k { columns[i][k] } else { 0.0 };
+            }
+        }
+        nis
+    }
+}
+
+/// Columns of the lower root of `rows rows' + diag(q)^2`, by the reflections of [`crate::root`]; `rows` is used up.
+#[inline(always)]
+fn triangular_columns<const N: usize>(rows: &mut [[f64; N]; N], q: &[f64; N]) -> [[f64; N]; N] {
+    let mut columns = [[0.0; N]; N];
+    for i in 0..N {
+        let row = rows[i];
+        let norm = sqrt(q[i] * q[i] + dot(&row, &row));
+        let pivot = q[i] + norm;
+        let scale = 1.0 / (norm * pivot).max(f64::MIN_POSITIVE);
+        columns[i][i] = norm;
+        for k in i + 1..N {
+            let along = scale * dot(&row, &rows[k]);
+            for c in 0..N {
+                rows[k][c] -= along * row[c];
+            }
+            columns[i][k] = along * pivot;
+        }
+    }
+    columns
+}
+
+/// Sum of products in two partial sums, so that it vectorises; the order is fixed.
+#[inline(always)]
+fn dot<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
+    let mut sums = [0.0; 2];
+    for i in 0..N / 2 {
+        sums[0] += a[2 * i] * b[2 * i];
+        sums[1] += a[2 * i + 1] * b[2 * i + 1];
+    }
+    let rest = if N % 2 == 1 { a[N - 1] * b[N - 1] } else { 0.0 };
+    sums[0] + sums[1] + rest
 }
