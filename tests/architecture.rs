@@ -13,14 +13,39 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("bench/limits", &[]),
     ("services/runtime", &["messages"]),
     ("services/recording", &["messages", "config"]),
-    ("services/sensor", &["messages", "config", "runtime", "recording", "sim"]),
-    ("services/kalman", &["messages", "config", "runtime", "estimation"]),
-    ("services/rls", &["messages", "config", "runtime", "estimation", "kalman"]),
-    ("services/ukf", &["messages", "config", "runtime", "estimation", "kalman"]),
+    (
+        "services/sensor",
+        &["messages", "config", "runtime", "recording", "sim"],
+    ),
+    (
+        "services/kalman",
+        &["messages", "config", "runtime", "estimation"],
+    ),
+    (
+        "services/rls",
+        &["messages", "config", "runtime", "estimation", "kalman"],
+    ),
+    (
+        "services/ukf",
+        &["messages", "config", "runtime", "estimation", "kalman"],
+    ),
     ("services/logger", &["messages", "recording", "runtime"]),
     ("services/view", &["messages", "recording"]),
     ("services/evaluate", &["sim", "estimation"]),
-    ("bench", &["estimation", "limits", "messages", "config", "runtime", "kalman", "rls", "ukf", "sim"]),
+    (
+        "bench",
+        &[
+            "estimation",
+            "limits",
+            "messages",
+            "config",
+            "runtime",
+            "kalman",
+            "rls",
+            "ukf",
+            "sim",
+        ],
+    ),
 ];
 
 fn root() -> PathBuf {
@@ -72,16 +97,30 @@ fn estimation_depends_on_nalgebra_alone_and_has_no_std() {
 
 #[test]
 fn only_the_runtime_talks_to_iceoryx2() {
-    for (folder, _) in ARROWS.iter().filter(|(folder, _)| *folder != "services/runtime") {
-        assert!(!dependencies(folder, "[dependencies]").contains("iceoryx2"), "{folder}");
+    for (folder, _) in ARROWS
+        .iter()
+        .filter(|(folder, _)| *folder != "services/runtime")
+    {
+        assert!(
+            !dependencies(folder, "[dependencies]").contains("iceoryx2"),
+            "{folder}"
+        );
     }
     assert!(!dependencies("", "[dependencies]").contains("iceoryx2"));
 }
 
 #[test]
 fn faer_stays_off_the_hot_path() {
-    for folder in ["services/estimation", "services/kalman", "services/rls", "services/ukf"] {
-        assert!(!dependencies(folder, "[dependencies]").contains("faer"), "{folder}");
+    for folder in [
+        "services/estimation",
+        "services/kalman",
+        "services/rls",
+        "services/ukf",
+    ] {
+        assert!(
+            !dependencies(folder, "[dependencies]").contains("faer"),
+            "{folder}"
+        );
     }
 }
 
@@ -99,13 +138,29 @@ fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
 /// The code of a file without its tests.
 fn code(path: &Path) -> String {
     let text = fs::read_to_string(path).expect("a source file");
-    text.split("#[cfg(test)]").next().unwrap_or_default().to_owned()
+    text.split("#[cfg(test)]")
+        .next()
+        .unwrap_or_default()
+        .to_owned()
 }
 
 #[test]
 fn steps_do_no_io_and_read_no_clock() {
-    let forbidden = ["std::fs", "std::net", "std::time", "Instant::now", "println!", "tracing::"];
-    for folder in ["services/estimation", "services/kalman", "services/rls", "services/ukf", "sim"] {
+    let forbidden = [
+        "std::fs",
+        "std::net",
+        "std::time",
+        "Instant::now",
+        "println!",
+        "tracing::",
+    ];
+    for folder in [
+        "services/estimation",
+        "services/kalman",
+        "services/rls",
+        "services/ukf",
+        "sim",
+    ] {
         let mut files = Vec::new();
         sources(&root().join(folder).join("src"), &mut files);
         assert!(!files.is_empty(), "{folder} has sources");
@@ -128,7 +183,11 @@ fn truth_and_belief_share_no_code() {
     }
     for file in files {
         let text = code(&file);
-        assert!(!text.contains("Truth"), "{} reads the truth", file.display());
+        assert!(
+            !text.contains("Truth"),
+            "{} reads the truth",
+            file.display()
+        );
     }
 }
 

@@ -13,7 +13,10 @@ fn refused(args: &[&str], words: &[&str], output: &Path) {
     let text = both(&result);
     assert_eq!(result.status.code(), Some(2), "{args:?}\n{text}");
     for word in words {
-        assert!(text.contains(word), "`{word}` is missing for {args:?}:\n{text}");
+        assert!(
+            text.contains(word),
+            "`{word}` is missing for {args:?}:\n{text}"
+        );
     }
     assert!(!text.contains("panicked"), "{text}");
     assert!(!output.exists(), "{args:?} left {}", output.display());
@@ -30,13 +33,25 @@ fn estimate(machine: &str, name: &str, content: &str, words: &[&str]) {
     let folder = tempfile::tempdir().expect("a folder");
     let (input, output) = (folder.path().join(name), folder.path().join("out.csv"));
     fs::write(&input, content).expect("a file");
-    let (i, o) = (input.to_str().expect("a path"), output.to_str().expect("a path"));
-    refused(&["estimate", i, "--machine", machine, "-o", o], words, &output);
+    let (i, o) = (
+        input.to_str().expect("a path"),
+        output.to_str().expect("a path"),
+    );
+    refused(
+        &["estimate", i, "--machine", machine, "-o", o],
+        words,
+        &output,
+    );
 }
 
 #[test]
 fn a_missing_column_is_named_with_the_nearest_one() {
-    estimate("excavator", "in.csv", "t,swing_velocty\n0,1\n", &["swing_velocity", "swing_velocty", "in.csv"]);
+    estimate(
+        "excavator",
+        "in.csv",
+        "t,swing_velocty\n0,1\n",
+        &["swing_velocity", "swing_velocty", "in.csv"],
+    );
     estimate(
         "loader",
         "in.csv",
@@ -66,11 +81,29 @@ fn files_that_do_not_exist_or_have_foreign_endings_are_refused() {
     let folder = tempfile::tempdir().expect("a folder");
     let output = folder.path().join("out.csv");
     let o = output.to_str().expect("a path");
-    refused(&["estimate", "/nowhere/in.csv", "--machine", "excavator", "-o", o], &["/nowhere/in.csv"], &output);
+    refused(
+        &[
+            "estimate",
+            "/nowhere/in.csv",
+            "--machine",
+            "excavator",
+            "-o",
+            o,
+        ],
+        &["/nowhere/in.csv"],
+        &output,
+    );
     let foreign = folder.path().join("in.xlsx");
     fs::write(&foreign, "PK").expect("a file");
     refused(
-        &["estimate", foreign.to_str().expect("a path"), "--machine", "excavator", "-o", o],
+        &[
+            "estimate",
+            foreign.to_str().expect("a path"),
+            "--machine",
+            "excavator",
+            "-o",
+            o,
+        ],
         &[".csv"],
         &output,
     );
@@ -88,7 +121,11 @@ fn an_output_that_cannot_be_written_is_told() {
         "/nowhere/out.csv",
     ]);
     assert_eq!(result.status.code(), Some(2));
-    assert!(both(&result).contains("/nowhere/out.csv"), "{}", both(&result));
+    assert!(
+        both(&result).contains("/nowhere/out.csv"),
+        "{}",
+        both(&result)
+    );
 }
 
 #[test]
@@ -120,13 +157,38 @@ fn nan_backward_and_repeated_times_lose_nothing_but_their_rows() {
         };
     }
     fs::write(&input, text).expect("a file");
-    let (i, o) = (input.to_str().expect("a path"), output.to_str().expect("a path"));
-    for method in ["auto", "svf-rls", "multi-forgetting-rls", "torque", "velocity"] {
-        let result = run(&["estimate", i, "--machine", "excavator", "--method", method, "-o", o]);
+    let (i, o) = (
+        input.to_str().expect("a path"),
+        output.to_str().expect("a path"),
+    );
+    for method in [
+        "auto",
+        "svf-rls",
+        "multi-forgetting-rls",
+        "torque",
+        "velocity",
+    ] {
+        let result = run(&[
+            "estimate",
+            i,
+            "--machine",
+            "excavator",
+            "--method",
+            method,
+            "-o",
+            o,
+        ]);
         assert!(result.status.success(), "{method}: {}", both(&result));
         let text = fs::read_to_string(&output).expect("the estimates");
-        assert_eq!(text.lines().count(), 1 + 398, "{method}: a row per row with a valid time");
-        assert!(!text.contains("NaN") && !text.contains("inf,") && !text.contains("nan"), "{method}");
+        assert_eq!(
+            text.lines().count(),
+            1 + 398,
+            "{method}: a row per row with a valid time"
+        );
+        assert!(
+            !text.contains("NaN") && !text.contains("inf,") && !text.contains("nan"),
+            "{method}"
+        );
     }
 }
 
@@ -155,9 +217,22 @@ fn unknown_methods_scenarios_and_domains_name_the_choices() {
         (vec!["run", "excavator", "--scenario", "bsae"], "base"),
         (vec!["run", "excavator", "--method", "magic"], "magic"),
         (vec!["run", "loader", "--method", "magic"], "magic"),
-        (vec!["run", "excavator", "--domain", "a/b", "--duration", "1"], "a/b"),
+        (
+            vec!["run", "excavator", "--domain", "a/b", "--duration", "1"],
+            "a/b",
+        ),
         (vec!["run", "excavator", "--rate", "1e9"], "rate"),
-        (vec!["evaluate", "excavator", "--table", "nothing", "--seeds", "1"], "table1"),
+        (
+            vec![
+                "evaluate",
+                "excavator",
+                "--table",
+                "nothing",
+                "--seeds",
+                "1",
+            ],
+            "table1",
+        ),
     ] {
         let result = run(&args);
         assert_eq!(result.status.code(), Some(2), "{args:?}: {}", both(&result));

@@ -22,15 +22,35 @@ fn rows(file: &Path) -> Vec<String> {
 fn processes_agree_with_one_thread(machine: &str, method: &str, input: &Path, channel: &str) {
     let running = Running::start(
         &format!("det-{machine}-{method}"),
-        &[machine, "--input", path(input), "--pace", "max", "--method", method],
+        &[
+            machine,
+            "--input",
+            path(input),
+            "--pace",
+            "max",
+            "--method",
+            method,
+        ],
     );
     let (output, folder) = running.wait();
     assert!(output.status.success(), "{}", both(&output));
     let recording = folder.path().join("run.mcap");
 
     // Through the same writer, so that the comparison is of estimates and not of formats.
-    let (single, several) = (folder.path().join("one.csv"), folder.path().join("many.csv"));
-    run_ok(&["estimate", path(input), "--machine", machine, "--method", method, "-o", path(&single)]);
+    let (single, several) = (
+        folder.path().join("one.csv"),
+        folder.path().join("many.csv"),
+    );
+    run_ok(&[
+        "estimate",
+        path(input),
+        "--machine",
+        machine,
+        "--method",
+        method,
+        "-o",
+        path(&single),
+    ]);
     let reader = recording::Reader::open(&recording).expect("a recording");
     if machine == "excavator" {
         let estimates: Vec<ExcavatorEstimate> = reader.messages(channel).expect("estimates");
@@ -45,8 +65,9 @@ fn processes_agree_with_one_thread(machine: &str, method: &str, input: &Path, ch
     } else {
         let estimates: Vec<LoaderEstimate> = reader.messages(channel).expect("estimates");
         let mut writer = recording::EstimateWriter::loader(&several).expect("a file");
-        for estimate in
-            estimates.iter().filter(|e| e.flags & messages::loader_bits::REFUSED == 0)
+        for estimate in estimates
+            .iter()
+            .filter(|e| e.flags & messages::loader_bits::REFUSED == 0)
         {
             writer.write_loader(estimate).expect("a row");
         }
@@ -84,22 +105,36 @@ fn loader_processes_and_one_thread_agree_to_the_last_bit() {
 #[test]
 fn a_lossless_run_records_every_row_of_its_input() {
     let input = golden("loader_input_S6_60s_tierA.csv");
-    let running = Running::start("lossless", &["loader", "--input", path(&input), "--pace", "max"]);
+    let running = Running::start(
+        "lossless",
+        &["loader", "--input", path(&input), "--pace", "max"],
+    );
     let (output, folder) = running.wait();
     assert!(output.status.success(), "{}", both(&output));
     let recording = folder.path().join("run.mcap");
     let sensors = common::sequences::<LoaderSensors>(&recording, "loader/sensors");
-    let rows = std::fs::read_to_string(&input).expect("the input").lines().count() - 1;
+    let rows = std::fs::read_to_string(&input)
+        .expect("the input")
+        .lines()
+        .count()
+        - 1;
     assert_eq!(sensors.len(), rows);
     for channel in ["loader/cg_ekf", "loader/cg_ukf"] {
-        assert_eq!(common::sequences::<LoaderEstimate>(&recording, channel), sensors, "{channel}");
+        assert_eq!(
+            common::sequences::<LoaderEstimate>(&recording, channel),
+            sensors,
+            "{channel}"
+        );
     }
 }
 
 #[test]
 fn a_changed_estimate_is_found_by_the_replay() {
     let input = golden("excavator_input_base_case1.csv");
-    let running = Running::start("forged", &["excavator", "--input", path(&input), "--pace", "max"]);
+    let running = Running::start(
+        "forged",
+        &["excavator", "--input", path(&input), "--pace", "max"],
+    );
     let (output, folder) = running.wait();
     assert!(output.status.success(), "{}", both(&output));
     let reader = recording::Reader::open(folder.path().join("run.mcap")).expect("a recording");
@@ -111,15 +146,23 @@ fn a_changed_estimate_is_found_by_the_replay() {
     // The smallest change that there is, in one number of one estimate.
     estimates[100].inertia = f64::from_bits(estimates[100].inertia.to_bits() + 1);
     for message in &sensors {
-        writer.write(&messages::channels::EXCAVATOR_SENSORS, message).expect("a message");
+        writer
+            .write(&messages::channels::EXCAVATOR_SENSORS, message)
+            .expect("a message");
     }
     for message in &estimates {
-        writer.write(&messages::channels::EXCAVATOR_INERTIA_UKF, message).expect("a message");
+        writer
+            .write(&messages::channels::EXCAVATOR_INERTIA_UKF, message)
+            .expect("a message");
     }
     writer.finish().expect("a file");
     let output = common::run(&["replay", path(&forged), "--verify"]);
     assert_eq!(output.status.code(), Some(1), "{}", both(&output));
-    assert!(both(&output).contains("`inertia` of sample 100"), "{}", both(&output));
+    assert!(
+        both(&output).contains("`inertia` of sample 100"),
+        "{}",
+        both(&output)
+    );
 }
 
 #[test]
@@ -129,8 +172,9 @@ fn the_truth_goes_into_the_recording_and_not_into_the_estimate() {
     let without = folder.path().join("without_truth.csv");
     let text = std::fs::read_to_string(&input).expect("the input");
     let header: Vec<&str> = text.lines().next().expect("a header").split(',').collect();
-    let keep: Vec<usize> =
-        (0..header.len()).filter(|&i| !header[i].starts_with("true_")).collect();
+    let keep: Vec<usize> = (0..header.len())
+        .filter(|&i| !header[i].starts_with("true_"))
+        .collect();
     assert!(keep.len() < header.len(), "the input has truth columns");
     let cut: String = text
         .lines()
@@ -141,12 +185,30 @@ fn the_truth_goes_into_the_recording_and_not_into_the_estimate() {
         .collect();
     std::fs::write(&without, cut).expect("a file");
     let (a, b) = (folder.path().join("a.csv"), folder.path().join("b.csv"));
-    run_ok(&["estimate", path(&input), "--machine", "excavator", "-o", path(&a)]);
-    run_ok(&["estimate", path(&without), "--machine", "excavator", "-o", path(&b)]);
+    run_ok(&[
+        "estimate",
+        path(&input),
+        "--machine",
+        "excavator",
+        "-o",
+        path(&a),
+    ]);
+    run_ok(&[
+        "estimate",
+        path(&without),
+        "--machine",
+        "excavator",
+        "-o",
+        path(&b),
+    ]);
     assert_eq!(rows(&a), rows(&b));
 
     let rows = recording::load_excavator(&input, None).expect("the input");
     let known: Vec<&ExcavatorTruth> = rows.iter().map(|r| &r.1).filter(|t| t.known != 0).collect();
     assert_eq!(known.len(), rows.len());
-    assert!(known.iter().all(|t| t.stamp().time >= 5.0 && t.inertia > 4000.0));
+    assert!(
+        known
+            .iter()
+            .all(|t| t.stamp().time >= 5.0 && t.inertia > 4000.0)
+    );
 }

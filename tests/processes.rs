@@ -18,25 +18,52 @@ fn complete(numbers: &[u64], first: u64) {
 fn thirty_seconds_at_1_khz_arrive_complete_and_in_order() {
     let running = Running::start(
         "khz",
-        &["excavator", "--scenario", "cycle", "--rate", "1000", "--duration", "30"],
+        &[
+            "excavator",
+            "--scenario",
+            "cycle",
+            "--rate",
+            "1000",
+            "--duration",
+            "30",
+        ],
     );
     let (output, folder) = running.wait();
     assert!(output.status.success(), "{}", both(&output));
     let recording = folder.path().join("run.mcap");
     for (name, numbers) in [
-        ("sensors", sequences::<ExcavatorSensors>(&recording, "excavator/sensors")),
-        ("motion", sequences::<SwingMotion>(&recording, "excavator/motion")),
-        ("rls", sequences::<ExcavatorEstimate>(&recording, "excavator/inertia_rls")),
-        ("ukf", sequences::<ExcavatorEstimate>(&recording, "excavator/inertia_ukf")),
+        (
+            "sensors",
+            sequences::<ExcavatorSensors>(&recording, "excavator/sensors"),
+        ),
+        (
+            "motion",
+            sequences::<SwingMotion>(&recording, "excavator/motion"),
+        ),
+        (
+            "rls",
+            sequences::<ExcavatorEstimate>(&recording, "excavator/inertia_rls"),
+        ),
+        (
+            "ukf",
+            sequences::<ExcavatorEstimate>(&recording, "excavator/inertia_ukf"),
+        ),
     ] {
-        assert!((30_000..=30_001).contains(&numbers.len()), "{name}: {}", numbers.len());
+        assert!(
+            (30_000..=30_001).contains(&numbers.len()),
+            "{name}: {}",
+            numbers.len()
+        );
         complete(&numbers, 0);
     }
 }
 
 #[test]
 fn sigterm_ends_a_run_with_everything_drained_and_nothing_left() {
-    let running = Running::start("term", &["excavator", "--scenario", "cycle", "--duration", "60"]);
+    let running = Running::start(
+        "term",
+        &["excavator", "--scenario", "cycle", "--duration", "60"],
+    );
     running.wait_for_services();
     std::thread::sleep(Duration::from_secs(2));
     let domain = running.domain.clone();
@@ -47,8 +74,14 @@ fn sigterm_ends_a_run_with_everything_drained_and_nothing_left() {
     let sensors = sequences::<ExcavatorSensors>(&recording, "excavator/sensors");
     assert!(sensors.len() > 50, "{} samples", sensors.len());
     complete(&sensors, 0);
-    assert_eq!(sensors, sequences::<ExcavatorEstimate>(&recording, "excavator/inertia_ukf"));
-    assert_eq!(sensors, sequences::<ExcavatorEstimate>(&recording, "excavator/inertia_rls"));
+    assert_eq!(
+        sensors,
+        sequences::<ExcavatorEstimate>(&recording, "excavator/inertia_ukf")
+    );
+    assert_eq!(
+        sensors,
+        sequences::<ExcavatorEstimate>(&recording, "excavator/inertia_rls")
+    );
     assert_eq!(survivors(&domain), Vec::<u32>::new());
     assert_eq!(shared_memory(&domain), Vec::<String>::new());
     assert!(recording::is_complete(&recording).expect("a recording"));
@@ -58,7 +91,15 @@ fn sigterm_ends_a_run_with_everything_drained_and_nothing_left() {
 fn a_killed_service_is_back_within_half_a_second_and_the_run_goes_on() {
     let running = Running::start(
         "kill",
-        &["excavator", "--scenario", "cycle", "--rate", "1000", "--duration", "120"],
+        &[
+            "excavator",
+            "--scenario",
+            "cycle",
+            "--rate",
+            "1000",
+            "--duration",
+            "120",
+        ],
     );
     running.wait_for_services();
     // A fixed order of victims and pauses: 20 deaths, each service several times.
@@ -75,7 +116,10 @@ fn a_killed_service_is_back_within_half_a_second_and_the_run_goes_on() {
             running.service(name).is_some_and(|pid| pid != victim)
         });
         let absent = begun.elapsed();
-        assert!(absent < Duration::from_millis(500), "{name} was away for {absent:?}");
+        assert!(
+            absent < Duration::from_millis(500),
+            "{name} was away for {absent:?}"
+        );
     }
     std::thread::sleep(Duration::from_secs(1));
     let domain = running.domain.clone();
@@ -87,16 +131,25 @@ fn a_killed_service_is_back_within_half_a_second_and_the_run_goes_on() {
     assert_eq!(survivors(&domain), Vec::<u32>::new());
     let recording = folder.path().join("run.mcap");
     let estimates = sequences::<ExcavatorEstimate>(&recording, "excavator/inertia_ukf");
-    assert!(estimates.is_sorted_by(|a, b| a < b), "the recording is intact and in order");
+    assert!(
+        estimates.is_sorted_by(|a, b| a < b),
+        "the recording is intact and in order"
+    );
     let last = sequences::<ExcavatorSensors>(&recording, "excavator/sensors").pop();
-    assert!(estimates.last() >= last.map(|n| n - 1).as_ref(), "estimates reach the end");
+    assert!(
+        estimates.last() >= last.map(|n| n - 1).as_ref(),
+        "estimates reach the end"
+    );
     let text = run_ok(&["replay", recording.to_str().expect("a path"), "--verify"]);
     assert!(text.contains("bit-identical"), "{text}");
 }
 
 #[test]
 fn a_service_that_cannot_live_ends_the_run_with_its_reason() {
-    let running = Running::start("dying", &["excavator", "--scenario", "cycle", "--duration", "60"]);
+    let running = Running::start(
+        "dying",
+        &["excavator", "--scenario", "cycle", "--duration", "60"],
+    );
     running.wait_for_services();
     let begun = Instant::now();
     let mut child_ended = false;
@@ -116,34 +169,59 @@ fn a_service_that_cannot_live_ends_the_run_with_its_reason() {
 
 #[test]
 fn workers_end_by_themselves_when_the_supervisor_is_killed_and_the_next_start_is_clean() {
-    let running = Running::start("orphans", &["excavator", "--scenario", "cycle", "--duration", "60"]);
+    let running = Running::start(
+        "orphans",
+        &["excavator", "--scenario", "cycle", "--duration", "60"],
+    );
     running.wait_for_services();
     std::thread::sleep(Duration::from_millis(1500));
     let domain = running.domain.clone();
     running.signal(Signal::KILL);
     let (_, folder) = running.wait();
-    wait_until("the workers end", Duration::from_secs(10), || survivors(&domain).is_empty());
-    assert!(!shared_memory(&domain).is_empty(), "a killed supervisor cannot clean up");
-    let estimates = sequences::<ExcavatorEstimate>(
-        &folder.path().join("run.mcap"),
-        "excavator/inertia_ukf",
+    wait_until("the workers end", Duration::from_secs(10), || {
+        survivors(&domain).is_empty()
+    });
+    assert!(
+        !shared_memory(&domain).is_empty(),
+        "a killed supervisor cannot clean up"
     );
-    assert!(estimates.len() > 20, "the recording is readable: {} estimates", estimates.len());
+    let estimates =
+        sequences::<ExcavatorEstimate>(&folder.path().join("run.mcap"), "excavator/inertia_ukf");
+    assert!(
+        estimates.len() > 20,
+        "the recording is readable: {} estimates",
+        estimates.len()
+    );
 
     let next = tempfile::tempdir().expect("a folder");
     let text = common::heft()
-        .args(["run", "excavator", "--duration", "0.5", "--quiet", "--no-report", "--out"])
+        .args([
+            "run",
+            "excavator",
+            "--duration",
+            "0.5",
+            "--quiet",
+            "--no-report",
+            "--out",
+        ])
         .arg(next.path())
         .output()
         .expect("heft starts");
     assert!(text.status.success(), "{}", both(&text));
-    assert!(both(&text).contains(&domain), "the leftovers are named: {}", both(&text));
+    assert!(
+        both(&text).contains(&domain),
+        "the leftovers are named: {}",
+        both(&text)
+    );
     assert_eq!(shared_memory(&domain), Vec::<String>::new());
 }
 
 #[test]
 fn two_pipelines_run_side_by_side_in_their_own_domains() {
-    let one = Running::start("one", &["excavator", "--scenario", "cycle", "--duration", "3"]);
+    let one = Running::start(
+        "one",
+        &["excavator", "--scenario", "cycle", "--duration", "3"],
+    );
     let two = Running::start("two", &["loader", "--duration", "3"]);
     let (first, folder_one) = one.wait();
     let (second, folder_two) = two.wait();
@@ -156,24 +234,47 @@ fn two_pipelines_run_side_by_side_in_their_own_domains() {
     let loader = sequences::<LoaderEstimate>(&folder_two.path().join("run.mcap"), "loader/cg_ukf");
     complete(&excavator, 0);
     complete(&loader, 0);
-    assert!((300..=301).contains(&excavator.len()), "{}", excavator.len());
+    assert!(
+        (300..=301).contains(&excavator.len()),
+        "{}",
+        excavator.len()
+    );
     assert!((300..=301).contains(&loader.len()), "{}", loader.len());
 }
 
 #[test]
 fn a_domain_in_use_is_refused() {
-    let running = Running::start("taken", &["excavator", "--scenario", "cycle", "--duration", "30"]);
+    let running = Running::start(
+        "taken",
+        &["excavator", "--scenario", "cycle", "--duration", "30"],
+    );
     running.wait_for_services();
     let folder = tempfile::tempdir().expect("a folder");
     let output = common::heft()
-        .args(["run", "excavator", "--duration", "1", "--quiet", "--domain", &running.domain])
+        .args([
+            "run",
+            "excavator",
+            "--duration",
+            "1",
+            "--quiet",
+            "--domain",
+            &running.domain,
+        ])
         .arg("--out")
         .arg(folder.path())
         .output()
         .expect("heft starts");
     assert_eq!(output.status.code(), Some(2));
-    assert!(both(&output).contains("in use by another run"), "{}", both(&output));
+    assert!(
+        both(&output).contains("in use by another run"),
+        "{}",
+        both(&output)
+    );
     running.signal(Signal::TERM);
     let (output, _folder) = running.wait();
-    assert!(output.status.success(), "the first run is not disturbed: {}", both(&output));
+    assert!(
+        output.status.success(),
+        "the first run is not disturbed: {}",
+        both(&output)
+    );
 }

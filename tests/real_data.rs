@@ -16,25 +16,41 @@ fn data(name: &str) -> Option<PathBuf> {
     if file.exists() {
         return Some(file);
     }
-    println!("skipped: {} is not here (set HEFT_DATA to the folder of recorded data)", file.display());
+    println!(
+        "skipped: {} is not here (set HEFT_DATA to the folder of recorded data)",
+        file.display()
+    );
     None
 }
 
 fn shipped(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests").join(name)
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("tests")
+        .join(name)
 }
 
 /// Header and last row of a CSV file.
 fn last_row(file: &Path) -> Vec<(String, String)> {
     let text = std::fs::read_to_string(file).expect("the estimates");
-    let header = text.lines().next().expect("a header").split(',').map(str::to_owned);
-    let last = text.lines().last().expect("a row").split(',').map(str::to_owned);
+    let header = text
+        .lines()
+        .next()
+        .expect("a header")
+        .split(',')
+        .map(str::to_owned);
+    let last = text
+        .lines()
+        .last()
+        .expect("a row")
+        .split(',')
+        .map(str::to_owned);
     header.zip(last).collect()
 }
 
 fn number(row: &[(String, String)], name: &str) -> f64 {
     let cell = row.iter().find(|(n, _)| n == name).map(|(_, v)| v.as_str());
-    cell.and_then(|v| v.parse().ok()).unwrap_or_else(|| panic!("no {name} in {row:?}"))
+    cell.and_then(|v| v.parse().ok())
+        .unwrap_or_else(|| panic!("no {name} in {row:?}"))
 }
 
 fn estimate(input: &Path, map: &str, description: &str) -> Vec<(String, String)> {
@@ -43,8 +59,18 @@ fn estimate(input: &Path, map: &str, description: &str) -> Vec<(String, String)>
     let (map, description) = (shipped(map), shipped(description));
     let text = |p: &Path| p.to_str().expect("a path").to_owned();
     let result = run(&[
-        "estimate", &text(input), "--machine", "excavator", "--map", &text(&map), "--config",
-        &text(&description), "--method", "svf-rls", "-o", &text(&output),
+        "estimate",
+        &text(input),
+        "--machine",
+        "excavator",
+        "--map",
+        &text(&map),
+        "--config",
+        &text(&description),
+        "--method",
+        "svf-rls",
+        "-o",
+        &text(&output),
     ]);
     assert!(result.status.success(), "{}", both(&result));
     last_row(&output)
@@ -52,15 +78,23 @@ fn estimate(input: &Path, map: &str, description: &str) -> Vec<(String, String)>
 
 #[test]
 fn the_parameters_of_a_real_axis_are_found_within_a_few_percent() {
-    let Some(input) = data("recorded/emps_identification.csv") else { return };
+    let Some(input) = data("recorded/emps_identification.csv") else {
+        return;
+    };
     let row = estimate(&input, "maps/emps.toml", "descriptions/emps.toml");
     // Published values of the EMPS benchmark (Janot, Gautier, Brunot 2019).
-    for (name, published, tolerance) in
-        [("inertia", 95.1089, 0.02), ("damping", 203.5034, 0.03), ("friction", 20.3935, 0.05)]
-    {
+    for (name, published, tolerance) in [
+        ("inertia", 95.1089, 0.02),
+        ("damping", 203.5034, 0.03),
+        ("friction", 20.3935, 0.05),
+    ] {
         let (value, std) = (number(&row, name), number(&row, &format!("{name}_std")));
         let error = value / published - 1.0;
-        assert!(error.abs() < tolerance, "{name} {value}: {:+.2} %", 100.0 * error);
+        assert!(
+            error.abs() < tolerance,
+            "{name} {value}: {:+.2} %",
+            100.0 * error
+        );
         assert!(
             (value - published).abs() < 3.0 * std,
             "{name} {value} ± {std} claims to know better than the published {published}"
@@ -70,9 +104,14 @@ fn the_parameters_of_a_real_axis_are_found_within_a_few_percent() {
 
 #[test]
 fn the_interval_of_a_servo_stand_holds_its_inertia() {
-    let Some(input) = data("recorded/hsm150_torque_steps.csv") else { return };
+    let Some(input) = data("recorded/hsm150_torque_steps.csv") else {
+        return;
+    };
     let row = estimate(&input, "maps/hsm150.toml", "descriptions/hsm150.toml");
     let (value, std) = (number(&row, "inertia"), number(&row, "inertia_std"));
-    assert!((value - 1.2e-4).abs() < 1.96 * std, "{value} ± {std} against 1.2e-4 kg m²");
+    assert!(
+        (value - 1.2e-4).abs() < 1.96 * std,
+        "{value} ± {std} against 1.2e-4 kg m²"
+    );
     assert!(std < 0.5 * value, "{value} ± {std} says nothing");
 }

@@ -22,7 +22,12 @@ pub fn run(args: &[&str]) -> Output {
 /// Runs it and expects success; the output is in the message otherwise.
 pub fn run_ok(args: &[&str]) -> String {
     let output = run(args);
-    assert!(output.status.success(), "heft {args:?}: {}\n{}", output.status, both(&output));
+    assert!(
+        output.status.success(),
+        "heft {args:?}: {}\n{}",
+        output.status,
+        both(&output)
+    );
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
@@ -42,7 +47,9 @@ pub fn domain(name: &str) -> String {
 
 /// A golden file of the project.
 pub fn golden(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(name)
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("tests/golden")
+        .join(name)
 }
 
 /// A pipeline that runs in the background.
@@ -66,7 +73,11 @@ impl Running {
             .stderr(Stdio::piped())
             .spawn()
             .expect("heft starts");
-        Self { child, domain, folder }
+        Self {
+            child,
+            domain,
+            folder,
+        }
     }
 
     pub fn recording(&self) -> PathBuf {
@@ -80,22 +91,29 @@ impl Running {
 
     /// Waits for the end and returns what was printed.
     pub fn wait(self) -> (Output, tempfile::TempDir) {
-        (self.child.wait_with_output().expect("heft ends"), self.folder)
+        (
+            self.child.wait_with_output().expect("heft ends"),
+            self.folder,
+        )
     }
 
     /// Process id of a service of this run.
     pub fn service(&self, name: &str) -> Option<u32> {
         processes().into_iter().find_map(|(pid, args)| {
             let ours = args.iter().any(|a| *a == self.domain);
-            (ours && args.get(1).is_some_and(|a| a == "service") && args.get(2).is_some_and(|a| a == name))
-                .then_some(pid)
+            (ours
+                && args.get(1).is_some_and(|a| a == "service")
+                && args.get(2).is_some_and(|a| a == name))
+            .then_some(pid)
         })
     }
 
     /// Waits until all services of an excavator run exist.
     pub fn wait_for_services(&self) {
         wait_until("all services run", Duration::from_secs(20), || {
-            ["sensor", "kalman", "rls", "ukf", "logger"].iter().all(|n| self.service(n).is_some())
+            ["sensor", "kalman", "rls", "ukf", "logger"]
+                .iter()
+                .all(|n| self.service(n).is_some())
         });
     }
 }
@@ -111,8 +129,12 @@ pub fn kill(pid: u32, signal: rustix::process::Signal) {
 pub fn processes() -> Vec<(u32, Vec<String>)> {
     let mut all = Vec::new();
     for entry in std::fs::read_dir("/proc").expect("/proc").flatten() {
-        let Some(pid) = entry.file_name().to_str().and_then(|n| n.parse().ok()) else { continue };
-        let Ok(text) = std::fs::read(entry.path().join("cmdline")) else { continue };
+        let Some(pid) = entry.file_name().to_str().and_then(|n| n.parse().ok()) else {
+            continue;
+        };
+        let Ok(text) = std::fs::read(entry.path().join("cmdline")) else {
+            continue;
+        };
         let args = text
             .split(|b| *b == 0)
             .filter(|a| !a.is_empty())

@@ -12,7 +12,9 @@ use clap_complete::Shell;
 /// some 20 s; then heft says what it found and whether to believe it.
 #[derive(Debug, Parser)]
 #[command(name = "heft", version, max_term_width = 100)]
-#[command(after_help = "Exit status: 0 done, 1 ran but the answer is no, 2 wrong use or bad input.")]
+#[command(
+    after_help = "Exit status: 0 done, 1 ran but the answer is no, 2 wrong use or bad input."
+)]
 pub struct Cli {
     /// What to do; the demonstration if absent.
     #[command(subcommand)]

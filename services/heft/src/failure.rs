@@ -13,7 +13,11 @@ pub struct Failure {
 
 impl Failure {
     /// Wrong use or bad input: what, where, what to do.
-    pub fn input(what: impl fmt::Display, place: impl fmt::Display, remedy: impl fmt::Display) -> Self {
+    pub fn input(
+        what: impl fmt::Display,
+        place: impl fmt::Display,
+        remedy: impl fmt::Display,
+    ) -> Self {
         Self {
             message: format!("{what}\n  where: {place}\n  what to do: {remedy}"),
             status: 2,
@@ -22,7 +26,10 @@ impl Failure {
 
     /// The command ran, but the answer is no.
     pub fn answer_is_no(message: impl Into<String>) -> Self {
-        Self { message: message.into(), status: 1 }
+        Self {
+            message: message.into(),
+            status: 1,
+        }
     }
 
     /// A file could not be used.
@@ -36,7 +43,11 @@ impl Failure {
 
     /// A defect of heft itself.
     pub fn internal(error: impl fmt::Display) -> Self {
-        Self::input(error, "heft itself", "please report this with the command you ran")
+        Self::input(
+            error,
+            "heft itself",
+            "please report this with the command you ran",
+        )
     }
 }
 
@@ -56,4 +67,9 @@ macro_rules! from_errors {
         }
     )*};
 }
-from_errors!(runtime::Error, config::Errors, config::Error, recording::Error);
+from_errors!(
+    runtime::Error,
+    config::Errors,
+    config::Error,
+    recording::Error
+);

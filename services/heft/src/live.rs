@@ -10,7 +10,10 @@ use crate::processes;
 
 /// Serves the page; it is there until the server is dropped.
 pub fn start(address: SocketAddr, kind: Kind) -> Result<(Feed, Server), Failure> {
-    let names = processes::of_machine(kind).iter().map(|p| p.name.to_owned()).collect();
+    let names = processes::of_machine(kind)
+        .iter()
+        .map(|p| p.name.to_owned())
+        .collect();
     let feed = Feed::new(names);
     let server = serve(address, feed.clone()).map_err(|e| {
         Failure::input(

@@ -3,7 +3,6 @@
 mod cli;
 mod commands;
 mod failure;
-mod figures;
 mod live;
 mod pipeline;
 mod plan;
@@ -33,13 +32,20 @@ fn main() -> ExitCode {
 
 /// Warnings go to standard error; `HEFT_LOG` chooses otherwise, in the syntax of `env_logger`.
 fn log() {
-    let filter = tracing_subscriber::EnvFilter::try_from_env("HEFT_LOG")
-        .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("warn,iceoryx2=off,iceoryx2_log=off"));
-    tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).without_time().init();
+    let filter = tracing_subscriber::EnvFilter::try_from_env("HEFT_LOG").unwrap_or_else(|_| {
+        tracing_subscriber::EnvFilter::new("warn,iceoryx2=off,iceoryx2_log=off")
+    });
+    tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .with_writer(std::io::stderr)
+        .without_time()
+        .init();
 }
 
 fn dispatch(cli: Cli) -> Result<(), Failure> {
-    let Some(command) = cli.command else { return commands::demo::demo() };
+    let Some(command) = cli.command else {
+        return commands::demo::demo();
+    };
     match command {
         Command::Run(args) => commands::run::run(&args),
         Command::Estimate(args) => commands::estimate::estimate(&args),
@@ -51,17 +57,25 @@ fn dispatch(cli: Cli) -> Result<(), Failure> {
         Command::Top { domain, once } => commands::top::top(domain.as_deref(), once),
         Command::Latency(args) => commands::latency::latency(&args),
         Command::Doctor { clean } => commands::doctor::doctor(clean),
-        Command::Check { file, machine, print } => {
-            commands::check::check(&file, machine.map(Into::into), print)
-        }
-        Command::Weigh { file, description, json } => {
-            commands::weigh::weigh(&file, &description, json.as_deref())
-        }
+        Command::Check {
+            file,
+            machine,
+            print,
+        } => commands::check::check(&file, machine.map(Into::into), print),
+        Command::Weigh {
+            file,
+            description,
+            json,
+        } => commands::weigh::weigh(&file, &description, json.as_deref()),
         Command::Completions { shell } => {
             clap_complete::generate(shell, &mut Cli::command(), "heft", &mut std::io::stdout());
             Ok(())
         }
-        Command::Service { name, domain, restarts } => pipeline::serve(&name, &domain, restarts),
+        Command::Service {
+            name,
+            domain,
+            restarts,
+        } => pipeline::serve(&name, &domain, restarts),
         Command::LimitsWorker { args } => std::process::exit(limits::worker_main(&args)),
     }
 }

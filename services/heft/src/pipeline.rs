@@ -27,23 +27,37 @@ const PROBE_CAPACITY: usize = 6_000_000;
 pub const REGRESSIONS: [&str; 2] = ["svf-rls", "multi-forgetting-rls"];
 
 /// Filter stage of the excavator.
-pub fn excavator_filter(d: &config::Excavator) -> Result<impl Step<Input = ExcavatorSensors, Output = SwingMotion>, Failure> {
+pub fn excavator_filter(
+    d: &config::Excavator,
+) -> Result<impl Step<Input = ExcavatorSensors, Output = SwingMotion>, Failure> {
     kalman::Excavator::new(d).map_err(refused)
 }
 
 /// Regression of the excavator.
-pub fn excavator_regression(d: &config::Excavator, method: &str) -> Result<impl Step<Input = SwingMotion, Output = ExcavatorEstimate>, Failure> {
+pub fn excavator_regression(
+    d: &config::Excavator,
+    method: &str,
+) -> Result<impl Step<Input = SwingMotion, Output = ExcavatorEstimate>, Failure> {
     rls::Excavator::new(d, method).map_err(refused)
 }
 
 /// State-space estimator of the excavator.
-pub fn excavator_estimator(d: &config::Excavator, method: &str) -> Result<impl Step<Input = ExcavatorSensors, Output = ExcavatorEstimate>, Failure> {
+pub fn excavator_estimator(
+    d: &config::Excavator,
+    method: &str,
+) -> Result<impl Step<Input = ExcavatorSensors, Output = ExcavatorEstimate>, Failure> {
     ukf::Excavator::new(d, method).map_err(refused)
 }
 
 /// Whether a method can work with a source that has these columns.
-pub fn check_columns(d: &config::Excavator, method: &str, columns: u32) -> Result<(), Failure> {
+pub fn check_columns(
+    d: &config::Excavator,
+    method: &str,
+    first: &ExcavatorSensors,
+) -> Result<(), Failure> {
+    use estimation::excavator::{Method, SwingEstimator};
     use messages::excavator_bits::{SWING_ANGLE, SWING_TORQUE, SWING_VELOCITY};
+    let columns = first.columns;
     let missing = |column: &str| {
         Failure::input(
             format!("the method {method} needs the column {column}, which the input does not have"),
@@ -57,17 +71,28 @@ pub fn check_columns(d: &config::Excavator, method: &str, columns: u32) -> Resul
     match method {
         "svf-rls" if columns & SWING_TORQUE == 0 => Err(missing("swing_torque")),
         m if REGRESSIONS.contains(&m) => Ok(()),
-        m => ukf::Excavator::check(d, m, columns).map_err(refused),
+        m => {
+            // An unknown name is told by the estimator itself.
+            let method = Method::parse(m).unwrap_or_default();
+            let columns = kalman::excavator_columns(first);
+            let estimator = SwingEstimator::new(&kalman::excavator_settings(d), method, columns);
+            estimator.map(drop).map_err(refused)
+        }
     }
 }
 
 /// Extended Kalman filter of the loader.
-pub fn loader_baseline(d: &config::Loader) -> Result<impl Step<Input = LoaderSensors, Output = LoaderEstimate>, Failure> {
+pub fn loader_baseline(
+    d: &config::Loader,
+) -> Result<impl Step<Input = LoaderSensors, Output = LoaderEstimate>, Failure> {
     kalman::Loader::new(d).map_err(refused)
 }
 
 /// Unscented Kalman filter of the loader.
-pub fn loader_estimator(d: &config::Loader, method: &str) -> Result<impl Step<Input = LoaderSensors, Output = LoaderEstimate>, Failure> {
+pub fn loader_estimator(
+    d: &config::Loader,
+    method: &str,
+) -> Result<impl Step<Input = LoaderSensors, Output = LoaderEstimate>, Failure> {
     ukf::Loader::new(d, method).map_err(refused)
 }
 
@@ -111,53 +136,77 @@ pub fn map(path: Option<&Path>) -> Result<Option<Map>, Failure> {
 }
 
 /// The excavator's samples.
-pub fn excavator_source(plan: &Plan) -> Result<impl Source<Sensors = ExcavatorSensors, Truth = ExcavatorTruth>, Failure> {
+pub fn excavator_source(
+    plan: &Plan,
+) -> Result<impl Source<Sensors = ExcavatorSensors, Truth = ExcavatorTruth>, Failure> {
     use sim::excavator::{Run, Scenario};
     if let Some(input) = &plan.input {
         let map = map(plan.map.as_deref())?;
         let rows = recording::load_excavator(input, map.as_ref())?;
-        return Ok(Either::Recorded(sensor::Recorded::new(limited(rows, plan.duration))));
+        return Ok(Either::Recorded(sensor::Recorded::new(limited(
+            rows,
+            plan.duration,
+        ))));
     }
     let scenario = Scenario::parse(&plan.scenario)
         .ok_or_else(|| no_scenario(&plan.scenario, Scenario::ALL))?;
     let mut run = Run::new(scenario);
     (run.payload, run.rate, run.seed) = (plan.payload, plan.rate, plan.seed);
     run.duration = plan.duration.unwrap_or(run.duration);
-    Ok(Either::Simulated(sensor::SimulatedExcavator::new(&run).map_err(bad_run)?))
+    Ok(Either::Simulated(
+        sensor::SimulatedExcavator::new(&run).map_err(bad_run)?,
+    ))
 }
 
 /// The loader's samples.
-pub fn loader_source(plan: &Plan) -> Result<impl Source<Sensors = LoaderSensors, Truth = LoaderTruth>, Failure> {
+pub fn loader_source(
+    plan: &Plan,
+) -> Result<impl Source<Sensors = LoaderSensors, Truth = LoaderTruth>, Failure> {
     use sim::loader::{Run, Scenario, Tier};
     if let Some(input) = &plan.input {
         let map = map(plan.map.as_deref())?;
         let rows = recording::load_loader(input, map.as_ref())?;
-        return Ok(Either::Recorded(sensor::Recorded::new(limited(rows, plan.duration))));
+        return Ok(Either::Recorded(sensor::Recorded::new(limited(
+            rows,
+            plan.duration,
+        ))));
     }
     let scenario = Scenario::parse(&plan.scenario)
         .ok_or_else(|| no_scenario(&plan.scenario, Scenario::ALL))?;
     let mut run = Run::new(scenario);
     (run.payload, run.rate, run.seed) = (plan.payload, plan.rate, plan.seed);
     (run.tier, run.duration) = (Tier::B, plan.duration);
-    Ok(Either::Simulated(sensor::SimulatedLoader::new(&run).map_err(bad_run)?))
+    Ok(Either::Simulated(
+        sensor::SimulatedLoader::new(&run).map_err(bad_run)?,
+    ))
 }
 
 /// The rows of the first `duration` seconds.
 fn limited<S: messages::Message, T>(mut rows: Vec<(S, T)>, duration: Option<f64>) -> Vec<(S, T)> {
     if let (Some(duration), Some((first, _))) = (duration, rows.first()) {
         let end = first.stamp().time + duration;
-        let keep = rows.iter().position(|(s, _)| s.stamp().time > end).unwrap_or(rows.len());
+        let keep = rows
+            .iter()
+            .position(|(s, _)| s.stamp().time > end)
+            .unwrap_or(rows.len());
         rows.truncate(keep);
     }
     rows
 }
 
 fn bad_run(error: impl std::fmt::Display) -> Failure {
-    Failure::input(error, "the simulator", "choose another --rate, --duration or --payload")
+    Failure::input(
+        error,
+        "the simulator",
+        "choose another --rate, --duration or --payload",
+    )
 }
 
 fn no_scenario(name: &str, all: &[(&str, &str)]) -> Failure {
-    let list: Vec<String> = all.iter().map(|(n, text)| format!("    {n:<20} {text}")).collect();
+    let list: Vec<String> = all
+        .iter()
+        .map(|(n, text)| format!("    {n:<20} {text}"))
+        .collect();
     let nearest = config::nearest(name, all.iter().map(|(n, _)| *n));
     let hint = nearest.map_or(String::new(), |n| format!(" (did you mean `{n}`?)"));
     Failure::input(
@@ -200,7 +249,11 @@ pub fn serve(name: &str, domain: &str, restarts: u32) -> Result<(), Failure> {
     };
     let process = &table[index];
     let setup = Setup {
-        identity: Identity { process: index as u32, restarts, name: process.name },
+        identity: Identity {
+            process: index as u32,
+            restarts,
+            name: process.name,
+        },
         realtime: (plan.realtime && process.priority > 0).then_some((process.priority, plan.core)),
         period_ns: (1e9 / plan.rate) as u64,
     };
@@ -214,26 +267,82 @@ pub fn serve(name: &str, domain: &str, restarts: u32) -> Result<(), Failure> {
 }
 
 fn pace(plan: &Plan) -> Pace {
-    if plan.lossless { Pace::Lossless } else { Pace::RealTime }
+    if plan.lossless {
+        Pace::Lossless
+    } else {
+        Pace::RealTime
+    }
 }
 
-fn serve_excavator(worker: Worker, plan: &Plan, d: &config::Excavator, name: &str) -> Result<(), Failure> {
+fn serve_excavator(
+    worker: Worker,
+    plan: &Plan,
+    d: &config::Excavator,
+    name: &str,
+) -> Result<(), Failure> {
     use messages::channels::EXCAVATOR_MOTION;
     let (first, second) = (&plan.first_method, &plan.second_method);
     Ok(match name {
-        "sensor" => run_source(worker, &EXCAVATOR_SENSORS, &EXCAVATOR_TRUTH, pace(plan), excavator_source(plan)?),
-        "kalman" => run_stage(worker, &EXCAVATOR_SENSORS, &EXCAVATOR_MOTION, mark_filter, excavator_filter(d)?),
-        "rls" => run_stage(worker, &EXCAVATOR_MOTION, &EXCAVATOR_INERTIA_RLS, mark_estimate, excavator_regression(d, first)?),
-        _ => run_stage(worker, &EXCAVATOR_SENSORS, &EXCAVATOR_INERTIA_UKF, mark_estimate, excavator_estimator(d, second)?),
+        "sensor" => run_source(
+            worker,
+            &EXCAVATOR_SENSORS,
+            &EXCAVATOR_TRUTH,
+            pace(plan),
+            excavator_source(plan)?,
+        ),
+        "kalman" => run_stage(
+            worker,
+            &EXCAVATOR_SENSORS,
+            &EXCAVATOR_MOTION,
+            mark_filter,
+            excavator_filter(d)?,
+        ),
+        "rls" => run_stage(
+            worker,
+            &EXCAVATOR_MOTION,
+            &EXCAVATOR_INERTIA_RLS,
+            mark_estimate,
+            excavator_regression(d, first)?,
+        ),
+        _ => run_stage(
+            worker,
+            &EXCAVATOR_SENSORS,
+            &EXCAVATOR_INERTIA_UKF,
+            mark_estimate,
+            excavator_estimator(d, second)?,
+        ),
     }?)
 }
 
-fn serve_loader(worker: Worker, plan: &Plan, d: &config::Loader, name: &str) -> Result<(), Failure> {
+fn serve_loader(
+    worker: Worker,
+    plan: &Plan,
+    d: &config::Loader,
+    name: &str,
+) -> Result<(), Failure> {
     use messages::channels::LOADER_CG_EKF;
     Ok(match name {
-        "sensor" => run_source(worker, &LOADER_SENSORS, &LOADER_TRUTH, pace(plan), loader_source(plan)?),
-        "kalman" => run_stage(worker, &LOADER_SENSORS, &LOADER_CG_EKF, mark_estimate, loader_baseline(d)?),
-        _ => run_stage(worker, &LOADER_SENSORS, &LOADER_CG_UKF, mark_estimate, loader_estimator(d, &plan.second_method)?),
+        "sensor" => run_source(
+            worker,
+            &LOADER_SENSORS,
+            &LOADER_TRUTH,
+            pace(plan),
+            loader_source(plan)?,
+        ),
+        "kalman" => run_stage(
+            worker,
+            &LOADER_SENSORS,
+            &LOADER_CG_EKF,
+            mark_estimate,
+            loader_baseline(d)?,
+        ),
+        _ => run_stage(
+            worker,
+            &LOADER_SENSORS,
+            &LOADER_CG_UKF,
+            mark_estimate,
+            loader_estimator(d, &plan.second_method)?,
+        ),
     }?)
 }
 
@@ -244,9 +353,13 @@ fn serve_logger(worker: Worker, plan: &Plan) -> Result<(), Failure> {
 }
 
 fn serve_probe(worker: Worker, plan: &Plan) -> Result<(), Failure> {
-    let Some(file) = &plan.probe else { return Ok(()) };
+    let Some(file) = &plan.probe else {
+        return Ok(());
+    };
     let arrivals = match plan.kind() {
-        Kind::Excavator => run_probe::<ExcavatorEstimate>(worker, &EXCAVATOR_INERTIA_RLS, PROBE_CAPACITY),
+        Kind::Excavator => {
+            run_probe::<ExcavatorEstimate>(worker, &EXCAVATOR_INERTIA_RLS, PROBE_CAPACITY)
+        }
         Kind::Loader => run_probe::<LoaderEstimate>(worker, &LOADER_CG_UKF, PROBE_CAPACITY),
     }?;
     let mut text = String::from("sequence,sensor_ns,filter_ns,estimate_ns,received_ns\n");

@@ -55,7 +55,11 @@ impl Plan {
 
     /// The machine's description.
     pub fn description(&self) -> Result<Description, Failure> {
-        Ok(Description::parse(&self.description, "the plan of the run", Some(self.kind()))?)
+        Ok(Description::parse(
+            &self.description,
+            "the plan of the run",
+            Some(self.kind()),
+        )?)
     }
 
     /// Writes it to the domain.
@@ -80,7 +84,9 @@ impl Plan {
         };
         put("heft.version", env!("CARGO_PKG_VERSION").to_owned());
         put("machine", self.machine.clone());
-        let processes = crate::processes::of_machine(self.kind()).iter().map(|p| p.name);
+        let processes = crate::processes::of_machine(self.kind())
+            .iter()
+            .map(|p| p.name);
         put("processes", processes.collect::<Vec<_>>().join(","));
         put("description", self.description.clone());
         put("description.sha256", recording::sha256(&self.description));
@@ -97,8 +103,19 @@ impl Plan {
             }
         }
         put("rate_hz", self.rate.to_string());
-        put("pace", if self.lossless { "max" } else { "realtime" }.to_owned());
-        put("scheduling", if self.realtime { "SCHED_FIFO asked for" } else { "normal" }.to_owned());
+        put(
+            "pace",
+            if self.lossless { "max" } else { "realtime" }.to_owned(),
+        );
+        put(
+            "scheduling",
+            if self.realtime {
+                "SCHED_FIFO asked for"
+            } else {
+                "normal"
+            }
+            .to_owned(),
+        );
         let system = rustix::system::uname();
         put("host", system.nodename().to_string_lossy().into_owned());
         put(

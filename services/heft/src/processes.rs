@@ -23,26 +23,85 @@ pub struct Process {
 
 /// The excavator's pipeline, upstream first.
 const EXCAVATOR: &[Process] = &[
-    Process { name: "sensor", input: None, output: Some(&EXCAVATOR_SENSORS), wakes: &["kalman", "ukf"], priority: 50 },
-    Process { name: "kalman", input: Some(&EXCAVATOR_SENSORS), output: Some(&EXCAVATOR_MOTION), wakes: &["rls"], priority: 60 },
-    Process { name: "rls", input: Some(&EXCAVATOR_MOTION), output: Some(&EXCAVATOR_INERTIA_RLS), wakes: &["probe"], priority: 70 },
-    Process { name: "ukf", input: Some(&EXCAVATOR_SENSORS), output: Some(&EXCAVATOR_INERTIA_UKF), wakes: &[], priority: 55 },
+    Process {
+        name: "sensor",
+        input: None,
+        output: Some(&EXCAVATOR_SENSORS),
+        wakes: &["kalman", "ukf"],
+        priority: 50,
+    },
+    Process {
+        name: "kalman",
+        input: Some(&EXCAVATOR_SENSORS),
+        output: Some(&EXCAVATOR_MOTION),
+        wakes: &["rls"],
+        priority: 60,
+    },
+    Process {
+        name: "rls",
+        input: Some(&EXCAVATOR_MOTION),
+        output: Some(&EXCAVATOR_INERTIA_RLS),
+        wakes: &["probe"],
+        priority: 70,
+    },
+    Process {
+        name: "ukf",
+        input: Some(&EXCAVATOR_SENSORS),
+        output: Some(&EXCAVATOR_INERTIA_UKF),
+        wakes: &[],
+        priority: 55,
+    },
     LOGGER,
-    Process { name: "probe", input: Some(&EXCAVATOR_INERTIA_RLS), output: None, wakes: &[], priority: 80 },
+    Process {
+        name: "probe",
+        input: Some(&EXCAVATOR_INERTIA_RLS),
+        output: None,
+        wakes: &[],
+        priority: 80,
+    },
 ];
 
 /// The wheel loader's pipeline, upstream first.
 const LOADER: &[Process] = &[
-    Process { name: "sensor", input: None, output: Some(&LOADER_SENSORS), wakes: &["kalman", "ukf"], priority: 50 },
-    Process { name: "kalman", input: Some(&LOADER_SENSORS), output: Some(&LOADER_CG_EKF), wakes: &[], priority: 60 },
-    Process { name: "ukf", input: Some(&LOADER_SENSORS), output: Some(&LOADER_CG_UKF), wakes: &["probe"], priority: 60 },
+    Process {
+        name: "sensor",
+        input: None,
+        output: Some(&LOADER_SENSORS),
+        wakes: &["kalman", "ukf"],
+        priority: 50,
+    },
+    Process {
+        name: "kalman",
+        input: Some(&LOADER_SENSORS),
+        output: Some(&LOADER_CG_EKF),
+        wakes: &[],
+        priority: 60,
+    },
+    Process {
+        name: "ukf",
+        input: Some(&LOADER_SENSORS),
+        output: Some(&LOADER_CG_UKF),
+        wakes: &["probe"],
+        priority: 60,
+    },
     LOGGER,
-    Process { name: "probe", input: Some(&LOADER_CG_UKF), output: None, wakes: &[], priority: 80 },
+    Process {
+        name: "probe",
+        input: Some(&LOADER_CG_UKF),
+        output: None,
+        wakes: &[],
+        priority: 80,
+    },
 ];
 
 /// Reads everything, and tells a lossless source how far it has got.
-const LOGGER: Process =
-    Process { name: "logger", input: None, output: None, wakes: &["sensor"], priority: 0 };
+const LOGGER: Process = Process {
+    name: "logger",
+    input: None,
+    output: None,
+    wakes: &["sensor"],
+    priority: 0,
+};
 
 /// The pipeline of a machine, upstream first.
 pub fn of_machine(machine: Kind) -> &'static [Process] {
@@ -54,7 +113,9 @@ pub fn of_machine(machine: Kind) -> &'static [Process] {
 
 /// Name of process `index` of a pipeline, as `health` messages tell it.
 pub fn name(machine: Kind, index: u32) -> &'static str {
-    of_machine(machine).get(index as usize).map_or("?", |p| p.name)
+    of_machine(machine)
+        .get(index as usize)
+        .map_or("?", |p| p.name)
 }
 
 #[cfg(test)]
@@ -69,7 +130,11 @@ mod tests {
                 let writer = of_machine(machine)
                     .iter()
                     .find(|p| p.output.is_some_and(|o| o.name == input.name));
-                assert!(writer.is_some_and(|w| w.wakes.contains(&reader.name)), "{}", reader.name);
+                assert!(
+                    writer.is_some_and(|w| w.wakes.contains(&reader.name)),
+                    "{}",
+                    reader.name
+                );
             }
         }
     }

@@ -83,7 +83,11 @@ impl Quantity {
     /// `value ± std`, rounded to two digits of the standard deviation.
     pub fn text(&self, value: f64, std: f64) -> String {
         let decimals = decimals(std);
-        let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
+        let unit = if self.unit.is_empty() {
+            String::new()
+        } else {
+            format!(" {}", self.unit)
+        };
         format!("{value:.decimals$} ± {std:.decimals$}{unit}")
     }
 
@@ -95,9 +99,19 @@ impl Quantity {
     /// The quantity on the live line.
     pub fn short(&self, score: &Score) -> String {
         let decimals = decimals(score.std);
-        let truth = score.truth.map_or(String::new(), |t| format!(" (truth {t:.decimals$})"));
-        let verdict = if score.trusted { "trusted" } else { "not trusted" };
-        format!("{} {}{truth} {verdict} ", self.symbol, self.text(score.value, score.std))
+        let truth = score
+            .truth
+            .map_or(String::new(), |t| format!(" (truth {t:.decimals$})"));
+        let verdict = if score.trusted {
+            "trusted"
+        } else {
+            "not trusted"
+        };
+        format!(
+            "{} {}{truth} {verdict} ",
+            self.symbol,
+            self.text(score.value, score.std)
+        )
     }
 
     /// The true value in a truth message, if it is known.
@@ -108,7 +122,11 @@ impl Quantity {
 
 /// Decimals that show two digits of `std`.
 fn decimals(std: f64) -> usize {
-    if std > 0.0 { (1.0 - std.log10().floor()).clamp(0.0, 6.0) as usize } else { 3 }
+    if std > 0.0 {
+        (1.0 - std.log10().floor()).clamp(0.0, 6.0) as usize
+    } else {
+        3
+    }
 }
 
 struct Truth(&'static str);
@@ -120,7 +138,9 @@ impl Receiver for Truth {
         let index = M::index(self.0)?;
         // Bit i of `known` belongs to the i-th field of the message itself.
         let own = index.checked_sub(messages::HEAD)?;
-        let Some(Value::U32(known)) = message.get(M::index("known")?) else { return None };
+        let Some(Value::U32(known)) = message.get(M::index("known")?) else {
+            return None;
+        };
         (known >> own & 1 == 1).then(|| message.get(index).map(Value::as_f64))?
     }
 }
@@ -148,7 +168,11 @@ mod tests {
     #[test]
     fn truth_is_taken_only_where_it_is_known() {
         use messages::LoaderTruth;
-        let mut truth = LoaderTruth { cg_height: 0.9, cg_ratio: 0.45, ..LoaderTruth::default() };
+        let mut truth = LoaderTruth {
+            cg_height: 0.9,
+            cg_ratio: 0.45,
+            ..LoaderTruth::default()
+        };
         truth.known = 1 << 4; // the fifth field is the ratio
         let envelope = truth.envelope();
         assert_eq!(QUANTITIES[2].truth(&envelope), Some(0.45));

@@ -39,8 +39,13 @@ pub fn text(kind: Kind, watch: &Watch, recording: &Path, report: Option<&Path>) 
         }
         line(format!(
             "{name:<7} answers after p50 {:.0}, p99 {:.0}, p99.9 {:.0}, max {:.0} µs; step p50 {:.2} µs; {} samples, {} lost",
-            us(health.age_p50_ns), us(health.age_p99_ns), us(health.age_p999_ns), us(health.age_max_ns),
-            us(health.step_p50_ns), health.steps, health.lost
+            us(health.age_p50_ns),
+            us(health.age_p99_ns),
+            us(health.age_p999_ns),
+            us(health.age_max_ns),
+            us(health.step_p50_ns),
+            health.steps,
+            health.lost
         ));
     }
     for death in watch.deaths() {
@@ -58,7 +63,11 @@ pub fn text(kind: Kind, watch: &Watch, recording: &Path, report: Option<&Path>) 
 
 /// Whether the last verdict on every preferred quantity is `trusted`.
 pub fn is_trusted(watch: &Watch) -> bool {
-    let mut preferred = watch.scores().iter().filter(|s| s.quantity.preferred).peekable();
+    let mut preferred = watch
+        .scores()
+        .iter()
+        .filter(|s| s.quantity.preferred)
+        .peekable();
     preferred.peek().is_some() && preferred.all(|s| s.trusted)
 }
 
@@ -69,7 +78,10 @@ fn us(ns: u64) -> f64 {
 /// A path as the user would type it.
 fn shown(path: &Path) -> String {
     let here = std::env::current_dir().unwrap_or_default();
-    path.strip_prefix(&here).unwrap_or(path).display().to_string()
+    path.strip_prefix(&here)
+        .unwrap_or(path)
+        .display()
+        .to_string()
 }
 
 fn in_words(kind: Kind, watch: &Watch) -> String {
@@ -93,7 +105,11 @@ fn score_lines(score: &Score) -> Vec<String> {
         None => lines.push(format!("{name}: never trusted in {} estimates", score.seen)),
         Some((time, value, std, truth)) => {
             let truth = truth.map_or(String::new(), |t| {
-                format!(", truth {}, error {:+.1} %", q.number(t, std), 100.0 * (value / t - 1.0))
+                format!(
+                    ", truth {}, error {:+.1} %",
+                    q.number(t, std),
+                    100.0 * (value / t - 1.0)
+                )
             });
             lines.push(format!(
                 "{name}: last trusted at {time:.1} s: {}{truth}; trusted {share:.0} % of the time",

@@ -28,7 +28,10 @@ const QUICK: Duration = Duration::from_millis(300);
 const MAX_QUICK_DEATHS: u32 = 5;
 const FIRST_BACK_OFF: Duration = Duration::from_millis(5);
 /// Time between two looks at signals, and at the channels that the terminal and the page show.
-const LOOK: Timespec = Timespec { tv_sec: 0, tv_nsec: 10_000_000 };
+const LOOK: Timespec = Timespec {
+    tv_sec: 0,
+    tv_nsec: 10_000_000,
+};
 
 /// How a run ended.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -71,13 +74,21 @@ pub struct Supervisor {
 
 impl Supervisor {
     /// Takes the domain, creates the channels and starts every process of the plan's machine.
-    pub fn start(domain: &Domain, plan: Plan, watch: Watch, signal: Arc<AtomicBool>) -> Result<Self, Failure> {
+    pub fn start(
+        domain: &Domain,
+        plan: Plan,
+        watch: Watch,
+        signal: Arc<AtomicBool>,
+    ) -> Result<Self, Failure> {
         let owner = domain.take()?;
         plan.write(domain)?;
         domain.enter()?;
         let ports = Ports::new("supervisor")?;
         let channels: Vec<&'static Channel> = of_machine(&plan.machine).collect();
-        let held = channels.iter().map(|c| ports.create(c)).collect::<Result<_, _>>()?;
+        let held = channels
+            .iter()
+            .map(|c| ports.create(c))
+            .collect::<Result<_, _>>()?;
         let taps = Taps::open(&ports, &channels)?;
         let mut supervisor = Self {
             workers: Vec::new(),
@@ -101,7 +112,10 @@ impl Supervisor {
             .iter()
             .enumerate()
             .filter(|(_, p)| p.name != "probe" || self.plan.probe.is_some());
-        let bells = table.iter().map(|_| Bell::new()).collect::<Result<Vec<_>, _>>()?;
+        let bells = table
+            .iter()
+            .map(|_| Bell::new())
+            .collect::<Result<Vec<_>, _>>()?;
         for (index, process) in wanted {
             let (control, child) = self.spawn(process, 0)?;
             self.workers.push(Worker {
@@ -126,7 +140,12 @@ impl Supervisor {
         let (control, theirs): (Control, OwnedFd) = Control::pair()?;
         let exe = std::env::current_exe().map_err(Failure::internal)?;
         let child = Command::new(exe)
-            .args(["service", process.name, "--domain", self.owner.domain().name()])
+            .args([
+                "service",
+                process.name,
+                "--domain",
+                self.owner.domain().name(),
+            ])
             .args(["--restarts", &restarts.to_string()])
             .stdin(Stdio::from(theirs))
             // A group of its own: Ctrl-C reaches the supervisor alone, which ends the run in order.
@@ -147,7 +166,12 @@ impl Supervisor {
         let worker = &self.workers[index];
         let mut bells = vec![&worker.bell];
         for name in worker.process.wakes {
-            bells.extend(self.workers.iter().filter(|w| w.process.name == *name).map(|w| &w.bell));
+            bells.extend(
+                self.workers
+                    .iter()
+                    .filter(|w| w.process.name == *name)
+                    .map(|w| &w.bell),
+            );
         }
         Ok(worker.control.hand_over(&bells)?)
     }
@@ -183,7 +207,10 @@ impl Supervisor {
             if let Some(late) = self.workers.iter().find(|w| !w.ready)
                 && begun.elapsed() > READY_LIMIT
             {
-                return Some(End::Failed(format!("{} did not get ready", late.process.name)));
+                return Some(End::Failed(format!(
+                    "{} did not get ready",
+                    late.process.name
+                )));
             }
         }
         None
@@ -248,19 +275,30 @@ impl Supervisor {
     /// A source begins after the last sample that was seen: 0, unless it has been restarted.
     fn say_go(&self, i: usize) {
         let first = self.watch.next_sequence();
-        self.workers[i].control.say(&format!("go {first} {}", self.start_ns));
+        self.workers[i]
+            .control
+            .say(&format!("go {first} {}", self.start_ns));
     }
 
     /// Notices a death and restarts; `Err` with the reason when there is no point in it.
     fn keep_alive(&mut self, i: usize) -> Result<(), String> {
         if let Some(due) = self.workers[i].due {
-            return if Instant::now() < due { Ok(()) } else { self.restart(i) };
+            return if Instant::now() < due {
+                Ok(())
+            } else {
+                self.restart(i)
+            };
         }
-        let Ok(Some(status)) = self.workers[i].child.try_wait() else { return Ok(()) };
+        let Ok(Some(status)) = self.workers[i].child.try_wait() else {
+            return Ok(());
+        };
         let worker = &mut self.workers[i];
         let name = worker.process.name;
-        worker.quick_deaths =
-            if worker.started.elapsed() < QUICK { worker.quick_deaths + 1 } else { 0 };
+        worker.quick_deaths = if worker.started.elapsed() < QUICK {
+            worker.quick_deaths + 1
+        } else {
+            0
+        };
         if worker.quick_deaths >= MAX_QUICK_DEATHS || (status.code() == Some(2) && !worker.ready) {
             return Err(format!("the service {name} does not stay alive ({status})"));
         }
@@ -276,8 +314,9 @@ impl Supervisor {
         self.ports.clean_up_after_the_dead();
         self.taps.drain(&mut self.watch);
         let restarts = self.workers[i].restarts + 1;
-        let (control, child) =
-            self.spawn(self.workers[i].process, restarts).map_err(|e| e.to_string())?;
+        let (control, child) = self
+            .spawn(self.workers[i].process, restarts)
+            .map_err(|e| e.to_string())?;
         let worker = &mut self.workers[i];
         worker.control = control;
         worker.child = child;

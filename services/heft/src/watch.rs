@@ -164,7 +164,9 @@ impl Watch {
     /// Health of all processes, by name.
     pub fn all_health(&self) -> impl Iterator<Item = (&'static str, &Health)> {
         let kind = self.kind.unwrap_or(Kind::Excavator);
-        self.health.iter().map(move |(index, health)| (processes::name(kind, *index), health))
+        self.health
+            .iter()
+            .map(move |(index, health)| (processes::name(kind, *index), health))
     }
 
     /// Samples lost before any process.
@@ -184,7 +186,8 @@ impl Watch {
 
     /// Whether the recording misses something.
     pub fn recording_failed(&self) -> bool {
-        self.health("logger").is_some_and(|h| h.fault == fault::DISK)
+        self.health("logger")
+            .is_some_and(|h| h.fault == fault::DISK)
     }
 
     /// Notes that a service died.
@@ -199,8 +202,16 @@ impl Watch {
             return;
         }
         let in_place = self.show == Show::Terminal && std::io::stderr().is_terminal();
-        let period = if in_place || self.show == Show::Lines { SHOW_PERIOD } else { PLAIN_PERIOD };
-        if self.shown.or(self.begun).is_some_and(|t| t.elapsed() < period) {
+        let period = if in_place || self.show == Show::Lines {
+            SHOW_PERIOD
+        } else {
+            PLAIN_PERIOD
+        };
+        if self
+            .shown
+            .or(self.begun)
+            .is_some_and(|t| t.elapsed() < period)
+        {
             return;
         }
         self.shown = Some(Instant::now());
@@ -249,15 +260,25 @@ impl Watch {
     fn note_estimate<M: Message>(&mut self, channel: &'static Channel, message: &M) {
         let sequence = message.stamp().sequence;
         for quantity in QUANTITIES.iter().filter(|q| q.channel == channel.name) {
-            let number = |name: &str| M::index(name).and_then(|i| message.get(i)).map(Value::as_f64);
-            let (Some(value), Some(std), Some(flags)) =
-                (number(quantity.field), number(quantity.std_field), number("flags"))
-            else {
+            let number = |name: &str| {
+                M::index(name)
+                    .and_then(|i| message.get(i))
+                    .map(Value::as_f64)
+            };
+            let (Some(value), Some(std), Some(flags)) = (
+                number(quantity.field),
+                number(quantity.std_field),
+                number("flags"),
+            ) else {
                 continue;
             };
             let truth = self.truth(sequence, quantity);
             let trusted = (flags as u32) & quantity.trusted_bit != 0;
-            let score = match self.scores.iter_mut().position(|s| std::ptr::eq(s.quantity, quantity)) {
+            let score = match self
+                .scores
+                .iter_mut()
+                .position(|s| std::ptr::eq(s.quantity, quantity))
+            {
                 Some(i) => &mut self.scores[i],
                 None => {
                     self.scores.push(Score::new(quantity));
@@ -270,7 +291,10 @@ impl Watch {
     }
 
     fn truth(&self, sequence: u64, quantity: &Quantity) -> Option<f64> {
-        let at = self.truths.binary_search_by_key(&sequence, |(s, _)| *s).ok()?;
+        let at = self
+            .truths
+            .binary_search_by_key(&sequence, |(s, _)| *s)
+            .ok()?;
         quantity.truth(&self.truths[at].1)
     }
 }

@@ -13,7 +13,11 @@ pub fn check(file: &Path, kind: Option<Kind>, print: bool) -> Result<(), Failure
     if print {
         print!("{}", description.to_toml());
     } else {
-        println!("{}: a valid description of the {}", file.display(), description.kind());
+        println!(
+            "{}: a valid description of the {}",
+            file.display(),
+            description.kind()
+        );
     }
     Ok(())
 }

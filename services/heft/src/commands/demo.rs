@@ -53,7 +53,9 @@ pub fn demo() -> Result<(), Failure> {
         failed |= !run.wait().map_err(Failure::internal)?.success();
     }
     if failed {
-        return Err(Failure::answer_is_no("a pipeline of the demonstration failed; see above"));
+        return Err(Failure::answer_is_no(
+            "a pipeline of the demonstration failed; see above",
+        ));
     }
     println!("\nOpen the reports in a browser, or go on with `heft run --help`.");
     Ok(())
@@ -66,7 +68,14 @@ fn start(kind: Kind, folder: &Path, index: usize, sender: Sender<Line>) -> Resul
         Kind::Loader => "work-cycle",
     };
     let mut child = Command::new(exe)
-        .args(["run", kind.name(), "--scenario", scenario, "--duration", DURATION])
+        .args([
+            "run",
+            kind.name(),
+            "--scenario",
+            scenario,
+            "--duration",
+            DURATION,
+        ])
         .args(["--live-lines", "--out"])
         .arg(folder.join(kind.name()))
         .stdin(Stdio::null())
@@ -101,16 +110,26 @@ impl Screen {
         self.lines[index] = format!("{:<9} {live}", Kind::ALL[index].name());
         let terminal = std::io::stdout().is_terminal();
         let pause = if terminal { 0.1 } else { 5.0 };
-        if self.shown.is_some_and(|t| t.elapsed().as_secs_f64() < pause)
+        if self
+            .shown
+            .is_some_and(|t| t.elapsed().as_secs_f64() < pause)
             || self.lines.iter().any(String::is_empty)
         {
             return;
         }
         self.shown = Some(Instant::now());
         let mut out = std::io::stdout().lock();
-        let back = if terminal && self.drawn { "\x1b[2A" } else { "" };
+        let back = if terminal && self.drawn {
+            "\x1b[2A"
+        } else {
+            ""
+        };
         let clear = if terminal { "\x1b[2K" } else { "" };
-        let _ = write!(out, "{back}{clear}{}\n{clear}{}\n", self.lines[0], self.lines[1]);
+        let _ = write!(
+            out,
+            "{back}{clear}{}\n{clear}{}\n",
+            self.lines[0], self.lines[1]
+        );
         let _ = out.flush();
         self.drawn = true;
     }

@@ -15,11 +15,19 @@ struct Finding {
 }
 
 fn good(what: impl Into<String>) -> Finding {
-    Finding { good: true, what: what.into(), remedy: None }
+    Finding {
+        good: true,
+        what: what.into(),
+        remedy: None,
+    }
 }
 
 fn bad(what: impl Into<String>, remedy: impl Into<String>) -> Finding {
-    Finding { good: false, what: what.into(), remedy: Some(remedy.into()) }
+    Finding {
+        good: false,
+        what: what.into(),
+        remedy: Some(remedy.into()),
+    }
 }
 
 /// `heft doctor`
@@ -35,11 +43,24 @@ pub fn doctor(clean: bool) -> Result<(), Failure> {
             }
         }
     }
-    let findings = [domains(), room(), priority(), memory(), files(), clock(), cores(), kernel()];
+    let findings = [
+        domains(),
+        room(),
+        priority(),
+        memory(),
+        files(),
+        clock(),
+        cores(),
+        kernel(),
+    ];
     let mut all_good = true;
     for finding in findings.iter().flatten() {
         all_good &= finding.good;
-        println!("{}  {}", if finding.good { "ok     " } else { "missing" }, finding.what);
+        println!(
+            "{}  {}",
+            if finding.good { "ok     " } else { "missing" },
+            finding.what
+        );
         if let Some(remedy) = &finding.remedy {
             println!("         {remedy}");
         }
@@ -47,7 +68,13 @@ pub fn doctor(clean: bool) -> Result<(), Failure> {
     println!(
         "note     channels belong to the user who runs heft (mode 0600): other users cannot open them"
     );
-    if all_good { Ok(()) } else { Err(Failure::answer_is_no("heft runs, but not everything is as it should be for real-time work")) }
+    if all_good {
+        Ok(())
+    } else {
+        Err(Failure::answer_is_no(
+            "heft runs, but not everything is as it should be for real-time work",
+        ))
+    }
 }
 
 fn domains() -> Vec<Finding> {
@@ -79,8 +106,10 @@ fn domains() -> Vec<Finding> {
 
 /// Shared-memory objects of domains that no longer exist.
 fn strays() -> Vec<std::path::PathBuf> {
-    let known: Vec<String> =
-        Domain::all().iter().map(|d| format!("heft-{}_", d.name())).collect();
+    let known: Vec<String> = Domain::all()
+        .iter()
+        .map(|d| format!("heft-{}_", d.name()))
+        .collect();
     let entries = fs::read_dir("/dev/shm").into_iter().flatten().flatten();
     entries
         .filter(|entry| {
@@ -97,7 +126,10 @@ fn room() -> Vec<Finding> {
     vec![if mib >= 64 {
         good(what)
     } else {
-        bad(what, "a run needs 64 MiB; mount -o remount,size=256M /dev/shm (containers: --shm-size=256m)")
+        bad(
+            what,
+            "a run needs 64 MiB; mount -o remount,size=256M /dev/shm (containers: --shm-size=256m)",
+        )
     }]
 }
 
@@ -114,12 +146,16 @@ fn priority() -> Vec<Finding> {
 
 fn memory() -> Vec<Finding> {
     let limit = getrlimit(Resource::Memlock).current;
-    let enough = limit.is_none_or(|bytes| bytes >= 256 << 20) || rustix::process::geteuid().is_root();
+    let enough =
+        limit.is_none_or(|bytes| bytes >= 256 << 20) || rustix::process::geteuid().is_root();
     vec![if enough {
         good("memory can be locked")
     } else {
         bad(
-            format!("only {} KiB of memory can be locked", limit.unwrap_or(0) >> 10),
+            format!(
+                "only {} KiB of memory can be locked",
+                limit.unwrap_or(0) >> 10
+            ),
             "ulimit -l unlimited, or LimitMEMLOCK=infinity in the systemd unit",
         )
     }]
@@ -128,16 +164,29 @@ fn memory() -> Vec<Finding> {
 fn files() -> Vec<Finding> {
     let limit = getrlimit(Resource::Nofile).current.unwrap_or(u64::MAX);
     let what = format!("{limit} open files permitted");
-    vec![if limit >= 512 { good(what) } else { bad(what, "ulimit -n 4096") }]
+    vec![if limit >= 512 {
+        good(what)
+    } else {
+        bad(what, "ulimit -n 4096")
+    }]
 }
 
 fn clock() -> Vec<Finding> {
     let path = "/sys/devices/system/clocksource/clocksource0/current_clocksource";
-    let Ok(source) = fs::read_to_string(path) else { return Vec::new() };
+    let Ok(source) = fs::read_to_string(path) else {
+        return Vec::new();
+    };
     let source = source.trim();
-    let fast = ["tsc", "kvm-clock", "arch_sys_counter", "hyperv_clocksource_tsc_page"];
+    let fast = [
+        "tsc",
+        "kvm-clock",
+        "arch_sys_counter",
+        "hyperv_clocksource_tsc_page",
+    ];
     vec![if fast.contains(&source) {
-        good(format!("the clock source {source} is read without a system call"))
+        good(format!(
+            "the clock source {source} is read without a system call"
+        ))
     } else {
         bad(
             format!("the clock source {source} needs a system call per reading"),
@@ -149,17 +198,27 @@ fn clock() -> Vec<Finding> {
 fn cores() -> Vec<Finding> {
     let n = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     vec![if n > 1 {
-        good(format!("{n} cores: the stages of one machine share the last one under --rt"))
+        good(format!(
+            "{n} cores: the stages of one machine share the last one under --rt"
+        ))
     } else {
-        bad("one core only", "under load every process waits for every other; use --rt")
+        bad(
+            "one core only",
+            "under load every process waits for every other; use --rt",
+        )
     }]
 }
 
 fn kernel() -> Vec<Finding> {
-    let version = rustix::system::uname().version().to_string_lossy().into_owned();
+    let version = rustix::system::uname()
+        .version()
+        .to_string_lossy()
+        .into_owned();
     vec![good(if version.contains("PREEMPT_RT") {
         "the kernel is a real-time kernel (PREEMPT_RT)".to_owned()
     } else {
-        format!("the kernel is not PREEMPT_RT ({version}): rare delays of a millisecond must be expected")
+        format!(
+            "the kernel is not PREEMPT_RT ({version}): rare delays of a millisecond must be expected"
+        )
     })]
 }

@@ -57,11 +57,19 @@ pub fn run_excavator(
         let mut regression = pipeline::excavator_regression(d, method)?;
         let motions: Vec<SwingMotion> = samples.map(|s| answer(&mut filter, s)).collect();
         let estimates = motions.iter().map(|m| answer(&mut regression, m)).collect();
-        Ok(ExcavatorRun { channel: &EXCAVATOR_INERTIA_RLS, estimates, motions })
+        Ok(ExcavatorRun {
+            channel: &EXCAVATOR_INERTIA_RLS,
+            estimates,
+            motions,
+        })
     } else {
         let mut estimator = pipeline::excavator_estimator(d, method)?;
         let estimates = samples.map(|s| answer(&mut estimator, s)).collect();
-        Ok(ExcavatorRun { channel: &EXCAVATOR_INERTIA_UKF, estimates, motions: Vec::new() })
+        Ok(ExcavatorRun {
+            channel: &EXCAVATOR_INERTIA_UKF,
+            estimates,
+            motions: Vec::new(),
+        })
     }
 }
 
@@ -71,10 +79,16 @@ fn excavator(
     rows: &[(ExcavatorSensors, ExcavatorTruth)],
 ) -> Result<(), Failure> {
     let method = args.method.as_deref().unwrap_or("auto");
-    pipeline::check_columns(d, method, rows.first().map_or(0, |(s, _)| s.columns))?;
+    if let Some((first, _)) = rows.first() {
+        pipeline::check_columns(d, method, first)?;
+    }
     let run = run_excavator(d, method, rows)?;
     let mut writer = EstimateWriter::excavator(&args.output)?;
-    for estimate in run.estimates.iter().filter(|e| e.flags & excavator_bits::REFUSED == 0) {
+    for estimate in run
+        .estimates
+        .iter()
+        .filter(|e| e.flags & excavator_bits::REFUSED == 0)
+    {
         writer.write_excavator(estimate)?;
     }
     let written = writer.finish()?;
@@ -82,13 +96,22 @@ fn excavator(
         let description = Description::Excavator(Box::new(d.clone()));
         write_report(report, &metadata(args, &description, method), |w| {
             write_all(w, &EXCAVATOR_SENSORS, rows.iter().map(|r| &r.0))?;
-            write_all(w, &EXCAVATOR_TRUTH, rows.iter().map(|r| &r.1).filter(|t| t.known != 0))?;
+            write_all(
+                w,
+                &EXCAVATOR_TRUTH,
+                rows.iter().map(|r| &r.1).filter(|t| t.known != 0),
+            )?;
             write_all(w, &EXCAVATOR_MOTION, &run.motions)?;
             write_all(w, run.channel, &run.estimates)
         })?;
     }
     let last = run.estimates.last().copied().unwrap_or_default();
-    tell(args, written, rows.len(), &view::words::excavator_verdict(&last));
+    tell(
+        args,
+        written,
+        rows.len(),
+        &view::words::excavator_verdict(&last),
+    );
     require_trust(args, last.flags & excavator_bits::TRUSTED != 0)
 }
 
@@ -107,7 +130,10 @@ pub fn run_loader(
     Ok(if method == "ekf" {
         (&LOADER_CG_EKF, all(pipeline::loader_baseline(d)?, rows))
     } else {
-        (&LOADER_CG_UKF, all(pipeline::loader_estimator(d, method)?, rows))
+        (
+            &LOADER_CG_UKF,
+            all(pipeline::loader_estimator(d, method)?, rows),
+        )
     })
 }
 
@@ -119,7 +145,10 @@ fn loader(
     let method = args.method.as_deref().unwrap_or("full");
     let (channel, estimates) = run_loader(d, method, rows)?;
     let mut writer = EstimateWriter::loader(&args.output)?;
-    for estimate in estimates.iter().filter(|e| e.flags & loader_bits::REFUSED == 0) {
+    for estimate in estimates
+        .iter()
+        .filter(|e| e.flags & loader_bits::REFUSED == 0)
+    {
         writer.write_loader(estimate)?;
     }
     let written = writer.finish()?;
@@ -127,12 +156,21 @@ fn loader(
         let description = Description::Loader(Box::new(d.clone()));
         write_report(report, &metadata(args, &description, method), |w| {
             write_all(w, &LOADER_SENSORS, rows.iter().map(|r| &r.0))?;
-            write_all(w, &LOADER_TRUTH, rows.iter().map(|r| &r.1).filter(|t| t.known != 0))?;
+            write_all(
+                w,
+                &LOADER_TRUTH,
+                rows.iter().map(|r| &r.1).filter(|t| t.known != 0),
+            )?;
             write_all(w, channel, &estimates)
         })?;
     }
     let last = estimates.last().copied().unwrap_or_default();
-    tell(args, written, rows.len(), &view::words::loader_verdict(&last));
+    tell(
+        args,
+        written,
+        rows.len(),
+        &view::words::loader_verdict(&last),
+    );
     let both = loader_bits::TRUSTED_RATIO | loader_bits::TRUSTED_HEIGHT;
     require_trust(args, last.flags & both == both)
 }
@@ -179,7 +217,9 @@ fn write_all<'a, M: Message>(
     channel: &Channel,
     messages: impl IntoIterator<Item = &'a M>,
 ) -> Result<(), recording::Error> {
-    messages.into_iter().try_for_each(|m| writer.write(channel, m))
+    messages
+        .into_iter()
+        .try_for_each(|m| writer.write(channel, m))
 }
 
 /// A report is made from a recording, here from one that exists only for it.

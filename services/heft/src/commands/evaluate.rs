@@ -10,16 +10,22 @@ use crate::failure::Failure;
 /// `heft evaluate`
 pub fn evaluate(args: &EvaluateArgs) -> Result<(), Failure> {
     let kind = Kind::from(args.machine);
-    if let Some(folder) = &args.figures {
-        fs::create_dir_all(folder).map_err(|e| Failure::file("make the folder", folder, &e))?;
-        return crate::figures::draw(kind, folder);
-    }
-    let options = evaluate::Options { table: args.table.clone(), seeds: args.seeds, ..Default::default() };
+    let options = evaluate::Options {
+        table: args.table.clone(),
+        seeds: args.seeds,
+        ..Default::default()
+    };
     let report = match kind {
         Kind::Excavator => evaluate::excavator(&options),
         Kind::Loader => evaluate::loader(&options),
     }
-    .map_err(|e| Failure::input(e, "--table", "choose one of the tables above, or none for all"))?;
+    .map_err(|e| {
+        Failure::input(
+            e,
+            "--table",
+            "choose one of the tables above, or none for all",
+        )
+    })?;
     println!("{}", report.text.trim_end());
     if let Some(file) = &args.json {
         let text = serde_json::to_string_pretty(&report.json).map_err(Failure::internal)?;

@@ -51,7 +51,9 @@ pub fn latency(args: &LatencyArgs) -> Result<(), Failure> {
     }
     let permitted = runtime::realtime::permitted();
     if !permitted {
-        println!("SCHED_FIFO is not permitted here (see `heft doctor`): measuring without it only\n");
+        println!(
+            "SCHED_FIFO is not permitted here (see `heft doctor`): measuring without it only\n"
+        );
     }
     print_machine();
     let mut all = Vec::new();
@@ -68,13 +70,19 @@ pub fn latency(args: &LatencyArgs) -> Result<(), Failure> {
 }
 
 fn conditions(args: &LatencyArgs, permitted: bool) -> Vec<Conditions> {
-    let rates = args.rate.map_or(vec![100.0, 1_000.0, 10_000.0], |rate| vec![rate]);
+    let rates = args
+        .rate
+        .map_or(vec![100.0, 1_000.0, 10_000.0], |rate| vec![rate]);
     let mut all = Vec::new();
     for loaded in [false, true] {
         for realtime in [true, false] {
             let wanted = (realtime && permitted) || (!realtime && !(args.rt && permitted));
             if wanted && (!loaded || args.load) {
-                all.extend(rates.iter().map(|&rate| Conditions { rate, realtime, loaded }));
+                all.extend(rates.iter().map(|&rate| Conditions {
+                    rate,
+                    realtime,
+                    loaded,
+                }));
             }
         }
     }
@@ -87,8 +95,16 @@ struct Load(Vec<std::process::Child>);
 impl Load {
     fn start() -> Result<Self, Failure> {
         let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-        let spin = || Command::new("sh").args(["-c", "while :; do :; done"]).spawn();
-        (0..cores).map(|_| spin()).collect::<Result<_, _>>().map(Self).map_err(Failure::internal)
+        let spin = || {
+            Command::new("sh")
+                .args(["-c", "while :; do :; done"])
+                .spawn()
+        };
+        (0..cores)
+            .map(|_| spin())
+            .collect::<Result<_, _>>()
+            .map(Self)
+            .map_err(Failure::internal)
     }
 }
 
@@ -112,7 +128,10 @@ fn measure(conditions: Conditions, duration: f64) -> Result<Measured, Failure> {
         conditions,
         end_to_end: histogram()?,
         hops: [histogram()?, histogram()?, histogram()?],
-        limits: Kind::ALL.into_iter().map(|kind| Ok((kind, histogram()?))).collect::<Result<_, Failure>>()?,
+        limits: Kind::ALL
+            .into_iter()
+            .map(|kind| Ok((kind, histogram()?)))
+            .collect::<Result<_, Failure>>()?,
         lost: 0,
     };
     let seconds = duration / ROUNDS as f64;
@@ -133,7 +152,14 @@ fn add_ours(result: &mut Measured, seconds: f64, round: usize) -> Result<(), Fai
     fs::create_dir_all(&folder).map_err(|e| Failure::file("make the folder", &folder, &e))?;
     let mut command = Command::new(exe);
     command
-        .args(["run", "excavator", "--scenario", "cycle", "--quiet", "--no-report"])
+        .args([
+            "run",
+            "excavator",
+            "--scenario",
+            "cycle",
+            "--quiet",
+            "--no-report",
+        ])
         .args(["--rate", &result.conditions.rate.to_string()])
         .args(["--duration", &seconds.to_string()])
         .args(["--seed", &(round + 1).to_string()])
@@ -149,7 +175,8 @@ fn add_ours(result: &mut Measured, seconds: f64, round: usize) -> Result<(), Fai
     let status = command.status().map_err(Failure::internal)?;
     let text = fs::read_to_string(&probe);
     let _ = fs::remove_dir_all(&folder);
-    let text = text.map_err(|_| Failure::answer_is_no(format!("the pipeline failed ({status})")))?;
+    let text =
+        text.map_err(|_| Failure::answer_is_no(format!("the pipeline failed ({status})")))?;
     add_arrivals(result, &text);
     Ok(())
 }
@@ -158,11 +185,17 @@ fn add_arrivals(result: &mut Measured, text: &str) {
     let rows: Vec<Vec<u64>> = text
         .lines()
         .skip(1)
-        .map(|line| line.split(',').filter_map(|cell| cell.parse().ok()).collect())
+        .map(|line| {
+            line.split(',')
+                .filter_map(|cell| cell.parse().ok())
+                .collect()
+        })
         .collect();
     let mut previous = None;
     for row in &rows {
-        let &[sequence, sensor, filter, estimate, received] = row.as_slice() else { continue };
+        let &[sequence, sensor, filter, estimate, received] = row.as_slice() else {
+            continue;
+        };
         if let Some(previous) = previous.replace(sequence) {
             result.lost += sequence.saturating_sub(previous + 1);
         }
@@ -170,7 +203,11 @@ fn add_arrivals(result: &mut Measured, text: &str) {
             continue;
         }
         result.end_to_end.saturating_record(received.max(1));
-        let spans = [filter.saturating_sub(sensor), estimate.saturating_sub(filter), received.saturating_sub(estimate)];
+        let spans = [
+            filter.saturating_sub(sensor),
+            estimate.saturating_sub(filter),
+            received.saturating_sub(estimate),
+        ];
         for (histogram, span) in result.hops.iter_mut().zip(spans) {
             histogram.saturating_record(span.max(1));
         }
@@ -185,7 +222,11 @@ fn add_limit(
     histogram: &mut Histogram<u64>,
 ) -> Result<(), Failure> {
     // A chain of spinners needs a core each; two processes show the cache line itself.
-    let (stages, fifo) = if kind == Kind::Spin { (2, false) } else { (STAGES, conditions.realtime) };
+    let (stages, fifo) = if kind == Kind::Spin {
+        (2, false)
+    } else {
+        (STAGES, conditions.realtime)
+    };
     let last = std::thread::available_parallelism().map_or(0, |n| n.get() - 1);
     let options = Options {
         stages,
@@ -196,7 +237,11 @@ fn add_limit(
         ..Options::default()
     };
     let outcome = limits::chain(kind, &options).map_err(|e| {
-        Failure::input(format!("the bare chain failed: {e}"), kind.name(), "run `heft doctor`")
+        Failure::input(
+            format!("the bare chain failed: {e}"),
+            kind.name(),
+            "run `heft doctor`",
+        )
     })?;
     for &ns in outcome.latencies_ns.iter().skip(WARM_UP) {
         histogram.saturating_record(ns.max(1));
@@ -215,7 +260,11 @@ fn max_us(histogram: &Histogram<u64>) -> f64 {
 }
 
 fn limit(measured: &Measured, kind: Kind) -> Option<&Histogram<u64>> {
-    measured.limits.iter().find(|(k, h)| *k == kind && !h.is_empty()).map(|(_, h)| h)
+    measured
+        .limits
+        .iter()
+        .find(|(k, h)| *k == kind && !h.is_empty())
+        .map(|(_, h)| h)
 }
 
 fn ratio(measured: &Measured, quantile: f64) -> Option<f64> {
@@ -235,29 +284,58 @@ fn print_machine() {
 }
 
 fn print_measured(m: &Measured) {
-    let Conditions { rate, realtime, loaded } = m.conditions;
+    let Conditions {
+        rate,
+        realtime,
+        loaded,
+    } = m.conditions;
     println!(
         "\n{rate} Hz, {}, {}",
-        if realtime { "SCHED_FIFO on one core" } else { "normal scheduling, free placement" },
-        if loaded { "every core occupied by a spinner" } else { "idle" }
+        if realtime {
+            "SCHED_FIFO on one core"
+        } else {
+            "normal scheduling, free placement"
+        },
+        if loaded {
+            "every core occupied by a spinner"
+        } else {
+            "idle"
+        }
     );
-    println!("{:<28}{:>9}{:>9}{:>9}{:>9}{:>9}", "", "p50", "p99", "p99.9", "max", "samples");
+    println!(
+        "{:<28}{:>9}{:>9}{:>9}{:>9}{:>9}",
+        "", "p50", "p99", "p99.9", "max", "samples"
+    );
     let row = |name: &str, h: &Histogram<u64>| {
         println!(
             "{name:<28}{:>9.1}{:>9.1}{:>9.1}{:>9.1}{:>9}",
-            us(h, 0.5), us(h, 0.99), us(h, 0.999), max_us(h), h.len()
+            us(h, 0.5),
+            us(h, 0.99),
+            us(h, 0.999),
+            max_us(h),
+            h.len()
         );
     };
     row("heft, sensor to user", &m.end_to_end);
-    for (name, h) in ["  sensor to kalman", "  kalman to rls", "  rls to user"].iter().zip(&m.hops) {
+    for (name, h) in ["  sensor to kalman", "  kalman to rls", "  rls to user"]
+        .iter()
+        .zip(&m.hops)
+    {
         row(name, h);
     }
     for (kind, h) in m.limits.iter().filter(|(_, h)| !h.is_empty()) {
-        let name = if *kind == Kind::Spin { "bare cache line, 1 hop" } else { &format!("bare {} chain", kind.name()) };
+        let name = if *kind == Kind::Spin {
+            "bare cache line, 1 hop"
+        } else {
+            &format!("bare {} chain", kind.name())
+        };
         row(name, h);
     }
     if let (Some(p50), Some(p999)) = (ratio(m, 0.5), ratio(m, 0.999)) {
-        println!("heft over bare futex: p50 {p50:.2} x, p99.9 {p999:.2} x; lost {}", m.lost);
+        println!(
+            "heft over bare futex: p50 {p50:.2} x, p99.9 {p999:.2} x; lost {}",
+            m.lost
+        );
     }
 }
 
@@ -282,7 +360,12 @@ fn to_json(m: &Measured) -> Value {
         .end_to_end
         .iter_log(1_000, 1.25)
         .filter(|bin| bin.count_since_last_iteration() > 0)
-        .map(|bin| json!([bin.value_iterated_to() as f64 / 1e3, bin.count_since_last_iteration()]))
+        .map(|bin| {
+            json!([
+                bin.value_iterated_to() as f64 / 1e3,
+                bin.count_since_last_iteration()
+            ])
+        })
         .collect();
     json!({
         "rate": m.conditions.rate,

@@ -37,7 +37,10 @@ pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
     let metadata = reader.metadata();
     let version = metadata.get("heft.version").map_or("?", String::as_str);
     if version != env!("CARGO_PKG_VERSION") {
-        println!("recorded by heft {version}, replayed by heft {}", env!("CARGO_PKG_VERSION"));
+        println!(
+            "recorded by heft {version}, replayed by heft {}",
+            env!("CARGO_PKG_VERSION")
+        );
     }
     let results = match description(metadata, &args.file)? {
         Description::Excavator(d) => excavator(&reader, metadata, &d)?,
@@ -67,8 +70,10 @@ pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
 }
 
 fn line(result: &Compared) -> String {
-    let mut text =
-        format!("{:<24} {} of {} bit-identical", result.channel, result.identical, result.answers);
+    let mut text = format!(
+        "{:<24} {} of {} bit-identical",
+        result.channel, result.identical, result.answers
+    );
     if let Some((sequence, field)) = result.first_difference {
         text += &format!("; the first difference is in `{field}` of sample {sequence}");
     }
@@ -89,11 +94,17 @@ fn description(metadata: &Metadata, file: &Path) -> Result<Description, Failure>
     };
     let machine = metadata.get("machine").ok_or_else(|| missing("machine"))?;
     let kind = Kind::from_name(machine).ok_or_else(|| missing("machine"))?;
-    let text = metadata.get("description").ok_or_else(|| missing("description"))?;
+    let text = metadata
+        .get("description")
+        .ok_or_else(|| missing("description"))?;
     if metadata.get("description.sha256") != Some(&recording::sha256(text)) {
         println!("the description in the recording was changed after the run");
     }
-    Ok(Description::parse(text, "the description in the recording", Some(kind))?)
+    Ok(Description::parse(
+        text,
+        "the description in the recording",
+        Some(kind),
+    )?)
 }
 
 fn method<'a>(metadata: &'a Metadata, key: &str, default: &'a str) -> &'a str {
@@ -108,15 +119,27 @@ fn excavator(
     let first = method(metadata, "first_method", "svf-rls");
     let second = method(metadata, "second_method", "auto");
     Ok(vec![
-        compare(reader, &EXCAVATOR_SENSORS, &EXCAVATOR_MOTION, life_of_filter, || {
-            pipeline::excavator_filter(d)
-        })?,
-        compare(reader, &EXCAVATOR_MOTION, &EXCAVATOR_INERTIA_RLS, life_of_estimator, || {
-            pipeline::excavator_regression(d, first)
-        })?,
-        compare(reader, &EXCAVATOR_SENSORS, &EXCAVATOR_INERTIA_UKF, life_of_estimator, || {
-            pipeline::excavator_estimator(d, second)
-        })?,
+        compare(
+            reader,
+            &EXCAVATOR_SENSORS,
+            &EXCAVATOR_MOTION,
+            life_of_filter,
+            || pipeline::excavator_filter(d),
+        )?,
+        compare(
+            reader,
+            &EXCAVATOR_MOTION,
+            &EXCAVATOR_INERTIA_RLS,
+            life_of_estimator,
+            || pipeline::excavator_regression(d, first),
+        )?,
+        compare(
+            reader,
+            &EXCAVATOR_SENSORS,
+            &EXCAVATOR_INERTIA_UKF,
+            life_of_estimator,
+            || pipeline::excavator_estimator(d, second),
+        )?,
     ])
 }
 
@@ -127,12 +150,20 @@ fn loader(
 ) -> Result<Vec<Compared>, Failure> {
     let second = method(metadata, "second_method", "full");
     Ok(vec![
-        compare(reader, &LOADER_SENSORS, &LOADER_CG_EKF, life_of_estimator, || {
-            pipeline::loader_baseline(d)
-        })?,
-        compare(reader, &LOADER_SENSORS, &LOADER_CG_UKF, life_of_estimator, || {
-            pipeline::loader_estimator(d, second)
-        })?,
+        compare(
+            reader,
+            &LOADER_SENSORS,
+            &LOADER_CG_EKF,
+            life_of_estimator,
+            || pipeline::loader_baseline(d),
+        )?,
+        compare(
+            reader,
+            &LOADER_SENSORS,
+            &LOADER_CG_UKF,
+            life_of_estimator,
+            || pipeline::loader_estimator(d, second),
+        )?,
     ])
 }
 
@@ -176,7 +207,9 @@ fn compare<S: Step>(
         match difference(&answer(&mut step, sample), answered) {
             None => result.identical += 1,
             Some(field) => {
-                result.first_difference.get_or_insert((answered.stamp().sequence, field));
+                result
+                    .first_difference
+                    .get_or_insert((answered.stamp().sequence, field));
             }
         }
     }
@@ -189,5 +222,7 @@ fn difference<M: Message>(a: &M, b: &M) -> Option<&'static str> {
         (Some(a), Some(b)) => a.same_bits(b),
         (a, b) => a.is_none() && b.is_none(),
     };
-    (HEAD..M::FIELDS.len()).find(|&i| !same(i)).map(|i| M::FIELDS[i].name)
+    (HEAD..M::FIELDS.len())
+        .find(|&i| !same(i))
+        .map(|i| M::FIELDS[i].name)
 }

@@ -27,8 +27,14 @@ pub fn description(kind: Kind, args: &DescriptionArgs) -> Result<Description, Fa
     };
     if description.kind() != kind {
         return Err(Failure::input(
-            format!("the description is for the {}, not for the {kind}", description.kind()),
-            args.config.as_deref().unwrap_or(Path::new("--config")).display(),
+            format!(
+                "the description is for the {}, not for the {kind}",
+                description.kind()
+            ),
+            args.config
+                .as_deref()
+                .unwrap_or(Path::new("--config"))
+                .display(),
             "give the description of this machine, or name the other one",
         ));
     }
@@ -56,8 +62,7 @@ fn default_folder(machine: &str) -> PathBuf {
 /// Makes the folder of a run.
 pub fn folder(out: Option<&Path>, machine: &str) -> Result<PathBuf, Failure> {
     let folder = out.map_or_else(|| default_folder(machine), Path::to_path_buf);
-    std::fs::create_dir_all(&folder)
-        .map_err(|e| Failure::file("make the folder", &folder, &e))?;
+    std::fs::create_dir_all(&folder).map_err(|e| Failure::file("make the folder", &folder, &e))?;
     Ok(folder)
 }
 
@@ -151,14 +156,30 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     }
     let (plan, folder) = plan(args)?;
     let kind = plan.kind();
-    let page = args.view.map(|addr| crate::live::start(addr, kind)).transpose()?;
-    let watch = Watch::new(kind, page.as_ref().map(|(feed, _)| feed.clone()), show(args));
+    let page = args
+        .view
+        .map(|addr| crate::live::start(addr, kind))
+        .transpose()?;
+    let watch = Watch::new(
+        kind,
+        page.as_ref().map(|(feed, _)| feed.clone()),
+        show(args),
+    );
     let recording = plan.recording.clone();
-    let supervisor =
-        Supervisor::start(&domain(args.domain.as_deref(), "")?, plan, watch, signals()?)?;
+    let supervisor = Supervisor::start(
+        &domain(args.domain.as_deref(), "")?,
+        plan,
+        watch,
+        signals()?,
+    )?;
     let (end, watch) = supervisor.run()?;
-    let report = (!args.no_report).then(|| summary::report(&recording, &folder)).flatten();
-    print!("{}", summary::text(kind, &watch, &recording, report.as_deref()));
+    let report = (!args.no_report)
+        .then(|| summary::report(&recording, &folder))
+        .flatten();
+    print!(
+        "{}",
+        summary::text(kind, &watch, &recording, report.as_deref())
+    );
     verdict(&end, &watch, args.require_trust)
 }
 

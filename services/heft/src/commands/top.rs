@@ -46,16 +46,27 @@ pub fn top(domain: Option<&str>, once: bool) -> Result<(), Failure> {
     let ports = Ports::new("top")?;
     let channels: Vec<_> = of_machine(&plan.machine).collect();
     let mut taps = Taps::open(&ports, &channels)?;
-    let names = processes::of_machine(plan.kind()).iter().map(|p| p.name.to_owned()).collect();
+    let names = processes::of_machine(plan.kind())
+        .iter()
+        .map(|p| p.name.to_owned())
+        .collect();
     let mut seen = Seen(TopState::new(domain.name(), names));
-    if once { print_once(&mut taps, &mut seen) } else { show(&domain, &mut taps, &mut seen) }
+    if once {
+        print_once(&mut taps, &mut seen)
+    } else {
+        show(&domain, &mut taps, &mut seen)
+    }
 }
 
 /// The domain of this name, or the only living one.
 fn find(name: Option<&str>) -> Result<Domain, Failure> {
     if let Some(name) = name {
         let domain = Domain::new(name)?;
-        return if domain.is_alive() { Ok(domain) } else { Err(not_running(name)) };
+        return if domain.is_alive() {
+            Ok(domain)
+        } else {
+            Err(not_running(name))
+        };
     }
     let mut alive = Domain::all().into_iter().filter(Domain::is_alive);
     match (alive.next(), alive.next()) {
@@ -66,7 +77,11 @@ fn find(name: Option<&str>) -> Result<Domain, Failure> {
             "start one with `heft run excavator`",
         )),
         (Some(one), Some(two)) => Err(Failure::input(
-            format!("several pipelines are running: {}, {}, ...", one.name(), two.name()),
+            format!(
+                "several pipelines are running: {}, {}, ...",
+                one.name(),
+                two.name()
+            ),
             "--domain",
             "name the one to show",
         )),
@@ -84,7 +99,11 @@ fn not_running(name: &str) -> Failure {
     } else {
         format!("these are: {}", alive.join(", "))
     };
-    Failure::input(format!("no pipeline runs in the domain `{name}`"), "--domain", remedy)
+    Failure::input(
+        format!("no pipeline runs in the domain `{name}`"),
+        "--domain",
+        remedy,
+    )
 }
 
 fn print_once(taps: &mut Taps<Seen>, seen: &mut Seen) -> Result<(), Failure> {
@@ -95,7 +114,9 @@ fn print_once(taps: &mut Taps<Seen>, seen: &mut Seen) -> Result<(), Failure> {
     }
     let backend = ratatui::backend::TestBackend::new(ONCE_SIZE.0, ONCE_SIZE.1);
     let mut terminal = ratatui::Terminal::new(backend).map_err(Failure::internal)?;
-    terminal.draw(|frame| draw(frame, &seen.0)).map_err(Failure::internal)?;
+    terminal
+        .draw(|frame| draw(frame, &seen.0))
+        .map_err(Failure::internal)?;
     let buffer = terminal.backend().buffer();
     for row in buffer.content().chunks(usize::from(ONCE_SIZE.0)) {
         let line: String = row.iter().map(|cell| cell.symbol()).collect();

@@ -3,33 +3,75 @@
 use std::path::Path;
 
 use config::{Description, Kind};
+use estimation::Quantity;
+use estimation::loader::weigh::{Reading, Reference, Weighing};
 
 use crate::cli::DescriptionArgs;
 use crate::commands::run::description;
 use crate::failure::Failure;
+
+/// Accuracy of a wheel scale, as a share of its reading.
+const SCALE_STD: f64 = 0.005;
 
 /// `heft weigh`
 pub fn weigh(file: &Path, args: &DescriptionArgs, json: Option<&Path>) -> Result<(), Failure> {
     let Description::Loader(loader) = description(Kind::Loader, args)? else {
         return Err(Failure::internal("the loader's description is none"));
     };
-    let readings = recording::csv::read_weighings(file)?;
-    let readings: Vec<_> = readings
-        .iter()
-        .map(|&[pitch, front_load, rear_load]| estimation::loader::Weighing { pitch, front_load, rear_load })
-        .collect();
-    let result = estimation::loader::weigh(&readings, loader.machine.wheelbase).map_err(|e| {
-        Failure::input(e, file.display(), "weigh both axles on level ground and on ground tilted by 10 degrees or more")
-    })?;
-    println!("{}", text(&result));
+    let refused = |e: estimation::loader::weigh::WeighError| {
+        Failure::input(
+            e,
+            file.display(),
+            "weigh both axles on level ground, and again on ground tilted by several degrees",
+        )
+    };
+    let mut weighing = Weighing::new(loader.machine.wheelbase, SCALE_STD).map_err(refused)?;
+    for [pitch, front_load, rear_load] in recording::csv::read_weighings(file)? {
+        weighing
+            .add(&Reading {
+                pitch,
+                front_load,
+                rear_load,
+            })
+            .map_err(refused)?;
+    }
+    let reference = weighing.reference().map_err(refused)?;
+    print!("{}", text(&reference));
     if let Some(path) = json {
-        let value = serde_json::json!({
-            "mass": result.mass.value, "mass_std": result.mass.std,
-            "cg_ratio": result.cg_ratio.value, "cg_ratio_std": result.cg_ratio.std,
-            "cg_height": result.cg_height.map(|q| q.value), "cg_height_std": result.cg_height.map(|q| q.std),
-        });
-        let text = serde_json::to_string_pretty(&value).map_err(Failure::internal)?;
+        let text = serde_json::to_string_pretty(&to_json(&reference)).map_err(Failure::internal)?;
         std::fs::write(path, text + "\n").map_err(|e| Failure::file("write", path, &e))?;
     }
     Ok(())
+}
+
+fn line(name: &str, quantity: Quantity, unit: &str) -> String {
+    format!(
+        "{name:<36} {:.4} ± {:.4}{unit}\n",
+        quantity.value, quantity.std
+    )
+}
+
+fn text(r: &Reference) -> String {
+    let mut out = line("front share of the weight", r.cg_ratio, "");
+    out += &line("front axle to centre of gravity", r.cg_distance, " m");
+    out += &match r.cg_height {
+        Some(height) => line("height of the centre of gravity", height, " m"),
+        None => {
+            "height of the centre of gravity      unknown: no readings on tilted ground\n".into()
+        }
+    };
+    out + &format!("from {} readings\n", r.readings)
+}
+
+fn to_json(r: &Reference) -> serde_json::Value {
+    serde_json::json!({
+        "cg_ratio": r.cg_ratio.value,
+        "cg_ratio_std": r.cg_ratio.std,
+        "cg_distance": r.cg_distance.value,
+        "cg_distance_std": r.cg_distance.std,
+        "cg_height": r.cg_height.map(|q| q.value),
+        "cg_height_std": r.cg_height.map(|q| q.std),
+        "load": r.load,
+        "readings": r.readings,
+    })
 }
