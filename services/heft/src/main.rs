@@ -3,6 +3,7 @@
 mod cli;
 mod commands;
 mod failure;
+mod figures;
 mod live;
 mod pipeline;
 mod plan;

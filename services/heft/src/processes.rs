@@ -12,8 +12,16 @@ pub struct Process {
     /// Name of the service.
     pub name: &'static str,
     /// Channel that it reads; the sensor reads none, the logger all.
+    #[cfg_attr(
+        not(test),
+        expect(dead_code, reason = "documents the graph; a test holds `wakes` to it")
+    )]
     pub input: Option<&'static Channel>,
     /// Channel that it writes.
+    #[cfg_attr(
+        not(test),
+        expect(dead_code, reason = "documents the graph; a test holds `wakes` to it")
+    )]
     pub output: Option<&'static Channel>,
     /// Processes whose bell it rings, next stage first.
     pub wakes: &'static [&'static str],

@@ -46,7 +46,6 @@ pub enum End {
 
 struct Worker {
     process: &'static Process,
-    index: u32,
     bell: Bell,
     control: Control,
     child: Child,
@@ -120,7 +119,6 @@ impl Supervisor {
             let (control, child) = self.spawn(process, 0)?;
             self.workers.push(Worker {
                 process,
-                index: index as u32,
                 bell: bells[index].try_clone()?,
                 control,
                 child,
@@ -183,7 +181,8 @@ impl Supervisor {
             Some(end) => end,
             None => {
                 self.start_ns = now_ns() + 20_000_000;
-                for i in 0..self.workers.len() {
+                // Downstream first: everyone listens before the source begins.
+                for i in (0..self.workers.len()).rev() {
                     self.say_go(i);
                 }
                 self.watch_over()
@@ -239,8 +238,7 @@ impl Supervisor {
             }
         }
         self.taps.drain(&mut self.watch);
-        let restarts = self.workers.iter().map(|w| w.restarts).sum();
-        self.watch.tick(restarts);
+        self.watch.tick();
         None
     }
 

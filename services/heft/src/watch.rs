@@ -115,7 +115,6 @@ pub struct Watch {
     latest: BTreeMap<&'static str, Envelope>,
     health: BTreeMap<u32, Health>,
     deaths: Vec<String>,
-    restarts: u32,
     shown: Option<Instant>,
     begun: Option<Instant>,
 }
@@ -134,11 +133,6 @@ impl Watch {
 
     /// Number after that of the latest sample seen.
     pub fn next_sequence(&self) -> u64 {
-        self.next_sequence
-    }
-
-    /// Samples seen.
-    pub fn samples(&self) -> u64 {
         self.next_sequence
     }
 
@@ -174,11 +168,6 @@ impl Watch {
         self.health.values().map(|h| h.lost).sum()
     }
 
-    /// Processes that were started again.
-    pub fn restarts(&self) -> u32 {
-        self.restarts
-    }
-
     /// Deaths, in words.
     pub fn deaths(&self) -> &[String] {
         &self.deaths
@@ -196,8 +185,7 @@ impl Watch {
     }
 
     /// Shows the state, not too often.
-    pub fn tick(&mut self, restarts: u32) {
-        self.restarts = restarts;
+    pub fn tick(&mut self) {
         if self.show == Show::Nothing || self.scores.is_empty() {
             return;
         }

@@ -78,6 +78,8 @@ impl Worker {
                 tracing::warn!(process = self.setup.identity.name, "real time: {refused}");
             }
         }
+        // Samples may have come, and rung, while this process still waited for `go`.
+        self.bell.ring();
         Some(begin)
     }
 

@@ -181,6 +181,7 @@ fn report<const N: usize, const M: usize>(
     let reported = with_floors(
         settings,
         filter.tuning(),
+        N > 6,
         ratio,
         (loaded_std.1, loaded_std.0),
     );

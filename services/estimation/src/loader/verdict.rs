@@ -6,12 +6,20 @@
 //! sd_lam,rep^2 = sd_lam^2 + lam^2 [(16 sigma_rho)^2 + ((1 - lam) sigma_Tratio)^2 + 0.011^2]
 //! sd_h,rep^2   = sd_h^2 + (0.04 m)^2
 //! ```
+//! The methods of the paper take the rolling radii as exact. On a real machine that error is larger than all others and
+//! their own interval knows nothing of it, so it is added too: they are honest, and therefore never trusted.
 
 use super::settings::{Settings, Tuning};
 use crate::math::sqrt;
 
 /// Relative error of the ratio per load sensitivity.
 const RATIO_PER_SENSITIVITY: f64 = 16.0;
+/// Relative error of the ratio per relative error of a rolling radius that is taken as exact: 17 % for 0.1 %.
+const RATIO_PER_RADIUS: f64 = 170.0;
+/// Error of the height per the same: 0.1 % drives it to its bound [m].
+const HEIGHT_PER_RADIUS: f64 = 600.0;
+/// How well rolling radii are known beforehand, where the filter does not learn them.
+const RADIUS_STD: f64 = 0.003;
 
 /// Averaging time of the excitation [s].
 const EXCITATION_TIME: f64 = 5.0;
@@ -172,10 +180,12 @@ impl Evidence {
 pub(super) fn with_floors(
     settings: &Settings,
     tuning: &Tuning,
+    learns_radii: bool,
     ratio: f64,
     (ratio_std, height_std): (f64, f64),
 ) -> (f64, f64) {
     let machine = &settings.machine;
+    let radius = if learns_radii { 0.0 } else { RADIUS_STD };
     // A tyre modelled as rigid is wrong by the whole load sensitivity, not by its uncertainty.
     let unmodelled = if tuning.real_tyre {
         0.0
@@ -188,10 +198,15 @@ pub(super) fn with_floors(
         RATIO_PER_SENSITIVITY * sensitivity,
         (1.0 - ratio) * torque_ratio,
         settings.verdict.cg_ratio_floor,
+        RATIO_PER_RADIUS * radius,
     ]);
     (
         norm(&[ratio_std, ratio * relative]),
-        norm(&[height_std, settings.verdict.cg_height_floor]),
+        norm(&[
+            height_std,
+            settings.verdict.cg_height_floor,
+            HEIGHT_PER_RADIUS * radius,
+        ]),
     )
 }
 

@@ -1,8 +1,9 @@
 //! Faulty sensors and wrong parameters: the estimate stays usable, or says that it is not.
 //!
 //! JSON: a list of `{"input":..,"mode":..,"payload":..,"summary":{..},"targets":[..],"met":..}`, errors in percent.
-//! Every line must be free of values that are trusted and wrong by more than 10 %; where the fault is one that the
-//! estimator has to deal with, the accuracy is asked as well.
+//! A fault that can be noticed must not lead to values that are trusted and wrong by more than 10 %; where the
+//! estimator has to deal with it, the accuracy is asked as well. A wrong parameter that the inputs of a mode cannot
+//! tell from another inertia is only documented: "-".
 
 use super::case::Case;
 use super::estimators::Setup;
@@ -20,6 +21,19 @@ const PAYLOADS: [f64; 2] = [0.0, 423.0];
 /// Trusted and wrong: at most this share of the time [%].
 const TRUSTED_WRONG: f64 = 0.5;
 
+/// What is asked of a mode in trouble.
+#[derive(Clone, Copy)]
+enum Asked {
+    /// A largest error (p95) [%], and honesty.
+    Accuracy(f64),
+    /// Nothing trusted and wrong.
+    Honesty,
+    /// Nothing: the figures are for the record.
+    Nothing,
+}
+
+use Asked::{Accuracy, Honesty, Nothing};
+
 /// What is wrong.
 struct Trouble {
     name: &'static str,
@@ -28,8 +42,8 @@ struct Trouble {
     settings: fn(&mut Settings),
     /// The record begins here [s].
     start: f64,
-    /// Largest error (p95) asked of D_auto, BM_known and C [%]; infinite where only honesty is asked.
-    asked: [f64; 3],
+    /// What is asked of D_auto, BM_known and C.
+    asked: [Asked; 3],
 }
 
 /// Evaluates the table.
@@ -86,12 +100,17 @@ fn modes(start: f64) -> [(Setup, Window); 3] {
     ]
 }
 
-fn targets(summary: &Summary, most: f64) -> Vec<Target> {
-    let mut targets = vec![Target::most("wrong", summary.trusted_wrong, TRUSTED_WRONG)];
-    if most.is_finite() {
-        targets.push(Target::most("max", summary.max_p95, most).known_to(summary.error.max_p95));
+fn targets(s: &Summary, asked: Asked) -> Vec<Target> {
+    let honest =
+        Target::most("wrong", s.trusted_wrong, TRUSTED_WRONG).known_to(s.error.trusted_wrong);
+    match asked {
+        Accuracy(most) => vec![
+            honest,
+            Target::most("max", s.max_p95, most).known_to(s.error.max_p95),
+        ],
+        Honesty => vec![honest],
+        Nothing => Vec::new(),
     }
-    targets
 }
 
 impl Trouble {
@@ -135,12 +154,14 @@ fn entry(input: &str, mode: &str, payload: f64, summary: &Summary, targets: &[Ta
     })
 }
 
-/// Only honesty is asked.
-const HONEST: [f64; 3] = [f64::INFINITY; 3];
 /// As accurate as without the fault: a quarter above the figures of the undisturbed runs.
-const AS_NONE: [f64; 3] = [8.0, 9.0, 18.0];
+const AS_NONE: [Asked; 3] = [Accuracy(8.0), Accuracy(9.0), Accuracy(18.0)];
+/// Damping and torque offset are uncertain for D_auto; the others take them as known.
+const ASSUMED_KNOWN: [Asked; 3] = [Accuracy(10.0), Nothing, Nothing];
+/// No mode can tell.
+const RECORD: [Asked; 3] = [Nothing; 3];
 
-fn trouble(name: &'static str, asked: [f64; 3], faults: Vec<Fault>) -> Trouble {
+fn trouble(name: &'static str, asked: [Asked; 3], faults: Vec<Fault>) -> Trouble {
     Trouble {
         name,
         noise: Sensors::default(),
@@ -151,10 +172,10 @@ fn trouble(name: &'static str, asked: [f64; 3], faults: Vec<Fault>) -> Trouble {
     }
 }
 
-fn wrong(name: &'static str, settings: fn(&mut Settings)) -> Trouble {
+fn wrong(name: &'static str, asked: [Asked; 3], settings: fn(&mut Settings)) -> Trouble {
     Trouble {
         settings,
-        ..trouble(name, HONEST, Vec::new())
+        ..trouble(name, asked, Vec::new())
     }
 }
 
@@ -176,7 +197,7 @@ fn sensor_troubles() -> Vec<Trouble> {
         ),
         trouble(
             "50 % missing",
-            [9.0, 10.0, 50.0],
+            [Accuracy(9.0), Accuracy(10.0), Honesty],
             vec![Fault::random(velocity, Kind::Missing, 0.5)],
         ),
         trouble(
@@ -186,7 +207,7 @@ fn sensor_troubles() -> Vec<Trouble> {
         ),
         trouble(
             "0.3 s missing",
-            [8.0, 9.0, 30.0],
+            [Accuracy(8.0), Accuracy(9.0), Accuracy(30.0)],
             vec![Fault::between(velocity, Kind::Missing, 6.6, 6.9)],
         ),
         trouble(
@@ -208,7 +229,7 @@ fn sensor_troubles() -> Vec<Trouble> {
             settings: |s| s.sensors.swing_velocity_limit = 0.8,
             ..trouble(
                 "limit 0.8",
-                [8.0, 9.0, 35.0],
+                [Accuracy(8.0), Accuracy(9.0), Accuracy(35.0)],
                 vec![Fault::always(velocity, Kind::Saturation(0.8))],
             )
         },
@@ -224,12 +245,12 @@ fn sensor_troubles() -> Vec<Trouble> {
         ),
         trouble(
             "torque gain +2 %",
-            HONEST,
+            RECORD,
             vec![Fault::always("swing_torque", Kind::Scale(1.02))],
         ),
         trouble(
             "torque offset 100",
-            HONEST,
+            ASSUMED_KNOWN,
             vec![Fault::always("swing_torque", Kind::Bias(100.0))],
         ),
         trouble(
@@ -242,20 +263,24 @@ fn sensor_troubles() -> Vec<Trouble> {
                 swing_velocity: 2.0 * noise.swing_velocity,
                 ..noise
             },
-            ..trouble("noise x 2", HONEST, vec![])
+            ..trouble("noise x 2", [Accuracy(9.0), Accuracy(9.0), Honesty], vec![])
         },
         Trouble {
             noise: Sensors {
                 joint_angle: 0.3_f64.to_radians(),
                 ..noise
             },
-            ..trouble("angle noise 0.3 deg", [9.0, 9.0, f64::INFINITY], vec![])
+            ..trouble(
+                "angle noise 0.3 deg",
+                [Accuracy(9.0), Accuracy(9.0), Honesty],
+                vec![],
+            )
         },
         Trouble {
             start: 6.5,
             ..trouble(
                 "start in mid-swing",
-                [11.0, f64::INFINITY, f64::INFINITY],
+                [Accuracy(11.0), Honesty, Honesty],
                 vec![],
             )
         },
@@ -264,15 +289,17 @@ fn sensor_troubles() -> Vec<Trouble> {
 
 fn parameter_troubles() -> Vec<Trouble> {
     vec![
-        wrong("b_bar -20 %", |s| s.nominal_damping *= 0.8),
-        wrong("b_bar +20 %", |s| s.nominal_damping *= 1.2),
-        wrong("T_f -50 %", |s| s.coulomb_friction *= 0.5),
-        wrong("T_f +50 %", |s| s.coulomb_friction *= 1.5),
-        wrong("J_u -10 %", |s| s.geometry.upper_inertia *= 0.9),
-        wrong("J_u +10 %", |s| s.geometry.upper_inertia *= 1.1),
-        wrong("link masses +5 %", |s| {
+        wrong("b_bar -20 %", ASSUMED_KNOWN, |s| s.nominal_damping *= 0.8),
+        wrong("b_bar +20 %", ASSUMED_KNOWN, |s| s.nominal_damping *= 1.2),
+        wrong("T_f -50 %", RECORD, |s| s.coulomb_friction *= 0.5),
+        wrong("T_f +50 %", RECORD, |s| s.coulomb_friction *= 1.5),
+        wrong("J_u -10 %", RECORD, |s| s.geometry.upper_inertia *= 0.9),
+        wrong("J_u +10 %", RECORD, |s| s.geometry.upper_inertia *= 1.1),
+        wrong("link masses +5 %", RECORD, |s| {
             s.geometry.masses = s.geometry.masses.map(|m| 1.05 * m)
         }),
-        wrong("payload centre +20 %", |s| s.geometry.payload_centre *= 1.2),
+        wrong("payload centre +20 %", RECORD, |s| {
+            s.geometry.payload_centre *= 1.2
+        }),
     ]
 }

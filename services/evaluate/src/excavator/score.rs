@@ -154,6 +154,8 @@ pub struct StandardErrors {
     pub max_p95: f64,
     /// Of the coverage [%].
     pub coverage: f64,
+    /// Of the share of samples trusted and wrong [%].
+    pub trusted_wrong: f64,
 }
 
 impl Summary {
@@ -185,6 +187,7 @@ impl Summary {
                 std_p95: p95_error(&stds),
                 max_p95: p95_error(&maxima),
                 coverage: mean_error(&all(|s| s.coverage)),
+                trusted_wrong: mean_error(&all(|s| s.trusted_wrong)),
             },
         }
     }

@@ -163,3 +163,27 @@ fn record(tier: Tier, scenario: Scenario, time: f64, line: &Line) -> Value {
         "trusted": line.trusted
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn line(tier: Tier, scenario: Scenario, time: f64, seeds: usize) -> Line {
+        let options = Options { seeds, ..Options::default() };
+        let runs = run(&options, tier, scenario, &[time]).unwrap();
+        Line::of(&runs.concat())
+    }
+
+    #[test]
+    fn on_a_cruise_the_interval_stays_the_prior_and_the_height_is_not_trusted() {
+        let line = line(Tier::B, Scenario::Cruise, 60.0, 3);
+        assert!(line.std_of_prior >= 0.85 && line.trusted == 0.0 && line.excited == 0.0, "{line:?}");
+    }
+
+    #[test]
+    fn hard_driving_narrows_the_interval_of_the_height() {
+        let line = line(Tier::A, Scenario::AccelDecel, 30.0, 4);
+        // 0.81 of the prior in the reference, on another machine.
+        assert!(line.std_of_prior < 0.9 && line.coverage == 1.0, "{line:?}");
+    }
+}

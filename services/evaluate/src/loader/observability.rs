@@ -329,3 +329,27 @@ fn model(told: &Told, before: &Row, row: &Row) -> CgModel {
         loading: Loading::NONE,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn knowledge(scenario: Scenario, time: f64) -> Knowledge {
+        let found = roots(scenario, &[time]).unwrap();
+        Knowledge::of(&found[0].1).unwrap()
+    }
+
+    #[test]
+    fn on_a_cruise_the_height_alone_is_unobservable() {
+        let cruise = knowledge(Scenario::Cruise, 12.0);
+        let (weakest, direction) = cruise.directions[0];
+        assert!(weakest > 0.95 && direction[1].abs() > 0.95, "{weakest} {direction:?}");
+        assert!(cruise.parameters[2] < 0.3, "{:?}", cruise.parameters);
+    }
+
+    #[test]
+    fn changing_acceleration_makes_the_height_observable() {
+        let driven = knowledge(Scenario::AccelDecel, 30.0);
+        assert!(driven.parameters[1] < 0.6, "{:?}", driven.parameters);
+    }
+}

@@ -10,6 +10,10 @@ use crate::failure::Failure;
 /// `heft evaluate`
 pub fn evaluate(args: &EvaluateArgs) -> Result<(), Failure> {
     let kind = Kind::from(args.machine);
+    if let Some(folder) = &args.figures {
+        fs::create_dir_all(folder).map_err(|e| Failure::file("make the folder", folder, &e))?;
+        return crate::figures::draw(kind, folder);
+    }
     let options = evaluate::Options {
         table: args.table.clone(),
         seeds: args.seeds,
