@@ -101,7 +101,7 @@ fn a_filter_does_the_same_work_on_all_data() {
         return;
     }
     let bench = Path::new(env!("CARGO_BIN_EXE_bench"));
-    for (key, index, _) in counts::BUDGETS {
+    for (key, index, ..) in counts::BUDGETS {
         let count =
             |passes| counts::instructions(bench, key, index, passes).expect("valgrind counts");
         // The first pass starts at the prior, the later ones in other states: the work must not show it.
