@@ -179,7 +179,12 @@ fn loader_figures() -> Result<Vec<Figure>, Failure> {
         ("fig04", "4", Scenario::Bumpy, "driving on a bumpy road"),
         ("fig05", "5", Scenario::Spading, "spading on a bumpy road"),
         ("fig07", "7", Scenario::ConstantTorque, "constant torque"),
-        ("fig08", "8", Scenario::AccelDecel, "acceleration and deceleration"),
+        (
+            "fig08",
+            "8",
+            Scenario::AccelDecel,
+            "acceleration and deceleration",
+        ),
     ]
     .into_iter()
     .map(|(file, number, scenario, condition)| {

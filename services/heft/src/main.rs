@@ -5,6 +5,7 @@ mod commands;
 mod failure;
 mod figures;
 mod live;
+mod parts;
 mod pipeline;
 mod plan;
 mod processes;

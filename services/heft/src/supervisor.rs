@@ -12,6 +12,7 @@ use runtime::{Bell, Control, Domain, Heard, Held, Owner, Ports, Taps, now_ns};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
 use crate::failure::Failure;
+use crate::parts;
 use crate::plan::Plan;
 use crate::processes::{self, Process};
 use crate::watch::Watch;
@@ -194,6 +195,8 @@ impl Supervisor {
         self.end_all();
         self.taps.drain(&mut self.watch);
         self.watch.finish();
+        let logger = self.workers.iter().find(|w| w.process.name == "logger");
+        parts::join(&self.plan.recording, logger.map_or(0, |w| w.restarts))?;
         Ok((end, std::mem::take(&mut self.watch)))
     }
 

@@ -2,7 +2,9 @@
 //!
 //! A process answers each sample that reached it, in order, and begins with a new state when it is
 //! restarted. The recording tells both, by the sequence numbers of the answers and by the life of
-//! the stage that made them. So losses and restarts replay too.
+//! the stage that made them. So losses and restarts replay too. Only where the recording itself has
+//! a gap (its logger was killed) the state behind the gap is unknown: what a stage answered after
+//! it, until it began anew, cannot be checked, and is counted as such.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -27,7 +29,8 @@ struct Compared {
     identical: usize,
     /// Sequence number and field of the first difference.
     first_difference: Option<(u64, &'static str)>,
-    orphans: usize,
+    /// Answers behind a gap of the recording.
+    unknown: usize,
 }
 
 /// `heft replay`
@@ -46,11 +49,12 @@ pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
         Description::Excavator(d) => excavator(&reader, metadata, &d)?,
         Description::Loader(d) => loader(&reader, metadata, &d)?,
     };
-    let (mut answers, mut identical) = (0, 0);
+    let (mut answers, mut identical, mut unknown) = (0, 0, 0);
     for result in results.iter().filter(|r| r.answers > 0) {
         println!("{}", line(result));
         answers += result.answers;
         identical += result.identical;
+        unknown += result.unknown;
     }
     if answers == 0 {
         return Err(Failure::input(
@@ -60,10 +64,13 @@ pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
         ));
     }
     println!("{identical} of {answers} estimates are bit-identical");
-    if args.verify && identical < answers {
+    if unknown > 0 {
+        println!("{unknown} cannot be checked: the recording has a gap before them");
+    }
+    let different = answers - identical - unknown;
+    if args.verify && different > 0 {
         return Err(Failure::answer_is_no(format!(
-            "{} estimates differ",
-            answers - identical
+            "{different} estimates differ"
         )));
     }
     Ok(())
@@ -77,8 +84,8 @@ fn line(result: &Compared) -> String {
     if let Some((sequence, field)) = result.first_difference {
         text += &format!("; the first difference is in `{field}` of sample {sequence}");
     }
-    if result.orphans > 0 {
-        text += &format!("; {} without their sample in the recording", result.orphans);
+    if result.unknown > 0 {
+        text += &format!("; {} behind a gap of the recording", result.unknown);
     }
     text
 }
@@ -191,17 +198,25 @@ fn compare<S: Step>(
         answers: recorded.len(),
         identical: 0,
         first_difference: None,
-        orphans: 0,
+        unknown: 0,
     };
     let mut step = new()?;
     let mut current = 0;
+    let mut known = true;
+    let mut previous: Option<&S::Output> = None;
     for answered in &recorded {
         if life(answered.hops()) != current {
             current = life(answered.hops());
             step = new()?;
+            // Its first answers may be in the gap too.
+            known = !gap(previous, answered, &by_number);
+        } else if gap(previous, answered, &by_number) {
+            known = false;
         }
-        let Some(sample) = by_number.get(&answered.stamp().sequence) else {
-            result.orphans += 1;
+        previous = Some(answered);
+        let sample = by_number.get(&answered.stamp().sequence).filter(|_| known);
+        let Some(sample) = sample else {
+            result.unknown += 1;
             continue;
         };
         match difference(&answer(&mut step, sample), answered) {
@@ -214,6 +229,14 @@ fn compare<S: Step>(
         }
     }
     Ok(result)
+}
+
+/// Whether samples are missing from the recording between two answers, which the stage may have
+/// read: neither they nor their answers are there, and it was not the source that was restarted.
+fn gap<I, O: Message>(previous: Option<&O>, next: &O, inputs: &HashMap<u64, &I>) -> bool {
+    let first = previous.map_or(0, |p| p.stamp().sequence + 1);
+    let same_source = previous.is_none_or(|p| p.stamp().epoch == next.stamp().epoch);
+    same_source && (first..next.stamp().sequence).any(|number| !inputs.contains_key(&number))
 }
 
 /// Name of the first field of the message itself whose bits differ.
