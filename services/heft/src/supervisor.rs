@@ -189,7 +189,8 @@ impl Supervisor {
                 self.watch_over()
             }
         };
-        if !matches!(end, End::Failed(_)) {
+        // Before `go` there is nothing to drain.
+        if self.start_ns != 0 && !matches!(end, End::Failed(_)) {
             self.drain();
         }
         self.end_all();
