@@ -100,7 +100,7 @@ impl Running {
     /// Process id of a service of this run.
     pub fn service(&self, name: &str) -> Option<u32> {
         processes().into_iter().find_map(|(pid, args)| {
-            let ours = args.iter().any(|a| *a == self.domain);
+            let ours = args.contains(&self.domain);
             (ours
                 && args.get(1).is_some_and(|a| a == "service")
                 && args.get(2).is_some_and(|a| a == name))

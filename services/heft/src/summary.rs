@@ -27,12 +27,12 @@ pub fn text(kind: Kind, watch: &Watch, recording: &Path, report: Option<&Path>) 
     let mut line = |text: String| {
         let _ = writeln!(out, "  {text}");
     };
-    line(in_words(kind, watch));
     for score in watch.scores() {
         for text in score_lines(score) {
             line(text);
         }
     }
+    line(format!("at the end: {}", in_words(kind, watch)));
     for (name, health) in watch.all_health().filter(|(_, h)| h.age_max_ns > 0) {
         if name == "sensor" {
             continue;

@@ -1,8 +1,6 @@
 //! The simulated excavator as a source of messages.
 
-use messages::excavator_bits::{
-    ARM_ANGLE, BOOM_ANGLE, BUCKET_ANGLE, SWING_TORQUE, SWING_VELOCITY,
-};
+use messages::excavator_bits::{ARM_ANGLE, BOOM_ANGLE, BUCKET_ANGLE, SWING_TORQUE, SWING_VELOCITY};
 use messages::{ExcavatorSensors, ExcavatorTruth};
 use runtime::Source;
 use sim::excavator::{InvalidRun, Row, Run, Simulation, Truth};
@@ -25,7 +23,10 @@ impl SimulatedExcavator {
     /// # Errors
     /// A number of the run is out of its range.
     pub fn new(run: &Run) -> Result<Self, InvalidRun> {
-        Ok(Self { rows: Simulation::new(run)?, sequence: 0 })
+        Ok(Self {
+            rows: Simulation::new(run)?,
+            sequence: 0,
+        })
     }
 }
 

@@ -32,7 +32,10 @@ impl SimulatedLoader {
     /// # Errors
     /// A number of the run is out of its range.
     pub fn new(run: &Run) -> Result<Self, InvalidRun> {
-        Ok(Self { rows: Simulation::new(run)?, sequence: 0 })
+        Ok(Self {
+            rows: Simulation::new(run)?,
+            sequence: 0,
+        })
     }
 }
 
@@ -82,7 +85,11 @@ fn measured(row: &Row) -> LoaderSensors {
         columns |= BOOM_MOVING;
         valid |= if moving { BOOM_MOVING } else { 0 };
     }
-    LoaderSensors { valid, columns, ..message }
+    LoaderSensors {
+        valid,
+        columns,
+        ..message
+    }
 }
 
 fn truth(truth: &Truth) -> LoaderTruth {

@@ -17,7 +17,10 @@ impl<S, T> Recorded<S, T> {
     /// Plays `rows`.
     #[must_use]
     pub fn new(rows: Vec<(S, T)>) -> Self {
-        Self { rows: rows.into_iter(), sequence: 0 }
+        Self {
+            rows: rows.into_iter(),
+            sequence: 0,
+        }
     }
 }
 
@@ -51,16 +54,30 @@ mod tests {
     #[test]
     fn rows_come_in_order_with_numbers_from_0_and_without_old_clocks() {
         let row = |n: u64| {
-            let mut sensors = ExcavatorSensors { swing_velocity: n as f64, ..Default::default() };
-            sensors.stamp = Stamp { sequence: 7 * n, time: n as f64, measured_ns: 9, ..Default::default() };
+            let mut sensors = ExcavatorSensors {
+                swing_velocity: n as f64,
+                ..Default::default()
+            };
+            sensors.stamp = Stamp {
+                sequence: 7 * n,
+                time: n as f64,
+                measured_ns: 9,
+                ..Default::default()
+            };
             sensors.hops.sensor_ns = 5;
             (sensors, ExcavatorTruth::default())
         };
         let mut source = Recorded::new((0..3).map(row).collect());
         for n in 0..3 {
             let (sensors, truth) = source.next().expect("three rows");
-            assert_eq!((sensors.stamp.sequence, sensors.swing_velocity), (n, n as f64));
-            assert_eq!((sensors.stamp.time, sensors.stamp.measured_ns), (n as f64, 0));
+            assert_eq!(
+                (sensors.stamp.sequence, sensors.swing_velocity),
+                (n, n as f64)
+            );
+            assert_eq!(
+                (sensors.stamp.time, sensors.stamp.measured_ns),
+                (n as f64, 0)
+            );
             assert_eq!((sensors.hops.sensor_ns, truth.stamp), (0, sensors.stamp));
         }
         assert!(source.next().is_none());

@@ -137,18 +137,37 @@ mod tests {
 
     #[test]
     fn the_published_size_comes_out_with_hall_sensors_and_the_ekf_is_no_worse() {
-        let options = Options { seeds: 6, ..Options::default() };
+        let options = Options {
+            seeds: 6,
+            ..Options::default()
+        };
         let summaries = run(&options, Grade::Hall, Scenario::Bumpy).unwrap();
-        assert!(holds(Grade::Hall, Scenario::Bumpy, &summaries), "{summaries:?}");
+        assert!(
+            holds(Grade::Hall, Scenario::Bumpy, &summaries),
+            "{summaries:?}"
+        );
     }
 
     #[test]
     fn with_good_wheel_speeds_the_consistent_form_beats_the_printed_one() {
-        let options = Options { seeds: 4, ..Options::default() };
+        let options = Options {
+            seeds: 4,
+            ..Options::default()
+        };
         let [printed, joint, ekf] = run(&options, Grade::Resolver, Scenario::AccelDecel).unwrap();
         // 7.4 and 1.7 % in the reference; four runs leave a spread of some 1 %.
-        assert!(printed.ratio.median > 2.0 * joint.ratio.median, "{printed:?} {joint:?}");
-        assert!(joint.ratio.median < 3.5 && holds(Grade::Resolver, Scenario::AccelDecel, &[printed, joint, ekf]));
+        assert!(
+            printed.ratio.median > 2.0 * joint.ratio.median,
+            "{printed:?} {joint:?}"
+        );
+        assert!(
+            joint.ratio.median < 3.5
+                && holds(
+                    Grade::Resolver,
+                    Scenario::AccelDecel,
+                    &[printed, joint, ekf]
+                )
+        );
         // The height is the initial guess: 0.10 m of 0.90 m, as good in any form that is consistent.
         assert!(joint.height.rms > 3.0, "{joint:?}");
     }

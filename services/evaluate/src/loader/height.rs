@@ -169,7 +169,10 @@ mod tests {
     use super::*;
 
     fn line(tier: Tier, scenario: Scenario, time: f64, seeds: usize) -> Line {
-        let options = Options { seeds, ..Options::default() };
+        let options = Options {
+            seeds,
+            ..Options::default()
+        };
         let runs = run(&options, tier, scenario, &[time]).unwrap();
         Line::of(&runs.concat())
     }
@@ -177,7 +180,10 @@ mod tests {
     #[test]
     fn on_a_cruise_the_interval_stays_the_prior_and_the_height_is_not_trusted() {
         let line = line(Tier::B, Scenario::Cruise, 60.0, 3);
-        assert!(line.std_of_prior >= 0.85 && line.trusted == 0.0 && line.excited == 0.0, "{line:?}");
+        assert!(
+            line.std_of_prior >= 0.85 && line.trusted == 0.0 && line.excited == 0.0,
+            "{line:?}"
+        );
     }
 
     #[test]

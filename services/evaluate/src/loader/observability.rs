@@ -246,13 +246,8 @@ fn step(root: &Mat<f64>, told: &Told, before: &Row, row: &Row) -> Mat<f64> {
                     }
                 }
             },
-            (None, j) => {
-                if j - 2 * STATES == i {
-                    sensor[i]
-                } else {
-                    0.0
-                }
-            }
+            (None, j) if j - 2 * STATES == i => sensor[i],
+            (None, _) => 0.0,
             (Some(k), j) if j < STATES => images[(k, j)],
             (Some(k), j) if j - STATES == k => process_std(k),
             _ => 0.0,
@@ -343,7 +338,10 @@ mod tests {
     fn on_a_cruise_the_height_alone_is_unobservable() {
         let cruise = knowledge(Scenario::Cruise, 12.0);
         let (weakest, direction) = cruise.directions[0];
-        assert!(weakest > 0.95 && direction[1].abs() > 0.95, "{weakest} {direction:?}");
+        assert!(
+            weakest > 0.95 && direction[1].abs() > 0.95,
+            "{weakest} {direction:?}"
+        );
         assert!(cruise.parameters[2] < 0.3, "{:?}", cruise.parameters);
     }
 

@@ -251,19 +251,33 @@ mod tests {
     #[test]
     fn every_fault_can_be_injected() {
         for (name, faults, _) in CASES {
-            let faults = faults.iter().map(|text| Fault::parse(text)).collect::<Result<Vec<_>, _>>().unwrap();
-            let run = Run { duration: Some(0.1), faults, ..Run::new(Scenario::WorkCycle) };
+            let faults = faults
+                .iter()
+                .map(|text| Fault::parse(text))
+                .collect::<Result<Vec<_>, _>>()
+                .unwrap();
+            let run = Run {
+                duration: Some(0.1),
+                faults,
+                ..Run::new(Scenario::WorkCycle)
+            };
             assert!(sim::loader::Simulation::new(&run).is_ok(), "{name}");
         }
     }
 
     #[test]
     fn the_filter_survives_spikes_and_a_locked_wheel() {
-        let options = Options { seeds: 1, ..Options::default() };
+        let options = Options {
+            seeds: 1,
+            ..Options::default()
+        };
         for name in ["spikes of 1e3, 1e6, 1e9", "front wheels locked for 1.5 s"] {
             let (name, faults, limits) = CASES.into_iter().find(|case| case.0 == name).unwrap();
             let end = run(&options, name, faults).unwrap()[0];
-            let passed = end.finite && end.resets == 0 && end.ratio.abs() < limits[0] && end.height.abs() < limits[1];
+            let passed = end.finite
+                && end.resets == 0
+                && end.ratio.abs() < limits[0]
+                && end.height.abs() < limits[1];
             assert!(passed, "{name}: {end:?}");
         }
     }

@@ -210,12 +210,18 @@ mod tests {
 
     #[test]
     fn the_printed_sign_moves_a_rigid_centre_of_gravity_and_the_physical_one_does_not() {
-        let options = Options { seeds: 4, ..Options::default() };
+        let options = Options {
+            seeds: 4,
+            ..Options::default()
+        };
         let (scenario, from, expected) = CASES[0];
         let sums = run(&options, scenario, from).unwrap();
         assert!(holds(&sums, expected.unwrap()), "{}", record(&sums));
         let json = record(&sums);
-        assert!((json["truth"].as_f64().unwrap() - 0.45).abs() < 1e-12, "{json}");
+        assert!(
+            (json["truth"].as_f64().unwrap() - 0.45).abs() < 1e-12,
+            "{json}"
+        );
         // -2 h / (l g) = -0.080 for an infinitely fast filter; this one lags.
         assert!((-0.08..-0.04).contains(&sums[0].slope()) && sums[1].slope().abs() < 0.01);
     }

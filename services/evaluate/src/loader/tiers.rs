@@ -243,18 +243,31 @@ mod tests {
 
     #[test]
     fn on_a_real_machine_the_full_filter_holds_where_the_paper_filters_diverge() {
-        let options = Options { seeds: 6, ..Options::default() };
+        let options = Options {
+            seeds: 6,
+            ..Options::default()
+        };
         let of = |filter| Case::new(Tier::B, Scenario::AccelDecel, filter);
-        let group = [of(Candidate::PRINTED), of(Candidate::EKF), of(Candidate::COLD)];
+        let group = [
+            of(Candidate::PRINTED),
+            of(Candidate::EKF),
+            of(Candidate::COLD),
+        ];
         let [printed, ekf, full] = run(&options, &group).unwrap().try_into().unwrap();
-        assert!(printed.diverged >= 3 && ekf.diverged >= 3, "{printed:?} {ekf:?}");
+        assert!(
+            printed.diverged >= 3 && ekf.diverged >= 3,
+            "{printed:?} {ekf:?}"
+        );
         // The target's median is 3 % over 200 runs; six machines spread by some 2 %.
         assert!(full.diverged == 0 && full.ratio.median < 5.0, "{full:?}");
     }
 
     #[test]
     fn a_weighed_payload_keeps_the_ratio() {
-        let options = Options { seeds: 3, ..Options::default() };
+        let options = Options {
+            seeds: 3,
+            ..Options::default()
+        };
         let group = [Case::new(Tier::A, Scenario::LoadCycle, Candidate::WEIGHED)];
         let full = run(&options, &group).unwrap()[0];
         // 0.92 (2.7) % in the reference; a payload 5 % too heavy alone is 1.4 %.

@@ -42,7 +42,8 @@ struct Measured {
 
 /// `heft latency`
 pub fn latency(args: &LatencyArgs) -> Result<(), Failure> {
-    if !(args.duration > 0.0) || args.rate.is_some_and(|r| !(10.0..=10_000.0).contains(&r)) {
+    let too_short = args.duration.is_nan() || args.duration <= 0.0;
+    if too_short || args.rate.is_some_and(|r| !(10.0..=10_000.0).contains(&r)) {
         return Err(Failure::input(
             "the rate must be 10 to 10000 Hz and the duration positive",
             "--rate, --duration",
@@ -76,7 +77,11 @@ fn conditions(args: &LatencyArgs, permitted: bool) -> Vec<Conditions> {
     let mut all = Vec::new();
     for loaded in [false, true] {
         for realtime in [true, false] {
-            let wanted = (realtime && permitted) || (!realtime && !(args.rt && permitted));
+            let wanted = if realtime {
+                permitted
+            } else {
+                !args.rt || !permitted
+            };
             if wanted && (!loaded || args.load) {
                 all.extend(rates.iter().map(|&rate| Conditions {
                     rate,

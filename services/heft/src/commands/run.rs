@@ -75,7 +75,7 @@ pub fn plan(args: &RunArgs) -> Result<(Plan, PathBuf), Failure> {
         Description::Loader(d) => d.sensors.rate,
     });
     if let Some(duration) = args.duration
-        && !(duration > 0.0)
+        && (duration.is_nan() || duration <= 0.0)
     {
         return Err(Failure::input(
             format!("a run cannot last {duration} s"),
