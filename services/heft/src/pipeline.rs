@@ -20,9 +20,6 @@ use crate::failure::Failure;
 use crate::plan::Plan;
 use crate::processes;
 
-/// Arrivals that a probe notes: ten minutes at 10 kHz would be 6 million of 40 bytes.
-const PROBE_CAPACITY: usize = 6_000_000;
-
 /// Methods that the `rls` process offers, the first by default.
 pub const REGRESSIONS: [&str; 2] = ["svf-rls", "multi-forgetting-rls"];
 
@@ -357,11 +354,11 @@ fn serve_probe(worker: Worker, plan: &Plan) -> Result<(), Failure> {
     let Some(file) = &plan.probe else {
         return Ok(());
     };
+    // As many as the run has samples, with some to spare; ten minutes where it has no end.
+    let capacity = (plan.duration.unwrap_or(600.0) * plan.rate) as usize + 1000;
     let arrivals = match plan.kind() {
-        Kind::Excavator => {
-            run_probe::<ExcavatorEstimate>(worker, &EXCAVATOR_INERTIA_RLS, PROBE_CAPACITY)
-        }
-        Kind::Loader => run_probe::<LoaderEstimate>(worker, &LOADER_CG_UKF, PROBE_CAPACITY),
+        Kind::Excavator => run_probe::<ExcavatorEstimate>(worker, &EXCAVATOR_INERTIA_RLS, capacity),
+        Kind::Loader => run_probe::<LoaderEstimate>(worker, &LOADER_CG_UKF, capacity),
     }?;
     let mut text = String::from("sequence,sensor_ns,filter_ns,estimate_ns,received_ns\n");
     for a in arrivals {

@@ -205,6 +205,11 @@ impl<M: Message> Input<M> {
         Some((message, lost))
     }
 
+    /// Expects `sequence` next: what is missing before the first message counts as lost too.
+    pub(crate) fn expect(&mut self, sequence: u64) {
+        self.gaps.next = Some(sequence);
+    }
+
     /// Connects to the writers that exist now.
     pub fn connect(&self) {
         let _ = self.subscriber.update_connections();

@@ -35,9 +35,10 @@ pub fn run_probe<M: Message>(
     let mut input = worker.ports.input::<M>(channel, channel.depth)?;
     input.connect();
     let mut arrivals = Vec::with_capacity(capacity);
-    if worker.begin().is_none() {
+    let Some(begin) = worker.begin() else {
         return Ok(arrivals);
-    }
+    };
+    input.expect(begin.first);
     input.connect();
     while !worker.wishes.wants_exit() {
         worker.bell.wait();

@@ -36,9 +36,10 @@ pub fn run_stage<S: Step>(
     let output = worker.ports.output::<S::Output>(output)?;
     input.connect();
     output.connect();
-    if worker.begin().is_none() {
+    let Some(begin) = worker.begin() else {
         return Ok(());
-    }
+    };
+    input.expect(begin.first);
     input.connect();
     output.connect();
     while !worker.wishes.wants_exit() {

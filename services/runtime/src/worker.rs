@@ -58,9 +58,16 @@ impl Worker {
         &self.ports
     }
 
-    /// Says `ready`, waits for `go`, then makes the calling thread a real-time one if asked for.
+    /// Makes the calling thread a real-time one if asked for, says `ready` and waits for `go`.
     /// Returns where to begin; `None` if the run ended before it began.
     pub(crate) fn begin(&mut self) -> Option<Begin> {
+        if let Some((priority, core)) = self.setup.realtime {
+            let result = realtime::enter(priority, core);
+            self.reporter.realtime(result.fifo);
+            for refused in &result.refused {
+                tracing::warn!(process = self.setup.identity.name, "real time: {refused}");
+            }
+        }
         self.control.say("ready");
         let begin = loop {
             if self.wishes.wants_exit() {
@@ -71,13 +78,6 @@ impl Worker {
             }
             self.bell.wait();
         };
-        if let Some((priority, core)) = self.setup.realtime {
-            let result = realtime::enter(priority, core);
-            self.reporter.realtime(result.fifo);
-            for refused in &result.refused {
-                tracing::warn!(process = self.setup.identity.name, "real time: {refused}");
-            }
-        }
         // Samples may have come, and rung, while this process still waited for `go`.
         self.bell.ring();
         Some(begin)
