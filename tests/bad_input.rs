@@ -246,3 +246,66 @@ fn a_service_without_a_supervisor_says_how_to_start_one() {
     assert_eq!(result.status.code(), Some(2));
     assert!(both(&result).contains("what to do"), "{}", both(&result));
 }
+
+/// Runs a shell script in mount namespace of its own; `None`, with a word, where that is forbidden.
+fn with_own_mounts(script: &str) -> Option<std::process::Output> {
+    let output = std::process::Command::new("unshare")
+        .args(["--mount", "sh", "-c", script])
+        .output();
+    match output {
+        Ok(output) if !both(&output).contains("not permitted") => Some(output),
+        _ => {
+            println!("skipped: this user may not make a mount namespace");
+            None
+        }
+    }
+}
+
+#[test]
+fn a_full_shared_memory_is_told_before_anything_starts() {
+    let heft = env!("CARGO_BIN_EXE_heft");
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().display();
+    let script = format!(
+        "mount -t tmpfs -o size=1m tmpfs /dev/shm || exit 99; {heft} run excavator --duration 1 --quiet --no-report --out {out}"
+    );
+    let Some(output) = with_own_mounts(&script) else {
+        return;
+    };
+    if output.status.code() == Some(99) {
+        println!("skipped: this user may not mount");
+        return;
+    }
+    assert_eq!(output.status.code(), Some(2), "{}", both(&output));
+    assert!(
+        both(&output).contains("shared memory has"),
+        "{}",
+        both(&output)
+    );
+}
+
+#[test]
+fn a_full_disk_stops_the_recording_and_not_the_estimation() {
+    let heft = env!("CARGO_BIN_EXE_heft");
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().display();
+    let script = format!(
+        "mount -t tmpfs -o size=256k tmpfs {out} || exit 99; \
+         {heft} run excavator --scenario cycle --rate 1000 --duration 4 --quiet --no-report --out {out}; \
+         code=$?; {heft} recover {out}/run.mcap; exit $code"
+    );
+    let Some(output) = with_own_mounts(&script) else {
+        return;
+    };
+    if output.status.code() == Some(99) {
+        println!("skipped: this user may not mount");
+        return;
+    }
+    let text = both(&output);
+    assert_eq!(output.status.code(), Some(0), "{text}");
+    assert!(text.contains("the recording is incomplete"), "{text}");
+    assert!(
+        text.contains("4001 samples, 0 lost"),
+        "estimation goes on to the end: {text}"
+    );
+}

@@ -278,3 +278,39 @@ fn a_domain_in_use_is_refused() {
         both(&output)
     );
 }
+
+#[test]
+fn start_up_in_any_order_loses_nothing() {
+    // Whoever comes first waits for the others: hold each service up in turn while it starts.
+    for slow in ["sensor", "kalman", "rls", "ukf", "logger"] {
+        let running = Running::start(
+            &format!("slow-{slow}"),
+            &["excavator", "--duration", "1", "--rate", "500"],
+        );
+        let mut held = None;
+        wait_until("the service appears", Duration::from_secs(10), || {
+            held = running.service(slow);
+            held.is_some()
+        });
+        let held = held.expect("a process");
+        kill(held, Signal::STOP);
+        std::thread::sleep(Duration::from_millis(300));
+        kill(held, Signal::CONT);
+        let (output, folder) = running.wait();
+        assert!(output.status.success(), "{slow}: {}", both(&output));
+        let recording = folder.path().join("run.mcap");
+        let sensors = sequences::<ExcavatorSensors>(&recording, "excavator/sensors");
+        assert_eq!(sensors.len(), 501, "{slow}");
+        complete(&sensors, 0);
+        assert_eq!(
+            sensors,
+            sequences::<ExcavatorEstimate>(&recording, "excavator/inertia_rls"),
+            "{slow}"
+        );
+        assert_eq!(
+            sensors,
+            sequences::<ExcavatorEstimate>(&recording, "excavator/inertia_ukf"),
+            "{slow}"
+        );
+    }
+}

@@ -199,17 +199,27 @@ fn bad_run(error: impl std::fmt::Display) -> Failure {
     )
 }
 
+/// The scenarios of a machine, a line each.
+pub fn scenarios(machine: Kind) -> String {
+    lines(match machine {
+        Kind::Excavator => sim::excavator::Scenario::ALL,
+        Kind::Loader => sim::loader::Scenario::ALL,
+    })
+}
+
+fn lines(all: &[(&str, &str)]) -> String {
+    all.iter()
+        .map(|(name, text)| format!("    {name:<20} {text}\n"))
+        .collect()
+}
+
 fn no_scenario(name: &str, all: &[(&str, &str)]) -> Failure {
-    let list: Vec<String> = all
-        .iter()
-        .map(|(n, text)| format!("    {n:<20} {text}"))
-        .collect();
     let nearest = config::nearest(name, all.iter().map(|(n, _)| *n));
     let hint = nearest.map_or(String::new(), |n| format!(" (did you mean `{n}`?)"));
     Failure::input(
         format!("there is no scenario `{name}`{hint}"),
         "--scenario",
-        format!("choose one of\n{}", list.join("\n")),
+        format!("choose one of\n{}", lines(all).trim_end()),
     )
 }
 

@@ -151,6 +151,10 @@ fn show(args: &RunArgs) -> Show {
 
 /// `heft run`
 pub fn run(args: &RunArgs) -> Result<(), Failure> {
+    if args.scenario.as_deref() == Some("list") {
+        print!("{}", pipeline::scenarios(args.machine.into()));
+        return Ok(());
+    }
     for name in Domain::remove_leftovers() {
         eprintln!("removed what the killed run `{name}` had left in shared memory");
     }
