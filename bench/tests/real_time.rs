@@ -1,6 +1,8 @@
 //! Real-time manners of the steps: they do not allocate, do not call the system, and the filters do the same work whatever the data.
 
 use bench::{counts, groups, real};
+use runtime::{Source, Step, answer};
+use sensor::{SimulatedExcavator, SimulatedLoader};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::path::Path;
@@ -48,6 +50,60 @@ fn ten_thousand_steps_allocate_nothing() {
         let before = CALLS.get();
         (0..10_000).for_each(|_| step.step());
         assert_eq!(CALLS.get() - before, 0, "{}", step.name);
+    }
+}
+
+/// Allocations of a service that answers ten thousand messages, the first included.
+fn allocations<S: Step>(mut service: S, messages: &[S::Input]) -> u64 {
+    assert!(messages.len() >= 10_000);
+    let before = CALLS.get();
+    for message in &messages[..10_000] {
+        std::hint::black_box(answer(&mut service, message));
+    }
+    CALLS.get() - before
+}
+
+fn sensors<S: Source>(mut source: S) -> Vec<S::Sensors> {
+    std::iter::from_fn(|| source.next())
+        .map(|(sensors, _)| sensors)
+        .collect()
+}
+
+#[test]
+fn the_excavators_services_answer_without_allocating() {
+    let description = config::Excavator::default();
+    let run = sim::excavator::Run {
+        duration: 100.0,
+        ..sim::excavator::Run::new(sim::excavator::Scenario::Cycle)
+    };
+    let samples = sensors(SimulatedExcavator::new(&run).expect("a valid run"));
+    let mut filter = kalman::Excavator::new(&description).expect("valid settings");
+    let motions: Vec<_> = samples.iter().map(|s| answer(&mut filter, s)).collect();
+    let filter = kalman::Excavator::new(&description).expect("valid settings");
+    assert_eq!(allocations(filter, &samples), 0, "kalman");
+    for method in ["multi-forgetting-rls", "svf-rls"] {
+        let service = rls::Excavator::new(&description, method).expect("a method");
+        assert_eq!(allocations(service, &motions), 0, "{method}");
+    }
+    for method in ["auto", "posture-torque", "torque", "posture", "velocity"] {
+        let service = ukf::Excavator::new(&description, method).expect("a method");
+        assert_eq!(allocations(service, &samples), 0, "{method}");
+    }
+}
+
+#[test]
+fn the_loaders_services_answer_without_allocating() {
+    let description = config::Loader::default();
+    let run = sim::loader::Run {
+        duration: Some(100.0),
+        ..sim::loader::Run::new(sim::loader::Scenario::WorkCycle)
+    };
+    let samples = sensors(SimulatedLoader::new(&run).expect("a valid run"));
+    let filter = kalman::Loader::new(&description).expect("valid settings");
+    assert_eq!(allocations(filter, &samples), 0, "ekf");
+    for method in ["full", "isr-ukf", "isr-ukf-printed"] {
+        let service = ukf::Loader::new(&description, method).expect("a method");
+        assert_eq!(allocations(service, &samples), 0, "{method}");
     }
 }
 

@@ -222,6 +222,9 @@ pub struct RunArgs {
     /// Add a process that notes when estimates arrive, and write its notes here (for `latency`)
     #[arg(long, hide = true, value_name = "FILE")]
     pub probe: Option<PathBuf>,
+    /// That process waits for the iceoryx2 event, as a program from outside would
+    #[arg(long, hide = true, requires = "probe")]
+    pub probe_listens: bool,
 }
 
 /// `heft estimate`

@@ -12,8 +12,8 @@ use messages::{ExcavatorEstimate, ExcavatorSensors, ExcavatorTruth, LoaderEstima
 use messages::{LoaderSensors, LoaderTruth, SwingMotion};
 use recording::Map;
 use runtime::{
-    Domain, Identity, Pace, Setup, Source, Step, Worker, mark_estimate, mark_filter, run_probe,
-    run_sink, run_source, run_stage,
+    Domain, Identity, Pace, Setup, Source, Step, Wake, Worker, mark_estimate, mark_filter,
+    run_probe, run_sink, run_source, run_stage,
 };
 
 use crate::failure::Failure;
@@ -366,9 +366,16 @@ fn serve_probe(worker: Worker, plan: &Plan) -> Result<(), Failure> {
     };
     // As many as the run has samples, with some to spare; ten minutes where it has no end.
     let capacity = (plan.duration.unwrap_or(600.0) * plan.rate) as usize + 1000;
+    let wake = if plan.probe_listens {
+        Wake::Event
+    } else {
+        Wake::Bell
+    };
     let arrivals = match plan.kind() {
-        Kind::Excavator => run_probe::<ExcavatorEstimate>(worker, &EXCAVATOR_INERTIA_RLS, capacity),
-        Kind::Loader => run_probe::<LoaderEstimate>(worker, &LOADER_CG_UKF, capacity),
+        Kind::Excavator => {
+            run_probe::<ExcavatorEstimate>(worker, &EXCAVATOR_INERTIA_RLS, capacity, wake)
+        }
+        Kind::Loader => run_probe::<LoaderEstimate>(worker, &LOADER_CG_UKF, capacity, wake),
     }?;
     let mut text = String::from("sequence,sensor_ns,filter_ns,estimate_ns,received_ns\n");
     for a in arrivals {

@@ -45,6 +45,8 @@ pub struct Plan {
     pub recording: PathBuf,
     /// Whether a process that only measures the arrival of estimates joins the chain.
     pub probe: Option<PathBuf>,
+    /// Whether that process waits for the iceoryx2 event of its channel instead of its bell.
+    pub probe_listens: bool,
 }
 
 impl Plan {

@@ -89,7 +89,12 @@ impl Supervisor {
             .iter()
             .map(|c| ports.create(c))
             .collect::<Result<_, _>>()?;
-        let taps = Taps::open(&ports, &channels)?;
+        let read: Vec<_> = channels
+            .iter()
+            .copied()
+            .filter(|c| watch.reads(c))
+            .collect();
+        let taps = Taps::open(&ports, &read)?;
         let mut supervisor = Self {
             workers: Vec::new(),
             watch,

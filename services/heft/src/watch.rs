@@ -6,7 +6,7 @@ use std::io::{IsTerminal, Write};
 use std::time::{Duration, Instant};
 
 use config::Kind;
-use messages::channels::Channel;
+use messages::channels::{Channel, Payload};
 use messages::{Envelope, Health, Message, Value, fault};
 use runtime::Sink;
 use view::live::Feed;
@@ -129,6 +129,16 @@ impl Watch {
             begun: Some(Instant::now()),
             ..Self::default()
         }
+    }
+
+    /// Whether it reads a channel. Every reader costs the writer time while the next stage waits, so
+    /// what is only passed on to the live page is not read without one.
+    pub fn reads(&self, channel: &Channel) -> bool {
+        let passed_on = matches!(
+            channel.payload,
+            Payload::ExcavatorSensors | Payload::LoaderSensors | Payload::SwingMotion
+        );
+        self.feed.is_some() || !passed_on
     }
 
     /// Number after that of the latest sample seen.
@@ -298,10 +308,9 @@ impl Sink for Watch {
                 if self.truths.len() == TRUTHS {
                     self.truths.pop_front();
                 }
-                self.truths.push_back((message.stamp().sequence, envelope));
-            }
-            Envelope::ExcavatorSensors(_) | Envelope::LoaderSensors(_) => {
+                // Every sample has a truth beside it, if an empty one.
                 self.next_sequence = self.next_sequence.max(message.stamp().sequence + 1);
+                self.truths.push_back((message.stamp().sequence, envelope));
             }
             Envelope::ExcavatorEstimate(_) | Envelope::LoaderEstimate(_) => {
                 self.note_estimate(channel, message);

@@ -1,21 +1,35 @@
 //! Channels, as iceoryx2 publish-subscribe services with an event beside each.
 
 use std::any::Any;
+use std::mem::MaybeUninit;
+use std::time::Duration;
 
+use iceoryx2::port::listener::Listener;
 use iceoryx2::port::notifier::Notifier;
 use iceoryx2::port::publisher::Publisher;
 use iceoryx2::port::subscriber::Subscriber;
 use iceoryx2::port::update_connections::UpdateConnections;
 use iceoryx2::prelude::*;
+use iceoryx2::sample::Sample;
+use iceoryx2::sample_mut_uninit::SampleMutUninit;
 use messages::Message;
-use messages::channels::{Channel, Visitor};
+use messages::channels::{Channel, Rate, Visitor};
 
 use crate::Error;
 
-/// Writers of a channel: the living one, and a dead one that is not yet cleaned up.
-const MAX_PUBLISHERS: usize = 16;
-/// Readers of a channel: stages, logger, supervisor, dashboards, and programs of others.
-const MAX_SUBSCRIBERS: usize = 16;
+/// Readers of a channel: stages, logger, supervisor, dashboards, and programs of others. A writer
+/// looks at all places, taken or not, with every message.
+const MAX_SUBSCRIBERS: usize = 10;
+
+/// Writers of a channel: the living ones, and dead ones that are not yet cleaned up. A reader looks
+/// at all places, as above; only `health` has more than one writer at a time.
+fn max_publishers(channel: &Channel) -> usize {
+    match channel.rate {
+        Rate::Sensors => 4,
+        Rate::Hz(_) => 16,
+    }
+}
+
 /// Processes that may have a channel open.
 const MAX_NODES: usize = 40;
 
@@ -81,6 +95,7 @@ impl Ports {
             .map_err(|e| failed(&e))?;
         let notifier = event.notifier_builder().create().map_err(|e| failed(&e))?;
         Ok(Output {
+            loaned: None,
             publisher,
             notifier,
         })
@@ -107,6 +122,22 @@ impl Ports {
             subscriber,
             gaps: Gaps::default(),
         })
+    }
+
+    /// Opens the event of a channel, for a reader that has no bell.
+    ///
+    /// # Errors
+    /// The supervisor has not created it, or it has too many listeners.
+    pub fn listener(&self, channel: &Channel) -> Result<EventListener, Error> {
+        let failed = |e: &dyn std::fmt::Debug| Error::ipc("listen to", channel.name, e);
+        let event = self
+            .node
+            .service_builder(&service_name(channel)?)
+            .event()
+            .open()
+            .map_err(|e| failed(&e))?;
+        let listener = event.listener_builder().create().map_err(|e| failed(&e))?;
+        Ok(EventListener(listener))
     }
 
     /// Frees what dead processes held in the channels of this domain.
@@ -137,7 +168,7 @@ impl Visitor for Create<'_> {
             .node
             .service_builder(&service_name(self.channel)?)
             .publish_subscribe::<M>()
-            .max_publishers(MAX_PUBLISHERS)
+            .max_publishers(max_publishers(self.channel))
             .max_subscribers(MAX_SUBSCRIBERS)
             .max_nodes(MAX_NODES)
             .subscriber_max_buffer_size(self.channel.depth)
@@ -151,7 +182,7 @@ impl Visitor for Create<'_> {
             .node
             .service_builder(&service_name(self.channel)?)
             .event()
-            .max_notifiers(MAX_PUBLISHERS)
+            .max_notifiers(max_publishers(self.channel))
             .max_listeners(MAX_SUBSCRIBERS)
             .max_nodes(MAX_NODES)
             .create()
@@ -163,8 +194,9 @@ impl Visitor for Create<'_> {
 }
 
 /// The writing end of a channel.
-#[derive(Debug)]
 pub struct Output<M: Message> {
+    // Declared first, dropped first: it belongs to the publisher.
+    loaned: Option<SampleMutUninit<ipc::Service, MaybeUninit<M>, ()>>,
     publisher: Publisher<ipc::Service, M, ()>,
     notifier: Notifier<ipc::Service>,
 }
@@ -172,10 +204,18 @@ pub struct Output<M: Message> {
 impl<M: Message> Output<M> {
     /// Sends a message to every reader; a reader that is too far behind loses its oldest.
     /// False if it could not be sent.
-    pub fn send(&self, message: &M) -> bool {
-        match self.publisher.loan_uninit() {
-            Ok(sample) => sample.write_payload(*message).send().is_ok(),
-            Err(_) => false,
+    pub fn send(&mut self, message: &M) -> bool {
+        self.prepare();
+        self.loaned
+            .take()
+            .is_some_and(|sample| sample.write_payload(*message).send().is_ok())
+    }
+
+    /// Gets the memory of the next message ahead of time: after one message has gone out, nobody
+    /// waits for the next.
+    pub fn prepare(&mut self) {
+        if self.loaned.is_none() {
+            self.loaned = self.publisher.loan_uninit().ok();
         }
     }
 
@@ -190,6 +230,23 @@ impl<M: Message> Output<M> {
     }
 }
 
+/// Hears the event of a channel: the wake-up for programs that the supervisor did not start, and so
+/// gave no [`Bell`](crate::Bell).
+#[derive(Debug)]
+pub struct EventListener(Listener<ipc::Service>);
+
+impl EventListener {
+    /// Blocks until a message was announced since the last wait, or for `timeout`. Wakes may be
+    /// spurious.
+    pub fn wait(&self, timeout: Duration) {
+        // Whatever went wrong, the reader looks for messages and comes back.
+        let _ = self.0.timed_wait(|_| {}, timeout);
+    }
+}
+
+/// A message in shared memory.
+pub type Received<M> = Sample<ipc::Service, M, ()>;
+
 /// The reading end of a channel.
 #[derive(Debug)]
 pub struct Input<M: Message> {
@@ -198,15 +255,16 @@ pub struct Input<M: Message> {
 }
 
 impl<M: Message> Input<M> {
-    /// The next message and how many before it were lost; `None` where there is none.
-    pub fn receive(&mut self) -> Option<(M, u64)> {
-        let message = *self.subscriber.receive().ok().flatten()?;
+    /// The next message and how many before it were lost; `None` where there is none. The message
+    /// stays where its writer put it, and is given back when dropped.
+    pub fn receive(&mut self) -> Option<(Received<M>, u64)> {
+        let message = self.subscriber.receive().ok().flatten()?;
         let lost = self.gaps.count(message.stamp().sequence);
         Some((message, lost))
     }
 
-    /// Expects `sequence` next: what is missing before the first message counts as lost too.
-    pub(crate) fn expect(&mut self, sequence: u64) {
+    /// Counts from `sequence`: what is missing before the first message is lost too.
+    pub(crate) fn count_from(&mut self, sequence: u64) {
         self.gaps.next = Some(sequence);
     }
 

@@ -1,6 +1,8 @@
 //! A reader that does nothing but note when messages arrive: the controller at the end of the
 //! chain, as far as latency is concerned.
 
+use std::time::Duration;
+
 use messages::Message;
 use messages::channels::Channel;
 
@@ -23,6 +25,18 @@ pub struct Arrival {
     pub received_ns: u64,
 }
 
+/// What wakes a probe.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Wake {
+    /// Its bell, as every process that the supervisor starts.
+    Bell,
+    /// The iceoryx2 event of the channel, as a program from outside.
+    Event,
+}
+
+/// Longest wait for an event, so that a wish of the supervisor is seen in time.
+const LOOK: Duration = Duration::from_millis(20);
+
 /// Notes up to `capacity` arrivals on `channel` until the supervisor ends it.
 ///
 /// # Errors
@@ -31,23 +45,31 @@ pub fn run_probe<M: Message>(
     mut worker: Worker,
     channel: &Channel,
     capacity: usize,
+    wake: Wake,
 ) -> Result<Vec<Arrival>, Error> {
     let mut input = worker.ports.input::<M>(channel, channel.depth)?;
     input.connect();
+    let listener = match wake {
+        Wake::Bell => None,
+        Wake::Event => Some(worker.ports.listener(channel)?),
+    };
     let mut arrivals = Vec::with_capacity(capacity);
     let Some(begin) = worker.begin() else {
         return Ok(arrivals);
     };
-    input.expect(begin.first);
+    input.count_from(begin.first);
     input.connect();
     while !worker.wishes.wants_exit() {
-        worker.bell.wait();
+        match &listener {
+            None => worker.bell.wait(),
+            Some(listener) => listener.wait(LOOK),
+        }
         let draining = worker.wishes.take_drain();
         while let Some((message, lost)) = input.receive() {
             let now = now_ns();
             let measured = message.stamp().measured_ns;
             if arrivals.len() < capacity {
-                arrivals.push(arrival(&message, now));
+                arrivals.push(arrival(&*message, now));
             }
             let age_ns = now.saturating_sub(measured);
             worker.reporter.sample(Event {

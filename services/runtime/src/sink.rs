@@ -37,7 +37,7 @@ pub fn run_sink<S: Sink + 'static>(
     mut sink: S,
 ) -> Result<(), Error> {
     let mut taps = Taps::open(&worker.ports, channels)?;
-    let credit = worker.ports.output::<Credit>(&CREDIT)?;
+    let mut credit = worker.ports.output::<Credit>(&CREDIT)?;
     if worker.begin().is_none() {
         return Ok(());
     }
@@ -59,7 +59,7 @@ pub fn run_sink<S: Sink + 'static>(
         worker.reporter.fault(sink.fault());
         if lossless && taps.through() > told {
             told = taps.through();
-            tell(&worker, &credit, told);
+            tell(&worker, &mut credit, told);
         }
         if draining {
             sink.drain();
@@ -72,7 +72,7 @@ pub fn run_sink<S: Sink + 'static>(
 }
 
 /// Tells the source how many samples have passed through every channel.
-fn tell(worker: &Worker, credit: &Output<Credit>, through: u64) {
+fn tell(worker: &Worker, credit: &mut Output<Credit>, through: u64) {
     let mut message = Credit {
         through,
         ..Credit::default()

@@ -120,7 +120,7 @@ impl<S: Message, T: Message> Sender<S, T> {
         }
     }
 
-    fn send(&self, worker: &mut Worker, mut measured: S, true_values: T) {
+    fn send(&mut self, worker: &mut Worker, mut measured: S, true_values: T) {
         measured.hops_mut().sensor_ns = now_ns();
         if !self.sensors.send(&measured) {
             worker.reporter.fault(fault::SEND);
@@ -128,6 +128,7 @@ impl<S: Message, T: Message> Sender<S, T> {
         worker.ring();
         self.truth.send(&true_values);
         self.sensors.notify();
+        self.sensors.prepare();
     }
 }
 

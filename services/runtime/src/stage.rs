@@ -33,19 +33,19 @@ pub fn run_stage<S: Step>(
     mut step: S,
 ) -> Result<(), Error> {
     let mut input = worker.ports.input::<S::Input>(input, input.depth)?;
-    let output = worker.ports.output::<S::Output>(output)?;
+    let mut output = worker.ports.output::<S::Output>(output)?;
     input.connect();
     output.connect();
     let Some(begin) = worker.begin() else {
         return Ok(());
     };
-    input.expect(begin.first);
+    input.count_from(begin.first);
     input.connect();
     output.connect();
     while !worker.wishes.wants_exit() {
         worker.bell.wait();
         let draining = worker.wishes.take_drain();
-        answer_all(&mut worker, &mut input, &output, mark, &mut step);
+        answer_all(&mut worker, &mut input, &mut output, mark, &mut step);
         if draining {
             worker.control.say("drained");
         }
@@ -56,7 +56,7 @@ pub fn run_stage<S: Step>(
 fn answer_all<S: Step>(
     worker: &mut Worker,
     input: &mut Input<S::Input>,
-    output: &Output<S::Output>,
+    output: &mut Output<S::Output>,
     mark: MarkHop,
     step: &mut S,
 ) {
@@ -70,6 +70,7 @@ fn answer_all<S: Step>(
         }
         worker.ring();
         output.notify();
+        output.prepare();
         let measured = message.stamp().measured_ns;
         worker.reporter.sample(Event {
             age_ns: published.saturating_sub(measured),

@@ -88,7 +88,7 @@ impl<M: Message, S: Sink> Tap<S> for TypedTap<M> {
                 break;
             };
             self.through = self.through.max(message.stamp().sequence + 1);
-            sink.accept(self.channel, &message);
+            sink.accept(self.channel, &*message);
             visit.taken += 1;
             visit.lost += if self.carries_every_sample() { lost } else { 0 };
         }

@@ -155,7 +155,7 @@ fn report(identity: Identity, mut events: Consumer<Event>, shared: &Shared) {
     let Some(mut counts) = Counts::new(identity) else {
         return;
     };
-    let output = open(identity);
+    let mut output = open(identity);
     let mut quiet = 0;
     for sequence in 0.. {
         let ending = shared.end.load(Ordering::Acquire);
@@ -187,7 +187,7 @@ fn report(identity: Identity, mut events: Consumer<Event>, shared: &Shared) {
         }
         counts.health.realtime = u32::from(shared.realtime.load(Ordering::Relaxed));
         counts.health.state = state(ending, quiet, counts.health.steps) as u32;
-        if let Some(output) = &output {
+        if let Some(output) = &mut output {
             output.send(&counts.message(sequence));
             output.notify();
         }

@@ -3,7 +3,8 @@
 //! The chain is sensor, kalman, rls, and a probe in the place of whoever uses the estimate: four
 //! processes, three hops, with the real steps inside. Beside it, interleaved in the same run, the
 //! same number of processes pass a message over bare futexes, pipes and a spinning cache line,
-//! with no work in between.
+//! with no work in between. The last hop is measured twice: to a reader with a bell, and to one that
+//! waits for the iceoryx2 event, as a program must that the supervisor did not start.
 
 use std::fs;
 use std::path::Path;
@@ -11,6 +12,7 @@ use std::process::{Command, Stdio};
 
 use hdrhistogram::Histogram;
 use limits::{Kind, Options};
+use runtime::{Arrival, Wake};
 use serde_json::{Value, json};
 
 use crate::cli::LatencyArgs;
@@ -36,6 +38,8 @@ struct Measured {
     conditions: Conditions,
     end_to_end: Histogram<u64>,
     hops: [Histogram<u64>; 3],
+    /// The last hop, to a user that waits for the iceoryx2 event instead of a bell.
+    by_event: Histogram<u64>,
     limits: Vec<(Kind, Histogram<u64>)>,
     lost: u64,
 }
@@ -132,6 +136,7 @@ fn measure(conditions: Conditions, duration: f64) -> Result<Measured, Failure> {
         conditions,
         end_to_end: histogram()?,
         hops: [histogram()?, histogram()?, histogram()?],
+        by_event: histogram()?,
         limits: Kind::ALL
             .into_iter()
             .map(|kind| Ok((kind, histogram()?)))
@@ -140,7 +145,12 @@ fn measure(conditions: Conditions, duration: f64) -> Result<Measured, Failure> {
     };
     let seconds = duration / ROUNDS as f64;
     for round in 0..ROUNDS {
-        add_ours(&mut result, seconds, round)?;
+        let text = run_pipeline(conditions, seconds, round, Wake::Bell)?;
+        add_arrivals(&mut result, &text);
+        let text = run_pipeline(conditions, seconds, round, Wake::Event)?;
+        for arrival in arrivals(&text).skip(WARM_UP) {
+            result.by_event.saturating_record(spans(&arrival)[2]);
+        }
         for (kind, histogram) in &mut result.limits {
             add_limit(*kind, conditions, seconds, histogram)?;
         }
@@ -148,8 +158,13 @@ fn measure(conditions: Conditions, duration: f64) -> Result<Measured, Failure> {
     Ok(result)
 }
 
-/// One round of the real pipeline, as a run of its own.
-fn add_ours(result: &mut Measured, seconds: f64, round: usize) -> Result<(), Failure> {
+/// One round of the real pipeline, as a run of its own; returns what the probe noted.
+fn run_pipeline(
+    conditions: Conditions,
+    seconds: f64,
+    round: usize,
+    wake: Wake,
+) -> Result<String, Failure> {
     let folder = std::env::temp_dir().join(format!("heft-latency-{}-{round}", std::process::id()));
     let probe = folder.join("probe.csv");
     let exe = std::env::current_exe().map_err(Failure::internal)?;
@@ -164,7 +179,7 @@ fn add_ours(result: &mut Measured, seconds: f64, round: usize) -> Result<(), Fai
             "--quiet",
             "--no-report",
         ])
-        .args(["--rate", &result.conditions.rate.to_string()])
+        .args(["--rate", &conditions.rate.to_string()])
         .args(["--duration", &seconds.to_string()])
         .args(["--seed", &(round + 1).to_string()])
         .arg("--probe")
@@ -173,47 +188,52 @@ fn add_ours(result: &mut Measured, seconds: f64, round: usize) -> Result<(), Fai
         .arg(&folder)
         .stdin(Stdio::null())
         .stdout(Stdio::null());
-    if result.conditions.realtime {
+    if conditions.realtime {
         command.arg("--rt");
+    }
+    if wake == Wake::Event {
+        command.arg("--probe-listens");
     }
     let status = command.status().map_err(Failure::internal)?;
     let text = fs::read_to_string(&probe);
     let _ = fs::remove_dir_all(&folder);
-    let text =
-        text.map_err(|_| Failure::answer_is_no(format!("the pipeline failed ({status})")))?;
-    add_arrivals(result, &text);
-    Ok(())
+    text.map_err(|_| Failure::answer_is_no(format!("the pipeline failed ({status})")))
+}
+
+/// The lines that a probe wrote.
+fn arrivals(text: &str) -> impl Iterator<Item = Arrival> {
+    text.lines().skip(1).filter_map(|line| {
+        let mut cells = line.split(',').map_while(|cell| cell.parse().ok());
+        Some(Arrival {
+            sequence: cells.next()?,
+            sensor_ns: cells.next()?,
+            filter_ns: cells.next()?,
+            estimate_ns: cells.next()?,
+            received_ns: cells.next()?,
+        })
+    })
+}
+
+/// Times of the three hops [ns].
+fn spans(arrival: &Arrival) -> [u64; 3] {
+    [
+        arrival.filter_ns.saturating_sub(arrival.sensor_ns),
+        arrival.estimate_ns.saturating_sub(arrival.filter_ns),
+        arrival.received_ns.saturating_sub(arrival.estimate_ns),
+    ]
 }
 
 fn add_arrivals(result: &mut Measured, text: &str) {
-    let rows: Vec<Vec<u64>> = text
-        .lines()
-        .skip(1)
-        .map(|line| {
-            line.split(',')
-                .filter_map(|cell| cell.parse().ok())
-                .collect()
-        })
-        .collect();
-    // The first sample of a run is number 0.
-    let mut previous: Option<u64> = None;
-    for row in &rows {
-        let &[sequence, sensor, filter, estimate, received] = row.as_slice() else {
-            continue;
-        };
-        let expected = previous.replace(sequence).map_or(0, |p| p + 1);
-        result.lost += sequence.saturating_sub(expected);
-        if (sequence as usize) < WARM_UP {
+    let mut expected = 0;
+    for arrival in arrivals(text) {
+        result.lost += arrival.sequence.saturating_sub(expected);
+        expected = arrival.sequence + 1;
+        if arrival.sequence < WARM_UP as u64 {
             continue;
         }
-        result.end_to_end.saturating_record(received.max(1));
-        let spans = [
-            filter.saturating_sub(sensor),
-            estimate.saturating_sub(filter),
-            received.saturating_sub(estimate),
-        ];
-        for (histogram, span) in result.hops.iter_mut().zip(spans) {
-            histogram.saturating_record(span.max(1));
+        result.end_to_end.saturating_record(arrival.received_ns);
+        for (histogram, span) in result.hops.iter_mut().zip(spans(&arrival)) {
+            histogram.saturating_record(span);
         }
     }
 }
@@ -307,12 +327,12 @@ fn print_measured(m: &Measured) {
         }
     );
     println!(
-        "{:<28}{:>9}{:>9}{:>9}{:>9}{:>9}",
+        "{:<30}{:>9}{:>9}{:>9}{:>9}{:>9}",
         "", "p50", "p99", "p99.9", "max", "samples"
     );
     let row = |name: &str, h: &Histogram<u64>| {
         println!(
-            "{name:<28}{:>9.1}{:>9.1}{:>9.1}{:>9.1}{:>9}",
+            "{name:<30}{:>9.1}{:>9.1}{:>9.1}{:>9.1}{:>9}",
             us(h, 0.5),
             us(h, 0.99),
             us(h, 0.999),
@@ -327,6 +347,7 @@ fn print_measured(m: &Measured) {
     {
         row(name, h);
     }
+    row("  rls to user, iceoryx2 event", &m.by_event);
     for (kind, h) in m.limits.iter().filter(|(_, h)| !h.is_empty()) {
         let name = if *kind == Kind::Spin {
             "bare cache line, 1 hop"
@@ -376,6 +397,7 @@ fn to_json(m: &Measured) -> Value {
         "rt": m.conditions.realtime,
         "load": m.conditions.loaded,
         "e2e_us": percentiles(&m.end_to_end),
+        "last_hop_by_event_us": percentiles(&m.by_event),
         "hops_us": m.hops.iter().map(percentiles).collect::<Vec<_>>(),
         "limit_us": futex,
         "limits_us": limits,

@@ -105,6 +105,7 @@ pub fn plan(args: &RunArgs) -> Result<(Plan, PathBuf), Failure> {
         core: args.rt.then(|| args.core.unwrap_or_else(last_core)),
         recording: PathBuf::new(),
         probe: args.probe.as_deref().map(absolute).transpose()?,
+        probe_listens: args.probe_listens,
     };
     pipeline::check(&plan)?;
     let folder = absolute(&folder(args.out.as_deref(), kind.name())?)?;
