@@ -24,6 +24,7 @@ pub mod groups;
 pub mod measure;
 pub mod ours;
 pub mod peers;
+pub mod pipelines;
 pub mod plot;
 pub mod problem;
 pub mod real;

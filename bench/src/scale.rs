@@ -1,9 +1,10 @@
 //! Machines per core: a shard that steps many machines in one process, against a chain of processes for each.
 //!
-//! A shard pays for the steps and for fetching each machine's state; a process pays for its wake besides. A core that is busy all the
-//! time serves `period / cost` machines.
+//! A shard pays for the steps and for fetching each machine's state; processes pay for their wakes besides, and for simulating, recording
+//! and supervising their machine. A core that is busy all the time serves `period / cost` machines.
 
 use crate::measure::{Contender, custom, interleaved};
+use crate::pipelines::{self, Cost};
 use crate::problem::Filter;
 use crate::{plot, real};
 use limits::{Kind, Options};
@@ -96,6 +97,7 @@ pub fn run() -> std::io::Result<(Value, String)> {
     ];
     let (wake_ns, fifo) = wakes()?;
     print(&curves, wake_ns, fifo);
+    let pipelines = pipelines()?;
     let mut series: Vec<plot::Series> = curves
         .iter()
         .map(|curve| plot::Series {
@@ -107,18 +109,18 @@ pub fn run() -> std::io::Result<(Value, String)> {
                 .collect(),
         })
         .collect();
-    let full = &curves[2];
-    series.push(plot::Series {
-        name: format!("{PROCESSES} processes each: {}", full.name),
-        points: MACHINES
-            .iter()
-            .zip(&full.cost_ns)
-            .map(|(n, cost)| (*n as f64, PERIOD_NS / (cost + wake_ns)))
-            .collect(),
-    });
+    if !pipelines.is_empty() {
+        series.push(plot::Series {
+            name: "heft run, excavator: six processes each".into(),
+            points: pipelines
+                .iter()
+                .map(|cost| (cost.machines as f64, PERIOD_NS / cost.sample_ns))
+                .collect(),
+        });
+    }
     let svg = plot::log_log(
         "Machines per core at 100 Hz",
-        "machines in the shard",
+        "machines at the same time",
         "machines per core",
         &series,
     );
@@ -133,8 +135,47 @@ pub fn run() -> std::io::Result<(Value, String)> {
             (curve.name.to_string(), json!({ "state_bytes": curve.state_bytes, "shard": points }))
         })
         .collect();
-    let document = json!({ "rate_hz": 1e9 / PERIOD_NS, "processes": PROCESSES, "wakes_ns": wake_ns, "wakes_fifo": fifo, "steps": shards });
+    let document = json!({ "rate_hz": 1e9 / PERIOD_NS, "processes": PROCESSES, "wakes_ns": wake_ns, "wakes_fifo": fifo, "steps": shards, "pipelines": to_json(&pipelines) });
     Ok((document, svg))
+}
+
+/// Real pipelines, by the program `heft` beside this one.
+fn pipelines() -> std::io::Result<Vec<Cost>> {
+    let heft = std::env::current_exe()?.with_file_name("heft");
+    if !heft.exists() {
+        println!(
+            "no pipelines measured: {} is missing; build it with `cargo build --release`",
+            heft.display()
+        );
+        return Ok(Vec::new());
+    }
+    let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    println!("\nheft run, excavator at 100 Hz, six processes a machine, on {cores} cores");
+    println!(
+        "{:>9} {:>22} {:>18} {:>18} {:>6}",
+        "machines", "us of processor/sample", "machines per core", "MB a machine", "lost"
+    );
+    pipelines::MACHINES
+        .iter()
+        .map(|&machines| {
+            let cost = pipelines::measure(&heft, machines)?;
+            println!(
+                "{machines:9} {:22.0} {:18.0} {:18.1} {:6}",
+                cost.sample_ns / 1e3,
+                PERIOD_NS / cost.sample_ns,
+                cost.bytes / 1e6,
+                cost.lost
+            );
+            Ok(cost)
+        })
+        .collect()
+}
+
+fn to_json(pipelines: &[Cost]) -> Value {
+    pipelines
+        .iter()
+        .map(|cost| json!({ "machines": cost.machines, "ns": cost.sample_ns, "machines_per_core": PERIOD_NS / cost.sample_ns, "bytes": cost.bytes, "lost": cost.lost }))
+        .collect()
 }
 
 fn print(curves: &[Curve], wake_ns: f64, fifo: bool) {

@@ -1,0 +1,162 @@
+//! Whole pipelines side by side: what a machine costs as processes of its own, by the processor time that the system counts.
+//!
+//! Each machine is what `heft run` starts: sensor, kalman, rls, ukf, logger and their supervisor. Starting costs more than running, so
+//! every count is made twice, over a short and a long run, and the difference is taken.
+
+use rustix::param::clock_ticks_per_second;
+use std::collections::BTreeSet;
+use std::io;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::Duration;
+
+/// Numbers of machines. Of 80 that start at once on two cores, 480 processes, some are not ready in time.
+pub const MACHINES: [usize; 4] = [1, 10, 20, 40];
+/// Lengths of the two runs [s].
+const LENGTHS: [u64; 2] = [4, 16];
+/// Samples a second [Hz].
+const RATE: u64 = 100;
+
+/// What a number of pipelines took.
+#[derive(Debug, Clone, Copy)]
+pub struct Cost {
+    /// Pipelines that ran at the same time.
+    pub machines: usize,
+    /// Processor time a machine and sample, all processes together [ns].
+    pub sample_ns: f64,
+    /// Memory a machine, shared pages counted in parts [bytes].
+    pub bytes: f64,
+    /// Samples that some process did not see.
+    pub lost: u64,
+}
+
+/// Runs that many pipelines of the program `heft`.
+///
+/// # Errors
+/// A pipeline cannot be started or fails.
+pub fn measure(heft: &Path, machines: usize) -> io::Result<Cost> {
+    let [short, long] = LENGTHS;
+    let (start, _, _) = run(heft, machines, short)?;
+    let (all, bytes, lost) = run(heft, machines, long)?;
+    let samples = ((long - short) * RATE) as f64 * machines as f64;
+    Ok(Cost {
+        machines,
+        sample_ns: (all - start).max(0.0) * 1e9 / samples,
+        bytes,
+        lost,
+    })
+}
+
+/// Processor time [s], memory a machine [bytes] and lost samples of some pipelines.
+fn run(heft: &Path, machines: usize, seconds: u64) -> io::Result<(f64, f64, u64)> {
+    let folder = std::env::temp_dir().join(format!("heft-scale-{}", std::process::id()));
+    let before = time_of_children()?;
+    let mut pipelines: Vec<Child> = (0..machines)
+        .map(|i| start(heft, &folder.join(i.to_string()), i, seconds))
+        .collect::<io::Result<_>>()?;
+    std::thread::sleep(Duration::from_secs(seconds / 2 + 1));
+    let bytes = memory(&pipelines) / machines as f64;
+    let mut lost = 0;
+    for pipeline in pipelines.drain(..) {
+        let output = pipeline.wait_with_output()?;
+        let text = String::from_utf8_lossy(&output.stdout);
+        if !output.status.success() {
+            return Err(io::Error::other(format!(
+                "one of {machines} pipelines ended with {}: {}",
+                output.status,
+                String::from_utf8_lossy(&output.stderr)
+            )));
+        }
+        lost += lost_in(&text);
+    }
+    let _ = std::fs::remove_dir_all(&folder);
+    Ok((time_of_children()? - before, bytes, lost))
+}
+
+fn start(heft: &Path, folder: &Path, index: usize, seconds: u64) -> io::Result<Child> {
+    Command::new(heft)
+        .args(["run", "excavator", "--scenario", "cycle", "--quiet"])
+        .arg("--no-report")
+        .args(["--rate", &RATE.to_string()])
+        .args(["--duration", &seconds.to_string()])
+        .args(["--domain", &format!("scale-{}-{index}", std::process::id())])
+        .arg("--out")
+        .arg(folder)
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+}
+
+/// Processor time of all children that have ended, and of theirs [s].
+fn time_of_children() -> io::Result<f64> {
+    let fields = stat("self")?;
+    // Fields 16 and 17 of proc(5), the third stands first here.
+    let ticks: u64 = fields[13..=14]
+        .iter()
+        .filter_map(|f| f.parse::<u64>().ok())
+        .sum();
+    Ok(ticks as f64 / clock_ticks_per_second() as f64)
+}
+
+/// The fields of /proc/PID/stat after the name: state first, then the parent.
+fn stat(pid: &str) -> io::Result<Vec<String>> {
+    let text = std::fs::read_to_string(format!("/proc/{pid}/stat"))?;
+    let after_name = text.rsplit_once(')').map_or("", |(_, rest)| rest);
+    let fields: Vec<String> = after_name.split_whitespace().map(str::to_owned).collect();
+    if fields.len() < 15 {
+        return Err(io::Error::other(format!("/proc/{pid}/stat is short")));
+    }
+    Ok(fields)
+}
+
+/// Memory of the pipelines: of their supervisors and of what those started [bytes].
+fn memory(pipelines: &[Child]) -> f64 {
+    let supervisors: BTreeSet<String> = pipelines.iter().map(|p| p.id().to_string()).collect();
+    let entries = std::fs::read_dir("/proc").into_iter().flatten().flatten();
+    entries
+        .filter_map(|entry| entry.file_name().into_string().ok())
+        .filter(|pid| {
+            supervisors.contains(pid)
+                || stat(pid).is_ok_and(|fields| supervisors.contains(&fields[1]))
+        })
+        .filter_map(|pid| proportional_set(&pid))
+        .sum()
+}
+
+fn proportional_set(pid: &str) -> Option<f64> {
+    let text = std::fs::read_to_string(format!("/proc/{pid}/smaps_rollup")).ok()?;
+    let line = text.lines().find(|line| line.starts_with("Pss:"))?;
+    let kilobytes: f64 = line.split_whitespace().nth(1)?.parse().ok()?;
+    Some(kilobytes * 1024.0)
+}
+
+/// Sum of the numbers before the word `lost` in the summary of a run.
+fn lost_in(summary: &str) -> u64 {
+    let words: Vec<&str> = summary.split_whitespace().collect();
+    words
+        .windows(2)
+        .filter(|pair| pair[1] == "lost")
+        .filter_map(|pair| pair[0].parse::<u64>().ok())
+        .sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lost_samples_of_all_processes_are_added() {
+        let summary = "  kalman  answers; 401 samples, 2 lost\n  ukf  401 samples, 3 lost\n  kept what was lost";
+        assert_eq!(lost_in(summary), 5);
+    }
+
+    #[test]
+    fn processor_time_of_ended_children_is_counted() {
+        let before = time_of_children().unwrap();
+        let spin = "i=0; while [ $i -lt 200000 ]; do i=$((i+1)); done";
+        Command::new("sh").args(["-c", spin]).status().unwrap();
+        // The loop takes at least some ticks of 10 ms.
+        assert!(time_of_children().unwrap() > before + 0.02);
+    }
+}
