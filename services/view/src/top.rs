@@ -16,8 +16,10 @@ use crate::number::{grouped, nanoseconds};
 use crate::report::state_name;
 use crate::words::Judgement;
 
-/// Lines of an estimator's verdict: value, reasons (three lines at 80 columns), sparkline.
+/// Lines of an estimator's verdict under its title: value and reasons (three lines at 80 columns), sparkline.
 const VERDICT_LINES: u16 = 5;
+/// The least: the value with the beginning of the reasons, and the sparkline.
+const LEAST_VERDICT_LINES: u16 = 2;
 
 /// What the dashboard knows.
 #[derive(Debug, Clone)]
@@ -52,12 +54,12 @@ pub fn draw(frame: &mut Frame, state: &TopState) {
     let verdicts: Vec<_> = verdicts.collect();
     let processes = state.monitor.processes.len().max(1) as u16 + 3;
     let channels = state.monitor.channels.len().max(1) as u16 + 3;
-    let mut heights = vec![Constraint::Length(1)];
-    heights.extend(
-        verdicts
-            .iter()
-            .map(|_| Constraint::Length(VERDICT_LINES + 1)),
+    let lines = verdict_lines(
+        frame.area().height.saturating_sub(1 + processes + channels),
+        verdicts.len() as u16,
     );
+    let mut heights = vec![Constraint::Length(1)];
+    heights.extend(verdicts.iter().map(|_| Constraint::Length(lines + 1)));
     heights.extend([
         Constraint::Length(processes),
         Constraint::Length(channels),
@@ -71,6 +73,13 @@ pub fn draw(frame: &mut Frame, state: &TopState) {
     let rest = 1 + verdicts.len();
     process_table(frame, areas[rest], &state.monitor, now);
     channel_table(frame, areas[rest + 1], &state.monitor, now);
+}
+
+/// Lines of each verdict under its title where `room` lines are left for all of them.
+fn verdict_lines(room: u16, verdicts: u16) -> u16 {
+    (room / verdicts.max(1))
+        .saturating_sub(1)
+        .clamp(LEAST_VERDICT_LINES, VERDICT_LINES)
 }
 
 fn title(frame: &mut Frame, area: Rect, state: &TopState) {

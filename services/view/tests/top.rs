@@ -71,6 +71,19 @@ fn the_dashboard_tells_verdicts_processes_rates_ages_and_losses() {
 }
 
 #[test]
+fn on_a_small_terminal_the_words_give_way_to_the_tables() {
+    let text = screen(&running(), 80, 24);
+    for part in [
+        "The swing inertia is",
+        "│kalman",
+        "│loader/cg_ukf",
+        "│health",
+    ] {
+        assert!(text.contains(part), "{part} in\n{text}");
+    }
+}
+
+#[test]
 fn an_empty_state_and_a_tiny_terminal_can_be_drawn() {
     let empty = TopState::new("test", Vec::new());
     assert!(screen(&empty, 80, 24).contains("waiting for the first message"));
