@@ -10,6 +10,8 @@ use crate::math::{exp, ln, sqrt};
 const ENTRY: usize = 12;
 /// Samples of the release test (0.04 s).
 const RELEASE: usize = 4;
+/// A single velocity of this size out of standstill is an outlier [rad/s].
+const OUTLIER: f64 = 0.12;
 /// Velocity noise for which the thresholds were set [rad/s].
 const REFERENCE_STD: f64 = 0.005;
 
@@ -31,6 +33,8 @@ pub(super) struct Standstill {
     still: bool,
     ring: [f64; ENTRY],
     valid: usize,
+    /// Sign of the last velocity if it was too large for a machine just setting off, else 0.
+    large: f64,
     torque: Option<f64>,
     friction: f64,
     velocity_std: f64,
@@ -44,6 +48,7 @@ impl Standstill {
             still: true,
             ring: [0.0; ENTRY],
             valid: 0,
+            large: 0.0,
             torque: None,
             friction,
             velocity_std,
@@ -59,6 +64,7 @@ impl Standstill {
         torque: Option<f64>,
         period: f64,
     ) -> Phase {
+        let velocity = velocity.filter(|&y| !self.is_outlier(y));
         if let Some(y) = velocity {
             self.ring[self.valid % ENTRY] = y;
             self.valid += 1;
@@ -110,6 +116,18 @@ impl Standstill {
         let smoothed = smoothed + gain * (torque - smoothed);
         self.torque = Some(smoothed);
         smoothed.abs() < self.friction
+    }
+
+    /// Nothing jumps from rest to such a velocity within a sample; two in a row are believed.
+    fn is_outlier(&mut self, y: f64) -> bool {
+        let large = if y.abs() > OUTLIER * self.scale() {
+            y.signum()
+        } else {
+            0.0
+        };
+        let believed = large == 0.0 || large == self.large;
+        self.large = large;
+        self.still && !believed
     }
 
     fn leave(&mut self, quiet: bool) -> Phase {

@@ -5,7 +5,7 @@
 //! same models has to meet the same tables, and at these nearly linear models the two agree while
 //! the EKF costs a fraction.
 
-use super::calibration::{Calibrated, Calibration};
+use super::calibration::{Calibrated, Calibration, Progress};
 use super::change::ChangeDetector;
 use super::delay::Entry;
 use super::drive::Driver;
@@ -187,14 +187,9 @@ impl SwingEstimator {
     fn tick(&mut self, tick: &Tick) -> bool {
         self.elapsed += tick.period;
         let mut reset = self.check_presence();
-        if let Some(calibration) = &mut self.calibration {
-            match calibration.step(tick) {
-                Some(calibrated) => self.calibrated(calibrated),
-                None => {
-                    self.wait(tick);
-                    return reset;
-                }
-            }
+        if self.calibrates(tick) {
+            self.wait(tick);
+            return reset;
         }
         let needs_posture = self.needs().1;
         if needs_posture && !self.grid.has_posture() {
@@ -223,11 +218,30 @@ impl SwingEstimator {
         ratio * ratio
     }
 
-    fn calibrated(&mut self, found: Calibrated) {
+    /// True while bias and noise are being measured.
+    fn calibrates(&mut self, tick: &Tick) -> bool {
+        let Some(calibration) = &mut self.calibration else {
+            return false;
+        };
+        match calibration.step(tick, self.slowness) {
+            Progress::Measuring => {
+                // The estimate waits, but what the detectors see counts if nothing is measured.
+                if !self.needs().1 || self.grid.has_posture() {
+                    self.core.step(&self.settings, tick, self.method);
+                }
+                return true;
+            }
+            Progress::Stood(found) => self.calibrated(found),
+            Progress::Failed => {}
+        }
         self.calibration = None;
+        false
+    }
+
+    fn calibrated(&mut self, found: Calibrated) {
         self.bias = found.bias;
         self.settings.sensors.swing_velocity_std *= found.noise;
-        self.restart(found.stood);
+        self.restart(true);
     }
 
     fn restart(&mut self, stood: bool) {
