@@ -11,6 +11,7 @@
 
 mod calibration;
 mod change;
+mod consider;
 mod delay;
 mod drive;
 mod encoder;

@@ -54,6 +54,7 @@ impl WeakOnset {
             inertia: inertia.max(0.1 * s.inertia_min),
             rate,
             damping: s.nominal_damping,
+            damping_std: 0.0,
             torque_noise: 0.0,
             torque_drift,
         }

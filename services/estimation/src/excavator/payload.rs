@@ -16,6 +16,7 @@
 //! The state takes an Euler step, its own derivative the exponential: the pair for which the gains
 //! were set. u is 0 with no variance while nothing changes the payload.
 
+use super::consider::Consider;
 use super::drive::Drive;
 use super::settings::Settings;
 use super::standstill::Phase;
@@ -50,6 +51,7 @@ pub(super) struct Model {
     payload_variance_rate: f64,
     payload: [f64; 2],
     inertia_min: f64,
+    gain_std: f64,
     start: State,
     start_variance: State,
 }
@@ -73,6 +75,7 @@ impl Model {
             payload_variance_rate: e.q_m,
             payload: [e.payload_min, e.payload_max],
             inertia_min: settings.inertia_min,
+            gain_std: settings.sensors.swing_torque_gain_std,
             start: State::new(0.0, p.payload, 0.0, settings.nominal_damping, 0.0),
             start_variance: stds.component_mul(&stds),
         }
@@ -92,6 +95,8 @@ impl Model {
 pub(super) struct PayloadFilter {
     pub(super) x: State,
     pub(super) p: Covariance,
+    /// Errors due to the gain of the torque.
+    pub(super) doubt: Consider<5>,
 }
 
 /// Innovation of a step with the variance before and after the gate.
@@ -110,6 +115,7 @@ impl PayloadFilter {
         Self {
             x: model.start,
             p: Covariance::from_diagonal(&model.start_variance),
+            doubt: Consider::input(model.gain_std),
         }
     }
 
@@ -147,6 +153,8 @@ impl PayloadFilter {
             self.x[4] *= decay;
         }
         self.p = F * self.p * F.transpose();
+        self.doubt
+            .predict(&F, model.gain_std * drive.torque * dt / inertia);
         let torque_step = dt / inertia;
         let torque_variance = model.torque_variance * drive.share + drive.stale_torque;
         self.p[(0, 0)] += torque_variance * torque_step * torque_step;
@@ -172,6 +180,7 @@ impl PayloadFilter {
         let gain = self.p.column(0) / gated;
         self.x += gain * value;
         self.p -= gain * self.p.row(0);
+        self.doubt.correct(&gain, &State::ith(0, 1.0));
         self.p = (self.p + self.p.transpose()) * 0.5;
         self.limit(model);
         Outcome {
@@ -189,6 +198,7 @@ impl PayloadFilter {
     /// Standing, or setting off: the velocity is known, the rest is kept.
     pub(super) fn rest(&mut self, model: &Model, drive: &Drive, phase: Phase) {
         self.clear(0);
+        self.doubt.set(0, 0.0);
         match phase {
             Phase::Released(velocity) => {
                 self.x[0] = velocity;
@@ -208,12 +218,14 @@ impl PayloadFilter {
         if self.p[(1, 1)] < start {
             self.clear(1);
             self.p[(1, 1)] = start;
+            self.doubt.set(1, 0.0);
         }
     }
 
     /// Forgets the drive of the payload and gives it a variance.
     pub(super) fn restart_drive(&mut self, variance: f64) {
         self.x[4] = 0.0;
+        self.doubt.set(4, 0.0);
         self.clear(4);
         self.p[(4, 4)] = variance;
     }

@@ -7,8 +7,10 @@
 //! ```
 //!
 //! The weight of a node is the likelihood of its innovations. b is the nominal damping: a wrong one
-//! shifts the payload.
+//! shifts the payload by the covariance of the nodes with the slope of their log weights in b, which
+//! widens the interval (see [`super::consider`]).
 
+use super::consider::Doubt;
 use super::delay::{DelayLine, Entry};
 use super::drive::Drive;
 use super::settings::Settings;
@@ -36,6 +38,8 @@ pub(super) struct UnknownTorque {
     pub(super) torque: f64,
     pub(super) p: [f64; 3],
     acceleration: f64,
+    /// Errors of velocity and torque due to the damping.
+    doubt: [f64; 2],
 }
 
 /// Inertia, its rate, damping and noises of one step.
@@ -44,6 +48,7 @@ pub(super) struct Physics {
     pub(super) inertia: f64,
     pub(super) rate: f64,
     pub(super) damping: f64,
+    pub(super) damping_std: f64,
     pub(super) torque_noise: f64,
     pub(super) torque_drift: f64,
 }
@@ -54,6 +59,7 @@ impl UnknownTorque {
         torque: 0.0,
         p: [1e-6, 0.0, TORQUE_STD * TORQUE_STD],
         acceleration: 0.0,
+        doubt: [0.0; 2],
     };
 
     pub(super) fn step(&mut self, physics: &Physics, drive: &Drive) -> Innovation {
@@ -61,6 +67,9 @@ impl UnknownTorque {
         let beta = dt / physics.inertia;
         let damping = physics.damping + physics.rate;
         let alpha = exp(-beta * damping);
+        let [velocity, torque] = self.doubt;
+        let driven = torque - physics.damping_std * self.velocity;
+        self.doubt[0] = alpha * velocity + beta * driven;
         self.acceleration = (self.torque - damping * self.velocity) / physics.inertia;
         self.velocity += dt * self.acceleration;
         let [p00, p01, p11] = self.p;
@@ -78,6 +87,8 @@ impl UnknownTorque {
         let (k0, k1) = (p00 / variance, p01 / variance);
         self.velocity += k0 * value;
         self.torque += k1 * value;
+        let predicted = self.doubt[0];
+        self.doubt = [(1.0 - k0) * predicted, torque - k1 * predicted];
         self.p = [p00 - k0 * p00, p01 - k0 * p01, p11 - k1 * p01];
         Innovation { value, variance }
     }
@@ -87,6 +98,7 @@ impl UnknownTorque {
             self.velocity = velocity;
             self.p[0] = drive.variance / 4.0 + 0.02 * 0.02;
             self.p[1] = 0.0;
+            self.doubt[0] = 0.0;
         } else {
             *self = Self::START;
         }
@@ -97,6 +109,8 @@ impl UnknownTorque {
 struct Node {
     mass: f64,
     log_weight: f64,
+    /// Change of the log weight with the damping, per standard deviation.
+    slope: f64,
     weight: f64,
     filter: UnknownTorque,
 }
@@ -105,6 +119,7 @@ struct Node {
 #[derive(Debug, Clone)]
 pub(super) struct PostureMode {
     settings: Settings,
+    damping_std: f64,
     nodes: [Node; NODES],
     line: DelayLine,
     late: State,
@@ -118,9 +133,11 @@ impl PostureMode {
     pub(super) fn new(settings: &Settings) -> Self {
         let mut mode = Self {
             settings: *settings,
+            damping_std: Doubt::new(settings).damping,
             nodes: core::array::from_fn(|i| Node {
                 mass: FIRST + SPACING * i as f64,
                 log_weight: 0.0,
+                slope: 0.0,
                 weight: 0.0,
                 filter: UnknownTorque::START,
             }),
@@ -189,6 +206,7 @@ impl PostureMode {
                 inertia: drive.mean.with_payload(node.mass).max(inertia_min),
                 rate: drive.rate.with_payload(node.mass),
                 damping,
+                damping_std: self.damping_std,
                 torque_noise: TORQUE_NOISE,
                 torque_drift: if flagged {
                     TORQUE_DRIFT_FLAGGED
@@ -199,6 +217,8 @@ impl PostureMode {
             let innovation = node.filter.step(&physics, drive);
             if drive.velocity.is_some() {
                 node.log_weight -= 0.5 * (innovation.nis() + ln(innovation.variance));
+                // The error before the correction over S is the one after it over R.
+                node.slope += innovation.value * node.filter.doubt[0] / drive.variance;
                 nis += node.weight * innovation.nis();
             }
         }
@@ -209,8 +229,8 @@ impl PostureMode {
         let prior = &self.settings.prior;
         for node in &mut self.nodes {
             let z = (node.mass - prior.payload) / PRIOR_STD;
-            let unlikely = node.mass < -20.0 || node.mass > 600.0;
-            node.log_weight = -0.5 * z * z - if unlikely { 3.0 } else { 0.0 };
+            node.log_weight = -0.5 * z * z - unlikeliness(node.mass);
+            node.slope = 0.0;
         }
         self.normalise();
     }
@@ -236,7 +256,27 @@ impl PostureMode {
             .iter()
             .map(|node| node.weight * (node.mass - mean) * (node.mass - mean))
             .sum();
-        self.payload = (mean, sqrt(variance + SPACING * SPACING / 12.0));
+        let doubt = self.doubt();
+        let variance = variance + SPACING * SPACING / 12.0 + doubt * doubt;
+        self.payload = (mean, sqrt(variance));
+    }
+
+    /// Shift of the payload by a damping one standard deviation off: the log weight is nearly a
+    /// parabola in the payload, and its slopes there move its top. Taken from the three nodes about
+    /// the top, so that the ends of the grid, at which the payload cannot move, do not hide it.
+    fn doubt(&self) -> f64 {
+        let top = (1..NODES - 1)
+            .max_by(|&i, &j| self.nodes[i].weight.total_cmp(&self.nodes[j].weight))
+            .unwrap_or(1);
+        let [left, middle, right] = [top - 1, top, top + 1].map(|i| &self.nodes[i]);
+        let log = |node: &Node| node.log_weight + unlikeliness(node.mass);
+        let curvature = 2.0 * log(middle) - log(left) - log(right);
+        let tilt = 0.5 * (right.slope - left.slope);
+        if curvature > 0.0 {
+            SPACING * tilt / curvature
+        } else {
+            0.0
+        }
     }
 
     fn read(&mut self, late: &Entry, nis: f64) {
@@ -265,6 +305,15 @@ impl PostureMode {
     pub(super) fn is_sound(&self) -> bool {
         let (mass, std) = self.payload;
         mass.is_finite() && std.is_finite() && self.late.velocity.is_finite()
+    }
+}
+
+/// What the prior takes from the log weight of a payload outside -20 to 600 kg.
+fn unlikeliness(mass: f64) -> f64 {
+    if (-20.0..=600.0).contains(&mass) {
+        0.0
+    } else {
+        3.0
     }
 }
 

@@ -10,6 +10,7 @@
 //! interval widens with the opening, before the material moves. What no bucket angle announces,
 //! the comparison of the two filters and the sums of filter 1's innovations find.
 
+use super::consider::Consider;
 use super::drive::Drive;
 use super::payload::{Change, Model, Outcome, PayloadFilter};
 use super::settings::{Settings, Variant};
@@ -88,7 +89,8 @@ fn state(
     changing: bool,
 ) -> State {
     let g = drive.now.per_payload;
-    let payload_std = sqrt(payload_variance.max(0.0));
+    let doubt = filter.doubt.of(1);
+    let payload_std = sqrt(payload_variance.max(0.0) + doubt * doubt);
     State {
         inertia: drive.now.with_payload(filter.x[1]),
         inertia_std: g * payload_std,
@@ -195,6 +197,7 @@ fn merge(filters: &[PayloadFilter; 2], weights: [f64; 2]) -> PayloadFilter {
     PayloadFilter {
         x,
         p: spread(0) + spread(1),
+        doubt: Consider::mix(&filters[0].doubt, &filters[1].doubt, weights),
     }
 }
 

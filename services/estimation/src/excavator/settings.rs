@@ -2,15 +2,17 @@
 
 use super::geometry::Geometry;
 
-/// What the estimators with measured torque assume of damping, torque offset and payload.
+/// What is assumed of damping, torque offset and payload. `torque`, `posture` and `velocity` hold the
+/// damping fixed; unless it is `Known`, `prior.damping_std` widens their interval.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Variant {
-    /// Payload that may change, noticed by itself (for `torque`: as `Known`).
+    /// Payload that may change, noticed by itself (`posture-torque`); damping and torque offset held
+    /// at their nominal values, with their uncertainty in the interval (`torque`).
     #[default]
     Auto,
     /// Damping and torque are calibrated.
     Known,
-    /// Damping within 20 %, torque with an offset, payload constant while moving.
+    /// Damping and torque offset estimated, payload constant while moving.
     Tolerant,
     /// As tolerant, with the older drop model; for comparison (for `torque`: as `Tolerant`).
     Drop,
@@ -27,6 +29,9 @@ pub struct Sensors {
     pub swing_angle_std: f64,
     /// Noise of a torque sample (sigma_T) [N m].
     pub swing_torque_std: f64,
+    /// Standard deviation of the torque's gain about 1. No estimator can notice it; it widens the
+    /// interval.
+    pub swing_torque_gain_std: f64,
     /// A velocity of this size or more is missing [rad/s].
     pub swing_velocity_limit: f64,
     /// A joint angle of this size or more is missing [rad].
@@ -44,7 +49,8 @@ pub struct Prior {
     pub payload: f64,
     /// Its standard deviation [kg].
     pub payload_std: f64,
-    /// Standard deviation of the damping about its nominal value (s_b), not for `Known` [N m s/rad].
+    /// Standard deviation of the damping about its nominal value (s_b), not for `Known`; 0 says that
+    /// it is calibrated [N m s/rad].
     pub damping_std: f64,
     /// Standard deviation of the torque offset (s_d) [N m].
     pub torque_offset_std: f64,
@@ -238,6 +244,7 @@ impl Default for Sensors {
             swing_velocity_std: 0.005,
             swing_angle_std: 0.0005,
             swing_torque_std: 100.0,
+            swing_torque_gain_std: 0.0,
             swing_velocity_limit: 5.0,
             angle_limit: core::f64::consts::TAU,
         }
@@ -393,6 +400,7 @@ impl Settings {
         let not_negative = [
             ("machine.nominal_damping", self.nominal_damping),
             ("machine.coulomb_friction", self.coulomb_friction),
+            ("sensors.swing_torque_gain_std", s.swing_torque_gain_std),
             ("prior.damping_std", p.damping_std),
             ("prior.torque_offset_std", p.torque_offset_std),
             ("prior.known_torque_offset_std", p.known_torque_offset_std),
