@@ -152,8 +152,9 @@ table! {
         svf_acceleration_min: f64 = 0.05, "rad/s^2", 0.0 to 1e6;
         /// Covariance of svf-rls at the start and its largest value.
         svf_covariance: f64 = 100.0, "", 1e-9 to 1e18;
-        /// The torque enters as the mean of two samples: its noise variance is (sigma_T / this)^2.
-        torque_noise_divisor: f64 = 1.41, "", 0.1 to 10.0;
+        /// The torque enters as the mean of two samples, with variance (sigma_T / this)^2; 1, and not 1.41, since each
+        /// sample is in two means.
+        torque_noise_divisor: f64 = 1.0, "", 0.1 to 10.0;
         /// Innovations beyond this many standard deviations are weakened.
         gate: f64 = 4.0, "", 1.0 to 1e6;
         /// Innovations beyond this many standard deviations are dropped, at most three in a row (modes C, A).

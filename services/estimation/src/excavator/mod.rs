@@ -33,6 +33,7 @@ mod state;
 mod svf;
 mod swing;
 mod torque;
+mod unknown_torque;
 mod velocity;
 mod verdict;
 

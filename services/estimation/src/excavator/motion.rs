@@ -130,7 +130,11 @@ impl MotionFilter {
             aligner: Aligner::new(settings),
             grid: Grid::new(settings, angle),
             detector: ChangeDetector::new(e.reject, e.q_c, s.swing_velocity_std),
-            standstill: Standstill::new(s.swing_velocity_std, settings.coulomb_friction),
+            standstill: Standstill::new(
+                s.swing_velocity_std,
+                s.swing_torque_std,
+                settings.coulomb_friction,
+            ),
             standing: true,
             delay: Delay::new(settings, angle, period),
             window_end: f64::NEG_INFINITY,

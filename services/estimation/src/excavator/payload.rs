@@ -66,14 +66,15 @@ impl Model {
             (p.torque_offset_std, p.damping_std)
         };
         let torque_std = settings.sensors.swing_torque_std / e.torque_noise_divisor;
+        let kilogram = settings.geometry.payload_scale();
         let stds = State::new(1e-3, p.payload_std, offset_std, damping_std, 0.0);
         Self {
             friction: settings.coulomb_friction,
             friction_width: e.friction_width,
             torque_variance: torque_std * torque_std,
             gate: e.gate,
-            payload_variance_rate: e.q_m,
-            payload: [e.payload_min, e.payload_max],
+            payload_variance_rate: e.q_m * kilogram * kilogram,
+            payload: settings.payload_range(),
             inertia_min: settings.inertia_min,
             gain_std: settings.sensors.swing_torque_gain_std,
             start: State::new(0.0, p.payload, 0.0, settings.nominal_damping, 0.0),

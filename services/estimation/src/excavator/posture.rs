@@ -16,92 +16,60 @@ use super::drive::Drive;
 use super::settings::Settings;
 use super::standstill::Phase;
 use super::state::State;
-use crate::kalman::Innovation;
+use super::unknown_torque::{Physics, UnknownTorque};
 use crate::math::{exp, ln, sqrt};
 
-/// Payloads of the grid: -50, -37.5, ..., 650 kg.
+/// Payloads of the grid.
 const NODES: usize = 57;
-const FIRST: f64 = -50.0;
-const SPACING: f64 = 12.5;
-/// Standard deviation of the total torque at start and after rest [N m].
-const TORQUE_STD: f64 = 3000.0;
-/// Random walk of the total torque, flagged and not [N m/sqrt(s)].
+/// Random walk of the total torque, flagged and not, reference machine [N m/sqrt(s)].
 const TORQUE_DRIFT_FLAGGED: f64 = 15_000.0;
 const TORQUE_DRIFT: f64 = 10.0;
-/// Torque noise that enters the velocity directly [N m].
+/// Torque noise that enters the velocity directly, reference machine [N m].
 const TORQUE_NOISE: f64 = 10.0;
 
-/// Filter of velocity and unknown total torque for one inertia.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct UnknownTorque {
-    pub(super) velocity: f64,
-    pub(super) torque: f64,
-    pub(super) p: [f64; 3],
-    acceleration: f64,
-    /// Errors of velocity and torque due to the damping.
-    doubt: [f64; 2],
-}
-
-/// Inertia, its rate, damping and noises of one step.
+/// Payloads of the grid and what is believed of them before: for the default prior of 200 +- 160 kg
+/// -50, -37.5, ..., 650 kg, Gaussian with 200 kg, wider than in mode D, whose filters may go on
+/// beyond it.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Physics {
-    pub(super) inertia: f64,
-    pub(super) rate: f64,
-    pub(super) damping: f64,
-    pub(super) damping_std: f64,
-    pub(super) torque_noise: f64,
-    pub(super) torque_drift: f64,
+struct Payloads {
+    first: f64,
+    spacing: f64,
+    mean: f64,
+    std: f64,
 }
 
-impl UnknownTorque {
-    pub(super) const START: Self = Self {
-        velocity: 0.0,
-        torque: 0.0,
-        p: [1e-6, 0.0, TORQUE_STD * TORQUE_STD],
-        acceleration: 0.0,
-        doubt: [0.0; 2],
-    };
-
-    pub(super) fn step(&mut self, physics: &Physics, drive: &Drive) -> Innovation {
-        let dt = drive.period;
-        let beta = dt / physics.inertia;
-        let damping = physics.damping + physics.rate;
-        let alpha = exp(-beta * damping);
-        let [velocity, torque] = self.doubt;
-        let driven = torque - physics.damping_std * self.velocity;
-        self.doubt[0] = alpha * velocity + beta * driven;
-        self.acceleration = (self.torque - damping * self.velocity) / physics.inertia;
-        self.velocity += dt * self.acceleration;
-        let [p00, p01, p11] = self.p;
-        let direct = physics.torque_noise * beta;
-        let p00 =
-            alpha * alpha * p00 + 2.0 * alpha * beta * p01 + beta * beta * p11 + direct * direct;
-        let p01 = alpha * p01 + beta * p11;
-        let p11 = p11 + physics.torque_drift * physics.torque_drift * dt;
-        self.p = [p00, p01, p11];
-        let Some(y) = drive.velocity else {
-            return Innovation::default();
-        };
-        let variance = p00 + drive.variance;
-        let value = y - self.velocity;
-        let (k0, k1) = (p00 / variance, p01 / variance);
-        self.velocity += k0 * value;
-        self.torque += k1 * value;
-        let predicted = self.doubt[0];
-        self.doubt = [(1.0 - k0) * predicted, torque - k1 * predicted];
-        self.p = [p00 - k0 * p00, p01 - k0 * p01, p11 - k1 * p01];
-        Innovation { value, variance }
+impl Payloads {
+    fn new(settings: &Settings) -> Self {
+        let prior = &settings.prior;
+        let [first, most] = settings.payload_range();
+        let last = (prior.payload + 2.8125 * prior.payload_std)
+            .min(most)
+            .max(first + prior.payload_std);
+        Self {
+            first,
+            spacing: (last - first) / (NODES - 1) as f64,
+            mean: prior.payload,
+            std: 1.25 * prior.payload_std,
+        }
     }
 
-    pub(super) fn rest(&mut self, drive: &Drive, phase: Phase) {
-        if let Phase::Released(velocity) = phase {
-            self.velocity = velocity;
-            self.p[0] = drive.variance / 4.0 + 0.02 * 0.02;
-            self.p[1] = 0.0;
-            self.doubt[0] = 0.0;
+    fn mass(&self, i: usize) -> f64 {
+        self.first + self.spacing * i as f64
+    }
+
+    /// What the prior takes from the log weight near both ends: below nothing, and above 600 kg.
+    fn unlikeliness(&self, mass: f64) -> f64 {
+        let last = self.mass(NODES - 1);
+        if (-1.6 * self.spacing..=last - 4.0 * self.spacing).contains(&mass) {
+            0.0
         } else {
-            *self = Self::START;
+            3.0
         }
+    }
+
+    fn log_prior(&self, mass: f64) -> f64 {
+        let z = (mass - self.mean) / self.std;
+        -0.5 * z * z - self.unlikeliness(mass)
     }
 }
 
@@ -120,6 +88,9 @@ struct Node {
 pub(super) struct PostureMode {
     settings: Settings,
     damping_std: f64,
+    /// Size of the machine's torques against the reference machine's.
+    scale: f64,
+    payloads: Payloads,
     nodes: [Node; NODES],
     line: DelayLine,
     late: State,
@@ -131,15 +102,19 @@ pub(super) struct PostureMode {
 
 impl PostureMode {
     pub(super) fn new(settings: &Settings) -> Self {
+        let payloads = Payloads::new(settings);
+        let scale = settings.geometry.scale();
         let mut mode = Self {
             settings: *settings,
+            scale,
+            payloads,
             damping_std: Doubt::new(settings).damping,
             nodes: core::array::from_fn(|i| Node {
-                mass: FIRST + SPACING * i as f64,
+                mass: payloads.mass(i),
                 log_weight: 0.0,
                 slope: 0.0,
                 weight: 0.0,
-                filter: UnknownTorque::START,
+                filter: UnknownTorque::start(scale),
             }),
             line: DelayLine::new(),
             late: State::default(),
@@ -187,7 +162,7 @@ impl PostureMode {
             self.unflagged_for += if late.flagged { 0.0 } else { late.drive.period };
         } else {
             for node in &mut self.nodes {
-                node.filter.rest(&late.drive, late.phase);
+                node.filter.rest(&late.drive, late.phase, self.scale);
             }
             self.unflagged_for = 0.0;
         }
@@ -199,6 +174,11 @@ impl PostureMode {
     fn filter(&mut self, drive: &Drive, flagged: bool) -> f64 {
         let damping = self.settings.nominal_damping;
         let inertia_min = 0.1 * self.settings.inertia_min;
+        let drift = if flagged {
+            TORQUE_DRIFT_FLAGGED
+        } else {
+            TORQUE_DRIFT
+        };
         let mut nis = 0.0;
         for node in &mut self.nodes {
             let physics = Physics {
@@ -207,12 +187,8 @@ impl PostureMode {
                 rate: drive.rate.with_payload(node.mass),
                 damping,
                 damping_std: self.damping_std,
-                torque_noise: TORQUE_NOISE,
-                torque_drift: if flagged {
-                    TORQUE_DRIFT_FLAGGED
-                } else {
-                    TORQUE_DRIFT
-                },
+                torque_noise: self.scale * TORQUE_NOISE,
+                torque_drift: self.scale * drift,
             };
             let innovation = node.filter.step(&physics, drive);
             if drive.velocity.is_some() {
@@ -226,10 +202,8 @@ impl PostureMode {
     }
 
     fn restart_weights(&mut self) {
-        let prior = &self.settings.prior;
         for node in &mut self.nodes {
-            let z = (node.mass - prior.payload) / PRIOR_STD;
-            node.log_weight = -0.5 * z * z - unlikeliness(node.mass);
+            node.log_weight = self.payloads.log_prior(node.mass);
             node.slope = 0.0;
         }
         self.normalise();
@@ -257,7 +231,8 @@ impl PostureMode {
             .map(|node| node.weight * (node.mass - mean) * (node.mass - mean))
             .sum();
         let doubt = self.doubt();
-        let variance = variance + SPACING * SPACING / 12.0 + doubt * doubt;
+        let spacing = self.payloads.spacing;
+        let variance = variance + spacing * spacing / 12.0 + doubt * doubt;
         self.payload = (mean, sqrt(variance));
     }
 
@@ -269,11 +244,11 @@ impl PostureMode {
             .max_by(|&i, &j| self.nodes[i].weight.total_cmp(&self.nodes[j].weight))
             .unwrap_or(1);
         let [left, middle, right] = [top - 1, top, top + 1].map(|i| &self.nodes[i]);
-        let log = |node: &Node| node.log_weight + unlikeliness(node.mass);
+        let log = |node: &Node| node.log_weight + self.payloads.unlikeliness(node.mass);
         let curvature = 2.0 * log(middle) - log(left) - log(right);
         let tilt = 0.5 * (right.slope - left.slope);
         if curvature > 0.0 {
-            SPACING * tilt / curvature
+            self.payloads.spacing * tilt / curvature
         } else {
             0.0
         }
@@ -307,16 +282,3 @@ impl PostureMode {
         mass.is_finite() && std.is_finite() && self.late.velocity.is_finite()
     }
 }
-
-/// What the prior takes from the log weight of a payload outside -20 to 600 kg.
-fn unlikeliness(mass: f64) -> f64 {
-    if (-20.0..=600.0).contains(&mass) {
-        0.0
-    } else {
-        3.0
-    }
-}
-
-/// Width of the prior over the payload; wider than that of mode D, whose filters may go on
-/// beyond it [kg].
-const PRIOR_STD: f64 = 200.0;

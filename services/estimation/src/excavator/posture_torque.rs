@@ -28,7 +28,6 @@ const CHANGE_TIME: f64 = 0.3;
 
 /// Mode D in any variant.
 #[derive(Debug, Clone)]
-#[expect(clippy::large_enum_variant, reason = "no allocator; one per process")]
 pub(super) enum PostureTorque {
     /// One filter.
     Plain(Model, PayloadFilter),
@@ -121,7 +120,9 @@ impl DropMixture {
     fn new(settings: &Settings) -> Self {
         let model = Model::new(settings, false);
         let filter = PayloadFilter::new(&model);
-        let drop = model.with_payload_variance_rate(settings.estimator.drop_q_m);
+        let kilogram = settings.geometry.payload_scale();
+        let drop = settings.estimator.drop_q_m * kilogram * kilogram;
+        let drop = model.with_payload_variance_rate(drop);
         Self {
             models: [model, drop],
             filters: [filter.clone(), filter],
@@ -204,7 +205,13 @@ fn merge(filters: &[PayloadFilter; 2], weights: [f64; 2]) -> PayloadFilter {
 /// The two filters side by side, the bucket's opening and the alarm.
 #[derive(Debug, Clone)]
 pub(super) struct ChangingPayload {
-    settings: Settings,
+    /// Largest free change during an opening, free change after an alarm [kg/rad, kg/s].
+    opening_change_max: f64,
+    change_rate_std: f64,
+    opening_decay: f64,
+    change_threshold: f64,
+    /// A kilogram of the reference machine, on this one.
+    kilogram: f64,
     model: Model,
     /// Filter 1: constant payload unless something says otherwise.
     constant: PayloadFilter,
@@ -261,9 +268,15 @@ impl ChangingPayload {
         let constant = PayloadFilter::new(&model);
         let mut moving = constant.clone();
         let e = &settings.estimator;
-        moving.restart_drive(e.change_rate_std * e.change_rate_std);
+        let kilogram = settings.geometry.payload_scale();
+        let change_rate_std = e.change_rate_std * kilogram;
+        moving.restart_drive(change_rate_std * change_rate_std);
         Self {
-            settings: *settings,
+            opening_change_max: e.opening_change_max * kilogram,
+            change_rate_std,
+            opening_decay: e.opening_decay,
+            change_threshold: e.change_threshold,
+            kilogram,
             model,
             constant,
             moving,
@@ -312,7 +325,7 @@ impl ChangingPayload {
     }
 
     fn rest(&mut self, drive: &Drive, phase: Phase) -> State {
-        let std = self.settings.estimator.change_rate_std;
+        let std = self.change_rate_std;
         self.constant.rest(&self.model, drive, phase);
         self.moving.rest(&self.model, drive, phase);
         self.constant.restart_drive(0.0);
@@ -342,13 +355,9 @@ impl ChangingPayload {
 
     /// Both filters, one step.
     fn advance(&mut self, drive: &Drive, rho: f64, change_mode: bool, active: bool) -> Outcome {
-        let e = &self.settings.estimator;
-        let free = |filter: &PayloadFilter| {
-            let (m, variance) = filter.payload();
-            (m.max(0.0) + 2.0 * sqrt(variance.max(0.0))).min(e.opening_change_max)
-        };
-        let own = free(&self.constant);
-        let alarm_std = e.change_rate_std;
+        let (m, variance) = self.constant.payload();
+        let own = (m.max(0.0) + 2.0 * sqrt(variance.max(0.0))).min(self.opening_change_max);
+        let alarm_std = self.change_rate_std;
         if active && !self.active {
             let std = if change_mode { alarm_std } else { own };
             self.constant.restart_drive(std * std);
@@ -357,7 +366,7 @@ impl ChangingPayload {
             self.constant.restart_drive(0.0);
         }
         self.active = active;
-        let decay = e.opening_decay * rho;
+        let decay = self.opening_decay * rho;
         let (weight, std, time) = if change_mode {
             (rho + 1.0, alarm_std, CHANGE_TIME)
         } else {
@@ -391,7 +400,8 @@ impl ChangingPayload {
         let (m1, v1) = self.constant.payload();
         let (m2, v2) = self.moving.payload();
         let extra = v2 - v1;
-        let std = sqrt(extra.max(20.0 * 20.0));
+        let least = 20.0 * self.kilogram;
+        let std = sqrt(extra.max(least * least));
         let mut difference = m2 - m1;
         let z = difference / (std * scale);
         self.disagree = if z.abs() > 2.5 && !active {
@@ -402,11 +412,12 @@ impl ChangingPayload {
         let zc = (zz / scale).clamp(-3.0, 3.0);
         self.up = (self.up + zc - 0.5).max(0.0);
         self.down = (self.down - zc - 0.5).max(0.0);
-        if active || v1 > 40.0 * 40.0 {
+        let unsure = 40.0 * self.kilogram;
+        if active || v1 > unsure * unsure {
             self.hold_off();
         }
         let level = self.up.max(self.down);
-        let alarm = self.disagree >= 5 || level > self.settings.estimator.change_threshold;
+        let alarm = self.disagree >= 5 || level > self.change_threshold;
         if alarm {
             self.constant = self.moving.clone();
             self.hold_off();

@@ -37,13 +37,14 @@ pub(super) struct Standstill {
     large: f64,
     torque: Option<f64>,
     friction: f64,
+    torque_std: f64,
     velocity_std: f64,
     held_for: f64,
     seen: bool,
 }
 
 impl Standstill {
-    pub(super) fn new(velocity_std: f64, friction: f64) -> Self {
+    pub(super) fn new(velocity_std: f64, torque_std: f64, friction: f64) -> Self {
         Self {
             still: true,
             ring: [0.0; ENTRY],
@@ -51,6 +52,7 @@ impl Standstill {
             large: 0.0,
             torque: None,
             friction,
+            torque_std,
             velocity_std,
             held_for: 0.0,
             seen: false,
@@ -108,14 +110,18 @@ impl Standstill {
         self.velocity_std / REFERENCE_STD
     }
 
-    /// Smoothed torque below friction; without torque nothing speaks against it.
+    /// Smoothed torque below friction, or below its own noise; without torque nothing speaks against
+    /// it.
     fn quiet(&mut self, torque: Option<f64>, period: f64) -> bool {
         let Some(torque) = torque else { return true };
         let gain = 1.0 - exp(ln(0.65) * period / 0.01);
         let smoothed = self.torque.unwrap_or(0.0);
         let smoothed = smoothed + gain * (torque - smoothed);
         self.torque = Some(smoothed);
-        smoothed.abs() < self.friction
+        smoothed.abs()
+            < self
+                .friction
+                .max(3.0 * self.torque_std * sqrt(gain / (2.0 - gain)))
     }
 
     /// Nothing jumps from rest to such a velocity within a sample; two in a row are believed.

@@ -472,7 +472,11 @@ impl Core {
         };
         let posture = method == Method::Posture;
         let constant = method == Method::Velocity && e.constant_inertia;
-        let mut standstill = Standstill::new(s.swing_velocity_std, settings.coulomb_friction);
+        let mut standstill = Standstill::new(
+            s.swing_velocity_std,
+            s.swing_torque_std,
+            settings.coulomb_friction,
+        );
         if stood {
             standstill.confirm();
         }
