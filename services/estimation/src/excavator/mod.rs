@@ -11,9 +11,11 @@
 
 mod calibration;
 mod change;
+mod changing_payload;
 mod consider;
 mod delay;
 mod drive;
+mod drop_mixture;
 mod encoder;
 mod estimate;
 mod geometry;
@@ -21,6 +23,7 @@ mod grid;
 mod joint;
 mod motion;
 mod onset;
+mod opening;
 mod payload;
 mod posture;
 mod posture_torque;

@@ -17,6 +17,8 @@ pub(super) struct State {
     /// Ungated; 0 where nothing was measured.
     pub(super) nis: f64,
     pub(super) changing: bool,
+    /// The payload may not yet be what it seems.
+    pub(super) unsettled: bool,
     pub(super) change_mode: bool,
     pub(super) opening: bool,
     pub(super) drop_probability: f64,

@@ -1,9 +1,8 @@
 //! State-space estimators behind one `step` (process `ukf`): input conditioning, choice of the
 //! mode, standstill, verdict.
 //!
-//! The modes are extended Kalman filters and a grid; the specification's square-root UKF on the
-//! same models has to meet the same tables, and at these nearly linear models the two agree while
-//! the EKF costs a fraction.
+//! The modes are extended Kalman filters and a grid. The square-root UKF on the model of mode D
+//! differs by at most 0.15 standard deviations over a swing (tests/excavator_ukf.rs) and costs more.
 
 use super::calibration::{Calibrated, Calibration, Progress};
 use super::change::ChangeDetector;

@@ -94,7 +94,7 @@ impl Verdict {
             fresh: self.velocity_age <= e.fresh_velocity
                 && (!torque || tick.torque_age <= e.fresh_others)
                 && (!posture || tick.posture_age <= e.fresh_others),
-            converged: converged && !state.changing,
+            converged: converged && !state.changing && !state.unsettled,
             identifiable: match basis {
                 Basis::PostureTorque => self.excited_for >= EXCITED_FOR,
                 Basis::Torque { stood } => stood && self.excited_for >= EXCITED_FOR,
