@@ -123,8 +123,15 @@ impl ChangingPayload {
         }
         self.variance = variance;
         let changing = self.change > 0 || self.opening.is_open();
-        let mut state = state(&self.constant, drive, &outcome, variance, changing);
-        state.unsettled = self.settling > 0 || self.suspicious;
+        let mut state = state(
+            &self.model,
+            &self.constant,
+            drive,
+            &outcome,
+            variance,
+            changing,
+        );
+        state.unsettled |= self.settling > 0 || self.suspicious;
         state.change_mode = self.change > 0;
         state.opening = self.opening.is_open();
         state
@@ -143,6 +150,7 @@ impl ChangingPayload {
         self.variance = variance;
         let opening = self.opening.is_open();
         let mut state = state(
+            &self.model,
             &self.constant,
             drive,
             &Outcome::default(),

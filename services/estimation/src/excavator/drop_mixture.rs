@@ -58,7 +58,14 @@ impl DropMixture {
         self.started = true;
         let mut mean = merge(&self.filters, self.probability);
         mean.limit(&self.models[0]);
-        let mut state = state(&mean, drive, &outcome, mean.payload().1, false);
+        let mut state = state(
+            &self.models[0],
+            &mean,
+            drive,
+            &outcome,
+            mean.payload().1,
+            false,
+        );
         state.drop_probability = self.probability[1];
         state
     }

@@ -196,6 +196,12 @@ impl PayloadFilter {
         self.x[1] = self.x[1].clamp(model.payload[0], model.payload[1]);
     }
 
+    /// Whether the payload is at one of its limits.
+    pub(super) fn at_limit(&self, model: &Model) -> bool {
+        let [least, most] = model.payload;
+        self.x[1] <= least || self.x[1] >= most
+    }
+
     /// Standing, or setting off: the velocity is known, the rest is kept.
     pub(super) fn rest(&mut self, model: &Model, drive: &Drive, phase: Phase) {
         self.clear(0);

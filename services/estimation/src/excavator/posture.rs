@@ -57,10 +57,13 @@ impl Payloads {
         self.first + self.spacing * i as f64
     }
 
+    fn likely_until(&self) -> f64 {
+        self.mass(NODES - 1) - 4.0 * self.spacing
+    }
+
     /// What the prior takes from the log weight near both ends: below nothing, and above 600 kg.
     fn unlikeliness(&self, mass: f64) -> f64 {
-        let last = self.mass(NODES - 1);
-        if (-1.6 * self.spacing..=last - 4.0 * self.spacing).contains(&mass) {
+        if (-1.6 * self.spacing..=self.likely_until()).contains(&mass) {
             0.0
         } else {
             3.0
@@ -137,6 +140,7 @@ impl PostureMode {
             inertia: now.with_payload(mass),
             inertia_std: std * now.per_payload,
             payload: Some(self.payload),
+            unsettled: mass > self.payloads.likely_until(),
             ..self.late
         }
     }

@@ -46,7 +46,7 @@ impl PostureTorque {
                     filter.rest(model, drive, phase);
                     Outcome::default()
                 };
-                state(filter, drive, &outcome, filter.payload().1, false)
+                state(model, filter, drive, &outcome, filter.payload().1, false)
             }
             Self::Drop(mixture) => mixture.step(drive, phase, reopen),
             Self::Auto(auto) => auto.step(drive, phase, reopen),
@@ -65,6 +65,7 @@ impl PostureTorque {
 
 /// Common reading of a filter.
 pub(super) fn state(
+    model: &Model,
     filter: &PayloadFilter,
     drive: &Drive,
     outcome: &Outcome,
@@ -83,6 +84,7 @@ pub(super) fn state(
         velocity: filter.x[0],
         acceleration: outcome.acceleration,
         nis: outcome.innovation.nis(),
+        unsettled: filter.at_limit(model),
         changing,
         ..State::default()
     }

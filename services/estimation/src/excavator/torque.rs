@@ -191,6 +191,7 @@ impl TorqueMode {
             velocity: self.x[0] / inertia,
             acceleration,
             nis: innovation.nis(),
+            unsettled: inertia <= s.inertia_min || inertia >= s.inertia_max,
             ..State::default()
         }
     }

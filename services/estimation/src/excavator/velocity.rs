@@ -187,6 +187,7 @@ impl VelocityMode {
             acceleration,
             nis,
             flagged,
+            unsettled: inertia <= s.inertia_min || inertia >= s.inertia_max,
             ..State::default()
         };
     }
