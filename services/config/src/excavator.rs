@@ -5,13 +5,14 @@ use crate::setting::{choice, machine, table};
 use crate::{Error, Kind};
 
 choice! {
-    /// What the estimators with measured torque assume of damping, torque offset and payload.
+    /// What is assumed of damping, torque offset and payload.
     pub enum Variant {
-        /// Payload that may change, found by itself (two filters side by side).
+        /// Payload that may change, found by itself (posture-torque); damping and torque offset as described, their
+        /// uncertainty in the interval (torque, posture, velocity).
         Auto = "auto",
         /// Damping and torque are calibrated.
         Known = "known",
-        /// Damping within 20 %, torque with an offset, payload constant while moving.
+        /// Damping within damping_std, torque with an offset, both estimated; payload constant while moving.
         Tolerant = "tolerant",
         /// As tolerant, with the older drop model; for comparison.
         Drop = "drop",
@@ -85,6 +86,8 @@ table! {
         swing_angle_std: f64 = 0.0005, "rad", 1e-12 to 1.0;
         /// Noise of the swing torque (sigma_T).
         swing_torque_std: f64 = 100.0, "N m", 1e-9 to 1e6;
+        /// Standard deviation of the torque's gain about 1; it cannot be noticed, and widens the interval.
+        swing_torque_gain_std: f64 = 0.0, "", 0.0 to 1.0;
         /// Noise of the joint angles.
         angle_std: f64 = 0.001, "rad", 0.0 to 1.0;
         /// A velocity of this size or more is taken as missing (end of the sensor's range).
@@ -105,7 +108,7 @@ table! {
         payload: f64 = 200.0, "kg", -1e5 to 1e5;
         /// Its standard deviation.
         payload_std: f64 = 160.0, "kg", 1e-9 to 1e5;
-        /// Standard deviation of the damping about nominal_damping (s_b); not used by the variant "known".
+        /// Standard deviation of the damping about nominal_damping (s_b); 0 or the variant "known" say that it is calibrated.
         damping_std: f64 = 225.0, "N m s/rad", 0.0 to 1e7;
         /// Standard deviation of the torque offset (s_d).
         torque_offset_std: f64 = 60.0, "N m", 0.0 to 1e6;
@@ -139,7 +142,7 @@ table! {
         estimate_offset: bool = false, "";
         /// The caller declares that the inertia does not change (mode A).
         constant_inertia: bool = false, "";
-        /// Assumptions of the estimators with measured torque.
+        /// What is assumed of damping, torque offset and payload.
         variant: Variant = Variant::Auto, "";
         /// Velocity over which the friction of the joint estimators changes sign.
         friction_width: f64 = 0.008, "rad/s", 1e-9 to 10.0;
@@ -149,8 +152,9 @@ table! {
         svf_acceleration_min: f64 = 0.05, "rad/s^2", 0.0 to 1e6;
         /// Covariance of svf-rls at the start and its largest value.
         svf_covariance: f64 = 100.0, "", 1e-9 to 1e18;
-        /// The torque enters as the mean of two samples: its noise variance is (sigma_T / this)^2.
-        torque_noise_divisor: f64 = 1.41, "", 0.1 to 10.0;
+        /// The torque enters as the mean of two samples, with variance (sigma_T / this)^2; 1, and not 1.41, since each
+        /// sample is in two means.
+        torque_noise_divisor: f64 = 1.0, "", 0.1 to 10.0;
         /// Innovations beyond this many standard deviations are weakened.
         gate: f64 = 4.0, "", 1.0 to 1e6;
         /// Innovations beyond this many standard deviations are dropped, at most three in a row (modes C, A).

@@ -453,11 +453,14 @@ fn mode_c_gives_the_reference_trajectories_with_and_without_weak_onset_detector(
         .chain(["gentle_case2", "constant", "bad", "soft_brake"])
     {
         compare("C", input, Method::Posture, |s| {
-            s.estimator.weak_onset = false
+            s.estimator.variant = Variant::Known;
+            s.estimator.weak_onset = false;
         });
     }
     for input in BASE.into_iter().chain(["bad", "soft_brake"]) {
-        compare("C_weak", input, Method::Posture, |_| ());
+        compare("C_weak", input, Method::Posture, |s| {
+            s.estimator.variant = Variant::Known
+        });
     }
 }
 
@@ -469,6 +472,7 @@ fn mode_a_gives_the_reference_trajectories() {
         });
     }
     compare("A_const", "constant", Method::Velocity, |s| {
+        s.estimator.variant = Variant::Known;
         s.estimator.constant_inertia = true;
         s.estimator.weak_onset = false;
     });

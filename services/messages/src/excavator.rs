@@ -62,17 +62,11 @@ pub mod excavator_bits {
     /// Acceleration.
     pub const ACCELERATION: u32 = 1 << 6;
 
-    // Flags of `SwingMotion::flags` (its signal bits are those of the sensors, in `valid`).
+    // Flags of `SwingMotion::flags`, beside `REFUSED` (its signal bits are those of the sensors, in `valid`).
     /// A manoeuvre begins or goes on (change window).
     pub const MANOEUVRE: u32 = 1;
     /// The machine stands still.
     pub const STANDSTILL: u32 = 1 << 1;
-    /// A velocity or angle was accepted at this sample.
-    pub const MEASURED: u32 = 1 << 2;
-    /// A torque has been seen.
-    pub const HAS_TORQUE: u32 = 1 << 3;
-    /// The row was refused; everything else repeats the last answer.
-    pub const MOTION_REFUSED: u32 = 1 << 4;
 }
 
 message! {

@@ -1,4 +1,5 @@
 //! Bias and noise of the velocity, measured over the first half second if the machine stands then.
+//! Single samples far outside are left out: one of them would hide that the machine stands.
 
 use super::grid::Tick;
 use super::settings::Settings;
@@ -12,27 +13,32 @@ const CAPACITY: usize = 128;
 const BIAS_MAX: f64 = 0.03;
 /// Motion may have begun this many ticks before it is noticed.
 const ONSET: usize = 8;
+/// Motion is judged by the median of so many velocities.
+const RECENT: usize = 5;
 /// Fewest ticks that give a bias when the machine sets off early.
 const FEWEST: usize = 12;
+/// A sample this many standard deviations from the median is an outlier. A Gaussian one lies there
+/// once in two million.
+const OUTLIER: f64 = 5.0;
 
-/// What was found.
+/// How far the measurement is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Progress {
+    /// The machine may yet be seen to stand.
+    Measuring,
+    /// It stood.
+    Stood(Calibrated),
+    /// It did not stand, or too little was seen of it.
+    Failed,
+}
+
+/// What was found while the machine stood.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Calibrated {
     /// To be subtracted from every velocity [rad/s].
     pub(super) bias: f64,
     /// Measured over described noise, at least 1.
     pub(super) noise: f64,
-    /// The machine was seen to stand.
-    pub(super) stood: bool,
-}
-
-impl Calibrated {
-    /// Nothing measured.
-    pub(super) const NONE: Self = Self {
-        bias: 0.0,
-        noise: 1.0,
-        stood: false,
-    };
 }
 
 /// Collects the first half second.
@@ -41,6 +47,8 @@ pub(super) struct Calibration {
     velocities: [f64; CAPACITY],
     valid: usize,
     ticks: usize,
+    /// Ticks per row of the source.
+    slowness: f64,
     torque_sum: f64,
     torque: f64,
     elapsed: f64,
@@ -55,6 +63,7 @@ impl Calibration {
             velocities: [0.0; CAPACITY],
             valid: 0,
             ticks: 0,
+            slowness: 1.0,
             torque_sum: 0.0,
             torque: 0.0,
             elapsed: 0.0,
@@ -64,10 +73,12 @@ impl Calibration {
         }
     }
 
-    /// Takes in one tick; the answer comes once, with the first tick that is no longer part of it.
-    pub(super) fn step(&mut self, tick: &Tick) -> Option<Calibrated> {
+    /// Takes in one tick of a source with `slowness` ticks per row; over with the first tick that is
+    /// no longer part of it.
+    pub(super) fn step(&mut self, tick: &Tick, slowness: f64) -> Progress {
+        self.slowness = slowness;
         if self.elapsed >= WINDOW - 1e-6 || self.ticks >= CAPACITY {
-            return Some(self.finish());
+            return self.finish();
         }
         self.elapsed += tick.period;
         self.ticks += 1;
@@ -78,40 +89,59 @@ impl Calibration {
             self.valid += 1;
             self.variance = tick.velocity_variance;
         }
-        self.moves().then(|| self.early())
+        if self.moves() {
+            self.early()
+        } else {
+            Progress::Measuring
+        }
+    }
+
+    /// The first `n` velocities without outliers, and how many are left. The scale is the median
+    /// distance from the median, which a few outliers do not move, but at least the described one.
+    fn inliers(&self, n: usize) -> ([f64; CAPACITY], usize) {
+        let mut sorted = self.velocities;
+        let centre = median(&mut sorted[..n]);
+        let mut distances = sorted.map(|v| (v - centre).abs());
+        let std = (1.4826 * median(&mut distances[..n])).max(sqrt(self.variance));
+        let (mut kept, mut count) = ([0.0; CAPACITY], 0);
+        for &v in &self.velocities[..n] {
+            if (v - centre).abs() < OUTLIER * std {
+                kept[count] = v;
+                count += 1;
+            }
+        }
+        (kept, count)
     }
 
     fn moves(&self) -> bool {
-        let n = self.valid;
-        let mean = if n >= 4 {
-            mean(&self.velocities[n - 4..n])
-        } else {
-            0.0
-        };
+        let recent = self.valid.saturating_sub(RECENT)..self.valid;
+        let mut recent_velocities = [0.0; RECENT];
+        recent_velocities[..recent.len()].copy_from_slice(&self.velocities[recent]);
         let limit = BIAS_MAX + 1.5 * sqrt(self.variance);
-        mean.abs() > limit || self.torque.abs() > self.friction
+        median(&mut recent_velocities).abs() > limit || self.torque.abs() > self.friction
     }
 
     /// The machine set off before the time was over: what came before may still tell the bias.
-    fn early(&self) -> Calibrated {
-        let n = self.valid.saturating_sub(ONSET);
-        let before = &self.velocities[..n];
+    fn early(&self) -> Progress {
+        let (before, n) = self.inliers(self.valid.saturating_sub(ONSET));
+        let before = &before[..n];
         if n < FEWEST || !plausible(before, self.variance) {
-            return Calibrated::NONE;
+            return Progress::Failed;
         }
-        Calibrated {
+        Progress::Stood(Calibrated {
             bias: mean(before),
             noise: 1.0,
-            stood: true,
-        }
+        })
     }
 
-    fn finish(&self) -> Calibrated {
-        let all = &self.velocities[..self.valid];
-        let complete = self.valid * 10 >= self.ticks * 8 && self.valid >= FEWEST;
+    fn finish(&self) -> Progress {
+        let (all, n) = self.inliers(self.valid);
+        let all = &all[..n];
+        let expected = self.ticks as f64 / self.slowness;
+        let complete = n as f64 >= 0.8 * expected && n >= FEWEST;
         let torque = self.torque_sum / self.ticks.max(1) as f64;
         if !complete || torque.abs() >= self.friction || !plausible(all, self.variance) {
-            return Calibrated::NONE;
+            return Progress::Failed;
         }
         // Measured noise only ever widens: a quiet half second may be a quantised sensor. The
         // margin is the error of a standard deviation from fifty samples.
@@ -121,12 +151,17 @@ impl Calibration {
         } else {
             1.0
         };
-        Calibrated {
+        Progress::Stood(Calibrated {
             bias: mean(all),
             noise,
-            stood: true,
-        }
+        })
     }
+}
+
+/// Median of some values, which are sorted for it.
+fn median(values: &mut [f64]) -> f64 {
+    values.sort_unstable_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
 
 /// A steady small mean with the described noise.

@@ -66,7 +66,23 @@ impl Inertia {
     }
 }
 
+/// A folded posture in which machines are compared [rad].
+const FOLDED: [f64; 3] = [0.96, -2.55, -1.48];
+
 impl Geometry {
+    /// Inertia of the machine against the reference machine's, both empty and folded. The torques of
+    /// machines are in the same proportion, since they are made to swing alike.
+    pub(super) fn scale(&self) -> f64 {
+        self.inertia(FOLDED).empty / Self::default().inertia(FOLDED).empty
+    }
+
+    /// What a kilogram of payload on the reference machine is on this one: its payloads have the same
+    /// share of its inertia.
+    pub(super) fn payload_scale(&self) -> f64 {
+        let leverage = |geometry: &Self| geometry.inertia(FOLDED).per_payload;
+        self.scale() * leverage(&Self::default()) / leverage(self)
+    }
+
     /// Inertia at the joint angles boom (to the horizontal, up positive), arm (relative to the
     /// boom), bucket (relative to the arm) [rad].
     pub fn inertia(&self, posture: [f64; 3]) -> Inertia {

@@ -11,7 +11,8 @@ use super::encoder::{Aligned, Aligner};
 use super::estimate::{Columns, Sample};
 use super::grid::Grid;
 use super::screen::Screen;
-use super::settings::{Settings, SettingsError};
+use super::settings::Settings;
+use super::settings_error::SettingsError;
 use super::standstill::{Phase, Standstill};
 use super::svf::{Lowpass, Shape};
 use crate::kalman::{AngleFilter, Gain, Innovation, VelocityFilter};
@@ -130,7 +131,11 @@ impl MotionFilter {
             aligner: Aligner::new(settings),
             grid: Grid::new(settings, angle),
             detector: ChangeDetector::new(e.reject, e.q_c, s.swing_velocity_std),
-            standstill: Standstill::new(s.swing_velocity_std, settings.coulomb_friction),
+            standstill: Standstill::new(
+                s.swing_velocity_std,
+                s.swing_torque_std,
+                settings.coulomb_friction,
+            ),
             standing: true,
             delay: Delay::new(settings, angle, period),
             window_end: f64::NEG_INFINITY,

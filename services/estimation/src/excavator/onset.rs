@@ -4,10 +4,13 @@
 //! cumulative sum of its innovations. The posture is what makes so low a threshold possible.
 
 use super::drive::Drive;
-use super::posture::{Physics, UnknownTorque};
 use super::settings::Settings;
 use super::standstill::Phase;
+use super::unknown_torque::{Physics, UnknownTorque};
 use crate::consistency::Cusum;
+
+/// Inertia of the machine for which the drifts were set [kg m^2].
+const REFERENCE_INERTIA: f64 = 6500.0;
 
 /// Detector of weak changes.
 #[derive(Debug, Clone)]
@@ -16,13 +19,21 @@ pub(super) struct WeakOnset {
     cusum: Cusum,
     settings: Settings,
     posture: bool,
+    /// Size of the machine's torques against the reference machine's.
+    scale: f64,
 }
 
 impl WeakOnset {
     /// `posture`: the posture is known; else the inertia is constant.
     pub(super) fn new(settings: &Settings, posture: bool) -> Self {
+        let scale = if posture {
+            settings.geometry.scale()
+        } else {
+            settings.prior.inertia / REFERENCE_INERTIA
+        };
         Self {
-            filter: UnknownTorque::START,
+            scale,
+            filter: UnknownTorque::start(scale),
             cusum: Cusum::new(0.7, 6.0),
             settings: *settings,
             posture,
@@ -35,7 +46,7 @@ impl WeakOnset {
             let physics = self.physics(drive);
             self.filter.step(&physics, drive).normalised()
         } else {
-            self.filter.rest(drive, phase);
+            self.filter.rest(drive, phase, self.scale);
             0.0
         };
         self.cusum.push(z)
@@ -54,8 +65,9 @@ impl WeakOnset {
             inertia: inertia.max(0.1 * s.inertia_min),
             rate,
             damping: s.nominal_damping,
+            damping_std: 0.0,
             torque_noise: 0.0,
-            torque_drift,
+            torque_drift: self.scale * torque_drift,
         }
     }
 }

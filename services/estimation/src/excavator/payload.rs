@@ -16,6 +16,7 @@
 //! The state takes an Euler step, its own derivative the exponential: the pair for which the gains
 //! were set. u is 0 with no variance while nothing changes the payload.
 
+use super::consider::Consider;
 use super::drive::Drive;
 use super::settings::Settings;
 use super::standstill::Phase;
@@ -50,6 +51,7 @@ pub(super) struct Model {
     payload_variance_rate: f64,
     payload: [f64; 2],
     inertia_min: f64,
+    gain_std: f64,
     start: State,
     start_variance: State,
 }
@@ -64,15 +66,17 @@ impl Model {
             (p.torque_offset_std, p.damping_std)
         };
         let torque_std = settings.sensors.swing_torque_std / e.torque_noise_divisor;
+        let kilogram = settings.geometry.payload_scale();
         let stds = State::new(1e-3, p.payload_std, offset_std, damping_std, 0.0);
         Self {
             friction: settings.coulomb_friction,
             friction_width: e.friction_width,
             torque_variance: torque_std * torque_std,
             gate: e.gate,
-            payload_variance_rate: e.q_m,
-            payload: [e.payload_min, e.payload_max],
+            payload_variance_rate: e.q_m * kilogram * kilogram,
+            payload: settings.payload_range(),
             inertia_min: settings.inertia_min,
+            gain_std: settings.sensors.swing_torque_gain_std,
             start: State::new(0.0, p.payload, 0.0, settings.nominal_damping, 0.0),
             start_variance: stds.component_mul(&stds),
         }
@@ -92,6 +96,8 @@ impl Model {
 pub(super) struct PayloadFilter {
     pub(super) x: State,
     pub(super) p: Covariance,
+    /// Errors due to the gain of the torque.
+    pub(super) doubt: Consider<5>,
 }
 
 /// Innovation of a step with the variance before and after the gate.
@@ -110,6 +116,7 @@ impl PayloadFilter {
         Self {
             x: model.start,
             p: Covariance::from_diagonal(&model.start_variance),
+            doubt: Consider::input(model.gain_std),
         }
     }
 
@@ -147,6 +154,8 @@ impl PayloadFilter {
             self.x[4] *= decay;
         }
         self.p = F * self.p * F.transpose();
+        self.doubt
+            .predict(&F, model.gain_std * drive.torque * dt / inertia);
         let torque_step = dt / inertia;
         let torque_variance = model.torque_variance * drive.share + drive.stale_torque;
         self.p[(0, 0)] += torque_variance * torque_step * torque_step;
@@ -172,6 +181,7 @@ impl PayloadFilter {
         let gain = self.p.column(0) / gated;
         self.x += gain * value;
         self.p -= gain * self.p.row(0);
+        self.doubt.correct(&gain, &State::ith(0, 1.0));
         self.p = (self.p + self.p.transpose()) * 0.5;
         self.limit(model);
         Outcome {
@@ -186,9 +196,16 @@ impl PayloadFilter {
         self.x[1] = self.x[1].clamp(model.payload[0], model.payload[1]);
     }
 
+    /// Whether the payload is at one of its limits.
+    pub(super) fn at_limit(&self, model: &Model) -> bool {
+        let [least, most] = model.payload;
+        self.x[1] <= least || self.x[1] >= most
+    }
+
     /// Standing, or setting off: the velocity is known, the rest is kept.
     pub(super) fn rest(&mut self, model: &Model, drive: &Drive, phase: Phase) {
         self.clear(0);
+        self.doubt.set(0, 0.0);
         match phase {
             Phase::Released(velocity) => {
                 self.x[0] = velocity;
@@ -208,12 +225,14 @@ impl PayloadFilter {
         if self.p[(1, 1)] < start {
             self.clear(1);
             self.p[(1, 1)] = start;
+            self.doubt.set(1, 0.0);
         }
     }
 
     /// Forgets the drive of the payload and gives it a variance.
     pub(super) fn restart_drive(&mut self, variance: f64) {
         self.x[4] = 0.0;
+        self.doubt.set(4, 0.0);
         self.clear(4);
         self.p[(4, 4)] = variance;
     }

@@ -7,89 +7,72 @@
 //! ```
 //!
 //! The weight of a node is the likelihood of its innovations. b is the nominal damping: a wrong one
-//! shifts the payload.
+//! shifts the payload by the covariance of the nodes with the slope of their log weights in b, which
+//! widens the interval (see [`super::consider`]).
 
+use super::consider::Doubt;
 use super::delay::{DelayLine, Entry};
 use super::drive::Drive;
 use super::settings::Settings;
 use super::standstill::Phase;
 use super::state::State;
-use crate::kalman::Innovation;
+use super::unknown_torque::{Physics, UnknownTorque};
 use crate::math::{exp, ln, sqrt};
 
-/// Payloads of the grid: -50, -37.5, ..., 650 kg.
+/// Payloads of the grid.
 const NODES: usize = 57;
-const FIRST: f64 = -50.0;
-const SPACING: f64 = 12.5;
-/// Standard deviation of the total torque at start and after rest [N m].
-const TORQUE_STD: f64 = 3000.0;
-/// Random walk of the total torque, flagged and not [N m/sqrt(s)].
+/// Random walk of the total torque, flagged and not, reference machine [N m/sqrt(s)].
 const TORQUE_DRIFT_FLAGGED: f64 = 15_000.0;
 const TORQUE_DRIFT: f64 = 10.0;
-/// Torque noise that enters the velocity directly [N m].
+/// Torque noise that enters the velocity directly, reference machine [N m].
 const TORQUE_NOISE: f64 = 10.0;
 
-/// Filter of velocity and unknown total torque for one inertia.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct UnknownTorque {
-    pub(super) velocity: f64,
-    pub(super) torque: f64,
-    pub(super) p: [f64; 3],
-    acceleration: f64,
-}
-
-/// Inertia, its rate, damping and noises of one step.
+/// Payloads of the grid and what is believed of them before: for the default prior of 200 +- 160 kg
+/// -50, -37.5, ..., 650 kg, Gaussian with 200 kg, wider than in mode D, whose filters may go on
+/// beyond it.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Physics {
-    pub(super) inertia: f64,
-    pub(super) rate: f64,
-    pub(super) damping: f64,
-    pub(super) torque_noise: f64,
-    pub(super) torque_drift: f64,
+struct Payloads {
+    first: f64,
+    spacing: f64,
+    mean: f64,
+    std: f64,
 }
 
-impl UnknownTorque {
-    pub(super) const START: Self = Self {
-        velocity: 0.0,
-        torque: 0.0,
-        p: [1e-6, 0.0, TORQUE_STD * TORQUE_STD],
-        acceleration: 0.0,
-    };
-
-    pub(super) fn step(&mut self, physics: &Physics, drive: &Drive) -> Innovation {
-        let dt = drive.period;
-        let beta = dt / physics.inertia;
-        let damping = physics.damping + physics.rate;
-        let alpha = exp(-beta * damping);
-        self.acceleration = (self.torque - damping * self.velocity) / physics.inertia;
-        self.velocity += dt * self.acceleration;
-        let [p00, p01, p11] = self.p;
-        let direct = physics.torque_noise * beta;
-        let p00 =
-            alpha * alpha * p00 + 2.0 * alpha * beta * p01 + beta * beta * p11 + direct * direct;
-        let p01 = alpha * p01 + beta * p11;
-        let p11 = p11 + physics.torque_drift * physics.torque_drift * dt;
-        self.p = [p00, p01, p11];
-        let Some(y) = drive.velocity else {
-            return Innovation::default();
-        };
-        let variance = p00 + drive.variance;
-        let value = y - self.velocity;
-        let (k0, k1) = (p00 / variance, p01 / variance);
-        self.velocity += k0 * value;
-        self.torque += k1 * value;
-        self.p = [p00 - k0 * p00, p01 - k0 * p01, p11 - k1 * p01];
-        Innovation { value, variance }
+impl Payloads {
+    fn new(settings: &Settings) -> Self {
+        let prior = &settings.prior;
+        let [first, most] = settings.payload_range();
+        let last = (prior.payload + 2.8125 * prior.payload_std)
+            .min(most)
+            .max(first + prior.payload_std);
+        Self {
+            first,
+            spacing: (last - first) / (NODES - 1) as f64,
+            mean: prior.payload,
+            std: 1.25 * prior.payload_std,
+        }
     }
 
-    pub(super) fn rest(&mut self, drive: &Drive, phase: Phase) {
-        if let Phase::Released(velocity) = phase {
-            self.velocity = velocity;
-            self.p[0] = drive.variance / 4.0 + 0.02 * 0.02;
-            self.p[1] = 0.0;
+    fn mass(&self, i: usize) -> f64 {
+        self.first + self.spacing * i as f64
+    }
+
+    fn likely_until(&self) -> f64 {
+        self.mass(NODES - 1) - 4.0 * self.spacing
+    }
+
+    /// What the prior takes from the log weight near both ends: below nothing, and above 600 kg.
+    fn unlikeliness(&self, mass: f64) -> f64 {
+        if (-1.6 * self.spacing..=self.likely_until()).contains(&mass) {
+            0.0
         } else {
-            *self = Self::START;
+            3.0
         }
+    }
+
+    fn log_prior(&self, mass: f64) -> f64 {
+        let z = (mass - self.mean) / self.std;
+        -0.5 * z * z - self.unlikeliness(mass)
     }
 }
 
@@ -97,6 +80,8 @@ impl UnknownTorque {
 struct Node {
     mass: f64,
     log_weight: f64,
+    /// Change of the log weight with the damping, per standard deviation.
+    slope: f64,
     weight: f64,
     filter: UnknownTorque,
 }
@@ -105,6 +90,10 @@ struct Node {
 #[derive(Debug, Clone)]
 pub(super) struct PostureMode {
     settings: Settings,
+    damping_std: f64,
+    /// Size of the machine's torques against the reference machine's.
+    scale: f64,
+    payloads: Payloads,
     nodes: [Node; NODES],
     line: DelayLine,
     late: State,
@@ -116,13 +105,19 @@ pub(super) struct PostureMode {
 
 impl PostureMode {
     pub(super) fn new(settings: &Settings) -> Self {
+        let payloads = Payloads::new(settings);
+        let scale = settings.geometry.scale();
         let mut mode = Self {
             settings: *settings,
+            scale,
+            payloads,
+            damping_std: Doubt::new(settings).damping,
             nodes: core::array::from_fn(|i| Node {
-                mass: FIRST + SPACING * i as f64,
+                mass: payloads.mass(i),
                 log_weight: 0.0,
+                slope: 0.0,
                 weight: 0.0,
-                filter: UnknownTorque::START,
+                filter: UnknownTorque::start(scale),
             }),
             line: DelayLine::new(),
             late: State::default(),
@@ -145,6 +140,7 @@ impl PostureMode {
             inertia: now.with_payload(mass),
             inertia_std: std * now.per_payload,
             payload: Some(self.payload),
+            unsettled: mass > self.payloads.likely_until(),
             ..self.late
         }
     }
@@ -170,7 +166,7 @@ impl PostureMode {
             self.unflagged_for += if late.flagged { 0.0 } else { late.drive.period };
         } else {
             for node in &mut self.nodes {
-                node.filter.rest(&late.drive, late.phase);
+                node.filter.rest(&late.drive, late.phase, self.scale);
             }
             self.unflagged_for = 0.0;
         }
@@ -182,6 +178,11 @@ impl PostureMode {
     fn filter(&mut self, drive: &Drive, flagged: bool) -> f64 {
         let damping = self.settings.nominal_damping;
         let inertia_min = 0.1 * self.settings.inertia_min;
+        let drift = if flagged {
+            TORQUE_DRIFT_FLAGGED
+        } else {
+            TORQUE_DRIFT
+        };
         let mut nis = 0.0;
         for node in &mut self.nodes {
             let physics = Physics {
@@ -189,16 +190,15 @@ impl PostureMode {
                 inertia: drive.mean.with_payload(node.mass).max(inertia_min),
                 rate: drive.rate.with_payload(node.mass),
                 damping,
-                torque_noise: TORQUE_NOISE,
-                torque_drift: if flagged {
-                    TORQUE_DRIFT_FLAGGED
-                } else {
-                    TORQUE_DRIFT
-                },
+                damping_std: self.damping_std,
+                torque_noise: self.scale * TORQUE_NOISE,
+                torque_drift: self.scale * drift,
             };
             let innovation = node.filter.step(&physics, drive);
             if drive.velocity.is_some() {
                 node.log_weight -= 0.5 * (innovation.nis() + ln(innovation.variance));
+                // The error before the correction over S is the one after it over R.
+                node.slope += innovation.value * node.filter.doubt[0] / drive.variance;
                 nis += node.weight * innovation.nis();
             }
         }
@@ -206,11 +206,9 @@ impl PostureMode {
     }
 
     fn restart_weights(&mut self) {
-        let prior = &self.settings.prior;
         for node in &mut self.nodes {
-            let z = (node.mass - prior.payload) / PRIOR_STD;
-            let unlikely = node.mass < -20.0 || node.mass > 600.0;
-            node.log_weight = -0.5 * z * z - if unlikely { 3.0 } else { 0.0 };
+            node.log_weight = self.payloads.log_prior(node.mass);
+            node.slope = 0.0;
         }
         self.normalise();
     }
@@ -236,7 +234,28 @@ impl PostureMode {
             .iter()
             .map(|node| node.weight * (node.mass - mean) * (node.mass - mean))
             .sum();
-        self.payload = (mean, sqrt(variance + SPACING * SPACING / 12.0));
+        let doubt = self.doubt();
+        let spacing = self.payloads.spacing;
+        let variance = variance + spacing * spacing / 12.0 + doubt * doubt;
+        self.payload = (mean, sqrt(variance));
+    }
+
+    /// Shift of the payload by a damping one standard deviation off: the log weight is nearly a
+    /// parabola in the payload, and its slopes there move its top. Taken from the three nodes about
+    /// the top, so that the ends of the grid, at which the payload cannot move, do not hide it.
+    fn doubt(&self) -> f64 {
+        let top = (1..NODES - 1)
+            .max_by(|&i, &j| self.nodes[i].weight.total_cmp(&self.nodes[j].weight))
+            .unwrap_or(1);
+        let [left, middle, right] = [top - 1, top, top + 1].map(|i| &self.nodes[i]);
+        let log = |node: &Node| node.log_weight + self.payloads.unlikeliness(node.mass);
+        let curvature = 2.0 * log(middle) - log(left) - log(right);
+        let tilt = 0.5 * (right.slope - left.slope);
+        if curvature > 0.0 {
+            self.payloads.spacing * tilt / curvature
+        } else {
+            0.0
+        }
     }
 
     fn read(&mut self, late: &Entry, nis: f64) {
@@ -267,7 +286,3 @@ impl PostureMode {
         mass.is_finite() && std.is_finite() && self.late.velocity.is_finite()
     }
 }
-
-/// Width of the prior over the payload; wider than that of mode D, whose filters may go on
-/// beyond it [kg].
-const PRIOR_STD: f64 = 200.0;

@@ -23,7 +23,8 @@
 use super::estimate::{Estimate, Flags, Method};
 use super::joint::JointRegression;
 use super::motion::Motion;
-use super::settings::{Settings, SettingsError};
+use super::settings::Settings;
+use super::settings_error::SettingsError;
 use super::single::SingleRegression;
 use crate::Quantity;
 use crate::consistency::NisWindow;

@@ -10,6 +10,8 @@ use crate::math::{exp, ln, sqrt};
 const ENTRY: usize = 12;
 /// Samples of the release test (0.04 s).
 const RELEASE: usize = 4;
+/// A single velocity of this size out of standstill is an outlier [rad/s].
+const OUTLIER: f64 = 0.12;
 /// Velocity noise for which the thresholds were set [rad/s].
 const REFERENCE_STD: f64 = 0.005;
 
@@ -31,21 +33,26 @@ pub(super) struct Standstill {
     still: bool,
     ring: [f64; ENTRY],
     valid: usize,
+    /// Sign of the last velocity if it was too large for a machine just setting off, else 0.
+    large: f64,
     torque: Option<f64>,
     friction: f64,
+    torque_std: f64,
     velocity_std: f64,
     held_for: f64,
     seen: bool,
 }
 
 impl Standstill {
-    pub(super) fn new(velocity_std: f64, friction: f64) -> Self {
+    pub(super) fn new(velocity_std: f64, torque_std: f64, friction: f64) -> Self {
         Self {
             still: true,
             ring: [0.0; ENTRY],
             valid: 0,
+            large: 0.0,
             torque: None,
             friction,
+            torque_std,
             velocity_std,
             held_for: 0.0,
             seen: false,
@@ -59,6 +66,7 @@ impl Standstill {
         torque: Option<f64>,
         period: f64,
     ) -> Phase {
+        let velocity = velocity.filter(|&y| !self.is_outlier(y));
         if let Some(y) = velocity {
             self.ring[self.valid % ENTRY] = y;
             self.valid += 1;
@@ -102,14 +110,30 @@ impl Standstill {
         self.velocity_std / REFERENCE_STD
     }
 
-    /// Smoothed torque below friction; without torque nothing speaks against it.
+    /// Smoothed torque below friction, or below its own noise; without torque nothing speaks against
+    /// it.
     fn quiet(&mut self, torque: Option<f64>, period: f64) -> bool {
         let Some(torque) = torque else { return true };
         let gain = 1.0 - exp(ln(0.65) * period / 0.01);
         let smoothed = self.torque.unwrap_or(0.0);
         let smoothed = smoothed + gain * (torque - smoothed);
         self.torque = Some(smoothed);
-        smoothed.abs() < self.friction
+        smoothed.abs()
+            < self
+                .friction
+                .max(3.0 * self.torque_std * sqrt(gain / (2.0 - gain)))
+    }
+
+    /// Nothing jumps from rest to such a velocity within a sample; two in a row are believed.
+    fn is_outlier(&mut self, y: f64) -> bool {
+        let large = if y.abs() > OUTLIER * self.scale() {
+            y.signum()
+        } else {
+            0.0
+        };
+        let believed = large == 0.0 || large == self.large;
+        self.large = large;
+        self.still && !believed
     }
 
     fn leave(&mut self, quiet: bool) -> Phase {

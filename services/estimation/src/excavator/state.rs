@@ -17,6 +17,9 @@ pub(super) struct State {
     /// Ungated; 0 where nothing was measured.
     pub(super) nis: f64,
     pub(super) changing: bool,
+    /// The value may not be what it seems: the payload is perhaps changing, or the estimate is at the
+    /// end of its range.
+    pub(super) unsettled: bool,
     pub(super) change_mode: bool,
     pub(super) opening: bool,
     pub(super) drop_probability: f64,

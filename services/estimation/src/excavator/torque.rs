@@ -8,9 +8,14 @@
 //! with w and J errs by tens of percent while the arm moves. It needs a rest in the record, where
 //! p is known to be 0; a start in mid-swing has no anchor.
 //!
+//! Damping and offset are held at their nominal values (`Auto`, `Known`) or estimated. Where they are
+//! held, what they may be wrong by widens the interval (see [`super::consider`]), unless the variant
+//! says that they are known.
+//!
 //! The random walk of l is deliberately fast, so that l can follow the posture; its variance then
 //! overstates the error, and the reported deviation is c_I = 0.6 of it with damping known.
 
+use super::consider::{Consider, Doubt};
 use super::drive::Drive;
 use super::settings::{Settings, Variant};
 use super::standstill::Phase;
@@ -26,15 +31,20 @@ pub(super) struct TorqueMode {
     x: Vector4<f64>,
     p: Matrix4<f64>,
     settings: Settings,
-    known: bool,
+    /// Damping and offset are held fixed.
+    fixed: bool,
+    /// Errors due to damping, offset and torque gain.
+    doubts: [Consider<4>; 3],
+    gain_std: f64,
     prior_variance: f64,
 }
 
 impl TorqueMode {
     pub(super) fn new(settings: &Settings) -> Self {
         let (e, prior) = (&settings.estimator, &settings.prior);
-        let known = matches!(e.variant, Variant::Auto | Variant::Known);
-        let (offset_std, damping_std) = if known {
+        let fixed = matches!(e.variant, Variant::Auto | Variant::Known);
+        let doubt = Doubt::new(settings);
+        let (offset_std, damping_std) = if fixed {
             (prior.known_torque_offset_std, 0.0)
         } else {
             (prior.torque_offset_std, prior.damping_std)
@@ -45,7 +55,13 @@ impl TorqueMode {
             x: Vector4::new(0.0, ln(prior.inertia), 0.0, settings.nominal_damping),
             p: Matrix4::from_diagonal(&stds.component_mul(&stds)),
             settings: *settings,
-            known,
+            fixed,
+            doubts: [
+                Consider::state(3, if fixed { doubt.damping } else { 0.0 }),
+                Consider::state(2, if fixed { doubt.offset } else { 0.0 }),
+                Consider::input(doubt.gain),
+            ],
+            gain_std: doubt.gain,
             prior_variance: relative * relative,
         }
     }
@@ -54,6 +70,7 @@ impl TorqueMode {
         if reopen && self.p[(1, 1)] < self.prior_variance {
             self.clear(1);
             self.p[(1, 1)] = self.prior_variance;
+            self.doubts.iter_mut().for_each(|doubt| doubt.set(1, 0.0));
         }
         let (innovation, acceleration) = match phase {
             Phase::Moving => {
@@ -85,6 +102,10 @@ impl TorqueMode {
         F[(0, 3)] = -dt * w;
         self.x[0] += dt * f;
         self.p = F * self.p * F.transpose();
+        let [damping, offset, gain] = &mut self.doubts;
+        damping.predict(&F, 0.0);
+        offset.predict(&F, 0.0);
+        gain.predict(&F, self.gain_std * drive.torque * dt);
         let torque_std = s.sensors.swing_torque_std / e.torque_noise_divisor;
         let torque_variance = torque_std * torque_std * drive.share + drive.stale_torque;
         self.p[(0, 0)] += torque_variance * dt * dt;
@@ -106,6 +127,9 @@ impl TorqueMode {
         let gain = PH / gated_variance(value, variance, self.settings.estimator.gate);
         self.x += gain * value;
         self.p -= gain * PH.transpose();
+        for doubt in &mut self.doubts {
+            doubt.correct(&gain, &H);
+        }
         self.p = (self.p + self.p.transpose()) * 0.5;
         let limits = [self.settings.inertia_min, self.settings.inertia_max];
         self.x[1] = self.x[1].clamp(ln(limits[0]), ln(limits[1]));
@@ -123,8 +147,12 @@ impl TorqueMode {
                 inertia * inertia * (drive.variance / 4.0 + 0.02 * 0.02) + p * p * relative;
             self.p[(0, 1)] = p * relative;
             self.p[(1, 0)] = p * relative;
+            self.doubts
+                .iter_mut()
+                .for_each(|doubt| doubt.set(0, p * doubt.of(1)));
         } else {
             self.x[0] = 0.0;
+            self.doubts.iter_mut().for_each(|doubt| doubt.set(0, 0.0));
             self.p[(0, 0)] = 100.0;
             self.p[(1, 1)] += 0.1 * self.settings.estimator.q_l * drive.period;
         }
@@ -143,20 +171,27 @@ impl TorqueMode {
     fn state(&self, innovation: Innovation, acceleration: f64) -> State {
         let s = &self.settings;
         let inertia = exp(self.x[1]).clamp(s.inertia_min, s.inertia_max);
-        let factor = if self.known {
+        let factor = if self.fixed {
             s.estimator.interval_factor
         } else {
             1.0
         };
         let std = |i: usize| sqrt(self.p[(i, i)].max(0.0));
+        let own = factor * std(1);
+        let doubted: f64 = self
+            .doubts
+            .iter()
+            .map(|doubt| doubt.of(1) * doubt.of(1))
+            .sum();
         State {
             inertia,
-            inertia_std: factor * inertia * std(1),
+            inertia_std: inertia * sqrt(own * own + doubted),
             damping: Some((self.x[3], std(3))),
             offset: Some((self.x[2], std(2))),
             velocity: self.x[0] / inertia,
             acceleration,
             nis: innovation.nis(),
+            unsettled: inertia <= s.inertia_min || inertia >= s.inertia_max,
             ..State::default()
         }
     }

@@ -9,6 +9,7 @@
 //! about a second and a half of steady torque. A filter with states (w, ln J, T) must not be used
 //! here: it drifts by 90 %.
 
+use super::consider::Doubt;
 use super::delay::{DelayLine, Entry};
 use super::drive::Drive;
 use super::settings::Settings;
@@ -168,7 +169,14 @@ impl VelocityMode {
         let s = &self.settings;
         let [w, beta, alpha] = [self.x[0], self.x[1], self.x[2]];
         let inertia = (s.nominal_damping / beta).clamp(s.inertia_min, s.inertia_max);
-        let relative = sqrt(self.p[(1, 1)].max(0.0)) / beta;
+        // J = b/beta errs with the nominal damping; where J changes, the drift of beta covers that.
+        let doubt = if s.estimator.constant_inertia {
+            Doubt::new(s).damping / s.nominal_damping
+        } else {
+            0.0
+        };
+        let own = self.p[(1, 1)].max(0.0) / (beta * beta);
+        let relative = sqrt(own + doubt * doubt);
         let torque = alpha * inertia;
         let torque_std = inertia * sqrt(self.p[(2, 2)].max(0.0)) + torque.abs() * relative;
         self.late = State {
@@ -179,6 +187,7 @@ impl VelocityMode {
             acceleration,
             nis,
             flagged,
+            unsettled: inertia <= s.inertia_min || inertia >= s.inertia_max,
             ..State::default()
         };
     }

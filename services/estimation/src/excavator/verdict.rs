@@ -10,6 +10,10 @@ const EXCITED_FOR: f64 = 0.2;
 /// Unflagged motion after which C and A may speak [s].
 const STEADY_FOR: f64 = 1.5;
 
+/// Half width of the interval that C and A must have inside the limit of convergence, in standard
+/// deviations: 99 %, since an estimate that just converges is else wrong by the limit once in twenty.
+const STEADY_SURE: f64 = 2.58;
+
 /// What decides whether the inputs can determine the inertia at all.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Basis {
@@ -94,11 +98,14 @@ impl Verdict {
             fresh: self.velocity_age <= e.fresh_velocity
                 && (!torque || tick.torque_age <= e.fresh_others)
                 && (!posture || tick.posture_age <= e.fresh_others),
-            converged: converged && !state.changing,
+            converged: converged && !state.changing && !state.unsettled,
             identifiable: match basis {
                 Basis::PostureTorque => self.excited_for >= EXCITED_FOR,
                 Basis::Torque { stood } => stood && self.excited_for >= EXCITED_FOR,
-                Basis::Steady(time) => converged && time >= STEADY_FOR,
+                Basis::Steady(time) => {
+                    let sure = STEADY_SURE * state.inertia_std < e.converged_share * state.inertia;
+                    sure && time >= STEADY_FOR
+                }
                 Basis::Nothing => false,
             },
         }

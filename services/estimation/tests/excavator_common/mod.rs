@@ -70,10 +70,12 @@ pub const COLUMNS: Columns = Columns {
     posture: true,
 };
 
-/// Settings of the golden runs: no calibration.
+/// Settings of the golden runs: no calibration, and the torque noise as if the means of two samples
+/// were independent.
 pub fn golden_settings() -> Settings {
     let mut settings = Settings::default();
     settings.estimator.calibrate_at_rest = false;
+    settings.estimator.torque_noise_divisor = 1.41;
     settings
 }
 

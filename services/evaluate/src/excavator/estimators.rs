@@ -95,9 +95,19 @@ impl Setup {
         Self::new("BM_tol", Method::Torque, true, false).variant(Variant::Tolerant)
     }
 
-    /// Posture without torque.
+    /// Torque, as it comes: the damping held, its uncertainty in the interval.
+    pub fn torque_auto() -> Self {
+        Self::new("BM_auto", Method::Torque, true, false)
+    }
+
+    /// Posture without torque, damping calibrated.
     pub fn posture() -> Self {
-        Self::new("C", Method::Posture, false, true)
+        Self::new("C", Method::Posture, false, true).variant(Variant::Known)
+    }
+
+    /// The same as it comes.
+    pub fn posture_auto() -> Self {
+        Self::new("C_auto", Method::Posture, false, true)
     }
 
     /// Velocity alone.
@@ -105,9 +115,10 @@ impl Setup {
         Self::new("A", Method::Velocity, false, false)
     }
 
-    /// Velocity alone, the inertia declared constant.
+    /// Velocity alone, the inertia declared constant, damping calibrated.
     pub fn velocity_constant() -> Self {
-        let mut setup = Self::new("A_const", Method::Velocity, false, false);
+        let mut setup =
+            Self::new("A_const", Method::Velocity, false, false).variant(Variant::Known);
         setup.settings.estimator.constant_inertia = true;
         setup
     }

@@ -45,6 +45,7 @@ fn sensors(d: &Description) -> Sensors {
         swing_velocity_std: s.swing_velocity_std,
         swing_angle_std: s.swing_angle_std,
         swing_torque_std: s.swing_torque_std,
+        swing_torque_gain_std: s.swing_torque_gain_std,
         swing_velocity_limit: s.swing_velocity_limit,
         angle_limit: s.angle_limit,
     }

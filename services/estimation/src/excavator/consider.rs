@@ -1,0 +1,107 @@
+//! What an estimator takes as known and is not: consider covariance (Schmidt 1966).
+//!
+//! A filter that holds a parameter fixed errs with it, and its covariance does not say so. The error
+//! e that a parameter error of one standard deviation causes follows the filter's own equations,
+//!
+//! ```text
+//! prediction: e = F e + G,   correction: e = (I - K H) e
+//! ```
+//!
+//! and its square is added to the reported variance. The estimate itself stays what it is: exact
+//! where the parameter is right, and honest where it is not.
+
+use super::settings::{Settings, Variant};
+use nalgebra::{SMatrix, SVector};
+
+/// Standard deviations of what is held fixed; 0 where it is calibrated or estimated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Doubt {
+    /// Viscous damping [N m s/rad].
+    pub(super) damping: f64,
+    /// Constant torque, beyond what the filter itself allows for [N m].
+    pub(super) offset: f64,
+    /// Gain of the torque measurement.
+    pub(super) gain: f64,
+}
+
+impl Doubt {
+    /// Of the modes that hold damping and offset fixed.
+    pub(super) fn new(settings: &Settings) -> Self {
+        let p = &settings.prior;
+        let gain = settings.sensors.swing_torque_gain_std;
+        if settings.estimator.variant == Variant::Known {
+            return Self {
+                damping: 0.0,
+                offset: 0.0,
+                gain,
+            };
+        }
+        let (all, allowed) = (p.torque_offset_std, p.known_torque_offset_std);
+        Self {
+            damping: p.damping_std,
+            offset: crate::math::sqrt((all * all - allowed * allowed).max(0.0)),
+            gain,
+        }
+    }
+}
+
+/// Errors of a state of `N` due to one parameter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Consider<const N: usize> {
+    error: SVector<f64, N>,
+    active: bool,
+}
+
+impl<const N: usize> Consider<N> {
+    /// An error of `std` in the constant state `i`.
+    pub(super) fn state(i: usize, std: f64) -> Self {
+        let mut error = SVector::zeros();
+        error[i] = std;
+        Self {
+            error,
+            active: std > 0.0,
+        }
+    }
+
+    /// An error that enters by [`Self::predict`], of a parameter with this standard deviation.
+    pub(super) fn input(std: f64) -> Self {
+        Self {
+            error: SVector::zeros(),
+            active: std > 0.0,
+        }
+    }
+
+    /// Over one step; `input` enters state 0.
+    #[expect(non_snake_case, reason = "the symbol of the model")]
+    pub(super) fn predict(&mut self, F: &SMatrix<f64, N, N>, input: f64) {
+        if self.active {
+            self.error = F * self.error;
+            self.error[0] += input;
+        }
+    }
+
+    /// With the gain of a correction whose measurement is `row`.
+    pub(super) fn correct(&mut self, gain: &SVector<f64, N>, row: &SVector<f64, N>) {
+        if self.active {
+            self.error -= gain * row.dot(&self.error);
+        }
+    }
+
+    /// State `i` has become known, or unknown for other reasons.
+    pub(super) fn set(&mut self, i: usize, error: f64) {
+        self.error[i] = error;
+    }
+
+    /// Error of state `i`, of one sign or the other.
+    pub(super) fn of(&self, i: usize) -> f64 {
+        self.error[i]
+    }
+
+    /// Between two, with weights.
+    pub(super) fn mix(a: &Self, b: &Self, weights: [f64; 2]) -> Self {
+        Self {
+            error: a.error * weights[0] + b.error * weights[1],
+            active: a.active,
+        }
+    }
+}

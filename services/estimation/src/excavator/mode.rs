@@ -1,0 +1,166 @@
+//! One mode with what feeds it: standstill, detectors, verdict.
+
+use super::change::ChangeDetector;
+use super::delay::Entry;
+use super::drive::Driver;
+use super::estimate::Method;
+use super::grid::Tick;
+use super::onset::WeakOnset;
+use super::posture::PostureMode;
+use super::posture_torque::PostureTorque;
+use super::settings::Settings;
+use super::standstill::{Phase, Standstill};
+use super::state::State;
+use super::torque::TorqueMode;
+use super::velocity::VelocityMode;
+use super::verdict::{Basis, Reasons, Verdict};
+
+#[derive(Debug, Clone)]
+#[expect(clippy::large_enum_variant, reason = "no allocator; one per process")]
+enum Mode {
+    PostureTorque(PostureTorque),
+    Torque(TorqueMode),
+    Posture(PostureMode),
+    Velocity(VelocityMode),
+}
+
+/// A mode with what feeds it; rebuilt from the prior after a reset.
+#[derive(Debug, Clone)]
+pub(super) struct Core {
+    mode: Mode,
+    driver: Driver,
+    standstill: Standstill,
+    detector: ChangeDetector,
+    onset: Option<WeakOnset>,
+    verdict: Verdict,
+}
+
+/// What a tick led to.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Reading {
+    pub(super) tick: Tick,
+    pub(super) state: State,
+    pub(super) reasons: Reasons,
+    pub(super) held: bool,
+    pub(super) code: u8,
+}
+
+/// Whether a method uses torque, posture.
+pub(super) fn needs(method: Method) -> (bool, bool) {
+    (
+        matches!(method, Method::PostureTorque | Method::Torque),
+        matches!(method, Method::PostureTorque | Method::Posture),
+    )
+}
+
+impl Core {
+    /// At its prior; `stood`: a standstill was seen before.
+    pub(super) fn new(settings: &Settings, method: Method, stood: bool) -> Self {
+        let (s, e) = (&settings.sensors, &settings.estimator);
+        let mode = match method {
+            Method::PostureTorque => Mode::PostureTorque(PostureTorque::new(settings)),
+            Method::Torque => Mode::Torque(TorqueMode::new(settings)),
+            Method::Posture => Mode::Posture(PostureMode::new(settings)),
+            _ => Mode::Velocity(VelocityMode::new(settings)),
+        };
+        let posture = method == Method::Posture;
+        let constant = method == Method::Velocity && e.constant_inertia;
+        let mut standstill = Standstill::new(
+            s.swing_velocity_std,
+            s.swing_torque_std,
+            settings.coulomb_friction,
+        );
+        if stood {
+            standstill.confirm();
+        }
+        Self {
+            mode,
+            driver: Driver::default(),
+            standstill,
+            detector: ChangeDetector::new(e.reject, e.q_c, s.swing_velocity_std),
+            onset: (e.weak_onset && (posture || constant))
+                .then(|| WeakOnset::new(settings, posture)),
+            verdict: Verdict::new(),
+        }
+    }
+
+    /// One tick.
+    pub(super) fn step(&mut self, settings: &Settings, tick: &Tick, method: Method) -> Reading {
+        let (needs_torque, needs_posture) = needs(method);
+        let torque = (needs_torque && tick.torque_age.is_finite()).then_some(tick.torque);
+        let mut tick = *tick;
+        let mut event = false;
+        if !needs_torque {
+            let gated = self
+                .detector
+                .step(tick.velocity, tick.velocity_variance, tick.period);
+            tick.velocity = gated.velocity;
+            event = gated.event;
+        }
+        let phase = self.standstill.step(tick.velocity, torque, tick.period);
+        let stood_for = self.standstill.held_for();
+        let reopen = phase != Phase::Held && stood_for >= settings.estimator.reopen_after - 1e-9;
+        self.standstill.count(phase, tick.period);
+        let geometry = needs_posture.then_some(&settings.geometry);
+        let torque_std = settings.sensors.swing_torque_std;
+        let drive = self.driver.step(&tick, geometry, torque_std);
+        if let Some(onset) = &mut self.onset {
+            event |= onset.step(&drive, phase);
+        }
+        let entry = Entry {
+            drive,
+            phase,
+            reopen,
+            flagged: false,
+        };
+        let mut held = phase == Phase::Held;
+        let constant = settings.estimator.constant_inertia;
+        let (state, basis) = match &mut self.mode {
+            Mode::PostureTorque(mode) => (mode.step(&drive, phase, reopen), Basis::PostureTorque),
+            Mode::Torque(mode) => {
+                let stood = self.standstill.seen();
+                (mode.step(&drive, phase, reopen), Basis::Torque { stood })
+            }
+            Mode::Posture(mode) => {
+                let state = mode.step(entry, event);
+                held = mode.held();
+                (state, Basis::Steady(mode.unflagged_for()))
+            }
+            Mode::Velocity(mode) => {
+                let state = mode.step(entry, event);
+                held = mode.held();
+                let steady = Basis::Steady(mode.unflagged_for());
+                (state, if constant { steady } else { Basis::Nothing })
+            }
+        };
+        let accepted = tick.velocity.is_some();
+        self.verdict.step(settings, &tick, accepted, &state, basis);
+        let needs = (needs_torque, needs_posture);
+        Reading {
+            tick,
+            state,
+            reasons: self.verdict.reasons(settings, &tick, &state, basis, needs),
+            held,
+            code: match phase {
+                _ if held => 1,
+                Phase::Released(_) => 2,
+                _ => 0,
+            },
+        }
+    }
+
+    /// Whether the mode is still sound.
+    pub(super) fn is_sound(&self) -> bool {
+        match &self.mode {
+            Mode::PostureTorque(mode) => mode.is_sound(),
+            Mode::Torque(mode) => mode.is_sound(),
+            Mode::Posture(mode) => mode.is_sound(),
+            Mode::Velocity(mode) => mode.is_sound(),
+        }
+    }
+
+    /// Whether a standstill has been seen.
+    pub(super) fn has_stood(&self) -> bool {
+        self.standstill.seen()
+    }
+}
