@@ -100,6 +100,23 @@ fn a_payload_that_visibly_changes_is_never_called_valid_while_it_is_wrong() {
     }
 }
 
+/// Without torque a dump cannot be followed: the value from before it stays, but not its trust.
+#[test]
+fn without_torque_an_opening_bucket_ends_the_trust() {
+    for scenario in [Scenario::Drop, Scenario::DropAccelerating] {
+        let case = Case::new(scenario, None);
+        for seed in 1..=10 {
+            let rows = case.rows(seed, Sensors::default(), &[]).expect("rows");
+            let points = Setup::posture().run(&rows).expect("estimates");
+            let trusted_and_wrong = |p: &&evaluate::excavator::Point| {
+                p.estimate.flags.trusted() && p.truth.velocity > 0.05 && p.error().abs() > 20.0
+            };
+            let wrong = points.iter().filter(trusted_and_wrong).count();
+            assert_eq!(wrong, 0, "{scenario:?} seed {seed}");
+        }
+    }
+}
+
 /// With these seeds the last of a slow dump left while the bucket seemed to be done: its value was
 /// valid and wrong for 0.03 to 0.11 s.
 #[test]

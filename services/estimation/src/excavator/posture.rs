@@ -6,6 +6,9 @@
 //! w' = (u - (b + Jd) w) / J,   u a slow random walk, a fast one while a change is flagged
 //! ```
 //!
+//! A bucket that opens while the machine swings may lose the payload. Without torque that cannot be
+//! followed: the estimate is then not trusted until the machine has stood and the grid begins anew.
+//!
 //! The weight of a node is the likelihood of its innovations. b is the nominal damping: a wrong one
 //! shifts the payload by the covariance of the nodes with the slope of their log weights in b, which
 //! widens the interval (see [`super::consider`]).
@@ -13,6 +16,7 @@
 use super::consider::Doubt;
 use super::delay::{DelayLine, Entry};
 use super::drive::Drive;
+use super::opening::Opening;
 use super::settings::Settings;
 use super::standstill::Phase;
 use super::state::State;
@@ -99,6 +103,9 @@ pub(super) struct PostureMode {
     late: State,
     /// Payload from the grid: mean and standard deviation.
     payload: (f64, f64),
+    opening: Opening,
+    /// The bucket has opened in this swing.
+    opened: bool,
     unflagged_for: f64,
     held: bool,
 }
@@ -122,6 +129,8 @@ impl PostureMode {
             line: DelayLine::new(),
             late: State::default(),
             payload: (0.0, 0.0),
+            opening: Opening::new(settings.estimator.opening_rate),
+            opened: false,
             unflagged_for: 0.0,
             held: true,
         };
@@ -132,6 +141,8 @@ impl PostureMode {
     /// One tick; the reading is that of the tick 0.15 s ago at the posture of now.
     pub(super) fn step(&mut self, entry: Entry, event: bool) -> State {
         let now = entry.drive.now;
+        self.opening.step(&entry.drive);
+        self.opened |= self.opening.is_open() && entry.phase == Phase::Moving;
         if let Some(late) = self.line.push(entry, event) {
             self.advance(&late);
         }
@@ -140,6 +151,8 @@ impl PostureMode {
             inertia: now.with_payload(mass),
             inertia_std: std * now.per_payload,
             payload: Some(self.payload),
+            opening: self.opening.is_open(),
+            changing: self.opened,
             unsettled: mass > self.payloads.likely_until(),
             ..self.late
         }
@@ -158,6 +171,7 @@ impl PostureMode {
     fn advance(&mut self, late: &Entry) {
         self.held = late.phase == Phase::Held;
         if late.reopen {
+            self.opened = false;
             self.restart_weights();
         }
         let mut nis = 0.0;
