@@ -7,10 +7,14 @@ use crate::loader::conditions::{Conditions, Monitor};
 use crate::loader::estimate::Status;
 use crate::loader::inputs::{InputHold, StepInputs};
 use crate::loader::payload::Payload;
+use crate::loader::quantum::Quantum;
+use crate::loader::relearning::Relearning;
 use crate::loader::sample::{Sample, finite};
 use crate::loader::settings::{Settings, Tuning};
+use crate::loader::time_base::{Tick, TimeBase};
 use crate::loader::verdict::Evidence;
 use crate::loader::wheel_dynamics::{GRAVITY, Inputs, WheelDynamics};
+use crate::loader::windup::Windup;
 use crate::math::{sin_cos, tanh};
 use crate::prediction::Images;
 use crate::sigma_points::Spread;
@@ -24,6 +28,9 @@ use gate::gate;
 
 /// Measurement noise that stands for "not measured" in the printed form.
 const NOT_MEASURED_STD: f64 = 1e6;
+
+/// A longer step between rows is a jump, whatever the tuning takes for a gap [s].
+const LONGEST_STEP: f64 = 1.0;
 
 /// What a row did.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,7 +70,12 @@ pub struct CgFilter<const N: usize, const M: usize> {
     hold: InputHold,
     monitor: Monitor,
     pub(in crate::loader) evidence: Evidence,
-    last_time: Option<f64>,
+    clock: TimeBase,
+    windup: Windup,
+    quantum: Quantum,
+    relearning: Relearning,
+    /// Process noise of the next step beyond the usual, by state.
+    loosened: [f64; N],
     /// Force on the bucket tip measured over the last step [N].
     pub(in crate::loader) spade_force_x: f64,
     payload: Option<Payload>,
@@ -109,7 +121,11 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
             hold: InputHold::new(machine.mass),
             monitor: Monitor::default(),
             evidence: Evidence::new(),
-            last_time: None,
+            clock: TimeBase::default(),
+            windup: Windup::default(),
+            quantum: Quantum::default(),
+            relearning: Relearning::new([settings.prior.slip_stiffness, settings.prior.cg_ratio]),
+            loosened: [0.0; N],
             spade_force_x: 0.0,
             payload: None,
             frozen: false,
@@ -134,7 +150,7 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
     }
 
     pub(in crate::loader) fn last_time(&self) -> Option<f64> {
-        self.last_time
+        self.clock.last()
     }
 
     pub(in crate::loader) fn payload(&self) -> Option<Payload> {
@@ -152,14 +168,15 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
     pub fn step(&mut self, sample: &Sample) -> RowReport<M> {
         let machine = &self.settings.machine;
         let sample = &sample.plausible(machine.mass, machine.wheel_radius);
-        let Some(last) = self.last_time else {
-            return self.first(sample);
+        let dt = match self
+            .clock
+            .tick(sample.time, self.tuning.gap.min(LONGEST_STEP))
+        {
+            Tick::First => return self.first(sample),
+            Tick::Later(dt) => dt,
+            Tick::Refused => return RowReport::without_update(Status::Refused, self.frozen),
+            Tick::SetBack => return self.set_back(sample),
         };
-        let dt = sample.time - last;
-        if !(dt > 0.0 && dt.is_finite()) {
-            return RowReport::without_update(Status::Refused, self.frozen);
-        }
-        self.last_time = Some(sample.time);
         let step = self.hold.advance(sample, self.tuning.midpoint_inputs);
         self.spade_force_x = step.inputs.spade_force_x;
         self.dynamics.mass = self
@@ -189,12 +206,8 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
         self.finish(report, sample, dt)
     }
 
-    /// Starts the clock on the first row with a finite time.
+    /// The first row with a time starts the filter.
     fn first(&mut self, sample: &Sample) -> RowReport<M> {
-        if !sample.time.is_finite() {
-            return RowReport::without_update(Status::Refused, false);
-        }
-        self.last_time = Some(sample.time);
         self.hold.advance(sample, false);
         self.spade_force_x = finite(sample.spade_force_x).unwrap_or(0.0);
         let speed = finite(sample.speed).unwrap_or(0.0);
@@ -206,17 +219,20 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
         RowReport::without_update(Status::First, false)
     }
 
-    fn model(&self, inputs: Inputs, dt: f64) -> CgModel {
+    fn loading(&self) -> Loading {
         let (mass, wheelbase) = (self.settings.machine.mass, self.dynamics.wheelbase);
+        self.payload
+            .map_or(Loading::NONE, |p| p.loading(mass, wheelbase))
+    }
+
+    fn model(&self, inputs: Inputs, dt: f64) -> CgModel {
         CgModel {
             dynamics: self.dynamics,
             inputs,
             dt,
             integration: self.tuning.integration,
             substeps: self.tuning.substeps,
-            loading: self
-                .payload
-                .map_or(Loading::NONE, |p| p.loading(mass, wheelbase)),
+            loading: self.loading(),
         }
     }
 
@@ -251,10 +267,24 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
             .monitor
             .conditions(&self.tuning, images.state[0], force, model.dt);
         let process_std = self.process_std(&conditions, sample.boom_moving, model.dt);
+        let measured = measurements::<M>(sample, step.acceleration);
+        self.quantum.see([measured[1], measured[2]]);
         let mut std = self.measurement_std(&images.state, &conditions, model);
         let prediction = images.predict(&process_std);
-        let measured = measurements::<M>(sample, step.acceleration);
-        let innovation = core::array::from_fn(|j| measured[j] - prediction.measurement[j]);
+        let mut innovation: [f64; M] =
+            core::array::from_fn(|j| measured[j] - prediction.measurement[j]);
+        if self.tuning.windup {
+            let at = [images.state[3], images.state[5]];
+            let windup = self.windup.wheel_speeds(
+                self.settings.machine.relaxation_length,
+                &model.dynamics,
+                &model.inputs,
+                model.dt,
+                at,
+            );
+            innovation[1] -= windup[0];
+            innovation[2] -= windup[1];
+        }
         let (mut accepted, mut deweighted) = ([false; M], [false; M]);
         for j in 0..M {
             let (kept, soft) = gate(self.tuning.gates, innovation[j], &mut std[j], || {
@@ -265,6 +295,7 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
         let update = prediction.update(&innovation, &std, &accepted);
         self.filter.accept(&update);
         self.clamp();
+        self.loosened = self.loosening();
         let status = Status::Updated;
         RowReport {
             status,

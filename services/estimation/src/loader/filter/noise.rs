@@ -3,6 +3,7 @@
 use super::CgFilter;
 use crate::loader::cg_model::CgModel;
 use crate::loader::conditions::{Conditions, REFERENCE_STEP, WheelStep};
+use crate::loader::wheel_dynamics::GRAVITY;
 use crate::math::sqrt;
 
 impl<const N: usize, const M: usize> CgFilter<N, M> {
@@ -30,9 +31,46 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
                 parameters[2] = rule.reopen * prior.cg_ratio_std;
             }
         }
-        let motion = [noise.speed, noise.wheel_speed, noise.wheel_speed].map(|q| q * scale);
+        let mut motion = [noise.speed, noise.wheel_speed, noise.wheel_speed].map(|q| q * scale);
+        motion[0] = motion[0].max(GRAVITY * self.settings.sensors.slope_std * dt);
         let rest = [noise.spade_force_x, noise.radius, noise.slope_bias].map(|q| q * scale);
-        by_state(motion, parameters, rest)
+        let mut std: [f64; N] = by_state(motion, parameters, rest);
+        for (std, more) in std.iter_mut().zip(self.loosened) {
+            // The usual noise keeps its bits.
+            if more > 0.0 {
+                *std = sqrt(*std * *std + more * more);
+            }
+        }
+        std
+    }
+
+    /// Process noise beyond the usual, for what must be learnt again.
+    pub(super) fn loosening(&mut self) -> [f64; N] {
+        let (prior, state) = (&self.settings.prior, &self.filter.state);
+        let (mut share, mut radius) = (0.0, 0.0);
+        if let Some(rule) = &self.tuning.relearning {
+            let ratio_std = sqrt(self.filter.root[5].iter().map(|x| x * x).sum::<f64>());
+            share = self
+                .relearning
+                .loosening(rule, prior, [state[3], state[5]], ratio_std);
+        }
+        if self.tuning.load_shift {
+            let loading = self.loading();
+            let ratio = loading.share * state[5] + loading.ratio;
+            let sensitivity_std = self.settings.machine.radius_load_sensitivity_std;
+            radius = self.relearning.radius_std(sensitivity_std, ratio);
+        }
+        let learnt = prior.radius_std * share;
+        by_state(
+            [0.0; 3],
+            [
+                prior.slip_stiffness_std,
+                prior.cg_height_std,
+                prior.cg_ratio_std,
+            ]
+            .map(|std| std * share),
+            [0.0, sqrt(learnt * learnt + radius * radius), 0.0],
+        )
     }
 
     pub(super) fn sensor_std(&self) -> [f64; M] {
@@ -56,7 +94,11 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
         let step = WheelStep {
             machine: &model.dynamics,
             inputs: &model.inputs,
-            sensor_std: self.settings.sensors.wheel_speed_std,
+            sensor_std: if self.tuning.quantum {
+                self.quantum.widen(self.settings.sensors.wheel_speed_std)
+            } else {
+                [self.settings.sensors.wheel_speed_std; 2]
+            },
             weak: conditions.weak_wheels,
             dt: model.dt,
         };

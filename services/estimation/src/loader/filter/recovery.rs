@@ -2,7 +2,9 @@
 
 use super::{CgFilter, RowReport};
 use crate::loader::estimate::Status;
+use crate::loader::relearning::Relearning;
 use crate::loader::sample::{Sample, finite};
+use crate::loader::windup::Windup;
 use crate::root::triangularise;
 
 /// When every speed that comes has been rejected for this long, the filter is wrong and not the sensors [s].
@@ -59,11 +61,23 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
         self.anchor(sample);
         self.filter.root = self.prior_root();
         self.evidence.restart();
+        let state = &self.filter.state;
+        self.relearning = Relearning::new([state[3], state[5]]);
+    }
+
+    /// The clock was set back: what was measured before is of another time, what was learnt is not.
+    pub(super) fn set_back(&mut self, sample: &Sample) -> RowReport<M> {
+        self.evidence.restart();
+        RowReport {
+            status: Status::ClockSetBack,
+            ..self.bridge_gap(sample)
+        }
     }
 
     /// After a gap the speeds are new and independent; the parameters and their joint covariance stay.
     pub(super) fn bridge_gap(&mut self, sample: &Sample) -> RowReport<M> {
         self.anchor(sample);
+        self.windup = Windup::default();
         let mut rows = self.filter.root.map(|row| [row]);
         for row in &mut rows[..3] {
             *row = [[0.0; N]];

@@ -60,6 +60,10 @@ impl Tuning {
             not_negative("estimator.reopen", digging.reopen)?;
             not_negative("estimator.boom_gain", digging.boom_gain)?;
         }
+        if let Some(rule) = self.relearning {
+            positive("estimator.relearn_below", rule.known)?;
+            not_negative("estimator.relearn", rule.gain)?;
+        }
         if let Some(reset) = self.reset {
             positive("estimator.reset_nis", reset.level)?;
             positive("estimator.reset_time_constant", reset.time_constant)?;

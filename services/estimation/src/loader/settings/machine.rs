@@ -25,6 +25,8 @@ pub struct Machine {
     pub radius_load_sensitivity: f64,
     /// Standard deviation of rho: it cannot be learnt on line and widens the reported interval.
     pub radius_load_sensitivity_std: f64,
+    /// Relaxation length of the tyres [m].
+    pub relaxation_length: f64,
 }
 
 impl Default for Machine {
@@ -40,6 +42,7 @@ impl Default for Machine {
             friction: 0.8,
             radius_load_sensitivity: 0.01,
             radius_load_sensitivity_std: 0.001,
+            relaxation_length: 0.10,
         }
     }
 }
@@ -69,7 +72,8 @@ impl Machine {
         not_negative(
             "machine.radius_load_sensitivity_std",
             self.radius_load_sensitivity_std,
-        )
+        )?;
+        not_negative("machine.relaxation_length", self.relaxation_length)
     }
 }
 
@@ -80,7 +84,7 @@ pub struct Sensors {
     pub speed_std: f64,
     /// Wheel speeds [rad/s].
     pub wheel_speed_std: f64,
-    /// Slope [rad]. Its noise acts through the process noise of the speed, so it is not used by itself.
+    /// Slope [rad]. It acts on the speed: the process noise of the speed is at least what it makes of a step.
     pub slope_std: f64,
     /// Specific force [m/s^2].
     pub acceleration_std: f64,
@@ -111,6 +115,10 @@ impl Sensors {
 }
 
 /// What is believed before the first row.
+///
+/// The standard deviations are those of a machine off the line: the error of the initial guess (K 2, h 0.10 m, lam 0.05) and,
+/// on top of it, the spread from machine to machine (1.5, 0.08 m, 0.03). With the guess alone the interval of the height
+/// holds the truth in 89 % of the drives in which it cannot be learnt.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prior {
     /// Slip stiffness K.
@@ -137,21 +145,26 @@ pub struct Prior {
     pub slope_bias_std: f64,
 }
 
+impl Prior {
+    /// A machine off the line.
+    pub const TYPICAL: Self = Self {
+        slip_stiffness: 19.0,
+        slip_stiffness_std: 2.5,
+        cg_height: 0.9,
+        cg_height_std: 0.13,
+        cg_ratio: 0.45,
+        cg_ratio_std: 0.06,
+        speed_std: 0.05,
+        wheel_speed_std: 0.05,
+        radius_std: 0.005,
+        spade_force_x_std: 300.0,
+        slope_bias_std: 0.01,
+    };
+}
+
 impl Default for Prior {
     fn default() -> Self {
-        Self {
-            slip_stiffness: 19.0,
-            slip_stiffness_std: 2.0,
-            cg_height: 0.9,
-            cg_height_std: 0.1,
-            cg_ratio: 0.45,
-            cg_ratio_std: 0.05,
-            speed_std: 0.05,
-            wheel_speed_std: 0.05,
-            radius_std: 0.005,
-            spade_force_x_std: 300.0,
-            slope_bias_std: 0.01,
-        }
+        Self::TYPICAL
     }
 }
 

@@ -18,7 +18,8 @@ mod verdict;
 
 pub use machine::{Machine, Prior, Sensors};
 pub use tuning::{
-    Clamps, Digging, Gates, Inflation, Integration, LoadTransfer, ProcessNoise, Reset, Tuning,
+    Clamps, Digging, Gates, Inflation, Integration, LoadTransfer, ProcessNoise, Relearning, Reset,
+    Tuning,
 };
 pub use verdict::Verdict;
 

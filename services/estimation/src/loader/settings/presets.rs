@@ -1,7 +1,8 @@
 //! The tunings that the methods have when nothing else is asked for.
 
 use super::tuning::{
-    Clamps, Digging, Gates, Inflation, Integration, LoadTransfer, ProcessNoise, Reset, Tuning,
+    Clamps, Digging, Gates, Inflation, Integration, LoadTransfer, ProcessNoise, Relearning, Reset,
+    Tuning,
 };
 use crate::loader::Method;
 
@@ -9,12 +10,37 @@ impl Tuning {
     /// The tuning that a method has when nothing else is asked for.
     pub const fn of(method: Method) -> Self {
         match method {
-            Method::Full => Self::recommended(),
+            Method::Full => Self::product(),
             _ => Self::paper(),
         }
     }
 
-    /// The protected filter on a real machine.
+    /// What `full` runs on: [`Tuning::recommended`], and what a real machine needs beyond it.
+    ///
+    /// Windup, quantum, relearning and load shift remove errors that the recommended filter is sure of. Changes of torque count less
+    /// (c_t 1.5 instead of 0.5): what remains of them, the axle loads lagging behind the acceleration, has the same sign
+    /// every time and does not average out. Sigma points lie closer (alpha 0.3): at a full standard deviation of the prior
+    /// the model is so curved that the height of a work cycle ends 3.7 % off (rms) instead of 3.1 %.
+    pub const fn product() -> Self {
+        let recommended = Self::recommended();
+        Self {
+            inflation: Inflation {
+                torque_lag: 1.5,
+                ..recommended.inflation
+            },
+            spread: 0.3,
+            windup: true,
+            quantum: true,
+            relearning: Some(Relearning {
+                known: 0.3,
+                gain: 0.1,
+            }),
+            load_shift: true,
+            ..recommended
+        }
+    }
+
+    /// The protected filter as specified, the reference for `product`.
     pub const fn recommended() -> Self {
         Self {
             noise: ProcessNoise {
@@ -61,6 +87,10 @@ impl Tuning {
                 time_constant: 2.0,
                 hold_off: 3.0,
             }),
+            windup: false,
+            quantum: false,
+            relearning: None,
+            load_shift: false,
         }
     }
 

@@ -107,6 +107,15 @@ pub struct Reset {
     pub hold_off: f64,
 }
 
+/// When the parameters are loosened because what the start taught was taken from a tangent, see `relearning`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Relearning {
+    /// The ratio is known when its standard deviation is this share of the prior's.
+    pub known: f64,
+    /// Share of the prior's standard deviations that comes back for one standard deviation of way.
+    pub gain: f64,
+}
+
 /// Numerical and statistical choices; each method has its own defaults, see [`Tuning::of`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tuning {
@@ -146,4 +155,12 @@ pub struct Tuning {
     pub gap: f64,
     /// Reset rule; `None` is off.
     pub reset: Option<Reset>,
+    /// Correct the wheel speeds for the winding up of the tyres.
+    pub windup: bool,
+    /// Add the error of the smallest step ever seen to the noise of the wheel speeds.
+    pub quantum: bool,
+    /// Loosen what the start taught wrongly; `None` is off.
+    pub relearning: Option<Relearning>,
+    /// Loosen the rolling radii when the load shifts between the axles.
+    pub load_shift: bool,
 }
