@@ -59,6 +59,8 @@ table! {
         radius_load_sensitivity: f64 = 0.01, "", 0.0 to 0.2;
         /// Its standard deviation; widens the reported interval of the ratio.
         radius_load_sensitivity_std: f64 = 0.001, "", 0.0 to 0.2;
+        /// Relaxation length of the tyres; 0 for tyres that do not wind up.
+        relaxation_length: f64 = 0.10, "m", 0.0 to 10.0;
     }
 }
 
@@ -81,20 +83,21 @@ table! {
 }
 
 table! {
-    /// What is known before the first row.
+    /// What is known before the first row. The deviations include the spread from machine to machine: K 2 and 1.5,
+    /// height 0.10 and 0.08 m, ratio 0.05 and 0.03.
     pub struct LoaderPrior, "prior" {
         /// Slip stiffness (K).
         slip_stiffness: f64 = 19.0, "", 0.1 to 1000.0;
         /// Its standard deviation.
-        slip_stiffness_std: f64 = 2.0, "", 1e-9 to 1000.0;
+        slip_stiffness_std: f64 = 2.5, "", 1e-9 to 1000.0;
         /// Height of the centre of gravity (h).
         cg_height: f64 = 0.90, "m", 0.01 to 20.0;
         /// Its standard deviation.
-        cg_height_std: f64 = 0.10, "m", 1e-9 to 10.0;
+        cg_height_std: f64 = 0.13, "m", 1e-9 to 10.0;
         /// Share of the static weight on the front axle (lambda).
         cg_ratio: f64 = 0.45, "", 0.01 to 0.99;
         /// Its standard deviation.
-        cg_ratio_std: f64 = 0.05, "", 1e-9 to 1.0;
+        cg_ratio_std: f64 = 0.06, "", 1e-9 to 1.0;
         /// Standard deviation of the speed at the start.
         speed_std: f64 = 0.05, "m/s", 1e-9 to 100.0;
         /// Standard deviation of the wheel speeds at the start.
@@ -120,7 +123,7 @@ table! {
         /// Equal sub-steps per row.
         substeps: usize = 1, "", 1.0 to 1000.0;
         /// Spread of the sigma points (the tuning "paper" has 0.01).
-        alpha: f64 = 1.0, "", 1e-4 to 10.0;
+        alpha: f64 = 0.3, "", 1e-4 to 10.0;
         /// Weight of the centre point in the covariance.
         beta: f64 = 2.0, "", -10.0 to 10.0;
         /// Second spread of the sigma points.
@@ -149,8 +152,8 @@ table! {
         c_b: f64 = 0.1, "", 0.0 to 10.0;
         /// Wheel-speed noise from axle-load ripple acting through the radius (crho).
         c_rho: f64 = 0.1, "", 0.0 to 10.0;
-        /// Wheel-speed noise from tyre relaxation (ct).
-        c_t: f64 = 0.5, "", 0.0 to 10.0;
+        /// Wheel-speed noise from changes of torque (ct).
+        c_t: f64 = 1.5, "", 0.0 to 10.0;
         /// Innovations beyond this many standard deviations are weakened.
         gate: f64 = 5.0, "", 1.0 to 1e6;
         /// Innovations beyond this many standard deviations are dropped.
@@ -177,6 +180,9 @@ table! {
         dig_hold: f64 = 0.5, "s", 0.0 to 100.0;
         /// Height and ratio are reopened after digging to this many prior standard deviations; 0 leaves them.
         reopen: f64 = 2.0, "", 0.0 to 100.0;
+        /// Once the ratio is known the parameters are loosened, because the start was linearised at the initial guess: share
+        /// of the prior that comes back per squared standard deviation of way; 0 is off.
+        relearn: f64 = 0.1, "", 0.0 to 100.0;
         /// The boom moves: random walks of height and ratio times this.
         boom_gain: f64 = 40.0, "", 0.0 to 1e4;
         /// What cannot be learnt of the height; added to its reported standard deviation.

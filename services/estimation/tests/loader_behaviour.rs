@@ -156,6 +156,47 @@ fn a_refused_time_changes_nothing() {
 }
 
 #[test]
+fn one_time_far_ahead_costs_no_row_after_it() {
+    let mut estimator = estimator(Method::Full);
+    for k in 0..200 {
+        estimator.step(&cruise(k as f64 * 0.01));
+    }
+    let ahead = estimator.step(&cruise(1e6));
+    assert_eq!(ahead.status, Status::Gap);
+    for k in 200..300 {
+        let answer = estimator.step(&cruise(k as f64 * 0.01));
+        assert_eq!(answer.status, Status::Updated, "row {k}");
+        assert!(answer.fresh && answer.time == k as f64 * 0.01);
+    }
+    assert_eq!(estimator.last().refused, 0);
+}
+
+#[test]
+fn a_clock_set_back_is_followed_after_a_second_and_shown_as_a_reset() {
+    let mut estimator = estimator(Method::Full);
+    for k in 0..1000 {
+        estimator.step(&cruise(k as f64 * 0.01));
+    }
+    let before = *estimator.last();
+    let answers: Vec<Estimate> = (0..200)
+        .map(|k| estimator.step(&cruise(k as f64 * 0.01)))
+        .collect();
+    let back = answers
+        .iter()
+        .position(|e| e.status == Status::ClockSetBack)
+        .unwrap();
+    // A second of rows that increase among themselves; one more where the steps round down.
+    assert!((100..=101).contains(&back), "{back}");
+    assert!(answers[..back].iter().all(|e| e.status == Status::Refused));
+    assert!(!answers[back - 1].fresh && !answers[back - 1].trusted_ratio);
+    assert_eq!((answers[back].resets, answers[back].reset), (1, true));
+    // What was learnt stays.
+    assert_eq!(answers[back].cg_ratio.value, before.cg_ratio.value);
+    let after = &answers[back + 1..];
+    assert!(after.iter().all(|e| e.status == Status::Updated));
+}
+
+#[test]
 fn a_clock_that_stands_still_does_not_stay_fresh() {
     let mut estimator = estimator(Method::Full);
     for k in 0..100 {

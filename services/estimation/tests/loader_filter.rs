@@ -91,6 +91,9 @@ fn settings(file: &Value, tuning: Tuning, told_sensitivity: f64) -> Settings {
             slip_stiffness: number(&initial["K"]),
             cg_height: number(&initial["h"]),
             cg_ratio: number(&initial["lambda"]),
+            slip_stiffness_std: 2.0,
+            cg_height_std: 0.10,
+            cg_ratio_std: 0.05,
             ..Prior::default()
         },
         tuning: Some(tuning),

@@ -74,13 +74,13 @@ fn an_unknown_method_is_named_with_the_known_ones() {
 }
 
 #[test]
-fn the_default_description_gives_the_recommended_settings() {
+fn the_default_description_gives_the_default_settings() {
     use estimation::loader::{Method, Settings, Tuning};
     let settings = kalman::loader_settings(&config::Loader::default(), Method::Full);
     assert_eq!(
         settings,
         Settings {
-            tuning: Some(Tuning::recommended()),
+            tuning: Some(Tuning::product()),
             ..Settings::default()
         }
     );

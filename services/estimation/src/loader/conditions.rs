@@ -110,7 +110,8 @@ impl Monitor {
             let ripple = rules.load_ripple * torque * per_torque;
             let lag = rules.torque_lag * (torque - self.lagged_torque[i]) * per_torque;
             let extra = ripple * ripple + radius_ripple * radius_ripple + lag * lag;
-            let std = sqrt(step.sensor_std * step.sensor_std + rate * rate * extra);
+            let sensor = step.sensor_std[i];
+            let std = sqrt(sensor * sensor + rate * rate * extra);
             if step.weak {
                 std.max(rate * rules.frozen_wheel_speed_std)
             } else {
@@ -125,7 +126,7 @@ impl Monitor {
 pub(super) struct WheelStep<'a> {
     pub machine: &'a WheelDynamics,
     pub inputs: &'a Inputs,
-    pub sensor_std: f64,
+    pub sensor_std: [f64; 2],
     pub weak: bool,
     pub dt: f64,
 }

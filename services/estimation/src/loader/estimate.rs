@@ -17,6 +17,8 @@ pub enum Status {
     Refused,
     /// The row came after a gap: speeds re-anchored on the measurements, parameters kept.
     Gap,
+    /// The clock was set back and stayed so: time goes on from this row; speeds re-anchored, parameters kept.
+    ClockSetBack,
     /// The innovations stayed too large for too long: the covariance restarted, the values kept.
     Reset,
     /// The filter left the finite numbers: everything restarted from the prior.

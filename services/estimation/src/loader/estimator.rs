@@ -85,7 +85,11 @@ impl CgEstimator {
             self.refused_in_a_row = self.refused_in_a_row.saturating_add(1);
             answer = self.stale();
         } else {
-            self.period = answer.time - self.last.time;
+            let period = answer.time - self.last.time;
+            // A clock that was set back says nothing of the time between rows.
+            if period > 0.0 {
+                self.period = period;
+            }
             self.refused_in_a_row = 0;
         }
         answer.refused = self.refused;

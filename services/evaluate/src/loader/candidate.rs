@@ -14,8 +14,7 @@ pub(super) struct Candidate {
     pub name: &'static str,
     method: Method,
     tuning: Tuning,
-    prior_radius_std: f64,
-    prior_height_std: f64,
+    prior: Prior,
     /// Start from the truth instead of the initial guess.
     start_at_truth: bool,
     /// The wheel speeds are corrected with radii that were calibrated before.
@@ -24,17 +23,31 @@ pub(super) struct Candidate {
     weighed: bool,
 }
 
+/// Of the methods with six states, as specified: the error of the initial guess alone.
+const PAPER_PRIOR: Prior = Prior {
+    slip_stiffness_std: 2.0,
+    cg_height_std: 0.10,
+    cg_ratio_std: 0.05,
+    ..Prior::TYPICAL
+};
+
 impl Candidate {
     const fn new(name: &'static str, method: Method, tuning: Tuning) -> Self {
         Self {
             name,
             method,
             tuning,
-            prior_radius_std: 0.005,
-            prior_height_std: 0.10,
+            prior: PAPER_PRIOR,
             start_at_truth: false,
             warm: false,
             weighed: false,
+        }
+    }
+
+    const fn product(name: &'static str) -> Self {
+        Self {
+            prior: Prior::TYPICAL,
+            ..Self::new(name, Method::Full, Tuning::product())
         }
     }
 
@@ -47,17 +60,21 @@ impl Candidate {
     /// Six states with the tuning that suits an exactly known machine.
     pub const TUNED: Self = Self::new("tuned 6 states", Method::IsrUkf, Tuning::tuned());
     /// The product, nothing calibrated.
-    pub const COLD: Self = Self::new("full, cold", Method::Full, Tuning::recommended());
+    pub const COLD: Self = Self::product("full, cold");
     /// The product with rolling radii known to 5e-4.
     pub const WARM: Self = Self {
         warm: true,
-        prior_radius_std: 5e-4,
-        ..Self::new("full, warm", Method::Full, Tuning::recommended())
+        prior: Prior {
+            radius_std: 5e-4,
+            ..Prior::TYPICAL
+        },
+        ..Self::product("full, warm")
     };
     /// The product that is told the payload.
     pub const WEIGHED: Self = Self {
         weighed: true,
-        ..Self::new("full, weighed", Method::Full, weighed_tuning())
+        tuning: weighed_tuning(),
+        ..Self::product("full, weighed")
     };
 
     /// The filter of the demonstration about the sign of the load transfer: height held, everything else known.
@@ -84,7 +101,10 @@ impl Candidate {
             LoadTransfer::Printed => "printed",
         };
         Self {
-            prior_height_std: 0.01,
+            prior: Prior {
+                cg_height_std: 0.01,
+                ..PAPER_PRIOR
+            },
             start_at_truth: true,
             ..Self::new(name, Method::IsrUkf, tuning)
         }
@@ -96,9 +116,7 @@ impl Candidate {
             slip_stiffness: told.slip_stiffness,
             cg_height: told.cg_height.max(0.3),
             cg_ratio: told.cg_ratio,
-            cg_height_std: self.prior_height_std,
-            radius_std: self.prior_radius_std,
-            ..Prior::default()
+            ..self.prior
         };
         if self.start_at_truth {
             prior.slip_stiffness = first.truth.slip_stiffness;
@@ -155,7 +173,7 @@ impl Candidate {
 }
 
 const fn weighed_tuning() -> Tuning {
-    let mut tuning = Tuning::recommended();
+    let mut tuning = Tuning::product();
     if let Some(digging) = &mut tuning.digging {
         // A payload that is told moves no state: nothing to reopen.
         digging.reopen = 0.0;

@@ -28,7 +28,7 @@ const AS_CLEAN: [f64; 2] = [1.0, 7.0];
 /// Torque gains of +5 and -3 % cannot be seen: (1 - lam) 8 % = 4.4 % of the ratio.
 const BIASED: [f64; 2] = [6.0, 10.0];
 
-const CASES: [Case; 17] = [
+const CASES: [Case; 18] = [
     ("clean", &[], AS_CLEAN),
     (
         "5 % of measurements missing",
@@ -114,6 +114,11 @@ const CASES: [Case; 17] = [
     (
         "clock 5 s ahead from 60 s",
         &["time:bias=5,from=60"],
+        AS_CLEAN,
+    ),
+    (
+        "one time 1e6 s ahead",
+        &["time:bias=1e6,from=60,to=60.005"],
         AS_CLEAN,
     ),
     ("slope bias 2 deg", &["slope:bias=0.0349"], AS_CLEAN),

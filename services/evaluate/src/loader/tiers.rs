@@ -130,7 +130,9 @@ const CASES: [Case; 24] = {
         Case::new(B, AccelDecel, Candidate::WARM),
         Case::new(A, LoadCycle, Candidate::WEIGHED),
         Case::new(B, LoadCycle, Candidate::COLD),
-        Case::new(B, LoadCycle, Candidate::WEIGHED).ratio(2.8, 6.6, INF),
+        Case::new(B, LoadCycle, Candidate::WEIGHED)
+            .ratio(2.8, 6.6, INF)
+            .covered(),
         Case::new(B, WorkCycle, Candidate::TUNED),
         Case::new(B, WorkCycle, Candidate::COLD)
             .ratio(INF, 3.5, 1.8)
@@ -272,5 +274,21 @@ mod tests {
         let full = run(&options, &group).unwrap()[0];
         // 0.92 (2.7) % in the reference; a payload 5 % too heavy alone is 1.4 %.
         assert!(full.diverged == 0 && full.ratio.p95 < 4.0, "{full:?}");
+    }
+
+    #[test]
+    fn after_a_pick_up_on_a_real_machine_the_interval_of_the_height_holds() {
+        let options = Options {
+            seeds: 6,
+            ..Options::default()
+        };
+        let group = [Case::new(Tier::B, Scenario::LoadCycle, Candidate::WEIGHED)];
+        let full = run(&options, &group).unwrap()[0];
+        // Radii held fixed while the load shifts: 29 % covered, 40 % rms. Otherwise 97 % and 8 % over 100 runs; one
+        // machine in six may leave its interval.
+        assert!(
+            full.height.coverage > 0.8 && full.height.rms < 16.0,
+            "{full:?}"
+        );
     }
 }

@@ -2,7 +2,7 @@
 
 use config::{Inputs, Loader as Description, LoaderEstimator as Keys};
 use estimation::loader::settings::{
-    Clamps, Digging, Gates, Inflation, LoadTransfer, ProcessNoise, Reset, Verdict,
+    Clamps, Digging, Gates, Inflation, LoadTransfer, ProcessNoise, Relearning, Reset, Verdict,
 };
 use estimation::loader::{Machine, Method, Prior, Sensors, Settings, Tuning};
 
@@ -34,6 +34,7 @@ fn machine(description: &Description) -> Machine {
         },
         radius_load_sensitivity: m.radius_load_sensitivity,
         radius_load_sensitivity_std: m.radius_load_sensitivity_std,
+        relaxation_length: m.relaxation_length,
     }
 }
 
@@ -81,7 +82,7 @@ fn verdict(keys: &Keys) -> Verdict {
 /// `full` takes every key. The methods with six states are the paper's, exactly, or take the keys that `tuned` knows.
 fn tuning(keys: &Keys, method: Method) -> Tuning {
     let base = match (method, keys.tuning) {
-        (Method::Full, _) => protected(keys, Tuning::recommended()),
+        (Method::Full, _) => protected(keys, Tuning::product()),
         (_, config::Tuning::Paper) => Tuning::paper(),
         (_, config::Tuning::Tuned) => tuned(keys),
     };
@@ -126,6 +127,10 @@ fn protected(keys: &Keys, base: Tuning) -> Tuning {
         }),
         gap: keys.gap,
         reset,
+        relearning: base.relearning.map(|rule| Relearning {
+            gain: keys.relearn,
+            ..rule
+        }),
         ..common(keys, base)
     }
 }

@@ -1,0 +1,352 @@
+//! The estimator on a fixed number of states: what happens with one row.
+
+use crate::ekf::Ekf;
+use crate::loader::Method;
+use crate::loader::cg_model::{CgModel, Loading};
+use crate::loader::conditions::{Conditions, Monitor};
+use crate::loader::estimate::Status;
+use crate::loader::inputs::{InputHold, StepInputs};
+use crate::loader::payload::Payload;
+use crate::loader::quantum::Quantum;
+use crate::loader::relearning::Relearning;
+use crate::loader::sample::{Sample, finite};
+use crate::loader::settings::{Settings, Tuning};
+use crate::loader::time_base::{Tick, TimeBase};
+use crate::loader::verdict::Evidence;
+use crate::loader::wheel_dynamics::{GRAVITY, Inputs, WheelDynamics};
+use crate::loader::windup::Windup;
+use crate::math::{sin_cos, tanh};
+use crate::prediction::Images;
+use crate::sigma_points::Spread;
+use crate::srukf::SquareRootUkf;
+
+mod gate;
+mod noise;
+mod recovery;
+
+use gate::gate;
+
+/// Measurement noise that stands for "not measured" in the printed form.
+const NOT_MEASURED_STD: f64 = 1e6;
+
+/// A longer step between rows is a jump, whatever the tuning takes for a gap [s].
+const LONGEST_STEP: f64 = 1.0;
+
+/// What a row did.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RowReport<const M: usize> {
+    /// How the row was taken.
+    pub status: Status,
+    /// Normalised innovation squared, the sum over the accepted measurements.
+    pub nis: f64,
+    /// Which measurements were used.
+    pub accepted: [bool; M],
+    /// Which of them were de-weighted.
+    pub deweighted: [bool; M],
+    /// Slow or digging.
+    pub frozen: bool,
+}
+
+impl<const M: usize> RowReport<M> {
+    fn without_update(status: Status, frozen: bool) -> Self {
+        Self {
+            status,
+            nis: 0.0,
+            accepted: [false; M],
+            deweighted: [false; M],
+            frozen,
+        }
+    }
+}
+
+/// The filter with `N` states (6, 8 or 10, see [`crate::loader::cg_model`]) and `M` measurements (3, or 4 with the specific force).
+#[derive(Clone, Copy, Debug)]
+pub struct CgFilter<const N: usize, const M: usize> {
+    settings: Settings,
+    tuning: Tuning,
+    printed: bool,
+    filter: SquareRootUkf<N, M>,
+    dynamics: WheelDynamics,
+    hold: InputHold,
+    monitor: Monitor,
+    pub(in crate::loader) evidence: Evidence,
+    clock: TimeBase,
+    windup: Windup,
+    quantum: Quantum,
+    relearning: Relearning,
+    /// Process noise of the next step beyond the usual, by state.
+    loosened: [f64; N],
+    /// Force on the bucket tip measured over the last step [N].
+    pub(in crate::loader) spade_force_x: f64,
+    payload: Option<Payload>,
+    frozen: bool,
+}
+
+impl<const N: usize, const M: usize> CgFilter<N, M> {
+    /// The filter before its first row; the settings must have been checked.
+    pub(in crate::loader) fn new(settings: &Settings, method: Method) -> Self {
+        let tuning = settings.tuning(method);
+        let machine = &settings.machine;
+        let dynamics = WheelDynamics {
+            mass: machine.mass,
+            wheel_radius: machine.wheel_radius,
+            axle_inertia: machine.axle_inertia,
+            wheelbase: machine.wheelbase,
+            bucket_reach: machine.bucket_reach,
+            rolling_resistance: machine.rolling_resistance,
+            friction: if tuning.real_tyre {
+                machine.friction
+            } else {
+                f64::INFINITY
+            },
+            radius_load_sensitivity: if tuning.real_tyre {
+                machine.radius_load_sensitivity
+            } else {
+                0.0
+            },
+            minimum_speed: tuning.minimum_speed,
+            load_transfer: tuning.load_transfer,
+        };
+        let spread = Spread {
+            alpha: tuning.spread,
+            beta: tuning.beta,
+            kappa: tuning.kappa,
+        };
+        let mut new = Self {
+            settings: *settings,
+            tuning,
+            printed: method == Method::IsrUkfPrinted,
+            filter: SquareRootUkf::new([0.0; N], &[0.0; N], spread),
+            dynamics,
+            hold: InputHold::new(machine.mass),
+            monitor: Monitor::default(),
+            evidence: Evidence::new(),
+            clock: TimeBase::default(),
+            windup: Windup::default(),
+            quantum: Quantum::default(),
+            relearning: Relearning::new([settings.prior.slip_stiffness, settings.prior.cg_ratio]),
+            loosened: [0.0; N],
+            spade_force_x: 0.0,
+            payload: None,
+            frozen: false,
+        };
+        new.filter.state = new.prior_state();
+        new.filter.root = new.prior_root();
+        new
+    }
+
+    /// The state \[v, w_f, w_r, K, h, lam, ..\].
+    pub fn state(&self) -> &[f64; N] {
+        &self.filter.state
+    }
+
+    /// The lower root of its covariance.
+    pub fn covariance_root(&self) -> &[[f64; N]; N] {
+        &self.filter.root
+    }
+
+    pub(in crate::loader) fn tuning(&self) -> &Tuning {
+        &self.tuning
+    }
+
+    pub(in crate::loader) fn last_time(&self) -> Option<f64> {
+        self.clock.last()
+    }
+
+    pub(in crate::loader) fn payload(&self) -> Option<Payload> {
+        self.payload
+    }
+
+    /// Tells the payload for the rows to come; one that is not finite is ignored.
+    pub(in crate::loader) fn set_payload(&mut self, payload: Option<Payload>) {
+        if payload.is_none_or(|p| p.is_valid()) {
+            self.payload = payload;
+        }
+    }
+
+    /// Takes one row.
+    pub fn step(&mut self, sample: &Sample) -> RowReport<M> {
+        let machine = &self.settings.machine;
+        let sample = &sample.plausible(machine.mass, machine.wheel_radius);
+        let dt = match self
+            .clock
+            .tick(sample.time, self.tuning.gap.min(LONGEST_STEP))
+        {
+            Tick::First => return self.first(sample),
+            Tick::Later(dt) => dt,
+            Tick::Refused => return RowReport::without_update(Status::Refused, self.frozen),
+            Tick::SetBack => return self.set_back(sample),
+        };
+        let step = self.hold.advance(sample, self.tuning.midpoint_inputs);
+        self.spade_force_x = step.inputs.spade_force_x;
+        self.dynamics.mass = self
+            .payload
+            .map_or(self.hold.mass, |p| self.settings.machine.mass + p.mass);
+        self.evidence.advance(
+            dt,
+            step.inputs.front_torque + step.inputs.rear_torque,
+            self.free_acceleration(&step),
+        );
+        if dt > self.tuning.gap {
+            return self.bridge_gap(sample);
+        }
+        let model = self.model(step.inputs, dt);
+        let report = if self.printed {
+            self.step_printed(sample, &model)
+        } else if self.tuning.linearised {
+            let images = Ekf {
+                state: self.filter.state,
+                root: self.filter.root,
+            }
+            .images(&model);
+            self.update(images, &model, sample, &step)
+        } else {
+            self.update(self.filter.images(&model), &model, sample, &step)
+        };
+        self.finish(report, sample, dt)
+    }
+
+    /// The first row with a time starts the filter.
+    fn first(&mut self, sample: &Sample) -> RowReport<M> {
+        self.hold.advance(sample, false);
+        self.spade_force_x = finite(sample.spade_force_x).unwrap_or(0.0);
+        let speed = finite(sample.speed).unwrap_or(0.0);
+        let rim = speed / self.dynamics.wheel_radius;
+        let state = &mut self.filter.state;
+        state[0] = speed;
+        state[1] = finite(sample.front_wheel_speed).unwrap_or(rim);
+        state[2] = finite(sample.rear_wheel_speed).unwrap_or(rim);
+        RowReport::without_update(Status::First, false)
+    }
+
+    fn loading(&self) -> Loading {
+        let (mass, wheelbase) = (self.settings.machine.mass, self.dynamics.wheelbase);
+        self.payload
+            .map_or(Loading::NONE, |p| p.loading(mass, wheelbase))
+    }
+
+    fn model(&self, inputs: Inputs, dt: f64) -> CgModel {
+        CgModel {
+            dynamics: self.dynamics,
+            inputs,
+            dt,
+            integration: self.tuning.integration,
+            substeps: self.tuning.substeps,
+            loading: self.loading(),
+        }
+    }
+
+    /// Acceleration along the road, measured, or what the torques would give without slip [m/s^2].
+    fn free_acceleration(&self, step: &StepInputs) -> Option<f64> {
+        let slope = sin_cos(step.inputs.slope).0;
+        if M > 3 {
+            return step.acceleration.map(|a| a - GRAVITY * slope);
+        }
+        let radius = self.dynamics.wheel_radius;
+        let spin = 2.0 * self.dynamics.axle_inertia / (radius * radius);
+        let pull = (step.inputs.front_torque + step.inputs.rear_torque) / radius;
+        let weight = self.dynamics.mass * GRAVITY;
+        let rolling = self.dynamics.rolling_resistance * tanh(self.filter.state[0] / 0.05) * weight;
+        Some(
+            (pull - rolling - weight * slope - step.inputs.spade_force_x)
+                / (self.dynamics.mass + spin),
+        )
+    }
+
+    /// The consistent step with every rule of the tuning.
+    fn update<const B: usize>(
+        &mut self,
+        mut images: Images<N, M, B>,
+        model: &CgModel,
+        sample: &Sample,
+        step: &StepInputs,
+    ) -> RowReport<M> {
+        let unknown_force = if N == 10 { images.state[6] } else { 0.0 };
+        let force = step.inputs.spade_force_x + unknown_force;
+        let conditions = self
+            .monitor
+            .conditions(&self.tuning, images.state[0], force, model.dt);
+        let process_std = self.process_std(&conditions, sample.boom_moving, model.dt);
+        let measured = measurements::<M>(sample, step.acceleration);
+        self.quantum.see([measured[1], measured[2]]);
+        let mut std = self.measurement_std(&images.state, &conditions, model);
+        let prediction = images.predict(&process_std);
+        let mut innovation: [f64; M] =
+            core::array::from_fn(|j| measured[j] - prediction.measurement[j]);
+        if self.tuning.windup {
+            let at = [images.state[3], images.state[5]];
+            let windup = self.windup.wheel_speeds(
+                self.settings.machine.relaxation_length,
+                &model.dynamics,
+                &model.inputs,
+                model.dt,
+                at,
+            );
+            innovation[1] -= windup[0];
+            innovation[2] -= windup[1];
+        }
+        let (mut accepted, mut deweighted) = ([false; M], [false; M]);
+        for j in 0..M {
+            let (kept, soft) = gate(self.tuning.gates, innovation[j], &mut std[j], || {
+                prediction.measurement_std(j)
+            });
+            (accepted[j], deweighted[j]) = (kept, soft);
+        }
+        let update = prediction.update(&innovation, &std, &accepted);
+        self.filter.accept(&update);
+        self.clamp();
+        self.loosened = self.loosening();
+        let status = Status::Updated;
+        RowReport {
+            status,
+            nis: update.nis(),
+            accepted,
+            deweighted,
+            frozen: conditions.frozen,
+        }
+    }
+
+    /// The step as printed; only held inputs and missing measurements are treated beyond the paper.
+    fn step_printed(&mut self, sample: &Sample, model: &CgModel) -> RowReport<M> {
+        let process_std = self.process_std(&Conditions::default(), false, model.dt);
+        let measured = measurements::<M>(sample, None);
+        let accepted = measured.map(f64::is_finite);
+        let mut std = self.sensor_std();
+        for (std, accepted) in std.iter_mut().zip(accepted) {
+            if !accepted {
+                *std = NOT_MEASURED_STD;
+            }
+        }
+        let printed = self
+            .filter
+            .step_printed(model, &process_std, &std, |predicted| {
+                core::array::from_fn(|j| {
+                    if accepted[j] {
+                        measured[j] - predicted[j]
+                    } else {
+                        0.0
+                    }
+                })
+            });
+        self.clamp();
+        let status = Status::Updated;
+        RowReport {
+            status,
+            nis: printed.nis,
+            accepted,
+            deweighted: [false; M],
+            frozen: false,
+        }
+    }
+}
+
+/// The measurements of a row; NaN where missing.
+fn measurements<const M: usize>(sample: &Sample, acceleration: Option<f64>) -> [f64; M] {
+    let all = [
+        sample.speed,
+        sample.front_wheel_speed,
+        sample.rear_wheel_speed,
+        acceleration,
+    ];
+    core::array::from_fn(|j| finite(all[j]).unwrap_or(f64::NAN))
+}

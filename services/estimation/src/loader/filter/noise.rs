@@ -1,0 +1,159 @@
+//! Prior, process noise and measurement noise of a step, by state and measurement.
+
+use super::CgFilter;
+use crate::loader::cg_model::CgModel;
+use crate::loader::conditions::{Conditions, REFERENCE_STEP, WheelStep};
+use crate::loader::wheel_dynamics::GRAVITY;
+use crate::math::sqrt;
+
+impl<const N: usize, const M: usize> CgFilter<N, M> {
+    /// Process noise of a step, by state.
+    pub(super) fn process_std(
+        &self,
+        conditions: &Conditions,
+        boom_moving: bool,
+        dt: f64,
+    ) -> [f64; N] {
+        let (noise, prior) = (&self.tuning.noise, &self.settings.prior);
+        let scale = sqrt(dt / REFERENCE_STEP);
+        let mut parameters =
+            [noise.slip_stiffness, noise.cg_height, noise.cg_ratio].map(|q| q * scale);
+        if conditions.frozen {
+            parameters = [0.0; 3];
+        }
+        if let (Some(rule), None) = (self.tuning.digging, self.payload) {
+            if boom_moving {
+                parameters[1] = rule.boom_gain * scale * noise.cg_height;
+                parameters[2] = rule.boom_gain * scale * noise.cg_ratio;
+            }
+            if conditions.reopen && rule.reopen > 0.0 {
+                parameters[1] = rule.reopen * prior.cg_height_std;
+                parameters[2] = rule.reopen * prior.cg_ratio_std;
+            }
+        }
+        let mut motion = [noise.speed, noise.wheel_speed, noise.wheel_speed].map(|q| q * scale);
+        motion[0] = motion[0].max(GRAVITY * self.settings.sensors.slope_std * dt);
+        let rest = [noise.spade_force_x, noise.radius, noise.slope_bias].map(|q| q * scale);
+        let mut std: [f64; N] = by_state(motion, parameters, rest);
+        for (std, more) in std.iter_mut().zip(self.loosened) {
+            // The usual noise keeps its bits.
+            if more > 0.0 {
+                *std = sqrt(*std * *std + more * more);
+            }
+        }
+        std
+    }
+
+    /// Process noise beyond the usual, for what must be learnt again.
+    pub(super) fn loosening(&mut self) -> [f64; N] {
+        let (prior, state) = (&self.settings.prior, &self.filter.state);
+        let (mut share, mut radius) = (0.0, 0.0);
+        if let Some(rule) = &self.tuning.relearning {
+            let ratio_std = sqrt(self.filter.root[5].iter().map(|x| x * x).sum::<f64>());
+            share = self
+                .relearning
+                .loosening(rule, prior, [state[3], state[5]], ratio_std);
+        }
+        if self.tuning.load_shift {
+            let loading = self.loading();
+            let ratio = loading.share * state[5] + loading.ratio;
+            let sensitivity_std = self.settings.machine.radius_load_sensitivity_std;
+            radius = self.relearning.radius_std(sensitivity_std, ratio);
+        }
+        let learnt = prior.radius_std * share;
+        by_state(
+            [0.0; 3],
+            [
+                prior.slip_stiffness_std,
+                prior.cg_height_std,
+                prior.cg_ratio_std,
+            ]
+            .map(|std| std * share),
+            [0.0, sqrt(learnt * learnt + radius * radius), 0.0],
+        )
+    }
+
+    pub(super) fn sensor_std(&self) -> [f64; M] {
+        let sensors = &self.settings.sensors;
+        let all = [
+            sensors.speed_std,
+            sensors.wheel_speed_std,
+            sensors.wheel_speed_std,
+            sensors.acceleration_std,
+        ];
+        core::array::from_fn(|j| all[j])
+    }
+
+    pub(super) fn measurement_std(
+        &mut self,
+        state: &[f64; N],
+        conditions: &Conditions,
+        model: &CgModel,
+    ) -> [f64; M] {
+        let mut std = self.sensor_std();
+        let step = WheelStep {
+            machine: &model.dynamics,
+            inputs: &model.inputs,
+            sensor_std: if self.tuning.quantum {
+                self.quantum.widen(self.settings.sensors.wheel_speed_std)
+            } else {
+                [self.settings.sensors.wheel_speed_std; 2]
+            },
+            weak: conditions.weak_wheels,
+            dt: model.dt,
+        };
+        [std[1], std[2]] =
+            self.monitor
+                .wheel_std(&self.tuning.inflation, &step, state[0], state[3]);
+        std
+    }
+
+    pub(super) fn prior_state(&self) -> [f64; N] {
+        let prior = &self.settings.prior;
+        by_state(
+            [0.0; 3],
+            [prior.slip_stiffness, prior.cg_height, prior.cg_ratio],
+            [0.0; 3],
+        )
+    }
+
+    pub(super) fn prior_root(&self) -> [[f64; N]; N] {
+        let prior = &self.settings.prior;
+        let std: [f64; N] = by_state(
+            [
+                prior.speed_std,
+                prior.wheel_speed_std,
+                prior.wheel_speed_std,
+            ],
+            [
+                prior.slip_stiffness_std,
+                prior.cg_height_std,
+                prior.cg_ratio_std,
+            ],
+            [
+                prior.spade_force_x_std,
+                prior.radius_std,
+                prior.slope_bias_std,
+            ],
+        );
+        core::array::from_fn(|i| core::array::from_fn(|j| if i == j { std[i] } else { 0.0 }))
+    }
+}
+
+/// One value per state from those of motion, parameters, and \[F_x, d, b\].
+fn by_state<const N: usize>(
+    motion: [f64; 3],
+    parameters: [f64; 3],
+    [force, radius, bias]: [f64; 3],
+) -> [f64; N] {
+    let extra = if N == 8 {
+        [radius, radius, 0.0, 0.0]
+    } else {
+        [force, radius, radius, bias]
+    };
+    core::array::from_fn(|i| match i {
+        0..3 => motion[i],
+        3..6 => parameters[i - 3],
+        _ => extra[i - 6],
+    })
+}

@@ -1,0 +1,129 @@
+//! When the filter lost its way: gaps, restarts, bounds.
+
+use super::{CgFilter, RowReport};
+use crate::loader::estimate::Status;
+use crate::loader::relearning::Relearning;
+use crate::loader::sample::{Sample, finite};
+use crate::loader::windup::Windup;
+use crate::root::triangularise;
+
+/// When every speed that comes has been rejected for this long, the filter is wrong and not the sensors [s].
+///
+/// Rejected rows have no normalised innovation, so the reset rule alone would never see this.
+const LOCKED_OUT: f64 = 1.0;
+
+impl<const N: usize, const M: usize> CgFilter<N, M> {
+    /// Counts the row, and restarts a filter that lost its way.
+    pub(super) fn finish(
+        &mut self,
+        mut report: RowReport<M>,
+        sample: &Sample,
+        dt: f64,
+    ) -> RowReport<M> {
+        self.frozen = report.frozen;
+        if !self.is_finite() || !report.nis.is_finite() {
+            self.filter.state = self.prior_state();
+            self.restart(sample);
+            return RowReport::without_update(Status::Diverged, report.frozen);
+        }
+        let came = [
+            sample.speed,
+            sample.front_wheel_speed,
+            sample.rear_wheel_speed,
+        ];
+        self.evidence
+            .admit(came.iter().any(Option::is_some), &report.accepted, dt);
+        if self.evidence.locked_out > LOCKED_OUT {
+            self.evidence.locked_out = 0.0;
+            return self.bridge_gap(sample);
+        }
+        let used = report.accepted.iter().filter(|a| **a).count();
+        let time_constant = self.tuning.reset.map_or(2.0, |rule| rule.time_constant);
+        let weight = (dt / time_constant).min(1.0);
+        self.evidence.judge(report.nis / used.max(1) as f64, weight);
+        if let Some(rule) = self.tuning.reset
+            && self.evidence.consistency > rule.level
+            && self.evidence.since_reset > rule.hold_off
+        {
+            self.restart(sample);
+            report.status = Status::Reset;
+        }
+        report
+    }
+
+    fn is_finite(&self) -> bool {
+        let finite = |row: &[f64; N]| row.iter().all(|x| x.is_finite());
+        finite(&self.filter.state) && self.filter.root.iter().all(finite)
+    }
+
+    /// Covariance back to the prior, speeds to their measurements; the parameters keep their values.
+    pub(super) fn restart(&mut self, sample: &Sample) {
+        self.anchor(sample);
+        self.filter.root = self.prior_root();
+        self.evidence.restart();
+        let state = &self.filter.state;
+        self.relearning = Relearning::new([state[3], state[5]]);
+    }
+
+    /// The clock was set back: what was measured before is of another time, what was learnt is not.
+    pub(super) fn set_back(&mut self, sample: &Sample) -> RowReport<M> {
+        self.evidence.restart();
+        RowReport {
+            status: Status::ClockSetBack,
+            ..self.bridge_gap(sample)
+        }
+    }
+
+    /// After a gap the speeds are new and independent; the parameters and their joint covariance stay.
+    pub(super) fn bridge_gap(&mut self, sample: &Sample) -> RowReport<M> {
+        self.anchor(sample);
+        self.windup = Windup::default();
+        let mut rows = self.filter.root.map(|row| [row]);
+        for row in &mut rows[..3] {
+            *row = [[0.0; N]];
+        }
+        self.filter.root = triangularise(&mut rows, &[0.0; N]);
+        let prior = &self.settings.prior;
+        let least = [
+            prior.speed_std,
+            prior.wheel_speed_std,
+            prior.wheel_speed_std,
+        ];
+        for (i, (sensor, least)) in self.sensor_std().into_iter().zip(least).enumerate() {
+            self.filter.root[i][i] = least.max(3.0 * sensor);
+        }
+        RowReport::without_update(Status::Gap, self.frozen)
+    }
+
+    fn anchor(&mut self, sample: &Sample) {
+        let measured = [
+            sample.speed,
+            sample.front_wheel_speed,
+            sample.rear_wheel_speed,
+        ];
+        for (state, measured) in self.filter.state.iter_mut().zip(measured) {
+            *state = finite(measured).unwrap_or(*state);
+        }
+    }
+
+    /// Keeps the means of K, h, lam within their bounds.
+    pub(super) fn clamp(&mut self) {
+        if let Some(bounds) = self.tuning.clamps {
+            let state = &mut self.filter.state;
+            for (i, (low, high)) in [
+                (3, bounds.slip_stiffness),
+                (4, bounds.cg_height),
+                (5, bounds.cg_ratio),
+            ] {
+                // Not f64::clamp: NaN must pass on to the check for it.
+                state[i] = if state[i] < low {
+                    low
+                } else if state[i] > high {
+                    high
+                } else {
+                    state[i]
+                };
+            }
+        }
+    }
+}

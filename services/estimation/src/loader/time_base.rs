@@ -1,0 +1,134 @@
+//! Which rows are in time, and what to do about a clock that lies.
+//!
+//! Rows must increase in time. Two lies would cost all rows that follow, and are found out:
+//! - one stamp far ahead: when the next row continues where the rows before it ended, the stamp was wrong, not the row;
+//! - a clock that was set back: when refused rows have increased among themselves for a while, theirs is the time.
+
+/// For so long refused rows must increase among themselves until they are believed [s].
+const CONVINCING: f64 = 1.0;
+
+/// What a row's time means.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Tick {
+    /// The first row with a time.
+    First,
+    /// So much later than the row before [s].
+    Later(f64),
+    /// Not later, or no time at all.
+    Refused,
+    /// Not later, but the clock was set back.
+    SetBack,
+}
+
+/// The time of the last accepted row, and of rows under suspicion.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct TimeBase {
+    last: Option<f64>,
+    /// The time before the last row, if that row jumped.
+    before_jump: Option<f64>,
+    /// The last refused row, and for how long refused rows have increased among themselves.
+    refused: Option<(f64, f64)>,
+}
+
+impl TimeBase {
+    /// Time of the last accepted row [s].
+    pub fn last(&self) -> Option<f64> {
+        self.last
+    }
+
+    /// Takes the time of a row; a step longer than `gap` is a jump.
+    pub fn tick(&mut self, time: f64, gap: f64) -> Tick {
+        if !time.is_finite() {
+            return Tick::Refused;
+        }
+        let Some(last) = self.last else {
+            self.last = Some(time);
+            return Tick::First;
+        };
+        // The difference of two finite times may be infinite.
+        let continues = |from: f64| time > from && time - from <= gap;
+        if time > last && (time - last).is_finite() {
+            *self = Self {
+                last: Some(time),
+                before_jump: (time - last > gap).then_some(last),
+                refused: None,
+            };
+            return Tick::Later(time - last);
+        }
+        if let Some(before) = self.before_jump.filter(|t| time < last && continues(*t)) {
+            *self = Self {
+                last: Some(time),
+                ..Self::default()
+            };
+            return Tick::Later(time - before);
+        }
+        let agreed = match self.refused {
+            Some((from, agreed)) if continues(from) => agreed + (time - from),
+            _ => 0.0,
+        };
+        if agreed < CONVINCING {
+            self.refused = Some((time, agreed));
+            return Tick::Refused;
+        }
+        *self = Self {
+            last: Some(time),
+            ..Self::default()
+        };
+        Tick::SetBack
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GAP: f64 = 0.25;
+
+    fn ticking(until: u32) -> TimeBase {
+        let mut base = TimeBase::default();
+        for k in 0..until {
+            assert_ne!(base.tick(f64::from(k) * 0.01, GAP), Tick::Refused);
+        }
+        base
+    }
+
+    #[test]
+    fn one_stamp_far_ahead_costs_no_row_after_it() {
+        for ahead in [10.0, 1e9, f64::MAX] {
+            let mut base = ticking(100);
+            assert!(matches!(base.tick(ahead, GAP), Tick::Later(_)));
+            assert!(matches!(base.tick(1.0, GAP), Tick::Later(dt) if (dt - 0.01).abs() < 1e-9));
+            assert!(matches!(base.tick(1.01, GAP), Tick::Later(dt) if (dt - 0.01).abs() < 1e-9));
+        }
+    }
+
+    #[test]
+    fn a_gap_is_believed_once_a_row_confirms_it() {
+        let mut base = ticking(100);
+        assert!(matches!(base.tick(3.0, GAP), Tick::Later(_)));
+        assert_eq!(base.tick(3.0, GAP), Tick::Refused);
+        assert!(matches!(base.tick(3.01, GAP), Tick::Later(_)));
+        assert_eq!(base.tick(1.0, GAP), Tick::Refused);
+    }
+
+    #[test]
+    fn a_clock_set_back_is_believed_after_a_second() {
+        let mut base = ticking(1000);
+        let ticks: [Tick; 150] = core::array::from_fn(|k| base.tick(2.0 + k as f64 * 0.01, GAP));
+        let at = ticks.iter().position(|t| *t == Tick::SetBack);
+        // 100 steps of 0.01 s, one more where they round down.
+        assert!(matches!(at, Some(100 | 101)), "{at:?}");
+        assert!(ticks[..100].iter().all(|t| *t == Tick::Refused));
+        assert!(ticks[102..].iter().all(|t| matches!(t, Tick::Later(_))));
+    }
+
+    #[test]
+    fn late_rows_between_good_ones_never_set_the_clock_back() {
+        let mut base = ticking(1000);
+        for k in 0..500 {
+            let now = 10.0 + f64::from(k) * 0.01;
+            assert!(matches!(base.tick(now, GAP), Tick::Later(_)));
+            assert_eq!(base.tick(now - 5.0, GAP), Tick::Refused);
+        }
+    }
+}
