@@ -21,6 +21,7 @@ pub mod root;
 pub mod scalar;
 pub mod sigma_points;
 pub mod srukf;
+mod time_base;
 
 /// A value with its standard deviation, in the unit of the value.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -313,6 +313,38 @@ fn a_large_outlier_at_rest_neither_sets_the_machine_off_nor_hides_that_it_stands
 }
 
 #[test]
+fn one_absurd_stamp_costs_no_row_after_it_and_a_clock_set_back_is_followed() {
+    for method in STATE_SPACE {
+        for ahead in [5.0, 1e9, f64::MAX] {
+            let settings = Settings::default();
+            let mut estimator = SwingEstimator::new(&settings, method, COLUMNS).unwrap();
+            let mut filter = MotionFilter::new(&settings, COLUMNS).unwrap();
+            for (k, row) in base().into_iter().enumerate() {
+                let time = if k == 150 { row.time + ahead } else { row.time };
+                let row = Sample { time, ..row };
+                let (e, m) = (estimator.step(&row), filter.step(&row));
+                assert!(!e.flags.refused && !m.refused, "{method:?} {ahead} row {k}");
+                assert!(
+                    e.inertia.is_finite() && m.velocity.is_finite() && m.acceleration.is_finite()
+                );
+                assert!(!e.flags.reset || (150..=151).contains(&k), "{method:?} {k}");
+            }
+        }
+        let mut estimator = SwingEstimator::new(&Settings::default(), method, COLUMNS).unwrap();
+        let mut refused = 0;
+        for shift in [0.0, -60.0] {
+            for row in base() {
+                let time = row.time + shift;
+                let e = estimator.step(&Sample { time, ..row });
+                refused += usize::from(e.flags.refused);
+            }
+        }
+        // A second of rows, one more where their steps round down.
+        assert!((100..=102).contains(&refused), "{method:?} {refused}");
+    }
+}
+
+#[test]
 fn a_long_gap_begins_anew_and_says_so() {
     let mut estimator = SwingEstimator::new(&golden_settings(), Method::Auto, COLUMNS).unwrap();
     let mut resets = 0;

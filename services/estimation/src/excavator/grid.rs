@@ -12,7 +12,7 @@ use super::settings::Settings;
 /// Period of the grid [s].
 pub(super) const PERIOD: f64 = 0.01;
 /// Longest gap that is filled [s].
-const LONG_GAP: f64 = 1.0;
+pub(super) const LONG_GAP: f64 = 1.0;
 /// Rows at least this far apart are taken singly [s].
 const SINGLE: f64 = 0.51 * PERIOD;
 /// Faster rows are collected until this much time has passed [s].

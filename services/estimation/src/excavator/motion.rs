@@ -10,6 +10,7 @@ use super::change::{ChangeDetector, Gate};
 use super::encoder::{Aligned, Aligner};
 use super::estimate::{Columns, Sample};
 use super::grid::Grid;
+use super::grid::LONG_GAP;
 use super::screen::Screen;
 use super::settings::Settings;
 use super::settings_error::SettingsError;
@@ -148,14 +149,20 @@ impl MotionFilter {
     }
 
     /// Takes in one row and always answers. A row whose time does not increase is refused and
-    /// changes nothing.
+    /// changes nothing, unless one stamp was wrong or the clock was set back for good. After a gap
+    /// of more than a second the filter begins anew.
     pub fn step(&mut self, sample: &Sample) -> Motion {
-        let Some((sample, period)) = self.screen.accept(sample) else {
+        let Some(row) = self.screen.accept(sample) else {
             return Motion {
                 refused: true,
                 ..self.last
             };
         };
+        let (sample, period) = (row.sample, row.period);
+        if row.set_back || period > LONG_GAP {
+            self.filter = Filter::Waiting;
+            self.window_end = f64::NEG_INFINITY;
+        }
         let innovation = self.kalman(&sample, period);
         let measured = innovation.variance > 0.0;
         self.equal_filters(&sample, measured, period);

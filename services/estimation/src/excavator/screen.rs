@@ -1,12 +1,25 @@
 //! First look at a row: is its time usable, which of its values count?
 
 use super::estimate::Sample;
+use super::grid::LONG_GAP;
 use super::settings::Sensors;
+use crate::time_base::{Tick, TimeBase};
+
+/// A row that counts.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Accepted {
+    /// The row, impossible values taken out.
+    pub(super) sample: Sample,
+    /// Time since the row before [s].
+    pub(super) period: f64,
+    /// The clock went back: what is remembered belongs to another time.
+    pub(super) set_back: bool,
+}
 
 /// Refuses rows whose time does not increase and takes impossible values for missing.
 #[derive(Debug, Clone)]
 pub(super) struct Screen {
-    last_time: Option<f64>,
+    clock: TimeBase,
     first_period: f64,
     velocity_limit: f64,
     angle_limit: f64,
@@ -16,7 +29,7 @@ pub(super) struct Screen {
 impl Screen {
     pub(super) fn new(sensors: &Sensors) -> Self {
         Self {
-            last_time: None,
+            clock: TimeBase::default(),
             first_period: 1.0 / sensors.rate,
             velocity_limit: sensors.swing_velocity_limit,
             angle_limit: sensors.angle_limit,
@@ -24,18 +37,22 @@ impl Screen {
         }
     }
 
-    /// The cleaned row and the time since the row before; `None` if the row is refused.
-    pub(super) fn accept(&mut self, sample: &Sample) -> Option<(Sample, f64)> {
-        let period = match self.last_time {
-            None => self.first_period,
-            Some(last) => sample.time - last,
+    /// The cleaned row; `None` if it is refused.
+    pub(super) fn accept(&mut self, sample: &Sample) -> Option<Accepted> {
+        let last = self.clock.last();
+        let period = match self.clock.tick(sample.time, LONG_GAP) {
+            Tick::First | Tick::SetBack => self.first_period,
+            Tick::Later(period) => period,
+            Tick::Refused => {
+                self.refused += 1;
+                return None;
+            }
         };
-        if !(sample.time.is_finite() && period > 0.0 && period.is_finite()) {
-            self.refused += 1;
-            return None;
-        }
-        self.last_time = Some(sample.time);
-        Some((self.clean(sample), period))
+        Some(Accepted {
+            sample: self.clean(sample),
+            period,
+            set_back: last.is_some_and(|last| sample.time < last),
+        })
     }
 
     /// Rows refused so far.

@@ -120,16 +120,22 @@ impl SwingEstimator {
     }
 
     /// Takes in one row and always answers. A row whose time does not increase is refused and
-    /// changes nothing.
+    /// changes nothing, unless one stamp was wrong or the clock was set back for good: then the
+    /// estimator begins anew.
     pub fn step(&mut self, sample: &Sample) -> Estimate {
-        let Some((sample, period)) = self.screen.accept(sample) else {
+        let Some(row) = self.screen.accept(sample) else {
             let mut again = self.last;
             again.refused = self.screen.refused();
             again.flags.refused = true;
             return again;
         };
-        let mut reset = false;
-        if let Some(fill) = self.grid.push(&sample, period) {
+        let sample = row.sample;
+        let mut reset = row.set_back;
+        if row.set_back {
+            self.grid = Grid::new(&self.described, !self.columns.velocity);
+            self.restart(false);
+        }
+        if let Some(fill) = self.grid.push(&sample, row.period) {
             if fill.restart {
                 self.restart(false);
                 reset = true;

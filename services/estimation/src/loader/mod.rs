@@ -11,7 +11,6 @@
 //! | [`axle_loads`] | (6), (7), (10), (11) |
 //! | [`wheel_dynamics`] | (1)-(5), (8), (9), (12)-(14), (18): the process |
 //! | [`cg_model`] | (15)-(17): states and measurements |
-//! | `time_base` | rows out of time |
 //! | `windup` | tyres wind up under a growing torque |
 //! | `quantum` | wheel speeds in steps |
 //! | `relearning` | what was learnt wrongly: the start, the radii under another load |
@@ -34,7 +33,6 @@ mod quantum;
 mod relearning;
 mod sample;
 pub mod settings;
-mod time_base;
 mod verdict;
 pub mod weigh;
 pub mod wheel_dynamics;

@@ -11,7 +11,6 @@ use crate::loader::quantum::Quantum;
 use crate::loader::relearning::Relearning;
 use crate::loader::sample::{Sample, finite};
 use crate::loader::settings::{Settings, Tuning};
-use crate::loader::time_base::{Tick, TimeBase};
 use crate::loader::verdict::Evidence;
 use crate::loader::wheel_dynamics::{GRAVITY, Inputs, WheelDynamics};
 use crate::loader::windup::Windup;
@@ -19,6 +18,7 @@ use crate::math::{sin_cos, tanh};
 use crate::prediction::Images;
 use crate::sigma_points::Spread;
 use crate::srukf::SquareRootUkf;
+use crate::time_base::{Tick, TimeBase};
 
 mod gate;
 mod noise;

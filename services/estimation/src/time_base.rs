@@ -9,7 +9,7 @@ const CONVINCING: f64 = 1.0;
 
 /// What a row's time means.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Tick {
+pub(crate) enum Tick {
     /// The first row with a time.
     First,
     /// So much later than the row before [s].
@@ -22,7 +22,7 @@ pub(super) enum Tick {
 
 /// The time of the last accepted row, and of rows under suspicion.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct TimeBase {
+pub(crate) struct TimeBase {
     last: Option<f64>,
     /// The time before the last row, if that row jumped.
     before_jump: Option<f64>,
