@@ -13,7 +13,7 @@ use crate::failure::Failure;
 use crate::watch::LIVE;
 
 /// Length of the demonstration [s].
-const DURATION: &str = "18";
+const DURATION: &str = "26";
 
 /// A line of one of the two runs; `None` at its end.
 type Line = (usize, Option<String>);
