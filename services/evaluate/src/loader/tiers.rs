@@ -143,7 +143,7 @@ const CASES: [Case; 24] = {
 };
 
 /// A work cycle takes ten times as long as the other scenarios.
-const FEWER_WORK_CYCLES: usize = 4;
+const FEWER_WORK_CYCLES: usize = 2;
 
 pub(super) fn evaluate(options: &Options) -> Result<Report, Error> {
     let header = [
