@@ -9,6 +9,7 @@ use crate::dual::Dual;
 use crate::math::sqrt;
 use crate::model::Model;
 use crate::prediction::{Images, Prediction, Update};
+use crate::root::dot;
 
 /// The filter: a state and the lower root of its covariance.
 #[derive(Clone, Copy, Debug)]
@@ -115,11 +116,11 @@ impl<const N: usize, const M: usize> Ekf<N, M> {
         let mut columns = triangular_columns(&mut self.root, process_std);
         let mut nis = 0.0;
         for j in 0..M {
-            let (mut pivots, mut norm) = ([0.0; N], measurement_std[j]);
-            for i in (0..=j).rev() {
-                let entry = columns[i][j];
-                let next = sqrt(norm * norm + entry * entry);
-                let (cosine, sine) = (norm / next, entry / next);
+            let (cosine, sine, mut norm) = rotation(measurement_std[j], columns[j][j]);
+            let mut pivots = columns[j].map(|entry| sine * entry);
+            columns[j] = columns[j].map(|entry| cosine * entry);
+            for i in (0..j).rev() {
+                let (cosine, sine, next) = rotation(norm, columns[i][j]);
                 for k in 0..N {
                     let old = columns[i][k];
                     columns[i][k] = cosine * old - sine * pivots[k];
@@ -142,18 +143,25 @@ impl<const N: usize, const M: usize> Ekf<N, M> {
     }
 }
 
+/// Cosine and sine of the rotation that folds `entry` into `norm`, and the norm it leaves.
+#[inline(always)]
+fn rotation(norm: f64, entry: f64) -> (f64, f64, f64) {
+    let next = sqrt(norm * norm + entry * entry);
+    (norm / next, entry / next, next)
+}
+
 /// Columns of the lower root of `rows rows' + diag(q)^2`, by the reflections of [`crate::root`]; `rows` is used up.
 #[inline(always)]
 fn triangular_columns<const N: usize>(rows: &mut [[f64; N]; N], q: &[f64; N]) -> [[f64; N]; N] {
     let mut columns = [[0.0; N]; N];
     for i in 0..N {
         let row = rows[i];
-        let norm = sqrt(q[i] * q[i] + dot(&row, &row));
+        let norm = sqrt(q[i] * q[i] + dot(&[row], &[row]));
         let pivot = q[i] + norm;
         let scale = 1.0 / (norm * pivot).max(f64::MIN_POSITIVE);
         columns[i][i] = norm;
         for k in i + 1..N {
-            let along = scale * dot(&row, &rows[k]);
+            let along = scale * dot(&[row], &[rows[k]]);
             for c in 0..N {
                 rows[k][c] -= along * row[c];
             }
@@ -161,16 +169,4 @@ fn triangular_columns<const N: usize>(rows: &mut [[f64; N]; N], q: &[f64; N]) ->
         }
     }
     columns
-}
-
-/// Sum of products in two partial sums, so that it vectorises; the order is fixed.
-#[inline(always)]
-fn dot<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
-    let mut sums = [0.0; 2];
-    for i in 0..N / 2 {
-        sums[0] += a[2 * i] * b[2 * i];
-        sums[1] += a[2 * i + 1] * b[2 * i + 1];
-    }
-    let rest = if N % 2 == 1 { a[N - 1] * b[N - 1] } else { 0.0 };
-    sums[0] + sums[1] + rest
 }

@@ -21,21 +21,21 @@ use crate::math::sqrt;
 pub type Row<const W: usize, const B: usize> = [[f64; W]; B];
 
 /// Sum of products in two independent partial sums, so that it vectorises; the order is fixed.
+///
+/// The sums start with the first products, not with zeros: every reflection waits for this sum.
 #[inline(always)]
-fn dot<const W: usize, const B: usize>(a: &Row<W, B>, b: &Row<W, B>) -> f64 {
-    let (mut even, mut odd) = (0.0, 0.0);
-    for (x, y) in a.iter().zip(b) {
-        let mut i = 0;
-        while i + 1 < W {
-            even += x[i] * y[i];
-            odd += x[i + 1] * y[i + 1];
-            i += 2;
-        }
-        if i < W {
-            even += x[i] * y[i];
-        }
+pub(crate) fn dot<const W: usize, const B: usize>(a: &Row<W, B>, b: &Row<W, B>) -> f64 {
+    let (a, b) = (a.as_flattened(), b.as_flattened());
+    let products = a.chunks_exact(2).zip(b.chunks_exact(2));
+    let [even, odd] = products
+        .map(|(a, b)| [a[0] * b[0], a[1] * b[1]])
+        .reduce(|sums, next| [sums[0] + next[0], sums[1] + next[1]])
+        .unwrap_or_default();
+    if a.len() % 2 == 1 {
+        even + odd + a[a.len() - 1] * b[a.len() - 1]
+    } else {
+        even + odd
     }
-    even + odd
 }
 
 /// A Householder reflection that sends (pivot, row) to (-norm, 0).
