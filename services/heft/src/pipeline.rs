@@ -18,7 +18,7 @@ use runtime::{
 
 use crate::failure::Failure;
 use crate::plan::Plan;
-use crate::processes;
+use crate::processes::{self, Process};
 
 /// Methods that the `rls` process offers, the first by default.
 pub const REGRESSIONS: [&str; 2] = ["svf-rls", "multi-forgetting-rls"];
@@ -261,7 +261,8 @@ pub fn serve(name: &str, domain: &str, restarts: u32) -> Result<(), Failure> {
             restarts,
             name: process.name,
         },
-        realtime: (plan.realtime && process.priority > 0).then_some((process.priority, plan.core)),
+        realtime: (plan.realtime && process.priority > 0)
+            .then(|| (process.priority, core(plan.kind(), process, &plan.cores))),
         period_ns: (1e9 / plan.rate) as u64,
     };
     let worker = Worker::start(setup)?;
@@ -271,6 +272,12 @@ pub fn serve(name: &str, domain: &str, restarts: u32) -> Result<(), Failure> {
         (Description::Excavator(d), name) => serve_excavator(worker, &plan, &d, name),
         (Description::Loader(d), name) => serve_loader(worker, &plan, &d, name),
     }
+}
+
+/// The core of a process: they are taken in turn along the chain.
+fn core(machine: Kind, process: &Process, cores: &[usize]) -> Option<usize> {
+    let turn = processes::hops_before(machine, process) % cores.len().max(1);
+    cores.get(turn).copied()
 }
 
 fn pace(plan: &Plan) -> Pace {

@@ -44,6 +44,7 @@ pub fn record(m: &Measured) -> Value {
     json!({
         "rate": m.conditions.rate,
         "rt": m.conditions.realtime,
+        "cores": m.conditions.cores(),
         "load": m.conditions.loaded,
         "e2e_us": percentiles(&m.end_to_end),
         "last_hop_by_event_us": percentiles(&m.by_event),
@@ -66,4 +67,40 @@ pub fn write(file: &Path, all: &[Value]) -> Result<(), Failure> {
     }
     let text = serde_json::to_string_pretty(&top).map_err(Failure::internal)?;
     fs::write(file, text + "\n").map_err(|e| Failure::file("write", file, &e))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::conditions::Conditions;
+    use super::*;
+
+    #[test]
+    fn a_record_says_what_was_measured_where_and_next_to_what() {
+        let conditions = Conditions {
+            rate: 1_000.0,
+            realtime: true,
+            pinned: vec![0, 1],
+            loaded: false,
+        };
+        let mut measured = Measured::new(conditions).unwrap();
+        measured.end_to_end.record(30_000).unwrap();
+        let futex = measured.limits.iter_mut().find(|(k, _)| *k == Kind::Futex);
+        futex.unwrap().1.record(20_000).unwrap();
+        let record = record(&measured);
+        assert_eq!(record["rate"], 1_000.0);
+        assert_eq!(record["rt"], true);
+        assert_eq!(record["cores"], 2);
+        for key in ["e2e_us", "limit_us"] {
+            for quantile in ["p50", "p99", "p999", "max"] {
+                assert!(record[key][quantile].is_f64(), "{key} {quantile}");
+            }
+        }
+        // 30 over 20 µs, in a histogram of three digits.
+        for ratio in ["ratio_p50", "ratio_p999"] {
+            let ratio = record[ratio].as_f64().unwrap();
+            assert!((ratio - 1.5).abs() < 3e-3, "{ratio}");
+        }
+        assert_eq!(record["lost"], 0);
+        assert_eq!(record["limits_us"].as_object().unwrap().len(), 1);
+    }
 }

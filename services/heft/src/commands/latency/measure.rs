@@ -31,7 +31,8 @@ pub struct Measured {
 }
 
 impl Measured {
-    fn new(conditions: Conditions) -> Result<Self, Failure> {
+    /// Nothing yet.
+    pub fn new(conditions: Conditions) -> Result<Self, Failure> {
         Ok(Self {
             conditions,
             end_to_end: histogram()?,
@@ -76,8 +77,8 @@ fn histogram() -> Result<Histogram<u64>, Failure> {
 }
 
 /// Measures under some conditions for `duration` [s].
-pub fn measure(conditions: Conditions, duration: f64) -> Result<Measured, Failure> {
-    let mut result = Measured::new(conditions)?;
+pub fn measure(conditions: &Conditions, duration: f64) -> Result<Measured, Failure> {
+    let mut result = Measured::new(conditions.clone())?;
     let seconds = duration / ROUNDS as f64;
     for round in 0..ROUNDS {
         let text = run_pipeline(conditions, seconds, round, Wake::Bell)?;
@@ -95,7 +96,7 @@ pub fn measure(conditions: Conditions, duration: f64) -> Result<Measured, Failur
 
 /// One round of the real pipeline, as a run of its own; returns what the probe noted.
 fn run_pipeline(
-    conditions: Conditions,
+    conditions: &Conditions,
     seconds: f64,
     round: usize,
     wake: Wake,
@@ -124,7 +125,8 @@ fn run_pipeline(
         .stdin(Stdio::null())
         .stdout(Stdio::null());
     if conditions.realtime {
-        command.arg("--rt");
+        let cores: Vec<String> = conditions.pinned.iter().map(usize::to_string).collect();
+        command.args(["--rt", "--spread", &cores.join(",")]);
     }
     if wake == Wake::Event {
         command.arg("--probe-listens");
@@ -176,7 +178,7 @@ fn add_arrivals(result: &mut Measured, text: &str) {
 /// One round of a bare chain.
 fn add_limit(
     kind: Kind,
-    conditions: Conditions,
+    conditions: &Conditions,
     seconds: f64,
     histogram: &mut Histogram<u64>,
 ) -> Result<(), Failure> {
@@ -186,13 +188,12 @@ fn add_limit(
     } else {
         (STAGES, conditions.realtime)
     };
-    let last = std::thread::available_parallelism().map_or(0, |n| n.get() - 1);
     let options = Options {
         stages,
         rate_hz: conditions.rate,
         samples: ((seconds * conditions.rate) as usize).max(50),
         fifo,
-        cores: fifo.then(|| vec![last]),
+        cores: fifo.then(|| conditions.pinned.clone()),
         ..Options::default()
     };
     let outcome = limits::chain(kind, &options).map_err(|e| {

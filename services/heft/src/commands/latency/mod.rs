@@ -34,14 +34,15 @@ pub fn latency(args: &LatencyArgs) -> Result<(), Failure> {
     let permitted = runtime::realtime::permitted();
     if !permitted {
         println!(
-            "SCHED_FIFO is not permitted here (see `heft doctor`): measuring without it only\n"
+            "SCHED_FIFO is not permitted here (see `heft doctor`): measuring without it only, nothing pinned\n"
         );
     }
+    let conditions = conditions(args, permitted)?;
     print::machine();
     let mut all = Vec::new();
-    for conditions in conditions(args, permitted) {
+    for conditions in conditions {
         let _load = conditions.loaded.then(Load::start).transpose()?;
-        let measured = measure(conditions, args.duration)?;
+        let measured = measure(&conditions, args.duration)?;
         print::measured(&measured);
         all.push(json::record(&measured));
     }

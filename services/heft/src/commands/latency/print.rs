@@ -10,10 +10,9 @@ use super::{ROUNDS, STAGES};
 /// What was measured on, and how.
 pub fn machine() {
     let system = rustix::system::uname();
-    let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     println!(
         "{} cores, {} {}; µs from measurement to arrival, {STAGES} processes, {ROUNDS} rounds in turn",
-        cores,
+        runtime::realtime::cores().len(),
         system.sysname().to_string_lossy(),
         system.release().to_string_lossy()
     );
@@ -21,23 +20,15 @@ pub fn machine() {
 
 /// One set of conditions.
 pub fn measured(m: &Measured) {
-    let Conditions {
-        rate,
-        realtime,
-        loaded,
-    } = m.conditions;
+    let load = if m.conditions.loaded {
+        "every core occupied by a spinner"
+    } else {
+        "idle"
+    };
     println!(
-        "\n{rate} Hz, {}, {}",
-        if realtime {
-            "SCHED_FIFO on one core"
-        } else {
-            "normal scheduling, free placement"
-        },
-        if loaded {
-            "every core occupied by a spinner"
-        } else {
-            "idle"
-        }
+        "\n{} Hz, {}, {load}",
+        m.conditions.rate,
+        scheduling(&m.conditions)
     );
     println!(
         "{:<30}{:>9}{:>9}{:>9}{:>9}{:>9}",
@@ -74,5 +65,14 @@ pub fn measured(m: &Measured) {
             "heft over bare futex: p50 {p50:.2} x, p99.9 {p999:.2} x; lost {}",
             m.lost
         );
+    }
+}
+
+fn scheduling(conditions: &Conditions) -> String {
+    let cores: Vec<String> = conditions.pinned.iter().map(usize::to_string).collect();
+    match (conditions.realtime, cores.as_slice()) {
+        (false, _) => "normal scheduling, free placement".to_owned(),
+        (true, [core]) => format!("SCHED_FIFO on core {core}"),
+        (true, cores) => format!("SCHED_FIFO on cores {} in turn", cores.join(", ")),
     }
 }
