@@ -11,6 +11,7 @@ use crate::cli::{self, DescriptionArgs, RunArgs};
 use crate::failure::Failure;
 use crate::pipeline;
 use crate::plan::Plan;
+use crate::sources;
 use crate::summary;
 use crate::supervisor::{End, Supervisor};
 use crate::watch::{Show, Watch};
@@ -158,7 +159,7 @@ fn show(args: &RunArgs) -> Show {
 /// `heft run`
 pub fn run(args: &RunArgs) -> Result<(), Failure> {
     if args.scenario.as_deref() == Some("list") {
-        print!("{}", pipeline::scenarios(args.machine.into()));
+        print!("{}", sources::scenarios(args.machine.into()));
         return Ok(());
     }
     for name in Domain::remove_leftovers() {
