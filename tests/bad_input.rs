@@ -309,3 +309,19 @@ fn a_full_disk_stops_the_recording_and_not_the_estimation() {
         "estimation goes on to the end: {text}"
     );
 }
+
+#[test]
+fn cores_that_the_chain_cannot_use_are_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = folder.path().join("latency.json");
+    let o = output.to_str().expect("a path");
+    for cores in ["0", "1000"] {
+        let args = ["latency", "--rt", "--cores", cores, "--json", o];
+        refused(&args, &["--cores", cores, "nproc"], &output);
+    }
+    refused(
+        &["latency", "--cores", "1", "--json", o],
+        &["--rt"],
+        &output,
+    );
+}

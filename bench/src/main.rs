@@ -3,7 +3,7 @@
 use bench::bounds::Machine;
 use bench::{counts, groups, measure, real, report, scale as shards};
 use serde_json::{Map, Value, json};
-use std::process::{ExitCode, exit};
+use std::process::ExitCode;
 
 const USAGE: &str = "\
 usage: bench [--json FILE]          steps of ours and of the peers, interleaved
@@ -25,7 +25,6 @@ fn main() -> ExitCode {
         ["scale", "--json", file] => scale(Some(file), None),
         ["scale", "--plot", plot] => scale(None, Some(plot)),
         ["scale", "--json", file, "--plot", plot] => scale(Some(file), Some(plot)),
-        [limits::SUBCOMMAND, ..] => exit(limits::worker_main(&args[1..])),
         [counts::SUBCOMMAND, key, index, passes] => block(key, index, passes),
         _ => {
             eprintln!("{USAGE}");

@@ -51,26 +51,31 @@ pub fn measure(heft: &Path, machines: usize) -> io::Result<Cost> {
 fn run(heft: &Path, machines: usize, seconds: u64) -> io::Result<(f64, f64, u64)> {
     let folder = std::env::temp_dir().join(format!("heft-scale-{}", std::process::id()));
     let before = time_of_children()?;
-    let mut pipelines: Vec<Child> = (0..machines)
+    let pipelines: Vec<io::Result<Child>> = (0..machines)
         .map(|i| start(heft, &folder.join(i.to_string()), i, seconds))
-        .collect::<io::Result<_>>()?;
+        .collect();
     std::thread::sleep(Duration::from_secs(seconds / 2 + 1));
-    let bytes = memory(&pipelines) / machines as f64;
-    let mut lost = 0;
-    for pipeline in pipelines.drain(..) {
-        let output = pipeline.wait_with_output()?;
-        let text = String::from_utf8_lossy(&output.stdout);
-        if !output.status.success() {
-            return Err(io::Error::other(format!(
-                "one of {machines} pipelines ended with {}: {}",
-                output.status,
-                String::from_utf8_lossy(&output.stderr)
-            )));
-        }
-        lost += lost_in(&text);
-    }
+    let bytes = memory(pipelines.iter().flatten()) / machines as f64;
+    // All are waited for before the first failure is told: the next measurement wants them gone.
+    let ended: Vec<io::Result<u64>> = pipelines.into_iter().map(|p| finish(p?)).collect();
     let _ = std::fs::remove_dir_all(&folder);
+    let lost = ended.into_iter().sum::<io::Result<u64>>()?;
     Ok((time_of_children()? - before, bytes, lost))
+}
+
+/// Waits for a pipeline; returns the samples it lost.
+fn finish(pipeline: Child) -> io::Result<u64> {
+    let output = pipeline.wait_with_output()?;
+    if output.status.success() {
+        return Ok(lost_in(&String::from_utf8_lossy(&output.stdout)));
+    }
+    let text = String::from_utf8_lossy(&output.stderr);
+    let reason = text.lines().find(|line| line.starts_with("heft: "));
+    Err(io::Error::other(format!(
+        "a pipeline ended with {}, {}",
+        output.status,
+        reason.unwrap_or("without a reason")
+    )))
 }
 
 fn start(heft: &Path, folder: &Path, index: usize, seconds: u64) -> io::Result<Child> {
@@ -111,8 +116,8 @@ fn stat(pid: &str) -> io::Result<Vec<String>> {
 }
 
 /// Memory of the pipelines: of their supervisors and of what those started [bytes].
-fn memory(pipelines: &[Child]) -> f64 {
-    let supervisors: BTreeSet<String> = pipelines.iter().map(|p| p.id().to_string()).collect();
+fn memory<'a>(pipelines: impl Iterator<Item = &'a Child>) -> f64 {
+    let supervisors: BTreeSet<String> = pipelines.map(|p| p.id().to_string()).collect();
     let entries = std::fs::read_dir("/proc").into_iter().flatten().flatten();
     entries
         .filter_map(|entry| entry.file_name().into_string().ok())
@@ -158,5 +163,19 @@ mod tests {
         Command::new("sh").args(["-c", spin]).status().unwrap();
         // The loop takes at least some ticks of 10 ms.
         assert!(time_of_children().unwrap() > before + 0.02);
+    }
+    #[test]
+    fn a_pipeline_that_fails_is_told_with_its_reason() {
+        let script = "echo 'warning: slow' >&2; echo 'heft: kalman did not get ready' >&2; exit 1";
+        let child = Command::new("sh")
+            .args(["-c", script])
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let text = finish(child).unwrap_err().to_string();
+        assert!(
+            text.contains("exit status: 1") && text.contains("kalman"),
+            "{text}"
+        );
     }
 }

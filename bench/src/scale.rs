@@ -1,13 +1,12 @@
-//! Machines per core: a shard that steps many machines in one process, against a chain of processes for each.
+//! Machines per core: a shard that steps many machines in one process, against processes for each.
 //!
 //! A shard pays for the steps and for fetching each machine's state; processes pay for their wakes besides, and for simulating, recording
-//! and supervising their machine. A core that is busy all the time serves `period / cost` machines.
+//! and supervising their machine ([`crate::pipelines`]). A core that is busy all the time serves `period / cost` machines.
 
 use crate::measure::{Contender, custom, interleaved};
 use crate::pipelines::{self, Cost};
 use crate::problem::Filter;
 use crate::{plot, real};
-use limits::{Kind, Options};
 use serde_json::{Value, json};
 use std::rc::Rc;
 
@@ -17,8 +16,6 @@ pub const MACHINES: [usize; 4] = [1, 10, 100, 1000];
 const STEPS: usize = 6000;
 /// Sampling period [ns]: 100 Hz.
 const PERIOD_NS: f64 = 1e7;
-/// Processes of one machine: sensor, kalman, rls or ukf, logger.
-const PROCESSES: usize = 4;
 
 /// Cost of one machine's sample [ns] for each of [`MACHINES`].
 struct Curve {
@@ -63,27 +60,6 @@ where
     }
 }
 
-/// What passing a sample through a machine's processes costs [ns]: the bare futex chain on one core, where a hop is all work.
-fn wakes() -> std::io::Result<(f64, bool)> {
-    let core = std::thread::available_parallelism().map_or(0, |cores| cores.get() - 1);
-    let options = Options {
-        stages: PROCESSES,
-        samples: 2000,
-        fifo: true,
-        cores: Some(vec![core]),
-        ..Options::default()
-    };
-    let outcome = limits::chain(Kind::Futex, &options)?;
-    let mut latencies = outcome.latencies_ns;
-    latencies.sort_unstable();
-    Ok((
-        latencies
-            .get(latencies.len() / 2)
-            .map_or(0.0, |median| *median as f64),
-        outcome.fifo,
-    ))
-}
-
 /// Measures, prints, and returns the JSON and the plot.
 pub fn run() -> std::io::Result<(Value, String)> {
     let (rows, work) = (
@@ -95,8 +71,7 @@ pub fn run() -> std::io::Result<(Value, String)> {
         shard::<real::Loader<2>, _, 2>("loader, isr-ukf, 6 states", work.clone()),
         shard::<real::Loader<0>, _, 2>("loader, full, 10 states", work),
     ];
-    let (wake_ns, fifo) = wakes()?;
-    print(&curves, wake_ns, fifo);
+    print(&curves);
     let pipelines = pipelines()?;
     let mut series: Vec<plot::Series> = curves
         .iter()
@@ -135,7 +110,8 @@ pub fn run() -> std::io::Result<(Value, String)> {
             (curve.name.to_string(), json!({ "state_bytes": curve.state_bytes, "shard": points }))
         })
         .collect();
-    let document = json!({ "rate_hz": 1e9 / PERIOD_NS, "processes": PROCESSES, "wakes_ns": wake_ns, "wakes_fifo": fifo, "steps": shards, "pipelines": to_json(&pipelines) });
+    let document =
+        json!({ "rate_hz": 1e9 / PERIOD_NS, "steps": shards, "pipelines": to_json(&pipelines) });
     Ok((document, svg))
 }
 
@@ -155,20 +131,31 @@ fn pipelines() -> std::io::Result<Vec<Cost>> {
         "{:>9} {:>22} {:>18} {:>18} {:>6}",
         "machines", "us of processor/sample", "machines per core", "MB a machine", "lost"
     );
-    pipelines::MACHINES
-        .iter()
-        .map(|&machines| {
-            let cost = pipelines::measure(&heft, machines)?;
-            println!(
-                "{machines:9} {:22.0} {:18.0} {:18.1} {:6}",
-                cost.sample_ns / 1e3,
-                PERIOD_NS / cost.sample_ns,
-                cost.bytes / 1e6,
-                cost.lost
-            );
-            Ok(cost)
-        })
-        .collect()
+    let measured = |machines| match pipelines::measure(&heft, machines) {
+        Ok(cost) => {
+            print_cost(&cost);
+            Some(cost)
+        }
+        Err(error) => {
+            println!("{machines:9} not measured: {error}");
+            None
+        }
+    };
+    Ok(pipelines::MACHINES
+        .into_iter()
+        .filter_map(measured)
+        .collect())
+}
+
+fn print_cost(cost: &Cost) {
+    println!(
+        "{:9} {:22.0} {:18.0} {:18.1} {:6}",
+        cost.machines,
+        cost.sample_ns / 1e3,
+        PERIOD_NS / cost.sample_ns,
+        cost.bytes / 1e6,
+        cost.lost
+    );
 }
 
 fn to_json(pipelines: &[Cost]) -> Value {
@@ -178,7 +165,7 @@ fn to_json(pipelines: &[Cost]) -> Value {
         .collect()
 }
 
-fn print(curves: &[Curve], wake_ns: f64, fifo: bool) {
+fn print(curves: &[Curve]) {
     println!("ns a machine and sample, and machines per core at 100 Hz");
     println!(
         "{:28} {:>8}  {}",
@@ -200,24 +187,13 @@ fn print(curves: &[Curve], wake_ns: f64, fifo: bool) {
             cells.collect::<String>()
         );
     }
-    let scheduling = if fifo {
-        "under SCHED_FIFO"
-    } else {
-        "without SCHED_FIFO"
-    };
-    println!(
-        "a sample through {PROCESSES} processes costs {:.1} us of wakes on one core {scheduling}: {:.0} machines per core with no step at all",
-        wake_ns / 1e3,
-        PERIOD_NS / wake_ns
-    );
     let cache = second_level_cache();
     for curve in curves {
         let (first, last) = (curve.cost_ns[0], curve.cost_ns[MACHINES.len() - 1]);
         println!(
-            "{}: a step at N = 1000 costs {:.2} x that at N = 1; four processes cost {:.1} x a shard",
+            "{}: a step at N = 1000 costs {:.2} x that at N = 1",
             curve.name,
-            last / first,
-            (first + wake_ns) / first
+            last / first
         );
         if let Some(cache) = cache {
             println!(

@@ -198,6 +198,15 @@ pub struct RunArgs {
     /// Core of the stages under --rt; the last one if absent
     #[arg(long, requires = "rt")]
     pub core: Option<usize>,
+    /// Cores of the stages under --rt, in turn along the chain (for `latency`)
+    #[arg(
+        long,
+        hide = true,
+        requires = "rt",
+        conflicts_with = "core",
+        value_delimiter = ','
+    )]
+    pub spread: Vec<usize>,
     /// Show a live page
     #[arg(long, value_name = "ADDR", num_args = 0..=1, default_missing_value = view::live::DEFAULT_ADDRESS)]
     pub view: Option<SocketAddr>,
@@ -297,6 +306,10 @@ pub struct LatencyArgs {
     /// Real-time scheduling only; with and without if absent
     #[arg(long)]
     pub rt: bool,
+    /// Spread the processes over the last N cores, in turn along the chain (bare chains alike);
+    /// with --rt only, because nothing is pinned without
+    #[arg(long, value_name = "N", default_value_t = 1, requires = "rt")]
+    pub cores: usize,
     /// Also under a load that occupies every core
     #[arg(long)]
     pub load: bool,

@@ -10,6 +10,8 @@ mod pipeline;
 mod plan;
 mod processes;
 mod quantity;
+mod service;
+mod sources;
 mod summary;
 mod supervisor;
 mod watch;
@@ -77,7 +79,7 @@ fn dispatch(cli: Cli) -> Result<(), Failure> {
             name,
             domain,
             restarts,
-        } => pipeline::serve(&name, &domain, restarts),
+        } => service::serve(&name, &domain, restarts),
         Command::LimitsWorker { args } => std::process::exit(limits::worker_main(&args)),
     }
 }

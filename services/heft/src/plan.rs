@@ -39,8 +39,9 @@ pub struct Plan {
     pub lossless: bool,
     /// Real-time scheduling was asked for.
     pub realtime: bool,
-    /// Core for the stages of this machine under real-time scheduling.
-    pub core: Option<usize>,
+    /// Cores for the stages of this machine under real-time scheduling, taken in turn along the
+    /// chain; none: wherever the system puts them.
+    pub cores: Vec<usize>,
     /// File to record to.
     pub recording: PathBuf,
     /// Whether a process that only measures the arrival of estimates joins the chain.

@@ -12,16 +12,8 @@ pub struct Process {
     /// Name of the service.
     pub name: &'static str,
     /// Channel that it reads; the sensor reads none, the logger all.
-    #[cfg_attr(
-        not(test),
-        expect(dead_code, reason = "documents the graph; a test holds `wakes` to it")
-    )]
     pub input: Option<&'static Channel>,
     /// Channel that it writes.
-    #[cfg_attr(
-        not(test),
-        expect(dead_code, reason = "documents the graph; a test holds `wakes` to it")
-    )]
     pub output: Option<&'static Channel>,
     /// Processes whose bell it rings, next stage first.
     pub wakes: &'static [&'static str],
@@ -119,6 +111,19 @@ pub fn of_machine(machine: Kind) -> &'static [Process] {
     }
 }
 
+/// The process that writes what this one reads.
+fn writer(machine: Kind, reader: &Process) -> Option<&'static Process> {
+    let input = reader.input?.name;
+    of_machine(machine)
+        .iter()
+        .find(|p| p.output.is_some_and(|o| o.name == input))
+}
+
+/// Hops from the sensor to this process.
+pub fn hops_before(machine: Kind, process: &Process) -> usize {
+    writer(machine, process).map_or(0, |writer| 1 + hops_before(machine, writer))
+}
+
 /// Name of process `index` of a pipeline, as `health` messages tell it.
 pub fn name(machine: Kind, index: u32) -> &'static str {
     of_machine(machine)
@@ -134,10 +139,10 @@ mod tests {
     fn whoever_reads_a_channel_is_woken_by_its_writer() {
         for machine in Kind::ALL {
             for reader in of_machine(machine) {
-                let Some(input) = reader.input else { continue };
-                let writer = of_machine(machine)
-                    .iter()
-                    .find(|p| p.output.is_some_and(|o| o.name == input.name));
+                let writer = writer(machine, reader);
+                if reader.input.is_none() {
+                    continue;
+                }
                 assert!(
                     writer.is_some_and(|w| w.wakes.contains(&reader.name)),
                     "{}",
@@ -145,5 +150,16 @@ mod tests {
                 );
             }
         }
+    }
+    #[test]
+    fn neighbours_of_the_chain_lie_one_hop_apart() {
+        let hops = |machine| -> Vec<usize> {
+            let of = |p| hops_before(machine, p);
+            of_machine(machine).iter().map(of).collect()
+        };
+        // sensor, kalman, rls, ukf, logger, probe
+        assert_eq!(hops(Kind::Excavator), [0, 1, 2, 1, 0, 3]);
+        // sensor, kalman, ukf, logger, probe
+        assert_eq!(hops(Kind::Loader), [0, 1, 1, 0, 2]);
     }
 }

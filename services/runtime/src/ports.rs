@@ -12,6 +12,7 @@ use iceoryx2::port::update_connections::UpdateConnections;
 use iceoryx2::prelude::*;
 use iceoryx2::sample::Sample;
 use iceoryx2::sample_mut_uninit::SampleMutUninit;
+use iceoryx2::service::port_factory::event;
 use messages::Message;
 use messages::channels::{Channel, Rate, Visitor};
 
@@ -87,12 +88,7 @@ impl Ports {
             .max_loaned_samples(2)
             .create()
             .map_err(|e| failed(&e))?;
-        let event = self
-            .node
-            .service_builder(&service_name(channel)?)
-            .event()
-            .open()
-            .map_err(|e| failed(&e))?;
+        let event = self.event(channel)?;
         let notifier = event.notifier_builder().create().map_err(|e| failed(&e))?;
         Ok(Output {
             loaned: None,
@@ -130,14 +126,18 @@ impl Ports {
     /// The supervisor has not created it, or it has too many listeners.
     pub fn listener(&self, channel: &Channel) -> Result<EventListener, Error> {
         let failed = |e: &dyn std::fmt::Debug| Error::ipc("listen to", channel.name, e);
-        let event = self
-            .node
+        let event = self.event(channel)?;
+        let listener = event.listener_builder().create().map_err(|e| failed(&e))?;
+        Ok(EventListener(listener))
+    }
+
+    /// The event beside a channel.
+    fn event(&self, channel: &Channel) -> Result<event::PortFactory<ipc::Service>, Error> {
+        self.node
             .service_builder(&service_name(channel)?)
             .event()
             .open()
-            .map_err(|e| failed(&e))?;
-        let listener = event.listener_builder().create().map_err(|e| failed(&e))?;
-        Ok(EventListener(listener))
+            .map_err(|e| Error::ipc("open the event", channel.name, e))
     }
 
     /// Frees what dead processes held in the channels of this domain.

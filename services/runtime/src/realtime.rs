@@ -1,7 +1,7 @@
 //! Real-time set-up of the thread that steps: scheduling class, core, locked memory.
 
 use rustix::mm::{MlockAllFlags, mlockall};
-use rustix::thread::{CpuSet, sched_setaffinity};
+use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity};
 use thread_priority::unix::{
     RealtimeThreadSchedulePolicy, ThreadSchedulePolicy, set_thread_priority_and_policy,
     thread_native_id,
@@ -51,6 +51,13 @@ pub fn enter(priority: u8, core: Option<usize>) -> Realtime {
         )),
     }
     result
+}
+
+/// The cores that this process may run on, in ascending order; empty if the system does not tell.
+#[must_use]
+pub fn cores() -> Vec<usize> {
+    let set = sched_getaffinity(None).unwrap_or_default();
+    (0..CpuSet::MAX_CPU).filter(|&c| set.is_set(c)).collect()
 }
 
 /// Whether SCHED_FIFO would be permitted; the calling thread stays as it is.

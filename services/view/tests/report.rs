@@ -113,3 +113,15 @@ fn a_recording_makes_the_same_report_as_the_run_in_memory() {
     };
     assert_eq!(report(&read), report(&sorted));
 }
+
+#[test]
+fn step_times_have_a_column_only_where_processes_told_them() {
+    let run = common::excavator(5.0, 100.0, true);
+    assert!(report(&run).contains("<th>step p50 / p99</th>"));
+    // As `heft estimate` makes it: one process, no telemetry.
+    let alone = Run {
+        health: Vec::new(),
+        ..run
+    };
+    assert!(!report(&alone).contains("step p50"));
+}

@@ -196,7 +196,7 @@ fn clock() -> Vec<Finding> {
 }
 
 fn cores() -> Vec<Finding> {
-    let n = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    let n = realtime::cores().len();
     vec![if n > 1 {
         good(format!(
             "{n} cores: the stages of one machine share the last one under --rt"

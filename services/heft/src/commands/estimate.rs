@@ -18,11 +18,12 @@ use crate::cli::EstimateArgs;
 use crate::commands::run::description;
 use crate::failure::Failure;
 use crate::pipeline;
+use crate::sources;
 
 /// `heft estimate`
 pub fn estimate(args: &EstimateArgs) -> Result<(), Failure> {
     let kind = Kind::from(args.machine);
-    let map = pipeline::map(args.map.as_deref())?;
+    let map = sources::map(args.map.as_deref())?;
     match description(kind, &args.description)? {
         Description::Excavator(d) => {
             let rows = recording::load_excavator(&args.file, map.as_ref())?;

@@ -5,12 +5,13 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use config::{Description, Kind};
-use runtime::Domain;
+use runtime::{Domain, realtime};
 
 use crate::cli::{self, DescriptionArgs, RunArgs};
 use crate::failure::Failure;
 use crate::pipeline;
 use crate::plan::Plan;
+use crate::sources;
 use crate::summary;
 use crate::supervisor::{End, Supervisor};
 use crate::watch::{Show, Watch};
@@ -102,7 +103,7 @@ pub fn plan(args: &RunArgs) -> Result<(Plan, PathBuf), Failure> {
         seed: args.seed,
         lossless: args.pace == cli::Pace::Max,
         realtime: args.rt,
-        core: args.rt.then(|| args.core.unwrap_or_else(last_core)),
+        cores: cores(args),
         recording: PathBuf::new(),
         probe: args.probe.as_deref().map(absolute).transpose()?,
         probe_listens: args.probe_listens,
@@ -129,8 +130,13 @@ fn absolute(path: &Path) -> Result<PathBuf, Failure> {
     std::path::absolute(path).map_err(|e| Failure::file("find", path, &e))
 }
 
-fn last_core() -> usize {
-    std::thread::available_parallelism().map_or(0, |n| n.get() - 1)
+/// Cores for the stages: those that were named, or the last one; none without `--rt`.
+fn cores(args: &RunArgs) -> Vec<usize> {
+    let mut cores: Vec<usize> = args.core.iter().chain(&args.spread).copied().collect();
+    if args.rt && cores.is_empty() {
+        cores.extend(realtime::cores().pop());
+    }
+    cores
 }
 
 /// A domain of this name, or one of this process's own.
@@ -153,7 +159,7 @@ fn show(args: &RunArgs) -> Show {
 /// `heft run`
 pub fn run(args: &RunArgs) -> Result<(), Failure> {
     if args.scenario.as_deref() == Some("list") {
-        print!("{}", pipeline::scenarios(args.machine.into()));
+        print!("{}", sources::scenarios(args.machine.into()));
         return Ok(());
     }
     for name in Domain::remove_leftovers() {

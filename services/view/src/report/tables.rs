@@ -29,7 +29,7 @@ pub(super) fn comparison<E: Estimate>(body: &mut String, run: &Run, part: &Machi
             rows.push_str(&comparison_row(run, part, estimator, parameter));
         }
     }
-    let head = [
+    let mut head = vec![
         "quantity",
         "method",
         "error, mean ± std",
@@ -38,8 +38,10 @@ pub(super) fn comparison<E: Estimate>(body: &mut String, run: &Run, part: &Machi
         "largest, trusted",
         "inside 95 %, trusted",
         "trusted",
-        "step p50 / p99",
     ];
+    if is_timed(run) {
+        head.push("step p50 / p99");
+    }
     let _ = write!(
         body,
         "<section><h2>The estimators compared</h2>{}<p class=\"note\">Errors are relative, while the motion informs about \
@@ -63,7 +65,7 @@ fn comparison_row<E: Estimate>(
     let mean = score.summary().map_or("–".into(), |s| {
         format!("{} ± {} %", grouped(s.mean, 2), grouped(s.std, 2))
     });
-    row(&[
+    let mut cells = vec![
         parameter.label.into(),
         estimator.method().into(),
         mean,
@@ -72,8 +74,16 @@ fn comparison_row<E: Estimate>(
         largest(&score.trusted_errors),
         percent(score.trusted_coverage),
         percent(score.trusted_share),
-        step_time(run, &estimator.channel),
-    ])
+    ];
+    if is_timed(run) {
+        cells.push(step_time(run, &estimator.channel));
+    }
+    row(&cells)
+}
+
+/// Whether processes told how long their steps took; `heft estimate` has no processes.
+fn is_timed(run: &Run) -> bool {
+    !run.health.is_empty()
 }
 
 /// Step time of the process that publishes `channel`.

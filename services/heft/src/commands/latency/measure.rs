@@ -1,0 +1,210 @@
+//! Measures the real chain and the bare ones in turn.
+
+use std::fs;
+use std::process::{Command, Stdio};
+
+use hdrhistogram::Histogram;
+use limits::{Kind, Options};
+use runtime::{Arrival, Wake};
+
+use super::conditions::Conditions;
+use super::{ROUNDS, STAGES};
+use crate::failure::Failure;
+
+/// Samples at the start of each round that are left out: connections, caches, page faults.
+const WARM_UP: usize = 20;
+
+/// Latencies under one set of conditions [ns].
+pub struct Measured {
+    /// Under which.
+    pub conditions: Conditions,
+    /// From measurement to arrival.
+    pub end_to_end: Histogram<u64>,
+    /// Sensor to filter, filter to estimator, estimator to user.
+    pub hops: [Histogram<u64>; 3],
+    /// The last hop, to a user that waits for the iceoryx2 event instead of a bell.
+    pub by_event: Histogram<u64>,
+    /// The bare chains.
+    pub limits: Vec<(Kind, Histogram<u64>)>,
+    /// Samples that did not arrive.
+    pub lost: u64,
+}
+
+impl Measured {
+    /// Nothing yet.
+    pub fn new(conditions: Conditions) -> Result<Self, Failure> {
+        Ok(Self {
+            conditions,
+            end_to_end: histogram()?,
+            hops: [histogram()?, histogram()?, histogram()?],
+            by_event: histogram()?,
+            limits: Kind::ALL
+                .into_iter()
+                .map(|kind| Ok((kind, histogram()?)))
+                .collect::<Result<_, Failure>>()?,
+            lost: 0,
+        })
+    }
+
+    /// What a bare chain took, where it was measured.
+    pub fn limit(&self, kind: Kind) -> Option<&Histogram<u64>> {
+        self.limits
+            .iter()
+            .find(|(k, h)| *k == kind && !h.is_empty())
+            .map(|(_, h)| h)
+    }
+
+    /// Ours over the chain of bare futexes.
+    pub fn ratio(&self, quantile: f64) -> Option<f64> {
+        let futex = us(self.limit(Kind::Futex)?, quantile);
+        (futex > 0.0).then(|| us(&self.end_to_end, quantile) / futex)
+    }
+}
+
+/// A quantile [µs].
+pub fn us(histogram: &Histogram<u64>, quantile: f64) -> f64 {
+    histogram.value_at_quantile(quantile) as f64 / 1e3
+}
+
+/// The largest value [µs].
+pub fn max_us(histogram: &Histogram<u64>) -> f64 {
+    histogram.max() as f64 / 1e3
+}
+
+/// Counts times from 1 ns to 100 s at three significant digits.
+fn histogram() -> Result<Histogram<u64>, Failure> {
+    Histogram::new_with_bounds(1, 100_000_000_000, 3).map_err(Failure::internal)
+}
+
+/// Measures under some conditions for `duration` [s].
+pub fn measure(conditions: &Conditions, duration: f64) -> Result<Measured, Failure> {
+    let mut result = Measured::new(conditions.clone())?;
+    let seconds = duration / ROUNDS as f64;
+    for round in 0..ROUNDS {
+        let text = run_pipeline(conditions, seconds, round, Wake::Bell)?;
+        add_arrivals(&mut result, &text);
+        let text = run_pipeline(conditions, seconds, round, Wake::Event)?;
+        for arrival in arrivals(&text).skip(WARM_UP) {
+            result.by_event.saturating_record(spans(&arrival)[2]);
+        }
+        for (kind, histogram) in &mut result.limits {
+            add_limit(*kind, conditions, seconds, histogram)?;
+        }
+    }
+    Ok(result)
+}
+
+/// One round of the real pipeline, as a run of its own; returns what the probe noted.
+fn run_pipeline(
+    conditions: &Conditions,
+    seconds: f64,
+    round: usize,
+    wake: Wake,
+) -> Result<String, Failure> {
+    let folder = std::env::temp_dir().join(format!("heft-latency-{}-{round}", std::process::id()));
+    let probe = folder.join("probe.csv");
+    let exe = std::env::current_exe().map_err(Failure::internal)?;
+    fs::create_dir_all(&folder).map_err(|e| Failure::file("make the folder", &folder, &e))?;
+    let mut command = Command::new(exe);
+    command
+        .args([
+            "run",
+            "excavator",
+            "--scenario",
+            "cycle",
+            "--quiet",
+            "--no-report",
+        ])
+        .args(["--rate", &conditions.rate.to_string()])
+        .args(["--duration", &seconds.to_string()])
+        .args(["--seed", &(round + 1).to_string()])
+        .arg("--probe")
+        .arg(&probe)
+        .arg("--out")
+        .arg(&folder)
+        .stdin(Stdio::null())
+        .stdout(Stdio::null());
+    if conditions.realtime {
+        let cores: Vec<String> = conditions.pinned.iter().map(usize::to_string).collect();
+        command.args(["--rt", "--spread", &cores.join(",")]);
+    }
+    if wake == Wake::Event {
+        command.arg("--probe-listens");
+    }
+    let status = command.status().map_err(Failure::internal)?;
+    let text = fs::read_to_string(&probe);
+    let _ = fs::remove_dir_all(&folder);
+    text.map_err(|_| Failure::answer_is_no(format!("the pipeline failed ({status})")))
+}
+
+/// The lines that a probe wrote.
+fn arrivals(text: &str) -> impl Iterator<Item = Arrival> {
+    text.lines().skip(1).filter_map(|line| {
+        let mut cells = line.split(',').map_while(|cell| cell.parse().ok());
+        Some(Arrival {
+            sequence: cells.next()?,
+            sensor_ns: cells.next()?,
+            filter_ns: cells.next()?,
+            estimate_ns: cells.next()?,
+            received_ns: cells.next()?,
+        })
+    })
+}
+
+/// Times of the three hops [ns].
+fn spans(arrival: &Arrival) -> [u64; 3] {
+    [
+        arrival.filter_ns.saturating_sub(arrival.sensor_ns),
+        arrival.estimate_ns.saturating_sub(arrival.filter_ns),
+        arrival.received_ns.saturating_sub(arrival.estimate_ns),
+    ]
+}
+
+fn add_arrivals(result: &mut Measured, text: &str) {
+    let mut expected = 0;
+    for arrival in arrivals(text) {
+        result.lost += arrival.sequence.saturating_sub(expected);
+        expected = arrival.sequence + 1;
+        if arrival.sequence < WARM_UP as u64 {
+            continue;
+        }
+        result.end_to_end.saturating_record(arrival.received_ns);
+        for (histogram, span) in result.hops.iter_mut().zip(spans(&arrival)) {
+            histogram.saturating_record(span);
+        }
+    }
+}
+
+/// One round of a bare chain.
+fn add_limit(
+    kind: Kind,
+    conditions: &Conditions,
+    seconds: f64,
+    histogram: &mut Histogram<u64>,
+) -> Result<(), Failure> {
+    // A chain of spinners needs a core each; two processes show the cache line itself.
+    let (stages, fifo) = if kind == Kind::Spin {
+        (2, false)
+    } else {
+        (STAGES, conditions.realtime)
+    };
+    let options = Options {
+        stages,
+        rate_hz: conditions.rate,
+        samples: ((seconds * conditions.rate) as usize).max(50),
+        fifo,
+        cores: fifo.then(|| conditions.pinned.clone()),
+        ..Options::default()
+    };
+    let outcome = limits::chain(kind, &options).map_err(|e| {
+        Failure::input(
+            format!("the bare chain failed: {e}"),
+            kind.name(),
+            "run `heft doctor`",
+        )
+    })?;
+    for &ns in outcome.latencies_ns.iter().skip(WARM_UP) {
+        histogram.saturating_record(ns.max(1));
+    }
+    Ok(())
+}

@@ -1,0 +1,133 @@
+//! Where samples come from: the simulator or a recording.
+
+use std::path::Path;
+
+use config::Kind;
+use messages::{ExcavatorSensors, ExcavatorTruth, LoaderSensors, LoaderTruth};
+use recording::Map;
+use runtime::Source;
+
+use crate::failure::Failure;
+use crate::plan::Plan;
+
+/// A source of either kind.
+pub enum Either<A, B> {
+    /// From the simulator.
+    Simulated(A),
+    /// From a recording.
+    Recorded(B),
+}
+
+impl<S, T, A, B> Source for Either<A, B>
+where
+    S: messages::Message,
+    T: messages::Message,
+    A: Source<Sensors = S, Truth = T>,
+    B: Source<Sensors = S, Truth = T>,
+{
+    type Sensors = S;
+    type Truth = T;
+
+    fn next(&mut self) -> Option<(S, T)> {
+        match self {
+            Self::Simulated(source) => source.next(),
+            Self::Recorded(source) => source.next(),
+        }
+    }
+}
+
+/// Reads a signal map.
+pub fn map(path: Option<&Path>) -> Result<Option<Map>, Failure> {
+    Ok(path.map(Map::read).transpose()?)
+}
+
+/// The excavator's samples.
+pub fn excavator_source(
+    plan: &Plan,
+) -> Result<impl Source<Sensors = ExcavatorSensors, Truth = ExcavatorTruth>, Failure> {
+    use sim::excavator::{Run, Scenario};
+    if let Some(input) = &plan.input {
+        let map = map(plan.map.as_deref())?;
+        let rows = recording::load_excavator(input, map.as_ref())?;
+        return Ok(Either::Recorded(sensor::Recorded::new(limited(
+            rows,
+            plan.duration,
+        ))));
+    }
+    let scenario = Scenario::parse(&plan.scenario)
+        .ok_or_else(|| no_scenario(&plan.scenario, Scenario::ALL))?;
+    let mut run = Run::new(scenario);
+    (run.payload, run.rate, run.seed) = (plan.payload, plan.rate, plan.seed);
+    run.duration = plan.duration.unwrap_or(run.duration);
+    Ok(Either::Simulated(
+        sensor::SimulatedExcavator::new(&run).map_err(bad_run)?,
+    ))
+}
+
+/// The loader's samples.
+pub fn loader_source(
+    plan: &Plan,
+) -> Result<impl Source<Sensors = LoaderSensors, Truth = LoaderTruth>, Failure> {
+    use sim::loader::{Run, Scenario, Tier};
+    if let Some(input) = &plan.input {
+        let map = map(plan.map.as_deref())?;
+        let rows = recording::load_loader(input, map.as_ref())?;
+        return Ok(Either::Recorded(sensor::Recorded::new(limited(
+            rows,
+            plan.duration,
+        ))));
+    }
+    let scenario = Scenario::parse(&plan.scenario)
+        .ok_or_else(|| no_scenario(&plan.scenario, Scenario::ALL))?;
+    let mut run = Run::new(scenario);
+    (run.payload, run.rate, run.seed) = (plan.payload, plan.rate, plan.seed);
+    (run.tier, run.duration) = (Tier::B, plan.duration);
+    Ok(Either::Simulated(
+        sensor::SimulatedLoader::new(&run).map_err(bad_run)?,
+    ))
+}
+
+/// The rows of the first `duration` seconds.
+fn limited<S: messages::Message, T>(mut rows: Vec<(S, T)>, duration: Option<f64>) -> Vec<(S, T)> {
+    if let (Some(duration), Some((first, _))) = (duration, rows.first()) {
+        let end = first.stamp().time + duration;
+        let keep = rows
+            .iter()
+            .position(|(s, _)| s.stamp().time > end)
+            .unwrap_or(rows.len());
+        rows.truncate(keep);
+    }
+    rows
+}
+
+fn bad_run(error: impl std::fmt::Display) -> Failure {
+    Failure::input(
+        error,
+        "the simulator",
+        "choose another --rate, --duration or --payload",
+    )
+}
+
+/// The scenarios of a machine, a line each.
+pub fn scenarios(machine: Kind) -> String {
+    lines(match machine {
+        Kind::Excavator => sim::excavator::Scenario::ALL,
+        Kind::Loader => sim::loader::Scenario::ALL,
+    })
+}
+
+fn lines(all: &[(&str, &str)]) -> String {
+    all.iter()
+        .map(|(name, text)| format!("    {name:<20} {text}\n"))
+        .collect()
+}
+
+fn no_scenario(name: &str, all: &[(&str, &str)]) -> Failure {
+    let nearest = config::nearest(name, all.iter().map(|(n, _)| *n));
+    let hint = nearest.map_or(String::new(), |n| format!(" (did you mean `{n}`?)"));
+    Failure::input(
+        format!("there is no scenario `{name}`{hint}"),
+        "--scenario",
+        format!("choose one of\n{}", lines(all).trim_end()),
+    )
+}
