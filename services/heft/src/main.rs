@@ -15,6 +15,7 @@ mod sources;
 mod summary;
 mod supervisor;
 mod watch;
+mod worker;
 
 use std::process::ExitCode;
 

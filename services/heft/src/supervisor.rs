@@ -1,21 +1,21 @@
 //! The supervisor: creates and holds every channel, starts each service as a process of its own,
 //! restarts what dies, and ends the run with everything drained.
 
-use std::os::fd::{AsFd, OwnedFd};
-use std::process::{Child, Command, Stdio};
+use std::os::fd::AsFd;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use messages::channels::{Channel, of_machine};
-use runtime::{Bell, Control, Domain, Heard, Held, Owner, Ports, Taps, now_ns};
+use runtime::{Bell, Domain, Heard, Held, Owner, Ports, Taps, now_ns};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
 use crate::failure::Failure;
 use crate::parts;
 use crate::plan::Plan;
-use crate::processes::{self, Process};
+use crate::processes;
 use crate::watch::Watch;
+use crate::worker::Worker;
 
 /// A worker must have its ports open by then.
 const READY_LIMIT: Duration = Duration::from_secs(20);
@@ -23,11 +23,6 @@ const READY_LIMIT: Duration = Duration::from_secs(20);
 const DRAIN_LIMIT: Duration = Duration::from_secs(15);
 /// A worker must have ended by then.
 const EXIT_LIMIT: Duration = Duration::from_secs(12);
-/// A worker that lives no longer than this after its start died quickly.
-const QUICK: Duration = Duration::from_millis(300);
-/// So many quick deaths in a row end the run.
-const MAX_QUICK_DEATHS: u32 = 5;
-const FIRST_BACK_OFF: Duration = Duration::from_millis(5);
 /// Time between two looks at signals, and at the channels that the terminal and the page show.
 const LOOK: Timespec = Timespec {
     tv_sec: 0,
@@ -43,19 +38,6 @@ pub enum End {
     Interrupted,
     /// A service died again and again.
     Failed(String),
-}
-
-struct Worker {
-    process: &'static Process,
-    bell: Bell,
-    control: Control,
-    child: Child,
-    started: Instant,
-    ready: bool,
-    drained: bool,
-    restarts: u32,
-    quick_deaths: u32,
-    due: Option<Instant>,
 }
 
 /// A pipeline and its processes.
@@ -122,47 +104,11 @@ impl Supervisor {
             .map(|_| Bell::new())
             .collect::<Result<Vec<_>, _>>()?;
         for (index, process) in wanted {
-            let (control, child) = self.spawn(process, 0)?;
-            self.workers.push(Worker {
-                process,
-                bell: bells[index].try_clone()?,
-                control,
-                child,
-                started: Instant::now(),
-                ready: false,
-                drained: false,
-                restarts: 0,
-                quick_deaths: 0,
-                due: None,
-            });
+            let bell = bells[index].try_clone()?;
+            let worker = Worker::start(process, bell, self.owner.domain())?;
+            self.workers.push(worker);
         }
         (0..self.workers.len()).try_for_each(|i| self.hand_over(i))
-    }
-
-    fn spawn(&self, process: &Process, restarts: u32) -> Result<(Control, Child), Failure> {
-        use std::os::unix::process::CommandExt;
-        let (control, theirs): (Control, OwnedFd) = Control::pair()?;
-        let exe = std::env::current_exe().map_err(Failure::internal)?;
-        let child = Command::new(exe)
-            .args([
-                "service",
-                process.name,
-                "--domain",
-                self.owner.domain().name(),
-            ])
-            .args(["--restarts", &restarts.to_string()])
-            .stdin(Stdio::from(theirs))
-            // A group of its own: Ctrl-C reaches the supervisor alone, which ends the run in order.
-            .process_group(0)
-            .spawn()
-            .map_err(|e| {
-                Failure::input(
-                    format!("cannot start the service {}: {e}", process.name),
-                    "the supervisor",
-                    "check the limits on processes and memory",
-                )
-            })?;
-        Ok((control, child))
     }
 
     /// Gives a worker its own bell and those of the processes that it wakes.
@@ -255,7 +201,7 @@ impl Supervisor {
         let mut fds: Vec<PollFd> = self
             .workers
             .iter()
-            .filter(|w| w.due.is_none())
+            .filter(|w| !w.is_to_be_restarted())
             .map(|w| PollFd::from_borrowed_fd(w.control.as_fd(), PollFlags::IN))
             .collect();
         let _ = poll(&mut fds, Some(&LOOK));
@@ -289,28 +235,19 @@ impl Supervisor {
 
     /// Notices a death and restarts; `Err` with the reason when there is no point in it.
     fn keep_alive(&mut self, i: usize) -> Result<(), String> {
-        if let Some(due) = self.workers[i].due {
-            return if Instant::now() < due {
-                Ok(())
-            } else {
+        let worker = &mut self.workers[i];
+        if worker.is_to_be_restarted() {
+            return if worker.is_due() {
                 self.restart(i)
+            } else {
+                Ok(())
             };
         }
-        let Ok(Some(status)) = self.workers[i].child.try_wait() else {
+        let Some(status) = worker.died() else {
             return Ok(());
         };
-        let worker = &mut self.workers[i];
+        worker.plan_restart(status)?;
         let name = worker.process.name;
-        worker.quick_deaths = if worker.started.elapsed() < QUICK {
-            worker.quick_deaths + 1
-        } else {
-            0
-        };
-        if worker.quick_deaths >= MAX_QUICK_DEATHS || (status.code() == Some(2) && !worker.ready) {
-            return Err(format!("the service {name} does not stay alive ({status})"));
-        }
-        worker.due = Some(Instant::now() + FIRST_BACK_OFF * 2u32.pow(worker.quick_deaths));
-        worker.ready = false;
         tracing::warn!(service = name, %status, "a service died; it is started again");
         self.watch.note_death(name, &status.to_string());
         Ok(())
@@ -320,17 +257,10 @@ impl Supervisor {
         // What the dead process held in the channels would otherwise count against their limits.
         self.ports.clean_up_after_the_dead();
         self.taps.drain(&mut self.watch);
-        let restarts = self.workers[i].restarts + 1;
-        let (control, child) = self
-            .spawn(self.workers[i].process, restarts)
-            .map_err(|e| e.to_string())?;
-        let worker = &mut self.workers[i];
-        worker.control = control;
-        worker.child = child;
-        worker.restarts = restarts;
-        worker.started = Instant::now();
-        worker.due = None;
-        self.hand_over(i).map_err(|e| e.to_string())
+        self.workers[i]
+            .restart(self.owner.domain())
+            .and_then(|()| self.hand_over(i))
+            .map_err(|e| e.to_string())
     }
 
     /// Upstream first, so that nobody is asked before its writer has said its last word.
@@ -344,7 +274,7 @@ impl Supervisor {
             while !self.workers[i].drained && begun.elapsed() < DRAIN_LIMIT {
                 self.wait_for_words();
                 self.taps.drain(&mut self.watch);
-                if !matches!(self.workers[i].child.try_wait(), Ok(None)) {
+                if !self.workers[i].is_alive() {
                     break;
                 }
             }
@@ -357,11 +287,10 @@ impl Supervisor {
         }
         let begun = Instant::now();
         for worker in &mut self.workers {
-            while matches!(worker.child.try_wait(), Ok(None)) {
+            while worker.is_alive() {
                 if begun.elapsed() > EXIT_LIMIT {
                     tracing::error!(service = worker.process.name, "did not end; killed");
-                    let _ = worker.child.kill();
-                    let _ = worker.child.wait();
+                    worker.kill();
                     break;
                 }
                 self.taps.drain(&mut self.watch);
@@ -375,9 +304,8 @@ impl Drop for Supervisor {
     /// An error on the way must not leave processes behind.
     fn drop(&mut self) {
         for worker in &mut self.workers {
-            if matches!(worker.child.try_wait(), Ok(None)) {
-                let _ = worker.child.kill();
-                let _ = worker.child.wait();
+            if worker.is_alive() {
+                worker.kill();
             }
         }
     }
