@@ -164,6 +164,7 @@ mod tests {
         // The loop takes at least some ticks of 10 ms.
         assert!(time_of_children().unwrap() > before + 0.02);
     }
+
     #[test]
     fn a_pipeline_that_fails_is_told_with_its_reason() {
         let script = "echo 'warning: slow' >&2; echo 'heft: kalman did not get ready' >&2; exit 1";

@@ -151,6 +151,7 @@ mod tests {
             }
         }
     }
+
     #[test]
     fn neighbours_of_the_chain_lie_one_hop_apart() {
         let hops = |machine| -> Vec<usize> {
