@@ -55,7 +55,8 @@ impl<const N: usize> MultipleForgettingRls<N> {
         let (mut innovation, mut s) = (output, 1.0);
         for i in 0..N {
             d[i] = self.variance[i] / forgetting[i];
-            let own = d[i] * regressor[i] * regressor[i];
+            // The square does not wait for the last step, as the variance does.
+            let own = d[i] * (regressor[i] * regressor[i]);
             spread[i] = 1.0 + own;
             s += own;
             innovation -= regressor[i] * self.parameters[i];
@@ -86,13 +87,13 @@ impl MultipleForgettingRls<3> {
         let mut step = [0.0; 3];
         let (mut innovation, mut determinant) = (output, 1.0);
         for i in 0..3 {
-            let d = self.variance[i] / forgetting[i];
-            let spread = 1.0 + d * regressor[i] * regressor[i];
-            let gain = d * regressor[i] / spread; // (20)
+            let scaled = self.variance[i] * regressor[i];
+            let spread = forgetting[i] + scaled * regressor[i];
+            let gain = scaled / spread; // (20)
             step[i] = gain / (1.0 - gain * regressor[i]).max(f64::EPSILON);
             determinant += step[i] * regressor[i]; // (27)
             innovation -= regressor[i] * self.parameters[i];
-            self.variance[i] = (d / spread).min(VARIANCE_LIMIT); // (22)
+            self.variance[i] = (self.variance[i] / spread).min(VARIANCE_LIMIT); // (22)
         }
         let m = innovation / determinant;
         for (parameter, step) in self.parameters.iter_mut().zip(step) {

@@ -19,6 +19,8 @@ pub(super) struct Candidate {
     start_at_truth: bool,
     /// The wheel speeds are corrected with radii that were calibrated before.
     warm: bool,
+    /// The load sensitivity of the rolling radius is told exactly.
+    knows_load_sensitivity: bool,
     /// The payload is told by the weighing system.
     weighed: bool,
 }
@@ -40,6 +42,7 @@ impl Candidate {
             prior: PAPER_PRIOR,
             start_at_truth: false,
             warm: false,
+            knows_load_sensitivity: false,
             weighed: false,
         }
     }
@@ -69,6 +72,11 @@ impl Candidate {
             ..Prior::TYPICAL
         },
         ..Self::product("full, warm")
+    };
+    /// The product that is told the one tolerance which it cannot learn and which moves the ratio most.
+    pub const CALIBRATED: Self = Self {
+        knows_load_sensitivity: true,
+        ..Self::product("full, load sensitivity known")
     };
     /// The product that is told the payload.
     pub const WEIGHED: Self = Self {
@@ -110,6 +118,15 @@ impl Candidate {
         }
     }
 
+    /// What this filter is told of the machine.
+    pub fn told(&self, told: &Told, machine: &sim::loader::Machine) -> Told {
+        let mut told = *told;
+        if self.knows_load_sensitivity {
+            told.radius_load_sensitivity = machine.radius_load_sensitivity;
+        }
+        told
+    }
+
     /// The settings that follow from what is told.
     pub fn settings(&self, told: &Told, first: &Row) -> Settings {
         let mut prior = Prior {
@@ -123,8 +140,12 @@ impl Candidate {
             prior.cg_height = first.truth.cg_height;
             prior.cg_ratio = first.truth.cg_ratio;
         }
+        let mut machine = machine(told);
+        if self.knows_load_sensitivity {
+            machine.radius_load_sensitivity_std = 0.0;
+        }
         Settings {
-            machine: machine(told),
+            machine,
             sensors: sensors(told.grade),
             prior,
             tuning: Some(self.tuning),

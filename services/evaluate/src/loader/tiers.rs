@@ -99,7 +99,7 @@ impl Case {
 const INF: f64 = f64::INFINITY;
 
 /// The lines; consecutive ones of the same tier and scenario share their runs.
-const CASES: [Case; 24] = {
+const CASES: [Case; 26] = {
     use Scenario::{AccelDecel, Bumpy, ConstantTorque, Digging, LoadCycle, Spading, WorkCycle};
     use Tier::{A, B};
     [
@@ -118,6 +118,7 @@ const CASES: [Case; 24] = {
         Case::new(B, Bumpy, Candidate::COLD)
             .ratio(3.2, 9.2, INF)
             .covered(),
+        Case::new(B, Bumpy, Candidate::CALIBRATED),
         Case::new(B, Spading, Candidate::COLD),
         Case::new(B, Digging, Candidate::COLD),
         Case::new(B, ConstantTorque, Candidate::COLD),
@@ -127,6 +128,7 @@ const CASES: [Case; 24] = {
         Case::new(B, AccelDecel, Candidate::COLD)
             .ratio(3.3, 6.0, INF)
             .covered(),
+        Case::new(B, AccelDecel, Candidate::CALIBRATED),
         Case::new(B, AccelDecel, Candidate::WARM),
         Case::new(A, LoadCycle, Candidate::WEIGHED),
         Case::new(B, LoadCycle, Candidate::COLD),

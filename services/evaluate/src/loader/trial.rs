@@ -17,13 +17,13 @@ pub(super) fn each_row(
     mut look: impl FnMut(usize, &Row, &Estimate),
 ) -> Result<(), Error> {
     let mut simulation = Simulation::new(run).map_err(Error::refused)?;
-    let told = *simulation.told();
+    let (told, machine) = (*simulation.told(), *simulation.machine());
     let Some(first) = simulation.next() else {
         return Ok(());
     };
     let mut filters = candidates
         .iter()
-        .map(|candidate| candidate.estimator(&told, &first))
+        .map(|candidate| candidate.estimator(&candidate.told(&told, &machine), &first))
         .collect::<Result<Vec<_>, _>>()
         .map_err(Error::refused)?;
     for row in std::iter::once(first).chain(simulation) {
