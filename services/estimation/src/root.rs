@@ -25,17 +25,20 @@ pub type Row<const W: usize, const B: usize> = [[f64; W]; B];
 /// The sums start with the first products, not with zeros: every reflection waits for this sum.
 #[inline(always)]
 pub(crate) fn dot<const W: usize, const B: usize>(a: &Row<W, B>, b: &Row<W, B>) -> f64 {
-    let (a, b) = (a.as_flattened(), b.as_flattened());
-    let products = a.chunks_exact(2).zip(b.chunks_exact(2));
-    let [even, odd] = products
-        .map(|(a, b)| [a[0] * b[0], a[1] * b[1]])
-        .reduce(|sums, next| [sums[0] + next[0], sums[1] + next[1]])
-        .unwrap_or_default();
-    if a.len() % 2 == 1 {
-        even + odd + a[a.len() - 1] * b[a.len() - 1]
-    } else {
-        even + odd
+    let mut even = a[0][0] * b[0][0];
+    let mut odd = if W > 1 { a[0][1] * b[0][1] } else { 0.0 };
+    for c in 0..B {
+        let mut i = if c == 0 { 2 } else { 0 };
+        while i + 1 < W {
+            even += a[c][i] * b[c][i];
+            odd += a[c][i + 1] * b[c][i + 1];
+            i += 2;
+        }
+        if i < W {
+            even += a[c][i] * b[c][i];
+        }
     }
+    even + odd
 }
 
 /// A Householder reflection that sends (pivot, row) to (-norm, 0).
