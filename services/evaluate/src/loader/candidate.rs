@@ -193,7 +193,7 @@ impl Candidate {
     }
 }
 
-/// What is exactly known does not walk: a third of the process noise of [`Tuning::tuned`], which lets the ratio drift by
+/// What is exactly known hardly walks: a third of the process noise of [`Tuning::tuned`], which lets the ratio drift by
 /// 1 % within a work cycle. Rows with a changing torque count half.
 const fn known_machine_tuning() -> Tuning {
     let tuned = Tuning::tuned();
