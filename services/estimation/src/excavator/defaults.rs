@@ -109,6 +109,7 @@ impl Default for Settings {
             prior: Prior::default(),
             estimator: Estimator::default(),
             paper: Paper::default(),
+            doubts: None,
         }
     }
 }

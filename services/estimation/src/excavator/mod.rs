@@ -15,6 +15,7 @@ mod changing_payload;
 mod consider;
 mod defaults;
 mod delay;
+mod doubts;
 mod drive;
 mod drop_mixture;
 mod encoder;
@@ -42,8 +43,10 @@ mod torque;
 mod unknown_torque;
 mod velocity;
 mod verdict;
+mod working;
 
 pub use crate::Quantity;
+pub use doubts::Doubts;
 pub use estimate::{Columns, Estimate, Flags, Method, Sample};
 pub use geometry::{Geometry, Inertia};
 pub use motion::{Motion, MotionFilter};

@@ -133,6 +133,10 @@ impl Core {
                 (state, if constant { steady } else { Basis::Nothing })
             }
         };
+        // Without torque or without posture, what a working machine does beside its description, and an arm
+        // that moves, cannot be told from its inertia.
+        let told = settings.doubts.is_none() || constant || needs_torque && needs_posture;
+        let basis = if told { basis } else { Basis::Nothing };
         let accepted = tick.velocity.is_some();
         self.verdict.step(settings, &tick, accepted, &state, basis);
         let needs = (needs_torque, needs_posture);

@@ -1,5 +1,6 @@
 //! Settings of every excavator estimator; the default is the reference machine.
 
+use super::doubts::Doubts;
 use super::geometry::Geometry;
 
 /// What is assumed of damping, torque offset and payload. `torque`, `posture` and `velocity` hold the
@@ -198,6 +199,8 @@ pub struct Settings {
     pub estimator: Estimator,
     /// The paper's regression.
     pub paper: Paper,
+    /// What a working machine may differ by; `None` for a calibrated one.
+    pub doubts: Option<Doubts>,
 }
 
 impl Settings {
@@ -214,6 +217,12 @@ impl Settings {
         settings.paper.stop_time = Some(9.3);
         settings.paper.hold_at_standstill = false;
         settings
+    }
+
+    /// The payload of a full bucket, as the prior means it: two thirds of the payloads lie within one standard
+    /// deviation of the prior, and a full one a little beyond [kg].
+    pub(super) fn rated_payload(&self) -> f64 {
+        self.prior.payload + 1.25 * self.prior.payload_std
     }
 
     /// Smallest and largest payload that an estimate may take: as set, but never less than what the

@@ -1,7 +1,9 @@
 //! From the description of an excavator to the settings of its estimators.
 
 use config::{Excavator as Description, Variant as Described};
-use estimation::excavator::{Estimator, Geometry, Paper, Prior, Sensors, Settings, Variant};
+use estimation::excavator::{
+    Doubts, Estimator, Geometry, Paper, Prior, Sensors, Settings, Variant,
+};
 
 /// The settings that a description means.
 #[must_use]
@@ -16,6 +18,39 @@ pub fn settings(d: &Description) -> Settings {
         prior: prior(d),
         estimator: estimator(d),
         paper: paper(d),
+        doubts: (d.estimator.variant == Described::Auto).then(|| doubts(d)),
+    }
+}
+
+/// Gain of the torque where nothing is stated, and where it is said to be exact.
+const GAIN_STD: [f64; 2] = [0.03, 0.05];
+
+/// Standard deviation of the torque's gain.
+fn gain_std(d: &Description) -> f64 {
+    let known = d.estimator.variant == Described::Known;
+    match d.sensors.swing_torque_gain_std {
+        None if known => 0.0,
+        None => GAIN_STD[0],
+        Some(0.0) if !known => GAIN_STD[1],
+        Some(stated) => stated,
+    }
+}
+
+/// What a machine may differ by that is not calibrated.
+fn doubts(d: &Description) -> Doubts {
+    let (m, s) = (&d.machine, &d.sensors);
+    Doubts {
+        gain_std: gain_std(d),
+        efficiency: m.drive_efficiency,
+        efficiency_std: m.drive_efficiency_std,
+        friction_std: m.coulomb_friction_std.unwrap_or(d.prior.friction_std),
+        slope_std: m.slope_std,
+        upper_first_moment: m.upper_first_moment,
+        upper_first_moment_std: m.upper_first_moment_std,
+        delay: s.swing_velocity_delay - s.swing_torque_delay,
+        delay_std: s.swing_velocity_delay_std.hypot(s.swing_torque_delay_std),
+        torque_share: d.estimator.torque_noise_share,
+        inertia_share: m.mass_tolerance.hypot(2.0 * m.geometry_tolerance),
     }
 }
 
@@ -45,7 +80,7 @@ fn sensors(d: &Description) -> Sensors {
         swing_velocity_std: s.swing_velocity_std,
         swing_angle_std: s.swing_angle_std,
         swing_torque_std: s.swing_torque_std,
-        swing_torque_gain_std: s.swing_torque_gain_std,
+        swing_torque_gain_std: gain_std(d),
         swing_velocity_limit: s.swing_velocity_limit,
         angle_limit: s.angle_limit,
     }

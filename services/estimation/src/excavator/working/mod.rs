@@ -1,0 +1,200 @@
+//! Torque and posture on a machine that nobody has calibrated: the default of mode D.
+//!
+//! One filter carries everything that the machine may differ by ([`filter`]); what no state explains raises
+//! the noise of the torque until the innovations are white again ([`noise`]); what the bucket holds is
+//! unknown as soon as it could have changed ([`bucket`]).
+
+mod bucket;
+mod filter;
+mod noise;
+
+use self::bucket::{Bucket, Content};
+use self::filter::{
+    DAMPING, DELAY, FRICTION, Filter, GAIN, Input, LOSS, M, MOMENT, N, OFFSET, SLOPE, W,
+};
+use self::noise::Noise;
+use super::doubts::Doubts;
+use super::drive::Drive;
+use super::settings::Settings;
+use super::standstill::Phase;
+use super::state::State;
+use crate::kalman::Innovation;
+use crate::math::{sin_cos, sqrt};
+
+/// An empty bucket still holds this share of the rated payload, with this standard deviation: material sticks.
+const STICKING: [f64; 2] = [0.025, 0.02];
+/// Standard deviation of the payload, as a share of the rated one, below which the motion has said enough to
+/// tell an empty bucket from a loaded one.
+const TOLD: f64 = 0.15;
+
+/// The default estimator with torque and posture.
+#[derive(Debug, Clone)]
+pub(super) struct Working {
+    settings: Settings,
+    doubts: Doubts,
+    filter: Filter,
+    noise: Noise,
+    bucket: Bucket,
+    /// Rated payload [kg].
+    rated: f64,
+    /// Swing angle since the start [rad].
+    turn: f64,
+    /// Largest torque seen, smoothed [N m].
+    torque: f64,
+    largest: f64,
+    /// The empty bucket of this swing has been used as a weight of zero.
+    tared: bool,
+}
+
+impl Working {
+    pub(super) fn new(settings: &Settings, doubts: &Doubts) -> Self {
+        let (p, s) = (&settings.prior, settings);
+        let (moment, moment_std) = upper_moment(settings, doubts);
+        let mut x = [0.0; N];
+        let mut std = [0.0; N];
+        for (i, value, deviation) in [
+            (W, 0.0, 1e-3),
+            (M, p.payload, p.payload_std),
+            (OFFSET, 0.0, p.torque_offset_std),
+            (DAMPING, s.nominal_damping, p.damping_std),
+            (GAIN, 0.0, doubts.gain_std),
+            (LOSS, 1.0 - doubts.efficiency, doubts.efficiency_std),
+            (FRICTION, s.coulomb_friction, doubts.friction_std),
+            (SLOPE, 0.0, doubts.slope_std),
+            (SLOPE + 1, 0.0, doubts.slope_std),
+            (MOMENT, moment, moment_std),
+            (DELAY, doubts.delay, doubts.delay_std),
+        ] {
+            x[i] = value;
+            std[i] = deviation;
+        }
+        Self {
+            settings: *settings,
+            doubts: *doubts,
+            filter: Filter::new(x, &std),
+            noise: Noise::new(),
+            bucket: Bucket::new(settings.estimator.opening_rate),
+            rated: settings.rated_payload(),
+            turn: 0.0,
+            torque: 0.0,
+            largest: 0.0,
+            tared: false,
+        }
+    }
+
+    /// One tick.
+    pub(super) fn step(&mut self, drive: &Drive, phase: Phase) -> State {
+        let standing = phase == Phase::Held;
+        let content = self.bucket.step(drive, standing);
+        if content == Content::Unknown {
+            let p = &self.settings.prior;
+            self.filter.set(M, p.payload, p.payload_std * p.payload_std);
+        }
+        let innovation = match phase {
+            Phase::Moving => self.moving(drive),
+            Phase::Held => self.rest(0.0, 1e-6),
+            Phase::Released(w) => self.rest(w, drive.variance / 4.0 + 0.02 * 0.02),
+        };
+        self.state(drive, innovation)
+    }
+
+    fn rest(&mut self, velocity: f64, variance: f64) -> Innovation {
+        self.filter.set(W, velocity, variance);
+        self.filter.acceleration = 0.0;
+        self.noise.rest();
+        self.tared = false;
+        Innovation::default()
+    }
+
+    fn moving(&mut self, drive: &Drive) -> Innovation {
+        let s = &self.settings;
+        self.torque +=
+            (1.0 - crate::math::exp(-drive.period / 0.05)) * (drive.torque - self.torque);
+        self.largest = self.largest.max(self.torque.abs());
+        let sensor = s.sensors.swing_torque_std;
+        let model = self.doubts.torque_share * self.largest;
+        let opening = self.bucket.opening_rate() * drive.period;
+        let m = self.filter.x[M].max(0.0);
+        let input = Input {
+            period: drive.period,
+            torque: drive.torque,
+            inertia: [drive.mean.empty, drive.mean.per_payload],
+            rate: [drive.rate.empty, drive.rate.per_payload],
+            moment: [drive.now.moment, drive.now.radius],
+            turn: sin_cos(self.turn),
+            torque_variance: model * model * self.noise.scale() * 0.01 / drive.period
+                + sensor * sensor * drive.share
+                + drive.stale_torque,
+            leaving: (s.estimator.opening_decay * opening).min(0.5),
+            payload_variance: 0.5 * m * m * opening
+                + s.estimator.q_m * self.rated * self.rated * 1e-5 * drive.period,
+        };
+        self.filter
+            .predict(&input, s.estimator.friction_width, s.inertia_min);
+        self.turn += self.filter.x[W] * drive.period;
+        let Some(velocity) = drive.velocity else {
+            return Innovation::default();
+        };
+        let innovation = self
+            .filter
+            .correct(velocity, drive.variance, s.estimator.gate);
+        self.noise.push(innovation.normalised());
+        self.tare();
+        innovation
+    }
+
+    /// An emptied bucket weighs next to nothing: that fixes the gain of the torque.
+    fn tare(&mut self) {
+        let told = TOLD * self.rated;
+        let variance = self.filter.p[M][M];
+        if self.tared || !self.bucket.is_emptied() || variance > told * told {
+            return;
+        }
+        let [share, std] = STICKING.map(|share| share * self.rated);
+        let value = share - self.filter.x[M];
+        if value * value < 9.0 * (variance + std * std) {
+            let mut row = [0.0; N];
+            row[M] = 1.0;
+            self.filter
+                .measure(&row, value, std * std, self.settings.estimator.gate);
+            self.tared = true;
+        }
+    }
+
+    fn state(&self, drive: &Drive, innovation: Innovation) -> State {
+        let (x, p) = (&self.filter.x, &self.filter.p);
+        let std = |i: usize| sqrt(p[i][i].max(0.0));
+        let [least, most] = self.settings.payload_range();
+        let payload = x[M].clamp(least, most);
+        let at_limit = payload != x[M];
+        let described = self.doubts.inertia_share * drive.now.empty;
+        let carried = std(M) * drive.now.per_payload;
+        State {
+            inertia: drive.now.with_payload(payload),
+            inertia_std: sqrt(carried * carried + described * described),
+            payload: Some((payload, std(M))),
+            damping: Some((x[DAMPING], std(DAMPING))),
+            offset: Some((x[OFFSET], std(OFFSET))),
+            velocity: x[W],
+            acceleration: self.filter.acceleration,
+            nis: innovation.nis(),
+            changing: self.bucket.is_open(),
+            unsettled: at_limit || self.bucket.is_settling(),
+            opening: self.bucket.is_open(),
+            ..State::default()
+        }
+    }
+
+    pub(super) fn is_sound(&self) -> bool {
+        self.filter.is_sound()
+    }
+}
+
+/// First moment of the upper body and its standard deviation [kg m].
+fn upper_moment(settings: &Settings, doubts: &Doubts) -> (f64, f64) {
+    let balanced = -settings.geometry.folded_moment();
+    match (doubts.upper_first_moment, doubts.upper_first_moment_std) {
+        (Some(moment), std) => (moment, std.unwrap_or(0.03 * moment.abs())),
+        (None, std) => (balanced, std.unwrap_or(0.3 * balanced.abs())),
+    }
+}
