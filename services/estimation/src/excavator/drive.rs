@@ -19,6 +19,8 @@ pub(super) struct Drive {
     pub(super) rate: Inertia,
     /// Joint angles [rad].
     pub(super) posture: [f64; 3],
+    /// Pitch and roll of the upper body [rad].
+    pub(super) inclination: Option<[f64; 2]>,
     /// Share of a row's noise variance that is left after averaging.
     pub(super) share: f64,
     /// Variance of the torque beyond its noise, where it has been missing for long [(N m)^2].
@@ -72,6 +74,7 @@ impl Driver {
                 radius: (now.radius - before.radius) / h,
             },
             posture: tick.posture,
+            inclination: tick.inclination,
             share: tick.share,
             stale_torque: if tick.torque_age > TORQUE_HOLD {
                 (UNKNOWN_TORQUE * torque_std) * (UNKNOWN_TORQUE * torque_std)

@@ -23,6 +23,7 @@
 use super::estimate::{Estimate, Flags, Method};
 use super::joint::JointRegression;
 use super::motion::Motion;
+use super::reason::Reason;
 use super::settings::Settings;
 use super::settings_error::SettingsError;
 use super::single::SingleRegression;
@@ -187,7 +188,7 @@ impl Regression {
                 consistent: measured_noise || self.nis.mean() <= e.consistent_nis,
                 fresh,
                 converged: 1.96 * inertia.std < e.converged_share * inertia.value,
-                identifiable: fit.identifiable,
+                identifiable: fit.identifiable && self.can_tell(),
                 held,
                 nominal: fit.nominal,
                 window: fit.window,
@@ -196,7 +197,17 @@ impl Regression {
             method: self.method,
             forgetting: fit.forgetting,
             refused: self.refused,
+            reason: if self.can_tell() {
+                Reason::None
+            } else {
+                Reason::Method
+            },
         }
+    }
+
+    /// On a machine that is not calibrated, damping, friction and a moving arm pass for inertia.
+    fn can_tell(&self) -> bool {
+        self.settings.doubts.is_none() || self.settings.estimator.constant_inertia
     }
 }
 

@@ -107,7 +107,7 @@ impl Size {
             damping: 7100.0,
             friction: 3300.0,
             rated: 2000.0,
-            torque: 75_000.0,
+            torque: 82_000.0,
             torque_noise: 550.0,
             gyro_noise: 0.003,
         }
@@ -134,7 +134,7 @@ impl Size {
             damping: 13_700.0,
             friction: 5200.0,
             rated: 3600.0,
-            torque: 150_000.0,
+            torque: 130_000.0,
             torque_noise: 900.0,
             gyro_noise: 0.003,
         }

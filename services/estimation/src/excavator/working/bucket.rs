@@ -107,6 +107,11 @@ impl Bucket {
         self.settling > 0
     }
 
+    /// The joints have moved since the machine stopped.
+    pub(super) fn is_unlocked(&self) -> bool {
+        self.unlocked
+    }
+
     /// Rate of opening, 0 while the bucket does not open [rad/s].
     pub(super) fn opening_rate(&self) -> f64 {
         self.rate

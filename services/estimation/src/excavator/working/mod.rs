@@ -10,11 +10,12 @@ mod noise;
 
 use self::bucket::{Bucket, Content};
 use self::filter::{
-    DAMPING, DELAY, FRICTION, Filter, GAIN, Input, LOSS, M, MOMENT, N, OFFSET, SLOPE, W,
+    DAMPING, DELAY, FRICTION, Filter, GAIN, Input, LOSS, M, MOMENT, N, OFFSET, SLOPE, Vector, W,
 };
 use self::noise::Noise;
 use super::doubts::Doubts;
 use super::drive::Drive;
+use super::reason::Reason;
 use super::settings::Settings;
 use super::standstill::Phase;
 use super::state::State;
@@ -27,12 +28,22 @@ const STICKING: [f64; 2] = [0.025, 0.02];
 /// tell an empty bucket from a loaded one.
 const TOLD: f64 = 0.15;
 
+/// Noise of a sample of the inclinometer, and its mounting error [rad].
+const INCLINOMETER: f64 = 0.03;
+const MOUNTING: f64 = 0.004;
+/// A constant this many standard deviations from its description is named.
+const NAMED: f64 = 3.0;
+/// Factor of the torque's noise variance above which the motion does not follow the model.
+const UNEXPLAINED: f64 = 30.0;
+
 /// The default estimator with torque and posture.
 #[derive(Debug, Clone)]
 pub(super) struct Working {
     settings: Settings,
     doubts: Doubts,
     filter: Filter,
+    /// The states as described.
+    described: Vector,
     noise: Noise,
     bucket: Bucket,
     /// Rated payload [kg].
@@ -72,6 +83,7 @@ impl Working {
             settings: *settings,
             doubts: *doubts,
             filter: Filter::new(x, &std),
+            described: x,
             noise: Noise::new(),
             bucket: Bucket::new(settings.estimator.opening_rate),
             rated: settings.rated_payload(),
@@ -90,12 +102,15 @@ impl Working {
             let p = &self.settings.prior;
             self.filter.set(M, p.payload, p.payload_std * p.payload_std);
         }
+        if let (true, Some(inclination)) = (standing, drive.inclination) {
+            self.incline(inclination);
+        }
         let innovation = match phase {
             Phase::Moving => self.moving(drive),
             Phase::Held => self.rest(0.0, 1e-6),
             Phase::Released(w) => self.rest(w, drive.variance / 4.0 + 0.02 * 0.02),
         };
-        self.state(drive, innovation)
+        self.state(drive, innovation, standing)
     }
 
     fn rest(&mut self, velocity: f64, variance: f64) -> Innovation {
@@ -143,6 +158,22 @@ impl Working {
         innovation
     }
 
+    /// The slope along the axes of the start, from pitch and roll of the standing upper body: accelerations of
+    /// the swing would pass for inclinations.
+    fn incline(&mut self, [pitch, roll]: [f64; 2]) {
+        let (sin, cos) = sin_cos(self.turn);
+        let slopes = [roll * cos - pitch * sin, -roll * sin - pitch * cos];
+        for (i, slope) in (SLOPE..).zip(slopes) {
+            if self.filter.p[i][i] > MOUNTING * MOUNTING {
+                let mut row = [0.0; N];
+                row[i] = 1.0;
+                let value = slope - self.filter.x[i];
+                let variance = INCLINOMETER * INCLINOMETER;
+                self.filter.measure(&row, value, variance, 1e3);
+            }
+        }
+    }
+
     /// An emptied bucket weighs next to nothing: that fixes the gain of the torque.
     fn tare(&mut self) {
         let told = TOLD * self.rated;
@@ -161,7 +192,7 @@ impl Working {
         }
     }
 
-    fn state(&self, drive: &Drive, innovation: Innovation) -> State {
+    fn state(&self, drive: &Drive, innovation: Innovation, standing: bool) -> State {
         let (x, p) = (&self.filter.x, &self.filter.p);
         let std = |i: usize| sqrt(p[i][i].max(0.0));
         let [least, most] = self.settings.payload_range();
@@ -181,8 +212,40 @@ impl Working {
             changing: self.bucket.is_open(),
             unsettled: at_limit || self.bucket.is_settling(),
             opening: self.bucket.is_open(),
+            reason: self.reason(at_limit, standing),
             ..State::default()
         }
+    }
+
+    /// What differs most from its description, in its own standard deviations.
+    fn reason(&self, at_limit: bool, standing: bool) -> Reason {
+        if standing && self.bucket.is_unlocked() {
+            return Reason::Content;
+        }
+        if at_limit {
+            return Reason::Limit;
+        }
+        if self.noise.scale() > UNEXPLAINED {
+            return Reason::Unexplained;
+        }
+        let mut most = (NAMED, Reason::None);
+        for (i, reason) in [
+            (SLOPE, Reason::Slope),
+            (SLOPE + 1, Reason::Slope),
+            (LOSS, Reason::Loss),
+            (FRICTION, Reason::Friction),
+            (GAIN, Reason::Gain),
+            (DELAY, Reason::Delay),
+            (OFFSET, Reason::Offset),
+            (DAMPING, Reason::Damping),
+        ] {
+            let difference = (self.filter.x[i] - self.described[i]).abs();
+            let sizes = difference / sqrt(self.filter.p[i][i].max(1e-300));
+            if sizes > most.0 {
+                most = (sizes, reason);
+            }
+        }
+        most.1
     }
 
     pub(super) fn is_sound(&self) -> bool {
