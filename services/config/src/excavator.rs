@@ -40,9 +40,9 @@ table! {
         /// Standard deviation of the slope of the ground along each of two axes.
         slope_std: f64 = 0.03, "rad", 0.0 to 0.5;
         /// Relative standard deviation of the described masses and inertias.
-        mass_tolerance: f64 = 0.01, "", 0.0 to 0.5;
+        mass_tolerance: f64 = 0.015, "", 0.0 to 0.5;
         /// Relative standard deviation of the described lengths.
-        geometry_tolerance: f64 = 0.005, "", 0.0 to 0.2;
+        geometry_tolerance: f64 = 0.007, "", 0.0 to 0.2;
         /// Inertia of the upper body without boom, arm and bucket, about the swing axis (J_u).
         upper_inertia: f64 = 1698.0, "kg m^2", 0.0 to 1e9;
         /// Smallest inertia that an estimate may take.
@@ -109,11 +109,11 @@ table! {
         /// How late the torque comes.
         swing_torque_delay: f64 = 0.0, "s", 0.0 to 1.0;
         /// Its standard deviation.
-        swing_torque_delay_std: f64 = 0.01, "s", 0.0 to 1.0;
+        swing_torque_delay_std: f64 = 0.015, "s", 0.0 to 1.0;
         /// How late the swing velocity comes.
         swing_velocity_delay: f64 = 0.0, "s", 0.0 to 1.0;
         /// Its standard deviation.
-        swing_velocity_delay_std: f64 = 0.01, "s", 0.0 to 1.0;
+        swing_velocity_delay_std: f64 = 0.015, "s", 0.0 to 1.0;
         /// Noise of the joint angles.
         angle_std: f64 = 0.001, "rad", 0.0 to 1.0;
         /// A velocity of this size or more is taken as missing (end of the sensor's range).

@@ -41,9 +41,9 @@ impl Default for Doubts {
             upper_first_moment: None,
             upper_first_moment_std: None,
             delay: 0.0,
-            delay_std: 0.015,
+            delay_std: 0.02,
             torque_share: 0.10,
-            inertia_share: 0.01,
+            inertia_share: 0.02,
         }
     }
 }

@@ -37,6 +37,8 @@ pub(super) struct Duty {
     /// Time since the phase began, and its length where it is a matter of time [s].
     since: f64,
     length: f64,
+    /// The swing is over: the operator has let go of the lever.
+    released: bool,
     /// Angle of the truck, drive level, largest speed of this cycle.
     angle: f64,
     pub(super) level: f64,
@@ -59,6 +61,7 @@ impl Duty {
             phase: Phase::Dig,
             since: -1.5,
             length: 0.0,
+            released: false,
             angle: 0.0,
             level: 1.0,
             speed: 1.0,
@@ -88,11 +91,17 @@ impl Duty {
         self.phase = phase;
         self.since = 0.0;
         self.length = length;
+        self.released = false;
     }
 
-    /// Lets `h` seconds pass; `arrived`: the machine stands at its goal.
-    pub(super) fn advance(&mut self, h: f64, arrived: bool, bucket: f64, remaining: f64) {
+    /// Lets `h` seconds pass, the swing having this velocity and this way to go.
+    pub(super) fn advance(&mut self, h: f64, velocity: f64, bucket: f64, remaining: f64) {
         self.since += h;
+        // Near enough, or slow enough: no operator corrects the last degrees.
+        let way = remaining * (self.goal() - if self.goal() > 0.0 { 0.0 } else { 1.0 });
+        self.released |=
+            self.since > 0.6 && (way < 0.0 || remaining.abs() < 0.15 && velocity.abs() < 0.12);
+        let arrived = self.released && velocity == 0.0;
         match self.phase {
             Phase::Dig => {
                 let filled = transition(self.since, 0.9, 2.4);
@@ -107,7 +116,7 @@ impl Duty {
                     self.payload -= self.spilled * h / 0.6;
                 }
                 self.leave(h, bucket);
-                if arrived && self.since > 0.5 && remaining.abs() < 0.1 {
+                if arrived {
                     let length = self.noise.uniform(1.2, 1.8);
                     self.enter(Phase::Dump, length);
                 }
@@ -120,7 +129,7 @@ impl Duty {
             }
             Phase::Return => {
                 self.leave(h, bucket);
-                if arrived && self.since > 0.5 && remaining.abs() < 0.1 {
+                if arrived {
                     self.enter(Phase::Dig, 0.0);
                     self.draw();
                     self.since = -self.noise.uniform(0.3, 1.0);
@@ -146,7 +155,7 @@ impl Duty {
 
     /// Whether the operator lets the machine swing.
     pub(super) fn swings(&self) -> bool {
-        matches!(self.phase, Phase::Swing | Phase::Return)
+        matches!(self.phase, Phase::Swing | Phase::Return) && !self.released
     }
 
     /// Largest speed [rad/s].

@@ -35,7 +35,7 @@ pub struct Effects {
     pub gyro_bias: f64,
     /// Its change over a minute [rad/s].
     pub gyro_drift: f64,
-    /// Frequency of the boom's lateral mode [Hz]; 0 for a rigid boom.
+    /// Frequency of the boom's lateral mode, the upper body held [Hz]; 0 for a rigid boom.
     pub boom_mode: f64,
     /// Share of the load that swings.
     pub pendulum: f64,

@@ -86,8 +86,8 @@ impl Machine {
     pub(super) fn advance(&mut self) {
         let upper = self.bodies[0];
         let remaining = self.duty.goal() - upper.angle;
-        let stands = upper.velocity.abs() < 2e-3 && self.torque.abs() < self.friction();
-        self.duty.advance(STEP, stands, self.posture[2], remaining);
+        self.duty
+            .advance(STEP, upper.velocity, self.posture[2], remaining);
         self.joints(remaining);
         self.drive(remaining);
         self.turn();
@@ -105,8 +105,9 @@ impl Machine {
     fn drive(&mut self, remaining: f64) {
         let limit = self.size.torque * self.duty.level;
         let velocity = self.bodies[0].velocity;
-        let wanted = if !self.duty.swings() || remaining.abs() < 0.01 && velocity.abs() < 0.05 {
-            0.0
+        let wanted = if !self.duty.swings() {
+            // The rest of the speed is braked away.
+            (-6.0 * self.inertia * velocity).clamp(-limit, limit)
         } else {
             let braking = 0.8 * limit / self.inertia;
             let approach = (2.0 * braking * (remaining.abs() - 0.005).max(0.0)).sqrt();
@@ -134,9 +135,8 @@ impl Machine {
         let mut torque = self.torques(&upper) - if flexible { 0.0 } else { rate * upper.velocity };
         let mut accelerations = [0.0; 3];
         let holder = if flexible {
-            let reduced = own * carried / (own + carried);
-            let spring = (TAU * self.effects.boom_mode).powi(2) * reduced;
-            let damper = 2.0 * BOOM_DAMPING * (spring * reduced).sqrt();
+            let spring = (TAU * self.effects.boom_mode).powi(2) * carried;
+            let damper = 2.0 * BOOM_DAMPING * (spring * carried).sqrt();
             let between =
                 spring * (upper.angle - boom.angle) + damper * (upper.velocity - boom.velocity);
             torque -= between;
@@ -181,7 +181,8 @@ impl Machine {
         let upper = &mut self.bodies[0];
         let held = self.torque.abs() < self.effects.friction * self.size.friction;
         let crossed = before * upper.velocity < 0.0;
-        if held && (crossed || upper.velocity.abs() < 2e-3) || !self.duty.swings() {
+        let braked = !self.duty.swings() && upper.velocity.abs() < 0.01;
+        if held && (crossed || upper.velocity.abs() < 2e-3) || braked {
             upper.velocity = 0.0;
             self.acceleration = 0.0;
         }

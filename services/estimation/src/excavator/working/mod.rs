@@ -4,10 +4,12 @@
 //! the noise of the torque until the innovations are white again ([`noise`]); what the bucket holds is
 //! unknown as soon as it could have changed ([`bucket`]).
 
+mod agreement;
 mod bucket;
 mod filter;
 mod noise;
 
+use self::agreement::Agreement;
 use self::bucket::{Bucket, Content};
 use self::filter::{
     DAMPING, DELAY, FRICTION, Filter, GAIN, Input, LOSS, M, MOMENT, N, OFFSET, SLOPE, Vector, W,
@@ -15,6 +17,7 @@ use self::filter::{
 use self::noise::Noise;
 use super::doubts::Doubts;
 use super::drive::Drive;
+use super::geometry::Inertia;
 use super::reason::Reason;
 use super::settings::Settings;
 use super::standstill::Phase;
@@ -28,13 +31,20 @@ const STICKING: [f64; 2] = [0.025, 0.02];
 /// tell an empty bucket from a loaded one.
 const TOLD: f64 = 0.15;
 
+/// Random walk of the torque's gain: weights of zero all err alike, and must not add up [1/sqrt(s)].
+const GAIN_DRIFT: f64 = 0.004;
 /// Noise of a sample of the inclinometer, and its mounting error [rad].
 const INCLINOMETER: f64 = 0.03;
 const MOUNTING: f64 = 0.004;
 /// A constant this many standard deviations from its description is named.
 const NAMED: f64 = 3.0;
+/// Less than this share of what the description allows for is not worth a word.
+const MATERIAL: f64 = 0.33;
 /// Factor of the torque's noise variance above which the motion does not follow the model.
 const UNEXPLAINED: f64 = 30.0;
+
+/// Mean ratio at which stretches of the swings disagree.
+const DISAGREEMENT: f64 = 3.0;
 
 /// The default estimator with torque and posture.
 #[derive(Debug, Clone)]
@@ -42,9 +52,11 @@ pub(super) struct Working {
     settings: Settings,
     doubts: Doubts,
     filter: Filter,
-    /// The states as described.
+    /// The states as described, and their standard deviations.
     described: Vector,
+    stated: Vector,
     noise: Noise,
+    agreement: Agreement,
     bucket: Bucket,
     /// Rated payload [kg].
     rated: f64,
@@ -84,7 +96,9 @@ impl Working {
             doubts: *doubts,
             filter: Filter::new(x, &std),
             described: x,
+            stated: std,
             noise: Noise::new(),
+            agreement: Agreement::new(),
             bucket: Bucket::new(settings.estimator.opening_rate),
             rated: settings.rated_payload(),
             turn: 0.0,
@@ -108,7 +122,7 @@ impl Working {
         let innovation = match phase {
             Phase::Moving => self.moving(drive),
             Phase::Held => self.rest(0.0, 1e-6),
-            Phase::Released(w) => self.rest(w, drive.variance / 4.0 + 0.02 * 0.02),
+            Phase::Released(w) => self.set_off(w, drive),
         };
         self.state(drive, innovation, standing)
     }
@@ -117,8 +131,23 @@ impl Working {
         self.filter.set(W, velocity, variance);
         self.filter.acceleration = 0.0;
         self.noise.rest();
+        self.agreement.interrupt();
         self.tared = false;
         Innovation::default()
+    }
+
+    /// Sets off with a measured velocity, which is late by what the delay makes of the acceleration.
+    fn set_off(&mut self, velocity: f64, drive: &Drive) -> Innovation {
+        let innovation = self.rest(velocity, drive.variance / 4.0 + 0.02 * 0.02);
+        let acceleration = drive.torque / drive.now.with_payload(self.filter.x[M]);
+        let (x, p) = (&mut self.filter.x, &mut self.filter.p);
+        x[W] += x[DELAY] * acceleration;
+        for i in 1..N {
+            p[W][i] = acceleration * p[DELAY][i];
+            p[i][W] = p[W][i];
+        }
+        p[W][W] += acceleration * acceleration * p[DELAY][DELAY];
+        innovation
     }
 
     fn moving(&mut self, drive: &Drive) -> Innovation {
@@ -144,6 +173,7 @@ impl Working {
             payload_variance: 0.5 * m * m * opening
                 + s.estimator.q_m * self.rated * self.rated * 1e-5 * drive.period,
         };
+        self.filter.p[GAIN][GAIN] += GAIN_DRIFT * GAIN_DRIFT * drive.period;
         self.filter
             .predict(&input, s.estimator.friction_width, s.inertia_min);
         self.turn += self.filter.x[W] * drive.period;
@@ -154,7 +184,13 @@ impl Working {
             .filter
             .correct(velocity, drive.variance, s.estimator.gate);
         self.noise.push(innovation.normalised());
-        self.tare();
+        if self.bucket.is_open() {
+            self.agreement.interrupt();
+        } else {
+            let (x, p) = (&self.filter.x, &self.filter.p);
+            self.agreement.push(x[M], p[M][M], drive.period);
+        }
+        self.tare(&drive.now);
         innovation
     }
 
@@ -175,13 +211,15 @@ impl Working {
     }
 
     /// An emptied bucket weighs next to nothing: that fixes the gain of the torque.
-    fn tare(&mut self) {
+    fn tare(&mut self, now: &Inertia) {
         let told = TOLD * self.rated;
         let variance = self.filter.p[M][M];
         if self.tared || !self.bucket.is_emptied() || variance > told * told {
             return;
         }
-        let [share, std] = STICKING.map(|share| share * self.rated);
+        let [share, sticking] = STICKING.map(|share| share * self.rated);
+        let described = self.doubts.inertia_share * now.empty / now.per_payload;
+        let std = sqrt(sticking * sticking + described * described);
         let value = share - self.filter.x[M];
         if value * value < 9.0 * (variance + std * std) {
             let mut row = [0.0; N];
@@ -189,6 +227,7 @@ impl Working {
             self.filter
                 .measure(&row, value, std * std, self.settings.estimator.gate);
             self.tared = true;
+            self.agreement.interrupt();
         }
     }
 
@@ -199,11 +238,12 @@ impl Working {
         let payload = x[M].clamp(least, most);
         let at_limit = payload != x[M];
         let described = self.doubts.inertia_share * drive.now.empty;
-        let carried = std(M) * drive.now.per_payload;
+        let payload_std = std(M) * sqrt(self.agreement.factor());
+        let carried = payload_std * drive.now.per_payload;
         State {
             inertia: drive.now.with_payload(payload),
             inertia_std: sqrt(carried * carried + described * described),
-            payload: Some((payload, std(M))),
+            payload: Some((payload, payload_std)),
             damping: Some((x[DAMPING], std(DAMPING))),
             offset: Some((x[OFFSET], std(OFFSET))),
             velocity: x[W],
@@ -228,6 +268,9 @@ impl Working {
         if self.noise.scale() > UNEXPLAINED {
             return Reason::Unexplained;
         }
+        if self.agreement.factor() > DISAGREEMENT {
+            return Reason::Disagreement;
+        }
         let mut most = (NAMED, Reason::None);
         for (i, reason) in [
             (SLOPE, Reason::Slope),
@@ -241,7 +284,7 @@ impl Working {
         ] {
             let difference = (self.filter.x[i] - self.described[i]).abs();
             let sizes = difference / sqrt(self.filter.p[i][i].max(1e-300));
-            if sizes > most.0 {
+            if sizes > most.0 && difference > MATERIAL * self.stated[i] {
                 most = (sizes, reason);
             }
         }
