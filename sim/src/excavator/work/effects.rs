@@ -156,8 +156,8 @@ impl Effects {
             boom_mode: 2.5,
             pendulum: 0.25,
             spill: 0.05,
-            mass_error: 0.05,
-            length_error: 0.02,
+            mass_error: 0.03,
+            length_error: 0.01,
             angle_error: 1.5f64.to_radians(),
             jitter: 0.004,
             ..Self::default()

@@ -38,6 +38,8 @@ const INCLINOMETER: f64 = 0.03;
 const MOUNTING: f64 = 0.004;
 /// A constant this many standard deviations from its description is named.
 const NAMED: f64 = 3.0;
+/// Below this velocity a holding brake or stiction may take any part of the torque [rad/s].
+const BRAKED: f64 = 0.04;
 /// Less than this share of what the description allows for is not worth a word.
 const MATERIAL: f64 = 0.33;
 /// Factor of the torque's noise variance above which the motion does not follow the model.
@@ -157,6 +159,8 @@ impl Working {
         self.largest = self.largest.max(self.torque.abs());
         let sensor = s.sensors.swing_torque_std;
         let model = self.doubts.torque_share * self.largest;
+        let nearly = 1.0 - self.filter.x[W].abs() / BRAKED;
+        let braked = nearly.max(0.0) * (drive.torque.abs() + s.coulomb_friction);
         let opening = self.bucket.opening_rate() * drive.period;
         let m = self.filter.x[M].max(0.0);
         let input = Input {
@@ -168,6 +172,7 @@ impl Working {
             turn: sin_cos(self.turn),
             torque_variance: model * model * self.noise.scale() * 0.01 / drive.period
                 + sensor * sensor * drive.share
+                + braked * braked
                 + drive.stale_torque,
             leaving: (s.estimator.opening_decay * opening).min(0.5),
             payload_variance: 0.5 * m * m * opening
