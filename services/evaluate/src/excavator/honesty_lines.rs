@@ -181,7 +181,12 @@ pub fn effects() -> Vec<(&'static str, &'static str, Effects, Asked)> {
             e,
         ),
         ("masses, lengths", "2 %, 1 %", wrong_masses(0.02, 0.01), e),
-        ("masses, lengths", "3 %, 1.5 %", wrong_masses(0.03, 0.015), e),
+        (
+            "masses, lengths",
+            "3 %, 1.5 %",
+            wrong_masses(0.03, 0.015),
+            e,
+        ),
         (
             "joint angles",
             "1 deg",
