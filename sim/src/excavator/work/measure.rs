@@ -248,7 +248,7 @@ mod tests {
         let sound = rows(Effects::default());
         for effects in [Effects::good(), Effects::usual(), Effects::worn()] {
             let differs = rows(effects).iter().zip(&sound).any(|(a, b)| {
-                (a.swing_velocity.unwrap_or(0.0) - b.swing_velocity.unwrap_or(0.0)).abs() > 0.05
+                (a.swing_velocity.unwrap_or(0.0) - b.swing_velocity.unwrap_or(0.0)).abs() > 0.01
             });
             assert!(differs);
         }
