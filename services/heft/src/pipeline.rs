@@ -3,6 +3,7 @@
 use config::Description;
 use messages::{ExcavatorEstimate, ExcavatorSensors, LoaderEstimate, LoaderSensors, SwingMotion};
 use runtime::Step;
+use steps::{excavator, loader};
 
 use crate::failure::Failure;
 use crate::plan::Plan;
@@ -15,7 +16,7 @@ pub const REGRESSIONS: [&str; 2] = ["svf-rls", "multi-forgetting-rls"];
 pub fn excavator_filter(
     d: &config::Excavator,
 ) -> Result<impl Step<Input = ExcavatorSensors, Output = SwingMotion>, Failure> {
-    kalman::Excavator::new(d).map_err(refused)
+    excavator::FilterStep::new(d).map_err(refused)
 }
 
 /// Regression of the excavator.
@@ -23,7 +24,7 @@ pub fn excavator_regression(
     d: &config::Excavator,
     method: &str,
 ) -> Result<impl Step<Input = SwingMotion, Output = ExcavatorEstimate>, Failure> {
-    rls::Excavator::new(d, method).map_err(refused)
+    excavator::RegressionStep::new(d, method).map_err(refused)
 }
 
 /// State-space estimator of the excavator.
@@ -31,7 +32,7 @@ pub fn excavator_estimator(
     d: &config::Excavator,
     method: &str,
 ) -> Result<impl Step<Input = ExcavatorSensors, Output = ExcavatorEstimate>, Failure> {
-    ukf::Excavator::new(d, method).map_err(refused)
+    excavator::EstimatorStep::new(d, method).map_err(refused)
 }
 
 /// Whether a method can work with a source that has these columns.
@@ -40,7 +41,7 @@ pub fn check_columns(
     method: &str,
     first: &ExcavatorSensors,
 ) -> Result<(), Failure> {
-    use estimation::excavator::{Method, SwingEstimator};
+    use estimation::excavator::SwingEstimator;
     use messages::excavator_bits::{SWING_ANGLE, SWING_TORQUE, SWING_VELOCITY};
     let columns = first.columns;
     let missing = |column: &str| {
@@ -57,10 +58,9 @@ pub fn check_columns(
         "svf-rls" if columns & SWING_TORQUE == 0 => Err(missing("swing_torque")),
         m if REGRESSIONS.contains(&m) => Ok(()),
         m => {
-            // An unknown name is told by the estimator itself.
-            let method = Method::parse(m).unwrap_or_default();
-            let columns = kalman::excavator_columns(first);
-            let estimator = SwingEstimator::new(&kalman::excavator_settings(d), method, columns);
+            let method = excavator::method(m).map_err(refused)?;
+            let columns = excavator::columns(first);
+            let estimator = SwingEstimator::new(&excavator::settings(d), method, columns);
             estimator.map(drop).map_err(refused)
         }
     }
@@ -70,7 +70,7 @@ pub fn check_columns(
 pub fn loader_baseline(
     d: &config::Loader,
 ) -> Result<impl Step<Input = LoaderSensors, Output = LoaderEstimate>, Failure> {
-    kalman::Loader::new(d).map_err(refused)
+    loader::EstimatorStep::new(d, "ekf").map_err(refused)
 }
 
 /// Unscented Kalman filter of the loader.
@@ -78,7 +78,7 @@ pub fn loader_estimator(
     d: &config::Loader,
     method: &str,
 ) -> Result<impl Step<Input = LoaderSensors, Output = LoaderEstimate>, Failure> {
-    ukf::Loader::new(d, method).map_err(refused)
+    loader::EstimatorStep::new(d, method).map_err(refused)
 }
 
 fn refused(error: impl std::fmt::Display) -> Failure {

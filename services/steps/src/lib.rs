@@ -1,11 +1,19 @@
-//! The filter stage: the excavator's Kalman filter, and the loader's extended Kalman filter.
+//! From messages to algorithms and back, and the steps of the processes made of both.
+//!
+//! The only crate that knows the messages and the algorithms. Per machine:
+//!
+//! | file | what |
+//! |---|---|
+//! | `settings` | the description as the algorithm's settings |
+//! | `sample` | sensor message to sample |
+//! | `motion` | swing motion to message and back (excavator) |
+//! | `estimate` | estimate to message |
+//! | `filter`, `regression`, `estimator` | the steps of the processes |
 
-mod excavator;
-mod loader;
+mod bits;
+mod error;
+pub mod excavator;
+pub mod loader;
+mod source;
 
-pub use excavator::{
-    Excavator, ExcavatorError, SourceWatch, columns as excavator_columns,
-    estimate_message as excavator_message, sample as excavator_sample,
-    settings as excavator_settings,
-};
-pub use loader::{Loader, LoaderEstimator, settings as loader_settings};
+pub use error::Error;

@@ -1,59 +1,56 @@
-//! The loader's unscented Kalman filters: `full`, `isr-ukf`, `isr-ukf-printed`.
-
-use core::fmt;
+//! The loader's estimators as a step.
+//!
+//! All methods are the same step with different settings. The process `kalman` runs `ekf`, `ukf` the others.
 
 use config::Loader as Description;
-use estimation::loader::{Method, SettingsError};
-use kalman::LoaderEstimator;
-use messages::{LoaderEstimate, LoaderSensors};
+use estimation::loader::{CgEstimator, Columns};
+use messages::{LoaderEstimate, LoaderSensors, loader_bits as bits};
 use runtime::Step;
 
-/// One method of the loader.
+use super::{estimate_message, method, sample, settings};
+use crate::Error;
+
+/// Any method of the loader: sensors in, centre of gravity out.
 #[derive(Clone, Copy, Debug)]
-pub struct Loader(LoaderEstimator);
-
-/// Why an estimator cannot start.
-#[derive(Clone, Debug, PartialEq)]
-pub enum LoaderError {
-    /// There is no method of that name.
-    UnknownMethod(String),
-    /// The description has a value that the method cannot use.
-    Settings(SettingsError),
+pub struct EstimatorStep {
+    estimator: CgEstimator,
+    /// For sources without an accelerometer, until the first sample says which it is.
+    without_accelerometer: Option<CgEstimator>,
 }
 
-impl fmt::Display for LoaderError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::UnknownMethod(name) => {
-                let known = Method::ALL.map(Method::name).join(", ");
-                write!(f, "the loader has no method `{name}`; methods are {known}")
-            }
-            Self::Settings(error) => error.fmt(f),
-        }
-    }
-}
-
-impl std::error::Error for LoaderError {}
-
-impl Loader {
-    /// An estimator by the name of its method.
+impl EstimatorStep {
+    /// An estimator by the name of its method. It waits for its first sample, which tells the
+    /// columns of the source.
     ///
     /// # Errors
     /// The name is unknown, or the description has a value that the method cannot use.
-    pub fn new(description: &Description, method: &str) -> Result<Self, LoaderError> {
-        let method =
-            Method::parse(method).ok_or_else(|| LoaderError::UnknownMethod(method.into()))?;
-        LoaderEstimator::new(description, method)
-            .map(Self)
-            .map_err(LoaderError::Settings)
+    pub fn new(description: &Description, name: &str) -> Result<Self, Error> {
+        let method = method(name)?;
+        let settings = settings(description, method);
+        let estimator = |acceleration| {
+            let columns = Columns {
+                acceleration,
+                ..Columns::default()
+            };
+            CgEstimator::new(&settings, method, columns).map_err(Error::settings)
+        };
+        Ok(Self {
+            estimator: estimator(true)?,
+            without_accelerometer: Some(estimator(false)?),
+        })
     }
 }
 
-impl Step for Loader {
+impl Step for EstimatorStep {
     type Input = LoaderSensors;
     type Output = LoaderEstimate;
 
     fn step(&mut self, input: &LoaderSensors) -> LoaderEstimate {
-        self.0.step(input)
+        if let Some(other) = self.without_accelerometer.take()
+            && input.columns & bits::ACCELERATION == 0
+        {
+            self.estimator = other;
+        }
+        estimate_message(&self.estimator.step(&sample(input)))
     }
 }
