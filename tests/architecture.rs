@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 const ARROWS: &[(&str, &[&str])] = &[
     ("services/estimation", &[]),
     ("services/messages", &[]),
-    ("services/config", &[]),
+    ("services/config", &["messages"]),
     ("sim", &[]),
     ("bench/limits", &[]),
     ("services/runtime", &["messages"]),
@@ -22,7 +22,7 @@ const ARROWS: &[(&str, &[&str])] = &[
         &["messages", "config", "runtime", "estimation"],
     ),
     ("services/logger", &["messages", "recording", "runtime"]),
-    ("services/view", &["messages", "recording"]),
+    ("services/view", &["messages", "recording", "steps"]),
     ("services/evaluate", &["sim", "estimation"]),
     (
         "bench",

@@ -2,6 +2,8 @@
 
 use core::fmt;
 
+use messages::Machine;
+
 /// Why a step cannot be made.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Error {
@@ -13,6 +15,15 @@ pub enum Error {
         name: String,
         /// The names that there are.
         known: Vec<&'static str>,
+    },
+    /// The description is for this machine, the step for another.
+    OtherMachine(Machine),
+    /// The source lacks a column that the method needs.
+    MissingColumn {
+        /// The method.
+        method: String,
+        /// The column, or what serves in its place.
+        column: &'static str,
     },
     /// The description has a value that the method cannot use, or the method runs in another
     /// process.
@@ -36,6 +47,13 @@ impl fmt::Display for Error {
                 f,
                 "the {machine} has no method `{name}`; methods are {}",
                 known.join(", ")
+            ),
+            Self::OtherMachine(machine) => {
+                write!(f, "the description is for the {machine}, the step is not")
+            }
+            Self::MissingColumn { method, column } => write!(
+                f,
+                "the method {method} needs the column {column}, which the input does not have"
             ),
             Self::Settings(text) => f.write_str(text),
         }

@@ -9,11 +9,13 @@
 //! | `motion` | swing motion to message and back (excavator) |
 //! | `estimate` | estimate to message |
 //! | `filter`, `regression`, `estimator` | the steps of the processes |
+//! | `pipeline` | the machine's processes: its rows of the table in [`stages`] |
 
 mod bits;
 mod error;
 pub mod excavator;
 pub mod loader;
 mod source;
+pub mod stages;
 
 pub use error::Error;

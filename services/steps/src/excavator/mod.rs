@@ -4,6 +4,7 @@ mod estimate;
 mod estimator;
 mod filter;
 mod motion;
+mod pipeline;
 mod regression;
 mod sample;
 mod settings;
@@ -12,8 +13,9 @@ pub use estimate::message as estimate_message;
 pub use estimator::EstimatorStep;
 pub use filter::FilterStep;
 pub use motion::{message as motion_message, motion};
+pub use pipeline::PIPELINE;
 pub use regression::RegressionStep;
-pub use sample::{columns, sample};
+pub use sample::{check_columns, columns, sample};
 pub use settings::settings;
 
 use estimation::excavator::Method;

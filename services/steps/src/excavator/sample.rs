@@ -1,7 +1,11 @@
 //! What the excavator's sensors measured, as a sample.
 
-use estimation::excavator::{Columns, Sample};
+use config::Excavator as Description;
+use estimation::excavator::{Columns, Method, Sample, SwingEstimator};
 use messages::{ExcavatorSensors, excavator_bits as bits};
+
+use super::{method, settings};
+use crate::Error;
 
 /// The sample in a message; a signal without its bit is missing.
 #[must_use]
@@ -29,5 +33,29 @@ pub fn columns(m: &ExcavatorSensors) -> Columns {
         angle: m.columns & bits::SWING_ANGLE != 0,
         torque: m.columns & bits::SWING_TORQUE != 0,
         posture: m.columns & posture == posture,
+    }
+}
+
+/// Whether a method can work with a source that has the columns of this message.
+///
+/// # Errors
+/// The method is unknown, or names the column that is missing.
+pub fn check_columns(d: &Description, name: &str, first: &ExcavatorSensors) -> Result<(), Error> {
+    let missing = |column| {
+        Err(Error::MissingColumn {
+            method: name.to_owned(),
+            column,
+        })
+    };
+    let columns = columns(first);
+    if !(columns.velocity || columns.angle) {
+        return missing("swing_velocity or swing_angle");
+    }
+    match method(name)? {
+        Method::SvfRls if !columns.torque => missing("swing_torque"),
+        m if m.is_regression() => Ok(()),
+        m => SwingEstimator::new(&settings(d), m, columns)
+            .map(drop)
+            .map_err(Error::settings),
     }
 }
