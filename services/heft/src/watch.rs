@@ -164,8 +164,10 @@ impl Watch {
 
     /// Health of all processes, by name.
     pub fn all_health(&self) -> impl Iterator<Item = (&'static str, &Health)> {
-        let health = |(index, health)| Some((self.pipeline?.process_name(*index), health));
-        self.health.iter().filter_map(health)
+        self.health.iter().filter_map(|(index, health)| {
+            let pipeline = self.pipeline?;
+            Some((pipeline.process_name(*index), health))
+        })
     }
 
     /// Samples lost before any process.
