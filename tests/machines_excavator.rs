@@ -24,7 +24,7 @@ fn tally(name: &str, sets: &serde_json::Value, method: Method) -> Tally {
         .collect();
     let mut description = config::Excavator::default();
     description.set_all(&sets).expect("settings that exist");
-    let settings = kalman::excavator_settings(&description);
+    let settings = steps::excavator::settings(&description);
 
     let text = std::fs::read_to_string(folder().join(format!("{name}.csv"))).expect("a recording");
     let mut lines = text.lines().map(|line| line.split(',').collect::<Vec<_>>());
