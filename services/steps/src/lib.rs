@@ -4,7 +4,6 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | `settings` | the description as the algorithm's settings |
 //! | `sample` | sensor message to sample |
 //! | `motion` | swing motion to message and back (excavator) |
 //! | `estimate` | estimate to message |
