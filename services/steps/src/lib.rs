@@ -13,8 +13,10 @@
 mod bits;
 mod error;
 pub mod excavator;
+mod idle;
 pub mod loader;
 mod source;
 pub mod stages;
 
 pub use error::Error;
+pub use idle::{Idle, idle_keys};

@@ -129,7 +129,8 @@ table! {
         q_c: f64 = 0.0047, "rad^2/s^5", 1e-15 to 1e12;
         /// Convergence delay of the Kalman filter, the length of a change window; "none" computes it from the gain.
         convergence_delay: Option<f64> = None, "s", 0.0 to 100.0;
-        /// Forgetting per sample, one factor or one per parameter; empty takes each method's own.
+        /// Forgetting per sample, one factor or one per parameter; empty takes each method's own. A list replaces
+        /// paper.lambda_normal and paper.lambda_window.
         forgetting: Numbers = Numbers::default(), "", 0.0001 to 1.0;
         /// Nominal rule: distance of the estimated from the nominal damping at which it acts (Eqs. 28-29).
         epsilon: f64 = 27.0, "N m s/rad", 0.0 to 1e9;
@@ -224,7 +225,8 @@ table! {
         torque: f64 = 2548.0, "N m", -1e7 to 1e7;
         /// The nominal-parameter rule for the damping is on.
         nominal_rule: bool = true, "";
-        /// The regression begins at this time; "none" begins with the data.
+        /// The regression begins at this time and runs through every standstill from then on; "none" begins with the data
+        /// and holds at standstill.
         start_time: Option<f64> = None, "s", -1e12 to 1e12;
         /// The regression holds its estimate from this time on; "none" goes to the end.
         stop_time: Option<f64> = None, "s", -1e12 to 1e12;
