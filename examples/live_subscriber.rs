@@ -3,6 +3,7 @@
 
 use std::time::{Duration, Instant};
 
+use messages::ExcavatorEstimate;
 use messages::channels::EXCAVATOR_INERTIA_UKF;
 use messages::excavator_bits::TRUSTED;
 use runtime::{Domain, Ports};
@@ -14,12 +15,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     Domain::new(&name)?.enter()?;
     let channel = &EXCAVATOR_INERTIA_UKF;
-    let mut input = Ports::new("example")?.input(channel, channel.depth)?;
+    let mut input = Ports::new("example")?.input::<ExcavatorEstimate>(channel, channel.depth)?;
     input.connect();
     let end = Instant::now() + Duration::from_secs(10);
     while Instant::now() < end {
         while let Some((estimate, lost)) = input.receive() {
-            let estimate: &messages::ExcavatorEstimate = &estimate;
             let word = if estimate.flags & TRUSTED != 0 {
                 "trusted"
             } else {
