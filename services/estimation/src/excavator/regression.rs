@@ -141,7 +141,7 @@ impl Regression {
                 let slack = 0.5 * motion.period;
                 p.start_time.is_some_and(|t| motion.time < t - slack)
                     || p.stop_time.is_some_and(|t| motion.time > t + slack)
-                    || p.hold_at_standstill && motion.standstill
+                    || p.hold_at_standstill() && motion.standstill
             }
             _ => self.running_for < settling || self.torque_age.is_infinite(),
         }
@@ -277,13 +277,12 @@ fn paper_step(
 /// `tc <= t < tc + delay` for a known or a detected change.
 fn in_window(settings: &Settings, motion: &Motion) -> bool {
     let times = &settings.paper.change_times;
-    if times.iter().all(Option::is_none) {
+    if times.is_empty() {
         return motion.manoeuvre;
     }
     // A nanosecond of tolerance: recorded times are decimal fractions.
     let t = motion.time + 1e-9;
     times
         .iter()
-        .flatten()
         .any(|&tc| (tc..tc + motion.convergence_delay).contains(&t))
 }
