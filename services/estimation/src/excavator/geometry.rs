@@ -78,6 +78,11 @@ impl Geometry {
         self.scale() * leverage(&Self::default()) / leverage(self)
     }
 
+    /// Inertia of the empty machine in the folded posture [kg m^2].
+    pub(super) fn folded_inertia(&self) -> f64 {
+        self.inertia(FOLDED).empty
+    }
+
     /// First moment of the empty attachment in the folded posture [kg m].
     pub(super) fn folded_moment(&self) -> f64 {
         self.inertia(FOLDED).moment

@@ -136,7 +136,7 @@ impl Core {
         };
         // Without torque or without posture, what a working machine does beside its description, and an arm
         // that moves, cannot be told from its inertia.
-        let told = settings.doubts.is_none() || constant || needs_torque && needs_posture;
+        let told = needs_torque && needs_posture || settings.tells_by_half();
         let basis = if told { basis } else { Basis::Nothing };
         if !told {
             state.reason = Reason::Method;

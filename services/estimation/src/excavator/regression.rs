@@ -192,7 +192,7 @@ impl Regression {
                 consistent: measured_noise || self.nis.mean() <= e.consistent_nis,
                 fresh,
                 converged: 1.96 * inertia.std < e.converged_share * inertia.value,
-                identifiable: fit.identifiable && self.can_tell(),
+                identifiable: fit.identifiable && self.settings.tells_by_half(),
                 held,
                 nominal: fit.nominal,
                 window: fit.window,
@@ -201,17 +201,12 @@ impl Regression {
             method: self.method,
             forgetting: fit.forgetting,
             refused: self.refused,
-            reason: if self.can_tell() {
+            reason: if self.settings.tells_by_half() {
                 Reason::None
             } else {
                 Reason::Method
             },
         }
-    }
-
-    /// On a machine that is not calibrated, damping, friction and a moving arm pass for inertia.
-    fn can_tell(&self) -> bool {
-        self.settings.doubts.is_none() || self.settings.estimator.constant_inertia
     }
 }
 

@@ -63,6 +63,13 @@ impl Settings {
         self.prior.payload + 1.25 * self.prior.payload_std
     }
 
+    /// Whether torque alone, or posture alone, can tell the inertia: on a machine that is calibrated, at an inertia
+    /// that is declared constant, or on an axis that is no excavator's (lighter than its geometry).
+    pub(super) fn tells_by_half(&self) -> bool {
+        let lighter = self.inertia_max < self.geometry.folded_inertia();
+        self.doubts.is_none() || self.estimator.constant_inertia || lighter
+    }
+
     /// Smallest and largest payload that an estimate may take: as set, but never less than what the
     /// prior holds possible [kg].
     pub(super) fn payload_range(&self) -> [f64; 2] {
