@@ -5,7 +5,8 @@
 
 use std::path::PathBuf;
 
-use estimation::excavator::{Columns, Method, Sample, SwingEstimator};
+use config::Tables as _;
+use estimation::excavator::{Columns, Method, Sample, Settings, SwingEstimator};
 use evaluate::honesty::{Judged, Tally};
 
 /// True velocity above which the machine moves [rad/s].
@@ -24,7 +25,7 @@ fn tally(name: &str, sets: &serde_json::Value, method: Method) -> Tally {
         .collect();
     let mut description = config::Excavator::default();
     description.set_all(&sets).expect("settings that exist");
-    let settings = steps::excavator::settings(&description);
+    let settings = Settings::of(&description);
 
     let text = std::fs::read_to_string(folder().join(format!("{name}.csv"))).expect("a recording");
     let mut lines = text.lines().map(|line| line.split(',').collect::<Vec<_>>());
