@@ -31,7 +31,11 @@ const ARROWS: &[(&str, &[&str])] = &[
     ),
     ("services/logger", &["messages", "recording", "runtime"]),
     ("services/view", &["messages", "recording"]),
-    ("services/evaluate", &["sim", "estimation"]),
+    (
+        "services/evaluate",
+        &["sim", "estimation", "calibrate", "config"],
+    ),
+    ("services/calibrate", &["estimation", "config"]),
     (
         "bench",
         &[

@@ -13,6 +13,8 @@ impl Default for Sensors {
             swing_torque_gain_std: 0.0,
             swing_velocity_limit: 5.0,
             angle_limit: core::f64::consts::TAU,
+            swing_torque_gain: 1.0,
+            swing_torque_offset: 0.0,
         }
     }
 }

@@ -48,6 +48,8 @@ fn sensors(d: &Description) -> Sensors {
         swing_torque_gain_std: s.swing_torque_gain_std,
         swing_velocity_limit: s.swing_velocity_limit,
         angle_limit: s.angle_limit,
+        swing_torque_gain: s.swing_torque_gain,
+        swing_torque_offset: s.swing_torque_offset,
     }
 }
 
