@@ -15,7 +15,7 @@ use faer::Mat;
 use crate::algebra;
 use crate::fit::{Fit, Information, Task, values};
 use crate::model::{Innovation, Model};
-use crate::parameter::{Parameter, Source};
+use crate::parameter::{Law, Parameter, Source};
 
 /// A measured load is this much better than nothing: data, if only its own.
 const TOLD: f64 = 2.0;
@@ -124,7 +124,12 @@ impl Uncertainty {
 /// The uncertainty of a fit; `held` says the tolerance of a parameter that was not free, in those of what
 /// was known (0 for none). None where the information is singular.
 #[must_use]
-pub fn uncertainty(fit: &Fit, fixed: &[bool], held: &[f64]) -> Option<Uncertainty> {
+pub fn uncertainty(
+    fit: &Fit,
+    parameters: &[Parameter],
+    fixed: &[bool],
+    held: &[f64],
+) -> Option<Uncertainty> {
     let n = fixed.len();
     let free: Vec<usize> = (0..n).filter(|&i| !fixed[i]).collect();
     let normal = |rows: &Mat<f64>| {
@@ -138,7 +143,11 @@ pub fn uncertainty(fit: &Fit, fixed: &[bool], held: &[f64]) -> Option<Uncertaint
     let curvature = normal(&whole) + Mat::<f64>::identity(free.len(), free.len());
     let noise = algebra::inverse(&curvature)?;
     let left_out = jackknife(fit, &free, &curvature, &normal);
-    let (wide, widened) = widen(&noise, &left_out);
+    // Noises scatter by their own law, which says nothing of the machine.
+    let machine: Vec<usize> = (0..free.len())
+        .filter(|&j| parameters[free[j]].law == Law::Linear)
+        .collect();
+    let (wide, widened) = widen(&noise, &left_out, &machine);
     let across = Mat::from_fn(free.len(), n, |i, j| {
         let tolerance = if fixed[j] { held[j] } else { 0.0 };
         tolerance
@@ -188,9 +197,9 @@ fn jackknife(
         .collect()
 }
 
-/// The covariance, widened by the jackknife: by its mean ratio to the noise over all directions, and
-/// further where one parameter scatters by more than chance lets so few blocks.
-fn widen(noise: &Mat<f64>, left_out: &[Vec<f64>]) -> (Mat<f64>, f64) {
+/// The covariance, widened by the jackknife: by its mean ratio to the noise over all directions of these
+/// parameters, and further where one scatters by more than chance lets so few blocks.
+fn widen(noise: &Mat<f64>, left_out: &[Vec<f64>], of: &[usize]) -> (Mat<f64>, f64) {
     let (n, count) = (noise.nrows(), left_out.len() as f64);
     if left_out.len() < 4 {
         return (noise.to_owned(), 1.0);
@@ -210,22 +219,25 @@ fn widen(noise: &Mat<f64>, left_out: &[Vec<f64>]) -> (Mat<f64>, f64) {
         .collect();
     // A variance from n blocks is off by a share of sqrt(2/n).
     let chance = 1.0 + 2.0 * (2.0 / count).sqrt();
-    let common = match algebra::inverse(noise) {
-        Some(curvature) => {
-            let trace: f64 = (0..n)
-                .map(|i| {
-                    (0..n)
-                        .map(|j| curvature[(i, j)] * scatter[(j, i)])
-                        .sum::<f64>()
-                })
+    let part = Mat::from_fn(of.len(), of.len(), |i, j| noise[(of[i], of[j])]);
+    let common = match algebra::inverse(&part) {
+        Some(curvature) if !of.is_empty() => {
+            let pairs = (0..of.len()).flat_map(|i| (0..of.len()).map(move |j| (i, j)));
+            let trace: f64 = pairs
+                .map(|(i, j)| curvature[(i, j)] * scatter[(of[j], of[i])])
                 .sum();
-            (trace / n as f64).max(1.0)
+            (trace / of.len() as f64).max(1.0)
         }
-        None => 1.0,
+        _ => 1.0,
     };
     let root: Vec<f64> = ratios
         .iter()
-        .map(|r| common.max(r / chance).sqrt())
+        .enumerate()
+        .map(|(i, r)| {
+            if of.contains(&i) { common } else { 1.0 }
+                .max(r / chance)
+                .sqrt()
+        })
         .collect();
     let wide = Mat::from_fn(n, n, |i, j| root[i] * root[j] * noise[(i, j)]);
     (wide, common.sqrt())
@@ -313,8 +325,6 @@ pub fn agreement<M: Model>(model: &M, blocks: &[usize], place: &[f64]) -> Agreem
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parameter::Law;
-
     fn parameter(source: Source) -> Parameter {
         Parameter {
             key: String::new(),
@@ -361,12 +371,17 @@ mod tests {
             interrupted: false,
         };
         let fixed = [false, true];
-        let std = |errors: &[f64]| uncertainty(&fit(errors), &fixed, &[0.0; 2]).map(|u| u.std(0));
+        let both = [
+            parameter(Source::Description),
+            parameter(Source::Description),
+        ];
+        let std =
+            |errors: &[f64]| uncertainty(&fit(errors), &both, &fixed, &[0.0; 2]).map(|u| u.std(0));
         let quiet = std(&[1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0]).expect("information");
         let loud = std(&[5.0, -5.0, 5.0, -5.0, 5.0, -5.0, 5.0, -5.0]).expect("information");
         assert!((3.0..7.0).contains(&(loud / quiet)), "{loud} {quiet}");
         // What is held with a tolerance of one counts fully: the sum is known, the other is not.
-        let held = uncertainty(&fit(&[0.0; 8]), &fixed, &[0.0, 1.0]).expect("information");
+        let held = uncertainty(&fit(&[0.0; 8]), &both, &fixed, &[0.0, 1.0]).expect("information");
         assert!((held.std(0) - 1.0).abs() < 0.1, "{}", held.std(0));
     }
 }

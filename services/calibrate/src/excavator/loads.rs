@@ -204,7 +204,7 @@ fn weigh_by_description(
     };
     let fit = released.run(&start);
     let held = vec![0.0; fixed.len()];
-    let uncertainty = crate::honesty::uncertainty(&fit, &fixed, &held)?;
+    let uncertainty = crate::honesty::uncertainty(&fit, &open.parameters, &fixed, &held)?;
     let parameter = &open.parameters[at];
     Some(Quantity {
         value: parameter.value(fit.place[at]),
