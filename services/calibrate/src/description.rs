@@ -1,9 +1,9 @@
 //! Keys of a description by name: a calibration must not know every field of it.
 
-use config::{Machine, Value};
+use config::{Tables, Value};
 
 /// The number under a key such as `sensors.swing_torque_std`; none if there is no such key or no number.
-pub fn number<M: Machine>(description: &M, key: &str) -> Option<f64> {
+pub fn number<M: Tables>(description: &M, key: &str) -> Option<f64> {
     let (table_name, name) = key.rsplit_once('.')?;
     let tables = description.tables();
     let table = tables.into_iter().find(|t| t.name() == table_name)?;
@@ -15,7 +15,7 @@ pub fn number<M: Machine>(description: &M, key: &str) -> Option<f64> {
 }
 
 /// Sets a number, moved into the key's range; false if there is no such key.
-pub fn set<M: Machine>(description: &mut M, key: &str, value: f64) -> bool {
+pub fn set<M: Tables>(description: &mut M, key: &str, value: f64) -> bool {
     let Some((table_name, name)) = key.rsplit_once('.') else {
         return false;
     };

@@ -64,6 +64,7 @@ pub fn rounded(value: f64, std: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use config::Tables;
 
     #[test]
     fn only_keys_that_say_something_are_printed() {

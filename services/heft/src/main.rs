@@ -6,9 +6,7 @@ mod failure;
 mod figures;
 mod live;
 mod parts;
-mod pipeline;
 mod plan;
-mod processes;
 mod quantity;
 mod service;
 mod sources;
@@ -48,6 +46,13 @@ fn log() {
 }
 
 fn dispatch(cli: Cli) -> Result<(), Failure> {
+    if matches!(
+        cli.command,
+        None | Some(Command::Run(_) | Command::Service { .. })
+    ) {
+        // What a run makes is for its user alone.
+        rustix::process::umask(rustix::fs::Mode::RWXG | rustix::fs::Mode::RWXO);
+    }
     let Some(command) = cli.command else {
         return commands::demo::demo();
     };
@@ -67,7 +72,7 @@ fn dispatch(cli: Cli) -> Result<(), Failure> {
             file,
             machine,
             print,
-        } => commands::check::check(&file, machine.map(Into::into), print),
+        } => commands::check::check(&file, machine, print),
         Command::Weigh {
             file,
             description,

@@ -13,11 +13,11 @@ use std::sync::atomic::AtomicBool;
 
 use config::Excavator as Description;
 use estimation::Quantity;
-use estimation::excavator::Sample;
+use estimation::excavator::{Geometry, Sample};
 
 pub use loads::Doubt;
 pub use series::{Load, Measured, Series, Swing};
-pub use swings::{Role, Swings, geometry};
+pub use swings::{Role, Swings};
 pub use torque::{Impulse, Torque};
 
 use crate::description::number;
@@ -98,7 +98,7 @@ impl Outcome {
 /// # Errors
 /// A key of `free` that cannot be found, with those that can.
 pub fn calibrate(inputs: &[Input], options: &Options<'_>) -> Result<Outcome, String> {
-    let geometry = geometry(options.description);
+    let geometry = Geometry::of(options.description);
     let series: Vec<Series> = inputs
         .iter()
         .map(|i| Series::new(&i.name, &i.samples, &geometry))
@@ -113,7 +113,7 @@ pub fn calibrate(inputs: &[Input], options: &Options<'_>) -> Result<Outcome, Str
         .filter(|(_, fixed)| !**fixed)
         .map(|(role, _)| *role)
         .collect();
-    let (faults, remarks) = words::before(&swings, &free);
+    let (faults, remarks) = words::before(&swings);
     let mut outcome = Outcome {
         swings,
         fixed,
@@ -122,6 +122,7 @@ pub fn calibrate(inputs: &[Input], options: &Options<'_>) -> Result<Outcome, Str
         remarks,
     };
     if outcome.faults.is_empty() {
+        outcome.faults = words::alike(&outcome.swings, &free);
         find(&mut outcome, &free, options);
     }
     Ok(outcome)
@@ -178,6 +179,7 @@ fn find(outcome: &mut Outcome, free: &[Role], options: &Options<'_>) {
     if free.contains(&Role::Gain) && !loads::differ(&outcome.swings) {
         outcome.faults.push(words::ONE_LOAD.into());
     }
+    let told = outcome.faults.clone();
     let swings = &outcome.swings;
     let all: Vec<usize> = (0..swings.blocks()).collect();
     let task = |blocks| Task {
@@ -195,22 +197,17 @@ fn find(outcome: &mut Outcome, free: &[Role], options: &Options<'_>) {
             .push("stopped before its end: the best so far".into());
     }
     let directions = honesty::undetermined(&fit.information, &swings.parameters, &outcome.fixed);
-    let scale_is_told = outcome.faults.iter().any(|f| f == words::ONE_LOAD);
-    for direction in &directions {
-        let gain = direction
-            .members()
-            .iter()
-            .any(|&i| swings.roles[i] == Role::Gain);
-        if !(scale_is_told && gain) {
-            outcome.faults.push(words::undetermined(swings, direction));
-        }
+    // What has been said need not be said again in the words of algebra.
+    let mut faults = told.clone();
+    if told.is_empty() {
+        faults.extend(directions.iter().map(|d| words::undetermined(swings, d)));
     }
     if free.contains(&Role::Gain)
-        && !scale_is_told
+        && told.is_empty()
         && !fit.interrupted
         && let Some(d) = loads::doubt(&whole, &fit.place)
     {
-        outcome.faults.push(format!(
+        faults.push(format!(
             "the load of {} was told as {:.0} kg, but with the masses and the torque gain of the description it weighs {:.0} ± {:.0} kg; weigh it again, or check which recording is which",
             d.name, d.told.value, d.found.value, d.found.std
         ));
@@ -221,16 +218,15 @@ fn find(outcome: &mut Outcome, free: &[Role], options: &Options<'_>) {
         ..task(&all)
     };
     fit.information = everything.information(&fit.place);
-    let Some(uncertainty) =
-        honesty::uncertainty(&fit, &outcome.fixed, &tolerances(swings, options))
-    else {
-        outcome
-            .faults
-            .push("the recordings determine nothing".into());
+    let held = tolerances(swings, options);
+    let uncertainty = honesty::uncertainty(&fit, &swings.parameters, &outcome.fixed, &held);
+    let Some(uncertainty) = uncertainty else {
+        outcome.faults = vec!["the recordings determine nothing".into()];
         return;
     };
     let unseen = judge(&outcome.swings, &outcome.fixed, options, &fit);
     let profiles = weakest(&whole, &fit, &uncertainty);
+    outcome.faults = faults;
     outcome.found = Some(Found {
         fit,
         uncertainty,

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use config::Excavator as Description;
+use config::{Excavator as Description, Tables};
 use estimation::Quantity;
 
 use super::series::percentile;

@@ -2,7 +2,6 @@
 
 use config::Excavator as Description;
 use estimation::Quantity;
-use estimation::excavator::Geometry;
 
 use super::filter::{self, Guess};
 use super::series::{Load, Measured, Series, Swing, percentile};
@@ -388,26 +387,5 @@ fn opened(name: &str, load: Quantity, source: Source) -> Parameter {
         range: (-1e6, 1e6),
         law: Law::Linear,
         source,
-    }
-}
-
-/// The geometry of a description, as the estimators take it.
-#[must_use]
-pub fn geometry(d: &Description) -> Geometry {
-    let g = &d.geometry;
-    Geometry {
-        upper_inertia: d.machine.upper_inertia,
-        boom_pin: g.boom_pin,
-        lengths: [g.boom_length, g.arm_length],
-        centres: [g.boom_centre, g.arm_centre, g.bucket_centre],
-        payload_centre: g.payload_centre,
-        payload_gyration: g.payload_gyration,
-        masses: [g.boom_mass, g.arm_mass, g.bucket_mass],
-        inertias: [g.boom_inertia, g.arm_inertia, g.bucket_inertia],
-        axial_inertias: [
-            g.boom_axial_inertia,
-            g.arm_axial_inertia,
-            g.bucket_axial_inertia,
-        ],
     }
 }

@@ -13,7 +13,7 @@ const LEAST_POSTURE: f64 = 0.04;
 
 /// What a recording lacks before any fit.
 #[must_use]
-pub fn before(swings: &Swings, free: &[Role]) -> (Vec<String>, Vec<String>) {
+pub fn before(swings: &Swings) -> (Vec<String>, Vec<String>) {
     let (mut faults, mut remarks) = (Vec::new(), Vec::new());
     for series in &swings.series {
         if series.torque.size() <= 0.0 {
@@ -51,9 +51,18 @@ pub fn before(swings: &Swings, free: &[Role]) -> (Vec<String>, Vec<String>) {
             "only {moving:.1} s of swinging in all recordings; record at least ten swings to each side"
         ));
     }
-    if !faults.is_empty() {
-        return (faults, remarks);
-    }
+    (faults, remarks)
+}
+
+/// Parameters that these recordings cannot tell apart, by what their swings are like.
+#[must_use]
+pub fn alike(swings: &Swings, free: &[Role]) -> Vec<String> {
+    let mut faults = Vec::new();
+    let moving: f64 = swings
+        .series
+        .iter()
+        .map(|s| s.moving_time(1.0) + s.moving_time(-1.0))
+        .sum();
     let side = |d: f64| swings.series.iter().map(|s| s.moving_time(d)).sum::<f64>();
     let one_side = side(1.0).min(side(-1.0)) < LEAST_SHARE * moving;
     if one_side && free.contains(&Role::Offset) && free.contains(&Role::Friction) {
@@ -68,7 +77,7 @@ pub fn before(swings: &Swings, free: &[Role]) -> (Vec<String>, Vec<String>) {
                 .into(),
         );
     }
-    (faults, remarks)
+    faults
 }
 
 fn still_posture(swings: &Swings) -> bool {

@@ -8,6 +8,7 @@
 //! J_e = J_u + sum [ m_i r_i^2 + I_i cos^2 a_i + Ir_i sin^2 a_i ];   g = rp^2 + kp^2;   J = J_e + m g
 //! ```
 
+use super::keys::Description;
 use crate::math::sin_cos;
 
 /// Lengths, masses and inertias of the machine above the swing bearing. The default is a 5.5 t
@@ -36,17 +37,7 @@ pub struct Geometry {
 
 impl Default for Geometry {
     fn default() -> Self {
-        Self {
-            upper_inertia: 1698.0,
-            boom_pin: 0.6317,
-            lengths: [3.0, 1.6],
-            centres: [1.38, 0.67, 0.42],
-            payload_centre: 0.48,
-            payload_gyration: 0.25,
-            masses: [430.0, 210.0, 165.0],
-            inertias: [330.0, 46.0, 14.0],
-            axial_inertias: [9.0, 4.0, 9.0],
-        }
+        Self::of(&Description::default())
     }
 }
 

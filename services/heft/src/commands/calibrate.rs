@@ -9,7 +9,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use calibrate::excavator::{self as machine, Input, Outcome, Role};
 use calibrate::fit::Progress;
-use config::{Description, Kind};
+use config::Description;
 use estimation::Quantity;
 
 use crate::cli::CalibrateArgs;
@@ -19,7 +19,7 @@ use crate::sources;
 
 /// `heft calibrate`
 pub fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {
-    match description(Kind::from(args.machine), &args.description)? {
+    match description(args.machine, &args.description)? {
         Description::Excavator(d) => excavator(args, &d),
         Description::Loader(_) => Err(Failure::input(
             "the loader cannot be calibrated from recordings yet",
@@ -39,7 +39,7 @@ fn excavator(args: &CalibrateArgs, d: &config::Excavator) -> Result<(), Failure>
             name: name(file),
             samples: rows
                 .iter()
-                .map(|(s, _)| kalman::excavator_sample(s))
+                .map(|(s, _)| steps::excavator::sample(s))
                 .collect(),
             payload,
         });
