@@ -24,6 +24,18 @@ pub(crate) fn excavator(excavator: &Excavator) -> Vec<Error> {
             "give a prior inside the limits, or move machine.inertia_min and machine.inertia_max",
         ));
     }
+    let reached = most_empty(excavator);
+    // A description that says nothing of boom, arm and bucket is of another kind of axis.
+    if excavator.geometry != Default::default() && machine.inertia_max < reached {
+        found.push(Error::between(
+            format!(
+                "inertia_max ({} kg m^2) is less than the geometry gives with the empty bucket far out ({reached:.0} kg m^2)",
+                machine.inertia_max
+            ),
+            "machine.inertia_max",
+            "give an inertia_max above what the machine can reach, or mend the geometry",
+        ));
+    }
     if estimator.payload_min >= estimator.payload_max {
         found.push(Error::between(
             format!(
@@ -34,17 +46,25 @@ pub(crate) fn excavator(excavator: &Excavator) -> Vec<Error> {
             "make payload_min the smaller of the two",
         ));
     }
-    if !matches!(estimator.forgetting.len(), 0 | 1 | 3 | 4) {
+    if !matches!(estimator.forgetting.len(), 0 | 1 | 3) {
         found.push(Error::between(
             format!(
-                "forgetting has {} factors; it takes one, or one per parameter",
+                "forgetting has {} factors; it takes one, or one each for inertia, damping and torque",
                 estimator.forgetting.len()
             ),
             "estimator.forgetting",
-            "give one factor, three (inertia, damping, torque), four (svf-rls with friction and offset), or none",
+            "give one factor, three (inertia, damping, torque; method multi-forgetting-rls), or none",
         ));
     }
     found
+}
+
+/// Inertia of the empty machine with arm and bucket stretched at 20 degrees above the ground [kg m^2].
+fn most_empty(excavator: &Excavator) -> f64 {
+    let posture = [0.8, -0.6, -0.1];
+    estimation::excavator::Geometry::of(excavator)
+        .inertia(posture)
+        .empty
 }
 
 pub(crate) fn loader(loader: &Loader) -> Vec<Error> {

@@ -189,7 +189,7 @@ impl Model for Swings {
 /// Tolerances where the description has none or states what only a calibration can know: gain of a torque
 /// sensor, efficiency of a swing gear, drawings against a machine, delays of a bus [s].
 const GAIN_STD: f64 = 0.05;
-const EFFICIENCY: (f64, f64) = (0.95, 0.05);
+const EFFICIENCY_STD: f64 = 0.05;
 const UPPER_INERTIA_STD: f64 = 0.15;
 const LINKS_STD: f64 = 0.05;
 const DELAY_STD: f64 = 0.03;
@@ -263,7 +263,8 @@ fn parameters(
                 "sensors.delay",
                 "the delay between torque and velocity",
                 "s",
-                0.0,
+                number(d, "sensors.swing_velocity_delay").unwrap_or(0.0)
+                    - number(d, "sensors.swing_torque_delay").unwrap_or(0.0),
                 DELAY_STD,
                 (-DELAY_MAX, DELAY_MAX),
             ),
@@ -273,8 +274,10 @@ fn parameters(
         "machine.drive_efficiency",
         "the efficiency of the drive",
         "",
-        EFFICIENCY.0,
-        EFFICIENCY.1,
+        number(d, "machine.drive_efficiency").unwrap_or(1.0),
+        number(d, "machine.drive_efficiency_std")
+            .unwrap_or(0.0)
+            .max(EFFICIENCY_STD),
         (0.5, 1.1),
     );
     let gain = linear(

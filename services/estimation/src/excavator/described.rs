@@ -1,8 +1,10 @@
 //! From the description of an excavator to the settings of its estimators.
 
+use super::doubts::Doubts;
 use super::geometry::Geometry;
-use super::keys::{Description, Paper};
+use super::keys::{Description, Paper, Variant};
 use super::settings::{Sensors, Settings};
+use crate::math::sqrt;
 
 impl Settings {
     /// The settings that a description means.
@@ -18,6 +20,7 @@ impl Settings {
             prior: d.prior,
             estimator: d.estimator,
             paper: paper(d),
+            doubts: (d.estimator.variant == Variant::Auto).then(|| Doubts::of(d)),
         }
     }
 }
@@ -45,6 +48,42 @@ impl Geometry {
     }
 }
 
+/// Gain of the torque where nothing is stated, and where it is said to be exact.
+const GAIN_STD: [f64; 2] = [0.03, 0.05];
+
+/// Standard deviation of the torque's gain.
+fn gain_std(d: &Description) -> f64 {
+    let known = d.estimator.variant == Variant::Known;
+    match d.sensors.swing_torque_gain_std {
+        None if known => 0.0,
+        None => GAIN_STD[0],
+        Some(0.0) if !known => GAIN_STD[1],
+        Some(stated) => stated,
+    }
+}
+
+impl Doubts {
+    /// What a description leaves open of a machine that is not calibrated.
+    #[must_use]
+    pub fn of(d: &Description) -> Self {
+        let (m, s) = (&d.machine, &d.sensors);
+        let both = |a: f64, b: f64| sqrt(a * a + b * b);
+        Self {
+            gain_std: gain_std(d),
+            efficiency: m.drive_efficiency,
+            efficiency_std: m.drive_efficiency_std,
+            friction_std: m.coulomb_friction_std.unwrap_or(d.prior.friction_std),
+            slope_std: m.slope_std,
+            upper_first_moment: m.upper_first_moment,
+            upper_first_moment_std: m.upper_first_moment_std,
+            delay: s.swing_velocity_delay - s.swing_torque_delay,
+            delay_std: both(s.swing_velocity_delay_std, s.swing_torque_delay_std),
+            torque_share: d.estimator.torque_noise_share,
+            inertia_share: both(m.mass_tolerance, 2.0 * m.geometry_tolerance),
+        }
+    }
+}
+
 fn sensors(d: &Description) -> Sensors {
     let s = &d.sensors;
     Sensors {
@@ -52,7 +91,7 @@ fn sensors(d: &Description) -> Sensors {
         swing_velocity_std: s.swing_velocity_std,
         swing_angle_std: s.swing_angle_std,
         swing_torque_std: s.swing_torque_std,
-        swing_torque_gain_std: s.swing_torque_gain_std,
+        swing_torque_gain_std: gain_std(d),
         swing_velocity_limit: s.swing_velocity_limit,
         angle_limit: s.angle_limit,
         swing_torque_gain: s.swing_torque_gain,

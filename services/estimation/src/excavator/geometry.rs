@@ -48,6 +48,10 @@ pub struct Inertia {
     pub empty: f64,
     /// Per kilogram of payload (g) [m^2].
     pub per_payload: f64,
+    /// First moment of boom, arm and bucket about the swing axis [kg m].
+    pub moment: f64,
+    /// The same per kilogram of payload: its radius [m].
+    pub radius: f64,
 }
 
 impl Inertia {
@@ -72,6 +76,16 @@ impl Geometry {
     pub(super) fn payload_scale(&self) -> f64 {
         let leverage = |geometry: &Self| geometry.inertia(FOLDED).per_payload;
         self.scale() * leverage(&Self::default()) / leverage(self)
+    }
+
+    /// Inertia of the empty machine in the folded posture [kg m^2].
+    pub(super) fn folded_inertia(&self) -> f64 {
+        self.inertia(FOLDED).empty
+    }
+
+    /// First moment of the empty attachment in the folded posture [kg m].
+    pub(super) fn folded_moment(&self) -> f64 {
+        self.inertia(FOLDED).moment
     }
 
     /// Inertia at the joint angles boom (to the horizontal, up positive), arm (relative to the
@@ -101,6 +115,8 @@ impl Geometry {
         Inertia {
             empty: self.upper_inertia + links,
             per_payload: payload * payload + self.payload_gyration * self.payload_gyration,
+            moment: (0..3).map(|i| self.masses[i] * radii[i]).sum(),
+            radius: payload,
         }
     }
 }

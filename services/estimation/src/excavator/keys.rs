@@ -25,6 +25,23 @@ table! {
         nominal_damping: f64 = 1500.0, "N m s/rad", 0.0 to 1e7;
         /// Coulomb friction torque of the swing.
         coulomb_friction: f64 = 250.0, "N m", 0.0 to 1e6;
+        /// Standard deviation of the Coulomb friction; "none" takes prior.friction_std.
+        coulomb_friction_std: Option<f64> = None, "N m", 0.0 to 1e6;
+        /// Efficiency of the swing drive: driving torque arrives times it, braking torque divided by it.
+        drive_efficiency: f64 = 1.0, "", 0.5 to 1.0;
+        /// Its standard deviation.
+        drive_efficiency_std: f64 = 0.03, "", 0.0 to 0.5;
+        /// First moment of the upper body without boom, arm and bucket about the swing axis, forward positive (a
+        /// counterweight makes it negative); "none" takes one that balances the folded, empty attachment.
+        upper_first_moment: Option<f64> = None, "kg m", -1e7 to 1e7;
+        /// Its standard deviation; "none" takes 3 % of a stated moment, 30 % of one that is not.
+        upper_first_moment_std: Option<f64> = None, "kg m", 0.0 to 1e7;
+        /// Standard deviation of the slope of the ground along each of two axes.
+        slope_std: f64 = 0.03, "rad", 0.0 to 0.5;
+        /// Relative standard deviation of the described masses and inertias.
+        mass_tolerance: f64 = 0.015, "", 0.0 to 0.5;
+        /// Relative standard deviation of the described lengths.
+        geometry_tolerance: f64 = 0.007, "", 0.0 to 0.2;
         /// Inertia of the upper body without boom, arm and bucket, about the swing axis (J_u).
         upper_inertia: f64 = 1698.0, "kg m^2", 0.0 to 1e9;
         /// Smallest inertia that an estimate may take.
@@ -85,8 +102,17 @@ table! {
         swing_angle_std: f64 = 0.0005, "rad", 1e-12 to 1.0;
         /// Noise of the swing torque (sigma_T).
         swing_torque_std: f64 = 100.0, "N m", 1e-9 to 1e6;
-        /// Standard deviation of the torque's gain about 1; it cannot be noticed, and widens the interval.
-        swing_torque_gain_std: f64 = 0.0, "", 0.0 to 1.0;
+        /// Standard deviation of the torque's gain about 1; "none" takes 0.03. Nobody knows a gain exactly: 0 says that
+        /// nothing is known of it and takes 0.05, but is meant with the variant "known", whose "none" is 0.
+        swing_torque_gain_std: Option<f64> = None, "", 0.0 to 1.0;
+        /// How late the torque comes.
+        swing_torque_delay: f64 = 0.0, "s", 0.0 to 1.0;
+        /// Its standard deviation.
+        swing_torque_delay_std: f64 = 0.015, "s", 0.0 to 1.0;
+        /// How late the swing velocity comes.
+        swing_velocity_delay: f64 = 0.0, "s", 0.0 to 1.0;
+        /// Its standard deviation.
+        swing_velocity_delay_std: f64 = 0.015, "s", 0.0 to 1.0;
         /// Noise of the joint angles.
         angle_std: f64 = 0.001, "rad", 0.0 to 1.0;
         /// A velocity of this size or more is taken as missing (end of the sensor's range).
@@ -159,6 +185,9 @@ table! {
         /// The torque enters as the mean of two samples, with variance (sigma_T / this)^2; 1, and not 1.41, since each
         /// sample is in two means.
         torque_noise_divisor: f64 = 1.0, "", 0.1 to 10.0;
+        /// What the model of the torque leaves out, as a share of the largest torque seen (noise per 0.01 s); less or
+        /// more of it is found from the innovations.
+        torque_noise_share: f64 = 0.1, "", 0.0 to 1.0;
         /// Innovations beyond this many standard deviations are weakened.
         gate: f64 = 4.0, "", 1.0 to 1e6;
         /// Innovations beyond this many standard deviations are dropped, at most three in a row (modes C, A).

@@ -23,6 +23,7 @@
 use super::estimate::{Estimate, Flags, Method};
 use super::joint::JointRegression;
 use super::motion::Motion;
+use super::reason::Reason;
 use super::settings::Settings;
 use super::settings_error::SettingsError;
 use super::single::SingleRegression;
@@ -191,7 +192,7 @@ impl Regression {
                 consistent: measured_noise || self.nis.mean() <= e.consistent_nis,
                 fresh,
                 converged: 1.96 * inertia.std < e.converged_share * inertia.value,
-                identifiable: fit.identifiable,
+                identifiable: fit.identifiable && self.settings.tells_by_half(),
                 held,
                 nominal: fit.nominal,
                 window: fit.window,
@@ -200,6 +201,11 @@ impl Regression {
             method: self.method,
             forgetting: fit.forgetting,
             refused: self.refused,
+            reason: if self.settings.tells_by_half() {
+                Reason::None
+            } else {
+                Reason::Method
+            },
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Settings of every excavator estimator; the default is the reference machine.
 
+use super::doubts::Doubts;
 use super::geometry::Geometry;
 use super::keys::Description;
 pub use super::keys::{Estimator, Paper, Prior, Variant};
@@ -49,6 +50,8 @@ pub struct Settings {
     pub estimator: Estimator,
     /// The paper's regression.
     pub paper: Paper,
+    /// What a working machine may differ by; `None` for a calibrated one.
+    pub doubts: Option<Doubts>,
 }
 
 impl Settings {
@@ -56,6 +59,19 @@ impl Settings {
     /// `inertia`: the figures are reached only by starting at the true one.
     pub fn paper(inertia: f64) -> Self {
         Self::of(&Description::paper_preset(inertia))
+    }
+
+    /// The payload of a full bucket, as the prior means it: two thirds of the payloads lie within one standard
+    /// deviation of the prior, and a full one a little beyond [kg].
+    pub(super) fn rated_payload(&self) -> f64 {
+        self.prior.payload + 1.25 * self.prior.payload_std
+    }
+
+    /// Whether torque alone, or posture alone, can tell the inertia: on a machine that is calibrated, at an inertia
+    /// that is declared constant, or on an axis that is no excavator's (lighter than its geometry).
+    pub(super) fn tells_by_half(&self) -> bool {
+        let lighter = self.inertia_max < self.geometry.folded_inertia();
+        self.doubts.is_none() || self.estimator.constant_inertia || lighter
     }
 
     /// Smallest and largest payload that an estimate may take: as set, but never less than what the
@@ -76,7 +92,11 @@ impl Paper {
 }
 
 impl Default for Settings {
+    /// The reference machine, calibrated: it is what its description says.
     fn default() -> Self {
-        Self::of(&Description::default())
+        let mut settings = Self::of(&Description::default());
+        settings.sensors.swing_torque_gain_std = 0.0;
+        settings.doubts = None;
+        settings
     }
 }

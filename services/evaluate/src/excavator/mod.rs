@@ -9,6 +9,7 @@
 //! | `identifiability` | Cramer-Rao bounds beside what is reached | [`identifiability`] |
 //! | `attachments` | inertia of bucket and crusher, Fig. 3 | [`attachments`] |
 //! | `calibration` | `heft calibrate` over simulated machines | [`calibration`] |
+//! | `honesty` | what is trusted on machines that are not what they are said to be | [`honesty`] |
 
 pub mod attachments;
 pub mod bad_input;
@@ -16,6 +17,8 @@ pub mod calibration;
 mod case;
 pub mod drop;
 mod estimators;
+pub mod honesty;
+pub mod honesty_lines;
 pub mod identifiability;
 mod information;
 pub mod modes;
@@ -34,7 +37,7 @@ use std::sync::atomic::Ordering;
 
 type Evaluation = fn(&Options) -> Result<Report, Error>;
 
-const TABLES: [(&str, Evaluation); 7] = [
+const TABLES: [(&str, Evaluation); 8] = [
     ("table1", table1::evaluate),
     ("modes", modes::evaluate),
     ("drop", drop::evaluate),
@@ -42,6 +45,7 @@ const TABLES: [(&str, Evaluation); 7] = [
     ("identifiability", identifiability::evaluate),
     ("attachments", attachments::evaluate),
     ("calibration", calibration::evaluate),
+    ("honesty", honesty::evaluate),
 ];
 
 /// The table asked for, or all of them: then the JSON has one key per table.

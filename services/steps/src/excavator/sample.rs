@@ -21,6 +21,7 @@ pub fn sample(m: &ExcavatorSensors) -> Sample {
             valid(bits::ARM_ANGLE, m.arm_angle),
             valid(bits::BUCKET_ANGLE, m.bucket_angle),
         ],
+        inclination: [valid(bits::PITCH, m.pitch), valid(bits::ROLL, m.roll)],
     }
 }
 
