@@ -4,7 +4,7 @@ use std::path::Path;
 
 use config::Description;
 use messages::channels::Channel;
-use messages::{Envelope, ExcavatorEstimate, LoaderEstimate, Message, Receiver};
+use messages::{Envelope, ExcavatorEstimate, LoaderEstimate, Message, Receiver, excavator_bits};
 use recording::{EstimateWriter, Metadata, Writer};
 use steps::Error;
 use steps::stages::{Pipeline, Role};
@@ -96,6 +96,12 @@ fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
     }
     let last = estimates().last().copied().unwrap_or_default();
     tell(args, written, rows.len(), &view::words::verdict(&last));
+    if boom_points_down(rows.iter().map(|(sensors, _)| sensors.envelope())) {
+        println!(
+            "boom_angle seems to have the other sign: the boom points into the ground while the machine swings\n  what to do: \
+             turn it with `scale = -1` in a signal map (up is positive)"
+        );
+    }
     let trusted = estimates().filter(|e| Estimate::trusted(*e)).last();
     let age = trusted.map(|e| last.stamp().time - e.stamp().time);
     if let Some((trusted, age)) = trusted.zip(age).filter(|(_, age)| *age > 0.0) {
@@ -108,6 +114,27 @@ fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
         summary::require_trust(age)?;
     }
     Ok(())
+}
+
+/// Whether the boom points into the ground in nearly every sample in which an excavator swings: no machine can.
+fn boom_points_down(samples: impl Iterator<Item = Envelope>) -> bool {
+    /// Swinging from this velocity on [rad/s], down from this angle on [rad]; fewest samples that tell.
+    const SWINGS: f64 = 0.1;
+    const DOWN: f64 = -0.2;
+    const FEWEST: usize = 50;
+    let measured = excavator_bits::BOOM_ANGLE | excavator_bits::SWING_VELOCITY;
+    let booms = samples.filter_map(|sample| match sample {
+        Envelope::ExcavatorSensors(s)
+            if s.valid & measured == measured && s.swing_velocity.abs() > SWINGS =>
+        {
+            Some(s.boom_angle)
+        }
+        _ => None,
+    });
+    let (down, all) = booms.fold((0, 0), |(down, all), boom| {
+        (down + usize::from(boom < DOWN), all + 1)
+    });
+    all >= FEWEST && 10 * down > 9 * all
 }
 
 /// The samples and, where it is known, the truth.
