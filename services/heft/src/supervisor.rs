@@ -147,8 +147,7 @@ impl Supervisor {
         self.end_all();
         self.taps.drain(&mut self.watch);
         self.watch.finish();
-        let logger = self.workers.iter().find(|w| w.process.name == "logger");
-        parts::join(&self.plan.recording, logger.map_or(0, |w| w.restarts))?;
+        parts::finish(&self.plan.recording);
         Ok((end, std::mem::take(&mut self.watch)))
     }
 

@@ -20,6 +20,7 @@ use runtime::{Step, answer};
 
 use crate::cli::ReplayArgs;
 use crate::failure::Failure;
+use crate::parts;
 use crate::pipeline;
 
 /// Comparison of one channel.
@@ -35,8 +36,7 @@ struct Compared {
 
 /// `heft replay`
 pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
-    super::recover::mend(&args.file)?;
-    let reader = Reader::open(&args.file)?;
+    let reader = parts::open(&args.file)?;
     let metadata = reader.metadata();
     let version = metadata.get("heft.version").map_or("?", String::as_str);
     if version != env!("CARGO_PKG_VERSION") {

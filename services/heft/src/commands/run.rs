@@ -110,7 +110,7 @@ pub fn plan(args: &RunArgs) -> Result<(Plan, PathBuf), Failure> {
     };
     pipeline::check(&plan)?;
     let folder = absolute(&folder(args.out.as_deref(), kind.name())?)?;
-    plan.recording = folder.join("run.mcap");
+    plan.recording = recording::reserve(&folder)?;
     Ok((plan, folder))
 }
 
@@ -165,7 +165,7 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     for name in Domain::remove_leftovers() {
         eprintln!("removed what the killed run `{name}` had left in shared memory");
     }
-    let (plan, folder) = plan(args)?;
+    let (plan, _) = plan(args)?;
     let kind = plan.kind();
     let page = args
         .view
@@ -185,7 +185,7 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     )?;
     let (end, watch) = supervisor.run()?;
     let report = (!args.no_report)
-        .then(|| summary::report(&recording, &folder))
+        .then(|| summary::report(&recording))
         .flatten();
     print!(
         "{}",
