@@ -11,7 +11,7 @@ use clap_complete::Shell;
 /// Without a command: the demonstration. Both machines run in real time as separate processes for
 /// some 20 s; then heft says what it found and whether to believe it.
 #[derive(Debug, Parser)]
-#[command(name = "heft", version, max_term_width = 100)]
+#[command(name = "heft", version = crate::build::IDENTITY, max_term_width = 100)]
 #[command(
     after_help = "Exit status: 0 done, 1 ran but the answer is no, 2 wrong use or bad input."
 )]

@@ -1,5 +1,6 @@
 //! heft: the command line, and the supervisor of the processes.
 
+mod build;
 mod cli;
 mod commands;
 mod failure;

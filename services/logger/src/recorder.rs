@@ -60,11 +60,6 @@ impl Recorder {
         Ok(recorder)
     }
 
-    /// Whether messages are recorded at this moment.
-    pub fn is_recording(&self) -> bool {
-        self.writer.is_some()
-    }
-
     fn begin(&mut self) -> Result<(), Error> {
         let begun = std::fs::metadata(&self.first).is_ok_and(|m| m.is_file() && m.len() > 0);
         // The first part may have been removed already.
@@ -368,7 +363,6 @@ mod tests {
                 .flush()
                 .is_err_and(|e| e.is_disk_full() && e.what.contains("--min-free"))
         );
-        assert!(!recorder.is_recording());
         assert_eq!(
             recorder.write(&EXCAVATOR_SENSORS, &message.envelope()),
             Ok(false)

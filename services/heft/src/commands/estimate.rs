@@ -223,6 +223,7 @@ fn metadata(args: &EstimateArgs, description: &Description, method: &str) -> Met
     let mut metadata = Metadata::new();
     for (key, value) in [
         ("heft.version", env!("CARGO_PKG_VERSION").to_owned()),
+        (crate::build::KEY, crate::build::IDENTITY.to_owned()),
         ("machine", description.kind().name().to_owned()),
         ("input", args.file.display().to_string()),
         ("method", method.to_owned()),

@@ -200,6 +200,11 @@ fn verdict(end: &End, watch: &Watch, require_trust: bool) -> Result<(), Failure>
             "the run ended early: {reason}\n  where: the supervisor\n  what to do: see the messages above; the recording holds what was seen"
         )));
     }
+    if watch.recording_failed() {
+        return Err(Failure::answer_is_no(
+            "the recording is incomplete: the disk took no more\n  where: --out\n  what to do: make room, or choose another folder; the estimates went on to the end",
+        ));
+    }
     if require_trust && !summary::is_trusted(watch) {
         return Err(Failure::answer_is_no("the last verdict is not `trusted`"));
     }
