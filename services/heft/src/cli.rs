@@ -6,6 +6,8 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 
+use crate::limits::LimitArgs;
+
 /// Lets a construction machine know its own mass properties while it works.
 ///
 /// Without a command: the demonstration. Both machines run in real time as separate processes for
@@ -216,6 +218,9 @@ pub struct RunArgs {
     /// Folder for the recording and the report
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Bounds of the recording
+    #[command(flatten)]
+    pub limits: LimitArgs,
     /// Name of the run's corner of shared memory
     #[arg(long)]
     pub domain: Option<String>,

@@ -5,6 +5,7 @@ mod cli;
 mod commands;
 mod failure;
 mod figures;
+mod limits;
 mod live;
 mod parts;
 mod pipeline;

@@ -100,7 +100,8 @@ fn join(recording: &Path) -> Result<(), Failure> {
     let reader = Reader::open(recording)?;
     let parts: Vec<PathBuf> = reader.files().map(Path::to_owned).collect();
     // One of them may be from before a crash of this run, but none is anybody else's: see `reserve`.
-    if parts.len() < 2 {
+    let is_split = reader.metadata().contains_key("split");
+    if parts.len() < 2 || is_split {
         return Ok(());
     }
     let joined = recording.with_extension("joined.mcap");

@@ -9,6 +9,7 @@ use runtime::Domain;
 use serde::{Deserialize, Serialize};
 
 use crate::failure::Failure;
+use crate::limits::LimitArgs;
 
 /// What a run does. Written to the domain by the supervisor, read by every worker.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -44,6 +45,8 @@ pub struct Plan {
     pub cores: Vec<usize>,
     /// File to record to.
     pub recording: PathBuf,
+    /// Bounds of the recording.
+    pub limits: LimitArgs,
     /// Whether a process that only measures the arrival of estimates joins the chain.
     pub probe: Option<PathBuf>,
     /// Whether that process waits for the iceoryx2 event of its channel instead of its bell.
@@ -120,6 +123,12 @@ impl Plan {
             }
             .to_owned(),
         );
+        if self.limits.split.is_some() {
+            put(
+                "split",
+                "parts of one recording, each whole by itself".to_owned(),
+            );
+        }
         let system = rustix::system::uname();
         put("host", system.nodename().to_string_lossy().into_owned());
         put(

@@ -139,7 +139,7 @@ fn serve_loader(
 
 fn serve_logger(worker: Worker, plan: &Plan) -> Result<(), Failure> {
     let channels: Vec<_> = of_machine(&plan.machine).collect();
-    let limits = logger::Limits::default();
+    let limits = plan.limits.of_logger();
     let logger = logger::Logger::create(&plan.recording, &plan.metadata(), limits)?;
     Ok(run_sink(worker, &channels, plan.lossless, logger)?)
 }

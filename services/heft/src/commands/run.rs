@@ -105,6 +105,7 @@ pub fn plan(args: &RunArgs) -> Result<(Plan, PathBuf), Failure> {
         realtime: args.rt,
         cores: cores(args),
         recording: PathBuf::new(),
+        limits: args.limits.clone(),
         probe: args.probe.as_deref().map(absolute).transpose()?,
         probe_listens: args.probe_listens,
     };
