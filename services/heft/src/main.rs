@@ -3,14 +3,13 @@
 mod build;
 mod cli;
 mod commands;
+mod compare;
 mod failure;
 mod figures;
 mod limits;
 mod live;
 mod parts;
-mod pipeline;
 mod plan;
-mod processes;
 mod quantity;
 mod service;
 mod sources;
@@ -68,7 +67,7 @@ fn dispatch(cli: Cli) -> Result<(), Failure> {
             file,
             machine,
             print,
-        } => commands::check::check(&file, machine.map(Into::into), print),
+        } => commands::check::check(&file, machine, print),
         Command::Weigh {
             file,
             description,

@@ -9,11 +9,11 @@ use std::time::{Duration, Instant};
 use messages::channels::{Channel, of_machine};
 use runtime::{Bell, Domain, Heard, Held, Owner, Ports, Taps, now_ns};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use steps::stages::{Pipeline, Role};
 
 use crate::failure::Failure;
 use crate::parts;
 use crate::plan::Plan;
-use crate::processes;
 use crate::watch::Watch;
 use crate::worker::Worker;
 
@@ -66,7 +66,7 @@ impl Supervisor {
         plan.write(domain)?;
         domain.enter()?;
         let ports = Ports::new("supervisor")?;
-        let channels: Vec<&'static Channel> = of_machine(&plan.machine).collect();
+        let channels: Vec<&'static Channel> = of_machine(plan.machine).collect();
         let held = channels
             .iter()
             .map(|c| ports.create(c))
@@ -94,11 +94,11 @@ impl Supervisor {
     }
 
     fn spawn_all(&mut self) -> Result<(), Failure> {
-        let table = processes::of_machine(self.plan.kind());
+        let table = Pipeline::of(self.plan.machine).stages;
         let wanted = table
             .iter()
             .enumerate()
-            .filter(|(_, p)| p.name != "probe" || self.plan.probe.is_some());
+            .filter(|(_, p)| !matches!(p.role, Role::Probe(_)) || self.plan.probe.is_some());
         let bells = table
             .iter()
             .map(|_| Bell::new())

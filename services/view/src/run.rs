@@ -3,6 +3,7 @@
 use messages::channels::{self, Channel};
 use messages::{ExcavatorEstimate, Health, LoaderEstimate, Message, SwingMotion};
 use recording::Reader;
+use steps::stages::Pipeline;
 
 use crate::estimate::Estimate;
 
@@ -115,9 +116,6 @@ impl Run {
     /// # Errors
     /// The recording is damaged, or a channel carries another type than its name says.
     pub fn from_recording(reader: &Reader) -> Result<Self, recording::Error> {
-        use channels::{
-            EXCAVATOR_INERTIA_RLS, EXCAVATOR_INERTIA_UKF, LOADER_CG_EKF, LOADER_CG_UKF,
-        };
         let metadata = reader.metadata();
         let processes = metadata.get("processes").map_or_else(Vec::new, |names| {
             names
@@ -133,18 +131,8 @@ impl Run {
         }
         let motions = reader.stream(channels::EXCAVATOR_MOTION.name)?;
         Ok(Self {
-            excavator: machine(
-                reader,
-                &[EXCAVATOR_INERTIA_RLS, EXCAVATOR_INERTIA_UKF],
-                &channels::EXCAVATOR_TRUTH,
-                &mut thinned,
-            )?,
-            loader: machine(
-                reader,
-                &[LOADER_CG_EKF, LOADER_CG_UKF],
-                &channels::LOADER_TRUTH,
-                &mut thinned,
-            )?,
+            excavator: machine(reader, &channels::EXCAVATOR_TRUTH, &mut thinned)?,
+            loader: machine(reader, &channels::LOADER_TRUTH, &mut thinned)?,
             motion: motions.take(MOTIONS).collect(),
             health: last_health.into_values().collect(),
             thinned,
@@ -177,7 +165,6 @@ impl Run {
 
 fn machine<E: Estimate>(
     reader: &Reader,
-    channels: &[Channel],
     truth: &Channel,
     thinned: &mut Vec<Thinned>,
 ) -> Result<MachineRun<E>, recording::Error> {
@@ -189,7 +176,7 @@ fn machine<E: Estimate>(
     } else {
         reader.counts()
     };
-    for channel in channels {
+    for channel in Pipeline::of(E::MACHINE).estimates() {
         let stretch = counts.get(channel.name).map_or(1, |n| n.div_ceil(HELD / 3));
         let mut lost = Lost::default();
         let mut received = 0;
