@@ -8,7 +8,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 use messages::Machine;
 
-use crate::limits::LimitArgs;
+use crate::bounds::LimitArgs;
 
 /// Lets a construction machine know its own mass properties while it works.
 ///

@@ -1,12 +1,12 @@
 //! heft: the command line, and the supervisor of the processes.
 
+mod bounds;
 mod build;
 mod cli;
 mod commands;
 mod compare;
 mod failure;
 mod figures;
-mod limits;
 mod live;
 mod parts;
 mod plan;

@@ -11,8 +11,8 @@ use runtime::Domain;
 use serde::{Deserialize, Serialize};
 use steps::stages::Pipeline;
 
+use crate::bounds::LimitArgs;
 use crate::failure::Failure;
-use crate::limits::LimitArgs;
 
 /// What a run does. Written to the domain by the supervisor, read by every worker.
 #[derive(Debug, Clone, Serialize, Deserialize)]
