@@ -6,7 +6,7 @@ use messages::channels::{
 use messages::{ExcavatorSensors, ExcavatorTruth, LoaderSensors, LoaderTruth, Message};
 
 use crate::signal::{Excavator, Loader, Machine};
-use crate::{Error, Map, Reader, candump, csv};
+use crate::{Error, Map, Reader, can, csv};
 
 /// Reads the samples of an excavator from a table (`.csv`), a recording (`.mcap`) or a CAN log
 /// (`.log`, which needs a map).
@@ -113,7 +113,7 @@ fn open<M: Machine>(
     };
     match (ending.as_deref(), map) {
         (Some("csv" | "txt"), _) => Ok(Samples(Source::Table(csv::read::<M>(path, map)?))),
-        (Some("log"), Some(map)) => Ok(Samples(Source::Table(candump::read::<M>(path, map)?))),
+        (Some("log"), Some(map)) => Ok(Samples(Source::Table(can::read::<M>(path, map)?))),
         (Some("mcap"), None) => recorded::<M>(path, channels),
         (Some("log"), None) => Err(Error::new(
             "a CAN log needs a signal map",
