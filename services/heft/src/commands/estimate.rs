@@ -11,7 +11,7 @@ use steps::stages::{AnyStep, Pipeline, Role};
 use view::estimate::Estimate;
 
 use crate::cli::EstimateArgs;
-use crate::commands::run::description;
+use crate::commands::run::{description, tell_idle_keys};
 use crate::failure::Failure;
 use crate::parts;
 use crate::sources;
@@ -86,6 +86,7 @@ fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
 ) -> Result<(), Failure> {
     samples.on_progress(parts::progress());
     let mut way = way(description, method(args))?;
+    tell_idle_keys(description, &[method(args)]);
     let mut writer = EstimateWriter::<E>::create(&args.output)?;
     let metadata = metadata(args, description, method(args));
     let report = args.report.as_deref();
