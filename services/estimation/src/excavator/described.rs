@@ -94,6 +94,8 @@ fn sensors(d: &Description) -> Sensors {
         swing_torque_gain_std: gain_std(d),
         swing_velocity_limit: s.swing_velocity_limit,
         angle_limit: s.angle_limit,
+        swing_torque_gain: s.swing_torque_gain,
+        swing_torque_offset: s.swing_torque_offset,
     }
 }
 

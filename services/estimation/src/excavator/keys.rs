@@ -119,6 +119,10 @@ table! {
         swing_velocity_limit: f64 = 5.0, "rad/s", 1e-6 to 1e6;
         /// A joint angle of this size or more is taken as missing.
         angle_limit: f64 = core::f64::consts::TAU, "rad", 0.1 to 1000.0;
+        /// Measured over true swing torque, as calibrated.
+        swing_torque_gain: f64 = 1.0, "", 0.01 to 100.0;
+        /// Swing torque that is measured where there is none, as calibrated.
+        swing_torque_offset: f64 = 0.0, "N m", -1e6 to 1e6;
     }
 }
 
