@@ -222,7 +222,7 @@ pub struct RunArgs {
     /// Name of the run's corner of shared memory
     #[arg(long)]
     pub domain: Option<String>,
-    /// Exit with status 1 if the last verdict is not `trusted`
+    /// Exit with status 1 if no estimate of the last 30 s is `trusted`
     #[arg(long)]
     pub require_trust: bool,
     /// Nothing on the terminal while it runs
@@ -265,7 +265,7 @@ pub struct EstimateArgs {
     /// Also write an HTML report
     #[arg(long, value_name = "R.html")]
     pub report: Option<PathBuf>,
-    /// Exit with status 1 if the last verdict is not `trusted`
+    /// Exit with status 1 if no estimate of the last 30 s is `trusted`
     #[arg(long)]
     pub require_trust: bool,
 }
