@@ -1,6 +1,6 @@
 //! What the estimator answers to each row: values, standard deviations, and whether to believe them.
 
-use super::Method;
+use super::{Method, Reason};
 use crate::Quantity;
 
 /// What the estimator did with a row.
@@ -62,7 +62,7 @@ pub struct Estimate {
     pub excited_height: bool,
     /// The innovations are not larger than predicted.
     pub consistent: bool,
-    /// Speed and both wheel speeds were accepted within the last 0.25 s.
+    /// Speed and wheel speeds were accepted, and torques, slope and specific force came, within the last 0.25 s; none is stuck.
     pub fresh: bool,
     /// The data, not the prior, determine the ratio.
     pub observable_ratio: bool,
@@ -80,6 +80,8 @@ pub struct Estimate {
     pub trusted_ratio: bool,
     /// The height may be believed: excited and converged, with all that this includes.
     pub trusted_height: bool,
+    /// Why it is not fresh or not consistent.
+    pub reason: Reason,
     /// What was done with the row.
     pub status: Status,
     /// The method that made the estimate.

@@ -5,7 +5,7 @@ use super::filter::{CgFilter, RowReport};
 use super::payload::Payload;
 use super::settings::{Settings, SettingsError};
 use super::verdict::{Intervals, with_floors};
-use super::{Columns, Method, Sample};
+use super::{Columns, Method, Reason, Sample};
 use crate::Quantity;
 use crate::root::standard_deviations;
 
@@ -105,6 +105,7 @@ impl CgEstimator {
         };
         if f64::from(self.refused_in_a_row) * self.period > self.settings.verdict.fresh {
             answer.fresh = false;
+            answer.reason = Reason::Missing;
             (answer.converged_ratio, answer.converged_height) = (false, false);
             (answer.trusted_ratio, answer.trusted_height) = (false, false);
         }
@@ -240,6 +241,7 @@ fn report<const N: usize, const M: usize>(
         reset: verdict.reset,
         trusted_ratio: verdict.excited_ratio && verdict.converged_ratio,
         trusted_height: verdict.excited_height && verdict.converged_height,
+        reason: verdict.reason,
         status: row.status,
         method,
         resets: filter.evidence.resets,

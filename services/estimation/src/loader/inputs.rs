@@ -7,6 +7,8 @@ use super::wheel_dynamics::Inputs;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct InputHold {
     held: [f64; 5],
+    /// Which of them were missing in the last row.
+    missing: [bool; 5],
     acceleration: Option<f64>,
     /// Mass with its load [kg].
     pub mass: f64,
@@ -24,6 +26,7 @@ impl InputHold {
     pub fn new(mass: f64) -> Self {
         Self {
             held: [0.0; 5],
+            missing: [false; 5],
             acceleration: None,
             mass,
         }
@@ -32,8 +35,9 @@ impl InputHold {
     /// Takes a row over and returns what acted during the step that it ends.
     ///
     /// An input that is missing keeps its last finite value; before any it is 0. Mid-point inputs are the mean of the held
-    /// value and the new one, otherwise the older one is held over the step as the paper does.
-    pub fn advance(&mut self, sample: &Sample, midpoint: bool) -> StepInputs {
+    /// value and the new one, otherwise the older one is held over the step as the paper does. Where `anew`, a value that comes
+    /// after missing ones stands alone: what was held is of another time.
+    pub fn advance(&mut self, sample: &Sample, midpoint: bool, anew: bool) -> StepInputs {
         let row = [
             sample.front_torque,
             sample.rear_torque,
@@ -42,12 +46,18 @@ impl InputHold {
             sample.slope,
         ];
         let mut used = self.held;
-        for ((used, held), new) in used.iter_mut().zip(&mut self.held).zip(row) {
+        let memory = self.held.iter_mut().zip(&mut self.missing);
+        for ((used, (held, missing)), new) in used.iter_mut().zip(memory).zip(row) {
             if let Some(new) = finite(new) {
-                if midpoint {
-                    *used = 0.5 * (*held + new);
-                }
+                *used = match midpoint {
+                    true if anew && *missing => new,
+                    true => 0.5 * (*held + new),
+                    false => *used,
+                };
                 *held = new;
+                *missing = false;
+            } else {
+                *missing = true;
             }
         }
         let acceleration = finite(sample.acceleration);

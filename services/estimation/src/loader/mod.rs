@@ -13,10 +13,11 @@
 //! | [`cg_model`] | (15)-(17): states and measurements |
 //! | `windup` | tyres wind up under a growing torque |
 //! | `quantum` | wheel speeds in steps |
+//! | `stuck` | a sensor whose value never changes |
 //! | `relearning` | what was learnt wrongly: the start, the radii under another load |
 //! | `inputs`, `conditions` | inputs between rows; freezing and wheel noise |
 //! | `filter`, `estimator` | one row |
-//! | `verdict` | whether to believe it |
+//! | `verdict`, `reason` | whether to believe it, and why not |
 //! | [`payload`] | a load that is known |
 //! | [`weigh`] | the static reference |
 
@@ -30,9 +31,11 @@ mod inputs;
 mod method;
 pub mod payload;
 mod quantum;
+mod reason;
 mod relearning;
 mod sample;
 pub mod settings;
+mod stuck;
 mod verdict;
 pub mod weigh;
 pub mod wheel_dynamics;
@@ -43,5 +46,6 @@ pub use estimator::CgEstimator;
 pub use filter::{CgFilter, RowReport};
 pub use method::Method;
 pub use payload::Payload;
+pub use reason::Reason;
 pub use sample::{Columns, Sample};
 pub use settings::{LoadTransfer, Machine, Prior, Sensors, Settings, SettingsError, Tuning};

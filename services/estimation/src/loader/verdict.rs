@@ -9,7 +9,10 @@
 //! The methods of the paper take the rolling radii as exact. On a real machine that error is larger than all others and
 //! their own interval knows nothing of it, so it is added too: they are honest, and therefore never trusted.
 
+use super::reason::Reason;
+use super::sample::{Sample, finite};
 use super::settings::{Settings, Tuning};
+use super::stuck::WATCHED;
 use crate::math::sqrt;
 
 /// Relative error of the ratio per load sensitivity.
@@ -60,8 +63,12 @@ impl Variation {
 pub(super) struct Evidence {
     torque: Variation,
     acceleration: Variation,
-    /// Ages of the last accepted speed and wheel speeds [s].
-    age: [f64; 3],
+    /// Ages of the last accepted speed and wheel speeds, and of the last torques, slope and specific force [s].
+    age: [f64; WATCHED],
+    /// The specific force is a required input.
+    accelerometer: bool,
+    /// A signal is stuck.
+    pub stuck: Option<usize>,
     /// How long every motion measurement that came was rejected [s].
     pub locked_out: f64,
     /// Running mean of the normalised innovation squared per measurement.
@@ -84,6 +91,7 @@ pub(super) struct Verdict {
     pub converged_ratio: bool,
     pub converged_height: bool,
     pub reset: bool,
+    pub reason: Reason,
 }
 
 /// Standard deviations of the two parameters that carry a verdict.
@@ -98,11 +106,14 @@ pub(super) struct Intervals {
 }
 
 impl Evidence {
-    pub fn new() -> Self {
+    /// Before the first row; `accelerometer`: the specific force is a required input.
+    pub fn new(accelerometer: bool) -> Self {
         Self {
             torque: Variation::default(),
             acceleration: Variation::default(),
-            age: [f64::INFINITY; 3],
+            age: [f64::INFINITY; WATCHED],
+            accelerometer,
+            stuck: None,
             locked_out: 0.0,
             consistency: 1.0,
             since_reset: 0.0,
@@ -123,6 +134,32 @@ impl Evidence {
         self.since_reset += dt;
     }
 
+    /// The inputs that came with the row.
+    pub fn receive(&mut self, sample: &Sample) {
+        let inputs = [
+            sample.front_torque,
+            sample.rear_torque,
+            sample.slope,
+            sample.acceleration,
+        ];
+        for (age, input) in self.age[3..].iter_mut().zip(inputs) {
+            if finite(input).is_some() {
+                *age = 0.0;
+            }
+        }
+    }
+
+    /// A torque has been missing for longer than an input stays fresh: the wheels tell nothing.
+    pub fn torque_lost(&self, limit: f64) -> bool {
+        self.age[3].max(self.age[4]) > limit
+    }
+
+    /// Whether every required input is recent.
+    fn fresh(&self, limit: f64) -> bool {
+        let required = if self.accelerometer { WATCHED } else { WATCHED - 1 };
+        self.stuck.is_none() && self.age[..required].iter().all(|age| *age <= limit)
+    }
+
     /// The row's measurements came and were accepted, or not.
     pub fn admit(&mut self, came: bool, accepted: &[bool], dt: f64) {
         if accepted.iter().take(3).any(|a| *a) {
@@ -130,7 +167,7 @@ impl Evidence {
         } else if came {
             self.locked_out += dt;
         }
-        for (age, accepted) in self.age.iter_mut().zip(accepted) {
+        for (age, accepted) in self.age[..3].iter_mut().zip(accepted) {
             if *accepted {
                 *age = 0.0;
             }
@@ -152,7 +189,7 @@ impl Evidence {
     pub fn verdict(&self, settings: &Settings, intervals: &Intervals, frozen: bool) -> Verdict {
         let (ratio_std, height_std) = intervals.filter;
         let limits = &settings.verdict;
-        let fresh = self.age.iter().all(|age| *age <= limits.fresh);
+        let fresh = self.fresh(limits.fresh);
         let consistent = self.consistency <= limits.consistent_nis;
         let reset = self.resets > 0 && self.since_reset < RESET_SHOWN;
         let sound = consistent && fresh && !reset;
@@ -172,6 +209,17 @@ impl Evidence {
                 && observable_height
                 && intervals.reported.1 <= limits.converged_height,
             reset,
+            reason: self.reason(fresh, consistent),
+        }
+    }
+
+    /// Why the estimate is not fresh or not consistent.
+    fn reason(&self, fresh: bool, consistent: bool) -> Reason {
+        match self.stuck {
+            Some(signal) => Reason::stuck(signal),
+            None if !fresh => Reason::Missing,
+            None if !consistent => Reason::Unexplained,
+            None => Reason::None,
         }
     }
 }

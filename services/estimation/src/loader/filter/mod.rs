@@ -11,6 +11,7 @@ use crate::loader::quantum::Quantum;
 use crate::loader::relearning::Relearning;
 use crate::loader::sample::{Sample, finite};
 use crate::loader::settings::{Settings, Tuning};
+use crate::loader::stuck::{Stuck, Witness};
 use crate::loader::verdict::Evidence;
 use crate::loader::wheel_dynamics::{GRAVITY, Inputs, WheelDynamics};
 use crate::loader::windup::Windup;
@@ -31,6 +32,11 @@ const NOT_MEASURED_STD: f64 = 1e6;
 
 /// A longer step between rows is a jump, whatever the tuning takes for a gap [s].
 const LONGEST_STEP: f64 = 1.0;
+
+/// Acceleration beyond which the torques do not explain the motion [m/s^2].
+const UNEXPLAINED: f64 = 0.15;
+/// Averaging time of the unexplained acceleration [s].
+const EXPLAIN_TIME: f64 = 0.25;
 
 /// What a row did.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,6 +79,9 @@ pub struct CgFilter<const N: usize, const M: usize> {
     clock: TimeBase,
     windup: Windup,
     quantum: Quantum,
+    stuck: Stuck,
+    /// Acceleration that the torques do not explain, smoothed [m/s^2].
+    unexplained: f64,
     relearning: Relearning,
     /// Process noise of the next step beyond the usual, by state.
     loosened: [f64; N],
@@ -120,10 +129,12 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
             dynamics,
             hold: InputHold::new(machine.mass),
             monitor: Monitor::default(),
-            evidence: Evidence::new(),
+            evidence: Evidence::new(M > 3),
             clock: TimeBase::default(),
             windup: Windup::default(),
             quantum: Quantum::default(),
+            stuck: Stuck::default(),
+            unexplained: 0.0,
             relearning: Relearning::new([settings.prior.slip_stiffness, settings.prior.cg_ratio]),
             loosened: [0.0; N],
             spade_force_x: 0.0,
@@ -177,7 +188,15 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
             Tick::Refused => return RowReport::without_update(Status::Refused, self.frozen),
             Tick::SetBack => return self.set_back(sample),
         };
-        let step = self.hold.advance(sample, self.tuning.midpoint_inputs);
+        let screened = if self.tuning.screened {
+            let witness = self.witness(sample);
+            self.stuck.watch(sample, &witness, dt)
+        } else {
+            *sample
+        };
+        let sample = &screened;
+        let (midpoint, anew) = (self.tuning.midpoint_inputs, self.tuning.screened);
+        let step = self.hold.advance(sample, midpoint, anew);
         self.spade_force_x = step.inputs.spade_force_x;
         self.dynamics.mass = self
             .payload
@@ -187,7 +206,11 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
             step.inputs.front_torque + step.inputs.rear_torque,
             self.free_acceleration(&step),
         );
-        if dt > self.tuning.gap {
+        self.evidence.receive(sample);
+        self.evidence.stuck = self.stuck.first();
+        self.explain(&step, dt);
+        let fresh = self.settings.verdict.fresh;
+        if dt > self.tuning.gap || self.tuning.screened && self.evidence.torque_lost(fresh) {
             return self.bridge_gap(sample);
         }
         let model = self.model(step.inputs, dt);
@@ -208,7 +231,8 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
 
     /// The first row with a time starts the filter.
     fn first(&mut self, sample: &Sample) -> RowReport<M> {
-        self.hold.advance(sample, false);
+        self.hold.advance(sample, false, false);
+        self.evidence.receive(sample);
         self.spade_force_x = finite(sample.spade_force_x).unwrap_or(0.0);
         let speed = finite(sample.speed).unwrap_or(0.0);
         let rim = speed / self.dynamics.wheel_radius;
@@ -234,6 +258,45 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
             substeps: self.tuning.substeps,
             loading: self.loading(),
         }
+    }
+
+    /// What the motion says of a row beside its own signals.
+    fn witness(&self, sample: &Sample) -> Witness {
+        let (state, sensors) = (&self.filter.state, &self.settings.sensors);
+        let radius = self.dynamics.wheel_radius;
+        let speed = finite(sample.speed).unwrap_or(state[0]);
+        let front = finite(sample.front_wheel_speed).unwrap_or(speed / radius);
+        let rear = finite(sample.rear_wheel_speed).unwrap_or(speed / radius);
+        let fastest = speed.abs().max(radius * front.abs().max(rear.abs()));
+        Witness {
+            moving: fastest > self.tuning.freeze_speed,
+            speeds: [0.5 * radius * (front + rear), rear, front],
+            unexplained: self.unexplained.abs() > UNEXPLAINED,
+            std: [
+                sensors.speed_std,
+                sensors.wheel_speed_std,
+                sensors.wheel_speed_std,
+                0.0,
+                0.0,
+                sensors.slope_std,
+                sensors.acceleration_std,
+            ],
+            patience: self.settings.verdict.fresh,
+        }
+    }
+
+    /// Follows the acceleration that the torques do not explain.
+    fn explain(&mut self, step: &StepInputs, dt: f64) {
+        let Some(measured) = step.acceleration.filter(|_| M > 3) else {
+            return;
+        };
+        let radius = self.dynamics.wheel_radius;
+        let spin = 2.0 * self.dynamics.axle_inertia / (radius * radius);
+        let pull = (step.inputs.front_torque + step.inputs.rear_torque) / radius;
+        let rolling = self.dynamics.rolling_resistance * tanh(self.filter.state[0] / 0.05);
+        let free = pull - step.inputs.spade_force_x - rolling * self.dynamics.mass * GRAVITY;
+        let residual = measured - free / (self.dynamics.mass + spin);
+        self.unexplained += (dt / EXPLAIN_TIME).min(1.0) * (residual - self.unexplained);
     }
 
     /// Acceleration along the road, measured, or what the torques would give without slip [m/s^2].
@@ -291,6 +354,13 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
                 prediction.measurement_std(j)
             });
             (accepted[j], deweighted[j]) = (kept, soft);
+        }
+        if self.tuning.screened {
+            // A held torque is of another time, and a wheel without its torque tells nothing.
+            let torques = [sample.front_torque, sample.rear_torque];
+            let driven = torques.iter().all(|torque| finite(*torque).is_some());
+            accepted[1] &= driven;
+            accepted[2] &= driven;
         }
         let update = prediction.update(&innovation, &std, &accepted);
         self.filter.accept(&update);

@@ -36,6 +36,7 @@ impl Tuning {
                 gain: 0.1,
             }),
             load_shift: true,
+            screened: true,
             ..recommended
         }
     }
@@ -91,6 +92,7 @@ impl Tuning {
             quantum: false,
             relearning: None,
             load_shift: false,
+            screened: false,
         }
     }
 

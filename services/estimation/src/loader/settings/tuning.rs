@@ -161,6 +161,8 @@ pub struct Tuning {
     pub quantum: bool,
     /// Loosen what the start taught wrongly; `None` is off.
     pub relearning: Option<Relearning>,
+    /// Take a value that never changes for a missing one, and use wheel speeds only with their torques.
+    pub screened: bool,
     /// Loosen the rolling radii when the load shifts between the axles.
     pub load_shift: bool,
 }
