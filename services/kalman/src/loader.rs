@@ -123,6 +123,8 @@ fn message(e: &Estimate) -> LoaderEstimate {
         front_radius_scale: e.front_radius_scale.unwrap_or_default(),
         rear_radius_scale: e.rear_radius_scale.unwrap_or_default(),
         nis: e.nis,
+        speed_delay: e.speed_delay.unwrap_or_default().value,
+        speed_delay_std: e.speed_delay.unwrap_or_default().std,
         flags: flags(e),
         estimated: estimated(e),
         method: LOADER_METHODS
@@ -142,6 +144,8 @@ fn flags(e: &Estimate) -> u32 {
         (bits::EXCITED_HEIGHT, e.excited_height),
         (bits::CONSISTENT, e.consistent),
         (bits::FRESH, e.fresh),
+        (bits::IDENTIFIABLE_RATIO, e.identifiable_ratio),
+        (bits::IDENTIFIABLE_HEIGHT, e.identifiable_height),
         (bits::CONVERGED_RATIO, e.converged_ratio),
         (bits::CONVERGED_HEIGHT, e.converged_height),
         (bits::FROZEN, e.frozen),
@@ -165,6 +169,7 @@ fn estimated(e: &Estimate) -> u32 {
             bits::RADIUS_SCALES,
             e.started && e.front_radius_scale.is_some(),
         ),
+        (bits::SPEED_DELAY, e.started && e.speed_delay.is_some()),
     ])
 }
 

@@ -118,7 +118,9 @@ pub(crate) fn signals<M: Machine>() -> Vec<Signal> {
 /// Index and bit of each measured field of a message; a bit that is a flag's is passed over.
 fn own<M: Message>(flags: &[(&str, u32)]) -> impl Iterator<Item = (usize, u32)> {
     let taken = flags.iter().fold(0, |bits, (_, bit)| bits | bit);
-    let free = (0..u32::BITS).map(|i| 1u32 << i).filter(move |bit| bit & taken == 0);
+    let free = (0..u32::BITS)
+        .map(|i| 1u32 << i)
+        .filter(move |bit| bit & taken == 0);
     let numbers = M::FIELDS.iter().enumerate().skip(messages::HEAD);
     let measured = numbers.filter(|(_, field)| field.kind == Kind::F64);
     measured.zip(free).map(|((index, _), bit)| (index, bit))

@@ -20,6 +20,22 @@ pub(super) struct StepInputs {
     pub inputs: Inputs,
     /// Mean specific force over the step; missing when either end is.
     pub acceleration: Option<f64>,
+    /// Friction brakes act.
+    pub brake: bool,
+    /// Angle between front and rear body, where it is measured [rad].
+    pub articulation: Option<f64>,
+    /// Yaw rate, where it is measured [rad/s].
+    pub yaw_rate: Option<f64>,
+}
+
+impl StepInputs {
+    /// Angle between front and rear body: measured, or from the yaw rate, or 0 [rad].
+    pub fn turning(&self, speed: f64, wheelbase: f64) -> f64 {
+        let by_yaw = |rate: f64| rate * wheelbase / speed.abs().max(0.5);
+        self.articulation
+            .or(self.yaw_rate.map(by_yaw))
+            .unwrap_or(0.0)
+    }
 }
 
 impl InputHold {
@@ -86,6 +102,9 @@ impl InputHold {
         StepInputs {
             inputs,
             acceleration: mean,
+            brake: sample.brake,
+            articulation: finite(sample.articulation),
+            yaw_rate: finite(sample.yaw_rate),
         }
     }
 }

@@ -39,6 +39,8 @@ pub struct ProcessNoise {
     pub radius: f64,
     /// Bias of the slope sensor [rad].
     pub slope_bias: f64,
+    /// Delay of the speed [s].
+    pub speed_delay: f64,
 }
 
 /// Disturbances that act on the wheels like extra measurement noise.
@@ -161,7 +163,10 @@ pub struct Tuning {
     pub quantum: bool,
     /// Loosen what the start taught wrongly; `None` is off.
     pub relearning: Option<Relearning>,
-    /// Take a value that never changes for a missing one, and use wheel speeds only with their torques.
+    /// The delay of the speed is a state.
+    pub latency: bool,
+    /// Doubt the inputs: a value that never changes is missing, wheel speeds count only with their torques and without
+    /// brakes and steering, the slope as far as the motion bears it out, and manoeuvres must agree.
     pub screened: bool,
     /// Loosen the rolling radii when the load shifts between the axles.
     pub load_shift: bool,
