@@ -28,6 +28,8 @@ const FORCE_WEIGHT: f64 = 4.0;
 const TURN_WEIGHT: f64 = 1.0;
 /// The gain is learnt over this many m/s^2 squared times seconds of driving, and starts with a tenth of it.
 const GAIN_MEMORY: f64 = 10.0;
+/// A force per mass beyond this is none of a drive [m/s^2].
+const LARGEST: f64 = 5.0;
 /// A gain beyond these is no tolerance of mass and torque.
 const GAIN_RANGE: (f64, f64) = (0.75, 1.33);
 
@@ -134,7 +136,8 @@ impl Disturbance {
         let pull = (u.front_torque + u.rear_torque) / (radius * inertia);
         let rolling = machine.rolling_resistance * tanh(speed / 0.05) * machine.mass * GRAVITY;
         let needed = measured + (rolling + u.spade_force_x) / inertia;
-        if pull * speed > 0.0 && u.spade_force_x == 0.0 && !step.brake {
+        let drives = pull * speed > 0.0 && u.spade_force_x == 0.0 && !step.brake;
+        if drives && pull.abs() < LARGEST && needed.abs() < LARGEST {
             let forget = 1.0 - (pull * pull * dt / GAIN_MEMORY).min(1.0);
             self.sums[0] = forget * self.sums[0] + needed * pull * dt;
             self.sums[1] = forget * self.sums[1] + pull * pull * dt;

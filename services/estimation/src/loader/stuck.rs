@@ -1,8 +1,8 @@
 //! A sensor that is stuck: a value that never changes although it would have to.
 //!
 //! Noise changes a value with every row, so one that repeats itself is either quantised coarsely or no measurement any more.
-//! The smallest change ever seen tells which: where it is smaller than the stated noise, a value that holds for longer than
-//! an input stays fresh is stuck. Where it is larger (steps of an encoder, a torque command that is constant), the value is
+//! The changes tell which: where they have often been smaller than the stated noise, a value that holds for longer than an
+//! input stays fresh is stuck. Where it is larger (steps of an encoder, a torque command that is constant), the value is
 //! stuck when the motion says that it must have changed: another speed has moved by several steps, or the acceleration is
 //! not the one that the torques give.
 //!
@@ -18,6 +18,8 @@ pub(super) const WATCHED: usize = 7;
 const ROUNDING: f64 = 1e-12;
 /// A reference must have moved by this many standard deviations and steps.
 const MOVED: f64 = 5.0;
+/// A signal whose noise has shown this often must show it.
+const NOISY: u32 = 50;
 
 /// What is known of one signal.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -27,6 +29,8 @@ struct Trace {
     unchanged: f64,
     /// The smallest change ever seen.
     step: Option<f64>,
+    /// How many changes were smaller than the stated noise.
+    small: u32,
     /// What the reference showed when it changed last.
     reference: f64,
 }
@@ -71,7 +75,7 @@ impl Stuck {
             let reference = witness.speeds.get(j).copied();
             self.now[j] = match finite(*signal) {
                 Some(value) => {
-                    self.traces[j].take(value, reference, dt);
+                    self.traces[j].take(value, reference, witness.std[j], dt);
                     self.traces[j].is_stuck(witness, j)
                 }
                 // A gap neither frees a stuck value nor makes one.
@@ -91,12 +95,17 @@ impl Stuck {
 }
 
 impl Trace {
-    fn take(&mut self, value: f64, reference: Option<f64>, dt: f64) {
-        let change = self.last.replace(value).map_or(0.0, |l| (value - l).abs());
+    fn take(&mut self, value: f64, reference: Option<f64>, std: f64, dt: f64) {
+        let Some(last) = self.last.replace(value) else {
+            self.reference = reference.unwrap_or(0.0);
+            return;
+        };
+        let change = (value - last).abs();
         if change > ROUNDING * value.abs() {
             self.unchanged = 0.0;
             self.reference = reference.unwrap_or(0.0);
             self.step = Some(self.step.map_or(change, |step| step.min(change)));
+            self.small = self.small.saturating_add(u32::from(change < std));
         } else {
             self.unchanged += dt;
         }
@@ -109,9 +118,10 @@ impl Trace {
         let (std, step) = (witness.std[j], self.step.unwrap_or(0.0));
         let moved = match witness.speeds.get(j) {
             Some(now) => (now - self.reference).abs() > MOVED * (std + step),
-            None => witness.unexplained,
+            // Torques: slope and specific force have noise.
+            None => std == 0.0 && witness.unexplained,
         };
-        moved || std > 0.0 && self.step.is_some_and(|step| step < std)
+        moved || self.small >= NOISY
     }
 }
 
@@ -143,9 +153,9 @@ mod tests {
 
     #[test]
     fn a_noisy_signal_that_stops_to_change_is_stuck_after_a_quarter_of_a_second() {
-        let noisy = |k: i32| 5.0 + 0.001 * f64::from(k.min(50) * 7 % 11);
-        assert!(!stuck_after(74, noisy, |_| 2.75));
-        assert!(stuck_after(78, noisy, |_| 2.75));
+        let noisy = |k: i32| 5.0 + 0.0003 * f64::from(k.min(150) * 7 % 11);
+        assert!(!stuck_after(174, noisy, |_| 2.75));
+        assert!(stuck_after(178, noisy, |_| 2.75));
     }
 
     #[test]

@@ -4,7 +4,7 @@ use crate::ekf::Ekf;
 use crate::loader::Method;
 use crate::loader::cg_model::{CgModel, Loading, has_delay};
 use crate::loader::conditions::{Conditions, Monitor};
-use crate::loader::disturbance::Disturbance;
+use crate::loader::disturbance::{Disturbance, Effect};
 use crate::loader::estimate::Status;
 use crate::loader::inputs::{InputHold, StepInputs};
 use crate::loader::legs::{Legs, Slip};
@@ -96,6 +96,8 @@ pub struct CgFilter<const N: usize, const M: usize> {
     quantum: Quantum,
     stuck: Stuck,
     disturbance: Disturbance,
+    /// What it does to the wheels in this row.
+    effect: Effect,
     slope_error: SlopeError,
     legs: Legs,
     /// How long ago something changed that the load may explain [s].
@@ -156,6 +158,7 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
             quantum: Quantum::default(),
             stuck: Stuck::default(),
             disturbance: Disturbance::default(),
+            effect: Effect::default(),
             slope_error: SlopeError::default(),
             legs: Legs::default(),
             changed: f64::INFINITY,
@@ -240,6 +243,8 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
         if self.tuning.load_shift && self.payload.is_none() {
             self.weigh(dt);
         }
+        let at = [self.filter.state[0], self.filter.state[3]];
+        self.effect = self.disturbance.update(&self.dynamics, &step, at, dt);
         let fresh = self.settings.verdict.fresh;
         if dt > self.tuning.gap || self.tuning.screened && self.evidence.torque_lost(fresh) {
             return self.bridge_gap(sample);
@@ -349,12 +354,11 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
         let process_std = self.process_std(&conditions, sample.boom_moving, model.dt);
         let measured = measurements::<M>(sample, step.acceleration);
         self.quantum.see([measured[1], measured[2]]);
-        let at = [images.state[0], images.state[3]];
-        let effect = self.disturbance.update(&self.dynamics, step, at, model.dt);
+        let effect = self.effect;
         let mut std = self.measurement_std(&images.state, &conditions, model);
         if self.tuning.screened {
             let slip = sqrt(effect.turn * effect.turn + effect.force * effect.force);
-            let disturbed = slip * at[0].abs() / self.dynamics.wheel_radius;
+            let disturbed = slip * images.state[0].abs() / self.dynamics.wheel_radius;
             std[1] = sqrt(std[1] * std[1] + disturbed * disturbed);
             std[2] = sqrt(std[2] * std[2] + disturbed * disturbed);
         }
