@@ -195,25 +195,28 @@ message! {
     }
 }
 
-/// Why a loader's estimate is not believed, in words for a user, by `LoaderEstimate::reason`.
-pub const LOADER_REASONS: &[&str] = &[
-    "",
-    "an input is missing",
-    "the speed never changes",
-    "the front wheel speed never changes",
-    "the rear wheel speed never changes",
-    "the front torque never changes",
-    "the rear torque never changes",
-    "the slope never changes",
-    "the acceleration never changes",
-    "the innovations are too large",
-    "the speed comes late",
-    "the slip stiffness does not fit the tyres",
-    "friction brakes seem to act",
-    "the machine turns",
-    "the slope does not fit the motion",
-    "the torques do not fit the motion",
-    "the load may have changed",
-    "manoeuvres disagree",
-    "a value is at its limit",
+/// Reasons of the loader's estimates by their code, [`LoaderEstimate::reason`]: name in the tables, and words. 0 is no reason.
+pub const LOADER_REASONS: &[(&str, &str)] = &[
+    ("", ""),
+    ("missing", "an input is missing or too old"),
+    ("stuck speed", "the speed never changes"),
+    ("stuck front wheel", "the front wheel speed never changes"),
+    ("stuck rear wheel", "the rear wheel speed never changes"),
+    ("stuck front torque", "the front torque never changes"),
+    ("stuck rear torque", "the rear torque never changes"),
+    ("stuck slope", "the slope never changes"),
+    ("stuck acceleration", "the acceleration never changes"),
+    ("unexplained", "the motion does not follow the model"),
+    ("latency", "the speed comes later than a sensor may"),
+    ("stiffness", "the slip stiffness is none that tyres have"),
+    ("brakes", "friction brakes seem to act"),
+    ("steering", "the machine turns"),
+    ("slope", "the slope does not fit the motion"),
+    ("torque", "the torques do not fit the motion and the mass"),
+    ("load", "the load may have changed"),
+    (
+        "disagreement",
+        "manoeuvres disagree by more than they claim",
+    ),
+    ("limit", "an estimate is at its limit"),
 ];

@@ -72,3 +72,18 @@ fn estimated(e: &Estimate) -> u32 {
         (bits::SPEED_DELAY, e.started && e.speed_delay.is_some()),
     ])
 }
+
+#[cfg(test)]
+mod tests {
+    use estimation::loader::Reason;
+
+    #[test]
+    fn every_reason_has_its_words() {
+        let name = |reason: Reason| messages::LOADER_REASONS[reason as usize].0;
+        assert_eq!(name(Reason::Missing), "missing");
+        assert_eq!(name(Reason::StuckAcceleration), "stuck acceleration");
+        assert_eq!(name(Reason::Brakes), "brakes");
+        assert_eq!(name(Reason::AtLimit), "limit");
+        assert_eq!(messages::LOADER_REASONS.len(), Reason::AtLimit as usize + 1);
+    }
+}

@@ -1,6 +1,6 @@
 //! The wheel loader's verdict in words.
 
-use messages::{LoaderEstimate, loader_bits as bits};
+use messages::{LOADER_REASONS, LoaderEstimate, loader_bits as bits};
 
 use super::Judgement;
 use crate::number::{self, significant};
@@ -59,6 +59,7 @@ struct Part {
     trusted: u32,
     excited: u32,
     converged: u32,
+    identifiable: u32,
     idle: &'static str,
     moving: &'static str,
 }
@@ -68,6 +69,7 @@ impl Part {
         trusted: bits::TRUSTED_RATIO,
         excited: bits::EXCITED_RATIO,
         converged: bits::CONVERGED_RATIO,
+        identifiable: bits::IDENTIFIABLE_RATIO,
         idle: "the axle torques hardly change, which tells nothing about the position",
         moving: "the axle torques change",
     };
@@ -75,6 +77,7 @@ impl Part {
         trusted: bits::TRUSTED_HEIGHT,
         excited: bits::EXCITED_HEIGHT,
         converged: bits::CONVERGED_HEIGHT,
+        identifiable: bits::IDENTIFIABLE_HEIGHT,
         idle: "the machine hardly accelerates or brakes, and only that tells the height",
         moving: "the machine accelerates and brakes",
     };
@@ -118,6 +121,15 @@ fn reasons_against(e: &LoaderEstimate, part: &Part, width: &str) -> Vec<String> 
     }
     if !has(bits::CONSISTENT) {
         reasons.push("the measurements disagree with the model by more than their noise".into());
+    }
+    if let Some((_, words)) = LOADER_REASONS
+        .get(e.reason as usize)
+        .filter(|r| !r.1.is_empty())
+    {
+        reasons.push((*words).into());
+    }
+    if !has(part.identifiable) {
+        reasons.push("these measurements do not determine it yet".into());
     }
     if has(bits::RESET) {
         reasons.push("the filter has just been reset".into());
