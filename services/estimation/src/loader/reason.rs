@@ -46,6 +46,34 @@ pub enum Reason {
 }
 
 impl Reason {
+    /// Names by code.
+    pub const NAMES: [&'static str; 19] = [
+        "",
+        "missing",
+        "stuck speed",
+        "stuck front wheel",
+        "stuck rear wheel",
+        "stuck front torque",
+        "stuck rear torque",
+        "stuck slope",
+        "stuck acceleration",
+        "unexplained",
+        "latency",
+        "stiffness",
+        "brakes",
+        "steering",
+        "slope",
+        "torque",
+        "load",
+        "disagreement",
+        "limit",
+    ];
+
+    /// The name in tables; empty for none.
+    pub const fn name(self) -> &'static str {
+        Self::NAMES[self as usize]
+    }
+
     /// The cause of a stuck signal, in the order of the watched signals.
     pub(super) fn stuck(signal: usize) -> Self {
         [

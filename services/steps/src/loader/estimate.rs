@@ -79,11 +79,8 @@ mod tests {
 
     #[test]
     fn every_reason_has_its_words() {
-        let name = |reason: Reason| messages::LOADER_REASONS[reason as usize].0;
-        assert_eq!(name(Reason::Missing), "missing");
-        assert_eq!(name(Reason::StuckAcceleration), "stuck acceleration");
-        assert_eq!(name(Reason::Brakes), "brakes");
-        assert_eq!(name(Reason::AtLimit), "limit");
-        assert_eq!(messages::LOADER_REASONS.len(), Reason::AtLimit as usize + 1);
+        let names = messages::LOADER_REASONS.iter().map(|(name, _)| *name);
+        assert!(names.eq(Reason::NAMES));
+        assert_eq!(Reason::AtLimit.name(), "limit");
     }
 }
