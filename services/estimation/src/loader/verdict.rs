@@ -29,7 +29,7 @@ const EXCITATION_TIME: f64 = 5.0;
 /// How long a reset is shown [s].
 const RESET_SHOWN: f64 = 2.0;
 /// Share of the prior's standard deviation below which the data determine the parameter: ratio, height.
-const OBSERVABLE: (f64, f64) = (0.5, 0.45);
+const OBSERVABLE: (f64, f64) = (0.5, 0.36);
 
 /// What makes an estimate doubtful beside its own covariance.
 #[derive(Clone, Copy, Debug, PartialEq)]
