@@ -5,7 +5,8 @@
 
 use std::path::PathBuf;
 
-use estimation::loader::{CgEstimator, Columns, Method, Sample};
+use config::Tables as _;
+use estimation::loader::{CgEstimator, Columns, Method, Sample, Settings};
 use evaluate::honesty::{Judged, Tally};
 
 /// True speed above which the machine moves [m/s].
@@ -24,7 +25,7 @@ fn tallies(name: &str, sets: &serde_json::Value) -> [Tally; 2] {
         .collect();
     let mut description = config::Loader::default();
     description.set_all(&sets).expect("settings that exist");
-    let settings = steps::loader::settings(&description, Method::Full);
+    let settings = Settings::of(&description, Method::Full);
     let columns = Columns {
         acceleration: true,
         ..Columns::default()
