@@ -1,7 +1,10 @@
 //! heft: the command line, and the supervisor of the processes.
 
+mod bounds;
+mod build;
 mod cli;
 mod commands;
+mod compare;
 mod failure;
 mod figures;
 mod live;
@@ -62,7 +65,7 @@ fn dispatch(cli: Cli) -> Result<(), Failure> {
         Command::Replay(args) => commands::replay::replay(&args),
         Command::Evaluate(args) => commands::evaluate::evaluate(&args),
         Command::Calibrate(args) => commands::calibrate::calibrate(&args),
-        Command::Recover { file } => commands::recover::recover(&file),
+        Command::Recover { file, output } => commands::recover::recover(&file, output.as_deref()),
         Command::Report { file, output } => commands::report::report(&file, output.as_deref()),
         Command::Export { file, output } => commands::export::export(&file, &output),
         Command::Top { domain, once } => commands::top::top(domain.as_deref(), once),

@@ -152,9 +152,7 @@ impl Supervisor {
         self.end_all();
         self.taps.drain(&mut self.watch);
         self.watch.finish();
-        let is_sink = |w: &&Worker| matches!(w.process.role, Role::Sink);
-        let logger = self.workers.iter().find(is_sink);
-        parts::join(&self.plan.recording, logger.map_or(0, |w| w.restarts))?;
+        parts::finish(&self.plan.recording);
         Ok((end, std::mem::take(&mut self.watch)))
     }
 

@@ -105,6 +105,7 @@ pub fn plan(args: &RunArgs) -> Result<(Plan, PathBuf), Failure> {
         realtime: args.rt,
         cores: cores(args),
         recording: PathBuf::new(),
+        limits: args.limits.clone(),
         probe: args.probe.as_deref().map(absolute).transpose()?,
         probe_listens: args.probe_listens,
     };
@@ -112,7 +113,7 @@ pub fn plan(args: &RunArgs) -> Result<(Plan, PathBuf), Failure> {
     let methods: Vec<&str> = plan.methods.values().map(String::as_str).collect();
     tell_idle_keys(&description, &methods);
     let folder = absolute(&folder(args.out.as_deref(), machine.name())?)?;
-    plan.recording = folder.join("run.mcap");
+    plan.recording = recording::reserve(&folder)?;
     Ok((plan, folder))
 }
 
@@ -170,7 +171,7 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     for name in Domain::remove_leftovers() {
         eprintln!("removed what the killed run `{name}` had left in shared memory");
     }
-    let (plan, folder) = plan(args)?;
+    let (plan, _) = plan(args)?;
     let machine = plan.machine;
     let page = args
         .view
@@ -190,7 +191,7 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     )?;
     let (end, watch) = supervisor.run()?;
     let report = (!args.no_report)
-        .then(|| summary::report(&recording, &folder))
+        .then(|| summary::report(&recording))
         .flatten();
     print!(
         "{}",
@@ -204,6 +205,11 @@ fn verdict(end: &End, watch: &Watch, require_trust: bool) -> Result<(), Failure>
         return Err(Failure::answer_is_no(format!(
             "the run ended early: {reason}\n  where: the supervisor\n  what to do: see the messages above; the recording holds what was seen"
         )));
+    }
+    if watch.recording_failed() {
+        return Err(Failure::answer_is_no(
+            "the recording is incomplete: the disk took no more\n  where: --out\n  what to do: make room, or choose another folder; the estimates went on to the end",
+        ));
     }
     if require_trust {
         summary::require_trust(summary::trust_age(watch))?;
