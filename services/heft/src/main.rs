@@ -1,17 +1,24 @@
 //! heft: the command line, and the supervisor of the processes.
 
+#[macro_use]
+mod out;
+
 mod cli;
 mod commands;
 mod failure;
+mod fault;
 mod figures;
 mod live;
+mod notify;
 mod parts;
 mod pipeline;
 mod plan;
 mod processes;
 mod quantity;
 mod service;
+mod signals;
 mod sources;
+mod spare;
 mod summary;
 mod supervisor;
 mod watch;
@@ -80,7 +87,9 @@ fn dispatch(cli: Cli) -> Result<(), Failure> {
             json,
         } => commands::weigh::weigh(&file, &description, json.as_deref()),
         Command::Completions { shell } => {
-            clap_complete::generate(shell, &mut Cli::command(), "heft", &mut std::io::stdout());
+            let mut script = Vec::new();
+            clap_complete::generate(shell, &mut Cli::command(), "heft", &mut script);
+            print!("{}", String::from_utf8_lossy(&script));
             Ok(())
         }
         Command::Service {

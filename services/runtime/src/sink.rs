@@ -13,6 +13,9 @@ use crate::{Error, Output, Taps, Worker};
 pub trait Sink {
     /// Takes one message.
     fn accept<M: Message>(&mut self, channel: &'static Channel, message: &M);
+    /// Told that `samples` of a channel were overwritten before they could be taken, because this
+    /// process came too late; counted in sequence numbers, so those that nobody sent are among them.
+    fn overwritten(&mut self, _channel: &'static Channel, _samples: u64) {}
     /// Whether it can take more without losing any.
     fn has_room(&self) -> bool;
     /// Its fault, see [`messages::fault`].
@@ -45,7 +48,9 @@ pub fn run_sink<S: Sink + 'static>(
     while !worker.wishes.wants_exit() {
         let draining = worker.wishes.take_drain();
         let begun = now_ns();
+        worker.reporter.begin();
         let visit = taps.drain(&mut sink);
+        worker.reporter.end();
         let step_ns = (now_ns() - begun) / visit.taken.max(1);
         for i in 0..visit.taken {
             let lost = if i == 0 { visit.lost } else { 0 };

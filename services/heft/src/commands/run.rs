@@ -1,16 +1,16 @@
 //! `heft run`: a pipeline of processes, from its first sample to its summary.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use config::{Description, Kind};
 use runtime::{Domain, realtime};
 
 use crate::cli::{self, DescriptionArgs, RunArgs};
 use crate::failure::Failure;
+use crate::fault::Fault;
 use crate::pipeline;
 use crate::plan::Plan;
+use crate::signals::Signals;
 use crate::sources;
 use crate::summary;
 use crate::supervisor::{End, Supervisor};
@@ -43,15 +43,6 @@ pub fn description(kind: Kind, args: &DescriptionArgs) -> Result<Description, Fa
     Ok(description)
 }
 
-/// Sets a flag on SIGINT and SIGTERM.
-pub fn signals() -> Result<Arc<AtomicBool>, Failure> {
-    let flag = Arc::new(AtomicBool::new(false));
-    for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
-        signal_hook::flag::register(signal, Arc::clone(&flag)).map_err(Failure::internal)?;
-    }
-    Ok(flag)
-}
-
 /// A folder for a run that has none of its own: `runs/MACHINE-TIME`.
 fn default_folder(machine: &str) -> PathBuf {
     let seconds = std::time::SystemTime::now()
@@ -64,7 +55,16 @@ fn default_folder(machine: &str) -> PathBuf {
 pub fn folder(out: Option<&Path>, machine: &str) -> Result<PathBuf, Failure> {
     let folder = out.map_or_else(|| default_folder(machine), Path::to_path_buf);
     std::fs::create_dir_all(&folder).map_err(|e| Failure::file("make the folder", &folder, &e))?;
+    // Said now, not by the logger when everything runs.
+    try_to_write(&folder).map_err(|e| Failure::file("write into the folder", &folder, &e))?;
     Ok(folder)
+}
+
+/// Makes a file in `folder` and removes it.
+fn try_to_write(folder: &Path) -> std::io::Result<()> {
+    let file = folder.join(format!(".heft-{}", std::process::id()));
+    std::fs::File::create_new(&file)?;
+    std::fs::remove_file(&file)
 }
 
 /// The plan that the arguments describe.
@@ -181,7 +181,7 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
         &domain(args.domain.as_deref(), "")?,
         plan,
         watch,
-        signals()?,
+        Signals::catch()?,
     )?;
     let (end, watch) = supervisor.run()?;
     let report = (!args.no_report)
@@ -198,6 +198,18 @@ fn verdict(end: &End, watch: &Watch, require_trust: bool) -> Result<(), Failure>
     if let End::Failed(reason) = end {
         return Err(Failure::answer_is_no(format!(
             "the run ended early: {reason}\n  where: the supervisor\n  what to do: see the messages above; the recording holds what was seen"
+        )));
+    }
+    let faults = watch.faults();
+    let lost: Vec<String> = faults
+        .iter()
+        .filter(|fault| fault.costs_the_status())
+        .map(Fault::words)
+        .collect();
+    if !lost.is_empty() {
+        return Err(Failure::answer_is_no(format!(
+            "the run lost something: {}\n  where: this run\n  what to do: see `docs/reliability.md`; estimates and recording are good but for that",
+            lost.join("; ")
         )));
     }
     if require_trust && !summary::is_trusted(watch) {
