@@ -1,4 +1,4 @@
-//! Drives a [`Sink`]: every channel of a machine, drained on a timer.
+//! Drives a [`Sink`]: every channel of a machine, drained before it is half full.
 
 use std::time::Duration;
 
@@ -24,8 +24,11 @@ pub trait Sink {
     fn drain(&mut self);
 }
 
-/// Time between two visits. The logger is not on the path of any estimate, so it is not woken.
-const VISIT: Duration = Duration::from_millis(20);
+/// Longest time between two visits. The logger is not on the path of any estimate, so no sample wakes
+/// it; a wish of the supervisor does.
+const VISIT: Duration = Duration::from_millis(200);
+/// The same at most so many samples long: a quarter of the depth of a channel.
+const VISIT_SAMPLES: u64 = 128;
 /// The same when a lossless source waits for it.
 const QUICK_VISIT: Duration = Duration::from_micros(500);
 
@@ -45,6 +48,11 @@ pub fn run_sink<S: Sink + 'static>(
         return Ok(());
     }
     let mut told = 0;
+    let pause = if lossless {
+        QUICK_VISIT
+    } else {
+        VISIT.min(Duration::from_nanos(worker.setup.period_ns * VISIT_SAMPLES))
+    };
     while !worker.wishes.wants_exit() {
         let draining = worker.wishes.take_drain();
         let begun = now_ns();
@@ -70,7 +78,7 @@ pub fn run_sink<S: Sink + 'static>(
             sink.drain();
             worker.control.say("drained");
         }
-        std::thread::park_timeout(if lossless { QUICK_VISIT } else { VISIT });
+        worker.bell.wait_at_most(pause);
     }
     sink.drain();
     Ok(())
