@@ -84,7 +84,11 @@ fn sigterm_ends_a_run_with_everything_drained_and_nothing_left() {
     );
     assert_eq!(survivors(&domain), Vec::<u32>::new());
     assert_eq!(shared_memory(&domain), Vec::<String>::new());
-    assert!(recording::is_complete(&recording).expect("a recording"));
+    assert!(
+        recording::Reader::open(&recording)
+            .expect("a recording")
+            .is_complete()
+    );
 }
 
 #[test]

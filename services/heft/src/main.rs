@@ -3,6 +3,7 @@
 #[macro_use]
 mod out;
 
+mod build;
 mod cli;
 mod commands;
 mod failure;
@@ -70,7 +71,7 @@ fn dispatch(cli: Cli) -> Result<(), Failure> {
         Command::Estimate(args) => commands::estimate::estimate(&args),
         Command::Replay(args) => commands::replay::replay(&args),
         Command::Evaluate(args) => commands::evaluate::evaluate(&args),
-        Command::Recover { file } => commands::recover::recover(&file),
+        Command::Recover { file, output } => commands::recover::recover(&file, output.as_deref()),
         Command::Report { file, output } => commands::report::report(&file, output.as_deref()),
         Command::Export { file, output } => commands::export::export(&file, &output),
         Command::Top { domain, once } => commands::top::top(domain.as_deref(), once),

@@ -30,6 +30,9 @@ macro_rules! println {
     () => { $crate::out::say(format_args!("\n")) };
     ($($text:tt)*) => { $crate::out::say(format_args!("{}\n", format_args!($($text)*))) };
 }
+macro_rules! eprint {
+    ($($text:tt)*) => { $crate::out::complain(format_args!($($text)*)) };
+}
 macro_rules! eprintln {
     () => { $crate::out::complain(format_args!("\n")) };
     ($($text:tt)*) => { $crate::out::complain(format_args!("{}\n", format_args!($($text)*))) };

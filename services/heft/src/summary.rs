@@ -10,9 +10,17 @@ use messages::channels::{EXCAVATOR_INERTIA_UKF, LOADER_CG_UKF};
 use crate::watch::{Score, Watch};
 
 /// Writes the HTML report of a recording; `None`, with the reason told, if that fails.
-pub fn report(recording: &Path, folder: &Path) -> Option<PathBuf> {
-    let path = folder.join("report.html");
-    match super::commands::report::write(recording, &path) {
+pub fn report(recording: &Path) -> Option<PathBuf> {
+    // run.mcap, report.html; run-2.mcap, report-2.html.
+    let name = recording
+        .file_stem()?
+        .to_string_lossy()
+        .replacen("run", "report", 1);
+    let path = recording.with_file_name(name + ".html");
+    let written = recording::Reader::open(recording)
+        .map_err(Into::into)
+        .and_then(|reader| super::commands::report::write(&reader, &path));
+    match written {
         Ok(()) => Some(path),
         Err(failure) => {
             eprintln!("no report: {failure}");

@@ -177,11 +177,9 @@ impl Supervisor {
         Ok((end, std::mem::take(&mut self.watch)))
     }
 
-    /// Joins what several loggers wrote, or one that was cut off.
+    /// Joins what several loggers wrote.
     fn finish_recording(&mut self) {
-        let logger = self.workers.iter().find(|w| w.process.name == "logger");
-        let joined = parts::join(&self.plan.recording, logger.map_or(0, |w| w.restarts));
-        if let Err(failure) = joined {
+        if let Err(failure) = parts::finish(&self.plan.recording) {
             let why = failure.to_string().replace('\n', ";");
             self.watch.note(Fault::NotJoined { why });
         }

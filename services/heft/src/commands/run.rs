@@ -55,16 +55,7 @@ fn default_folder(machine: &str) -> PathBuf {
 pub fn folder(out: Option<&Path>, machine: &str) -> Result<PathBuf, Failure> {
     let folder = out.map_or_else(|| default_folder(machine), Path::to_path_buf);
     std::fs::create_dir_all(&folder).map_err(|e| Failure::file("make the folder", &folder, &e))?;
-    // Said now, not by the logger when everything runs.
-    try_to_write(&folder).map_err(|e| Failure::file("write into the folder", &folder, &e))?;
     Ok(folder)
-}
-
-/// Makes a file in `folder` and removes it.
-fn try_to_write(folder: &Path) -> std::io::Result<()> {
-    let file = folder.join(format!(".heft-{}", std::process::id()));
-    std::fs::File::create_new(&file)?;
-    std::fs::remove_file(&file)
 }
 
 /// The plan that the arguments describe.
@@ -110,7 +101,7 @@ pub fn plan(args: &RunArgs) -> Result<(Plan, PathBuf), Failure> {
     };
     pipeline::check(&plan)?;
     let folder = absolute(&folder(args.out.as_deref(), kind.name())?)?;
-    plan.recording = folder.join("run.mcap");
+    plan.recording = recording::reserve(&folder)?;
     Ok((plan, folder))
 }
 
@@ -165,7 +156,7 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     for name in Domain::remove_leftovers() {
         eprintln!("removed what the killed run `{name}` had left in shared memory");
     }
-    let (plan, folder) = plan(args)?;
+    let (plan, _) = plan(args)?;
     let kind = plan.kind();
     let page = args
         .view
@@ -185,7 +176,7 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     )?;
     let (end, watch) = supervisor.run()?;
     let report = (!args.no_report)
-        .then(|| summary::report(&recording, &folder))
+        .then(|| summary::report(&recording))
         .flatten();
     print!(
         "{}",
