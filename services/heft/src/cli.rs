@@ -11,7 +11,7 @@ use clap_complete::Shell;
 /// Without a command: the demonstration. Both machines run in real time as separate processes for
 /// some 20 s; then heft says what it found and whether to believe it.
 #[derive(Debug, Parser)]
-#[command(name = "heft", version, max_term_width = 100)]
+#[command(name = "heft", version = crate::build::IDENTITY, max_term_width = 100)]
 #[command(
     after_help = "Exit status: 0 done, 1 ran but the answer is no, 2 wrong use or bad input."
 )]
@@ -59,14 +59,17 @@ pub enum Command {
     Replay(ReplayArgs),
     /// Evaluate the estimators by Monte-Carlo simulation, next to the published figures
     Evaluate(EvaluateArgs),
-    /// Mend a recording that was cut off
+    /// Write a whole copy of a recording that was cut off, damaged or left in parts
     Recover {
-        /// The recording
+        /// The recording, or its folder; it is not changed
         file: PathBuf,
+        /// Copy to write; RUN.recovered.mcap beside the recording if absent
+        #[arg(short, long)]
+        output: Option<PathBuf>,
     },
     /// Make one offline HTML page of a recording
     Report {
-        /// The recording
+        /// The recording, or its folder
         file: PathBuf,
         /// Page to write; the recording's name with .html if absent
         #[arg(short, long)]
@@ -74,7 +77,7 @@ pub enum Command {
     },
     /// Write every channel of a recording as CSV
     Export {
-        /// The recording
+        /// The recording, or its folder
         file: PathBuf,
         /// Folder to write to
         #[arg(short, long)]
@@ -267,7 +270,7 @@ pub struct EstimateArgs {
 /// `heft replay`
 #[derive(Debug, Args)]
 pub struct ReplayArgs {
-    /// The recording
+    /// The recording, or its folder
     pub file: PathBuf,
     /// Compare every estimate bit for bit; exit 1 if one differs
     #[arg(long)]

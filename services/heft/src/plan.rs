@@ -86,6 +86,7 @@ impl Plan {
             metadata.insert(key.to_owned(), value);
         };
         put("heft.version", env!("CARGO_PKG_VERSION").to_owned());
+        put(crate::build::KEY, crate::build::IDENTITY.to_owned());
         put("machine", self.machine.clone());
         let processes = crate::processes::of_machine(self.kind())
             .iter()

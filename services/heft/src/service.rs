@@ -46,7 +46,7 @@ pub fn serve(name: &str, domain: &str, restarts: u32) -> Result<(), Failure> {
     };
     let worker = Worker::start(setup)?;
     match (plan.description()?, process.name) {
-        (_, "logger") => serve_logger(worker, &plan, restarts),
+        (_, "logger") => serve_logger(worker, &plan),
         (_, "probe") => serve_probe(worker, &plan),
         (Description::Excavator(d), name) => serve_excavator(worker, &plan, &d, name),
         (Description::Loader(d), name) => serve_loader(worker, &plan, &d, name),
@@ -137,10 +137,10 @@ fn serve_loader(
     }?)
 }
 
-fn serve_logger(worker: Worker, plan: &Plan, restarts: u32) -> Result<(), Failure> {
-    crate::parts::put_aside(&plan.recording, restarts)?;
+fn serve_logger(worker: Worker, plan: &Plan) -> Result<(), Failure> {
     let channels: Vec<_> = of_machine(&plan.machine).collect();
-    let logger = logger::Logger::create(&plan.recording, &plan.metadata())?;
+    let limits = logger::Limits::default();
+    let logger = logger::Logger::create(&plan.recording, &plan.metadata(), limits)?;
     Ok(run_sink(worker, &channels, plan.lossless, logger)?)
 }
 

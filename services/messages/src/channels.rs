@@ -129,7 +129,7 @@ pub const LOADER_CG_EKF: Channel =
 pub const LOADER_CG_UKF: Channel =
     channel("loader/cg_ukf", Payload::LoaderEstimate, 512, Rate::Sensors);
 /// How each process is doing.
-pub const HEALTH: Channel = channel("health", Payload::Health, 128, Rate::Hz(10.0));
+pub const HEALTH: Channel = channel("health", Payload::Health, 128, Rate::Hz(3.0));
 /// How far the logger has got.
 pub const CREDIT: Channel = channel("credit", Payload::Credit, 16, Rate::Sensors);
 

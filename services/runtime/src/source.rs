@@ -50,7 +50,13 @@ pub fn run_source<S: Source>(
     sender.truth.connect();
     let epoch = worker.setup.identity.restarts;
     let mut origin = None;
-    while let Some((mut measured, mut true_values)) = source.next() {
+    loop {
+        worker.reporter.begin();
+        let next = source.next();
+        worker.reporter.end();
+        let Some((mut measured, mut true_values)) = next else {
+            break;
+        };
         let stamp = measured.stamp();
         let origin = *origin.get_or_insert(stamp.time);
         if stamp.sequence < first {

@@ -62,7 +62,9 @@ fn answer_all<S: Step>(
 ) {
     while let Some((message, lost)) = input.receive() {
         let received = now_ns();
+        worker.reporter.begin();
         let mut out = answer(step, &message);
+        worker.reporter.end();
         let published = now_ns();
         mark(out.hops_mut(), published, worker.setup.identity.restarts);
         if !output.send(&out) {

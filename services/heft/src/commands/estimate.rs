@@ -11,7 +11,7 @@ use messages::{
     ExcavatorEstimate, ExcavatorSensors, ExcavatorTruth, LoaderEstimate, LoaderSensors,
     LoaderTruth, Message, SwingMotion, excavator_bits, loader_bits,
 };
-use recording::{EstimateWriter, Metadata, Writer};
+use recording::{EstimateWriter, Metadata, Reader, Writer, output};
 use runtime::{Step, answer};
 
 use crate::cli::EstimateArgs;
@@ -23,6 +23,7 @@ use crate::sources;
 /// `heft estimate`
 pub fn estimate(args: &EstimateArgs) -> Result<(), Failure> {
     let kind = Kind::from(args.machine);
+    check_outputs(args)?;
     let map = sources::map(args.map.as_deref())?;
     match description(kind, &args.description)? {
         Description::Excavator(d) => {
@@ -34,6 +35,26 @@ pub fn estimate(args: &EstimateArgs) -> Result<(), Failure> {
             loader(args, &d, &rows)
         }
     }
+}
+
+/// Refuses to write over what is read, or over something else of value.
+fn check_outputs(args: &EstimateArgs) -> Result<(), Failure> {
+    let config = args.description.config.as_deref();
+    let inputs = [Some(args.file.as_path()), args.map.as_deref(), config];
+    let mut inputs: Vec<&Path> = inputs.into_iter().flatten().collect();
+    output::check(&args.output, &inputs, recording::csv::is_estimates)?;
+    inputs.push(&args.output);
+    if let Some(report) = &args.report {
+        output::check(report, &inputs, super::report::is_page)?;
+        if std::path::absolute(report).ok() == std::path::absolute(&args.output).ok() {
+            return Err(Failure::input(
+                "estimates and report cannot have the same name",
+                report.display(),
+                "choose two names",
+            ));
+        }
+    }
+    Ok(())
 }
 
 /// Estimates of one excavator method, with the motion that a regression worked on.
@@ -202,6 +223,7 @@ fn metadata(args: &EstimateArgs, description: &Description, method: &str) -> Met
     let mut metadata = Metadata::new();
     for (key, value) in [
         ("heft.version", env!("CARGO_PKG_VERSION").to_owned()),
+        (crate::build::KEY, crate::build::IDENTITY.to_owned()),
         ("machine", description.kind().name().to_owned()),
         ("input", args.file.display().to_string()),
         ("method", method.to_owned()),
@@ -229,11 +251,17 @@ fn write_report(
     metadata: &Metadata,
     fill: impl FnOnce(&mut Writer) -> Result<(), recording::Error>,
 ) -> Result<(), Failure> {
-    let recording = report.with_extension("mcap.tmp");
-    let mut writer = Writer::create(&recording, metadata)?;
-    fill(&mut writer)?;
-    writer.finish()?;
-    let done = super::report::write(&recording, report);
+    let mut name = report.as_os_str().to_owned();
+    name.push(format!(".partial-{}.mcap", std::process::id()));
+    let recording = std::path::PathBuf::from(name);
+    let written = Writer::create(&recording, metadata).and_then(|mut writer| {
+        fill(&mut writer)?;
+        writer.finish()?;
+        Reader::open(&recording)
+    });
+    let done = written
+        .map_err(Failure::from)
+        .and_then(|reader| super::report::write(&reader, report));
     let _ = std::fs::remove_file(&recording);
     done
 }

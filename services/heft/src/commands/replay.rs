@@ -18,8 +18,10 @@ use messages::{HEAD, Hops, Message};
 use recording::{Metadata, Reader};
 use runtime::{Step, answer};
 
+use crate::build;
 use crate::cli::ReplayArgs;
 use crate::failure::Failure;
+use crate::parts;
 use crate::pipeline;
 
 /// Comparison of one channel.
@@ -35,15 +37,11 @@ struct Compared {
 
 /// `heft replay`
 pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
-    super::recover::mend(&args.file)?;
-    let reader = Reader::open(&args.file)?;
+    let reader = parts::open(&args.file)?;
     let metadata = reader.metadata();
-    let version = metadata.get("heft.version").map_or("?", String::as_str);
-    if version != env!("CARGO_PKG_VERSION") {
-        println!(
-            "recorded by heft {version}, replayed by heft {}",
-            env!("CARGO_PKG_VERSION")
-        );
+    let other_build = build::difference(metadata);
+    if let Some(builds) = &other_build {
+        println!("{builds}");
     }
     let results = match description(metadata, &args.file)? {
         Description::Excavator(d) => excavator(&reader, metadata, &d)?,
@@ -69,11 +67,15 @@ pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
     }
     let different = answers - identical - unknown;
     if args.verify && different > 0 {
-        return Err(Failure::answer_is_no(format!(
-            "{different} estimates differ"
-        )));
+        return Err(Failure::answer_is_no(match other_build {
+            Some(builds) => format!(
+                "{different} estimates differ: {builds}\n  where: {}\n  what to do: replay it with the build that made it; another one may compute otherwise",
+                args.file.display()
+            ),
+            None => format!("{different} estimates differ, though the same build made them"),
+        }));
     }
-    Ok(())
+    parts::tell_damage(&reader)
 }
 
 fn line(result: &Compared) -> String {

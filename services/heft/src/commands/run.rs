@@ -1,16 +1,16 @@
 //! `heft run`: a pipeline of processes, from its first sample to its summary.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use config::{Description, Kind};
 use runtime::{Domain, realtime};
 
 use crate::cli::{self, DescriptionArgs, RunArgs};
 use crate::failure::Failure;
+use crate::fault::Fault;
 use crate::pipeline;
 use crate::plan::Plan;
+use crate::signals::Signals;
 use crate::sources;
 use crate::summary;
 use crate::supervisor::{End, Supervisor};
@@ -41,15 +41,6 @@ pub fn description(kind: Kind, args: &DescriptionArgs) -> Result<Description, Fa
     }
     description.set_all(&args.set)?;
     Ok(description)
-}
-
-/// Sets a flag on SIGINT and SIGTERM.
-pub fn signals() -> Result<Arc<AtomicBool>, Failure> {
-    let flag = Arc::new(AtomicBool::new(false));
-    for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
-        signal_hook::flag::register(signal, Arc::clone(&flag)).map_err(Failure::internal)?;
-    }
-    Ok(flag)
 }
 
 /// A folder for a run that has none of its own: `runs/MACHINE-TIME`.
@@ -110,7 +101,7 @@ pub fn plan(args: &RunArgs) -> Result<(Plan, PathBuf), Failure> {
     };
     pipeline::check(&plan)?;
     let folder = absolute(&folder(args.out.as_deref(), kind.name())?)?;
-    plan.recording = folder.join("run.mcap");
+    plan.recording = recording::reserve(&folder)?;
     Ok((plan, folder))
 }
 
@@ -165,7 +156,7 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     for name in Domain::remove_leftovers() {
         eprintln!("removed what the killed run `{name}` had left in shared memory");
     }
-    let (plan, folder) = plan(args)?;
+    let (plan, _) = plan(args)?;
     let kind = plan.kind();
     let page = args
         .view
@@ -181,11 +172,11 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
         &domain(args.domain.as_deref(), "")?,
         plan,
         watch,
-        signals()?,
+        Signals::catch()?,
     )?;
     let (end, watch) = supervisor.run()?;
     let report = (!args.no_report)
-        .then(|| summary::report(&recording, &folder))
+        .then(|| summary::report(&recording))
         .flatten();
     print!(
         "{}",
@@ -198,6 +189,18 @@ fn verdict(end: &End, watch: &Watch, require_trust: bool) -> Result<(), Failure>
     if let End::Failed(reason) = end {
         return Err(Failure::answer_is_no(format!(
             "the run ended early: {reason}\n  where: the supervisor\n  what to do: see the messages above; the recording holds what was seen"
+        )));
+    }
+    let faults = watch.faults();
+    let lost: Vec<String> = faults
+        .iter()
+        .filter(|fault| fault.costs_the_status())
+        .map(Fault::words)
+        .collect();
+    if !lost.is_empty() {
+        return Err(Failure::answer_is_no(format!(
+            "the run lost something: {}\n  where: this run\n  what to do: see `docs/reliability.md`; estimates and recording are good but for that",
+            lost.join("; ")
         )));
     }
     if require_trust && !summary::is_trusted(watch) {
