@@ -46,11 +46,6 @@ impl Ground {
         command
     }
 
-    /// The program itself.
-    pub fn program(&self) -> &Path {
-        &self.heft
-    }
-
     /// Starts a run of so many seconds.
     pub fn run(&self, seconds: f64, more: &[&str]) -> Result<Run, String> {
         let (out, said) = (self.folder.join("out"), self.folder.join("said"));
