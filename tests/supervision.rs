@@ -13,6 +13,10 @@ fn cycle(name: &str, seconds: &str) -> Running {
     let args = ["excavator", "--scenario", "cycle", "--duration", seconds];
     let running = Running::start(name, &args);
     running.wait_for_services();
+    wait_until("it records", Duration::from_secs(20), || {
+        let about = running.recording().metadata();
+        about.is_ok_and(|file| file.len() > 20_000)
+    });
     running
 }
 

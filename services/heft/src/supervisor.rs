@@ -367,7 +367,7 @@ impl Supervisor {
             worker.give_up();
             if let Some(silence) = worker.hung {
                 self.watch.note(Fault::Hung { service, silence });
-            } else if !status.success() || !worker.drained {
+            } else if !status.success() {
                 let how = status.to_string();
                 self.watch.note(Fault::DiedAtEnd { service, how });
             }
@@ -387,7 +387,9 @@ impl Supervisor {
         for worker in &mut self.workers {
             if worker.is_alive() {
                 let service = worker.process.name;
-                self.watch.note(Fault::DidNotEnd { service });
+                if worker.ready {
+                    self.watch.note(Fault::DidNotEnd { service });
+                }
                 worker.kill_and_wait();
             }
         }

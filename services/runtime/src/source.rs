@@ -67,7 +67,7 @@ pub fn run_source<S: Source>(
             break;
         }
         let now = now_ns();
-        if pace == Pace::RealTime && epoch > 0 && now > deadline + NAP_NS {
+        if pace == Pace::RealTime && first > 0 && now > deadline + NAP_NS {
             // After a restart: what should have been sent meanwhile is lost, not sent late.
             continue;
         }
