@@ -3,18 +3,18 @@
 #[macro_use]
 mod out;
 
+mod bounds;
 mod build;
 mod cli;
 mod commands;
+mod compare;
 mod failure;
 mod fault;
 mod figures;
 mod live;
 mod notify;
 mod parts;
-mod pipeline;
 mod plan;
-mod processes;
 mod quantity;
 mod service;
 mod signals;
@@ -81,7 +81,7 @@ fn dispatch(cli: Cli) -> Result<(), Failure> {
             file,
             machine,
             print,
-        } => commands::check::check(&file, machine.map(Into::into), print),
+        } => commands::check::check(&file, machine, print),
         Command::Weigh {
             file,
             description,

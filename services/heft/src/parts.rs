@@ -8,6 +8,8 @@ use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use messages::channels::{Channel, Visitor};
+use messages::{Envelope, Message};
 use recording::Reader;
 use rustix::fs::{CWD, RenameFlags, renameat_with};
 
@@ -47,7 +49,7 @@ fn note_others(folder: &Path, reader: &Reader) {
 }
 
 /// A line on the terminal while a long recording is read.
-fn progress() -> impl Fn(f64) {
+pub fn progress() -> impl Fn(f64) {
     const PATIENCE: Duration = Duration::from_secs(1);
     const PERIOD: Duration = Duration::from_millis(200);
     let shown = Cell::new(Instant::now() + PATIENCE);
@@ -66,6 +68,25 @@ fn progress() -> impl Fn(f64) {
             let _ = std::io::stderr().flush();
         }
     }
+}
+
+/// The messages of a channel one after the other, whatever their type.
+pub fn envelopes<'a>(
+    reader: &'a Reader,
+    channel: &'a Channel,
+) -> Result<Box<dyn Iterator<Item = Envelope> + 'a>, recording::Error> {
+    struct Read<'a>(&'a Reader, &'a str);
+
+    impl<'a> Visitor for Read<'a> {
+        type Output = Result<Box<dyn Iterator<Item = Envelope> + 'a>, recording::Error>;
+
+        fn visit<M: Message>(self) -> Self::Output {
+            let messages = self.0.stream::<M>(self.1)?;
+            Ok(Box::new(messages.map(|message| message.envelope())))
+        }
+    }
+
+    channel.payload.visit(Read(reader, channel.name))
 }
 
 /// After a recording was read: an error that names what was damaged in it, if anything.
@@ -97,7 +118,8 @@ fn join(recording: &Path) -> Result<(), Failure> {
     let reader = Reader::open(recording)?;
     let parts: Vec<PathBuf> = reader.files().map(Path::to_owned).collect();
     // One of them may be from before a crash of this run, but none is anybody else's: see `reserve`.
-    if parts.len() < 2 {
+    let is_split = reader.metadata().contains_key("split");
+    if parts.len() < 2 || is_split {
         return Ok(());
     }
     let joined = recording.with_extension("joined.mcap");

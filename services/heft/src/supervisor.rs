@@ -10,13 +10,13 @@ use std::time::{Duration, Instant};
 use messages::channels::{Channel, of_machine};
 use runtime::{Bell, Cleaner, Domain, Heard, Held, Owner, Ports, Taps, now_ns};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use steps::stages::{Pipeline, Role};
 
 use crate::failure::Failure;
 use crate::fault::Fault;
 use crate::notify::Notify;
 use crate::parts;
 use crate::plan::Plan;
-use crate::processes;
 use crate::signals::Signals;
 use crate::spare::{self, Spare};
 use crate::watch::Watch;
@@ -80,7 +80,7 @@ impl Supervisor {
         owner.domain().enter()?;
         let ports = Ports::new("supervisor")?;
         owner.close_to_others()?;
-        let channels: Vec<&'static Channel> = of_machine(&plan.machine).collect();
+        let channels: Vec<&'static Channel> = of_machine(plan.machine).collect();
         let held = channels
             .iter()
             .map(|c| ports.create(c))
@@ -118,10 +118,10 @@ impl Supervisor {
     }
 
     fn spawn_all(&mut self) -> Result<(), Failure> {
-        let table = processes::of_machine(self.plan.kind());
+        let table = Pipeline::of(self.plan.machine).stages;
         let wanted = table
             .iter()
-            .filter(|p| p.name != "probe" || self.plan.probe.is_some());
+            .filter(|p| !matches!(p.role, Role::Probe(_)) || self.plan.probe.is_some());
         for process in wanted {
             let worker = Worker::start(process, Bell::new()?, self.owner.domain())?;
             self.workers.push(worker);

@@ -5,14 +5,13 @@ use std::collections::{BTreeMap, VecDeque};
 use std::io::{IsTerminal, Write};
 use std::time::{Duration, Instant};
 
-use config::Kind;
 use messages::channels::{Channel, Payload};
-use messages::{Envelope, Health, Message, Value, fault};
+use messages::{Envelope, Health, Machine, Message, Value, fault};
 use runtime::Sink;
+use steps::stages::Pipeline;
 use view::live::Feed;
 
 use crate::fault::Fault;
-use crate::processes;
 use crate::quantity::{QUANTITIES, Quantity};
 
 /// Truths that may wait for their estimates.
@@ -146,7 +145,7 @@ impl Counts {
 /// Everything seen of a run.
 #[derive(Default)]
 pub struct Watch {
-    kind: Option<Kind>,
+    pipeline: Option<&'static Pipeline>,
     show: Show,
     feed: Option<Feed>,
     carried: BTreeMap<&'static str, Carried>,
@@ -163,9 +162,9 @@ pub struct Watch {
 
 impl Watch {
     /// Watches a machine.
-    pub fn new(kind: Kind, feed: Option<Feed>, show: Show) -> Self {
+    pub fn new(machine: Machine, feed: Option<Feed>, show: Show) -> Self {
         Self {
-            kind: Some(kind),
+            pipeline: Some(Pipeline::of(machine)),
             show,
             feed,
             begun: Some(Instant::now()),
@@ -212,28 +211,25 @@ impl Watch {
 
     /// Latest health of the process called `name`.
     pub fn health(&self, name: &str) -> Option<&Health> {
-        let kind = self.kind?;
-        self.health
-            .iter()
-            .find(|(index, _)| processes::name(kind, **index) == name)
+        self.all_health()
+            .find(|(process, _)| *process == name)
             .map(|(_, health)| health)
     }
 
     /// Health of all processes, by name.
     pub fn all_health(&self) -> impl Iterator<Item = (&'static str, &Health)> {
-        let kind = self.kind.unwrap_or(Kind::Excavator);
-        self.health
-            .iter()
-            .map(move |(index, health)| (processes::name(kind, *index), health))
+        self.health.iter().filter_map(|(index, health)| {
+            let pipeline = self.pipeline?;
+            Some((pipeline.process_name(*index), health))
+        })
     }
 
     /// Counts of all processes, by name.
     fn counts(&self) -> impl Iterator<Item = (&'static str, Counts)> {
-        let kind = self.kind.unwrap_or(Kind::Excavator);
-        self.health.iter().map(move |(index, health)| {
+        self.health.iter().filter_map(|(index, health)| {
             let mut counts = self.before.get(index).copied().unwrap_or_default();
             counts.add(health);
-            (processes::name(kind, *index), counts)
+            Some((self.pipeline?.process_name(*index), counts))
         })
     }
 
@@ -287,25 +283,20 @@ impl Watch {
 
     /// Samples that were measured and have no answer, by service.
     fn unanswered(&self, sent: Carried) -> Vec<Fault> {
-        let kind = self.kind.unwrap_or(Kind::Excavator);
-        let answers = |p: &processes::Process| {
-            let channel = p.output.filter(|o| is_estimate(o))?;
-            Some(self.carried.get(channel.name).copied().unwrap_or_default())
+        let Some(pipeline) = self.pipeline else {
+            return Vec::new();
         };
         let known = sent.samples + sent.unseen;
-        let fault = |p: &'static processes::Process| {
-            let answers = answers(p)?;
+        let fault = |channel: &'static Channel| {
+            let answers = self.carried.get(channel.name).copied().unwrap_or_default();
             let samples = known.saturating_sub(answers.samples + answers.unseen);
             (samples > 0).then_some(Fault::Unanswered {
-                service: p.name,
+                service: pipeline.writer(channel)?.name,
                 samples,
                 of: known,
             })
         };
-        processes::of_machine(kind)
-            .iter()
-            .filter_map(fault)
-            .collect()
+        pipeline.estimates().filter_map(fault).collect()
     }
 
     /// Shows the state, not too often.
@@ -353,7 +344,7 @@ impl Watch {
         for score in shown {
             line += &format!(" {}", score.quantity.short(score));
         }
-        if let Some(health) = self.health(self.estimator()) {
+        if let Some(health) = self.pipeline.and_then(|p| self.health(p.main)) {
             line += &format!(
                 "  latency p50 {:.0} p99 {:.0} max {:.0} µs",
                 health.age_p50_ns as f64 / 1e3,
@@ -362,11 +353,6 @@ impl Watch {
             );
         }
         line + &format!("  lost {}", self.lost())
-    }
-
-    /// Process that makes the preferred estimate.
-    pub fn estimator(&self) -> &'static str {
-        "ukf"
     }
 
     fn note_estimate<M: Message>(&mut self, channel: &'static Channel, message: &M) {
@@ -409,13 +395,6 @@ impl Watch {
             .ok()?;
         quantity.truth(&self.truths[at].1)
     }
-}
-
-fn is_estimate(channel: &Channel) -> bool {
-    matches!(
-        channel.payload,
-        Payload::ExcavatorEstimate | Payload::LoaderEstimate
-    )
 }
 
 impl Sink for Watch {

@@ -8,9 +8,9 @@ use std::time::{Duration, Instant};
 use messages::{Health, State};
 use runtime::{Bell, Control, Domain, is_stopped, now_ns};
 use rustix::process::{Pid, PidfdFlags, pidfd_open};
+use steps::stages::Stage;
 
 use crate::failure::Failure;
-use crate::processes::Process;
 
 /// A worker that lives no longer than this after its start died quickly.
 const QUICK: Duration = Duration::from_millis(300);
@@ -30,7 +30,7 @@ const KILL_LIMIT: Duration = Duration::from_millis(200);
 /// A service and its process.
 pub struct Worker {
     /// Its row in the table of processes.
-    pub process: &'static Process,
+    pub process: &'static Stage,
     /// Wakes it.
     pub bell: Bell,
     /// Talks to it.
@@ -66,7 +66,7 @@ enum Next {
 
 impl Worker {
     /// Starts the process.
-    pub fn start(process: &'static Process, bell: Bell, domain: &Domain) -> Result<Self, Failure> {
+    pub fn start(process: &'static Stage, bell: Bell, domain: &Domain) -> Result<Self, Failure> {
         let (control, child) = spawn(process, 0, domain)?;
         Ok(Self {
             process,
@@ -201,7 +201,7 @@ fn end_of(child: &Child) -> Option<OwnedFd> {
     pidfd_open(pid, PidfdFlags::empty()).ok()
 }
 
-fn spawn(process: &Process, restarts: u32, domain: &Domain) -> Result<(Control, Child), Failure> {
+fn spawn(process: &Stage, restarts: u32, domain: &Domain) -> Result<(Control, Child), Failure> {
     let (control, theirs): (Control, OwnedFd) = Control::pair()?;
     let exe = std::env::current_exe().map_err(Failure::internal)?;
     let child = Command::new(exe)

@@ -19,6 +19,10 @@ pub mod excavator_bits {
     pub const ARM_ANGLE: u32 = 1 << 4;
     /// Bucket angle.
     pub const BUCKET_ANGLE: u32 = 1 << 5;
+    /// Pitch of the upper body.
+    pub const PITCH: u32 = 1 << 6;
+    /// Roll of the upper body.
+    pub const ROLL: u32 = 1 << 7;
 
     // Flags: `ExcavatorEstimate::flags`.
     /// The motion carries information about the inertia.
@@ -71,7 +75,7 @@ pub mod excavator_bits {
 
 message! {
     /// What the excavator's sensors measured; a signal without its bit in `valid` is 0 and means nothing.
-    pub struct ExcavatorSensors, "ExcavatorSensors", size 120 {
+    pub struct ExcavatorSensors, "ExcavatorSensors", size 136 {
         /// Swing rate, positive anticlockwise from above.
         swing_velocity: f64, "rad/s";
         /// Swing angle, same sign.
@@ -88,6 +92,10 @@ message! {
         valid: u32, "";
         /// Bits of the signals that the source has at all.
         columns: u32, "";
+        /// Pitch of the upper body, nose up positive.
+        pitch: f64, "rad";
+        /// Roll of the upper body, left side low positive.
+        roll: f64, "rad";
     }
 }
 
@@ -126,9 +134,10 @@ message! {
         acceleration: f64, "rad/s^2";
         /// Its standard deviation.
         acceleration_std: f64, "rad/s^2";
-        /// Innovation of the Kalman filter, 0 where the measurement is missing.
+        /// Innovation of the Kalman filter, 0 where the measurement is missing; with an encoder's
+        /// angle in rad.
         innovation: f64, "rad/s";
-        /// Predicted standard deviation of the innovation.
+        /// Predicted standard deviation of the innovation, in the same unit.
         innovation_std: f64, "rad/s";
         /// Velocity through the common second-order filter.
         filtered_velocity: f64, "rad/s";
@@ -146,8 +155,8 @@ message! {
         period: f64, "s";
         /// Time since the last accepted velocity or angle.
         age: f64, "s";
-        /// Time since the last torque.
-        torque_age: f64, "s";
+        /// Reserved, 0.
+        reserved: f64, "";
         /// Signal bits of the sample that this was made from.
         valid: u32, "";
         /// Bits of this message.
@@ -200,8 +209,8 @@ message! {
         estimated: u32, "";
         /// Index of the method that made this estimate.
         method: u32, "";
-        /// Reserved, 0.
-        reserved: u32, "";
+        /// Code of the reason: what the machine does beside its description, or why the estimate is not trusted.
+        reason: u32, "";
         /// Rows refused so far.
         refused: u64, "";
         /// Reserved, 0.

@@ -8,9 +8,8 @@
 //!
 //! Schemas, columns and signals all come from [`messages::Message::FIELDS`].
 
-mod candump;
+pub mod can;
 pub mod csv;
-mod dbc;
 mod error;
 mod file;
 mod load;
@@ -20,20 +19,23 @@ mod parts;
 mod reader;
 mod record;
 mod recover;
+mod sampling;
 mod scan;
 mod schema;
 mod signal;
+mod time;
 mod unit;
 mod wire;
 mod writer;
 
 pub use csv::EstimateWriter;
 pub use error::Error;
-pub use load::{load_excavator, load_loader};
+pub use load::{Samples, load_excavator, load_loader, open_excavator, open_loader};
 pub use map::Map;
 pub use output::Output;
 pub use parts::{files_by_age, is_being_written, next_part, part_number, recordings, reserve};
 pub use reader::{Reader, Stream};
 pub use recover::{Recovered, join, recover};
 pub use schema::RecordedField;
+pub use signal::{Excavator, Loader, Machine, Row};
 pub use writer::{Metadata, Writer, sha256};

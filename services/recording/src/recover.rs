@@ -210,7 +210,7 @@ fn add_channels(
 
 /// Calls `take` with part, head and content of every whole message; returns how many there are.
 /// What is damaged is noted by the reader.
-fn copy(
+pub(crate) fn copy(
     reader: &Reader,
     mut take: impl FnMut(usize, &record::Message, &[u8]) -> Result<(), Error>,
 ) -> Result<u64, Error> {

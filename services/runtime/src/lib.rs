@@ -36,7 +36,7 @@ pub use probe::{Arrival, Wake, run_probe};
 pub use pulse::is_stopped;
 pub use sink::{Sink, run_sink};
 pub use source::{Pace, run_source};
-pub use stage::{MarkHop, mark_estimate, mark_filter, run_stage};
+pub use stage::run_stage;
 pub use step::{Source, Step, answer};
 pub use taps::{Taps, Visit};
 pub use telemetry::Identity;

@@ -4,7 +4,7 @@ mod header;
 mod html;
 mod tables;
 
-use messages::Health;
+use messages::{Health, Machine};
 
 use crate::estimate::Estimate;
 use crate::panels::{self, Panel};
@@ -59,20 +59,23 @@ fn machine<E: Estimate>(body: &mut String, run: &Run, part: &MachineRun<E>, rule
         "Errors against the truth",
         panels::error::panels(part),
     );
-    let motion = if E::MACHINE == "excavator" {
+    let motion = if E::MACHINE == Machine::Excavator {
         run.motion.as_slice()
     } else {
         &[]
     };
-    section(
-        body,
-        "Innovations",
-        panels::innovation::panels(part, motion),
-    );
-    latency(body, part);
+    // They are judged by neighbours.
+    if run.thinned.is_empty() {
+        section(
+            body,
+            "Innovations",
+            panels::innovation::panels(part, motion),
+        );
+    }
+    latency(body, run, part);
 }
 
-fn latency<E: Estimate>(body: &mut String, part: &MachineRun<E>) {
+fn latency<E: Estimate>(body: &mut String, run: &Run, part: &MachineRun<E>) {
     let mut panels = Vec::new();
     let mut rows = String::new();
     for estimator in &part.estimators {
@@ -88,7 +91,7 @@ fn latency<E: Estimate>(body: &mut String, part: &MachineRun<E>) {
         return;
     }
     section(body, "Latency and loss", panels);
-    tables::latency(body, &rows, part);
+    tables::latency(body, run, &rows, part);
 }
 
 fn section(body: &mut String, title: &str, panels: Vec<Panel>) {

@@ -1,38 +1,37 @@
 //! `heft estimate`: the steps of the pipeline in one thread, on recorded data.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use config::{Description, Kind};
-use messages::channels::{
-    Channel, EXCAVATOR_INERTIA_RLS, EXCAVATOR_INERTIA_UKF, EXCAVATOR_MOTION, EXCAVATOR_SENSORS,
-    EXCAVATOR_TRUTH, LOADER_CG_EKF, LOADER_CG_UKF, LOADER_SENSORS, LOADER_TRUTH,
-};
-use messages::{
-    ExcavatorEstimate, ExcavatorSensors, ExcavatorTruth, LoaderEstimate, LoaderSensors,
-    LoaderTruth, Message, SwingMotion, excavator_bits, loader_bits,
-};
-use recording::{EstimateWriter, Metadata, Reader, Writer, output};
-use runtime::{Step, answer};
+use config::Description;
+use messages::channels::Channel;
+use messages::{Envelope, ExcavatorEstimate, LoaderEstimate, Message, Receiver};
+use recording::{EstimateWriter, Metadata, Reader, Samples, Writer, output};
+use steps::Error;
+use steps::stages::{AnyStep, Pipeline, Role};
+use view::estimate::Estimate;
 
 use crate::cli::EstimateArgs;
-use crate::commands::run::description;
+use crate::commands::run::{description, tell_idle_keys};
 use crate::failure::Failure;
-use crate::pipeline;
+use crate::parts;
 use crate::sources;
 
 /// `heft estimate`
 pub fn estimate(args: &EstimateArgs) -> Result<(), Failure> {
-    let kind = Kind::from(args.machine);
     check_outputs(args)?;
     let map = sources::map(args.map.as_deref())?;
-    match description(kind, &args.description)? {
+    let description = description(args.machine, &args.description)?;
+    match &description {
         Description::Excavator(d) => {
-            let rows = recording::load_excavator(&args.file, map.as_ref())?;
-            excavator(args, &d, &rows)
+            let samples = recording::open_excavator(&args.file, map.as_ref())?;
+            if let Some((first, _)) = samples.rows()?.next() {
+                steps::excavator::check_columns(d, method(args), &first)?;
+            }
+            run::<_, _, ExcavatorEstimate>(args, &description, samples)
         }
-        Description::Loader(d) => {
-            let rows = recording::load_loader(&args.file, map.as_ref())?;
-            loader(args, &d, &rows)
+        Description::Loader(_) => {
+            let samples = recording::open_loader(&args.file, map.as_ref())?;
+            run::<_, _, LoaderEstimate>(args, &description, samples)
         }
     }
 }
@@ -57,144 +56,80 @@ fn check_outputs(args: &EstimateArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Estimates of one excavator method, with the motion that a regression worked on.
-pub struct ExcavatorRun {
-    /// Channel that a process would have published them on.
-    pub channel: &'static Channel,
-    /// One per sample.
-    pub estimates: Vec<ExcavatorEstimate>,
-    /// One per sample; empty for state-space methods.
-    pub motions: Vec<SwingMotion>,
+/// The method that was asked for, or that of the process whose estimate is told first.
+fn method(args: &EstimateArgs) -> &str {
+    let pipeline = Pipeline::of(args.machine);
+    let main = pipeline
+        .stage(pipeline.main)
+        .map_or(&[][..], |s| s.methods());
+    let asked = args.method.as_deref();
+    asked.unwrap_or(main.first().copied().unwrap_or_default())
 }
 
-/// Runs one method over samples.
-pub fn run_excavator(
-    d: &config::Excavator,
-    method: &str,
-    rows: &[(ExcavatorSensors, ExcavatorTruth)],
-) -> Result<ExcavatorRun, Failure> {
-    let samples = rows.iter().map(|(s, _)| s);
-    if pipeline::REGRESSIONS.contains(&method) {
-        let mut filter = pipeline::excavator_filter(d)?;
-        let mut regression = pipeline::excavator_regression(d, method)?;
-        let motions: Vec<SwingMotion> = samples.map(|s| answer(&mut filter, s)).collect();
-        let estimates = motions.iter().map(|m| answer(&mut regression, m)).collect();
-        Ok(ExcavatorRun {
-            channel: &EXCAVATOR_INERTIA_RLS,
-            estimates,
-            motions,
-        })
-    } else {
-        let mut estimator = pipeline::excavator_estimator(d, method)?;
-        let estimates = samples.map(|s| answer(&mut estimator, s)).collect();
-        Ok(ExcavatorRun {
-            channel: &EXCAVATOR_INERTIA_UKF,
-            estimates,
-            motions: Vec::new(),
-        })
-    }
+/// The stages that lead to a method's estimate, each with the channel that it writes.
+type Way = Vec<(&'static Channel, Box<dyn AnyStep>)>;
+
+fn way(description: &Description, method: &str) -> Result<Way, Error> {
+    let pipeline = Pipeline::of(description.machine());
+    let stage = pipeline.with_method(method);
+    let stage = stage.ok_or_else(|| pipeline.unknown(method))?;
+    let rows = pipeline.way_to(stage).into_iter();
+    rows.map(|row| Ok((row.output(), row.start(description, method)?)))
+        .collect()
 }
 
-fn excavator(
+/// Takes sample after sample through the stages, so that the length of the data does not matter.
+fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
     args: &EstimateArgs,
-    d: &config::Excavator,
-    rows: &[(ExcavatorSensors, ExcavatorTruth)],
+    description: &Description,
+    mut samples: Samples<S, T>,
 ) -> Result<(), Failure> {
-    let method = args.method.as_deref().unwrap_or("auto");
-    if let Some((first, _)) = rows.first() {
-        pipeline::check_columns(d, method, first)?;
-    }
-    let run = run_excavator(d, method, rows)?;
-    let mut writer = EstimateWriter::excavator(&args.output)?;
-    for estimate in run
-        .estimates
-        .iter()
-        .filter(|e| e.flags & excavator_bits::REFUSED == 0)
-    {
-        writer.write_excavator(estimate)?;
+    samples.on_progress(parts::progress());
+    let mut way = way(description, method(args))?;
+    tell_idle_keys(description, &[method(args)]);
+    let mut writer = EstimateWriter::<E>::create(&args.output)?;
+    let metadata = metadata(args, description, method(args));
+    let report = args.report.as_deref();
+    let mut notes = report.map(|r| Notes::create(r, &metadata)).transpose()?;
+    let (mut rows, mut last) = (0, E::default());
+    for (sample, truth) in samples.rows()? {
+        rows += 1;
+        let mut message = sample.envelope();
+        if let Some(notes) = &mut notes {
+            notes.add_sample(description, &message, &truth)?;
+        }
+        for (channel, step) in &mut way {
+            let Some(answer) = step.answer(&message) else {
+                break;
+            };
+            if let Some(notes) = &mut notes {
+                notes.add(channel, &answer)?;
+            }
+            message = answer;
+        }
+        if let Some(estimate) = E::inside(&message) {
+            writer.write(estimate)?;
+            last = *estimate;
+        }
     }
     let written = writer.finish()?;
-    if let Some(report) = &args.report {
-        let description = Description::Excavator(Box::new(d.clone()));
-        write_report(report, &metadata(args, &description, method), |w| {
-            write_all(w, &EXCAVATOR_SENSORS, rows.iter().map(|r| &r.0))?;
-            write_all(
-                w,
-                &EXCAVATOR_TRUTH,
-                rows.iter().map(|r| &r.1).filter(|t| t.known != 0),
-            )?;
-            write_all(w, &EXCAVATOR_MOTION, &run.motions)?;
-            write_all(w, run.channel, &run.estimates)
-        })?;
+    if let (Some(notes), Some(report)) = (notes, &args.report) {
+        notes.report(report)?;
     }
-    let last = run.estimates.last().copied().unwrap_or_default();
-    tell(
-        args,
-        written,
-        rows.len(),
-        &view::words::excavator_verdict(&last),
-    );
-    require_trust(args, last.flags & excavator_bits::TRUSTED != 0)
+    tell(args, written, rows, &view::words::verdict(&last));
+    if let Some(reader) = samples.recording() {
+        parts::tell_damage(reader)?;
+    }
+    if args.require_trust && !Estimate::trusted(&last) {
+        return Err(Failure::answer_is_no("the last verdict is not `trusted`"));
+    }
+    Ok(())
 }
 
-/// Runs one method over samples.
-pub fn run_loader(
-    d: &config::Loader,
-    method: &str,
-    rows: &[(LoaderSensors, LoaderTruth)],
-) -> Result<(&'static Channel, Vec<LoaderEstimate>), Failure> {
-    fn all<S>(mut step: S, rows: &[(LoaderSensors, LoaderTruth)]) -> Vec<LoaderEstimate>
-    where
-        S: Step<Input = LoaderSensors, Output = LoaderEstimate>,
-    {
-        rows.iter().map(|(s, _)| answer(&mut step, s)).collect()
-    }
-    Ok(if method == "ekf" {
-        (&LOADER_CG_EKF, all(pipeline::loader_baseline(d)?, rows))
-    } else {
-        (
-            &LOADER_CG_UKF,
-            all(pipeline::loader_estimator(d, method)?, rows),
-        )
-    })
-}
-
-fn loader(
-    args: &EstimateArgs,
-    d: &config::Loader,
-    rows: &[(LoaderSensors, LoaderTruth)],
-) -> Result<(), Failure> {
-    let method = args.method.as_deref().unwrap_or("full");
-    let (channel, estimates) = run_loader(d, method, rows)?;
-    let mut writer = EstimateWriter::loader(&args.output)?;
-    for estimate in estimates
-        .iter()
-        .filter(|e| e.flags & loader_bits::REFUSED == 0)
-    {
-        writer.write_loader(estimate)?;
-    }
-    let written = writer.finish()?;
-    if let Some(report) = &args.report {
-        let description = Description::Loader(Box::new(d.clone()));
-        write_report(report, &metadata(args, &description, method), |w| {
-            write_all(w, &LOADER_SENSORS, rows.iter().map(|r| &r.0))?;
-            write_all(
-                w,
-                &LOADER_TRUTH,
-                rows.iter().map(|r| &r.1).filter(|t| t.known != 0),
-            )?;
-            write_all(w, channel, &estimates)
-        })?;
-    }
-    let last = estimates.last().copied().unwrap_or_default();
-    tell(
-        args,
-        written,
-        rows.len(),
-        &view::words::loader_verdict(&last),
-    );
-    let both = loader_bits::TRUSTED_RATIO | loader_bits::TRUSTED_HEIGHT;
-    require_trust(args, last.flags & both == both)
+/// Whether a truth says anything.
+fn is_known<T: Message>(truth: &T) -> bool {
+    let known = T::index("known").and_then(|i| truth.get(i));
+    known.is_some_and(|bits| bits.as_f64() != 0.0)
 }
 
 fn tell(args: &EstimateArgs, written: usize, rows: usize, verdict: &str) {
@@ -211,20 +146,13 @@ fn tell(args: &EstimateArgs, written: usize, rows: usize, verdict: &str) {
     }
 }
 
-fn require_trust(args: &EstimateArgs, trusted: bool) -> Result<(), Failure> {
-    if args.require_trust && !trusted {
-        return Err(Failure::answer_is_no("the last verdict is not `trusted`"));
-    }
-    Ok(())
-}
-
 fn metadata(args: &EstimateArgs, description: &Description, method: &str) -> Metadata {
     let text = description.to_toml();
     let mut metadata = Metadata::new();
     for (key, value) in [
         ("heft.version", env!("CARGO_PKG_VERSION").to_owned()),
         (crate::build::KEY, crate::build::IDENTITY.to_owned()),
-        ("machine", description.kind().name().to_owned()),
+        ("machine", description.machine().name().to_owned()),
         ("input", args.file.display().to_string()),
         ("method", method.to_owned()),
         ("description.sha256", recording::sha256(&text)),
@@ -235,33 +163,66 @@ fn metadata(args: &EstimateArgs, description: &Description, method: &str) -> Met
     metadata
 }
 
-fn write_all<'a, M: Message>(
-    writer: &mut Writer,
-    channel: &Channel,
-    messages: impl IntoIterator<Item = &'a M>,
-) -> Result<(), recording::Error> {
-    messages
-        .into_iter()
-        .try_for_each(|m| writer.write(channel, m))
+/// A report is made from a recording, here from one that exists only for it.
+struct Notes {
+    file: PathBuf,
+    writer: Option<Writer>,
 }
 
-/// A report is made from a recording, here from one that exists only for it.
-fn write_report(
-    report: &Path,
-    metadata: &Metadata,
-    fill: impl FnOnce(&mut Writer) -> Result<(), recording::Error>,
-) -> Result<(), Failure> {
-    let mut name = report.as_os_str().to_owned();
-    name.push(format!(".partial-{}.mcap", std::process::id()));
-    let recording = std::path::PathBuf::from(name);
-    let written = Writer::create(&recording, metadata).and_then(|mut writer| {
-        fill(&mut writer)?;
-        writer.finish()?;
-        Reader::open(&recording)
-    });
-    let done = written
-        .map_err(Failure::from)
-        .and_then(|reader| super::report::write(&reader, report));
-    let _ = std::fs::remove_file(&recording);
-    done
+impl Notes {
+    fn create(report: &Path, metadata: &Metadata) -> Result<Self, recording::Error> {
+        let mut name = report.as_os_str().to_owned();
+        name.push(format!(".partial-{}", std::process::id()));
+        let file = PathBuf::from(name);
+        let writer = Some(Writer::create(&file, metadata)?);
+        Ok(Self { file, writer })
+    }
+
+    fn add(&mut self, channel: &Channel, message: &Envelope) -> Result<(), recording::Error> {
+        struct Write<'a>(&'a mut Writer, &'a Channel);
+
+        impl Receiver for Write<'_> {
+            type Output = Result<(), recording::Error>;
+
+            fn receive<M: Message>(self, message: &M) -> Self::Output {
+                self.0.write(self.1, message)
+            }
+        }
+
+        let writer = self.writer.as_mut();
+        writer.map_or(Ok(()), |writer| message.open(Write(writer, channel)))
+    }
+
+    /// A sample and, where it is known, the truth.
+    fn add_sample<T: Message>(
+        &mut self,
+        description: &Description,
+        sample: &Envelope,
+        truth: &T,
+    ) -> Result<(), recording::Error> {
+        for stage in Pipeline::of(description.machine()).stages {
+            if let Role::Source {
+                sensors,
+                truth: of_truth,
+            } = stage.role
+            {
+                self.add(sensors, sample)?;
+                if is_known(truth) {
+                    self.add(of_truth, &truth.envelope())?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn report(mut self, page: &Path) -> Result<(), Failure> {
+        self.writer.take().map_or(Ok(()), Writer::finish)?;
+        super::report::write(&Reader::open(&self.file)?, page)
+    }
+}
+
+impl Drop for Notes {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_file(&self.file);
+    }
 }

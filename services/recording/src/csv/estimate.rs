@@ -3,8 +3,8 @@ use std::marker::PhantomData;
 use std::path::Path;
 
 use messages::{
-    EXCAVATOR_METHODS, ExcavatorEstimate, LOADER_METHODS, LoaderEstimate, Message, Value,
-    excavator_bits as e, loader_bits as l,
+    EXCAVATOR_METHODS, EXCAVATOR_REASONS, ExcavatorEstimate, LOADER_METHODS, LoaderEstimate,
+    Message, Value, excavator_bits as e, loader_bits as l,
 };
 
 use crate::Error;
@@ -29,6 +29,12 @@ pub trait Estimate: Message {
     const REFUSED: u32;
     /// Names of the methods.
     const METHODS: &'static [&'static str];
+    /// Names and words of the reasons by their code; the column `reason` comes last, where there are any.
+    const REASONS: &'static [(&'static str, &'static str)] = &[];
+    /// Code of the reason.
+    fn reason(&self) -> u32 {
+        0
+    }
     /// Flags, bits of the estimated quantities, index of the method.
     fn bits(&self) -> (u32, u32, u32);
 }
@@ -68,6 +74,10 @@ impl Estimate for ExcavatorEstimate {
     );
     const REFUSED: u32 = e::REFUSED;
     const METHODS: &'static [&'static str] = EXCAVATOR_METHODS;
+    const REASONS: &'static [(&'static str, &'static str)] = EXCAVATOR_REASONS;
+    fn reason(&self) -> u32 {
+        self.reason
+    }
     fn bits(&self) -> (u32, u32, u32) {
         (self.flags, self.estimated, self.method)
     }
@@ -159,7 +169,11 @@ impl EstimateWriter<LoaderEstimate> {
 }
 
 impl<E: Estimate> EstimateWriter<E> {
-    fn create(path: &Path) -> Result<Self, Error> {
+    /// Begins a file of estimates.
+    ///
+    /// # Errors
+    /// The file cannot be created.
+    pub fn create(path: &Path) -> Result<Self, Error> {
         Ok(Self {
             out: Output::create(path, &[], is_estimates)?,
             columns: Vec::new(),
@@ -182,11 +196,16 @@ impl<E: Estimate> EstimateWriter<E> {
             let (Column::Value(name, _) | Column::Flag(name, _)) = column;
             let _ = write!(self.row, ",{name}");
         }
-        self.row.push_str(",method\n");
+        let reason = if E::REASONS.is_empty() { "" } else { ",reason" };
+        let _ = writeln!(self.row, ",method{reason}");
         self.put_row()
     }
 
-    fn write(&mut self, estimate: &E) -> Result<(), Error> {
+    /// Adds an estimate; a refused row is left out.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn write(&mut self, estimate: &E) -> Result<(), Error> {
         let (flags, estimated, method) = estimate.bits();
         if flags & E::REFUSED != 0 {
             return Ok(());
@@ -208,7 +227,12 @@ impl<E: Estimate> EstimateWriter<E> {
             }
         }
         let name = E::METHODS.get(method as usize).copied().unwrap_or_default();
-        let _ = writeln!(self.row, ",{name}");
+        let _ = write!(self.row, ",{name}");
+        if !E::REASONS.is_empty() {
+            let reason = E::REASONS.get(estimate.reason() as usize);
+            let _ = write!(self.row, ",{}", reason.map_or("", |(name, _)| name));
+        }
+        self.row.push('\n');
         self.written += 1;
         self.put_row()
     }

@@ -1,0 +1,217 @@
+//! Description of a wheel loader with independently driven axles. The defaults are those of the
+//! 4.7 t reference machine (Yang, Wang, Han 2021, with the geometry that the paper leaves out).
+
+use crate::keys::{choice, table};
+
+choice! {
+    /// Sign of the dynamic load transfer.
+    pub enum LoadTransfer {
+        /// Accelerating loads the rear axle.
+        Physical = "physical",
+        /// As printed in the paper, Eqs. (6), (7), (10), (11).
+        Printed = "printed",
+    }
+}
+
+choice! {
+    /// Noise and protections of the methods with six states.
+    pub enum Tuning {
+        /// The configuration that reproduces the paper's conditions.
+        Paper = "paper",
+        /// The noises of this file, finite tyre friction, mid-point inputs, limits on.
+        Tuned = "tuned",
+    }
+}
+
+choice! {
+    /// Which input drives the step from one row to the next.
+    pub enum Inputs {
+        /// Mid-point, but hold under the tuning "paper".
+        Auto = "auto",
+        /// Mean of the rows at both ends of the step.
+        Midpoint = "midpoint",
+        /// The row at the beginning of the step (zero-order hold).
+        Hold = "hold",
+    }
+}
+
+table! {
+    /// The machine.
+    pub struct Machine, "machine" {
+        /// Mass, where the data do not carry one.
+        mass: f64 = 4700.0, "kg", 1e-3 to 1e6;
+        /// Rolling radius at the nominal axle load.
+        wheel_radius: f64 = 0.55, "m", 0.01 to 10.0;
+        /// Inertia of an axle with its wheels and drive, at the wheel.
+        axle_inertia: f64 = 3.33, "kg m^2", 1e-6 to 1e6;
+        /// Distance of the axles (l).
+        wheelbase: f64 = 2.30, "m", 0.1 to 50.0;
+        /// Front axle to bucket tip (l_c).
+        bucket_reach: f64 = 1.70, "m", 0.0 to 50.0;
+        /// Rolling resistance (f).
+        rolling_resistance: f64 = 0.020, "", 0.0 to 1.0;
+        /// Motor to wheel; used by the simulator, torques in the data are those at the wheel.
+        gear_ratio: f64 = 20.0, "", 1e-3 to 1e4;
+        /// Largest tyre force over axle load (mu); 0 leaves it unlimited.
+        friction: f64 = 0.8, "", 0.0 to 10.0;
+        /// Relative loss of rolling radius per relative axle load (rho).
+        radius_load_sensitivity: f64 = 0.01, "", 0.0 to 0.2;
+        /// Its standard deviation; widens the reported interval of the ratio.
+        radius_load_sensitivity_std: f64 = 0.001, "", 0.0 to 0.2;
+        /// Relaxation length of the tyres; 0 for tyres that do not wind up.
+        relaxation_length: f64 = 0.10, "m", 0.0 to 10.0;
+    }
+}
+
+table! {
+    /// The sensors.
+    pub struct Sensors, "sensors" {
+        /// Samples per second.
+        rate: f64 = 100.0, "Hz", 1.0 to 100000.0;
+        /// Noise of the speed.
+        speed_std: f64 = 0.02, "m/s", 1e-9 to 10.0;
+        /// Noise of the wheel speeds.
+        wheel_speed_std: f64 = 0.002, "rad/s", 1e-9 to 10.0;
+        /// Noise of the slope.
+        slope_std: f64 = 0.002, "rad", 1e-9 to 1.0;
+        /// Noise of the specific force.
+        acceleration_std: f64 = 0.05, "m/s^2", 1e-9 to 10.0;
+        /// Standard deviation of each axle's torque gain; widens the reported interval of the ratio.
+        torque_gain_std: f64 = 0.005, "", 0.0 to 1.0;
+    }
+}
+
+table! {
+    /// What is known before the first row. The deviations include the spread from machine to machine: K 2 and 1.5,
+    /// height 0.10 and 0.08 m, ratio 0.05 and 0.03.
+    pub struct Prior, "prior" {
+        /// Slip stiffness (K).
+        slip_stiffness: f64 = 19.0, "", 0.1 to 1000.0;
+        /// Its standard deviation.
+        slip_stiffness_std: f64 = 2.5, "", 1e-9 to 1000.0;
+        /// Height of the centre of gravity (h).
+        cg_height: f64 = 0.90, "m", 0.01 to 20.0;
+        /// Its standard deviation.
+        cg_height_std: f64 = 0.13, "m", 1e-9 to 10.0;
+        /// Share of the static weight on the front axle (lambda).
+        cg_ratio: f64 = 0.45, "", 0.01 to 0.99;
+        /// Its standard deviation.
+        cg_ratio_std: f64 = 0.06, "", 1e-9 to 1.0;
+        /// Standard deviation of the speed at the start.
+        speed_std: f64 = 0.05, "m/s", 1e-9 to 100.0;
+        /// Standard deviation of the wheel speeds at the start.
+        wheel_speed_std: f64 = 0.05, "rad/s", 1e-9 to 100.0;
+        /// Standard deviation of the unmeasured spade force at the start.
+        spade_force_std: f64 = 300.0, "N", 1e-9 to 1e6;
+        /// Standard deviation of the relative radius errors at the start; 5e-4 when calibrated.
+        radius_std: f64 = 0.005, "", 1e-12 to 0.5;
+        /// Standard deviation of the slope bias at the start.
+        slope_bias_std: f64 = 0.01, "rad", 1e-12 to 1.0;
+    }
+}
+
+table! {
+    /// The estimators. The q_ keys are standard deviations per 10 ms of driving.
+    pub struct Estimator, "estimator" {
+        /// Sign of the dynamic load transfer.
+        load_transfer: LoadTransfer = LoadTransfer::Physical, "";
+        /// Configuration of the methods isr-ukf-printed, isr-ukf and ekf.
+        tuning: Tuning = Tuning::Paper, "";
+        /// Inputs of a step.
+        inputs: Inputs = Inputs::Auto, "";
+        /// Equal sub-steps per row.
+        substeps: usize = 1, "", 1.0 to 1000.0;
+        /// Spread of the sigma points (the tuning "paper" has 0.01).
+        alpha: f64 = 0.3, "", 1e-4 to 10.0;
+        /// Weight of the centre point in the covariance.
+        beta: f64 = 2.0, "", -10.0 to 10.0;
+        /// Second spread of the sigma points.
+        kappa: f64 = 0.0, "", -5.0 to 100.0;
+        /// Random walk of the speed.
+        q_speed: f64 = 5e-4, "m/s", 0.0 to 10.0;
+        /// Random walk of the wheel speeds.
+        q_wheel_speed: f64 = 1e-3, "rad/s", 0.0 to 10.0;
+        /// Random walk of the slip stiffness.
+        q_slip_stiffness: f64 = 3e-4, "", 0.0 to 100.0;
+        /// Random walk of the height.
+        q_cg_height: f64 = 3e-5, "m", 0.0 to 1.0;
+        /// Random walk of the ratio.
+        q_cg_ratio: f64 = 3e-5, "", 0.0 to 1.0;
+        /// Random walk of the unmeasured spade force.
+        q_spade_force: f64 = 150.0, "N", 0.0 to 1e6;
+        /// Random walk of the radius errors.
+        q_radius: f64 = 1e-7, "", 0.0 to 1.0;
+        /// Random walk of the slope bias.
+        q_slope_bias: f64 = 1e-5, "rad", 0.0 to 1.0;
+        /// Smallest speed in a slip denominator.
+        v_min: f64 = 0.30, "m/s", 1e-3 to 10.0;
+        /// Parameters are frozen below this speed.
+        v_freeze: f64 = 0.5, "m/s", 0.0 to 10.0;
+        /// Wheel-speed noise from axle-load ripple acting through the slip, share of the slip (cb).
+        c_b: f64 = 0.1, "", 0.0 to 10.0;
+        /// Wheel-speed noise from axle-load ripple acting through the radius (crho).
+        c_rho: f64 = 0.1, "", 0.0 to 10.0;
+        /// Wheel-speed noise from changes of torque (ct).
+        c_t: f64 = 1.5, "", 0.0 to 10.0;
+        /// Innovations beyond this many standard deviations are weakened.
+        gate: f64 = 5.0, "", 1.0 to 1e6;
+        /// Innovations beyond this many standard deviations are dropped.
+        reject: f64 = 20.0, "", 1.0 to 1e9;
+        /// Smallest slip stiffness.
+        slip_stiffness_min: f64 = 4.0, "", 0.01 to 1000.0;
+        /// Largest slip stiffness.
+        slip_stiffness_max: f64 = 80.0, "", 0.01 to 1e4;
+        /// Smallest height.
+        cg_height_min: f64 = 0.3, "m", 0.0 to 20.0;
+        /// Largest height.
+        cg_height_max: f64 = 2.5, "m", 0.01 to 20.0;
+        /// Smallest ratio.
+        cg_ratio_min: f64 = 0.1, "", 0.0 to 1.0;
+        /// Largest ratio.
+        cg_ratio_max: f64 = 0.9, "", 0.0 to 1.0;
+        /// Mean normalised innovation squared at which the filter is reset.
+        reset_nis: f64 = 6.0, "", 1.0 to 1e6;
+        /// A longer step between rows is a gap: speed and wheel speeds are taken anew.
+        gap: f64 = 0.25, "s", 1e-3 to 1e3;
+        /// Spade force that means digging; parameters are frozen.
+        dig_force: f64 = 2500.0, "N", 0.0 to 1e7;
+        /// Digging lasts at least this long.
+        dig_hold: f64 = 0.5, "s", 0.0 to 100.0;
+        /// Height and ratio are reopened after digging to this many prior standard deviations; 0 leaves them.
+        reopen: f64 = 2.0, "", 0.0 to 100.0;
+        /// Once the ratio is known the parameters are loosened, because the start was linearised at the initial guess: share
+        /// of the prior that comes back per squared standard deviation of way; 0 is off.
+        relearn: f64 = 0.1, "", 0.0 to 100.0;
+        /// The boom moves: random walks of height and ratio times this.
+        boom_gain: f64 = 40.0, "", 0.0 to 1e4;
+        /// What cannot be learnt of the height; added to its reported standard deviation.
+        cg_height_floor: f64 = 0.04, "m", 0.0 to 10.0;
+        /// What cannot be learnt of the ratio, relative; added to its reported standard deviation.
+        cg_ratio_floor: f64 = 0.011, "", 0.0 to 1.0;
+        /// Verdict: the ratio is excited when the torque varies by this (standard deviation over 5 s).
+        excited_torque: f64 = 300.0, "N m", 0.0 to 1e6;
+        /// Verdict: the height is excited when the acceleration varies by this.
+        excited_acceleration: f64 = 0.3, "m/s^2", 0.0 to 100.0;
+        /// Verdict: fresh with speed and wheel speeds at most this old.
+        fresh: f64 = 0.25, "s", 1e-3 to 100.0;
+        /// Verdict: consistent up to this mean normalised innovation squared.
+        consistent_nis: f64 = 2.0, "", 0.1 to 100.0;
+        /// Verdict: the ratio has converged at this relative standard deviation.
+        converged_ratio: f64 = 0.03, "", 1e-4 to 1.0;
+        /// Verdict: the height has converged at this standard deviation.
+        converged_height: f64 = 0.08, "m", 1e-4 to 10.0;
+    }
+}
+
+/// Description of a wheel loader.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Description {
+    /// `[machine]`
+    pub machine: Machine,
+    /// `[sensors]`
+    pub sensors: Sensors,
+    /// `[prior]`
+    pub prior: Prior,
+    /// `[estimator]`
+    pub estimator: Estimator,
+}

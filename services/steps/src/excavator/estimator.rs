@@ -1,0 +1,82 @@
+//! The excavator's state-space estimators as a step: `auto`, `posture-torque`, `torque`, `posture`,
+//! `velocity` (process `ukf`).
+
+use config::Excavator as Description;
+use estimation::excavator::{Columns, Method, Settings, SettingsError, SwingEstimator};
+use messages::{ExcavatorEstimate, ExcavatorSensors};
+use runtime::Step;
+
+use super::{columns, estimate_message, method, sample};
+use crate::Error;
+use crate::source::SourceWatch;
+
+/// One state-space method, or the choice among them.
+#[derive(Clone, Debug)]
+pub struct EstimatorStep {
+    settings: Settings,
+    method: Method,
+    estimator: SwingEstimator,
+    source: SourceWatch,
+    started: bool,
+}
+
+impl EstimatorStep {
+    /// An estimator by the name of its method. It waits for its first sample, which tells the
+    /// columns of the source.
+    ///
+    /// # Errors
+    /// The name is unknown, belongs to another process, or the description has a value that the
+    /// method cannot use.
+    pub fn new(description: &Description, name: &str) -> Result<Self, Error> {
+        let (method, settings) = (method(name)?, Settings::of(description));
+        Ok(Self {
+            settings,
+            method,
+            estimator: estimator(&settings, method, ALL).map_err(Error::settings)?,
+            source: SourceWatch::default(),
+            started: false,
+        })
+    }
+}
+
+const ALL: Columns = Columns {
+    velocity: true,
+    angle: false,
+    torque: true,
+    posture: true,
+};
+
+/// The estimator for these columns. A method that lacks one of its columns gets it as one without
+/// values: it then holds its prior, and says that it is neither fresh nor trusted.
+fn estimator(
+    settings: &Settings,
+    method: Method,
+    columns: Columns,
+) -> Result<SwingEstimator, SettingsError> {
+    let velocity = columns.velocity || !columns.angle;
+    let columns = if method == Method::Auto {
+        Columns {
+            velocity,
+            ..columns
+        }
+    } else {
+        Columns { velocity, ..ALL }
+    };
+    SwingEstimator::new(settings, method, columns)
+}
+
+impl Step for EstimatorStep {
+    type Input = ExcavatorSensors;
+    type Output = ExcavatorEstimate;
+
+    fn step(&mut self, input: &ExcavatorSensors) -> ExcavatorEstimate {
+        if self.source.is_new(&input.stamp)
+            && let Ok(new) = estimator(&self.settings, self.method, columns(input))
+        {
+            self.estimator = new;
+        }
+        let estimate = self.estimator.step(&sample(input));
+        self.started |= !estimate.flags.refused;
+        estimate_message(&estimate, self.started)
+    }
+}

@@ -1,0 +1,27 @@
+//! The loader's messages and its step.
+
+mod estimate;
+mod estimator;
+mod pipeline;
+mod sample;
+
+pub use estimate::message as estimate_message;
+pub use estimator::EstimatorStep;
+pub use pipeline::PIPELINE;
+pub use sample::sample;
+
+use estimation::loader::Method;
+
+use crate::Error;
+
+/// The method of that name.
+///
+/// # Errors
+/// There is none.
+pub fn method(name: &str) -> Result<Method, Error> {
+    Method::parse(name).ok_or_else(|| Error::UnknownMethod {
+        machine: "loader",
+        name: name.to_owned(),
+        known: Method::ALL.map(Method::name).to_vec(),
+    })
+}
