@@ -26,12 +26,17 @@ const ARROWS: &[(&str, &[&str])] = &[
         "services/view",
         &["estimation", "messages", "recording", "steps"],
     ),
-    ("services/evaluate", &["estimation", "sim"]),
+    ("services/calibrate", &["config", "estimation"]),
+    (
+        "services/evaluate",
+        &["calibrate", "config", "estimation", "sim"],
+    ),
     ("bench", &["estimation", "sim"]),
     // The root package: the command line, above everything.
     (
         "",
         &[
+            "calibrate",
             "config",
             "estimation",
             "evaluate",

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use messages::{Envelope, Machine};
 use steps::stages::Pipeline;
 
+use crate::failure::Failure;
 use crate::watch::{Score, Watch};
 
 /// Writes the HTML report of a recording; `None`, with the reason told, if that fails.
@@ -67,14 +68,34 @@ pub fn text(machine: Machine, watch: &Watch, recording: &Path, report: Option<&P
     out
 }
 
-/// Whether the last verdict on every preferred quantity is `trusted`.
-pub fn is_trusted(watch: &Watch) -> bool {
-    let mut preferred = watch
+/// Age of the last trusted estimate, the largest over all preferred quantities; `None` where one of them never
+/// was trusted [s].
+pub fn trust_age(watch: &Watch) -> Option<f64> {
+    let ages: Option<Vec<f64>> = watch
         .scores()
         .iter()
         .filter(|s| s.quantity.preferred)
-        .peekable();
-    preferred.peek().is_some() && preferred.all(|s| s.trusted)
+        .map(|s| Some(s.time - s.last_trusted?.0))
+        .collect();
+    ages?.into_iter().reduce(f64::max)
+}
+
+/// An estimate is judged by its last trusted value, which may be this old [s]: a machine that stands at the end
+/// has told its inertia while it moved.
+const TRUST_AGE: f64 = 30.0;
+
+/// What `--require-trust` asks: a trusted estimate, not too old.
+///
+/// # Errors
+/// There is none, or the last one is too old.
+pub fn require_trust(age: Option<f64>) -> Result<(), Failure> {
+    match age {
+        None => Err(Failure::answer_is_no("no estimate is `trusted`")),
+        Some(age) if age > TRUST_AGE => Err(Failure::answer_is_no(format!(
+            "the last trusted estimate is {age:.0} s old; at most {TRUST_AGE:.0} s are allowed"
+        ))),
+        Some(_) => Ok(()),
+    }
 }
 
 fn us(ns: u64) -> f64 {

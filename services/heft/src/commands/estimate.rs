@@ -13,8 +13,7 @@ use view::estimate::Estimate;
 use crate::cli::EstimateArgs;
 use crate::commands::run::{description, tell_idle_keys};
 use crate::failure::Failure;
-use crate::parts;
-use crate::sources;
+use crate::{parts, sources, summary};
 
 /// `heft estimate`
 pub fn estimate(args: &EstimateArgs) -> Result<(), Failure> {
@@ -91,7 +90,7 @@ fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
     let metadata = metadata(args, description, method(args));
     let report = args.report.as_deref();
     let mut notes = report.map(|r| Notes::create(r, &metadata)).transpose()?;
-    let (mut rows, mut last) = (0, E::default());
+    let (mut rows, mut last, mut trusted) = (0, E::default(), None);
     for (sample, truth) in samples.rows()? {
         rows += 1;
         let mut message = sample.envelope();
@@ -110,6 +109,7 @@ fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
         if let Some(estimate) = E::inside(&message) {
             writer.write(estimate)?;
             last = *estimate;
+            trusted = Some(last).filter(Estimate::trusted).or(trusted);
         }
     }
     let written = writer.finish()?;
@@ -117,13 +117,17 @@ fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
         notes.report(report)?;
     }
     tell(args, written, rows, &view::words::verdict(&last));
-    if let Some(reader) = samples.recording() {
-        parts::tell_damage(reader)?;
+    let age = trusted.map(|e| last.stamp().time - e.stamp().time);
+    if let Some((trusted, age)) = trusted.zip(age).filter(|(_, age)| *age > 0.0) {
+        println!(
+            "last trusted {age:.1} s before the end: {}",
+            view::words::verdict(&trusted)
+        );
     }
-    if args.require_trust && !Estimate::trusted(&last) {
-        return Err(Failure::answer_is_no("the last verdict is not `trusted`"));
+    if args.require_trust {
+        summary::require_trust(age)?;
     }
-    Ok(())
+    samples.recording().map_or(Ok(()), parts::tell_damage)
 }
 
 /// Whether a truth says anything.

@@ -209,8 +209,8 @@ fn verdict(end: &End, watch: &Watch, require_trust: bool) -> Result<(), Failure>
             lost.join("; ")
         )));
     }
-    if require_trust && !summary::is_trusted(watch) {
-        return Err(Failure::answer_is_no("the last verdict is not `trusted`"));
+    if require_trust {
+        summary::require_trust(summary::trust_age(watch))?;
     }
     Ok(())
 }

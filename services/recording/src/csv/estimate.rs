@@ -3,8 +3,8 @@ use std::marker::PhantomData;
 use std::path::Path;
 
 use messages::{
-    EXCAVATOR_METHODS, EXCAVATOR_REASONS, ExcavatorEstimate, LOADER_METHODS, LoaderEstimate,
-    Message, Value, excavator_bits as e, loader_bits as l,
+    EXCAVATOR_METHODS, EXCAVATOR_REASONS, ExcavatorEstimate, LOADER_METHODS, LOADER_REASONS,
+    LoaderEstimate, Message, Value, excavator_bits as e, loader_bits as l,
 };
 
 use crate::Error;
@@ -115,6 +115,10 @@ impl Estimate for LoaderEstimate {
     const EXTRA: (&'static [Column], u32) = (&[], 0);
     const REFUSED: u32 = l::REFUSED;
     const METHODS: &'static [&'static str] = LOADER_METHODS;
+    const REASONS: &'static [(&'static str, &'static str)] = LOADER_REASONS;
+    fn reason(&self) -> u32 {
+        self.reason
+    }
     fn bits(&self) -> (u32, u32, u32) {
         (self.flags, self.estimated, self.method)
     }
