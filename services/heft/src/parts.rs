@@ -103,15 +103,12 @@ pub fn tell_damage(reader: &Reader) -> Result<(), Failure> {
 
 /// At the end of a run: removes a recording in which nothing was written, and joins one in parts. What
 /// cannot be joined is still read as one.
-pub fn finish(recording: &Path) {
+pub fn finish(recording: &Path) -> Result<(), Failure> {
     if fs::metadata(recording).is_ok_and(|m| m.len() == 0) {
         let _ = fs::remove_file(recording);
+        return Ok(());
     }
-    if let Err(failure) = join(recording) {
-        eprintln!(
-            "the parts of the recording stay apart; every command reads them as one: {failure}"
-        );
-    }
+    join(recording)
 }
 
 /// Makes one file of a finished recording whose logger was started again; does nothing where there is
