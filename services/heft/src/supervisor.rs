@@ -32,6 +32,8 @@ const EXIT_LIMIT: Duration = Duration::from_secs(1);
 const CLEAN_UP_LIMIT: Duration = Duration::from_millis(200);
 /// Longest time between two looks at the channels: health tells of a hanging service.
 const LOOK: Duration = Duration::from_millis(200);
+/// The same while a service stands still.
+const SUSPECT_LOOK: Duration = Duration::from_millis(50);
 /// The same at most so many samples long, a quarter of the depth of a channel.
 const LOOK_SAMPLES: f64 = 128.0;
 /// The same where the source is as fast as its readers.
@@ -236,6 +238,12 @@ impl Supervisor {
         let due = self.workers.iter().filter_map(Worker::due).min();
         let until_due = due.map(|due| due.saturating_duration_since(Instant::now()));
         let limit = until_due.map_or(limit, |d| d.min(limit));
+        let suspect = self.workers.iter().any(Worker::is_suspect);
+        let limit = if suspect {
+            limit.min(SUSPECT_LOOK)
+        } else {
+            limit
+        };
         let timeout = Timespec {
             tv_sec: limit.as_secs() as i64,
             tv_nsec: limit.subsec_nanos().into(),

@@ -20,8 +20,10 @@ const FIRST_BACK_OFF: Duration = Duration::from_millis(5);
 /// So many starts in a row that the system refused end the run: five seconds.
 const MAX_REFUSALS: u32 = 50;
 const REFUSAL_PAUSE: Duration = Duration::from_millis(100);
-/// A process tells its health three times a second; a stopped one is left alone for so long.
-const STOPPED_LIMIT: Duration = Duration::from_millis(650);
+/// A process tells its health three times a second; one that is later is looked at.
+const LATE: Duration = Duration::from_millis(350);
+/// One that is found stopped is left alone for so long.
+const STOPPED_LIMIT: Duration = Duration::from_millis(350);
 /// One that has told its health and falls silent, though not stopped: longer than any load explains.
 const SILENT_LIMIT: Duration = Duration::from_secs(5);
 /// A killed process is gone within a millisecond, unless the kernel itself holds it.
@@ -48,6 +50,8 @@ pub struct Worker {
     end: Option<OwnedFd>,
     started: Instant,
     started_ns: u64,
+    /// Since when it was found stopped.
+    stopped: Option<Instant>,
     quick_deaths: u32,
     refusals: u32,
     next: Next,
@@ -80,6 +84,7 @@ impl Worker {
             child,
             started: Instant::now(),
             started_ns: now_ns(),
+            stopped: None,
             quick_deaths: 0,
             refusals: 0,
             next: Next::Lives,
@@ -96,6 +101,7 @@ impl Worker {
                 self.restarts += 1;
                 self.refusals = 0;
                 self.hung = None;
+                self.stopped = None;
                 (self.started, self.started_ns) = (Instant::now(), now_ns());
                 self.next = Next::Lives;
             }
@@ -165,7 +171,7 @@ impl Worker {
 
     /// How long it has given no sign of life, if too long: it is stopped, silent, or at the same
     /// sample though it had the processor. `health` is the latest that was told under its name.
-    pub fn hangs(&self, health: Option<&Health>) -> Option<Duration> {
+    pub fn hangs(&mut self, health: Option<&Health>) -> Option<Duration> {
         if self.next != Next::Lives || self.hung.is_some() {
             return None;
         }
@@ -175,8 +181,15 @@ impl Worker {
         let silence = Duration::from_nanos(now_ns().saturating_sub(last));
         let stuck = health.is_some_and(|h| h.state == State::Hanging as u32);
         let silent = health.is_some() && silence > SILENT_LIMIT;
-        let stopped = || silence > STOPPED_LIMIT && is_stopped(pid);
-        (stuck || silent || stopped()).then_some(silence)
+        self.stopped =
+            (silence > LATE && is_stopped(pid)).then(|| self.stopped.unwrap_or_else(Instant::now));
+        let stopped = self.stopped.is_some_and(|s| s.elapsed() >= STOPPED_LIMIT);
+        (stuck || silent || stopped).then_some(silence)
+    }
+
+    /// Whether it is found stopped, and not yet ended for that.
+    pub fn is_suspect(&self) -> bool {
+        self.stopped.is_some() && self.hung.is_none()
     }
 
     /// Ends the process by force, and does not wait for that.
