@@ -164,10 +164,11 @@ pub struct RunArgs {
     /// Payload of the simulator [kg]
     #[arg(long, value_name = "KG")]
     pub payload: Option<f64>,
-    /// Take the samples from a recording (.csv, .mcap, .log) instead of the simulator
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["scenario", "payload"])]
+    /// Take the samples from a recording (.csv, .mcap, .log), a CAN bus (can:can0) or standard input
+    /// (-: lines of candump or CSV) instead of the simulator
+    #[arg(long, value_name = "FILE|can:IF|-", conflicts_with_all = ["scenario", "payload"])]
     pub input: Option<PathBuf>,
-    /// Signal map of a recording with foreign names and units (TOML)
+    /// Signal map of an input with foreign names and units (TOML)
     #[arg(long, requires = "input")]
     pub map: Option<PathBuf>,
     /// The machine's description

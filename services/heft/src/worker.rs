@@ -6,7 +6,7 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
 use runtime::{Bell, Control, Domain};
-use steps::stages::Stage;
+use steps::stages::{Role, Stage};
 
 use crate::failure::Failure;
 
@@ -115,6 +115,13 @@ fn spawn(process: &Stage, restarts: u32, domain: &Domain) -> Result<(Control, Ch
         .args(["service", process.name, "--domain", domain.name()])
         .args(["--restarts", &restarts.to_string()])
         .stdin(Stdio::from(theirs))
+        // A source may read what the run was given on its standard input.
+        .stdout(match &process.role {
+            Role::Source { .. } => {
+                rustix::io::dup(rustix::stdio::stdin()).map_or_else(|_| Stdio::null(), Stdio::from)
+            }
+            _ => Stdio::inherit(),
+        })
         // A group of its own: Ctrl-C reaches the supervisor alone, which ends the run in order.
         .process_group(0)
         .spawn()

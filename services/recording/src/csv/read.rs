@@ -162,7 +162,7 @@ fn header<R: Read>(reader: &mut Reader<R>, file: &str) -> Result<Vec<String>, Er
 }
 
 /// The names in a header: UTF-8, or else Latin-1; none twice.
-pub(super) fn names(header: &ByteRecord, file: &str) -> Result<Vec<String>, Error> {
+pub(crate) fn names(header: &ByteRecord, file: &str) -> Result<Vec<String>, Error> {
     let names: Vec<String> = header
         .iter()
         .map(|name| dialect::text(name).trim().to_owned())
