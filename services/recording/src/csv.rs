@@ -10,5 +10,5 @@ pub(crate) use columns::Columns;
 pub(crate) use dialect::{Dialect, separator_line};
 pub use estimate::{Estimate, EstimateWriter};
 pub use export::export;
-pub(crate) use read::{names, read};
+pub(crate) use read::{names, numbers, read};
 pub use read::{read_excavator, read_loader, read_weighings};
