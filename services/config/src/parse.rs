@@ -1,13 +1,12 @@
 //! From TOML text to a description, by the table of keys alone.
 
-use core::cmp::Ordering;
 use core::ops::Range as Span;
 
 use toml_edit::{Document, Item, TableLike};
 
 use messages::Machine;
 
-use crate::{Error, Errors, Excavator, Key, Loader, Table, Tables, Value, nearest, print};
+use crate::{Error, Errors, Key, Numbers, Table, Tables, Value, description, nearest, print};
 
 impl Error {
     /// A contradiction between keys.
@@ -108,18 +107,18 @@ pub(crate) fn machine(text: &str, file: &str) -> Result<Option<Machine>, Errors>
     if named.is_some() {
         return Ok(named);
     }
-    let known = (
-        known_keys::<Excavator>(&document, text, file),
-        known_keys::<Loader>(&document, text, file),
-    );
-    Ok(match known.0.cmp(&known.1) {
-        Ordering::Greater => Some(Machine::Excavator),
-        Ordering::Less => Some(Machine::Loader),
-        Ordering::Equal => None,
+    let mut known = Machine::ALL.map(|machine| {
+        let keys = description::known_keys(machine, &document, text, file);
+        (keys, machine)
+    });
+    known.sort();
+    Ok(match known {
+        [.., (second, _), (most, machine)] if most > second => Some(machine),
+        _ => None,
     })
 }
 
-fn known_keys<M: Tables>(document: &Document<String>, text: &str, file: &str) -> usize {
+pub(crate) fn known_keys<M: Tables>(document: &Document<String>, text: &str, file: &str) -> usize {
     let (entries, _) = entries::<M>(document, text, file);
     entries
         .iter()
@@ -209,11 +208,11 @@ impl<'a> Walk<'a, '_> {
 }
 
 /// The value of an item, or what it is instead.
-fn value_of(item: &Item) -> Result<Value, &'static str> {
+fn value_of(item: &Item) -> Result<Value<'_>, &'static str> {
     use toml_edit::Value as Toml;
     match item.as_value() {
         Some(Toml::String(s)) if s.value() == "none" => Ok(Value::None),
-        Some(Toml::String(s)) => Ok(Value::Word(s.value().clone())),
+        Some(Toml::String(s)) => Ok(Value::Word(s.value())),
         Some(Toml::Integer(i)) => Ok(Value::Number(*i.value() as f64)),
         Some(Toml::Float(x)) => Ok(Value::Number(*x.value())),
         Some(Toml::Boolean(b)) => Ok(Value::Flag(*b.value())),
@@ -221,8 +220,9 @@ fn value_of(item: &Item) -> Result<Value, &'static str> {
             .iter()
             .map(|v| v.as_float().or(v.as_integer().map(|i| i as f64)))
             .collect::<Option<Vec<f64>>>()
-            .map(Value::Numbers)
-            .ok_or("a list with something else than numbers"),
+            .ok_or("a list with something else than numbers")
+            .and_then(|list| Numbers::new(&list).ok_or("a list of more than eight numbers"))
+            .map(Value::Numbers),
         Some(Toml::Datetime(_)) => Err("a date"),
         Some(Toml::InlineTable(_)) | None => Err("a table"),
     }
@@ -242,7 +242,7 @@ enum Defect {
 
 fn assign<M: Tables>(machine: &mut M, path: &str, value: &Value) -> Result<(), Defect> {
     if path == "machine.kind" {
-        let same = *value == Value::Word(M::MACHINE.name().into());
+        let same = *value == Value::Word(M::MACHINE.name());
         return if same {
             Ok(())
         } else {
@@ -336,17 +336,17 @@ fn suggestion<M: Tables>(path: &str) -> String {
         let full = keys.iter().find(|k| k.rsplit('.').next() == Some(close))?;
         Some(full.as_str())
     });
-    let other = match M::MACHINE {
-        Machine::Excavator => (Machine::Loader, all_keys::<Loader>()),
-        Machine::Loader => (Machine::Excavator, all_keys::<Excavator>()),
+    let belongs = |other: &Machine| {
+        *other != M::MACHINE && description::all_keys(*other).iter().any(|k| k == path)
     };
-    match (elsewhere, similar) {
-        (Some(full), _) => format!("the key is {full}: put it under [{}]", table_of(full)),
-        (None, _) if other.1.iter().any(|k| k == path) => {
-            format!("{path} belongs to the {}; leave it out here", other.0)
+    let other = Machine::ALL.into_iter().find(belongs);
+    match (elsewhere, other, similar) {
+        (Some(full), ..) => format!("the key is {full}: put it under [{}]", table_of(full)),
+        (None, Some(other), _) => {
+            format!("{path} belongs to the {other}; leave it out here")
         }
-        (None, Some(full)) => format!("did you mean {full}?"),
-        (None, None) => match keys_of::<M>(table_of(path)) {
+        (None, None, Some(full)) => format!("did you mean {full}?"),
+        (None, None, None) => match keys_of::<M>(table_of(path)) {
             Some(names) => format!("the keys of [{}] are {names}", table_of(path)),
             None => format!("the tables are [{}]", table_names::<M>().join("], [")),
         },
@@ -369,7 +369,7 @@ fn table_names<M: Tables>() -> Vec<&'static str> {
     M::default().tables().iter().map(|t| t.name()).collect()
 }
 
-fn all_keys<M: Tables>() -> Vec<String> {
+pub(crate) fn all_keys<M: Tables>() -> Vec<String> {
     let machine = M::default();
     let tables = machine.tables();
     let keys = tables

@@ -40,7 +40,9 @@ impl Machine for Excavator {
         | excavator_bits::SWING_TORQUE
         | excavator_bits::BOOM_ANGLE
         | excavator_bits::ARM_ANGLE
-        | excavator_bits::BUCKET_ANGLE;
+        | excavator_bits::BUCKET_ANGLE
+        | excavator_bits::PITCH
+        | excavator_bits::ROLL;
 }
 
 /// The wheel loader.

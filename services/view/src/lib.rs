@@ -15,5 +15,5 @@ pub mod statistics;
 pub mod top;
 pub mod words;
 
-pub use report::report;
+pub use report::{page, report};
 pub use run::{Estimator, MachineRun, Run, lost};

@@ -1,9 +1,13 @@
-//! First look at a row: is its time usable, which of its values count?
+//! First look at a row: is its time usable, which of its values count? The torque's calibrated gain and
+//! offset are taken out here, so that all behind it see the true torque.
 
 use super::estimate::Sample;
 use super::grid::LONG_GAP;
 use super::settings::Sensors;
 use crate::time_base::{Tick, TimeBase};
+
+/// No machine works on a steeper slope [rad].
+const INCLINATION_LIMIT: f64 = 0.8;
 
 /// A row that counts.
 #[derive(Debug, Clone, Copy)]
@@ -23,6 +27,8 @@ pub(super) struct Screen {
     first_period: f64,
     velocity_limit: f64,
     angle_limit: f64,
+    torque_gain: f64,
+    torque_offset: f64,
     refused: u64,
 }
 
@@ -33,6 +39,8 @@ impl Screen {
             first_period: 1.0 / sensors.rate,
             velocity_limit: sensors.swing_velocity_limit,
             angle_limit: sensors.angle_limit,
+            torque_gain: sensors.swing_torque_gain,
+            torque_offset: sensors.swing_torque_offset,
             refused: 0,
         }
     }
@@ -67,8 +75,10 @@ impl Screen {
             time: sample.time,
             velocity: within(sample.velocity, self.velocity_limit),
             angle: within(sample.angle, f64::MAX),
-            torque: within(sample.torque, 1e12),
+            torque: within(sample.torque, 1e12)
+                .map(|t| (t - self.torque_offset) / self.torque_gain),
             posture: sample.posture.map(|q| within(q, self.angle_limit)),
+            inclination: sample.inclination.map(|q| within(q, INCLINATION_LIMIT)),
         }
     }
 }

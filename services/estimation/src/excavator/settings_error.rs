@@ -54,6 +54,7 @@ impl Settings {
             ("sensors.swing_angle_std", s.swing_angle_std),
             ("sensors.swing_torque_std", s.swing_torque_std),
             ("sensors.swing_velocity_limit", s.swing_velocity_limit),
+            ("sensors.swing_torque_gain", s.swing_torque_gain),
             ("prior.inertia", p.inertia),
             ("prior.inertia_std", p.inertia_std),
             ("prior.payload_std", p.payload_std),
@@ -75,7 +76,10 @@ impl Settings {
                 least(&self.paper.lambda_window),
             ),
             ("estimator.paper.covariance", least(&self.paper.covariance)),
-            ("estimator.forgetting", e.forgetting.unwrap_or(1.0)),
+            (
+                "estimator.forgetting",
+                e.forgetting.iter().copied().fold(1.0, f64::min),
+            ),
         ];
         let not_negative = [
             ("machine.nominal_damping", self.nominal_damping),

@@ -1,6 +1,7 @@
 //! The excavator's verdict in words.
 
-use messages::{ExcavatorEstimate, excavator_bits as bits};
+use estimation::HALF_WIDTH_95;
+use messages::{EXCAVATOR_REASONS, ExcavatorEstimate, excavator_bits as bits};
 
 use super::Judgement;
 use crate::number::{self, significant};
@@ -44,11 +45,14 @@ fn value(e: &ExcavatorEstimate) -> String {
 
 /// Half width of the 95\u{a0}% interval in percent of the value.
 fn percent(e: &ExcavatorEstimate) -> String {
-    significant(100.0 * 1.96 * e.inertia_std / e.inertia.abs().max(1e-9), 2)
+    significant(
+        100.0 * HALF_WIDTH_95 * e.inertia_std / e.inertia.abs().max(1e-9),
+        2,
+    )
 }
 
 fn reasons_for(e: &ExcavatorEstimate) -> Vec<String> {
-    vec![
+    let mut reasons = vec![
         "the machine swings".into(),
         "the inputs are complete and can determine the inertia".into(),
         "the measurements agree with the model".into(),
@@ -56,7 +60,9 @@ fn reasons_for(e: &ExcavatorEstimate) -> Vec<String> {
             "the 95\u{a0}% interval is narrow (±\u{a0}{}\u{a0}%)",
             percent(e)
         ),
-    ]
+    ];
+    reasons.extend(cause(e).map(|cause| format!("{cause}: the interval allows for it")));
+    reasons
 }
 
 fn reasons_against(e: &ExcavatorEstimate) -> Vec<String> {
@@ -90,5 +96,12 @@ fn reasons_against(e: &ExcavatorEstimate) -> Vec<String> {
             percent(e)
         ));
     }
+    reasons.extend(cause(e));
     reasons
+}
+
+/// What the machine does beside its description.
+fn cause(e: &ExcavatorEstimate) -> Option<String> {
+    let (_, words) = EXCAVATOR_REASONS.get(e.reason as usize)?;
+    (!words.is_empty()).then(|| (*words).to_owned())
 }
