@@ -302,7 +302,7 @@ fn a_full_disk_stops_the_recording_and_not_the_estimation() {
         return;
     }
     let text = both(&output);
-    assert_eq!(output.status.code(), Some(0), "{text}");
+    assert_eq!(output.status.code(), Some(1), "{text}");
     assert!(text.contains("the recording is incomplete"), "{text}");
     assert!(
         text.contains("4001 samples, 0 lost"),

@@ -11,6 +11,7 @@ use runtime::Domain;
 use serde::{Deserialize, Serialize};
 use steps::stages::Pipeline;
 
+use crate::bounds::LimitArgs;
 use crate::failure::Failure;
 
 /// What a run does. Written to the domain by the supervisor, read by every worker.
@@ -46,6 +47,8 @@ pub struct Plan {
     pub cores: Vec<usize>,
     /// File to record to.
     pub recording: PathBuf,
+    /// Bounds of the recording.
+    pub limits: LimitArgs,
     /// Whether a process that only measures the arrival of estimates joins the chain.
     pub probe: Option<PathBuf>,
     /// Whether that process waits for the iceoryx2 event of its channel instead of its bell.
@@ -99,6 +102,7 @@ impl Plan {
             metadata.insert(key.to_owned(), value);
         };
         put("heft.version", env!("CARGO_PKG_VERSION").to_owned());
+        put(crate::build::KEY, crate::build::IDENTITY.to_owned());
         put("machine", self.machine.name().to_owned());
         let processes = self.pipeline().stages.iter().map(|p| p.name);
         put("processes", processes.collect::<Vec<_>>().join(","));
@@ -131,6 +135,12 @@ impl Plan {
             }
             .to_owned(),
         );
+        if self.limits.split.is_some() {
+            put(
+                "split",
+                "parts of one recording, each whole by itself".to_owned(),
+            );
+        }
         let system = rustix::system::uname();
         put("host", system.nodename().to_string_lossy().into_owned());
         put(

@@ -6,12 +6,21 @@ use std::path::{Path, PathBuf};
 use messages::{Envelope, Machine};
 use steps::stages::Pipeline;
 
+use crate::failure::Failure;
 use crate::watch::{Score, Watch};
 
 /// Writes the HTML report of a recording; `None`, with the reason told, if that fails.
-pub fn report(recording: &Path, folder: &Path) -> Option<PathBuf> {
-    let path = folder.join("report.html");
-    match super::commands::report::write(recording, &path) {
+pub fn report(recording: &Path) -> Option<PathBuf> {
+    // run.mcap, report.html; run-2.mcap, report-2.html.
+    let name = recording
+        .file_stem()?
+        .to_string_lossy()
+        .replacen("run", "report", 1);
+    let path = recording.with_file_name(name + ".html");
+    let written = recording::Reader::open(recording)
+        .map_err(Into::into)
+        .and_then(|reader| super::commands::report::write(&reader, &path));
+    match written {
         Ok(()) => Some(path),
         Err(failure) => {
             eprintln!("no report: {failure}");
@@ -36,22 +45,21 @@ pub fn text(machine: Machine, watch: &Watch, recording: &Path, report: Option<&P
         if name == "sensor" {
             continue;
         }
+        let counts = watch.counts_of(name);
         line(format!(
-            "{name:<7} answers after p50 {:.0}, p99 {:.0}, p99.9 {:.0}, max {:.0} µs; step p50 {:.2} µs; {} samples, {} lost",
+            "{name:<7} answers after p50 {:.0}, p99 {:.0}, p99.9 {:.0}, max {:.0} µs; step p50 {:.2} µs; {} samples, {} lost, {} late",
             us(health.age_p50_ns),
             us(health.age_p99_ns),
             us(health.age_p999_ns),
             us(health.age_max_ns),
             us(health.step_p50_ns),
-            health.steps,
-            health.lost
+            counts.steps,
+            counts.lost,
+            counts.late
         ));
     }
-    for death in watch.deaths() {
-        line(format!("{death}; it was started again"));
-    }
-    if watch.recording_failed() {
-        line("the recording is incomplete: the disk took no more".into());
+    for fault in watch.faults() {
+        line(fault.words());
     }
     line(format!("recording  {}", shown(recording)));
     if let Some(report) = report {
@@ -60,14 +68,34 @@ pub fn text(machine: Machine, watch: &Watch, recording: &Path, report: Option<&P
     out
 }
 
-/// Whether the last verdict on every preferred quantity is `trusted`.
-pub fn is_trusted(watch: &Watch) -> bool {
-    let mut preferred = watch
+/// Age of the last trusted estimate, the largest over all preferred quantities; `None` where one of them never
+/// was trusted [s].
+pub fn trust_age(watch: &Watch) -> Option<f64> {
+    let ages: Option<Vec<f64>> = watch
         .scores()
         .iter()
         .filter(|s| s.quantity.preferred)
-        .peekable();
-    preferred.peek().is_some() && preferred.all(|s| s.trusted)
+        .map(|s| Some(s.time - s.last_trusted?.0))
+        .collect();
+    ages?.into_iter().reduce(f64::max)
+}
+
+/// An estimate is judged by its last trusted value, which may be this old [s]: a machine that stands at the end
+/// has told its inertia while it moved.
+const TRUST_AGE: f64 = 30.0;
+
+/// What `--require-trust` asks: a trusted estimate, not too old.
+///
+/// # Errors
+/// There is none, or the last one is too old.
+pub fn require_trust(age: Option<f64>) -> Result<(), Failure> {
+    match age {
+        None => Err(Failure::answer_is_no("no estimate is `trusted`")),
+        Some(age) if age > TRUST_AGE => Err(Failure::answer_is_no(format!(
+            "the last trusted estimate is {age:.0} s old; at most {TRUST_AGE:.0} s are allowed"
+        ))),
+        Some(_) => Ok(()),
+    }
 }
 
 fn us(ns: u64) -> f64 {

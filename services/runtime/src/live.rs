@@ -58,7 +58,10 @@ pub fn run_live<L: Live>(
         begin.start_ns.saturating_add((s * 1e9) as u64)
     });
     while !is_ending(&worker) && now_ns() < end_ns {
-        let (mut measured, mut true_values) = match source.poll() {
+        worker.reporter.begin();
+        let polled = source.poll();
+        worker.reporter.end();
+        let (mut measured, mut true_values) = match polled {
             Polled::Sample(measured, true_values) => (measured, true_values),
             Polled::Nothing => continue,
             Polled::End => break,

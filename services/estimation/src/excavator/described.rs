@@ -20,7 +20,9 @@ impl Settings {
             prior: d.prior,
             estimator: d.estimator,
             paper: paper(d),
-            doubts: (d.estimator.variant == Variant::Auto).then(|| Doubts::of(d)),
+            doubts: (d.estimator.variant == Variant::Auto)
+                .then(|| Doubts::of(d))
+                .filter(Doubts::are_any),
         }
     }
 }
@@ -81,6 +83,20 @@ impl Doubts {
             torque_share: d.estimator.torque_noise_share,
             inertia_share: both(m.mass_tolerance, 2.0 * m.geometry_tolerance),
         }
+    }
+}
+
+impl Doubts {
+    /// Whether the description leaves anything open: not where it states 0 for every tolerance.
+    fn are_any(&self) -> bool {
+        let stds = [
+            self.efficiency_std,
+            self.slope_std,
+            self.delay_std,
+            self.torque_share,
+            self.inertia_share,
+        ];
+        stds.iter().any(|std| *std > 0.0)
     }
 }
 

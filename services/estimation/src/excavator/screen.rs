@@ -2,6 +2,7 @@
 //! offset are taken out here, so that all behind it see the true torque.
 
 use super::estimate::Sample;
+use super::frozen::Repetition;
 use super::grid::LONG_GAP;
 use super::settings::Sensors;
 use crate::time_base::{Tick, TimeBase};
@@ -30,6 +31,8 @@ pub(super) struct Screen {
     torque_gain: f64,
     torque_offset: f64,
     refused: u64,
+    /// Velocity, torque, boom, arm, bucket.
+    repetitions: [Repetition; 5],
 }
 
 impl Screen {
@@ -42,6 +45,7 @@ impl Screen {
             torque_gain: sensors.swing_torque_gain,
             torque_offset: sensors.swing_torque_offset,
             refused: 0,
+            repetitions: [Repetition::default(); 5],
         }
     }
 
@@ -68,9 +72,25 @@ impl Screen {
         self.refused
     }
 
-    fn clean(&self, sample: &Sample) -> Sample {
+    /// Whether a sensor repeats one value against its own noise.
+    pub(super) fn is_frozen(&self) -> bool {
+        self.repetitions.iter().any(Repetition::is_frozen)
+    }
+
+    fn clean(&mut self, sample: &Sample) -> Sample {
         // A sensor at the end of its range says only "at least this much": missing.
         let within = |value: Option<f64>, limit: f64| value.filter(|v| v.abs() < limit);
+        let [velocity, torque, joints @ ..] = &mut self.repetitions;
+        let mut posture = sample.posture;
+        for (repetition, joint) in joints.iter_mut().zip(&mut posture) {
+            *joint = repetition.pass(*joint);
+        }
+        let sample = Sample {
+            velocity: velocity.pass(sample.velocity),
+            torque: torque.pass(sample.torque),
+            posture,
+            ..*sample
+        };
         Sample {
             time: sample.time,
             velocity: within(sample.velocity, self.velocity_limit),

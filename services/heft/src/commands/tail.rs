@@ -2,7 +2,6 @@
 
 use std::fmt::Write as _;
 use std::io::{ErrorKind, Write as _};
-use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
@@ -10,10 +9,10 @@ use messages::channels::{Channel, of_machine};
 use messages::{Field, Machine, Message, Value, fault};
 use runtime::{Ports, Sink, Taps};
 
-use super::run::signals;
 use super::top::find;
 use crate::failure::Failure;
 use crate::plan::Plan;
+use crate::signals::Signals;
 
 /// Longest wait before the channel is looked at again.
 const NAP: Duration = Duration::from_millis(5);
@@ -81,8 +80,8 @@ pub fn tail(args: &TailArgs) -> Result<(), Failure> {
         has_header: false,
         text: String::new(),
     };
-    let stop = signals()?;
-    while !stop.load(Ordering::Relaxed) && plan.exists() {
+    let stop = Signals::catch()?;
+    while !stop.came() && plan.exists() {
         taps.drain(&mut writer);
         let written = std::io::stdout().lock().write_all(writer.text.as_bytes());
         match written.and_then(|()| std::io::stdout().flush()) {
