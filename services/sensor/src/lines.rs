@@ -2,7 +2,7 @@
 
 use std::os::fd::OwnedFd;
 
-use recording::{Error, MAX_LINE, Machine, Map, Stream};
+use recording::{Error, LineDecoder, MAX_LINE, Machine, Map};
 use runtime::{Live, Polled, now_ns};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
@@ -18,7 +18,7 @@ const UNDER_WAY: i64 = 500_000_000;
 #[derive(Debug)]
 pub struct Lines<M: Machine> {
     input: OwnedFd,
-    stream: Stream<M>,
+    stream: LineDecoder<M>,
     /// What came since the last whole line.
     rest: Vec<u8>,
     /// A line that is too long is dropped to its end.
@@ -36,7 +36,7 @@ impl<M: Machine> Lines<M> {
     pub fn new(input: OwnedFd, map: Option<Map>, is_paced: bool) -> Result<Self, Error> {
         Ok(Self {
             input,
-            stream: Stream::new(map)?,
+            stream: LineDecoder::new(map)?,
             rest: Vec::new(),
             is_skipping: false,
             has_ended: false,

@@ -15,7 +15,7 @@ const MOST_REMARKS: u64 = 5;
 
 /// Makes rows of lines. Which kind they are is told by the map (`[can]`) and the first line.
 #[derive(Debug)]
-pub struct Stream<M: Machine> {
+pub struct LineDecoder<M: Machine> {
     map: Option<Map>,
     kind: Kind<M>,
     count: u64,
@@ -33,7 +33,7 @@ enum Kind<M: Machine> {
     Table(Box<Columns<M>>, Dialect),
 }
 
-impl<M: Machine> Stream<M> {
+impl<M: Machine> LineDecoder<M> {
     /// Lines of candump if the map has a `[can]` table, rows of a table otherwise.
     ///
     /// # Errors
