@@ -12,7 +12,7 @@ use crate::failure::Failure;
 use crate::fault::Fault;
 use crate::plan::Plan;
 use crate::signals::Signals;
-use crate::sources;
+use crate::sources::{self, LiveInput};
 use crate::summary;
 use crate::supervisor::{End, Supervisor};
 use crate::watch::{Show, Watch};
@@ -82,7 +82,7 @@ pub fn plan(args: &RunArgs) -> Result<(Plan, PathBuf), Failure> {
         machine,
         scenario: scenario.unwrap_or(sources::usual(machine)).to_owned(),
         payload: args.payload,
-        input: args.input.as_deref().map(absolute).transpose()?,
+        input: args.input.as_deref().map(input).transpose()?,
         map: args.map.as_deref().map(absolute).transpose()?,
         description: description.to_toml(),
         methods: methods
@@ -121,6 +121,14 @@ fn check(plan: &Plan, description: &Description) -> Result<(), Failure> {
         row.start(description, plan.method(stage.name))?;
     }
     sources::check(plan)
+}
+
+/// The input of a run: a file, or a live source as it was named.
+fn input(path: &Path) -> Result<PathBuf, Failure> {
+    match LiveInput::of(path) {
+        Some(_) => Ok(path.to_owned()),
+        None => absolute(path),
+    }
 }
 
 fn absolute(path: &Path) -> Result<PathBuf, Failure> {
@@ -174,6 +182,9 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
         show(args),
     );
     let recording = plan.recording.clone();
+    if !args.quiet || !sources::is_simulated(&plan) {
+        eprintln!("{}", sources::words(&plan));
+    }
     let supervisor = Supervisor::start(
         &domain(args.domain.as_deref(), "")?,
         plan,
