@@ -32,6 +32,8 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("services/logger", &["messages", "recording", "runtime"]),
     ("services/view", &["messages", "recording"]),
     ("services/evaluate", &["sim", "estimation"]),
+    ("bindings/c", &["estimation"]),
+    ("bindings/fmu", &["heft_c", "messages", "config"]),
     (
         "bench",
         &[
