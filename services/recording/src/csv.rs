@@ -4,7 +4,7 @@ mod estimate;
 mod export;
 mod read;
 
-pub use estimate::{Estimate, EstimateWriter};
+pub use estimate::{Column, Estimate, EstimateWriter};
 pub use export::export;
 pub(crate) use read::read;
 pub use read::{read_excavator, read_loader, read_weighings};

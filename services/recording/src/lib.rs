@@ -12,6 +12,7 @@ mod candump;
 pub mod csv;
 mod dbc;
 mod error;
+pub mod frame;
 mod load;
 mod map;
 mod reader;
