@@ -1,7 +1,7 @@
 //! Builds the FMUs: `cargo run -p heft_fmu [FOLDER]`, by default `target/fmu`.
 //!
-//! One library serves both machines; it is built here in the profile `bindings`. Further platforms
-//! are added where a library for them has been built before: `--library x86_64-windows=PATH`.
+//! One library serves both machines; it is built here in the profile `bindings`, unless one is given.
+//! Further platforms are added in the same way: `--library x86_64-windows=PATH`.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
@@ -42,7 +42,9 @@ fn build(mut arguments: impl Iterator<Item = String>) -> Result<(), String> {
         }
     }
     let target = target();
-    libraries.push((HERE.0.to_owned(), library(&target)?));
+    if !libraries.iter().any(|(platform, _)| platform == HERE.0) {
+        libraries.push((HERE.0.to_owned(), library(&target)?));
+    }
     let folder = folder.unwrap_or_else(|| target.join("fmu"));
     std::fs::create_dir_all(&folder).map_err(|e| told("create", &folder, &e))?;
     write::<Excavator>(&folder, &libraries)?;
