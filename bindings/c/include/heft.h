@@ -38,7 +38,7 @@ extern "C" {
 #define HEFT_INTERNAL (-6) /* a mistake of the library; initialise the memory anew */
 
 /* Enough memory for either machine on every platform; heft_..._size() tells the exact size. */
-#define HEFT_SIZE_MAX 98304
+#define HEFT_SIZE_MAX 32768
 
 /* ---- excavator ---- */
 

@@ -76,6 +76,7 @@ fn dispatch(cli: Cli) -> Result<(), Failure> {
             clap_complete::generate(shell, &mut Cli::command(), "heft", &mut std::io::stdout());
             Ok(())
         }
+        Command::Package { folder } => commands::package::package(&folder),
         Command::Service {
             name,
             domain,

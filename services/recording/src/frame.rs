@@ -1,10 +1,12 @@
 //! Tables in memory, as other languages have them: rows from columns, and columns from estimates.
 
-use messages::{ExcavatorSensors, ExcavatorTruth, LoaderSensors, LoaderTruth, Value};
+use messages::channels::{CHANNELS, Visitor};
+use messages::{ExcavatorSensors, ExcavatorTruth, LoaderSensors, LoaderTruth, Message, Value};
 
-use crate::Error;
 use crate::csv::{Column, Estimate};
+use crate::schema::RecordedField;
 use crate::signal::{self, Builder, Excavator, Loader, Machine, Row, Signal};
+use crate::{Error, Reader};
 
 /// The samples of an excavator from columns of the names of its CSV; columns of other names are
 /// left out, a value that is not finite is a missing sample.
@@ -131,5 +133,74 @@ fn column<E: Estimate>(column: Column, estimates: &[&E]) -> NamedColumn {
                 Values::Numbers(estimates.iter().map(number).collect()),
             )
         }
+    }
+}
+
+/// Names of the columns that samples of the machine can have; nothing for another machine.
+#[must_use]
+pub fn signals_of(machine: &str) -> Option<Vec<String>> {
+    fn names<M: Machine>() -> Vec<String> {
+        signal::signals::<M>().into_iter().map(|s| s.name).collect()
+    }
+    match machine {
+        Excavator::NAME => Some(names::<Excavator>()),
+        Loader::NAME => Some(names::<Loader>()),
+        _ => None,
+    }
+}
+
+/// A recorded field over all messages of its channel.
+#[derive(Debug, Clone)]
+pub struct RecordedColumn {
+    /// Name, unit, type.
+    pub field: RecordedField,
+    /// What it means, as this version knows it; "" for a field of another.
+    pub meaning: &'static str,
+    /// One value per message; NaN for a signal that a sample lacks.
+    pub values: Vec<Value>,
+}
+
+/// The columns of a recorded channel.
+///
+/// # Errors
+/// The recording is damaged.
+pub fn channel(reader: &Reader, channel: &str) -> Result<Vec<RecordedColumn>, Error> {
+    let fields = reader.fields(channel);
+    let at = |name: &str| fields.iter().position(|f| f.name == name);
+    // Only messages of sensors have columns.
+    let valid = at("columns").and_then(|_| at("valid"));
+    let bits: Vec<u32> = fields
+        .iter()
+        .map(|f| valid.map_or(0, |_| signal::sensor_bit(&f.name)))
+        .collect();
+    let mut columns: Vec<Vec<Value>> = vec![Vec::new(); fields.len()];
+    reader.for_each_value(channel, |_, values| {
+        let valid = valid.map_or(u32::MAX, |at| values[at].as_f64() as u32);
+        for ((column, value), bit) in columns.iter_mut().zip(values).zip(&bits) {
+            let there = bit & valid == *bit;
+            column.push(if there { *value } else { Value::F64(f64::NAN) });
+        }
+    })?;
+    let meaning = |name: &str| {
+        let known = CHANNELS.iter().find(|c| c.name == channel);
+        known.map_or("", |c| c.payload.visit(Meaning(name)))
+    };
+    let columns = fields.iter().cloned().zip(columns);
+    Ok(columns
+        .map(|(field, values)| RecordedColumn {
+            meaning: meaning(&field.name),
+            field,
+            values,
+        })
+        .collect())
+}
+
+/// What the field of this name means.
+struct Meaning<'a>(&'a str);
+
+impl Visitor for Meaning<'_> {
+    type Output = &'static str;
+    fn visit<M: Message>(self) -> &'static str {
+        M::index(self.0).map_or("", |i| M::FIELDS[i].doc.trim())
     }
 }

@@ -7,6 +7,7 @@ pub mod estimate;
 pub mod evaluate;
 pub mod export;
 pub mod latency;
+pub mod package;
 pub mod recover;
 pub mod replay;
 pub mod report;
