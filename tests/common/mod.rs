@@ -167,8 +167,10 @@ pub fn shared_memory(domain: &str) -> Vec<String> {
             .collect()
     };
     let mut found = names("/dev/shm");
-    found.retain(|n| n.starts_with(&format!("heft-{domain}_")));
-    found.extend(names("/dev/shm/heft").into_iter().filter(|n| n == domain));
+    let user = rustix::process::geteuid().as_raw();
+    found.retain(|n| n.starts_with(&format!("heft-{user}.{domain}.")));
+    let folder = runtime::Domain::new(domain).expect("a name").folder();
+    found.extend(folder.exists().then(|| domain.to_owned()));
     found
 }
 

@@ -11,13 +11,21 @@ takes. The program attaches as one more subscriber and leaves no trace.
 
 import argparse
 import ctypes
+import os
 import pathlib
 import sys
 import time
 
 import iceoryx2 as iox2
 
-DOMAINS = pathlib.Path("/dev/shm/heft")
+
+def homes():
+    """Where heft keeps the domains of this user (`heft doctor` prints it)."""
+    uid = os.getuid()
+    runtime = [os.environ.get("XDG_RUNTIME_DIR"), f"/run/user/{uid}"]
+    places = [pathlib.Path(r, "heft") for r in runtime if r] + [pathlib.Path(f"/dev/shm/heft-{uid}")]
+    return [p for p in dict.fromkeys(places) if p.is_dir() and p.stat().st_uid == uid]
+
 
 u32, u64, f64 = ctypes.c_uint32, ctypes.c_uint64, ctypes.c_double
 
@@ -78,11 +86,9 @@ PAYLOADS = {"excavator": ExcavatorEstimate, "loader": LoaderEstimate}
 
 def find_domain(name):
     """Folder of the domain, of the only one where no name is given."""
-    if name:
-        return DOMAINS / name
-    found = sorted(p.parent for p in DOMAINS.glob("*/iceoryx2.toml"))
+    found = sorted({p.parent for home in homes() for p in home.glob(f"{name or '*'}/iceoryx2.toml")})
     if len(found) != 1:
-        sys.exit(f"{len(found)} domains in {DOMAINS}: name one with --domain")
+        sys.exit(f"{len(found)} domains of this user: {found}; name one with --domain")
     return found[0]
 
 

@@ -48,6 +48,13 @@ fn log() {
 }
 
 fn dispatch(cli: Cli) -> Result<(), Failure> {
+    if matches!(
+        cli.command,
+        None | Some(Command::Run(_) | Command::Service { .. })
+    ) {
+        // What a run makes is for its user alone.
+        rustix::process::umask(rustix::fs::Mode::RWXG | rustix::fs::Mode::RWXO);
+    }
     let Some(command) = cli.command else {
         return commands::demo::demo();
     };

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use messages::channels::{Channel, of_machine};
-use runtime::{Bell, Domain, Heard, Held, Owner, Ports, Taps, now_ns};
+use runtime::{Bell, Cleaner, Domain, Heard, Held, Owner, Ports, Taps, now_ns};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
 use crate::failure::Failure;
@@ -23,6 +23,8 @@ const READY_LIMIT: Duration = Duration::from_secs(20);
 const DRAIN_LIMIT: Duration = Duration::from_secs(15);
 /// A worker must have ended by then.
 const EXIT_LIMIT: Duration = Duration::from_secs(12);
+/// What dead processes held is usually freed within a millisecond.
+const CLEAN_UP_LIMIT: Duration = Duration::from_millis(200);
 /// Time between two looks at signals, and at the channels that the terminal and the page show.
 const LOOK: Timespec = Timespec {
     tv_sec: 0,
@@ -45,8 +47,9 @@ pub struct Supervisor {
     workers: Vec<Worker>,
     watch: Watch,
     taps: Taps<Watch>,
-    ports: Ports,
+    cleaner: Cleaner,
     _channels: Vec<Held>,
+    _ports: Ports,
     signal: Arc<AtomicBool>,
     start_ns: u64,
     ended: bool,
@@ -63,9 +66,10 @@ impl Supervisor {
         signal: Arc<AtomicBool>,
     ) -> Result<Self, Failure> {
         let owner = domain.take()?;
-        plan.write(domain)?;
-        domain.enter()?;
+        plan.write(owner.domain())?;
+        owner.domain().enter()?;
         let ports = Ports::new("supervisor")?;
+        owner.close_to_others()?;
         let channels: Vec<&'static Channel> = of_machine(&plan.machine).collect();
         let held = channels
             .iter()
@@ -81,8 +85,9 @@ impl Supervisor {
             workers: Vec::new(),
             watch,
             taps,
-            ports,
+            cleaner: Cleaner::start(),
             _channels: held,
+            _ports: ports,
             signal,
             start_ns: 0,
             ended: false,
@@ -255,7 +260,11 @@ impl Supervisor {
 
     fn restart(&mut self, i: usize) -> Result<(), String> {
         // What the dead process held in the channels would otherwise count against their limits.
-        self.ports.clean_up_after_the_dead();
+        if !self.cleaner.clean_up(CLEAN_UP_LIMIT) {
+            tracing::warn!(
+                "what the dead held is not free yet; the service is started all the same"
+            );
+        }
         self.taps.drain(&mut self.watch);
         self.workers[i]
             .restart(self.owner.domain())

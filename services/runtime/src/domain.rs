@@ -1,27 +1,40 @@
 //! A run's private corner of shared memory.
 //!
-//! Each run has a domain: a folder in `/dev/shm/heft` with the lock of its supervisor, the
-//! configuration of iceoryx2 (prefix and root path, both private) and the plan of the run. A
-//! domain whose lock nobody holds was left behind by a killed run and can be removed.
+//! Each run has a domain: a folder in the home of its user (see `home`) with the lock of its supervisor,
+//! the configuration of iceoryx2 (prefix and root path, both private) and the plan of the run. A
+//! domain whose lock nobody holds was left behind by a killed run and can be removed. Only what a
+//! domain is known to hold is ever deleted, only where this user owns it, and no link is followed.
 
 use std::fs::{self, File, OpenOptions};
-use std::io::Write;
+use std::io::{Read, Write};
+use std::os::unix::fs::{DirBuilderExt, MetadataExt, OpenOptionsExt};
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 use iceoryx2::config::Config;
 use iceoryx2::prelude::*;
+use rustix::fs::OFlags;
 
 use crate::Error;
+use crate::home::{self, SHARED_MEMORY};
 
-/// Where domains live: memory, because opening an iceoryx2 service is bound by its file system.
-const HOME: &str = "/dev/shm/heft";
 /// Shared memory that one run may need, with margin; below it a run would end in SIGBUS.
 const ROOM_BYTES: u64 = 64 << 20;
+/// Longest time that a command holds the lock of a domain that it only looks at.
+const LOOK: Duration = Duration::from_millis(500);
+/// Files of a domain, next to its lock.
+const CONFIG: &str = "iceoryx2.toml";
+const PLAN: &str = "plan.json";
+const LOCK: &str = "lock";
+/// Folder in which iceoryx2 keeps its own files.
+const ROOT: &str = "root";
 
 /// A domain, by name.
 #[derive(Debug, Clone)]
 pub struct Domain {
     name: String,
+    /// The home that it is in; none where this user has no home yet.
+    home: Option<PathBuf>,
 }
 
 /// The right to be the supervisor of a domain; the domain is removed when this is dropped.
@@ -37,18 +50,18 @@ impl Domain {
     /// # Errors
     /// The name is empty, longer than 32 characters, or not of `a-z A-Z 0-9 -`.
     pub fn new(name: &str) -> Result<Self, Error> {
-        let fits = !name.is_empty()
-            && name.len() <= 32
-            && name.bytes().all(|c| c.is_ascii_alphanumeric() || c == b'-');
-        if !fits {
+        if !is_name(name) {
             return Err(Error::new(
                 format!("`{name}` cannot name a domain"),
                 "--domain",
                 "use 1 to 32 letters, digits and hyphens",
             ));
         }
+        let homes = home::all();
+        let holds_it = |home: &&PathBuf| home.join(name).symlink_metadata().is_ok();
         Ok(Self {
             name: name.to_owned(),
+            home: homes.iter().find(holds_it).or(homes.first()).cloned(),
         })
     }
 
@@ -61,24 +74,25 @@ impl Domain {
     /// Its folder.
     #[must_use]
     pub fn folder(&self) -> PathBuf {
-        Path::new(HOME).join(&self.name)
+        let nowhere = || Path::new(SHARED_MEMORY).join(format!("heft-{}", home::user()));
+        self.home.clone().unwrap_or_else(nowhere).join(&self.name)
     }
 
     /// The iceoryx2 configuration that every process of this domain uses.
     #[must_use]
     pub fn config_file(&self) -> PathBuf {
-        self.folder().join("iceoryx2.toml")
+        self.folder().join(CONFIG)
     }
 
     /// The plan of the run, written by the supervisor for its workers.
     #[must_use]
     pub fn plan_file(&self) -> PathBuf {
-        self.folder().join("plan.json")
+        self.folder().join(PLAN)
     }
 
-    /// First letters of every shared-memory object of this domain.
+    /// First letters of every shared-memory object of this domain, in all its runs.
     fn prefix(&self) -> String {
-        format!("heft-{}_", self.name)
+        format!("heft-{}.{}.", home::user(), self.name)
     }
 
     /// Takes the domain, after removing what a killed run may have left in it.
@@ -87,31 +101,36 @@ impl Domain {
     /// A living supervisor holds it, or shared memory is missing, full or not writable.
     pub fn take(&self) -> Result<Owner, Error> {
         check_room()?;
-        let folder = self.folder();
+        let domain = Self {
+            name: self.name.clone(),
+            home: Some(home::make()?),
+        };
+        let folder = domain.folder();
         let failed =
             |action: &str, e: std::io::Error| Error::os(action, folder.display().to_string(), e);
-        fs::create_dir_all(&folder).map_err(|e| failed("make the domain", e))?;
-        let lock = self
-            .open_lock()
-            .map_err(|e| failed("open the lock of the domain", e))?;
-        if !try_lock(&lock) {
+        let lock = domain.lock().map_err(|e| failed("lock the domain", e))?;
+        let Some(lock) = lock else {
             return Err(Error::new(
                 format!("the domain `{}` is in use by another run", self.name),
                 folder.display().to_string(),
                 "choose another --domain, or end that run",
             ));
-        }
-        self.wipe();
+        };
+        domain.wipe();
+        // Nobody can make an object of this name before the run does.
+        let number = random().map_err(|e| failed("choose a name in shared memory", e))?;
         let config = format!(
-            "[global]\nroot-path = \"{}/root\"\nprefix = \"{}\"\n",
-            folder.display(),
-            self.prefix()
+            "[global]\nroot-path = \"{}\"\nprefix = \"{}{number:016x}_\"\n",
+            folder.join(ROOT).display(),
+            domain.prefix()
         );
-        File::create(self.config_file())
+        new_file(&domain.config_file())
             .and_then(|mut f| f.write_all(config.as_bytes()))
+            // Made here, closed; iceoryx2 would let the group in.
+            .and_then(|()| fs::DirBuilder::new().mode(0o700).create(folder.join(ROOT)))
             .map_err(|e| failed("write the configuration of the domain", e))?;
         Ok(Owner {
-            domain: self.clone(),
+            domain,
             _lock: lock,
         })
     }
@@ -138,56 +157,91 @@ impl Domain {
         Ok(())
     }
 
+    /// Makes the folder and locks it; `None` where a run holds it. Another command that looks at the
+    /// domain, or removes what it held before, holds it for a moment only.
+    fn lock(&self) -> std::io::Result<Option<File>> {
+        let begun = Instant::now();
+        loop {
+            // It may be there already.
+            let _ = fs::create_dir(self.folder());
+            match self.open_lock() {
+                Ok(lock) if try_lock(&lock) && self.is_lock(&lock) => return Ok(Some(lock)),
+                Ok(_) if begun.elapsed() > LOOK => return Ok(None),
+                Err(e) if begun.elapsed() > LOOK => return Err(e),
+                _ => std::thread::sleep(LOOK / 50),
+            }
+        }
+    }
+
     fn open_lock(&self) -> std::io::Result<File> {
-        OpenOptions::new()
-            .create(true)
-            .truncate(false)
-            .write(true)
-            .open(self.folder().join("lock"))
+        options().open(self.folder().join(LOCK))
+    }
+
+    /// Whether an open lock is the one in the folder.
+    fn is_lock(&self, lock: &File) -> bool {
+        let there = fs::symlink_metadata(self.folder().join(LOCK));
+        lock.metadata()
+            .is_ok_and(|l| there.is_ok_and(|t| t.ino() == l.ino()))
     }
 
     /// Whether a supervisor holds it.
     #[must_use]
     pub fn is_alive(&self) -> bool {
-        self.folder().exists() && self.open_lock().is_ok_and(|lock| !try_lock(&lock))
+        self.folder().join(LOCK).exists() && self.open_lock().is_ok_and(|lock| !try_lock(&lock))
     }
 
     /// Removes everything but the folder and its lock. Errors are not told: what cannot be
     /// removed now is found again by the next run and by `heft doctor`.
     fn wipe(&self) {
-        for object in shared_memory_objects(&self.prefix()) {
+        let prefix = self.prefix();
+        for object in objects(|name| name.starts_with(&prefix)) {
             let _ = fs::remove_file(object);
         }
-        for entry in fs::read_dir(self.folder()).into_iter().flatten().flatten() {
-            if entry.file_name() != "lock" {
-                let path = entry.path();
-                let _ = if path.is_dir() {
-                    fs::remove_dir_all(&path)
-                } else {
-                    fs::remove_file(&path)
-                };
-            }
+        let folder = self.folder();
+        for file in [CONFIG, PLAN] {
+            let _ = fs::remove_file(folder.join(file));
         }
+        // Follows no link, neither this name nor any below it.
+        let _ = fs::remove_dir_all(folder.join(ROOT));
     }
 
-    /// Removes a domain that no supervisor holds; false if one does.
+    /// Removes the lock and the folder, unless something unknown is in it.
+    fn remove_folder(&self) {
+        let _ = fs::remove_file(self.folder().join(LOCK));
+        let _ = fs::remove_dir(self.folder());
+    }
+
+    /// Removes a domain that no supervisor holds; false if one does, or something unknown is in it.
     pub fn remove(&self) -> bool {
-        if self.is_alive() {
+        // Held while it is removed: a run that starts meanwhile is told so.
+        let Ok(lock) = self.open_lock() else {
+            return false;
+        };
+        if !try_lock(&lock) || !self.is_lock(&lock) {
             return false;
         }
         self.wipe();
-        let _ = fs::remove_dir_all(self.folder());
-        true
+        self.remove_folder();
+        !self.folder().exists()
     }
 
-    /// All domains on this host, alive or left behind.
+    /// All domains of this user, alive or left behind.
     #[must_use]
     pub fn all() -> Vec<Self> {
-        let mut all: Vec<Self> = fs::read_dir(HOME)
+        let mut all: Vec<Self> = home::all()
             .into_iter()
-            .flatten()
-            .flatten()
-            .filter_map(|entry| Self::new(entry.file_name().to_str()?).ok())
+            .flat_map(|home| {
+                let entries = fs::read_dir(&home).into_iter().flatten().flatten();
+                let folders = entries.filter(|e| e.file_type().is_ok_and(|t| t.is_dir()));
+                folders
+                    .filter_map(|e| e.file_name().into_string().ok())
+                    .filter(|name| is_name(name))
+                    .map(|name| Self {
+                        name,
+                        home: Some(home.clone()),
+                    })
+                    .collect::<Vec<_>>()
+            })
             .collect();
         all.sort_by(|a, b| a.name.cmp(&b.name));
         all
@@ -198,6 +252,16 @@ impl Domain {
         let dead = Self::all().into_iter().filter(|d| !d.is_alive());
         dead.filter(Self::remove).map(|d| d.name).collect()
     }
+
+    /// Objects of this user in shared memory that belong to no domain there is.
+    #[must_use]
+    pub fn strays() -> Vec<PathBuf> {
+        let of_domain = |d: &Self| [d.prefix(), format!("heft-{}_", d.name)];
+        let known: Vec<String> = Self::all().iter().flat_map(of_domain).collect();
+        objects(|name| {
+            name.starts_with("heft-") && !known.iter().any(|prefix| name.starts_with(prefix))
+        })
+    }
 }
 
 impl Owner {
@@ -206,33 +270,103 @@ impl Owner {
     pub fn domain(&self) -> &Domain {
         &self.domain
     }
+
+    /// Closes to other users what iceoryx2 opened to them: it makes the segment that numbers its
+    /// nodes with mode 0666. Nobody holds that segment open, so a copy of mode 0600 takes its place,
+    /// and who opened the first one in time has nothing in hand.
+    ///
+    /// # Errors
+    /// An object of this domain belongs to another user, or shared memory is full.
+    pub fn close_to_others(&self) -> Result<(), Error> {
+        let prefix = self.domain.prefix();
+        let place = || format!("{SHARED_MEMORY}/{prefix}*");
+        let failed = |e: std::io::Error| Error::os("close the domain to other users", place(), e);
+        for entry in entries(|name| name.starts_with(&prefix)) {
+            let about = entry.metadata().map_err(failed)?;
+            if about.uid() != home::user() || !about.is_file() {
+                return Err(Error::new(
+                    "another user made an object with a name of this domain",
+                    entry.path().display().to_string(),
+                    "remove it, or choose another --domain",
+                ));
+            }
+            if about.mode() & 0o077 != 0 {
+                replace(&entry.path()).map_err(failed)?;
+            }
+        }
+        Ok(())
+    }
 }
 
 impl Drop for Owner {
     fn drop(&mut self) {
         self.domain.wipe();
-        let _ = fs::remove_dir_all(self.domain.folder());
+        self.domain.remove_folder();
     }
+}
+
+fn is_name(name: &str) -> bool {
+    !name.is_empty()
+        && name.len() <= 32
+        && name.bytes().all(|c| c.is_ascii_alphanumeric() || c == b'-')
+}
+
+/// To write a file of this user alone, following no link.
+fn options() -> OpenOptions {
+    let mut options = OpenOptions::new();
+    options.create(true).truncate(false).write(true).mode(0o600);
+    options.custom_flags(OFlags::NOFOLLOW.bits() as i32);
+    options
+}
+
+/// A file that was not there before.
+fn new_file(path: &Path) -> std::io::Result<File> {
+    options().create_new(true).open(path)
+}
+
+/// Puts a copy that only this user can open in the place of a file.
+fn replace(path: &Path) -> std::io::Result<()> {
+    let mut name = path.as_os_str().to_owned();
+    name.push(".closed");
+    let copy = PathBuf::from(name);
+    let content = fs::read(path)?;
+    new_file(&copy)?.write_all(&content)?;
+    fs::rename(&copy, path)
+}
+
+fn random() -> std::io::Result<u64> {
+    let mut bytes = [0; 8];
+    File::open("/dev/urandom")?.read_exact(&mut bytes)?;
+    Ok(u64::from_ne_bytes(bytes))
 }
 
 fn try_lock(lock: &File) -> bool {
     rustix::fs::flock(lock, rustix::fs::FlockOperation::NonBlockingLockExclusive).is_ok()
 }
 
-fn shared_memory_objects(prefix: &str) -> Vec<PathBuf> {
-    fs::read_dir("/dev/shm")
-        .into_iter()
-        .flatten()
-        .flatten()
-        .filter(|entry| entry.file_name().to_string_lossy().starts_with(prefix))
-        .map(|entry| entry.path())
+/// What is in shared memory under such a name.
+fn entries(is_wanted: impl Fn(&str) -> bool) -> Vec<fs::DirEntry> {
+    let entries = fs::read_dir(SHARED_MEMORY).into_iter().flatten().flatten();
+    entries
+        .filter(|entry| entry.file_name().to_str().is_some_and(&is_wanted))
         .collect()
+}
+
+/// Objects of this user among them. Nobody else can replace them: the folder is sticky.
+fn objects(is_wanted: impl Fn(&str) -> bool) -> Vec<PathBuf> {
+    let ours = |entry: &fs::DirEntry| {
+        entry
+            .metadata()
+            .is_ok_and(|about| about.is_file() && about.uid() == home::user())
+    };
+    let entries = entries(is_wanted).into_iter().filter(ours);
+    entries.map(|entry| entry.path()).collect()
 }
 
 /// Free shared memory [bytes].
 #[must_use]
 pub fn free_shared_memory() -> u64 {
-    rustix::fs::statvfs("/dev/shm").map_or(0, |s| s.f_bavail.saturating_mul(s.f_frsize))
+    rustix::fs::statvfs(SHARED_MEMORY).map_or(0, |s| s.f_bavail.saturating_mul(s.f_frsize))
 }
 
 fn check_room() -> Result<(), Error> {
@@ -244,7 +378,7 @@ fn check_room() -> Result<(), Error> {
                 free >> 20,
                 ROOM_BYTES >> 20
             ),
-            "/dev/shm",
+            SHARED_MEMORY,
             "run `heft doctor --clean`, remove other files there, or mount it larger (containers: --shm-size)",
         ));
     }

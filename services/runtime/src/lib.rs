@@ -6,10 +6,12 @@
 //! says `ready` and is driven by [`run_stage`], [`run_source`] or [`run_sink`].
 
 mod bell;
+mod cleaner;
 mod clock;
 mod control;
 mod domain;
 mod error;
+mod home;
 mod ports;
 mod probe;
 pub mod realtime;
@@ -22,10 +24,12 @@ mod telemetry;
 mod worker;
 
 pub use bell::Bell;
+pub use cleaner::Cleaner;
 pub use clock::{now_ns, sleep_until};
 pub use control::{Control, Heard};
 pub use domain::{Domain, Owner, free_shared_memory};
 pub use error::Error;
+pub use home::make as home;
 pub use ports::{EventListener, Held, Input, Output, Ports, Received};
 pub use probe::{Arrival, Wake, run_probe};
 pub use sink::{Sink, run_sink};

@@ -140,8 +140,9 @@ impl Ports {
             .map_err(|e| Error::ipc("open the event", channel.name, e))
     }
 
-    /// Frees what dead processes held in the channels of this domain.
-    pub fn clean_up_after_the_dead(&self) {
+    /// Frees what dead processes held in the channels of this domain. May wait for others without a
+    /// limit, see [`Cleaner`](crate::Cleaner).
+    pub(crate) fn clean_up_after_the_dead(&self) {
         self.node.try_cleanup_dead_nodes();
     }
 }

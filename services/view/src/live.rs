@@ -5,6 +5,7 @@
 //! ring at its own pace, and one that falls behind skips the oldest frames, counted. A viewer that
 //! stalls holds a socket and 64 frames that all viewers share, nothing else.
 
+mod connections;
 mod frame;
 mod page;
 mod server;

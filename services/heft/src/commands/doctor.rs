@@ -36,7 +36,7 @@ pub fn doctor(clean: bool) -> Result<(), Failure> {
         for name in Domain::remove_leftovers() {
             println!("removed  what the killed run `{name}` had left behind");
         }
-        for file in strays() {
+        for file in Domain::strays() {
             match fs::remove_file(&file) {
                 Ok(()) => println!("removed  {}", file.display()),
                 Err(e) => println!("kept     {}: {e}", file.display()),
@@ -66,8 +66,15 @@ pub fn doctor(clean: bool) -> Result<(), Failure> {
         }
     }
     println!(
-        "note     channels belong to the user who runs heft (mode 0600): other users cannot open them"
+        "note     everything of a run belongs to the user who runs it (mode 0600): other users can neither open nor see it"
     );
+    match runtime::home() {
+        Ok(home) => println!(
+            "note     the domains of this user are in {}",
+            home.display()
+        ),
+        Err(error) => println!("missing  {error}"),
+    }
     if all_good {
         Ok(())
     } else {
@@ -91,7 +98,7 @@ fn domains() -> Vec<Finding> {
             }
         })
         .collect();
-    let strays = strays().len();
+    let strays = Domain::strays().len();
     if strays > 0 {
         findings.push(bad(
             format!("{strays} objects of killed runs in /dev/shm"),
@@ -102,22 +109,6 @@ fn domains() -> Vec<Finding> {
         findings.push(good("nothing left behind in shared memory"));
     }
     findings
-}
-
-/// Shared-memory objects of domains that no longer exist.
-fn strays() -> Vec<std::path::PathBuf> {
-    let known: Vec<String> = Domain::all()
-        .iter()
-        .map(|d| format!("heft-{}_", d.name()))
-        .collect();
-    let entries = fs::read_dir("/dev/shm").into_iter().flatten().flatten();
-    entries
-        .filter(|entry| {
-            let name = entry.file_name().to_string_lossy().into_owned();
-            name.starts_with("heft-") && !known.iter().any(|prefix| name.starts_with(prefix))
-        })
-        .map(|entry| entry.path())
-        .collect()
 }
 
 fn room() -> Vec<Finding> {

@@ -73,7 +73,7 @@ fn find(name: Option<&str>) -> Result<Domain, Failure> {
         (Some(domain), None) => Ok(domain),
         (None, _) => Err(Failure::input(
             "no pipeline is running",
-            "/dev/shm/heft",
+            "shared memory",
             "start one with `heft run excavator`",
         )),
         (Some(one), Some(two)) => Err(Failure::input(

@@ -20,6 +20,7 @@ use tokio::net::{TcpListener, TcpSocket};
 use tokio::sync::broadcast::{self, error::RecvError};
 use tokio::sync::oneshot;
 
+use super::connections::Door;
 use super::{Feed, frame, page};
 
 /// Viewers at a time; the next one is told to wait.
@@ -155,7 +156,7 @@ async fn run(listener: TcpListener, shared: Arc<Shared>, stopped: oneshot::Recei
         .route("/", get(show))
         .route("/events", get(events))
         .with_state(shared);
-    let serving = Box::pin(async move { axum::serve(listener, router).await });
+    let serving = Box::pin(async move { axum::serve(Door::new(listener), router).await });
     futures_util::future::select(serving, stopped).await;
 }
 

@@ -1,6 +1,7 @@
 //! Measures the real chain and the bare ones in turn.
 
 use std::fs;
+use std::os::unix::fs::DirBuilderExt;
 use std::process::{Command, Stdio};
 
 use hdrhistogram::Histogram;
@@ -104,7 +105,9 @@ fn run_pipeline(
     let folder = std::env::temp_dir().join(format!("heft-latency-{}-{round}", std::process::id()));
     let probe = folder.join("probe.csv");
     let exe = std::env::current_exe().map_err(Failure::internal)?;
-    fs::create_dir_all(&folder).map_err(|e| Failure::file("make the folder", &folder, &e))?;
+    // A new folder or none: anybody may put a link under this name.
+    let made = fs::DirBuilder::new().mode(0o700).create(&folder);
+    made.map_err(|e| Failure::file("make the folder", &folder, &e))?;
     let mut command = Command::new(exe);
     command
         .args([

@@ -1,0 +1,115 @@
+//! The folder in memory that holds one user's domains, and that nobody else can enter.
+//!
+//! `/dev/shm` is open to everybody: whoever makes a name there first owns it, and may make it a link
+//! to somewhere else. So a home is used only after a look at what it is: a folder and no link, of
+//! this user, closed to all others. Every user has one of their own.
+
+use std::fs::File;
+use std::os::unix::fs::MetadataExt;
+use std::path::{Path, PathBuf};
+
+use rustix::fs::{Mode, OFlags};
+
+use crate::Error;
+
+/// POSIX shared memory: the objects of iceoryx2 are here in any case.
+pub(crate) const SHARED_MEMORY: &str = "/dev/shm";
+/// Folders that the system makes for one user each.
+const RUNTIME: &str = "/run/user";
+/// Where the domains of all users were in early versions; still looked at to clean up.
+const EARLY: &str = "/dev/shm/heft";
+/// `statfs` calls a file system in memory so.
+const TMPFS: i64 = 0x0102_1994;
+
+/// User id that this process acts under.
+pub(crate) fn user() -> u32 {
+    rustix::process::geteuid().as_raw()
+}
+
+/// Opens a folder without following a link in its last place.
+fn open(folder: &Path) -> std::io::Result<File> {
+    let flags = OFlags::DIRECTORY | OFlags::NOFOLLOW | OFlags::CLOEXEC;
+    Ok(rustix::fs::open(folder, flags, Mode::empty())?.into())
+}
+
+/// Whether `folder` is a folder of this user whose permissions for others are within `allowed`.
+fn is_ours(folder: &Path, allowed: u32) -> std::io::Result<bool> {
+    let about = open(folder)?.metadata()?;
+    Ok(about.uid() == user() && about.mode() & 0o077 & !allowed == 0)
+}
+
+/// Whether the system gave this user `folder`, in memory.
+fn is_runtime_folder(folder: &Path) -> bool {
+    let in_memory = |f: File| rustix::fs::fstatfs(f).is_ok_and(|s| s.f_type as i64 == TMPFS);
+    folder.is_absolute() && is_ours(folder, 0).unwrap_or(false) && open(folder).is_ok_and(in_memory)
+}
+
+/// Where a home may be, best first.
+fn places() -> Vec<PathBuf> {
+    let given = std::env::var_os("XDG_RUNTIME_DIR").map(PathBuf::from);
+    let usual = Path::new(RUNTIME).join(user().to_string());
+    let mut places: Vec<PathBuf> = given
+        .into_iter()
+        .chain([usual])
+        .filter(|folder| is_runtime_folder(folder))
+        .map(|folder| folder.join("heft"))
+        .collect();
+    places.dedup();
+    places.push(Path::new(SHARED_MEMORY).join(format!("heft-{}", user())));
+    places
+}
+
+/// The home for new domains, made if it is not there.
+///
+/// # Errors
+/// Its name is taken by a link, a file, or a folder that others own or can enter.
+pub fn make() -> Result<PathBuf, Error> {
+    let mut refused = None;
+    for place in places() {
+        // What is there already is looked at below.
+        let _ = rustix::fs::mkdir(&place, Mode::RWXU);
+        match is_ours(&place, 0) {
+            Ok(true) => return Ok(place),
+            Ok(false) => refused = Some((place, "belongs to, or is open to, another user".into())),
+            Err(e) => refused = Some((place, format!("is no folder of this user: {e}"))),
+        }
+    }
+    let (place, why) = refused.unwrap_or_default();
+    Err(Error::new(
+        format!("the folder for the domains of this user {why}"),
+        place.display().to_string(),
+        "remove it (or have its owner remove it), or set XDG_RUNTIME_DIR to a folder of mode 0700 on a tmpfs",
+    ))
+}
+
+/// Every home of this user that exists and can be trusted.
+pub(crate) fn all() -> Vec<PathBuf> {
+    let trusted = |place: &PathBuf| is_ours(place, 0).unwrap_or(false);
+    let mut homes: Vec<PathBuf> = places().into_iter().filter(trusted).collect();
+    // Early versions let others look into it, but never write.
+    if is_ours(Path::new(EARLY), 0o055).unwrap_or(false) {
+        homes.push(EARLY.into());
+    }
+    homes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+    use std::os::unix::fs::PermissionsExt;
+
+    #[test]
+    fn a_link_and_an_open_folder_are_no_homes() {
+        let folder = tempfile::tempdir().unwrap();
+        let (own, link) = (folder.path().join("own"), folder.path().join("link"));
+        fs::create_dir(&own).unwrap();
+        fs::set_permissions(&own, fs::Permissions::from_mode(0o700)).unwrap();
+        std::os::unix::fs::symlink(&own, &link).unwrap();
+        assert!(is_ours(&own, 0).unwrap());
+        assert!(is_ours(&link, 0).is_err(), "a link is not followed");
+        fs::set_permissions(&own, fs::Permissions::from_mode(0o755)).unwrap();
+        assert!(!is_ours(&own, 0).unwrap());
+        assert!(is_ours(&own, 0o055).unwrap());
+    }
+}

@@ -1,0 +1,145 @@
+//! Another user of the same host: can neither lead heft astray, nor look in, nor hold it up.
+//!
+//! Needs root, who plays both parts, and a shared memory of the tests' own; skips elsewhere.
+
+mod common;
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use common::both;
+
+/// Runs `script` with a `/dev/shm` of its own, `foe` as a command that runs a line as another user,
+/// and `heft`, `OUT` (a new folder that anybody may use) set. `None`, with a word, where that is not possible.
+fn with_a_foe(script: &str) -> Option<Output> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let open = std::os::unix::fs::PermissionsExt::from_mode(0o777);
+    std::fs::set_permissions(folder.path(), open).expect("its mode");
+    let copy = folder.path().join("heft");
+    std::fs::copy(env!("CARGO_BIN_EXE_heft"), &copy).expect("a binary that all may run");
+    let script = format!(
+        "mount -t tmpfs -o mode=1777 tmpfs /dev/shm || exit 99
+         setpriv --reuid=65534 --regid=65534 --clear-groups true || exit 99
+         unset XDG_RUNTIME_DIR
+         heft={}; OUT={}; cd $OUT
+         foe() {{ setpriv --reuid=65534 --regid=65534 --clear-groups sh -c \"$1\"; }}
+         {script}",
+        copy.display(),
+        folder.path().display()
+    );
+    let output = Command::new("unshare")
+        .args(["--mount", "sh", "-c", &script])
+        .output();
+    match output {
+        Ok(output)
+            if output.status.code() != Some(99) && !both(&output).contains("not permitted") =>
+        {
+            Some(output)
+        }
+        _ => {
+            println!("skipped: this user cannot play another one");
+            None
+        }
+    }
+}
+
+fn passes(script: &str) {
+    if let Some(output) = with_a_foe(script) {
+        assert!(
+            output.status.success(),
+            "{}\n{}",
+            output.status,
+            both(&output)
+        );
+    }
+}
+
+const RUN: &str = "run excavator --quiet --no-report";
+
+#[test]
+fn links_and_folders_of_others_are_neither_followed_nor_emptied() {
+    passes(&format!(
+        "mkdir victim; touch victim/precious
+         foe \"mkdir /dev/shm/heft; ln -s $OUT/victim /dev/shm/heft/a1\"
+         $heft {RUN} --duration 1 --out one || exit 1
+         $heft doctor --clean
+         test -f victim/precious && test -L /dev/shm/heft/a1 || exit 2
+         rm -r /dev/shm/heft; foe \"ln -s $OUT /dev/shm/heft\"
+         $heft {RUN} --duration 1 --out two || exit 3
+         test -f victim/precious || exit 4"
+    ));
+}
+
+#[test]
+fn a_home_that_another_user_made_is_refused_with_what_to_do() {
+    passes(&format!(
+        "mkdir -m 700 victim; touch victim/precious
+         foe \"ln -s $OUT/victim /dev/shm/heft-0\"
+         $heft {RUN} --duration 1 --out one > said 2>&1; test $? = 2 || exit 1
+         grep -q 'what to do' said && grep -q XDG_RUNTIME_DIR said || {{ cat said; exit 2; }}
+         rm /dev/shm/heft-0; foe 'mkdir -m 777 /dev/shm/heft-0'
+         $heft {RUN} --duration 1 --out one; test $? = 2 || exit 3
+         $heft doctor --clean
+         test -f victim/precious && test -d /dev/shm/heft-0 || exit 4
+         mkdir -m 700 own; mount -t tmpfs -o mode=700 tmpfs own
+         XDG_RUNTIME_DIR=$OUT/own $heft {RUN} --duration 1 --out one || exit 5"
+    ));
+}
+
+#[test]
+fn nothing_of_a_run_is_open_to_another_user() {
+    passes(&format!(
+        "$heft {RUN} --duration 3 --out out --domain d > said 2>&1 & sleep 2
+         find /dev/shm -mindepth 1 ! -path '*/root/*' -perm /077 > open
+         find out -perm /077 >> open
+         test -s open && {{ xargs ls -ld < open; exit 1; }}
+         ls /dev/shm/*global_mgmt > /dev/null || exit 2
+         foe 'for f in /dev/shm/heft-0.*; do truncate -s 0 $f && exit 1; cat $f && exit 1; done; ls /dev/shm/heft-0 && exit 1; true' 2> /dev/null || exit 3
+         foe \"$heft doctor; $heft top --once\" | grep 'run .d.' && exit 4
+         pkill -KILL --parent $! -f 'service kalman'
+         wait $!; cat said
+         grep -q 'kalman died' said || exit 5"
+    ));
+}
+
+#[test]
+fn two_users_run_side_by_side() {
+    passes(&format!(
+        "$heft {RUN} --duration 3 --out out & sleep 0.3
+         foe \"$heft {RUN} --duration 1 --out theirs\" || exit 1
+         foe \"$heft {RUN} --duration 1 --out theirs2 2>&1\" | grep removed && exit 2
+         wait $! || exit 3"
+    ));
+}
+
+#[test]
+fn a_domain_that_was_left_behind_is_removed_without_what_is_not_its_own() {
+    passes(&format!(
+        "mkdir victim; touch victim/precious
+         $heft {RUN} --duration 60 --out out --domain left & sleep 1.5; kill -KILL $!; sleep 2
+         ln -s $OUT/victim /dev/shm/heft-0/left/root/link
+         touch /dev/shm/heft-0/left/unknown
+         $heft {RUN} --duration 1 --out two || exit 1
+         test -f victim/precious || exit 2
+         test -f /dev/shm/heft-0/left/unknown || exit 3
+         rm /dev/shm/heft-0/left/unknown; $heft doctor --clean
+         test -e /dev/shm/heft-0/left && exit 4
+         ls /dev/shm | grep 'heft-0.left' && exit 5; true"
+    ));
+}
+
+#[test]
+fn a_recording_is_for_its_user_alone() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("out");
+    let run = "run excavator --duration 0.5 --quiet --out";
+    let mut args: Vec<&str> = run.split(' ').collect();
+    args.push(out.to_str().expect("a path"));
+    common::run_ok(&args);
+    let mode = |path: &Path| path.metadata().expect("made").permissions().mode() & 0o777;
+    assert_eq!(mode(&out), 0o700);
+    for file in ["run.mcap", "report.html"] {
+        assert_eq!(mode(&out.join(file)), 0o600, "{file}");
+    }
+}
