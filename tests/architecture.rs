@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 const ARROWS: &[(&str, &[&str])] = &[
     ("services/estimation", &[]),
     ("services/messages", &[]),
-    ("services/config", &[]),
+    ("services/config", &["messages"]),
     ("sim", &[]),
     ("bench/limits", &[]),
     ("services/runtime", &["messages"]),
@@ -18,19 +18,11 @@ const ARROWS: &[(&str, &[&str])] = &[
         &["messages", "config", "runtime", "recording", "sim"],
     ),
     (
-        "services/kalman",
+        "services/steps",
         &["messages", "config", "runtime", "estimation"],
     ),
-    (
-        "services/rls",
-        &["messages", "config", "runtime", "estimation", "kalman"],
-    ),
-    (
-        "services/ukf",
-        &["messages", "config", "runtime", "estimation", "kalman"],
-    ),
     ("services/logger", &["messages", "recording", "runtime"]),
-    ("services/view", &["messages", "recording"]),
+    ("services/view", &["messages", "recording", "steps"]),
     ("services/evaluate", &["sim", "estimation"]),
     ("bindings/c", &["estimation"]),
     ("bindings/fmu", &["heft_c", "messages", "config"]),
@@ -42,9 +34,7 @@ const ARROWS: &[(&str, &[&str])] = &[
             "messages",
             "config",
             "runtime",
-            "kalman",
-            "rls",
-            "ukf",
+            "steps",
             "sim",
         ],
     ),
@@ -113,12 +103,7 @@ fn only_the_runtime_talks_to_iceoryx2() {
 
 #[test]
 fn faer_stays_off_the_hot_path() {
-    for folder in [
-        "services/estimation",
-        "services/kalman",
-        "services/rls",
-        "services/ukf",
-    ] {
+    for folder in ["services/estimation", "services/steps"] {
         assert!(
             !dependencies(folder, "[dependencies]").contains("faer"),
             "{folder}"
@@ -156,13 +141,7 @@ fn steps_do_no_io_and_read_no_clock() {
         "println!",
         "tracing::",
     ];
-    for folder in [
-        "services/estimation",
-        "services/kalman",
-        "services/rls",
-        "services/ukf",
-        "sim",
-    ] {
+    for folder in ["services/estimation", "services/steps", "sim"] {
         let mut files = Vec::new();
         sources(&root().join(folder).join("src"), &mut files);
         // Test modules in files of their own; they read golden vectors.
@@ -182,9 +161,7 @@ fn truth_and_belief_share_no_code() {
     assert!(!dependencies("sim", "[dependencies]").contains("estimation"));
     assert!(!dependencies("services/estimation", "[dependencies]").contains("sim"));
     let mut files = Vec::new();
-    for folder in ["services/kalman", "services/rls", "services/ukf"] {
-        sources(&root().join(folder).join("src"), &mut files);
-    }
+    sources(&root().join("services/steps/src"), &mut files);
     for file in files {
         let text = code(&file);
         assert!(

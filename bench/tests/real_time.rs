@@ -77,16 +77,17 @@ fn the_excavators_services_answer_without_allocating() {
         ..sim::excavator::Run::new(sim::excavator::Scenario::Cycle)
     };
     let samples = sensors(SimulatedExcavator::new(&run).expect("a valid run"));
-    let mut filter = kalman::Excavator::new(&description).expect("valid settings");
+    let mut filter = steps::excavator::FilterStep::new(&description).expect("valid settings");
     let motions: Vec<_> = samples.iter().map(|s| answer(&mut filter, s)).collect();
-    let filter = kalman::Excavator::new(&description).expect("valid settings");
+    let filter = steps::excavator::FilterStep::new(&description).expect("valid settings");
     assert_eq!(allocations(filter, &samples), 0, "kalman");
     for method in ["multi-forgetting-rls", "svf-rls"] {
-        let service = rls::Excavator::new(&description, method).expect("a method");
+        let service =
+            steps::excavator::RegressionStep::new(&description, method).expect("a method");
         assert_eq!(allocations(service, &motions), 0, "{method}");
     }
     for method in ["auto", "posture-torque", "torque", "posture", "velocity"] {
-        let service = ukf::Excavator::new(&description, method).expect("a method");
+        let service = steps::excavator::EstimatorStep::new(&description, method).expect("a method");
         assert_eq!(allocations(service, &samples), 0, "{method}");
     }
 }
@@ -99,10 +100,10 @@ fn the_loaders_services_answer_without_allocating() {
         ..sim::loader::Run::new(sim::loader::Scenario::WorkCycle)
     };
     let samples = sensors(SimulatedLoader::new(&run).expect("a valid run"));
-    let filter = kalman::Loader::new(&description).expect("valid settings");
+    let filter = steps::loader::EstimatorStep::new(&description, "ekf").expect("valid settings");
     assert_eq!(allocations(filter, &samples), 0, "ekf");
     for method in ["full", "isr-ukf", "isr-ukf-printed"] {
-        let service = ukf::Loader::new(&description, method).expect("a method");
+        let service = steps::loader::EstimatorStep::new(&description, method).expect("a method");
         assert_eq!(allocations(service, &samples), 0, "{method}");
     }
 }

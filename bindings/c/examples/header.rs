@@ -3,7 +3,7 @@
 
 use std::fmt::Write;
 
-use config::{Key, Machine as Described};
+use config::{Key, Tables};
 use heft_c::{Bit, Code, Excavator, Loader, Machine, SIZE_MAX};
 use messages::{
     ExcavatorEstimate, ExcavatorSensors, Field, LoaderEstimate, LoaderSensors, Message,
@@ -73,7 +73,7 @@ where
     M: Machine,
     S: Message,
     E: Message,
-    D: Described,
+    D: Tables + Default,
 {
     let name = M::NAME;
     let upper = name.to_uppercase();
@@ -137,7 +137,7 @@ fn bits<E>(out: &mut String, prefix: &str, what: &str, bits: &[Bit<E>]) {
     }
 }
 
-fn settings<M: Machine>(out: &mut String, described: &impl Described) {
+fn settings<M: Machine>(out: &mut String, described: &impl Tables) {
     let name = M::NAME;
     let _ = writeln!(
         out,
@@ -164,7 +164,7 @@ fn close(out: &mut String, table: &str) {
 }
 
 /// Unit and words of a key, with its range and choices.
-fn known(described: &impl Described, table: &str, name: &str) -> (&'static str, String) {
+fn known(described: &impl Tables, table: &str, name: &str) -> (&'static str, String) {
     let tables = described.tables();
     let keys = tables
         .iter()

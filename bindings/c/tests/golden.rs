@@ -8,6 +8,7 @@ use messages::{
     ExcavatorEstimate, ExcavatorSensors, LoaderEstimate, LoaderSensors, Message, Value,
 };
 use runtime::{Step, answer};
+use steps::{excavator, loader};
 
 fn golden(name: &str) -> String {
     format!(
@@ -116,23 +117,17 @@ where
 fn excavator_steps(method: &str, rows: &[ExcavatorSensors]) -> Vec<ExcavatorEstimate> {
     let d = ExcavatorDescription::default();
     if method.ends_with("rls") {
-        let motions = all(kalman::Excavator::new(&d).expect("a filter"), rows);
-        all(
-            rls::Excavator::new(&d, method).expect("a regression"),
-            &motions,
-        )
+        let motions = all(excavator::FilterStep::new(&d).expect("a filter"), rows);
+        let step = excavator::RegressionStep::new(&d, method).expect("a regression");
+        all(step, &motions)
     } else {
-        all(ukf::Excavator::new(&d, method).expect("an estimator"), rows)
+        all(excavator::EstimatorStep::new(&d, method).expect("an estimator"), rows)
     }
 }
 
 fn loader_steps(method: &str, rows: &[LoaderSensors]) -> Vec<LoaderEstimate> {
     let d = LoaderDescription::default();
-    if method == "ekf" {
-        all(kalman::Loader::new(&d).expect("a filter"), rows)
-    } else {
-        all(ukf::Loader::new(&d, method).expect("an estimator"), rows)
-    }
+    all(loader::EstimatorStep::new(&d, method).expect("an estimator"), rows)
 }
 
 #[test]

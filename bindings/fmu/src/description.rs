@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use config::{Form, Key, Machine as Keys};
+use config::{Form, Key, Tables};
 use heft_c::{Excavator, Loader, Machine};
 use messages::{ExcavatorEstimate, ExcavatorSensors, LoaderEstimate, LoaderSensors, Message};
 
@@ -16,7 +16,7 @@ pub trait Words: Machine {
     /// Message of its estimates.
     type Answer: Message;
     /// Its description.
-    type Description: Keys;
+    type Description: Tables + Default;
 }
 
 impl Words for Excavator {

@@ -1,41 +1,8 @@
-use std::fmt;
+//! A description of any machine.
 
-use crate::{Error, Errors, Excavator, Loader, Machine, parse};
+use messages::Machine;
 
-/// Which machine.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
-    /// Excavator.
-    Excavator,
-    /// Wheel loader.
-    Loader,
-}
-
-impl Kind {
-    /// Both, in the order of the names on the command line.
-    pub const ALL: [Self; 2] = [Self::Excavator, Self::Loader];
-
-    /// Name on the command line, in channels and in `machine.kind`.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Excavator => "excavator",
-            Self::Loader => "loader",
-        }
-    }
-
-    /// The machine called `name`.
-    #[must_use]
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|kind| kind.name() == name)
-    }
-}
-
-impl fmt::Display for Kind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
+use crate::{Error, Errors, Excavator, Loader, Tables, parse};
 
 /// A description of either machine.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,35 +15,35 @@ pub enum Description {
 
 impl Description {
     /// Reads a description of whichever machine the text is for: `machine.kind` says so, or the
-    /// keys do. `kind` is taken where neither does.
+    /// keys do. `machine` is taken where neither does.
     ///
     /// # Errors
     /// Everything that is wrong with the text, each with its line; or that the machine is unclear.
-    pub fn parse(text: &str, file_name: &str, kind: Option<Kind>) -> Result<Self, Errors> {
-        let Some(kind) = parse::kind(text, file_name)?.or(kind) else {
+    pub fn parse(text: &str, file_name: &str, machine: Option<Machine>) -> Result<Self, Errors> {
+        let Some(machine) = parse::machine(text, file_name)?.or(machine) else {
             return Err(unclear(file_name).into());
         };
-        Ok(match kind {
-            Kind::Excavator => Self::Excavator(Box::new(Excavator::parse(text, file_name)?)),
-            Kind::Loader => Self::Loader(Box::new(Loader::parse(text, file_name)?)),
+        Ok(match machine {
+            Machine::Excavator => Self::Excavator(Box::new(Excavator::parse(text, file_name)?)),
+            Machine::Loader => Self::Loader(Box::new(Loader::parse(text, file_name)?)),
         })
     }
 
     /// The defaults of a machine.
     #[must_use]
-    pub fn default_of(kind: Kind) -> Self {
-        match kind {
-            Kind::Excavator => Self::Excavator(Box::default()),
-            Kind::Loader => Self::Loader(Box::default()),
+    pub fn default_of(machine: Machine) -> Self {
+        match machine {
+            Machine::Excavator => Self::Excavator(Box::default()),
+            Machine::Loader => Self::Loader(Box::default()),
         }
     }
 
     /// Which machine.
     #[must_use]
-    pub fn kind(&self) -> Kind {
+    pub fn machine(&self) -> Machine {
         match self {
-            Self::Excavator(_) => Excavator::KIND,
-            Self::Loader(_) => Loader::KIND,
+            Self::Excavator(_) => Excavator::MACHINE,
+            Self::Loader(_) => Loader::MACHINE,
         }
     }
 

@@ -1,8 +1,9 @@
 //! Description of an excavator. The defaults are those of the reference machine, a 5.5 t excavator
 //! whose swing inertia spans the 4380 to 9761 kg m^2 of Oh, Yi, Seo, Kim, Lee 2017.
 
+use crate::Error;
 use crate::setting::{choice, machine, table};
-use crate::{Error, Kind};
+use messages::Machine;
 
 choice! {
     /// What is assumed of damping, torque offset and payload.
@@ -251,7 +252,7 @@ pub struct Excavator {
 
 machine!(
     Excavator,
-    Kind::Excavator,
+    Machine::Excavator,
     [machine, geometry, sensors, prior, estimator, paper]
 );
 

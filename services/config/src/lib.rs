@@ -15,7 +15,7 @@ mod parse;
 mod print;
 mod setting;
 
-pub use description::{Description, Kind};
+pub use description::Description;
 pub use error::{Error, Errors};
 pub use excavator::{
     Excavator, ExcavatorEstimator, ExcavatorGeometry, ExcavatorMachine, ExcavatorPaper,
@@ -26,4 +26,4 @@ pub use loader::{
     Tuning,
 };
 pub use nearest::nearest;
-pub use setting::{Form, Key, Machine, Range, Setting, Table, Value};
+pub use setting::{Form, Key, Range, Setting, Table, Tables, Value};

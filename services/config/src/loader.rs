@@ -1,8 +1,9 @@
 //! Description of a wheel loader with independently driven axles. The defaults are those of the
 //! 4.7 t reference machine (Yang, Wang, Han 2021, with the geometry that the paper leaves out).
 
+use crate::Error;
 use crate::setting::{choice, machine, table};
-use crate::{Error, Kind};
+use messages::Machine;
 
 choice! {
     /// Sign of the dynamic load transfer.
@@ -217,7 +218,11 @@ pub struct Loader {
     pub estimator: LoaderEstimator,
 }
 
-machine!(Loader, Kind::Loader, [machine, sensors, prior, estimator]);
+machine!(
+    Loader,
+    Machine::Loader,
+    [machine, sensors, prior, estimator]
+);
 
 fn contradictions(loader: &Loader) -> Vec<Error> {
     let (e, p) = (&loader.estimator, &loader.prior);

@@ -5,7 +5,9 @@ use core::ops::Range as Span;
 
 use toml_edit::{Document, Item, TableLike};
 
-use crate::{Error, Errors, Excavator, Key, Kind, Loader, Machine, Table, Value, nearest, print};
+use messages::Machine;
+
+use crate::{Error, Errors, Excavator, Key, Loader, Table, Tables, Value, nearest, print};
 
 impl Error {
     /// A contradiction between keys.
@@ -27,7 +29,7 @@ struct Entry<'a> {
     line: Option<usize>,
 }
 
-pub(crate) fn parse<M: Machine>(text: &str, file: &str) -> Result<M, Errors> {
+pub(crate) fn parse<M: Tables>(text: &str, file: &str) -> Result<M, Errors> {
     let document = document(text, file)?;
     let mut machine = M::default();
     let (entries, mut errors) = entries::<M>(&document, text, file);
@@ -58,7 +60,7 @@ pub(crate) fn parse<M: Machine>(text: &str, file: &str) -> Result<M, Errors> {
 }
 
 /// Applies `--set` options in their order; only the outcome may not contradict itself.
-pub(crate) fn set_all<M: Machine>(
+pub(crate) fn set_all<M: Tables>(
     machine: &mut M,
     assignments: &[impl AsRef<str>],
 ) -> Result<(), Error> {
@@ -75,7 +77,7 @@ pub(crate) fn set_all<M: Machine>(
     Ok(())
 }
 
-fn set_one<M: Machine>(machine: &mut M, assignment: &str) -> Result<(), Error> {
+fn set_one<M: Tables>(machine: &mut M, assignment: &str) -> Result<(), Error> {
     let file = format!("--set {assignment}");
     let Some((path, text)) = assignment.split_once('=') else {
         return Err(Error {
@@ -99,24 +101,25 @@ fn set_one<M: Machine>(machine: &mut M, assignment: &str) -> Result<(), Error> {
 
 /// The machine that the text names, or else the one that knows more of its keys; `None` if it
 /// names none and both know as many.
-pub(crate) fn kind(text: &str, file: &str) -> Result<Option<Kind>, Errors> {
+pub(crate) fn machine(text: &str, file: &str) -> Result<Option<Machine>, Errors> {
     let document = document(text, file)?;
     let named = document.get("machine").and_then(|m| m.get("kind"));
-    if let Some(kind) = named.and_then(Item::as_str).and_then(Kind::from_name) {
-        return Ok(Some(kind));
+    let named = named.and_then(Item::as_str).and_then(Machine::from_name);
+    if named.is_some() {
+        return Ok(named);
     }
     let known = (
         known_keys::<Excavator>(&document, text, file),
         known_keys::<Loader>(&document, text, file),
     );
     Ok(match known.0.cmp(&known.1) {
-        Ordering::Greater => Some(Kind::Excavator),
-        Ordering::Less => Some(Kind::Loader),
+        Ordering::Greater => Some(Machine::Excavator),
+        Ordering::Less => Some(Machine::Loader),
         Ordering::Equal => None,
     })
 }
 
-fn known_keys<M: Machine>(document: &Document<String>, text: &str, file: &str) -> usize {
+fn known_keys<M: Tables>(document: &Document<String>, text: &str, file: &str) -> usize {
     let (entries, _) = entries::<M>(document, text, file);
     entries
         .iter()
@@ -143,7 +146,7 @@ fn line_of(text: &str, span: &Span<usize>) -> usize {
 }
 
 /// All leaves of the document, and the tables that the machine does not have.
-fn entries<'a, M: Machine>(
+fn entries<'a, M: Tables>(
     document: &'a Document<String>,
     text: &str,
     file: &str,
@@ -237,9 +240,9 @@ enum Defect {
     OtherMachine,
 }
 
-fn assign<M: Machine>(machine: &mut M, path: &str, value: &Value) -> Result<(), Defect> {
+fn assign<M: Tables>(machine: &mut M, path: &str, value: &Value) -> Result<(), Defect> {
     if path == "machine.kind" {
-        let same = *value == Value::Word(M::KIND.name().into());
+        let same = *value == Value::Word(M::MACHINE.name().into());
         return if same {
             Ok(())
         } else {
@@ -276,17 +279,17 @@ fn store(table: &mut dyn Table, index: usize, value: &Value) -> Result<(), Defec
     }
 }
 
-fn explain<M: Machine>(defect: Defect, path: &str, file: &str, line: Option<usize>) -> Error {
+fn explain<M: Tables>(defect: Defect, path: &str, file: &str, line: Option<usize>) -> Error {
     let key = find::<M>(path);
     let (what, remedy) = match (defect, key) {
         (Defect::OtherMachine, _) => (
             format!(
                 "machine.kind is not \"{}\", for which the description is read",
-                M::KIND
+                M::MACHINE
             ),
             format!(
                 "write kind = \"{}\" or use the description with the other machine",
-                M::KIND
+                M::MACHINE
             ),
         ),
         (Defect::Outside(number), Some(key)) => (
@@ -302,7 +305,7 @@ fn explain<M: Machine>(defect: Defect, path: &str, file: &str, line: Option<usiz
             format!("write it like {} = {}", key.name, print::example::<M>(path)),
         ),
         (_, _) => (
-            format!("the {} has no key {path}", M::KIND),
+            format!("the {} has no key {path}", M::MACHINE),
             suggestion::<M>(path),
         ),
     };
@@ -315,7 +318,7 @@ fn explain<M: Machine>(defect: Defect, path: &str, file: &str, line: Option<usiz
     }
 }
 
-fn find<M: Machine>(path: &str) -> Option<Key> {
+fn find<M: Tables>(path: &str) -> Option<Key> {
     let (table_name, name) = path.rsplit_once('.')?;
     let machine = M::default();
     let tables = machine.tables();
@@ -323,7 +326,7 @@ fn find<M: Machine>(path: &str) -> Option<Key> {
     table.keys().iter().find(|k| k.name == name).copied()
 }
 
-fn suggestion<M: Machine>(path: &str) -> String {
+fn suggestion<M: Tables>(path: &str) -> String {
     let name = path.rsplit('.').next().unwrap_or(path);
     let keys = all_keys::<M>();
     let elsewhere = keys.iter().find(|k| k.rsplit('.').next() == Some(name));
@@ -333,9 +336,9 @@ fn suggestion<M: Machine>(path: &str) -> String {
         let full = keys.iter().find(|k| k.rsplit('.').next() == Some(close))?;
         Some(full.as_str())
     });
-    let other = match M::KIND {
-        Kind::Excavator => (Kind::Loader, all_keys::<Loader>()),
-        Kind::Loader => (Kind::Excavator, all_keys::<Excavator>()),
+    let other = match M::MACHINE {
+        Machine::Excavator => (Machine::Loader, all_keys::<Loader>()),
+        Machine::Loader => (Machine::Excavator, all_keys::<Excavator>()),
     };
     match (elsewhere, similar) {
         (Some(full), _) => format!("the key is {full}: put it under [{}]", table_of(full)),
@@ -350,7 +353,7 @@ fn suggestion<M: Machine>(path: &str) -> String {
     }
 }
 
-fn keys_of<M: Machine>(table: &str) -> Option<String> {
+fn keys_of<M: Tables>(table: &str) -> Option<String> {
     let machine = M::default();
     let tables = machine.tables();
     let table = tables.iter().find(|t| t.name() == table)?;
@@ -362,11 +365,11 @@ fn table_of(path: &str) -> &str {
     path.rsplit_once('.').map_or(path, |(table, _)| table)
 }
 
-fn table_names<M: Machine>() -> Vec<&'static str> {
+fn table_names<M: Tables>() -> Vec<&'static str> {
     M::default().tables().iter().map(|t| t.name()).collect()
 }
 
-fn all_keys<M: Machine>() -> Vec<String> {
+fn all_keys<M: Tables>() -> Vec<String> {
     let machine = M::default();
     let tables = machine.tables();
     let keys = tables

@@ -2,15 +2,15 @@
 
 use std::fmt::Write;
 
-use crate::{Form, Key, Machine, Range, Value};
+use crate::{Form, Key, Range, Tables, Value};
 
-pub(crate) fn print<M: Machine>(machine: &M) -> String {
+pub(crate) fn print<M: Tables>(machine: &M) -> String {
     let mut out = String::new();
     for (i, table) in machine.tables().iter().enumerate() {
         let gap = if i == 0 { "" } else { "\n" };
         let _ = writeln!(out, "{gap}[{}]", table.name());
         if i == 0 {
-            let _ = writeln!(out, "# Which machine.\nkind = \"{}\"", M::KIND);
+            let _ = writeln!(out, "# Which machine.\nkind = \"{}\"", M::MACHINE);
         }
         for (index, key) in table.keys().iter().enumerate() {
             if let Some(value) = table.get(index) {
@@ -86,7 +86,7 @@ fn short(x: f64) -> String {
 }
 
 /// The default of a key, as an example of how to write it.
-pub(crate) fn example<M: Machine>(path: &str) -> String {
+pub(crate) fn example<M: Tables>(path: &str) -> String {
     let machine = M::default();
     for table in machine.tables() {
         for (index, key) in table.keys().iter().enumerate() {

@@ -1,4 +1,6 @@
-use crate::{Error, Kind};
+use messages::Machine;
+
+use crate::Error;
 
 /// What a key holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -173,9 +175,9 @@ pub trait Table {
 }
 
 /// A complete description: a machine's tables.
-pub trait Machine: Default + Clone {
+pub trait Tables: Default + Clone {
     /// Which machine.
-    const KIND: Kind;
+    const MACHINE: Machine;
     /// All tables, in the order in which they are printed.
     fn tables(&self) -> Vec<&dyn Table>;
     /// All tables, to write.
@@ -280,9 +282,9 @@ macro_rules! choice {
 
 /// Gives a machine its tables and the functions of a description.
 macro_rules! machine {
-    ($name:ident, $kind:expr, [$($table:ident),+]) => {
-        impl $crate::Machine for $name {
-            const KIND: $crate::Kind = $kind;
+    ($name:ident, $machine:expr, [$($table:ident),+]) => {
+        impl $crate::Tables for $name {
+            const MACHINE: messages::Machine = $machine;
             fn tables(&self) -> Vec<&dyn $crate::Table> {
                 vec![$( &self.$table ),+]
             }

@@ -1,6 +1,7 @@
 //! What a description may say, what it prints, and how it refuses.
 
-use config::{Description, Excavator, Form, Kind, Loader, Machine, Value, Variant};
+use config::{Description, Excavator, Form, Loader, Tables, Value, Variant};
+use messages::Machine;
 
 /// One error of a text that is meant to have exactly one.
 fn error(text: &str) -> config::Error {
@@ -19,7 +20,7 @@ fn an_empty_description_is_the_reference_machine() {
 
 #[test]
 fn every_default_lies_in_its_own_range_and_contradicts_nothing() {
-    fn check<M: Machine>() {
+    fn check<M: Tables>() {
         let machine = M::default();
         assert!(machine.contradictions().is_empty());
         for table in machine.tables() {
@@ -213,21 +214,21 @@ fn limits_can_be_moved_together() {
 
 #[test]
 fn a_description_finds_out_for_which_machine_it_is() {
-    let of = |text| Description::parse(text, "x", None).map(|d| d.kind());
-    assert_eq!(of("machine.kind = \"loader\""), Ok(Kind::Loader));
+    let of = |text| Description::parse(text, "x", None).map(|d| d.machine());
+    assert_eq!(of("machine.kind = \"loader\""), Ok(Machine::Loader));
     assert_eq!(
         of("[machine]\nwheelbase = 2.0\n[sensors]\nrate = 100"),
-        Ok(Kind::Loader)
+        Ok(Machine::Loader)
     );
     assert_eq!(
         of("[machine.geometry]\nboom_length = 4"),
-        Ok(Kind::Excavator)
+        Ok(Machine::Excavator)
     );
     assert!(of("[sensors]\nrate = 100").is_err());
-    let given = Description::parse("[sensors]\nrate = 100", "x", Some(Kind::Loader));
-    assert_eq!(given.map(|d| d.kind()), Ok(Kind::Loader));
-    let printed = Description::default_of(Kind::Loader).to_toml();
-    assert_eq!(of(&printed), Ok(Kind::Loader));
+    let given = Description::parse("[sensors]\nrate = 100", "x", Some(Machine::Loader));
+    assert_eq!(given.map(|d| d.machine()), Ok(Machine::Loader));
+    let printed = Description::default_of(Machine::Loader).to_toml();
+    assert_eq!(of(&printed), Ok(Machine::Loader));
     assert!(Excavator::parse(&printed, "x").is_err());
     assert!(of("machine.kind = \"crane\"\nmachine.wheelbase = 2.0").is_err());
 }

@@ -3,8 +3,10 @@
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
+use messages::Machine;
 
 /// Lets a construction machine know its own mass properties while it works.
 ///
@@ -21,22 +23,16 @@ pub struct Cli {
     pub command: Option<Command>,
 }
 
-/// A machine.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Machine {
-    /// Swing inertia, damping, torque, payload.
-    Excavator,
-    /// Centre of gravity, slip stiffness, digging force.
-    Loader,
-}
-
-impl From<Machine> for config::Kind {
-    fn from(machine: Machine) -> Self {
-        match machine {
-            Machine::Excavator => Self::Excavator,
-            Machine::Loader => Self::Loader,
-        }
-    }
+/// The machines by their names.
+fn machine() -> impl TypedValueParser<Value = Machine> {
+    let names = Machine::ALL.map(|machine| {
+        PossibleValue::new(machine.name()).help(match machine {
+            Machine::Excavator => "Swing inertia, damping, torque, payload",
+            Machine::Loader => "Centre of gravity, slip stiffness, digging force",
+        })
+    });
+    PossibleValuesParser::new(names)
+        .try_map(|name| Machine::from_name(&name).ok_or("there is no such machine"))
 }
 
 /// How fast a run goes.
@@ -102,7 +98,7 @@ pub enum Command {
         /// The description (TOML)
         file: PathBuf,
         /// Machine, where the file does not say
-        #[arg(long, value_enum)]
+        #[arg(long, value_parser = machine())]
         machine: Option<Machine>,
         /// Print the complete description, every key with its unit, range and meaning
         #[arg(long)]
@@ -166,7 +162,7 @@ pub struct DescriptionArgs {
 #[derive(Debug, Clone, Args)]
 pub struct RunArgs {
     /// The machine
-    #[arg(value_enum)]
+    #[arg(value_parser = machine())]
     pub machine: Machine,
     /// Scenario of the simulator; `--scenario list` names them
     #[arg(long)]
@@ -248,7 +244,7 @@ pub struct EstimateArgs {
     /// Recorded data: .csv, .mcap, or .log (candump)
     pub file: PathBuf,
     /// The machine
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = machine())]
     pub machine: Machine,
     /// Signal map (TOML)
     #[arg(long)]
@@ -284,7 +280,7 @@ pub struct ReplayArgs {
 #[derive(Debug, Args)]
 pub struct EvaluateArgs {
     /// The machine
-    #[arg(value_enum)]
+    #[arg(value_parser = machine())]
     pub machine: Machine,
     /// One table only; an unknown name lists them
     #[arg(long)]

@@ -73,3 +73,19 @@ from_errors!(
     config::Error,
     recording::Error
 );
+
+impl From<steps::Error> for Failure {
+    fn from(error: steps::Error) -> Self {
+        let (place, remedy) = match &error {
+            steps::Error::MissingColumn { .. } => (
+                "--method",
+                "choose another method, or name the column in a signal map (--map)",
+            ),
+            _ => (
+                "the description or --method",
+                "`heft check FILE --print` shows every key with its range; the README lists the methods",
+            ),
+        };
+        Self::input(error, place, remedy)
+    }
+}

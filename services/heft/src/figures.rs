@@ -3,17 +3,15 @@
 use std::fs;
 use std::path::Path;
 
-use config::Kind;
 use evaluate::excavator::{Point, table1};
-use messages::LoaderEstimate;
+use messages::{LoaderEstimate, Machine};
 use runtime::{Source, answer};
 use sensor::SimulatedLoader;
 use sim::excavator::{Attachment, Geometry, Scenario};
+use steps::loader::EstimatorStep;
 use view::figures::{Curve, excavator, loader};
 
-use crate::commands::estimate::run_loader;
 use crate::failure::Failure;
-use crate::pipeline;
 
 /// Materials of the three cases of the excavator paper [kg].
 const CASES: [(f64, &str); 3] = [(0.0, "empty"), (288.0, "288 kg"), (423.0, "423 kg")];
@@ -23,13 +21,13 @@ const POSTURES: [[f64; 3]; 2] = [[55.0, -146.0, -85.0], [45.0, -75.0, -60.0]];
 const SEED: u64 = 1;
 
 /// Draws the figures of a machine's paper into `folder` and says what it wrote.
-pub fn draw(kind: Kind, folder: &Path) -> Result<(), Failure> {
-    let figures = match kind {
-        Kind::Excavator => excavator_figures()?,
-        Kind::Loader => loader_figures()?,
+pub fn draw(machine: Machine, folder: &Path) -> Result<(), Failure> {
+    let figures = match machine {
+        Machine::Excavator => excavator_figures()?,
+        Machine::Loader => loader_figures()?,
     };
     for (name, svg) in figures {
-        let path = folder.join(format!("{kind}-{name}.svg"));
+        let path = folder.join(format!("{machine}-{name}.svg"));
         fs::write(&path, svg).map_err(|e| Failure::file("write", &path, &e))?;
         println!("{}", path.display());
     }
@@ -208,9 +206,11 @@ fn loader_figure(
     // The machine of these runs is exactly known: rigid tyres.
     let mut description = config::Loader::default();
     description.machine.radius_load_sensitivity = 0.0;
-    let (_, ukf) = run_loader(&description, "isr-ukf", &rows)?;
-    let mut step = pipeline::loader_baseline(&description)?;
-    let ekf: Vec<LoaderEstimate> = rows.iter().map(|(s, _)| answer(&mut step, s)).collect();
+    let estimates = |method| -> Result<Vec<LoaderEstimate>, Failure> {
+        let mut step = EstimatorStep::new(&description, method).map_err(Failure::internal)?;
+        Ok(rows.iter().map(|(s, _)| answer(&mut step, s)).collect())
+    };
+    let (ukf, ekf) = (estimates("isr-ukf")?, estimates("ekf")?);
 
     let wheelbase = description.machine.wheelbase;
     let column = |f: fn(&LoaderEstimate) -> f64, of: &[LoaderEstimate]| {

@@ -2,15 +2,16 @@
 
 use std::net::SocketAddr;
 
-use config::Kind;
+use messages::Machine;
+use steps::stages::Pipeline;
 use view::live::{Feed, Server, serve};
 
 use crate::failure::Failure;
-use crate::processes;
 
 /// Serves the page; it is there until the server is dropped.
-pub fn start(address: SocketAddr, kind: Kind) -> Result<(Feed, Server), Failure> {
-    let names = processes::of_machine(kind)
+pub fn start(address: SocketAddr, machine: Machine) -> Result<(Feed, Server), Failure> {
+    let names = Pipeline::of(machine)
+        .stages
         .iter()
         .map(|p| p.name.to_owned())
         .collect();

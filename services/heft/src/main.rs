@@ -6,9 +6,7 @@ mod failure;
 mod figures;
 mod live;
 mod parts;
-mod pipeline;
 mod plan;
-mod processes;
 mod quantity;
 mod service;
 mod sources;
@@ -73,7 +71,7 @@ fn dispatch(cli: Cli) -> Result<(), Failure> {
             file,
             machine,
             print,
-        } => commands::check::check(&file, machine.map(Into::into), print),
+        } => commands::check::check(&file, machine, print),
         Command::Weigh {
             file,
             description,

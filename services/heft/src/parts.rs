@@ -42,11 +42,13 @@ pub fn join(recording: &Path, restarts: u32) -> Result<(), Failure> {
         }
         let reader = Reader::open(file)?;
         metadata.get_or_insert_with(|| reader.metadata().clone());
-        for channel in CHANNELS {
-            entries.extend(channel.payload.visit(Read {
-                reader: &reader,
+        for &channel in CHANNELS {
+            let messages = envelopes(&reader, channel)?;
+            entries.extend(messages.into_iter().map(|message| Entry {
+                published_ns: published_ns(&message),
                 channel,
-            })?);
+                message,
+            }));
         }
     }
     let Some(metadata) = metadata else {
@@ -72,27 +74,27 @@ struct Entry {
     message: Envelope,
 }
 
-struct Read<'a> {
-    reader: &'a Reader,
-    channel: &'static Channel,
+/// When the last stage that a message passed published it [ns].
+fn published_ns(message: &Envelope) -> u64 {
+    let hops = message.hops();
+    let last = hops.sensor_ns.max(hops.filter_ns).max(hops.estimate_ns);
+    last.max(message.stamp().measured_ns)
 }
 
-impl Visitor for Read<'_> {
-    type Output = Result<Vec<Entry>, recording::Error>;
+/// The messages of a channel, whatever their type.
+pub fn envelopes(reader: &Reader, channel: &Channel) -> Result<Vec<Envelope>, recording::Error> {
+    struct Read<'a>(&'a Reader, &'a str);
 
-    fn visit<M: Message>(self) -> Self::Output {
-        let messages: Vec<M> = self.reader.messages(self.channel.name)?;
-        let entry = |message: &M| {
-            let hops = message.hops();
-            let last = hops.sensor_ns.max(hops.filter_ns).max(hops.estimate_ns);
-            Entry {
-                published_ns: last.max(message.stamp().measured_ns),
-                channel: self.channel,
-                message: message.envelope(),
-            }
-        };
-        Ok(messages.iter().map(entry).collect())
+    impl Visitor for Read<'_> {
+        type Output = Result<Vec<Envelope>, recording::Error>;
+
+        fn visit<M: Message>(self) -> Self::Output {
+            let messages: Vec<M> = self.0.messages(self.1)?;
+            Ok(messages.iter().map(Message::envelope).collect())
+        }
     }
+
+    channel.payload.visit(Read(reader, channel.name))
 }
 
 struct WriteTo<'a>(&'a mut Writer, &'static Channel);

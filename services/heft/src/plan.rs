@@ -1,20 +1,24 @@
 //! The plan of a run: everything that the supervisor tells its workers, in one file.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::PathBuf;
 
-use config::{Description, Kind};
+use config::Description;
+use messages::Machine;
 use recording::Metadata;
 use runtime::Domain;
 use serde::{Deserialize, Serialize};
+use steps::stages::Pipeline;
 
 use crate::failure::Failure;
 
 /// What a run does. Written to the domain by the supervisor, read by every worker.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Plan {
-    /// "excavator" or "loader".
-    pub machine: String,
+    /// Which machine.
+    #[serde(with = "by_name")]
+    pub machine: Machine,
     /// Scenario of the simulator; unused with an input file.
     pub scenario: String,
     /// Payload of the simulator [kg], its own default where absent.
@@ -25,10 +29,8 @@ pub struct Plan {
     pub map: Option<PathBuf>,
     /// The machine's description, as canonical TOML.
     pub description: String,
-    /// Method of the `rls` or `kalman` process that estimates.
-    pub first_method: String,
-    /// Method of the `ukf` process.
-    pub second_method: String,
+    /// Method of each process that has a choice, by the name of the process.
+    pub methods: BTreeMap<String, String>,
     /// Length of a simulated run [s]; endless where absent.
     pub duration: Option<f64>,
     /// Sampling rate of the simulator [Hz].
@@ -51,9 +53,9 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Which machine.
-    pub fn kind(&self) -> Kind {
-        Kind::from_name(&self.machine).unwrap_or(Kind::Excavator)
+    /// The pipeline of its machine.
+    pub fn pipeline(&self) -> &'static Pipeline {
+        Pipeline::of(self.machine)
     }
 
     /// The machine's description.
@@ -61,8 +63,13 @@ impl Plan {
         Ok(Description::parse(
             &self.description,
             "the plan of the run",
-            Some(self.kind()),
+            Some(self.machine),
         )?)
+    }
+
+    /// Method of a process; empty where it has no choice.
+    pub fn method(&self, process: &str) -> &str {
+        self.methods.get(process).map_or("", String::as_str)
     }
 
     /// Writes it to the domain.
@@ -76,7 +83,13 @@ impl Plan {
     pub fn read(domain: &Domain) -> Result<Self, Failure> {
         let file = domain.plan_file();
         let text = fs::read_to_string(&file).map_err(|e| Failure::file("read", &file, &e))?;
-        serde_json::from_str(&text).map_err(Failure::internal)
+        serde_json::from_str(&text).map_err(|error| {
+            Failure::input(
+                format!("the plan of the run is damaged: {error}"),
+                file.display(),
+                "start the run again with `heft run`, which writes it",
+            )
+        })
     }
 
     /// What a recording of this run says of itself.
@@ -86,15 +99,14 @@ impl Plan {
             metadata.insert(key.to_owned(), value);
         };
         put("heft.version", env!("CARGO_PKG_VERSION").to_owned());
-        put("machine", self.machine.clone());
-        let processes = crate::processes::of_machine(self.kind())
-            .iter()
-            .map(|p| p.name);
+        put("machine", self.machine.name().to_owned());
+        let processes = self.pipeline().stages.iter().map(|p| p.name);
         put("processes", processes.collect::<Vec<_>>().join(","));
         put("description", self.description.clone());
         put("description.sha256", recording::sha256(&self.description));
-        put("first_method", self.first_method.clone());
-        put("second_method", self.second_method.clone());
+        for (process, method) in &self.methods {
+            put(&method_key(process), method.clone());
+        }
         match &self.input {
             Some(input) => put("input", input.display().to_string()),
             None => {
@@ -130,5 +142,27 @@ impl Plan {
             ),
         );
         metadata
+    }
+}
+
+/// Key under which a recording names the method of a process.
+pub fn method_key(process: &str) -> String {
+    format!("method.{process}")
+}
+
+/// A machine by its name.
+mod by_name {
+    use messages::Machine;
+    use serde::de::Error;
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    pub fn serialize<S: Serializer>(machine: &Machine, to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_str(machine.name())
+    }
+
+    pub fn deserialize<'a, D: Deserializer<'a>>(from: D) -> Result<Machine, D::Error> {
+        let name = String::deserialize(from)?;
+        Machine::from_name(&name)
+            .ok_or_else(|| D::Error::custom(format!("there is no machine `{name}`")))
     }
 }

@@ -1,22 +1,16 @@
 //! One service of a run, in a process of its own.
 
-use config::{Description, Kind};
 use messages::channels::{
-    EXCAVATOR_INERTIA_RLS, EXCAVATOR_INERTIA_UKF, EXCAVATOR_MOTION, EXCAVATOR_SENSORS,
-    EXCAVATOR_TRUTH, LOADER_CG_EKF, LOADER_CG_UKF, LOADER_SENSORS, LOADER_TRUTH, of_machine,
+    Channel, EXCAVATOR_SENSORS, EXCAVATOR_TRUTH, LOADER_SENSORS, LOADER_TRUTH, Visitor, of_machine,
 };
-use messages::{ExcavatorEstimate, LoaderEstimate};
+use messages::{Machine, Message};
 use runtime::{
-    Domain, Identity, Pace, Setup, Wake, Worker, mark_estimate, mark_filter, run_probe, run_sink,
-    run_source, run_stage,
+    Arrival, Domain, Identity, Pace, Setup, Wake, Worker, run_probe, run_sink, run_source,
 };
+use steps::stages::{Role, Row, Stage};
 
 use crate::failure::Failure;
-use crate::pipeline::{
-    excavator_estimator, excavator_filter, excavator_regression, loader_baseline, loader_estimator,
-};
 use crate::plan::Plan;
-use crate::processes::{self, Process};
 use crate::sources::{excavator_source, loader_source};
 
 /// Is the service `name` of a run until the run ends.
@@ -24,143 +18,92 @@ pub fn serve(name: &str, domain: &str, restarts: u32) -> Result<(), Failure> {
     let domain = Domain::new(domain)?;
     let plan = Plan::read(&domain)?;
     domain.enter()?;
-    let table = processes::of_machine(plan.kind());
-    let Some(index) = table.iter().position(|p| p.name == name) else {
-        let names: Vec<&str> = table.iter().map(|p| p.name).collect();
+    let stages = plan.pipeline().stages;
+    let Some(index) = stages.iter().position(|p| p.name == name) else {
+        let names: Vec<&str> = stages.iter().map(|p| p.name).collect();
         return Err(Failure::input(
             format!("there is no service `{name}`"),
             "heft service",
             format!("one of {}", names.join(", ")),
         ));
     };
-    let process = &table[index];
+    let stage = &stages[index];
     let setup = Setup {
         identity: Identity {
             process: index as u32,
             restarts,
-            name: process.name,
+            name: stage.name,
         },
-        realtime: (plan.realtime && process.priority > 0)
-            .then(|| (process.priority, core(plan.kind(), process, &plan.cores))),
+        realtime: (plan.realtime && stage.priority > 0)
+            .then(|| (stage.priority, core(&plan, stage))),
         period_ns: (1e9 / plan.rate) as u64,
     };
     let worker = Worker::start(setup)?;
-    match (plan.description()?, process.name) {
-        (_, "logger") => serve_logger(worker, &plan, restarts),
-        (_, "probe") => serve_probe(worker, &plan),
-        (Description::Excavator(d), name) => serve_excavator(worker, &plan, &d, name),
-        (Description::Loader(d), name) => serve_loader(worker, &plan, &d, name),
+    match &stage.role {
+        Role::Source { .. } => serve_source(worker, &plan),
+        Role::Step(row) => serve_step(worker, &plan, stage, *row),
+        Role::Sink => serve_logger(worker, &plan, restarts),
+        Role::Probe(channel) => serve_probe(worker, &plan, channel),
     }
 }
 
 /// The core of a process: they are taken in turn along the chain.
-fn core(machine: Kind, process: &Process, cores: &[usize]) -> Option<usize> {
-    let turn = processes::hops_before(machine, process) % cores.len().max(1);
-    cores.get(turn).copied()
+fn core(plan: &Plan, stage: &Stage) -> Option<usize> {
+    let turn = plan.pipeline().hops_before(stage) % plan.cores.len().max(1);
+    plan.cores.get(turn).copied()
 }
 
-fn pace(plan: &Plan) -> Pace {
-    if plan.lossless {
+fn serve_source(worker: Worker, plan: &Plan) -> Result<(), Failure> {
+    let pace = if plan.lossless {
         Pace::Lossless
     } else {
         Pace::RealTime
-    }
-}
-
-fn serve_excavator(
-    worker: Worker,
-    plan: &Plan,
-    d: &config::Excavator,
-    name: &str,
-) -> Result<(), Failure> {
-    let (first, second) = (&plan.first_method, &plan.second_method);
-    Ok(match name {
-        "sensor" => run_source(
+    };
+    Ok(match plan.machine {
+        Machine::Excavator => run_source(
             worker,
             &EXCAVATOR_SENSORS,
             &EXCAVATOR_TRUTH,
-            pace(plan),
+            pace,
             excavator_source(plan)?,
         ),
-        "kalman" => run_stage(
+        Machine::Loader => run_source(
             worker,
-            &EXCAVATOR_SENSORS,
-            &EXCAVATOR_MOTION,
-            mark_filter,
-            excavator_filter(d)?,
-        ),
-        "rls" => run_stage(
-            worker,
-            &EXCAVATOR_MOTION,
-            &EXCAVATOR_INERTIA_RLS,
-            mark_estimate,
-            excavator_regression(d, first)?,
-        ),
-        _ => run_stage(
-            worker,
-            &EXCAVATOR_SENSORS,
-            &EXCAVATOR_INERTIA_UKF,
-            mark_estimate,
-            excavator_estimator(d, second)?,
+            &LOADER_SENSORS,
+            &LOADER_TRUTH,
+            pace,
+            loader_source(plan)?,
         ),
     }?)
 }
 
-fn serve_loader(
-    worker: Worker,
-    plan: &Plan,
-    d: &config::Loader,
-    name: &str,
-) -> Result<(), Failure> {
-    Ok(match name {
-        "sensor" => run_source(
-            worker,
-            &LOADER_SENSORS,
-            &LOADER_TRUTH,
-            pace(plan),
-            loader_source(plan)?,
-        ),
-        "kalman" => run_stage(
-            worker,
-            &LOADER_SENSORS,
-            &LOADER_CG_EKF,
-            mark_estimate,
-            loader_baseline(d)?,
-        ),
-        _ => run_stage(
-            worker,
-            &LOADER_SENSORS,
-            &LOADER_CG_UKF,
-            mark_estimate,
-            loader_estimator(d, &plan.second_method)?,
-        ),
-    }?)
+fn serve_step(worker: Worker, plan: &Plan, stage: &Stage, row: &dyn Row) -> Result<(), Failure> {
+    let process = row.prepare(&plan.description()?, plan.method(stage.name))?;
+    Ok(process(worker)?)
 }
 
 fn serve_logger(worker: Worker, plan: &Plan, restarts: u32) -> Result<(), Failure> {
     crate::parts::put_aside(&plan.recording, restarts)?;
-    let channels: Vec<_> = of_machine(&plan.machine).collect();
+    let channels: Vec<_> = of_machine(plan.machine).collect();
     let logger = logger::Logger::create(&plan.recording, &plan.metadata())?;
     Ok(run_sink(worker, &channels, plan.lossless, logger)?)
 }
 
-fn serve_probe(worker: Worker, plan: &Plan) -> Result<(), Failure> {
+fn serve_probe(worker: Worker, plan: &Plan, channel: &'static Channel) -> Result<(), Failure> {
     let Some(file) = &plan.probe else {
         return Ok(());
     };
-    // As many as the run has samples, with some to spare; ten minutes where it has no end.
-    let capacity = (plan.duration.unwrap_or(600.0) * plan.rate) as usize + 1000;
-    let wake = if plan.probe_listens {
-        Wake::Event
-    } else {
-        Wake::Bell
-    };
-    let arrivals = match plan.kind() {
-        Kind::Excavator => {
-            run_probe::<ExcavatorEstimate>(worker, &EXCAVATOR_INERTIA_RLS, capacity, wake)
-        }
-        Kind::Loader => run_probe::<LoaderEstimate>(worker, &LOADER_CG_UKF, capacity, wake),
-    }?;
+    let arrivals = channel.payload.visit(Probe {
+        worker,
+        channel,
+        // As many as the run has samples, with some to spare; ten minutes where it has no end.
+        capacity: (plan.duration.unwrap_or(600.0) * plan.rate) as usize + 1000,
+        wake: if plan.probe_listens {
+            Wake::Event
+        } else {
+            Wake::Bell
+        },
+    })?;
     let mut text = String::from("sequence,sensor_ns,filter_ns,estimate_ns,received_ns\n");
     for a in arrivals {
         use std::fmt::Write;
@@ -171,4 +114,19 @@ fn serve_probe(worker: Worker, plan: &Plan) -> Result<(), Failure> {
         );
     }
     std::fs::write(file, text).map_err(|e| Failure::file("write", file, &e))
+}
+
+struct Probe {
+    worker: Worker,
+    channel: &'static Channel,
+    capacity: usize,
+    wake: Wake,
+}
+
+impl Visitor for Probe {
+    type Output = Result<Vec<Arrival>, runtime::Error>;
+
+    fn visit<M: Message>(self) -> Self::Output {
+        run_probe::<M>(self.worker, self.channel, self.capacity, self.wake)
+    }
 }

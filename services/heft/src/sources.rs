@@ -2,8 +2,7 @@
 
 use std::path::Path;
 
-use config::Kind;
-use messages::{ExcavatorSensors, ExcavatorTruth, LoaderSensors, LoaderTruth};
+use messages::{ExcavatorSensors, ExcavatorTruth, LoaderSensors, LoaderTruth, Machine};
 use recording::Map;
 use runtime::Source;
 
@@ -100,6 +99,14 @@ fn limited<S: messages::Message, T>(mut rows: Vec<(S, T)>, duration: Option<f64>
     rows
 }
 
+/// Whether the source of a plan can be made.
+pub fn check(plan: &Plan) -> Result<(), Failure> {
+    match plan.machine {
+        Machine::Excavator => excavator_source(plan).map(drop),
+        Machine::Loader => loader_source(plan).map(drop),
+    }
+}
+
 fn bad_run(error: impl std::fmt::Display) -> Failure {
     Failure::input(
         error,
@@ -108,11 +115,27 @@ fn bad_run(error: impl std::fmt::Display) -> Failure {
     )
 }
 
+/// The scenario of a run that names none.
+pub fn usual(machine: Machine) -> &'static str {
+    match machine {
+        Machine::Excavator => "base",
+        Machine::Loader => "work-cycle",
+    }
+}
+
+/// The scenario of the demonstration.
+pub fn shown(machine: Machine) -> &'static str {
+    match machine {
+        Machine::Excavator => "cycle",
+        Machine::Loader => "work-cycle",
+    }
+}
+
 /// The scenarios of a machine, a line each.
-pub fn scenarios(machine: Kind) -> String {
+pub fn scenarios(machine: Machine) -> String {
     lines(match machine {
-        Kind::Excavator => sim::excavator::Scenario::ALL,
-        Kind::Loader => sim::loader::Scenario::ALL,
+        Machine::Excavator => sim::excavator::Scenario::ALL,
+        Machine::Loader => sim::loader::Scenario::ALL,
     })
 }
 

@@ -3,9 +3,8 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use config::Kind;
-use messages::Envelope;
-use messages::channels::{EXCAVATOR_INERTIA_UKF, LOADER_CG_UKF};
+use messages::{Envelope, Machine};
+use steps::stages::Pipeline;
 
 use crate::watch::{Score, Watch};
 
@@ -22,8 +21,8 @@ pub fn report(recording: &Path, folder: &Path) -> Option<PathBuf> {
 }
 
 /// The verdict per quantity, the latency, the losses, and where everything is.
-pub fn text(kind: Kind, watch: &Watch, recording: &Path, report: Option<&Path>) -> String {
-    let mut out = format!("\n{kind}\n");
+pub fn text(machine: Machine, watch: &Watch, recording: &Path, report: Option<&Path>) -> String {
+    let mut out = format!("\n{machine}\n");
     let mut line = |text: String| {
         let _ = writeln!(out, "  {text}");
     };
@@ -32,7 +31,7 @@ pub fn text(kind: Kind, watch: &Watch, recording: &Path, report: Option<&Path>) 
             line(text);
         }
     }
-    line(format!("at the end: {}", in_words(kind, watch)));
+    line(format!("at the end: {}", in_words(machine, watch)));
     for (name, health) in watch.all_health().filter(|(_, h)| h.age_max_ns > 0) {
         if name == "sensor" {
             continue;
@@ -84,12 +83,9 @@ fn shown(path: &Path) -> String {
         .to_string()
 }
 
-fn in_words(kind: Kind, watch: &Watch) -> String {
-    let channel = match kind {
-        Kind::Excavator => &EXCAVATOR_INERTIA_UKF,
-        Kind::Loader => &LOADER_CG_UKF,
-    };
-    match watch.latest(channel) {
+fn in_words(machine: Machine, watch: &Watch) -> String {
+    let channel = Pipeline::of(machine).main_output();
+    match channel.and_then(|channel| watch.latest(channel)) {
         Some(Envelope::ExcavatorEstimate(e)) => view::words::excavator_verdict(e),
         Some(Envelope::LoaderEstimate(e)) => view::words::loader_verdict(e),
         _ => "no estimate was made".into(),

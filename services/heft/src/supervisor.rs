@@ -9,11 +9,11 @@ use std::time::{Duration, Instant};
 use messages::channels::{Channel, of_machine};
 use runtime::{Bell, Cleaner, Domain, Heard, Held, Owner, Ports, Taps, now_ns};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use steps::stages::{Pipeline, Role};
 
 use crate::failure::Failure;
 use crate::parts;
 use crate::plan::Plan;
-use crate::processes;
 use crate::watch::Watch;
 use crate::worker::Worker;
 
@@ -70,7 +70,7 @@ impl Supervisor {
         owner.domain().enter()?;
         let ports = Ports::new("supervisor")?;
         owner.close_to_others()?;
-        let channels: Vec<&'static Channel> = of_machine(&plan.machine).collect();
+        let channels: Vec<&'static Channel> = of_machine(plan.machine).collect();
         let held = channels
             .iter()
             .map(|c| ports.create(c))
@@ -99,11 +99,11 @@ impl Supervisor {
     }
 
     fn spawn_all(&mut self) -> Result<(), Failure> {
-        let table = processes::of_machine(self.plan.kind());
+        let table = Pipeline::of(self.plan.machine).stages;
         let wanted = table
             .iter()
             .enumerate()
-            .filter(|(_, p)| p.name != "probe" || self.plan.probe.is_some());
+            .filter(|(_, p)| !matches!(p.role, Role::Probe(_)) || self.plan.probe.is_some());
         let bells = table
             .iter()
             .map(|_| Bell::new())
@@ -152,7 +152,8 @@ impl Supervisor {
         self.end_all();
         self.taps.drain(&mut self.watch);
         self.watch.finish();
-        let logger = self.workers.iter().find(|w| w.process.name == "logger");
+        let is_sink = |w: &&Worker| matches!(w.process.role, Role::Sink);
+        let logger = self.workers.iter().find(is_sink);
         parts::join(&self.plan.recording, logger.map_or(0, |w| w.restarts))?;
         Ok((end, std::mem::take(&mut self.watch)))
     }

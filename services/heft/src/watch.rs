@@ -5,13 +5,12 @@ use std::collections::{BTreeMap, VecDeque};
 use std::io::{IsTerminal, Write};
 use std::time::{Duration, Instant};
 
-use config::Kind;
 use messages::channels::{Channel, Payload};
-use messages::{Envelope, Health, Message, Value, fault};
+use messages::{Envelope, Health, Machine, Message, Value, fault};
 use runtime::Sink;
+use steps::stages::Pipeline;
 use view::live::Feed;
 
-use crate::processes;
 use crate::quantity::{QUANTITIES, Quantity};
 
 /// Truths that may wait for their estimates.
@@ -106,7 +105,7 @@ impl Score {
 /// Everything seen of a run.
 #[derive(Default)]
 pub struct Watch {
-    kind: Option<Kind>,
+    pipeline: Option<&'static Pipeline>,
     show: Show,
     feed: Option<Feed>,
     next_sequence: u64,
@@ -121,9 +120,9 @@ pub struct Watch {
 
 impl Watch {
     /// Watches a machine.
-    pub fn new(kind: Kind, feed: Option<Feed>, show: Show) -> Self {
+    pub fn new(machine: Machine, feed: Option<Feed>, show: Show) -> Self {
         Self {
-            kind: Some(kind),
+            pipeline: Some(Pipeline::of(machine)),
             show,
             feed,
             begun: Some(Instant::now()),
@@ -158,19 +157,17 @@ impl Watch {
 
     /// Latest health of the process called `name`.
     pub fn health(&self, name: &str) -> Option<&Health> {
-        let kind = self.kind?;
-        self.health
-            .iter()
-            .find(|(index, _)| processes::name(kind, **index) == name)
+        self.all_health()
+            .find(|(process, _)| *process == name)
             .map(|(_, health)| health)
     }
 
     /// Health of all processes, by name.
     pub fn all_health(&self) -> impl Iterator<Item = (&'static str, &Health)> {
-        let kind = self.kind.unwrap_or(Kind::Excavator);
-        self.health
-            .iter()
-            .map(move |(index, health)| (processes::name(kind, *index), health))
+        self.health.iter().filter_map(|(index, health)| {
+            let pipeline = self.pipeline?;
+            Some((pipeline.process_name(*index), health))
+        })
     }
 
     /// Samples lost before any process.
@@ -239,7 +236,7 @@ impl Watch {
         for score in shown {
             line += &format!(" {}", score.quantity.short(score));
         }
-        if let Some(health) = self.health(self.estimator()) {
+        if let Some(health) = self.pipeline.and_then(|p| self.health(p.main)) {
             line += &format!(
                 "  latency p50 {:.0} p99 {:.0} max {:.0} µs",
                 health.age_p50_ns as f64 / 1e3,
@@ -248,11 +245,6 @@ impl Watch {
             );
         }
         line + &format!("  lost {}", self.lost())
-    }
-
-    /// Process that makes the preferred estimate.
-    pub fn estimator(&self) -> &'static str {
-        "ukf"
     }
 
     fn note_estimate<M: Message>(&mut self, channel: &'static Channel, message: &M) {

@@ -6,9 +6,9 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
 use runtime::{Bell, Control, Domain};
+use steps::stages::Stage;
 
 use crate::failure::Failure;
-use crate::processes::Process;
 
 /// A worker that lives no longer than this after its start died quickly.
 const QUICK: Duration = Duration::from_millis(300);
@@ -19,7 +19,7 @@ const FIRST_BACK_OFF: Duration = Duration::from_millis(5);
 /// A service and its process.
 pub struct Worker {
     /// Its row in the table of processes.
-    pub process: &'static Process,
+    pub process: &'static Stage,
     /// Wakes it.
     pub bell: Bell,
     /// Talks to it.
@@ -39,7 +39,7 @@ pub struct Worker {
 
 impl Worker {
     /// Starts the process.
-    pub fn start(process: &'static Process, bell: Bell, domain: &Domain) -> Result<Self, Failure> {
+    pub fn start(process: &'static Stage, bell: Bell, domain: &Domain) -> Result<Self, Failure> {
         let (control, child) = spawn(process, 0, domain)?;
         Ok(Self {
             process,
@@ -108,7 +108,7 @@ impl Worker {
     }
 }
 
-fn spawn(process: &Process, restarts: u32, domain: &Domain) -> Result<(Control, Child), Failure> {
+fn spawn(process: &Stage, restarts: u32, domain: &Domain) -> Result<(Control, Child), Failure> {
     let (control, theirs): (Control, OwnedFd) = Control::pair()?;
     let exe = std::env::current_exe().map_err(Failure::internal)?;
     let child = Command::new(exe)

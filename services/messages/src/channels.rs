@@ -1,9 +1,12 @@
 //! The one table of channels: read by the supervisor, who creates them, by every service and by
 //! the logger.
 
+use core::marker::PhantomData;
+use core::ops::Deref;
+
 use crate::{
     Credit, ExcavatorEstimate, ExcavatorSensors, ExcavatorTruth, Health, LoaderEstimate,
-    LoaderSensors, LoaderTruth, Message, SwingMotion,
+    LoaderSensors, LoaderTruth, Machine, Message, SwingMotion,
 };
 
 /// Rate of a channel.
@@ -63,7 +66,7 @@ impl Payload {
     }
 }
 
-/// A channel.
+/// A channel, whatever its message.
 #[derive(Debug, Clone, Copy)]
 pub struct Channel {
     /// Name, as iceoryx2 and the recording show it.
@@ -77,83 +80,102 @@ pub struct Channel {
     pub rate: Rate,
 }
 
-const fn channel(name: &'static str, payload: Payload, depth: usize, rate: Rate) -> Channel {
-    Channel {
-        name,
-        payload,
-        depth,
-        rate,
+/// A channel that knows its message type: a step on the wrong one does not compile.
+#[derive(Debug)]
+pub struct ChannelOf<M> {
+    channel: Channel,
+    message: PhantomData<fn() -> M>,
+}
+
+impl<M: Message> ChannelOf<M> {
+    const fn new(name: &'static str, depth: usize, rate: Rate) -> Self {
+        Self {
+            channel: Channel {
+                name,
+                payload: M::PAYLOAD,
+                depth,
+                rate,
+            },
+            message: PhantomData,
+        }
+    }
+}
+
+impl<M> ChannelOf<M> {
+    /// The same channel with its message type put aside.
+    #[must_use]
+    pub const fn any(&self) -> &Channel {
+        &self.channel
+    }
+}
+
+impl<M> Deref for ChannelOf<M> {
+    type Target = Channel;
+
+    fn deref(&self) -> &Channel {
+        &self.channel
     }
 }
 
 /// What the excavator's sensors measured.
-pub const EXCAVATOR_SENSORS: Channel = channel(
-    "excavator/sensors",
-    Payload::ExcavatorSensors,
-    512,
-    Rate::Sensors,
-);
+pub static EXCAVATOR_SENSORS: ChannelOf<ExcavatorSensors> =
+    ChannelOf::new("excavator/sensors", 512, Rate::Sensors);
 /// The truth behind them, where there is one.
-pub const EXCAVATOR_TRUTH: Channel = channel(
-    "excavator/truth",
-    Payload::ExcavatorTruth,
-    512,
-    Rate::Sensors,
-);
+pub static EXCAVATOR_TRUTH: ChannelOf<ExcavatorTruth> =
+    ChannelOf::new("excavator/truth", 512, Rate::Sensors);
 /// Swing motion after the filter stage.
-pub const EXCAVATOR_MOTION: Channel =
-    channel("excavator/motion", Payload::SwingMotion, 512, Rate::Sensors);
+pub static EXCAVATOR_MOTION: ChannelOf<SwingMotion> =
+    ChannelOf::new("excavator/motion", 512, Rate::Sensors);
 /// Estimates of the regression.
-pub const EXCAVATOR_INERTIA_RLS: Channel = channel(
-    "excavator/inertia_rls",
-    Payload::ExcavatorEstimate,
-    512,
-    Rate::Sensors,
-);
+pub static EXCAVATOR_INERTIA_RLS: ChannelOf<ExcavatorEstimate> =
+    ChannelOf::new("excavator/inertia_rls", 512, Rate::Sensors);
 /// Estimates of the state-space filters.
-pub const EXCAVATOR_INERTIA_UKF: Channel = channel(
-    "excavator/inertia_ukf",
-    Payload::ExcavatorEstimate,
-    512,
-    Rate::Sensors,
-);
+pub static EXCAVATOR_INERTIA_UKF: ChannelOf<ExcavatorEstimate> =
+    ChannelOf::new("excavator/inertia_ukf", 512, Rate::Sensors);
 /// What the loader's sensors measured.
-pub const LOADER_SENSORS: Channel =
-    channel("loader/sensors", Payload::LoaderSensors, 512, Rate::Sensors);
+pub static LOADER_SENSORS: ChannelOf<LoaderSensors> =
+    ChannelOf::new("loader/sensors", 512, Rate::Sensors);
 /// The truth behind them, where there is one.
-pub const LOADER_TRUTH: Channel = channel("loader/truth", Payload::LoaderTruth, 512, Rate::Sensors);
+pub static LOADER_TRUTH: ChannelOf<LoaderTruth> =
+    ChannelOf::new("loader/truth", 512, Rate::Sensors);
 /// Estimates of the extended Kalman filter.
-pub const LOADER_CG_EKF: Channel =
-    channel("loader/cg_ekf", Payload::LoaderEstimate, 512, Rate::Sensors);
+pub static LOADER_CG_EKF: ChannelOf<LoaderEstimate> =
+    ChannelOf::new("loader/cg_ekf", 512, Rate::Sensors);
 /// Estimates of the square-root unscented Kalman filter.
-pub const LOADER_CG_UKF: Channel =
-    channel("loader/cg_ukf", Payload::LoaderEstimate, 512, Rate::Sensors);
+pub static LOADER_CG_UKF: ChannelOf<LoaderEstimate> =
+    ChannelOf::new("loader/cg_ukf", 512, Rate::Sensors);
 /// How each process is doing.
-pub const HEALTH: Channel = channel("health", Payload::Health, 128, Rate::Hz(10.0));
+pub static HEALTH: ChannelOf<Health> = ChannelOf::new("health", 128, Rate::Hz(10.0));
 /// How far the logger has got.
-pub const CREDIT: Channel = channel("credit", Payload::Credit, 16, Rate::Sensors);
+pub static CREDIT: ChannelOf<Credit> = ChannelOf::new("credit", 16, Rate::Sensors);
 
 /// All channels.
-pub const CHANNELS: &[Channel] = &[
-    EXCAVATOR_SENSORS,
-    EXCAVATOR_TRUTH,
-    EXCAVATOR_MOTION,
-    EXCAVATOR_INERTIA_RLS,
-    EXCAVATOR_INERTIA_UKF,
-    LOADER_SENSORS,
-    LOADER_TRUTH,
-    LOADER_CG_EKF,
-    LOADER_CG_UKF,
-    HEALTH,
-    CREDIT,
+pub static CHANNELS: &[&Channel] = &[
+    &EXCAVATOR_SENSORS.channel,
+    &EXCAVATOR_TRUTH.channel,
+    &EXCAVATOR_MOTION.channel,
+    &EXCAVATOR_INERTIA_RLS.channel,
+    &EXCAVATOR_INERTIA_UKF.channel,
+    &LOADER_SENSORS.channel,
+    &LOADER_TRUTH.channel,
+    &LOADER_CG_EKF.channel,
+    &LOADER_CG_UKF.channel,
+    &HEALTH.channel,
+    &CREDIT.channel,
 ];
 
-/// Channels of the machine `name` ("excavator", "loader"), health and credit included.
-pub fn of_machine(name: &str) -> impl Iterator<Item = &'static Channel> {
-    CHANNELS.iter().filter(move |c| {
+/// The channel called `name`.
+#[must_use]
+pub fn find(name: &str) -> Option<&'static Channel> {
+    CHANNELS.iter().copied().find(|c| c.name == name)
+}
+
+/// Channels of a machine, health and credit included.
+pub fn of_machine(machine: Machine) -> impl Iterator<Item = &'static Channel> {
+    CHANNELS.iter().copied().filter(move |c| {
         c.name
             .split_once('/')
-            .is_none_or(|(machine, _)| machine == name)
+            .is_none_or(|(prefix, _)| prefix == machine.name())
     })
 }
 
@@ -204,7 +226,7 @@ mod tests {
 
     #[test]
     fn a_machine_sees_its_own_channels_and_the_common_ones() {
-        let names: Vec<_> = of_machine("loader").map(|c| c.name).collect();
+        let names: Vec<_> = of_machine(Machine::Loader).map(|c| c.name).collect();
         assert_eq!(
             names,
             [

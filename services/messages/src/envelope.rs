@@ -1,6 +1,6 @@
 use crate::{
-    Credit, ExcavatorEstimate, ExcavatorSensors, ExcavatorTruth, Health, LoaderEstimate,
-    LoaderSensors, LoaderTruth, Message, SwingMotion,
+    Credit, ExcavatorEstimate, ExcavatorSensors, ExcavatorTruth, Field, Health, Hops,
+    LoaderEstimate, LoaderSensors, LoaderTruth, Message, Stamp, SwingMotion, Value,
 };
 
 /// Any message, for queues that carry all of them.
@@ -26,19 +26,54 @@ pub trait Receiver {
     fn receive<M: Message>(self, message: &M) -> Self::Output;
 }
 
+/// The same expression for whichever message is inside.
+macro_rules! each {
+    ($envelope:expr, $m:ident => $value:expr) => {
+        match $envelope {
+            Envelope::ExcavatorSensors($m) => $value,
+            Envelope::ExcavatorTruth($m) => $value,
+            Envelope::SwingMotion($m) => $value,
+            Envelope::ExcavatorEstimate($m) => $value,
+            Envelope::LoaderSensors($m) => $value,
+            Envelope::LoaderTruth($m) => $value,
+            Envelope::LoaderEstimate($m) => $value,
+            Envelope::Health($m) => $value,
+            Envelope::Credit($m) => $value,
+        }
+    };
+}
+
+fn fields<M: Message>(_: &M) -> &'static [Field] {
+    M::FIELDS
+}
+
 impl Envelope {
     /// Hands the message inside to `receiver`.
     pub fn open<R: Receiver>(&self, receiver: R) -> R::Output {
-        match self {
-            Self::ExcavatorSensors(m) => receiver.receive(m),
-            Self::ExcavatorTruth(m) => receiver.receive(m),
-            Self::SwingMotion(m) => receiver.receive(m),
-            Self::ExcavatorEstimate(m) => receiver.receive(m),
-            Self::LoaderSensors(m) => receiver.receive(m),
-            Self::LoaderTruth(m) => receiver.receive(m),
-            Self::LoaderEstimate(m) => receiver.receive(m),
-            Self::Health(m) => receiver.receive(m),
-            Self::Credit(m) => receiver.receive(m),
-        }
+        each!(self, m => receiver.receive(m))
+    }
+
+    /// Identity of the sample.
+    #[must_use]
+    pub fn stamp(&self) -> &Stamp {
+        each!(self, m => m.stamp())
+    }
+
+    /// Publish times.
+    #[must_use]
+    pub fn hops(&self) -> &Hops {
+        each!(self, m => m.hops())
+    }
+
+    /// All fields, those of stamp and hops first.
+    #[must_use]
+    pub fn fields(&self) -> &'static [Field] {
+        each!(self, m => fields(m))
+    }
+
+    /// Value of field `index`; `None` past the end.
+    #[must_use]
+    pub fn get(&self, index: usize) -> Option<Value> {
+        each!(self, m => m.get(index))
     }
 }

@@ -126,9 +126,10 @@ message! {
         acceleration: f64, "rad/s^2";
         /// Its standard deviation.
         acceleration_std: f64, "rad/s^2";
-        /// Innovation of the Kalman filter, 0 where the measurement is missing.
+        /// Innovation of the Kalman filter, 0 where the measurement is missing; with an encoder's
+        /// angle in rad.
         innovation: f64, "rad/s";
-        /// Predicted standard deviation of the innovation.
+        /// Predicted standard deviation of the innovation, in the same unit.
         innovation_std: f64, "rad/s";
         /// Velocity through the common second-order filter.
         filtered_velocity: f64, "rad/s";
@@ -146,8 +147,8 @@ message! {
         period: f64, "s";
         /// Time since the last accepted velocity or angle.
         age: f64, "s";
-        /// Time since the last torque.
-        torque_age: f64, "s";
+        /// Reserved, 0.
+        reserved: f64, "";
         /// Signal bits of the sample that this was made from.
         valid: u32, "";
         /// Bits of this message.

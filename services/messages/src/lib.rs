@@ -11,6 +11,7 @@ mod envelope;
 mod excavator;
 mod health;
 mod loader;
+mod machine;
 mod message;
 mod stamp;
 
@@ -20,8 +21,9 @@ pub use excavator::{
 };
 pub use health::{Credit, Health, State, fault};
 pub use loader::{LoaderEstimate, LoaderSensors, LoaderTruth, loader_bits};
+pub use machine::Machine;
 pub use message::{Field, HEAD, Kind, Message, Value};
-pub use stamp::{Hops, Stamp};
+pub use stamp::{Hop, Hops, Stamp};
 
 /// Names of the excavator estimation methods on the command line and in every output, indexed by
 /// [`ExcavatorEstimate::method`].

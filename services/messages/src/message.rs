@@ -64,6 +64,8 @@ pub struct Field {
 pub trait Message: ZeroCopySend + Copy + Debug + Default + PartialEq + Send + 'static {
     /// Type name, as iceoryx2 and the recording show it.
     const NAME: &'static str;
+    /// Which payload it is.
+    const PAYLOAD: crate::channels::Payload;
     /// All fields in the order of the structure, those of stamp and hops first.
     const FIELDS: &'static [Field];
 
@@ -82,6 +84,8 @@ pub trait Message: ZeroCopySend + Copy + Debug + Default + PartialEq + Send + 's
 
     /// The message with its type put aside, to be queued with others.
     fn envelope(&self) -> crate::Envelope;
+    /// The message in an envelope; `None` if another is inside.
+    fn inside(envelope: &crate::Envelope) -> Option<&Self>;
 
     /// Position of the field called `name`.
     #[must_use]
@@ -234,6 +238,7 @@ macro_rules! message {
 
         impl $crate::Message for $name {
             const NAME: &'static str = $type_name;
+            const PAYLOAD: $crate::channels::Payload = $crate::channels::Payload::$name;
             const FIELDS: &'static [$crate::Field] = {
                 const OWN: &[$crate::Field] = &[$( $crate::Field {
                     name: stringify!($field),
@@ -251,6 +256,12 @@ macro_rules! message {
             fn hops(&self) -> &$crate::Hops { &self.hops }
             fn hops_mut(&mut self) -> &mut $crate::Hops { &mut self.hops }
             fn envelope(&self) -> $crate::Envelope { $crate::Envelope::$name(*self) }
+            fn inside(envelope: &$crate::Envelope) -> Option<&Self> {
+                match envelope {
+                    $crate::Envelope::$name(message) => Some(message),
+                    _ => None,
+                }
+            }
 
             fn get(&self, index: usize) -> Option<$crate::Value> {
                 if index < $crate::message::HEAD {

@@ -35,3 +35,31 @@ pub struct Hops {
     /// Restarts of the estimator before it published this.
     pub estimate_restarts: u32,
 }
+
+/// A stage that leaves its mark in the [`Hops`] of a message.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Hop {
+    /// The filter stage.
+    Filter,
+    /// The estimator.
+    Estimate,
+}
+
+impl Hops {
+    /// Notes when a stage published [ns], and how often it had been restarted before.
+    pub fn mark(&mut self, hop: Hop, now_ns: u64, restarts: u32) {
+        match hop {
+            Hop::Filter => (self.filter_ns, self.filter_restarts) = (now_ns, restarts),
+            Hop::Estimate => (self.estimate_ns, self.estimate_restarts) = (now_ns, restarts),
+        }
+    }
+
+    /// How often a stage had been restarted when it published this.
+    #[must_use]
+    pub fn restarts(&self, hop: Hop) -> u32 {
+        match hop {
+            Hop::Filter => self.filter_restarts,
+            Hop::Estimate => self.estimate_restarts,
+        }
+    }
+}

@@ -34,7 +34,7 @@ pub use ports::{EventListener, Held, Input, Output, Ports, Received};
 pub use probe::{Arrival, Wake, run_probe};
 pub use sink::{Sink, run_sink};
 pub use source::{Pace, run_source};
-pub use stage::{MarkHop, mark_estimate, mark_filter, run_stage};
+pub use stage::run_stage;
 pub use step::{Source, Step, answer};
 pub use taps::{Taps, Visit};
 pub use telemetry::Identity;

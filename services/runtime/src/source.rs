@@ -1,6 +1,6 @@
 //! Drives a [`Source`]: at its own pace on the clock, or as fast as the readers take it.
 
-use messages::channels::{CREDIT, Channel};
+use messages::channels::{CREDIT, ChannelOf};
 use messages::{Credit, Message, fault};
 
 use crate::clock::{now_ns, sleep_until};
@@ -32,8 +32,8 @@ const NAP_NS: u64 = 20_000_000;
 /// A channel cannot be opened.
 pub fn run_source<S: Source>(
     mut worker: Worker,
-    sensors: &Channel,
-    truth: &Channel,
+    sensors: &ChannelOf<S::Sensors>,
+    truth: &ChannelOf<S::Truth>,
     pace: Pace,
     mut source: S,
 ) -> Result<(), Error> {

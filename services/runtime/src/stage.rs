@@ -1,25 +1,12 @@
 //! Drives a [`Step`]: wait for the bell, answer everything that is there.
 
-use messages::channels::Channel;
-use messages::{Hops, Message, fault};
+use messages::channels::ChannelOf;
+use messages::{Hop, Message, fault};
 
 use crate::clock::now_ns;
 use crate::step::{Step, answer};
 use crate::telemetry::Event;
 use crate::{Error, Input, Output, Worker};
-
-/// Writes into the hops when a stage published, and how often it had been restarted before.
-pub type MarkHop = fn(&mut Hops, u64, u32);
-
-/// The hop of a filter stage.
-pub fn mark_filter(hops: &mut Hops, now: u64, restarts: u32) {
-    (hops.filter_ns, hops.filter_restarts) = (now, restarts);
-}
-
-/// The hop of an estimator.
-pub fn mark_estimate(hops: &mut Hops, now: u64, restarts: u32) {
-    (hops.estimate_ns, hops.estimate_restarts) = (now, restarts);
-}
 
 /// Runs `step` from `input` to `output` until the supervisor ends it.
 ///
@@ -27,9 +14,9 @@ pub fn mark_estimate(hops: &mut Hops, now: u64, restarts: u32) {
 /// A channel cannot be opened.
 pub fn run_stage<S: Step>(
     mut worker: Worker,
-    input: &Channel,
-    output: &Channel,
-    mark: MarkHop,
+    input: &ChannelOf<S::Input>,
+    output: &ChannelOf<S::Output>,
+    hop: Hop,
     mut step: S,
 ) -> Result<(), Error> {
     let mut input = worker.ports.input::<S::Input>(input, input.depth)?;
@@ -45,7 +32,7 @@ pub fn run_stage<S: Step>(
     while !worker.wishes.wants_exit() {
         worker.bell.wait();
         let draining = worker.wishes.take_drain();
-        answer_all(&mut worker, &mut input, &mut output, mark, &mut step);
+        answer_all(&mut worker, &mut input, &mut output, hop, &mut step);
         if draining {
             worker.control.say("drained");
         }
@@ -57,14 +44,15 @@ fn answer_all<S: Step>(
     worker: &mut Worker,
     input: &mut Input<S::Input>,
     output: &mut Output<S::Output>,
-    mark: MarkHop,
+    hop: Hop,
     step: &mut S,
 ) {
     while let Some((message, lost)) = input.receive() {
         let received = now_ns();
         let mut out = answer(step, &message);
         let published = now_ns();
-        mark(out.hops_mut(), published, worker.setup.identity.restarts);
+        let restarts = worker.setup.identity.restarts;
+        out.hops_mut().mark(hop, published, restarts);
         if !output.send(&out) {
             worker.reporter.fault(fault::SEND);
         }

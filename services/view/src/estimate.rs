@@ -4,7 +4,7 @@
 mod excavator;
 mod loader;
 
-use messages::Message;
+use messages::{Machine, Message};
 
 use crate::words::Judgement;
 
@@ -12,8 +12,8 @@ use crate::words::Judgement;
 pub trait Estimate: Message {
     /// The truth that belongs to it.
     type Truth: Message;
-    /// Name of the machine, as in the names of the channels.
-    const MACHINE: &'static str;
+    /// Whose.
+    const MACHINE: Machine;
     /// Names of the methods, indexed by [`Estimate::method`].
     const METHODS: &'static [&'static str];
     /// Its parameters, those that the machine is about first.

@@ -4,7 +4,7 @@ mod header;
 mod html;
 mod tables;
 
-use messages::Health;
+use messages::{Health, Machine};
 
 use crate::estimate::Estimate;
 use crate::panels::{self, Panel};
@@ -59,7 +59,7 @@ fn machine<E: Estimate>(body: &mut String, run: &Run, part: &MachineRun<E>, rule
         "Errors against the truth",
         panels::error::panels(part),
     );
-    let motion = if E::MACHINE == "excavator" {
+    let motion = if E::MACHINE == Machine::Excavator {
         run.motion.as_slice()
     } else {
         &[]

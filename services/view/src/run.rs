@@ -1,8 +1,9 @@
 //! A run in memory: what the report is made of.
 
-use messages::channels::{self, Channel};
+use messages::channels;
 use messages::{ExcavatorEstimate, Health, LoaderEstimate, Message, SwingMotion};
 use recording::Reader;
+use steps::stages::Pipeline;
 
 use crate::estimate::Estimate;
 
@@ -92,9 +93,6 @@ impl Run {
     /// # Errors
     /// The recording is damaged, or a channel carries another type than its name says.
     pub fn from_recording(reader: &Reader) -> Result<Self, recording::Error> {
-        use channels::{
-            EXCAVATOR_INERTIA_RLS, EXCAVATOR_INERTIA_UKF, LOADER_CG_EKF, LOADER_CG_UKF,
-        };
         let metadata = reader.metadata();
         let processes = metadata.get("processes").map_or_else(Vec::new, |names| {
             names
@@ -105,11 +103,11 @@ impl Run {
         });
         Ok(Self {
             excavator: MachineRun {
-                estimators: estimators(reader, &[EXCAVATOR_INERTIA_RLS, EXCAVATOR_INERTIA_UKF])?,
+                estimators: estimators(reader)?,
                 truth: reader.messages(channels::EXCAVATOR_TRUTH.name)?,
             },
             loader: MachineRun {
-                estimators: estimators(reader, &[LOADER_CG_EKF, LOADER_CG_UKF])?,
+                estimators: estimators(reader)?,
                 truth: reader.messages(channels::LOADER_TRUTH.name)?,
             },
             motion: reader.messages(channels::EXCAVATOR_MOTION.name)?,
@@ -139,12 +137,9 @@ impl Run {
     }
 }
 
-fn estimators<E: Estimate>(
-    reader: &Reader,
-    channels: &[Channel],
-) -> Result<Vec<Estimator<E>>, recording::Error> {
+fn estimators<E: Estimate>(reader: &Reader) -> Result<Vec<Estimator<E>>, recording::Error> {
     let mut found = Vec::new();
-    for channel in channels {
+    for channel in Pipeline::of(E::MACHINE).estimates() {
         let estimates = reader.messages(channel.name)?;
         if !estimates.is_empty() {
             found.push(Estimator {

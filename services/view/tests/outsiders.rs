@@ -1,6 +1,6 @@
 //! What people outside heft use must name what heft has: the Foxglove layout and the Python example.
 
-use messages::channels::{CHANNELS, Channel, Visitor};
+use messages::channels::{Channel, Visitor};
 use messages::{ExcavatorEstimate, LoaderEstimate, Message};
 use serde_json::Value;
 
@@ -14,7 +14,7 @@ impl Visitor for HasField<'_> {
 }
 
 fn channel(name: &str) -> Option<&'static Channel> {
-    CHANNELS.iter().find(|c| c.name == name)
+    messages::channels::find(name)
 }
 
 #[test]

@@ -81,7 +81,7 @@ impl JointRegression {
         }
     }
 
-    pub(super) fn step(&mut self, motion: &Motion, held: bool) -> Fit {
+    pub(super) fn step(&mut self, motion: &Motion, torque_age: f64, held: bool) -> Fit {
         let forgetting = self
             .settings
             .estimator
@@ -89,11 +89,11 @@ impl JointRegression {
             .unwrap_or_else(|| exp(-motion.period / MEMORY));
         // A missing torque or position is held by the filters; nothing is learned from long holds.
         let fresh = motion.age <= self.settings.estimator.fresh_velocity
-            && motion.torque_age <= self.settings.estimator.fresh_others;
+            && torque_age <= self.settings.estimator.fresh_others;
         if !held && fresh {
             self.learn(motion, forgetting);
         }
-        self.fit(motion, forgetting)
+        self.fit(motion, torque_age, forgetting)
     }
 
     fn learn(&mut self, motion: &Motion, forgetting: f64) {
@@ -125,7 +125,7 @@ impl JointRegression {
         self.period = motion.period;
     }
 
-    fn fit(&self, motion: &Motion, forgetting: f64) -> Fit {
+    fn fit(&self, motion: &Motion, torque_age: f64, forgetting: f64) -> Fit {
         let s = &self.settings;
         let quantity = |i: usize| {
             (self.prior[i] > 0.0).then(|| Quantity {
@@ -141,7 +141,7 @@ impl JointRegression {
                 std: inertia.std,
             },
             damping: quantity(1),
-            torque: motion.has_torque.then_some(Quantity {
+            torque: torque_age.is_finite().then_some(Quantity {
                 value: motion.filtered_torque,
                 std: s.sensors.swing_torque_std,
             }),

@@ -53,12 +53,10 @@ pub struct Motion {
     pub convergence_delay: f64,
     /// Time since the last accepted velocity or angle [s].
     pub age: f64,
-    /// Time since the last torque [s].
-    pub torque_age: f64,
     /// A velocity or angle was accepted at this sample.
     pub measured: bool,
-    /// A torque has been seen.
-    pub has_torque: bool,
+    /// A torque was measured at this sample.
+    pub torque_measured: bool,
     /// A torque change was detected less than a convergence delay ago.
     pub manoeuvre: bool,
     /// The machine stands still.
@@ -322,13 +320,8 @@ impl MotionFilter {
             } else {
                 self.last.age + period
             },
-            torque_age: if sample.torque.is_some() {
-                0.0
-            } else {
-                self.last.torque_age + period
-            },
             measured,
-            has_torque: sample.torque.is_some() || self.last.has_torque,
+            torque_measured: sample.torque.is_some(),
             manoeuvre: sample.time < self.window_end,
             standstill: self.standing,
             refused: false,

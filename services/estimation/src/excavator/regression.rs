@@ -45,8 +45,9 @@ pub struct Regression {
     method: Method,
     kind: Kind,
     nis: NisWindow<50>,
-    excited_for: f64,
     running_for: f64,
+    /// Time since the last torque; infinite before the first [s].
+    torque_age: f64,
     refused: u64,
     last: Estimate,
 }
@@ -97,8 +98,8 @@ impl Regression {
             method,
             kind,
             nis: NisWindow::new(16.0),
-            excited_for: 0.0,
             running_for: 0.0,
+            torque_age: f64::INFINITY,
             refused: 0,
             last,
         })
@@ -113,6 +114,11 @@ impl Regression {
             again.flags.refused = true;
             return again;
         }
+        self.torque_age = if motion.torque_measured {
+            0.0
+        } else {
+            self.torque_age + motion.period
+        };
         let held = self.holds(motion);
         let fit = self.update(motion, held);
         self.last = self.estimate(motion, &fit, held);
@@ -136,15 +142,15 @@ impl Regression {
                     || p.stop_time.is_some_and(|t| motion.time > t + slack)
                     || p.hold_at_standstill && motion.standstill
             }
-            _ => self.running_for < settling || !motion.has_torque,
+            _ => self.running_for < settling || self.torque_age.is_infinite(),
         }
     }
 
     fn update(&mut self, motion: &Motion, held: bool) -> Fit {
         match &mut self.kind {
             Kind::Paper(rls) => paper_step(&self.settings, rls, motion, held),
-            Kind::Single(single) => single.step(motion, held),
-            Kind::Joint(joint) => joint.step(motion, held),
+            Kind::Single(single) => single.step(motion, self.torque_age, held),
+            Kind::Joint(joint) => joint.step(motion, self.torque_age, held),
         }
     }
 
@@ -167,9 +173,7 @@ impl Regression {
         };
         // The joint regression does not use the Kalman filter, and measures its own residual.
         let measured_noise = matches!(self.kind, Kind::Joint(_));
-        let fresh = motion.age <= e.fresh_velocity
-            && (paper || motion.has_torque && motion.torque_age <= e.fresh_others);
-        self.excited_for += if excited { motion.period } else { 0.0 };
+        let fresh = motion.age <= e.fresh_velocity && (paper || self.torque_age <= e.fresh_others);
         let inertia = fit.inertia;
         Estimate {
             inertia: inertia.value,

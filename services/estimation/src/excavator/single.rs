@@ -36,7 +36,7 @@ impl SingleRegression {
         }
     }
 
-    pub(super) fn step(&mut self, motion: &Motion, held: bool) -> Fit {
+    pub(super) fn step(&mut self, motion: &Motion, torque_age: f64, held: bool) -> Fit {
         let forgetting = self.forgetting(motion.period);
         if !held
             && motion.filtered_acceleration.abs() > self.settings.estimator.svf_acceleration_min
@@ -49,7 +49,7 @@ impl SingleRegression {
                 value: self.inertia,
                 std: self.std(forgetting),
             },
-            torque: motion.has_torque.then_some(Quantity {
+            torque: torque_age.is_finite().then_some(Quantity {
                 value: motion.filtered_torque,
                 std: self.settings.sensors.swing_torque_std,
             }),

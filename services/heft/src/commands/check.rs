@@ -2,21 +2,22 @@
 
 use std::path::Path;
 
-use config::{Description, Kind};
+use config::Description;
+use messages::Machine;
 
 use crate::failure::Failure;
 
 /// `heft check`
-pub fn check(file: &Path, kind: Option<Kind>, print: bool) -> Result<(), Failure> {
+pub fn check(file: &Path, machine: Option<Machine>, print: bool) -> Result<(), Failure> {
     let text = std::fs::read_to_string(file).map_err(|e| Failure::file("read", file, &e))?;
-    let description = Description::parse(&text, &file.display().to_string(), kind)?;
+    let description = Description::parse(&text, &file.display().to_string(), machine)?;
     if print {
         print!("{}", description.to_toml());
     } else {
         println!(
             "{}: a valid description of the {}",
             file.display(),
-            description.kind()
+            description.machine()
         );
     }
     Ok(())

@@ -6,7 +6,7 @@ use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{Sender, channel};
 use std::time::Instant;
 
-use config::Kind;
+use messages::Machine;
 
 use crate::commands::run::{folder, signals};
 use crate::failure::Failure;
@@ -31,12 +31,12 @@ pub fn demo() -> Result<(), Failure> {
     let folder = folder(None, "demo")?;
     let (sender, lines) = channel::<Line>();
     let mut runs = Vec::new();
-    for (index, kind) in Kind::ALL.into_iter().enumerate() {
-        runs.push(start(kind, &folder, index, sender.clone())?);
+    for (index, machine) in Machine::ALL.into_iter().enumerate() {
+        runs.push(start(machine, &folder, index, sender.clone())?);
     }
     drop(sender);
     let mut screen = Screen::default();
-    let mut summaries = [String::new(), String::new()];
+    let mut summaries = Machine::ALL.map(|_| String::new());
     for (index, line) in lines {
         match line {
             Some(line) => match line.strip_prefix(LIVE) {
@@ -61,23 +61,24 @@ pub fn demo() -> Result<(), Failure> {
     Ok(())
 }
 
-fn start(kind: Kind, folder: &Path, index: usize, sender: Sender<Line>) -> Result<Child, Failure> {
+fn start(
+    machine: Machine,
+    folder: &Path,
+    index: usize,
+    sender: Sender<Line>,
+) -> Result<Child, Failure> {
     let exe = std::env::current_exe().map_err(Failure::internal)?;
-    let scenario = match kind {
-        Kind::Excavator => "cycle",
-        Kind::Loader => "work-cycle",
-    };
     let mut child = Command::new(exe)
         .args([
             "run",
-            kind.name(),
+            machine.name(),
             "--scenario",
-            scenario,
+            crate::sources::shown(machine),
             "--duration",
             DURATION,
         ])
         .args(["--live-lines", "--out"])
-        .arg(folder.join(kind.name()))
+        .arg(folder.join(machine.name()))
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
         .spawn()
@@ -99,7 +100,7 @@ fn start(kind: Kind, folder: &Path, index: usize, sender: Sender<Line>) -> Resul
 /// The live lines, one per machine: redrawn in place on a terminal, every five seconds elsewhere.
 #[derive(Default)]
 struct Screen {
-    lines: [String; 2],
+    lines: [String; Machine::ALL.len()],
     drawn: bool,
     shown: Option<Instant>,
     ended: usize,
@@ -107,7 +108,7 @@ struct Screen {
 
 impl Screen {
     fn show(&mut self, index: usize, live: &str) {
-        self.lines[index] = format!("{:<9} {live}", Kind::ALL[index].name());
+        self.lines[index] = format!("{:<9} {live}", Machine::ALL[index].name());
         let terminal = std::io::stdout().is_terminal();
         let pause = if terminal { 0.1 } else { 5.0 };
         if self
@@ -119,17 +120,16 @@ impl Screen {
         }
         self.shown = Some(Instant::now());
         let mut out = std::io::stdout().lock();
-        let back = if terminal && self.drawn {
-            "\x1b[2A"
-        } else {
-            ""
-        };
         let clear = if terminal { "\x1b[2K" } else { "" };
-        let _ = write!(
-            out,
-            "{back}{clear}{}\n{clear}{}\n",
-            self.lines[0], self.lines[1]
-        );
+        let mut text = if terminal && self.drawn {
+            format!("\x1b[{}A", self.lines.len())
+        } else {
+            String::new()
+        };
+        for line in &self.lines {
+            text += &format!("{clear}{line}\n");
+        }
+        let _ = out.write_all(text.as_bytes());
         let _ = out.flush();
         self.drawn = true;
     }

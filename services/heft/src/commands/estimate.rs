@@ -2,178 +2,126 @@
 
 use std::path::Path;
 
-use config::{Description, Kind};
-use messages::channels::{
-    Channel, EXCAVATOR_INERTIA_RLS, EXCAVATOR_INERTIA_UKF, EXCAVATOR_MOTION, EXCAVATOR_SENSORS,
-    EXCAVATOR_TRUTH, LOADER_CG_EKF, LOADER_CG_UKF, LOADER_SENSORS, LOADER_TRUTH,
-};
-use messages::{
-    ExcavatorEstimate, ExcavatorSensors, ExcavatorTruth, LoaderEstimate, LoaderSensors,
-    LoaderTruth, Message, SwingMotion, excavator_bits, loader_bits,
-};
+use config::Description;
+use messages::channels::Channel;
+use messages::{Envelope, ExcavatorEstimate, LoaderEstimate, Message, Receiver};
 use recording::{EstimateWriter, Metadata, Writer};
-use runtime::{Step, answer};
+use steps::Error;
+use steps::stages::{Pipeline, Role};
+use view::estimate::Estimate;
 
 use crate::cli::EstimateArgs;
 use crate::commands::run::description;
 use crate::failure::Failure;
-use crate::pipeline;
 use crate::sources;
 
 /// `heft estimate`
 pub fn estimate(args: &EstimateArgs) -> Result<(), Failure> {
-    let kind = Kind::from(args.machine);
     let map = sources::map(args.map.as_deref())?;
-    match description(kind, &args.description)? {
+    let description = description(args.machine, &args.description)?;
+    match &description {
         Description::Excavator(d) => {
             let rows = recording::load_excavator(&args.file, map.as_ref())?;
-            excavator(args, &d, &rows)
+            if let Some((first, _)) = rows.first() {
+                steps::excavator::check_columns(d, method(args), first)?;
+            }
+            run::<_, _, ExcavatorEstimate>(args, &description, &rows)
         }
-        Description::Loader(d) => {
+        Description::Loader(_) => {
             let rows = recording::load_loader(&args.file, map.as_ref())?;
-            loader(args, &d, &rows)
+            run::<_, _, LoaderEstimate>(args, &description, &rows)
         }
     }
 }
 
-/// Estimates of one excavator method, with the motion that a regression worked on.
-pub struct ExcavatorRun {
-    /// Channel that a process would have published them on.
-    pub channel: &'static Channel,
-    /// One per sample.
-    pub estimates: Vec<ExcavatorEstimate>,
-    /// One per sample; empty for state-space methods.
-    pub motions: Vec<SwingMotion>,
+/// The method that was asked for, or that of the process whose estimate is told first.
+fn method(args: &EstimateArgs) -> &str {
+    let pipeline = Pipeline::of(args.machine);
+    let main = pipeline
+        .stage(pipeline.main)
+        .map_or(&[][..], |s| s.methods());
+    let asked = args.method.as_deref();
+    asked.unwrap_or(main.first().copied().unwrap_or_default())
 }
 
-/// Runs one method over samples.
-pub fn run_excavator(
-    d: &config::Excavator,
+/// What one process answered.
+struct Answers {
+    channel: &'static Channel,
+    messages: Vec<Envelope>,
+}
+
+/// Runs the stages that lead to a method's estimate over samples; the estimates come last.
+fn answers<S: Message, T>(
+    description: &Description,
     method: &str,
-    rows: &[(ExcavatorSensors, ExcavatorTruth)],
-) -> Result<ExcavatorRun, Failure> {
-    let samples = rows.iter().map(|(s, _)| s);
-    if pipeline::REGRESSIONS.contains(&method) {
-        let mut filter = pipeline::excavator_filter(d)?;
-        let mut regression = pipeline::excavator_regression(d, method)?;
-        let motions: Vec<SwingMotion> = samples.map(|s| answer(&mut filter, s)).collect();
-        let estimates = motions.iter().map(|m| answer(&mut regression, m)).collect();
-        Ok(ExcavatorRun {
-            channel: &EXCAVATOR_INERTIA_RLS,
-            estimates,
-            motions,
-        })
-    } else {
-        let mut estimator = pipeline::excavator_estimator(d, method)?;
-        let estimates = samples.map(|s| answer(&mut estimator, s)).collect();
-        Ok(ExcavatorRun {
-            channel: &EXCAVATOR_INERTIA_UKF,
-            estimates,
-            motions: Vec::new(),
-        })
+    rows: &[(S, T)],
+) -> Result<Vec<Answers>, Error> {
+    let pipeline = Pipeline::of(description.machine());
+    let stage = pipeline.with_method(method);
+    let stage = stage.ok_or_else(|| pipeline.unknown(method))?;
+    let mut all: Vec<Answers> = Vec::new();
+    let samples: Vec<Envelope> = rows.iter().map(|(s, _)| s.envelope()).collect();
+    for row in pipeline.way_to(stage) {
+        let mut step = row.start(description, method)?;
+        let input = all.last().map_or(&samples, |before| &before.messages);
+        let messages = input.iter().filter_map(|m| step.answer(m)).collect();
+        all.push(Answers {
+            channel: row.output(),
+            messages,
+        });
     }
+    Ok(all)
 }
 
-fn excavator(
+fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
     args: &EstimateArgs,
-    d: &config::Excavator,
-    rows: &[(ExcavatorSensors, ExcavatorTruth)],
+    description: &Description,
+    rows: &[(S, T)],
 ) -> Result<(), Failure> {
-    let method = args.method.as_deref().unwrap_or("auto");
-    if let Some((first, _)) = rows.first() {
-        pipeline::check_columns(d, method, first)?;
-    }
-    let run = run_excavator(d, method, rows)?;
-    let mut writer = EstimateWriter::excavator(&args.output)?;
-    for estimate in run
-        .estimates
-        .iter()
-        .filter(|e| e.flags & excavator_bits::REFUSED == 0)
-    {
-        writer.write_excavator(estimate)?;
-    }
+    let answers = answers(description, method(args), rows)?;
+    let estimates = answers.last().map_or(&[][..], |a| &a.messages);
+    let estimates = || estimates.iter().filter_map(E::inside);
+    let mut writer = EstimateWriter::<E>::create(&args.output)?;
+    estimates().try_for_each(|e| writer.write(e))?;
     let written = writer.finish()?;
     if let Some(report) = &args.report {
-        let description = Description::Excavator(Box::new(d.clone()));
-        write_report(report, &metadata(args, &description, method), |w| {
-            write_all(w, &EXCAVATOR_SENSORS, rows.iter().map(|r| &r.0))?;
-            write_all(
-                w,
-                &EXCAVATOR_TRUTH,
-                rows.iter().map(|r| &r.1).filter(|t| t.known != 0),
-            )?;
-            write_all(w, &EXCAVATOR_MOTION, &run.motions)?;
-            write_all(w, run.channel, &run.estimates)
+        let metadata = metadata(args, description, method(args));
+        write_report(report, &metadata, |w| {
+            write_rows(w, description, rows)?;
+            answers
+                .iter()
+                .try_for_each(|a| write_all(w, a.channel, a.messages.iter().copied()))
         })?;
     }
-    let last = run.estimates.last().copied().unwrap_or_default();
-    tell(
-        args,
-        written,
-        rows.len(),
-        &view::words::excavator_verdict(&last),
-    );
-    require_trust(args, last.flags & excavator_bits::TRUSTED != 0)
+    let last = estimates().last().copied().unwrap_or_default();
+    tell(args, written, rows.len(), &view::words::verdict(&last));
+    if args.require_trust && !Estimate::trusted(&last) {
+        return Err(Failure::answer_is_no("the last verdict is not `trusted`"));
+    }
+    Ok(())
 }
 
-/// Runs one method over samples.
-pub fn run_loader(
-    d: &config::Loader,
-    method: &str,
-    rows: &[(LoaderSensors, LoaderTruth)],
-) -> Result<(&'static Channel, Vec<LoaderEstimate>), Failure> {
-    fn all<S>(mut step: S, rows: &[(LoaderSensors, LoaderTruth)]) -> Vec<LoaderEstimate>
-    where
-        S: Step<Input = LoaderSensors, Output = LoaderEstimate>,
-    {
-        rows.iter().map(|(s, _)| answer(&mut step, s)).collect()
+/// The samples and, where it is known, the truth.
+fn write_rows<S: Message, T: Message>(
+    writer: &mut Writer,
+    description: &Description,
+    rows: &[(S, T)],
+) -> Result<(), recording::Error> {
+    let stages = Pipeline::of(description.machine()).stages.iter();
+    for stage in stages {
+        if let Role::Source { sensors, truth } = stage.role {
+            write_all(writer, sensors, rows.iter().map(|(s, _)| s.envelope()))?;
+            let known = rows.iter().map(|(_, t)| t).filter(|t| is_known(*t));
+            write_all(writer, truth, known.map(Message::envelope))?;
+        }
     }
-    Ok(if method == "ekf" {
-        (&LOADER_CG_EKF, all(pipeline::loader_baseline(d)?, rows))
-    } else {
-        (
-            &LOADER_CG_UKF,
-            all(pipeline::loader_estimator(d, method)?, rows),
-        )
-    })
+    Ok(())
 }
 
-fn loader(
-    args: &EstimateArgs,
-    d: &config::Loader,
-    rows: &[(LoaderSensors, LoaderTruth)],
-) -> Result<(), Failure> {
-    let method = args.method.as_deref().unwrap_or("full");
-    let (channel, estimates) = run_loader(d, method, rows)?;
-    let mut writer = EstimateWriter::loader(&args.output)?;
-    for estimate in estimates
-        .iter()
-        .filter(|e| e.flags & loader_bits::REFUSED == 0)
-    {
-        writer.write_loader(estimate)?;
-    }
-    let written = writer.finish()?;
-    if let Some(report) = &args.report {
-        let description = Description::Loader(Box::new(d.clone()));
-        write_report(report, &metadata(args, &description, method), |w| {
-            write_all(w, &LOADER_SENSORS, rows.iter().map(|r| &r.0))?;
-            write_all(
-                w,
-                &LOADER_TRUTH,
-                rows.iter().map(|r| &r.1).filter(|t| t.known != 0),
-            )?;
-            write_all(w, channel, &estimates)
-        })?;
-    }
-    let last = estimates.last().copied().unwrap_or_default();
-    tell(
-        args,
-        written,
-        rows.len(),
-        &view::words::loader_verdict(&last),
-    );
-    let both = loader_bits::TRUSTED_RATIO | loader_bits::TRUSTED_HEIGHT;
-    require_trust(args, last.flags & both == both)
+/// Whether a truth says anything.
+fn is_known<T: Message>(truth: &T) -> bool {
+    let known = T::index("known").and_then(|i| truth.get(i));
+    known.is_some_and(|bits| bits.as_f64() != 0.0)
 }
 
 fn tell(args: &EstimateArgs, written: usize, rows: usize, verdict: &str) {
@@ -190,19 +138,12 @@ fn tell(args: &EstimateArgs, written: usize, rows: usize, verdict: &str) {
     }
 }
 
-fn require_trust(args: &EstimateArgs, trusted: bool) -> Result<(), Failure> {
-    if args.require_trust && !trusted {
-        return Err(Failure::answer_is_no("the last verdict is not `trusted`"));
-    }
-    Ok(())
-}
-
 fn metadata(args: &EstimateArgs, description: &Description, method: &str) -> Metadata {
     let text = description.to_toml();
     let mut metadata = Metadata::new();
     for (key, value) in [
         ("heft.version", env!("CARGO_PKG_VERSION").to_owned()),
-        ("machine", description.kind().name().to_owned()),
+        ("machine", description.machine().name().to_owned()),
         ("input", args.file.display().to_string()),
         ("method", method.to_owned()),
         ("description.sha256", recording::sha256(&text)),
@@ -213,14 +154,24 @@ fn metadata(args: &EstimateArgs, description: &Description, method: &str) -> Met
     metadata
 }
 
-fn write_all<'a, M: Message>(
+fn write_all(
     writer: &mut Writer,
     channel: &Channel,
-    messages: impl IntoIterator<Item = &'a M>,
+    messages: impl IntoIterator<Item = Envelope>,
 ) -> Result<(), recording::Error> {
+    struct Write<'a>(&'a mut Writer, &'a Channel);
+
+    impl Receiver for Write<'_> {
+        type Output = Result<(), recording::Error>;
+
+        fn receive<M: Message>(self, message: &M) -> Self::Output {
+            self.0.write(self.1, message)
+        }
+    }
+
     messages
         .into_iter()
-        .try_for_each(|m| writer.write(channel, m))
+        .try_for_each(|m| m.open(Write(writer, channel)))
 }
 
 /// A report is made from a recording, here from one that exists only for it.

@@ -2,26 +2,25 @@
 
 use std::fs;
 
-use config::Kind;
+use messages::Machine;
 
 use crate::cli::EvaluateArgs;
 use crate::failure::Failure;
 
 /// `heft evaluate`
 pub fn evaluate(args: &EvaluateArgs) -> Result<(), Failure> {
-    let kind = Kind::from(args.machine);
     if let Some(folder) = &args.figures {
         fs::create_dir_all(folder).map_err(|e| Failure::file("make the folder", folder, &e))?;
-        return crate::figures::draw(kind, folder);
+        return crate::figures::draw(args.machine, folder);
     }
     let options = evaluate::Options {
         table: args.table.clone(),
         seeds: args.seeds,
         ..Default::default()
     };
-    let report = match kind {
-        Kind::Excavator => evaluate::excavator(&options),
-        Kind::Loader => evaluate::loader(&options),
+    let report = match args.machine {
+        Machine::Excavator => evaluate::excavator(&options),
+        Machine::Loader => evaluate::loader(&options),
     }
     .map_err(|e| {
         Failure::input(

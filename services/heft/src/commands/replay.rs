@@ -9,18 +9,15 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use config::{Description, Kind};
-use messages::channels::{
-    Channel, EXCAVATOR_INERTIA_RLS, EXCAVATOR_INERTIA_UKF, EXCAVATOR_MOTION, EXCAVATOR_SENSORS,
-    LOADER_CG_EKF, LOADER_CG_UKF, LOADER_SENSORS,
-};
-use messages::{HEAD, Hops, Message};
+use config::Description;
+use messages::{Envelope, HEAD, Machine};
 use recording::{Metadata, Reader};
-use runtime::{Step, answer};
+use steps::stages::{AnyStep, Pipeline, Row, Stage};
 
 use crate::cli::ReplayArgs;
 use crate::failure::Failure;
-use crate::pipeline;
+use crate::parts::envelopes;
+use crate::plan::method_key;
 
 /// Comparison of one channel.
 struct Compared {
@@ -45,10 +42,13 @@ pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
             env!("CARGO_PKG_VERSION")
         );
     }
-    let results = match description(metadata, &args.file)? {
-        Description::Excavator(d) => excavator(&reader, metadata, &d)?,
-        Description::Loader(d) => loader(&reader, metadata, &d)?,
-    };
+    let description = description(metadata, &args.file)?;
+    let mut results = Vec::new();
+    for (stage, row) in Pipeline::of(description.machine()).rows() {
+        let method = method(metadata, stage, &args.file)?;
+        let new = || Ok(row.start(&description, method)?);
+        results.push(compare(&reader, row, new)?);
+    }
     let (mut answers, mut identical, mut unknown) = (0, 0, 0);
     for result in results.iter().filter(|r| r.answers > 0) {
         println!("{}", line(result));
@@ -92,121 +92,70 @@ fn line(result: &Compared) -> String {
 
 /// The description that the recording carries; a change since then is named.
 fn description(metadata: &Metadata, file: &Path) -> Result<Description, Failure> {
-    let missing = |key: &str| {
-        Failure::input(
-            format!("the recording does not say its {key}"),
-            file.display(),
-            "replay a recording that `heft run` has made",
-        )
-    };
-    let machine = metadata.get("machine").ok_or_else(|| missing("machine"))?;
-    let kind = Kind::from_name(machine).ok_or_else(|| missing("machine"))?;
+    let name = metadata.get("machine");
+    let machine = name.and_then(|name| Machine::from_name(name));
+    let machine = machine.ok_or_else(|| missing("machine", file))?;
     let text = metadata
         .get("description")
-        .ok_or_else(|| missing("description"))?;
+        .ok_or_else(|| missing("description", file))?;
     if metadata.get("description.sha256") != Some(&recording::sha256(text)) {
         println!("the description in the recording was changed after the run");
     }
     Ok(Description::parse(
         text,
         "the description in the recording",
-        Some(kind),
+        Some(machine),
     )?)
 }
 
-fn method<'a>(metadata: &'a Metadata, key: &str, default: &'a str) -> &'a str {
-    metadata.get(key).map_or(default, String::as_str)
+fn missing(key: &str, file: &Path) -> Failure {
+    Failure::input(
+        format!("the recording does not say its {key}"),
+        file.display(),
+        "replay a recording that `heft run` has made",
+    )
 }
 
-fn excavator(
+/// Method of a stage, as the recording tells it: empty where there is no choice.
+fn method<'a>(metadata: &'a Metadata, stage: &Stage, file: &Path) -> Result<&'a str, Failure> {
+    if stage.methods().is_empty() {
+        return Ok("");
+    }
+    // What recordings of version 0.1 call the methods of the two estimating processes.
+    let old = if stage.name == "ukf" {
+        "second_method"
+    } else {
+        "first_method"
+    };
+    let key = method_key(stage.name);
+    let told = metadata.get(&key).or_else(|| metadata.get(old));
+    told.map(String::as_str).ok_or_else(|| missing(&key, file))
+}
+
+fn compare(
     reader: &Reader,
-    metadata: &Metadata,
-    d: &config::Excavator,
-) -> Result<Vec<Compared>, Failure> {
-    let first = method(metadata, "first_method", "svf-rls");
-    let second = method(metadata, "second_method", "auto");
-    Ok(vec![
-        compare(
-            reader,
-            &EXCAVATOR_SENSORS,
-            &EXCAVATOR_MOTION,
-            life_of_filter,
-            || pipeline::excavator_filter(d),
-        )?,
-        compare(
-            reader,
-            &EXCAVATOR_MOTION,
-            &EXCAVATOR_INERTIA_RLS,
-            life_of_estimator,
-            || pipeline::excavator_regression(d, first),
-        )?,
-        compare(
-            reader,
-            &EXCAVATOR_SENSORS,
-            &EXCAVATOR_INERTIA_UKF,
-            life_of_estimator,
-            || pipeline::excavator_estimator(d, second),
-        )?,
-    ])
-}
-
-fn loader(
-    reader: &Reader,
-    metadata: &Metadata,
-    d: &config::Loader,
-) -> Result<Vec<Compared>, Failure> {
-    let second = method(metadata, "second_method", "full");
-    Ok(vec![
-        compare(
-            reader,
-            &LOADER_SENSORS,
-            &LOADER_CG_EKF,
-            life_of_estimator,
-            || pipeline::loader_baseline(d),
-        )?,
-        compare(
-            reader,
-            &LOADER_SENSORS,
-            &LOADER_CG_UKF,
-            life_of_estimator,
-            || pipeline::loader_estimator(d, second),
-        )?,
-    ])
-}
-
-fn life_of_filter(hops: &Hops) -> u32 {
-    hops.filter_restarts
-}
-
-fn life_of_estimator(hops: &Hops) -> u32 {
-    hops.estimate_restarts
-}
-
-fn compare<S: Step>(
-    reader: &Reader,
-    input: &Channel,
-    output: &'static Channel,
-    life: fn(&Hops) -> u32,
-    new: impl Fn() -> Result<S, Failure>,
+    row: &dyn Row,
+    new: impl Fn() -> Result<Box<dyn AnyStep>, Failure>,
 ) -> Result<Compared, Failure> {
-    let samples: Vec<S::Input> = reader.messages(input.name)?;
-    let recorded: Vec<S::Output> = reader.messages(output.name)?;
-    let by_number: HashMap<u64, &S::Input> =
+    let samples = envelopes(reader, row.input())?;
+    let recorded = envelopes(reader, row.output())?;
+    let by_number: HashMap<u64, &Envelope> =
         samples.iter().map(|m| (m.stamp().sequence, m)).collect();
     let mut result = Compared {
-        channel: output.name,
+        channel: row.output().name,
         answers: recorded.len(),
         identical: 0,
         first_difference: None,
         unknown: 0,
     };
+    let life = |answered: &Envelope| answered.hops().restarts(row.hop());
     let mut step = new()?;
     let mut current = 0;
     let mut known = true;
-    let mut previous: Option<&S::Output> = None;
+    let mut previous: Option<&Envelope> = None;
     for answered in &recorded {
-        if life(answered.hops()) != current {
-            current = life(answered.hops());
+        if life(answered) != current {
+            current = life(answered);
             step = new()?;
             // Its first answers may be in the gap too.
             known = !gap(previous, answered, &by_number);
@@ -215,11 +164,12 @@ fn compare<S: Step>(
         }
         previous = Some(answered);
         let sample = by_number.get(&answered.stamp().sequence).filter(|_| known);
-        let Some(sample) = sample else {
+        let answer = sample.and_then(|sample| step.answer(sample));
+        let Some(answer) = answer else {
             result.unknown += 1;
             continue;
         };
-        match difference(&answer(&mut step, sample), answered) {
+        match difference(&answer, answered) {
             None => result.identical += 1,
             Some(field) => {
                 result
@@ -233,19 +183,20 @@ fn compare<S: Step>(
 
 /// Whether samples are missing from the recording between two answers, which the stage may have
 /// read: neither they nor their answers are there, and it was not the source that was restarted.
-fn gap<I, O: Message>(previous: Option<&O>, next: &O, inputs: &HashMap<u64, &I>) -> bool {
+fn gap(previous: Option<&Envelope>, next: &Envelope, inputs: &HashMap<u64, &Envelope>) -> bool {
     let first = previous.map_or(0, |p| p.stamp().sequence + 1);
     let same_source = previous.is_none_or(|p| p.stamp().epoch == next.stamp().epoch);
     same_source && (first..next.stamp().sequence).any(|number| !inputs.contains_key(&number))
 }
 
 /// Name of the first field of the message itself whose bits differ.
-fn difference<M: Message>(a: &M, b: &M) -> Option<&'static str> {
+fn difference(a: &Envelope, b: &Envelope) -> Option<&'static str> {
     let same = |i: usize| match (a.get(i), b.get(i)) {
         (Some(a), Some(b)) => a.same_bits(b),
         (a, b) => a.is_none() && b.is_none(),
     };
-    (HEAD..M::FIELDS.len())
+    let fields = a.fields();
+    (HEAD..fields.len())
         .find(|&i| !same(i))
-        .map(|i| M::FIELDS[i].name)
+        .map(|i| fields[i].name)
 }

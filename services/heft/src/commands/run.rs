@@ -4,12 +4,13 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use config::{Description, Kind};
+use config::Description;
+use messages::Machine;
 use runtime::{Domain, realtime};
+use steps::stages::Pipeline;
 
 use crate::cli::{self, DescriptionArgs, RunArgs};
 use crate::failure::Failure;
-use crate::pipeline;
 use crate::plan::Plan;
 use crate::sources;
 use crate::summary;
@@ -17,20 +18,20 @@ use crate::supervisor::{End, Supervisor};
 use crate::watch::{Show, Watch};
 
 /// Reads the description that `--config` and `--set` make.
-pub fn description(kind: Kind, args: &DescriptionArgs) -> Result<Description, Failure> {
+pub fn description(machine: Machine, args: &DescriptionArgs) -> Result<Description, Failure> {
     let mut description = match &args.config {
-        None => Description::default_of(kind),
+        None => Description::default_of(machine),
         Some(path) => {
             let text =
                 std::fs::read_to_string(path).map_err(|e| Failure::file("read", path, &e))?;
-            Description::parse(&text, &path.display().to_string(), Some(kind))?
+            Description::parse(&text, &path.display().to_string(), Some(machine))?
         }
     };
-    if description.kind() != kind {
+    if description.machine() != machine {
         return Err(Failure::input(
             format!(
-                "the description is for the {}, not for the {kind}",
-                description.kind()
+                "the description is for the {}, not for the {machine}",
+                description.machine()
             ),
             args.config
                 .as_deref()
@@ -69,8 +70,8 @@ pub fn folder(out: Option<&Path>, machine: &str) -> Result<PathBuf, Failure> {
 
 /// The plan that the arguments describe.
 pub fn plan(args: &RunArgs) -> Result<(Plan, PathBuf), Failure> {
-    let kind = Kind::from(args.machine);
-    let description = description(kind, &args.description)?;
+    let machine = args.machine;
+    let description = description(machine, &args.description)?;
     let rate = args.rate.unwrap_or(match &description {
         Description::Excavator(d) => d.sensors.rate,
         Description::Loader(d) => d.sensors.rate,
@@ -84,20 +85,19 @@ pub fn plan(args: &RunArgs) -> Result<(Plan, PathBuf), Failure> {
             "give a positive number of seconds",
         ));
     }
-    let (scenario, second_method) = match kind {
-        Kind::Excavator => ("base", "auto"),
-        Kind::Loader => ("work-cycle", "full"),
-    };
-    let (first_method, second_method) = methods(kind, args.method.as_deref(), second_method);
+    let methods = Pipeline::of(machine).methods(args.method.as_deref())?;
+    let scenario = args.scenario.as_deref();
     let mut plan = Plan {
-        machine: kind.name().to_owned(),
-        scenario: args.scenario.clone().unwrap_or_else(|| scenario.to_owned()),
+        machine,
+        scenario: scenario.unwrap_or(sources::usual(machine)).to_owned(),
         payload: args.payload,
         input: args.input.as_deref().map(absolute).transpose()?,
         map: args.map.as_deref().map(absolute).transpose()?,
         description: description.to_toml(),
-        first_method,
-        second_method,
+        methods: methods
+            .into_iter()
+            .map(|(process, method)| (process.to_owned(), method))
+            .collect(),
         duration: args.duration,
         rate,
         seed: args.seed,
@@ -108,22 +108,18 @@ pub fn plan(args: &RunArgs) -> Result<(Plan, PathBuf), Failure> {
         probe: args.probe.as_deref().map(absolute).transpose()?,
         probe_listens: args.probe_listens,
     };
-    pipeline::check(&plan)?;
-    let folder = absolute(&folder(args.out.as_deref(), kind.name())?)?;
+    check(&plan, &description)?;
+    let folder = absolute(&folder(args.out.as_deref(), machine.name())?)?;
     plan.recording = folder.join("run.mcap");
     Ok((plan, folder))
 }
 
-/// Methods of the two estimating processes: a regression named by `--method` goes to `rls`.
-fn methods(kind: Kind, asked: Option<&str>, default: &str) -> (String, String) {
-    let regression = pipeline::REGRESSIONS[0];
-    match (kind, asked) {
-        (Kind::Excavator, Some(m)) if pipeline::REGRESSIONS.contains(&m) => {
-            (m.to_owned(), default.to_owned())
-        }
-        (Kind::Excavator, m) => (regression.to_owned(), m.unwrap_or(default).to_owned()),
-        (Kind::Loader, m) => ("ekf".to_owned(), m.unwrap_or(default).to_owned()),
+/// Builds every part of the plan once, so that a mistake is told before any process starts.
+fn check(plan: &Plan, description: &Description) -> Result<(), Failure> {
+    for (stage, row) in plan.pipeline().rows() {
+        row.start(description, plan.method(stage.name))?;
     }
+    sources::check(plan)
 }
 
 fn absolute(path: &Path) -> Result<PathBuf, Failure> {
@@ -159,20 +155,20 @@ fn show(args: &RunArgs) -> Show {
 /// `heft run`
 pub fn run(args: &RunArgs) -> Result<(), Failure> {
     if args.scenario.as_deref() == Some("list") {
-        print!("{}", sources::scenarios(args.machine.into()));
+        print!("{}", sources::scenarios(args.machine));
         return Ok(());
     }
     for name in Domain::remove_leftovers() {
         eprintln!("removed what the killed run `{name}` had left in shared memory");
     }
     let (plan, folder) = plan(args)?;
-    let kind = plan.kind();
+    let machine = plan.machine;
     let page = args
         .view
-        .map(|addr| crate::live::start(addr, kind))
+        .map(|addr| crate::live::start(addr, machine))
         .transpose()?;
     let watch = Watch::new(
-        kind,
+        machine,
         page.as_ref().map(|(feed, _)| feed.clone()),
         show(args),
     );
@@ -189,7 +185,7 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
         .flatten();
     print!(
         "{}",
-        summary::text(kind, &watch, &recording, report.as_deref())
+        summary::text(machine, &watch, &recording, report.as_deref())
     );
     verdict(&end, &watch, args.require_trust)
 }

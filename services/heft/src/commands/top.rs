@@ -6,11 +6,11 @@ use messages::channels::{Channel, of_machine};
 use messages::{Message, fault};
 use ratatui::crossterm::event::{self, Event, KeyCode, KeyModifiers};
 use runtime::{Domain, Ports, Sink, Taps};
+use steps::stages::Pipeline;
 use view::top::{TopState, draw};
 
 use crate::failure::Failure;
 use crate::plan::Plan;
-use crate::processes;
 
 /// Time between two pictures.
 const PERIOD: Duration = Duration::from_millis(100);
@@ -44,9 +44,10 @@ pub fn top(domain: Option<&str>, once: bool) -> Result<(), Failure> {
     let plan = Plan::read(&domain)?;
     domain.enter()?;
     let ports = Ports::new("top")?;
-    let channels: Vec<_> = of_machine(&plan.machine).collect();
+    let channels: Vec<_> = of_machine(plan.machine).collect();
     let mut taps = Taps::open(&ports, &channels)?;
-    let names = processes::of_machine(plan.kind())
+    let names = Pipeline::of(plan.machine)
+        .stages
         .iter()
         .map(|p| p.name.to_owned())
         .collect();

@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
-use config::{Description, Kind};
+use config::Description;
 use estimation::Quantity;
 use estimation::loader::weigh::{Reading, Reference, Weighing};
+use messages::Machine;
 
 use crate::cli::DescriptionArgs;
 use crate::commands::run::description;
@@ -15,7 +16,7 @@ const SCALE_STD: f64 = 0.005;
 
 /// `heft weigh`
 pub fn weigh(file: &Path, args: &DescriptionArgs, json: Option<&Path>) -> Result<(), Failure> {
-    let Description::Loader(loader) = description(Kind::Loader, args)? else {
+    let Description::Loader(loader) = description(Machine::Loader, args)? else {
         return Err(Failure::internal("the loader's description is none"));
     };
     let refused = |e: estimation::loader::weigh::WeighError| {

@@ -163,7 +163,11 @@ impl EstimateWriter<LoaderEstimate> {
 }
 
 impl<E: Estimate> EstimateWriter<E> {
-    fn create(path: &Path) -> Result<Self, Error> {
+    /// Begins a file of estimates.
+    ///
+    /// # Errors
+    /// The file cannot be created.
+    pub fn create(path: &Path) -> Result<Self, Error> {
         let fail = |e| Error::system("write the estimates", path, &e);
         if path.is_dir() {
             return Err(fail(ErrorKind::IsADirectory.into()));
@@ -203,7 +207,11 @@ impl<E: Estimate> EstimateWriter<E> {
         self.put_row()
     }
 
-    fn write(&mut self, estimate: &E) -> Result<(), Error> {
+    /// Adds an estimate; a refused row is left out.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn write(&mut self, estimate: &E) -> Result<(), Error> {
         let (flags, estimated, method) = estimate.bits();
         if flags & E::REFUSED != 0 {
             return Ok(());

@@ -1,6 +1,8 @@
 //! The excavator's parameters.
 
-use messages::{EXCAVATOR_METHODS, ExcavatorEstimate, ExcavatorTruth, excavator_bits as bits};
+use messages::{
+    EXCAVATOR_METHODS, ExcavatorEstimate, ExcavatorTruth, Machine, excavator_bits as bits,
+};
 
 use super::{Estimate, InnovationRule, Parameter};
 use crate::words::{self, Judgement};
@@ -30,7 +32,7 @@ fn known(truth: &ExcavatorTruth, bit: u32, value: f64) -> Option<f64> {
 
 impl Estimate for ExcavatorEstimate {
     type Truth = ExcavatorTruth;
-    const MACHINE: &'static str = "excavator";
+    const MACHINE: Machine = Machine::Excavator;
     const METHODS: &'static [&'static str] = EXCAVATOR_METHODS;
     const INNOVATION: InnovationRule = InnovationRule {
         window: 50,

@@ -1,6 +1,6 @@
 //! The wheel loader's parameters.
 
-use messages::{LOADER_METHODS, LoaderEstimate, LoaderTruth, loader_bits as bits};
+use messages::{LOADER_METHODS, LoaderEstimate, LoaderTruth, Machine, loader_bits as bits};
 
 use super::{Estimate, InnovationRule, Parameter};
 use crate::words::{self, Judgement};
@@ -29,7 +29,7 @@ fn known(truth: &LoaderTruth, bit: u32, value: f64) -> Option<f64> {
 
 impl Estimate for LoaderEstimate {
     type Truth = LoaderTruth;
-    const MACHINE: &'static str = "loader";
+    const MACHINE: Machine = Machine::Loader;
     const METHODS: &'static [&'static str] = LOADER_METHODS;
     const INNOVATION: InnovationRule = InnovationRule {
         window: 400,

@@ -96,7 +96,7 @@ fn judgements<E: Estimate>(state: &MachineState<E>) -> Vec<Value> {
         );
         json!({
             "channel": channel,
-            "machine": E::MACHINE,
+            "machine": E::MACHINE.name(),
             "method": tracked.last.method_name(),
             "time": tracked.last.stamp().time,
             "judgements": words.collect::<Vec<_>>(),

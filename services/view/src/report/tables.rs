@@ -2,7 +2,8 @@
 
 use std::fmt::Write;
 
-use messages::{Health, State, fault};
+use messages::{Health, Machine, State, fault};
+use steps::stages::Pipeline;
 
 use super::html::{row, table, text};
 use super::last_health;
@@ -76,7 +77,7 @@ fn comparison_row<E: Estimate>(
         percent(score.trusted_share),
     ];
     if is_timed(run) {
-        cells.push(step_time(run, &estimator.channel));
+        cells.push(step_time(run, E::MACHINE, &estimator.channel));
     }
     row(&cells)
 }
@@ -87,15 +88,13 @@ fn is_timed(run: &Run) -> bool {
 }
 
 /// Step time of the process that publishes `channel`.
-fn step_time(run: &Run, channel: &str) -> String {
-    let name = match channel.rsplit('_').next() {
-        Some("ekf") => "kalman",
-        Some(other) => other,
-        None => return "–".into(),
-    };
-    let of_name = |h: &&&Health| run.process_name(h.process).contains(name);
+fn step_time(run: &Run, machine: Machine, channel: &str) -> String {
+    let channel = messages::channels::find(channel);
+    let writer = channel.and_then(|channel| Pipeline::of(machine).writer(channel));
     let health = last_health(run);
-    health.iter().find(of_name).map_or("–".into(), |h| {
+    let of_writer =
+        |h: &&&Health| writer.is_some_and(|writer| run.process_name(h.process) == writer.name);
+    health.iter().find(of_writer).map_or("–".into(), |h| {
         format!(
             "{} / {}",
             nanoseconds(h.step_p50_ns as f64),

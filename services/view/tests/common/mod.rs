@@ -306,14 +306,9 @@ pub fn loader(seconds: f64, rate: f64, truth: bool) -> Run {
 
 /// Writes the run as a recording.
 pub fn record(path: &std::path::Path, metadata: &recording::Metadata, run: &Run) {
-    use messages::channels::{CHANNELS, EXCAVATOR_MOTION, EXCAVATOR_TRUTH, HEALTH, LOADER_TRUTH};
+    use messages::channels::{self, EXCAVATOR_MOTION, EXCAVATOR_TRUTH, HEALTH, LOADER_TRUTH};
     let mut writer = recording::Writer::create(path, metadata).expect("created");
-    let channel = |name: &str| {
-        CHANNELS
-            .iter()
-            .find(|c| c.name == name)
-            .expect("a channel of the table")
-    };
+    let channel = |name: &str| channels::find(name).expect("a channel of the table");
     run.health
         .iter()
         .for_each(|m| writer.write(&HEALTH, m).expect("written"));

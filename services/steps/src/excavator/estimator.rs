@@ -1,18 +1,18 @@
 //! The excavator's state-space estimators as a step: `auto`, `posture-torque`, `torque`, `posture`,
-//! `velocity`.
+//! `velocity` (process `ukf`).
 
 use config::Excavator as Description;
 use estimation::excavator::{Columns, Method, Settings, SettingsError, SwingEstimator};
-use kalman::{
-    ExcavatorError, SourceWatch, excavator_columns, excavator_message, excavator_sample,
-    excavator_settings,
-};
 use messages::{ExcavatorEstimate, ExcavatorSensors};
 use runtime::Step;
 
+use super::{columns, estimate_message, method, sample, settings};
+use crate::Error;
+use crate::source::SourceWatch;
+
 /// One state-space method, or the choice among them.
 #[derive(Clone, Debug)]
-pub struct Excavator {
+pub struct EstimatorStep {
     settings: Settings,
     method: Method,
     estimator: SwingEstimator,
@@ -20,22 +20,19 @@ pub struct Excavator {
     started: bool,
 }
 
-impl Excavator {
+impl EstimatorStep {
     /// An estimator by the name of its method. It waits for its first sample, which tells the
     /// columns of the source.
     ///
     /// # Errors
-    /// The name is unknown, belongs to another service, or the description has a value that the
+    /// The name is unknown, belongs to another process, or the description has a value that the
     /// method cannot use.
-    pub fn new(description: &Description, method: &str) -> Result<Self, ExcavatorError> {
-        let method =
-            Method::parse(method).ok_or_else(|| ExcavatorError::UnknownMethod(method.into()))?;
-        let settings = excavator_settings(description);
-        let estimator = estimator(&settings, method, ALL).map_err(ExcavatorError::Settings)?;
+    pub fn new(description: &Description, name: &str) -> Result<Self, Error> {
+        let (method, settings) = (method(name)?, settings(description));
         Ok(Self {
             settings,
             method,
-            estimator,
+            estimator: estimator(&settings, method, ALL).map_err(Error::settings)?,
             source: SourceWatch::default(),
             started: false,
         })
@@ -68,18 +65,18 @@ fn estimator(
     SwingEstimator::new(settings, method, columns)
 }
 
-impl Step for Excavator {
+impl Step for EstimatorStep {
     type Input = ExcavatorSensors;
     type Output = ExcavatorEstimate;
 
     fn step(&mut self, input: &ExcavatorSensors) -> ExcavatorEstimate {
         if self.source.is_new(&input.stamp)
-            && let Ok(new) = estimator(&self.settings, self.method, excavator_columns(input))
+            && let Ok(new) = estimator(&self.settings, self.method, columns(input))
         {
             self.estimator = new;
         }
-        let estimate = self.estimator.step(&excavator_sample(input));
+        let estimate = self.estimator.step(&sample(input));
         self.started |= !estimate.flags.refused;
-        excavator_message(&estimate, self.started)
+        estimate_message(&estimate, self.started)
     }
 }

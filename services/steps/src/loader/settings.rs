@@ -7,6 +7,7 @@ use estimation::loader::settings::{
 use estimation::loader::{Machine, Method, Prior, Sensors, Settings, Tuning};
 
 /// What a method is told under a description.
+#[must_use]
 pub fn settings(description: &Description, method: Method) -> Settings {
     Settings {
         machine: machine(description),

@@ -1,40 +1,13 @@
-//! What every excavator estimator says, as a message, and why one cannot start.
+//! What every excavator estimator says, as a message.
 
-use core::fmt;
-
-use estimation::excavator::{Estimate, Method, SettingsError};
+use estimation::excavator::Estimate;
 use messages::{ExcavatorEstimate, excavator_bits as bits};
 
-use super::set_bits;
-
-/// Why an excavator estimator cannot start.
-#[derive(Clone, Debug, PartialEq)]
-pub enum ExcavatorError {
-    /// There is no method of that name.
-    UnknownMethod(String),
-    /// The description has a value that the method cannot use, or the method runs elsewhere.
-    Settings(SettingsError),
-}
-
-impl fmt::Display for ExcavatorError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::UnknownMethod(name) => {
-                let known = Method::ALL.map(Method::name).join(", ");
-                write!(
-                    f,
-                    "the excavator has no method `{name}`; methods are {known}"
-                )
-            }
-            Self::Settings(error) => error.fmt(f),
-        }
-    }
-}
-
-impl std::error::Error for ExcavatorError {}
+use crate::bits::set_bits;
 
 /// The message of an excavator estimate; what the method does not estimate stays 0 without its bit.
 /// `started`: a row has been accepted.
+#[must_use]
 pub fn message(e: &Estimate, started: bool) -> ExcavatorEstimate {
     let [damping, torque, payload, friction, offset] =
         [e.damping, e.torque, e.payload, e.friction, e.offset].map(Option::unwrap_or_default);

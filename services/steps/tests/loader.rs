@@ -2,6 +2,7 @@
 
 use messages::{LOADER_METHODS, LoaderEstimate, LoaderSensors, loader_bits as bits};
 use runtime::Step;
+use steps::loader::EstimatorStep;
 
 const COLUMNS: u32 = bits::SPEED
     | bits::FRONT_WHEEL_SPEED
@@ -28,7 +29,7 @@ fn row(k: u32, columns: u32) -> LoaderSensors {
 }
 
 fn run(method: &str, columns: u32) -> LoaderEstimate {
-    let mut step = ukf::Loader::new(&config::Loader::default(), method).unwrap();
+    let mut step = EstimatorStep::new(&config::Loader::default(), method).unwrap();
     (0..200).fold(LoaderEstimate::default(), |_, k| {
         step.step(&row(k, columns))
     })
@@ -55,7 +56,7 @@ fn full_runs_on_eight_states_without_an_accelerometer() {
 
 #[test]
 fn a_row_out_of_time_is_refused_and_said_so() {
-    let mut step = ukf::Loader::new(&config::Loader::default(), "full").unwrap();
+    let mut step = EstimatorStep::new(&config::Loader::default(), "full").unwrap();
     assert_eq!(step.step(&row(5, COLUMNS)).flags & bits::REFUSED, 0);
     let answer = step.step(&row(5, COLUMNS));
     assert!(answer.flags & bits::REFUSED != 0);
@@ -64,7 +65,7 @@ fn a_row_out_of_time_is_refused_and_said_so() {
 
 #[test]
 fn an_unknown_method_is_named_with_the_known_ones() {
-    let error = ukf::Loader::new(&config::Loader::default(), "ufk")
+    let error = EstimatorStep::new(&config::Loader::default(), "ufk")
         .unwrap_err()
         .to_string();
     assert!(
@@ -76,7 +77,7 @@ fn an_unknown_method_is_named_with_the_known_ones() {
 #[test]
 fn the_default_description_gives_the_default_settings() {
     use estimation::loader::{Method, Settings, Tuning};
-    let settings = kalman::loader_settings(&config::Loader::default(), Method::Full);
+    let settings = steps::loader::settings(&config::Loader::default(), Method::Full);
     assert_eq!(
         settings,
         Settings {
@@ -84,6 +85,6 @@ fn the_default_description_gives_the_default_settings() {
             ..Settings::default()
         }
     );
-    let settings = kalman::loader_settings(&config::Loader::default(), Method::Ekf);
+    let settings = steps::loader::settings(&config::Loader::default(), Method::Ekf);
     assert_eq!(settings.tuning, Some(Tuning::paper()));
 }

@@ -1,0 +1,38 @@
+//! The machines that heft knows.
+
+use core::fmt;
+
+/// Which machine.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Machine {
+    /// Excavator.
+    Excavator,
+    /// Wheel loader.
+    Loader,
+}
+
+impl Machine {
+    /// All of them, in the order of the names on the command line.
+    pub const ALL: [Self; 2] = [Self::Excavator, Self::Loader];
+
+    /// Name on the command line, in channels and in `machine.kind`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Excavator => "excavator",
+            Self::Loader => "loader",
+        }
+    }
+
+    /// The machine called `name`.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|machine| machine.name() == name)
+    }
+}
+
+impl fmt::Display for Machine {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}

@@ -1,0 +1,58 @@
+//! The filter stage: Kalman filter and equal filters (process `kalman`).
+
+use config::Excavator as Description;
+use estimation::excavator::{Columns, MotionFilter, Settings};
+use messages::{ExcavatorSensors, SwingMotion};
+use runtime::Step;
+
+use super::{columns, motion_message, sample, settings};
+use crate::Error;
+use crate::source::SourceWatch;
+
+/// Sensors in, swing motion out.
+#[derive(Clone, Debug)]
+pub struct FilterStep {
+    settings: Settings,
+    filter: MotionFilter,
+    source: SourceWatch,
+}
+
+impl FilterStep {
+    /// A filter that waits for its first sample, which tells whether there is a velocity or an
+    /// encoder's angle.
+    ///
+    /// # Errors
+    /// The description has a value that the filter cannot use.
+    pub fn new(description: &Description) -> Result<Self, Error> {
+        let settings = settings(description);
+        Ok(Self {
+            settings,
+            filter: MotionFilter::new(&settings, VELOCITY).map_err(Error::settings)?,
+            source: SourceWatch::default(),
+        })
+    }
+}
+
+/// What a source without a word about its columns is taken to have.
+const VELOCITY: Columns = Columns {
+    velocity: true,
+    angle: false,
+    torque: false,
+    posture: false,
+};
+
+impl Step for FilterStep {
+    type Input = ExcavatorSensors;
+    type Output = SwingMotion;
+
+    fn step(&mut self, input: &ExcavatorSensors) -> SwingMotion {
+        // The settings have been checked; without velocity and angle the old filter goes on and
+        // says that nothing is measured.
+        if self.source.is_new(&input.stamp)
+            && let Ok(filter) = MotionFilter::new(&self.settings, columns(input))
+        {
+            self.filter = filter;
+        }
+        motion_message(&self.filter.step(&sample(input)), input.valid)
+    }
+}

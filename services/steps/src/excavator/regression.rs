@@ -1,0 +1,55 @@
+//! The excavator's regressions as a step: they see the swing motion only (process `rls`).
+
+use config::Excavator as Description;
+use estimation::excavator::{Method, Regression, Settings};
+use messages::{ExcavatorEstimate, SwingMotion};
+use runtime::Step;
+
+use super::{estimate_message, method, motion, settings};
+use crate::Error;
+use crate::source::SourceWatch;
+
+/// `multi-forgetting-rls` or `svf-rls`: swing motion in, inertia out.
+#[derive(Clone, Debug)]
+pub struct RegressionStep {
+    settings: Settings,
+    method: Method,
+    regression: Regression,
+    source: SourceWatch,
+    started: bool,
+}
+
+impl RegressionStep {
+    /// A regression by the name of its method.
+    ///
+    /// # Errors
+    /// The name is unknown, belongs to another process, or the description has a value that the
+    /// method cannot use.
+    pub fn new(description: &Description, name: &str) -> Result<Self, Error> {
+        let (method, settings) = (method(name)?, settings(description));
+        Ok(Self {
+            settings,
+            method,
+            regression: Regression::new(&settings, method).map_err(Error::settings)?,
+            source: SourceWatch::default(),
+            started: false,
+        })
+    }
+}
+
+impl Step for RegressionStep {
+    type Input = SwingMotion;
+    type Output = ExcavatorEstimate;
+
+    fn step(&mut self, input: &SwingMotion) -> ExcavatorEstimate {
+        // The settings have been checked: this cannot fail.
+        if self.source.is_new(&input.stamp)
+            && let Ok(regression) = Regression::new(&self.settings, self.method)
+        {
+            self.regression = regression;
+        }
+        let motion = motion(input);
+        self.started |= !motion.refused;
+        estimate_message(&self.regression.step(&motion), self.started)
+    }
+}

@@ -1,0 +1,21 @@
+//! From messages to algorithms and back, and the steps of the processes made of both.
+//!
+//! The only crate that knows the messages and the algorithms. Per machine:
+//!
+//! | file | what |
+//! |---|---|
+//! | `settings` | the description as the algorithm's settings |
+//! | `sample` | sensor message to sample |
+//! | `motion` | swing motion to message and back (excavator) |
+//! | `estimate` | estimate to message |
+//! | `filter`, `regression`, `estimator` | the steps of the processes |
+//! | `pipeline` | the machine's processes: its rows of the table in [`stages`] |
+
+mod bits;
+mod error;
+pub mod excavator;
+pub mod loader;
+mod source;
+pub mod stages;
+
+pub use error::Error;

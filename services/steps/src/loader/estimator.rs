@@ -1,0 +1,56 @@
+//! The loader's estimators as a step.
+//!
+//! All methods are the same step with different settings. The process `kalman` runs `ekf`, `ukf` the others.
+
+use config::Loader as Description;
+use estimation::loader::{CgEstimator, Columns};
+use messages::{LoaderEstimate, LoaderSensors, loader_bits as bits};
+use runtime::Step;
+
+use super::{estimate_message, method, sample, settings};
+use crate::Error;
+
+/// Any method of the loader: sensors in, centre of gravity out.
+#[derive(Clone, Copy, Debug)]
+pub struct EstimatorStep {
+    estimator: CgEstimator,
+    /// For sources without an accelerometer, until the first sample says which it is.
+    without_accelerometer: Option<CgEstimator>,
+}
+
+impl EstimatorStep {
+    /// An estimator by the name of its method. It waits for its first sample, which tells the
+    /// columns of the source.
+    ///
+    /// # Errors
+    /// The name is unknown, or the description has a value that the method cannot use.
+    pub fn new(description: &Description, name: &str) -> Result<Self, Error> {
+        let method = method(name)?;
+        let settings = settings(description, method);
+        let estimator = |acceleration| {
+            let columns = Columns {
+                acceleration,
+                ..Columns::default()
+            };
+            CgEstimator::new(&settings, method, columns).map_err(Error::settings)
+        };
+        Ok(Self {
+            estimator: estimator(true)?,
+            without_accelerometer: Some(estimator(false)?),
+        })
+    }
+}
+
+impl Step for EstimatorStep {
+    type Input = LoaderSensors;
+    type Output = LoaderEstimate;
+
+    fn step(&mut self, input: &LoaderSensors) -> LoaderEstimate {
+        if let Some(other) = self.without_accelerometer.take()
+            && input.columns & bits::ACCELERATION == 0
+        {
+            self.estimator = other;
+        }
+        estimate_message(&self.estimator.step(&sample(input)))
+    }
+}

@@ -1,0 +1,29 @@
+//! The loader's messages and its step.
+
+mod estimate;
+mod estimator;
+mod pipeline;
+mod sample;
+mod settings;
+
+pub use estimate::message as estimate_message;
+pub use estimator::EstimatorStep;
+pub use pipeline::PIPELINE;
+pub use sample::sample;
+pub use settings::settings;
+
+use estimation::loader::Method;
+
+use crate::Error;
+
+/// The method of that name.
+///
+/// # Errors
+/// There is none.
+pub fn method(name: &str) -> Result<Method, Error> {
+    Method::parse(name).ok_or_else(|| Error::UnknownMethod {
+        machine: "loader",
+        name: name.to_owned(),
+        known: Method::ALL.map(Method::name).to_vec(),
+    })
+}

@@ -1,0 +1,314 @@
+//! The one table of processes: who reads what, who writes what, who wakes whom, with which
+//! methods, made by which constructor. Each machine has its rows in a file of its own.
+//!
+//! ```
+//! use messages::Machine;
+//! use steps::stages::Pipeline;
+//!
+//! let pipeline = Pipeline::of(Machine::Excavator);
+//! let names: Vec<&str> = pipeline.stages.iter().map(|s| s.name).collect();
+//! assert_eq!(names, ["sensor", "kalman", "rls", "ukf", "logger", "probe"]);
+//! assert_eq!(pipeline.with_method("svf-rls").map(|s| s.name), Some("rls"));
+//! ```
+
+use config::Description;
+use messages::channels::{Channel, ChannelOf};
+use messages::{Envelope, Hop, Machine, Message};
+use runtime::{Step, Worker, answer, run_stage};
+
+use crate::Error;
+
+/// The processes of a machine.
+#[derive(Debug)]
+pub struct Pipeline {
+    /// The machine.
+    pub machine: Machine,
+    /// Its processes, upstream first; a `health` message names one by its place.
+    pub stages: &'static [Stage],
+    /// The process whose estimate is told first, and which `--method` means where it names none of
+    /// another's.
+    pub main: &'static str,
+}
+
+/// A process of a pipeline.
+#[derive(Debug)]
+pub struct Stage {
+    /// Name of the process.
+    pub name: &'static str,
+    /// Processes whose bell it rings, next stage first.
+    pub wakes: &'static [&'static str],
+    /// SCHED_FIFO priority under `--rt`, rising downstream; 0: normal, off the path.
+    pub priority: u8,
+    /// What it does.
+    pub role: Role,
+}
+
+/// What a process does.
+#[derive(Debug)]
+pub enum Role {
+    /// Makes the samples and, where it is known, the truth.
+    Source {
+        /// Channel of the samples.
+        sensors: &'static Channel,
+        /// Channel of the truth.
+        truth: &'static Channel,
+    },
+    /// Answers each message.
+    Step(&'static dyn Row),
+    /// Takes every message of the machine.
+    Sink,
+    /// Notes when the messages of this channel arrive.
+    Probe(&'static Channel),
+}
+
+/// A stage that answers messages, its types put aside.
+pub trait Row: Sync + std::fmt::Debug {
+    /// Channel that it reads.
+    fn input(&self) -> &'static Channel;
+    /// Channel that it writes.
+    fn output(&self) -> &'static Channel;
+    /// Where it leaves its mark.
+    fn hop(&self) -> Hop;
+    /// Methods that it offers, the first by default; none where there is no choice.
+    fn methods(&self) -> &'static [&'static str];
+    /// The step for a description; `method` is ignored where there is no choice.
+    ///
+    /// # Errors
+    /// The method is unknown or the description has a value that it cannot use.
+    fn start(&self, description: &Description, method: &str) -> Result<Box<dyn AnyStep>, Error>;
+    /// The same as a process that only waits for its worker.
+    ///
+    /// # Errors
+    /// As [`Self::start`].
+    fn prepare(&self, description: &Description, method: &str) -> Result<Process, Error>;
+}
+
+/// Runs a stage in the worker that it is given, until the supervisor ends it.
+pub type Process = Box<dyn FnOnce(Worker) -> Result<(), runtime::Error>>;
+
+/// A step whose types are put aside, for those who run one on recorded data.
+pub trait AnyStep {
+    /// The answer with the identity of the input; `None` to a message of another type.
+    fn answer(&mut self, input: &Envelope) -> Option<Envelope>;
+}
+
+impl<S: Step> AnyStep for S {
+    fn answer(&mut self, input: &Envelope) -> Option<Envelope> {
+        S::Input::inside(input).map(|message| answer(self, message).envelope())
+    }
+}
+
+/// A row of the table: channels of the types of its step, or it does not compile.
+///
+/// ```compile_fail
+/// use messages::{Hop, channels::{EXCAVATOR_MOTION, EXCAVATOR_SENSORS}};
+/// use steps::stages::RowOf;
+///
+/// // The filter reads sensors, not motion.
+/// let row = RowOf {
+///     input: &EXCAVATOR_MOTION,
+///     output: &EXCAVATOR_MOTION,
+///     hop: Hop::Filter,
+///     methods: &[],
+///     new: |_, _| steps::excavator::FilterStep::new(&config::Excavator::default()),
+/// };
+/// ```
+#[derive(Debug)]
+pub struct RowOf<S: Step> {
+    /// Channel that it reads.
+    pub input: &'static ChannelOf<S::Input>,
+    /// Channel that it writes.
+    pub output: &'static ChannelOf<S::Output>,
+    /// Where it leaves its mark.
+    pub hop: Hop,
+    /// Methods that it offers, the first by default; none where there is no choice.
+    pub methods: &'static [&'static str],
+    /// Makes the step.
+    pub new: fn(&Description, &str) -> Result<S, Error>,
+}
+
+impl<S: Step + std::fmt::Debug + 'static> Row for RowOf<S> {
+    fn input(&self) -> &'static Channel {
+        self.input
+    }
+
+    fn output(&self) -> &'static Channel {
+        self.output
+    }
+
+    fn hop(&self) -> Hop {
+        self.hop
+    }
+
+    fn methods(&self) -> &'static [&'static str] {
+        self.methods
+    }
+
+    fn start(&self, description: &Description, method: &str) -> Result<Box<dyn AnyStep>, Error> {
+        Ok(Box::new((self.new)(description, method)?))
+    }
+
+    fn prepare(&self, description: &Description, method: &str) -> Result<Process, Error> {
+        let step = (self.new)(description, method)?;
+        let (input, output, hop) = (self.input, self.output, self.hop);
+        Ok(Box::new(move |worker| {
+            run_stage(worker, input, output, hop, step)
+        }))
+    }
+}
+
+impl Stage {
+    /// What answers messages here, if this stage does.
+    #[must_use]
+    pub fn row(&self) -> Option<&'static dyn Row> {
+        match self.role {
+            Role::Step(row) => Some(row),
+            Role::Source { .. } | Role::Sink | Role::Probe(_) => None,
+        }
+    }
+
+    /// Channel that it reads; the source reads none, the sink all.
+    #[must_use]
+    pub fn input(&self) -> Option<&'static Channel> {
+        match self.role {
+            Role::Step(row) => Some(row.input()),
+            Role::Probe(channel) => Some(channel),
+            Role::Source { .. } | Role::Sink => None,
+        }
+    }
+
+    /// Channel that it writes.
+    #[must_use]
+    pub fn output(&self) -> Option<&'static Channel> {
+        match self.role {
+            Role::Step(row) => Some(row.output()),
+            Role::Source { sensors, .. } => Some(sensors),
+            Role::Sink | Role::Probe(_) => None,
+        }
+    }
+
+    /// Methods that it offers, the first by default; none where there is no choice.
+    #[must_use]
+    pub fn methods(&self) -> &'static [&'static str] {
+        self.row().map_or(&[], Row::methods)
+    }
+}
+
+impl Pipeline {
+    /// The pipeline of a machine.
+    #[must_use]
+    pub fn of(machine: Machine) -> &'static Self {
+        match machine {
+            Machine::Excavator => &crate::excavator::PIPELINE,
+            Machine::Loader => &crate::loader::PIPELINE,
+        }
+    }
+
+    /// The process of that name.
+    #[must_use]
+    pub fn stage(&self, process: &str) -> Option<&'static Stage> {
+        self.stages.iter().find(|s| s.name == process)
+    }
+
+    /// The process that offers this method.
+    #[must_use]
+    pub fn with_method(&self, method: &str) -> Option<&'static Stage> {
+        self.stages.iter().find(|s| s.methods().contains(&method))
+    }
+
+    /// The process that writes this channel.
+    #[must_use]
+    pub fn writer(&self, channel: &Channel) -> Option<&'static Stage> {
+        let writes = |s: &&Stage| s.output().is_some_and(|o| o.name == channel.name);
+        self.stages.iter().find(writes)
+    }
+
+    /// The stages that answer messages, upstream first.
+    pub fn rows(&self) -> impl Iterator<Item = (&'static Stage, &'static dyn Row)> {
+        self.stages.iter().filter_map(|s| Some((s, s.row()?)))
+    }
+
+    /// The channels of estimates, upstream first.
+    pub fn estimates(&self) -> impl Iterator<Item = &'static Channel> {
+        self.rows()
+            .filter(|(_, row)| row.hop() == Hop::Estimate)
+            .map(|(_, row)| row.output())
+    }
+
+    /// The channel of the estimate that is told first.
+    #[must_use]
+    pub fn main_output(&self) -> Option<&'static Channel> {
+        self.stage(self.main)?.output()
+    }
+
+    /// What a sample passes on its way to the output of a stage, that stage last.
+    #[must_use]
+    pub fn way_to(&self, stage: &'static Stage) -> Vec<&'static dyn Row> {
+        let Some(row) = stage.row() else {
+            return Vec::new();
+        };
+        let writer = self.writer(row.input());
+        let mut way = writer.map_or_else(Vec::new, |writer| self.way_to(writer));
+        way.push(row);
+        way
+    }
+
+    /// Hops from the source to this stage.
+    #[must_use]
+    pub fn hops_before(&self, stage: &Stage) -> usize {
+        let writer = stage.input().and_then(|input| self.writer(input));
+        writer.map_or(0, |writer| 1 + self.hops_before(writer))
+    }
+
+    /// Name of process `index`, as `health` messages tell it.
+    #[must_use]
+    pub fn process_name(&self, index: u32) -> &'static str {
+        let index = usize::try_from(index).ok();
+        index
+            .and_then(|i| self.stages.get(i))
+            .map_or("?", |s| s.name)
+    }
+
+    /// The method of each process that has a choice: the default ones, and `asked` in the process
+    /// that offers it.
+    ///
+    /// # Errors
+    /// No process of this machine offers it.
+    pub fn methods(&self, asked: Option<&str>) -> Result<Vec<(&'static str, String)>, Error> {
+        let chosen = match asked {
+            None => None,
+            Some(name) => Some((
+                self.with_method(name).ok_or_else(|| self.unknown(name))?,
+                name,
+            )),
+        };
+        let of = |stage: &'static Stage| {
+            let default = *stage.methods().first()?;
+            let asked = chosen.filter(|(s, _)| s.name == stage.name);
+            Some((
+                stage.name,
+                asked.map_or(default, |(_, name)| name).to_owned(),
+            ))
+        };
+        Ok(self.stages.iter().filter_map(of).collect())
+    }
+
+    /// The error that names a method that no process offers.
+    #[must_use]
+    pub fn unknown(&self, name: &str) -> Error {
+        let known = self.stages.iter().flat_map(|s| s.methods()).copied();
+        Error::UnknownMethod {
+            machine: self.machine.name(),
+            name: name.to_owned(),
+            known: known.collect(),
+        }
+    }
+}
+
+/// Takes every message and, where the source waits for it, tells how far it has got.
+pub(crate) const LOGGER: Stage = Stage {
+    name: "logger",
+    wakes: &["sensor"],
+    priority: 0,
+    role: Role::Sink,
+};
