@@ -73,7 +73,7 @@ where
     M: Machine,
     S: Message,
     E: Message,
-    D: Tables + Default,
+    D: Tables,
 {
     let name = M::NAME;
     let upper = name.to_uppercase();

@@ -121,13 +121,19 @@ fn excavator_steps(method: &str, rows: &[ExcavatorSensors]) -> Vec<ExcavatorEsti
         let step = excavator::RegressionStep::new(&d, method).expect("a regression");
         all(step, &motions)
     } else {
-        all(excavator::EstimatorStep::new(&d, method).expect("an estimator"), rows)
+        all(
+            excavator::EstimatorStep::new(&d, method).expect("an estimator"),
+            rows,
+        )
     }
 }
 
 fn loader_steps(method: &str, rows: &[LoaderSensors]) -> Vec<LoaderEstimate> {
     let d = LoaderDescription::default();
-    all(loader::EstimatorStep::new(&d, method).expect("an estimator"), rows)
+    all(
+        loader::EstimatorStep::new(&d, method).expect("an estimator"),
+        rows,
+    )
 }
 
 #[test]

@@ -16,7 +16,7 @@ pub trait Words: Machine {
     /// Message of its estimates.
     type Answer: Message;
     /// Its description.
-    type Description: Tables + Default;
+    type Description: Tables;
 }
 
 impl Words for Excavator {

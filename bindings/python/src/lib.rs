@@ -40,7 +40,7 @@ fn machine(name: &str) -> PyResult<Machine> {
 /// Columns that samples of a machine can have.
 #[pyfunction]
 fn signals(machine: &str) -> PyResult<Vec<String>> {
-    Ok(frame::signals_of(self::machine(machine)?))
+    Ok(frame::signals_of(self::machine(machine)?.name()).unwrap_or_default())
 }
 
 /// A description: the text, or the defaults, and then the keys that are set one by one.
@@ -155,18 +155,18 @@ fn recorded<'py>(
 ) -> PyResult<Vec<Bound<'py, PyTuple>>> {
     let columns = frame::channel(reader, channel).map_err(refused)?;
     let columns = columns.into_iter().map(|column| {
-        let bytes: Vec<u8> = match column.kind {
+        let bytes: Vec<u8> = match column.field.kind {
             Kind::F64 => column.values.iter().flat_map(|v| v.as_f64().to_le_bytes()).collect(),
             Kind::U32 => column.values.iter().flat_map(|v| word(*v).to_le_bytes()[..4].to_vec()).collect(),
             Kind::U64 => column.values.iter().flat_map(|v| word(*v).to_le_bytes()).collect(),
         };
-        let kind = match column.kind {
+        let kind = match column.field.kind {
             Kind::F64 => "numbers",
             Kind::U32 => "u4",
             Kind::U64 => "u8",
         };
         let content = (kind, PyBytes::new(py, &bytes));
-        (column.name, column.unit, column.meaning, content).into_pyobject(py)
+        (column.field.name, column.field.unit, column.meaning, content).into_pyobject(py)
     });
     columns.collect()
 }

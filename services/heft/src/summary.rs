@@ -4,9 +4,13 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use messages::{Envelope, Machine};
-use steps::stages::Pipeline;
+use view::estimate::Estimate;
+use view::words::{verdict, wrapped};
 
 use crate::watch::{Score, Watch};
+
+/// Columns of every terminal.
+const WIDTH: usize = 80;
 
 /// Writes the HTML report of a recording; `None`, with the reason told, if that fails.
 pub fn report(recording: &Path, folder: &Path) -> Option<PathBuf> {
@@ -24,20 +28,23 @@ pub fn report(recording: &Path, folder: &Path) -> Option<PathBuf> {
 pub fn text(machine: Machine, watch: &Watch, recording: &Path, report: Option<&Path>) -> String {
     let mut out = format!("\n{machine}\n");
     let mut line = |text: String| {
-        let _ = writeln!(out, "  {text}");
+        for (i, part) in wrapped(&text, WIDTH - 6).iter().enumerate() {
+            let indent = if i == 0 { "  " } else { "      " };
+            let _ = writeln!(out, "{indent}{part}");
+        }
     };
     for score in watch.scores() {
         for text in score_lines(score) {
             line(text);
         }
     }
-    line(format!("at the end: {}", in_words(machine, watch)));
+    line(format!("at the end, {}", in_words(watch)));
     for (name, health) in watch.all_health().filter(|(_, h)| h.age_max_ns > 0) {
         if name == "sensor" {
             continue;
         }
         line(format!(
-            "{name:<7} answers after p50 {:.0}, p99 {:.0}, p99.9 {:.0}, max {:.0} µs; step p50 {:.2} µs; {} samples, {} lost",
+            "{name} answers after p50 {:.0}, p99 {:.0}, p99.9 {:.0}, max {:.0} µs; step p50 {:.2} µs; {} samples, {} lost",
             us(health.age_p50_ns),
             us(health.age_p99_ns),
             us(health.age_p999_ns),
@@ -53,21 +60,18 @@ pub fn text(machine: Machine, watch: &Watch, recording: &Path, report: Option<&P
     if watch.recording_failed() {
         line("the recording is incomplete: the disk took no more".into());
     }
-    line(format!("recording  {}", shown(recording)));
+    // Paths are not broken: they are copied.
+    let _ = writeln!(out, "  recording  {}", shown(recording));
     if let Some(report) = report {
-        line(format!("report     {}", shown(report)));
+        let _ = writeln!(out, "  report     {}", shown(report));
     }
     out
 }
 
-/// Whether the last verdict on every preferred quantity is `trusted`.
+/// Whether the last verdict on every quantity that is told first is `trusted`.
 pub fn is_trusted(watch: &Watch) -> bool {
-    let mut preferred = watch
-        .scores()
-        .iter()
-        .filter(|s| s.quantity.preferred)
-        .peekable();
-    preferred.peek().is_some() && preferred.all(|s| s.trusted)
+    let mut told = watch.told().peekable();
+    told.peek().is_some() && told.all(|s| s.trusted)
 }
 
 fn us(ns: u64) -> f64 {
@@ -83,11 +87,14 @@ fn shown(path: &Path) -> String {
         .to_string()
 }
 
-fn in_words(machine: Machine, watch: &Watch) -> String {
-    let channel = Pipeline::of(machine).main_output();
-    match channel.and_then(|channel| watch.latest(channel)) {
-        Some(Envelope::ExcavatorEstimate(e)) => view::words::excavator_verdict(e),
-        Some(Envelope::LoaderEstimate(e)) => view::words::loader_verdict(e),
+/// The last estimate of the method that was asked for, with the method's name.
+fn in_words(watch: &Watch) -> String {
+    fn told<E: Estimate>(estimate: &E) -> String {
+        format!("by {}: {}", estimate.method_name(), verdict(estimate))
+    }
+    match watch.latest_told() {
+        Some(Envelope::ExcavatorEstimate(e)) => told(e),
+        Some(Envelope::LoaderEstimate(e)) => told(e),
         _ => "no estimate was made".into(),
     }
 }
@@ -115,7 +122,7 @@ fn score_lines(score: &Score) -> Vec<String> {
     }
     if score.scored > 0 {
         lines.push(format!(
-            "    while trusted: rms error {:.1} %, worst {:.1} %, the 95 % interval held the truth {:.0} % of the time",
+            "while trusted: rms error {:.1} %, worst {:.1} %, the 95 % interval held the truth {:.0} % of the time",
             (score.squares / score.scored as f64).sqrt(),
             score.worst,
             100.0 * score.covered as f64 / score.scored as f64

@@ -1,7 +1,10 @@
 //! A run in memory: what the report is made of.
 
 use messages::channels;
-use messages::{ExcavatorEstimate, Health, LoaderEstimate, Message, SwingMotion};
+use messages::{
+    ExcavatorEstimate, ExcavatorSensors, Health, Kind, LoaderEstimate, LoaderSensors, Message,
+    SwingMotion,
+};
 use recording::Reader;
 use steps::stages::Pipeline;
 
@@ -79,6 +82,8 @@ pub struct Run {
     pub excavator: MachineRun<ExcavatorEstimate>,
     /// The loader's part, empty for an excavator.
     pub loader: MachineRun<LoaderEstimate>,
+    /// What the sensors measured.
+    pub inputs: Vec<Input>,
     /// The excavator's filter stage.
     pub motion: Vec<SwingMotion>,
     /// What the processes said of themselves.
@@ -110,6 +115,11 @@ impl Run {
                 estimators: estimators(reader)?,
                 truth: reader.messages(channels::LOADER_TRUTH.name)?,
             },
+            inputs: [
+                inputs::<ExcavatorSensors>(reader, channels::EXCAVATOR_SENSORS.name)?,
+                inputs::<LoaderSensors>(reader, channels::LOADER_SENSORS.name)?,
+            ]
+            .concat(),
             motion: reader.messages(channels::EXCAVATOR_MOTION.name)?,
             health: reader.messages(channels::HEALTH.name)?,
             metadata: metadata
@@ -135,6 +145,45 @@ impl Run {
             .and_then(|i| self.processes.get(i));
         known.cloned().unwrap_or_else(|| format!("process {index}"))
     }
+}
+
+/// A measured signal over time, NaN where a sample lacks it.
+#[derive(Debug, Clone)]
+pub struct Input {
+    /// Name, as in the CSV.
+    pub name: &'static str,
+    /// Unit, as in [`messages::Field::unit`].
+    pub unit: &'static str,
+    /// Time and value.
+    pub points: Vec<(f64, f64)>,
+}
+
+/// The signals of a channel of sensors, those without any value left out.
+fn inputs<S: Message>(reader: &Reader, channel: &str) -> Result<Vec<Input>, recording::Error> {
+    let samples: Vec<S> = reader.messages(channel)?;
+    let valid = S::index("valid");
+    let bits = |s: &S| {
+        valid
+            .and_then(|i| s.get(i))
+            .map_or(0, |v| v.as_f64() as u32)
+    };
+    let numbers = S::FIELDS.iter().enumerate().skip(messages::HEAD);
+    let measured = numbers.filter(|(_, field)| field.kind == Kind::F64);
+    let input = |(bit, (index, field)): (usize, (usize, &messages::Field))| {
+        let value = |s: &S| match s.get(index) {
+            Some(value) if bits(s) >> bit & 1 == 1 => value.as_f64(),
+            _ => f64::NAN,
+        };
+        Input {
+            name: field.name,
+            unit: field.unit,
+            points: samples.iter().map(|s| (s.stamp().time, value(s))).collect(),
+        }
+    };
+    let all = measured.enumerate().map(input);
+    Ok(all
+        .filter(|input| input.points.iter().any(|p| p.1.is_finite()))
+        .collect())
 }
 
 fn estimators<E: Estimate>(reader: &Reader) -> Result<Vec<Estimator<E>>, recording::Error> {
