@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 const ARROWS: &[(&str, &[&str])] = &[
     ("services/estimation", &[]),
     ("services/messages", &[]),
-    ("services/config", &["messages"]),
+    ("services/config", &["estimation", "messages"]),
     ("sim", &[]),
     ("bench/limits", &[]),
     ("services/runtime", &["messages"]),

@@ -45,6 +45,7 @@ pub fn excavator_rows() -> Vec<excavator::Sample> {
             angle: None,
             torque: row.swing_torque,
             posture: row.posture,
+            inclination: row.inclination,
         })
         .collect()
 }

@@ -7,7 +7,7 @@ use toml_edit::{Document, Item, TableLike};
 
 use messages::Machine;
 
-use crate::{Error, Errors, Excavator, Key, Loader, Table, Tables, Value, nearest, print};
+use crate::{Error, Errors, Excavator, Key, Loader, Numbers, Table, Tables, Value, nearest, print};
 
 impl Error {
     /// A contradiction between keys.
@@ -209,11 +209,11 @@ impl<'a> Walk<'a, '_> {
 }
 
 /// The value of an item, or what it is instead.
-fn value_of(item: &Item) -> Result<Value, &'static str> {
+fn value_of(item: &Item) -> Result<Value<'_>, &'static str> {
     use toml_edit::Value as Toml;
     match item.as_value() {
         Some(Toml::String(s)) if s.value() == "none" => Ok(Value::None),
-        Some(Toml::String(s)) => Ok(Value::Word(s.value().clone())),
+        Some(Toml::String(s)) => Ok(Value::Word(s.value())),
         Some(Toml::Integer(i)) => Ok(Value::Number(*i.value() as f64)),
         Some(Toml::Float(x)) => Ok(Value::Number(*x.value())),
         Some(Toml::Boolean(b)) => Ok(Value::Flag(*b.value())),
@@ -221,8 +221,9 @@ fn value_of(item: &Item) -> Result<Value, &'static str> {
             .iter()
             .map(|v| v.as_float().or(v.as_integer().map(|i| i as f64)))
             .collect::<Option<Vec<f64>>>()
-            .map(Value::Numbers)
-            .ok_or("a list with something else than numbers"),
+            .ok_or("a list with something else than numbers")
+            .and_then(|list| Numbers::new(&list).ok_or("a list of more than eight numbers"))
+            .map(Value::Numbers),
         Some(Toml::Datetime(_)) => Err("a date"),
         Some(Toml::InlineTable(_)) | None => Err("a table"),
     }
@@ -242,7 +243,7 @@ enum Defect {
 
 fn assign<M: Tables>(machine: &mut M, path: &str, value: &Value) -> Result<(), Defect> {
     if path == "machine.kind" {
-        let same = *value == Value::Word(M::MACHINE.name().into());
+        let same = *value == Value::Word(M::MACHINE.name());
         return if same {
             Ok(())
         } else {

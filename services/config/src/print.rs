@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::{Form, Key, Range, Tables, Value};
+use crate::{Form, Key, Numbers, Range, Tables, Value};
 
 pub(crate) fn print<M: Tables>(machine: &M) -> String {
     let mut out = String::new();
@@ -56,7 +56,13 @@ pub(crate) fn expected(key: &Key) -> String {
         Form::Flag => "true or false".into(),
         Form::Choice(words) => format!("\"{}\"", words.join("\" or \"")),
         Form::List(n) => format!("a list of {n} numbers {}", limits(key)),
-        Form::Numbers => format!("a list of numbers {}", limits(key)),
+        Form::Numbers => {
+            format!(
+                "a list of at most {} numbers {}",
+                Numbers::MOST,
+                limits(key)
+            )
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! What a description may say, what it prints, and how it refuses.
 
-use config::{Description, Excavator, Form, Loader, Tables, Value, Variant};
+use config::{Description, Excavator, Form, Loader, Numbers, Tables, Value, Variant};
 use messages::Machine;
 
 /// One error of a text that is meant to have exactly one.
@@ -28,7 +28,7 @@ fn every_default_lies_in_its_own_range_and_contradicts_nothing() {
                 let value = table.get(i).expect("every key has a value");
                 let numbers = match value {
                     Value::Number(x) => vec![x],
-                    Value::Numbers(list) => list,
+                    Value::Numbers(list) => list.to_vec(),
                     _ => vec![],
                 };
                 if matches!(
@@ -52,7 +52,7 @@ fn the_printed_description_reads_back_to_the_last_bit() {
     excavator.sensors.swing_velocity_std = 0.1 + 0.2;
     excavator.estimator.q_c = f64::MIN_POSITIVE.max(1e-15);
     excavator.estimator.variant = Variant::Tolerant;
-    excavator.estimator.forgetting = vec![1.0 - f64::EPSILON];
+    excavator.estimator.forgetting = Numbers::new(&[1.0 - f64::EPSILON]).expect("one number");
     let text = excavator.to_toml();
     assert_eq!(Excavator::parse(&text, "x"), Ok(excavator));
     let text = Loader::default().to_toml();
@@ -168,7 +168,7 @@ fn set_overrides_one_key_and_refuses_without_a_change() {
     excavator
         .set("estimator.forgetting=0.97")
         .expect("one factor is a list of one");
-    assert_eq!(excavator.estimator.forgetting, [0.97]);
+    assert_eq!(*excavator.estimator.forgetting, [0.97]);
     excavator
         .set("estimator.convergence_delay = 0.2")
         .expect("spaces are harmless");

@@ -12,6 +12,7 @@ pub mod dual;
 pub mod ekf;
 pub mod excavator;
 pub mod kalman;
+pub mod keys;
 pub mod loader;
 pub mod math;
 pub mod model;

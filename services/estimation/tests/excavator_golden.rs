@@ -6,6 +6,7 @@ use estimation::excavator::{
     Estimate, Method, MotionFilter, Regression, Settings, SwingEstimator, Variant,
 };
 use estimation::kalman::{Gain, VelocityFilter, natural_frequency};
+use estimation::keys::Numbers;
 use estimation::rls::MultipleForgettingRls;
 use excavator_common::{COLUMNS, Table, close, golden_settings, samples};
 
@@ -129,8 +130,7 @@ fn nominal_and_forgetting_rules_act_where_the_reference_acts() {
     let golden = Table::golden("rls_rules.csv");
     for reading in ["I1", "I2"] {
         let mut settings = Settings::paper(5000.0);
-        settings.paper.change_times = [None; 8];
-        settings.paper.change_times[0] = Some(7.5);
+        settings.paper.change_times = Numbers::new(&[7.5]).unwrap();
         settings.paper.start_time = None;
         settings.paper.stop_time = None;
         settings.paper.covariance = [1e2, 1e4, 1e6];

@@ -42,10 +42,12 @@ fn step_between(before: &Sample, now: &Sample) -> Swing {
         mean: Inertia {
             empty: 0.5 * (a.empty + b.empty),
             per_payload: 0.5 * (a.per_payload + b.per_payload),
+            ..Inertia::default()
         },
         rate: Inertia {
             empty: (b.empty - a.empty) / h,
             per_payload: (b.per_payload - a.per_payload) / h,
+            ..Inertia::default()
         },
     }
 }

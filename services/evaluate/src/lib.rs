@@ -5,6 +5,7 @@
 
 mod error;
 pub mod excavator;
+pub mod honesty;
 pub mod loader;
 mod options;
 mod parallel;

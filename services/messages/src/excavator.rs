@@ -19,6 +19,10 @@ pub mod excavator_bits {
     pub const ARM_ANGLE: u32 = 1 << 4;
     /// Bucket angle.
     pub const BUCKET_ANGLE: u32 = 1 << 5;
+    /// Pitch of the upper body.
+    pub const PITCH: u32 = 1 << 6;
+    /// Roll of the upper body.
+    pub const ROLL: u32 = 1 << 7;
 
     // Flags: `ExcavatorEstimate::flags`.
     /// The motion carries information about the inertia.
@@ -71,7 +75,7 @@ pub mod excavator_bits {
 
 message! {
     /// What the excavator's sensors measured; a signal without its bit in `valid` is 0 and means nothing.
-    pub struct ExcavatorSensors, "ExcavatorSensors", size 120 {
+    pub struct ExcavatorSensors, "ExcavatorSensors", size 136 {
         /// Swing rate, positive anticlockwise from above.
         swing_velocity: f64, "rad/s";
         /// Swing angle, same sign.
@@ -88,6 +92,10 @@ message! {
         valid: u32, "";
         /// Bits of the signals that the source has at all.
         columns: u32, "";
+        /// Pitch of the upper body, nose up positive.
+        pitch: f64, "rad";
+        /// Roll of the upper body, left side low positive.
+        roll: f64, "rad";
     }
 }
 
@@ -201,8 +209,8 @@ message! {
         estimated: u32, "";
         /// Index of the method that made this estimate.
         method: u32, "";
-        /// Reserved, 0.
-        reserved: u32, "";
+        /// Code of the reason: what the machine does beside its description, or why the estimate is not trusted.
+        reason: u32, "";
         /// Rows refused so far.
         refused: u64, "";
         /// Reserved, 0.

@@ -25,6 +25,29 @@ pub use machine::Machine;
 pub use message::{Field, HEAD, Kind, Message, Value};
 pub use stamp::{Hop, Hops, Stamp};
 
+/// Reasons of the excavator's estimates by their code, [`ExcavatorEstimate::reason`]: name in the tables, and
+/// words. 0 is no reason.
+pub const EXCAVATOR_REASONS: &[(&str, &str)] = &[
+    ("", ""),
+    ("slope", "the ground seems inclined"),
+    ("losses", "the swing drive seems to lose torque"),
+    ("friction", "the friction differs from the described one"),
+    ("gain", "the torque's gain seems not to be 1"),
+    ("delay", "velocity and torque do not come together"),
+    ("offset", "the torque seems to have an offset"),
+    ("damping", "the damping differs from the described one"),
+    ("unexplained", "the motion does not follow the model"),
+    ("disagreement", "swings disagree by more than they claim"),
+    ("limit", "the estimate is at the end of its range"),
+    ("content", "the bucket's content may have changed"),
+    ("frozen", "a sensor repeats one value"),
+    ("sign", "a sensor seems to have the other sign"),
+    (
+        "method",
+        "this method cannot tell the inertia of a machine that is not calibrated",
+    ),
+];
+
 /// Names of the excavator estimation methods on the command line and in every output, indexed by
 /// [`ExcavatorEstimate::method`].
 pub const EXCAVATOR_METHODS: &[&str] = &[

@@ -1,5 +1,7 @@
 //! CSV in and out.
 
+mod columns;
+mod dialect;
 mod estimate;
 mod export;
 mod read;

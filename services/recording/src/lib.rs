@@ -8,18 +8,19 @@
 //!
 //! Schemas, columns and signals all come from [`messages::Message::FIELDS`].
 
-mod candump;
+pub mod can;
 pub mod csv;
-mod dbc;
 mod error;
 pub mod frame;
 mod load;
 mod map;
 mod reader;
 mod recover;
+mod sampling;
 mod scan;
 mod schema;
 mod signal;
+mod time;
 mod unit;
 mod wire;
 mod writer;
@@ -31,4 +32,5 @@ pub use map::Map;
 pub use reader::Reader;
 pub use recover::{Recovered, is_complete, recover};
 pub use schema::RecordedField;
+pub use signal::{Excavator, Loader, Machine, Row};
 pub use writer::{Metadata, Writer, sha256};

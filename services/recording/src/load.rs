@@ -7,7 +7,7 @@ use messages::channels::{
 use messages::{ExcavatorSensors, ExcavatorTruth, LoaderSensors, LoaderTruth, Message};
 
 use crate::signal::{Excavator, Loader, Machine, Row};
-use crate::{Error, Map, Reader, candump, csv};
+use crate::{Error, Map, Reader, can, csv};
 
 /// Reads the samples of an excavator from a table (`.csv`), a recording (`.mcap`) or a CAN log
 /// (`.log`, which needs a map).
@@ -41,7 +41,7 @@ fn load<M: Machine>(
     let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
     match (ending.as_deref(), map) {
         (Some("csv" | "txt"), _) => csv::read::<M>(path, map),
-        (Some("log"), Some(map)) => candump::read::<M>(path, map),
+        (Some("log"), Some(map)) => can::read::<M>(path, map),
         (Some("mcap"), None) => recorded::<M>(path, channels),
         (Some("log"), None) => Err(Error::new(
             "a CAN log needs a signal map",

@@ -1,12 +1,14 @@
 //! The signals of each machine: what a column, a map entry or a CAN signal can become.
 
+use std::collections::VecDeque;
+
 use messages::{
     ExcavatorSensors, ExcavatorTruth, Kind, LoaderSensors, LoaderTruth, Message, Value,
     excavator_bits, loader_bits,
 };
 
 /// A machine whose samples can be read.
-pub(crate) trait Machine {
+pub trait Machine: Sized + std::fmt::Debug {
     /// What its sensors measure.
     type Sensors: Message;
     /// The truth behind it.
@@ -24,7 +26,8 @@ pub(crate) trait Machine {
 }
 
 /// The excavator.
-pub(crate) struct Excavator;
+#[derive(Debug)]
+pub struct Excavator;
 
 impl Machine for Excavator {
     type Sensors = ExcavatorSensors;
@@ -37,11 +40,14 @@ impl Machine for Excavator {
         | excavator_bits::SWING_TORQUE
         | excavator_bits::BOOM_ANGLE
         | excavator_bits::ARM_ANGLE
-        | excavator_bits::BUCKET_ANGLE;
+        | excavator_bits::BUCKET_ANGLE
+        | excavator_bits::PITCH
+        | excavator_bits::ROLL;
 }
 
 /// The wheel loader.
-pub(crate) struct Loader;
+#[derive(Debug)]
+pub struct Loader;
 
 impl Machine for Loader {
     type Sensors = LoaderSensors;
@@ -134,25 +140,53 @@ pub(crate) fn sensor_bit(name: &str) -> u32 {
 }
 
 /// A row of samples with the truth behind it.
-pub(crate) type Row<M> = (<M as Machine>::Sensors, <M as Machine>::Truth);
+pub type Row<M> = (<M as Machine>::Sensors, <M as Machine>::Truth);
+
+/// Rows after which the columns are settled even if no time ever passes.
+const MOST_UNSETTLED: usize = 100_000;
 
 /// Makes messages of rows of values.
+#[derive(Debug)]
 pub(crate) struct Builder<M: Machine> {
     slots: Vec<Slot>,
-    rows: Vec<Row<M>>,
+    /// Rows that nobody took yet.
+    rows: VecDeque<Row<M>>,
+    count: u64,
+    /// Bits of the signals that the source has, once that is settled.
+    columns: Option<u32>,
+    /// Time of the first row that has one.
+    start: Option<f64>,
 }
 
 impl<M: Machine> Builder<M> {
-    /// Rows will have the values of these signals, in this order.
+    /// Rows will have the values of these signals, in this order. Which of them the source has is
+    /// settled by the first second.
     pub(crate) fn new<'a>(signals: impl IntoIterator<Item = &'a Signal>) -> Self {
         Self {
             slots: signals.into_iter().map(|s| s.slot).collect(),
-            rows: Vec::new(),
+            rows: VecDeque::new(),
+            count: 0,
+            columns: None,
+            start: None,
         }
     }
 
+    /// As [`Builder::new`]; the source has all of these signals, be they silent at first.
+    pub(crate) fn with_all<'a>(signals: impl IntoIterator<Item = &'a Signal>) -> Self {
+        let mut builder = Self::new(signals);
+        builder.columns = Some(builder.header());
+        builder
+    }
+
+    fn header(&self) -> u32 {
+        self.slots.iter().fold(0, |bits, slot| match slot {
+            Slot::Sensor(_, bit) | Slot::Flag(bit) => bits | bit,
+            _ => bits,
+        })
+    }
+
     /// Adds a row; a value that is not finite is missing.
-    pub(crate) fn push(&mut self, values: &[f64]) {
+    pub(crate) fn push(&mut self, values: &[f64], measured_ns: u64) {
         let (mut sensors, mut truth) = (M::Sensors::default(), M::Truth::default());
         let (mut valid, mut known) = (0, 0);
         sensors.stamp_mut().time = f64::NAN;
@@ -171,38 +205,57 @@ impl<M: Machine> Builder<M> {
                 }
             }
         }
-        sensors.stamp_mut().sequence = self.rows.len() as u64;
+        sensors.stamp_mut().sequence = self.count;
+        sensors.stamp_mut().measured_ns = measured_ns;
+        self.count += 1;
         *truth.stamp_mut() = *sensors.stamp();
         set(&mut sensors, "valid", valid);
         set(&mut truth, "known", known);
-        self.rows.push((sensors, truth));
+        self.settle(sensors.stamp().time);
+        if let Some(columns) = self.columns {
+            set(&mut sensors, "columns", columns);
+        }
+        self.rows.push_back((sensors, truth));
     }
 
-    /// All rows, with the bits of the signals that the source has.
-    pub(crate) fn finish(mut self) -> Vec<Row<M>> {
-        let header = self.slots.iter().fold(0, |bits, slot| match slot {
-            Slot::Sensor(_, bit) | Slot::Flag(bit) => bits | bit,
-            _ => bits,
-        });
-        let mut columns = header & (!M::OPTIONAL | self.seen_early());
+    /// The next row, as soon as its columns are settled.
+    pub(crate) fn next(&mut self) -> Option<Row<M>> {
+        self.columns?;
+        self.rows.pop_front()
+    }
+
+    /// No more rows will come: those that wait can be taken.
+    pub(crate) fn finish(&mut self) {
+        if self.columns.is_none() {
+            self.settle_now();
+        }
+    }
+
+    /// Settles the columns at the first row after a second.
+    fn settle(&mut self, time: f64) {
+        if self.columns.is_some() {
+            return;
+        }
+        if time.is_finite() && time >= *self.start.get_or_insert(time) + 1.0
+            || self.rows.len() >= MOST_UNSETTLED
+        {
+            self.settle_now();
+        }
+    }
+
+    /// The columns are those that had a value so far, and those that need none.
+    fn settle_now(&mut self) {
+        let seen = |bits, (sensors, _): &Row<M>| bits | valid(sensors);
+        let early = self.rows.iter().fold(0, seen);
+        let header = self.header();
+        let mut columns = header & (!M::OPTIONAL | early);
         if columns & M::ONE_OF == 0 {
             columns |= header & M::ONE_OF;
         }
+        self.columns = Some(columns);
         for (sensors, _) in &mut self.rows {
             set(sensors, "columns", columns);
         }
-        self.rows
-    }
-
-    /// Bits of the signals that have a value within the first second.
-    fn seen_early(&self) -> u32 {
-        let times = || self.rows.iter().map(|(s, _)| s.stamp().time);
-        let end = times().find(|t| t.is_finite()).unwrap_or(0.0) + 1.0;
-        let early = self
-            .rows
-            .iter()
-            .take_while(|(s, _)| s.stamp().time.is_nan() || s.stamp().time < end);
-        early.fold(0, |bits, (sensors, _)| bits | valid(sensors))
     }
 }
 

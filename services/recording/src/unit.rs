@@ -1,64 +1,161 @@
-//! Units that a signal map may name.
+//! Units that a signal map may name, and how others write them.
 
 use core::f64::consts::{PI, TAU};
 
 /// A unit: name, the SI unit of the same dimension, and its size in that.
+#[derive(Debug, PartialEq)]
 pub(crate) struct Unit {
     pub name: &'static str,
     pub si: &'static str,
     pub factor: f64,
+    /// Other ways to write it, in small letters without blanks, dots and carets.
+    aliases: &'static [&'static str],
 }
 
-const fn unit(name: &'static str, si: &'static str, factor: f64) -> Unit {
-    Unit { name, si, factor }
+const fn unit(
+    name: &'static str,
+    si: &'static str,
+    factor: f64,
+    aliases: &'static [&'static str],
+) -> Unit {
+    Unit {
+        name,
+        si,
+        factor,
+        aliases,
+    }
 }
 
 pub(crate) const UNITS: &[Unit] = &[
-    unit("s", "s", 1.0),
-    unit("ms", "s", 1e-3),
-    unit("us", "s", 1e-6),
-    unit("ns", "s", 1e-9),
-    unit("min", "s", 60.0),
-    unit("rad", "rad", 1.0),
-    unit("mrad", "rad", 1e-3),
-    unit("deg", "rad", PI / 180.0),
-    unit("turn", "rad", TAU),
-    unit("rad/s", "rad/s", 1.0),
-    unit("deg/s", "rad/s", PI / 180.0),
-    unit("rpm", "rad/s", TAU / 60.0),
-    unit("turn/s", "rad/s", TAU),
-    unit("rad/s^2", "rad/s^2", 1.0),
-    unit("m", "m", 1.0),
-    unit("mm", "m", 1e-3),
-    unit("cm", "m", 1e-2),
-    unit("km", "m", 1e3),
-    unit("m/s", "m/s", 1.0),
-    unit("mm/s", "m/s", 1e-3),
-    unit("km/h", "m/s", 1.0 / 3.6),
-    unit("mph", "m/s", 0.44704),
-    unit("m/s^2", "m/s^2", 1.0),
-    unit("g", "m/s^2", 9.80665),
-    unit("N", "N", 1.0),
-    unit("kN", "N", 1e3),
-    unit("N m", "N m", 1.0),
-    unit("Nm", "N m", 1.0),
-    unit("kN m", "N m", 1e3),
-    unit("kNm", "N m", 1e3),
-    unit("kg", "kg", 1.0),
-    unit("t", "kg", 1e3),
-    unit("kg m^2", "kg m^2", 1.0),
-    unit("N m s/rad", "N m s/rad", 1.0),
-    unit("Pa", "Pa", 1.0),
-    unit("kPa", "Pa", 1e3),
-    unit("MPa", "Pa", 1e6),
-    unit("bar", "Pa", 1e5),
-    unit("V", "V", 1.0),
-    unit("A", "A", 1.0),
-    unit("%", "", 0.01),
-    unit("1", "", 1.0),
+    unit("s", "s", 1.0, &["sec", "second", "seconds"]),
+    unit("ms", "s", 1e-3, &["msec", "millis", "milliseconds"]),
+    unit(
+        "us",
+        "s",
+        1e-6,
+        &["usec", "µs", "μs", "micros", "microseconds"],
+    ),
+    unit("ns", "s", 1e-9, &["nsec", "nanos", "nanoseconds"]),
+    unit("min", "s", 60.0, &["minutes"]),
+    unit("rad", "rad", 1.0, &["radian", "radians"]),
+    unit("mrad", "rad", 1e-3, &[]),
+    unit("deg", "rad", PI / 180.0, &["degree", "degrees", "°", "º"]),
+    unit("turn", "rad", TAU, &["rev", "turns"]),
+    unit("rad/s", "rad/s", 1.0, &["rad/sec", "rads", "1/s"]),
+    unit(
+        "deg/s",
+        "rad/s",
+        PI / 180.0,
+        &["deg/sec", "degree/s", "°/s", "°/sec", "º/s", "dps"],
+    ),
+    unit(
+        "rpm",
+        "rad/s",
+        TAU / 60.0,
+        &[
+            "1/min", "r/min", "rev/min", "u/min", "min-1", "/min", "revs/min",
+        ],
+    ),
+    unit("turn/s", "rad/s", TAU, &["rev/s", "r/s", "rps"]),
+    unit("rad/s^2", "rad/s^2", 1.0, &["rad/s2", "rad/s²"]),
+    unit("m", "m", 1.0, &["meter", "metre"]),
+    unit("mm", "m", 1e-3, &[]),
+    unit("cm", "m", 1e-2, &[]),
+    unit("km", "m", 1e3, &[]),
+    unit("m/s", "m/s", 1.0, &["m/sec", "mps"]),
+    unit("mm/s", "m/s", 1e-3, &["mm/sec"]),
+    unit(
+        "km/h",
+        "m/s",
+        1.0 / 3.6,
+        &["kph", "kmh", "km/hr", "kmph", "km/hour"],
+    ),
+    unit("mph", "m/s", 0.44704, &["mi/h"]),
+    unit("m/s^2", "m/s^2", 1.0, &["m/s2", "m/s²", "m/s/s", "m/sec2"]),
+    unit("g", "m/s^2", 9.80665, &["gs", "g0"]),
+    unit("N", "N", 1.0, &["newton"]),
+    unit("kN", "N", 1e3, &[]),
+    unit("N m", "N m", 1.0, &["nm", "n*m", "n·m", "newtonmeter"]),
+    unit("Nm", "N m", 1.0, &[]),
+    unit("kN m", "N m", 1e3, &["knm", "kn*m", "kn·m"]),
+    unit("kNm", "N m", 1e3, &[]),
+    unit("kg", "kg", 1.0, &["kilogram"]),
+    unit("t", "kg", 1e3, &["ton", "tons", "tonne", "tonnes"]),
+    unit("kg m^2", "kg m^2", 1.0, &["kgm2", "kg*m2", "kgm²", "kg*m²"]),
+    unit("N m s/rad", "N m s/rad", 1.0, &["nms/rad", "nms"]),
+    unit("Pa", "Pa", 1.0, &["pascal"]),
+    unit("kPa", "Pa", 1e3, &[]),
+    unit("MPa", "Pa", 1e6, &[]),
+    unit("bar", "Pa", 1e5, &["bars"]),
+    unit("mbar", "Pa", 1e2, &["hpa"]),
+    unit("psi", "Pa", 6_894.757_293_168, &[]),
+    unit("V", "V", 1.0, &["volt", "volts"]),
+    unit("mV", "V", 1e-3, &[]),
+    unit("A", "A", 1.0, &["ampere", "amp", "amps"]),
+    unit("mA", "A", 1e-3, &[]),
+    unit("%", "", 0.01, &["percent", "pct"]),
+    unit("1", "", 1.0, &["-", "ratio"]),
 ];
 
 /// The unit called `name`.
 pub(crate) fn find(name: &str) -> Option<&'static Unit> {
     UNITS.iter().find(|u| u.name == name)
+}
+
+/// The unit that a DBC file or a column's header writes as `text`: by its name, by an alias, or by
+/// its name in other capitals (a `G` is no gram, an `NM` no nautical mile, on a machine).
+pub(crate) fn guess(text: &str) -> Option<&'static Unit> {
+    let text = text.trim();
+    let plain = |text: &str| -> String {
+        let kept = text.chars().filter(|c| !matches!(c, ' ' | '.' | '^' | '_'));
+        kept.flat_map(char::to_lowercase).collect()
+    };
+    let wanted = plain(text);
+    find(text)
+        .or_else(|| UNITS.iter().find(|u| u.aliases.contains(&wanted.as_str())))
+        .or_else(|| UNITS.iter().find(|u| plain(u.name) == wanted))
+}
+
+/// Whether both are the same unit, perhaps under two names.
+pub(crate) fn same(a: &Unit, b: &Unit) -> bool {
+    a.si == b.si && a.factor == b.factor
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_others_write_is_understood() {
+        for (text, name) in [
+            ("km/h", "km/h"),
+            ("KPH", "km/h"),
+            ("1/min", "rpm"),
+            ("RPM", "rpm"),
+            ("°", "deg"),
+            ("deg/sec", "deg/s"),
+            ("m/s²", "m/s^2"),
+            ("N.m", "N m"),
+            ("NM", "N m"),
+            ("kN.m", "kN m"),
+            ("G", "g"),
+            ("MPa", "MPa"),
+            ("Bar", "bar"),
+            ("%", "%"),
+            ("kg m2", "kg m^2"),
+        ] {
+            assert_eq!(guess(text).map(|u| u.name), Some(name), "{text}");
+        }
+        for text in ["", "°C", "L/h", "counts", "mPa s"] {
+            assert_eq!(guess(text), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn no_alias_belongs_to_two_units() {
+        let all: Vec<_> = UNITS.iter().flat_map(|u| u.aliases).collect();
+        for (i, alias) in all.iter().enumerate() {
+            assert!(!all[..i].contains(alias), "{alias}");
+        }
+    }
 }

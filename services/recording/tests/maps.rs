@@ -111,6 +111,12 @@ fn a_map_that_says_nonsense_is_refused_with_its_line() {
             "scale is no number",
         ),
         ("[can]\nmaster = \"t\"\n", 1, "[can] names no DBC file"),
+        ("[can]\ndbc = \"x.dbc\"\nrate = 1e300\n", 3, "rate is 1"),
+        (
+            "[columns]\nt = { column = \"x\", delay = -1 }\n",
+            2,
+            "delay is -1",
+        ),
         (
             "[can]\ndbc = \"x.dbc\"\n",
             1,
@@ -130,7 +136,7 @@ fn a_map_that_says_nonsense_is_refused_with_its_line() {
 }
 
 const DBC: &str = "BO_ 100 Swing: 8 X\n SG_ rate : 0|16@1- (0.001,0) [0|0] \"rad/s\" X\n\
-                   BO_ 101 Torque: 8 X\n SG_ torque : 7|16@0- (1,0) [0|0] \"N m\" X\n";
+                   BO_ 101 Torque: 8 X\n SG_ torque : 7|16@0- (1,0) [0|0] \"\" X\n";
 
 /// Reads a CAN log through a map whose lines follow `[can]`.
 fn log(can: &str, signals: &str, frames: &str) -> Result<Vec<ExcavatorSensors>, Error> {
@@ -203,6 +209,157 @@ fn can_names_that_do_not_fit_are_told_with_the_nearest_ones() {
         log(can, "swing_torque = { constant = 1.0 }\n", FRAMES).is_err(),
         "no velocity"
     );
+}
+
+/// Reads a log with the DBC's own units, through a map of one signal.
+fn speed(dbc_unit: &str, entry: &str) -> Result<f64, Error> {
+    let dir = tempfile::tempdir().expect("a folder");
+    let path = dir.path().join("run.log");
+    std::fs::write(&path, "(0.0) can0 064#2400\n(0.1) can0 064#2400\n").expect("writable");
+    let dbc = format!("BO_ 100 S: 8 X\n SG_ v : 0|16@1- (1,0) [0|0] \"{dbc_unit}\" X\n");
+    std::fs::write(dir.path().join("s.dbc"), dbc).expect("writable");
+    let text = format!(
+        "[can]\ndbc = \"s.dbc\"\nmaster = \"swing_velocity\"\n[can.signals]\n\
+         swing_velocity = {{ message = \"S\", signal = \"v\"{entry} }}\n"
+    );
+    let map = Map::parse(&text, dir.path().join("map.toml"))?;
+    let rows = load_excavator(&path, Some(&map))?;
+    Ok(rows.last().expect("a row").0.swing_velocity)
+}
+
+#[test]
+fn the_unit_is_the_dbcs_where_the_map_is_silent_and_a_contradiction_is_told() {
+    let close = |found: Result<f64, Error>, wanted: f64| {
+        let found = found.expect("a value");
+        assert!((found / wanted - 1.0).abs() < 1e-12, "{found} {wanted}");
+    };
+    close(speed("rpm", ""), 36.0 * core::f64::consts::TAU / 60.0);
+    close(
+        speed("1/min", ", unit = \"rpm\""),
+        36.0 * core::f64::consts::TAU / 60.0,
+    );
+    close(speed("deg/s", ""), 36.0_f64.to_radians());
+    close(speed("", ""), 36.0);
+    close(speed("km/h", ", scale = 0.5"), 5.0);
+    close(speed("counts", ", scale = 0.5"), 18.0);
+    let error = speed("rpm", ", unit = \"rad/s\"").expect_err("a contradiction");
+    assert_eq!(
+        error.what,
+        "swing_velocity is in rad/s by the map and in rpm by the DBC"
+    );
+    let error = speed("km/h", "").expect_err("another dimension");
+    assert_eq!(
+        error.what,
+        "swing_velocity is measured in rad/s, not in km/h"
+    );
+    let error = speed("counts", "").expect_err("an unknown unit");
+    assert!(error.what.contains("\"counts\""), "{error}");
+}
+
+#[test]
+fn a_torque_is_the_difference_of_two_pressures_times_the_displacement() {
+    let text = "[columns.swing_torque]\nterms = [{ column = \"pa\", unit = \"bar\" }, \
+                { column = \"pb\", unit = \"bar\", sign = -1 }]\nscale = 2e-3\noffset = 5.0\n";
+    let rows = through(text, "t,swing_velocity,pa,pb\n0,1,120,20\n1,1,120,\n").expect("rows");
+    assert_eq!(rows[0].swing_torque, 20_005.0); // 100 bar = 1e7 Pa
+    assert_eq!(
+        rows[1].valid,
+        e::SWING_VELOCITY,
+        "half a difference is none"
+    );
+    let error = through("[columns]\nswing_torque = { terms = [] }\n", "t\n0\n").expect_err("none");
+    assert_eq!(error.what, "swing_torque has no terms");
+    let signals = "swing_velocity = { message = \"Swing\", signal = \"rate\" }\n\
+                   swing_torque = { terms = [{ message = \"Torque\", signal = \"torque\" }, { constant = 7.0 }] }\n";
+    let rows = log("rate = 4", signals, FRAMES).expect("rows");
+    assert_eq!(rows[0].swing_torque, 9.0);
+}
+
+#[test]
+fn a_delayed_signal_belongs_to_the_time_at_which_it_was_measured() {
+    // The torque is the time of its measurement [ms] and comes 250 ms later.
+    let mut frames = String::new();
+    for n in 0..40_u32 {
+        let ms = 50 * n;
+        let torque = ms as i16 - 250;
+        frames += &format!("({}.{:03}) can0 064#0000\n", 100 + ms / 1000, ms % 1000);
+        if ms.is_multiple_of(100) && torque >= 0 {
+            frames += &format!(
+                "({}.{:03}) can0 065#{torque:04X}\n",
+                100 + ms / 1000,
+                ms % 1000
+            );
+        }
+    }
+    let signals = |timing: &str| {
+        format!(
+            "swing_velocity = {{ message = \"Swing\", signal = \"rate\" }}\n\
+             swing_torque = {{ message = \"Torque\", signal = \"torque\", delay = 0.25{timing} }}\n"
+        )
+    };
+    let rows = log(
+        "master = \"swing_velocity\"",
+        &signals(", interpolate = true"),
+        &frames,
+    );
+    let rows = rows.expect("rows");
+    let valid = rows.iter().filter(|r| r.valid & e::SWING_TORQUE != 0);
+    assert!(valid.clone().count() > 20);
+    for row in valid {
+        assert!(
+            (row.swing_torque - 1e3 * row.stamp.time).abs() < 1e-6,
+            "{row:?}"
+        );
+    }
+    let held = log("master = \"swing_velocity\"", &signals(""), &frames).expect("rows");
+    let late = held.iter().filter(|r| r.valid & e::SWING_TORQUE != 0);
+    assert!(late.clone().count() > 20);
+    // At the end of the log no value of the last 250 ms can come any more.
+    let old = |r: &ExcavatorSensors| 1e3 * r.stamp.time - r.swing_torque;
+    assert!(late.clone().all(|r| (-1e-6..310.0).contains(&old(r))));
+}
+
+#[test]
+fn of_two_senders_of_a_parameter_group_the_first_counts() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let path = dir.path().join("run.log");
+    let frames = "(0.0) can0 0CF00400#0000002003FFFFFF\n(0.1) can0 0CF00417#0000000000FFFFFF\n\
+                  (0.2) can0 0CF00400#0000002003FFFFFF\n(0.3) can0 0CF00400#000000FFFFFFFFFF\n";
+    std::fs::write(&path, frames).expect("writable");
+    let dbc = "BO_ 2364540158 E: 8 X\n SG_ n : 24|16@1+ (0.125,0) [0|0] \"rpm\" X\nBA_ \"ProtocolType\" \"J1939\";\n";
+    std::fs::write(dir.path().join("s.dbc"), dbc).expect("writable");
+    let text = |source: &str| {
+        format!(
+            "[can]\ndbc = \"s.dbc\"\nmaster = \"swing_velocity\"\n[can.signals]\n\
+             swing_velocity = {{ message = \"E\", signal = \"n\"{source} }}\n"
+        )
+    };
+    let read = |source: &str| -> Vec<(f64, u32)> {
+        let map = Map::parse(&text(source), dir.path().join("map.toml")).expect("a map");
+        let rows = load_excavator(&path, Some(&map)).expect("rows");
+        rows.iter()
+            .map(|(s, _)| ((s.swing_velocity * 1e3).round(), s.valid))
+            .collect()
+    };
+    let speed = (10_472.0, e::SWING_VELOCITY); // 100 rpm
+    assert_eq!(
+        read(""),
+        [speed, speed, (0.0, 0)],
+        "not available is missing"
+    );
+    assert_eq!(read(", source = 0x17"), [(0.0, e::SWING_VELOCITY)]);
+}
+
+#[test]
+fn a_wrong_time_makes_no_rows() {
+    let Some(data) = data() else { return };
+    let map = Map::read(&data.join("faults/rate.toml")).expect("a map");
+    let rows = load_loader(data.join("faults/jump.log"), Some(&map)).expect("rows");
+    assert!((50..2000).contains(&rows.len()), "{}", rows.len());
+    let times = rows
+        .windows(2)
+        .map(|w| w[1].0.stamp.time - w[0].0.stamp.time);
+    assert!(times.fold(0.0, f64::max) < 11.0);
 }
 
 /// The folder with data made by others, if there is one.

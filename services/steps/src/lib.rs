@@ -4,7 +4,6 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | `settings` | the description as the algorithm's settings |
 //! | `sample` | sensor message to sample |
 //! | `motion` | swing motion to message and back (excavator) |
 //! | `estimate` | estimate to message |
@@ -14,8 +13,10 @@
 mod bits;
 mod error;
 pub mod excavator;
+mod idle;
 pub mod loader;
 mod source;
 pub mod stages;
 
 pub use error::Error;
+pub use idle::{Idle, idle_keys};

@@ -1,8 +1,8 @@
 //! The excavator's messages: nothing is lost between the filter stage and the regression.
 
-use estimation::excavator::{Columns, Method, Motion, MotionFilter, Sample};
+use estimation::excavator::{Columns, Method, Motion, MotionFilter, Sample, Settings};
 use messages::EXCAVATOR_METHODS;
-use steps::excavator::{motion, motion_message, settings};
+use steps::excavator::{motion, motion_message};
 
 /// Signal bits of a source with velocity and torque.
 const ALL: u32 = messages::excavator_bits::SWING_VELOCITY | messages::excavator_bits::SWING_TORQUE;
@@ -23,7 +23,7 @@ fn motions(encoder: bool) -> Vec<(Motion, u32)> {
         torque: true,
         posture: false,
     };
-    let settings = settings(&config::Excavator::default());
+    let settings = Settings::default();
     let mut filter = MotionFilter::new(&settings, columns).expect("default settings");
     let row = |k: u32| {
         let time = 0.01 * f64::from(if k == 300 { 100 } else { k });

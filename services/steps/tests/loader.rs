@@ -77,7 +77,7 @@ fn an_unknown_method_is_named_with_the_known_ones() {
 #[test]
 fn the_default_description_gives_the_default_settings() {
     use estimation::loader::{Method, Settings, Tuning};
-    let settings = steps::loader::settings(&config::Loader::default(), Method::Full);
+    let settings = Settings::of(&config::Loader::default(), Method::Full);
     assert_eq!(
         settings,
         Settings {
@@ -85,6 +85,6 @@ fn the_default_description_gives_the_default_settings() {
             ..Settings::default()
         }
     );
-    let settings = steps::loader::settings(&config::Loader::default(), Method::Ekf);
+    let settings = Settings::of(&config::Loader::default(), Method::Ekf);
     assert_eq!(settings.tuning, Some(Tuning::paper()));
 }

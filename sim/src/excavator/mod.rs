@@ -26,6 +26,7 @@ mod scenario;
 mod sensors;
 mod simulation;
 mod torque;
+mod work;
 
 pub use course::{Course, Exact};
 pub use geometry::{Attachment, Geometry, Inertia, Link};
@@ -37,3 +38,4 @@ pub use scenario::Scenario;
 pub use sensors::{CHANNELS, Instruments, Sensors};
 pub use simulation::{InvalidRun, Row, Run, Simulation, Truth};
 pub use torque::Swing;
+pub use work::{Effects, Size, Work};

@@ -97,6 +97,7 @@ impl Instruments {
             swing_angle: seen[1],
             swing_torque: seen[2],
             posture: [seen[3], seen[4], seen[5]],
+            inclination: [None; 2],
             truth: exact.truth,
         };
         (!lost).then_some(row)

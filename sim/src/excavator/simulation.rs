@@ -76,6 +76,8 @@ pub struct Row {
     pub swing_torque: Option<f64>,
     /// Angles of boom, arm and bucket [rad].
     pub posture: [Option<f64>; 3],
+    /// Pitch (nose up) and roll (left side low) of the upper body [rad].
+    pub inclination: [Option<f64>; 2],
     /// What is really so.
     pub truth: Truth,
 }

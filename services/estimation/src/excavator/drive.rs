@@ -17,8 +17,10 @@ pub(super) struct Drive {
     pub(super) now: Inertia,
     pub(super) mean: Inertia,
     pub(super) rate: Inertia,
-    /// Bucket angle relative to the arm [rad].
-    pub(super) bucket: f64,
+    /// Joint angles [rad].
+    pub(super) posture: [f64; 3],
+    /// Pitch and roll of the upper body [rad].
+    pub(super) inclination: Option<[f64; 2]>,
     /// Share of a row's noise variance that is left after averaging.
     pub(super) share: f64,
     /// Variance of the torque beyond its noise, where it has been missing for long [(N m)^2].
@@ -62,12 +64,17 @@ impl Driver {
             mean: Inertia {
                 empty: 0.5 * (now.empty + before.empty),
                 per_payload: 0.5 * (now.per_payload + before.per_payload),
+                moment: 0.5 * (now.moment + before.moment),
+                radius: 0.5 * (now.radius + before.radius),
             },
             rate: Inertia {
                 empty: (now.empty - before.empty) / h,
                 per_payload: (now.per_payload - before.per_payload) / h,
+                moment: (now.moment - before.moment) / h,
+                radius: (now.radius - before.radius) / h,
             },
-            bucket: tick.posture[2],
+            posture: tick.posture,
+            inclination: tick.inclination,
             share: tick.share,
             stale_torque: if tick.torque_age > TORQUE_HOLD {
                 (UNKNOWN_TORQUE * torque_std) * (UNKNOWN_TORQUE * torque_std)

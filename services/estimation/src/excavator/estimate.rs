@@ -1,5 +1,6 @@
 //! What goes in and what comes out.
 
+use super::reason::Reason;
 use crate::Quantity;
 
 /// One row of sensors; a missing value is `None`, a non-finite one counts as missing.
@@ -16,6 +17,8 @@ pub struct Sample {
     /// Boom (to the horizontal, up positive), arm (relative to the boom), bucket (relative to the
     /// arm) [rad].
     pub posture: [Option<f64>; 3],
+    /// Pitch (nose up positive) and roll (left side low positive) of the upper body [rad].
+    pub inclination: [Option<f64>; 2],
 }
 
 /// Which columns the source has at all.
@@ -174,4 +177,6 @@ pub struct Estimate {
     pub forgetting: [f64; 3],
     /// Rows refused so far.
     pub refused: u64,
+    /// What the machine does beside its description, or why the estimate cannot be trusted.
+    pub reason: Reason,
 }

@@ -8,6 +8,7 @@
 //! J_e = J_u + sum [ m_i r_i^2 + I_i cos^2 a_i + Ir_i sin^2 a_i ];   g = rp^2 + kp^2;   J = J_e + m g
 //! ```
 
+use super::keys::Description;
 use crate::math::sin_cos;
 
 /// Lengths, masses and inertias of the machine above the swing bearing. The default is a 5.5 t
@@ -36,17 +37,7 @@ pub struct Geometry {
 
 impl Default for Geometry {
     fn default() -> Self {
-        Self {
-            upper_inertia: 1698.0,
-            boom_pin: 0.6317,
-            lengths: [3.0, 1.6],
-            centres: [1.38, 0.67, 0.42],
-            payload_centre: 0.48,
-            payload_gyration: 0.25,
-            masses: [430.0, 210.0, 165.0],
-            inertias: [330.0, 46.0, 14.0],
-            axial_inertias: [9.0, 4.0, 9.0],
-        }
+        Self::of(&Description::default())
     }
 }
 
@@ -57,6 +48,10 @@ pub struct Inertia {
     pub empty: f64,
     /// Per kilogram of payload (g) [m^2].
     pub per_payload: f64,
+    /// First moment of boom, arm and bucket about the swing axis [kg m].
+    pub moment: f64,
+    /// The same per kilogram of payload: its radius [m].
+    pub radius: f64,
 }
 
 impl Inertia {
@@ -81,6 +76,16 @@ impl Geometry {
     pub(super) fn payload_scale(&self) -> f64 {
         let leverage = |geometry: &Self| geometry.inertia(FOLDED).per_payload;
         self.scale() * leverage(&Self::default()) / leverage(self)
+    }
+
+    /// Inertia of the empty machine in the folded posture [kg m^2].
+    pub(super) fn folded_inertia(&self) -> f64 {
+        self.inertia(FOLDED).empty
+    }
+
+    /// First moment of the empty attachment in the folded posture [kg m].
+    pub(super) fn folded_moment(&self) -> f64 {
+        self.inertia(FOLDED).moment
     }
 
     /// Inertia at the joint angles boom (to the horizontal, up positive), arm (relative to the
@@ -110,6 +115,8 @@ impl Geometry {
         Inertia {
             empty: self.upper_inertia + links,
             per_payload: payload * payload + self.payload_gyration * self.payload_gyration,
+            moment: (0..3).map(|i| self.masses[i] * radii[i]).sum(),
+            radius: payload,
         }
     }
 }

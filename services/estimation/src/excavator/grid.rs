@@ -41,6 +41,8 @@ pub(super) struct Tick {
     pub(super) torque_age: f64,
     /// Time since all three angles were there, infinite before [s].
     pub(super) posture_age: f64,
+    /// Pitch and roll, where both are measured.
+    pub(super) inclination: Option<[f64; 2]>,
 }
 
 /// What one row set off: some prediction-only ticks and a tick with data.
@@ -91,6 +93,7 @@ impl Fill {
                 share: to.share,
                 torque_age: from.torque_age + h * i as f64,
                 posture_age: from.posture_age + h * i as f64,
+                inclination: None,
             }
         })
     }
@@ -122,6 +125,7 @@ struct Block {
     motion: Mean,
     torque: Mean,
     posture: [Mean; 3],
+    inclination: [Mean; 2],
 }
 
 /// Averages and fills.
@@ -173,6 +177,9 @@ impl Grid {
         for (mean, angle) in block.posture.iter_mut().zip(sample.posture) {
             mean.push(angle);
         }
+        for (mean, angle) in block.inclination.iter_mut().zip(sample.inclination) {
+            mean.push(angle);
+        }
         let single = block.rows == 1 && self.since > SINGLE;
         let complete = single || self.since > BLOCK || self.last.is_none();
         complete.then(|| self.finish(sample.time))
@@ -216,6 +223,10 @@ impl Grid {
             } else {
                 self.last
                     .map_or(f64::INFINITY, |last| last.posture_age + period)
+            },
+            inclination: match block.inclination.map(|mean| mean.value()) {
+                [Some(pitch), Some(roll)] => Some([pitch, roll]),
+                _ => None,
             },
         };
         let from = self.last.unwrap_or(to);

@@ -86,6 +86,8 @@ impl JointRegression {
             .settings
             .estimator
             .forgetting
+            .first()
+            .copied()
             .unwrap_or_else(|| exp(-motion.period / MEMORY));
         // A missing torque or position is held by the filters; nothing is learned from long holds.
         let fresh = motion.age <= self.settings.estimator.fresh_velocity

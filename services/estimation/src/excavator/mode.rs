@@ -8,6 +8,7 @@ use super::grid::Tick;
 use super::onset::WeakOnset;
 use super::posture::PostureMode;
 use super::posture_torque::PostureTorque;
+use super::reason::Reason;
 use super::settings::Settings;
 use super::standstill::{Phase, Standstill};
 use super::state::State;
@@ -115,7 +116,7 @@ impl Core {
         };
         let mut held = phase == Phase::Held;
         let constant = settings.estimator.constant_inertia;
-        let (state, basis) = match &mut self.mode {
+        let (mut state, basis) = match &mut self.mode {
             Mode::PostureTorque(mode) => (mode.step(&drive, phase, reopen), Basis::PostureTorque),
             Mode::Torque(mode) => {
                 let stood = self.standstill.seen();
@@ -133,6 +134,13 @@ impl Core {
                 (state, if constant { steady } else { Basis::Nothing })
             }
         };
+        // Without torque or without posture, what a working machine does beside its description, and an arm
+        // that moves, cannot be told from its inertia.
+        let told = needs_torque && needs_posture || settings.tells_by_half();
+        let basis = if told { basis } else { Basis::Nothing };
+        if !told {
+            state.reason = Reason::Method;
+        }
         let accepted = tick.velocity.is_some();
         self.verdict.step(settings, &tick, accepted, &state, basis);
         let needs = (needs_torque, needs_posture);

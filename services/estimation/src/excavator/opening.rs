@@ -35,11 +35,11 @@ impl Opening {
         let slot = self.count % OPENING;
         let (then, angle) = self.ring[slot];
         let rate = if self.count >= OPENING {
-            (drive.bucket - angle) / (drive.time - then)
+            (drive.posture[2] - angle) / (drive.time - then)
         } else {
             0.0
         };
-        self.ring[slot] = (drive.time, drive.bucket);
+        self.ring[slot] = (drive.time, drive.posture[2]);
         self.count += 1;
         self.left = if rate > self.threshold {
             OPENING as u32

@@ -8,6 +8,7 @@ use super::payload::{Change, Model, Outcome, PayloadFilter};
 use super::settings::{Settings, Variant};
 use super::standstill::Phase;
 use super::state::State;
+use super::working::Working;
 use crate::math::sqrt;
 
 /// Mode D in any variant.
@@ -17,16 +18,19 @@ pub(super) enum PostureTorque {
     Plain(Model, PayloadFilter),
     /// Mixture with a drop model.
     Drop(DropMixture),
-    /// Two filters side by side.
+    /// Two filters side by side, on a calibrated machine.
     Auto(ChangingPayload),
+    /// A machine that nobody has calibrated.
+    Working(Working),
 }
 
 impl PostureTorque {
     pub(super) fn new(settings: &Settings) -> Self {
-        match settings.estimator.variant {
-            Variant::Auto => Self::Auto(ChangingPayload::new(settings)),
-            Variant::Drop => Self::Drop(DropMixture::new(settings)),
-            variant => {
+        match (settings.estimator.variant, &settings.doubts) {
+            (Variant::Auto, Some(doubts)) => Self::Working(Working::new(settings, doubts)),
+            (Variant::Auto, None) => Self::Auto(ChangingPayload::new(settings)),
+            (Variant::Drop, _) => Self::Drop(DropMixture::new(settings)),
+            (variant, _) => {
                 let model = Model::new(settings, variant == Variant::Known);
                 Self::Plain(model, PayloadFilter::new(&model))
             }
@@ -50,6 +54,7 @@ impl PostureTorque {
             }
             Self::Drop(mixture) => mixture.step(drive, phase, reopen),
             Self::Auto(auto) => auto.step(drive, phase, reopen),
+            Self::Working(working) => working.step(drive, phase),
         }
     }
 
@@ -59,6 +64,7 @@ impl PostureTorque {
             Self::Plain(_, filter) => filter.is_sound(),
             Self::Drop(mixture) => mixture.filters.iter().all(PayloadFilter::is_sound),
             Self::Auto(auto) => auto.is_sound(),
+            Self::Working(working) => working.is_sound(),
         }
     }
 }

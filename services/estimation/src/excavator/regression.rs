@@ -23,6 +23,7 @@
 use super::estimate::{Estimate, Flags, Method};
 use super::joint::JointRegression;
 use super::motion::Motion;
+use super::reason::Reason;
 use super::settings::Settings;
 use super::settings_error::SettingsError;
 use super::single::SingleRegression;
@@ -140,7 +141,7 @@ impl Regression {
                 let slack = 0.5 * motion.period;
                 p.start_time.is_some_and(|t| motion.time < t - slack)
                     || p.stop_time.is_some_and(|t| motion.time > t + slack)
-                    || p.hold_at_standstill && motion.standstill
+                    || p.hold_at_standstill() && motion.standstill
             }
             _ => self.running_for < settling || self.torque_age.is_infinite(),
         }
@@ -191,7 +192,7 @@ impl Regression {
                 consistent: measured_noise || self.nis.mean() <= e.consistent_nis,
                 fresh,
                 converged: 1.96 * inertia.std < e.converged_share * inertia.value,
-                identifiable: fit.identifiable,
+                identifiable: fit.identifiable && self.settings.tells_by_half(),
                 held,
                 nominal: fit.nominal,
                 window: fit.window,
@@ -200,6 +201,11 @@ impl Regression {
             method: self.method,
             forgetting: fit.forgetting,
             refused: self.refused,
+            reason: if self.settings.tells_by_half() {
+                Reason::None
+            } else {
+                Reason::Method
+            },
         }
     }
 }
@@ -266,13 +272,12 @@ fn paper_step(
 /// `tc <= t < tc + delay` for a known or a detected change.
 fn in_window(settings: &Settings, motion: &Motion) -> bool {
     let times = &settings.paper.change_times;
-    if times.iter().all(Option::is_none) {
+    if times.is_empty() {
         return motion.manoeuvre;
     }
     // A nanosecond of tolerance: recorded times are decimal fractions.
     let t = motion.time + 1e-9;
     times
         .iter()
-        .flatten()
         .any(|&tc| (tc..tc + motion.convergence_delay).contains(&t))
 }

@@ -5,6 +5,9 @@ use super::grid::LONG_GAP;
 use super::settings::Sensors;
 use crate::time_base::{Tick, TimeBase};
 
+/// No machine works on a steeper slope [rad].
+const INCLINATION_LIMIT: f64 = 0.8;
+
 /// A row that counts.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Accepted {
@@ -69,6 +72,7 @@ impl Screen {
             angle: within(sample.angle, f64::MAX),
             torque: within(sample.torque, 1e12),
             posture: sample.posture.map(|q| within(q, self.angle_limit)),
+            inclination: sample.inclination.map(|q| within(q, INCLINATION_LIMIT)),
         }
     }
 }

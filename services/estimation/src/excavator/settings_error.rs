@@ -75,7 +75,10 @@ impl Settings {
                 least(&self.paper.lambda_window),
             ),
             ("estimator.paper.covariance", least(&self.paper.covariance)),
-            ("estimator.forgetting", e.forgetting.unwrap_or(1.0)),
+            (
+                "estimator.forgetting",
+                e.forgetting.iter().copied().fold(1.0, f64::min),
+            ),
         ];
         let not_negative = [
             ("machine.nominal_damping", self.nominal_damping),

@@ -63,6 +63,8 @@ impl SingleRegression {
         self.settings
             .estimator
             .forgetting
+            .first()
+            .copied()
             .unwrap_or_else(|| exp(ln(FORGETTING) * period / 0.01))
     }
 

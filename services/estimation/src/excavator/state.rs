@@ -1,5 +1,7 @@
 //! What a state-space mode says after one tick.
 
+use super::reason::Reason;
+
 /// Reading of a mode, before the verdict.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct State {
@@ -20,6 +22,7 @@ pub(super) struct State {
     /// The value may not be what it seems: the payload is perhaps changing, or the estimate is at the
     /// end of its range.
     pub(super) unsettled: bool,
+    pub(super) reason: Reason,
     pub(super) change_mode: bool,
     pub(super) opening: bool,
     pub(super) drop_probability: f64,

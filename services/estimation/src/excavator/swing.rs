@@ -306,6 +306,7 @@ impl SwingEstimator {
             method: self.method,
             forgetting: [0.0; 3],
             refused: self.screen.refused(),
+            reason: state.reason,
         }
     }
 

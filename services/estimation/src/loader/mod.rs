@@ -8,6 +8,7 @@
 //! | file | idea |
 //! |---|---|
 //! | `sample`, `estimate`, `settings`, `method` | what goes in and comes out |
+//! | [`keys`] | the keys of a description |
 //! | [`axle_loads`] | (6), (7), (10), (11) |
 //! | [`wheel_dynamics`] | (1)-(5), (8), (9), (12)-(14), (18): the process |
 //! | [`cg_model`] | (15)-(17): states and measurements |
@@ -27,6 +28,7 @@ mod estimate;
 mod estimator;
 mod filter;
 mod inputs;
+pub mod keys;
 mod method;
 pub mod payload;
 mod quantum;

@@ -58,6 +58,7 @@ pub fn samples(table: &Table) -> Vec<Sample> {
             angle: None,
             torque: table.get(i, "swing_torque"),
             posture: ["boom_angle", "arm_angle", "bucket_angle"].map(|name| table.get(i, name)),
+            inclination: [None; 2],
         })
         .collect()
 }

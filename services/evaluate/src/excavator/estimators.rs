@@ -60,6 +60,14 @@ impl Setup {
         }
     }
 
+    /// Any method on a machine at work.
+    pub fn working(name: &'static str, method: Method, settings: Settings) -> Self {
+        Self {
+            settings,
+            ..Self::new(name, method, true, true)
+        }
+    }
+
     fn variant(mut self, variant: Variant) -> Self {
         self.settings.estimator.variant = variant;
         self
@@ -168,6 +176,7 @@ impl Setup {
             angle: row.swing_angle.filter(|_| angle),
             torque: row.swing_torque.filter(|_| torque),
             posture: row.posture.map(|joint| joint.filter(|_| posture)),
+            inclination: row.inclination,
         }
     }
 

@@ -8,12 +8,15 @@
 //! | `bad-input` | faulty sensors, wrong parameters | [`bad_input`] |
 //! | `identifiability` | Cramer-Rao bounds beside what is reached | [`identifiability`] |
 //! | `attachments` | inertia of bucket and crusher, Fig. 3 | [`attachments`] |
+//! | `honesty` | what is trusted on machines that are not what they are said to be | [`honesty`] |
 
 pub mod attachments;
 pub mod bad_input;
 mod case;
 pub mod drop;
 mod estimators;
+pub mod honesty;
+pub mod honesty_lines;
 pub mod identifiability;
 mod information;
 pub mod modes;
@@ -32,13 +35,14 @@ use std::sync::atomic::Ordering;
 
 type Evaluation = fn(&Options) -> Result<Report, Error>;
 
-const TABLES: [(&str, Evaluation); 6] = [
+const TABLES: [(&str, Evaluation); 7] = [
     ("table1", table1::evaluate),
     ("modes", modes::evaluate),
     ("drop", drop::evaluate),
     ("bad-input", bad_input::evaluate),
     ("identifiability", identifiability::evaluate),
     ("attachments", attachments::evaluate),
+    ("honesty", honesty::evaluate),
 ];
 
 /// The table asked for, or all of them: then the JSON has one key per table.

@@ -11,7 +11,7 @@ use steps::stages::{Pipeline, Role};
 use view::estimate::Estimate;
 
 use crate::cli::EstimateArgs;
-use crate::commands::run::description;
+use crate::commands::run::{description, tell_idle_keys};
 use crate::failure::Failure;
 use crate::sources;
 
@@ -79,6 +79,7 @@ fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
     rows: &[(S, T)],
 ) -> Result<(), Failure> {
     let answers = answers(description, method(args), rows)?;
+    tell_idle_keys(description, &[method(args)]);
     let estimates = answers.last().map_or(&[][..], |a| &a.messages);
     let estimates = || estimates.iter().filter_map(E::inside);
     let mut writer = EstimateWriter::<E>::create(&args.output)?;

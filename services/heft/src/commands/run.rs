@@ -109,9 +109,18 @@ pub fn plan(args: &RunArgs) -> Result<(Plan, PathBuf), Failure> {
         probe_listens: args.probe_listens,
     };
     check(&plan, &description)?;
+    let methods: Vec<&str> = plan.methods.values().map(String::as_str).collect();
+    tell_idle_keys(&description, &methods);
     let folder = absolute(&folder(args.out.as_deref(), machine.name())?)?;
     plan.recording = folder.join("run.mcap");
     Ok((plan, folder))
+}
+
+/// Warns of keys that were set and do nothing.
+pub fn tell_idle_keys(description: &Description, methods: &[&str]) {
+    for idle in steps::idle_keys(description, methods) {
+        eprintln!("warning: {idle}");
+    }
 }
 
 /// Builds every part of the plan once, so that a mistake is told before any process starts.

@@ -5,8 +5,8 @@ use std::marker::PhantomData;
 use std::path::{Path, PathBuf};
 
 use messages::{
-    EXCAVATOR_METHODS, ExcavatorEstimate, LOADER_METHODS, LoaderEstimate, Message, Value,
-    excavator_bits as e, loader_bits as l,
+    EXCAVATOR_METHODS, EXCAVATOR_REASONS, ExcavatorEstimate, LOADER_METHODS, LoaderEstimate,
+    Message, Value, excavator_bits as e, loader_bits as l,
 };
 
 use crate::Error;
@@ -30,6 +30,12 @@ pub trait Estimate: Message {
     const REFUSED: u32;
     /// Names of the methods.
     const METHODS: &'static [&'static str];
+    /// Names and words of the reasons by their code; the column `reason` comes last, where there are any.
+    const REASONS: &'static [(&'static str, &'static str)] = &[];
+    /// Code of the reason.
+    fn reason(&self) -> u32 {
+        0
+    }
     /// Flags, bits of the estimated quantities, index of the method.
     fn bits(&self) -> (u32, u32, u32);
 }
@@ -69,6 +75,10 @@ impl Estimate for ExcavatorEstimate {
     );
     const REFUSED: u32 = e::REFUSED;
     const METHODS: &'static [&'static str] = EXCAVATOR_METHODS;
+    const REASONS: &'static [(&'static str, &'static str)] = EXCAVATOR_REASONS;
+    fn reason(&self) -> u32 {
+        self.reason
+    }
     fn bits(&self) -> (u32, u32, u32) {
         (self.flags, self.estimated, self.method)
     }
@@ -203,7 +213,8 @@ impl<E: Estimate> EstimateWriter<E> {
             let (Column::Value(name, _) | Column::Flag(name, _)) = column;
             let _ = write!(self.row, ",{name}");
         }
-        self.row.push_str(",method\n");
+        let reason = if E::REASONS.is_empty() { "" } else { ",reason" };
+        let _ = writeln!(self.row, ",method{reason}");
         self.put_row()
     }
 
@@ -233,7 +244,12 @@ impl<E: Estimate> EstimateWriter<E> {
             }
         }
         let name = E::METHODS.get(method as usize).copied().unwrap_or_default();
-        let _ = writeln!(self.row, ",{name}");
+        let _ = write!(self.row, ",{name}");
+        if !E::REASONS.is_empty() {
+            let reason = E::REASONS.get(estimate.reason() as usize);
+            let _ = write!(self.row, ",{}", reason.map_or("", |(name, _)| name));
+        }
+        self.row.push('\n');
         self.written += 1;
         self.put_row()
     }

@@ -35,6 +35,7 @@ pub fn message(e: &Estimate, started: bool) -> ExcavatorEstimate {
         estimated: estimated(e, started),
         method: e.method.index(),
         refused: e.refused,
+        reason: e.reason.code(),
         ..ExcavatorEstimate::default()
     }
 }

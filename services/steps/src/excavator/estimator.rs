@@ -6,7 +6,7 @@ use estimation::excavator::{Columns, Method, Settings, SettingsError, SwingEstim
 use messages::{ExcavatorEstimate, ExcavatorSensors};
 use runtime::Step;
 
-use super::{columns, estimate_message, method, sample, settings};
+use super::{columns, estimate_message, method, sample};
 use crate::Error;
 use crate::source::SourceWatch;
 
@@ -28,7 +28,7 @@ impl EstimatorStep {
     /// The name is unknown, belongs to another process, or the description has a value that the
     /// method cannot use.
     pub fn new(description: &Description, name: &str) -> Result<Self, Error> {
-        let (method, settings) = (method(name)?, settings(description));
+        let (method, settings) = (method(name)?, Settings::of(description));
         Ok(Self {
             settings,
             method,

@@ -5,7 +5,7 @@ use estimation::excavator::{Columns, MotionFilter, Settings};
 use messages::{ExcavatorSensors, SwingMotion};
 use runtime::Step;
 
-use super::{columns, motion_message, sample, settings};
+use super::{columns, motion_message, sample};
 use crate::Error;
 use crate::source::SourceWatch;
 
@@ -24,7 +24,7 @@ impl FilterStep {
     /// # Errors
     /// The description has a value that the filter cannot use.
     pub fn new(description: &Description) -> Result<Self, Error> {
-        let settings = settings(description);
+        let settings = Settings::of(description);
         Ok(Self {
             settings,
             filter: MotionFilter::new(&settings, VELOCITY).map_err(Error::settings)?,

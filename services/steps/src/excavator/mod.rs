@@ -7,7 +7,6 @@ mod motion;
 mod pipeline;
 mod regression;
 mod sample;
-mod settings;
 
 pub use estimate::message as estimate_message;
 pub use estimator::EstimatorStep;
@@ -16,7 +15,6 @@ pub use motion::{message as motion_message, motion};
 pub use pipeline::PIPELINE;
 pub use regression::RegressionStep;
 pub use sample::{check_columns, columns, sample};
-pub use settings::settings;
 
 use estimation::excavator::Method;
 

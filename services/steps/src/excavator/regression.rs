@@ -5,7 +5,7 @@ use estimation::excavator::{Method, Regression, Settings};
 use messages::{ExcavatorEstimate, SwingMotion};
 use runtime::Step;
 
-use super::{estimate_message, method, motion, settings};
+use super::{estimate_message, method, motion};
 use crate::Error;
 use crate::source::SourceWatch;
 
@@ -26,7 +26,7 @@ impl RegressionStep {
     /// The name is unknown, belongs to another process, or the description has a value that the
     /// method cannot use.
     pub fn new(description: &Description, name: &str) -> Result<Self, Error> {
-        let (method, settings) = (method(name)?, settings(description));
+        let (method, settings) = (method(name)?, Settings::of(description));
         Ok(Self {
             settings,
             method,

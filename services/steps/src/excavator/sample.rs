@@ -1,10 +1,10 @@
 //! What the excavator's sensors measured, as a sample.
 
 use config::Excavator as Description;
-use estimation::excavator::{Columns, Method, Sample, SwingEstimator};
+use estimation::excavator::{Columns, Method, Sample, Settings, SwingEstimator};
 use messages::{ExcavatorSensors, excavator_bits as bits};
 
-use super::{method, settings};
+use super::method;
 use crate::Error;
 
 /// The sample in a message; a signal without its bit is missing.
@@ -21,6 +21,7 @@ pub fn sample(m: &ExcavatorSensors) -> Sample {
             valid(bits::ARM_ANGLE, m.arm_angle),
             valid(bits::BUCKET_ANGLE, m.bucket_angle),
         ],
+        inclination: [valid(bits::PITCH, m.pitch), valid(bits::ROLL, m.roll)],
     }
 }
 
@@ -54,7 +55,7 @@ pub fn check_columns(d: &Description, name: &str, first: &ExcavatorSensors) -> R
     match method(name)? {
         Method::SvfRls if !columns.torque => missing("swing_torque"),
         m if m.is_regression() => Ok(()),
-        m => SwingEstimator::new(&settings(d), m, columns)
+        m => SwingEstimator::new(&Settings::of(d), m, columns)
             .map(drop)
             .map_err(Error::settings),
     }

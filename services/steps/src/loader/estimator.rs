@@ -3,11 +3,11 @@
 //! All methods are the same step with different settings. The process `kalman` runs `ekf`, `ukf` the others.
 
 use config::Loader as Description;
-use estimation::loader::{CgEstimator, Columns};
+use estimation::loader::{CgEstimator, Columns, Settings};
 use messages::{LoaderEstimate, LoaderSensors, loader_bits as bits};
 use runtime::Step;
 
-use super::{estimate_message, method, sample, settings};
+use super::{estimate_message, method, sample};
 use crate::Error;
 
 /// Any method of the loader: sensors in, centre of gravity out.
@@ -26,7 +26,7 @@ impl EstimatorStep {
     /// The name is unknown, or the description has a value that the method cannot use.
     pub fn new(description: &Description, name: &str) -> Result<Self, Error> {
         let method = method(name)?;
-        let settings = settings(description, method);
+        let settings = Settings::of(description, method);
         let estimator = |acceleration| {
             let columns = Columns {
                 acceleration,

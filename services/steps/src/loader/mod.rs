@@ -4,13 +4,11 @@ mod estimate;
 mod estimator;
 mod pipeline;
 mod sample;
-mod settings;
 
 pub use estimate::message as estimate_message;
 pub use estimator::EstimatorStep;
 pub use pipeline::PIPELINE;
 pub use sample::sample;
-pub use settings::settings;
 
 use estimation::loader::Method;
 

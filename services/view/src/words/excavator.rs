@@ -1,6 +1,6 @@
 //! The excavator's verdict in words.
 
-use messages::{ExcavatorEstimate, excavator_bits as bits};
+use messages::{EXCAVATOR_REASONS, ExcavatorEstimate, excavator_bits as bits};
 
 use super::Judgement;
 use crate::number::{self, significant};
@@ -48,7 +48,7 @@ fn percent(e: &ExcavatorEstimate) -> String {
 }
 
 fn reasons_for(e: &ExcavatorEstimate) -> Vec<String> {
-    vec![
+    let mut reasons = vec![
         "the machine swings".into(),
         "the inputs are complete and can determine the inertia".into(),
         "the measurements agree with the model".into(),
@@ -56,7 +56,9 @@ fn reasons_for(e: &ExcavatorEstimate) -> Vec<String> {
             "the 95\u{a0}% interval is narrow (±\u{a0}{}\u{a0}%)",
             percent(e)
         ),
-    ]
+    ];
+    reasons.extend(cause(e).map(|cause| format!("{cause}: the interval allows for it")));
+    reasons
 }
 
 fn reasons_against(e: &ExcavatorEstimate) -> Vec<String> {
@@ -90,5 +92,12 @@ fn reasons_against(e: &ExcavatorEstimate) -> Vec<String> {
             percent(e)
         ));
     }
+    reasons.extend(cause(e));
     reasons
+}
+
+/// What the machine does beside its description.
+fn cause(e: &ExcavatorEstimate) -> Option<String> {
+    let (_, words) = EXCAVATOR_REASONS.get(e.reason as usize)?;
+    (!words.is_empty()).then(|| (*words).to_owned())
 }

@@ -61,13 +61,13 @@ impl Tuning {
             not_negative("estimator.boom_gain", digging.boom_gain)?;
         }
         if let Some(rule) = self.relearning {
-            positive("estimator.relearn_below", rule.known)?;
+            positive("tuning.relearning.known", rule.known)?;
             not_negative("estimator.relearn", rule.gain)?;
         }
         if let Some(reset) = self.reset {
             positive("estimator.reset_nis", reset.level)?;
-            positive("estimator.reset_time_constant", reset.time_constant)?;
-            not_negative("estimator.reset_hold_off", reset.hold_off)?;
+            positive("tuning.reset.time_constant", reset.time_constant)?;
+            not_negative("tuning.reset.hold_off", reset.hold_off)?;
         }
         Ok(())
     }
@@ -92,7 +92,7 @@ impl Inflation {
         not_negative("estimator.c_rho", self.radius_ripple)?;
         not_negative("estimator.c_t", self.torque_lag)?;
         not_negative(
-            "estimator.frozen_wheel_speed_std",
+            "tuning.inflation.frozen_wheel_speed_std",
             self.frozen_wheel_speed_std,
         )
     }

@@ -3,6 +3,7 @@
 //! | file | idea |
 //! |---|---|
 //! | `machine` | the machine, its sensors, the prior |
+//! | `described` | what a description means |
 //! | `tuning`, `presets`, `check` | numerical and statistical choices, by method, and which can be used |
 //! | `verdict` | floors of the reported intervals, limits of the verdict |
 
@@ -11,6 +12,7 @@ use core::fmt;
 use super::Method;
 
 mod check;
+mod described;
 mod machine;
 mod presets;
 mod tuning;

@@ -1,14 +1,6 @@
 //! The numerical and statistical choices of a filter.
 
-/// Sign of the load transfer.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum LoadTransfer {
-    /// Accelerating unloads the front axle.
-    #[default]
-    Physical,
-    /// As (6), (7), (10), (11) are printed: accelerating loads the front axle. For comparison only.
-    Printed,
-}
+pub use crate::loader::keys::LoadTransfer;
 
 /// How the process model is integrated over a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

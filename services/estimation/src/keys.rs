@@ -1,6 +1,9 @@
-use messages::Machine;
+//! Settings as a description names them: every key with its unit, range, default and text stands
+//! in one table, and the structure that the algorithms read is made by that table.
+//!
+//! No allocation: a reader of files brings the text, this module says what a key takes.
 
-use crate::Error;
+use core::ops::Deref;
 
 /// What a key holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -17,7 +20,7 @@ pub enum Form {
     Choice(&'static [&'static str]),
     /// A list of numbers of exactly this length.
     List(usize),
-    /// A list of numbers of any length; one number counts as a list of one.
+    /// A list of at most [`Numbers::MOST`] numbers; one number counts as a list of one.
     Numbers,
 }
 
@@ -45,9 +48,39 @@ pub struct Key {
     pub range: Option<Range>,
 }
 
+/// A short list of numbers.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Numbers {
+    values: [f64; Self::MOST],
+    length: usize,
+}
+
+impl Numbers {
+    /// It cannot be longer.
+    pub const MOST: usize = 8;
+
+    /// The numbers as a list; `None` if there are too many.
+    pub fn new(numbers: &[f64]) -> Option<Self> {
+        let mut list = Self::default();
+        list.values
+            .get_mut(..numbers.len())?
+            .copy_from_slice(numbers);
+        list.length = numbers.len();
+        Some(list)
+    }
+}
+
+impl Deref for Numbers {
+    type Target = [f64];
+
+    fn deref(&self) -> &[f64] {
+        &self.values[..self.length]
+    }
+}
+
 /// Value of a key.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Value {
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Value<'a> {
     /// Number or count.
     Number(f64),
     /// An optional number that is not given.
@@ -55,19 +88,19 @@ pub enum Value {
     /// Flag.
     Flag(bool),
     /// Choice.
-    Word(String),
+    Word(&'a str),
     /// List of numbers.
-    Numbers(Vec<f64>),
+    Numbers(Numbers),
 }
 
-impl Value {
+impl Value<'_> {
     /// The first number of the value that lies outside `range`.
-    pub(crate) fn outside(&self, range: Range) -> Option<f64> {
+    pub fn outside(&self, range: Range) -> Option<f64> {
         let outside = |x: &f64| !(range.low..=range.high).contains(x);
         match self {
             Self::Number(x) => Some(*x).filter(outside),
             Self::Numbers(list) => list.iter().copied().find(outside),
-            _ => None,
+            Self::None | Self::Flag(_) | Self::Word(_) => None,
         }
     }
 }
@@ -77,14 +110,14 @@ pub trait Setting: Sized {
     /// What it holds.
     const FORM: Form;
     /// As a value.
-    fn to_value(&self) -> Value;
+    fn to_value(&self) -> Value<'static>;
     /// From a value; `None` if it does not fit the form.
     fn from_value(value: &Value) -> Option<Self>;
 }
 
 impl Setting for f64 {
     const FORM: Form = Form::Number;
-    fn to_value(&self) -> Value {
+    fn to_value(&self) -> Value<'static> {
         Value::Number(*self)
     }
     fn from_value(value: &Value) -> Option<Self> {
@@ -97,7 +130,7 @@ impl Setting for f64 {
 
 impl Setting for Option<f64> {
     const FORM: Form = Form::OptionalNumber;
-    fn to_value(&self) -> Value {
+    fn to_value(&self) -> Value<'static> {
         self.map_or(Value::None, Value::Number)
     }
     fn from_value(value: &Value) -> Option<Self> {
@@ -111,12 +144,12 @@ impl Setting for Option<f64> {
 
 impl Setting for usize {
     const FORM: Form = Form::Count;
-    fn to_value(&self) -> Value {
+    fn to_value(&self) -> Value<'static> {
         Value::Number(*self as f64)
     }
     fn from_value(value: &Value) -> Option<Self> {
         match value {
-            Value::Number(x) if x.fract() == 0.0 && *x >= 0.0 => Some(*x as usize),
+            Value::Number(x) if *x >= 0.0 && *x % 1.0 == 0.0 => Some(*x as usize),
             _ => None,
         }
     }
@@ -124,7 +157,7 @@ impl Setting for usize {
 
 impl Setting for bool {
     const FORM: Form = Form::Flag;
-    fn to_value(&self) -> Value {
+    fn to_value(&self) -> Value<'static> {
         Value::Flag(*self)
     }
     fn from_value(value: &Value) -> Option<Self> {
@@ -135,15 +168,15 @@ impl Setting for bool {
     }
 }
 
-impl Setting for Vec<f64> {
+impl Setting for Numbers {
     const FORM: Form = Form::Numbers;
-    fn to_value(&self) -> Value {
-        Value::Numbers(self.clone())
+    fn to_value(&self) -> Value<'static> {
+        Value::Numbers(*self)
     }
     fn from_value(value: &Value) -> Option<Self> {
         match value {
-            Value::Numbers(list) => Some(list.clone()),
-            Value::Number(x) => Some(vec![*x]),
+            Value::Numbers(list) => Some(*list),
+            Value::Number(x) => Self::new(&[*x]),
             _ => None,
         }
     }
@@ -151,12 +184,12 @@ impl Setting for Vec<f64> {
 
 impl<const N: usize> Setting for [f64; N] {
     const FORM: Form = Form::List(N);
-    fn to_value(&self) -> Value {
-        Value::Numbers(self.to_vec())
+    fn to_value(&self) -> Value<'static> {
+        Value::Numbers(Numbers::new(self).unwrap_or_default())
     }
     fn from_value(value: &Value) -> Option<Self> {
         match value {
-            Value::Numbers(list) => list.as_slice().try_into().ok(),
+            Value::Numbers(list) => Self::try_from(&**list).ok(),
             _ => None,
         }
     }
@@ -169,21 +202,10 @@ pub trait Table {
     /// Its keys, in the order in which they are printed.
     fn keys(&self) -> &'static [Key];
     /// Value of key `index`.
-    fn get(&self, index: usize) -> Option<Value>;
-    /// Sets key `index`; false if there is none or the value does not fit its form.
+    fn get(&self, index: usize) -> Option<Value<'static>>;
+    /// Sets key `index`; false if there is none or the value does not fit its form. The range is
+    /// not looked at.
     fn set(&mut self, index: usize, value: &Value) -> bool;
-}
-
-/// A complete description: a machine's tables.
-pub trait Tables: Default + Clone {
-    /// Which machine.
-    const MACHINE: Machine;
-    /// All tables, in the order in which they are printed.
-    fn tables(&self) -> Vec<&dyn Table>;
-    /// All tables, to write.
-    fn tables_mut(&mut self) -> Vec<&mut dyn Table>;
-    /// What contradicts itself between keys that are each in range (`file` and `line` left empty).
-    fn contradictions(&self) -> Vec<Error>;
 }
 
 /// Defines a table together with its keys.
@@ -193,14 +215,14 @@ macro_rules! table {
         pub struct $name:ident, $table:literal {
             $(
                 $(#[doc = $field_doc:literal])+
-                $field:ident: $type:ty = $default:expr, $unit:literal $(, $low:literal to $high:literal)?;
+                $field:ident: $type:ty = $default:expr, $unit:tt $(, $low:literal to $high:literal)?;
             )*
         }
     ) => {
         $(#[doc = $doc])*
-        #[derive(Debug, Clone, PartialEq)]
+        #[derive(Debug, Clone, Copy, PartialEq)]
         pub struct $name {
-            $( $(#[doc = $field_doc])+ #[doc = concat!(" Unit: ", $unit, ".")] pub $field: $type, )*
+            $( $(#[doc = $field_doc])+ #[doc = $crate::keys::unit!($unit)] pub $field: $type, )*
         }
 
         impl Default for $name {
@@ -209,29 +231,29 @@ macro_rules! table {
             }
         }
 
-        impl $crate::Table for $name {
+        impl $crate::keys::Table for $name {
             fn name(&self) -> &'static str {
                 $table
             }
-            fn keys(&self) -> &'static [$crate::Key] {
-                const KEYS: &[$crate::Key] = &[$( $crate::Key {
+            fn keys(&self) -> &'static [$crate::keys::Key] {
+                const KEYS: &[$crate::keys::Key] = &[$( $crate::keys::Key {
                     name: stringify!($field),
                     unit: $unit,
                     doc: concat!($($field_doc),+),
-                    form: <$type as $crate::Setting>::FORM,
-                    range: $crate::setting::range!($($low to $high)?),
+                    form: <$type as $crate::keys::Setting>::FORM,
+                    range: $crate::keys::range!($($low to $high)?),
                 } ),*];
                 KEYS
             }
-            fn get(&self, index: usize) -> Option<$crate::Value> {
-                let values = [$( $crate::Setting::to_value(&self.$field) ),*];
+            fn get(&self, index: usize) -> Option<$crate::keys::Value<'static>> {
+                let values = [$( $crate::keys::Setting::to_value(&self.$field) ),*];
                 values.into_iter().nth(index)
             }
-            fn set(&mut self, index: usize, value: &$crate::Value) -> bool {
+            fn set(&mut self, index: usize, value: &$crate::keys::Value) -> bool {
                 let mut _at = 0;
                 $(
                     if index == _at {
-                        return <$type as $crate::Setting>::from_value(value)
+                        return <$type as $crate::keys::Setting>::from_value(value)
                             .map(|v| self.$field = v)
                             .is_some();
                     }
@@ -243,12 +265,22 @@ macro_rules! table {
     };
 }
 
+/// The unit in words; nothing for pure numbers.
+macro_rules! unit {
+    ("") => {
+        ""
+    };
+    ($unit:tt) => {
+        concat!(" Unit: ", $unit, ".")
+    };
+}
+
 macro_rules! range {
     () => {
         None
     };
     ($low:literal to $high:literal) => {
-        Some($crate::Range {
+        Some($crate::keys::Range {
             low: $low,
             high: $high,
         })
@@ -265,14 +297,14 @@ macro_rules! choice {
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         pub enum $name { $( $(#[doc = $variant_doc])+ $variant, )+ }
 
-        impl $crate::Setting for $name {
-            const FORM: $crate::Form = $crate::Form::Choice(&[$($word),+]);
-            fn to_value(&self) -> $crate::Value {
-                $crate::Value::Word(match self { $( Self::$variant => $word, )+ }.to_owned())
+        impl $crate::keys::Setting for $name {
+            const FORM: $crate::keys::Form = $crate::keys::Form::Choice(&[$($word),+]);
+            fn to_value(&self) -> $crate::keys::Value<'static> {
+                $crate::keys::Value::Word(match self { $( Self::$variant => $word, )+ })
             }
-            fn from_value(value: &$crate::Value) -> Option<Self> {
+            fn from_value(value: &$crate::keys::Value) -> Option<Self> {
                 match value {
-                    $( $crate::Value::Word(word) if word == $word => Some(Self::$variant), )+
+                    $( $crate::keys::Value::Word($word) => Some(Self::$variant), )+
                     _ => None,
                 }
             }
@@ -280,56 +312,4 @@ macro_rules! choice {
     };
 }
 
-/// Gives a machine its tables and the functions of a description.
-macro_rules! machine {
-    ($name:ident, $machine:expr, [$($table:ident),+]) => {
-        impl $crate::Tables for $name {
-            const MACHINE: messages::Machine = $machine;
-            fn tables(&self) -> Vec<&dyn $crate::Table> {
-                vec![$( &self.$table ),+]
-            }
-            fn tables_mut(&mut self) -> Vec<&mut dyn $crate::Table> {
-                vec![$( &mut self.$table ),+]
-            }
-            fn contradictions(&self) -> Vec<$crate::Error> {
-                contradictions(self)
-            }
-        }
-
-        impl $name {
-            /// Reads a description; keys that it does not name keep their defaults.
-            ///
-            /// # Errors
-            /// Everything that is wrong with the text, each with its line.
-            pub fn parse(text: &str, file_name: &str) -> Result<Self, $crate::Errors> {
-                $crate::parse::parse(text, file_name)
-            }
-
-            /// Sets one key, as `--set` does: `sensors.swing_velocity_std=0.008`.
-            ///
-            /// # Errors
-            /// No such key, or a value that it cannot have; the description is then unchanged.
-            pub fn set(&mut self, assignment: &str) -> Result<(), $crate::Error> {
-                self.set_all(&[assignment])
-            }
-
-            /// Sets several keys in their order. Limits that are moved together need not fit one
-            /// by one.
-            ///
-            /// # Errors
-            /// As [`Self::set`]; the description is then unchanged.
-            pub fn set_all(&mut self, assignments: &[impl AsRef<str>]) -> Result<(), $crate::Error> {
-                $crate::parse::set_all(self, assignments)
-            }
-
-            /// The whole description with its comments; [`Self::parse`] gives the same value back,
-            /// every number to the last bit.
-            #[must_use]
-            pub fn to_toml(&self) -> String {
-                $crate::print::print(self)
-            }
-        }
-    };
-}
-
-pub(crate) use {choice, machine, range, table};
+pub(crate) use {choice, range, table, unit};

@@ -1,9 +1,7 @@
 //! Description of a wheel loader with independently driven axles. The defaults are those of the
 //! 4.7 t reference machine (Yang, Wang, Han 2021, with the geometry that the paper leaves out).
 
-use crate::Error;
-use crate::setting::{choice, machine, table};
-use messages::Machine;
+use crate::keys::{choice, table};
 
 choice! {
     /// Sign of the dynamic load transfer.
@@ -39,7 +37,7 @@ choice! {
 
 table! {
     /// The machine.
-    pub struct LoaderMachine, "machine" {
+    pub struct Machine, "machine" {
         /// Mass, where the data do not carry one.
         mass: f64 = 4700.0, "kg", 1e-3 to 1e6;
         /// Rolling radius at the nominal axle load.
@@ -67,7 +65,7 @@ table! {
 
 table! {
     /// The sensors.
-    pub struct LoaderSensors, "sensors" {
+    pub struct Sensors, "sensors" {
         /// Samples per second.
         rate: f64 = 100.0, "Hz", 1.0 to 100000.0;
         /// Noise of the speed.
@@ -86,7 +84,7 @@ table! {
 table! {
     /// What is known before the first row. The deviations include the spread from machine to machine: K 2 and 1.5,
     /// height 0.10 and 0.08 m, ratio 0.05 and 0.03.
-    pub struct LoaderPrior, "prior" {
+    pub struct Prior, "prior" {
         /// Slip stiffness (K).
         slip_stiffness: f64 = 19.0, "", 0.1 to 1000.0;
         /// Its standard deviation.
@@ -114,7 +112,7 @@ table! {
 
 table! {
     /// The estimators. The q_ keys are standard deviations per 10 ms of driving.
-    pub struct LoaderEstimator, "estimator" {
+    pub struct Estimator, "estimator" {
         /// Sign of the dynamic load transfer.
         load_transfer: LoadTransfer = LoadTransfer::Physical, "";
         /// Configuration of the methods isr-ukf-printed, isr-ukf and ekf.
@@ -207,38 +205,13 @@ table! {
 
 /// Description of a wheel loader.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Loader {
+pub struct Description {
     /// `[machine]`
-    pub machine: LoaderMachine,
+    pub machine: Machine,
     /// `[sensors]`
-    pub sensors: LoaderSensors,
+    pub sensors: Sensors,
     /// `[prior]`
-    pub prior: LoaderPrior,
+    pub prior: Prior,
     /// `[estimator]`
-    pub estimator: LoaderEstimator,
-}
-
-machine!(
-    Loader,
-    Machine::Loader,
-    [machine, sensors, prior, estimator]
-);
-
-fn contradictions(loader: &Loader) -> Vec<Error> {
-    let (e, p) = (&loader.estimator, &loader.prior);
-    [
-        ("slip_stiffness", e.slip_stiffness_min, p.slip_stiffness, e.slip_stiffness_max),
-        ("cg_height", e.cg_height_min, p.cg_height, e.cg_height_max),
-        ("cg_ratio", e.cg_ratio_min, p.cg_ratio, e.cg_ratio_max),
-    ]
-    .into_iter()
-    .filter(|(_, low, prior, high)| !(low < high && low <= prior && prior <= high))
-    .map(|(name, low, prior, high)| {
-        Error::between(
-            format!("prior.{name} ({prior}) lies outside estimator.{name}_min to {name}_max ({low} to {high})"),
-            &format!("prior.{name}"),
-            "give a prior inside the limits, or move the limits",
-        )
-    })
-    .collect()
+    pub estimator: Estimator,
 }

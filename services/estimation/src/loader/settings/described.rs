@@ -1,20 +1,23 @@
 //! From the description of a loader to the settings of its estimator.
 
-use config::{Inputs, Loader as Description, LoaderEstimator as Keys};
-use estimation::loader::settings::{
-    Clamps, Digging, Gates, Inflation, LoadTransfer, ProcessNoise, Relearning, Reset, Verdict,
+use super::{
+    Clamps, Digging, Gates, Inflation, Machine, Prior, ProcessNoise, Relearning, Reset, Sensors,
+    Settings, Tuning, Verdict,
 };
-use estimation::loader::{Machine, Method, Prior, Sensors, Settings, Tuning};
+use crate::loader::Method;
+use crate::loader::keys::{self, Description, Estimator as Keys, Inputs};
 
-/// What a method is told under a description.
-#[must_use]
-pub fn settings(description: &Description, method: Method) -> Settings {
-    Settings {
-        machine: machine(description),
-        sensors: sensors(description),
-        prior: prior(description),
-        verdict: verdict(&description.estimator),
-        tuning: Some(tuning(&description.estimator, method)),
+impl Settings {
+    /// What a method is told under a description.
+    #[must_use]
+    pub fn of(description: &Description, method: Method) -> Self {
+        Self {
+            machine: machine(description),
+            sensors: sensors(description),
+            prior: prior(description),
+            verdict: verdict(&description.estimator),
+            tuning: Some(tuning(&description.estimator, method)),
+        }
     }
 }
 
@@ -84,22 +87,18 @@ fn verdict(keys: &Keys) -> Verdict {
 fn tuning(keys: &Keys, method: Method) -> Tuning {
     let base = match (method, keys.tuning) {
         (Method::Full, _) => protected(keys, Tuning::product()),
-        (_, config::Tuning::Paper) => Tuning::paper(),
-        (_, config::Tuning::Tuned) => tuned(keys),
+        (_, keys::Tuning::Paper) => Tuning::paper(),
+        (_, keys::Tuning::Tuned) => tuned(keys),
     };
     let midpoint_inputs = match keys.inputs {
         Inputs::Auto => base.midpoint_inputs,
         Inputs::Midpoint => true,
         Inputs::Hold => false,
     };
-    let load_transfer = match keys.load_transfer {
-        config::LoadTransfer::Physical => LoadTransfer::Physical,
-        config::LoadTransfer::Printed => LoadTransfer::Printed,
-    };
     let substeps = u32::try_from(keys.substeps).unwrap_or(u32::MAX);
     Tuning {
         midpoint_inputs,
-        load_transfer,
+        load_transfer: keys.load_transfer,
         substeps,
         minimum_speed: keys.v_min,
         ..base

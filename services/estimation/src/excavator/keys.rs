@@ -1,9 +1,7 @@
 //! Description of an excavator. The defaults are those of the reference machine, a 5.5 t excavator
 //! whose swing inertia spans the 4380 to 9761 kg m^2 of Oh, Yi, Seo, Kim, Lee 2017.
 
-use crate::Error;
-use crate::setting::{choice, machine, table};
-use messages::Machine;
+use crate::keys::{Numbers, choice, table};
 
 choice! {
     /// What is assumed of damping, torque offset and payload.
@@ -22,11 +20,28 @@ choice! {
 
 table! {
     /// The machine.
-    pub struct ExcavatorMachine, "machine" {
+    pub struct Machine, "machine" {
         /// Viscous damping of the swing, as known beforehand (b-bar).
         nominal_damping: f64 = 1500.0, "N m s/rad", 0.0 to 1e7;
         /// Coulomb friction torque of the swing.
         coulomb_friction: f64 = 250.0, "N m", 0.0 to 1e6;
+        /// Standard deviation of the Coulomb friction; "none" takes prior.friction_std.
+        coulomb_friction_std: Option<f64> = None, "N m", 0.0 to 1e6;
+        /// Efficiency of the swing drive: driving torque arrives times it, braking torque divided by it.
+        drive_efficiency: f64 = 1.0, "", 0.5 to 1.0;
+        /// Its standard deviation.
+        drive_efficiency_std: f64 = 0.03, "", 0.0 to 0.5;
+        /// First moment of the upper body without boom, arm and bucket about the swing axis, forward positive (a
+        /// counterweight makes it negative); "none" takes one that balances the folded, empty attachment.
+        upper_first_moment: Option<f64> = None, "kg m", -1e7 to 1e7;
+        /// Its standard deviation; "none" takes 3 % of a stated moment, 30 % of one that is not.
+        upper_first_moment_std: Option<f64> = None, "kg m", 0.0 to 1e7;
+        /// Standard deviation of the slope of the ground along each of two axes.
+        slope_std: f64 = 0.03, "rad", 0.0 to 0.5;
+        /// Relative standard deviation of the described masses and inertias.
+        mass_tolerance: f64 = 0.015, "", 0.0 to 0.5;
+        /// Relative standard deviation of the described lengths.
+        geometry_tolerance: f64 = 0.007, "", 0.0 to 0.2;
         /// Inertia of the upper body without boom, arm and bucket, about the swing axis (J_u).
         upper_inertia: f64 = 1698.0, "kg m^2", 0.0 to 1e9;
         /// Smallest inertia that an estimate may take.
@@ -38,7 +53,7 @@ table! {
 
 table! {
     /// Geometry and masses of the attachment; angles as in the messages.
-    pub struct ExcavatorGeometry, "machine.geometry" {
+    pub struct Attachment, "machine.geometry" {
         /// Swing axis to boom pin, horizontal (x0).
         boom_pin: f64 = 0.6317, "m", -10.0 to 10.0;
         /// Boom pin to arm pin (L1).
@@ -78,7 +93,7 @@ table! {
 
 table! {
     /// The sensors.
-    pub struct ExcavatorSensors, "sensors" {
+    pub struct Sensors, "sensors" {
         /// Samples per second.
         rate: f64 = 100.0, "Hz", 1.0 to 100000.0;
         /// Noise of the swing velocity (sigma_w).
@@ -87,8 +102,17 @@ table! {
         swing_angle_std: f64 = 0.0005, "rad", 1e-12 to 1.0;
         /// Noise of the swing torque (sigma_T).
         swing_torque_std: f64 = 100.0, "N m", 1e-9 to 1e6;
-        /// Standard deviation of the torque's gain about 1; it cannot be noticed, and widens the interval.
-        swing_torque_gain_std: f64 = 0.0, "", 0.0 to 1.0;
+        /// Standard deviation of the torque's gain about 1; "none" takes 0.03. Nobody knows a gain exactly: 0 says that
+        /// nothing is known of it and takes 0.05, but is meant with the variant "known", whose "none" is 0.
+        swing_torque_gain_std: Option<f64> = None, "", 0.0 to 1.0;
+        /// How late the torque comes.
+        swing_torque_delay: f64 = 0.0, "s", 0.0 to 1.0;
+        /// Its standard deviation.
+        swing_torque_delay_std: f64 = 0.015, "s", 0.0 to 1.0;
+        /// How late the swing velocity comes.
+        swing_velocity_delay: f64 = 0.0, "s", 0.0 to 1.0;
+        /// Its standard deviation.
+        swing_velocity_delay_std: f64 = 0.015, "s", 0.0 to 1.0;
         /// Noise of the joint angles.
         angle_std: f64 = 0.001, "rad", 0.0 to 1.0;
         /// A velocity of this size or more is taken as missing (end of the sensor's range).
@@ -100,7 +124,7 @@ table! {
 
 table! {
     /// What is known before the first sample.
-    pub struct ExcavatorPrior, "prior" {
+    pub struct Prior, "prior" {
         /// Swing inertia.
         inertia: f64 = 6500.0, "kg m^2", 1e-9 to 1e9;
         /// Its standard deviation.
@@ -122,7 +146,7 @@ table! {
 
 table! {
     /// The estimators.
-    pub struct ExcavatorEstimator, "estimator" {
+    pub struct Estimator, "estimator" {
         /// Natural frequency of the common second-order filter of velocity, torque and friction (wn).
         filter_frequency: f64 = 11.7, "rad/s", 0.01 to 1e5;
         /// Its damping ratio (zeta).
@@ -131,8 +155,9 @@ table! {
         q_c: f64 = 0.0047, "rad^2/s^5", 1e-15 to 1e12;
         /// Convergence delay of the Kalman filter, the length of a change window; "none" computes it from the gain.
         convergence_delay: Option<f64> = None, "s", 0.0 to 100.0;
-        /// Forgetting per sample, one factor or one per parameter; empty takes each method's own.
-        forgetting: Vec<f64> = vec![], "", 0.0001 to 1.0;
+        /// Forgetting per sample, one factor or one per parameter; empty takes each method's own. A list replaces
+        /// paper.lambda_normal and paper.lambda_window.
+        forgetting: Numbers = Numbers::default(), "", 0.0001 to 1.0;
         /// Nominal rule: distance of the estimated from the nominal damping at which it acts (Eqs. 28-29).
         epsilon: f64 = 27.0, "N m s/rad", 0.0 to 1e9;
         /// svf-rls estimates the viscous damping too.
@@ -156,6 +181,9 @@ table! {
         /// The torque enters as the mean of two samples, with variance (sigma_T / this)^2; 1, and not 1.41, since each
         /// sample is in two means.
         torque_noise_divisor: f64 = 1.0, "", 0.1 to 10.0;
+        /// What the model of the torque leaves out, as a share of the largest torque seen (noise per 0.01 s); less or
+        /// more of it is found from the innovations.
+        torque_noise_share: f64 = 0.1, "", 0.0 to 1.0;
         /// Innovations beyond this many standard deviations are weakened.
         gate: f64 = 4.0, "", 1.0 to 1e6;
         /// Innovations beyond this many standard deviations are dropped, at most three in a row (modes C, A).
@@ -213,9 +241,9 @@ table! {
 
 table! {
     /// The regression of the paper, method multi-forgetting-rls.
-    pub struct ExcavatorPaper, "estimator.paper" {
+    pub struct Paper, "estimator.paper" {
         /// Known times of torque changes; empty finds them online.
-        change_times: Vec<f64> = vec![], "s", -1e12 to 1e12;
+        change_times: Numbers = Numbers::default(), "s", -1e12 to 1e12;
         /// Forgetting of inertia, damping and torque outside the change windows.
         lambda_normal: [f64; 3] = [0.99, 0.69, 0.1], "", 0.0001 to 1.0;
         /// Forgetting of the three inside the change windows.
@@ -226,7 +254,8 @@ table! {
         torque: f64 = 2548.0, "N m", -1e7 to 1e7;
         /// The nominal-parameter rule for the damping is on.
         nominal_rule: bool = true, "";
-        /// The regression begins at this time; "none" begins with the data.
+        /// The regression begins at this time and runs through every standstill from then on; "none" begins with the data
+        /// and holds at standstill.
         start_time: Option<f64> = None, "s", -1e12 to 1e12;
         /// The regression holds its estimate from this time on; "none" goes to the end.
         stop_time: Option<f64> = None, "s", -1e12 to 1e12;
@@ -235,28 +264,22 @@ table! {
 
 /// Description of an excavator.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Excavator {
+pub struct Description {
     /// `[machine]`
-    pub machine: ExcavatorMachine,
+    pub machine: Machine,
     /// `[machine.geometry]`
-    pub geometry: ExcavatorGeometry,
+    pub geometry: Attachment,
     /// `[sensors]`
-    pub sensors: ExcavatorSensors,
+    pub sensors: Sensors,
     /// `[prior]`
-    pub prior: ExcavatorPrior,
+    pub prior: Prior,
     /// `[estimator]`
-    pub estimator: ExcavatorEstimator,
+    pub estimator: Estimator,
     /// `[estimator.paper]`
-    pub paper: ExcavatorPaper,
+    pub paper: Paper,
 }
 
-machine!(
-    Excavator,
-    Machine::Excavator,
-    [machine, geometry, sensors, prior, estimator, paper]
-);
-
-impl Excavator {
+impl Description {
     /// The configuration that reproduces Table 1 of the paper on its own cycle: regression from
     /// 5.5 to 9.3 s, changes of torque known at 5.5 and 7.5 s, initial inertia as given (the
     /// figures are reached only by starting at the true one).
@@ -266,54 +289,9 @@ impl Excavator {
         preset.prior.inertia = inertia;
         preset.estimator.calibrate_at_rest = false;
         preset.estimator.convergence_delay = Some(0.25);
-        preset.paper.change_times = vec![5.5, 7.5];
+        preset.paper.change_times = Numbers::new(&[5.5, 7.5]).unwrap_or_default();
         preset.paper.start_time = Some(5.5);
         preset.paper.stop_time = Some(9.3);
         preset
     }
-}
-
-fn contradictions(excavator: &Excavator) -> Vec<Error> {
-    let mut found = Vec::new();
-    let (machine, estimator) = (&excavator.machine, &excavator.estimator);
-    if machine.inertia_min >= machine.inertia_max {
-        found.push(Error::between(
-            format!(
-                "inertia_min ({} kg m^2) is not below inertia_max ({} kg m^2)",
-                machine.inertia_min, machine.inertia_max
-            ),
-            "machine.inertia_min",
-            "make inertia_min the smaller of the two",
-        ));
-    } else if !(machine.inertia_min..=machine.inertia_max).contains(&excavator.prior.inertia) {
-        found.push(Error::between(
-            format!(
-                "prior.inertia ({} kg m^2) lies outside inertia_min to inertia_max ({} to {} kg m^2)",
-                excavator.prior.inertia, machine.inertia_min, machine.inertia_max
-            ),
-            "prior.inertia",
-            "give a prior inside the limits, or move machine.inertia_min and machine.inertia_max",
-        ));
-    }
-    if estimator.payload_min >= estimator.payload_max {
-        found.push(Error::between(
-            format!(
-                "payload_min ({} kg) is not below payload_max ({} kg)",
-                estimator.payload_min, estimator.payload_max
-            ),
-            "estimator.payload_min",
-            "make payload_min the smaller of the two",
-        ));
-    }
-    if !matches!(estimator.forgetting.len(), 0 | 1 | 3 | 4) {
-        found.push(Error::between(
-            format!(
-                "forgetting has {} factors; it takes one, or one per parameter",
-                estimator.forgetting.len()
-            ),
-            "estimator.forgetting",
-            "give one factor, three (inertia, damping, torque), four (svf-rls with friction and offset), or none",
-        ));
-    }
-    found
 }

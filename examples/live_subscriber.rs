@@ -1,0 +1,36 @@
+//! A subscriber of a running pipeline: `heft run excavator --domain demo`, and in another terminal
+//! `cargo run --example live_subscriber demo`.
+
+use std::time::{Duration, Instant};
+
+use messages::ExcavatorEstimate;
+use messages::channels::EXCAVATOR_INERTIA_UKF;
+use messages::excavator_bits::TRUSTED;
+use runtime::{Domain, Ports};
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let Some(name) = std::env::args().nth(1) else {
+        println!("name the domain of a running pipeline");
+        return Ok(());
+    };
+    Domain::new(&name)?.enter()?;
+    let channel = &EXCAVATOR_INERTIA_UKF;
+    let mut input = Ports::new("example")?.input::<ExcavatorEstimate>(channel, channel.depth)?;
+    input.connect();
+    let end = Instant::now() + Duration::from_secs(10);
+    while Instant::now() < end {
+        while let Some((estimate, lost)) = input.receive() {
+            let word = if estimate.flags & TRUSTED != 0 {
+                "trusted"
+            } else {
+                "not trusted"
+            };
+            println!(
+                "{:7.2} s  {:7.0} kg m²  {word}, {lost} lost",
+                estimate.stamp.time, estimate.inertia
+            );
+        }
+        std::thread::sleep(Duration::from_millis(100));
+    }
+    Ok(())
+}

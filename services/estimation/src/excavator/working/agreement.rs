@@ -1,0 +1,62 @@
+//! Do stretches of a swing agree within what they claim?
+//!
+//! A filter whose model holds moves its estimate, over any stretch, by as much as the stretch takes from its
+//! variance: `E (x_end - x_start)^2 = P_start - P_end`. Where stretches move it further than that, they
+//! contradict each other, whatever the cause; the interval then widens by the root of the mean ratio (Birge
+//! 1932). This also catches what no state of the model names.
+
+/// Length of a stretch [s].
+const STRETCH: f64 = 0.4;
+/// A stretch that takes less than this share of the variance says nothing.
+const INFORMATIVE: f64 = 0.05;
+/// Share of one stretch in the mean ratio; largest ratio of one.
+const MEMORY: f64 = 0.12;
+const LARGEST: f64 = 36.0;
+
+/// Mean ratio of what stretches moved to what they may move.
+#[derive(Debug, Clone)]
+pub(super) struct Agreement {
+    start: Option<(f64, f64)>,
+    elapsed: f64,
+    ratio: f64,
+}
+
+impl Agreement {
+    pub(super) fn new() -> Self {
+        Self {
+            start: None,
+            elapsed: 0.0,
+            ratio: 1.0,
+        }
+    }
+
+    /// A value with its variance after a tick of motion in which only the motion informed.
+    pub(super) fn push(&mut self, value: f64, variance: f64, period: f64) {
+        let Some((before, variance_before)) = self.start else {
+            self.start = Some((value, variance));
+            self.elapsed = 0.0;
+            return;
+        };
+        self.elapsed += period;
+        if self.elapsed < STRETCH {
+            return;
+        }
+        let taken = variance_before - variance;
+        if taken > INFORMATIVE * variance_before {
+            let moved = value - before;
+            self.ratio += MEMORY * ((moved * moved / taken).min(LARGEST) - self.ratio);
+        }
+        self.start = Some((value, variance));
+        self.elapsed = 0.0;
+    }
+
+    /// The value has changed for another reason: the next stretch begins anew.
+    pub(super) fn interrupt(&mut self) {
+        self.start = None;
+    }
+
+    /// Factor of the variance, at least 1.
+    pub(super) fn factor(&self) -> f64 {
+        self.ratio.max(1.0)
+    }
+}

@@ -1,0 +1,124 @@
+//! What the joints say about the bucket's content: it can change only when they move.
+
+use super::super::drive::Drive;
+use super::super::opening::Opening;
+use crate::math::exp;
+
+/// Joints that have moved this far since the machine stopped may have changed the content [rad].
+const MOVED: f64 = 0.03;
+/// A bucket that has opened this far is empty unless the motion says otherwise [rad].
+const EMPTIED: f64 = 0.6;
+/// A standing bucket that has closed this far may have been filled [rad].
+const FILLED: f64 = 0.4;
+/// Time constant of the angles [s].
+const SMOOTHING: f64 = 0.05;
+/// Ticks after an opening in which the last of the material may still leave (0.20 s).
+const SETTLING: u32 = 20;
+
+/// What is known of the content after a tick.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Content {
+    /// As before.
+    Unchanged,
+    /// Anything from empty to full.
+    Unknown,
+}
+
+/// Follows the joints.
+#[derive(Debug, Clone)]
+pub(super) struct Bucket {
+    opening: Opening,
+    rate: f64,
+    posture: Option<[f64; 3]>,
+    /// Posture in which the machine stopped.
+    stopped: Option<[f64; 3]>,
+    unlocked: bool,
+    /// Least and largest bucket angle since the last emptying or filling [rad].
+    least: f64,
+    most: f64,
+    emptied: bool,
+    settling: u32,
+}
+
+impl Bucket {
+    pub(super) fn new(opening_rate: f64) -> Self {
+        Self {
+            opening: Opening::new(opening_rate),
+            rate: 0.0,
+            posture: None,
+            stopped: None,
+            unlocked: true,
+            least: f64::INFINITY,
+            most: f64::NEG_INFINITY,
+            emptied: false,
+            settling: 0,
+        }
+    }
+
+    /// One tick.
+    pub(super) fn step(&mut self, drive: &Drive, standing: bool) -> Content {
+        self.rate = self.opening.step(drive);
+        self.settling = if self.is_open() {
+            SETTLING
+        } else {
+            self.settling.saturating_sub(1)
+        };
+        let share = 1.0 - exp(-drive.period / SMOOTHING);
+        let before = self.posture.unwrap_or(drive.posture);
+        let now = core::array::from_fn(|i| before[i] + share * (drive.posture[i] - before[i]));
+        self.posture = Some(now);
+        self.follow(now[2], standing);
+        if !standing {
+            self.stopped = None;
+            self.unlocked = false;
+            return Content::Unchanged;
+        }
+        let stopped = *self.stopped.get_or_insert(now);
+        self.unlocked |= (0..3).any(|i| (now[i] - stopped[i]).abs() > MOVED);
+        if self.unlocked {
+            Content::Unknown
+        } else {
+            Content::Unchanged
+        }
+    }
+
+    fn follow(&mut self, bucket: f64, standing: bool) {
+        self.least = self.least.min(bucket);
+        self.most = self.most.max(bucket);
+        if bucket - self.least > EMPTIED {
+            self.emptied = true;
+            self.most = bucket;
+            self.least = bucket - EMPTIED;
+        }
+        if standing && self.most - bucket > FILLED {
+            self.emptied = false;
+            self.least = bucket;
+            self.most = bucket + FILLED;
+        }
+    }
+
+    /// The bucket opens, or has just done so.
+    pub(super) fn is_open(&self) -> bool {
+        self.opening.is_open()
+    }
+
+    /// The last of the material may still be leaving.
+    pub(super) fn is_settling(&self) -> bool {
+        self.settling > 0
+    }
+
+    /// The joints have moved since the machine stopped.
+    pub(super) fn is_unlocked(&self) -> bool {
+        self.unlocked
+    }
+
+    /// Rate of opening, 0 while the bucket does not open [rad/s].
+    pub(super) fn opening_rate(&self) -> f64 {
+        self.rate
+    }
+
+    /// The bucket was opened wide, and has not been filled since.
+    pub(super) fn is_emptied(&self) -> bool {
+        self.emptied && !self.is_open() && self.settling == 0
+    }
+}

@@ -1,0 +1,222 @@
+//! Extended Kalman filter of the swing with everything that a described machine may differ by.
+//!
+//! ```text
+//! J w' = T (1 + k) - l |T| th - T_f th + d - (b + Jd) w + g0 M (p cos psi - q sin psi)
+//! J = J_e(q) + m g(q),  th = tanh(w / width),  M = S + sum m_i r_i + m r_p
+//! measured velocity: y(t) = w(t - tau) = w - tau w'
+//! ```
+//!
+//! | symbol | index | meaning | unit |
+//! |---|---|---|---|
+//! | w | [`W`] | swing velocity | rad/s |
+//! | m | [`M`] | payload | kg |
+//! | d | [`OFFSET`] | torque offset: true minus measured | N m |
+//! | b | [`DAMPING`] | viscous damping | N m s/rad |
+//! | k | [`GAIN`] | true torque over the measured one, minus 1 | - |
+//! | l | [`LOSS`] | share of the torque lost while driving, gained while braking | - |
+//! | T_f | [`FRICTION`] | Coulomb friction | N m |
+//! | p, q | [`SLOPE`], [`SLOPE`] + 1 | slope of the ground, sin(beta) times sine and cosine of its direction | - |
+//! | S | [`MOMENT`] | first moment of the upper body | kg m |
+//! | tau | [`DELAY`] | how much later the velocity comes than the torque | s |
+//!
+//! All but w and m are constants of the machine and its place. Only row W of the transition differs from the
+//! identity, so a step costs two passes over the covariance.
+
+use crate::kalman::Innovation;
+use crate::math::{exp, tanh};
+
+/// Number of states.
+pub(super) const N: usize = 11;
+/// Swing velocity.
+pub(super) const W: usize = 0;
+/// Payload.
+pub(super) const M: usize = 1;
+/// Torque offset.
+pub(super) const OFFSET: usize = 2;
+/// Viscous damping.
+pub(super) const DAMPING: usize = 3;
+/// Gain of the torque.
+pub(super) const GAIN: usize = 4;
+/// Loss of the drive.
+pub(super) const LOSS: usize = 5;
+/// Coulomb friction.
+pub(super) const FRICTION: usize = 6;
+/// Slope, two states.
+pub(super) const SLOPE: usize = 7;
+/// First moment of the upper body.
+pub(super) const MOMENT: usize = 9;
+/// Delay of the velocity.
+pub(super) const DELAY: usize = 10;
+
+/// Standard gravity [m/s^2].
+const GRAVITY: f64 = 9.806_65;
+
+/// A vector of states.
+pub(super) type Vector = [f64; N];
+
+/// What acts during one step.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Input {
+    /// Length of the step [s].
+    pub(super) period: f64,
+    /// Measured torque, mean over the step [N m].
+    pub(super) torque: f64,
+    /// Inertia without payload and per kilogram of it, mean over the step.
+    pub(super) inertia: [f64; 2],
+    /// Their rates.
+    pub(super) rate: [f64; 2],
+    /// First moment of the attachment [kg m], and per kilogram of payload [m].
+    pub(super) moment: [f64; 2],
+    /// Sine and cosine of the swing angle.
+    pub(super) turn: (f64, f64),
+    /// Variance of the torque that the model leaves out [(N m)^2].
+    pub(super) torque_variance: f64,
+    /// Share of the payload that leaves during the step.
+    pub(super) leaving: f64,
+    /// Variance that the payload gains during the step [kg^2].
+    pub(super) payload_variance: f64,
+}
+
+/// State and covariance.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Filter {
+    pub(super) x: Vector,
+    pub(super) p: [Vector; N],
+    /// Acceleration over the last step [rad/s^2].
+    pub(super) acceleration: f64,
+}
+
+impl Filter {
+    /// With independent states.
+    pub(super) fn new(x: Vector, std: &Vector) -> Self {
+        let mut p = [[0.0; N]; N];
+        for (i, std) in std.iter().enumerate() {
+            p[i][i] = std * std;
+        }
+        Self {
+            x,
+            p,
+            acceleration: 0.0,
+        }
+    }
+
+    /// Predicts over one step; `width` of the friction's sign [rad/s], least inertia [kg m^2].
+    pub(super) fn predict(&mut self, input: &Input, width: f64, least: f64) {
+        let (x, dt) = (&mut self.x, input.period);
+        let (w, m) = (x[W], x[M]);
+        let inertia = (input.inertia[0] + m * input.inertia[1]).max(least);
+        let rate = input.rate[0] + m * input.rate[1];
+        let direction = tanh(w / width);
+        let size = input.torque.abs();
+        let (sin, cos) = input.turn;
+        let lean = GRAVITY * (x[SLOPE] * cos - x[SLOPE + 1] * sin);
+        let moment = x[MOMENT] + input.moment[0] + m * input.moment[1];
+        let dissipated = x[FRICTION] + x[LOSS] * size;
+        let torque =
+            input.torque * (1.0 + x[GAIN]) + x[OFFSET] - dissipated * direction + lean * moment;
+        let f = (torque - (x[DAMPING] + rate) * w) / inertia;
+        let steep = dissipated.max(0.0) * (1.0 - direction * direction) / width;
+
+        let step = dt / inertia;
+        let mut row = [0.0; N];
+        row[W] = exp(-step * (x[DAMPING] + rate + steep));
+        row[M] = step * (lean * input.moment[1] - input.rate[1] * w - f * input.inertia[1]);
+        row[OFFSET] = step;
+        row[DAMPING] = -step * w;
+        row[GAIN] = step * input.torque;
+        row[LOSS] = -step * size * direction;
+        row[FRICTION] = -step * direction;
+        row[SLOPE] = step * GRAVITY * moment * cos;
+        row[SLOPE + 1] = -step * GRAVITY * moment * sin;
+        row[MOMENT] = step * lean;
+        x[W] += dt * f;
+        self.acceleration = f;
+
+        let mut column = [0.0; N];
+        for (c, line) in column.iter_mut().zip(&self.p) {
+            *c = dot(line, &row);
+        }
+        let variance = dot(&column, &row) + input.torque_variance * step * step;
+        for i in 1..N {
+            self.p[W][i] = column[i];
+            self.p[i][W] = column[i];
+        }
+        self.p[W][W] = variance;
+        self.leave(input);
+    }
+
+    /// Part of the payload leaves, and more or less of it than thought.
+    fn leave(&mut self, input: &Input) {
+        if input.leaving > 0.0 {
+            let kept = 1.0 - input.leaving;
+            self.x[M] *= kept;
+            for i in 0..N {
+                self.p[M][i] *= kept;
+                self.p[i][M] *= kept;
+            }
+        }
+        self.p[M][M] += input.payload_variance;
+    }
+
+    /// Takes in a velocity of this variance; innovations beyond `gate` standard deviations are weakened. The
+    /// innovation is that before the gate.
+    pub(super) fn correct(&mut self, velocity: f64, variance: f64, gate: f64) -> Innovation {
+        let mut row = [0.0; N];
+        row[W] = 1.0;
+        row[DELAY] = -self.acceleration;
+        let value = velocity - self.x[W] + self.x[DELAY] * self.acceleration;
+        self.measure(&row, value, variance, gate)
+    }
+
+    /// A scalar measurement of `row x` that differs by `value` from what is expected.
+    pub(super) fn measure(
+        &mut self,
+        row: &Vector,
+        value: f64,
+        variance: f64,
+        gate: f64,
+    ) -> Innovation {
+        let mut column = [0.0; N];
+        for (c, line) in column.iter_mut().zip(&self.p) {
+            *c = dot(line, row);
+        }
+        let total = dot(&column, row) + variance;
+        let gated = total.max(value * value / (gate * gate));
+        let share = 1.0 / gated;
+        for i in 0..N {
+            let gain = column[i] * share;
+            self.x[i] += gain * value;
+            for j in 0..N {
+                self.p[i][j] -= gain * column[j];
+            }
+        }
+        Innovation {
+            value,
+            variance: total,
+        }
+    }
+
+    /// State `i` takes a new value with a variance, independent of all others.
+    pub(super) fn set(&mut self, i: usize, value: f64, variance: f64) {
+        self.x[i] = value;
+        for j in 0..N {
+            self.p[i][j] = 0.0;
+            self.p[j][i] = 0.0;
+        }
+        self.p[i][i] = variance;
+    }
+
+    /// Whether every number is one, and no variance negative.
+    pub(super) fn is_sound(&self) -> bool {
+        let finite = |v: &Vector| v.iter().all(|v| v.is_finite());
+        finite(&self.x) && self.p.iter().all(finite) && (0..N).all(|i| self.p[i][i] >= 0.0)
+    }
+}
+
+fn dot(a: &Vector, b: &Vector) -> f64 {
+    let mut sum = 0.0;
+    for i in 0..N {
+        sum += a[i] * b[i];
+    }
+    sum
+}

@@ -1,0 +1,311 @@
+//! Torque and posture on a machine that nobody has calibrated: the default of mode D.
+//!
+//! One filter carries everything that the machine may differ by ([`filter`]); what no state explains raises
+//! the noise of the torque until the innovations are white again ([`noise`]); what the bucket holds is
+//! unknown as soon as it could have changed ([`bucket`]).
+
+mod agreement;
+mod bucket;
+mod filter;
+mod noise;
+
+use self::agreement::Agreement;
+use self::bucket::{Bucket, Content};
+use self::filter::{
+    DAMPING, DELAY, FRICTION, Filter, GAIN, Input, LOSS, M, MOMENT, N, OFFSET, SLOPE, Vector, W,
+};
+use self::noise::Noise;
+use super::doubts::Doubts;
+use super::drive::Drive;
+use super::geometry::Inertia;
+use super::reason::Reason;
+use super::settings::Settings;
+use super::standstill::Phase;
+use super::state::State;
+use crate::kalman::Innovation;
+use crate::math::{sin_cos, sqrt};
+
+/// An empty bucket still holds this share of the rated payload, with this standard deviation: material sticks.
+const STICKING: [f64; 2] = [0.025, 0.02];
+/// Standard deviation of the payload, as a share of the rated one, below which the motion has said enough to
+/// tell an empty bucket from a loaded one.
+const TOLD: f64 = 0.15;
+
+/// Random walk of the torque's gain: weights of zero all err alike, and must not add up [1/sqrt(s)].
+const GAIN_DRIFT: f64 = 0.004;
+/// Noise of a sample of the inclinometer, and its mounting error [rad].
+const INCLINOMETER: f64 = 0.03;
+const MOUNTING: f64 = 0.004;
+/// A constant this many standard deviations from its description is named.
+const NAMED: f64 = 3.0;
+/// Below this velocity a holding brake or stiction may take any part of the torque [rad/s].
+const BRAKED: f64 = 0.04;
+/// Less than this share of what the description allows for is not worth a word.
+const MATERIAL: f64 = 0.33;
+/// Factor of the torque's noise variance above which the motion does not follow the model.
+const UNEXPLAINED: f64 = 30.0;
+
+/// Mean ratio at which stretches of the swings disagree.
+const DISAGREEMENT: f64 = 3.0;
+
+/// The default estimator with torque and posture.
+#[derive(Debug, Clone)]
+pub(super) struct Working {
+    settings: Settings,
+    doubts: Doubts,
+    filter: Filter,
+    /// The states as described, and their standard deviations.
+    described: Vector,
+    stated: Vector,
+    noise: Noise,
+    agreement: Agreement,
+    bucket: Bucket,
+    /// Rated payload [kg].
+    rated: f64,
+    /// Swing angle since the start [rad].
+    turn: f64,
+    /// Largest torque seen, smoothed [N m].
+    torque: f64,
+    largest: f64,
+    /// The empty bucket of this swing has been used as a weight of zero.
+    tared: bool,
+}
+
+impl Working {
+    pub(super) fn new(settings: &Settings, doubts: &Doubts) -> Self {
+        let (p, s) = (&settings.prior, settings);
+        let (moment, moment_std) = upper_moment(settings, doubts);
+        let mut x = [0.0; N];
+        let mut std = [0.0; N];
+        for (i, value, deviation) in [
+            (W, 0.0, 1e-3),
+            (M, p.payload, p.payload_std),
+            (OFFSET, 0.0, p.torque_offset_std),
+            (DAMPING, s.nominal_damping, p.damping_std),
+            (GAIN, 0.0, doubts.gain_std),
+            (LOSS, 1.0 - doubts.efficiency, doubts.efficiency_std),
+            (FRICTION, s.coulomb_friction, doubts.friction_std),
+            (SLOPE, 0.0, doubts.slope_std),
+            (SLOPE + 1, 0.0, doubts.slope_std),
+            (MOMENT, moment, moment_std),
+            (DELAY, doubts.delay, doubts.delay_std),
+        ] {
+            x[i] = value;
+            std[i] = deviation;
+        }
+        Self {
+            settings: *settings,
+            doubts: *doubts,
+            filter: Filter::new(x, &std),
+            described: x,
+            stated: std,
+            noise: Noise::new(),
+            agreement: Agreement::new(),
+            bucket: Bucket::new(settings.estimator.opening_rate),
+            rated: settings.rated_payload(),
+            turn: 0.0,
+            torque: 0.0,
+            largest: 0.0,
+            tared: false,
+        }
+    }
+
+    /// One tick.
+    pub(super) fn step(&mut self, drive: &Drive, phase: Phase) -> State {
+        let standing = phase == Phase::Held;
+        let content = self.bucket.step(drive, standing);
+        if content == Content::Unknown {
+            let p = &self.settings.prior;
+            self.filter.set(M, p.payload, p.payload_std * p.payload_std);
+        }
+        if let (true, Some(inclination)) = (standing, drive.inclination) {
+            self.incline(inclination);
+        }
+        let innovation = match phase {
+            Phase::Moving => self.moving(drive),
+            Phase::Held => self.rest(0.0, 1e-6),
+            Phase::Released(w) => self.set_off(w, drive),
+        };
+        self.state(drive, innovation, standing)
+    }
+
+    fn rest(&mut self, velocity: f64, variance: f64) -> Innovation {
+        self.filter.set(W, velocity, variance);
+        self.filter.acceleration = 0.0;
+        self.noise.rest();
+        self.agreement.interrupt();
+        self.tared = false;
+        Innovation::default()
+    }
+
+    /// Sets off with a measured velocity, which is late by what the delay makes of the acceleration.
+    fn set_off(&mut self, velocity: f64, drive: &Drive) -> Innovation {
+        let innovation = self.rest(velocity, drive.variance / 4.0 + 0.02 * 0.02);
+        let acceleration = drive.torque / drive.now.with_payload(self.filter.x[M]);
+        let (x, p) = (&mut self.filter.x, &mut self.filter.p);
+        x[W] += x[DELAY] * acceleration;
+        for i in 1..N {
+            p[W][i] = acceleration * p[DELAY][i];
+            p[i][W] = p[W][i];
+        }
+        p[W][W] += acceleration * acceleration * p[DELAY][DELAY];
+        innovation
+    }
+
+    fn moving(&mut self, drive: &Drive) -> Innovation {
+        let s = &self.settings;
+        self.torque +=
+            (1.0 - crate::math::exp(-drive.period / 0.05)) * (drive.torque - self.torque);
+        self.largest = self.largest.max(self.torque.abs());
+        let sensor = s.sensors.swing_torque_std;
+        let model = self.doubts.torque_share * self.largest;
+        let nearly = 1.0 - self.filter.x[W].abs() / BRAKED;
+        let braked = nearly.max(0.0) * (drive.torque.abs() + s.coulomb_friction);
+        let opening = self.bucket.opening_rate() * drive.period;
+        let m = self.filter.x[M].max(0.0);
+        let input = Input {
+            period: drive.period,
+            torque: drive.torque,
+            inertia: [drive.mean.empty, drive.mean.per_payload],
+            rate: [drive.rate.empty, drive.rate.per_payload],
+            moment: [drive.now.moment, drive.now.radius],
+            turn: sin_cos(self.turn),
+            torque_variance: model * model * self.noise.scale() * 0.01 / drive.period
+                + sensor * sensor * drive.share
+                + braked * braked
+                + drive.stale_torque,
+            leaving: (s.estimator.opening_decay * opening).min(0.5),
+            payload_variance: 0.5 * m * m * opening
+                + s.estimator.q_m * self.rated * self.rated * 1e-5 * drive.period,
+        };
+        self.filter.p[GAIN][GAIN] += GAIN_DRIFT * GAIN_DRIFT * drive.period;
+        self.filter
+            .predict(&input, s.estimator.friction_width, s.inertia_min);
+        self.turn += self.filter.x[W] * drive.period;
+        let Some(velocity) = drive.velocity else {
+            return Innovation::default();
+        };
+        let innovation = self
+            .filter
+            .correct(velocity, drive.variance, s.estimator.gate);
+        self.noise.push(innovation.normalised());
+        if self.bucket.is_open() {
+            self.agreement.interrupt();
+        } else {
+            let (x, p) = (&self.filter.x, &self.filter.p);
+            self.agreement.push(x[M], p[M][M], drive.period);
+        }
+        self.tare(&drive.now);
+        innovation
+    }
+
+    /// The slope along the axes of the start, from pitch and roll of the standing upper body: accelerations of
+    /// the swing would pass for inclinations.
+    fn incline(&mut self, [pitch, roll]: [f64; 2]) {
+        let (sin, cos) = sin_cos(self.turn);
+        let slopes = [roll * cos - pitch * sin, -roll * sin - pitch * cos];
+        for (i, slope) in (SLOPE..).zip(slopes) {
+            if self.filter.p[i][i] > MOUNTING * MOUNTING {
+                let mut row = [0.0; N];
+                row[i] = 1.0;
+                let value = slope - self.filter.x[i];
+                let variance = INCLINOMETER * INCLINOMETER;
+                self.filter.measure(&row, value, variance, 1e3);
+            }
+        }
+    }
+
+    /// An emptied bucket weighs next to nothing: that fixes the gain of the torque.
+    fn tare(&mut self, now: &Inertia) {
+        let told = TOLD * self.rated;
+        let variance = self.filter.p[M][M];
+        if self.tared || !self.bucket.is_emptied() || variance > told * told {
+            return;
+        }
+        let [share, sticking] = STICKING.map(|share| share * self.rated);
+        let described = self.doubts.inertia_share * now.empty / now.per_payload;
+        let std = sqrt(sticking * sticking + described * described);
+        let value = share - self.filter.x[M];
+        if value * value < 9.0 * (variance + std * std) {
+            let mut row = [0.0; N];
+            row[M] = 1.0;
+            self.filter
+                .measure(&row, value, std * std, self.settings.estimator.gate);
+            self.tared = true;
+            self.agreement.interrupt();
+        }
+    }
+
+    fn state(&self, drive: &Drive, innovation: Innovation, standing: bool) -> State {
+        let (x, p) = (&self.filter.x, &self.filter.p);
+        let std = |i: usize| sqrt(p[i][i].max(0.0));
+        let [least, most] = self.settings.payload_range();
+        let payload = x[M].clamp(least, most);
+        let at_limit = payload != x[M];
+        let described = self.doubts.inertia_share * drive.now.empty;
+        let payload_std = std(M) * sqrt(self.agreement.factor());
+        let carried = payload_std * drive.now.per_payload;
+        State {
+            inertia: drive.now.with_payload(payload),
+            inertia_std: sqrt(carried * carried + described * described),
+            payload: Some((payload, payload_std)),
+            damping: Some((x[DAMPING], std(DAMPING))),
+            offset: Some((x[OFFSET], std(OFFSET))),
+            velocity: x[W],
+            acceleration: self.filter.acceleration,
+            nis: innovation.nis(),
+            changing: self.bucket.is_open(),
+            unsettled: at_limit || self.bucket.is_settling(),
+            opening: self.bucket.is_open(),
+            reason: self.reason(at_limit, standing),
+            ..State::default()
+        }
+    }
+
+    /// What differs most from its description, in its own standard deviations.
+    fn reason(&self, at_limit: bool, standing: bool) -> Reason {
+        if standing && self.bucket.is_unlocked() {
+            return Reason::Content;
+        }
+        if at_limit {
+            return Reason::Limit;
+        }
+        if self.noise.scale() > UNEXPLAINED {
+            return Reason::Unexplained;
+        }
+        if self.agreement.factor() > DISAGREEMENT {
+            return Reason::Disagreement;
+        }
+        let mut most = (NAMED, Reason::None);
+        for (i, reason) in [
+            (SLOPE, Reason::Slope),
+            (SLOPE + 1, Reason::Slope),
+            (LOSS, Reason::Loss),
+            (FRICTION, Reason::Friction),
+            (GAIN, Reason::Gain),
+            (DELAY, Reason::Delay),
+            (OFFSET, Reason::Offset),
+            (DAMPING, Reason::Damping),
+        ] {
+            let difference = (self.filter.x[i] - self.described[i]).abs();
+            let sizes = difference / sqrt(self.filter.p[i][i].max(1e-300));
+            if sizes > most.0 && difference > MATERIAL * self.stated[i] {
+                most = (sizes, reason);
+            }
+        }
+        most.1
+    }
+
+    pub(super) fn is_sound(&self) -> bool {
+        self.filter.is_sound()
+    }
+}
+
+/// First moment of the upper body and its standard deviation [kg m].
+fn upper_moment(settings: &Settings, doubts: &Doubts) -> (f64, f64) {
+    let balanced = -settings.geometry.folded_moment();
+    match (doubts.upper_first_moment, doubts.upper_first_moment_std) {
+        (Some(moment), std) => (moment, std.unwrap_or(0.03 * moment.abs())),
+        (None, std) => (balanced, std.unwrap_or(0.3 * balanced.abs())),
+    }
+}

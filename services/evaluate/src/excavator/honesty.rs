@@ -1,0 +1,87 @@
+//! Of what is called trusted, how much is wrong: machines of four sizes at work, with the ordinary physics
+//! that no description has, one effect at a time and all together.
+//!
+//! JSON: [`crate::honesty::json`]. The machines are uncalibrated: what the estimators are told is the data
+//! sheet and the prudent default of everything else ([`estimation::excavator::Doubts`]).
+
+use super::estimators::Setup;
+use super::honesty_lines::{described, effects};
+use crate::honesty::{Judged, Line, Tally, json, text};
+use crate::{Error, Options, Report, seeds};
+use estimation::excavator::{Estimate, Method};
+use sim::excavator::{Row, Size, Work};
+
+/// Length of a record: 40 s at 100 Hz.
+const ROWS: usize = 4000;
+/// True velocity above which the machine moves [rad/s].
+const MOVING: f64 = 0.05;
+
+/// The methods that are judged, as tables call them.
+const METHODS: [(&str, Method, bool); 6] = [
+    ("posture-torque", Method::PostureTorque, false),
+    ("torque", Method::Torque, false),
+    ("posture", Method::Posture, false),
+    ("velocity", Method::Velocity, false),
+    ("svf-rls", Method::SvfRls, false),
+    ("svf-rls joint", Method::SvfRls, true),
+];
+
+fn tally(work: &Work, rows: &[Row], method: (&'static str, Method, bool)) -> Result<Tally, Error> {
+    let (name, method, joint) = method;
+    let mut settings = described(work);
+    settings.estimator.estimate_damping = joint;
+    settings.estimator.estimate_friction = joint;
+    let mut tally = Tally::default();
+    for point in Setup::working(name, method, settings).run(rows)? {
+        tally.push(&Judged {
+            truth: point.truth.inertia,
+            estimate: point.estimate.inertia,
+            std: point.estimate.inertia_std,
+            trusted: point.estimate.flags.trusted(),
+            moving: point.truth.velocity.abs() > MOVING,
+            reason: reason(&point.estimate),
+        });
+    }
+    Ok(tally)
+}
+
+fn reason(estimate: &Estimate) -> &'static str {
+    estimate.reason.name()
+}
+
+/// Every effect at every severity, every method; the sizes take turns with the seeds.
+pub(super) fn evaluate(options: &Options) -> Result<Report, Error> {
+    let sizes = [Size::t13(), Size::t22(), Size::t36(), Size::reference()];
+    let mut lines = Vec::new();
+    for (effect, severity, effects, asked) in effects() {
+        let found = seeds(options, &format!("{effect} {severity}"), |seed| {
+            let size = sizes[(seed as usize - 1) % sizes.len()];
+            let work = Work::new(size, effects, seed);
+            let rows: Vec<Row> = work.clone().take(ROWS).collect();
+            METHODS
+                .iter()
+                .map(|&method| tally(&work, &rows, method))
+                .collect::<Result<Vec<_>, _>>()
+        })?;
+        for (i, (name, method, _)) in METHODS.iter().enumerate() {
+            let mut sum = Tally::default();
+            found.iter().for_each(|seed| sum.add(&seed[i]));
+            let mut line = Line::new(effect, severity, name, sum);
+            line.allowed = asked.wrong;
+            if *method == Method::PostureTorque {
+                line.least_trusted = asked.trusted;
+                line.least_covered = asked.covered;
+            }
+            lines.push(line);
+        }
+    }
+    Ok(Report {
+        text: format!(
+            "Excavators at work that are not what their description says, {} seeds of 40 s\n{}",
+            options.seeds,
+            text(&lines)
+        ),
+        json: json(&lines),
+        met: lines.iter().all(Line::met),
+    })
+}

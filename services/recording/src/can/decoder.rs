@@ -1,0 +1,481 @@
+//! Frames made into rows of samples, as a map says.
+
+use super::dbc::{Dbc, Message, Place, Reading, source};
+use super::frame::Frame;
+use crate::Error;
+use crate::map::{Can, CanName, Conversion, Entry, Map, Origin, Rows as When, Term, hint};
+use crate::sampling::{RowTime, Rows, SECOND, Series};
+use crate::signal::{self, Builder, Machine, Row, Signal};
+
+/// A frame so much earlier than the one before is not merely out of order.
+const DISORDER: i64 = SECOND;
+/// A frame so much later, or so much earlier, needs another one to be believed.
+const JUMP: i64 = 10 * SECOND;
+/// Strange times in a row after which any time is believed.
+const MOST_STRANGE: u32 = 3;
+/// A sender that was silent for so long has left the signal to another.
+const ABDICATION: i64 = 5 * SECOND;
+/// Remarks that are kept.
+const MOST_REMARKS: usize = 20;
+
+/// Makes rows of frames. The frames alone decide what the rows are: a bus and its log give the same.
+#[derive(Debug)]
+pub struct Decoder<M: Machine> {
+    lines: Vec<Line>,
+    /// The values of the terms that come from the bus.
+    series: Vec<Series>,
+    clock: Clock,
+    rows: Rows,
+    /// Position of the master's first term among the series.
+    master: Option<usize>,
+    builder: Builder<M>,
+    values: Vec<f64>,
+    remarks: Vec<String>,
+    map: Map,
+}
+
+/// A signal of the map.
+#[derive(Debug)]
+struct Line {
+    entry: Entry,
+    terms: Vec<Source>,
+}
+
+#[derive(Debug)]
+enum Source {
+    Constant(f64),
+    Bus(Box<Bus>),
+}
+
+/// A term that comes from the bus.
+#[derive(Debug)]
+struct Bus {
+    name: CanName,
+    message: Message,
+    place: Place,
+    conversion: Conversion,
+    series: usize,
+    /// Who sends it, and when it was last heard, where nothing says who should.
+    sender: Option<(u8, i64)>,
+    has_value: bool,
+}
+
+impl<M: Machine> Decoder<M> {
+    /// A decoder for the frames that the map names; its DBC files are read.
+    ///
+    /// # Errors
+    /// The map has no `[can]`, lacks a signal, or names what the DBC files do not have.
+    pub fn new(map: &Map) -> Result<Self, Error> {
+        let Some(can) = &map.can else {
+            return Err(Error::new(
+                "the signal map has no [can] table",
+                map.file(),
+                "name the DBC file and the signals under [can] and [can.signals]",
+            ));
+        };
+        let signals = signal::signals::<M>();
+        map.check(&can.signals, &signals)?;
+        require::<M>(can, map)?;
+        let mut files = Vec::new();
+        for path in &can.dbc {
+            files.push(Dbc::open(path)?);
+        }
+        let messages = files.iter_mut().flat_map(|f| &mut f.messages);
+        for message in messages {
+            message.j1939 = can.j1939.unwrap_or(message.j1939) && message.extended;
+        }
+        let resolver = Resolver {
+            map,
+            can,
+            files: &files,
+        };
+        let (mut lines, mut series) = (Vec::new(), Vec::new());
+        for entry in can.signals.iter().filter(|e| !e.is_nowhere()) {
+            let signal = map.signal(entry, &signals)?;
+            let terms = entry.terms.iter();
+            let terms = terms.map(|t| resolver.source(entry, t, signal, &mut series));
+            lines.push(Line {
+                entry: entry.clone(),
+                terms: terms.collect::<Result<_, _>>()?,
+            });
+        }
+        let (rate, master) = match &can.rows {
+            When::Rate(rate) => (Some(*rate), None),
+            When::Master(name) => (None, Some(master(name, &lines, map)?)),
+        };
+        let used = lines
+            .iter()
+            .filter_map(|l| signals.iter().find(|s| s.name == l.entry.signal));
+        Ok(Self {
+            builder: Builder::with_all(signals.iter().take(1).chain(used)),
+            lines,
+            series,
+            clock: Clock::default(),
+            rows: Rows::new(rate),
+            master,
+            values: Vec::new(),
+            remarks: Vec::new(),
+            map: map.clone(),
+        })
+    }
+
+    /// Takes a frame.
+    pub fn take(&mut self, frame: &Frame) {
+        let Some(clock) = self.clock.accept(frame.time_ns, &mut self.remarks) else {
+            return;
+        };
+        self.rows.pass(clock);
+        // What was complete before this frame is not its business.
+        self.build(false);
+        let mut heard = false;
+        for source in self.lines.iter_mut().flat_map(|l| &mut l.terms) {
+            let Source::Bus(bus) = source else { continue };
+            let Some(value) = bus.read(frame, clock, &mut self.remarks) else {
+                continue;
+            };
+            heard = true;
+            let series = &mut self.series[bus.series];
+            series.push(clock, value);
+            if self.master == Some(bus.series) {
+                self.rows.add(series.measured(clock));
+            }
+        }
+        if heard {
+            self.rows.hear(clock);
+        }
+        self.build(false);
+    }
+
+    /// No frame came until `now_ns`, on the clock of the frames: silence makes rows too.
+    pub fn pass(&mut self, now_ns: i64) {
+        if let Some(clock) = self.clock.relative(now_ns) {
+            self.rows.pass(clock);
+            self.build(false);
+        }
+    }
+
+    /// No frame will come any more: the rows that wait are complete.
+    pub fn finish(&mut self) {
+        self.build(true);
+        self.builder.finish();
+    }
+
+    /// The next row, if one is complete. Its `measured_ns` is its time on the clock of the frames.
+    pub fn row(&mut self) -> Option<Row<M>> {
+        self.builder.next()
+    }
+
+    /// The first frame gets the time `seconds` instead of 0.
+    pub fn begin_at(&mut self, seconds: f64) {
+        self.clock.shift = (seconds * 1e9) as i64;
+    }
+
+    /// What was strange so far, a line each; taken once.
+    pub fn take_remarks(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.remarks)
+    }
+
+    /// An error if a signal of the map never had a value.
+    pub(crate) fn check_heard(&self, log: &str) -> Result<(), Error> {
+        let is_silent = |s: &Source| matches!(s, Source::Bus(bus) if !bus.has_value);
+        let silent = self.lines.iter().find(|l| l.terms.iter().any(is_silent));
+        silent.map_or(Ok(()), |line| {
+            Err(Error::new(
+                format!("{log} has no value of {}", line.entry.signal),
+                self.map.place(&line.entry),
+                "check message, source and interface of the entry, or leave it out",
+            ))
+        })
+    }
+
+    fn build(&mut self, at_end: bool) {
+        while let Some(RowTime { ns, seconds }) = self.rows.next(&mut self.series, at_end) {
+            self.values.clear();
+            self.values.push(seconds);
+            let series = &self.series;
+            let values = self.lines.iter().map(|line| {
+                let terms = line.terms.iter().map(|source| match source {
+                    Source::Constant(value) => *value,
+                    Source::Bus(bus) => bus.conversion.apply(series[bus.series].at(ns)),
+                });
+                line.entry.combine(terms)
+            });
+            self.values.extend(values);
+            self.builder.push(&self.values, self.clock.absolute(ns));
+        }
+    }
+}
+
+impl Bus {
+    /// The value in a frame: NaN if the frame says that there is none, nothing if it is another's.
+    fn read(&mut self, frame: &Frame, clock: i64, remarks: &mut Vec<String>) -> Option<f64> {
+        let interface = self.name.interface.as_deref();
+        if !self.message.matches(frame.id, frame.extended)
+            || interface.is_some_and(|i| i != frame.interface)
+        {
+            return None;
+        }
+        let value = match self.place.read(frame.data()) {
+            Reading::Absent => return None,
+            Reading::Missing => f64::NAN,
+            Reading::Value(value) => value,
+        };
+        let sender = source(frame.id);
+        let is_heeded = match self.name.source {
+            Some(wanted) => wanted == sender,
+            None => !self.message.j1939 || self.is_heeded(sender, clock, remarks),
+        };
+        self.has_value |= is_heeded && value.is_finite();
+        is_heeded.then_some(value)
+    }
+
+    /// Two senders of one parameter group measure at two places: only the first counts.
+    fn is_heeded(&mut self, sender: u8, clock: i64, remarks: &mut Vec<String>) -> bool {
+        match self.sender {
+            Some((first, heard)) if first != sender && clock - heard < ABDICATION => {
+                let text = format!(
+                    "{}.{} comes from {first:#04x} and from {sender:#04x}; only {first:#04x} counts: say source = ... in the map",
+                    self.name.message, self.name.signal
+                );
+                remark(remarks, text);
+                false
+            }
+            _ => {
+                self.sender = Some((sender, clock));
+                true
+            }
+        }
+    }
+}
+
+/// Keeps a remark that is new.
+fn remark(remarks: &mut Vec<String>, text: String) {
+    if remarks.len() < MOST_REMARKS && !remarks.contains(&text) {
+        remarks.push(text);
+    }
+}
+
+/// Of each group of signals, the map must have one.
+fn require<M: Machine>(can: &Can, map: &Map) -> Result<(), Error> {
+    let has = |name: &str| {
+        can.signals
+            .iter()
+            .any(|e| e.signal == name && !e.is_nowhere())
+    };
+    let missing = M::REQUIRED
+        .iter()
+        .find(|group| !group.iter().any(|name| has(name)));
+    missing.map_or(Ok(()), |group| {
+        Err(Error::new(
+            format!(
+                "the map names no signal for {} ({})",
+                group.join(" or "),
+                M::NAME
+            ),
+            map.file(),
+            "add it under [can.signals], or say { constant = ... }",
+        ))
+    })
+}
+
+/// The series whose frames make rows.
+fn master(name: &str, lines: &[Line], map: &Map) -> Result<usize, Error> {
+    let line = lines.iter().find(|l| l.entry.signal == name);
+    let sources = line.iter().flat_map(|l| &l.terms);
+    let mut series = sources.filter_map(|s| match s {
+        Source::Bus(bus) => Some(bus.series),
+        Source::Constant(_) => None,
+    });
+    series.next().ok_or_else(|| {
+        let names = lines.iter().map(|l| l.entry.signal.as_str());
+        Error::new(
+            format!("the master {name} is no signal of the map that comes from the bus"),
+            map.file(),
+            hint(name, names, "its signals are"),
+        )
+    })
+}
+
+/// Finds the terms of a map in DBC files.
+struct Resolver<'a> {
+    map: &'a Map,
+    can: &'a Can,
+    files: &'a [Dbc],
+}
+
+impl Resolver<'_> {
+    fn source(
+        &self,
+        entry: &Entry,
+        term: &Term,
+        target: &Signal,
+        series: &mut Vec<Series>,
+    ) -> Result<Source, Error> {
+        let name = match &term.origin {
+            Origin::Can(name) => name,
+            Origin::Constant(value) => return Ok(Source::Constant(*value)),
+            Origin::Column(_) | Origin::Nowhere => return Ok(Source::Constant(f64::NAN)),
+        };
+        let all = || self.files.iter().flat_map(|f| &f.messages);
+        let message = self.files.iter().find_map(|f| f.find(&name.message));
+        let message = message.ok_or_else(|| {
+            Error::new(
+                format!("the DBC has no message {}", name.message),
+                self.map.place(entry),
+                hint(
+                    &name.message,
+                    all().map(|m| m.name.as_str()),
+                    "its messages are",
+                ),
+            )
+        })?;
+        let signal = message.find(&name.signal).map_err(|hint| {
+            let what = format!("message {} has no signal {}", name.message, name.signal);
+            Error::new(what, self.map.place(entry), hint)
+        })?;
+        let place = message.place(signal).ok_or_else(|| {
+            Error::new(
+                format!(
+                    "the multiplexor of {} is not in message {}",
+                    name.signal, name.message
+                ),
+                self.map.place(entry),
+                "correct SG_MUL_VAL_ or the multiplexor (M) of the message in the DBC file",
+            )
+        })?;
+        if name.source.is_some() && !message.j1939 {
+            return Err(Error::new(
+                format!(
+                    "message {} has no source address: it is not J1939's",
+                    name.message
+                ),
+                self.map.place(entry),
+                "leave out source =, or say j1939 = true under [can]",
+            ));
+        }
+        let conversion = self
+            .map
+            .with_dbc_unit(entry, term.conversion, &signal.unit, target)?;
+        series.push(Series::new(&term.timing, self.can.hold));
+        Ok(Source::Bus(Box::new(Bus {
+            name: name.clone(),
+            message: message.clone(),
+            place,
+            conversion,
+            series: series.len() - 1,
+            sender: None,
+            has_value: false,
+        })))
+    }
+}
+
+/// The time of frames since the first. A single wrong time is not believed; a clock that was set
+/// is: forward it leaves a gap, backward the rows go on a second after the last.
+#[derive(Debug, Default)]
+struct Clock {
+    start: Option<i64>,
+    last: i64,
+    shift: i64,
+    strange: Option<i64>,
+    strangers: u32,
+}
+
+impl Clock {
+    /// Time of a frame since the first [ns]; `None` if the frame's time is not to be believed.
+    fn accept(&mut self, time: i64, remarks: &mut Vec<String>) -> Option<i64> {
+        let is_first = self.start.is_none();
+        self.start.get_or_insert(time);
+        if is_first {
+            self.last = time;
+        }
+        let ahead = time.saturating_sub(self.last);
+        if (-DISORDER..=JUMP).contains(&ahead) {
+            if self.strangers > 0 {
+                let text = "frames with a wrong time were left out";
+                remark(remarks, text.into());
+            }
+            self.last = self.last.max(time);
+        } else {
+            let near = |s: i64| time.saturating_sub(s).saturating_abs() <= JUMP;
+            self.strangers += 1;
+            let is_confirmed = self.strange.is_some_and(near) || self.strangers >= MOST_STRANGE;
+            if !is_confirmed {
+                self.strange = Some(time);
+                return None;
+            }
+            let by = ahead as f64 / 1e9;
+            let since = self.relative(self.last).unwrap_or(0) as f64 / 1e9;
+            if ahead < 0 {
+                self.shift = self.shift.saturating_sub(ahead).saturating_add(SECOND);
+                remark(
+                    remarks,
+                    format!(
+                        "the clock went back by {:.3} s after {since:.3} s; time goes on a second later",
+                        -by
+                    ),
+                );
+            } else {
+                remark(remarks, format!("a gap of {by:.3} s after {since:.3} s"));
+            }
+            self.last = time;
+        }
+        (self.strange, self.strangers) = (None, 0);
+        self.relative(time)
+    }
+
+    /// A time since the first frame [ns].
+    fn relative(&self, time: i64) -> Option<i64> {
+        let start = self.start?;
+        Some(time.saturating_sub(start).saturating_add(self.shift))
+    }
+
+    /// A time since the first frame on the clock of the frames [ns].
+    fn absolute(&self, ns: i64) -> u64 {
+        let time = ns
+            .saturating_sub(self.shift)
+            .saturating_add(self.start.unwrap_or(0));
+        u64::try_from(time).unwrap_or(0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn times(all: &[f64]) -> (Vec<Option<f64>>, Vec<String>) {
+        let (mut clock, mut remarks) = (Clock::default(), Vec::new());
+        let ns = |s: &f64| (s * 1e9) as i64;
+        let accept = |s| clock.accept(ns(s), &mut remarks).map(|t| t as f64 / 1e9);
+        (all.iter().map(accept).collect(), remarks)
+    }
+
+    #[test]
+    fn one_wrong_time_is_left_out_and_told() {
+        let (found, remarks) = times(&[5.0, 6.0, 1e9, 7.0, -400.0, 8.0]);
+        assert_eq!(
+            found,
+            [Some(0.0), Some(1.0), None, Some(2.0), None, Some(3.0)]
+        );
+        assert_eq!(remarks.len(), 1);
+    }
+
+    #[test]
+    fn a_clock_that_was_set_leaves_a_gap_or_goes_on_a_second_later() {
+        let (found, remarks) = times(&[0.0, 1.0, 100.0, 101.0, 102.0]);
+        assert_eq!(
+            found,
+            [Some(0.0), Some(1.0), None, Some(101.0), Some(102.0)]
+        );
+        assert!(remarks[0].starts_with("a gap of 100"), "{remarks:?}");
+        let (found, remarks) = times(&[1000.0, 1001.0, 3.0, 4.0, 5.0]);
+        assert_eq!(found, [Some(0.0), Some(1.0), None, Some(2.0), Some(3.0)]);
+        assert!(remarks[0].starts_with("the clock went back"), "{remarks:?}");
+    }
+
+    #[test]
+    fn the_largest_times_there_are_do_no_harm() {
+        let max = i64::MAX as f64 / 1e9;
+        let (found, _) = times(&[-max, max, -max, max, 0.0, max, max, -max, -max]);
+        assert_eq!(found.len(), 9);
+    }
+}

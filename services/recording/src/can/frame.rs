@@ -1,0 +1,244 @@
+//! A CAN frame, and its line in what `candump` prints.
+
+use crate::time;
+
+/// Longest data field of a frame (CAN FD).
+pub const MAX_DATA: usize = 64;
+
+/// A data frame with the time it was received.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Frame<'a> {
+    /// When it was received [ns], on any clock; only differences count.
+    pub time_ns: i64,
+    /// Name of the interface, such as `can0`.
+    pub interface: &'a str,
+    /// Identifier: 11 bits, or 29 if `extended`.
+    pub id: u32,
+    /// Whether the identifier has 29 bits.
+    pub extended: bool,
+    data: [u8; MAX_DATA],
+    length: usize,
+}
+
+impl<'a> Frame<'a> {
+    /// A frame; `None` if the data or the identifier are too long.
+    #[must_use]
+    pub fn new(
+        time_ns: i64,
+        interface: &'a str,
+        id: u32,
+        extended: bool,
+        bytes: &[u8],
+    ) -> Option<Self> {
+        let mut data = [0; MAX_DATA];
+        data.get_mut(..bytes.len())?.copy_from_slice(bytes);
+        let largest = if extended { 0x1fff_ffff } else { 0x7ff };
+        (id <= largest).then_some(Self {
+            time_ns,
+            interface,
+            id,
+            extended,
+            data,
+            length: bytes.len(),
+        })
+    }
+
+    /// The data field.
+    #[must_use]
+    pub fn data(&self) -> &[u8] {
+        &self.data[..self.length]
+    }
+}
+
+/// What a line of candump says.
+#[derive(Debug, PartialEq, Eq)]
+pub(crate) enum Line<'a> {
+    /// A frame; `timed` is false where the line tells no time (the frame's is 0 then).
+    Frame {
+        /// The frame.
+        frame: Frame<'a>,
+        /// Whether the line tells the time.
+        timed: bool,
+    },
+    /// Nothing of use: empty, a remote frame, an error frame.
+    Nothing,
+}
+
+/// Reads a line of `candump`: the log form (`-L`), and the form for people with its times (`-t a`,
+/// `-t A`, `-t z`) or without, with or without direction (`-x`) and text (`-a`). `None` for text
+/// that is no frame.
+pub(crate) fn parse(line: &str) -> Option<Line<'_>> {
+    let line = line.trim();
+    if line.is_empty() {
+        return Some(Line::Nothing);
+    }
+    let (time, rest) = match line.strip_prefix('(') {
+        Some(line) => {
+            let (time, rest) = line.split_once(')')?;
+            (Some(time::nanoseconds(time.trim())?), rest)
+        }
+        None => (None, line),
+    };
+    let mut words = rest.split_whitespace();
+    let interface = words.next()?;
+    let mut word = words.next()?;
+    // `-x`: direction, then the flags "bit rate switch" and "error state" (`-` where they are off).
+    while matches!(word, "RX" | "TX" | "-" | "B" | "E") {
+        word = words.next()?;
+    }
+    let mut bytes = Bytes::default();
+    let (id, has_data) = match word.split_once('#') {
+        Some((id, data)) => (id, bytes.compact(data)?),
+        None => (word, bytes.spaced(words)?),
+    };
+    let extended = id.len() > 3;
+    let number = hex(id.as_bytes())?;
+    // Bit 29 marks an error message of the interface.
+    if !has_data || (extended && number & 0x2000_0000 != 0) {
+        return Some(Line::Nothing);
+    }
+    let frame = Frame::new(
+        time.unwrap_or(0),
+        interface,
+        number,
+        extended,
+        bytes.as_slice(),
+    )?;
+    Some(Line::Frame {
+        frame,
+        timed: time.is_some(),
+    })
+}
+
+/// The bytes of a line, as they are read.
+struct Bytes {
+    data: [u8; MAX_DATA],
+    length: usize,
+}
+
+impl Default for Bytes {
+    fn default() -> Self {
+        Self {
+            data: [0; MAX_DATA],
+            length: 0,
+        }
+    }
+}
+
+impl Bytes {
+    fn as_slice(&self) -> &[u8] {
+        &self.data[..self.length]
+    }
+
+    fn push(&mut self, pair: &[u8]) -> Option<()> {
+        *self.data.get_mut(self.length)? = u8::try_from(hex(pair)?).ok()?;
+        self.length += 1;
+        Some(())
+    }
+
+    /// `AABB..`, or `#` with a flag before it (CAN FD), or `R` (remote: false).
+    fn compact(&mut self, data: &str) -> Option<bool> {
+        if data.starts_with('R') {
+            return Some(false);
+        }
+        let digits = match data.as_bytes() {
+            [b'#', flag, digits @ ..] if flag.is_ascii_hexdigit() => digits,
+            digits => digits,
+        };
+        for pair in digits.chunks(2) {
+            (pair.len() == 2).then_some(())?;
+            self.push(pair)?;
+        }
+        Some(true)
+    }
+
+    /// `[8] AA BB ...`, or `[8] remote request` (false).
+    fn spaced<'a>(&mut self, mut words: impl Iterator<Item = &'a str>) -> Option<bool> {
+        let length = words.next()?.strip_prefix('[')?.strip_suffix(']')?;
+        let length: usize = length.parse().ok()?;
+        for n in 0..length {
+            let word = words.next()?;
+            if n == 0 && word == "remote" {
+                return Some(false);
+            }
+            (word.len() == 2).then_some(())?;
+            self.push(word.as_bytes())?;
+        }
+        Some(true)
+    }
+}
+
+/// Up to eight hexadecimal digits; nothing else.
+fn hex(digits: &[u8]) -> Option<u32> {
+    (1..=8).contains(&digits.len()).then_some(())?;
+    digits.iter().try_fold(0, |number: u32, digit| {
+        Some(number << 4 | char::from(*digit).to_digit(16)?)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn frame(line: &str) -> Frame<'_> {
+        match parse(line) {
+            Some(Line::Frame { frame, .. }) => frame,
+            other => panic!("{line}: {other:?}"),
+        }
+    }
+
+    #[test]
+    fn every_form_of_a_line_says_the_same() {
+        let log = frame("(1397165409.500000) can0 18FEF100#01FF");
+        assert_eq!(
+            (log.id, log.extended, log.data()),
+            (0x18fe_f100, true, &[1, 255][..])
+        );
+        assert_eq!(log.time_ns, 1_397_165_409_500_000_000);
+        for same in [
+            " (1397165409.500000)  can0  18FEF100   [2]  01 FF",
+            "(1397165409.500000) can0 18FEF100#01FF R",
+            " (1397165409.500000)  can0  RX - -  18FEF100   [2]  01 FF   '..'",
+            " (1397165409.500000)  can0  TX B E  18FEF100  [02]  01 FF",
+            " (2014-04-10 21:30:09.500000)  can0  18FEF100   [2]  01 FF",
+        ] {
+            assert_eq!(frame(same), log, "{same}");
+        }
+        let plain = parse("  can0  18FEF100   [2]  01 FF");
+        assert!(
+            matches!(plain, Some(Line::Frame { timed: false, frame }) if frame.data() == log.data())
+        );
+        let standard = frame("(0.1) vcan0 123#");
+        assert!(!standard.extended && standard.data().is_empty());
+        assert_eq!(frame("(0.1) can0 123##1AABB").data(), [0xaa, 0xbb]);
+    }
+
+    #[test]
+    fn what_is_no_frame_is_told_from_what_carries_no_data() {
+        for nothing in [
+            "",
+            "(0.1) can0 123#R",
+            "(0.1) can0 123#R8",
+            "(0.1) can0 123 [8] remote request",
+            "(0.1) can0 20000080#0000000000000000",
+            " (0.1)  can0  20000080   [8]  00 00 00 00 00 00 00 00   ERRORFRAME",
+        ] {
+            assert_eq!(parse(nothing), Some(Line::Nothing), "{nothing}");
+        }
+        for wrong in [
+            "hello",
+            "(0.1) can0",
+            "(x) can0 123#00",
+            "(0.1) can0 123#0",
+            "(0.1) can0 123#+1",
+            "(0.1) can0 1 [2] 00",
+            "(0.1) can0 1 [2] +1 00",
+            "(0.1) can0 FFF#00",
+            "(99999999999999999999.0) can0 123#00",
+            "(0.1) can0 123 [18446744073709551615] 00",
+            "t,speed",
+        ] {
+            assert_eq!(parse(wrong), None, "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,295 @@
+//! Which columns of a table become which signals, and the rows that come of its cells.
+
+use std::collections::VecDeque;
+
+use ::csv::ByteRecord;
+
+use super::dialect::Dialect;
+use crate::Error;
+use crate::map::{Conversion, Entry, Map, Origin, Timing, hint};
+use crate::sampling::{Rows, Series};
+use crate::signal::{self, Builder, Machine, Row};
+use crate::time;
+
+/// Age limit of a value that is held or interpolated, where the map has none [s].
+const HOLD: f64 = 1.0;
+
+/// Makes rows of the cells of a table.
+#[derive(Debug)]
+pub(crate) struct Columns<M: Machine> {
+    header: Vec<String>,
+    dialect: Dialect,
+    lines: Vec<Line>,
+    builder: Builder<M>,
+    values: Vec<f64>,
+    /// The first date, where the time is one [ns].
+    date: Option<i64>,
+    sampler: Option<Sampler>,
+}
+
+/// A signal and its parts.
+#[derive(Debug)]
+struct Line {
+    /// The map's entry; none for a column of heft's own name.
+    entry: Option<Entry>,
+    is_time: bool,
+    parts: Vec<Part>,
+}
+
+/// A part of a signal.
+#[derive(Debug)]
+enum Part {
+    Constant(f64),
+    Cell { at: usize, conversion: Conversion },
+}
+
+/// A cell that holds text.
+#[derive(Debug)]
+pub(crate) struct NoNumber {
+    pub text: String,
+    pub column: String,
+}
+
+impl<M: Machine> Columns<M> {
+    /// For each signal that the table or the map has, where it comes from.
+    pub(crate) fn choose(
+        header: Vec<String>,
+        dialect: Dialect,
+        map: Option<&Map>,
+        file: &str,
+    ) -> Result<Self, Error> {
+        let entries = map.map_or(&[][..], |m| &m.columns);
+        let signals = signal::signals::<M>();
+        if let Some(map) = map {
+            map.check(entries, &signals)?;
+        }
+        let (mut lines, mut used, mut timings) = (Vec::new(), Vec::new(), Vec::new());
+        for signal in &signals {
+            let is_time = signal.name == "t";
+            let entry = entries.iter().find(|e| e.signal == signal.name);
+            let parts = match (entry, map) {
+                (Some(entry), Some(map)) if !entry.is_nowhere() => {
+                    parts(entry, map, &header, file)?
+                }
+                (Some(_), _) => continue,
+                (None, _) => {
+                    let Some(at) = header.iter().position(|h| *h == signal.name) else {
+                        continue;
+                    };
+                    let conversion = Conversion::NONE;
+                    vec![Part::Cell { at, conversion }]
+                }
+            };
+            let own = entry.iter().flat_map(|e| e.terms.iter().map(|t| t.timing));
+            timings.extend(own.chain([Timing::default()]).take(parts.len()));
+            used.push(signal);
+            lines.push(Line {
+                entry: entry.cloned(),
+                is_time,
+                parts,
+            });
+        }
+        require::<M>(&lines, &used, &header, file)?;
+        let is_timed = timings.iter().any(|t| *t != Timing::default());
+        Ok(Self {
+            header,
+            dialect,
+            builder: Builder::new(used),
+            values: vec![0.0; lines.len()],
+            lines,
+            date: None,
+            sampler: is_timed.then(|| Sampler::new(&timings)),
+        })
+    }
+
+    /// Number of cells that a row must have.
+    pub(crate) fn width(&self) -> usize {
+        self.header.len()
+    }
+
+    /// Takes the cells of a row.
+    pub(crate) fn take(&mut self, record: &ByteRecord) -> Result<(), NoNumber> {
+        let mut sampled = 0;
+        for (line, value) in self.lines.iter().zip(&mut self.values) {
+            let mut sum = None;
+            for part in &line.parts {
+                let x = match part {
+                    Part::Constant(value) => *value,
+                    Part::Cell { at, conversion } => {
+                        let cell = record.get(*at).unwrap_or_default();
+                        match self.dialect.number(cell) {
+                            Some(x) => conversion.apply(x),
+                            None => {
+                                let date = std::str::from_utf8(cell).ok().and_then(time::date);
+                                let date = date.filter(|_| line.is_time);
+                                let ns = date.ok_or_else(|| NoNumber {
+                                    text: String::from_utf8_lossy(cell).into_owned(),
+                                    column: self.header[*at].clone(),
+                                })?;
+                                ns.saturating_sub(*self.date.get_or_insert(ns)) as f64 / 1e9
+                            }
+                        }
+                    }
+                };
+                if let Some(sampler) = &mut self.sampler {
+                    sampler.values[sampled] = x;
+                    sampled += 1;
+                }
+                sum = Some(sum.map_or(x, |sum: f64| sum + x));
+            }
+            let sum = sum.unwrap_or(f64::NAN);
+            *value = line.entry.as_ref().map_or(sum, |e| e.conversion.apply(sum));
+        }
+        match &mut self.sampler {
+            None => self.builder.push(&self.values, 0),
+            Some(sampler) => {
+                let time = self.lines.iter().position(|l| l.is_time);
+                sampler.take(time.map_or(f64::NAN, |at| self.values[at]));
+                self.build(false);
+            }
+        }
+        Ok(())
+    }
+
+    /// No row will come any more.
+    pub(crate) fn finish(&mut self) {
+        self.build(true);
+        self.builder.finish();
+    }
+
+    /// The next row, if one is complete.
+    pub(crate) fn row(&mut self) -> Option<Row<M>> {
+        self.builder.next()
+    }
+
+    fn build(&mut self, at_end: bool) {
+        let Some(sampler) = &mut self.sampler else {
+            return;
+        };
+        while let Some((ns, time)) = sampler.next(at_end) {
+            let mut series = sampler.series.iter();
+            for (line, value) in self.lines.iter().zip(&mut self.values) {
+                let parts = series.by_ref().take(line.parts.len());
+                let parts = parts.map(|s| s.at(ns));
+                *value = match &line.entry {
+                    _ if line.is_time => {
+                        parts.for_each(drop);
+                        time
+                    }
+                    Some(entry) => entry.combine(parts),
+                    None => parts.sum(),
+                };
+            }
+            self.builder.push(&self.values, 0);
+        }
+    }
+}
+
+/// The columns of a table whose map says when they were measured.
+#[derive(Debug)]
+struct Sampler {
+    series: Vec<Series>,
+    /// The parts of the row at hand.
+    values: Vec<f64>,
+    rows: Rows,
+    start: Option<f64>,
+    times: VecDeque<f64>,
+}
+
+impl Sampler {
+    fn new(timings: &[Timing]) -> Self {
+        let series = timings
+            .iter()
+            .map(|timing| match *timing == Timing::default() {
+                // Without a word about its time a cell belongs to its row alone.
+                true => Series::new(timing, 0.0),
+                false => Series::new(timing, HOLD),
+            });
+        Self {
+            series: series.collect(),
+            values: vec![0.0; timings.len()],
+            rows: Rows::of_table(),
+            start: None,
+            times: VecDeque::new(),
+        }
+    }
+
+    /// Takes the parts at hand, of the row at `time`; an empty cell is no value.
+    fn take(&mut self, time: f64) {
+        if !time.is_finite() {
+            return;
+        }
+        let ns = ((time - *self.start.get_or_insert(time)) * 1e9).round() as i64;
+        for (series, value) in self.series.iter_mut().zip(&self.values) {
+            if value.is_finite() {
+                series.push(ns, *value);
+            }
+        }
+        self.rows.pass(ns);
+        if self.rows.add(ns) {
+            self.times.push_back(time);
+        }
+    }
+
+    fn next(&mut self, at_end: bool) -> Option<(i64, f64)> {
+        let row = self.rows.next(&mut self.series, at_end)?;
+        Some((row.ns, self.times.pop_front()?))
+    }
+}
+
+fn parts(entry: &Entry, map: &Map, header: &[String], file: &str) -> Result<Vec<Part>, Error> {
+    let part = |term: &crate::map::Term| match &term.origin {
+        Origin::Constant(value) => Ok(Part::Constant(*value)),
+        Origin::Column(name) => {
+            let at = header.iter().position(|h| h == name).ok_or_else(|| {
+                Error::new(
+                    format!(
+                        "the map wants column {name} for {}, but {file} has none",
+                        entry.signal
+                    ),
+                    map.place(entry),
+                    hint(name, header.iter().map(String::as_str), "its columns are"),
+                )
+            })?;
+            Ok(Part::Cell {
+                at,
+                conversion: term.conversion,
+            })
+        }
+        Origin::Can(_) | Origin::Nowhere => Ok(Part::Constant(f64::NAN)),
+    };
+    entry.terms.iter().map(part).collect()
+}
+
+fn require<M: Machine>(
+    lines: &[Line],
+    used: &[&signal::Signal],
+    header: &[String],
+    file: &str,
+) -> Result<(), Error> {
+    debug_assert_eq!(lines.len(), used.len());
+    let time: &[&str] = &["t"];
+    for group in [time].iter().chain(M::REQUIRED) {
+        if !group
+            .iter()
+            .any(|name| used.iter().any(|s| s.name == *name))
+        {
+            return Err(absent(group, M::NAME, header, file));
+        }
+    }
+    Ok(())
+}
+
+/// None of these columns is there.
+pub(super) fn absent(names: &[&str], of: &str, header: &[String], file: &str) -> Error {
+    let similar = config::nearest(names[0], header.iter().map(String::as_str));
+    let remedy = match similar {
+        Some(name) => format!("rename column {name}, or name it in a signal map (--map)"),
+        None => format!(
+            "add the column, or name another in a signal map (--map; `heft map FILE` writes a first one); the file has {}",
+            header.join(", ")
+        ),
+    };
+    let what = format!("there is no column {} ({of})", names.join(" or "));
+    Error::new(what, format!("{file}:1"), remedy)
+}

@@ -1,0 +1,139 @@
+//! How a table is written: encoding, separator, decimal mark.
+
+/// Separator and decimal mark of a table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Dialect {
+    /// `,`, `;` or a tab.
+    pub separator: u8,
+}
+
+impl Dialect {
+    /// That of a header, or of the line `sep=;` that Excel writes before it. A semicolon or a tab
+    /// outside of quotes says that commas do not separate.
+    pub(crate) fn of(line: &[u8]) -> Self {
+        if let Some(separator) = separator_line(line) {
+            return Self { separator };
+        }
+        let mut quoted = false;
+        let plain = line.iter().filter(|byte| {
+            quoted ^= **byte == b'"';
+            !quoted
+        });
+        let plain: Vec<u8> = plain.copied().collect();
+        let count = |separator: u8| plain.iter().filter(|b| **b == separator).count();
+        let other = if count(b';') >= count(b'\t') {
+            b';'
+        } else {
+            b'\t'
+        };
+        let separator = if count(other) > count(b',') || (count(other) > 0 && count(b',') == 0) {
+            other
+        } else {
+            b','
+        };
+        Self { separator }
+    }
+
+    /// The number in a cell, NaN where it is empty; `None` where it is text. Where commas do not
+    /// separate, they may be the decimal mark.
+    pub(crate) fn number(self, cell: &[u8]) -> Option<f64> {
+        if cell.is_empty() {
+            return Some(f64::NAN);
+        }
+        let text = std::str::from_utf8(cell).ok()?;
+        let number = text.parse().ok();
+        number.or_else(|| self.with_decimal_comma(text))
+    }
+
+    fn with_decimal_comma(self, text: &str) -> Option<f64> {
+        let (whole, fraction) = text.rsplit_once(',').filter(|_| self.separator != b',')?;
+        let has_point = whole.contains(',') || fraction.contains('.');
+        // A point before the comma groups thousands.
+        let whole = whole.replace('.', "");
+        (!has_point).then(|| format!("{whole}.{fraction}").parse().ok())?
+    }
+}
+
+/// The separator in Excel's first line `sep=;`.
+pub(crate) fn separator_line(line: &[u8]) -> Option<u8> {
+    match line.trim_ascii().to_ascii_lowercase().as_slice() {
+        [b's', b'e', b'p', b'=', separator] => Some(*separator),
+        // A tab goes with the blanks at the end.
+        b"sep=" => Some(b'\t'),
+        _ => None,
+    }
+}
+
+/// The bytes of a table as UTF-8 without a byte order mark; UTF-16 with one is converted.
+pub(crate) fn utf8(bytes: Vec<u8>) -> Vec<u8> {
+    let wide = |make: fn([u8; 2]) -> u16| {
+        let units = bytes.get(2..).unwrap_or_default().chunks_exact(2);
+        let units = units.map(|pair| make([pair[0], pair[1]]));
+        let text = char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER));
+        text.collect::<String>().into_bytes()
+    };
+    match bytes.as_slice() {
+        [0xff, 0xfe, ..] => wide(u16::from_le_bytes),
+        [0xfe, 0xff, ..] => wide(u16::from_be_bytes),
+        [0xef, 0xbb, 0xbf, rest @ ..] => rest.to_vec(),
+        _ => bytes,
+    }
+}
+
+/// A text that is UTF-8, or else Latin-1.
+pub(crate) fn text(bytes: &[u8]) -> String {
+    let latin = || bytes.iter().map(|b| char::from(*b)).collect();
+    std::str::from_utf8(bytes).map_or_else(|_| latin(), str::to_owned)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_separator_is_that_of_the_header() {
+        for (header, separator) in [
+            ("t,speed", b','),
+            ("t;speed", b';'),
+            ("t\tspeed", b'\t'),
+            ("t;\"speed, wheels\";slope", b';'),
+            ("\"a;b\",t,speed", b','),
+            ("t", b','),
+            ("sep=;", b';'),
+            ("sep=\t", b'\t'),
+        ] {
+            assert_eq!(
+                Dialect::of(header.as_bytes()).separator,
+                separator,
+                "{header}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_comma_is_a_decimal_mark_only_where_it_does_not_separate() {
+        let (german, english) = (Dialect { separator: b';' }, Dialect { separator: b',' });
+        assert_eq!(german.number(b"1,5"), Some(1.5));
+        assert_eq!(german.number(b"-1.234,5e-3"), Some(-1.2345));
+        assert_eq!(german.number(b"1.5"), Some(1.5));
+        assert_eq!(german.number(b"1,234,5"), None);
+        assert_eq!(german.number(b"1,234.5"), None);
+        assert_eq!(english.number(b"1,5"), None);
+    }
+
+    #[test]
+    fn both_orders_of_utf16_are_read() {
+        let text = "t;ü\n";
+        let little: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
+        let big: Vec<u8> = text.encode_utf16().flat_map(u16::to_be_bytes).collect();
+        assert_eq!(
+            utf8([&[0xff, 0xfe], little.as_slice()].concat()),
+            text.as_bytes()
+        );
+        assert_eq!(
+            utf8([&[0xfe, 0xff], big.as_slice()].concat()),
+            text.as_bytes()
+        );
+        assert_eq!(utf8(b"\xef\xbb\xbft".to_vec()), b"t");
+    }
+}

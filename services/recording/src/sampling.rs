@@ -1,0 +1,386 @@
+//! Values that come at times of their own, made into rows.
+//!
+//! Times are nanoseconds since the first frame. A value belongs to the time at which it was
+//! measured: its arrival less its delay. A row waits until every value that belongs before it can
+//! have come; what it says depends on the frames alone, so a live bus and its log give the same rows.
+
+use std::collections::VecDeque;
+
+use crate::map::Timing;
+
+pub(crate) const SECOND: i64 = 1_000_000_000;
+/// After so long without a value rows come less often,
+const SILENT: i64 = SECOND;
+/// namely so often,
+const SILENT_PERIOD: i64 = SECOND / 10;
+/// and after so long there are none until the next value: the time in between is a gap.
+const GAP: i64 = 10 * SECOND;
+/// Values under way between two rows: more than any bus carries within the longest delay.
+const MOST_WAITING: usize = 1 << 16;
+
+/// The values of one signal, in the order of their times.
+#[derive(Debug)]
+pub(crate) struct Series {
+    delay: i64,
+    interpolate: bool,
+    max_age: i64,
+    values: VecDeque<(i64, f64)>,
+}
+
+impl Series {
+    /// No value so far; `hold` is the age limit where the timing has none [s].
+    pub(crate) fn new(timing: &Timing, hold: f64) -> Self {
+        Self {
+            delay: nanoseconds(timing.delay),
+            interpolate: timing.interpolate,
+            max_age: nanoseconds(timing.max_age.unwrap_or(hold)),
+            values: VecDeque::new(),
+        }
+    }
+
+    /// Time of the measurement of what arrives at `arrival`.
+    pub(crate) fn measured(&self, arrival: i64) -> i64 {
+        arrival - self.delay
+    }
+
+    /// Takes a value; NaN says that there is none from now on. One from before the last is too late.
+    pub(crate) fn push(&mut self, arrival: i64, value: f64) {
+        let time = self.measured(arrival);
+        if self.values.back().is_some_and(|(last, _)| time < *last) {
+            return;
+        }
+        if self.values.len() >= MOST_WAITING {
+            self.values.pop_front();
+        }
+        self.values.push_back((time, value));
+    }
+
+    /// Whether nothing that arrives after `clock` changes the value at `time`.
+    fn is_settled(&self, time: i64, clock: i64) -> bool {
+        if clock - self.delay < time {
+            return false;
+        }
+        match self.values.back() {
+            Some((last, _)) if self.interpolate && *last < time => {
+                clock - self.delay > last + self.max_age
+            }
+            _ => true,
+        }
+    }
+
+    /// The value at `time`, NaN where there is none.
+    pub(crate) fn at(&self, time: i64) -> f64 {
+        let after = self.values.partition_point(|(t, _)| *t <= time);
+        let Some((t0, before)) = after.checked_sub(1).and_then(|i| self.values.get(i)) else {
+            return f64::NAN;
+        };
+        if *t0 == time {
+            return *before;
+        }
+        match self.values.get(after) {
+            Some((t1, next)) if self.interpolate && t1 - t0 <= self.max_age => {
+                let share = (time - t0) as f64 / (t1 - t0) as f64;
+                before + (next - before) * share
+            }
+            _ if self.interpolate => f64::NAN,
+            _ if time - t0 <= self.max_age => *before,
+            _ => f64::NAN,
+        }
+    }
+
+    /// Drops what no row from `time` on needs.
+    fn forget_before(&mut self, time: i64) {
+        while self.values.get(1).is_some_and(|(t, _)| *t <= time) {
+            self.values.pop_front();
+        }
+    }
+}
+
+fn nanoseconds(seconds: f64) -> i64 {
+    (seconds * 1e9).round() as i64
+}
+
+/// When there are rows.
+#[derive(Debug)]
+pub(crate) struct Rows {
+    grid: Option<Grid>,
+    /// Rows of the master that wait, and the last that went.
+    waiting: VecDeque<i64>,
+    last: Option<i64>,
+    /// From the last row to the next where the master is silent; none where no row is made up.
+    pause: Option<i64>,
+    /// End of the last gap.
+    resumed: i64,
+    /// Latest arrival of all frames, and of those with a value for us.
+    clock: i64,
+    heard: Option<i64>,
+}
+
+/// Rows at a rate: row n is at n / rate.
+#[derive(Debug)]
+struct Grid {
+    rate: f64,
+    next: u64,
+}
+
+impl Grid {
+    fn time(&self) -> i64 {
+        nanoseconds(self.next as f64 / self.rate)
+    }
+
+    /// The first row at `time` or later.
+    fn skip_to(&mut self, time: i64) {
+        let row = (time as f64 / 1e9 * self.rate).ceil() as u64;
+        self.next = self.next.max(row);
+    }
+}
+
+/// Time of a row.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct RowTime {
+    /// [ns]
+    pub ns: i64,
+    /// [s]
+    pub seconds: f64,
+}
+
+impl Rows {
+    /// Rows exactly where [`Rows::add`] puts them.
+    pub(crate) fn of_table() -> Self {
+        Self {
+            pause: None,
+            ..Self::new(None)
+        }
+    }
+
+    /// Rows at `rate` [Hz], or where [`Rows::add`] puts them and in silence.
+    pub(crate) fn new(rate: Option<f64>) -> Self {
+        Self {
+            grid: rate.map(|rate| Grid { rate, next: 0 }),
+            waiting: VecDeque::new(),
+            last: None,
+            pause: Some(SILENT),
+            resumed: i64::MIN,
+            clock: 0,
+            heard: None,
+        }
+    }
+
+    /// It is `clock` now: no frame from before will come.
+    pub(crate) fn pass(&mut self, clock: i64) {
+        self.clock = self.clock.max(clock);
+    }
+
+    /// A value has come at `clock`.
+    pub(crate) fn hear(&mut self, clock: i64) {
+        let before = self.heard.replace(self.heard.unwrap_or(clock).max(clock));
+        let Some(silence) = before.map(|before| before + GAP) else {
+            return;
+        };
+        if self.empty().is_some_and(|empty| empty > silence) {
+            self.resumed = clock;
+        }
+        if let Some(grid) = self.grid.as_mut().filter(|g| g.time() > silence) {
+            grid.skip_to(clock);
+        }
+    }
+
+    /// Time of the next row that is made up because the master is silent.
+    fn empty(&self) -> Option<i64> {
+        let (last, pause) = self.last.zip(self.pause)?;
+        Some((last + pause).max(self.resumed))
+    }
+
+    /// A row at `time`, the master's.
+    ///
+    /// False if it does not lie behind the last one.
+    pub(crate) fn add(&mut self, time: i64) -> bool {
+        let last = self.waiting.back().copied().or(self.last);
+        let is_next = self.grid.is_none() && last.is_none_or(|last| time > last);
+        if is_next {
+            self.waiting.push_back(time);
+        }
+        is_next
+    }
+
+    /// The next row that nothing to come can change; at the end of the data, any that is due.
+    pub(crate) fn next(&mut self, series: &mut [Series], at_end: bool) -> Option<RowTime> {
+        let clock = self.clock;
+        let is_settled =
+            |time: i64, clock: i64| at_end || series.iter().all(|s| s.is_settled(time, clock));
+        let silence = self.heard.unwrap_or(0) + GAP;
+        let row = if let Some(grid) = &mut self.grid {
+            let time = grid.time();
+            let is_due = time < clock && time <= silence && is_settled(time, clock - 1);
+            is_due.then(|| {
+                let row = RowTime {
+                    ns: time,
+                    seconds: grid.next as f64 / grid.rate,
+                };
+                let thin = (grid.rate / 10.0).round().max(1.0) as u64;
+                let is_silent = time > silence - GAP + SILENT;
+                grid.next += if is_silent { thin } else { 1 };
+                row
+            })
+        } else {
+            let empty = self.empty();
+            let next = self.waiting.front().copied();
+            let is_empty_due = |time: &i64| {
+                let first = next.is_none_or(|next| next > *time);
+                first && *time < clock && *time <= silence && is_settled(*time, clock - 1)
+            };
+            if let Some(time) = empty.filter(is_empty_due) {
+                self.pause = Some(SILENT_PERIOD);
+                self.last = Some(time);
+                Some(RowTime::at(time))
+            } else if let Some(time) = next.filter(|time| is_settled(*time, clock)) {
+                self.waiting.pop_front();
+                self.pause = self.pause.and(Some(SILENT));
+                self.last = Some(time);
+                Some(RowTime::at(time))
+            } else {
+                None
+            }
+        }?;
+        for series in series {
+            series.forget_before(row.ns);
+        }
+        Some(row)
+    }
+}
+
+impl RowTime {
+    fn at(ns: i64) -> Self {
+        Self {
+            ns,
+            seconds: ns as f64 / 1e9,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MS: i64 = 1_000_000;
+
+    fn series(delay: f64, interpolate: bool, max_age: f64) -> Series {
+        let timing = Timing {
+            delay,
+            interpolate,
+            max_age: Some(max_age),
+        };
+        Series::new(&timing, 1.0)
+    }
+
+    /// Rows of a series with a master, as (time [ms], value).
+    fn drain(rows: &mut Rows, series: &mut Series, at_end: bool) -> Vec<(i64, f64)> {
+        let mut found = Vec::new();
+        let series = std::slice::from_mut(series);
+        while let Some(row) = rows.next(series, at_end) {
+            found.push((row.ns / MS, series[0].at(row.ns)));
+        }
+        found
+    }
+
+    #[test]
+    fn a_delayed_value_belongs_to_the_time_of_its_measurement() {
+        let (mut rows, mut late) = (Rows::new(None), series(0.03, false, 1.0));
+        // A ramp of 1 per ms that arrives 30 ms late, each 10 ms; the master at the same instants.
+        for n in 0..10 {
+            let clock = n * 10 * MS;
+            rows.pass(clock);
+            rows.hear(clock);
+            late.push(clock, (n * 10 - 30) as f64);
+            rows.add(clock);
+        }
+        let found = drain(&mut rows, &mut late, false);
+        assert_eq!(found.len(), 7, "the last three wait for what is under way");
+        assert!(
+            found.iter().all(|(time, value)| *time as f64 == *value),
+            "{found:?}"
+        );
+    }
+
+    #[test]
+    fn a_line_between_two_values_waits_for_the_second_and_is_no_longer_than_its_limit() {
+        let (mut rows, mut slow) = (Rows::new(None), series(0.0, true, 0.1));
+        slow.push(0, 0.0);
+        for n in 0..5 {
+            rows.pass(n * 20 * MS);
+            rows.hear(n * 20 * MS);
+            rows.add(n * 20 * MS);
+        }
+        assert_eq!(drain(&mut rows, &mut slow, false), [(0, 0.0)]);
+        slow.push(80 * MS, 8.0);
+        let line = [(20, 2.0), (40, 4.0), (60, 6.0), (80, 8.0)];
+        assert_eq!(drain(&mut rows, &mut slow, false), line);
+        rows.pass(300 * MS);
+        rows.add(290 * MS);
+        slow.push(300 * MS, 9.0);
+        let found = drain(&mut rows, &mut slow, false);
+        assert!(
+            matches!(found[..], [(290, value)] if value.is_nan()),
+            "{found:?}"
+        );
+    }
+
+    #[test]
+    fn silence_is_told_by_few_rows_and_a_gap_by_none() {
+        for rate in [None, Some(100.0)] {
+            let (mut rows, mut series) = (Rows::new(rate), series(0.0, false, 0.5));
+            rows.hear(0);
+            series.push(0, 1.0);
+            rows.add(0);
+            rows.pass(20 * 365 * 86_400 * SECOND);
+            let before = drain(&mut rows, &mut series, false);
+            let first = if rate.is_some() { 101 } else { 1 };
+            assert!(
+                (first + 85..first + 95).contains(&before.len()),
+                "{}",
+                before.len()
+            );
+            assert!(
+                before
+                    .iter()
+                    .all(|(time, value)| value.is_nan() == (*time > 500))
+            );
+            assert!(
+                before
+                    .last()
+                    .is_some_and(|(time, _)| (9_800..=10_000).contains(time))
+            );
+            rows.hear(20 * 365 * 86_400 * SECOND);
+            rows.add(20 * 365 * 86_400 * SECOND);
+            rows.pass(20 * 365 * 86_400 * SECOND + 15 * MS);
+            let after = drain(&mut rows, &mut series, false);
+            assert!((1..=2).contains(&after.len()), "{after:?}");
+        }
+    }
+
+    #[test]
+    fn rows_are_the_same_however_often_one_asks() {
+        let run = |patient: bool| {
+            let (mut rows, mut series) = (Rows::new(Some(100.0)), series(0.02, true, 0.2));
+            let mut found = Vec::new();
+            let mut arrival = 0;
+            for n in 0..200_i64 {
+                let next = arrival + (n * 7_919 % 90) * MS + if n == 100 { 14 * SECOND } else { 0 };
+                while !patient && arrival < next {
+                    arrival += MS / 2;
+                    rows.pass(arrival);
+                    found.extend(drain(&mut rows, &mut series, false));
+                }
+                arrival = next;
+                rows.pass(arrival);
+                found.extend(drain(&mut rows, &mut series, false));
+                series.push(arrival, n as f64);
+                rows.hear(arrival);
+                found.extend(drain(&mut rows, &mut series, false));
+            }
+            let bits = |(time, value): (i64, f64)| (time, value.to_bits());
+            found.into_iter().map(bits).collect::<Vec<_>>()
+        };
+        assert_eq!(run(true), run(false));
+    }
+}

@@ -1,0 +1,141 @@
+//! Times as people and programs write them.
+
+/// Nanoseconds of a time: seconds with a decimal part (`1397165409.500000`, `000.012`), or a date
+/// with a time (`2014-04-10 21:30:09.5`, `2014-04-10T21:30:09,5+02:00`, `...Z`). A date without a
+/// zone is taken as UTC: only differences count. `None` for anything else.
+pub(crate) fn nanoseconds(text: &str) -> Option<i64> {
+    date(text).or_else(|| seconds(text))
+}
+
+/// `whole.fraction`; of the fraction nine digits count.
+fn seconds(text: &str) -> Option<i64> {
+    let (whole, fraction) = text.split_once(['.', ',']).unwrap_or((text, ""));
+    let negative = whole.starts_with('-');
+    let whole = whole.strip_prefix('-').unwrap_or(whole);
+    let ns = digits(whole)?
+        .checked_mul(1_000_000_000)?
+        .checked_add(self::fraction(fraction)?)?;
+    Some(if negative { -ns } else { ns })
+}
+
+/// Nanoseconds of the digits behind the point.
+fn fraction(text: &str) -> Option<i64> {
+    if text.is_empty() {
+        return Some(0);
+    }
+    text.bytes().all(|b| b.is_ascii_digit()).then_some(())?;
+    let kept = text.get(..9).unwrap_or(text);
+    Some(digits(kept)? * 10_i64.pow(9 - kept.len() as u32))
+}
+
+/// A number of digits and nothing else.
+fn digits(text: &str) -> Option<i64> {
+    let plain = !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
+    plain.then(|| text.parse().ok())?
+}
+
+/// `YYYY-MM-DD[T ]hh:mm[:ss[.fraction]][zone]`; also with `/` for `-` and with `DD.MM.YYYY`.
+pub(crate) fn date(text: &str) -> Option<i64> {
+    let (day, clock) = text.split_once(['T', ' '])?;
+    let separator = day.chars().find(|c| !c.is_ascii_digit())?;
+    let mut parts = day.split(separator);
+    let [a, b, c] = [parts.next()?, parts.next()?, parts.next()?];
+    let (year, month, of_month) = match (separator, parts.next()) {
+        ('-' | '/', None) if a.len() == 4 => (a, b, c),
+        ('.', None) if c.len() == 4 => (c, b, a),
+        _ => return None,
+    };
+    let (clock, zone) = zone(clock.trim())?;
+    let mut parts = clock.split(':');
+    let (hour, minute) = (digits(parts.next()?)?, digits(parts.next()?)?);
+    let second = seconds(parts.next().unwrap_or("0"))?;
+    let day = days(digits(year)?, digits(month)?, digits(of_month)?)?;
+    let in_day = (0..24).contains(&hour)
+        && (0..60).contains(&minute)
+        && (0..61_000_000_000).contains(&second)
+        && parts.next().is_none();
+    in_day.then_some(())?;
+    let minutes = day * 1440 + hour * 60 + minute - zone;
+    minutes.checked_mul(60_000_000_000)?.checked_add(second)
+}
+
+/// The clock without its zone, and the zone's minutes ahead of UTC.
+fn zone(clock: &str) -> Option<(&str, i64)> {
+    if let Some(clock) = clock.strip_suffix('Z') {
+        return Some((clock, 0));
+    }
+    let Some(at) = clock.rfind(['+', '-']) else {
+        return Some((clock, 0));
+    };
+    let (clock, zone) = clock.split_at(at);
+    let ahead = zone.starts_with('+');
+    let zone = zone.get(1..)?.replace(':', "");
+    let (hours, minutes) = (digits(zone.get(..2)?)?, zone.get(2..).unwrap_or("00"));
+    let minutes = if minutes.is_empty() {
+        0
+    } else {
+        digits(minutes)?
+    };
+    let minutes = hours * 60 + minutes;
+    (minutes <= 1440).then_some((clock, if ahead { minutes } else { -minutes }))
+}
+
+/// Days from 1970-01-01 (the proleptic Gregorian calendar, after H. Hinnant).
+fn days(year: i64, month: i64, day: i64) -> Option<i64> {
+    let sane = (1..=9999).contains(&year) && (1..=12).contains(&month) && (1..=31).contains(&day);
+    sane.then_some(())?;
+    let year = if month <= 2 { year - 1 } else { year };
+    let era = year.div_euclid(400);
+    let of_era = year.rem_euclid(400);
+    let of_year = (153 * ((month + 9) % 12) + 2) / 5 + day - 1;
+    Some(era * 146_097 + of_era * 365 + of_era / 4 - of_era / 100 + of_year - 719_468)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_same_instant_in_every_form() {
+        let instant = Some(1_397_165_409_470_000_000);
+        for text in [
+            "1397165409.470000",
+            "1397165409,47",
+            "2014-04-10 21:30:09.470000",
+            "2014-04-10T21:30:09.47Z",
+            "2014-04-10T23:30:09,47+02:00",
+            "2014-04-10T17:00:09.47-0430",
+            "10.04.2014 21:30:09,47",
+            "2014/04/10 21:30:09.47",
+        ] {
+            assert_eq!(nanoseconds(text), instant, "{text}");
+        }
+        assert_eq!(nanoseconds("1970-01-01 00:00"), Some(0));
+        assert_eq!(
+            nanoseconds("2000-02-29 00:00:00"),
+            Some(951_782_400_000_000_000)
+        );
+        assert_eq!(nanoseconds("-0.5"), Some(-500_000_000));
+        assert_eq!(nanoseconds("000.0000000019"), Some(1));
+    }
+
+    #[test]
+    fn what_is_no_time_is_none() {
+        for text in [
+            "",
+            "x",
+            "1.x",
+            "+1",
+            "1e3",
+            "99999999999.0",
+            "2014-13-01 00:00",
+            "2014-01-01 24:00",
+            "2014-01-01 00:61",
+            "2014-01-01",
+            "é-01-01 00:00",
+            "2014-01-01 00:00:00+é0",
+        ] {
+            assert_eq!(nanoseconds(text), None, "{text}");
+        }
+    }
+}
