@@ -25,7 +25,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("services/view", &["messages", "recording", "steps"]),
     ("services/evaluate", &["sim", "estimation"]),
     ("bindings/c", &["estimation"]),
-    ("bindings/fmu", &["heft_c", "messages", "config"]),
+    ("bindings/fmu", &["heft_c", "messages", "estimation"]),
     (
         "bench",
         &[

@@ -1,9 +1,10 @@
 //! Writes `include/heft.h` from the tables of the machines; words and units come from the table of
-//! messages and from the keys of the descriptions: `cargo run -p heft_c --example header`.
+//! messages and from the keys: `cargo run -p heft_c --example header`.
 
 use std::fmt::Write;
 
-use config::{Key, Tables};
+use estimation::keys::Form;
+use heft_c::settings::places;
 use heft_c::{Bit, Code, Excavator, Loader, Machine, SIZE_MAX};
 use messages::{
     ExcavatorEstimate, ExcavatorSensors, Field, LoaderEstimate, LoaderSensors, Message,
@@ -58,8 +59,8 @@ pub fn header() -> String {
     }
     out += "\n/* Enough memory for either machine on every platform; heft_..._size() tells the exact size. */\n";
     let _ = writeln!(out, "#define HEFT_SIZE_MAX {SIZE_MAX}");
-    machine::<Excavator, ExcavatorSensors, ExcavatorEstimate, config::Excavator>(&mut out);
-    machine::<Loader, LoaderSensors, LoaderEstimate, config::Loader>(&mut out);
+    machine::<Excavator, ExcavatorSensors, ExcavatorEstimate>(&mut out);
+    machine::<Loader, LoaderSensors, LoaderEstimate>(&mut out);
     out += "\n#ifdef __cplusplus\n}\n#endif\n\n#endif\n";
     out
 }
@@ -68,12 +69,11 @@ fn define(out: &mut String, name: &str, value: &str, doc: &str) {
     let _ = writeln!(out, "#define {name} {value} /* {doc} */");
 }
 
-fn machine<M, S, E, D>(out: &mut String)
+fn machine<M, S, E>(out: &mut String)
 where
     M: Machine,
     S: Message,
     E: Message,
-    D: Tables,
 {
     let name = M::NAME;
     let upper = name.to_uppercase();
@@ -123,10 +123,10 @@ where
          uint32_t flags; /* HEFT_{upper}_FLAG_... */\n  \
          uint32_t estimated; /* HEFT_{upper}_ESTIMATED_... */\n  \
          uint32_t method; /* HEFT_{upper}_METHOD_..., the one at work. */\n  \
-         uint32_t reserved; /* 0 */\n}} heft_{name}_estimate;\n"
+         uint32_t reason; /* Code of the reason why it is not trusted; 0 for none. */\n}} heft_{name}_estimate;\n"
     ));
 
-    settings::<M>(out, &D::default());
+    settings::<M>(out);
     functions(out, name);
 }
 
@@ -137,21 +137,30 @@ fn bits<E>(out: &mut String, prefix: &str, what: &str, bits: &[Bit<E>]) {
     }
 }
 
-fn settings<M: Machine>(out: &mut String, described: &impl Tables) {
+fn settings<M: Machine>(out: &mut String) {
     let name = M::NAME;
     let _ = writeln!(
         out,
-        "\n/* Settings, as in a description; flags are 0 or 1, choices count from 0, NAN is \"none\". */\ntypedef struct {{"
+        "\n/* Settings, as in a description; flags are 0 or 1, choices count from 0, NAN is \"none\" and ends a list. */\ntypedef struct {{"
     );
     let mut table = "";
-    for key in M::KEYS {
-        if key.table != table {
+    for place in places(&M::Settings::default()) {
+        if place.table != table {
             close(out, table);
             out.push_str("  struct {\n");
-            table = key.table;
+            table = place.table;
         }
-        let (unit, doc) = known(described, key.table, key.name);
-        row(out, key.name, (unit, &doc), "  ");
+        let mut doc = place.key.doc.trim().to_owned();
+        if let Form::Choice(words) = place.key.form {
+            let words = words.iter().enumerate();
+            let words: Vec<String> = words.map(|(i, word)| format!("{i} {word}")).collect();
+            let _ = write!(doc, " ({})", words.join(", "));
+        }
+        let field = match place.key.form {
+            Form::List(_) | Form::Numbers => format!("{}[{}]", place.key.name, place.width()),
+            _ => place.key.name.to_owned(),
+        };
+        row(out, &field, (place.key.unit, &doc), "  ");
     }
     close(out, table);
     let _ = writeln!(out, "}} heft_{name}_settings;");
@@ -161,28 +170,6 @@ fn close(out: &mut String, table: &str) {
     if let Some(last) = table.rsplit('.').next().filter(|last| !last.is_empty()) {
         let _ = writeln!(out, "  }} {last};");
     }
-}
-
-/// Unit and words of a key, with its range and choices.
-fn known(described: &impl Tables, table: &str, name: &str) -> (&'static str, String) {
-    let tables = described.tables();
-    let keys = tables
-        .iter()
-        .filter(|t| t.name() == table)
-        .flat_map(|t| t.keys());
-    let key: &Key = keys
-        .into_iter()
-        .find(|key| key.name == name)
-        .unwrap_or_else(|| panic!("a description has no key {table}.{name}"));
-    let mut doc = key.doc.trim().to_owned();
-    if let config::Form::Choice(words) = key.form {
-        let words = words
-            .iter()
-            .enumerate()
-            .map(|(i, word)| format!("{i} {word}"));
-        let _ = write!(doc, " ({})", words.collect::<Vec<_>>().join(", "));
-    }
-    (key.unit, doc)
 }
 
 /// Unit and words of a signal or a value; the boom's motion is a bit of the messages.

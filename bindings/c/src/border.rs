@@ -9,7 +9,8 @@ use core::fmt::Write;
 use core::mem::{align_of, size_of};
 use core::ptr::addr_of_mut;
 
-use crate::table::{Answer, Machine, answer, key, sample};
+use crate::settings::{Unfit, position, read, write};
+use crate::table::{Answer, Machine, answer, sample};
 use crate::{Excavator, Loader};
 
 /// What a function returns.
@@ -118,15 +119,12 @@ fn size<M>() -> usize {
 ///
 /// # Safety
 /// `numbers` is null or points to as many doubles as the machine has keys.
-unsafe fn settings<M: Machine>(numbers: *const f64) -> M::Settings {
-    let mut settings = M::Settings::default();
-    if !numbers.is_null() {
-        for (i, key) in M::KEYS.iter().enumerate() {
-            // SAFETY: the caller's promise.
-            (key.set)(&mut settings, unsafe { numbers.add(i).read() });
-        }
+unsafe fn settings<M: Machine>(numbers: *const f64) -> Result<M::Settings, Unfit> {
+    if numbers.is_null() {
+        return Ok(M::Settings::default());
     }
-    settings
+    // SAFETY: the caller's promise.
+    read(|i| unsafe { numbers.add(i).read() })
 }
 
 /// # Safety
@@ -161,14 +159,17 @@ unsafe fn init<M: Machine>(
     let mut text = Text::EMPTY;
     // SAFETY: the caller's promise.
     let settings = unsafe { settings::<M>(numbers) };
-    let made = guarded(|| match missing::<M>(columns) {
-        Some(group) => {
-            let _ = write!(text, "columns lack {}", group[0]);
-            None
-        }
-        None => M::new(&settings, method as usize, columns)
-            .map_err(|error| write!(text, "{error}"))
-            .ok(),
+    let made = guarded(|| {
+        let told = match (missing::<M>(columns), settings) {
+            (Some(group), _) => write!(text, "columns lack {}", group[0]),
+            (None, Err(unfit)) => write!(text, "{unfit}"),
+            (None, Ok(settings)) => match M::new(&settings, method as usize, columns) {
+                Ok(machine) => return Some(machine),
+                Err(error) => write!(text, "{error}"),
+            },
+        };
+        let _ = told;
+        None
     });
     match made {
         Some(Some(machine)) => {
@@ -246,11 +247,10 @@ unsafe fn defaults<M: Machine>(numbers: *mut f64) -> Code {
     if numbers.is_null() {
         return Code::Null;
     }
-    let settings = M::Settings::default();
-    for (i, key) in M::KEYS.iter().enumerate() {
-        // SAFETY: the caller's promise.
-        unsafe { numbers.add(i).write((key.get)(&settings)) };
-    }
+    // SAFETY: the caller's promise.
+    write(&M::Settings::default(), |i, number| unsafe {
+        numbers.add(i).write(number);
+    });
     Code::Ok
 }
 
@@ -261,7 +261,7 @@ unsafe fn set<M: Machine>(numbers: *mut f64, name: *const c_char, number: f64) -
         return Code::Null;
     }
     // SAFETY: the caller's promise.
-    match key::<M>(unsafe { CStr::from_ptr(name) }.to_bytes()) {
+    match position::<M::Settings>(unsafe { CStr::from_ptr(name) }.to_bytes()) {
         Some(i) => {
             // SAFETY: the caller's promise.
             unsafe { numbers.add(i).write(number) };

@@ -2,12 +2,13 @@
 
 use core::fmt;
 
+use estimation::excavator::keys::Description;
 use estimation::excavator::{
     Columns, Estimate, Method, MotionFilter, Regression, Sample, Settings, SettingsError,
-    SwingEstimator, Variant,
+    SwingEstimator,
 };
 
-use crate::table::{Bit, Key, Machine, Number, Signal, Value, keys, present, rows};
+use crate::table::{Bit, Machine, Signal, Value, present, rows};
 
 /// Any method of the excavator.
 #[derive(Clone)]
@@ -62,99 +63,11 @@ fn columns(bits: u32) -> Columns {
     }
 }
 
-impl Number for Variant {
-    fn number(&self) -> f64 {
-        f64::from(*self as u8)
-    }
-    fn assign(&mut self, number: f64) {
-        *self = match number as u8 {
-            1 => Self::Known,
-            2 => Self::Tolerant,
-            3 => Self::Drop,
-            _ => Self::Auto,
-        };
-    }
-}
-
 impl Machine for Excavator {
     const NAME: &'static str = "excavator";
-    type Settings = Settings;
+    type Settings = Description;
     type Sample = Sample;
     type Estimate = Timed;
-
-    const KEYS: &'static [Key<Settings>] = keys! { s;
-        "machine" {
-            nominal_damping = s.nominal_damping;
-            coulomb_friction = s.coulomb_friction;
-            upper_inertia = s.geometry.upper_inertia;
-            inertia_min = s.inertia_min;
-            inertia_max = s.inertia_max;
-        }
-        "machine.geometry" {
-            boom_pin = s.geometry.boom_pin;
-            boom_length = s.geometry.lengths[0];
-            arm_length = s.geometry.lengths[1];
-            boom_centre = s.geometry.centres[0];
-            arm_centre = s.geometry.centres[1];
-            bucket_centre = s.geometry.centres[2];
-            payload_centre = s.geometry.payload_centre;
-            payload_gyration = s.geometry.payload_gyration;
-            boom_mass = s.geometry.masses[0];
-            arm_mass = s.geometry.masses[1];
-            bucket_mass = s.geometry.masses[2];
-            boom_inertia = s.geometry.inertias[0];
-            arm_inertia = s.geometry.inertias[1];
-            bucket_inertia = s.geometry.inertias[2];
-            boom_axial_inertia = s.geometry.axial_inertias[0];
-            arm_axial_inertia = s.geometry.axial_inertias[1];
-            bucket_axial_inertia = s.geometry.axial_inertias[2];
-        }
-        "sensors" {
-            rate = s.sensors.rate;
-            swing_velocity_std = s.sensors.swing_velocity_std;
-            swing_angle_std = s.sensors.swing_angle_std;
-            swing_torque_std = s.sensors.swing_torque_std;
-            swing_torque_gain_std = s.sensors.swing_torque_gain_std;
-            swing_velocity_limit = s.sensors.swing_velocity_limit;
-            angle_limit = s.sensors.angle_limit;
-        }
-        "prior" {
-            inertia = s.prior.inertia;
-            inertia_std = s.prior.inertia_std;
-            payload = s.prior.payload;
-            payload_std = s.prior.payload_std;
-            damping_std = s.prior.damping_std;
-            torque_offset_std = s.prior.torque_offset_std;
-            known_torque_offset_std = s.prior.known_torque_offset_std;
-            friction_std = s.prior.friction_std;
-        }
-        "estimator" {
-            variant = s.estimator.variant;
-            constant_inertia = s.estimator.constant_inertia;
-            calibrate_at_rest = s.estimator.calibrate_at_rest;
-            measure_noise_at_rest = s.estimator.measure_noise_at_rest;
-            estimate_damping = s.estimator.estimate_damping;
-            estimate_friction = s.estimator.estimate_friction;
-            estimate_offset = s.estimator.estimate_offset;
-            filter_frequency = s.estimator.filter_frequency;
-            filter_damping = s.estimator.filter_damping;
-            convergence_delay = s.estimator.convergence_delay;
-            epsilon = s.estimator.epsilon;
-            q_c = s.estimator.q_c;
-            q_m = s.estimator.q_m;
-            q_l = s.estimator.q_l;
-            gate = s.estimator.gate;
-            reject = s.estimator.reject;
-            payload_min = s.estimator.payload_min;
-            payload_max = s.estimator.payload_max;
-            reopen_after = s.estimator.reopen_after;
-            excited_velocity = s.estimator.excited_velocity;
-            consistent_nis = s.estimator.consistent_nis;
-            converged_share = s.estimator.converged_share;
-            fresh_velocity = s.estimator.fresh_velocity;
-            fresh_others = s.estimator.fresh_others;
-        }
-    };
 
     const SIGNALS: &'static [Signal<Sample>] = rows! { Signal, put:
         t = |s, x| s.time = x;
@@ -164,6 +77,8 @@ impl Machine for Excavator {
         boom_angle = |s, x| s.posture[0] = present(x);
         arm_angle = |s, x| s.posture[1] = present(x);
         bucket_angle = |s, x| s.posture[2] = present(x);
+        pitch = |s, x| s.inclination[0] = present(x);
+        roll = |s, x| s.inclination[1] = present(x);
     };
 
     const REQUIRED: &'static [&'static [&'static str]] = &[&["swing_velocity", "swing_angle"]];
@@ -225,14 +140,14 @@ impl Machine for Excavator {
         "velocity",
     ];
 
-    fn new(settings: &Settings, method: usize, bits: u32) -> Result<Self, impl fmt::Display> {
+    fn new(description: &Description, method: usize, bits: u32) -> Result<Self, impl fmt::Display> {
         let method = *Method::ALL.get(method).ok_or(Refusal::NoSuchMethod)?;
-        let columns = columns(bits);
+        let (settings, columns) = (Settings::of(description), columns(bits));
         let stage = if method.is_regression() {
-            let filter = MotionFilter::new(settings, columns)?;
-            Stage::Regression(filter, Regression::new(settings, method)?)
+            let filter = MotionFilter::new(&settings, columns)?;
+            Stage::Regression(filter, Regression::new(&settings, method)?)
         } else {
-            Stage::StateSpace(SwingEstimator::new(settings, method, columns)?)
+            Stage::StateSpace(SwingEstimator::new(&settings, method, columns)?)
         };
         Ok::<_, Refusal>(Self {
             stage,
@@ -259,6 +174,10 @@ impl Machine for Excavator {
 
     fn method(estimate: &Timed) -> usize {
         estimate.estimate.method.index() as usize
+    }
+
+    fn reason(estimate: &Timed) -> u32 {
+        estimate.estimate.reason.code()
     }
 
     fn refused(estimate: &Timed) -> u64 {

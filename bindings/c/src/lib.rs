@@ -8,6 +8,7 @@
 //! | file | idea |
 //! |---|---|
 //! | `table` | what a machine must tell to be offered outside |
+//! | `settings` | a description as doubles |
 //! | `excavator`, `loader` | the tables |
 //! | `border` | memory and pointers of the caller: all the unsafe code |
 #![cfg_attr(not(any(feature = "std", test)), no_std)]
@@ -15,12 +16,13 @@
 mod border;
 mod excavator;
 mod loader;
+pub mod settings;
 mod table;
 
 pub use border::{Code, SIZE_MAX};
 pub use excavator::Excavator;
 pub use loader::Loader;
-pub use table::{Answer, Bit, Key, Machine, Signal, Value, answer, bits, key, sample};
+pub use table::{Answer, Bit, Machine, Signal, Value, answer, bits, sample};
 
 /// Without an operating system there is nobody to tell: the step was wrong, not the data.
 #[cfg(not(any(feature = "std", test)))]

@@ -3,17 +3,7 @@
 
 use core::fmt::Display;
 
-/// A key of the settings. Flags are 0 or 1, choices count from 0, NaN is "none".
-pub struct Key<S> {
-    /// Table in a description, such as `machine.geometry`.
-    pub table: &'static str,
-    /// Name within it.
-    pub name: &'static str,
-    /// Its number.
-    pub get: fn(&S) -> f64,
-    /// Takes a number.
-    pub set: fn(&mut S, f64),
-}
+use crate::settings::Settings;
 
 /// A signal of a row; its bit in `columns` is its position, the time not counted.
 pub struct Signal<T> {
@@ -43,14 +33,12 @@ pub struct Bit<E> {
 pub trait Machine: Sized + Clone + 'static {
     /// Name on the command line.
     const NAME: &'static str;
-    /// Settings of the estimator.
-    type Settings: Default;
+    /// Its description.
+    type Settings: Settings;
     /// A row.
     type Sample: Default;
     /// An answer.
     type Estimate;
-    /// All settings.
-    const KEYS: &'static [Key<Self::Settings>];
     /// All signals; the first is the time.
     const SIGNALS: &'static [Signal<Self::Sample>];
     /// Signals that a machine must have at least one of, group by group.
@@ -76,6 +64,9 @@ pub trait Machine: Sized + Clone + 'static {
     /// Number of the method that made an answer.
     fn method(estimate: &Self::Estimate) -> usize;
 
+    /// Code of the reason why the answer is not trusted, 0 for none.
+    fn reason(estimate: &Self::Estimate) -> u32;
+
     /// Rows refused so far.
     fn refused(estimate: &Self::Estimate) -> u64;
 }
@@ -94,8 +85,8 @@ pub struct Answer<const N: usize> {
     pub estimated: u32,
     /// Number of the method that made the answer.
     pub method: u32,
-    /// 0.
-    pub reserved: u32,
+    /// Code of the reason why it is not trusted, 0 for none.
+    pub reason: u32,
 }
 
 /// A row from its numbers.
@@ -119,7 +110,7 @@ pub fn answer<M: Machine, const N: usize>(estimate: &M::Estimate) -> Answer<N> {
         flags: bits(M::FLAGS, estimate),
         estimated: bits(M::ESTIMATED, estimate),
         method: M::method(estimate) as u32,
-        reserved: 0,
+        reason: M::reason(estimate),
     }
 }
 
@@ -132,65 +123,9 @@ pub fn bits<E>(bits: &[Bit<E>], estimate: &E) -> u32 {
     set.fold(0, |all, (i, _)| all | 1 << i)
 }
 
-/// The key of this name with its table, such as `sensors.swing_velocity_std`.
-pub fn key<M: Machine>(path: &[u8]) -> Option<usize> {
-    M::KEYS.iter().position(|key| {
-        let (table, name) = (key.table.as_bytes(), key.name.as_bytes());
-        let rest = path.strip_prefix(table);
-        rest.and_then(|rest| rest.strip_prefix(b".")) == Some(name)
-    })
-}
-
-/// A type that a setting can have.
-pub(crate) trait Number {
-    fn number(&self) -> f64;
-    fn assign(&mut self, number: f64);
-}
-
-impl Number for f64 {
-    fn number(&self) -> f64 {
-        *self
-    }
-    fn assign(&mut self, number: f64) {
-        *self = number;
-    }
-}
-
-impl Number for Option<f64> {
-    fn number(&self) -> f64 {
-        self.unwrap_or(f64::NAN)
-    }
-    fn assign(&mut self, number: f64) {
-        *self = present(number);
-    }
-}
-
-impl Number for bool {
-    fn number(&self) -> f64 {
-        f64::from(u8::from(*self))
-    }
-    fn assign(&mut self, number: f64) {
-        *self = number != 0.0;
-    }
-}
-
 /// A number, or nothing for NaN.
 pub(crate) fn present(number: f64) -> Option<f64> {
     (!number.is_nan()).then_some(number)
-}
-
-/// Keys whose settings are plain places of a structure.
-macro_rules! keys {
-    ($s:ident; $( $table:literal { $( $name:ident = $place:expr; )* } )*) => {
-        &[$($(
-            $crate::table::Key {
-                table: $table,
-                name: stringify!($name),
-                get: |$s| $crate::table::Number::number(&$place),
-                set: |$s, number| $crate::table::Number::assign(&mut $place, number),
-            },
-        )*)*]
-    };
 }
 
 /// A table of names, each with a function.
@@ -200,4 +135,4 @@ macro_rules! rows {
     };
 }
 
-pub(crate) use {keys, rows};
+pub(crate) use rows;

@@ -2,7 +2,8 @@
 
 use std::fmt::Write;
 
-use config::{Form, Key, Tables};
+use estimation::keys::Form;
+use heft_c::settings::{places, write};
 use heft_c::{Excavator, Loader, Machine};
 use messages::{ExcavatorEstimate, ExcavatorSensors, LoaderEstimate, LoaderSensors, Message};
 
@@ -15,20 +16,16 @@ pub trait Words: Machine {
     type Sensors: Message;
     /// Message of its estimates.
     type Answer: Message;
-    /// Its description.
-    type Description: Tables;
 }
 
 impl Words for Excavator {
     type Sensors = ExcavatorSensors;
     type Answer = ExcavatorEstimate;
-    type Description = config::Excavator;
 }
 
 impl Words for Loader {
     type Sensors = LoaderSensors;
     type Answer = LoaderEstimate;
-    type Description = config::Loader;
 }
 
 /// Name of the FMU and of the library inside.
@@ -155,46 +152,43 @@ fn parameters<M: Words>(all: &mut Vec<Variable>) {
         more: " variability=\"fixed\" start=\"0\" declaredType=\"Method\"".to_owned(),
     });
     let settings = M::Settings::default();
-    let described = M::Description::default();
-    for (i, key) in M::KEYS.iter().enumerate() {
-        let start = (key.get)(&settings);
-        // "None" has no number that every importer can read.
-        if start.is_nan() {
-            continue;
-        }
-        let tables = described.tables();
-        let keys = tables
-            .iter()
-            .filter(|t| t.name() == key.table)
-            .flat_map(|t| t.keys());
-        let known: &Key = keys
-            .into_iter()
-            .find(|k| k.name == key.name)
-            .expect("a key of a description");
-        let mut text = known.doc.trim().to_owned();
-        let mut range = known.range.map(|r| (r.low, r.high));
-        if let Form::Choice(choices) = known.form {
-            let choices = choices
-                .iter()
-                .enumerate()
-                .map(|(i, word)| format!("{i} {word}"));
-            let _ = write!(text, " ({})", choices.collect::<Vec<_>>().join(", "));
-            range = None;
-        }
-        let range = range.map_or(String::new(), |(low, high)| {
-            format!(" min=\"{low:?}\" max=\"{high:?}\"")
+    let mut starts = Vec::new();
+    write(&settings, |_, number| starts.push(number));
+    for place in places(&settings) {
+        let key = place.key;
+        let mut text = key.doc.trim().to_owned();
+        let mut range = key.range.map_or(String::new(), |r| {
+            format!(" min=\"{:?}\" max=\"{:?}\"", r.low, r.high)
         });
-        all.push(Variable {
-            kind: "Float64",
-            name: format!("{}.{}", key.table, key.name),
-            reference: KEY + i as u32,
-            causality: "parameter",
-            text,
-            more: format!(
-                " variability=\"fixed\"{}{range} start=\"{start:?}\"",
-                unit_attribute(known.unit)
-            ),
-        });
+        if let Form::Choice(choices) = key.form {
+            let choices = choices.iter().enumerate();
+            let choices: Vec<String> = choices.map(|(i, word)| format!("{i} {word}")).collect();
+            let _ = write!(text, " ({})", choices.join(", "));
+            range.clear();
+        }
+        for i in 0..place.width() {
+            let start = starts[place.first + i];
+            // "None" has no number that every importer can read.
+            if start.is_nan() {
+                continue;
+            }
+            let index = if place.width() > 1 {
+                format!("[{}]", i + 1)
+            } else {
+                String::new()
+            };
+            all.push(Variable {
+                kind: "Float64",
+                name: format!("{}.{}{index}", place.table, key.name),
+                reference: KEY + (place.first + i) as u32,
+                causality: "parameter",
+                text: text.clone(),
+                more: format!(
+                    " variability=\"fixed\"{}{range} start=\"{start:?}\"",
+                    unit_attribute(key.unit)
+                ),
+            });
+        }
     }
 }
 
@@ -269,9 +263,8 @@ fn unit_attribute(unit: &str) -> String {
 
 /// The definitions of all units that the variables have.
 fn units<M: Words>(out: &mut String) {
-    let described = M::Description::default();
-    let tables = described.tables();
-    let keys = tables.iter().flat_map(|t| t.keys()).map(|k| k.unit);
+    let settings = M::Settings::default();
+    let keys = places(&settings).map(|place| place.key.unit);
     let sensors = M::Sensors::FIELDS
         .iter()
         .chain(M::Answer::FIELDS)

@@ -1,5 +1,6 @@
 //! One machine as the variables of an FMU.
 
+use heft_c::settings::{read, write};
 use heft_c::{Machine, bits, sample};
 
 /// First value reference of each kind of variable; the position in the machine's table is added.
@@ -70,12 +71,13 @@ pub struct Variables<M: Machine> {
 
 impl<M: Machine> Default for Variables<M> {
     fn default() -> Self {
-        let settings = M::Settings::default();
+        let mut keys = Vec::new();
+        write(&M::Settings::default(), |_, number| keys.push(number));
         Self {
             time: 0.0,
             inputs: vec![0.0; M::SIGNALS.len()],
             columns: default_columns::<M>(),
-            keys: M::KEYS.iter().map(|key| (key.get)(&settings)).collect(),
+            keys,
             method: 0,
             machine: None,
             values: vec![0.0; M::VALUES.len()],
@@ -172,10 +174,7 @@ impl<M: Machine> Model for Variables<M> {
     }
 
     fn start(&mut self) -> Result<(), String> {
-        let mut settings = M::Settings::default();
-        for (key, value) in M::KEYS.iter().zip(&self.keys) {
-            (key.set)(&mut settings, *value);
-        }
+        let settings = read(|i| self.keys[i]).map_err(|error| error.to_string())?;
         let machine = M::new(&settings, self.method, self.columns);
         self.machine = Some(machine.map_err(|error| error.to_string())?);
         Ok(())
