@@ -24,6 +24,9 @@ pub mod sigma_points;
 pub mod srukf;
 mod time_base;
 
+/// Half the width of a 95 % interval, in standard deviations.
+pub const HALF_WIDTH_95: f64 = 1.96;
+
 /// A value with its standard deviation, in the unit of the value.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Quantity {
@@ -31,4 +34,18 @@ pub struct Quantity {
     pub value: f64,
     /// Its standard deviation.
     pub std: f64,
+}
+
+impl Quantity {
+    /// Half the width of the 95 % interval, in the unit of the value.
+    #[must_use]
+    pub fn half_width(&self) -> f64 {
+        HALF_WIDTH_95 * self.std
+    }
+
+    /// Whether the 95 % interval holds `truth`.
+    #[must_use]
+    pub fn holds(&self, truth: f64) -> bool {
+        (self.value - truth).abs() <= self.half_width()
+    }
 }

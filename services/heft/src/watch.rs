@@ -100,7 +100,7 @@ impl Score {
         if let Some(truth) = truth.filter(|t| *t != 0.0) {
             let error = 100.0 * (value / truth - 1.0);
             self.scored += 1;
-            self.covered += u64::from((value - truth).abs() < 1.96 * std);
+            self.covered += u64::from(estimation::Quantity { value, std }.holds(truth));
             self.worst = self.worst.max(error.abs());
             self.squares += error * error;
         }

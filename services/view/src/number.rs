@@ -88,7 +88,8 @@ pub fn with_std(value: f64, std: f64, unit: &str) -> String {
 #[must_use]
 pub fn interval_95(value: f64, std: f64) -> String {
     let places = decimals(std);
-    let (low, high) = (value - 1.96 * std, value + 1.96 * std);
+    let half = estimation::HALF_WIDTH_95 * std;
+    let (low, high) = (value - half, value + half);
     format!("{} to {}", grouped(low, places), grouped(high, places))
 }
 

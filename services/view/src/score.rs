@@ -40,7 +40,7 @@ impl Score {
             if estimate.flags() & parameter.excited == 0 || !error.is_finite() {
                 continue;
             }
-            let inside = (value - truth).abs() <= 1.96 * std;
+            let inside = estimation::Quantity { value, std }.holds(truth);
             score.errors.push(error);
             held += usize::from(inside);
             if trusted {

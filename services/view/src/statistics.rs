@@ -1,5 +1,7 @@
 //! The few statistics that the plots and tables show.
 
+use estimation::HALF_WIDTH_95;
+
 /// Count, mean and standard deviation (population) of a sample, and its largest magnitude.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Summary {
@@ -108,7 +110,7 @@ pub fn autocorrelation(values: &[f64], lags: usize) -> Vec<f64> {
 pub fn mean_chi_square_95(freedom: f64) -> (f64, f64) {
     let variance = 2.0 / (9.0 * freedom);
     let bound = |z: f64| (1.0 - variance + z * variance.sqrt()).max(0.0).powi(3);
-    (bound(-1.96), bound(1.96))
+    (bound(-HALF_WIDTH_95), bound(HALF_WIDTH_95))
 }
 
 /// Mean over the last `window` values, at each value.

@@ -1,5 +1,6 @@
 //! Estimates over time with their 95 % band, the truth, and the stretches that heft trusts.
 
+use estimation::HALF_WIDTH_95;
 use messages::Message;
 
 use super::{Panel, TIME, spans};
@@ -64,7 +65,7 @@ fn add_band<E: Estimate>(
     label: &str,
 ) -> bool {
     let point = |e: &E| {
-        let (value, half) = (parameter.value(e), 1.96 * parameter.std(e));
+        let (value, half) = (parameter.value(e), HALF_WIDTH_95 * parameter.std(e));
         (e.stamp().time, value - half, value + half)
     };
     let points: Vec<_> = estimator.estimates.iter().map(point).collect();

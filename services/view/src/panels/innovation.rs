@@ -1,5 +1,6 @@
 //! Do the innovations have the size and the whiteness that the filters expect?
 
+use estimation::HALF_WIDTH_95;
 use messages::SwingMotion;
 
 use super::history::style;
@@ -131,7 +132,7 @@ impl Whiteness {
         if self.fewest == usize::MAX {
             return None;
         }
-        let bound = 1.96 / (self.fewest as f64).sqrt();
+        let bound = HALF_WIDTH_95 / (self.fewest as f64).sqrt();
         let band = [(1.0, -bound, bound), (LAGS as f64, -bound, bound)];
         self.plot.band("white noise, 95 %", Style::Limit, &band);
         let note = "White innovations carry nothing that the filter has not used. Estimators: of \

@@ -152,7 +152,7 @@ fn truth_sentence<E: Estimate>(
     let truth = parameter.truth(&part.truth[at]);
     let (value, std) = (parameter.value(estimate), parameter.std(estimate));
     let error = 100.0 * (value / truth - 1.0);
-    let inside = if (value - truth).abs() <= 1.96 * std {
+    let inside = if (estimation::Quantity { value, std }).holds(truth) {
         "inside"
     } else {
         "outside"

@@ -1,5 +1,6 @@
 //! The excavator's verdict in words.
 
+use estimation::HALF_WIDTH_95;
 use messages::{EXCAVATOR_REASONS, ExcavatorEstimate, excavator_bits as bits};
 
 use super::Judgement;
@@ -44,7 +45,10 @@ fn value(e: &ExcavatorEstimate) -> String {
 
 /// Half width of the 95\u{a0}% interval in percent of the value.
 fn percent(e: &ExcavatorEstimate) -> String {
-    significant(100.0 * 1.96 * e.inertia_std / e.inertia.abs().max(1e-9), 2)
+    significant(
+        100.0 * HALF_WIDTH_95 * e.inertia_std / e.inertia.abs().max(1e-9),
+        2,
+    )
 }
 
 fn reasons_for(e: &ExcavatorEstimate) -> Vec<String> {

@@ -1,5 +1,6 @@
 //! The wheel loader's verdict in words.
 
+use estimation::HALF_WIDTH_95;
 use messages::{LoaderEstimate, loader_bits as bits};
 
 use super::Judgement;
@@ -41,7 +42,7 @@ pub(crate) fn height(e: &LoaderEstimate) -> Judgement {
     let width = format!(
         "±{}{}\u{a0}m",
         number::GROUP,
-        significant(1.96 * e.cg_height_std, 2)
+        significant(HALF_WIDTH_95 * e.cg_height_std, 2)
     );
     judgement(e, value, &Part::HEIGHT, &width)
 }

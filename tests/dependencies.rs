@@ -1,0 +1,126 @@
+//! What others wrote and we ship: licences that fit ours, few things twice.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::process::Command;
+
+use serde_json::Value;
+
+/// Licences that may be linked into what is MIT or Apache-2.0.
+const LICENCES: &[&str] = &[
+    "MIT",
+    "MIT-0",
+    "Apache-2.0",
+    "Apache-2.0 WITH LLVM-exception",
+    "BSD-2-Clause",
+    "BSD-3-Clause",
+    "BSL-1.0",
+    "CC0-1.0",
+    "ISC",
+    "Unicode-3.0",
+    "Unlicense",
+    "Zlib",
+    "0BSD",
+];
+
+/// What is in the tree more than once, and why it cannot be helped. The peers of `bench`, and what
+/// only builds or tests need, are not shipped and not counted.
+const TWICE: &[&str] = &[
+    // At build time only: iceoryx2 and ratatui, serde and tracing.
+    "darling",
+    "darling_core",
+    "darling_macro",
+    "syn",
+    // faer, beside its own nano-gemm.
+    "equator",
+    "equator-macro",
+    // iceoryx2: postcard names both, and its configuration is read by an older toml.
+    "embedded-io",
+    "toml_datetime",
+    "winnow",
+    // Features of nalgebra that nothing switches on.
+    "glam",
+];
+
+fn metadata() -> Value {
+    let output = Command::new(env!("CARGO"))
+        .args(["metadata", "--format-version", "1", "--locked", "--offline"])
+        .args(["--filter-platform", "x86_64-unknown-linux-gnu"])
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .output()
+        .expect("cargo runs the test, so it is there");
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{errors}");
+    serde_json::from_slice(&output.stdout).expect("JSON")
+}
+
+/// Packages that the binary `heft` is made of, by their ids.
+fn shipped(metadata: &Value) -> BTreeSet<&str> {
+    let nodes: BTreeMap<&str, &Value> = metadata["resolve"]["nodes"]
+        .as_array()
+        .expect("nodes")
+        .iter()
+        .filter_map(|node| Some((node["id"].as_str()?, node)))
+        .collect();
+    let mut waiting = vec![
+        metadata["resolve"]["root"]
+            .as_str()
+            .expect("the root package"),
+    ];
+    let mut seen = BTreeSet::new();
+    while let Some(id) = waiting.pop() {
+        if !seen.insert(id) {
+            continue;
+        }
+        for dependency in nodes[id]["deps"].as_array().into_iter().flatten() {
+            let kinds = dependency["dep_kinds"].as_array().expect("kinds");
+            if kinds.iter().any(|kind| kind["kind"].is_null()) {
+                waiting.extend(dependency["pkg"].as_str());
+            }
+        }
+    }
+    seen
+}
+
+fn packages(metadata: &Value) -> Vec<&Value> {
+    let ids = shipped(metadata);
+    let packages = metadata["packages"].as_array().expect("packages").iter();
+    packages
+        .filter(|p| p["id"].as_str().is_some_and(|id| ids.contains(id)))
+        .collect()
+}
+
+/// Whether one of the licences of each alternative fits.
+fn fits(expression: &str) -> bool {
+    let expression = expression.replace('/', " OR ").replace(['(', ')'], "");
+    expression
+        .split(" AND ")
+        .all(|part| part.split(" OR ").any(|one| LICENCES.contains(&one.trim())))
+}
+
+#[test]
+fn every_licence_fits() {
+    let metadata = metadata();
+    let packages = packages(&metadata);
+    assert!(packages.len() > 50, "the tree was read");
+    for package in packages {
+        let licence = package["license"].as_str().unwrap_or_default();
+        assert!(fits(licence), "{}: `{licence}`", package["name"]);
+    }
+    assert!(fits("MIT OR GPL-3.0") && !fits("GPL-3.0") && !fits("MIT AND GPL-3.0") && !fits(""));
+}
+
+#[test]
+fn nothing_is_shipped_in_two_versions_without_a_reason() {
+    let metadata = metadata();
+    let mut versions: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
+    for package in packages(&metadata) {
+        let text = |key: &str| package[key].as_str().unwrap_or_default();
+        versions
+            .entry(text("name"))
+            .or_default()
+            .insert(text("version"));
+    }
+    versions.retain(|_, versions| versions.len() > 1);
+    let found: BTreeSet<&str> = versions.keys().copied().collect();
+    assert_eq!(found, TWICE.iter().copied().collect(), "{versions:?}");
+}
