@@ -26,14 +26,19 @@ const ARROWS: &[(&str, &[&str])] = &[
         "services/view",
         &["estimation", "messages", "recording", "steps"],
     ),
-    ("services/evaluate", &["estimation", "sim"]),
     ("bindings/c", &["estimation"]),
     ("bindings/fmu", &["estimation", "messages"]),
+    ("services/calibrate", &["config", "estimation"]),
+    (
+        "services/evaluate",
+        &["calibrate", "config", "estimation", "sim"],
+    ),
     ("bench", &["estimation", "sim"]),
     // The root package: the command line, above everything.
     (
         "",
         &[
+            "calibrate",
             "config",
             "estimation",
             "evaluate",

@@ -45,7 +45,7 @@ class ExcavatorEstimate(ctypes.Structure):
         "payload", "payload_std", "velocity", "acceleration", "friction", "friction_std",
         "offset", "offset_std", "nis",
         "forgetting_inertia", "forgetting_damping", "forgetting_torque")] + [
-        ("flags", u32), ("estimated", u32), ("method", u32), ("reserved", u32),
+        ("flags", u32), ("estimated", u32), ("method", u32), ("reason", u32),
         ("refused", u64), ("reserved_2", u64)]
     TRUSTED = 1 << 8
     CHANNEL = "excavator/inertia_ukf"

@@ -1,13 +1,12 @@
 //! From TOML text to a description, by the table of keys alone.
 
-use core::cmp::Ordering;
 use core::ops::Range as Span;
 
 use toml_edit::{Document, Item, TableLike};
 
 use messages::Machine;
 
-use crate::{Error, Errors, Excavator, Key, Loader, Numbers, Table, Tables, Value, nearest, print};
+use crate::{Error, Errors, Key, Numbers, Table, Tables, Value, description, nearest, print};
 
 impl Error {
     /// A contradiction between keys.
@@ -108,18 +107,18 @@ pub(crate) fn machine(text: &str, file: &str) -> Result<Option<Machine>, Errors>
     if named.is_some() {
         return Ok(named);
     }
-    let known = (
-        known_keys::<Excavator>(&document, text, file),
-        known_keys::<Loader>(&document, text, file),
-    );
-    Ok(match known.0.cmp(&known.1) {
-        Ordering::Greater => Some(Machine::Excavator),
-        Ordering::Less => Some(Machine::Loader),
-        Ordering::Equal => None,
+    let mut known = Machine::ALL.map(|machine| {
+        let keys = description::known_keys(machine, &document, text, file);
+        (keys, machine)
+    });
+    known.sort();
+    Ok(match known {
+        [.., (second, _), (most, machine)] if most > second => Some(machine),
+        _ => None,
     })
 }
 
-fn known_keys<M: Tables>(document: &Document<String>, text: &str, file: &str) -> usize {
+pub(crate) fn known_keys<M: Tables>(document: &Document<String>, text: &str, file: &str) -> usize {
     let (entries, _) = entries::<M>(document, text, file);
     entries
         .iter()
@@ -337,17 +336,17 @@ fn suggestion<M: Tables>(path: &str) -> String {
         let full = keys.iter().find(|k| k.rsplit('.').next() == Some(close))?;
         Some(full.as_str())
     });
-    let other = match M::MACHINE {
-        Machine::Excavator => (Machine::Loader, all_keys::<Loader>()),
-        Machine::Loader => (Machine::Excavator, all_keys::<Excavator>()),
+    let belongs = |other: &Machine| {
+        *other != M::MACHINE && description::all_keys(*other).iter().any(|k| k == path)
     };
-    match (elsewhere, similar) {
-        (Some(full), _) => format!("the key is {full}: put it under [{}]", table_of(full)),
-        (None, _) if other.1.iter().any(|k| k == path) => {
-            format!("{path} belongs to the {}; leave it out here", other.0)
+    let other = Machine::ALL.into_iter().find(belongs);
+    match (elsewhere, other, similar) {
+        (Some(full), ..) => format!("the key is {full}: put it under [{}]", table_of(full)),
+        (None, Some(other), _) => {
+            format!("{path} belongs to the {other}; leave it out here")
         }
-        (None, Some(full)) => format!("did you mean {full}?"),
-        (None, None) => match keys_of::<M>(table_of(path)) {
+        (None, None, Some(full)) => format!("did you mean {full}?"),
+        (None, None, None) => match keys_of::<M>(table_of(path)) {
             Some(names) => format!("the keys of [{}] are {names}", table_of(path)),
             None => format!("the tables are [{}]", table_names::<M>().join("], [")),
         },
@@ -370,7 +369,7 @@ fn table_names<M: Tables>() -> Vec<&'static str> {
     M::default().tables().iter().map(|t| t.name()).collect()
 }
 
-fn all_keys<M: Tables>() -> Vec<String> {
+pub(crate) fn all_keys<M: Tables>() -> Vec<String> {
     let machine = M::default();
     let tables = machine.tables();
     let keys = tables

@@ -186,3 +186,30 @@ fn an_unknown_table_is_an_error_that_lists_the_tables() {
             .contains("table1, modes, drop, bad-input, identifiability, attachments")
     );
 }
+
+#[test]
+fn what_is_trusted_is_right_whatever_the_machine_does_beside_its_description() {
+    let report = table("honesty", 4);
+    println!("{}", report.text);
+    let lines = report.json["lines"].as_array().expect("lines");
+    let of = |effect: &'static str| {
+        let mut found = lines.iter().filter(move |line| line["effect"] == effect);
+        found
+            .find(|line| line["what"] == "posture-torque")
+            .expect("a line")
+    };
+    // Single lines of four seeds scatter; their mean does not.
+    let default = lines.iter().filter(|line| line["what"] == "posture-torque");
+    let wrong: Vec<f64> = default.map(|line| number(line, "wrong")).collect();
+    assert!(wrong.iter().sum::<f64>() / (wrong.len() as f64) < 0.02);
+    for (effect, trusted) in [("none", 0.70), ("good machine", 0.50)] {
+        let line = of(effect);
+        assert!(number(line, "wrong") <= 0.05, "{line}");
+        assert!(number(line, "trusted") >= trusted, "{line}");
+        assert!(number(line, "covered") >= 0.93, "{line}");
+    }
+    // A method that cannot tell the inertia of such a machine never says that it does.
+    for line in lines.iter().filter(|line| line["what"] != "posture-torque") {
+        assert_eq!(number(line, "trusted"), 0.0, "{line}");
+    }
+}

@@ -55,6 +55,8 @@ pub enum Command {
     Replay(ReplayArgs),
     /// Evaluate the estimators by Monte-Carlo simulation, next to the published figures
     Evaluate(EvaluateArgs),
+    /// Find the machine's own parameters from recordings, with intervals
+    Calibrate(CalibrateArgs),
     /// Mend a recording that was cut off
     Recover {
         /// The recording
@@ -218,7 +220,7 @@ pub struct RunArgs {
     /// Name of the run's corner of shared memory
     #[arg(long)]
     pub domain: Option<String>,
-    /// Exit with status 1 if the last verdict is not `trusted`
+    /// Exit with status 1 if no estimate of the last 30 s is `trusted`
     #[arg(long)]
     pub require_trust: bool,
     /// Nothing on the terminal while it runs
@@ -261,9 +263,44 @@ pub struct EstimateArgs {
     /// Also write an HTML report
     #[arg(long, value_name = "R.html")]
     pub report: Option<PathBuf>,
-    /// Exit with status 1 if the last verdict is not `trusted`
+    /// Exit with status 1 if no estimate of the last 30 s is `trusted`
     #[arg(long)]
     pub require_trust: bool,
+}
+
+/// `heft calibrate`
+#[derive(Debug, Args)]
+pub struct CalibrateArgs {
+    /// The machine
+    #[arg(value_parser = machine())]
+    pub machine: Machine,
+    /// Recordings: .csv, .mcap, or .log (candump)
+    #[arg(required = true)]
+    pub files: Vec<PathBuf>,
+    /// Load in the bucket in a recording of an excavator, as weighed
+    #[arg(long, value_name = "FILE=KG±KG")]
+    pub payload: Vec<String>,
+    /// Mass of the whole machine in a recording of a loader, as weighed
+    #[arg(long, value_name = "FILE=KG±KG")]
+    pub mass: Vec<String>,
+    /// Find these keys only
+    #[arg(long, value_name = "KEY,...", value_delimiter = ',')]
+    pub free: Vec<String>,
+    /// Signal map (TOML)
+    #[arg(long)]
+    pub map: Option<PathBuf>,
+    /// The machine's description
+    #[command(flatten)]
+    pub description: DescriptionArgs,
+    /// Description to write (TOML)
+    #[arg(short, long, value_name = "DESCRIPTION")]
+    pub output: PathBuf,
+    /// Also write an HTML report
+    #[arg(long, value_name = "R.html")]
+    pub report: Option<PathBuf>,
+    /// Write the description even if something speaks against it
+    #[arg(long)]
+    pub accept: bool,
 }
 
 /// `heft replay`

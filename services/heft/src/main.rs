@@ -61,6 +61,7 @@ fn dispatch(cli: Cli) -> Result<(), Failure> {
         Command::Estimate(args) => commands::estimate::estimate(&args),
         Command::Replay(args) => commands::replay::replay(&args),
         Command::Evaluate(args) => commands::evaluate::evaluate(&args),
+        Command::Calibrate(args) => commands::calibrate::calibrate(&args),
         Command::Recover { file } => commands::recover::recover(&file),
         Command::Report { file, output } => commands::report::report(&file, output.as_deref()),
         Command::Export { file, output } => commands::export::export(&file, &output),

@@ -7,6 +7,7 @@ use messages::{Envelope, Machine};
 use view::estimate::Estimate;
 use view::words::{verdict, wrapped};
 
+use crate::failure::Failure;
 use crate::watch::{Score, Watch};
 
 /// Columns of every terminal.
@@ -68,10 +69,30 @@ pub fn text(machine: Machine, watch: &Watch, recording: &Path, report: Option<&P
     out
 }
 
-/// Whether the last verdict on every quantity that is told first is `trusted`.
-pub fn is_trusted(watch: &Watch) -> bool {
-    let mut told = watch.told().peekable();
-    told.peek().is_some() && told.all(|s| s.trusted)
+/// Age of the last trusted estimate, the largest over the quantities that are told first; `None` where one of
+/// them never was trusted [s].
+pub fn trust_age(watch: &Watch) -> Option<f64> {
+    let told = watch.told();
+    let ages: Option<Vec<f64>> = told.map(|s| Some(s.time - s.last_trusted?.0)).collect();
+    ages?.into_iter().reduce(f64::max)
+}
+
+/// An estimate is judged by its last trusted value, which may be this old [s]: a machine that stands at the end
+/// has told its inertia while it moved.
+const TRUST_AGE: f64 = 30.0;
+
+/// What `--require-trust` asks: a trusted estimate, not too old.
+///
+/// # Errors
+/// There is none, or the last one is too old.
+pub fn require_trust(age: Option<f64>) -> Result<(), Failure> {
+    match age {
+        None => Err(Failure::answer_is_no("no estimate is `trusted`")),
+        Some(age) if age > TRUST_AGE => Err(Failure::answer_is_no(format!(
+            "the last trusted estimate is {age:.0} s old; at most {TRUST_AGE:.0} s are allowed"
+        ))),
+        Some(_) => Ok(()),
+    }
 }
 
 fn us(ns: u64) -> f64 {

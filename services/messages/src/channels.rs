@@ -4,6 +4,7 @@
 use core::marker::PhantomData;
 use core::ops::Deref;
 
+pub use crate::envelope::{Payload, Visitor};
 use crate::{
     Credit, ExcavatorEstimate, ExcavatorSensors, ExcavatorTruth, Health, LoaderEstimate,
     LoaderSensors, LoaderTruth, Machine, Message, SwingMotion,
@@ -16,54 +17,6 @@ pub enum Rate {
     Sensors,
     /// Fixed [Hz].
     Hz(f64),
-}
-
-/// Payload of a channel.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Payload {
-    /// [`ExcavatorSensors`]
-    ExcavatorSensors,
-    /// [`ExcavatorTruth`]
-    ExcavatorTruth,
-    /// [`SwingMotion`]
-    SwingMotion,
-    /// [`ExcavatorEstimate`]
-    ExcavatorEstimate,
-    /// [`LoaderSensors`]
-    LoaderSensors,
-    /// [`LoaderTruth`]
-    LoaderTruth,
-    /// [`LoaderEstimate`]
-    LoaderEstimate,
-    /// [`Health`]
-    Health,
-    /// [`Credit`]
-    Credit,
-}
-
-/// A function that works on any payload type; [`Payload::visit`] calls it with the right one.
-pub trait Visitor {
-    /// What it returns.
-    type Output;
-    /// Called with the payload type of the channel.
-    fn visit<M: Message>(self) -> Self::Output;
-}
-
-impl Payload {
-    /// Calls `visitor` with the Rust type of this payload.
-    pub fn visit<V: Visitor>(self, visitor: V) -> V::Output {
-        match self {
-            Self::ExcavatorSensors => visitor.visit::<ExcavatorSensors>(),
-            Self::ExcavatorTruth => visitor.visit::<ExcavatorTruth>(),
-            Self::SwingMotion => visitor.visit::<SwingMotion>(),
-            Self::ExcavatorEstimate => visitor.visit::<ExcavatorEstimate>(),
-            Self::LoaderSensors => visitor.visit::<LoaderSensors>(),
-            Self::LoaderTruth => visitor.visit::<LoaderTruth>(),
-            Self::LoaderEstimate => visitor.visit::<LoaderEstimate>(),
-            Self::Health => visitor.visit::<Health>(),
-            Self::Credit => visitor.visit::<Credit>(),
-        }
-    }
 }
 
 /// A channel, whatever its message.
@@ -117,52 +70,40 @@ impl<M> Deref for ChannelOf<M> {
     }
 }
 
-/// What the excavator's sensors measured.
-pub static EXCAVATOR_SENSORS: ChannelOf<ExcavatorSensors> =
-    ChannelOf::new("excavator/sensors", 512, Rate::Sensors);
-/// The truth behind them, where there is one.
-pub static EXCAVATOR_TRUTH: ChannelOf<ExcavatorTruth> =
-    ChannelOf::new("excavator/truth", 512, Rate::Sensors);
-/// Swing motion after the filter stage.
-pub static EXCAVATOR_MOTION: ChannelOf<SwingMotion> =
-    ChannelOf::new("excavator/motion", 512, Rate::Sensors);
-/// Estimates of the regression.
-pub static EXCAVATOR_INERTIA_RLS: ChannelOf<ExcavatorEstimate> =
-    ChannelOf::new("excavator/inertia_rls", 512, Rate::Sensors);
-/// Estimates of the state-space filters.
-pub static EXCAVATOR_INERTIA_UKF: ChannelOf<ExcavatorEstimate> =
-    ChannelOf::new("excavator/inertia_ukf", 512, Rate::Sensors);
-/// What the loader's sensors measured.
-pub static LOADER_SENSORS: ChannelOf<LoaderSensors> =
-    ChannelOf::new("loader/sensors", 512, Rate::Sensors);
-/// The truth behind them, where there is one.
-pub static LOADER_TRUTH: ChannelOf<LoaderTruth> =
-    ChannelOf::new("loader/truth", 512, Rate::Sensors);
-/// Estimates of the extended Kalman filter.
-pub static LOADER_CG_EKF: ChannelOf<LoaderEstimate> =
-    ChannelOf::new("loader/cg_ekf", 512, Rate::Sensors);
-/// Estimates of the square-root unscented Kalman filter.
-pub static LOADER_CG_UKF: ChannelOf<LoaderEstimate> =
-    ChannelOf::new("loader/cg_ukf", 512, Rate::Sensors);
-/// How each process is doing.
-pub static HEALTH: ChannelOf<Health> = ChannelOf::new("health", 128, Rate::Hz(10.0));
-/// How far the logger has got.
-pub static CREDIT: ChannelOf<Credit> = ChannelOf::new("credit", 16, Rate::Sensors);
+/// The rows of the table: name, message, name as others see it, depth, rate.
+macro_rules! channels {
+    ($( $(#[$doc:meta])* $name:ident: $message:ident = $text:literal, $depth:literal, $rate:expr; )*) => {
+        $( $(#[$doc])* pub static $name: ChannelOf<$message> = ChannelOf::new($text, $depth, $rate); )*
 
-/// All channels.
-pub static CHANNELS: &[&Channel] = &[
-    &EXCAVATOR_SENSORS.channel,
-    &EXCAVATOR_TRUTH.channel,
-    &EXCAVATOR_MOTION.channel,
-    &EXCAVATOR_INERTIA_RLS.channel,
-    &EXCAVATOR_INERTIA_UKF.channel,
-    &LOADER_SENSORS.channel,
-    &LOADER_TRUTH.channel,
-    &LOADER_CG_EKF.channel,
-    &LOADER_CG_UKF.channel,
-    &HEALTH.channel,
-    &CREDIT.channel,
-];
+        /// All channels.
+        pub static CHANNELS: &[&Channel] = &[$( &$name.channel ),*];
+    };
+}
+
+channels! {
+    /// What the excavator's sensors measured.
+    EXCAVATOR_SENSORS: ExcavatorSensors = "excavator/sensors", 512, Rate::Sensors;
+    /// The truth behind them, where there is one.
+    EXCAVATOR_TRUTH: ExcavatorTruth = "excavator/truth", 512, Rate::Sensors;
+    /// Swing motion after the filter stage.
+    EXCAVATOR_MOTION: SwingMotion = "excavator/motion", 512, Rate::Sensors;
+    /// Estimates of the regression.
+    EXCAVATOR_INERTIA_RLS: ExcavatorEstimate = "excavator/inertia_rls", 512, Rate::Sensors;
+    /// Estimates of the state-space filters.
+    EXCAVATOR_INERTIA_UKF: ExcavatorEstimate = "excavator/inertia_ukf", 512, Rate::Sensors;
+    /// What the loader's sensors measured.
+    LOADER_SENSORS: LoaderSensors = "loader/sensors", 512, Rate::Sensors;
+    /// The truth behind them, where there is one.
+    LOADER_TRUTH: LoaderTruth = "loader/truth", 512, Rate::Sensors;
+    /// Estimates of the extended Kalman filter.
+    LOADER_CG_EKF: LoaderEstimate = "loader/cg_ekf", 512, Rate::Sensors;
+    /// Estimates of the square-root unscented Kalman filter.
+    LOADER_CG_UKF: LoaderEstimate = "loader/cg_ukf", 512, Rate::Sensors;
+    /// How each process is doing.
+    HEALTH: Health = "health", 128, Rate::Hz(10.0);
+    /// How far the logger has got.
+    CREDIT: Credit = "credit", 16, Rate::Sensors;
+}
 
 /// The channel called `name`.
 #[must_use]

@@ -1,21 +1,11 @@
-use crate::{
-    Credit, ExcavatorEstimate, ExcavatorSensors, ExcavatorTruth, Field, Health, Hops,
-    LoaderEstimate, LoaderSensors, LoaderTruth, Message, Stamp, SwingMotion, Value,
-};
+use crate::{Field, Hops, Message, Stamp, Value};
 
-/// Any message, for queues that carry all of them.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[allow(missing_docs, reason = "each variant is the type of its name")]
-pub enum Envelope {
-    ExcavatorSensors(ExcavatorSensors),
-    ExcavatorTruth(ExcavatorTruth),
-    SwingMotion(SwingMotion),
-    ExcavatorEstimate(ExcavatorEstimate),
-    LoaderSensors(LoaderSensors),
-    LoaderTruth(LoaderTruth),
-    LoaderEstimate(LoaderEstimate),
-    Health(Health),
-    Credit(Credit),
+/// A function that works on any payload type; [`Payload::visit`] calls it with the right one.
+pub trait Visitor {
+    /// What it returns.
+    type Output;
+    /// Called with the payload type of the channel.
+    fn visit<M: Message>(self) -> Self::Output;
 }
 
 /// A function that takes a message of any type.
@@ -26,54 +16,86 @@ pub trait Receiver {
     fn receive<M: Message>(self, message: &M) -> Self::Output;
 }
 
-/// The same expression for whichever message is inside.
-macro_rules! each {
-    ($envelope:expr, $m:ident => $value:expr) => {
-        match $envelope {
-            Envelope::ExcavatorSensors($m) => $value,
-            Envelope::ExcavatorTruth($m) => $value,
-            Envelope::SwingMotion($m) => $value,
-            Envelope::ExcavatorEstimate($m) => $value,
-            Envelope::LoaderSensors($m) => $value,
-            Envelope::LoaderTruth($m) => $value,
-            Envelope::LoaderEstimate($m) => $value,
-            Envelope::Health($m) => $value,
-            Envelope::Credit($m) => $value,
-        }
-    };
-}
-
 fn fields<M: Message>(_: &M) -> &'static [Field] {
     M::FIELDS
 }
 
-impl Envelope {
-    /// Hands the message inside to `receiver`.
-    pub fn open<R: Receiver>(&self, receiver: R) -> R::Output {
-        each!(self, m => receiver.receive(m))
-    }
+/// Everything that must be said once per message type.
+macro_rules! payloads {
+    ($($name:ident),* $(,)?) => {
+        /// Payload of a channel.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        pub enum Payload {
+            $( #[doc = concat!("[`", stringify!($name), "`](crate::", stringify!($name), ")")] $name, )*
+        }
 
-    /// Identity of the sample.
-    #[must_use]
-    pub fn stamp(&self) -> &Stamp {
-        each!(self, m => m.stamp())
-    }
+        impl Payload {
+            /// Calls `visitor` with the Rust type of this payload.
+            pub fn visit<V: Visitor>(self, visitor: V) -> V::Output {
+                match self {
+                    $( Self::$name => visitor.visit::<crate::$name>(), )*
+                }
+            }
+        }
 
-    /// Publish times.
-    #[must_use]
-    pub fn hops(&self) -> &Hops {
-        each!(self, m => m.hops())
-    }
+        /// Any message, for queues that carry all of them.
+        #[derive(Debug, Clone, Copy, PartialEq)]
+        #[allow(missing_docs, reason = "each variant is the type of its name")]
+        pub enum Envelope {
+            $( $name(crate::$name), )*
+        }
 
-    /// All fields, those of stamp and hops first.
-    #[must_use]
-    pub fn fields(&self) -> &'static [Field] {
-        each!(self, m => fields(m))
-    }
+        impl Envelope {
+            /// Hands the message inside to `receiver`.
+            pub fn open<R: Receiver>(&self, receiver: R) -> R::Output {
+                match self {
+                    $( Self::$name(m) => receiver.receive(m), )*
+                }
+            }
 
-    /// Value of field `index`; `None` past the end.
-    #[must_use]
-    pub fn get(&self, index: usize) -> Option<Value> {
-        each!(self, m => m.get(index))
-    }
+            /// Identity of the sample.
+            #[must_use]
+            pub fn stamp(&self) -> &Stamp {
+                match self {
+                    $( Self::$name(m) => m.stamp(), )*
+                }
+            }
+
+            /// Publish times.
+            #[must_use]
+            pub fn hops(&self) -> &Hops {
+                match self {
+                    $( Self::$name(m) => m.hops(), )*
+                }
+            }
+
+            /// All fields, those of stamp and hops first.
+            #[must_use]
+            pub fn fields(&self) -> &'static [Field] {
+                match self {
+                    $( Self::$name(m) => fields(m), )*
+                }
+            }
+
+            /// Value of field `index`; `None` past the end.
+            #[must_use]
+            pub fn get(&self, index: usize) -> Option<Value> {
+                match self {
+                    $( Self::$name(m) => m.get(index), )*
+                }
+            }
+        }
+    };
 }
+
+payloads!(
+    ExcavatorSensors,
+    ExcavatorTruth,
+    SwingMotion,
+    ExcavatorEstimate,
+    LoaderSensors,
+    LoaderTruth,
+    LoaderEstimate,
+    Health,
+    Credit,
+);

@@ -217,7 +217,7 @@ macro_rules! message {
     (
         $(#[doc = $doc:literal])*
         pub struct $name:ident, $type_name:tt, size $size:literal {
-            $( $(#[doc = $field_doc:literal])+ $field:ident: $type:ty, $unit:literal; )*
+            $( $(#[doc = $field_doc:literal])+ $field:ident: $type:ty, $unit:tt; )*
         }
     ) => {
         $(#[doc = $doc])*
@@ -229,7 +229,7 @@ macro_rules! message {
             pub stamp: $crate::Stamp,
             /// Publish times.
             pub hops: $crate::Hops,
-            $( $(#[doc = $field_doc])+ #[doc = concat!(" Unit: ", $unit, ".")] pub $field: $type, )*
+            $( $(#[doc = $field_doc])+ #[doc = $crate::message::unit!($unit)] pub $field: $type, )*
         }
 
         // The size is part of the interface: readers in other languages declare it themselves.
@@ -291,7 +291,17 @@ macro_rules! message {
         }
     };
 }
-pub(crate) use message;
+
+/// The unit in words; nothing for bits and pure numbers.
+macro_rules! unit {
+    ("") => {
+        ""
+    };
+    ($unit:tt) => {
+        concat!(" Unit: ", $unit, ".")
+    };
+}
+pub(crate) use {message, unit};
 
 /// The fields of the head followed by those of one message.
 pub(crate) const fn join<const N: usize>(own: &[Field]) -> [Field; N] {

@@ -147,8 +147,8 @@ pub(crate) fn failure(path: &Path, error: mcap::McapError) -> Error {
 
 /// SHA-256 of a text in hexadecimal digits, by which a recording names its description.
 #[must_use]
-pub fn sha256(text: &str) -> String {
+pub fn sha256(data: impl AsRef<[u8]>) -> String {
     use sha2::Digest;
-    let digest = sha2::Sha256::digest(text.as_bytes());
+    let digest = sha2::Sha256::digest(data);
     digest.iter().map(|byte| format!("{byte:02x}")).collect()
 }

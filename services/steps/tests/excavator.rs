@@ -93,3 +93,13 @@ fn the_numbers_of_the_methods_are_those_of_the_messages() {
         assert_eq!(method.index() as usize, index);
     }
 }
+
+#[test]
+fn the_names_and_words_of_the_reasons_are_those_of_the_messages() {
+    let said = estimation::excavator::Reason::ALL.map(|reason| (reason.name(), reason.words()));
+    assert_eq!(said.as_slice(), messages::EXCAVATOR_REASONS);
+    for (code, reason) in (0..).zip(estimation::excavator::Reason::ALL) {
+        assert_eq!(reason.code(), code);
+        assert_eq!(estimation::excavator::Reason::of(code), reason);
+    }
+}

@@ -47,6 +47,12 @@ pub fn report(run: &Run) -> String {
     html::page(&header::title(run), &[crate::plot::STYLE, STYLE], &body)
 }
 
+/// A page in the style of the report around a `body` that is HTML already.
+#[must_use]
+pub fn page(title: &str, body: &str) -> String {
+    html::page(title, &[crate::plot::STYLE, STYLE], body)
+}
+
 /// All sections of one machine; nothing where the run has none of it.
 fn machine<E: Estimate>(body: &mut String, run: &Run, part: &MachineRun<E>, rules: Vec<Panel>) {
     if part.estimators.is_empty() {

@@ -20,7 +20,9 @@ impl Settings {
             prior: d.prior,
             estimator: d.estimator,
             paper: paper(d),
-            doubts: (d.estimator.variant == Variant::Auto).then(|| Doubts::of(d)),
+            doubts: (d.estimator.variant == Variant::Auto)
+                .then(|| Doubts::of(d))
+                .filter(Doubts::are_any),
         }
     }
 }
@@ -84,6 +86,20 @@ impl Doubts {
     }
 }
 
+impl Doubts {
+    /// Whether the description leaves anything open: not where it states 0 for every tolerance.
+    fn are_any(&self) -> bool {
+        let stds = [
+            self.efficiency_std,
+            self.slope_std,
+            self.delay_std,
+            self.torque_share,
+            self.inertia_share,
+        ];
+        stds.iter().any(|std| *std > 0.0)
+    }
+}
+
 fn sensors(d: &Description) -> Sensors {
     let s = &d.sensors;
     Sensors {
@@ -94,6 +110,8 @@ fn sensors(d: &Description) -> Sensors {
         swing_torque_gain_std: gain_std(d),
         swing_velocity_limit: s.swing_velocity_limit,
         angle_limit: s.angle_limit,
+        swing_torque_gain: s.swing_torque_gain,
+        swing_torque_offset: s.swing_torque_offset,
     }
 }
 

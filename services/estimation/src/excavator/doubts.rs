@@ -43,7 +43,7 @@ impl Default for Doubts {
             delay: 0.0,
             delay_std: 0.02,
             torque_share: 0.10,
-            inertia_share: 0.02,
+            inertia_share: 0.024,
         }
     }
 }

@@ -39,9 +39,9 @@ table! {
         /// Standard deviation of the slope of the ground along each of two axes.
         slope_std: f64 = 0.03, "rad", 0.0 to 0.5;
         /// Relative standard deviation of the described masses and inertias.
-        mass_tolerance: f64 = 0.015, "", 0.0 to 0.5;
+        mass_tolerance: f64 = 0.018, "", 0.0 to 0.5;
         /// Relative standard deviation of the described lengths.
-        geometry_tolerance: f64 = 0.007, "", 0.0 to 0.2;
+        geometry_tolerance: f64 = 0.008, "", 0.0 to 0.2;
         /// Inertia of the upper body without boom, arm and bucket, about the swing axis (J_u).
         upper_inertia: f64 = 1698.0, "kg m^2", 0.0 to 1e9;
         /// Smallest inertia that an estimate may take.
@@ -119,6 +119,10 @@ table! {
         swing_velocity_limit: f64 = 5.0, "rad/s", 1e-6 to 1e6;
         /// A joint angle of this size or more is taken as missing.
         angle_limit: f64 = core::f64::consts::TAU, "rad", 0.1 to 1000.0;
+        /// Measured over true swing torque, as calibrated.
+        swing_torque_gain: f64 = 1.0, "", 0.01 to 100.0;
+        /// Swing torque that is measured where there is none, as calibrated.
+        swing_torque_offset: f64 = 0.0, "N m", -1e6 to 1e6;
     }
 }
 

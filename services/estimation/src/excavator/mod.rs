@@ -20,6 +20,7 @@ mod drive;
 mod drop_mixture;
 mod encoder;
 mod estimate;
+mod frozen;
 mod geometry;
 mod grid;
 mod joint;

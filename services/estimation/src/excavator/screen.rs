@@ -1,6 +1,8 @@
-//! First look at a row: is its time usable, which of its values count?
+//! First look at a row: is its time usable, which of its values count? The torque's calibrated gain and
+//! offset are taken out here, so that all behind it see the true torque.
 
 use super::estimate::Sample;
+use super::frozen::Repetition;
 use super::grid::LONG_GAP;
 use super::settings::Sensors;
 use crate::time_base::{Tick, TimeBase};
@@ -26,7 +28,11 @@ pub(super) struct Screen {
     first_period: f64,
     velocity_limit: f64,
     angle_limit: f64,
+    torque_gain: f64,
+    torque_offset: f64,
     refused: u64,
+    /// Velocity, torque, boom, arm, bucket.
+    repetitions: [Repetition; 5],
 }
 
 impl Screen {
@@ -36,7 +42,10 @@ impl Screen {
             first_period: 1.0 / sensors.rate,
             velocity_limit: sensors.swing_velocity_limit,
             angle_limit: sensors.angle_limit,
+            torque_gain: sensors.swing_torque_gain,
+            torque_offset: sensors.swing_torque_offset,
             refused: 0,
+            repetitions: [Repetition::default(); 5],
         }
     }
 
@@ -63,14 +72,31 @@ impl Screen {
         self.refused
     }
 
-    fn clean(&self, sample: &Sample) -> Sample {
+    /// Whether a sensor repeats one value against its own noise.
+    pub(super) fn is_frozen(&self) -> bool {
+        self.repetitions.iter().any(Repetition::is_frozen)
+    }
+
+    fn clean(&mut self, sample: &Sample) -> Sample {
         // A sensor at the end of its range says only "at least this much": missing.
         let within = |value: Option<f64>, limit: f64| value.filter(|v| v.abs() < limit);
+        let [velocity, torque, joints @ ..] = &mut self.repetitions;
+        let mut posture = sample.posture;
+        for (repetition, joint) in joints.iter_mut().zip(&mut posture) {
+            *joint = repetition.pass(*joint);
+        }
+        let sample = Sample {
+            velocity: velocity.pass(sample.velocity),
+            torque: torque.pass(sample.torque),
+            posture,
+            ..*sample
+        };
         Sample {
             time: sample.time,
             velocity: within(sample.velocity, self.velocity_limit),
             angle: within(sample.angle, f64::MAX),
-            torque: within(sample.torque, 1e12),
+            torque: within(sample.torque, 1e12)
+                .map(|t| (t - self.torque_offset) / self.torque_gain),
             posture: sample.posture.map(|q| within(q, self.angle_limit)),
             inclination: sample.inclination.map(|q| within(q, INCLINATION_LIMIT)),
         }

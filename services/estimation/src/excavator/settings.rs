@@ -23,6 +23,10 @@ pub struct Sensors {
     pub swing_velocity_limit: f64,
     /// A joint angle of this size or more is missing [rad].
     pub angle_limit: f64,
+    /// Measured over true torque, as calibrated.
+    pub swing_torque_gain: f64,
+    /// Torque that is measured where there is none, as calibrated [N m].
+    pub swing_torque_offset: f64,
 }
 
 /// Everything an excavator estimator needs to know beforehand.

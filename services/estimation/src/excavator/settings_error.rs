@@ -54,6 +54,7 @@ impl Settings {
             ("sensors.swing_angle_std", s.swing_angle_std),
             ("sensors.swing_torque_std", s.swing_torque_std),
             ("sensors.swing_velocity_limit", s.swing_velocity_limit),
+            ("sensors.swing_torque_gain", s.swing_torque_gain),
             ("prior.inertia", p.inertia),
             ("prior.inertia_std", p.inertia_std),
             ("prior.payload_std", p.payload_std),

@@ -8,6 +8,7 @@ use super::calibration::{Calibrated, Calibration, Progress};
 use super::estimate::{Columns, Estimate, Flags, Method, Sample};
 use super::grid::{Grid, Tick};
 use super::mode::{Core, Reading, needs};
+use super::reason::Reason;
 use super::screen::Screen;
 use super::settings::Settings;
 use super::settings_error::SettingsError;
@@ -306,7 +307,11 @@ impl SwingEstimator {
             method: self.method,
             forgetting: [0.0; 3],
             refused: self.screen.refused(),
-            reason: state.reason,
+            reason: if self.screen.is_frozen() {
+                Reason::Frozen
+            } else {
+                state.reason
+            },
         }
     }
 

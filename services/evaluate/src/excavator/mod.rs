@@ -8,10 +8,12 @@
 //! | `bad-input` | faulty sensors, wrong parameters | [`bad_input`] |
 //! | `identifiability` | Cramer-Rao bounds beside what is reached | [`identifiability`] |
 //! | `attachments` | inertia of bucket and crusher, Fig. 3 | [`attachments`] |
+//! | `calibration` | `heft calibrate` over simulated machines | [`calibration`] |
 //! | `honesty` | what is trusted on machines that are not what they are said to be | [`honesty`] |
 
 pub mod attachments;
 pub mod bad_input;
+pub mod calibration;
 mod case;
 pub mod drop;
 mod estimators;
@@ -35,13 +37,14 @@ use std::sync::atomic::Ordering;
 
 type Evaluation = fn(&Options) -> Result<Report, Error>;
 
-const TABLES: [(&str, Evaluation); 7] = [
+const TABLES: [(&str, Evaluation); 8] = [
     ("table1", table1::evaluate),
     ("modes", modes::evaluate),
     ("drop", drop::evaluate),
     ("bad-input", bad_input::evaluate),
     ("identifiability", identifiability::evaluate),
     ("attachments", attachments::evaluate),
+    ("calibration", calibration::evaluate),
     ("honesty", honesty::evaluate),
 ];
 

@@ -13,7 +13,7 @@ use view::estimate::Estimate;
 use crate::cli::EstimateArgs;
 use crate::commands::run::{description, tell_idle_keys};
 use crate::failure::Failure;
-use crate::sources;
+use crate::{sources, summary};
 
 /// `heft estimate`
 pub fn estimate(args: &EstimateArgs) -> Result<(), Failure> {
@@ -96,8 +96,16 @@ fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
     }
     let last = estimates().last().copied().unwrap_or_default();
     tell(args, written, rows.len(), &view::words::verdict(&last));
-    if args.require_trust && !Estimate::trusted(&last) {
-        return Err(Failure::answer_is_no("the last verdict is not `trusted`"));
+    let trusted = estimates().filter(|e| Estimate::trusted(*e)).last();
+    let age = trusted.map(|e| last.stamp().time - e.stamp().time);
+    if let Some((trusted, age)) = trusted.zip(age).filter(|(_, age)| *age > 0.0) {
+        println!(
+            "last trusted {age:.1} s before the end: {}",
+            view::words::verdict(trusted)
+        );
+    }
+    if args.require_trust {
+        summary::require_trust(age)?;
     }
     Ok(())
 }

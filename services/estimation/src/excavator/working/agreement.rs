@@ -12,6 +12,8 @@ const INFORMATIVE: f64 = 0.05;
 /// Share of one stretch in the mean ratio; largest ratio of one.
 const MEMORY: f64 = 0.12;
 const LARGEST: f64 = 36.0;
+/// Ratio that an outright contradiction counts as.
+const OUTRIGHT: f64 = 18.0;
 
 /// Mean ratio of what stretches moved to what they may move.
 #[derive(Debug, Clone)]
@@ -48,6 +50,12 @@ impl Agreement {
         }
         self.start = Some((value, variance));
         self.elapsed = 0.0;
+    }
+
+    /// The motion contradicts the value outright.
+    pub(super) fn contradict(&mut self) {
+        self.ratio += MEMORY * (OUTRIGHT - self.ratio).max(0.0);
+        self.start = None;
     }
 
     /// The value has changed for another reason: the next stretch begins anew.

@@ -7,7 +7,7 @@ use crate::math::exp;
 /// Joints that have moved this far since the machine stopped may have changed the content [rad].
 const MOVED: f64 = 0.03;
 /// A bucket that has opened this far is empty unless the motion says otherwise [rad].
-const EMPTIED: f64 = 0.6;
+const EMPTIED: f64 = 1.15;
 /// A standing bucket that has closed this far may have been filled [rad].
 const FILLED: f64 = 0.4;
 /// Time constant of the angles [s].

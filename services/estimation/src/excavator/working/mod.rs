@@ -22,6 +22,7 @@ use super::reason::Reason;
 use super::settings::Settings;
 use super::standstill::Phase;
 use super::state::State;
+use crate::consistency::Cusum;
 use crate::kalman::Innovation;
 use crate::math::{sin_cos, sqrt};
 
@@ -29,7 +30,7 @@ use crate::math::{sin_cos, sqrt};
 const STICKING: [f64; 2] = [0.025, 0.02];
 /// Standard deviation of the payload, as a share of the rated one, below which the motion has said enough to
 /// tell an empty bucket from a loaded one.
-const TOLD: f64 = 0.15;
+const TOLD: f64 = 0.12;
 
 /// Random walk of the torque's gain: weights of zero all err alike, and must not add up [1/sqrt(s)].
 const GAIN_DRIFT: f64 = 0.004;
@@ -38,6 +39,9 @@ const INCLINOMETER: f64 = 0.03;
 const MOUNTING: f64 = 0.004;
 /// A constant this many standard deviations from its description is named.
 const NAMED: f64 = 3.0;
+/// Sum of normalised innovations at which the payload has changed without a word, and from which on it may have.
+const CHANGE: f64 = 10.0;
+const SUSPICIOUS: f64 = 4.0;
 /// Below this velocity a holding brake or stiction may take any part of the torque [rad/s].
 const BRAKED: f64 = 0.04;
 /// Less than this share of what the description allows for is not worth a word.
@@ -67,6 +71,10 @@ pub(super) struct Working {
     /// Largest torque seen, smoothed [N m].
     torque: f64,
     largest: f64,
+    /// Sums of the innovations: a payload that changes and that no joint announces.
+    change: Cusum,
+    /// They have reached their limit in this swing: its value is not believed any more.
+    changed: bool,
     /// The empty bucket of this swing has been used as a weight of zero.
     tared: bool,
 }
@@ -106,6 +114,8 @@ impl Working {
             turn: 0.0,
             torque: 0.0,
             largest: 0.0,
+            change: Cusum::new(0.5, CHANGE),
+            changed: false,
             tared: false,
         }
     }
@@ -133,6 +143,8 @@ impl Working {
         self.filter.set(W, velocity, variance);
         self.filter.acceleration = 0.0;
         self.noise.rest();
+        self.change.clear();
+        self.changed = false;
         self.agreement.interrupt();
         self.tared = false;
         Innovation::default()
@@ -188,7 +200,13 @@ impl Working {
         let innovation = self
             .filter
             .correct(velocity, drive.variance, s.estimator.gate);
-        self.noise.push(innovation.normalised());
+        let z = innovation.normalised();
+        self.noise.push(z);
+        if self.change.push(z.clamp(-3.0, 3.0)) {
+            self.filter.p[M][M] += 0.25 * self.rated * self.rated;
+            self.agreement.contradict();
+            self.changed = true;
+        }
         if self.bucket.is_open() {
             self.agreement.interrupt();
         } else {
@@ -226,7 +244,7 @@ impl Working {
         let described = self.doubts.inertia_share * now.empty / now.per_payload;
         let std = sqrt(sticking * sticking + described * described);
         let value = share - self.filter.x[M];
-        if value * value < 9.0 * (variance + std * std) {
+        if value * value < 4.0 * (variance + std * std) {
             let mut row = [0.0; N];
             row[M] = 1.0;
             self.filter
@@ -254,8 +272,8 @@ impl Working {
             velocity: x[W],
             acceleration: self.filter.acceleration,
             nis: innovation.nis(),
-            changing: self.bucket.is_open(),
-            unsettled: at_limit || self.bucket.is_settling(),
+            changing: self.bucket.is_open() || self.changed,
+            unsettled: at_limit || self.bucket.is_settling() || self.change.level() > SUSPICIOUS,
             opening: self.bucket.is_open(),
             reason: self.reason(at_limit, standing),
             ..State::default()

@@ -1,0 +1,455 @@
+//! A recording made ready: time, velocity or angle, torque, what the posture makes of the inertia, and
+//! the swings in it.
+
+use std::ops::Range;
+
+use estimation::excavator::{Geometry, Sample};
+
+use super::torque::Torque;
+
+/// Half the window in which the velocity is smoothed to find the swings [s].
+const WINDOW: f64 = 0.04;
+/// A swing is faster than this share of the fast ones.
+const MOVING: f64 = 0.03;
+/// A swing is faster than this many standard deviations of the smoothed velocity.
+const NOISES: f64 = 6.0;
+/// Shortest swing [s].
+const SHORTEST: f64 = 0.3;
+/// Longest block; a longer swing is several [s].
+const LONGEST: f64 = 4.0;
+/// A stand of this length shows the bias of the velocity [s].
+const STAND: f64 = 0.5;
+/// A larger mean while it stands is motion [rad/s].
+const BIAS_MAX: f64 = 0.03;
+/// The bucket opens when its angle grows as fast as this [rad/s].
+const OPENING: f64 = 0.35;
+/// Time around an opening bucket in which the load is not known, before and after [s].
+const AROUND_OPENING: (f64, f64) = (0.1, 0.5);
+
+/// What the velocity is measured by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Measured {
+    /// A velocity [rad/s].
+    Velocity,
+    /// The angle of an encoder [rad].
+    Angle,
+}
+
+/// What is in the bucket during a swing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Load {
+    /// The load of the recording.
+    Told,
+    /// Nothing.
+    Empty,
+}
+
+/// One swing, or a piece of a long one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Swing {
+    /// Rows of the recording.
+    pub rows: Range<usize>,
+    /// 1 anticlockwise, -1 clockwise.
+    pub direction: f64,
+    /// What is in the bucket.
+    pub load: Load,
+}
+
+/// A recording made ready.
+#[derive(Debug, Clone)]
+pub struct Series {
+    /// Its name, for sentences.
+    pub name: String,
+    /// What the velocity is measured by.
+    pub measured: Measured,
+    /// Whether all three joint angles are measured.
+    pub has_posture: bool,
+    /// Time of each row [s].
+    pub time: Vec<f64>,
+    /// Velocity without its bias, or angle; NaN is missing.
+    pub value: Vec<f64>,
+    /// Smoothed velocity [rad/s].
+    pub velocity: Vec<f64>,
+    /// Inertia of boom, arm and bucket as described [kg m^2].
+    pub links: Vec<f64>,
+    /// Inertia per kilogram of payload [m^2].
+    pub leverage: Vec<f64>,
+    /// Torque.
+    pub torque: Torque,
+    /// Swings.
+    pub swings: Vec<Swing>,
+    /// Bias of the velocity that was taken off [rad/s].
+    pub bias: f64,
+}
+
+impl Series {
+    /// Makes a recording ready. Rows whose time does not increase are left out.
+    #[must_use]
+    pub fn new(name: &str, samples: &[Sample], geometry: &Geometry) -> Self {
+        let samples = increasing(samples);
+        let has = |f: &dyn Fn(&Sample) -> Option<f64>| {
+            let count = samples.iter().filter(|s| finite(f(s)).is_some()).count();
+            10 * count > samples.len()
+        };
+        let measured = if has(&|s| s.velocity) {
+            Measured::Velocity
+        } else {
+            Measured::Angle
+        };
+        let has_posture = (0..3).all(|i| has(&|s| s.posture[i]));
+        let time: Vec<f64> = samples.iter().map(|s| s.time).collect();
+        let mut value: Vec<f64> = samples
+            .iter()
+            .map(|s| match measured {
+                Measured::Velocity => s.velocity,
+                Measured::Angle => s.angle,
+            })
+            .map(|v| finite(v).unwrap_or(f64::NAN))
+            .collect();
+        let mut velocity = smoothed(&time, &value, measured);
+        let limit = moving_limit(&time, &value, &velocity, measured);
+        let bias = match measured {
+            Measured::Velocity => bias(&time, &value, &velocity, limit),
+            Measured::Angle => 0.0,
+        };
+        value.iter_mut().for_each(|v| *v -= bias);
+        velocity.iter_mut().for_each(|v| *v -= bias);
+        let postures: [Vec<f64>; 3] =
+            std::array::from_fn(|i| filled(&time, &samples, |s| s.posture[i]));
+        let inertia = |k: usize| geometry.inertia([postures[0][k], postures[1][k], postures[2][k]]);
+        let (links, leverage) = if has_posture {
+            (0..time.len())
+                .map(|k| inertia(k))
+                .map(|j| (j.empty - geometry.upper_inertia, j.per_payload))
+                .unzip()
+        } else {
+            (vec![0.0; time.len()], vec![0.0; time.len()])
+        };
+        let torque: Vec<(f64, f64)> = samples
+            .iter()
+            .filter_map(|s| finite(s.torque).map(|v| (s.time, v)))
+            .collect();
+        let torque = Torque::new(&torque, |t| at(&time, &velocity, t));
+        let opens = if has_posture {
+            openings(&time, &postures[2])
+        } else {
+            Vec::new()
+        };
+        let mut series = Self {
+            name: name.to_owned(),
+            measured,
+            has_posture,
+            time,
+            value,
+            velocity,
+            links,
+            leverage,
+            torque,
+            swings: Vec::new(),
+            bias,
+        };
+        series.swings = series.find_swings(limit, &opens);
+        series
+    }
+
+    /// Time between rows, in the middle [s].
+    #[must_use]
+    pub fn period(&self) -> f64 {
+        let steps = self.time.windows(2).map(|w| w[1] - w[0]);
+        percentile(steps.collect(), 0.5)
+    }
+
+    /// Time in swings of one direction [s].
+    #[must_use]
+    pub fn moving_time(&self, direction: f64) -> f64 {
+        let swings = self.swings.iter().filter(|s| s.direction == direction);
+        swings.map(|s| self.duration(s)).sum()
+    }
+
+    /// Length of a swing [s].
+    #[must_use]
+    pub fn duration(&self, swing: &Swing) -> f64 {
+        let rows = &swing.rows;
+        self.time[rows.end - 1] - self.time[rows.start]
+    }
+
+    fn find_swings(&self, limit: f64, opens: &[bool]) -> Vec<Swing> {
+        let longest_step = (5.0 * self.period()).max(0.1);
+        let moves = |k: usize| self.velocity[k].abs() > limit && !opens.get(k).is_some_and(|o| *o);
+        let mut swings = Vec::new();
+        let mut k = 0;
+        while k < self.time.len() {
+            if !moves(k) {
+                k += 1;
+                continue;
+            }
+            let first = k;
+            while k + 1 < self.time.len()
+                && moves(k + 1)
+                && self.velocity[k + 1].signum() == self.velocity[first].signum()
+                && self.time[k + 1] - self.time[k] < longest_step
+            {
+                k += 1;
+            }
+            k += 1;
+            self.add_pieces(&mut swings, first..k, longest_step);
+        }
+        swings
+    }
+
+    /// Cuts a long swing into blocks; leaves out what is short or has no torque.
+    fn add_pieces(&self, swings: &mut Vec<Swing>, rows: Range<usize>, longest_step: f64) {
+        let length = self.time[rows.end - 1] - self.time[rows.start];
+        let pieces = (length / LONGEST).ceil().max(1.0) as usize;
+        let share = rows.len() / pieces;
+        for piece in 0..pieces {
+            let first = rows.start + piece * share;
+            let last = if piece + 1 == pieces {
+                rows.end
+            } else {
+                first + share
+            };
+            let (from, to) = (self.time[first], self.time[last - 1]);
+            let gap = self.torque.widest_gap(from, to);
+            if to - from >= SHORTEST && gap < longest_step {
+                swings.push(Swing {
+                    rows: first..last,
+                    direction: self.velocity[first].signum(),
+                    load: Load::Told,
+                });
+            }
+        }
+    }
+}
+
+fn finite(value: Option<f64>) -> Option<f64> {
+    value.filter(|v| v.is_finite())
+}
+
+fn increasing(samples: &[Sample]) -> Vec<Sample> {
+    let mut kept: Vec<Sample> = Vec::with_capacity(samples.len());
+    for sample in samples.iter().filter(|s| s.time.is_finite()) {
+        if kept.last().is_none_or(|last| sample.time > last.time) {
+            kept.push(*sample);
+        }
+    }
+    kept
+}
+
+/// A column without holes: straight lines between its values.
+fn filled(time: &[f64], samples: &[Sample], column: impl Fn(&Sample) -> Option<f64>) -> Vec<f64> {
+    let known = samples
+        .iter()
+        .filter_map(|s| finite(column(s)).map(|v| (s.time, v)));
+    let (at_time, values): (Vec<f64>, Vec<f64>) = known.unzip();
+    time.iter().map(|&t| at(&at_time, &values, t)).collect()
+}
+
+/// Straight lines between points, constant outside; 0 of nothing.
+#[must_use]
+pub fn at(time: &[f64], values: &[f64], t: f64) -> f64 {
+    let next = time.partition_point(|x| *x <= t);
+    match (next.checked_sub(1), values.get(next)) {
+        (None, Some(first)) => *first,
+        (None, None) => 0.0,
+        (Some(k), None) => values[k],
+        (Some(k), Some(above)) => {
+            let share = (t - time[k]) / (time[next] - time[k]);
+            values[k] + share * (above - values[k])
+        }
+    }
+}
+
+/// Mean of the finite values within `half` of each time.
+#[must_use]
+pub fn moving_mean(time: &[f64], values: &[f64], half: f64) -> Vec<f64> {
+    let (mut first, mut last, mut sum, mut count) = (0, 0, 0.0, 0_usize);
+    let mut out = Vec::with_capacity(time.len());
+    for &t in time {
+        while last < time.len() && time[last] <= t + half {
+            if values[last].is_finite() {
+                sum += values[last];
+                count += 1;
+            }
+            last += 1;
+        }
+        while time[first] < t - half {
+            if values[first].is_finite() {
+                sum -= values[first];
+                count -= 1;
+            }
+            first += 1;
+        }
+        out.push(if count > 0 { sum / count as f64 } else { 0.0 });
+    }
+    out
+}
+
+fn smoothed(time: &[f64], values: &[f64], measured: Measured) -> Vec<f64> {
+    match measured {
+        Measured::Velocity => moving_mean(time, values, WINDOW),
+        Measured::Angle => slopes(time, values),
+    }
+}
+
+/// Slope of the straight line through the values around each time.
+fn slopes(time: &[f64], values: &[f64]) -> Vec<f64> {
+    let half = if time.len() > 1 {
+        let period = (time[time.len() - 1] - time[0]) / (time.len() - 1) as f64;
+        ((WINDOW / period).ceil() as usize).max(2)
+    } else {
+        1
+    };
+    (0..time.len())
+        .map(|k| {
+            let window = k.saturating_sub(half)..(k + half + 1).min(time.len());
+            let points = window.filter(|&i| values[i].is_finite());
+            let (mut n, mut st, mut sy, mut stt, mut sty) = (0.0, 0.0, 0.0, 0.0, 0.0);
+            for i in points {
+                let (t, y) = (time[i] - time[k], values[i] - values[k]);
+                if y.is_finite() {
+                    n += 1.0;
+                    st += t;
+                    sy += y;
+                    stt += t * t;
+                    sty += t * y;
+                }
+            }
+            let spread = n * stt - st * st;
+            if spread > 0.0 {
+                (n * sty - st * sy) / spread
+            } else {
+                0.0
+            }
+        })
+        .collect()
+}
+
+/// The velocity above which the machine swings: a share of the fast ones, and above the noise of the
+/// smoothed velocity.
+fn moving_limit(time: &[f64], value: &[f64], velocity: &[f64], measured: Measured) -> f64 {
+    let sizes: Vec<f64> = velocity.iter().map(|v| v.abs()).collect();
+    let steps = time.windows(2).map(|w| w[1] - w[0]).collect();
+    let period = percentile(steps, 0.5).max(1e-9);
+    let n = (2.0 * WINDOW / period).max(2.0);
+    // Median sizes of differences: 0.6745 standard deviations, of two or of 1, -2, 1 samples.
+    let noise = match measured {
+        Measured::Velocity => {
+            let steps = value.windows(2).map(|w| (w[1] - w[0]).abs());
+            percentile(steps.collect(), 0.5) / (0.6745 * 2.0_f64.sqrt()) / n.sqrt()
+        }
+        Measured::Angle => {
+            let bends = value.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).abs());
+            let noise = percentile(bends.collect(), 0.5) / (0.6745 * 6.0_f64.sqrt());
+            noise * (12.0 / n.powi(3)).sqrt() / period
+        }
+    };
+    (MOVING * percentile(sizes, 0.98)).max(NOISES * noise)
+}
+
+/// Mean velocity while the machine stands; 0 where it never does.
+fn bias(time: &[f64], value: &[f64], velocity: &[f64], limit: f64) -> f64 {
+    let (mut sum, mut count) = (0.0, 0_usize);
+    let mut first = 0;
+    for k in 0..=time.len() {
+        let stands = k < time.len() && velocity[k].abs() < limit.min(BIAS_MAX);
+        if stands {
+            continue;
+        }
+        if k > first && time[k - 1] - time[first] > STAND {
+            let (from, to) = (time[first] + 0.5 * WINDOW, time[k - 1] - 3.0 * WINDOW);
+            for i in first..k {
+                if value[i].is_finite() && (from..to).contains(&time[i]) {
+                    sum += value[i];
+                    count += 1;
+                }
+            }
+        }
+        first = k + 1;
+    }
+    if count >= 50 { sum / count as f64 } else { 0.0 }
+}
+
+/// The rows in which the load may change, because the bucket opens.
+fn openings(time: &[f64], bucket: &[f64]) -> Vec<bool> {
+    let rate = slopes(time, bucket);
+    let (before, after) = AROUND_OPENING;
+    let mut opens = vec![false; time.len()];
+    for k in (0..time.len()).filter(|&k| rate[k] > OPENING) {
+        let first = time.partition_point(|t| *t < time[k] - before);
+        let last = time.partition_point(|t| *t < time[k] + after);
+        opens[first..last].fill(true);
+    }
+    opens
+}
+
+/// The value that this share of the values does not exceed; 0 of nothing.
+#[must_use]
+pub fn percentile(mut values: Vec<f64>, share: f64) -> f64 {
+    values.retain(|v| v.is_finite());
+    values.sort_by(f64::total_cmp);
+    let index = share * values.len().saturating_sub(1) as f64;
+    values.get(index.round() as usize).copied().unwrap_or(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two seconds of rest, a swing of two seconds there, rest, one back.
+    fn there_and_back(bias: f64) -> Vec<Sample> {
+        (0..1200)
+            .map(|k| {
+                let t = k as f64 * 0.01;
+                let pulse = |from: f64| {
+                    let u = (t - from) / 2.0;
+                    if (0.0..1.0).contains(&u) {
+                        (core::f64::consts::PI * u).sin()
+                    } else {
+                        0.0
+                    }
+                };
+                Sample {
+                    time: t,
+                    velocity: Some(pulse(2.0) - pulse(7.0) + bias),
+                    torque: Some(0.0),
+                    ..Sample::default()
+                }
+            })
+            .collect()
+    }
+
+    #[test]
+    fn swings_are_found_with_their_direction_and_the_bias_is_taken_off() {
+        let series = Series::new("a", &there_and_back(0.01), &Geometry::default());
+        let directions: Vec<f64> = series.swings.iter().map(|s| s.direction).collect();
+        assert_eq!(directions, [1.0, -1.0]);
+        // The last hundredths before a swing are part of the stand.
+        assert!((series.bias - 0.01).abs() < 1e-4, "{}", series.bias);
+        assert!((series.duration(&series.swings[0]) - 2.0).abs() < 0.1);
+    }
+
+    #[test]
+    fn a_machine_that_stands_has_no_swings_and_bad_rows_do_no_harm() {
+        let mut samples = there_and_back(0.0);
+        samples.iter_mut().for_each(|s| s.velocity = Some(0.0));
+        samples[3].time = f64::NAN;
+        samples[9].time = -1.0;
+        samples[10].torque = Some(f64::INFINITY);
+        let series = Series::new("a", &samples, &Geometry::default());
+        assert!(series.swings.is_empty());
+        assert_eq!(series.time.len(), 1198);
+        assert!(
+            Series::new("a", &[], &Geometry::default())
+                .swings
+                .is_empty()
+        );
+    }
+
+    #[test]
+    fn lines_are_followed_between_points() {
+        assert_eq!(at(&[0.0, 1.0], &[2.0, 4.0], 0.25), 2.5);
+        assert_eq!(at(&[0.0, 1.0], &[2.0, 4.0], 9.0), 4.0);
+        assert_eq!(at(&[], &[], 9.0), 0.0);
+    }
+}

@@ -1,0 +1,394 @@
+//! The swings of an excavator as a model: parameters, priors, blocks.
+
+use config::Excavator as Description;
+use estimation::Quantity;
+
+use super::filter::{self, Guess};
+use super::series::{Load, Measured, Series, Swing, percentile};
+use crate::description::number;
+use crate::model::{Innovation, Model};
+use crate::parameter::{Law, Parameter, Source};
+
+/// What a parameter is in the guess.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    /// Viscous damping.
+    Damping,
+    /// Coulomb friction.
+    Friction,
+    /// Efficiency of the drive.
+    Efficiency,
+    /// Zero of the torque.
+    Offset,
+    /// Gain of the torque.
+    Gain,
+    /// Upper body, or all of it where no posture is measured.
+    Inertia,
+    /// Boom, arm and bucket.
+    Links,
+    /// Delay of the velocity less that of the torque.
+    Delay,
+    /// Noise of velocity or angle.
+    MotionNoise,
+    /// Noise of the torque.
+    TorqueNoise,
+    /// Load of a recording.
+    Payload(usize),
+}
+
+/// Swings of several recordings of one machine.
+#[derive(Debug, Clone)]
+pub struct Swings {
+    /// The recordings.
+    pub series: Vec<Series>,
+    /// Their loads as told [kg].
+    pub told: Vec<Option<Quantity>>,
+    /// What each parameter is.
+    pub roles: Vec<Role>,
+    /// The parameters.
+    pub parameters: Vec<Parameter>,
+    /// Recording and number of each block's swing.
+    blocks: Vec<(usize, usize)>,
+}
+
+impl Swings {
+    /// The model of recordings with their loads as told, under a description.
+    #[must_use]
+    pub fn new(
+        series: Vec<Series>,
+        told: Vec<Option<Quantity>>,
+        description: &Description,
+    ) -> Self {
+        let (roles, parameters) = parameters(&series, &told, description).into_iter().unzip();
+        let mut swings = Self {
+            series,
+            told,
+            roles,
+            parameters,
+            blocks: Vec::new(),
+        };
+        swings.count_blocks();
+        swings
+    }
+
+    /// To be called when swings have been taken out.
+    pub fn count_blocks(&mut self) {
+        let numbered = self.series.iter().enumerate();
+        self.blocks = numbered
+            .flat_map(|(r, s)| (0..s.swings.len()).map(move |k| (r, k)))
+            .collect();
+    }
+
+    /// Opens the load of a recording: known only as this. Gives the index of its parameter, which is a
+    /// new last one where the load was exact.
+    pub fn release(&mut self, recording: usize, load: Quantity) -> usize {
+        let role = Role::Payload(recording);
+        let at = self.index(role).unwrap_or(self.roles.len());
+        let parameter = opened(&self.series[recording].name, load, Source::Measured);
+        if at == self.roles.len() {
+            self.roles.push(role);
+            self.parameters.push(parameter);
+        } else {
+            self.parameters[at] = parameter;
+        }
+        at
+    }
+
+    /// Whether all recordings have the joint angles.
+    #[must_use]
+    pub fn has_posture(&self) -> bool {
+        self.series.iter().all(|s| s.has_posture)
+    }
+
+    /// The index of a parameter.
+    #[must_use]
+    pub fn index(&self, role: Role) -> Option<usize> {
+        self.roles.iter().position(|r| *r == role)
+    }
+
+    /// The blocks of a recording.
+    #[must_use]
+    pub fn blocks_of(&self, recording: usize) -> Vec<usize> {
+        (0..self.blocks.len())
+            .filter(|&b| self.blocks[b].0 == recording)
+            .collect()
+    }
+
+    /// The recording and the swing of a block.
+    #[must_use]
+    pub fn swing(&self, block: usize) -> (&Series, &Swing) {
+        let (recording, number) = self.blocks[block];
+        let series = &self.series[recording];
+        (series, &series.swings[number])
+    }
+
+    /// The guess that these values are, for one recording.
+    #[must_use]
+    pub fn guess(&self, recording: usize, values: &[f64]) -> Guess {
+        let mut guess = Guess {
+            damping: 0.0,
+            friction: 0.0,
+            efficiency: 1.0,
+            offset: 0.0,
+            gain: 1.0,
+            upper_inertia: 0.0,
+            link_scale: 1.0,
+            delay: 0.0,
+            motion_std: 1.0,
+            torque_std: 1.0,
+            payload: self.told[recording].map_or(0.0, |q| q.value),
+        };
+        for (role, &value) in self.roles.iter().zip(values) {
+            match role {
+                Role::Damping => guess.damping = value,
+                Role::Friction => guess.friction = value,
+                Role::Efficiency => guess.efficiency = value,
+                Role::Offset => guess.offset = value,
+                Role::Gain => guess.gain = value,
+                Role::Inertia => guess.upper_inertia = value,
+                Role::Links => guess.link_scale = value,
+                Role::Delay => guess.delay = value,
+                Role::MotionNoise => guess.motion_std = value,
+                Role::TorqueNoise => guess.torque_std = value,
+                Role::Payload(r) if *r == recording => guess.payload = value,
+                Role::Payload(_) => {}
+            }
+        }
+        guess
+    }
+}
+
+impl Model for Swings {
+    fn parameters(&self) -> &[Parameter] {
+        &self.parameters
+    }
+
+    fn blocks(&self) -> usize {
+        self.blocks.len()
+    }
+
+    fn recording(&self, block: usize) -> usize {
+        self.blocks[block].0
+    }
+
+    fn acts(&self, parameter: usize, block: usize) -> bool {
+        let (recording, number) = self.blocks[block];
+        match self.roles[parameter] {
+            Role::Payload(r) => r == recording && self.series[r].swings[number].load == Load::Told,
+            _ => true,
+        }
+    }
+
+    fn innovations(&self, block: usize, values: &[f64], out: &mut Vec<Innovation>) {
+        let (series, swing) = self.swing(block);
+        let guess = self.guess(self.recording(block), values);
+        filter::innovations(series, swing, &guess, out);
+    }
+}
+
+/// Tolerances where the description has none or states what only a calibration can know: gain of a torque
+/// sensor, efficiency of a swing gear, drawings against a machine, delays of a bus [s].
+const GAIN_STD: f64 = 0.05;
+const EFFICIENCY_STD: f64 = 0.05;
+const UPPER_INERTIA_STD: f64 = 0.15;
+const LINKS_STD: f64 = 0.05;
+const DELAY_STD: f64 = 0.03;
+const DELAY_MAX: f64 = 0.2;
+const DAMPING_STD: f64 = 0.3;
+const FRICTION_STD: f64 = 0.5;
+/// Torque offset, as a share of the large torques.
+const OFFSET_STD: f64 = 0.03;
+/// Noises within a factor of e or so.
+const NOISE_STD: f64 = 1.0;
+
+fn parameters(
+    series: &[Series],
+    told: &[Option<Quantity>],
+    d: &Description,
+) -> Vec<(Role, Parameter)> {
+    let posture = series.iter().all(|s| s.has_posture);
+    let torque = percentile(series.iter().map(|s| s.torque.size()).collect(), 1.0);
+    let linear = |key: &str, words: &str, unit, mean: f64, std: f64, range| Parameter {
+        key: key.into(),
+        words: words.into(),
+        unit,
+        mean,
+        std,
+        range,
+        law: Law::Linear,
+        source: Source::Description,
+    };
+    let noise = |key: &str, words: &str, unit, mean: f64| Parameter {
+        law: Law::Logarithmic,
+        ..linear(key, words, unit, mean, NOISE_STD, (1e-3 * mean, 1e3 * mean))
+    };
+    let (m, p, s) = (&d.machine, &d.prior, &d.sensors);
+    let mut all = vec![
+        (
+            Role::Damping,
+            linear(
+                "machine.nominal_damping",
+                "the viscous damping",
+                "N m s/rad",
+                m.nominal_damping,
+                p.damping_std.max(DAMPING_STD * m.nominal_damping),
+                (0.0, 1e7),
+            ),
+        ),
+        (
+            Role::Friction,
+            linear(
+                "machine.coulomb_friction",
+                "the Coulomb friction",
+                "N m",
+                m.coulomb_friction,
+                p.friction_std.max(FRICTION_STD * m.coulomb_friction),
+                (0.0, 1e6),
+            ),
+        ),
+        (
+            Role::Offset,
+            linear(
+                "sensors.swing_torque_offset",
+                "the offset of the torque",
+                "N m",
+                number(d, "sensors.swing_torque_offset").unwrap_or(0.0),
+                p.torque_offset_std.max(OFFSET_STD * torque),
+                (-1e6, 1e6),
+            ),
+        ),
+        (
+            Role::Delay,
+            linear(
+                "sensors.delay",
+                "the delay between torque and velocity",
+                "s",
+                number(d, "sensors.swing_velocity_delay").unwrap_or(0.0)
+                    - number(d, "sensors.swing_torque_delay").unwrap_or(0.0),
+                DELAY_STD,
+                (-DELAY_MAX, DELAY_MAX),
+            ),
+        ),
+    ];
+    let drive = linear(
+        "machine.drive_efficiency",
+        "the efficiency of the drive",
+        "",
+        number(d, "machine.drive_efficiency").unwrap_or(1.0),
+        number(d, "machine.drive_efficiency_std")
+            .unwrap_or(0.0)
+            .max(EFFICIENCY_STD),
+        (0.5, 1.1),
+    );
+    let gain = linear(
+        "sensors.swing_torque_gain",
+        "the gain of the torque",
+        "",
+        number(d, "sensors.swing_torque_gain").unwrap_or(1.0),
+        number(d, "sensors.swing_torque_gain_std")
+            .unwrap_or(0.0)
+            .max(GAIN_STD),
+        (0.2, 5.0),
+    );
+    if posture {
+        let links = linear(
+            "machine.geometry",
+            "the masses of boom, arm and bucket",
+            "",
+            1.0,
+            LINKS_STD,
+            (0.2, 5.0),
+        );
+        let upper = linear(
+            "machine.upper_inertia",
+            "the inertia of the upper body",
+            "kg m^2",
+            m.upper_inertia,
+            UPPER_INERTIA_STD * m.upper_inertia,
+            (0.0, 1e9),
+        );
+        all.extend([
+            (Role::Efficiency, drive),
+            (Role::Gain, gain),
+            (Role::Inertia, upper),
+            (Role::Links, links),
+        ]);
+    } else {
+        // One constant inertia: nothing of known mass is moved, and the torque is what it says it is.
+        all.push((
+            Role::Inertia,
+            linear(
+                "prior.inertia",
+                "the inertia",
+                "kg m^2",
+                p.inertia,
+                p.inertia_std.max(UPPER_INERTIA_STD * p.inertia),
+                (m.inertia_min, m.inertia_max),
+            ),
+        ));
+    }
+    all.push(if series.iter().any(|s| s.measured == Measured::Velocity) {
+        let key = "sensors.swing_velocity_std";
+        (
+            Role::MotionNoise,
+            noise(
+                key,
+                "the noise of the velocity",
+                "rad/s",
+                s.swing_velocity_std,
+            ),
+        )
+    } else {
+        let key = "sensors.swing_angle_std";
+        (
+            Role::MotionNoise,
+            noise(key, "the noise of the angle", "rad", s.swing_angle_std),
+        )
+    });
+    all.push((
+        Role::TorqueNoise,
+        noise(
+            "sensors.swing_torque_std",
+            "the noise of the torque",
+            "N m",
+            s.swing_torque_std,
+        ),
+    ));
+    if posture {
+        let loads = series.iter().zip(told).enumerate();
+        all.extend(loads.filter_map(|(r, (series, told))| {
+            let payload = payload(&series.name, *told, d)?;
+            Some((Role::Payload(r), payload))
+        }));
+    }
+    all
+}
+
+/// A load that is not known exactly.
+fn payload(name: &str, told: Option<Quantity>, d: &Description) -> Option<Parameter> {
+    let (load, source) = match told {
+        Some(load) if load.std <= 0.0 => return None,
+        Some(load) => (load, Source::Measured),
+        None => {
+            let prior = Quantity {
+                value: d.prior.payload,
+                std: d.prior.payload_std,
+            };
+            (prior, Source::Description)
+        }
+    };
+    Some(opened(name, load, source))
+}
+
+fn opened(name: &str, load: Quantity, source: Source) -> Parameter {
+    Parameter {
+        key: format!("payload of {name}"),
+        words: format!("the load of {name}"),
+        unit: "kg",
+        mean: load.value,
+        std: load.std,
+        range: (-1e6, 1e6),
+        law: Law::Linear,
+        source,
+    }
+}

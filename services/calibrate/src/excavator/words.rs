@@ -1,0 +1,146 @@
+//! What is wrong with recordings, in sentences that say what to record.
+
+use super::swings::{Role, Swings};
+use crate::honesty::Direction;
+use crate::model::Model;
+
+/// Least time of motion for a calibration [s].
+const LEAST_MOTION: f64 = 8.0;
+/// Both directions have at least this share of the motion.
+const LEAST_SHARE: f64 = 0.1;
+/// The inertia of the attachment varies at least by this share of the whole.
+const LEAST_POSTURE: f64 = 0.04;
+
+/// What a recording lacks before any fit.
+#[must_use]
+pub fn before(swings: &Swings) -> (Vec<String>, Vec<String>) {
+    let (mut faults, mut remarks) = (Vec::new(), Vec::new());
+    for series in &swings.series {
+        if series.torque.size() <= 0.0 {
+            faults.push(format!(
+                "{}: no swing torque is measured; without it nothing but ratios can be found",
+                series.name
+            ));
+        }
+    }
+    if !faults.is_empty() {
+        return (faults, remarks);
+    }
+    let moving: f64 = swings
+        .series
+        .iter()
+        .map(|s| s.moving_time(1.0) + s.moving_time(-1.0))
+        .sum();
+    for series in &swings.series {
+        let (left, right) = (series.moving_time(1.0), series.moving_time(-1.0));
+        if left + right < 0.5 * LEAST_MOTION {
+            faults.push(format!(
+                "{}: the machine stands still ({:.1} s of swinging); record at least ten swings to each side",
+                series.name,
+                left + right
+            ));
+        } else if left.min(right) < LEAST_SHARE * (left + right) {
+            remarks.push(format!(
+                "{}: the recording has swings to one side only",
+                series.name
+            ));
+        }
+    }
+    if faults.is_empty() && moving < LEAST_MOTION {
+        faults.push(format!(
+            "only {moving:.1} s of swinging in all recordings; record at least ten swings to each side"
+        ));
+    }
+    (faults, remarks)
+}
+
+/// Parameters that these recordings cannot tell apart, by what their swings are like.
+#[must_use]
+pub fn alike(swings: &Swings, free: &[Role]) -> Vec<String> {
+    let mut faults = Vec::new();
+    let moving: f64 = swings
+        .series
+        .iter()
+        .map(|s| s.moving_time(1.0) + s.moving_time(-1.0))
+        .sum();
+    let side = |d: f64| swings.series.iter().map(|s| s.moving_time(d)).sum::<f64>();
+    let one_side = side(1.0).min(side(-1.0)) < LEAST_SHARE * moving;
+    if one_side && free.contains(&Role::Offset) && free.contains(&Role::Friction) {
+        faults.push(
+            "the recordings have swings to one side only: friction and the offset of the torque look alike; record swings to both sides"
+                .into(),
+        );
+    }
+    if free.contains(&Role::Links) && free.contains(&Role::Inertia) && still_posture(swings) {
+        faults.push(
+            "boom and arm keep the same posture in all swings: the upper body and the attachment look alike; record swings with the arm stretched out and with the arm folded in"
+                .into(),
+        );
+    }
+    faults
+}
+
+fn still_posture(swings: &Swings) -> bool {
+    let mut inertia: Vec<f64> = Vec::new();
+    for block in 0..swings.blocks() {
+        let (series, swing) = swings.swing(block);
+        inertia.extend(&series.links[swing.rows.clone()]);
+    }
+    let low = super::series::percentile(inertia.clone(), 0.05);
+    let high = super::series::percentile(inertia, 0.95);
+    let upper = swings
+        .index(Role::Inertia)
+        .map_or(0.0, |i| swings.parameters[i].mean);
+    high - low < LEAST_POSTURE * (upper + high)
+}
+
+/// One load only.
+pub const ONE_LOAD: &str = "all swings carry the same load: torque, damping, friction and masses can all be larger by one factor; only something of known mass fixes it. Record one run with an empty bucket and one with a weighed load, and tell both: --payload FILE=0 --payload FILE=KG±KG";
+
+/// A direction that the data do not determine, and what to record.
+#[must_use]
+pub fn undetermined(swings: &Swings, direction: &Direction) -> String {
+    let members = direction.members();
+    let names: Vec<&str> = members
+        .iter()
+        .map(|&i| swings.parameters[i].words.as_str())
+        .collect();
+    let has = |role: Role| members.iter().any(|&i| swings.roles[i] == role);
+    let remedy =
+        if has(Role::Gain) && (has(Role::Links) || has(Role::Inertia) || has(Role::Damping)) {
+            "record a run with an empty bucket and one with a heavier weighed load"
+        } else if has(Role::Offset) {
+            "record swings to both sides"
+        } else if has(Role::Links) || has(Role::Inertia) {
+            "record swings with the arm stretched out and with the arm folded in"
+        } else if has(Role::Efficiency) {
+            "record swings that the drive accelerates and brakes strongly"
+        } else if has(Role::Damping) || has(Role::Friction) {
+            "record slow swings and fast ones"
+        } else if has(Role::Delay) {
+            "record swings that begin and end sharply"
+        } else if members
+            .iter()
+            .any(|&i| matches!(swings.roles[i], Role::Payload(_)))
+        {
+            "tell the load of each recording: --payload FILE=KG±KG"
+        } else {
+            "record more swings"
+        };
+    let what = match names.as_slice() {
+        [one] => format!("{one} is not determined by these recordings"),
+        _ => format!("{} cannot be told apart by these recordings", join(&names)),
+    };
+    format!(
+        "{what} (information {:.2} of what the description knows); {remedy}",
+        direction.information
+    )
+}
+
+fn join(names: &[&str]) -> String {
+    match names {
+        [] => String::new(),
+        [one] => (*one).to_owned(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}

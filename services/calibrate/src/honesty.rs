@@ -1,0 +1,387 @@
+//! What a fit may claim.
+//!
+//! * **Directions that the data do not determine.** The singular values of the Jacobian, its columns in
+//!   standard deviations of what was known: below 1, the data say less about a direction than the
+//!   description did.
+//! * **Scatter between blocks.** Swings that disagree by more than their noise allows widen everything:
+//!   the delete-one jackknife (Efron, Stein 1981), each fit without one block by one step from the whole
+//!   one. A swing gear, a slope, a boom that bends are no white noise.
+//! * **Held parameters** (not free, but with a tolerance) add what their errors would cause (Schmidt).
+//! * **Profiles**: along the two weakest parameters, the cost with all others fitted anew.
+//! * **Data not seen**: whiteness, size and coverage of the innovations of swings that took no part.
+
+use faer::Mat;
+
+use crate::algebra;
+use crate::fit::{Fit, Information, Task, values};
+use crate::model::{Innovation, Model};
+use crate::parameter::{Law, Parameter, Source};
+
+/// A measured load is this much better than nothing: data, if only its own.
+const TOLD: f64 = 2.0;
+
+/// A direction in the space of the parameters.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Direction {
+    /// How much more the data say about it than what was known: 1 is as much.
+    pub information: f64,
+    /// Share of each parameter, in standard deviations of what was known; length 1.
+    pub shares: Vec<f64>,
+}
+
+impl Direction {
+    /// The parameters that make it up, the largest first.
+    #[must_use]
+    pub fn members(&self) -> Vec<usize> {
+        let largest = self.shares.iter().fold(0.0, |l: f64, s| l.max(s.abs()));
+        let mut members: Vec<usize> = (0..self.shares.len())
+            .filter(|&i| self.shares[i].abs() > 0.25 * largest)
+            .collect();
+        members.sort_by(|a, b| self.shares[*b].abs().total_cmp(&self.shares[*a].abs()));
+        members
+    }
+}
+
+/// The directions about which the data say less than what was known, the weakest first. Measured loads
+/// count as data.
+#[must_use]
+pub fn undetermined(
+    information: &[Information],
+    parameters: &[Parameter],
+    fixed: &[bool],
+) -> Vec<Direction> {
+    let free: Vec<usize> = (0..parameters.len()).filter(|&i| !fixed[i]).collect();
+    if free.is_empty() {
+        return Vec::new();
+    }
+    let rows = data(information, parameters.len());
+    let told: Vec<usize> = (0..free.len())
+        .filter(|&j| parameters[free[j]].source == Source::Measured)
+        .collect();
+    let matrix = Mat::from_fn(rows.nrows() + told.len(), free.len(), |i, j| {
+        if i < rows.nrows() {
+            rows[(i, free[j])]
+        } else {
+            TOLD * f64::from(told[i - rows.nrows()] == j)
+        }
+    });
+    let mut found: Vec<Direction> = algebra::directions(&matrix)
+        .into_iter()
+        .filter(|(value, _)| *value < 1.0)
+        .map(|(information, direction)| {
+            let mut shares = vec![0.0; parameters.len()];
+            for (&i, share) in free.iter().zip(direction) {
+                shares[i] = share;
+            }
+            Direction {
+                information,
+                shares,
+            }
+        })
+        .collect();
+    found.sort_by(|a, b| a.information.total_cmp(&b.information));
+    found
+}
+
+/// The triangle of all blocks, with the right side as last column.
+fn data(information: &[Information], parameters: usize) -> Mat<f64> {
+    if information.is_empty() {
+        return Mat::zeros(parameters + 1, parameters + 1);
+    }
+    algebra::triangle(&algebra::stacked(&information.iter().collect::<Vec<_>>()))
+}
+
+/// Joint uncertainty of the parameters, in standard deviations of what was known.
+#[derive(Debug, Clone)]
+pub struct Uncertainty {
+    /// Covariance, widened; zero rows for what is held without a tolerance.
+    pub covariance: Mat<f64>,
+    /// Standard deviations by noise alone.
+    pub noise: Vec<f64>,
+    /// How much wider the scatter between blocks made everything.
+    pub widened: f64,
+}
+
+impl Uncertainty {
+    /// Standard deviation of a parameter, in those of what was known.
+    #[must_use]
+    pub fn std(&self, i: usize) -> f64 {
+        self.covariance[(i, i)].max(0.0).sqrt()
+    }
+
+    /// Correlation of two parameters.
+    #[must_use]
+    pub fn correlation(&self, i: usize, j: usize) -> f64 {
+        let size = self.std(i) * self.std(j);
+        if size > 0.0 {
+            self.covariance[(i, j)] / size
+        } else {
+            0.0
+        }
+    }
+}
+
+/// The uncertainty of a fit; `held` says the tolerance of a parameter that was not free, in those of what
+/// was known (0 for none). None where the information is singular.
+#[must_use]
+pub fn uncertainty(
+    fit: &Fit,
+    parameters: &[Parameter],
+    fixed: &[bool],
+    held: &[f64],
+) -> Option<Uncertainty> {
+    let n = fixed.len();
+    let free: Vec<usize> = (0..n).filter(|&i| !fixed[i]).collect();
+    let normal = |rows: &Mat<f64>| {
+        Mat::from_fn(free.len(), free.len(), |i, j| {
+            (0..rows.nrows())
+                .map(|k| rows[(k, free[i])] * rows[(k, free[j])])
+                .sum()
+        })
+    };
+    let whole = data(&fit.information, n);
+    let curvature = normal(&whole) + Mat::<f64>::identity(free.len(), free.len());
+    let noise = algebra::inverse(&curvature)?;
+    let left_out = jackknife(fit, &free, &curvature, &normal);
+    // Noises scatter by their own law, which says nothing of the machine.
+    let machine: Vec<usize> = (0..free.len())
+        .filter(|&j| parameters[free[j]].law == Law::Linear)
+        .collect();
+    let (wide, widened) = widen(&noise, &left_out, &machine);
+    let across = Mat::from_fn(free.len(), n, |i, j| {
+        let tolerance = if fixed[j] { held[j] } else { 0.0 };
+        tolerance
+            * (0..whole.nrows())
+                .map(|k| whole[(k, free[i])] * whole[(k, j)])
+                .sum::<f64>()
+    });
+    let considered = &noise * across;
+    let wide = wide + &considered * considered.transpose();
+    let mut covariance = Mat::zeros(n, n);
+    let mut alone = vec![0.0; n];
+    for (a, &i) in free.iter().enumerate() {
+        alone[i] = noise[(a, a)].max(0.0).sqrt();
+        for (b, &j) in free.iter().enumerate() {
+            covariance[(i, j)] = wide[(a, b)];
+        }
+    }
+    for j in (0..n).filter(|&j| fixed[j]) {
+        covariance[(j, j)] = held[j] * held[j];
+    }
+    Some(Uncertainty {
+        covariance,
+        noise: alone,
+        widened,
+    })
+}
+
+/// How each fit without one block differs from the whole one.
+fn jackknife(
+    fit: &Fit,
+    free: &[usize],
+    curvature: &Mat<f64>,
+    normal: &impl Fn(&Mat<f64>) -> Mat<f64>,
+) -> Vec<Vec<f64>> {
+    let blocks = fit.information.iter();
+    blocks
+        .filter_map(|rows| {
+            let last = rows.ncols() - 1;
+            let gradient = Mat::from_fn(free.len(), 1, |i, _| {
+                (0..rows.nrows())
+                    .map(|k| rows[(k, free[i])] * rows[(k, last)])
+                    .sum::<f64>()
+            });
+            let step = algebra::inverse(&(curvature - normal(rows)))? * gradient;
+            Some((0..free.len()).map(|i| step[(i, 0)]).collect())
+        })
+        .collect()
+}
+
+/// The covariance, widened by the jackknife: by its mean ratio to the noise over all directions of these
+/// parameters, and further where one scatters by more than chance lets so few blocks.
+fn widen(noise: &Mat<f64>, left_out: &[Vec<f64>], of: &[usize]) -> (Mat<f64>, f64) {
+    let (n, count) = (noise.nrows(), left_out.len() as f64);
+    if left_out.len() < 4 {
+        return (noise.to_owned(), 1.0);
+    }
+    let mean: Vec<f64> = (0..n)
+        .map(|i| left_out.iter().map(|d| d[i]).sum::<f64>() / count)
+        .collect();
+    let scatter = Mat::from_fn(n, n, |i, j| {
+        let sum: f64 = left_out
+            .iter()
+            .map(|d| (d[i] - mean[i]) * (d[j] - mean[j]))
+            .sum();
+        sum * (count - 1.0) / count
+    });
+    let ratios: Vec<f64> = (0..n)
+        .map(|i| scatter[(i, i)] / noise[(i, i)].max(f64::MIN_POSITIVE))
+        .collect();
+    // A variance from n blocks is off by a share of sqrt(2/n).
+    let chance = 1.0 + 2.0 * (2.0 / count).sqrt();
+    let part = Mat::from_fn(of.len(), of.len(), |i, j| noise[(of[i], of[j])]);
+    let common = match algebra::inverse(&part) {
+        Some(curvature) if !of.is_empty() => {
+            let pairs = (0..of.len()).flat_map(|i| (0..of.len()).map(move |j| (i, j)));
+            let trace: f64 = pairs
+                .map(|(i, j)| curvature[(i, j)] * scatter[(of[j], of[i])])
+                .sum();
+            (trace / of.len() as f64).max(1.0)
+        }
+        _ => 1.0,
+    };
+    let root: Vec<f64> = ratios
+        .iter()
+        .enumerate()
+        .map(|(i, r)| {
+            if of.contains(&i) { common } else { 1.0 }
+                .max(r / chance)
+                .sqrt()
+        })
+        .collect();
+    let wide = Mat::from_fn(n, n, |i, j| root[i] * root[j] * noise[(i, j)]);
+    (wide, common.sqrt())
+}
+
+/// The cost along one parameter, all others fitted anew: places and costs above the smallest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Profile {
+    /// The parameter.
+    pub parameter: usize,
+    /// Place, in standard deviations of what was known, and cost above the smallest.
+    pub points: Vec<(f64, f64)>,
+}
+
+/// The profile at -2, -1, 0, 1, 2 standard deviations of a parameter.
+pub fn profile<M: Model>(task: &Task<'_, M>, fit: &Fit, parameter: usize, std: f64) -> Profile {
+    let mut fixed = task.fixed.to_vec();
+    fixed[parameter] = true;
+    let without = Task {
+        fixed: &fixed,
+        progress: &|_| {},
+        ..*task
+    };
+    let points = [-2.0, -1.0, 0.0, 1.0, 2.0].map(|k| {
+        let mut place = fit.place.clone();
+        place[parameter] += k * std;
+        let cost = if k == 0.0 {
+            fit.cost
+        } else {
+            without.run(&place).cost
+        };
+        (place[parameter], cost - fit.cost)
+    });
+    Profile {
+        parameter,
+        points: points.into(),
+    }
+}
+
+/// How innovations agree with what the filter expects of them.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Agreement {
+    /// Number of innovations.
+    pub count: usize,
+    /// Mean of their squares over the expected variances; 1 if the filter is right.
+    pub nis: f64,
+    /// Correlation of each with the next; 0 if they are white.
+    pub correlation: f64,
+    /// Share inside the 95 % interval.
+    pub covered: f64,
+}
+
+/// The agreement over some blocks at a place.
+pub fn agreement<M: Model>(model: &M, blocks: &[usize], place: &[f64]) -> Agreement {
+    let values = values(model, place);
+    let (mut count, mut squares, mut products, mut inside) = (0_usize, 0.0, 0.0, 0_usize);
+    for &block in blocks {
+        let mut innovations = Vec::new();
+        model.innovations(block, &values, &mut innovations);
+        let mut last = None;
+        for Innovation { value, variance } in innovations {
+            let z = value / variance.sqrt();
+            count += 1;
+            squares += z * z;
+            products += last.map_or(0.0, |l: f64| l * z);
+            inside += usize::from(z.abs() < 1.96);
+            last = Some(z);
+        }
+    }
+    if count == 0 {
+        return Agreement::default();
+    }
+    Agreement {
+        count,
+        nis: squares / count as f64,
+        correlation: if squares > 0.0 {
+            products / squares
+        } else {
+            0.0
+        },
+        covered: inside as f64 / count as f64,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    fn parameter(source: Source) -> Parameter {
+        Parameter {
+            key: String::new(),
+            words: String::new(),
+            unit: "",
+            mean: 0.0,
+            std: 1.0,
+            range: (-1e9, 1e9),
+            law: Law::Linear,
+            source,
+        }
+    }
+
+    /// Blocks whose rows only see the sum of two parameters.
+    fn of_the_sum(errors: &[f64]) -> Vec<Information> {
+        let blocks = errors
+            .iter()
+            .map(|e| Mat::from_fn(1, 3, |_, j| if j == 2 { *e } else { 5.0 }));
+        blocks.map(|rows| algebra::triangle(&rows)).collect()
+    }
+
+    #[test]
+    fn a_sum_leaves_the_difference_undetermined() {
+        let both = [
+            parameter(Source::Description),
+            parameter(Source::Description),
+        ];
+        let found = undetermined(&of_the_sum(&[0.0; 4]), &both, &[false; 2]);
+        assert_eq!(found.len(), 1);
+        assert_eq!(found[0].members().len(), 2);
+        assert!(found[0].shares[0] * found[0].shares[1] < 0.0);
+        // One of them held, or measured: the other follows.
+        assert!(undetermined(&of_the_sum(&[0.0; 4]), &both, &[false, true]).is_empty());
+        let told = [parameter(Source::Description), parameter(Source::Measured)];
+        assert!(undetermined(&of_the_sum(&[0.0; 4]), &told, &[false; 2]).is_empty());
+    }
+
+    #[test]
+    fn blocks_that_disagree_widen_the_interval_and_others_do_not() {
+        let fit = |errors: &[f64]| Fit {
+            place: vec![0.0; 2],
+            cost: 0.0,
+            information: of_the_sum(errors),
+            interrupted: false,
+        };
+        let fixed = [false, true];
+        let both = [
+            parameter(Source::Description),
+            parameter(Source::Description),
+        ];
+        let std =
+            |errors: &[f64]| uncertainty(&fit(errors), &both, &fixed, &[0.0; 2]).map(|u| u.std(0));
+        let quiet = std(&[1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0]).expect("information");
+        let loud = std(&[5.0, -5.0, 5.0, -5.0, 5.0, -5.0, 5.0, -5.0]).expect("information");
+        assert!((3.0..7.0).contains(&(loud / quiet)), "{loud} {quiet}");
+        // What is held with a tolerance of one counts fully: the sum is known, the other is not.
+        let held = uncertainty(&fit(&[0.0; 8]), &both, &fixed, &[0.0, 1.0]).expect("information");
+        assert!((held.std(0) - 1.0).abs() < 0.1, "{}", held.std(0));
+    }
+}

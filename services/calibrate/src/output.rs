@@ -1,0 +1,93 @@
+//! A calibrated description as text: only the keys that say something, with where they come from.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+/// The lines of a complete printed description ([`config::Excavator::to_toml`]) under these two conditions:
+/// the key has a note, which stands behind it, or its value is another than in `default`.
+#[must_use]
+pub fn keys(complete: &str, default: &str, notes: &BTreeMap<String, String>) -> String {
+    let usual: Vec<(String, String, String)> = assignments(default);
+    let mut text = String::new();
+    let mut table = String::new();
+    for (in_table, name, value) in assignments(complete) {
+        let key = format!("{in_table}.{name}");
+        let note = notes.get(&key);
+        let same = usual.contains(&(in_table.clone(), name.clone(), value.clone()));
+        if same && note.is_none() && key != "machine.kind" {
+            continue;
+        }
+        if in_table != table {
+            let gap = if text.is_empty() { "" } else { "\n" };
+            let _ = writeln!(text, "{gap}[{in_table}]");
+            table = in_table;
+        }
+        let note = note.map_or(String::new(), |n| format!(" # {n}"));
+        let _ = writeln!(text, "{name} = {value}{note}");
+    }
+    text
+}
+
+/// Table, key and value of each line that assigns one.
+fn assignments(text: &str) -> Vec<(String, String, String)> {
+    let mut table = String::new();
+    let mut found = Vec::new();
+    for line in text.lines().map(str::trim) {
+        if let Some(name) = line.strip_prefix('[').and_then(|l| l.strip_suffix(']')) {
+            table = name.to_owned();
+        } else if !line.starts_with('#')
+            && let Some((name, value)) = line.split_once('=')
+        {
+            found.push((
+                table.clone(),
+                name.trim().to_owned(),
+                value.trim().to_owned(),
+            ));
+        }
+    }
+    found
+}
+
+/// A number with as many digits as its standard deviation allows, and three more for the next computer.
+#[must_use]
+pub fn rounded(value: f64, std: f64) -> f64 {
+    if !(std > 0.0 && std.is_finite() && value.is_finite()) {
+        return value;
+    }
+    let unit = 10_f64.powi((std.log10().floor() as i32 - 3).max(-300));
+    let rounded = (value / unit).round() * unit;
+    // By its decimal form, so that 0.1 + 0.2 is not printed.
+    let decimals = (-(unit.log10().round() as i32)).max(0) as usize;
+    format!("{rounded:.decimals$}").parse().unwrap_or(value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use config::Tables;
+
+    #[test]
+    fn only_keys_that_say_something_are_printed() {
+        let mut d = config::Excavator::default();
+        d.machine.nominal_damping = 1492.0;
+        d.estimator.constant_inertia = true;
+        let notes = BTreeMap::from([("machine.coulomb_friction".to_owned(), "was 250".to_owned())]);
+        let text = keys(
+            &d.to_toml(),
+            &config::Excavator::default().to_toml(),
+            &notes,
+        );
+        assert_eq!(
+            text,
+            "[machine]\nkind = \"excavator\"\nnominal_damping = 1492.0\ncoulomb_friction = 250.0 # was 250\n\n[estimator]\nconstant_inertia = true\n"
+        );
+        assert_eq!(config::Excavator::parse(&text, "t"), Ok(d));
+    }
+
+    #[test]
+    fn numbers_keep_three_digits_below_their_uncertainty() {
+        assert_eq!(rounded(1492.123_456_7, 4.2), 1492.123);
+        assert_eq!(rounded(1.029_912_345_6, 0.0019), 1.029_912);
+        assert_eq!(rounded(5.0, 0.0), 5.0);
+    }
+}

@@ -1,0 +1,100 @@
+//! A number of the machine that is to be found: what is known of it beforehand, and its limits.
+
+/// Over which scale a parameter is normal before the data.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Law {
+    /// The value itself.
+    Linear,
+    /// Its logarithm; `std` is then relative.
+    Logarithmic,
+}
+
+/// Who says what is known beforehand.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Source {
+    /// The description with its tolerances: what calibration is to improve on.
+    Description,
+    /// A measurement that belongs to the recordings, such as a weighed load: as good as data.
+    Measured,
+}
+
+/// One parameter of a fit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parameter {
+    /// Key of the description, or a name of its own where it is not part of it.
+    pub key: String,
+    /// In words, for sentences: "the torque gain".
+    pub words: String,
+    /// SI unit.
+    pub unit: &'static str,
+    /// Known beforehand.
+    pub mean: f64,
+    /// Standard deviation of that; of the logarithm under [`Law::Logarithmic`].
+    pub std: f64,
+    /// Smallest and largest value.
+    pub range: (f64, f64),
+    /// Scale on which it is normal.
+    pub law: Law,
+    /// Who says so.
+    pub source: Source,
+}
+
+impl Parameter {
+    /// The value at `x` standard deviations from what was known, within the range.
+    #[must_use]
+    pub fn value(&self, x: f64) -> f64 {
+        let free = match self.law {
+            Law::Linear => self.mean + self.std * x,
+            Law::Logarithmic => self.mean * (self.std * x).exp(),
+        };
+        free.clamp(self.range.0, self.range.1)
+    }
+
+    /// Where a value lies, in standard deviations from what was known.
+    #[must_use]
+    pub fn place(&self, value: f64) -> f64 {
+        let value = value.clamp(self.range.0, self.range.1);
+        match self.law {
+            Law::Linear => (value - self.mean) / self.std,
+            Law::Logarithmic => (value / self.mean).ln() / self.std,
+        }
+    }
+
+    /// Standard deviation of the value at `x`, given that of `x`.
+    #[must_use]
+    pub fn value_std(&self, x: f64, std: f64) -> f64 {
+        match self.law {
+            Law::Linear => self.std * std,
+            Law::Logarithmic => self.value(x) * self.std * std,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parameter(law: Law) -> Parameter {
+        Parameter {
+            key: "k".into(),
+            words: "k".into(),
+            unit: "",
+            mean: 2.0,
+            std: 0.5,
+            range: (0.1, 5.0),
+            law,
+            source: Source::Description,
+        }
+    }
+
+    #[test]
+    fn place_undoes_value_within_the_range() {
+        for law in [Law::Linear, Law::Logarithmic] {
+            let p = parameter(law);
+            for x in [-1.0, 0.0, 1.5] {
+                assert!((p.place(p.value(x)) - x).abs() < 1e-12);
+            }
+            assert_eq!(p.value(100.0), 5.0);
+        }
+    }
+}

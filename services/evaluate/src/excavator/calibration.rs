@@ -1,0 +1,301 @@
+//! Calibration over simulated machines (`heft calibrate`): what two recordings of two minutes find, and
+//! whether the stated intervals hold.
+//!
+//! Each seed is a machine of its own: torque gain within 3 %, masses of the attachment within 5 %, damping
+//! within 20 %, friction within 30 %, efficiency of the drive 0.9 to 1, a torque offset, and either the
+//! torque or the velocity up to 50 ms late. It works 120 s empty and 120 s with 423 kg, weighed to 0.5 kg.
+//!
+//! JSON: `{"gain":{"median":..,"p95":..,"covered":..},..,"machines":n,"refused":n}`: errors in percent of
+//! the value (offset in N m, delay in ms), share of the 95 % intervals that hold the truth in percent.
+
+use std::sync::atomic::AtomicBool;
+
+use calibrate::excavator::{self as calibration, Input, Role};
+use estimation::Quantity;
+use estimation::excavator::Sample;
+use serde_json::{Map, Value, json};
+use sim::excavator::{
+    Course, Dynamics, Exact, Joint, Load, Machine, Path, Plant, Plateaus, Scenario, Targets,
+};
+use sim::noise::Noise;
+
+use crate::statistics::{median, p95, percentage};
+use crate::text::{Table, plain, verdict};
+use crate::{Error, Options, Report, seeds};
+
+/// Length of a recording [s], of a cycle [s], sampling rate [Hz].
+const LENGTH: f64 = 120.0;
+const CYCLE: f64 = 16.0;
+const RATE: f64 = 100.0;
+/// The weighed load and the accuracy of the scale [kg].
+const LOAD: Quantity = Quantity {
+    value: 423.0,
+    std: 0.5,
+};
+/// Noise of velocity [rad/s] and torque [N m].
+const VELOCITY_STD: f64 = 0.005;
+const TORQUE_STD: f64 = 100.0;
+/// Median errors allowed: percent, percent, percent, percent, percent, N m, ms.
+const TARGETS: [(&str, Role, f64); 4] = [
+    ("gain", Role::Gain, 0.3),
+    ("damping", Role::Damping, 1.0),
+    ("friction", Role::Friction, 3.0),
+    ("delay", Role::Delay, 2.0),
+];
+/// The others are reported.
+const OTHERS: [(&str, Role); 4] = [
+    ("efficiency", Role::Efficiency),
+    ("upper_inertia", Role::Inertia),
+    ("link_masses", Role::Links),
+    ("offset", Role::Offset),
+];
+
+/// A machine that differs from its description.
+#[derive(Clone, Copy, Debug)]
+pub struct Truth {
+    /// Measured over true torque.
+    pub gain: f64,
+    /// Measured torque where there is none [N m].
+    pub offset: f64,
+    /// Masses and inertias of boom, arm and bucket over the described ones.
+    pub links: f64,
+    /// Damping [N m s/rad].
+    pub damping: f64,
+    /// Coulomb friction [N m].
+    pub friction: f64,
+    /// Efficiency of the drive.
+    pub efficiency: f64,
+    /// How late the velocity comes, less how late the torque comes [s].
+    pub delay: f64,
+}
+
+impl Truth {
+    /// The machine of a seed.
+    pub fn new(seed: u64) -> Self {
+        let mut noise = Noise::channel(seed, 100);
+        Self {
+            gain: noise.uniform(0.97, 1.03),
+            offset: noise.uniform(-60.0, 60.0),
+            links: noise.uniform(0.95, 1.05),
+            damping: 1500.0 * noise.uniform(0.8, 1.2),
+            friction: 250.0 * noise.uniform(0.7, 1.3),
+            efficiency: noise.uniform(0.9, 1.0),
+            delay: noise.uniform(-0.05, 0.05),
+        }
+    }
+
+    fn of(&self, role: Role) -> f64 {
+        match role {
+            Role::Gain => self.gain,
+            Role::Damping => self.damping,
+            Role::Friction => self.friction,
+            Role::Delay => self.delay,
+            Role::Efficiency => self.efficiency,
+            Role::Links => self.links,
+            Role::Offset => self.offset,
+            Role::Inertia => Scenario::Base.plant(None).machine.geometry.upper_inertia,
+            Role::MotionNoise => VELOCITY_STD,
+            Role::TorqueNoise => TORQUE_STD,
+            Role::Payload(_) => 0.0,
+        }
+    }
+
+    fn machine(&self) -> Machine {
+        let mut machine = Scenario::Base.plant(None).machine;
+        let geometry = &mut machine.geometry;
+        let links = [
+            &mut geometry.boom,
+            &mut geometry.arm,
+            &mut geometry.attachment.link,
+        ];
+        for link in links {
+            link.mass *= self.links;
+            link.flat_inertia *= self.links;
+            link.upright_inertia *= self.links;
+        }
+        machine.damping = self.damping;
+        machine.friction = self.friction;
+        machine.dynamics = Dynamics::Momentum;
+        machine
+    }
+
+    /// Swings there and back without end on a path, with a load that stays.
+    fn plant(&self, path: Path, load: f64) -> Plant {
+        let mut plant = Plant {
+            machine: self.machine(),
+            path,
+            loads: vec![Load::kept(load)],
+            swings: Vec::new(),
+            period: CYCLE,
+        };
+        for targets in [
+            Targets::working(5.5, 7.5, 9.3),
+            Targets::back(11.2, 13.0, 14.8),
+        ] {
+            let swing = Plateaus::new(&plant, targets).solve();
+            plant.swings.push(swing);
+        }
+        plant
+    }
+
+    /// A recording of this machine with a load [kg]: boom, arm and bucket move as in work.
+    pub fn record(&self, load: f64, seed: u64) -> Vec<Sample> {
+        let mut path = Path::base();
+        let returns = [
+            Joint::new(0.0, &[(11.3, 13.5, -21.0)]),
+            Joint::new(0.0, &[(11.3, 14.0, -16.0)]),
+        ];
+        for (joint, back) in path.joints.iter_mut().zip(returns) {
+            joint.moves.extend(back.moves);
+        }
+        self.record_on(path, load, seed)
+    }
+
+    /// The same on a path of its own.
+    pub fn record_on(&self, path: Path, load: f64, seed: u64) -> Vec<Sample> {
+        let plant = self.plant(path, load);
+        let exact: Vec<Exact> = Course::new(plant, 0.0, RATE, LENGTH).collect();
+        let mut noises = [Noise::channel(seed, 0), Noise::channel(seed, 1)];
+        let velocity = |time: f64| at(&exact, time, |e| e.truth.velocity);
+        let torque = |time: f64| at(&exact, time, |e| self.drive_torque(e));
+        let (velocity_late, torque_late) = (self.delay.max(0.0), (-self.delay).max(0.0));
+        exact
+            .iter()
+            .map(|e| Sample {
+                time: e.time,
+                velocity: Some(
+                    velocity(e.time - velocity_late) + VELOCITY_STD * noises[0].normal(),
+                ),
+                torque: Some(
+                    self.gain * torque(e.time - torque_late)
+                        + self.offset
+                        + TORQUE_STD * noises[1].normal(),
+                ),
+                posture: [3, 4, 5].map(|channel| Some(e.values[channel])),
+                ..Sample::default()
+            })
+            .collect()
+    }
+
+    /// The torque of the drive, of which the gear loses a part on its way to the upper body.
+    fn drive_torque(&self, exact: &Exact) -> f64 {
+        let torque = exact.truth.torque;
+        if torque * exact.truth.velocity >= 0.0 {
+            torque / self.efficiency
+        } else {
+            torque * self.efficiency
+        }
+    }
+}
+
+fn at(exact: &[Exact], time: f64, of: impl Fn(&Exact) -> f64) -> f64 {
+    let place = (time * RATE).max(0.0);
+    let below = (place.floor() as usize).min(exact.len() - 1);
+    let above = (below + 1).min(exact.len() - 1);
+    let share = place - place.floor();
+    (1.0 - share) * of(&exact[below]) + share * of(&exact[above])
+}
+
+/// What one machine gave: per parameter the error and whether the interval holds.
+type Found = Option<Vec<(f64, bool)>>;
+
+/// Evaluates the table.
+///
+/// # Errors
+/// No seed was run.
+pub fn evaluate(options: &Options) -> Result<Report, Error> {
+    let all = seeds(options, "calibration", one)?;
+    let (machines, refused) = (all.len(), all.iter().filter(|f| f.is_none()).count());
+    let found: Vec<Vec<(f64, bool)>> = all.into_iter().flatten().collect();
+    let mut table = Table::new(&["parameter", "median", "p95", "covered %", "target", ""]);
+    let mut json = Map::new();
+    let mut met = refused == 0;
+    for (i, name) in names().enumerate() {
+        let errors: Vec<f64> = found.iter().map(|f| f[i].0.abs()).collect();
+        let covered = percentage(found.iter().map(|f| f[i].1));
+        let target = TARGETS.get(i).map(|t| t.2);
+        let good = target.is_none_or(|t| median(&errors) < t) && (90.0..=98.5).contains(&covered);
+        met &= good || target.is_none();
+        table.row([
+            name.to_owned(),
+            plain(median(&errors), 3),
+            plain(p95(&errors), 3),
+            plain(covered, 1),
+            target.map_or(String::new(), |t| plain(t, 1)),
+            target.map_or(String::new(), |_| verdict(good)),
+        ]);
+        json.insert(
+            name.to_owned(),
+            json!({"median": median(&errors), "p95": p95(&errors), "covered": covered}),
+        );
+    }
+    json.insert("machines".into(), json!(machines));
+    json.insert("refused".into(), json!(refused));
+    Ok(Report {
+        text: format!(
+            "Calibration of {machines} simulated machines from 120 s empty and 120 s with 423 kg \
+             ({refused} refused); errors in percent, of the offset in N m, of the delay in ms\n{table}"
+        ),
+        json: Value::Object(json),
+        met,
+    })
+}
+
+fn names() -> impl Iterator<Item = &'static str> {
+    TARGETS
+        .iter()
+        .map(|t| t.0)
+        .chain(OTHERS.iter().map(|o| o.0))
+}
+
+fn one(seed: u64) -> Result<Found, Error> {
+    let truth = Truth::new(seed);
+    let mut noise = Noise::channel(seed, 101);
+    let told = Quantity {
+        value: LOAD.value + LOAD.std * noise.normal(),
+        std: LOAD.std,
+    };
+    let inputs = [
+        Input {
+            name: "empty".into(),
+            samples: truth.record(0.0, 2 * seed),
+            payload: Some(Quantity::default()),
+        },
+        Input {
+            name: "loaded".into(),
+            samples: truth.record(LOAD.value, 2 * seed + 1),
+            payload: Some(told),
+        },
+    ];
+    let description = config::Excavator::default();
+    let outcome = calibration::calibrate(
+        &inputs,
+        &calibration::Options {
+            description: &description,
+            free: None,
+            stop: &AtomicBool::new(false),
+            progress: &|_| {},
+        },
+    )
+    .map_err(Error::refused)?;
+    if !outcome.faults.is_empty() {
+        eprintln!("seed {seed}: {}", outcome.faults.join("; "));
+        return Ok(None);
+    }
+    let roles = TARGETS
+        .iter()
+        .map(|t| t.1)
+        .chain(OTHERS.iter().map(|o| o.1));
+    Ok(roles
+        .map(|role| {
+            let quantity = outcome.quantity(role)?;
+            let error = quantity.value - truth.of(role);
+            let scale = match role {
+                Role::Delay => 1e3,
+                Role::Offset => 1.0,
+                _ => 100.0 / truth.of(role),
+            };
+            Some((scale * error, error.abs() < 1.96 * quantity.std))
+        })
+        .collect())
+}

@@ -1,0 +1,314 @@
+//! The page of a calibration: values with intervals, residuals, slices of the likelihood, correlations,
+//! and what each recording contributed.
+
+use std::fmt::Write;
+
+use calibrate::Model;
+use calibrate::excavator::{Found, Outcome};
+use calibrate::honesty::Agreement;
+use estimation::Quantity;
+use view::plot::{Plot, Style, escape};
+
+use super::is_load;
+
+/// Bars of the histogram of residuals.
+const BARS: usize = 40;
+
+/// A value with its standard deviation, as many digits as that allows.
+pub fn figure(q: Quantity, unit: &str) -> String {
+    let decimals = if q.std > 0.0 && q.std.is_finite() {
+        (1.0 - q.std.log10().floor()).clamp(0.0, 12.0) as usize
+    } else {
+        6
+    };
+    let unit = if unit.is_empty() {
+        String::new()
+    } else {
+        format!(" {unit}")
+    };
+    format!("{:.decimals$} ± {:.decimals$}{unit}", q.value, q.std)
+}
+
+/// The page of an excavator.
+pub fn excavator(outcome: &Outcome) -> String {
+    let mut body = String::from("<h1>Calibration of the excavator</h1>");
+    verdict(&mut body, outcome);
+    if let Some(found) = &outcome.found {
+        values(&mut body, outcome, found);
+        unseen(&mut body, found);
+        residuals(&mut body, outcome, found);
+        slices(&mut body, outcome, found);
+        correlations(&mut body, outcome, found);
+        contributions(&mut body, outcome, found);
+    }
+    view::page("Calibration of the excavator", &body)
+}
+
+fn verdict(body: &mut String, outcome: &Outcome) {
+    let (class, word) = if outcome.faults.is_empty() {
+        ("verdict trusted", "calibrated")
+    } else {
+        ("verdict", "not to be believed")
+    };
+    let _ = write!(
+        body,
+        "<div class=\"{class}\"><p><span class=\"badge\">{word}</span></p>"
+    );
+    for line in outcome.faults.iter().chain(&outcome.remarks) {
+        let _ = write!(body, "<p>{}</p>", escape(line));
+    }
+    body.push_str("</div>");
+}
+
+fn table(body: &mut String, title: &str, note: &str, head: &[&str], rows: &[Vec<String>]) {
+    let _ = write!(body, "<section><h2>{}</h2>", escape(title));
+    if !note.is_empty() {
+        let _ = write!(body, "<p class=\"note\">{}</p>", escape(note));
+    }
+    body.push_str("<div class=\"scroll\"><table><thead><tr>");
+    for cell in head {
+        let _ = write!(body, "<th>{}</th>", escape(cell));
+    }
+    body.push_str("</tr></thead><tbody>");
+    for row in rows {
+        body.push_str("<tr>");
+        for cell in row {
+            let _ = write!(body, "<td>{}</td>", escape(cell));
+        }
+        body.push_str("</tr>");
+    }
+    body.push_str("</tbody></table></div></section>");
+}
+
+fn panels(body: &mut String, title: &str, note: &str, plots: &[Plot]) {
+    let _ = write!(
+        body,
+        "<section><h2>{}</h2><p class=\"note\">{}</p><div class=\"panels\">",
+        escape(title),
+        escape(note)
+    );
+    for plot in plots {
+        let _ = write!(body, "<figure>{}</figure>", plot.svg(445, 250));
+    }
+    body.push_str("</div></section>");
+}
+
+fn values(body: &mut String, outcome: &Outcome, found: &Found) {
+    let rows: Vec<Vec<String>> = outcome
+        .swings
+        .roles
+        .iter()
+        .enumerate()
+        .filter_map(|(i, role)| {
+            let p = &outcome.swings.parameters[i];
+            let before = Quantity {
+                value: p.mean,
+                std: p.value_std(0.0, 1.0),
+            };
+            let noise = p.value_std(found.fit.place[i], found.uncertainty.noise[i]);
+            let held = if outcome.fixed[i] { " (held)" } else { "" };
+            Some(vec![
+                format!("{}{held}", p.words),
+                p.key.clone(),
+                figure(before, p.unit),
+                figure(outcome.quantity(*role)?, p.unit),
+                format!("{noise:.2e}"),
+            ])
+        })
+        .collect();
+    table(
+        body,
+        "What was found",
+        &format!(
+            "± is one standard deviation. The last column is what the noise alone would give; the scatter between swings widened it {:.2} times.",
+            found.uncertainty.widened
+        ),
+        &["", "key", "before", "found", "noise alone"],
+        &rows,
+    );
+}
+
+fn unseen(body: &mut String, found: &Found) {
+    let row = |name: &str, a: &Agreement| {
+        vec![
+            name.to_owned(),
+            a.count.to_string(),
+            format!("{:.3}", a.nis),
+            format!("{:+.3}", a.correlation),
+            format!("{:.1}", 100.0 * a.covered),
+        ]
+    };
+    let [before, after] = &found.unseen;
+    table(
+        body,
+        "On swings that the fit has not seen",
+        "One swing in four was left out of a fit of its own. A right model has 1, 0 and 95.",
+        &[
+            "",
+            "innovations",
+            "squares over expected",
+            "correlation with the next",
+            "inside 95 %, %",
+        ],
+        &[row("as described", before), row("calibrated", after)],
+    );
+}
+
+/// Normalised innovations of a recording with the found values, in the order of its swings.
+fn normalised(outcome: &Outcome, found: &Found, recording: usize) -> Vec<f64> {
+    let values = calibrate::fit::values(&outcome.swings, &found.fit.place);
+    let mut innovations = Vec::new();
+    for block in outcome.swings.blocks_of(recording) {
+        outcome.swings.innovations(block, &values, &mut innovations);
+    }
+    innovations
+        .iter()
+        .map(|i| i.value / i.variance.sqrt())
+        .collect()
+}
+
+fn residuals(body: &mut String, outcome: &Outcome, found: &Found) {
+    let mut plots = Vec::new();
+    for (r, series) in outcome.swings.series.iter().enumerate() {
+        let residuals = normalised(outcome, found, r);
+        let points: Vec<(f64, f64)> = residuals
+            .iter()
+            .enumerate()
+            .map(|(i, z)| (i as f64, *z))
+            .collect();
+        let mut course = Plot::new(format!("residual, {}", series.name), "sample in swings");
+        course.line("innovation / expected", Style::Series(0), &points);
+        course.level("95 %", Style::Limit, 1.96);
+        course.level("", Style::Limit, -1.96);
+        plots.push(course);
+        plots.push(histogram(&residuals, &series.name));
+    }
+    panels(
+        body,
+        "Residuals",
+        "Innovations over their expected size: white, of size one, if the model holds.",
+        &plots,
+    );
+}
+
+fn histogram(residuals: &[f64], name: &str) -> Plot {
+    let edges: Vec<f64> = (0..=BARS)
+        .map(|i| -5.0 + 10.0 * i as f64 / BARS as f64)
+        .collect();
+    let mut heights = vec![0.0; BARS];
+    for z in residuals {
+        let bar = ((z + 5.0) / 10.0 * BARS as f64).floor();
+        if (0.0..BARS as f64).contains(&bar) {
+            heights[bar as usize] += BARS as f64 / (10.0 * residuals.len().max(1) as f64);
+        }
+    }
+    let normal: Vec<(f64, f64)> = edges
+        .iter()
+        .map(|x| {
+            (
+                *x,
+                (-0.5 * x * x).exp() / (2.0 * std::f64::consts::PI).sqrt(),
+            )
+        })
+        .collect();
+    let mut plot = Plot::new(format!("density, {name}"), "innovation / expected");
+    plot.bars("innovations", Style::Series(0), &edges, &heights);
+    plot.line("normal", Style::Limit, &normal);
+    plot
+}
+
+fn slices(body: &mut String, outcome: &Outcome, found: &Found) {
+    let plots: Vec<Plot> = found
+        .profiles
+        .iter()
+        .map(|profile| {
+            let p = &outcome.swings.parameters[profile.parameter];
+            let best = found.fit.place[profile.parameter];
+            let std = found.uncertainty.std(profile.parameter);
+            let points: Vec<(f64, f64)> = profile
+                .points
+                .iter()
+                .map(|(x, c)| (p.value(*x), *c))
+                .collect();
+            let parabola: Vec<(f64, f64)> = (-20..=20)
+                .map(|k| f64::from(k) / 10.0)
+                .map(|k| (p.value(best + k * std), 0.5 * k * k))
+                .collect();
+            let mut plot = Plot::new(
+                "-ln likelihood above its least",
+                format!("{} {}", p.words, p.unit),
+            );
+            plot.line("all others fitted anew", Style::Series(0), &points);
+            plot.line("the stated interval", Style::Limit, &parabola);
+            plot
+        })
+        .collect();
+    panels(
+        body,
+        "Slices of the likelihood",
+        "The two parameters that the recordings narrowed least. A curve above the other says that the stated interval is wide enough.",
+        &plots,
+    );
+}
+
+fn correlations(body: &mut String, outcome: &Outcome, found: &Found) {
+    let free: Vec<usize> = (0..outcome.fixed.len())
+        .filter(|&i| !outcome.fixed[i])
+        .collect();
+    let head: Vec<String> = std::iter::once(String::new())
+        .chain((1..=free.len()).map(|k| k.to_string()))
+        .collect();
+    let rows: Vec<Vec<String>> = free
+        .iter()
+        .enumerate()
+        .map(|(k, &i)| {
+            let cells = free[..k]
+                .iter()
+                .map(|&j| found.uncertainty.correlation(i, j));
+            std::iter::once(format!("{} {}", k + 1, outcome.swings.parameters[i].words))
+                .chain(cells.map(|c| format!("{c:+.2}")))
+                .chain(std::iter::once("1".into()))
+                .collect()
+        })
+        .collect();
+    let head: Vec<&str> = head.iter().map(String::as_str).collect();
+    table(body, "Correlations of the errors", "", &head, &rows);
+}
+
+/// Share of each recording in what the data say about a parameter.
+fn contributions(body: &mut String, outcome: &Outcome, found: &Found) {
+    let swings = &outcome.swings;
+    let mut head = vec!["".to_owned()];
+    head.extend(swings.series.iter().map(|s| format!("{}, %", s.name)));
+    let mut rows: Vec<Vec<String>> = Vec::new();
+    for (i, role) in swings.roles.iter().enumerate() {
+        if outcome.fixed[i] || is_load(*role) {
+            continue;
+        }
+        let mut shares = vec![0.0; swings.series.len()];
+        for (block, information) in found.fit.information.iter().enumerate() {
+            let column = (0..information.nrows()).map(|k| information[(k, i)].powi(2));
+            shares[swings.recording(block)] += column.sum::<f64>();
+        }
+        let whole: f64 = shares.iter().sum::<f64>().max(f64::MIN_POSITIVE);
+        let mut row = vec![swings.parameters[i].words.clone()];
+        row.extend(shares.iter().map(|s| format!("{:.0}", 100.0 * s / whole)));
+        rows.push(row);
+    }
+    let mut seconds = vec!["time in swings, left / right, s".to_owned()];
+    seconds.extend(
+        swings
+            .series
+            .iter()
+            .map(|s| format!("{:.0} / {:.0}", s.moving_time(1.0), s.moving_time(-1.0))),
+    );
+    rows.push(seconds);
+    let head: Vec<&str> = head.iter().map(String::as_str).collect();
+    table(
+        body,
+        "What each recording contributed",
+        "Share of the information about each parameter, all others known.",
+        &head,
+        &rows,
+    );
+}
