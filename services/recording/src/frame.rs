@@ -60,9 +60,10 @@ fn rows<M: Machine>(columns: &[(&str, Vec<f64>)]) -> Result<Vec<Row<M>>, Error> 
         for (value, (_, values)) in row.iter_mut().zip(&known) {
             *value = values[i];
         }
-        builder.push(&row);
+        builder.push(&row, 0);
     }
-    Ok(builder.finish())
+    builder.finish();
+    Ok(std::iter::from_fn(|| builder.next()).collect())
 }
 
 /// One column of estimates.
