@@ -149,6 +149,12 @@ pub enum Command {
         /// The shell
         shell: Shell,
     },
+    /// Write manual pages and completion scripts into a folder (for packages)
+    #[command(hide = true)]
+    Package {
+        /// The folder
+        folder: PathBuf,
+    },
     /// Be one service of a pipeline (started by the supervisor)
     #[command(hide = true)]
     Service {

@@ -102,6 +102,7 @@ fn dispatch(cli: Cli) -> Result<(), Failure> {
             print!("{}", String::from_utf8_lossy(&script));
             Ok(())
         }
+        Command::Package { folder } => commands::package::package(&folder),
         Command::Service {
             name,
             domain,

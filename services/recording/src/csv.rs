@@ -8,7 +8,7 @@ mod read;
 
 pub(crate) use columns::Columns;
 pub(crate) use dialect::{Dialect, separator_line};
-pub use estimate::{Estimate, EstimateWriter, is_estimates};
+pub use estimate::{Column, Estimate, EstimateWriter, is_estimates};
 pub use export::export;
 pub(crate) use read::{names, numbers, read};
 pub use read::{read_excavator, read_loader, read_weighings};

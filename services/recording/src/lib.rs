@@ -12,6 +12,7 @@ pub mod can;
 pub mod csv;
 mod error;
 mod file;
+pub mod frame;
 mod line_decoder;
 mod load;
 mod map;

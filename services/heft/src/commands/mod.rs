@@ -9,6 +9,7 @@ pub mod evaluate;
 pub mod export;
 pub mod latency;
 pub mod map;
+pub mod package;
 pub mod recover;
 pub mod replay;
 pub mod report;

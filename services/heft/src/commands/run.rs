@@ -176,8 +176,13 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
         .view
         .map(|addr| crate::live::start(addr, machine))
         .transpose()?;
+    // What the user asked for is told first, whichever process makes it.
+    let pipeline = Pipeline::of(machine);
+    let asked = args.method.as_deref().and_then(|m| pipeline.with_method(m));
+    let told = asked.and_then(|stage| stage.output());
     let watch = Watch::new(
         machine,
+        told.or(pipeline.main_output()),
         page.as_ref().map(|(feed, _)| feed.clone()),
         show(args),
     );
