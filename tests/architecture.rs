@@ -26,6 +26,8 @@ const ARROWS: &[(&str, &[&str])] = &[
         "services/view",
         &["estimation", "messages", "recording", "steps"],
     ),
+    ("bindings/c", &["estimation"]),
+    ("bindings/fmu", &["estimation", "messages"]),
     ("services/calibrate", &["config", "estimation"]),
     (
         "services/evaluate",

@@ -111,6 +111,28 @@ pub enum Command {
         #[arg(long)]
         print: bool,
     },
+    /// Write a first signal map for a table or a CAN log, each line with its reason
+    Map {
+        /// The table (.csv) or the CAN log (.log)
+        file: PathBuf,
+        /// The DBC files that describe the log
+        #[arg(long, value_name = "FILE")]
+        dbc: Vec<PathBuf>,
+        /// The machine; the one that fits best if absent
+        #[arg(long, value_parser = machine())]
+        machine: Option<Machine>,
+        /// Map to write; standard output if absent
+        #[arg(short, long, value_name = "MAP.toml")]
+        output: Option<PathBuf>,
+    },
+    /// Print the messages as types of another language
+    Schema {
+        /// The language
+        #[arg(long, value_enum)]
+        lang: crate::commands::schema::Language,
+    },
+    /// Follow a channel of a running pipeline, a line per sample
+    Tail(crate::commands::tail::TailArgs),
     /// Centre of gravity from axle weights on level and tilted ground
     Weigh {
         /// CSV with the columns pitch [rad], front_load [N], rear_load [N]
@@ -126,6 +148,12 @@ pub enum Command {
     Completions {
         /// The shell
         shell: Shell,
+    },
+    /// Write manual pages and completion scripts into a folder (for packages)
+    #[command(hide = true)]
+    Package {
+        /// The folder
+        folder: PathBuf,
     },
     /// Be one service of a pipeline (started by the supervisor)
     #[command(hide = true)]
@@ -171,10 +199,11 @@ pub struct RunArgs {
     /// Payload of the simulator [kg]
     #[arg(long, value_name = "KG")]
     pub payload: Option<f64>,
-    /// Take the samples from a recording (.csv, .mcap, .log) instead of the simulator
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["scenario", "payload"])]
+    /// Take the samples from a recording (.csv, .mcap, .log), a CAN bus (can:can0) or standard input
+    /// (-: lines of candump or CSV) instead of the simulator
+    #[arg(long, value_name = "FILE|can:IF|-", conflicts_with_all = ["scenario", "payload"])]
     pub input: Option<PathBuf>,
-    /// Signal map of a recording with foreign names and units (TOML)
+    /// Signal map of an input with foreign names and units (TOML)
     #[arg(long, requires = "input")]
     pub map: Option<PathBuf>,
     /// The machine's description

@@ -83,6 +83,14 @@ fn dispatch(cli: Cli) -> Result<(), Failure> {
             machine,
             print,
         } => commands::check::check(&file, machine, print),
+        Command::Map {
+            file,
+            dbc,
+            machine,
+            output,
+        } => commands::map::map(&file, &dbc, machine, output.as_deref()),
+        Command::Schema { lang } => commands::schema::schema(lang),
+        Command::Tail(args) => commands::tail::tail(&args),
         Command::Weigh {
             file,
             description,
@@ -94,6 +102,7 @@ fn dispatch(cli: Cli) -> Result<(), Failure> {
             print!("{}", String::from_utf8_lossy(&script));
             Ok(())
         }
+        Command::Package { folder } => commands::package::package(&folder),
         Command::Service {
             name,
             domain,

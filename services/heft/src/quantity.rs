@@ -23,21 +23,19 @@ pub struct Quantity {
     pub truth_field: &'static str,
     /// Flag that says that it may be believed.
     pub trusted_bit: u32,
-    /// Whether the live line shows it.
-    pub preferred: bool,
 }
 
 /// All of them.
 pub const QUANTITIES: &[Quantity] = &[
-    inertia("excavator/inertia_ukf", true),
-    inertia("excavator/inertia_rls", false),
-    ratio("loader/cg_ukf", true),
-    height("loader/cg_ukf", true),
-    ratio("loader/cg_ekf", false),
-    height("loader/cg_ekf", false),
+    inertia("excavator/inertia_ukf"),
+    inertia("excavator/inertia_rls"),
+    ratio("loader/cg_ukf"),
+    height("loader/cg_ukf"),
+    ratio("loader/cg_ekf"),
+    height("loader/cg_ekf"),
 ];
 
-const fn inertia(channel: &'static str, preferred: bool) -> Quantity {
+const fn inertia(channel: &'static str) -> Quantity {
     Quantity {
         channel,
         label: "swing inertia",
@@ -47,11 +45,10 @@ const fn inertia(channel: &'static str, preferred: bool) -> Quantity {
         std_field: "inertia_std",
         truth_field: "inertia",
         trusted_bit: excavator_bits::TRUSTED,
-        preferred,
     }
 }
 
-const fn ratio(channel: &'static str, preferred: bool) -> Quantity {
+const fn ratio(channel: &'static str) -> Quantity {
     Quantity {
         channel,
         label: "front share of the weight",
@@ -61,11 +58,10 @@ const fn ratio(channel: &'static str, preferred: bool) -> Quantity {
         std_field: "cg_ratio_std",
         truth_field: "cg_ratio",
         trusted_bit: loader_bits::TRUSTED_RATIO,
-        preferred,
     }
 }
 
-const fn height(channel: &'static str, preferred: bool) -> Quantity {
+const fn height(channel: &'static str) -> Quantity {
     Quantity {
         channel,
         label: "height of the centre of gravity",
@@ -75,7 +71,6 @@ const fn height(channel: &'static str, preferred: bool) -> Quantity {
         std_field: "cg_height_std",
         truth_field: "cg_height",
         trusted_bit: loader_bits::TRUSTED_HEIGHT,
-        preferred,
     }
 }
 
@@ -96,19 +91,15 @@ impl Quantity {
         format!("{value:.*}", decimals(std))
     }
 
-    /// The quantity on the live line.
+    /// The quantity on the live line; a tick says that it is trusted.
     pub fn short(&self, score: &Score) -> String {
         let decimals = decimals(score.std);
         let truth = score
             .truth
-            .map_or(String::new(), |t| format!(" (truth {t:.decimals$})"));
-        let verdict = if score.trusted {
-            "trusted"
-        } else {
-            "not trusted"
-        };
+            .map_or(String::new(), |t| format!(" (true {t:.decimals$})"));
+        let verdict = if score.trusted { '✓' } else { '?' };
         format!(
-            "{} {}{truth} {verdict} ",
+            "{} {}{truth} {verdict}",
             self.symbol,
             self.text(score.value, score.std)
         )

@@ -1,17 +1,19 @@
 //! One service of a run, in a process of its own.
 
 use messages::channels::{
-    Channel, EXCAVATOR_SENSORS, EXCAVATOR_TRUTH, LOADER_SENSORS, LOADER_TRUTH, Visitor, of_machine,
+    Channel, ChannelOf, EXCAVATOR_SENSORS, EXCAVATOR_TRUTH, LOADER_SENSORS, LOADER_TRUTH, Visitor,
+    of_machine,
 };
 use messages::{Machine, Message};
 use runtime::{
-    Arrival, Domain, Identity, Pace, Setup, Wake, Worker, run_probe, run_sink, run_source,
+    Arrival, Begin, Domain, Identity, Pace, Setup, Wake, Worker, now_ns, run_live, run_probe,
+    run_sink, run_source,
 };
 use steps::stages::{Role, Row, Stage};
 
 use crate::failure::Failure;
 use crate::plan::Plan;
-use crate::sources::{excavator_source, loader_source};
+use crate::sources::{LiveInput, can_bus, excavator_source, loader_source, standard_input};
 
 /// Is the service `name` of a run until the run ends.
 pub fn serve(name: &str, domain: &str, restarts: u32) -> Result<(), Failure> {
@@ -53,12 +55,30 @@ fn core(plan: &Plan, stage: &Stage) -> Option<usize> {
     plan.cores.get(turn).copied()
 }
 
-fn serve_source(worker: Worker, plan: &Plan) -> Result<(), Failure> {
-    let pace = if plan.lossless {
+fn pace(plan: &Plan) -> Pace {
+    if plan.lossless {
         Pace::Lossless
     } else {
         Pace::RealTime
-    };
+    }
+}
+
+fn serve_source(worker: Worker, plan: &Plan) -> Result<(), Failure> {
+    let pace = pace(plan);
+    if let Some(live) = plan.input.as_deref().and_then(LiveInput::of) {
+        return match plan.machine {
+            Machine::Excavator => serve_live::<recording::Excavator>(
+                worker,
+                plan,
+                &live,
+                &EXCAVATOR_SENSORS,
+                &EXCAVATOR_TRUTH,
+            ),
+            Machine::Loader => {
+                serve_live::<recording::Loader>(worker, plan, &live, &LOADER_SENSORS, &LOADER_TRUTH)
+            }
+        };
+    }
     Ok(match plan.machine {
         Machine::Excavator => run_source(
             worker,
@@ -74,6 +94,44 @@ fn serve_source(worker: Worker, plan: &Plan) -> Result<(), Failure> {
             pace,
             loader_source(plan)?,
         ),
+    }?)
+}
+
+/// A live source. After a restart its first sample gets the time since the run began.
+fn serve_live<M: recording::Machine>(
+    worker: Worker,
+    plan: &Plan,
+    live: &LiveInput,
+    sensors: &ChannelOf<M::Sensors>,
+    truth: &ChannelOf<M::Truth>,
+) -> Result<(), Failure> {
+    let pace = pace(plan);
+    let start = |begin: Begin, restarts: u32| {
+        let since = now_ns().saturating_sub(begin.start_ns) as f64 / 1e9;
+        if restarts == 0 { 0.0 } else { since }
+    };
+    Ok(match live {
+        LiveInput::Can(interface) => {
+            let mut bus = can_bus::<M>(plan, interface)?;
+            run_live(
+                worker,
+                sensors,
+                truth,
+                Pace::RealTime,
+                plan.duration,
+                |b, r| {
+                    bus.begin_at(start(b, r));
+                    bus
+                },
+            )
+        }
+        LiveInput::Lines => {
+            let mut lines = standard_input::<M>(plan)?;
+            run_live(worker, sensors, truth, pace, plan.duration, |b, r| {
+                lines.begin_at(start(b, r));
+                lines
+            })
+        }
     }?)
 }
 

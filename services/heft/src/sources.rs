@@ -35,6 +35,72 @@ where
     }
 }
 
+/// A source that nobody paces.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum LiveInput {
+    /// A CAN interface.
+    Can(String),
+    /// Standard input.
+    Lines,
+}
+
+impl LiveInput {
+    /// The live source that `--input` names: `can:INTERFACE` or `-`; none for a file.
+    pub fn of(input: &Path) -> Option<Self> {
+        match input.to_str()? {
+            "-" => Some(Self::Lines),
+            name => name.strip_prefix("can:").map(|i| Self::Can(i.to_owned())),
+        }
+    }
+}
+
+/// Whether the samples of a plan are the simulator's.
+pub fn is_simulated(plan: &Plan) -> bool {
+    plan.input.is_none()
+}
+
+/// Where the samples of a plan come from, in a line.
+pub fn words(plan: &Plan) -> String {
+    let Some(input) = &plan.input else {
+        return format!(
+            "samples: simulated (scenario {}, seed {}): nothing is measured",
+            plan.scenario, plan.seed
+        );
+    };
+    let map = plan.map.as_deref().map_or(String::new(), |map| {
+        format!(" through the map {}", map.display())
+    });
+    match LiveInput::of(input) {
+        Some(LiveInput::Can(interface)) => format!("samples: CAN interface {interface}, live{map}"),
+        Some(LiveInput::Lines) => format!("samples: standard input, live{map}"),
+        None => format!("samples: the recording {}{map}", input.display()),
+    }
+}
+
+/// The frames of a CAN interface as samples.
+pub fn can_bus<M: recording::Machine>(
+    plan: &Plan,
+    interface: &str,
+) -> Result<sensor::CanBus<M>, Failure> {
+    let Some(map) = map(plan.map.as_deref())? else {
+        return Err(Failure::input(
+            "a CAN bus needs a signal map",
+            "--input",
+            "give one with --map; it names the DBC file and the signals (`heft map LOG --dbc FILE` writes a first one)",
+        ));
+    };
+    Ok(sensor::CanBus::new(interface, &map)?)
+}
+
+/// The lines of standard input as samples. It is the process's standard output: its standard input
+/// is where the supervisor speaks.
+pub fn standard_input<M: recording::Machine>(plan: &Plan) -> Result<sensor::Lines<M>, Failure> {
+    let map = map(plan.map.as_deref())?;
+    let input = rustix::io::dup(rustix::stdio::stdout())
+        .map_err(|e| Failure::file("read", Path::new("standard input"), &e.into()))?;
+    Ok(sensor::Lines::new(input, map, !plan.lossless)?)
+}
+
 /// Reads a signal map.
 pub fn map(path: Option<&Path>) -> Result<Option<Map>, Failure> {
     Ok(path.map(Map::read).transpose()?)
@@ -102,8 +168,23 @@ fn limited<S: messages::Message, T>(mut rows: Vec<(S, T)>, duration: Option<f64>
 /// Whether the source of a plan can be made.
 pub fn check(plan: &Plan) -> Result<(), Failure> {
     match plan.machine {
+        Machine::Excavator if is_live(plan) => check_live::<recording::Excavator>(plan),
+        Machine::Loader if is_live(plan) => check_live::<recording::Loader>(plan),
         Machine::Excavator => excavator_source(plan).map(drop),
         Machine::Loader => loader_source(plan).map(drop),
+    }
+}
+
+fn is_live(plan: &Plan) -> bool {
+    plan.input
+        .as_deref()
+        .is_some_and(|i| LiveInput::of(i).is_some())
+}
+
+fn check_live<M: recording::Machine>(plan: &Plan) -> Result<(), Failure> {
+    match plan.input.as_deref().and_then(LiveInput::of) {
+        Some(LiveInput::Can(interface)) => can_bus::<M>(plan, &interface).map(drop),
+        _ => standard_input::<M>(plan).map(drop),
     }
 }
 

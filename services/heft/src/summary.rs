@@ -4,10 +4,14 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use messages::{Envelope, Machine};
-use steps::stages::Pipeline;
+use view::estimate::Estimate;
+use view::words::{verdict, wrapped};
 
 use crate::failure::Failure;
 use crate::watch::{Score, Watch};
+
+/// Columns of every terminal.
+const WIDTH: usize = 80;
 
 /// Writes the HTML report of a recording; `None`, with the reason told, if that fails.
 pub fn report(recording: &Path) -> Option<PathBuf> {
@@ -33,21 +37,24 @@ pub fn report(recording: &Path) -> Option<PathBuf> {
 pub fn text(machine: Machine, watch: &Watch, recording: &Path, report: Option<&Path>) -> String {
     let mut out = format!("\n{machine}\n");
     let mut line = |text: String| {
-        let _ = writeln!(out, "  {text}");
+        for (i, part) in wrapped(&text, WIDTH - 6).iter().enumerate() {
+            let indent = if i == 0 { "  " } else { "      " };
+            let _ = writeln!(out, "{indent}{part}");
+        }
     };
     for score in watch.scores() {
         for text in score_lines(score) {
             line(text);
         }
     }
-    line(format!("at the end: {}", in_words(machine, watch)));
+    line(format!("at the end, {}", in_words(watch)));
     for (name, health) in watch.all_health().filter(|(_, h)| h.age_max_ns > 0) {
         if name == "sensor" {
             continue;
         }
         let counts = watch.counts_of(name);
         line(format!(
-            "{name:<7} answers after p50 {:.0}, p99 {:.0}, p99.9 {:.0}, max {:.0} µs; step p50 {:.2} µs; {} samples, {} lost, {} late",
+            "{name} answers after p50 {:.0}, p99 {:.0}, p99.9 {:.0}, max {:.0} µs; step p50 {:.2} µs; {} samples, {} lost, {} late",
             us(health.age_p50_ns),
             us(health.age_p99_ns),
             us(health.age_p999_ns),
@@ -61,22 +68,19 @@ pub fn text(machine: Machine, watch: &Watch, recording: &Path, report: Option<&P
     for fault in watch.faults() {
         line(fault.words());
     }
-    line(format!("recording  {}", shown(recording)));
+    // Paths are not broken: they are copied.
+    let _ = writeln!(out, "  recording  {}", shown(recording));
     if let Some(report) = report {
-        line(format!("report     {}", shown(report)));
+        let _ = writeln!(out, "  report     {}", shown(report));
     }
     out
 }
 
-/// Age of the last trusted estimate, the largest over all preferred quantities; `None` where one of them never
-/// was trusted [s].
+/// Age of the last trusted estimate, the largest over the quantities that are told first; `None` where one of
+/// them never was trusted [s].
 pub fn trust_age(watch: &Watch) -> Option<f64> {
-    let ages: Option<Vec<f64>> = watch
-        .scores()
-        .iter()
-        .filter(|s| s.quantity.preferred)
-        .map(|s| Some(s.time - s.last_trusted?.0))
-        .collect();
+    let told = watch.told();
+    let ages: Option<Vec<f64>> = told.map(|s| Some(s.time - s.last_trusted?.0)).collect();
     ages?.into_iter().reduce(f64::max)
 }
 
@@ -111,11 +115,14 @@ fn shown(path: &Path) -> String {
         .to_string()
 }
 
-fn in_words(machine: Machine, watch: &Watch) -> String {
-    let channel = Pipeline::of(machine).main_output();
-    match channel.and_then(|channel| watch.latest(channel)) {
-        Some(Envelope::ExcavatorEstimate(e)) => view::words::excavator_verdict(e),
-        Some(Envelope::LoaderEstimate(e)) => view::words::loader_verdict(e),
+/// The last estimate of the method that was asked for, with the method's name.
+fn in_words(watch: &Watch) -> String {
+    fn told<E: Estimate>(estimate: &E) -> String {
+        format!("by {}: {}", estimate.method_name(), verdict(estimate))
+    }
+    match watch.latest_told() {
+        Some(Envelope::ExcavatorEstimate(e)) => told(e),
+        Some(Envelope::LoaderEstimate(e)) => told(e),
         _ => "no estimate was made".into(),
     }
 }
@@ -143,7 +150,7 @@ fn score_lines(score: &Score) -> Vec<String> {
     }
     if score.scored > 0 {
         lines.push(format!(
-            "    while trusted: rms error {:.1} %, worst {:.1} %, the 95 % interval held the truth {:.0} % of the time",
+            "while trusted: rms error {:.1} %, worst {:.1} %, the 95 % interval held the truth {:.0} % of the time",
             (score.squares / score.scored as f64).sqrt(),
             score.worst,
             100.0 * score.covered as f64 / score.scored as f64

@@ -19,6 +19,11 @@ const TRUTHS: usize = 2048;
 const SHOW_PERIOD: Duration = Duration::from_millis(200);
 const PLAIN_PERIOD: Duration = Duration::from_secs(5);
 
+/// Columns where there is no terminal to ask.
+const WIDTH: usize = 80;
+/// Columns that the program which draws the lines puts before them.
+const PREFIX: usize = 10;
+
 /// First word of a live line on standard output.
 pub const LIVE: &str = "live ";
 
@@ -146,6 +151,7 @@ impl Counts {
 #[derive(Default)]
 pub struct Watch {
     pipeline: Option<&'static Pipeline>,
+    told: Option<&'static Channel>,
     show: Show,
     feed: Option<Feed>,
     carried: BTreeMap<&'static str, Carried>,
@@ -161,10 +167,17 @@ pub struct Watch {
 }
 
 impl Watch {
-    /// Watches a machine.
-    pub fn new(machine: Machine, feed: Option<Feed>, show: Show) -> Self {
+    /// Watches a machine. `told`: the channel whose estimates are told first, those of the method
+    /// that was asked for.
+    pub fn new(
+        machine: Machine,
+        told: Option<&'static Channel>,
+        feed: Option<Feed>,
+        show: Show,
+    ) -> Self {
         Self {
             pipeline: Some(Pipeline::of(machine)),
+            told,
             show,
             feed,
             begun: Some(Instant::now()),
@@ -197,6 +210,18 @@ impl Watch {
             .map(|(_, carried)| *carried)
             .next()
             .unwrap_or_default()
+    }
+
+    /// Scores of the quantities that are told first.
+    pub fn told(&self) -> impl Iterator<Item = &Score> {
+        let told = self.told.map(|channel| channel.name);
+        let scores = self.scores.iter();
+        scores.filter(move |s| Some(s.quantity.channel) == told)
+    }
+
+    /// Latest estimate that is told first.
+    pub fn latest_told(&self) -> Option<&Envelope> {
+        self.latest(self.told?)
     }
 
     /// Scores of all quantities, in the order of their first estimate.
@@ -318,7 +343,10 @@ impl Watch {
             return;
         }
         self.shown = Some(Instant::now());
-        let line = self.line();
+        let terminal = ratatui::crossterm::terminal::size();
+        let width = terminal.map_or(WIDTH, |(columns, _)| usize::from(columns));
+        let prefix = if self.show == Show::Lines { PREFIX } else { 0 };
+        let line = self.line(width.saturating_sub(prefix + 1));
         let mut err = std::io::stderr().lock();
         // A terminal that went away is no reason to end a run.
         let _ = match self.show {
@@ -335,24 +363,26 @@ impl Watch {
         }
     }
 
-    /// The live line: time, quantities, latency, loss.
-    fn line(&self) -> String {
-        let preferred = self.scores.iter().filter(|s| s.quantity.preferred);
-        let shown: Vec<&Score> = preferred.collect();
-        let time = shown.first().map_or(0.0, |s| s.time);
-        let mut line = format!("{time:6.1} s ");
-        for score in shown {
-            line += &format!(" {}", score.quantity.short(score));
+    /// The live line: time, quantities, losses, latency, as far as `width` goes: a line that wraps
+    /// cannot be drawn again in place.
+    fn line(&self, width: usize) -> String {
+        let time = self.told().next().map_or(0.0, |s| s.time);
+        let mut parts = vec![format!("{time:5.1} s")];
+        parts.extend(self.told().map(|score| score.quantity.short(score)));
+        if self.lost() > 0 {
+            parts.push(format!("lost {}", self.lost()));
         }
         if let Some(health) = self.pipeline.and_then(|p| self.health(p.main)) {
-            line += &format!(
-                "  latency p50 {:.0} p99 {:.0} max {:.0} µs",
-                health.age_p50_ns as f64 / 1e3,
-                health.age_p99_ns as f64 / 1e3,
-                health.age_max_ns as f64 / 1e3
-            );
+            parts.push(format!("p99 {:.0} µs", health.age_p99_ns as f64 / 1e3));
         }
-        line + &format!("  lost {}", self.lost())
+        let mut line = String::new();
+        for part in parts {
+            let gap = if line.is_empty() { "" } else { "  " };
+            if line.chars().count() + gap.len() + part.chars().count() <= width {
+                line = line + gap + &part;
+            }
+        }
+        line
     }
 
     fn note_estimate<M: Message>(&mut self, channel: &'static Channel, message: &M) {

@@ -6,7 +6,9 @@ mod estimate;
 mod export;
 mod read;
 
-pub use estimate::{Estimate, EstimateWriter, is_estimates};
+pub(crate) use columns::Columns;
+pub(crate) use dialect::{Dialect, separator_line};
+pub use estimate::{Column, Estimate, EstimateWriter, is_estimates};
 pub use export::export;
-pub(crate) use read::read;
+pub(crate) use read::{names, numbers, read};
 pub use read::{read_excavator, read_loader, read_weighings};

@@ -37,17 +37,11 @@ pub fn run_source<S: Source>(
     pace: Pace,
     mut source: S,
 ) -> Result<(), Error> {
-    let mut sender = Sender {
-        sensors: worker.ports.output::<S::Sensors>(sensors)?,
-        truth: worker.ports.output::<S::Truth>(truth)?,
-        credit: worker.ports.input::<Credit>(&CREDIT, CREDIT.depth)?,
-        through: 0,
-    };
+    let mut sender = Sender::<S::Sensors, S::Truth>::open(&worker, sensors, truth)?;
     let Some(Begin { first, start_ns }) = worker.begin() else {
         return Ok(());
     };
-    sender.sensors.connect();
-    sender.truth.connect();
+    sender.connect();
     let epoch = worker.setup.identity.restarts;
     let mut origin = None;
     loop {
@@ -89,7 +83,7 @@ pub fn run_source<S: Source>(
     Ok(())
 }
 
-struct Sender<S: Message, T: Message> {
+pub(crate) struct Sender<S: Message, T: Message> {
     sensors: Output<S>,
     truth: Output<T>,
     credit: Input<Credit>,
@@ -97,9 +91,33 @@ struct Sender<S: Message, T: Message> {
 }
 
 impl<S: Message, T: Message> Sender<S, T> {
+    pub(crate) fn open(
+        worker: &Worker,
+        sensors: &ChannelOf<S>,
+        truth: &ChannelOf<T>,
+    ) -> Result<Self, Error> {
+        Ok(Self {
+            sensors: worker.ports.output::<S>(sensors)?,
+            truth: worker.ports.output::<T>(truth)?,
+            credit: worker.ports.input::<Credit>(&CREDIT, CREDIT.depth)?,
+            through: 0,
+        })
+    }
+
+    pub(crate) fn connect(&mut self) {
+        self.sensors.connect();
+        self.truth.connect();
+    }
+
     /// Waits until sample `sequence`, due at `deadline`, may be sent; false if the run ends
     /// meanwhile.
-    fn wait_for_turn(&mut self, worker: &Worker, pace: Pace, sequence: u64, deadline: u64) -> bool {
+    pub(crate) fn wait_for_turn(
+        &mut self,
+        worker: &Worker,
+        pace: Pace,
+        sequence: u64,
+        deadline: u64,
+    ) -> bool {
         match pace {
             Pace::RealTime => wait_for_time(worker, deadline),
             Pace::Lossless => self.wait_for_credit(worker, sequence),
@@ -126,7 +144,7 @@ impl<S: Message, T: Message> Sender<S, T> {
         }
     }
 
-    fn send(&mut self, worker: &mut Worker, mut measured: S, true_values: T) {
+    pub(crate) fn send(&mut self, worker: &mut Worker, mut measured: S, true_values: T) {
         measured.hops_mut().sensor_ns = now_ns();
         if !self.sensors.send(&measured) {
             worker.reporter.fault(fault::SEND);
@@ -156,12 +174,12 @@ fn wait_for_time(worker: &Worker, deadline: u64) -> bool {
     }
 }
 
-fn is_ending(worker: &Worker) -> bool {
+pub(crate) fn is_ending(worker: &Worker) -> bool {
     worker.wishes.wants_exit() || worker.wishes.wants_drain()
 }
 
 /// Says that there is no more, and stays until told to go: readers may still be draining.
-fn finish(worker: &Worker) {
+pub(crate) fn finish(worker: &Worker) {
     worker.control.say("ended");
     while !worker.wishes.wants_exit() {
         if worker.wishes.take_drain() {

@@ -21,6 +21,13 @@ pub trait Estimate: Message {
     /// How its normalised innovations are judged.
     const INNOVATION: InnovationRule;
 
+    /// What a stretch of motion is called, and the least speed of one [rad/s, m/s].
+    const MOTION_NAME: (&'static str, f64);
+    /// Keys of the parameters that are told of each stretch of motion.
+    const STRETCH: &'static [&'static str];
+
+    /// How fast the machine moves [rad/s, m/s].
+    fn motion(&self) -> f64;
     /// Index of the method.
     fn method(&self) -> u32;
     /// Verdict bits.

@@ -12,6 +12,7 @@ mod report;
 mod run;
 pub mod score;
 pub mod statistics;
+pub mod stretches;
 pub mod top;
 pub mod words;
 

@@ -5,6 +5,7 @@ pub mod history;
 pub mod innovation;
 pub mod latency;
 pub mod rules;
+pub mod sensors;
 
 use crate::plot::Plot;
 

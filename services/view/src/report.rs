@@ -37,6 +37,11 @@ pub fn report(run: &Run) -> String {
         &run.loader,
         panels::rules::loader(&run.loader),
     );
+    section(
+        &mut body,
+        "What the sensors measured",
+        panels::sensors::panels(&run.inputs),
+    );
     tables::processes(&mut body, run);
     tables::configuration(&mut body, run);
     html::page(&header::title(run), &[crate::plot::STYLE, STYLE], &body)
@@ -58,6 +63,7 @@ fn machine<E: Estimate>(body: &mut String, run: &Run, part: &MachineRun<E>, rule
         &format!("What the {} did", E::MACHINE),
         panels::history::panels(part),
     );
+    tables::stretches(body, part);
     section(body, "Why heft trusts it, or not", rules);
     tables::comparison(body, run, part);
     section(

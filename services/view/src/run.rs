@@ -1,7 +1,10 @@
 //! A run in memory: what the report is made of.
 
 use messages::channels::{self, Channel};
-use messages::{ExcavatorEstimate, Health, LoaderEstimate, Message, SwingMotion};
+use messages::{
+    ExcavatorEstimate, ExcavatorSensors, Health, Kind, LoaderEstimate, LoaderSensors, Message,
+    SwingMotion, excavator_bits, loader_bits,
+};
 use recording::Reader;
 use steps::stages::Pipeline;
 
@@ -79,6 +82,8 @@ pub struct Run {
     pub excavator: MachineRun<ExcavatorEstimate>,
     /// The loader's part, empty for an excavator.
     pub loader: MachineRun<LoaderEstimate>,
+    /// What the sensors measured.
+    pub inputs: Vec<Input>,
     /// The excavator's filter stage.
     pub motion: Vec<SwingMotion>,
     /// What the processes said of themselves.
@@ -133,6 +138,11 @@ impl Run {
         Ok(Self {
             excavator: machine(reader, &channels::EXCAVATOR_TRUTH, &mut thinned)?,
             loader: machine(reader, &channels::LOADER_TRUTH, &mut thinned)?,
+            inputs: [
+                inputs::<ExcavatorSensors>(reader, &channels::EXCAVATOR_SENSORS, &EXCAVATOR)?,
+                inputs::<LoaderSensors>(reader, &channels::LOADER_SENSORS, &LOADER)?,
+            ]
+            .concat(),
             motion: motions.take(MOTIONS).collect(),
             health: last_health.into_values().collect(),
             thinned,
@@ -161,6 +171,89 @@ impl Run {
             .and_then(|i| self.processes.get(i));
         known.cloned().unwrap_or_else(|| format!("process {index}"))
     }
+}
+
+/// A measured signal over time, NaN where a sample lacks it.
+#[derive(Debug, Clone)]
+pub struct Input {
+    /// Name, as in the CSV.
+    pub name: &'static str,
+    /// Unit, as in [`messages::Field::unit`].
+    pub unit: &'static str,
+    /// Time and value; of a long run every 2nd, 4th, 8th sample.
+    pub points: Vec<(f64, f64)>,
+}
+
+/// Bits of the excavator's signals, in the order of the numbers of its message.
+const EXCAVATOR: [u32; 8] = [
+    excavator_bits::SWING_VELOCITY,
+    excavator_bits::SWING_ANGLE,
+    excavator_bits::SWING_TORQUE,
+    excavator_bits::BOOM_ANGLE,
+    excavator_bits::ARM_ANGLE,
+    excavator_bits::BUCKET_ANGLE,
+    excavator_bits::PITCH,
+    excavator_bits::ROLL,
+];
+
+/// The same of the loader.
+const LOADER: [u32; 12] = [
+    loader_bits::SPEED,
+    loader_bits::FRONT_WHEEL_SPEED,
+    loader_bits::REAR_WHEEL_SPEED,
+    loader_bits::FRONT_TORQUE,
+    loader_bits::REAR_TORQUE,
+    loader_bits::SLOPE,
+    loader_bits::ACCELERATION,
+    loader_bits::MASS,
+    loader_bits::SPADE_FORCE_X,
+    loader_bits::SPADE_FORCE_Z,
+    loader_bits::ARTICULATION,
+    loader_bits::YAW_RATE,
+];
+
+/// The signals of a channel of sensors, those without any value left out.
+fn inputs<S: Message>(
+    reader: &Reader,
+    channel: &Channel,
+    bits: &[u32],
+) -> Result<Vec<Input>, recording::Error> {
+    let numbers = S::FIELDS.iter().enumerate().skip(messages::HEAD);
+    let measured: Vec<_> = numbers.filter(|(_, f)| f.kind == Kind::F64).collect();
+    let valid = S::index("valid");
+    let mut inputs: Vec<Input> = measured
+        .iter()
+        .map(|(_, field)| Input {
+            name: field.name,
+            unit: field.unit,
+            points: Vec::new(),
+        })
+        .collect();
+    let mut every = 1;
+    for (n, sample) in reader.stream::<S>(channel.name)?.enumerate() {
+        if n % every != 0 {
+            continue;
+        }
+        let there = valid.and_then(|i| sample.get(i));
+        let there = there.map_or(0, |v| v.as_f64() as u32);
+        for ((input, (index, _)), bit) in inputs.iter_mut().zip(&measured).zip(bits) {
+            let value = sample.get(*index).filter(|_| there & bit != 0);
+            let value = value.map_or(f64::NAN, |v| v.as_f64());
+            input.points.push((sample.stamp().time, value));
+        }
+        if inputs.first().is_some_and(|i| i.points.len() as u64 > HELD) {
+            every *= 2;
+            for input in &mut inputs {
+                let mut place = 0;
+                input.points.retain(|_| {
+                    place += 1;
+                    place % 2 == 1
+                });
+            }
+        }
+    }
+    inputs.retain(|input| input.points.iter().any(|p| p.1.is_finite()));
+    Ok(inputs)
 }
 
 fn machine<E: Estimate>(

@@ -14,12 +14,7 @@ use crate::estimate::Estimate;
 use crate::monitor::{MachineState, Monitor, ProcessState, Tracked};
 use crate::number::{grouped, nanoseconds};
 use crate::report::state_name;
-use crate::words::Judgement;
-
-/// Lines of an estimator's verdict under its title: value and reasons (three lines at 80 columns), sparkline.
-const VERDICT_LINES: u16 = 5;
-/// The least: the value with the beginning of the reasons, and the sparkline.
-const LEAST_VERDICT_LINES: u16 = 2;
+use crate::words::{Judgement, wrapped};
 
 /// What the dashboard knows.
 #[derive(Debug, Clone)]
@@ -52,34 +47,61 @@ pub fn draw(frame: &mut Frame, state: &TopState) {
     let now = Instant::now().max(state.now);
     let verdicts = verdicts(&state.monitor.excavator).chain(verdicts(&state.monitor.loader));
     let verdicts: Vec<_> = verdicts.collect();
-    let processes = state.monitor.processes.len().max(1) as u16 + 3;
-    let channels = state.monitor.channels.len().max(1) as u16 + 3;
-    let lines = verdict_lines(
-        frame.area().height.saturating_sub(1 + processes + channels),
-        verdicts.len() as u16,
-    );
-    let mut heights = vec![Constraint::Length(1)];
-    heights.extend(verdicts.iter().map(|_| Constraint::Length(lines + 1)));
-    heights.extend([
-        Constraint::Length(processes),
-        Constraint::Length(channels),
-        Constraint::Min(0),
-    ]);
-    let areas = Layout::vertical(heights).split(frame.area());
+    let heights = Heights::of(frame.area(), &verdicts, &state.monitor);
+    let parts = [1].iter().chain(&heights.verdicts).copied();
+    let tables = [heights.processes, heights.channels];
+    let parts = parts.chain(tables).map(Constraint::Length);
+    let areas = Layout::vertical(parts.chain([Constraint::Min(0)])).split(frame.area());
     title(frame, areas[0], state);
     for (verdict, area) in verdicts.iter().zip(&areas[1..]) {
-        verdict.draw(frame, *area);
+        verdict.draw(frame, *area, heights.trend);
     }
     let rest = 1 + verdicts.len();
     process_table(frame, areas[rest], &state.monitor, now);
-    channel_table(frame, areas[rest + 1], &state.monitor, now);
+    if heights.channels > 0 {
+        channel_table(frame, areas[rest + 1], &state.monitor, now);
+    }
 }
 
-/// Lines of each verdict under its title where `room` lines are left for all of them.
-fn verdict_lines(room: u16, verdicts: u16) -> u16 {
-    (room / verdicts.max(1))
-        .saturating_sub(1)
-        .clamp(LEAST_VERDICT_LINES, VERDICT_LINES)
+/// Lines of each part below the title. What is known of the machine goes before what is known of the
+/// processes: values with all their reasons, then the processes, then trends, then channels.
+struct Heights {
+    verdicts: Vec<u16>,
+    trend: bool,
+    processes: u16,
+    channels: u16,
+}
+
+impl Heights {
+    fn of(area: Rect, verdicts: &[Verdict], monitor: &Monitor) -> Self {
+        let rows = monitor.processes.len().max(1) as u16 + 1;
+        let mut left = area.height.saturating_sub(1 + rows);
+        // Each verdict has a title, and at least one line.
+        let fair = (left / (verdicts.len().max(1) as u16)).max(2);
+        let mut heights: Vec<u16> = verdicts
+            .iter()
+            .map(|v| (1 + v.lines(area.width)).min(fair))
+            .collect();
+        left = left.saturating_sub(heights.iter().sum());
+        let mut spare = |lines: u16| {
+            let there = left >= lines;
+            left -= if there { lines } else { 0 };
+            there
+        };
+        let borders = spare(2);
+        let trend = spare(verdicts.len() as u16);
+        if trend {
+            heights.iter_mut().for_each(|h| *h += 1);
+        }
+        // Head, a channel, and the frame.
+        let channels = monitor.channels.len().max(1) as u16 + 3;
+        Self {
+            verdicts: heights,
+            trend,
+            processes: rows + if borders { 2 } else { 0 },
+            channels: if left >= 4 { channels.min(left) } else { 0 },
+        }
+    }
 }
 
 fn title(frame: &mut Frame, area: Rect, state: &TopState) {
@@ -135,7 +157,17 @@ fn trend<E: Estimate>(tracked: &Tracked<E>, index: usize) -> Vec<u64> {
 }
 
 impl Verdict {
-    fn draw(&self, frame: &mut Frame, area: Rect) {
+    /// Value and reasons.
+    fn text(&self) -> String {
+        format!("{}. {}", self.judgement.value, self.judgement.verdict())
+    }
+
+    /// Lines that its words take.
+    fn lines(&self, width: u16) -> u16 {
+        wrapped(&self.text(), usize::from(width)).len() as u16
+    }
+
+    fn draw(&self, frame: &mut Frame, area: Rect, trend: bool) {
         let colour = if self.judgement.trusted {
             Color::Green
         } else {
@@ -154,13 +186,17 @@ impl Verdict {
         let inner = block.inner(area);
         frame.render_widget(block, area);
         let [words, line] =
-            Layout::vertical([Constraint::Min(1), Constraint::Length(1)]).areas(inner);
+            Layout::vertical([Constraint::Min(1), Constraint::Length(u16::from(trend))])
+                .areas(inner);
         let value = Span::styled(
             format!("{}. ", self.judgement.value),
             Style::new().add_modifier(Modifier::BOLD),
         );
         let text = Line::from(vec![value, Span::raw(self.judgement.verdict())]);
         frame.render_widget(Paragraph::new(text).wrap(Wrap { trim: true }), words);
+        if !trend {
+            return;
+        }
         let shown = self.trend.len().saturating_sub(usize::from(line.width));
         let sparkline = Sparkline::default()
             .data(&self.trend[shown..])
@@ -169,34 +205,54 @@ impl Verdict {
     }
 }
 
+/// Columns of the process table with their widths; those that are marked only where there is room.
+const PROCESS_COLUMNS: [(&str, u16, bool); 11] = [
+    ("process", 8, false),
+    ("state", 8, false),
+    ("Hz", 7, false),
+    ("age p50", 8, false),
+    ("age p99.9", 9, false),
+    ("step p50", 8, true),
+    ("late", 6, true),
+    ("lost", 6, false),
+    ("restarts", 8, false),
+    ("silent", 7, true),
+    ("fault", 16, false),
+];
+/// Width that takes all of them.
+const WIDE: u16 = 104;
+
 fn process_table(frame: &mut Frame, area: Rect, monitor: &Monitor, now: Instant) {
-    let head = [
-        "process",
-        "state",
-        "Hz",
-        "age p50",
-        "age p99.9",
-        "step p50",
-        "late",
-        "lost",
-        "restarts",
-        "silent",
-        "fault",
-    ];
-    let rows = monitor
-        .processes
+    let shown = |i: &usize| area.width >= WIDE || !PROCESS_COLUMNS[*i].2;
+    let columns: Vec<usize> = (0..PROCESS_COLUMNS.len()).filter(shown).collect();
+    let rows = monitor.processes.iter().map(|(i, p)| {
+        let (cells, style) = process_row(&monitor.name(*i), p, now);
+        Row::new(
+            columns
+                .iter()
+                .map(|i| cells[*i].clone())
+                .collect::<Vec<_>>(),
+        )
+        .style(style)
+    });
+    let widths = columns
         .iter()
-        .map(|(i, p)| process_row(&monitor.name(*i), p, now));
-    let widths = [9, 9, 7, 9, 9, 9, 7, 7, 8, 7, 20].map(Constraint::Length);
-    let table = Table::new(rows, widths).header(header(&head));
-    frame.render_widget(table.block(Block::bordered().title(" processes ")), area);
+        .map(|i| Constraint::Length(PROCESS_COLUMNS[*i].1));
+    let names: Vec<&str> = columns.iter().map(|i| PROCESS_COLUMNS[*i].0).collect();
+    let count = monitor.processes.len().max(1) as u16;
+    let table = Table::new(rows, widths).header(header(&names));
+    if area.height >= count + 3 {
+        frame.render_widget(table.block(Block::bordered().title(" processes ")), area);
+    } else {
+        frame.render_widget(table, area);
+    }
 }
 
 fn header<'a>(names: &[&'a str]) -> Row<'a> {
     Row::new(names.to_vec()).style(Style::new().add_modifier(Modifier::DIM))
 }
 
-fn process_row(name: &str, p: &ProcessState, now: Instant) -> Row<'static> {
+fn process_row(name: &str, p: &ProcessState, now: Instant) -> ([String; 11], Style) {
     let (h, ns) = (&p.health, |ns: u64| nanoseconds(ns as f64));
     let trouble = h.lost > 0 || h.restarts > 0 || h.fault != fault::NONE;
     let fault = if h.fault == fault::NONE {
@@ -209,7 +265,7 @@ fn process_row(name: &str, p: &ProcessState, now: Instant) -> Row<'static> {
     } else {
         Style::new()
     };
-    Row::new(vec![
+    let cells = [
         name.to_owned(),
         state_name(h.state).to_owned(),
         grouped(p.rate(), 0),
@@ -221,8 +277,8 @@ fn process_row(name: &str, p: &ProcessState, now: Instant) -> Row<'static> {
         h.restarts.to_string(),
         silent(p.seen, now),
         fault.to_owned(),
-    ])
-    .style(style)
+    ];
+    (cells, style)
 }
 
 fn silent(seen: Instant, now: Instant) -> String {

@@ -71,16 +71,20 @@ fn the_dashboard_tells_verdicts_processes_rates_ages_and_losses() {
 }
 
 #[test]
-fn on_a_small_terminal_the_words_give_way_to_the_tables() {
+fn on_a_small_terminal_every_value_has_its_reason_and_no_line_is_cut() {
     let text = screen(&running(), 80, 24);
     for part in [
         "The swing inertia is",
-        "│kalman",
-        "│loader/cg_ukf",
-        "│health",
+        "heft trusts it:",
+        "heft does not trust it, because",
+        "kalman",
+        "age p99.9",
     ] {
         assert!(text.contains(part), "{part} in\n{text}");
     }
+    // A sentence that was cut would not end: three verdicts, three full stops at the end of a line.
+    let ends = |line: &&str| line.trim_end().ends_with(").") || line.trim_end().ends_with('.');
+    assert!(text.lines().filter(ends).count() >= 3, "{text}");
 }
 
 #[test]

@@ -6,13 +6,14 @@
 //! torque or the velocity up to 50 ms late. It works 120 s empty and 120 s with 423 kg, weighed to 0.5 kg.
 //!
 //! JSON: `{"gain":{"median":..,"p95":..,"covered":..},..,"machines":n,"refused":n}`: errors in percent of
-//! the value (offset in N m, delay in ms), share of the 95 % intervals that hold the truth in percent.
+//! the value (offset in N m, delay in ms), share of the 95 % intervals that hold the truth in percent;
+//! `"after":{"rms":..,"trusted":..,"outside":..}` is the inertia that a third recording gives, in percent.
 
 use std::sync::atomic::AtomicBool;
 
 use calibrate::excavator::{self as calibration, Input, Role};
 use estimation::Quantity;
-use estimation::excavator::Sample;
+use estimation::excavator::{Columns, Method, Sample, Settings, SwingEstimator};
 use serde_json::{Map, Value, json};
 use sim::excavator::{
     Course, Dynamics, Exact, Joint, Load, Machine, Path, Plant, Plateaus, Scenario, Targets,
@@ -32,6 +33,9 @@ const LOAD: Quantity = Quantity {
     value: 423.0,
     std: 0.5,
 };
+/// The load afterwards, which nobody tells [kg]; motion begins at this velocity [rad/s].
+const AFTER: f64 = 288.0;
+const MOVING: f64 = 0.10;
 /// Noise of velocity [rad/s] and torque [N m].
 const VELOCITY_STD: f64 = 0.005;
 const TORQUE_STD: f64 = 100.0;
@@ -140,24 +144,23 @@ impl Truth {
 
     /// A recording of this machine with a load [kg]: boom, arm and bucket move as in work.
     pub fn record(&self, load: f64, seed: u64) -> Vec<Sample> {
-        let mut path = Path::base();
-        let returns = [
-            Joint::new(0.0, &[(11.3, 13.5, -21.0)]),
-            Joint::new(0.0, &[(11.3, 14.0, -16.0)]),
-        ];
-        for (joint, back) in path.joints.iter_mut().zip(returns) {
-            joint.moves.extend(back.moves);
-        }
-        self.record_on(path, load, seed)
+        self.record_on(working_path(), load, seed)
     }
 
     /// The same on a path of its own.
     pub fn record_on(&self, path: Path, load: f64, seed: u64) -> Vec<Sample> {
-        let plant = self.plant(path, load);
-        let exact: Vec<Exact> = Course::new(plant, 0.0, RATE, LENGTH).collect();
+        self.measure(&self.exact(path, load), seed)
+    }
+
+    fn exact(&self, path: Path, load: f64) -> Vec<Exact> {
+        Course::new(self.plant(path, load), 0.0, RATE, LENGTH).collect()
+    }
+
+    /// What its sensors show.
+    fn measure(&self, exact: &[Exact], seed: u64) -> Vec<Sample> {
         let mut noises = [Noise::channel(seed, 0), Noise::channel(seed, 1)];
-        let velocity = |time: f64| at(&exact, time, |e| e.truth.velocity);
-        let torque = |time: f64| at(&exact, time, |e| self.drive_torque(e));
+        let velocity = |time: f64| at(exact, time, |e| e.truth.velocity);
+        let torque = |time: f64| at(exact, time, |e| self.drive_torque(e));
         let (velocity_late, torque_late) = (self.delay.max(0.0), (-self.delay).max(0.0));
         exact
             .iter()
@@ -188,6 +191,18 @@ impl Truth {
     }
 }
 
+fn working_path() -> Path {
+    let mut path = Path::base();
+    let returns = [
+        Joint::new(0.0, &[(11.3, 13.5, -21.0)]),
+        Joint::new(0.0, &[(11.3, 14.0, -16.0)]),
+    ];
+    for (joint, back) in path.joints.iter_mut().zip(returns) {
+        joint.moves.extend(back.moves);
+    }
+    path
+}
+
 fn at(exact: &[Exact], time: f64, of: impl Fn(&Exact) -> f64) -> f64 {
     let place = (time * RATE).max(0.0);
     let below = (place.floor() as usize).min(exact.len() - 1);
@@ -196,8 +211,70 @@ fn at(exact: &[Exact], time: f64, of: impl Fn(&Exact) -> f64) -> f64 {
     (1.0 - share) * of(&exact[below]) + share * of(&exact[above])
 }
 
-/// What one machine gave: per parameter the error and whether the interval holds.
-type Found = Option<Vec<(f64, bool)>>;
+/// What one machine gave.
+struct Found {
+    /// Per parameter the error and whether the interval holds.
+    parameters: Vec<(f64, bool)>,
+    /// The inertia estimated afterwards.
+    after: After,
+}
+
+/// The inertia that the calibrated machine estimates with a load of its own.
+#[derive(Clone, Copy, Debug, Default)]
+struct After {
+    /// Rows in motion, of these trusted, of these outside the stated interval.
+    rows: [usize; 3],
+    /// Sum of the squared relative errors of the trusted.
+    squares: f64,
+}
+
+impl After {
+    fn new(truth: &Truth, description: &config::Excavator, seed: u64) -> Result<Self, Error> {
+        let columns = Columns {
+            velocity: true,
+            torque: true,
+            posture: true,
+            ..Columns::default()
+        };
+        let settings = Settings::of(description);
+        let mut estimator =
+            SwingEstimator::new(&settings, Method::Auto, columns).map_err(Error::refused)?;
+        let exact = truth.exact(working_path(), AFTER);
+        let mut after = Self::default();
+        for (sample, exact) in truth.measure(&exact, seed).iter().zip(&exact) {
+            let estimate = estimator.step(sample);
+            if exact.truth.velocity.abs() < MOVING {
+                continue;
+            }
+            after.rows[0] += 1;
+            if estimate.flags.trusted() {
+                let error = estimate.inertia - exact.truth.inertia;
+                after.rows[1] += 1;
+                after.rows[2] += usize::from(error.abs() > 1.96 * estimate.inertia_std);
+                after.squares += (error / exact.truth.inertia).powi(2);
+            }
+        }
+        Ok(after)
+    }
+
+    fn sum(self, other: Self) -> Self {
+        Self {
+            rows: [0, 1, 2].map(|i| self.rows[i] + other.rows[i]),
+            squares: self.squares + other.squares,
+        }
+    }
+
+    /// Rms error of the trusted, share trusted of the motion, share outside of the trusted [%].
+    fn shares(&self) -> [f64; 3] {
+        let [moving, trusted, outside] = self.rows.map(|n| n as f64);
+        let share = |part: f64, whole: f64| 100.0 * part / whole.max(1.0);
+        [
+            100.0 * (self.squares / trusted.max(1.0)).sqrt(),
+            share(trusted, moving),
+            share(outside, trusted),
+        ]
+    }
+}
 
 /// Evaluates the table.
 ///
@@ -206,13 +283,13 @@ type Found = Option<Vec<(f64, bool)>>;
 pub fn evaluate(options: &Options) -> Result<Report, Error> {
     let all = seeds(options, "calibration", one)?;
     let (machines, refused) = (all.len(), all.iter().filter(|f| f.is_none()).count());
-    let found: Vec<Vec<(f64, bool)>> = all.into_iter().flatten().collect();
+    let found: Vec<Found> = all.into_iter().flatten().collect();
     let mut table = Table::new(&["parameter", "median", "p95", "covered %", "target", ""]);
     let mut json = Map::new();
     let mut met = refused == 0;
     for (i, name) in names().enumerate() {
-        let errors: Vec<f64> = found.iter().map(|f| f[i].0.abs()).collect();
-        let covered = percentage(found.iter().map(|f| f[i].1));
+        let errors: Vec<f64> = found.iter().map(|f| f.parameters[i].0.abs()).collect();
+        let covered = percentage(found.iter().map(|f| f.parameters[i].1));
         let target = TARGETS.get(i).map(|t| t.2);
         let good = target.is_none_or(|t| median(&errors) < t) && (90.0..=98.5).contains(&covered);
         met &= good || target.is_none();
@@ -229,12 +306,23 @@ pub fn evaluate(options: &Options) -> Result<Report, Error> {
             json!({"median": median(&errors), "p95": p95(&errors), "covered": covered}),
         );
     }
+    let after = found.iter().map(|f| f.after);
+    let [rms, trusted, outside] = after.fold(After::default(), After::sum).shares();
+    let good = rms < 1.0 && trusted >= 70.0 && outside <= 7.0;
+    met &= good;
+    json.insert(
+        "after".into(),
+        json!({"rms": rms, "trusted": trusted, "outside": outside}),
+    );
     json.insert("machines".into(), json!(machines));
     json.insert("refused".into(), json!(refused));
     Ok(Report {
         text: format!(
             "Calibration of {machines} simulated machines from 120 s empty and 120 s with 423 kg \
-             ({refused} refused); errors in percent, of the offset in N m, of the delay in ms\n{table}"
+             ({refused} refused); errors in percent, of the offset in N m, of the delay in ms\n{table}  \
+             inertia afterwards, {AFTER} kg: rms {rms:.2} % (below 1), trusted {trusted:.0} % of the motion \
+             (70 or more), of these {outside:.1} % outside the interval (7 or less)  {}\n",
+            verdict(good)
         ),
         json: Value::Object(json),
         met,
@@ -248,7 +336,7 @@ fn names() -> impl Iterator<Item = &'static str> {
         .chain(OTHERS.iter().map(|o| o.0))
 }
 
-fn one(seed: u64) -> Result<Found, Error> {
+fn one(seed: u64) -> Result<Option<Found>, Error> {
     let truth = Truth::new(seed);
     let mut noise = Noise::channel(seed, 101);
     let told = Quantity {
@@ -282,11 +370,15 @@ fn one(seed: u64) -> Result<Found, Error> {
         eprintln!("seed {seed}: {}", outcome.faults.join("; "));
         return Ok(None);
     }
+    let Some((after, _)) = outcome.description(&description, &[]) else {
+        return Ok(None);
+    };
+    let after = After::new(&truth, &after, 3 * seed)?;
     let roles = TARGETS
         .iter()
         .map(|t| t.1)
         .chain(OTHERS.iter().map(|o| o.1));
-    Ok(roles
+    let parameters: Option<Vec<(f64, bool)>> = roles
         .map(|role| {
             let quantity = outcome.quantity(role)?;
             let error = quantity.value - truth.of(role);
@@ -297,5 +389,6 @@ fn one(seed: u64) -> Result<Found, Error> {
             };
             Some((scale * error, error.abs() < 1.96 * quantity.std))
         })
-        .collect())
+        .collect();
+    Ok(parameters.map(|parameters| Found { parameters, after }))
 }

@@ -24,7 +24,8 @@ pub fn demo() -> Result<(), Failure> {
     println!(
         "heft {}: an excavator and a wheel loader at work, simulated in real time for {DURATION} s.\n\
          Each machine is five processes (sensor, kalman, rls or ukf, logger) that exchange samples\n\
-         through shared memory; the estimators never see the truth printed beside them.\n",
+         through shared memory; the estimators never see the truth printed beside them.\n\
+         ✓: heft trusts its estimate. ?: it does not, yet.\n",
         env!("CARGO_PKG_VERSION")
     );
     // Ctrl-C reaches both runs as well: they end in order, and this process waits for them.

@@ -177,7 +177,9 @@ fn is_known<T: Message>(truth: &T) -> bool {
 }
 
 fn tell(args: &EstimateArgs, written: usize, rows: usize, verdict: &str) {
-    println!("{verdict}");
+    for line in view::words::wrapped(verdict, 79) {
+        println!("{line}");
+    }
     let refused = rows.saturating_sub(written);
     let refused = if refused == 0 {
         String::new()

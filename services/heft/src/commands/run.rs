@@ -12,7 +12,7 @@ use crate::failure::Failure;
 use crate::fault::Fault;
 use crate::plan::Plan;
 use crate::signals::Signals;
-use crate::sources;
+use crate::sources::{self, LiveInput};
 use crate::summary;
 use crate::supervisor::{End, Supervisor};
 use crate::watch::{Show, Watch};
@@ -82,7 +82,7 @@ pub fn plan(args: &RunArgs) -> Result<(Plan, PathBuf), Failure> {
         machine,
         scenario: scenario.unwrap_or(sources::usual(machine)).to_owned(),
         payload: args.payload,
-        input: args.input.as_deref().map(absolute).transpose()?,
+        input: args.input.as_deref().map(input).transpose()?,
         map: args.map.as_deref().map(absolute).transpose()?,
         description: description.to_toml(),
         methods: methods
@@ -121,6 +121,14 @@ fn check(plan: &Plan, description: &Description) -> Result<(), Failure> {
         row.start(description, plan.method(stage.name))?;
     }
     sources::check(plan)
+}
+
+/// The input of a run: a file, or a live source as it was named.
+fn input(path: &Path) -> Result<PathBuf, Failure> {
+    match LiveInput::of(path) {
+        Some(_) => Ok(path.to_owned()),
+        None => absolute(path),
+    }
 }
 
 fn absolute(path: &Path) -> Result<PathBuf, Failure> {
@@ -168,12 +176,20 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
         .view
         .map(|addr| crate::live::start(addr, machine))
         .transpose()?;
+    // What the user asked for is told first, whichever process makes it.
+    let pipeline = Pipeline::of(machine);
+    let asked = args.method.as_deref().and_then(|m| pipeline.with_method(m));
+    let told = asked.and_then(|stage| stage.output());
     let watch = Watch::new(
         machine,
+        told.or(pipeline.main_output()),
         page.as_ref().map(|(feed, _)| feed.clone()),
         show(args),
     );
     let recording = plan.recording.clone();
+    if !args.quiet || !sources::is_simulated(&plan) {
+        eprintln!("{}", sources::words(&plan));
+    }
     let supervisor = Supervisor::start(
         &domain(args.domain.as_deref(), "")?,
         plan,

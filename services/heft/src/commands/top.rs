@@ -60,7 +60,7 @@ pub fn top(domain: Option<&str>, once: bool) -> Result<(), Failure> {
 }
 
 /// The domain of this name, or the only living one.
-fn find(name: Option<&str>) -> Result<Domain, Failure> {
+pub fn find(name: Option<&str>) -> Result<Domain, Failure> {
     if let Some(name) = name {
         let domain = Domain::new(name)?;
         return if domain.is_alive() {

@@ -156,13 +156,34 @@ pub(crate) fn read<M: Machine>(path: &Path, map: Option<&Map>) -> Result<Vec<Row
     Ok(std::iter::from_fn(|| columns.row()).collect())
 }
 
+/// Header and numbers of the first `most` rows, by column; NaN where a cell holds none.
+pub(crate) fn numbers(path: &Path, most: usize) -> Result<(Vec<String>, Vec<Vec<f64>>), Error> {
+    let table = Table::open(path)?;
+    let (mut reader, header) = table.reader()?;
+    let mut columns = vec![Vec::new(); header.len()];
+    let mut record = ByteRecord::new();
+    for _ in 0..most {
+        if !reader
+            .read_byte_record(&mut record)
+            .map_err(|e| broken(&e, &table.file))?
+        {
+            break;
+        }
+        for (at, column) in columns.iter_mut().enumerate() {
+            let number = table.dialect.number(record.get(at).unwrap_or_default());
+            column.push(number.unwrap_or(f64::NAN));
+        }
+    }
+    Ok((header, columns))
+}
+
 fn header<R: Read>(reader: &mut Reader<R>, file: &str) -> Result<Vec<String>, Error> {
     let bytes = reader.byte_headers().map_err(|e| broken(&e, file))?;
     names(bytes, file)
 }
 
 /// The names in a header: UTF-8, or else Latin-1; none twice.
-pub(super) fn names(header: &ByteRecord, file: &str) -> Result<Vec<String>, Error> {
+pub(crate) fn names(header: &ByteRecord, file: &str) -> Result<Vec<String>, Error> {
     let names: Vec<String> = header
         .iter()
         .map(|name| dialect::text(name).trim().to_owned())

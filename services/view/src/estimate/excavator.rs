@@ -117,6 +117,13 @@ impl Estimate for ExcavatorEstimate {
         ),
     ];
 
+    const MOTION_NAME: (&'static str, f64) = ("swing", 0.05);
+    const STRETCH: &'static [&'static str] = &["inertia", "payload"];
+
+    fn motion(&self) -> f64 {
+        self.velocity.abs()
+    }
+
     fn method(&self) -> u32 {
         self.method
     }

@@ -118,6 +118,13 @@ impl Estimate for LoaderEstimate {
         ),
     ];
 
+    const MOTION_NAME: (&'static str, f64) = ("drive", 0.3);
+    const STRETCH: &'static [&'static str] = &["cg_ratio", "cg_height"];
+
+    fn motion(&self) -> f64 {
+        self.speed.abs()
+    }
+
     fn method(&self) -> u32 {
         self.method
     }

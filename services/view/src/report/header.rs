@@ -26,6 +26,7 @@ pub(super) fn title(run: &Run) -> String {
 pub(super) fn write(body: &mut String, run: &Run) {
     let _ = write!(body, "<header><h1>{}</h1>", text(&title(run)));
     let facts = [
+        ("started", "on "),
         ("scenario", "scenario "),
         ("input", "input "),
         ("payload_kg", "payload [kg] "),
@@ -33,13 +34,14 @@ pub(super) fn write(body: &mut String, run: &Run) {
         ("heft.version", "heft "),
         ("wall_clock.start", "begun "),
         ("wall_clock.jumps", "wall clock jumped by "),
-        ("host", "on "),
+        ("host", "host "),
     ];
     let known = facts.iter().filter_map(|(key, words)| {
         run.metadata(key)
             .map(|value| format!("{words}{}", text(value)))
     });
-    let line: Vec<_> = known.collect();
+    let mut line: Vec<_> = known.collect();
+    line.extend(duration(run));
     if !line.is_empty() {
         let _ = write!(body, "<p class=\"facts\">{}</p>", line.join(" · "));
     }
@@ -66,6 +68,16 @@ pub(super) fn write(body: &mut String, run: &Run) {
     machine(body, &run.excavator);
     machine(body, &run.loader);
     body.push_str("</header>");
+}
+
+/// From the first estimate to the last.
+fn duration(run: &Run) -> Option<String> {
+    fn span<E: Estimate>(part: &MachineRun<E>) -> Option<f64> {
+        let estimates = &part.primary()?.estimates;
+        Some(estimates.last()?.stamp().time - estimates.first()?.stamp().time)
+    }
+    let seconds = span(&run.excavator).or(span(&run.loader))?;
+    Some(format!("{} s long", grouped(seconds, 1)))
 }
 
 /// The verdict of the primary estimator as cards, those of the others as a list.

@@ -1,0 +1,223 @@
+//! Writes `include/heft.h` from the tables of the machines; words and units come from the table of
+//! messages and from the keys: `cargo run -p heft_c --example header`.
+
+use std::fmt::Write;
+
+use estimation::keys::Form;
+use heft_c::settings::places;
+use heft_c::{Bit, Code, Excavator, Loader, Machine, SIZE_MAX};
+use messages::{
+    ExcavatorEstimate, ExcavatorSensors, Field, LoaderEstimate, LoaderSensors, Message,
+};
+
+/// Where the header is kept.
+pub const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/include/heft.h");
+
+#[allow(dead_code, reason = "the test of the header includes this file")]
+fn main() -> std::io::Result<()> {
+    std::fs::write(FILE, header())
+}
+
+const TOP: &str = r#"/* heft: mass properties of construction machines, estimated while they work.
+ *
+ * The caller gives the memory, then one row after the other:
+ *
+ *     static uint64_t memory[HEFT_SIZE_MAX / 8];
+ *     heft_excavator_init(memory, sizeof memory, NULL, HEFT_EXCAVATOR_METHOD_AUTO,
+ *                         HEFT_EXCAVATOR_COLUMN_SWING_VELOCITY);
+ *     heft_excavator_step(memory, &sample, &estimate);
+ *
+ * Units are SI. A sample that is missing is NAN (do not compile the caller with -ffast-math). A row
+ * without one of its signals, or with an impossible one, is answered all the same; no number of an
+ * estimate is ever NAN or infinite. A quantity that the method does not estimate is 0 without its
+ * bit in `estimated`. Believe an estimate where its TRUSTED flag is set; its interval of 95 % is the
+ * value +- 1.96 standard deviations.
+ *
+ * No function allocates, blocks, opens a file or reads a clock. One memory belongs to one thread at
+ * a time; different memories are independent. Nothing has to be freed.
+ *
+ * Written by `cargo run -p heft_c --example header`; do not edit.
+ */
+#ifndef HEFT_H
+#define HEFT_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+"#;
+
+/// The whole header.
+pub fn header() -> String {
+    let mut out = TOP.to_owned();
+    let _ = writeln!(out, "/* What a function returns. */");
+    for (code, name, what) in Code::ALL {
+        define(&mut out, name, &format!("({})", code as i32), what);
+    }
+    out += "\n/* Enough memory for either machine on every platform; heft_..._size() tells the exact size. */\n";
+    let _ = writeln!(out, "#define HEFT_SIZE_MAX {SIZE_MAX}");
+    machine::<Excavator, ExcavatorSensors, ExcavatorEstimate>(&mut out);
+    machine::<Loader, LoaderSensors, LoaderEstimate>(&mut out);
+    out += "\n#ifdef __cplusplus\n}\n#endif\n\n#endif\n";
+    out
+}
+
+fn define(out: &mut String, name: &str, value: &str, doc: &str) {
+    let _ = writeln!(out, "#define {name} {value} /* {doc} */");
+}
+
+fn machine<M, S, E>(out: &mut String)
+where
+    M: Machine,
+    S: Message,
+    E: Message,
+{
+    let name = M::NAME;
+    let upper = name.to_uppercase();
+    let _ = writeln!(out, "\n/* ---- {name} ---- */\n\n/* Methods. */");
+    for (i, method) in M::METHODS.iter().enumerate() {
+        let _ = writeln!(out, "#define HEFT_{upper}_METHOD_{} {i}", constant(method));
+    }
+    let _ = writeln!(
+        out,
+        "\n/* Signals that the machine has, for `columns` of heft_{name}_init; each needs its bit to be used. */"
+    );
+    for (i, signal) in M::SIGNALS.iter().skip(1).enumerate() {
+        let _ = writeln!(
+            out,
+            "#define HEFT_{upper}_COLUMN_{} (1u << {i})",
+            constant(signal.name)
+        );
+    }
+    bits(
+        out,
+        &format!("HEFT_{upper}_FLAG"),
+        "`flags` of an estimate",
+        M::FLAGS,
+    );
+    bits(
+        out,
+        &format!("HEFT_{upper}_ESTIMATED"),
+        "`estimated` of an estimate: which quantities the method has an opinion on",
+        M::ESTIMATED,
+    );
+
+    let _ = writeln!(
+        out,
+        "\n/* A row of sensors; NAN where a sample is missing. */\ntypedef struct {{"
+    );
+    for signal in M::SIGNALS {
+        row(out, signal.name, field::<S>(signal.name), "");
+    }
+    let _ = writeln!(out, "}} heft_{name}_sample;");
+
+    let _ = writeln!(out, "\n/* The answer to a row. */\ntypedef struct {{");
+    for value in M::VALUES {
+        row(out, value.name, field::<E>(value.name), "");
+    }
+    out.push_str(&format!(
+        "  uint64_t refused; /* Rows refused so far. */\n  \
+         uint32_t flags; /* HEFT_{upper}_FLAG_... */\n  \
+         uint32_t estimated; /* HEFT_{upper}_ESTIMATED_... */\n  \
+         uint32_t method; /* HEFT_{upper}_METHOD_..., the one at work. */\n  \
+         uint32_t reason; /* Code of the reason why it is not trusted; 0 for none. */\n}} heft_{name}_estimate;\n"
+    ));
+
+    settings::<M>(out);
+    functions(out, name);
+}
+
+fn bits<E>(out: &mut String, prefix: &str, what: &str, bits: &[Bit<E>]) {
+    let _ = writeln!(out, "\n/* Bits of {what}. */");
+    for (i, bit) in bits.iter().enumerate() {
+        let _ = writeln!(out, "#define {prefix}_{} (1u << {i})", constant(bit.name));
+    }
+}
+
+fn settings<M: Machine>(out: &mut String) {
+    let name = M::NAME;
+    let _ = writeln!(
+        out,
+        "\n/* Settings, as in a description; flags are 0 or 1, choices count from 0, NAN is \"none\" and ends a list. */\ntypedef struct {{"
+    );
+    let mut table = "";
+    for place in places(&M::Settings::default()) {
+        if place.table != table {
+            close(out, table);
+            out.push_str("  struct {\n");
+            table = place.table;
+        }
+        let mut doc = place.key.doc.trim().to_owned();
+        if let Form::Choice(words) = place.key.form {
+            let words = words.iter().enumerate();
+            let words: Vec<String> = words.map(|(i, word)| format!("{i} {word}")).collect();
+            let _ = write!(doc, " ({})", words.join(", "));
+        }
+        let field = match place.key.form {
+            Form::List(_) | Form::Numbers => format!("{}[{}]", place.key.name, place.width()),
+            _ => place.key.name.to_owned(),
+        };
+        row(out, &field, (place.key.unit, &doc), "  ");
+    }
+    close(out, table);
+    let _ = writeln!(out, "}} heft_{name}_settings;");
+}
+
+fn close(out: &mut String, table: &str) {
+    if let Some(last) = table.rsplit('.').next().filter(|last| !last.is_empty()) {
+        let _ = writeln!(out, "  }} {last};");
+    }
+}
+
+/// Unit and words of a signal or a value; the boom's motion is a bit of the messages.
+fn field<M: Message>(name: &str) -> (&'static str, &'static str) {
+    let found = M::FIELDS.iter().find(|field: &&Field| field.name == name);
+    match found {
+        Some(field) => (field.unit, field.doc.trim()),
+        None if name == "boom_moving" => ("", "Above 0 while the boom moves; 0 or NAN: it rests."),
+        None => panic!("the message {} has no field {name}", M::NAME),
+    }
+}
+
+fn row(out: &mut String, name: &str, (unit, doc): (&str, &str), indent: &str) {
+    let unit = if unit.is_empty() {
+        String::new()
+    } else {
+        format!(" [{unit}]")
+    };
+    let _ = writeln!(out, "{indent}  double {name}; /* {doc}{unit} */");
+}
+
+fn functions(out: &mut String, name: &str) {
+    let text = r#"
+/* Bytes that heft_NAME_init needs. */
+size_t heft_NAME_size(void);
+
+/* Fills in the settings of the reference machine. */
+int32_t heft_NAME_defaults(heft_NAME_settings *settings);
+
+/* Sets one key by its name, such as "sensors.rate"; HEFT_NO_SUCH_KEY if there is none. */
+int32_t heft_NAME_set(heft_NAME_settings *settings, const char *key, double value);
+
+/* Makes an estimator in the caller's memory (aligned to 8 bytes). `settings` may be NULL for those of
+ * the reference machine; they are copied. HEFT_REFUSED: heft_NAME_error tells what is wrong. */
+int32_t heft_NAME_init(void *memory, size_t size, const heft_NAME_settings *settings,
+                       uint32_t method, uint32_t columns);
+
+/* Takes one row and answers. A row whose time does not increase is refused: it changes nothing, and the
+ * answer has the flag REFUSED. The memory must have been given to heft_NAME_init. */
+int32_t heft_NAME_step(void *memory, const heft_NAME_sample *sample, heft_NAME_estimate *estimate);
+
+/* Why the last heft_NAME_init on this memory returned HEFT_REFUSED; "" if it did not. */
+const char *heft_NAME_error(const void *memory);
+"#;
+    out.push_str(&text.replace("NAME", name));
+}
+
+/// `posture-torque` as in the name of a constant.
+fn constant(name: &str) -> String {
+    name.replace('-', "_").to_uppercase()
+}

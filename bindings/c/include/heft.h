@@ -1,0 +1,388 @@
+/* heft: mass properties of construction machines, estimated while they work.
+ *
+ * The caller gives the memory, then one row after the other:
+ *
+ *     static uint64_t memory[HEFT_SIZE_MAX / 8];
+ *     heft_excavator_init(memory, sizeof memory, NULL, HEFT_EXCAVATOR_METHOD_AUTO,
+ *                         HEFT_EXCAVATOR_COLUMN_SWING_VELOCITY);
+ *     heft_excavator_step(memory, &sample, &estimate);
+ *
+ * Units are SI. A sample that is missing is NAN (do not compile the caller with -ffast-math). A row
+ * without one of its signals, or with an impossible one, is answered all the same; no number of an
+ * estimate is ever NAN or infinite. A quantity that the method does not estimate is 0 without its
+ * bit in `estimated`. Believe an estimate where its TRUSTED flag is set; its interval of 95 % is the
+ * value +- 1.96 standard deviations.
+ *
+ * No function allocates, blocks, opens a file or reads a clock. One memory belongs to one thread at
+ * a time; different memories are independent. Nothing has to be freed.
+ *
+ * Written by `cargo run -p heft_c --example header`; do not edit.
+ */
+#ifndef HEFT_H
+#define HEFT_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* What a function returns. */
+#define HEFT_OK (0) /* done */
+#define HEFT_NULL (-1) /* a pointer is null */
+#define HEFT_MEMORY (-2) /* the memory is too small, or not aligned to 8 bytes */
+#define HEFT_REFUSED (-3) /* a setting, the method or the columns cannot be used; the error text tells which */
+#define HEFT_NOT_INITIALISED (-4) /* the memory holds no estimator of this machine */
+#define HEFT_NO_SUCH_KEY (-5) /* no key has this name */
+#define HEFT_INTERNAL (-6) /* a mistake of the library; initialise the memory anew */
+
+/* Enough memory for either machine on every platform; heft_..._size() tells the exact size. */
+#define HEFT_SIZE_MAX 32768
+
+/* ---- excavator ---- */
+
+/* Methods. */
+#define HEFT_EXCAVATOR_METHOD_AUTO 0
+#define HEFT_EXCAVATOR_METHOD_MULTI_FORGETTING_RLS 1
+#define HEFT_EXCAVATOR_METHOD_SVF_RLS 2
+#define HEFT_EXCAVATOR_METHOD_POSTURE_TORQUE 3
+#define HEFT_EXCAVATOR_METHOD_TORQUE 4
+#define HEFT_EXCAVATOR_METHOD_POSTURE 5
+#define HEFT_EXCAVATOR_METHOD_VELOCITY 6
+
+/* Signals that the machine has, for `columns` of heft_excavator_init; each needs its bit to be used. */
+#define HEFT_EXCAVATOR_COLUMN_SWING_VELOCITY (1u << 0)
+#define HEFT_EXCAVATOR_COLUMN_SWING_ANGLE (1u << 1)
+#define HEFT_EXCAVATOR_COLUMN_SWING_TORQUE (1u << 2)
+#define HEFT_EXCAVATOR_COLUMN_BOOM_ANGLE (1u << 3)
+#define HEFT_EXCAVATOR_COLUMN_ARM_ANGLE (1u << 4)
+#define HEFT_EXCAVATOR_COLUMN_BUCKET_ANGLE (1u << 5)
+
+/* Bits of `flags` of an estimate. */
+#define HEFT_EXCAVATOR_FLAG_EXCITED (1u << 0)
+#define HEFT_EXCAVATOR_FLAG_CONSISTENT (1u << 1)
+#define HEFT_EXCAVATOR_FLAG_FRESH (1u << 2)
+#define HEFT_EXCAVATOR_FLAG_CONVERGED (1u << 3)
+#define HEFT_EXCAVATOR_FLAG_IDENTIFIABLE (1u << 4)
+#define HEFT_EXCAVATOR_FLAG_HELD (1u << 5)
+#define HEFT_EXCAVATOR_FLAG_CHANGING (1u << 6)
+#define HEFT_EXCAVATOR_FLAG_RESET (1u << 7)
+#define HEFT_EXCAVATOR_FLAG_TRUSTED (1u << 8)
+#define HEFT_EXCAVATOR_FLAG_NOMINAL (1u << 9)
+#define HEFT_EXCAVATOR_FLAG_WINDOW (1u << 10)
+#define HEFT_EXCAVATOR_FLAG_REFUSED (1u << 11)
+
+/* Bits of `estimated` of an estimate: which quantities the method has an opinion on. */
+#define HEFT_EXCAVATOR_ESTIMATED_DAMPING (1u << 0)
+#define HEFT_EXCAVATOR_ESTIMATED_TORQUE (1u << 1)
+#define HEFT_EXCAVATOR_ESTIMATED_PAYLOAD (1u << 2)
+#define HEFT_EXCAVATOR_ESTIMATED_FRICTION (1u << 3)
+#define HEFT_EXCAVATOR_ESTIMATED_OFFSET (1u << 4)
+#define HEFT_EXCAVATOR_ESTIMATED_INERTIA (1u << 5)
+#define HEFT_EXCAVATOR_ESTIMATED_ACCELERATION (1u << 6)
+
+/* A row of sensors; NAN where a sample is missing. */
+typedef struct {
+  double t; /* Time of the measurement as the data tell it. [s] */
+  double swing_velocity; /* Swing rate, positive anticlockwise from above. [rad/s] */
+  double swing_angle; /* Swing angle, same sign. [rad] */
+  double swing_torque; /* Swing torque at the upper body, positive in the direction of positive motion. [N m] */
+  double boom_angle; /* Boom angle to the horizontal, up positive. [rad] */
+  double arm_angle; /* Arm angle relative to the boom. [rad] */
+  double bucket_angle; /* Bucket angle relative to the arm. [rad] */
+} heft_excavator_sample;
+
+/* The answer to a row. */
+typedef struct {
+  double t; /* Time of the measurement as the data tell it. [s] */
+  double inertia; /* Swing inertia. [kg m^2] */
+  double inertia_std; /* Standard deviation of the inertia. [kg m^2] */
+  double damping; /* Viscous damping. [N m s/rad] */
+  double damping_std; /* Standard deviation of the damping. [N m s/rad] */
+  double torque; /* Torque. [N m] */
+  double torque_std; /* Standard deviation of the torque. [N m] */
+  double payload; /* Payload. [kg] */
+  double payload_std; /* Standard deviation of the payload. [kg] */
+  double velocity; /* Swing velocity. [rad/s] */
+  double acceleration; /* Swing acceleration. [rad/s^2] */
+  double friction; /* Coulomb friction torque. [N m] */
+  double friction_std; /* Standard deviation of the friction. [N m] */
+  double offset; /* Torque offset. [N m] */
+  double offset_std; /* Standard deviation of the offset. [N m] */
+  double nis; /* Normalised innovation squared of this sample, 0 where none was accepted. */
+  double forgetting_inertia; /* Forgetting factor of the inertia (regressions; else 0). */
+  double forgetting_damping; /* Forgetting factor of the damping. */
+  double forgetting_torque; /* Forgetting factor of the torque. */
+  uint64_t refused; /* Rows refused so far. */
+  uint32_t flags; /* HEFT_EXCAVATOR_FLAG_... */
+  uint32_t estimated; /* HEFT_EXCAVATOR_ESTIMATED_... */
+  uint32_t method; /* HEFT_EXCAVATOR_METHOD_..., the one at work. */
+  uint32_t reserved; /* 0 */
+} heft_excavator_estimate;
+
+/* Settings, as in a description; flags are 0 or 1, choices count from 0, NAN is "none". */
+typedef struct {
+  struct {
+    double nominal_damping; /* Viscous damping of the swing, as known beforehand (b-bar). [N m s/rad] */
+    double coulomb_friction; /* Coulomb friction torque of the swing. [N m] */
+    double upper_inertia; /* Inertia of the upper body without boom, arm and bucket, about the swing axis (J_u). [kg m^2] */
+    double inertia_min; /* Smallest inertia that an estimate may take. [kg m^2] */
+    double inertia_max; /* Largest inertia that an estimate may take. [kg m^2] */
+  } machine;
+  struct {
+    double boom_pin; /* Swing axis to boom pin, horizontal (x0). [m] */
+    double boom_length; /* Boom pin to arm pin (L1). [m] */
+    double arm_length; /* Arm pin to bucket pin (L2). [m] */
+    double boom_centre; /* Boom pin to the boom's centre of mass (c1). [m] */
+    double arm_centre; /* Arm pin to the arm's centre of mass (c2). [m] */
+    double bucket_centre; /* Bucket pin to the bucket's centre of mass (c3). [m] */
+    double payload_centre; /* Bucket pin to the payload's centre of mass (cp). [m] */
+    double payload_gyration; /* Radius of gyration of the payload (kp). [m] */
+    double boom_mass; /* Mass of the boom (m1). [kg] */
+    double arm_mass; /* Mass of the arm (m2). [kg] */
+    double bucket_mass; /* Mass of the empty bucket (m3). [kg] */
+    double boom_inertia; /* Inertia of the boom across its length, at its centre of mass (I1). [kg m^2] */
+    double arm_inertia; /* Inertia of the arm across its length (I2). [kg m^2] */
+    double bucket_inertia; /* Inertia of the bucket across its length (I3). [kg m^2] */
+    double boom_axial_inertia; /* Inertia of the boom about its length (Ir1). [kg m^2] */
+    double arm_axial_inertia; /* Inertia of the arm about its length (Ir2). [kg m^2] */
+    double bucket_axial_inertia; /* Inertia of the bucket about its length (Ir3). [kg m^2] */
+  } geometry;
+  struct {
+    double rate; /* Samples per second. [Hz] */
+    double swing_velocity_std; /* Noise of the swing velocity (sigma_w). [rad/s] */
+    double swing_angle_std; /* Noise of the swing angle, where an encoder serves in place of the velocity. [rad] */
+    double swing_torque_std; /* Noise of the swing torque (sigma_T). [N m] */
+    double swing_torque_gain_std; /* Standard deviation of the torque's gain about 1; it cannot be noticed, and widens the interval. */
+    double swing_velocity_limit; /* A velocity of this size or more is taken as missing (end of the sensor's range). [rad/s] */
+    double angle_limit; /* A joint angle of this size or more is taken as missing. [rad] */
+  } sensors;
+  struct {
+    double inertia; /* Swing inertia. [kg m^2] */
+    double inertia_std; /* Its standard deviation. [kg m^2] */
+    double payload; /* Payload. [kg] */
+    double payload_std; /* Its standard deviation. [kg] */
+    double damping_std; /* Standard deviation of the damping about nominal_damping (s_b); 0 or the variant "known" say that it is calibrated. [N m s/rad] */
+    double torque_offset_std; /* Standard deviation of the torque offset (s_d). [N m] */
+    double known_torque_offset_std; /* The same for the variant "known". [N m] */
+    double friction_std; /* Standard deviation of the Coulomb friction about coulomb_friction, where it is estimated. [N m] */
+  } prior;
+  struct {
+    double variant; /* What is assumed of damping, torque offset and payload. (0 auto, 1 known, 2 tolerant, 3 drop) */
+    double constant_inertia; /* The caller declares that the inertia does not change (mode A). */
+    double calibrate_at_rest; /* Measures the velocity's bias over the first 0.5 s, if the machine stands then. */
+    double measure_noise_at_rest; /* Measures the velocity's noise in the same time, within 0.5 to 4 times the described one. */
+    double estimate_damping; /* svf-rls estimates the viscous damping too. */
+    double estimate_friction; /* svf-rls estimates the Coulomb friction too. */
+    double estimate_offset; /* svf-rls estimates a torque offset too. */
+    double filter_frequency; /* Natural frequency of the common second-order filter of velocity, torque and friction (wn). [rad/s] */
+    double filter_damping; /* Its damping ratio (zeta). */
+    double convergence_delay; /* Convergence delay of the Kalman filter, the length of a change window; "none" computes it from the gain. [s] */
+    double epsilon; /* Nominal rule: distance of the estimated from the nominal damping at which it acts (Eqs. 28-29). [N m s/rad] */
+    double q_c; /* Random walk of the acceleration in the Kalman filter, variance per second (q_c; q = q_c T). [rad^2/s^5] */
+    double q_m; /* Random walk of the payload, variance per second (q_m). [kg^2/s] */
+    double q_l; /* Random walk of ln J, variance per second (q_l). [1/s] */
+    double gate; /* Innovations beyond this many standard deviations are weakened. */
+    double reject; /* Innovations beyond this many standard deviations are dropped, at most three in a row (modes C, A). */
+    double payload_min; /* Smallest payload that an estimate may take. [kg] */
+    double payload_max; /* Largest payload that an estimate may take. [kg] */
+    double reopen_after; /* After a stand of this length the payload may be another. [s] */
+    double excited_velocity; /* Verdict: excited at this velocity. [rad/s] */
+    double consistent_nis; /* Verdict: consistent up to this mean of the normalised innovations squared. */
+    double converged_share; /* Verdict: converged when the half width of the 95 % interval is below this share of J. */
+    double fresh_velocity; /* Verdict: fresh with a velocity at most this old. [s] */
+    double fresh_others; /* Verdict: fresh with torque and angles at most this old. [s] */
+  } estimator;
+} heft_excavator_settings;
+
+/* Bytes that heft_excavator_init needs. */
+size_t heft_excavator_size(void);
+
+/* Fills in the settings of the reference machine. */
+int32_t heft_excavator_defaults(heft_excavator_settings *settings);
+
+/* Sets one key by its name, such as "sensors.rate"; HEFT_NO_SUCH_KEY if there is none. */
+int32_t heft_excavator_set(heft_excavator_settings *settings, const char *key, double value);
+
+/* Makes an estimator in the caller's memory (aligned to 8 bytes). `settings` may be NULL for those of
+ * the reference machine; they are copied. HEFT_REFUSED: heft_excavator_error tells what is wrong. */
+int32_t heft_excavator_init(void *memory, size_t size, const heft_excavator_settings *settings,
+                       uint32_t method, uint32_t columns);
+
+/* Takes one row and answers. A row whose time does not increase is refused: it changes nothing, and the
+ * answer has the flag REFUSED. The memory must have been given to heft_excavator_init. */
+int32_t heft_excavator_step(void *memory, const heft_excavator_sample *sample, heft_excavator_estimate *estimate);
+
+/* Why the last heft_excavator_init on this memory returned HEFT_REFUSED; "" if it did not. */
+const char *heft_excavator_error(const void *memory);
+
+/* ---- loader ---- */
+
+/* Methods. */
+#define HEFT_LOADER_METHOD_FULL 0
+#define HEFT_LOADER_METHOD_ISR_UKF_PRINTED 1
+#define HEFT_LOADER_METHOD_ISR_UKF 2
+#define HEFT_LOADER_METHOD_EKF 3
+
+/* Signals that the machine has, for `columns` of heft_loader_init; each needs its bit to be used. */
+#define HEFT_LOADER_COLUMN_SPEED (1u << 0)
+#define HEFT_LOADER_COLUMN_FRONT_WHEEL_SPEED (1u << 1)
+#define HEFT_LOADER_COLUMN_REAR_WHEEL_SPEED (1u << 2)
+#define HEFT_LOADER_COLUMN_FRONT_TORQUE (1u << 3)
+#define HEFT_LOADER_COLUMN_REAR_TORQUE (1u << 4)
+#define HEFT_LOADER_COLUMN_SLOPE (1u << 5)
+#define HEFT_LOADER_COLUMN_ACCELERATION (1u << 6)
+#define HEFT_LOADER_COLUMN_MASS (1u << 7)
+#define HEFT_LOADER_COLUMN_SPADE_FORCE_X (1u << 8)
+#define HEFT_LOADER_COLUMN_SPADE_FORCE_Z (1u << 9)
+#define HEFT_LOADER_COLUMN_BOOM_MOVING (1u << 10)
+
+/* Bits of `flags` of an estimate. */
+#define HEFT_LOADER_FLAG_EXCITED_RATIO (1u << 0)
+#define HEFT_LOADER_FLAG_EXCITED_HEIGHT (1u << 1)
+#define HEFT_LOADER_FLAG_CONSISTENT (1u << 2)
+#define HEFT_LOADER_FLAG_FRESH (1u << 3)
+#define HEFT_LOADER_FLAG_CONVERGED_RATIO (1u << 4)
+#define HEFT_LOADER_FLAG_CONVERGED_HEIGHT (1u << 5)
+#define HEFT_LOADER_FLAG_FROZEN (1u << 6)
+#define HEFT_LOADER_FLAG_RESET (1u << 7)
+#define HEFT_LOADER_FLAG_TRUSTED_RATIO (1u << 8)
+#define HEFT_LOADER_FLAG_TRUSTED_HEIGHT (1u << 9)
+#define HEFT_LOADER_FLAG_REFUSED (1u << 10)
+#define HEFT_LOADER_FLAG_DIVERGED (1u << 11)
+
+/* Bits of `estimated` of an estimate: which quantities the method has an opinion on. */
+#define HEFT_LOADER_ESTIMATED_STATE (1u << 0)
+#define HEFT_LOADER_ESTIMATED_SPADE_FORCE_X (1u << 1)
+#define HEFT_LOADER_ESTIMATED_SLOPE_BIAS (1u << 2)
+#define HEFT_LOADER_ESTIMATED_RADIUS_SCALES (1u << 3)
+
+/* A row of sensors; NAN where a sample is missing. */
+typedef struct {
+  double t; /* Time of the measurement as the data tell it. [s] */
+  double speed; /* Forward speed of the body. [m/s] */
+  double front_wheel_speed; /* Speed of the front wheels. [rad/s] */
+  double rear_wheel_speed; /* Speed of the rear wheels. [rad/s] */
+  double front_torque; /* Front axle torque at the wheels, total. [N m] */
+  double rear_torque; /* Rear axle torque at the wheels, total. [N m] */
+  double slope; /* Road slope, uphill in the driving direction positive. [rad] */
+  double acceleration; /* Specific force along the body axis, dv/dt + g sin(slope). [m/s^2] */
+  double mass; /* Mass of the machine with its load. [kg] */
+  double spade_force_x; /* Force on the bucket tip that pushes the machine backward. [N] */
+  double spade_force_z; /* Force on the bucket tip that pushes the machine down. [N] */
+  double boom_moving; /* Above 0 while the boom moves; 0 or NAN: it rests. */
+} heft_loader_sample;
+
+/* The answer to a row. */
+typedef struct {
+  double t; /* Time of the measurement as the data tell it. [s] */
+  double speed; /* Forward speed. [m/s] */
+  double front_wheel_speed; /* Speed of the front wheels. [rad/s] */
+  double rear_wheel_speed; /* Speed of the rear wheels. [rad/s] */
+  double slip_stiffness; /* Slip stiffness of the tyres, F_x = K slip F_z. */
+  double slip_stiffness_std; /* Standard deviation of the slip stiffness. */
+  double cg_height; /* Height of the centre of gravity above ground. [m] */
+  double cg_height_std; /* Standard deviation of the height, floor included. [m] */
+  double cg_ratio; /* Share of the static weight on the front axle. */
+  double cg_ratio_std; /* Standard deviation of the ratio, floor included. */
+  double cg_distance; /* Distance from the front axle to the centre of gravity. [m] */
+  double spade_force_x; /* Horizontal spade force, measured plus unknown. [N] */
+  double spade_force_x_std; /* Standard deviation of the spade force. [N] */
+  double slope_bias; /* Bias of the slope sensor (true slope = measured - bias). [rad] */
+  double front_radius_scale; /* Rolling radius of the front wheels over its nominal value. */
+  double rear_radius_scale; /* Rolling radius of the rear wheels over its nominal value. */
+  double nis; /* Normalised innovation squared of this sample per accepted measurement. */
+  uint64_t refused; /* Rows refused so far. */
+  uint32_t flags; /* HEFT_LOADER_FLAG_... */
+  uint32_t estimated; /* HEFT_LOADER_ESTIMATED_... */
+  uint32_t method; /* HEFT_LOADER_METHOD_..., the one at work. */
+  uint32_t reserved; /* 0 */
+} heft_loader_estimate;
+
+/* Settings, as in a description; flags are 0 or 1, choices count from 0, NAN is "none". */
+typedef struct {
+  struct {
+    double mass; /* Mass, where the data do not carry one. [kg] */
+    double wheel_radius; /* Rolling radius at the nominal axle load. [m] */
+    double axle_inertia; /* Inertia of an axle with its wheels and drive, at the wheel. [kg m^2] */
+    double wheelbase; /* Distance of the axles (l). [m] */
+    double bucket_reach; /* Front axle to bucket tip (l_c). [m] */
+    double rolling_resistance; /* Rolling resistance (f). */
+    double friction; /* Largest tyre force over axle load (mu); 0 leaves it unlimited. */
+    double radius_load_sensitivity; /* Relative loss of rolling radius per relative axle load (rho). */
+    double radius_load_sensitivity_std; /* Its standard deviation; widens the reported interval of the ratio. */
+    double relaxation_length; /* Relaxation length of the tyres; 0 for tyres that do not wind up. [m] */
+  } machine;
+  struct {
+    double speed_std; /* Noise of the speed. [m/s] */
+    double wheel_speed_std; /* Noise of the wheel speeds. [rad/s] */
+    double slope_std; /* Noise of the slope. [rad] */
+    double acceleration_std; /* Noise of the specific force. [m/s^2] */
+    double torque_gain_std; /* Standard deviation of each axle's torque gain; widens the reported interval of the ratio. */
+  } sensors;
+  struct {
+    double slip_stiffness; /* Slip stiffness (K). */
+    double slip_stiffness_std; /* Its standard deviation. */
+    double cg_height; /* Height of the centre of gravity (h). [m] */
+    double cg_height_std; /* Its standard deviation. [m] */
+    double cg_ratio; /* Share of the static weight on the front axle (lambda). */
+    double cg_ratio_std; /* Its standard deviation. */
+    double speed_std; /* Standard deviation of the speed at the start. [m/s] */
+    double wheel_speed_std; /* Standard deviation of the wheel speeds at the start. [rad/s] */
+    double spade_force_std; /* Standard deviation of the unmeasured spade force at the start. [N] */
+    double radius_std; /* Standard deviation of the relative radius errors at the start; 5e-4 when calibrated. */
+    double slope_bias_std; /* Standard deviation of the slope bias at the start. [rad] */
+  } prior;
+  struct {
+    double q_speed; /* Random walk of the speed. [m/s] */
+    double q_wheel_speed; /* Random walk of the wheel speeds. [rad/s] */
+    double q_slip_stiffness; /* Random walk of the slip stiffness. */
+    double q_cg_height; /* Random walk of the height. [m] */
+    double q_cg_ratio; /* Random walk of the ratio. */
+    double q_spade_force; /* Random walk of the unmeasured spade force. [N] */
+    double q_radius; /* Random walk of the radius errors. */
+    double q_slope_bias; /* Random walk of the slope bias. [rad] */
+    double v_min; /* Smallest speed in a slip denominator. [m/s] */
+    double v_freeze; /* Parameters are frozen below this speed. [m/s] */
+    double c_b; /* Wheel-speed noise from axle-load ripple acting through the slip, share of the slip (cb). */
+    double c_rho; /* Wheel-speed noise from axle-load ripple acting through the radius (crho). */
+    double c_t; /* Wheel-speed noise from changes of torque (ct). */
+    double gap; /* A longer step between rows is a gap: speed and wheel speeds are taken anew. [s] */
+    double cg_height_floor; /* What cannot be learnt of the height; added to its reported standard deviation. [m] */
+    double cg_ratio_floor; /* What cannot be learnt of the ratio, relative; added to its reported standard deviation. */
+    double excited_torque; /* Verdict: the ratio is excited when the torque varies by this (standard deviation over 5 s). [N m] */
+    double excited_acceleration; /* Verdict: the height is excited when the acceleration varies by this. [m/s^2] */
+    double fresh; /* Verdict: fresh with speed and wheel speeds at most this old. [s] */
+    double consistent_nis; /* Verdict: consistent up to this mean normalised innovation squared. */
+    double converged_ratio; /* Verdict: the ratio has converged at this relative standard deviation. */
+    double converged_height; /* Verdict: the height has converged at this standard deviation. [m] */
+  } estimator;
+} heft_loader_settings;
+
+/* Bytes that heft_loader_init needs. */
+size_t heft_loader_size(void);
+
+/* Fills in the settings of the reference machine. */
+int32_t heft_loader_defaults(heft_loader_settings *settings);
+
+/* Sets one key by its name, such as "sensors.rate"; HEFT_NO_SUCH_KEY if there is none. */
+int32_t heft_loader_set(heft_loader_settings *settings, const char *key, double value);
+
+/* Makes an estimator in the caller's memory (aligned to 8 bytes). `settings` may be NULL for those of
+ * the reference machine; they are copied. HEFT_REFUSED: heft_loader_error tells what is wrong. */
+int32_t heft_loader_init(void *memory, size_t size, const heft_loader_settings *settings,
+                       uint32_t method, uint32_t columns);
+
+/* Takes one row and answers. A row whose time does not increase is refused: it changes nothing, and the
+ * answer has the flag REFUSED. The memory must have been given to heft_loader_init. */
+int32_t heft_loader_step(void *memory, const heft_loader_sample *sample, heft_loader_estimate *estimate);
+
+/* Why the last heft_loader_init on this memory returned HEFT_REFUSED; "" if it did not. */
+const char *heft_loader_error(const void *memory);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,138 @@
+//! What a machine must tell to be offered outside: its numbers in their order, each with a way in
+//! or out of the types of `estimation`.
+
+use core::fmt::Display;
+
+use crate::settings::Settings;
+
+/// A signal of a row; its bit in `columns` is its position, the time not counted.
+pub struct Signal<T> {
+    /// Name in data.
+    pub name: &'static str,
+    /// Takes a value; NaN is a missing sample.
+    pub put: fn(&mut T, f64),
+}
+
+/// A number of an answer.
+pub struct Value<E> {
+    /// Name in data.
+    pub name: &'static str,
+    /// The number; 0 where the method does not estimate it.
+    pub get: fn(&E) -> f64,
+}
+
+/// A bit of an answer; its position in the table is its position in the word.
+pub struct Bit<E> {
+    /// Name.
+    pub name: &'static str,
+    /// Whether it is set.
+    pub get: fn(&E) -> bool,
+}
+
+/// A machine with an estimator that can be offered to another language.
+pub trait Machine: Sized + Clone + 'static {
+    /// Name on the command line.
+    const NAME: &'static str;
+    /// Its description.
+    type Settings: Settings;
+    /// A row.
+    type Sample: Default;
+    /// An answer.
+    type Estimate;
+    /// All signals; the first is the time.
+    const SIGNALS: &'static [Signal<Self::Sample>];
+    /// Signals that a machine must have at least one of, group by group.
+    const REQUIRED: &'static [&'static [&'static str]];
+    /// All numbers of an answer; the first is the time.
+    const VALUES: &'static [Value<Self::Estimate>];
+    /// Bits of the verdict.
+    const FLAGS: &'static [Bit<Self::Estimate>];
+    /// Bits of the quantities that the method estimates.
+    const ESTIMATED: &'static [Bit<Self::Estimate>];
+    /// Methods by their number.
+    const METHODS: &'static [&'static str];
+
+    /// An estimator that waits for its first row. `columns`: bits of the signals that there are.
+    ///
+    /// # Errors
+    /// What is wrong with a setting, the method or the columns, in words.
+    fn new(settings: &Self::Settings, method: usize, columns: u32) -> Result<Self, impl Display>;
+
+    /// Takes one row and always answers.
+    fn step(&mut self, sample: &Self::Sample) -> Self::Estimate;
+
+    /// Number of the method that made an answer.
+    fn method(estimate: &Self::Estimate) -> usize;
+
+    /// Code of the reason why the answer is not trusted, 0 for none.
+    fn reason(estimate: &Self::Estimate) -> u32;
+
+    /// Rows refused so far.
+    fn refused(estimate: &Self::Estimate) -> u64;
+}
+
+/// An answer as it crosses the border.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Answer<const N: usize> {
+    /// In the order of [`Machine::VALUES`].
+    pub values: [f64; N],
+    /// Rows refused so far.
+    pub refused: u64,
+    /// Verdict bits.
+    pub flags: u32,
+    /// Bits of the quantities that the method estimates.
+    pub estimated: u32,
+    /// Number of the method that made the answer.
+    pub method: u32,
+    /// Code of the reason why it is not trusted, 0 for none.
+    pub reason: u32,
+}
+
+/// A row from its numbers.
+pub fn sample<M: Machine>(numbers: &[f64]) -> M::Sample {
+    let mut sample = M::Sample::default();
+    for (signal, number) in M::SIGNALS.iter().zip(numbers) {
+        (signal.put)(&mut sample, *number);
+    }
+    sample
+}
+
+/// An answer as numbers and bits.
+pub fn answer<M: Machine, const N: usize>(estimate: &M::Estimate) -> Answer<N> {
+    let mut values = [0.0; N];
+    for (value, number) in M::VALUES.iter().zip(&mut values) {
+        *number = (value.get)(estimate);
+    }
+    Answer {
+        values,
+        refused: M::refused(estimate),
+        flags: bits(M::FLAGS, estimate),
+        estimated: bits(M::ESTIMATED, estimate),
+        method: M::method(estimate) as u32,
+        reason: M::reason(estimate),
+    }
+}
+
+/// The word of these bits.
+pub fn bits<E>(bits: &[Bit<E>], estimate: &E) -> u32 {
+    let set = bits
+        .iter()
+        .enumerate()
+        .filter(|(_, bit)| (bit.get)(estimate));
+    set.fold(0, |all, (i, _)| all | 1 << i)
+}
+
+/// A number, or nothing for NaN.
+pub(crate) fn present(number: f64) -> Option<f64> {
+    (!number.is_nan()).then_some(number)
+}
+
+/// A table of names, each with a function.
+macro_rules! rows {
+    ($kind:ident, $function:ident: $( $name:ident = $body:expr; )*) => {
+        &[$( $crate::table::$kind { name: stringify!($name), $function: $body }, )*]
+    };
+}
+
+pub(crate) use rows;

@@ -1,0 +1,337 @@
+//! modelDescription.xml, from the tables of the machine, of the messages and of the keys.
+
+use std::fmt::Write;
+
+use estimation::keys::Form;
+use heft_c::settings::{places, write};
+use heft_c::{Excavator, Loader, Machine};
+use messages::{ExcavatorEstimate, ExcavatorSensors, LoaderEstimate, LoaderSensors, Message};
+
+use crate::model::default_columns;
+use crate::model::reference::{ESTIMATED, FLAG, HAS, INPUT, KEY, METHOD, METHOD_USED, TIME, VALUE};
+
+/// Where words, units and ranges of a machine stand.
+pub trait Words: Machine {
+    /// Message of its sensors.
+    type Sensors: Message;
+    /// Message of its estimates.
+    type Answer: Message;
+}
+
+impl Words for Excavator {
+    type Sensors = ExcavatorSensors;
+    type Answer = ExcavatorEstimate;
+}
+
+impl Words for Loader {
+    type Sensors = LoaderSensors;
+    type Answer = LoaderEstimate;
+}
+
+/// Name of the FMU and of the library inside.
+#[must_use]
+pub fn identifier<M: Machine>() -> String {
+    format!("heft_{}", M::NAME)
+}
+
+/// Tells that library and description belong together, and which machine is meant.
+#[must_use]
+pub fn token<M: Machine>() -> String {
+    format!("heft-{}-{}", M::NAME, env!("CARGO_PKG_VERSION"))
+}
+
+/// One variable.
+struct Variable {
+    kind: &'static str,
+    name: String,
+    reference: u32,
+    causality: &'static str,
+    text: String,
+    /// Further attributes, each with a space before it.
+    more: String,
+}
+
+/// The whole description.
+#[must_use]
+pub fn xml<M: Words>() -> String {
+    let variables = variables::<M>();
+    let (name, identifier, token) = (M::NAME, identifier::<M>(), token::<M>());
+    let mut out = format!(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n\
+         <fmiModelDescription fmiVersion=\"3.0\" modelName=\"{identifier}\" instantiationToken=\"{token}\" \
+         description=\"heft: mass properties of the {name}, estimated while it works\" \
+         version=\"{}\" license=\"MIT OR Apache-2.0\" generationTool=\"heft\" variableNamingConvention=\"structured\">\n  \
+         <CoSimulation modelIdentifier=\"{identifier}\" canHandleVariableCommunicationStepSize=\"true\" \
+         canGetAndSetFMUState=\"true\"/>\n",
+        env!("CARGO_PKG_VERSION")
+    );
+    units::<M>(&mut out);
+    out += "  <TypeDefinitions>\n    <EnumerationType name=\"Method\">\n";
+    for (i, method) in M::METHODS.iter().enumerate() {
+        let _ = writeln!(out, "      <Item name=\"{method}\" value=\"{i}\"/>");
+    }
+    out += "    </EnumerationType>\n  </TypeDefinitions>\n";
+    out += "  <LogCategories>\n    <Category name=\"logStatusError\"/>\n  </LogCategories>\n";
+    out += "  <DefaultExperiment startTime=\"0\" stopTime=\"10\" stepSize=\"0.01\"/>\n  <ModelVariables>\n";
+    for v in &variables {
+        let _ = writeln!(
+            out,
+            "    <{} name=\"{}\" valueReference=\"{}\" causality=\"{}\"{} description=\"{}\"/>",
+            v.kind,
+            v.name,
+            v.reference,
+            v.causality,
+            v.more,
+            escape(&v.text)
+        );
+    }
+    out += "  </ModelVariables>\n  <ModelStructure>\n";
+    for element in ["Output", "InitialUnknown"] {
+        for output in variables.iter().filter(|v| v.causality == "output") {
+            let _ = writeln!(
+                out,
+                "    <{element} valueReference=\"{}\"/>",
+                output.reference
+            );
+        }
+    }
+    out += "  </ModelStructure>\n</fmiModelDescription>\n";
+    out
+}
+
+fn variables<M: Words>() -> Vec<Variable> {
+    let mut all = vec![Variable {
+        kind: "Float64",
+        name: "time".to_owned(),
+        reference: TIME,
+        causality: "independent",
+        text: "Time.".to_owned(),
+        more: " variability=\"continuous\" unit=\"s\"".to_owned(),
+    }];
+    inputs::<M>(&mut all);
+    parameters::<M>(&mut all);
+    outputs::<M>(&mut all);
+    all
+}
+
+fn inputs<M: Words>(all: &mut Vec<Variable>) {
+    for (i, signal) in M::SIGNALS.iter().enumerate().skip(1) {
+        let (unit, doc) = words::<M::Sensors>(signal.name);
+        all.push(Variable {
+            kind: "Float64",
+            name: signal.name.to_owned(),
+            reference: INPUT + i as u32,
+            causality: "input",
+            text: format!("{doc} NaN where a sample is missing."),
+            more: format!(
+                " variability=\"discrete\" start=\"0\"{}",
+                unit_attribute(unit)
+            ),
+        });
+    }
+    for (i, signal) in M::SIGNALS.iter().enumerate().skip(1) {
+        let start = default_columns::<M>() & (1 << (i - 1)) != 0;
+        all.push(Variable {
+            kind: "Boolean",
+            name: format!("has.{}", signal.name),
+            reference: HAS + i as u32,
+            causality: "parameter",
+            text: format!("The input {} is connected and may be used.", signal.name),
+            more: format!(" variability=\"fixed\" start=\"{start}\""),
+        });
+    }
+}
+
+fn parameters<M: Words>(all: &mut Vec<Variable>) {
+    all.push(Variable {
+        kind: "Enumeration",
+        name: "method".to_owned(),
+        reference: METHOD,
+        causality: "parameter",
+        text: "Method of estimation.".to_owned(),
+        more: " variability=\"fixed\" start=\"0\" declaredType=\"Method\"".to_owned(),
+    });
+    let settings = M::Settings::default();
+    let mut starts = Vec::new();
+    write(&settings, |_, number| starts.push(number));
+    for place in places(&settings) {
+        let key = place.key;
+        let mut text = key.doc.trim().to_owned();
+        let mut range = key.range.map_or(String::new(), |r| {
+            format!(" min=\"{:?}\" max=\"{:?}\"", r.low, r.high)
+        });
+        if let Form::Choice(choices) = key.form {
+            let choices = choices.iter().enumerate();
+            let choices: Vec<String> = choices.map(|(i, word)| format!("{i} {word}")).collect();
+            let _ = write!(text, " ({})", choices.join(", "));
+            range.clear();
+        }
+        for i in 0..place.width() {
+            let start = starts[place.first + i];
+            // "None" has no number that every importer can read.
+            if start.is_nan() {
+                continue;
+            }
+            let index = if place.width() > 1 {
+                format!("[{}]", i + 1)
+            } else {
+                String::new()
+            };
+            all.push(Variable {
+                kind: "Float64",
+                name: format!("{}.{}{index}", place.table, key.name),
+                reference: KEY + (place.first + i) as u32,
+                causality: "parameter",
+                text: text.clone(),
+                more: format!(
+                    " variability=\"fixed\"{}{range} start=\"{start:?}\"",
+                    unit_attribute(key.unit)
+                ),
+            });
+        }
+    }
+}
+
+fn outputs<M: Words>(all: &mut Vec<Variable>) {
+    let output = |kind, name: String, reference, text: String, unit: String| Variable {
+        kind,
+        name,
+        reference,
+        causality: "output",
+        text,
+        more: format!(" variability=\"discrete\" initial=\"calculated\"{unit}"),
+    };
+    for (i, value) in M::VALUES.iter().enumerate().skip(1) {
+        let (unit, doc) = words::<M::Answer>(value.name);
+        let name = format!("estimate.{}", value.name);
+        all.push(output(
+            "Float64",
+            name,
+            VALUE + i as u32,
+            doc.to_owned(),
+            unit_attribute(unit),
+        ));
+    }
+    for (i, flag) in M::FLAGS.iter().enumerate() {
+        let text = "Bit of the verdict; believe what is trusted.".to_owned();
+        let name = format!("verdict.{}", flag.name);
+        all.push(output(
+            "Boolean",
+            name,
+            FLAG + i as u32,
+            text,
+            String::new(),
+        ));
+    }
+    for (i, bit) in M::ESTIMATED.iter().enumerate() {
+        let text = "The method has an opinion on this quantity.".to_owned();
+        let name = format!("estimated.{}", bit.name);
+        all.push(output(
+            "Boolean",
+            name,
+            ESTIMATED + i as u32,
+            text,
+            String::new(),
+        ));
+    }
+    let declared = " declaredType=\"Method\"".to_owned();
+    let text = "Method at work.".to_owned();
+    all.push(output(
+        "Enumeration",
+        "estimate.method".to_owned(),
+        METHOD_USED,
+        text,
+        declared,
+    ));
+}
+
+/// Unit and words of a signal or a value; the boom's motion is a bit of the messages.
+fn words<M: Message>(name: &str) -> (&'static str, &'static str) {
+    let field = M::FIELDS.iter().find(|field| field.name == name);
+    field.map_or(("", "Above 0 while the boom moves."), |f| {
+        (f.unit, f.doc.trim())
+    })
+}
+
+fn unit_attribute(unit: &str) -> String {
+    if unit.is_empty() {
+        String::new()
+    } else {
+        format!(" unit=\"{unit}\"")
+    }
+}
+
+/// The definitions of all units that the variables have.
+fn units<M: Words>(out: &mut String) {
+    let settings = M::Settings::default();
+    let keys = places(&settings).map(|place| place.key.unit);
+    let sensors = M::Sensors::FIELDS
+        .iter()
+        .chain(M::Answer::FIELDS)
+        .map(|f| f.unit);
+    let mut units: Vec<&str> = keys
+        .chain(sensors)
+        .filter(|u| !u.is_empty() && *u != "ns")
+        .collect();
+    units.sort_unstable();
+    units.dedup();
+    out.push_str("  <UnitDefinitions>\n");
+    for unit in units {
+        let base = exponents(unit).map_or(String::new(), |base| {
+            let names = ["kg", "m", "s", "rad"];
+            let set = names.iter().zip(base).filter(|(_, n)| *n != 0);
+            let set: String = set.map(|(name, n)| format!(" {name}=\"{n}\"")).collect();
+            format!("<BaseUnit{set}/>")
+        });
+        let _ = writeln!(out, "    <Unit name=\"{unit}\">{base}</Unit>");
+    }
+    out.push_str("  </UnitDefinitions>\n");
+}
+
+/// Exponents of kg, m, s and rad in a unit such as `N m s/rad`; nothing where a symbol is not known.
+fn exponents(unit: &str) -> Option<[i32; 4]> {
+    let mut sum = [0; 4];
+    for (part, sign) in unit.split('/').zip([1, -1, -1]) {
+        for symbol in part.split_whitespace().filter(|s| *s != "1") {
+            let (root, power) = match symbol.split_once('^') {
+                Some((root, power)) => (root, power.parse::<i32>().ok()?),
+                None => (symbol, 1),
+            };
+            let of = match root {
+                "kg" => [1, 0, 0, 0],
+                "m" => [0, 1, 0, 0],
+                "s" => [0, 0, 1, 0],
+                "rad" => [0, 0, 0, 1],
+                "Hz" => [0, 0, -1, 0],
+                "N" => [1, 1, -2, 0],
+                "W" => [1, 2, -3, 0],
+                "Pa" => [1, -1, -2, 0],
+                _ => return None,
+            };
+            for (sum, of) in sum.iter_mut().zip(of) {
+                *sum += sign * power * of;
+            }
+        }
+    }
+    Some(sum)
+}
+
+fn escape(text: &str) -> String {
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+        .replace('"', "&quot;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_are_taken_apart() {
+        assert_eq!(exponents("N m s/rad"), Some([1, 2, -1, -1]));
+        assert_eq!(exponents("rad^2/s^5"), Some([0, 0, -5, 2]));
+        assert_eq!(exponents("1/s"), Some([0, 0, -1, 0]));
+        assert_eq!(exponents("furlong"), None);
+    }
+}

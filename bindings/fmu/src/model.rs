@@ -1,0 +1,212 @@
+//! One machine as the variables of an FMU.
+
+use heft_c::settings::{read, write};
+use heft_c::{Machine, bits, sample};
+
+/// First value reference of each kind of variable; the position in the machine's table is added.
+pub mod reference {
+    /// The time.
+    pub const TIME: u32 = 0;
+    /// Inputs: signals of a row.
+    pub const INPUT: u32 = 1_000;
+    /// Flags: the machine has this signal.
+    pub const HAS: u32 = 2_000;
+    /// Parameters: keys of the settings.
+    pub const KEY: u32 = 3_000;
+    /// Parameter: the method.
+    pub const METHOD: u32 = 4_000;
+    /// Outputs: numbers of an answer.
+    pub const VALUE: u32 = 5_000;
+    /// Outputs: bits of the verdict.
+    pub const FLAG: u32 = 6_000;
+    /// Outputs: the method has an opinion on this quantity.
+    pub const ESTIMATED: u32 = 7_000;
+    /// Output: the method at work.
+    pub const METHOD_USED: u32 = 8_000;
+}
+use reference::{ESTIMATED, FLAG, HAS, INPUT, KEY, METHOD, METHOD_USED, TIME, VALUE};
+
+/// What an importer can do with a machine, whichever it is. Setters and getters say whether there
+/// is such a variable.
+pub trait Model {
+    /// A number: input, parameter, output or the time.
+    fn float(&self, reference: u32) -> Option<f64>;
+    /// Sets an input, or before the first step a parameter.
+    fn set_float(&mut self, reference: u32, value: f64) -> bool;
+    /// A flag.
+    fn boolean(&self, reference: u32) -> Option<bool>;
+    /// Sets a flag before the first step.
+    fn set_boolean(&mut self, reference: u32, value: bool) -> bool;
+    /// A method by its number.
+    fn enumeration(&self, reference: u32) -> Option<i64>;
+    /// Sets the method before the first step.
+    fn set_enumeration(&mut self, reference: u32, value: i64) -> bool;
+    /// Makes the estimator from the parameters.
+    ///
+    /// # Errors
+    /// What is wrong with them.
+    fn start(&mut self) -> Result<(), String>;
+    /// Takes in the inputs as the row of this time [s], and goes on to the end of the step; false before [`Model::start`].
+    fn step(&mut self, time: f64, length: f64) -> bool;
+    /// Back to the start values.
+    fn reset(&mut self);
+    /// The whole state.
+    fn copy(&self) -> Box<dyn Model>;
+}
+
+/// A machine and the values of its variables.
+#[derive(Clone)]
+pub struct Variables<M: Machine> {
+    time: f64,
+    inputs: Vec<f64>,
+    columns: u32,
+    keys: Vec<f64>,
+    method: usize,
+    machine: Option<M>,
+    values: Vec<f64>,
+    flags: u32,
+    estimated: u32,
+    method_used: usize,
+}
+
+impl<M: Machine> Default for Variables<M> {
+    fn default() -> Self {
+        let mut keys = Vec::new();
+        write(&M::Settings::default(), |_, number| keys.push(number));
+        Self {
+            time: 0.0,
+            inputs: vec![0.0; M::SIGNALS.len()],
+            columns: default_columns::<M>(),
+            keys,
+            method: 0,
+            machine: None,
+            values: vec![0.0; M::VALUES.len()],
+            flags: 0,
+            estimated: 0,
+            method_used: 0,
+        }
+    }
+}
+
+/// The signals without which there is no estimate, the first of each group. Others count only where
+/// the user says so: an importer gives 0 to an input that is not connected.
+pub fn default_columns<M: Machine>() -> u32 {
+    let required = M::REQUIRED.iter().filter_map(|group| group.first());
+    let position = |name: &&str| M::SIGNALS.iter().position(|s| s.name == *name);
+    let found = required.filter_map(position);
+    found.fold(0, |all, i| all | 1 << (i - 1))
+}
+
+/// Position behind `first` in a table of this length.
+fn at(reference: u32, first: u32, length: usize) -> Option<usize> {
+    let i = reference.checked_sub(first)? as usize;
+    (i < length).then_some(i)
+}
+
+impl<M: Machine> Model for Variables<M> {
+    fn float(&self, reference: u32) -> Option<f64> {
+        if reference == TIME {
+            return Some(self.time);
+        }
+        let input = at(reference, INPUT, self.inputs.len()).map(|i| self.inputs[i]);
+        let key = at(reference, KEY, self.keys.len()).map(|i| self.keys[i]);
+        let value = at(reference, VALUE, self.values.len()).map(|i| self.values[i]);
+        input.or(key).or(value)
+    }
+
+    fn set_float(&mut self, reference: u32, value: f64) -> bool {
+        if let Some(i) = at(reference, INPUT, self.inputs.len()) {
+            self.inputs[i] = value;
+            return true;
+        }
+        match at(reference, KEY, self.keys.len()) {
+            Some(i) if self.machine.is_none() => {
+                self.keys[i] = value;
+                true
+            }
+            _ => false,
+        }
+    }
+
+    fn boolean(&self, reference: u32) -> Option<bool> {
+        let set = |word: u32, i: usize| word & (1 << i) != 0;
+        let has = at(reference, HAS, M::SIGNALS.len()).filter(|i| *i > 0);
+        let has = has.map(|i| set(self.columns, i - 1));
+        let flag = at(reference, FLAG, M::FLAGS.len()).map(|i| set(self.flags, i));
+        let estimated = at(reference, ESTIMATED, M::ESTIMATED.len());
+        has.or(flag).or(estimated.map(|i| set(self.estimated, i)))
+    }
+
+    fn set_boolean(&mut self, reference: u32, value: bool) -> bool {
+        match at(reference, HAS, M::SIGNALS.len()) {
+            Some(i) if i > 0 && self.machine.is_none() => {
+                let bit = 1 << (i - 1);
+                self.columns = if value {
+                    self.columns | bit
+                } else {
+                    self.columns & !bit
+                };
+                true
+            }
+            _ => false,
+        }
+    }
+
+    fn enumeration(&self, reference: u32) -> Option<i64> {
+        match reference {
+            METHOD => Some(self.method as i64),
+            METHOD_USED => Some(self.method_used as i64),
+            _ => None,
+        }
+    }
+
+    fn set_enumeration(&mut self, reference: u32, value: i64) -> bool {
+        let known = usize::try_from(value)
+            .ok()
+            .filter(|i| *i < M::METHODS.len());
+        match known {
+            Some(method) if reference == METHOD && self.machine.is_none() => {
+                self.method = method;
+                true
+            }
+            _ => false,
+        }
+    }
+
+    fn start(&mut self) -> Result<(), String> {
+        let settings = read(|i| self.keys[i]).map_err(|error| error.to_string())?;
+        let machine = M::new(&settings, self.method, self.columns);
+        self.machine = Some(machine.map_err(|error| error.to_string())?);
+        Ok(())
+    }
+
+    fn step(&mut self, time: f64, length: f64) -> bool {
+        let Some(machine) = &mut self.machine else {
+            return false;
+        };
+        let mut row = self.inputs.clone();
+        row[0] = time;
+        for (i, number) in row.iter_mut().enumerate().skip(1) {
+            if self.columns & (1 << (i - 1)) == 0 {
+                *number = f64::NAN;
+            }
+        }
+        let estimate = machine.step(&sample::<M>(&row));
+        for (number, value) in self.values.iter_mut().zip(M::VALUES) {
+            *number = (value.get)(&estimate);
+        }
+        self.flags = bits(M::FLAGS, &estimate);
+        self.estimated = bits(M::ESTIMATED, &estimate);
+        self.method_used = M::method(&estimate);
+        self.time = time + length;
+        true
+    }
+
+    fn reset(&mut self) {
+        *self = Self::default();
+    }
+
+    fn copy(&self) -> Box<dyn Model> {
+        Box::new(self.clone())
+    }
+}

@@ -1,0 +1,173 @@
+//! `heft tail`: follows a channel of a running pipeline, a line per sample.
+
+use std::fmt::Write as _;
+use std::io::{ErrorKind, Write as _};
+use std::time::Duration;
+
+use clap::{Args, ValueEnum};
+use messages::channels::{Channel, of_machine};
+use messages::{Field, Machine, Message, Value, fault};
+use runtime::{Ports, Sink, Taps};
+
+use super::top::find;
+use crate::failure::Failure;
+use crate::plan::Plan;
+use crate::signals::Signals;
+
+/// Longest wait before the channel is looked at again.
+const NAP: Duration = Duration::from_millis(5);
+
+/// How a sample is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// An object per line.
+    Json,
+    /// A header, then a row per sample.
+    Csv,
+    /// InfluxDB's line protocol; the time is the host's monotonic clock [ns].
+    Influx,
+}
+
+/// `heft tail`
+#[derive(Debug, Args)]
+pub struct TailArgs {
+    /// The channel, such as excavator/inertia_ukf; the pipeline's main estimate if absent
+    pub channel: Option<String>,
+    /// How a sample is written
+    #[arg(long, value_enum, default_value = "json")]
+    pub format: Format,
+    /// At most so many samples a second; all if absent
+    #[arg(long, value_name = "HZ")]
+    pub rate: Option<f64>,
+    /// The domain to attach to; the only one there is if absent
+    #[arg(long)]
+    pub domain: Option<String>,
+}
+
+/// Writes each sample as it comes.
+struct Writer {
+    format: Format,
+    /// Least time between two samples [s], and that of the last.
+    period: f64,
+    last: f64,
+    has_header: bool,
+    text: String,
+}
+
+/// `heft tail`
+pub fn tail(args: &TailArgs) -> Result<(), Failure> {
+    let domain = find(args.domain.as_deref())?;
+    let machine = Plan::read(&domain)?.machine;
+    let name = args.channel.as_deref().unwrap_or(match machine {
+        Machine::Excavator => "excavator/inertia_ukf",
+        Machine::Loader => "loader/cg_ukf",
+    });
+    let Some(channel) = of_machine(machine).find(|c| c.name == name) else {
+        let names: Vec<&str> = of_machine(machine).map(|c| c.name).collect();
+        return Err(Failure::input(
+            format!("the pipeline has no channel {name}"),
+            "heft tail",
+            format!("one of {}", names.join(", ")),
+        ));
+    };
+    let plan = domain.plan_file();
+    domain.enter()?;
+    let mut taps = Taps::open(&Ports::new("tail")?, &[channel])?;
+    let mut writer = Writer {
+        format: args.format,
+        period: args.rate.filter(|r| *r > 0.0).map_or(0.0, |r| 1.0 / r),
+        last: f64::NEG_INFINITY,
+        has_header: false,
+        text: String::new(),
+    };
+    let stop = Signals::catch()?;
+    while !stop.came() && plan.exists() {
+        taps.drain(&mut writer);
+        let written = std::io::stdout().lock().write_all(writer.text.as_bytes());
+        match written.and_then(|()| std::io::stdout().flush()) {
+            // A reader that has seen enough.
+            Err(e) if e.kind() == ErrorKind::BrokenPipe => return Ok(()),
+            Err(e) => return Err(Failure::internal(e)),
+            Ok(()) => writer.text.clear(),
+        }
+        std::thread::sleep(NAP);
+    }
+    Ok(())
+}
+
+impl Sink for Writer {
+    fn accept<M: Message>(&mut self, channel: &'static Channel, message: &M) {
+        let time = message.stamp().time;
+        // A little early counts as due: the times of samples are sums of rounded steps.
+        let is_early = time - self.last < self.period * 0.999 && time >= self.last;
+        if is_early {
+            return;
+        }
+        self.last = time;
+        let fields = M::FIELDS.iter().enumerate();
+        let fields = fields.filter_map(|(n, field)| Some((field, message.get(n)?)));
+        let out = &mut self.text;
+        match self.format {
+            Format::Csv => {
+                if !std::mem::replace(&mut self.has_header, true) {
+                    let names: Vec<&str> = M::FIELDS.iter().map(|f| f.name).collect();
+                    let _ = writeln!(out, "{}", names.join(","));
+                }
+                join(out, fields, ",", |out, _, value| put(out, value));
+                out.push('\n');
+            }
+            Format::Json => {
+                out.push('{');
+                join(out, fields, ",", |out, field, value| {
+                    let _ = write!(out, "\"{}\":", field.name);
+                    put(out, value);
+                });
+                out.push_str("}\n");
+            }
+            Format::Influx => {
+                let _ = write!(out, "{} ", channel.name.replace('/', "_"));
+                join(out, fields, ",", |out, field, value| {
+                    let _ = write!(out, "{}=", field.name);
+                    put(out, value);
+                    out.push_str(if matches!(value, Value::F64(_)) {
+                        ""
+                    } else {
+                        "u"
+                    });
+                });
+                let _ = writeln!(out, " {}", message.stamp().measured_ns);
+            }
+        }
+    }
+
+    fn has_room(&self) -> bool {
+        true
+    }
+
+    fn fault(&self) -> u32 {
+        fault::NONE
+    }
+
+    fn drain(&mut self) {}
+}
+
+fn join(
+    out: &mut String,
+    fields: impl Iterator<Item = (&'static Field, Value)>,
+    separator: &str,
+    mut put: impl FnMut(&mut String, &Field, Value),
+) {
+    for (n, (field, value)) in fields.enumerate() {
+        out.push_str(if n == 0 { "" } else { separator });
+        put(out, field, value);
+    }
+}
+
+/// A number with all its digits.
+fn put(out: &mut String, value: Value) {
+    let _ = match value {
+        Value::U32(v) => write!(out, "{v}"),
+        Value::U64(v) => write!(out, "{v}"),
+        Value::F64(v) => write!(out, "{v}"),
+    };
+}

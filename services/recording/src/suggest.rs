@@ -1,0 +1,155 @@
+//! A first signal map for a file: columns and CAN signals guessed by name, unit and range, each
+//! line with its reason. A guess is written as such; what was not found is left to be filled in.
+
+mod names;
+mod table;
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use crate::Error;
+use crate::can::dbc::Dbc;
+use crate::can::{Line, parse};
+use crate::signal::{self, Excavator, Loader, Machine};
+use names::{Wanted, fitting, wanted};
+
+/// A first map for the table or CAN log `path`; a log needs the DBC files that describe it. Without
+/// a machine, the one whose signals fit best.
+///
+/// # Errors
+/// A file cannot be read, or is neither a table nor a log.
+pub fn suggest(path: &Path, dbc: &[PathBuf], machine: Option<&str>) -> Result<String, Error> {
+    let is_log = path
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("log"));
+    let of = |name: &str| match (name, is_log) {
+        ("excavator", true) => log::<Excavator>(path, dbc),
+        ("excavator", false) => table::suggest::<Excavator>(path),
+        (_, true) => log::<Loader>(path, dbc),
+        (_, false) => table::suggest::<Loader>(path),
+    };
+    let (_, text) = match machine {
+        Some(name) => of(name)?,
+        None => [of("excavator")?, of("loader")?]
+            .into_iter()
+            .max_by_key(|(found, _)| *found)
+            .unwrap_or_default(),
+    };
+    Ok(text)
+}
+
+/// The first lines of a map: what it is and how to use it.
+fn opening<M: Machine>(path: &Path) -> String {
+    format!(
+        "# A first signal map of {} for the {}, guessed: read every line.\n# Then: heft estimate {} --machine {} --map THIS_FILE -o out.csv\n",
+        path.display(),
+        M::NAME,
+        path.display(),
+        M::NAME
+    )
+}
+
+/// A map for a CAN log, and how many signals were found.
+fn log<M: Machine>(path: &Path, dbc: &[PathBuf]) -> Result<(usize, String), Error> {
+    if dbc.is_empty() {
+        return Err(Error::new(
+            "a CAN log says nothing without the DBC file that describes it",
+            path.display().to_string(),
+            "give one with --dbc",
+        ));
+    }
+    let bytes = std::fs::read(path).map_err(|e| Error::system("read the CAN log", path, &e))?;
+    let text = String::from_utf8_lossy(&bytes);
+    let mut counts = BTreeMap::new();
+    for line in text.lines() {
+        if let Some(Line::Frame { frame, .. }) = parse(line) {
+            *counts.entry((frame.id, frame.extended)).or_insert(0_u32) += 1;
+        }
+    }
+    if counts.is_empty() {
+        return Err(Error::new(
+            "there is no frame in the file",
+            path.display().to_string(),
+            "give a log of candump -L, or of candump -ta with its times",
+        ));
+    }
+    // Names of signals as "Message.Signal", with the frames that the log has of them.
+    let mut present = Vec::new();
+    for file in dbc {
+        for message in Dbc::open(file)?.messages {
+            let matching = counts
+                .iter()
+                .filter(|((id, x), _)| message.matches(*id, *x));
+            let count: u32 = matching.map(|(_, n)| n).sum();
+            for signal in message.signals.iter().filter(|_| count > 0) {
+                let name = format!("{}.{}", message.name, signal.name);
+                present.push((name, signal.unit.clone(), count));
+            }
+        }
+    }
+    let mut out = opening::<M>(path);
+    let files: Vec<String> = dbc
+        .iter()
+        .map(|f| format!("{:?}", f.display().to_string()))
+        .collect();
+    let _ = writeln!(
+        out,
+        "\n[can]\ndbc = [{}]  # paths beside this map",
+        files.join(", ")
+    );
+    let _ = writeln!(
+        out,
+        "rate = 100  # rows a second\nhold = 0.5  # older values are missing [s]\n\n[can.signals]"
+    );
+    let mut found = 0;
+    let names: Vec<&str> = present.iter().map(|(name, ..)| name.as_str()).collect();
+    let mut taken = Vec::new();
+    for Wanted { signal, .. } in wanted::<M>().into_iter().filter(|w| w.signal != "t") {
+        let fit = fitting(&signal, &names, &taken);
+        match fit.map(|at| (at, &present[at])) {
+            Some((at, (name, unit, count))) => {
+                taken.push(at);
+                found += 1;
+                let (message, own) = name.split_once('.').unwrap_or((name, ""));
+                let unit = if unit.is_empty() {
+                    "no unit: taken as SI".into()
+                } else {
+                    format!("unit {unit} by the DBC")
+                };
+                let _ = writeln!(
+                    out,
+                    "{signal} = {{ message = \"{message}\", signal = \"{own}\" }}  # by its name; {count} frames; {unit}"
+                );
+            }
+            None if is_required::<M>(&signal) => {
+                let _ = writeln!(
+                    out,
+                    "# {signal} = {{ message = \"...\", signal = \"...\" }}  # needed, and nothing fits by its name"
+                );
+            }
+            None => {}
+        }
+    }
+    let unseen = if present.is_empty() {
+        "; no message of the DBC is in the log".to_owned()
+    } else {
+        format!(": {}", names.join(", "))
+    };
+    let _ = writeln!(out, "\n# Signals of the DBC that the log carries{unseen}");
+    Ok((found, out))
+}
+
+/// Whether the machine needs the signal, alone or in place of another.
+fn is_required<M: Machine>(signal: &str) -> bool {
+    signal == "t" || M::REQUIRED.iter().any(|group| group.contains(&signal))
+}
+
+/// Unit of a signal.
+fn unit_of<M: Machine>(name: &str) -> &'static str {
+    let signals = signal::signals::<M>();
+    signals
+        .iter()
+        .find(|s| s.name == name)
+        .map_or("", |s| s.unit)
+}

@@ -1,0 +1,144 @@
+//! What others call heft's signals.
+
+use crate::signal::{self, Machine};
+
+/// A signal of heft that a map may name.
+pub(super) struct Wanted {
+    pub signal: String,
+}
+
+/// The signals of a machine that sensors measure, the time first.
+pub(super) fn wanted<M: Machine>() -> Vec<Wanted> {
+    let signals = signal::signals::<M>().into_iter();
+    let measured = signals.filter(|s| !s.name.starts_with("true_"));
+    measured.map(|s| Wanted { signal: s.name }).collect()
+}
+
+/// For each signal, words of which a name must have all, in the order of trust.
+const WORDS: &[(&str, &[&[&str]])] = &[
+    ("t", &[&["timestamp"], &["time"], &["zeit"]]),
+    (
+        "swing_velocity",
+        &[
+            &["swing", "vel"],
+            &["swing", "rate"],
+            &["swing", "speed"],
+            &["slew", "speed"],
+            &["slew", "vel"],
+            &["gyro", "z"],
+            &["yaw", "rate"],
+        ],
+    ),
+    (
+        "swing_angle",
+        &[
+            &["swing", "angle"],
+            &["swing", "pos"],
+            &["swing", "deg"],
+            &["slew", "angle"],
+        ],
+    ),
+    (
+        "swing_torque",
+        &[
+            &["swing", "torque"],
+            &["slew", "torque"],
+            &["swing", "moment"],
+        ],
+    ),
+    (
+        "boom_angle",
+        &[
+            &["boom", "angle"],
+            &["boom", "deg"],
+            &["boom", "pos"],
+            &["boom"],
+        ],
+    ),
+    (
+        "arm_angle",
+        &[
+            &["arm", "angle"],
+            &["stick", "angle"],
+            &["arm", "deg"],
+            &["stick"],
+        ],
+    ),
+    (
+        "bucket_angle",
+        &[&["bucket", "angle"], &["bucket", "deg"], &["bucket"]],
+    ),
+    (
+        "speed",
+        &[
+            &["wheelbased", "speed"],
+            &["vehicle", "speed"],
+            &["ground", "speed"],
+            &["machine", "speed"],
+            &["gps", "speed"],
+            &["ccvs"],
+        ],
+    ),
+    (
+        "front_wheel_speed",
+        &[
+            &["front", "wheel", "speed"],
+            &["front", "axle"],
+            &["front", "rpm"],
+            &["front", "speed"],
+        ],
+    ),
+    (
+        "rear_wheel_speed",
+        &[
+            &["rear", "wheel", "speed"],
+            &["rear", "axle"],
+            &["rear", "rpm"],
+            &["rear", "speed"],
+            &["output", "shaft"],
+        ],
+    ),
+    ("front_torque", &[&["front", "torque"]]),
+    ("rear_torque", &[&["rear", "torque"]]),
+    (
+        "slope",
+        &[
+            &["slope"],
+            &["grade"],
+            &["inclin"],
+            &["pitch", "angle"],
+            &["pitch"],
+        ],
+    ),
+    (
+        "acceleration",
+        &[&["accel", "long"], &["accel", "x"], &["accel"]],
+    ),
+    (
+        "mass",
+        &[&["gross", "mass"], &["vehicle", "mass"], &["mass"]],
+    ),
+    ("pitch", &[&["pitch"]]),
+    ("roll", &[&["roll"]]),
+    ("articulation", &[&["articul"], &["steer", "angle"]]),
+    ("yaw_rate", &[&["yaw", "rate"], &["gyro", "z"]]),
+    ("brake", &[&["brake"]]),
+];
+
+/// Position of the name that fits a signal best and is not taken: heft's own name, else the first
+/// that has the words.
+pub(super) fn fitting(signal: &str, names: &[&str], taken: &[usize]) -> Option<usize> {
+    let free = |at: &usize| !taken.contains(at);
+    let lower: Vec<String> = names.iter().map(|n| n.to_lowercase()).collect();
+    let own = lower
+        .iter()
+        .position(|n| n == signal || n.trim_end_matches("_s") == signal);
+    if let Some(at) = own.filter(free) {
+        return Some(at);
+    }
+    let (_, alternatives) = WORDS.iter().find(|(name, _)| *name == signal)?;
+    alternatives.iter().find_map(|words| {
+        let fits = |n: &String| words.iter().all(|w| n.contains(w));
+        (0..lower.len()).filter(free).find(|at| fits(&lower[*at]))
+    })
+}

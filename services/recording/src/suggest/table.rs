@@ -1,0 +1,150 @@
+//! A first map of a table.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use super::names::{fitting, wanted};
+use super::{is_required, opening, unit_of};
+use crate::Error;
+use crate::csv::numbers;
+use crate::signal::Machine;
+use crate::unit::{self, Unit};
+
+/// Rows that are looked at.
+const LOOK: usize = 20_000;
+
+/// A map for a table, and how many signals were found.
+pub(super) fn suggest<M: Machine>(path: &Path) -> Result<(usize, String), Error> {
+    let (header, columns) = numbers(path, LOOK)?;
+    let names: Vec<&str> = header.iter().map(String::as_str).collect();
+    let mut out = opening::<M>(path);
+    out.push_str("\n[columns]\n");
+    let (mut found, mut taken) = (0, Vec::new());
+    for signal in wanted::<M>().into_iter().map(|w| w.signal) {
+        let Some(at) = fitting(&signal, &names, &taken) else {
+            if is_required::<M>(&signal) {
+                let _ = writeln!(
+                    out,
+                    "# {signal} = \"...\"  # needed, and no column fits by its name"
+                );
+            }
+            continue;
+        };
+        taken.push(at);
+        found += 1;
+        let guess = unit(&signal, unit_of::<M>(&signal), &header[at], &columns[at]);
+        let name = &header[at];
+        let reason = guess.reason;
+        let _ = match guess.unit {
+            Some(unit) => writeln!(
+                out,
+                "{signal} = {{ column = {name:?}, unit = \"{}\" }}  # {reason}",
+                unit.name
+            ),
+            None => writeln!(out, "{signal} = {name:?}  # {reason}"),
+        };
+    }
+    let rest: Vec<&str> = (0..names.len())
+        .filter(|at| !taken.contains(at))
+        .map(|at| names[at])
+        .collect();
+    let _ = writeln!(out, "\n# Columns that fit nothing: {}", rest.join(", "));
+    Ok((found, out))
+}
+
+/// A unit and why.
+struct Guess {
+    unit: Option<&'static Unit>,
+    reason: String,
+}
+
+/// The unit of a column: by its name (`speed [km/h]`, `boom_deg`), else by its values.
+fn unit(signal: &str, si: &str, name: &str, values: &[f64]) -> Guess {
+    if let Some(unit) = named(name).filter(|u| u.si == si) {
+        let unit = Some(unit).filter(|u| u.factor != 1.0);
+        let reason = "unit by the column's name".into();
+        return Guess { unit, reason };
+    }
+    let finite: Vec<f64> = values.iter().copied().filter(|x| x.is_finite()).collect();
+    if finite.is_empty() {
+        let reason = "by its name; no number in it (dates are read as they are)".into();
+        return Guess { unit: None, reason };
+    }
+    if signal == "t" {
+        return time(&finite);
+    }
+    // What no machine of these does in SI units: a turn and more for a joint, 3 rad/s of swing,
+    // 15 m/s of a loader.
+    let (limit, other) = match (signal, si) {
+        (_, "rad") => (core::f64::consts::TAU, "deg"),
+        ("swing_velocity" | "yaw_rate", _) => (3.0, "deg/s"),
+        ("speed", _) => (15.0, "km/h"),
+        ("front_wheel_speed" | "rear_wheel_speed", _) => (40.0, "rpm"),
+        ("mass", _) => return mass(&finite),
+        _ => {
+            return Guess {
+                unit: None,
+                reason: format!("by its name; taken as {si}: check it"),
+            };
+        }
+    };
+    let beyond = finite.iter().filter(|x| x.abs() > limit).count();
+    let all = finite.len();
+    if beyond * 50 > all {
+        let reason = format!("{beyond} of {all} values beyond {limit:.2} {si}: {other}?");
+        return Guess {
+            unit: unit::find(other),
+            reason,
+        };
+    }
+    Guess {
+        unit: None,
+        reason: format!("by its name; {beyond} of {all} values beyond {limit:.2}: {si}?"),
+    }
+}
+
+/// Times by their step: a machine is sampled each 0.1 ms to 1 s.
+fn time(times: &[f64]) -> Guess {
+    let mut steps: Vec<f64> = times
+        .windows(2)
+        .map(|w| w[1] - w[0])
+        .filter(|d| *d > 0.0)
+        .collect();
+    steps.sort_by(f64::total_cmp);
+    let Some(step) = steps.get(steps.len() / 2) else {
+        return Guess {
+            unit: None,
+            reason: "by its name; it never increases".into(),
+        };
+    };
+    let name = match *step {
+        s if s > 1e6 => "ns",
+        s if s > 1e3 => "us",
+        s if s >= 1.0 => "ms",
+        _ => "s",
+    };
+    let reason = format!("median step {step}: {name}?");
+    Guess {
+        unit: unit::find(name).filter(|u| u.factor != 1.0),
+        reason,
+    }
+}
+
+fn mass(values: &[f64]) -> Guess {
+    let largest = values.iter().copied().fold(0.0, f64::max);
+    let unit = unit::find("t").filter(|_| largest < 200.0);
+    let word = if unit.is_some() { "t" } else { "kg" };
+    Guess {
+        unit,
+        reason: format!("up to {largest}: {word}?"),
+    }
+}
+
+/// The unit that a column's name tells: in brackets, or behind the last underscore.
+fn named(name: &str) -> Option<&'static Unit> {
+    let bracketed = name
+        .rsplit_once(['[', '('])
+        .map(|(_, u)| u.trim_end_matches([']', ')']));
+    let suffix = name.rsplit_once('_').map(|(_, u)| u);
+    bracketed.or(suffix).and_then(unit::guess)
+}

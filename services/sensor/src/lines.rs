@@ -1,0 +1,132 @@
+//! Standard input as a source: lines of candump, or rows of a table, as they come.
+
+use std::os::fd::OwnedFd;
+
+use recording::{Error, LineDecoder, MAX_LINE, Machine, Map};
+use runtime::{Live, Polled, now_ns};
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+
+/// Longest wait for a line.
+const PATIENCE: Timespec = Timespec {
+    tv_sec: 0,
+    tv_nsec: 20_000_000,
+};
+/// A line that was written is here after this time at the latest [ns]: only then is silence silence.
+const UNDER_WAY: i64 = 500_000_000;
+
+/// Samples out of a file descriptor.
+#[derive(Debug)]
+pub struct Lines<M: Machine> {
+    input: OwnedFd,
+    stream: LineDecoder<M>,
+    /// What came since the last whole line.
+    rest: Vec<u8>,
+    /// A line that is too long is dropped to its end.
+    is_skipping: bool,
+    has_ended: bool,
+    /// Whether time passes while nothing comes; not where samples are only as fast as they are taken.
+    is_paced: bool,
+}
+
+impl<M: Machine> Lines<M> {
+    /// Reads lines from `input`.
+    ///
+    /// # Errors
+    /// The map does not fit.
+    pub fn new(input: OwnedFd, map: Option<Map>, is_paced: bool) -> Result<Self, Error> {
+        Ok(Self {
+            input,
+            stream: LineDecoder::new(map)?,
+            rest: Vec::new(),
+            is_skipping: false,
+            has_ended: false,
+            is_paced,
+        })
+    }
+
+    /// The first frame gets the time `seconds` instead of 0.
+    pub fn begin_at(&mut self, seconds: f64) {
+        self.stream.begin_at(seconds);
+    }
+
+    fn read(&mut self) {
+        let now = i64::try_from(now_ns()).unwrap_or(i64::MAX);
+        match poll(
+            &mut [PollFd::new(&self.input, PollFlags::IN)],
+            Some(&PATIENCE),
+        ) {
+            Ok(0) | Err(_) => {
+                if self.is_paced {
+                    self.stream.pass(now - UNDER_WAY);
+                }
+                return;
+            }
+            Ok(_) => {}
+        }
+        let mut bytes = [0; 4096];
+        match rustix::io::read(&self.input, &mut bytes) {
+            Ok(0) => {
+                let rest = std::mem::take(&mut self.rest);
+                self.take(&rest, now);
+                self.stream.finish();
+                self.has_ended = true;
+            }
+            Ok(count) => self.split(&bytes[..count], now),
+            Err(rustix::io::Errno::INTR | rustix::io::Errno::AGAIN) => {}
+            Err(error) => {
+                tracing::error!("standard input: {error}");
+                self.stream.finish();
+                self.has_ended = true;
+            }
+        }
+    }
+
+    fn split(&mut self, bytes: &[u8], now: i64) {
+        for piece in bytes.split_inclusive(|b| *b == b'\n') {
+            if !self.is_skipping {
+                self.rest.extend_from_slice(piece);
+            }
+            if piece.ends_with(b"\n") {
+                let line = std::mem::take(&mut self.rest);
+                if !std::mem::take(&mut self.is_skipping) {
+                    self.take(&line, now);
+                }
+                self.rest = line;
+                self.rest.clear();
+            } else if self.rest.len() > MAX_LINE {
+                tracing::warn!("standard input: a line of more than {MAX_LINE} bytes was left out");
+                self.is_skipping = true;
+                self.rest.clear();
+            }
+        }
+    }
+
+    fn take(&mut self, line: &[u8], now: i64) {
+        if let Err(error) = self.stream.take(line, now) {
+            tracing::error!("{error}");
+            self.has_ended = true;
+        }
+    }
+}
+
+impl<M: Machine> Live for Lines<M> {
+    type Sensors = M::Sensors;
+    type Truth = M::Truth;
+
+    fn poll(&mut self) -> Polled<M::Sensors, M::Truth> {
+        if let Some((sensors, truth)) = self.stream.row() {
+            return Polled::Sample(sensors, truth);
+        }
+        if self.has_ended {
+            return Polled::End;
+        }
+        self.read();
+        for remark in self.stream.take_remarks() {
+            tracing::warn!("{remark}");
+        }
+        match self.stream.row() {
+            Some((sensors, truth)) => Polled::Sample(sensors, truth),
+            None => Polled::Nothing,
+        }
+    }
+}
