@@ -86,7 +86,7 @@ mod tests {
 
     #[test]
     fn numbers_keep_three_digits_below_their_uncertainty() {
-        assert_eq!(rounded(1492.123_456_7, 4.2), 1492.123);
+        assert_eq!(rounded(1_492.123_456_7, 4.2), 1492.123);
         assert_eq!(rounded(1.029_912_345_6, 0.0019), 1.029_912);
         assert_eq!(rounded(5.0, 0.0), 5.0);
     }

@@ -202,7 +202,7 @@ pub(crate) fn with_sum(metadata: &Metadata) -> Metadata {
 pub(crate) fn sum_of(metadata: &Metadata) -> String {
     let length = |text: &str| format!("{} {text}\n", text.len());
     let pairs = metadata.iter().map(|(k, v)| length(k) + &length(v));
-    sha256(&pairs.collect::<String>())
+    sha256(pairs.collect::<String>())
 }
 
 fn refused(path: &Path, taken: Taken) -> Error {

@@ -337,13 +337,11 @@ fn a_full_disk_is_an_error_that_names_itself() {
 #[test]
 fn what_cannot_be_opened_is_told_in_three_lines() {
     let dir = folder();
-    let missing = Reader::open(dir.path().join("none.mcap"))
-        .err()
-        .expect("not there");
+    let missing = Reader::open(dir.path().join("none.mcap")).expect_err("not there");
     assert_eq!(missing.to_string().lines().count(), 3);
     let text = dir.path().join("text.mcap");
     std::fs::write(&text, "t,swing_velocity\n0,1\n").expect("writable");
-    let error = Reader::open(&text).err().expect("not a recording");
+    let error = Reader::open(&text).expect_err("not a recording");
     assert_eq!(error.what, "this is no MCAP recording");
     assert!(
         Writer::create(dir.path(), &Metadata::new()).is_err(),

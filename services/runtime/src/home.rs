@@ -40,7 +40,7 @@ fn is_ours(folder: &Path, allowed: u32) -> std::io::Result<bool> {
 
 /// Whether the system gave this user `folder`, in memory.
 fn is_runtime_folder(folder: &Path) -> bool {
-    let in_memory = |f: File| rustix::fs::fstatfs(f).is_ok_and(|s| s.f_type as i64 == TMPFS);
+    let in_memory = |f: File| rustix::fs::fstatfs(f).is_ok_and(|s| s.f_type == TMPFS);
     folder.is_absolute() && is_ours(folder, 0).unwrap_or(false) && open(folder).is_ok_and(in_memory)
 }
 

@@ -52,9 +52,13 @@ impl Pulse {
     /// it had the time to end it.
     pub(crate) fn hangs(&mut self, turn: &Turn) -> bool {
         let now = turn.0.load(Ordering::Relaxed);
-        if now % 2 == 0 || now != self.seen {
+        if now.is_multiple_of(2) || now != self.seen {
             (self.seen, self.looks) = (now, 0);
-            self.ran = if now % 2 == 0 { 0 } else { self.processor_ns() };
+            self.ran = if now.is_multiple_of(2) {
+                0
+            } else {
+                self.processor_ns()
+            };
             return false;
         }
         self.looks += 1;

@@ -318,7 +318,9 @@ fn thin<E: Estimate>(estimates: impl Iterator<Item = E>, stretch: u64) -> Vec<E>
         headline.next().map_or(f64::NAN, |p| p.value(e))
     };
     let mut kept: Vec<E> = Vec::new();
-    let (mut n, mut low, mut high): (u64, Option<(u64, E)>, Option<(u64, E)>) = (0, None, None);
+    let mut n: u64 = 0;
+    let mut low: Option<(u64, E)> = None;
+    let mut high: Option<(u64, E)> = None;
     for estimate in estimates {
         if n % stretch == 0 {
             let mut both: Vec<(u64, E)> = [low.take(), high.take()].into_iter().flatten().collect();

@@ -121,7 +121,7 @@ impl Effects {
         if phase >= 1.0 {
             return Bend::default();
         }
-        let side = if (t / CURVE) as u64 % 2 == 0 {
+        let side = if ((t / CURVE) as u64).is_multiple_of(2) {
             1.0
         } else {
             -1.0

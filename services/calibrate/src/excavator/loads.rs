@@ -37,7 +37,7 @@ pub fn sort(swings: &mut Swings, place: &[f64]) -> Option<String> {
             continue;
         }
         let is_load = |m: &Quantity| (m.value - load).abs() < (SAME * load).max(4.0 * m.std);
-        let is_empty = |m: &Quantity| m.value < EMPTY * load && !(m.std > SAME * load);
+        let is_empty = |m: &Quantity| m.value < EMPTY * load && m.std <= SAME * load;
         let others = found.iter().filter(|m| !is_load(m) && !is_empty(m)).count();
         if others as f64 > MIXED * found.len() as f64 {
             let (low, high) = (

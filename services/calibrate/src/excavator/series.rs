@@ -119,7 +119,7 @@ impl Series {
         let inertia = |k: usize| geometry.inertia([postures[0][k], postures[1][k], postures[2][k]]);
         let (links, leverage) = if has_posture {
             (0..time.len())
-                .map(|k| inertia(k))
+                .map(inertia)
                 .map(|j| (j.empty - geometry.upper_inertia, j.per_payload))
                 .unzip()
         } else {

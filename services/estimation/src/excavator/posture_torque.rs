@@ -12,6 +12,8 @@ use super::working::Working;
 use crate::math::sqrt;
 
 /// Mode D in any variant.
+// One of them is made per machine, in place: there is no allocator to box it with.
+#[expect(clippy::large_enum_variant)]
 #[derive(Debug, Clone)]
 pub(super) enum PostureTorque {
     /// One filter.

@@ -35,7 +35,7 @@ pub(super) fn stretches<E: Estimate>(body: &mut String, part: &MachineRun<E>) {
         return;
     }
     let shown = |key: &&str| E::PARAMETERS.iter().find(|p| p.key == *key);
-    let shown: Vec<_> = E::STRETCH.iter().filter_map(|key| shown(key)).collect();
+    let shown: Vec<_> = E::STRETCH.iter().filter_map(shown).collect();
     let titles: Vec<String> = shown
         .iter()
         .map(|p| format!("{}, 95 %", p.title()))

@@ -137,9 +137,9 @@ impl Filter {
             *c = dot(line, &row);
         }
         let variance = dot(&column, &row) + input.torque_variance * step * step;
-        for i in 1..N {
-            self.p[W][i] = column[i];
-            self.p[i][W] = column[i];
+        for (i, &covariance) in column.iter().enumerate() {
+            self.p[W][i] = covariance;
+            self.p[i][W] = covariance;
         }
         self.p[W][W] = variance;
         self.leave(input);
@@ -186,8 +186,8 @@ impl Filter {
         for i in 0..N {
             let gain = column[i] * share;
             self.x[i] += gain * value;
-            for j in 0..N {
-                self.p[i][j] -= gain * column[j];
+            for (p, c) in self.p[i].iter_mut().zip(&column) {
+                *p -= gain * c;
             }
         }
         Innovation {

@@ -158,11 +158,13 @@ impl Working {
         let acceleration = drive.torque / drive.now.with_payload(self.filter.x[M]);
         let (x, p) = (&mut self.filter.x, &mut self.filter.p);
         x[W] += x[DELAY] * acceleration;
-        for i in 1..N {
-            p[W][i] = acceleration * p[DELAY][i];
+        let of_delay = p[DELAY];
+        let variance = p[W][W];
+        for (i, covariance) in of_delay.iter().enumerate() {
+            p[W][i] = acceleration * covariance;
             p[i][W] = p[W][i];
         }
-        p[W][W] += acceleration * acceleration * p[DELAY][DELAY];
+        p[W][W] = variance + acceleration * acceleration * of_delay[DELAY];
         innovation
     }
 
