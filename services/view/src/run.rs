@@ -318,11 +318,10 @@ fn thin<E: Estimate>(estimates: impl Iterator<Item = E>, stretch: u64) -> Vec<E>
         headline.next().map_or(f64::NAN, |p| p.value(e))
     };
     let mut kept: Vec<E> = Vec::new();
-    let mut n: u64 = 0;
     let mut low: Option<(u64, E)> = None;
     let mut high: Option<(u64, E)> = None;
-    for estimate in estimates {
-        if n % stretch == 0 {
+    for (n, estimate) in (0_u64..).zip(estimates) {
+        if n.is_multiple_of(stretch) {
             let mut both: Vec<(u64, E)> = [low.take(), high.take()].into_iter().flatten().collect();
             both.sort_by_key(|(n, _)| *n);
             both.dedup_by_key(|(n, _)| *n);
@@ -337,7 +336,6 @@ fn thin<E: Estimate>(estimates: impl Iterator<Item = E>, stretch: u64) -> Vec<E>
                 high = Some((n, estimate));
             }
         }
-        n += 1;
     }
     kept
 }
