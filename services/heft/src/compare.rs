@@ -21,7 +21,7 @@ pub trait Replay {
     type Step;
 
     /// The stage as it begins.
-    fn new(&self) -> Self::Step;
+    fn begin(&self) -> Self::Step;
     /// A copy of it.
     fn fork(&self, step: &Self::Step) -> Self::Step;
     /// Its answer; `None` to what it cannot read.
@@ -58,13 +58,13 @@ pub fn compare<R: Replay>(
 ) -> Compared {
     let mut inputs = inputs.peekable();
     let mut result = Compared::default();
-    let mut step = Some(replay.new());
+    let mut step = Some(replay.begin());
     let (mut last, mut last_life): (Option<Place>, u32) = (None, 0);
     for recorded in answers {
         result.answers += 1;
         let (place, life) = replay.place_and_life(&recorded);
         if life != last_life {
-            (step, last_life) = (Some(replay.new()), life);
+            (step, last_life) = (Some(replay.begin()), life);
         }
         // Samples that have no recorded answer.
         let mut waiting = VecDeque::new();
@@ -145,7 +145,7 @@ mod tests {
         type Answer = Answer;
         type Step = u64;
 
-        fn new(&self) -> u64 {
+        fn begin(&self) -> u64 {
             7
         }
         fn fork(&self, step: &u64) -> u64 {
@@ -168,11 +168,11 @@ mod tests {
 
     /// The answers of a stage to the samples that reach it; restarted before each of `restarts`.
     fn answers(samples: &[Place], reached: impl Fn(u64) -> bool, restarts: &[u64]) -> Vec<Answer> {
-        let (mut step, mut life) = (Sum.new(), 0);
+        let (mut step, mut life) = (Sum.begin(), 0);
         let mut out = Vec::new();
         for sample in samples.iter().filter(|s| reached(s.1)) {
             if restarts.contains(&sample.1) {
-                (step, life) = (Sum.new(), life + 1);
+                (step, life) = (Sum.begin(), life + 1);
             }
             let answer = Sum.answer(&mut step, sample).expect("an answer");
             out.push((answer.0, life, answer.2));

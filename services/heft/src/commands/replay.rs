@@ -132,7 +132,7 @@ impl Replay for OfRow {
     type Answer = Envelope;
     type Step = Box<dyn AnyStep>;
 
-    fn new(&self) -> Self::Step {
+    fn begin(&self) -> Self::Step {
         self.fresh.fork()
     }
 
