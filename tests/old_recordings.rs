@@ -48,7 +48,7 @@ fn an_old_recording_is_reported_and_exported() {
         let tables = folder.path().join(name);
         let output = common::run(&["export", file, "-o", tables.to_str().expect("a path")]);
         assert_eq!(output.status.code(), Some(0), "{}", both(&output));
-        assert!(std::fs::read_dir(&tables).expect("tables").count() >= 6);
+        assert!(std::fs::read_dir(&tables).expect("tables").count() >= 5);
     }
 }
 
