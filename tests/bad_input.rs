@@ -131,12 +131,28 @@ fn an_output_that_cannot_be_written_is_told() {
 #[test]
 fn a_full_disk_ends_an_estimate_with_a_word() {
     let input = golden("excavator_input_base_case1.csv");
+    let input = input.to_str().expect("a path");
     let result = run(&[
-        "report",
-        input.to_str().expect("a path"),
+        "estimate",
+        input,
+        "--machine",
+        "excavator",
         "-o",
-        "/dev/full/x.html",
+        "/dev/full",
     ]);
+    assert_eq!(result.status.code(), Some(2), "{}", both(&result));
+    assert!(
+        both(&result).contains("write the estimates"),
+        "{}",
+        both(&result)
+    );
+}
+
+#[test]
+fn a_report_of_what_is_no_recording_is_refused() {
+    let input = golden("excavator_input_base_case1.csv");
+    let input = input.to_str().expect("a path");
+    let result = run(&["report", input, "-o", "/dev/null/x.html"]);
     assert_eq!(result.status.code(), Some(2), "{}", both(&result));
 }
 

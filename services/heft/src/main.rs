@@ -1,18 +1,25 @@
 //! heft: the command line, and the supervisor of the processes.
 
+#[macro_use]
+mod out;
+
 mod bounds;
 mod build;
 mod cli;
 mod commands;
 mod compare;
 mod failure;
+mod fault;
 mod figures;
 mod live;
+mod notify;
 mod parts;
 mod plan;
 mod quantity;
 mod service;
+mod signals;
 mod sources;
+mod spare;
 mod summary;
 mod supervisor;
 mod watch;
@@ -82,7 +89,9 @@ fn dispatch(cli: Cli) -> Result<(), Failure> {
             json,
         } => commands::weigh::weigh(&file, &description, json.as_deref()),
         Command::Completions { shell } => {
-            clap_complete::generate(shell, &mut Cli::command(), "heft", &mut std::io::stdout());
+            let mut script = Vec::new();
+            clap_complete::generate(shell, &mut Cli::command(), "heft", &mut script);
+            print!("{}", String::from_utf8_lossy(&script));
             Ok(())
         }
         Command::Service {

@@ -114,15 +114,11 @@ impl Drop for Reserved {
 }
 
 /// At the end of a run: joins a recording in parts. What cannot be joined is still read as one.
-pub fn finish(recording: &Path) {
+pub fn finish(recording: &Path) -> Result<(), Failure> {
     if fs::metadata(recording).is_ok_and(|m| m.len() == 0) {
-        return;
+        return Ok(());
     }
-    if let Err(failure) = join(recording) {
-        eprintln!(
-            "the parts of the recording stay apart; every command reads them as one: {failure}"
-        );
-    }
+    join(recording)
 }
 
 /// Makes one file of a finished recording whose logger was started again; does nothing where there is

@@ -45,22 +45,21 @@ pub fn text(machine: Machine, watch: &Watch, recording: &Path, report: Option<&P
         if name == "sensor" {
             continue;
         }
+        let counts = watch.counts_of(name);
         line(format!(
-            "{name:<7} answers after p50 {:.0}, p99 {:.0}, p99.9 {:.0}, max {:.0} µs; step p50 {:.2} µs; {} samples, {} lost",
+            "{name:<7} answers after p50 {:.0}, p99 {:.0}, p99.9 {:.0}, max {:.0} µs; step p50 {:.2} µs; {} samples, {} lost, {} late",
             us(health.age_p50_ns),
             us(health.age_p99_ns),
             us(health.age_p999_ns),
             us(health.age_max_ns),
             us(health.step_p50_ns),
-            health.steps,
-            health.lost
+            counts.steps,
+            counts.lost,
+            counts.late
         ));
     }
-    for death in watch.deaths() {
-        line(format!("{death}; it was started again"));
-    }
-    if watch.recording_failed() {
-        line("the recording is incomplete: the disk took no more".into());
+    for fault in watch.faults() {
+        line(fault.words());
     }
     line(format!("recording  {}", shown(recording)));
     if let Some(report) = report {

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use config::Description;
 use messages::channels::Channel;
-use messages::{Envelope, ExcavatorEstimate, LoaderEstimate, Message, Receiver};
+use messages::{Envelope, ExcavatorEstimate, LoaderEstimate, Message, Receiver, excavator_bits};
 use recording::{EstimateWriter, Metadata, Reader, Samples, Writer, output};
 use steps::Error;
 use steps::stages::{AnyStep, Pipeline, Role};
@@ -77,6 +77,43 @@ fn way(description: &Description, method: &str) -> Result<Way, Error> {
         .collect()
 }
 
+/// Does the boom point into the ground in nearly every sample in which an excavator swings? No machine can.
+#[derive(Default)]
+struct Boom {
+    down: usize,
+    all: usize,
+}
+
+impl Boom {
+    /// Swinging from this velocity on [rad/s].
+    const SWINGS: f64 = 0.1;
+    /// Down from this angle on [rad].
+    const DOWN: f64 = -0.2;
+    /// Fewest samples that tell.
+    const FEWEST: usize = 50;
+
+    fn add(&mut self, sample: &Envelope) {
+        let Envelope::ExcavatorSensors(s) = sample else {
+            return;
+        };
+        let measured = excavator_bits::BOOM_ANGLE | excavator_bits::SWING_VELOCITY;
+        if s.valid & measured == measured && s.swing_velocity.abs() > Self::SWINGS {
+            self.all += 1;
+            self.down += usize::from(s.boom_angle < Self::DOWN);
+        }
+    }
+
+    /// Says so.
+    fn tell(&self) {
+        if self.all >= Self::FEWEST && 10 * self.down > 9 * self.all {
+            println!(
+                "boom_angle seems to have the other sign: the boom points into the ground while the machine swings\n  what to do: \
+                 turn it with `scale = -1` in a signal map (up is positive)"
+            );
+        }
+    }
+}
+
 /// Takes sample after sample through the stages, so that the length of the data does not matter.
 fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
     args: &EstimateArgs,
@@ -91,9 +128,11 @@ fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
     let report = args.report.as_deref();
     let mut notes = report.map(|r| Notes::create(r, &metadata)).transpose()?;
     let (mut rows, mut last, mut trusted) = (0, E::default(), None);
+    let mut boom = Boom::default();
     for (sample, truth) in samples.rows()? {
         rows += 1;
         let mut message = sample.envelope();
+        boom.add(&message);
         if let Some(notes) = &mut notes {
             notes.add_sample(description, &message, &truth)?;
         }
@@ -117,6 +156,7 @@ fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
         notes.report(report)?;
     }
     tell(args, written, rows, &view::words::verdict(&last));
+    boom.tell();
     let age = trusted.map(|e| last.stamp().time - e.stamp().time);
     if let Some((trusted, age)) = trusted.zip(age).filter(|(_, age)| *age > 0.0) {
         println!(

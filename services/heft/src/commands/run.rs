@@ -1,8 +1,6 @@
 //! `heft run`: a pipeline of processes, from its first sample to its summary.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use config::Description;
 use messages::Machine;
@@ -11,8 +9,10 @@ use steps::stages::Pipeline;
 
 use crate::cli::{self, DescriptionArgs, RunArgs};
 use crate::failure::Failure;
+use crate::fault::Fault;
 use crate::parts::Reserved;
 use crate::plan::Plan;
+use crate::signals::Signals;
 use crate::sources;
 use crate::summary;
 use crate::supervisor::{End, Supervisor};
@@ -43,15 +43,6 @@ pub fn description(machine: Machine, args: &DescriptionArgs) -> Result<Descripti
     }
     description.set_all(&args.set)?;
     Ok(description)
-}
-
-/// Sets a flag on SIGINT and SIGTERM.
-pub fn signals() -> Result<Arc<AtomicBool>, Failure> {
-    let flag = Arc::new(AtomicBool::new(false));
-    for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
-        signal_hook::flag::register(signal, Arc::clone(&flag)).map_err(Failure::internal)?;
-    }
-    Ok(flag)
 }
 
 /// A folder for a run that has none of its own: `runs/MACHINE-TIME`.
@@ -189,7 +180,7 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
         &domain(args.domain.as_deref(), "")?,
         plan,
         watch,
-        signals()?,
+        Signals::catch()?,
     )?;
     let (end, watch) = supervisor.run()?;
     let report = (!args.no_report)
@@ -208,10 +199,17 @@ fn verdict(end: &End, watch: &Watch, require_trust: bool) -> Result<(), Failure>
             "the run ended early: {reason}\n  where: the supervisor\n  what to do: see the messages above; the recording holds what was seen"
         )));
     }
-    if watch.recording_failed() {
-        return Err(Failure::answer_is_no(
-            "the recording is incomplete: the disk took no more\n  where: --out\n  what to do: make room, or choose another folder; the estimates went on to the end",
-        ));
+    let faults = watch.faults();
+    let lost: Vec<String> = faults
+        .iter()
+        .filter(|fault| fault.costs_the_status())
+        .map(Fault::words)
+        .collect();
+    if !lost.is_empty() {
+        return Err(Failure::answer_is_no(format!(
+            "the run lost something: {}\n  where: this run\n  what to do: see `docs/reliability.md`; estimates and recording are good but for that",
+            lost.join("; ")
+        )));
     }
     if require_trust {
         summary::require_trust(summary::trust_age(watch))?;

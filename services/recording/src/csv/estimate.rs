@@ -263,9 +263,8 @@ impl<E: Estimate> EstimateWriter<E> {
 /// Whether a file that begins like this holds estimates that heft has written.
 #[must_use]
 pub fn is_estimates(head: &[u8]) -> bool {
-    first_line(head).is_some_and(|line| {
-        line.starts_with("t,") && line.split(',').any(|column| column == "method")
-    })
+    let named = |line: &str| line.split(',').any(|column| column == "method");
+    first_line(head).is_some_and(|line| line.starts_with("t,") && named(line))
 }
 
 fn index<E: Estimate>(column: Column) -> Option<usize> {

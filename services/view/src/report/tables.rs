@@ -214,6 +214,7 @@ pub(crate) fn state_name(state: u32) -> &'static str {
         () if is(State::Running) => "running",
         () if is(State::Waiting) => "waiting",
         () if is(State::Ended) => "ended",
+        () if is(State::Hanging) => "hanging",
         () => "unknown",
     }
 }
