@@ -101,11 +101,21 @@ pub fn tell_damage(reader: &Reader) -> Result<(), Failure> {
     )))
 }
 
-/// At the end of a run: removes a recording in which nothing was written, and joins one in parts. What
-/// cannot be joined is still read as one.
+/// The name of a run's recording, see [`recording::reserve`]. If nothing is written there, nothing is
+/// left behind.
+pub struct Reserved(pub PathBuf);
+
+impl Drop for Reserved {
+    fn drop(&mut self) {
+        if fs::metadata(&self.0).is_ok_and(|m| m.is_file() && m.len() == 0) {
+            let _ = fs::remove_file(&self.0);
+        }
+    }
+}
+
+/// At the end of a run: joins a recording in parts. What cannot be joined is still read as one.
 pub fn finish(recording: &Path) -> Result<(), Failure> {
     if fs::metadata(recording).is_ok_and(|m| m.len() == 0) {
-        let _ = fs::remove_file(recording);
         return Ok(());
     }
     join(recording)

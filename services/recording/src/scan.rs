@@ -87,10 +87,12 @@ impl Scan {
                     at = if scan.complete { bytes.len } else { at };
                     break;
                 }
-                Found::Nothing => match scan.search(bytes, at) {
-                    Some(end) => at = end,
-                    None => break,
-                },
+                Found::Nothing => {
+                    match scan.step_over(bytes, at).or_else(|| scan.search(bytes, at)) {
+                        Some(end) => at = end,
+                        None => break,
+                    }
+                }
             }
         }
         scan.lost_bytes = bytes.len - at;
@@ -172,6 +174,26 @@ impl Scan {
                 what: "a changed word in the metadata",
             });
         }
+    }
+
+    /// The end of a small record whose content is damaged but whose length is not: another record
+    /// begins there.
+    fn step_over(&mut self, bytes: &Bytes, at: u64) -> Option<u64> {
+        const SMALL: u64 = 1 << 20;
+        let (opcode, length) = head(bytes, at)?;
+        let end = at + HEAD + Some(length).filter(|l| *l < SMALL)?;
+        let (next, its) = head(bytes, end)?;
+        let is_record = |opcode| (op::HEADER..=op::DATA_END).contains(&opcode);
+        let follows = end.checked_add(its).is_some_and(|e| e + HEAD <= bytes.len);
+        let whole = is_record(opcode) && is_record(next) && follows && opcode != op::CHUNK;
+        whole.then(|| {
+            self.damage.push(Damage {
+                at,
+                bytes: end - at,
+                what: "a damaged record",
+            });
+            end
+        })
     }
 
     /// Searches from `at` on for the next thing that proves itself, takes it in, and returns its

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use config::Description;
 use messages::{Envelope, HEAD, Hop, Machine};
-use recording::Metadata;
+use recording::{Metadata, Reader};
 use steps::stages::{AnyStep, Pipeline, Stage};
 
 use crate::build;
@@ -30,6 +30,7 @@ pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
         let replay = OfRow {
             fresh: row.start(&description, method)?,
             hop: row.hop(),
+            recorded: names(&reader, row.output().name),
         };
         let inputs = envelopes(&reader, row.input())?;
         let recorded = envelopes(&reader, row.output())?;
@@ -121,10 +122,17 @@ fn method<'a>(metadata: &'a Metadata, stage: &Stage, file: &Path) -> Result<&'a 
     told.map(String::as_str).ok_or_else(|| missing(&key, file))
 }
 
+fn names(reader: &Reader, channel: &str) -> Vec<String> {
+    let fields = reader.fields(channel).into_iter();
+    fields.map(|field| field.name).collect()
+}
+
 /// A stage under comparison.
 struct OfRow {
     fresh: Box<dyn AnyStep>,
     hop: Hop,
+    /// Names of the fields that the recording has: another version may know more.
+    recorded: Vec<String>,
 }
 
 impl Replay for OfRow {
@@ -152,7 +160,7 @@ impl Replay for OfRow {
         (self.place(answer), answer.hops().restarts(self.hop))
     }
 
-    /// Of the fields of the message itself.
+    /// Of the fields of the message itself, as far as they were recorded.
     fn difference(&self, a: &Envelope, b: &Envelope) -> Option<&'static str> {
         let same = |i: usize| match (a.get(i), b.get(i)) {
             (Some(a), Some(b)) => a.same_bits(b),
@@ -160,6 +168,7 @@ impl Replay for OfRow {
         };
         let fields = a.fields();
         (HEAD..fields.len())
+            .filter(|&i| self.recorded.iter().any(|name| name == fields[i].name))
             .find(|&i| !same(i))
             .map(|i| fields[i].name)
     }

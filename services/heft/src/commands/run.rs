@@ -10,6 +10,7 @@ use steps::stages::Pipeline;
 use crate::cli::{self, DescriptionArgs, RunArgs};
 use crate::failure::Failure;
 use crate::fault::Fault;
+use crate::parts::Reserved;
 use crate::plan::Plan;
 use crate::signals::Signals;
 use crate::sources::{self, LiveInput};
@@ -171,6 +172,7 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
         eprintln!("removed what the killed run `{name}` had left in shared memory");
     }
     let (plan, _) = plan(args)?;
+    let _reserved = Reserved(plan.recording.clone());
     let machine = plan.machine;
     let page = args
         .view
