@@ -131,12 +131,28 @@ fn an_output_that_cannot_be_written_is_told() {
 #[test]
 fn a_full_disk_ends_an_estimate_with_a_word() {
     let input = golden("excavator_input_base_case1.csv");
+    let input = input.to_str().expect("a path");
     let result = run(&[
-        "report",
-        input.to_str().expect("a path"),
+        "estimate",
+        input,
+        "--machine",
+        "excavator",
         "-o",
-        "/dev/full/x.html",
+        "/dev/full",
     ]);
+    assert_eq!(result.status.code(), Some(2), "{}", both(&result));
+    assert!(
+        both(&result).contains("write the estimates"),
+        "{}",
+        both(&result)
+    );
+}
+
+#[test]
+fn a_report_of_what_is_no_recording_is_refused() {
+    let input = golden("excavator_input_base_case1.csv");
+    let input = input.to_str().expect("a path");
+    let result = run(&["report", input, "-o", "/dev/null/x.html"]);
     assert_eq!(result.status.code(), Some(2), "{}", both(&result));
 }
 
@@ -302,7 +318,7 @@ fn a_full_disk_stops_the_recording_and_not_the_estimation() {
         return;
     }
     let text = both(&output);
-    assert_eq!(output.status.code(), Some(0), "{text}");
+    assert_eq!(output.status.code(), Some(1), "{text}");
     assert!(text.contains("the recording is incomplete"), "{text}");
     assert!(
         text.contains("4001 samples, 0 lost"),

@@ -72,6 +72,7 @@ pub fn loader_rows() -> Vec<loader::Sample> {
             spade_force_x: row.spade_force_x,
             spade_force_z: row.spade_force_z,
             boom_moving: row.boom_moving.unwrap_or(false),
+            ..loader::Sample::default()
         })
         .collect()
 }

@@ -98,6 +98,9 @@ fn nasty(k: u64) -> Sample {
         spade_force_x: cell(),
         spade_force_z: cell(),
         boom_moving: k.is_multiple_of(5),
+        articulation: cell(),
+        yaw_rate: cell(),
+        brake: k.is_multiple_of(7),
     }
 }
 

@@ -8,12 +8,14 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 use messages::Machine;
 
+use crate::bounds::LimitArgs;
+
 /// Lets a construction machine know its own mass properties while it works.
 ///
 /// Without a command: the demonstration. Both machines run in real time as separate processes for
 /// some 20 s; then heft says what it found and whether to believe it.
 #[derive(Debug, Parser)]
-#[command(name = "heft", version, max_term_width = 100)]
+#[command(name = "heft", version = crate::build::IDENTITY, max_term_width = 100)]
 #[command(
     after_help = "Exit status: 0 done, 1 ran but the answer is no, 2 wrong use or bad input."
 )]
@@ -57,14 +59,17 @@ pub enum Command {
     Evaluate(EvaluateArgs),
     /// Find the machine's own parameters from recordings, with intervals
     Calibrate(CalibrateArgs),
-    /// Mend a recording that was cut off
+    /// Write a whole copy of a recording that was cut off, damaged or left in parts
     Recover {
-        /// The recording
+        /// The recording, or its folder; it is not changed
         file: PathBuf,
+        /// Copy to write; RUN.recovered.mcap beside the recording if absent
+        #[arg(short, long)]
+        output: Option<PathBuf>,
     },
     /// Make one offline HTML page of a recording
     Report {
-        /// The recording
+        /// The recording, or its folder
         file: PathBuf,
         /// Page to write; the recording's name with .html if absent
         #[arg(short, long)]
@@ -72,7 +77,7 @@ pub enum Command {
     },
     /// Write every channel of a recording as CSV
     Export {
-        /// The recording
+        /// The recording, or its folder
         file: PathBuf,
         /// Folder to write to
         #[arg(short, long)]
@@ -217,6 +222,9 @@ pub struct RunArgs {
     /// Folder for the recording and the report
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Bounds of the recording
+    #[command(flatten)]
+    pub limits: LimitArgs,
     /// Name of the run's corner of shared memory
     #[arg(long)]
     pub domain: Option<String>,
@@ -306,7 +314,7 @@ pub struct CalibrateArgs {
 /// `heft replay`
 #[derive(Debug, Args)]
 pub struct ReplayArgs {
-    /// The recording
+    /// The recording, or its folder
     pub file: PathBuf,
     /// Compare every estimate bit for bit; exit 1 if one differs
     #[arg(long)]

@@ -1,15 +1,25 @@
 //! heft: the command line, and the supervisor of the processes.
 
+#[macro_use]
+mod out;
+
+mod bounds;
+mod build;
 mod cli;
 mod commands;
+mod compare;
 mod failure;
+mod fault;
 mod figures;
 mod live;
+mod notify;
 mod parts;
 mod plan;
 mod quantity;
 mod service;
+mod signals;
 mod sources;
+mod spare;
 mod summary;
 mod supervisor;
 mod watch;
@@ -62,7 +72,7 @@ fn dispatch(cli: Cli) -> Result<(), Failure> {
         Command::Replay(args) => commands::replay::replay(&args),
         Command::Evaluate(args) => commands::evaluate::evaluate(&args),
         Command::Calibrate(args) => commands::calibrate::calibrate(&args),
-        Command::Recover { file } => commands::recover::recover(&file),
+        Command::Recover { file, output } => commands::recover::recover(&file, output.as_deref()),
         Command::Report { file, output } => commands::report::report(&file, output.as_deref()),
         Command::Export { file, output } => commands::export::export(&file, &output),
         Command::Top { domain, once } => commands::top::top(domain.as_deref(), once),
@@ -79,7 +89,9 @@ fn dispatch(cli: Cli) -> Result<(), Failure> {
             json,
         } => commands::weigh::weigh(&file, &description, json.as_deref()),
         Command::Completions { shell } => {
-            clap_complete::generate(shell, &mut Cli::command(), "heft", &mut std::io::stdout());
+            let mut script = Vec::new();
+            clap_complete::generate(shell, &mut Cli::command(), "heft", &mut script);
+            print!("{}", String::from_utf8_lossy(&script));
             Ok(())
         }
         Command::Package { folder } => commands::package::package(&folder),

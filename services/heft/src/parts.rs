@@ -1,110 +1,137 @@
-//! Recordings in parts: a logger that was killed and started again begins a new file, so that what
-//! is on disk already cannot be harmed. At the end of the run the parts become one recording.
+//! Recordings as commands open them, and the parts that a run leaves: a logger that was killed and
+//! started again begins a new file, so that what is on disk already cannot be harmed. At the end of
+//! the run the parts become one recording.
 
+use std::cell::Cell;
 use std::fs;
+use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
-use messages::channels::{CHANNELS, Channel, Visitor};
-use messages::{Envelope, Message, Receiver};
-use recording::{Reader, Writer};
+use messages::channels::{Channel, Visitor};
+use messages::{Envelope, Message};
+use recording::Reader;
+use rustix::fs::{CWD, RenameFlags, renameat_with};
 
 use crate::failure::Failure;
 
-/// Name of part `index` of a recording.
-fn part(recording: &Path, index: u32) -> PathBuf {
-    recording.with_extension(format!("part{index}.mcap"))
+/// Opens a recording or the folder of one, and says what there is to know of its state. It is never
+/// written to.
+pub fn open(path: &Path) -> Result<Reader, Failure> {
+    let mut reader = Reader::open(path)?;
+    let files = reader.files().count();
+    if path.is_dir() {
+        note_others(path, &reader);
+    }
+    if files > 1 {
+        eprintln!("{}: read with its {files} parts", path.display());
+    }
+    if reader.is_being_written() {
+        eprintln!("{}: it is being written; read up to here", path.display());
+    } else if !reader.is_complete() {
+        eprintln!(
+            "{}: it was cut off; {} bytes at the end belong to nothing whole (`heft recover` writes a whole copy)",
+            path.display(),
+            reader.lost_bytes()
+        );
+    }
+    reader.on_progress(progress());
+    Ok(reader)
 }
 
-/// Puts aside what the logger had written before its `restarts`-th restart.
-pub fn put_aside(recording: &Path, restarts: u32) -> Result<(), Failure> {
-    if restarts == 0 || !recording.exists() {
-        return Ok(());
-    }
-    let aside = part(recording, restarts);
-    fs::rename(recording, &aside).map_err(|e| Failure::file("put aside", &aside, &e))
-}
-
-/// Joins the parts of a recording, oldest first, and removes them; does nothing where there are
-/// none. Parts that cannot be read stay as they are.
-pub fn join(recording: &Path, restarts: u32) -> Result<(), Failure> {
-    let parts: Vec<PathBuf> = (1..=restarts)
-        .map(|i| part(recording, i))
-        .filter(|p| p.exists())
-        .collect();
-    if parts.is_empty() {
-        return Ok(());
-    }
-    let mut entries = Vec::new();
-    let mut metadata = None;
-    for file in parts.iter().map(PathBuf::as_path).chain([recording]) {
-        if !file.exists() {
-            continue;
-        }
-        let reader = Reader::open(file)?;
-        metadata.get_or_insert_with(|| reader.metadata().clone());
-        for &channel in CHANNELS {
-            let messages = envelopes(&reader, channel)?;
-            entries.extend(messages.into_iter().map(|message| Entry {
-                published_ns: published_ns(&message),
-                channel,
-                message,
-            }));
-        }
-    }
-    let Some(metadata) = metadata else {
-        return Ok(());
+fn note_others(folder: &Path, reader: &Reader) {
+    let Some(first) = reader.files().next() else {
+        return;
     };
-    entries.sort_by_key(|entry| entry.published_ns);
-    let joined = recording.with_extension("joined.mcap");
-    let mut writer = Writer::create(&joined, &metadata)?;
-    for entry in &entries {
-        entry.message.open(WriteTo(&mut writer, entry.channel))?;
+    let others = recording::recordings(folder).len().saturating_sub(1);
+    eprint!("{}: the newest recording of the folder", first.display());
+    eprintln!(" ({others} older ones can be named)");
+}
+
+/// A line on the terminal while a long recording is read.
+pub fn progress() -> impl Fn(f64) {
+    const PATIENCE: Duration = Duration::from_secs(1);
+    const PERIOD: Duration = Duration::from_millis(200);
+    let shown = Cell::new(Instant::now() + PATIENCE);
+    let is_shown = Cell::new(false);
+    move |share| {
+        if !std::io::stderr().is_terminal() {
+            return;
+        }
+        let now = Instant::now();
+        if share >= 1.0 && is_shown.take() {
+            eprint!("\r\x1b[2K");
+        } else if share < 1.0 && now >= shown.get() {
+            shown.set(now + PERIOD);
+            is_shown.set(true);
+            eprint!("\r\x1b[2Kreading {:.0} %", 100.0 * share);
+            let _ = std::io::stderr().flush();
+        }
     }
-    writer.finish()?;
-    fs::rename(&joined, recording).map_err(|e| Failure::file("write", recording, &e))?;
-    for file in parts {
-        fs::remove_file(&file).map_err(|e| Failure::file("remove", &file, &e))?;
-    }
-    Ok(())
 }
 
-struct Entry {
-    published_ns: u64,
-    channel: &'static Channel,
-    message: Envelope,
-}
-
-/// When the last stage that a message passed published it [ns].
-fn published_ns(message: &Envelope) -> u64 {
-    let hops = message.hops();
-    let last = hops.sensor_ns.max(hops.filter_ns).max(hops.estimate_ns);
-    last.max(message.stamp().measured_ns)
-}
-
-/// The messages of a channel, whatever their type.
-pub fn envelopes(reader: &Reader, channel: &Channel) -> Result<Vec<Envelope>, recording::Error> {
+/// The messages of a channel one after the other, whatever their type.
+pub fn envelopes<'a>(
+    reader: &'a Reader,
+    channel: &'a Channel,
+) -> Result<Box<dyn Iterator<Item = Envelope> + 'a>, recording::Error> {
     struct Read<'a>(&'a Reader, &'a str);
 
-    impl Visitor for Read<'_> {
-        type Output = Result<Vec<Envelope>, recording::Error>;
+    impl<'a> Visitor for Read<'a> {
+        type Output = Result<Box<dyn Iterator<Item = Envelope> + 'a>, recording::Error>;
 
         fn visit<M: Message>(self) -> Self::Output {
-            let messages: Vec<M> = self.0.messages(self.1)?;
-            Ok(messages.iter().map(Message::envelope).collect())
+            let messages = self.0.stream::<M>(self.1)?;
+            Ok(Box::new(messages.map(|message| message.envelope())))
         }
     }
 
     channel.payload.visit(Read(reader, channel.name))
 }
 
-struct WriteTo<'a>(&'a mut Writer, &'static Channel);
-
-impl Receiver for WriteTo<'_> {
-    type Output = Result<(), recording::Error>;
-
-    fn receive<M: Message>(self, message: &M) -> Self::Output {
-        self.0.write(self.1, message)
+/// After a recording was read: an error that names what was damaged in it, if anything.
+pub fn tell_damage(reader: &Reader) -> Result<(), Failure> {
+    let damage = reader.damage();
+    if damage.is_empty() {
+        return Ok(());
     }
+    Err(Failure::answer_is_no(format!(
+        "the recording is damaged; everything else in it was read\n  where: {}\n  what to do: `heft recover` writes a copy of what is whole",
+        damage.join("\n         ")
+    )))
+}
+
+/// At the end of a run: removes a recording in which nothing was written, and joins one in parts. What
+/// cannot be joined is still read as one.
+pub fn finish(recording: &Path) -> Result<(), Failure> {
+    if fs::metadata(recording).is_ok_and(|m| m.len() == 0) {
+        let _ = fs::remove_file(recording);
+        return Ok(());
+    }
+    join(recording)
+}
+
+/// Makes one file of a finished recording whose logger was started again; does nothing where there is
+/// one part only. Parts that cannot be read stay as they are, and so does everything if this is
+/// interrupted: readers find the parts.
+fn join(recording: &Path) -> Result<(), Failure> {
+    let reader = Reader::open(recording)?;
+    let parts: Vec<PathBuf> = reader.files().map(Path::to_owned).collect();
+    // One of them may be from before a crash of this run, but none is anybody else's: see `reserve`.
+    let is_split = reader.metadata().contains_key("split");
+    if parts.len() < 2 || is_split {
+        return Ok(());
+    }
+    let joined = recording.with_extension("joined.mcap");
+    recording::join(&reader, &joined)?;
+    drop(reader);
+    let fail = |e: rustix::io::Errno| Failure::file("join the parts of", recording, &e.into());
+    // In one step: at every moment there is either the first part or the whole under its name.
+    renameat_with(CWD, &joined, CWD, recording, RenameFlags::EXCHANGE).map_err(fail)?;
+    for file in parts.iter().filter(|p| *p != recording).chain([&joined]) {
+        fs::remove_file(file).map_err(|e| Failure::file("remove", file, &e))?;
+    }
+    Ok(())
 }
 
 #[cfg(test)]
@@ -112,7 +139,7 @@ mod tests {
     use super::*;
     use messages::ExcavatorSensors;
     use messages::channels::EXCAVATOR_SENSORS;
-    use recording::Metadata;
+    use recording::{Metadata, Writer};
 
     fn write(file: &Path, numbers: std::ops::Range<u64>) {
         let mut writer = Writer::create(file, &Metadata::new()).unwrap();
@@ -125,27 +152,25 @@ mod tests {
         writer.finish().unwrap();
     }
 
+    fn numbers(file: &Path) -> Vec<u64> {
+        let reader = Reader::open(file).unwrap();
+        let messages = reader.stream::<ExcavatorSensors>("excavator/sensors");
+        messages.unwrap().map(|m| m.stamp.sequence).collect()
+    }
+
     #[test]
-    fn parts_become_one_recording_in_order() {
+    fn parts_are_read_as_one_recording_and_become_one() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("run.mcap");
-        write(&file, 0..10);
-        put_aside(&file, 1).unwrap();
-        write(&file, 12..20);
-        put_aside(&file, 2).unwrap();
-        write(&file, 25..30);
-        join(&file, 2).unwrap();
-        let messages: Vec<ExcavatorSensors> = Reader::open(&file)
-            .unwrap()
-            .messages("excavator/sensors")
-            .unwrap();
-        let numbers: Vec<u64> = messages.iter().map(|m| m.stamp.sequence).collect();
+        for range in [0..10, 12..20, 25..30] {
+            write(&recording::next_part(&file), range);
+        }
         let expected: Vec<u64> = (0..10).chain(12..20).chain(25..30).collect();
-        assert_eq!(numbers, expected);
-        assert_eq!(
-            fs::read_dir(folder.path()).unwrap().count(),
-            1,
-            "the parts are gone"
-        );
+        assert_eq!(numbers(&file), expected);
+        assert_eq!(numbers(folder.path()), expected);
+        join(&file).unwrap();
+        assert_eq!(numbers(&file), expected);
+        let left = fs::read_dir(folder.path()).unwrap().count();
+        assert_eq!(left, 1, "the parts are gone");
     }
 }

@@ -42,7 +42,7 @@ pub fn serve(name: &str, domain: &str, restarts: u32) -> Result<(), Failure> {
     match &stage.role {
         Role::Source { .. } => serve_source(worker, &plan),
         Role::Step(row) => serve_step(worker, &plan, stage, *row),
-        Role::Sink => serve_logger(worker, &plan, restarts),
+        Role::Sink => serve_logger(worker, &plan),
         Role::Probe(channel) => serve_probe(worker, &plan, channel),
     }
 }
@@ -82,10 +82,10 @@ fn serve_step(worker: Worker, plan: &Plan, stage: &Stage, row: &dyn Row) -> Resu
     Ok(process(worker)?)
 }
 
-fn serve_logger(worker: Worker, plan: &Plan, restarts: u32) -> Result<(), Failure> {
-    crate::parts::put_aside(&plan.recording, restarts)?;
+fn serve_logger(worker: Worker, plan: &Plan) -> Result<(), Failure> {
     let channels: Vec<_> = of_machine(plan.machine).collect();
-    let logger = logger::Logger::create(&plan.recording, &plan.metadata())?;
+    let limits = plan.limits.of_logger();
+    let logger = logger::Logger::create(&plan.recording, &plan.metadata(), limits)?;
     Ok(run_sink(worker, &channels, plan.lossless, logger)?)
 }
 

@@ -14,9 +14,17 @@ use crate::watch::{Score, Watch};
 const WIDTH: usize = 80;
 
 /// Writes the HTML report of a recording; `None`, with the reason told, if that fails.
-pub fn report(recording: &Path, folder: &Path) -> Option<PathBuf> {
-    let path = folder.join("report.html");
-    match super::commands::report::write(recording, &path) {
+pub fn report(recording: &Path) -> Option<PathBuf> {
+    // run.mcap, report.html; run-2.mcap, report-2.html.
+    let name = recording
+        .file_stem()?
+        .to_string_lossy()
+        .replacen("run", "report", 1);
+    let path = recording.with_file_name(name + ".html");
+    let written = recording::Reader::open(recording)
+        .map_err(Into::into)
+        .and_then(|reader| super::commands::report::write(&reader, &path));
+    match written {
         Ok(()) => Some(path),
         Err(failure) => {
             eprintln!("no report: {failure}");
@@ -44,22 +52,21 @@ pub fn text(machine: Machine, watch: &Watch, recording: &Path, report: Option<&P
         if name == "sensor" {
             continue;
         }
+        let counts = watch.counts_of(name);
         line(format!(
-            "{name} answers after p50 {:.0}, p99 {:.0}, p99.9 {:.0}, max {:.0} µs; step p50 {:.2} µs; {} samples, {} lost",
+            "{name} answers after p50 {:.0}, p99 {:.0}, p99.9 {:.0}, max {:.0} µs; step p50 {:.2} µs; {} samples, {} lost, {} late",
             us(health.age_p50_ns),
             us(health.age_p99_ns),
             us(health.age_p999_ns),
             us(health.age_max_ns),
             us(health.step_p50_ns),
-            health.steps,
-            health.lost
+            counts.steps,
+            counts.lost,
+            counts.late
         ));
     }
-    for death in watch.deaths() {
-        line(format!("{death}; it was started again"));
-    }
-    if watch.recording_failed() {
-        line("the recording is incomplete: the disk took no more".into());
+    for fault in watch.faults() {
+        line(fault.words());
     }
     // Paths are not broken: they are copied.
     let _ = writeln!(out, "  recording  {}", shown(recording));

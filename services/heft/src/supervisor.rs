@@ -1,9 +1,10 @@
 //! The supervisor: creates and holds every channel, starts each service as a process of its own,
-//! restarts what dies, and ends the run with everything drained.
+//! restarts what dies or hangs, and ends the run with everything drained.
+//!
+//! It sleeps until something happens: a word of a worker, the end of a process, a signal, a restart
+//! that is due. Only the channels that it shows are looked at on a clock, five times a second.
 
 use std::os::fd::AsFd;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use messages::channels::{Channel, of_machine};
@@ -12,24 +13,31 @@ use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use steps::stages::{Pipeline, Role};
 
 use crate::failure::Failure;
+use crate::fault::Fault;
+use crate::notify::Notify;
 use crate::parts;
 use crate::plan::Plan;
+use crate::signals::Signals;
+use crate::spare::{self, Spare};
 use crate::watch::Watch;
 use crate::worker::Worker;
 
 /// A worker must have its ports open by then.
 const READY_LIMIT: Duration = Duration::from_secs(20);
-/// A worker must have answered what was waiting by then.
-const DRAIN_LIMIT: Duration = Duration::from_secs(15);
-/// A worker must have ended by then.
-const EXIT_LIMIT: Duration = Duration::from_secs(12);
+/// All workers must have answered what was waiting by then, and the disk taken it.
+const DRAIN_LIMIT: Duration = Duration::from_millis(3500);
+/// All workers must have ended so long after that.
+const EXIT_LIMIT: Duration = Duration::from_secs(1);
 /// What dead processes held is usually freed within a millisecond.
 const CLEAN_UP_LIMIT: Duration = Duration::from_millis(200);
-/// Time between two looks at signals, and at the channels that the terminal and the page show.
-const LOOK: Timespec = Timespec {
-    tv_sec: 0,
-    tv_nsec: 10_000_000,
-};
+/// Longest time between two looks at the channels: health tells of a hanging service.
+const LOOK: Duration = Duration::from_millis(200);
+/// The same while a service stands still.
+const SUSPECT_LOOK: Duration = Duration::from_millis(50);
+/// The same at most so many samples long, a quarter of the depth of a channel.
+const LOOK_SAMPLES: f64 = 128.0;
+/// The same where the source is as fast as its readers.
+const QUICK_LOOK: Duration = Duration::from_millis(5);
 
 /// How a run ended.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -48,9 +56,12 @@ pub struct Supervisor {
     watch: Watch,
     taps: Taps<Watch>,
     cleaner: Cleaner,
+    spare: Spare,
     _channels: Vec<Held>,
     _ports: Ports,
-    signal: Arc<AtomicBool>,
+    signals: Signals,
+    notify: Notify,
+    look: Duration,
     start_ns: u64,
     ended: bool,
     plan: Plan,
@@ -63,8 +74,9 @@ impl Supervisor {
         domain: &Domain,
         plan: Plan,
         watch: Watch,
-        signal: Arc<AtomicBool>,
+        signals: Signals,
     ) -> Result<Self, Failure> {
+        spare::check_limit()?;
         let owner = domain.take()?;
         plan.write(owner.domain())?;
         owner.domain().enter()?;
@@ -81,20 +93,29 @@ impl Supervisor {
             .filter(|c| watch.reads(c))
             .collect();
         let taps = Taps::open(&ports, &read)?;
+        let look = if plan.lossless {
+            QUICK_LOOK
+        } else {
+            LOOK.min(Duration::from_secs_f64(LOOK_SAMPLES / plan.rate))
+        };
         let mut supervisor = Self {
             workers: Vec::new(),
             watch,
             taps,
             cleaner: Cleaner::start(),
+            spare: Spare::default(),
             _channels: held,
             _ports: ports,
-            signal,
+            signals,
+            notify: Notify::of_environment(),
+            look,
             start_ns: 0,
             ended: false,
             plan,
             owner,
         };
         supervisor.spawn_all()?;
+        supervisor.spare.fill();
         Ok(supervisor)
     }
 
@@ -102,22 +123,20 @@ impl Supervisor {
         let table = Pipeline::of(self.plan.machine).stages;
         let wanted = table
             .iter()
-            .enumerate()
-            .filter(|(_, p)| !matches!(p.role, Role::Probe(_)) || self.plan.probe.is_some());
-        let bells = table
-            .iter()
-            .map(|_| Bell::new())
-            .collect::<Result<Vec<_>, _>>()?;
-        for (index, process) in wanted {
-            let bell = bells[index].try_clone()?;
-            let worker = Worker::start(process, bell, self.owner.domain())?;
+            .filter(|p| !matches!(p.role, Role::Probe(_)) || self.plan.probe.is_some());
+        for process in wanted {
+            let worker = Worker::start(process, Bell::new()?, self.owner.domain())?;
             self.workers.push(worker);
         }
-        (0..self.workers.len()).try_for_each(|i| self.hand_over(i))
+        for i in 0..self.workers.len() {
+            self.hand_over(i);
+        }
+        Ok(())
     }
 
-    /// Gives a worker its own bell and those of the processes that it wakes.
-    fn hand_over(&self, index: usize) -> Result<(), Failure> {
+    /// Gives a worker its own bell and those of the processes that it wakes. One that cannot take
+    /// them is dead, or is ended: its death is noticed as any other.
+    fn hand_over(&mut self, index: usize) {
         let worker = &self.workers[index];
         let mut bells = vec![&worker.bell];
         for name in worker.process.wakes {
@@ -128,7 +147,9 @@ impl Supervisor {
                     .map(|w| &w.bell),
             );
         }
-        Ok(worker.control.hand_over(&bells)?)
+        if worker.control.hand_over(&bells).is_err() {
+            self.workers[index].kill();
+        }
     }
 
     /// Runs until the source ends, a signal comes, or a service cannot be kept alive; then drains
@@ -137,6 +158,7 @@ impl Supervisor {
         let end = match self.wait_until_ready() {
             Some(end) => end,
             None => {
+                self.notify.say("READY=1");
                 self.start_ns = now_ns() + 20_000_000;
                 // Downstream first: everyone listens before the source begins.
                 for i in (0..self.workers.len()).rev() {
@@ -145,6 +167,7 @@ impl Supervisor {
                 self.watch_over()
             }
         };
+        self.notify.say("STOPPING=1");
         // Before `go` there is nothing to drain.
         if self.start_ns != 0 && !matches!(end, End::Failed(_)) {
             self.drain();
@@ -152,10 +175,16 @@ impl Supervisor {
         self.end_all();
         self.taps.drain(&mut self.watch);
         self.watch.finish();
-        let is_sink = |w: &&Worker| matches!(w.process.role, Role::Sink);
-        let logger = self.workers.iter().find(is_sink);
-        parts::join(&self.plan.recording, logger.map_or(0, |w| w.restarts))?;
+        self.finish_recording();
         Ok((end, std::mem::take(&mut self.watch)))
+    }
+
+    /// Joins what several loggers wrote.
+    fn finish_recording(&mut self) {
+        if let Err(failure) = parts::finish(&self.plan.recording) {
+            let why = failure.to_string().replace('\n', ";");
+            self.watch.note(Fault::NotJoined { why });
+        }
     }
 
     fn wait_until_ready(&mut self) -> Option<End> {
@@ -187,10 +216,10 @@ impl Supervisor {
         }
     }
 
-    /// One look at everything: words of the workers, deaths, signals, channels.
+    /// Waits for something to happen and deals with it: words, deaths, signals, channels.
     fn look(&mut self) -> Option<End> {
-        self.wait_for_words();
-        if self.signal.load(Ordering::Relaxed) {
+        self.wait(self.look);
+        if self.signals.came() {
             return Some(End::Interrupted);
         }
         for i in 0..self.workers.len() {
@@ -198,20 +227,40 @@ impl Supervisor {
                 return Some(End::Failed(reason));
             }
         }
-        self.taps.drain(&mut self.watch);
+        self.end_hanging();
         self.watch.tick();
         None
     }
 
-    fn wait_for_words(&mut self) {
-        let mut fds: Vec<PollFd> = self
-            .workers
-            .iter()
-            .filter(|w| !w.is_to_be_restarted())
-            .map(|w| PollFd::from_borrowed_fd(w.control.as_fd(), PollFlags::IN))
+    /// Sleeps until a worker speaks or ends, a signal comes, a restart is due, or `limit` is over; then
+    /// hears every word and takes every message.
+    fn wait(&mut self, limit: Duration) {
+        let due = self.workers.iter().filter_map(Worker::due).min();
+        let until_due = due.map(|due| due.saturating_duration_since(Instant::now()));
+        let limit = until_due.map_or(limit, |d| d.min(limit));
+        let suspect = self.workers.iter().any(Worker::is_suspect);
+        let limit = if suspect {
+            limit.min(SUSPECT_LOOK)
+        } else {
+            limit
+        };
+        let timeout = Timespec {
+            tv_sec: limit.as_secs() as i64,
+            tv_nsec: limit.subsec_nanos().into(),
+        };
+        // A signal that came already is dealt with, and would end every wait.
+        let signal = (!self.signals.came()).then(|| self.signals.as_fd());
+        let signs = self.workers.iter().flat_map(Worker::signs).chain(signal);
+        let mut fds: Vec<PollFd> = signs
+            .map(|fd| PollFd::from_borrowed_fd(fd, PollFlags::IN))
             .collect();
-        let _ = poll(&mut fds, Some(&LOOK));
-        drop(fds);
+        let _ = poll(&mut fds, Some(&timeout));
+        self.hear();
+        self.taps.drain(&mut self.watch);
+        self.notify.awake();
+    }
+
+    fn hear(&mut self) {
         for i in 0..self.workers.len() {
             while let Heard::Word(word) = self.workers[i].control.hear(0) {
                 match word.as_str() {
@@ -242,8 +291,8 @@ impl Supervisor {
     /// Notices a death and restarts; `Err` with the reason when there is no point in it.
     fn keep_alive(&mut self, i: usize) -> Result<(), String> {
         let worker = &mut self.workers[i];
-        if worker.is_to_be_restarted() {
-            return if worker.is_due() {
+        if let Some(due) = worker.due() {
+            return if due <= Instant::now() {
                 self.restart(i)
             } else {
                 Ok(())
@@ -252,14 +301,34 @@ impl Supervisor {
         let Some(status) = worker.died() else {
             return Ok(());
         };
+        let service = worker.process.name;
+        let hung = worker.hung;
         worker.plan_restart(status)?;
-        let name = worker.process.name;
-        tracing::warn!(service = name, %status, "a service died; it is started again");
-        self.watch.note_death(name, &status.to_string());
+        self.watch.note(match hung {
+            Some(silence) => Fault::Hung { service, silence },
+            None => {
+                tracing::warn!(service, %status, "a service died; it is started again");
+                let how = status.to_string();
+                Fault::Died { service, how }
+            }
+        });
         Ok(())
     }
 
+    /// Ends what hangs; the death is noticed as any other.
+    fn end_hanging(&mut self) {
+        for worker in &mut self.workers {
+            let service = worker.process.name;
+            if let Some(silence) = worker.hangs(self.watch.health(service)) {
+                tracing::warn!(service, ?silence, "a service hangs; it is ended");
+                worker.hung = Some(silence);
+                worker.kill();
+            }
+        }
+    }
+
     fn restart(&mut self, i: usize) -> Result<(), String> {
+        self.spare.release();
         // What the dead process held in the channels would otherwise count against their limits.
         if !self.cleaner.clean_up(CLEAN_UP_LIMIT) {
             tracing::warn!(
@@ -267,26 +336,48 @@ impl Supervisor {
             );
         }
         self.taps.drain(&mut self.watch);
-        self.workers[i]
-            .restart(self.owner.domain())
-            .and_then(|()| self.hand_over(i))
-            .map_err(|e| e.to_string())
+        let restarted = self.workers[i].restart(self.owner.domain());
+        if restarted.is_ok() && self.workers[i].due().is_none() {
+            self.hand_over(i);
+        }
+        self.spare.fill();
+        restarted
     }
 
     /// Upstream first, so that nobody is asked before its writer has said its last word.
     fn drain(&mut self) {
+        let begun = Instant::now();
         for i in 0..self.workers.len() {
             self.workers[i].drained = false;
-            if !self.workers[i].control.say("drain") {
-                continue;
-            }
-            let begun = Instant::now();
+            self.workers[i].control.say("drain");
             while !self.workers[i].drained && begun.elapsed() < DRAIN_LIMIT {
-                self.wait_for_words();
-                self.taps.drain(&mut self.watch);
+                self.wait(QUICK_LOOK);
+                self.end_hanging();
+                self.bury();
                 if !self.workers[i].is_alive() {
                     break;
                 }
+            }
+        }
+    }
+
+    /// Notes the deaths of those that shall not live on.
+    fn bury(&mut self) {
+        for worker in &mut self.workers {
+            let service = worker.process.name;
+            // Dead, and never to be started again.
+            if worker.due().is_some() {
+                worker.give_up();
+            }
+            let Some(status) = worker.died() else {
+                continue;
+            };
+            worker.give_up();
+            if let Some(silence) = worker.hung {
+                self.watch.note(Fault::Hung { service, silence });
+            } else if !status.success() {
+                let how = status.to_string();
+                self.watch.note(Fault::DiedAtEnd { service, how });
             }
         }
     }
@@ -296,15 +387,18 @@ impl Supervisor {
             worker.control.say("exit");
         }
         let begun = Instant::now();
+        while self.workers.iter_mut().any(Worker::is_alive) && begun.elapsed() < EXIT_LIMIT {
+            self.wait(QUICK_LOOK);
+            self.bury();
+        }
+        self.bury();
         for worker in &mut self.workers {
-            while worker.is_alive() {
-                if begun.elapsed() > EXIT_LIMIT {
-                    tracing::error!(service = worker.process.name, "did not end; killed");
-                    worker.kill();
-                    break;
+            if worker.is_alive() {
+                let service = worker.process.name;
+                if worker.ready {
+                    self.watch.note(Fault::DidNotEnd { service });
                 }
-                self.taps.drain(&mut self.watch);
-                std::thread::sleep(Duration::from_millis(2));
+                worker.kill_and_wait();
             }
         }
     }
@@ -315,7 +409,7 @@ impl Drop for Supervisor {
     fn drop(&mut self) {
         for worker in &mut self.workers {
             if worker.is_alive() {
-                worker.kill();
+                worker.kill_and_wait();
             }
         }
     }

@@ -11,6 +11,7 @@ use runtime::Sink;
 use steps::stages::Pipeline;
 use view::live::Feed;
 
+use crate::fault::Fault;
 use crate::quantity::{QUANTITIES, Quantity};
 
 /// Truths that may wait for their estimates.
@@ -107,6 +108,45 @@ impl Score {
     }
 }
 
+/// What a channel carried.
+#[derive(Debug, Clone, Copy, Default)]
+struct Carried {
+    /// Number after that of the latest sample.
+    next: u64,
+    /// Samples.
+    samples: u64,
+    /// Samples that the supervisor, held up itself, did not see.
+    unseen: u64,
+}
+
+impl Carried {
+    fn add(&mut self, sequence: u64) {
+        if sequence >= self.next {
+            self.next = sequence + 1;
+            self.samples += 1;
+        }
+    }
+}
+
+/// What a process counted, before its restarts and since.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Counts {
+    /// Samples handled.
+    pub steps: u64,
+    /// Samples that never arrived.
+    pub lost: u64,
+    /// Samples that came later than a period.
+    pub late: u64,
+}
+
+impl Counts {
+    fn add(&mut self, health: &Health) {
+        self.steps += health.steps;
+        self.lost += health.lost;
+        self.late += health.late;
+    }
+}
+
 /// Everything seen of a run.
 #[derive(Default)]
 pub struct Watch {
@@ -114,12 +154,14 @@ pub struct Watch {
     told: Option<&'static Channel>,
     show: Show,
     feed: Option<Feed>,
-    next_sequence: u64,
+    carried: BTreeMap<&'static str, Carried>,
     truths: VecDeque<(u64, Envelope)>,
     scores: Vec<Score>,
     latest: BTreeMap<&'static str, Envelope>,
     health: BTreeMap<u32, Health>,
-    deaths: Vec<String>,
+    /// Counts of processes that died.
+    before: BTreeMap<u32, Counts>,
+    faults: Vec<Fault>,
     shown: Option<Instant>,
     begun: Option<Instant>,
 }
@@ -155,7 +197,19 @@ impl Watch {
 
     /// Number after that of the latest sample seen.
     pub fn next_sequence(&self) -> u64 {
-        self.next_sequence
+        self.sent().next
+    }
+
+    /// What the source sent. Every sample has a truth beside it, if an empty one.
+    fn sent(&self) -> Carried {
+        let truths = self
+            .carried
+            .iter()
+            .filter(|(name, _)| name.ends_with("/truth"));
+        truths
+            .map(|(_, carried)| *carried)
+            .next()
+            .unwrap_or_default()
     }
 
     /// Scores of the quantities that are told first.
@@ -195,25 +249,79 @@ impl Watch {
         })
     }
 
+    /// Counts of all processes, by name.
+    fn counts(&self) -> impl Iterator<Item = (&'static str, Counts)> {
+        self.health.iter().filter_map(|(index, health)| {
+            let mut counts = self.before.get(index).copied().unwrap_or_default();
+            counts.add(health);
+            Some((self.pipeline?.process_name(*index), counts))
+        })
+    }
+
+    /// Counts of the process called `service`.
+    pub fn counts_of(&self, service: &str) -> Counts {
+        let found = self.counts().find(|(name, _)| *name == service);
+        found.map_or(Counts::default(), |(_, counts)| counts)
+    }
+
     /// Samples lost before any process.
     pub fn lost(&self) -> u64 {
-        self.health.values().map(|h| h.lost).sum()
+        self.counts().map(|(_, counts)| counts.lost).sum()
     }
 
-    /// Deaths, in words.
-    pub fn deaths(&self) -> &[String] {
-        &self.deaths
+    /// Notes what went wrong.
+    pub fn note(&mut self, fault: Fault) {
+        self.faults.push(fault);
     }
 
-    /// Whether the recording misses something.
-    pub fn recording_failed(&self) -> bool {
-        self.health("logger")
+    /// Everything that went wrong: what was noted, and what the channels and processes tell.
+    pub fn faults(&self) -> Vec<Fault> {
+        let mut faults = self.faults.clone();
+        let sent = self.sent();
+        let unmeasured = sent.next.saturating_sub(sent.samples + sent.unseen);
+        if unmeasured > 0 {
+            faults.push(Fault::Unmeasured {
+                samples: unmeasured,
+            });
+        }
+        faults.extend(self.unanswered(sent));
+        let logger = self.counts_of("logger");
+        let away = |f: &Fault| matches!(f, Fault::Died { service, .. } | Fault::Hung { service, .. } if *service == "logger");
+        if logger.lost > 0 || self.faults.iter().any(away) {
+            faults.push(Fault::Unrecorded {
+                samples: logger.lost,
+            });
+        }
+        if self
+            .health("logger")
             .is_some_and(|h| h.fault == fault::DISK)
+        {
+            faults.push(Fault::Disk);
+        }
+        let late = self.counts().filter(|(_, counts)| counts.late > 0);
+        faults.extend(late.map(|(service, counts)| Fault::Late {
+            service,
+            samples: counts.late,
+        }));
+        faults
     }
 
-    /// Notes that a service died.
-    pub fn note_death(&mut self, service: &str, status: &str) {
-        self.deaths.push(format!("{service} died ({status})"));
+    /// Samples that were measured and have no answer, by service.
+    fn unanswered(&self, sent: Carried) -> Vec<Fault> {
+        let Some(pipeline) = self.pipeline else {
+            return Vec::new();
+        };
+        let known = sent.samples + sent.unseen;
+        let fault = |channel: &'static Channel| {
+            let answers = self.carried.get(channel.name).copied().unwrap_or_default();
+            let samples = known.saturating_sub(answers.samples + answers.unseen);
+            (samples > 0).then_some(Fault::Unanswered {
+                service: pipeline.writer(channel)?.name,
+                samples,
+                of: known,
+            })
+        };
+        pipeline.estimates().filter_map(fault).collect()
     }
 
     /// Shows the state, not too often.
@@ -325,24 +433,31 @@ impl Sink for Watch {
             feed.push(channel, message);
         }
         let envelope = message.envelope();
+        let carried = self.carried.entry(channel.name).or_default();
+        carried.add(message.stamp().sequence);
         match &envelope {
             Envelope::ExcavatorTruth(_) | Envelope::LoaderTruth(_) => {
                 if self.truths.len() == TRUTHS {
                     self.truths.pop_front();
                 }
-                // Every sample has a truth beside it, if an empty one.
-                self.next_sequence = self.next_sequence.max(message.stamp().sequence + 1);
                 self.truths.push_back((message.stamp().sequence, envelope));
             }
             Envelope::ExcavatorEstimate(_) | Envelope::LoaderEstimate(_) => {
                 self.note_estimate(channel, message);
             }
             Envelope::Health(health) => {
-                self.health.insert(health.process, *health);
+                let before = self.health.insert(health.process, *health);
+                if let Some(before) = before.filter(|b| b.pid != health.pid) {
+                    self.before.entry(health.process).or_default().add(&before);
+                }
             }
             _ => {}
         }
         self.latest.insert(channel.name, envelope);
+    }
+
+    fn overwritten(&mut self, channel: &'static Channel, samples: u64) {
+        self.carried.entry(channel.name).or_default().unseen += samples;
     }
 
     fn has_room(&self) -> bool {

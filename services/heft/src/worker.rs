@@ -1,11 +1,13 @@
 //! One service of a run as its supervisor sees it: a process, the way to talk to it, its deaths.
 
-use std::os::fd::OwnedFd;
+use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
 use std::os::unix::process::CommandExt;
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
-use runtime::{Bell, Control, Domain};
+use messages::{Health, State};
+use runtime::{Bell, Control, Domain, is_stopped, now_ns};
+use rustix::process::{Pid, PidfdFlags, pidfd_open};
 use steps::stages::Stage;
 
 use crate::failure::Failure;
@@ -15,6 +17,17 @@ const QUICK: Duration = Duration::from_millis(300);
 /// So many quick deaths in a row end the run.
 const MAX_QUICK_DEATHS: u32 = 5;
 const FIRST_BACK_OFF: Duration = Duration::from_millis(5);
+/// So many starts in a row that the system refused end the run: five seconds.
+const MAX_REFUSALS: u32 = 50;
+const REFUSAL_PAUSE: Duration = Duration::from_millis(100);
+/// A process tells its health three times a second; one that is later is looked at.
+const LATE: Duration = Duration::from_millis(350);
+/// One that is found stopped is left alone for so long.
+const STOPPED_LIMIT: Duration = Duration::from_millis(350);
+/// One that has told its health and falls silent, though not stopped: longer than any load explains.
+const SILENT_LIMIT: Duration = Duration::from_secs(5);
+/// A killed process is gone within a millisecond, unless the kernel itself holds it.
+const KILL_LIMIT: Duration = Duration::from_millis(200);
 
 /// A service and its process.
 pub struct Worker {
@@ -30,11 +43,29 @@ pub struct Worker {
     pub drained: bool,
     /// How often it was started again.
     pub restarts: u32,
+    /// How long it had given no sign of life when it was ended for that.
+    pub hung: Option<Duration>,
     child: Child,
+    /// Becomes readable when the process ends; missing on old kernels.
+    end: Option<OwnedFd>,
     started: Instant,
+    started_ns: u64,
+    /// Since when it was found stopped.
+    stopped: Option<Instant>,
     quick_deaths: u32,
-    /// When to start it again, after a death.
-    due: Option<Instant>,
+    refusals: u32,
+    next: Next,
+}
+
+/// What happens to a process next.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Next {
+    /// It lives, as far as is known.
+    Lives,
+    /// It died, and is started again then.
+    Starts(Instant),
+    /// It died, and that is all.
+    Nothing,
 }
 
 impl Worker {
@@ -48,31 +79,60 @@ impl Worker {
             ready: false,
             drained: false,
             restarts: 0,
+            hung: None,
+            end: end_of(&child),
             child,
             started: Instant::now(),
+            started_ns: now_ns(),
+            stopped: None,
             quick_deaths: 0,
-            due: None,
+            refusals: 0,
+            next: Next::Lives,
         })
     }
 
-    /// Starts the process again.
-    pub fn restart(&mut self, domain: &Domain) -> Result<(), Failure> {
-        let restarts = self.restarts + 1;
-        (self.control, self.child) = spawn(self.process, restarts, domain)?;
-        self.restarts = restarts;
-        self.started = Instant::now();
-        self.due = None;
+    /// Starts the process again. Where the system refuses, another try is planned; `Err` with the
+    /// reason when there were too many.
+    pub fn restart(&mut self, domain: &Domain) -> Result<(), String> {
+        match spawn(self.process, self.restarts + 1, domain) {
+            Ok((control, child)) => {
+                self.end = end_of(&child);
+                (self.control, self.child) = (control, child);
+                self.restarts += 1;
+                self.refusals = 0;
+                self.hung = None;
+                self.stopped = None;
+                (self.started, self.started_ns) = (Instant::now(), now_ns());
+                self.next = Next::Lives;
+            }
+            Err(refusal) => {
+                self.refusals += 1;
+                if self.refusals >= MAX_REFUSALS {
+                    return Err(refusal.to_string());
+                }
+                tracing::warn!(service = self.process.name, %refusal, "tried again soon");
+                self.next = Next::Starts(Instant::now() + REFUSAL_PAUSE);
+            }
+        }
         Ok(())
     }
 
     /// Whether the process lives.
     pub fn is_alive(&mut self) -> bool {
-        matches!(self.child.try_wait(), Ok(None))
+        self.next == Next::Lives && matches!(self.child.try_wait(), Ok(None))
     }
 
-    /// How the process ended, if it did.
+    /// How the process ended, if it did and that was not dealt with yet.
     pub fn died(&mut self) -> Option<ExitStatus> {
-        self.child.try_wait().ok().flatten()
+        match self.next {
+            Next::Lives => self.child.try_wait().ok().flatten(),
+            _ => None,
+        }
+    }
+
+    /// Leaves it dead.
+    pub fn give_up(&mut self) {
+        self.next = Next::Nothing;
     }
 
     /// Plans the restart after a death; `Err` with the reason when there is no point in it.
@@ -82,30 +142,76 @@ impl Worker {
         } else {
             0
         };
-        if self.quick_deaths >= MAX_QUICK_DEATHS || (status.code() == Some(2) && !self.ready) {
+        // Refused what it was to do; later the reason may be that its predecessor is not gone yet.
+        let refused = status.code() == Some(2) && !self.ready && self.restarts == 0;
+        if self.quick_deaths >= MAX_QUICK_DEATHS || refused {
             let name = self.process.name;
             return Err(format!("the service {name} does not stay alive ({status})"));
         }
-        self.due = Some(Instant::now() + FIRST_BACK_OFF * 2u32.pow(self.quick_deaths));
+        self.next = Next::Starts(Instant::now() + FIRST_BACK_OFF * 2u32.pow(self.quick_deaths));
         self.ready = false;
         Ok(())
     }
 
-    /// Whether it died and is not yet started again.
-    pub fn is_to_be_restarted(&self) -> bool {
-        self.due.is_some()
+    /// When to start it again, if it died.
+    pub fn due(&self) -> Option<Instant> {
+        match self.next {
+            Next::Starts(due) => Some(due),
+            _ => None,
+        }
     }
 
-    /// Whether the time to start it again has come.
-    pub fn is_due(&self) -> bool {
-        self.due.is_some_and(|due| Instant::now() >= due)
+    /// What becomes readable when it says something or ends.
+    pub fn signs(&self) -> impl Iterator<Item = BorrowedFd<'_>> {
+        let lives = self.next == Next::Lives;
+        let control = lives.then(|| self.control.as_fd());
+        let end = self.end.as_ref().filter(|_| lives).map(AsFd::as_fd);
+        control.into_iter().chain(end)
     }
 
-    /// Ends the process by force.
+    /// How long it has given no sign of life, if too long: it is stopped, silent, or at the same
+    /// sample though it had the processor. `health` is the latest that was told under its name.
+    pub fn hangs(&mut self, health: Option<&Health>) -> Option<Duration> {
+        if self.next != Next::Lives || self.hung.is_some() {
+            return None;
+        }
+        let pid = self.child.id();
+        let health = health.filter(|h| h.pid == pid);
+        let last = health.map_or(self.started_ns, |h| h.stamp.measured_ns);
+        let silence = Duration::from_nanos(now_ns().saturating_sub(last));
+        let stuck = health.is_some_and(|h| h.state == State::Hanging as u32);
+        let silent = health.is_some() && silence > SILENT_LIMIT;
+        self.stopped =
+            (silence > LATE && is_stopped(pid)).then(|| self.stopped.unwrap_or_else(Instant::now));
+        let stopped = self.stopped.is_some_and(|s| s.elapsed() >= STOPPED_LIMIT);
+        (stuck || silent || stopped).then_some(silence)
+    }
+
+    /// Whether it is found stopped, and not yet ended for that.
+    pub fn is_suspect(&self) -> bool {
+        self.stopped.is_some() && self.hung.is_none()
+    }
+
+    /// Ends the process by force, and does not wait for that.
     pub fn kill(&mut self) {
         let _ = self.child.kill();
-        let _ = self.child.wait();
     }
+
+    /// Ends the process by force and waits until it is gone, but not for ever.
+    pub fn kill_and_wait(&mut self) {
+        self.kill();
+        let begun = Instant::now();
+        while matches!(self.child.try_wait(), Ok(None)) && begun.elapsed() < KILL_LIMIT {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        self.give_up();
+    }
+}
+
+/// What tells the end of a process.
+fn end_of(child: &Child) -> Option<OwnedFd> {
+    let pid = Pid::from_raw(i32::try_from(child.id()).ok()?)?;
+    pidfd_open(pid, PidfdFlags::empty()).ok()
 }
 
 fn spawn(process: &Stage, restarts: u32, domain: &Domain) -> Result<(Control, Child), Failure> {
@@ -117,12 +223,15 @@ fn spawn(process: &Stage, restarts: u32, domain: &Domain) -> Result<(Control, Ch
         .stdin(Stdio::from(theirs))
         // A group of its own: Ctrl-C reaches the supervisor alone, which ends the run in order.
         .process_group(0)
+        // Those are for the supervisor alone.
+        .env_remove("NOTIFY_SOCKET")
+        .env_remove("WATCHDOG_USEC")
         .spawn()
         .map_err(|e| {
             Failure::input(
                 format!("cannot start the service {}: {e}", process.name),
                 "the supervisor",
-                "check the limits on processes and memory",
+                "check the limits on processes, open files (ulimit -n 4096) and memory",
             )
         })?;
     Ok((control, child))

@@ -11,10 +11,15 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use messages::channels::Channel;
-use messages::{Envelope, Message, Receiver, fault};
-use recording::{Error, Metadata, Writer};
+use messages::{Envelope, Message, fault};
+use recording::{Error, Metadata};
 use rtrb::{Consumer, Producer, RingBuffer};
 use runtime::Sink;
+
+mod recorder;
+
+pub use recorder::Limits;
+use recorder::Recorder;
 
 /// Messages that may wait for the disk: 0.4 s of an excavator at 10 kHz.
 const RING: usize = 16_384;
@@ -43,16 +48,17 @@ struct Shared {
 }
 
 impl Logger {
-    /// Begins a recording at `path`.
+    /// Begins the recording `path`, or its next part where there is something in it already: what a
+    /// logger that was killed has written stays as it is.
     ///
     /// # Errors
     /// The file cannot be made.
-    pub fn create(path: &Path, metadata: &Metadata) -> Result<Self, Error> {
-        let writer = Writer::create(path, metadata)?;
+    pub fn create(path: &Path, metadata: &Metadata, limits: Limits) -> Result<Self, Error> {
+        let recorder = Recorder::create(path, metadata, limits)?;
         let (records, consumer) = RingBuffer::new(RING);
         let shared = Arc::new(Shared::default());
         let its = Arc::clone(&shared);
-        let thread = std::thread::spawn(move || write_all(writer, consumer, &its));
+        let thread = std::thread::spawn(move || write_all(recorder, consumer, &its));
         Ok(Self {
             records: Some(records),
             shared,
@@ -104,33 +110,22 @@ impl Drop for Logger {
     }
 }
 
-struct WriteTo<'a>(&'a mut Writer, &'static Channel);
-
-impl Receiver for WriteTo<'_> {
-    type Output = Result<(), Error>;
-    fn receive<M: Message>(self, message: &M) -> Self::Output {
-        self.0.write(self.1, message)
-    }
-}
-
-/// Writes until the process has let go of its end of the ring and nothing is left in it. After an
-/// error it goes on emptying the ring, so that the process never waits for a dead disk.
-fn write_all(mut writer: Writer, mut records: Consumer<Record>, shared: &Shared) {
-    let mut failed = false;
+/// Writes until the process has let go of its end of the ring and nothing is left in it. While the
+/// disk takes nothing it goes on emptying the ring, so that the process never waits for a dead disk.
+fn write_all(mut recorder: Recorder, mut records: Consumer<Record>, shared: &Shared) {
     let mut flushed = Instant::now();
     loop {
         let ending = records.is_abandoned();
         while let Ok((channel, envelope)) = records.pop() {
-            if failed {
+            let written = recorder.write(channel, &envelope);
+            if !written.unwrap_or_else(|error| tell(shared, &error)) {
                 shared.unwritten.fetch_add(1, Ordering::Relaxed);
-            } else if let Err(error) = envelope.open(WriteTo(&mut writer, channel)) {
-                failed = tell(shared, &error);
             }
         }
-        if !failed && flushed.elapsed() >= FLUSH_PERIOD {
+        if flushed.elapsed() >= FLUSH_PERIOD {
             flushed = Instant::now();
-            if let Err(error) = writer.flush() {
-                failed = tell(shared, &error);
+            if let Err(error) = recorder.flush() {
+                tell(shared, &error);
             }
         }
         if ending {
@@ -138,13 +133,14 @@ fn write_all(mut writer: Writer, mut records: Consumer<Record>, shared: &Shared)
         }
         std::thread::sleep(Duration::from_millis(5));
     }
-    if !failed && let Err(error) = writer.finish() {
+    if let Err(error) = recorder.finish() {
         tell(shared, &error);
     }
 }
 
+/// Says that the disk takes no more: not recorded.
 fn tell(shared: &Shared, error: &Error) -> bool {
-    tracing::error!(%error, "the recording ends here; estimation goes on");
+    tracing::error!(%error, "the recording stops here; estimation goes on");
     shared.fault.store(fault::DISK, Ordering::Relaxed);
-    true
+    false
 }

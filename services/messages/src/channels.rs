@@ -100,7 +100,7 @@ channels! {
     /// Estimates of the square-root unscented Kalman filter.
     LOADER_CG_UKF: LoaderEstimate = "loader/cg_ukf", 512, Rate::Sensors;
     /// How each process is doing.
-    HEALTH: Health = "health", 128, Rate::Hz(10.0);
+    HEALTH: Health = "health", 128, Rate::Hz(3.0);
     /// How far the logger has got.
     CREDIT: Credit = "credit", 16, Rate::Sensors;
 }

@@ -16,6 +16,8 @@ pub enum State {
     Waiting = 2,
     /// Has ended in order.
     Ended = 3,
+    /// Is at the same sample for too long.
+    Hanging = 4,
 }
 
 /// Codes of [`Health::fault`].
@@ -46,7 +48,7 @@ pub mod fault {
 }
 
 message! {
-    /// Ten times a second: how a process is doing. Counts are since its start.
+    /// Three times a second: how a process is doing. Counts are since its start.
     pub struct Health, "Health", size 168 {
         /// Position of the process in the table of processes.
         process: u32, "";

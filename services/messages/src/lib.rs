@@ -20,7 +20,7 @@ pub use excavator::{
     ExcavatorEstimate, ExcavatorSensors, ExcavatorTruth, SwingMotion, excavator_bits,
 };
 pub use health::{Credit, Health, State, fault};
-pub use loader::{LoaderEstimate, LoaderSensors, LoaderTruth, loader_bits};
+pub use loader::{LOADER_REASONS, LoaderEstimate, LoaderSensors, LoaderTruth, loader_bits};
 pub use machine::Machine;
 pub use message::{Field, HEAD, Kind, Message, Value};
 pub use stamp::{Hop, Hops, Stamp};

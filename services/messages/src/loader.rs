@@ -29,6 +29,12 @@ pub mod loader_bits {
     pub const SPADE_FORCE_Z: u32 = 1 << 9;
     /// In `valid`: the boom moves. In `columns`: the source has that signal.
     pub const BOOM_MOVING: u32 = 1 << 10;
+    /// Articulation of the steering.
+    pub const ARTICULATION: u32 = 1 << 11;
+    /// Yaw rate.
+    pub const YAW_RATE: u32 = 1 << 12;
+    /// In `valid`: friction brakes act. In `columns`: the source has that signal.
+    pub const BRAKE: u32 = 1 << 13;
 
     // Flags: `LoaderEstimate::flags`.
     /// The motion carries information about the ratio.
@@ -55,6 +61,10 @@ pub mod loader_bits {
     pub const REFUSED: u32 = 1 << 10;
     /// The filter diverged (only methods without protection).
     pub const DIVERGED: u32 = 1 << 11;
+    /// These inputs can determine the ratio, and it is not at a bound.
+    pub const IDENTIFIABLE_RATIO: u32 = 1 << 12;
+    /// These inputs can determine the height, and it is not at a bound.
+    pub const IDENTIFIABLE_HEIGHT: u32 = 1 << 13;
 
     // Quantities: `LoaderEstimate::estimated`.
     /// Speed, wheel speeds, slip stiffness, height, ratio (0 until the first accepted row).
@@ -65,11 +75,13 @@ pub mod loader_bits {
     pub const SLOPE_BIAS: u32 = 1 << 2;
     /// Rolling-radius scales.
     pub const RADIUS_SCALES: u32 = 1 << 3;
+    /// Delay of the speed.
+    pub const SPEED_DELAY: u32 = 1 << 4;
 }
 
 message! {
     /// What the loader's sensors measured; a signal without its bit in `valid` is 0 and means nothing.
-    pub struct LoaderSensors, "LoaderSensors", size 152 {
+    pub struct LoaderSensors, "LoaderSensors", size 168 {
         /// Forward speed of the body.
         speed: f64, "m/s";
         /// Speed of the front wheels.
@@ -90,6 +102,10 @@ message! {
         spade_force_x: f64, "N";
         /// Force on the bucket tip that pushes the machine down.
         spade_force_z: f64, "N";
+        /// Angle between front and rear body, positive when the machine turns left.
+        articulation: f64, "rad";
+        /// Yaw rate of the rear body, positive anticlockwise from above.
+        yaw_rate: f64, "rad/s";
         /// Bits of the signals that this sample carries.
         valid: u32, "";
         /// Bits of the signals that the source has at all.
@@ -125,7 +141,7 @@ message! {
 
 message! {
     /// Estimated centre of gravity with its verdict.
-    pub struct LoaderEstimate, "LoaderEstimate", size 216 {
+    pub struct LoaderEstimate, "LoaderEstimate", size 240 {
         /// Forward speed.
         speed: f64, "m/s";
         /// Speed of the front wheels.
@@ -158,6 +174,10 @@ message! {
         rear_radius_scale: f64, "";
         /// Normalised innovation squared of this sample per accepted measurement.
         nis: f64, "";
+        /// Delay of the measured speed.
+        speed_delay: f64, "s";
+        /// Standard deviation of that delay.
+        speed_delay_std: f64, "s";
         /// Verdict bits.
         flags: u32, "";
         /// Bits of the quantities that the method estimates.
@@ -168,5 +188,35 @@ message! {
         resets: u32, "";
         /// Rows refused so far.
         refused: u64, "";
+        /// Why an estimate is not consistent or not fresh: index into `LOADER_REASONS`, 0 for none.
+        reason: u32, "";
+        /// Reserved, 0.
+        reserved: u32, "";
     }
 }
+
+/// Reasons of the loader's estimates by their code, [`LoaderEstimate::reason`]: name in the tables, and words. 0 is no reason.
+pub const LOADER_REASONS: &[(&str, &str)] = &[
+    ("", ""),
+    ("missing", "an input is missing or too old"),
+    ("stuck speed", "the speed never changes"),
+    ("stuck front wheel", "the front wheel speed never changes"),
+    ("stuck rear wheel", "the rear wheel speed never changes"),
+    ("stuck front torque", "the front torque never changes"),
+    ("stuck rear torque", "the rear torque never changes"),
+    ("stuck slope", "the slope never changes"),
+    ("stuck acceleration", "the acceleration never changes"),
+    ("unexplained", "the motion does not follow the model"),
+    ("latency", "the speed comes later than a sensor may"),
+    ("stiffness", "the slip stiffness is none that tyres have"),
+    ("brakes", "friction brakes seem to act"),
+    ("steering", "the machine turns"),
+    ("slope", "the slope does not fit the motion"),
+    ("torque", "the torques do not fit the motion and the mass"),
+    ("load", "the load may have changed"),
+    (
+        "disagreement",
+        "manoeuvres disagree by more than they claim",
+    ),
+    ("limit", "an estimate is at its limit"),
+];

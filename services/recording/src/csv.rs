@@ -6,7 +6,7 @@ mod estimate;
 mod export;
 mod read;
 
-pub use estimate::{Column, Estimate, EstimateWriter};
+pub use estimate::{Column, Estimate, EstimateWriter, is_estimates};
 pub use export::export;
 pub(crate) use read::read;
 pub use read::{read_excavator, read_loader, read_weighings};

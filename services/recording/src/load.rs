@@ -1,4 +1,3 @@
-use std::collections::BTreeMap;
 use std::path::Path;
 
 use messages::channels::{
@@ -6,7 +5,7 @@ use messages::channels::{
 };
 use messages::{ExcavatorSensors, ExcavatorTruth, LoaderSensors, LoaderTruth, Message};
 
-use crate::signal::{Excavator, Loader, Machine, Row};
+use crate::signal::{Excavator, Loader, Machine};
 use crate::{Error, Map, Reader, can, csv};
 
 /// Reads the samples of an excavator from a table (`.csv`), a recording (`.mcap`) or a CAN log
@@ -18,7 +17,7 @@ pub fn load_excavator(
     path: impl AsRef<Path>,
     map: Option<&Map>,
 ) -> Result<Vec<(ExcavatorSensors, ExcavatorTruth)>, Error> {
-    load::<Excavator>(path.as_ref(), map, [&EXCAVATOR_SENSORS, &EXCAVATOR_TRUTH])
+    Ok(open_excavator(path, map)?.rows()?.collect())
 }
 
 /// Reads the samples of a wheel loader, as [`load_excavator`] does.
@@ -29,19 +28,92 @@ pub fn load_loader(
     path: impl AsRef<Path>,
     map: Option<&Map>,
 ) -> Result<Vec<(LoaderSensors, LoaderTruth)>, Error> {
-    load::<Loader>(path.as_ref(), map, [&LOADER_SENSORS, &LOADER_TRUTH])
+    Ok(open_loader(path, map)?.rows()?.collect())
 }
 
-fn load<M: Machine>(
+/// Samples of a machine with their truth. Those of a recording are read one after the other, so that
+/// its length does not matter.
+pub struct Samples<S, T>(Source<S, T>);
+
+enum Source<S, T> {
+    Table(Vec<(S, T)>),
+    Recording(Box<Reader>, [&'static str; 2]),
+}
+
+impl<S: Message, T: Message> Samples<S, T> {
+    /// Sample by sample.
+    ///
+    /// # Errors
+    /// The recording carries something else under these names.
+    pub fn rows(&self) -> Result<Box<dyn Iterator<Item = (S, T)> + '_>, Error> {
+        let (reader, [sensors, truth]) = match &self.0 {
+            Source::Table(rows) => return Ok(Box::new(rows.iter().copied())),
+            Source::Recording(reader, channels) => (reader, *channels),
+        };
+        let mut truth = reader.stream::<T>(truth)?.peekable();
+        Ok(Box::new(reader.stream::<S>(sensors)?.map(move |sample| {
+            let place = identity(&sample);
+            while truth.next_if(|t| identity(t) < place).is_some() {}
+            let its = truth.next_if(|t| identity(t) == place);
+            (sample, its.unwrap_or_default())
+        })))
+    }
+
+    /// The recording that they come from, if they do.
+    #[must_use]
+    pub fn recording(&self) -> Option<&Reader> {
+        match &self.0 {
+            Source::Table(_) => None,
+            Source::Recording(reader, _) => Some(reader),
+        }
+    }
+
+    /// Has `told` called with the share that is read (0 to 1).
+    pub fn on_progress(&mut self, told: impl Fn(f64) + 'static) {
+        if let Source::Recording(reader, _) = &mut self.0 {
+            reader.on_progress(told);
+        }
+    }
+}
+
+/// Opens the samples of an excavator: a table (`.csv`), a recording (`.mcap` or its folder) or a CAN
+/// log (`.log`, which needs a map).
+///
+/// # Errors
+/// The file cannot be read or lacks something; the error says what and where.
+pub fn open_excavator(
+    path: impl AsRef<Path>,
+    map: Option<&Map>,
+) -> Result<Samples<ExcavatorSensors, ExcavatorTruth>, Error> {
+    open::<Excavator>(path.as_ref(), map, [&EXCAVATOR_SENSORS, &EXCAVATOR_TRUTH])
+}
+
+/// Opens the samples of a wheel loader, as [`open_excavator`] does.
+///
+/// # Errors
+/// As [`open_excavator`].
+pub fn open_loader(
+    path: impl AsRef<Path>,
+    map: Option<&Map>,
+) -> Result<Samples<LoaderSensors, LoaderTruth>, Error> {
+    open::<Loader>(path.as_ref(), map, [&LOADER_SENSORS, &LOADER_TRUTH])
+}
+
+fn open<M: Machine>(
     path: &Path,
     map: Option<&Map>,
     channels: [&Channel; 2],
-) -> Result<Vec<Row<M>>, Error> {
+) -> Result<Samples<M::Sensors, M::Truth>, Error> {
     let place = || path.display().to_string();
     let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+    let ending = if path.is_dir() {
+        Some("mcap".into())
+    } else {
+        ending
+    };
     match (ending.as_deref(), map) {
-        (Some("csv" | "txt"), _) => csv::read::<M>(path, map),
-        (Some("log"), Some(map)) => can::read::<M>(path, map),
+        (Some("csv" | "txt"), _) => Ok(Samples(Source::Table(csv::read::<M>(path, map)?))),
+        (Some("log"), Some(map)) => Ok(Samples(Source::Table(can::read::<M>(path, map)?))),
         (Some("mcap"), None) => recorded::<M>(path, channels),
         (Some("log"), None) => Err(Error::new(
             "a CAN log needs a signal map",
@@ -61,24 +133,20 @@ fn load<M: Machine>(
     }
 }
 
-fn recorded<M: Machine>(path: &Path, channels: [&Channel; 2]) -> Result<Vec<Row<M>>, Error> {
+fn recorded<M: Machine>(
+    path: &Path,
+    channels: [&Channel; 2],
+) -> Result<Samples<M::Sensors, M::Truth>, Error> {
     let reader = Reader::open(path)?;
-    let [sensors, truth] = channels;
-    let sensors: Vec<M::Sensors> = reader.messages(sensors.name)?;
-    if sensors.is_empty() {
+    let names = channels.map(|c| c.name);
+    if reader.stream::<M::Sensors>(names[0])?.next().is_none() {
         return Err(Error::new(
             format!("the recording has no samples of a {}", M::NAME),
             path.display().to_string(),
             format!("it has the channels {}", reader.channels().join(", ")),
         ));
     }
-    let truth: Vec<M::Truth> = reader.messages(truth.name)?;
-    let mut truth: BTreeMap<_, _> = truth.into_iter().map(|t| (identity(&t), t)).collect();
-    let rows = sensors.into_iter().map(|s| {
-        let truth = truth.remove(&identity(&s)).unwrap_or_default();
-        (s, truth)
-    });
-    Ok(rows.collect())
+    Ok(Samples(Source::Recording(Box::new(reader), names)))
 }
 
 /// Machine, restart of the source, number: what sample and truth have in common.

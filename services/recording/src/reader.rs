@@ -1,210 +1,458 @@
+use std::cell::RefCell;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
+use std::marker::PhantomData;
 use std::path::{Path, PathBuf};
 
-use mcap::records::MessageHeader;
+use mcap::records::op;
 use messages::{Kind, Message, Value};
 
-use crate::scan::{Chunk, Scan};
+use crate::file::Bytes;
+use crate::parts::{self, JOINED};
+use crate::record;
+use crate::scan::{Damage, Scan, Unpacked};
 use crate::schema::{self, RecordedField};
 use crate::wire::{self, Scalar};
+use crate::writer::JUMPS;
 use crate::{Error, Metadata};
 
-/// Reads an MCAP recording, also one that is cut off or still being written: then up to its last
-/// whole chunk.
+/// Reads an MCAP recording with all of its parts, also one that is cut off or still being written:
+/// then up to its last whole chunk. Nothing is ever written, and only one chunk is in memory at a
+/// time. What is damaged is left out, and told by [`Reader::damage`].
 pub struct Reader {
-    path: PathBuf,
-    bytes: Vec<u8>,
-    scan: Scan,
+    pub(crate) parts: Vec<Part>,
+    metadata: Metadata,
+    found: RefCell<BTreeSet<(usize, Damage)>>,
+    progress: Option<Box<dyn Fn(f64)>>,
+}
+
+/// One file of a recording.
+pub(crate) struct Part {
+    pub path: PathBuf,
+    pub bytes: Bytes,
+    pub scan: Scan,
+}
+
+impl Part {
+    /// `None` if it is no MCAP file.
+    pub(crate) fn open(path: &Path) -> Result<Option<Self>, Error> {
+        let bytes = Bytes::open(path).map_err(|e| Error::system("read the recording", path, &e))?;
+        let scan = Scan::new(&bytes);
+        let path = path.to_owned();
+        Ok(scan.map(|scan| Self { path, bytes, scan }))
+    }
+
+    /// Whether a message is what its schema says, as far as heft knows the schema.
+    pub(crate) fn is_whole(&self, head: &record::Message, data: &[u8]) -> bool {
+        let Some(channel) = self.scan.channels.get(&head.channel) else {
+            return false;
+        };
+        channel.encoding != "protobuf" || wire::decode(data, |_, _| ()).is_some()
+    }
+
+    /// Earlier than another part of the same run: by the number that a part says of itself, and by
+    /// its first time where it says none.
+    fn order(&self) -> (u32, u64) {
+        let number = self.scan.metadata.get("part").and_then(|n| n.parse().ok());
+        let first = self
+            .scan
+            .chunks
+            .first()
+            .map_or(u64::MAX, |c| c.head.start_time);
+        (
+            number.unwrap_or(0),
+            if number.is_some() { 0 } else { first },
+        )
+    }
 }
 
 impl Reader {
-    /// Opens a recording.
+    /// Opens a recording: its first file, or its folder. Other parts of it are found beside it.
     ///
     /// # Errors
     /// The file cannot be read, or is no MCAP file.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, Error> {
-        let path = path.as_ref().to_owned();
-        let bytes =
-            std::fs::read(&path).map_err(|e| Error::system("read the recording", &path, &e))?;
-        let scan = Scan::new(&bytes).ok_or_else(|| {
-            Error::new(
+        let path = path.as_ref();
+        let mut parts = Vec::new();
+        for file in parts::files(path)? {
+            parts.extend(Part::open(&file)?);
+        }
+        if parts.is_empty() {
+            return Err(Error::new(
                 "this is no MCAP recording",
                 path.display().to_string(),
                 "give a .mcap file that heft has written, or a .csv with that ending",
-            )
-        })?;
-        Ok(Self { path, bytes, scan })
+            ));
+        }
+        let joined: Vec<String> = parts
+            .iter()
+            .filter_map(|p| p.scan.metadata.get(JOINED))
+            .flat_map(|names| names.split(',').map(str::to_owned))
+            .collect();
+        parts.retain(|p| {
+            !p.path
+                .file_name()
+                .is_some_and(|n| joined.iter().any(|j| **j == *n))
+        });
+        parts.sort_by_key(Part::order);
+        let metadata = parts.first().map(|p| p.scan.metadata.clone());
+        let mut metadata = metadata.unwrap_or_default();
+        let jumps: Vec<&str> = parts
+            .iter()
+            .flat_map(|p| &p.scan.jumps)
+            .map(String::as_str)
+            .collect();
+        if !jumps.is_empty() {
+            metadata.insert(JUMPS.into(), jumps.join("; "));
+        }
+        let found = |(i, p): (usize, &Part)| -> Vec<(usize, Damage)> {
+            p.scan.damage.iter().map(|d| (i, d.clone())).collect()
+        };
+        Ok(Self {
+            found: RefCell::new(parts.iter().enumerate().flat_map(found).collect()),
+            metadata,
+            parts,
+            progress: None,
+        })
+    }
+
+    /// Has `told` called with the share that is read (0 to 1) while a channel is read.
+    pub fn on_progress(&mut self, told: impl Fn(f64) + 'static) {
+        self.progress = Some(Box::new(told));
     }
 
     /// What the recording says of its run.
     #[must_use]
     pub fn metadata(&self) -> &Metadata {
-        &self.scan.metadata
+        &self.metadata
     }
 
-    /// Whether the recording was finished, or else cut off (or is still being written).
+    /// Its files, in the order of time.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        self.parts.iter().map(|p| p.path.as_path())
+    }
+
+    /// Its size [bytes].
+    #[must_use]
+    pub fn size(&self) -> u64 {
+        self.parts.iter().map(|p| p.bytes.len).sum()
+    }
+
+    /// Whether every part was finished, or else cut off (or is still being written).
     #[must_use]
     pub fn is_complete(&self) -> bool {
-        self.scan.complete
+        self.parts.iter().all(|p| p.scan.complete)
+    }
+
+    /// Whether somebody writes it at this moment.
+    #[must_use]
+    pub fn is_being_written(&self) -> bool {
+        self.parts.iter().any(|p| p.bytes.is_being_written())
+    }
+
+    /// Bytes at the ends of cut parts that belong to nothing whole.
+    #[must_use]
+    pub fn lost_bytes(&self) -> u64 {
+        self.parts.iter().map(|p| p.scan.lost_bytes).sum()
+    }
+
+    /// What was found damaged so far, in words with its place: between the chunks when the recording
+    /// was opened, within them when they were read.
+    #[must_use]
+    pub fn damage(&self) -> Vec<String> {
+        let found = self.found.borrow();
+        let line = |(i, d): &(usize, Damage)| format!("{}: {d}", self.parts[*i].path.display());
+        found.iter().map(line).collect()
     }
 
     /// Names of the recorded channels, in alphabetical order.
     #[must_use]
     pub fn channels(&self) -> Vec<&str> {
-        let mut names: Vec<&str> = self
-            .scan
-            .channels
-            .values()
-            .map(|c| c.topic.as_str())
-            .collect();
+        let channels = self.parts.iter().flat_map(|p| p.scan.channels.values());
+        let mut names: Vec<&str> = channels.map(|c| c.topic.as_str()).collect();
         names.sort_unstable();
         names.dedup();
         names
     }
 
-    /// All messages of a channel in the order of the file; none if the channel was not recorded.
-    /// Fields are found by name: what an earlier version did not record is 0, what a later one
-    /// added is left out.
+    /// All messages of a channel, one after the other in the order of the file; none if the channel
+    /// was not recorded. Fields are found by name: what an earlier version did not record is 0, what
+    /// a later one added is left out.
     ///
     /// # Errors
-    /// The channel carries another type, or the file is damaged.
-    pub fn messages<M: Message>(&self, channel: &str) -> Result<Vec<M>, Error> {
-        let mut messages = Vec::new();
+    /// The channel carries another type.
+    pub fn stream<M: Message>(&self, channel: &str) -> Result<Stream<'_, M>, Error> {
+        let rows = self.rows(channel)?;
         let expected = schema::name::<M>();
-        self.each(channel, |name, fields, scalars| {
-            if name != expected {
+        for decoder in rows.decoders.iter().flatten() {
+            let name = &decoder.name;
+            if *name != expected {
                 return Err(self.wrong(format!("{channel} carries {name}, not {expected}")));
             }
-            let mut message = M::default();
-            for (field, scalar) in fields.iter().zip(scalars) {
-                put(&mut message, field, *scalar);
+        }
+        let targets = rows.decoders.iter().map(|part| {
+            let of = |d: &Decoder| d.fields.iter().map(|f| M::index(&f.name)).collect();
+            part.iter().map(of).collect()
+        });
+        Ok(Stream {
+            targets: targets.collect(),
+            rows,
+            message: PhantomData,
+        })
+    }
+
+    /// All messages of a channel in memory, see [`Reader::stream`].
+    ///
+    /// # Errors
+    /// The channel carries another type.
+    pub fn messages<M: Message>(&self, channel: &str) -> Result<Vec<M>, Error> {
+        Ok(self.stream(channel)?.collect())
+    }
+
+    /// How many messages each channel has.
+    #[must_use]
+    pub fn counts(&self) -> BTreeMap<String, u64> {
+        let mut counts = BTreeMap::new();
+        // What is damaged is noted when a channel is read.
+        let counted = crate::recover::copy(self, |part, head, _| {
+            if let Some(channel) = self.parts[part].scan.channels.get(&head.channel) {
+                match counts.get_mut(&channel.topic) {
+                    Some(count) => *count += 1,
+                    None => drop(counts.insert(channel.topic.clone(), 1)),
+                }
             }
-            messages.push(message);
             Ok(())
-        })?;
-        Ok(messages)
+        });
+        let _ = counted; // nothing in there can fail
+        counts
     }
 
     /// Fields of a channel as its own schema tells them; none if the channel was not recorded.
     #[must_use]
     pub fn fields(&self, channel: &str) -> Vec<RecordedField> {
-        let mut found = self.scan.channels.values().filter(|c| c.topic == channel);
-        found
-            .find_map(|c| self.schema(c.schema_id))
-            .map_or_else(Vec::new, |(_, fields)| fields)
+        let found = self.parts.iter().find_map(|part| {
+            let mut found = part.scan.channels.values().filter(|c| c.topic == channel);
+            found.find_map(|c| schema_of(part, c.schema_id))
+        });
+        found.map_or_else(Vec::new, |(_, fields)| fields)
     }
 
     /// Calls `found` with log time [ns] and all values of each message of a channel, in the order
     /// of [`Reader::fields`].
     ///
     /// # Errors
-    /// The file is damaged.
+    /// The channel cannot be read.
     pub fn for_each_value(
         &self,
         channel: &str,
         mut found: impl FnMut(u64, &[Value]),
     ) -> Result<(), Error> {
+        let columns = self.fields(channel);
+        let mut rows = self.rows(channel)?;
         let mut values = Vec::new();
-        self.each_timed(channel, |header, _, fields, scalars| {
+        while let Some(row) = rows.next() {
+            let fields = &rows.decoders[row.part][row.decoder].fields;
+            let scalars = &rows.scalars;
             values.clear();
-            values.extend(fields.iter().zip(scalars).map(|(f, s)| s.value(f.kind)));
-            found(header.log_time, &values);
-            Ok(())
-        })
-    }
-
-    fn each(
-        &self,
-        channel: &str,
-        mut found: impl FnMut(&str, &[RecordedField], &[Scalar]) -> Result<(), Error>,
-    ) -> Result<(), Error> {
-        self.each_timed(channel, |_, name, fields, scalars| {
-            found(name, fields, scalars)
-        })
-    }
-
-    fn each_timed(
-        &self,
-        channel: &str,
-        mut found: impl FnMut(&MessageHeader, &str, &[RecordedField], &[Scalar]) -> Result<(), Error>,
-    ) -> Result<(), Error> {
-        let decoders = self.decoders(channel)?;
-        if decoders.is_empty() {
-            return Ok(());
-        }
-        let mut scalars = Vec::new();
-        for chunk in &self.scan.chunks {
-            let mut outcome = Ok(());
-            let whole = chunk.messages(&self.bytes, |header, data| {
-                let decoder = decoders.iter().find(|d| d.id == header.channel_id);
-                if let (Some(decoder), Ok(())) = (decoder, &outcome) {
-                    outcome = match decoder.decode(data, &mut scalars) {
-                        Some(()) => found(header, &decoder.name, &decoder.fields, &scalars),
-                        None => Err(self.wrong(format!("a message of {channel} is damaged"))),
-                    };
-                }
-            });
-            whole.ok_or_else(|| self.damaged(chunk))?;
-            outcome?;
+            if fields.len() == columns.len() {
+                values.extend(fields.iter().zip(scalars).map(|(f, s)| s.value(f.kind)));
+            } else {
+                // A part by another version: by name.
+                values.extend(columns.iter().map(|c| {
+                    let at = fields.iter().position(|f| f.name == c.name);
+                    at.map_or(Scalar::ZERO, |at| scalars[at]).value(c.kind)
+                }));
+            }
+            found(row.log_time, &values);
         }
         Ok(())
     }
 
-    fn decoders(&self, channel: &str) -> Result<Vec<Decoder>, Error> {
-        let ids = self.scan.channels.values().filter(|c| c.topic == channel);
-        ids.map(|c| {
-            let (name, fields) = self.schema(c.schema_id).ok_or_else(|| {
-                self.wrong(format!(
-                    "channel {channel} has no protobuf schema that heft can read"
-                ))
-            })?;
-            Ok(Decoder::new(c.id, name, fields))
+    fn rows(&self, channel: &str) -> Result<Rows<'_>, Error> {
+        let decoders = self.parts.iter().map(|part| {
+            let ids = part.scan.channels.values().filter(|c| c.topic == channel);
+            let decoder = |c: &record::Channel| {
+                let (name, fields) = schema_of(part, c.schema_id).ok_or_else(|| {
+                    self.wrong(format!(
+                        "channel {channel} has no protobuf schema that heft can read"
+                    ))
+                })?;
+                Ok(Decoder {
+                    id: c.id,
+                    name,
+                    fields,
+                })
+            };
+            ids.map(decoder).collect::<Result<Vec<_>, Error>>()
+        });
+        Ok(Rows {
+            reader: self,
+            decoders: decoders.collect::<Result<_, _>>()?,
+            part: 0,
+            chunk: 0,
+            unpacked: Unpacked::default(),
+            scalars: Vec::new(),
         })
-        .collect()
     }
 
-    fn schema(&self, id: u16) -> Option<(String, Vec<RecordedField>)> {
-        let schema = self.scan.schemas.get(&id)?;
-        let fields = schema::fields(&schema.name, &schema.data)?;
-        (schema.encoding == "protobuf").then(|| (schema.name.clone(), fields))
+    pub(crate) fn note(&self, part: usize, damage: Damage) {
+        self.found.borrow_mut().insert((part, damage));
     }
 
-    fn damaged(&self, chunk: &Chunk) -> Error {
-        self.wrong(format!("the recording is damaged at byte {}", chunk.start))
+    pub(crate) fn tell(&self, part: usize, at: u64) {
+        if let Some(told) = &self.progress {
+            let before: u64 = self.parts[..part].iter().map(|p| p.bytes.len).sum();
+            told((before + at) as f64 / self.size().max(1) as f64);
+        }
     }
 
     fn wrong(&self, what: String) -> Error {
-        Error::new(
+        let place = self.parts.first().map(|p| p.path.display().to_string());
+        let remedy = "give a recording that heft has written";
+        Error::new(what, place.unwrap_or_default(), remedy)
+    }
+}
+
+impl fmt::Debug for Reader {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_list().entries(self.files()).finish()
+    }
+}
+
+fn schema_of(part: &Part, id: u16) -> Option<(String, Vec<RecordedField>)> {
+    let schema = part.scan.schemas.get(&id)?;
+    let fields = schema::fields(&schema.name, &schema.data)?;
+    (schema.encoding == "protobuf").then(|| (schema.name.clone(), fields))
+}
+
+/// The messages of a channel, see [`Reader::stream`].
+pub struct Stream<'a, M> {
+    rows: Rows<'a>,
+    /// Per part, per channel of that name: which field of the message each recorded field is.
+    targets: Vec<Vec<Vec<Option<usize>>>>,
+    message: PhantomData<M>,
+}
+
+impl<M: Message> Iterator for Stream<'_, M> {
+    type Item = M;
+
+    fn next(&mut self) -> Option<M> {
+        let row = self.rows.next()?;
+        let fields = &self.rows.decoders[row.part][row.decoder].fields;
+        let targets = &self.targets[row.part][row.decoder];
+        let mut message = M::default();
+        for ((field, target), scalar) in fields.iter().zip(targets).zip(&self.rows.scalars) {
+            if let Some(index) = target {
+                put(&mut message, *index, scalar.value(field.kind));
+            }
+        }
+        Some(message)
+    }
+}
+
+/// Sets a field, if it can hold the value.
+fn put<M: Message>(message: &mut M, index: usize, value: Value) {
+    let value = match (value, M::FIELDS[index].kind) {
+        (Value::U32(v), Kind::U64) => Value::U64(u64::from(v)),
+        (Value::U64(v), Kind::U32) => Value::U32(v as u32),
+        (value, _) => value,
+    };
+    message.set(index, value);
+}
+
+/// Goes from message to message of a channel.
+struct Rows<'a> {
+    reader: &'a Reader,
+    /// Per part.
+    decoders: Vec<Vec<Decoder>>,
+    part: usize,
+    /// Chunks of the part that were begun.
+    chunk: usize,
+    unpacked: Unpacked,
+    scalars: Vec<Scalar>,
+}
+
+/// A message that was found; its values are in [`Rows::scalars`].
+struct Row {
+    log_time: u64,
+    part: usize,
+    decoder: usize,
+}
+
+impl Rows<'_> {
+    fn next(&mut self) -> Option<Row> {
+        loop {
+            let Some((opcode, body)) = self.unpacked.next() else {
+                self.next_chunk()?;
+                continue;
+            };
+            if opcode != op::MESSAGE {
+                continue;
+            }
+            let Some((head, data)) = record::message(body) else {
+                self.damaged_message();
+                continue;
+            };
+            let decoders = &self.decoders[self.part];
+            let Some(decoder) = decoders.iter().position(|d| d.id == head.channel) else {
+                continue;
+            };
+            if decoders[decoder].decode(data, &mut self.scalars).is_some() {
+                return Some(Row {
+                    log_time: head.log_time,
+                    part: self.part,
+                    decoder,
+                });
+            }
+            self.damaged_message();
+        }
+    }
+
+    /// Unpacks the next chunk that is whole; `None` at the end.
+    fn next_chunk(&mut self) -> Option<()> {
+        if !self.unpacked.is_at_end() {
+            self.damaged_message();
+        }
+        loop {
+            let part = self.reader.parts.get(self.part)?;
+            let chunk = part.scan.chunks.get(self.chunk);
+            let Some(chunk) = chunk.filter(|_| !self.decoders[self.part].is_empty()) else {
+                if self.part + 1 == self.reader.parts.len() {
+                    self.reader.tell(self.part, part.bytes.len);
+                    self.unpacked = Unpacked::default();
+                    return None;
+                }
+                (self.part, self.chunk) = (self.part + 1, 0);
+                continue;
+            };
+            self.chunk += 1;
+            self.reader.tell(self.part, chunk.at);
+            match self.unpacked.load(chunk, &part.bytes) {
+                Some(()) => return Some(()),
+                None => self.reader.note(self.part, chunk.damage()),
+            }
+        }
+    }
+
+    fn damaged_message(&self) {
+        let chunk = &self.reader.parts[self.part].scan.chunks[self.chunk.saturating_sub(1)];
+        let what = "a damaged message in the block";
+        let damage = Damage {
             what,
-            self.path.display().to_string(),
-            "run `heft recover` on the file: it keeps what is whole",
-        )
-    }
-}
-
-/// Sets the field of the same name, if there is one that can hold the value.
-fn put<M: Message>(message: &mut M, field: &RecordedField, scalar: Scalar) {
-    if let Some(index) = M::index(&field.name) {
-        let value = match (scalar.value(field.kind), M::FIELDS[index].kind) {
-            (Value::U32(v), Kind::U64) => Value::U64(u64::from(v)),
-            (Value::U64(v), Kind::U32) => Value::U32(v as u32),
-            (value, _) => value,
+            ..chunk.damage()
         };
-        message.set(index, value);
+        self.reader.note(self.part, damage);
     }
 }
 
-/// One channel of the file: which number on the wire is which field.
-struct Decoder {
-    id: u16,
+/// One channel of a file: which number on the wire is which field.
+pub(crate) struct Decoder {
+    pub id: u16,
     name: String,
     fields: Vec<RecordedField>,
 }
 
 impl Decoder {
-    fn new(id: u16, name: String, fields: Vec<RecordedField>) -> Self {
-        Self { id, name, fields }
-    }
-
     /// The scalars of a message in the order of the fields, 0 where one is left out.
     fn decode(&self, data: &[u8], scalars: &mut Vec<Scalar>) -> Option<()> {
         scalars.clear();

@@ -1,180 +1,186 @@
 use std::fmt;
 use std::fs::File;
-use std::io::{BufWriter, Read, Seek, SeekFrom};
+use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
-use mcap::MAGIC;
 use mcap::records::op;
 
-use crate::scan::{Scan, Schema};
-use crate::writer::{RECORD, failure, options};
+use crate::file::{self, Taken};
+use crate::parts::JOINED;
+use crate::reader::{Part, Reader};
+use crate::record;
+use crate::scan::{Damage, Unpacked};
+use crate::writer::{RECORD, failure, options, with_sum};
 use crate::{Error, Metadata};
 
 /// What [`recover`] did.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Recovered {
-    /// The recording was whole; nothing was changed.
-    pub was_complete: bool,
-    /// Messages that the file holds now.
+    /// The new recording; none if the old one is whole.
+    pub written: Option<PathBuf>,
+    /// Files that the recording consists of.
+    pub parts: usize,
+    /// Messages that are whole.
     pub messages: u64,
-    /// Bytes at the end that belonged to nothing whole.
-    pub lost_bytes: usize,
-    /// Chunks within the file that could not be unpacked.
-    pub damaged_chunks: usize,
+    /// Bytes at the ends of its files that belonged to nothing whole.
+    pub lost_bytes: u64,
+    /// What was damaged within, in words.
+    pub damage: Vec<String>,
+}
+
+impl Recovered {
+    /// The recording was whole; nothing was written.
+    #[must_use]
+    pub fn was_complete(&self) -> bool {
+        self.written.is_none()
+    }
 }
 
 impl fmt::Display for Recovered {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self {
-            messages,
-            lost_bytes,
-            damaged_chunks,
-            ..
-        } = self;
-        if self.was_complete {
-            return write!(f, "complete, {messages} messages; nothing was changed");
-        }
-        write!(
-            f,
-            "recovered {messages} messages; {lost_bytes} bytes at the end were cut off"
-        )?;
-        if *damaged_chunks > 0 {
-            write!(
+        let Some(written) = &self.written else {
+            return write!(
                 f,
-                ", {damaged_chunks} blocks within were damaged and are lost"
-            )?;
+                "complete, {} messages; nothing was changed",
+                self.messages
+            );
+        };
+        write!(f, "recovered {} messages", self.messages)?;
+        if self.parts > 1 {
+            write!(f, " from {} parts", self.parts)?;
+        }
+        write!(f, " into {}", written.display())?;
+        if self.lost_bytes > 0 {
+            write!(f, "; {} bytes at the end were cut off", self.lost_bytes)?;
+        }
+        for damage in &self.damage {
+            write!(f, "\n  lost: {damage}")?;
         }
         Ok(())
     }
 }
 
-/// Whether the recording was finished. It is read only at both ends.
+/// Mends a recording that was cut off, damaged, or left in parts: every whole message goes into a new
+/// file beside it, `RUN.recovered.mcap` unless `output` says otherwise. The recording itself is
+/// never changed.
 ///
 /// # Errors
-/// The file cannot be read.
-pub fn is_complete(path: impl AsRef<Path>) -> Result<bool, Error> {
+/// The recording cannot be read, or is still being written; the new file exists or cannot be written.
+pub fn recover(path: impl AsRef<Path>, output: Option<&Path>) -> Result<Recovered, Error> {
     let path = path.as_ref();
-    let ends = || -> std::io::Result<bool> {
-        let mut file = File::open(path)?;
-        let mut head = [0; 8];
-        let mut tail = [0; FOOTER + 8];
-        if file.metadata()?.len() < (head.len() + tail.len()) as u64 {
-            return Ok(false);
-        }
-        file.read_exact(&mut head)?;
-        file.seek(SeekFrom::End(-(tail.len() as i64)))?;
-        file.read_exact(&mut tail)?;
-        Ok(head == *MAGIC && tail[0] == op::FOOTER && tail[FOOTER..] == *MAGIC)
-    };
-    ends().map_err(|e| Error::system("read the recording", path, &e))
-}
-
-/// Length of a footer record.
-const FOOTER: usize = 1 + 8 + 20;
-
-/// Mends a recording that was cut off or damaged: keeps every whole chunk, and writes the index
-/// and the end anew. The new file is written beside the old one and takes its place at the end.
-///
-/// # Errors
-/// The file cannot be read or written, or is no MCAP file. It is then unchanged.
-pub fn recover(path: impl AsRef<Path>) -> Result<Recovered, Error> {
-    let path = path.as_ref();
-    let bytes = std::fs::read(path).map_err(|e| Error::system("read the recording", path, &e))?;
-    let mut scan = Scan::new(&bytes).ok_or_else(|| {
-        Error::new(
-            "there is nothing to recover: this is no MCAP recording",
+    let reader = Reader::open(path)?;
+    if reader.is_being_written() {
+        return Err(Error::new(
+            "this recording is being written: there is nothing to mend yet",
             path.display().to_string(),
-            "delete the file, or give another one",
-        )
-    })?;
-    let chunks = scan.chunks.len();
-    scan.chunks
-        .retain(|chunk| chunk.messages(&bytes, |_, _| ()).is_some());
-    scan.damaged += chunks - scan.chunks.len();
+            "read it as it is (heft report, replay, export), or end the run first",
+        ));
+    }
+    let messages = copy(&reader, |_, _, _| Ok(()))?;
     let mut recovered = Recovered {
-        was_complete: scan.complete && scan.damaged == 0,
-        messages: count(&scan, &bytes),
-        lost_bytes: scan.lost_bytes,
-        damaged_chunks: scan.damaged,
+        written: None,
+        parts: reader.parts.len(),
+        messages,
+        lost_bytes: reader.lost_bytes(),
+        damage: reader.damage(),
     };
-    if !recovered.was_complete {
-        recovered.messages = rewrite(path, &scan, &bytes)?;
+    if !reader.is_complete() || recovered.parts > 1 || !recovered.damage.is_empty() {
+        let file = match output {
+            Some(file) => file.to_owned(),
+            None => free_name(&reader),
+        };
+        write(&reader, &file, &note(&recovered))?;
+        recovered.written = Some(file);
     }
     Ok(recovered)
 }
 
-fn count(scan: &Scan, bytes: &[u8]) -> u64 {
-    let mut messages = 0;
-    for chunk in &scan.chunks {
-        chunk.messages(bytes, |_, _| messages += 1);
-    }
-    messages
+/// `RUN.recovered.mcap`, with a number where that exists.
+fn free_name(reader: &Reader) -> PathBuf {
+    let first = reader
+        .parts
+        .first()
+        .map_or(Path::new("run"), |p| p.path.as_path());
+    let name = |n: u32| {
+        first.with_extension(match n {
+            1 => "recovered.mcap".to_owned(),
+            n => format!("{n}.recovered.mcap"),
+        })
+    };
+    (1..)
+        .map(name)
+        .find(|file| !file.exists())
+        .unwrap_or_else(|| name(1))
 }
 
-fn rewrite(path: &Path, scan: &Scan, bytes: &[u8]) -> Result<u64, Error> {
-    let beside = beside(path);
-    let written = write(&beside, scan, bytes);
-    let done = written.and_then(|messages| {
-        std::fs::rename(&beside, path)
-            .map_err(|e| Error::system("replace the recording", path, &e))?;
-        Ok(messages)
-    });
-    if done.is_err() {
-        let _ = std::fs::remove_file(&beside); // the error that is returned matters more
-    }
-    done
+fn note(recovered: &Recovered) -> Metadata {
+    let Recovered {
+        lost_bytes, damage, ..
+    } = recovered;
+    let text = format!(
+        "{lost_bytes} bytes at the end and {} damaged stretches lost",
+        damage.len()
+    );
+    [("recovered".to_owned(), text)].into()
 }
 
-fn beside(path: &Path) -> PathBuf {
-    let mut name = path.as_os_str().to_owned();
-    name.push(".recovering");
-    name.into()
+/// Joins all parts of a recording into one new file at `output`.
+///
+/// # Errors
+/// A part cannot be read, or the file exists or cannot be written; nothing is then left behind.
+pub fn join(reader: &Reader, output: &Path) -> Result<(), Error> {
+    let names = reader.files().filter_map(|p| p.file_name()?.to_str());
+    // The first part's name becomes that of the whole.
+    let names = names.filter(|name| name.contains(".part"));
+    let names = names.collect::<Vec<_>>().join(",");
+    write(reader, output, &[(JOINED.to_owned(), names)].into()).map(drop)
 }
 
-fn write(path: &Path, scan: &Scan, bytes: &[u8]) -> Result<u64, Error> {
-    let file =
-        File::create(path).map_err(|e| Error::system("write beside the recording", path, &e))?;
+/// Writes every whole message into a new file, with the metadata of the run and a note.
+fn write(reader: &Reader, path: &Path, note: &Metadata) -> Result<u64, Error> {
+    let file = file::take(path).map_err(|e| match e {
+        Taken::System(e) => Error::system("write beside the recording", path, &e),
+        Taken::Exists => Error::new(
+            "this file exists already; it is not overwritten",
+            path.display().to_string(),
+            "choose another name with -o",
+        ),
+    })?;
+    fill(reader, path, file, note).inspect_err(|_| {
+        let _ = std::fs::remove_file(path); // the error that is returned matters more
+    })
+}
+
+fn fill(reader: &Reader, path: &Path, file: File, note: &Metadata) -> Result<u64, Error> {
     let fail = |e| failure(path, e);
     let mut writer = options().create(BufWriter::new(file)).map_err(fail)?;
+    let mut metadata = reader.metadata().clone();
+    metadata.remove("part");
+    metadata.extend(note.clone());
     writer
         .write_metadata(&mcap::records::Metadata {
             name: RECORD.into(),
-            metadata: metadata(scan),
+            metadata: with_sum(&metadata),
         })
         .map_err(fail)?;
-    for (id, schema) in &scan.schemas {
-        let Schema {
-            name,
-            encoding,
-            data,
-        } = schema;
-        writer
-            .add_schema_with_id(*id, name, encoding, data)
-            .map_err(fail)?;
+    // Parts number their channels each in its own way.
+    let mut ids: Vec<Vec<(u16, u16)>> = Vec::new();
+    for part in &reader.parts {
+        ids.push(add_channels(&mut writer, part).map_err(fail)?);
     }
-    for (id, c) in &scan.channels {
-        if c.schema_id == 0 || scan.schemas.contains_key(&c.schema_id) {
-            let added = writer.add_channel_with_id(
-                *id,
-                c.schema_id,
-                &c.topic,
-                &c.message_encoding,
-                &c.metadata,
-            );
-            added.map_err(fail)?;
-        }
-    }
-    let mut messages = 0;
-    for chunk in &scan.chunks {
-        let mut outcome = Ok(());
-        chunk.messages(bytes, |header, data| {
-            if outcome.is_ok() && scan.channels.contains_key(&header.channel_id) {
-                outcome = writer.write_to_known_channel(header, data);
-                messages += 1;
-            }
-        });
-        outcome.map_err(fail)?;
-    }
+    let messages = copy(reader, |part, head, data| {
+        let id = ids[part].iter().find(|(old, _)| *old == head.channel);
+        let Some((_, id)) = id else {
+            return Ok(());
+        };
+        let header = mcap::records::MessageHeader {
+            channel_id: *id,
+            sequence: head.sequence,
+            log_time: head.log_time,
+            publish_time: head.publish_time,
+        };
+        writer.write_to_known_channel(&header, data).map_err(fail)
+    })?;
     writer.finish().map_err(fail)?;
     let file = writer.into_inner().into_inner();
     file.map_err(|e| e.into_error())
@@ -183,13 +189,59 @@ fn write(path: &Path, scan: &Scan, bytes: &[u8]) -> Result<u64, Error> {
     Ok(messages)
 }
 
-/// The metadata of the run, with a note that the recording was mended.
-fn metadata(scan: &Scan) -> Metadata {
-    let mut metadata = scan.metadata.clone();
-    let note = format!(
-        "cut off: {} bytes at the end and {} damaged chunks lost",
-        scan.lost_bytes, scan.damaged
-    );
-    metadata.insert("recovered".into(), note);
-    metadata
+/// Adds the channels of a part; returns their numbers there and in the new file.
+fn add_channels(
+    writer: &mut mcap::Writer<BufWriter<File>>,
+    part: &Part,
+) -> mcap::McapResult<Vec<(u16, u16)>> {
+    let mut ids = Vec::new();
+    for channel in part.scan.channels.values() {
+        let schema = match part.scan.schemas.get(&channel.schema_id) {
+            Some(s) => writer.add_schema(&s.name, &s.encoding, &s.data)?,
+            None if channel.schema_id == 0 => 0,
+            None => continue,
+        };
+        let id =
+            writer.add_channel(schema, &channel.topic, &channel.encoding, &channel.metadata)?;
+        ids.push((channel.id, id));
+    }
+    Ok(ids)
+}
+
+/// Calls `take` with part, head and content of every whole message; returns how many there are.
+/// What is damaged is noted by the reader.
+pub(crate) fn copy(
+    reader: &Reader,
+    mut take: impl FnMut(usize, &record::Message, &[u8]) -> Result<(), Error>,
+) -> Result<u64, Error> {
+    let mut messages = 0;
+    let mut unpacked = Unpacked::default();
+    for (i, part) in reader.parts.iter().enumerate() {
+        for chunk in &part.scan.chunks {
+            reader.tell(i, chunk.at);
+            if unpacked.load(chunk, &part.bytes).is_none() {
+                reader.note(i, chunk.damage());
+                continue;
+            }
+            let mut damaged = false;
+            while let Some((opcode, body)) = unpacked.next() {
+                if opcode != op::MESSAGE {
+                    continue;
+                }
+                match record::message(body).filter(|(head, data)| part.is_whole(head, data)) {
+                    Some((head, data)) => {
+                        take(i, &head, data)?;
+                        messages += 1;
+                    }
+                    None => damaged = true,
+                }
+            }
+            if damaged || !unpacked.is_at_end() {
+                let what = "a damaged message in the block";
+                let damage = chunk.damage();
+                reader.note(i, Damage { what, ..damage });
+            }
+        }
+    }
+    Ok(messages)
 }

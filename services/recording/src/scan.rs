@@ -1,29 +1,46 @@
-//! The records of an MCAP file, as far as they are whole.
+//! What an MCAP file holds, as far as it is whole. The file is walked from record to record; where
+//! a record cannot be believed, the search goes on byte by byte to the next chunk whose check sum
+//! is right, so that a damaged length hides nothing that lies behind it.
 
 use std::collections::BTreeMap;
+use std::fmt;
 use std::io::Read;
 
 use mcap::MAGIC;
-use mcap::records::{Channel, ChunkHeader, MessageHeader, Record, op};
+use mcap::records::op;
 
-use crate::writer::{Metadata, RECORD};
+use crate::file::{Bytes, LIMIT};
+use crate::record::{self, CHUNK_HEAD, Channel, ChunkHead, HEAD, Schema};
+use crate::writer::{CLOCK, JUMP, METADATA_SUM, Metadata, RECORD, WITH_SUM, sum_of};
 
-/// A schema of the file.
-#[derive(Debug, Clone)]
-pub(crate) struct Schema {
-    pub name: String,
-    pub encoding: String,
-    pub data: Vec<u8>,
+/// A stretch of a file that holds nothing whole.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Damage {
+    /// Where it begins [bytes].
+    pub at: u64,
+    /// How long it is [bytes].
+    pub bytes: u64,
+    /// What it was, in words.
+    pub what: &'static str,
+}
+
+impl fmt::Display for Damage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { at, bytes, what } = self;
+        write!(f, "{what} at byte {at} ({bytes} bytes)")
+    }
 }
 
 /// Where a chunk lies.
 #[derive(Debug, Clone)]
 pub(crate) struct Chunk {
-    pub header: ChunkHeader,
-    /// Range of its compressed records in the file.
-    pub start: usize,
-    /// End of that range.
-    pub end: usize,
+    pub head: ChunkHead,
+    /// Its record.
+    pub at: u64,
+    /// Its packed records.
+    pub start: u64,
+    /// End of them, and of the record.
+    pub end: u64,
 }
 
 /// What the file holds.
@@ -33,163 +50,306 @@ pub(crate) struct Scan {
     pub schemas: BTreeMap<u16, Schema>,
     pub channels: BTreeMap<u16, Channel>,
     pub chunks: Vec<Chunk>,
-    /// Chunks that are there but cannot be unpacked.
-    pub damaged: usize,
+    /// Stretches between whole records that are damaged, and chunks found to be.
+    pub damage: Vec<Damage>,
+    /// Jumps of the wall clock, in words.
+    pub jumps: Vec<String>,
     /// Bytes after the last whole record.
-    pub lost_bytes: usize,
+    pub lost_bytes: u64,
     /// The file ends as a finished recording does.
     pub complete: bool,
 }
 
+/// What stands at a place.
+enum Found {
+    Next(u64),
+    Footer(u64),
+    Nothing,
+}
+
 impl Scan {
     /// Scans a file; `None` if it is no MCAP file.
-    pub(crate) fn new(bytes: &[u8]) -> Option<Self> {
-        let mut at = MAGIC.len();
-        if bytes.get(..at)? != MAGIC {
+    pub(crate) fn new(bytes: &Bytes) -> Option<Self> {
+        let mut magic = [0; MAGIC.len()];
+        bytes.fill(0, &mut magic)?;
+        if magic != MAGIC {
             return None;
         }
         let mut scan = Self::default();
-        while let Some((opcode, body, end)) = record(bytes, at) {
-            if !scan.add(opcode, body, end) {
-                break;
-            }
-            at = end;
-            if opcode == op::FOOTER {
-                scan.complete = bytes.get(at..) == Some(MAGIC) && index_is_whole(bytes, body, end);
-                break;
+        let mut at = MAGIC.len() as u64;
+        while at < bytes.len {
+            match scan.take(bytes, at) {
+                Found::Next(end) => at = end,
+                Found::Footer(end) => {
+                    scan.complete = end + MAGIC.len() as u64 == bytes.len
+                        && bytes.range(end, bytes.len).as_deref() == Some(MAGIC)
+                        && scan.index_is_whole(bytes, end);
+                    at = if scan.complete { bytes.len } else { at };
+                    break;
+                }
+                Found::Nothing => match scan.search(bytes, at) {
+                    Some(end) => at = end,
+                    None => break,
+                },
             }
         }
-        scan.lost_bytes = if scan.complete { 0 } else { bytes.len() - at };
-        if !scan.complete {
+        scan.lost_bytes = bytes.len - at;
+        scan.check_metadata(bytes);
+        if !scan.complete || scan.channels.is_empty() {
             scan.look_into_chunks(bytes);
         }
         Some(scan)
     }
 
-    /// Takes in a record; false if it is not one that can stand there.
-    fn add(&mut self, opcode: u8, body: &[u8], end: usize) -> bool {
-        if !matches!(opcode, op::METADATA | op::CHUNK | op::SCHEMA | op::CHANNEL) {
-            return matches!(opcode, op::HEADER..=op::DATA_END | 0x80..);
-        }
-        let Ok(record) = mcap::parse_record(opcode, body) else {
-            return false;
+    /// Takes in the record at `at`.
+    fn take(&mut self, bytes: &Bytes, at: u64) -> Found {
+        let Some((opcode, length)) = head(bytes, at) else {
+            return Found::Nothing;
         };
-        match record {
-            Record::Metadata(m) if m.name == RECORD => self.metadata.extend(m.metadata),
-            Record::Chunk { header, data } => {
-                let start = end - body.len() + header_length(&header);
-                self.chunks.push(Chunk {
-                    start,
-                    end: start + data.len(),
-                    header,
-                });
+        let start = at + HEAD;
+        let Some(end) = start.checked_add(length).filter(|end| *end <= bytes.len) else {
+            return Found::Nothing;
+        };
+        let body = || bytes.range(start, end);
+        let whole = match opcode {
+            op::CHUNK => chunk_at(bytes, at)
+                .filter(|c| c.end == end)
+                .map(|chunk| self.chunks.push(chunk)),
+            op::METADATA => body()
+                .and_then(|body| record::metadata(&body))
+                .map(|(name, pairs)| self.add_metadata(&name, pairs)),
+            op::SCHEMA => body()
+                .and_then(|body| record::schema(&body))
+                .map(|schema| drop(self.schemas.insert(schema.id, schema))),
+            op::CHANNEL => body()
+                .and_then(|body| record::channel(&body))
+                .map(|channel| drop(self.channels.insert(channel.id, channel))),
+            op::MESSAGE_INDEX => {
+                let mut head = [0; 6];
+                let read = bytes.fill(start, &mut head);
+                read.filter(|()| record::is_message_index(&head, length))
             }
-            other => self.define(other),
-        }
-        true
+            op::FOOTER => {
+                return if length == 20 {
+                    Found::Footer(end)
+                } else {
+                    Found::Nothing
+                };
+            }
+            op::DATA_END => (length == 4).then_some(()),
+            // What is there once, or in the index, which has a check sum of its own.
+            op::HEADER | op::CHUNK_INDEX..=op::SUMMARY_OFFSET => (length < LIMIT).then_some(()),
+            _ => None,
+        };
+        whole.map_or(Found::Nothing, |()| Found::Next(end))
     }
 
-    fn define(&mut self, record: Record<'_>) {
-        match record {
-            Record::Schema { header, data } => {
-                let schema = Schema {
-                    name: header.name,
-                    encoding: header.encoding,
-                    data: data.into_owned(),
-                };
-                self.schemas.insert(header.id, schema);
-            }
-            Record::Channel(channel) => {
-                self.channels.insert(channel.id, channel);
-            }
-            _ => {}
+    fn add_metadata(&mut self, name: &str, mut pairs: Metadata) {
+        if name == CLOCK {
+            self.jumps.extend(pairs.remove(JUMP));
         }
+        if name == RECORD {
+            self.metadata.extend(pairs);
+        }
+    }
+
+    /// Metadata carry no check sum in MCAP; heft's own do.
+    fn check_metadata(&mut self, bytes: &Bytes) {
+        let header = MAGIC.len() as u64;
+        let length = head(bytes, header).map_or(0, |h| h.1.min(4096));
+        let header = bytes.range(header, header + HEAD + length);
+        let has_sum = header.is_some_and(|h| {
+            let mut windows = h.windows(WITH_SUM.len());
+            windows.any(|w| w == WITH_SUM.as_bytes())
+        });
+        let sum = self.metadata.remove(METADATA_SUM);
+        let is_cut_before = self.metadata.is_empty() && self.chunks.is_empty();
+        let lacks = sum.is_none() && has_sum && !is_cut_before;
+        if sum.is_some() && sum != Some(sum_of(&self.metadata)) || lacks {
+            self.damage.push(Damage {
+                at: MAGIC.len() as u64,
+                bytes: 0,
+                what: "a changed word in the metadata",
+            });
+        }
+    }
+
+    /// Searches from `at` on for the next thing that proves itself, takes it in, and returns its
+    /// end; `None` if there is none.
+    fn search(&mut self, bytes: &Bytes, at: u64) -> Option<u64> {
+        const WINDOW: u64 = 1 << 20;
+        let mut from = at;
+        while from < bytes.len {
+            // Windows overlap by the head of a chunk.
+            let end = (from + WINDOW).min(bytes.len);
+            let window = bytes.range(from, end)?;
+            for (i, byte) in window.iter().enumerate() {
+                let here = from + i as u64;
+                let found = match *byte {
+                    op::CHUNK => self.prove_chunk(bytes, here),
+                    op::METADATA => self.prove_metadata(bytes, here, &window[i..]),
+                    _ => None,
+                };
+                if let Some(end) = found {
+                    self.damage.push(Damage {
+                        at,
+                        bytes: (here - at).max(HEAD),
+                        what: "a damaged stretch",
+                    });
+                    return Some(end);
+                }
+            }
+            from = end;
+        }
+        None
+    }
+
+    /// A chunk whose check sum is right; the length of its record or that of its content may be wrong.
+    fn prove_chunk(&mut self, bytes: &Bytes, at: u64) -> Option<u64> {
+        let mut chunk = chunk_at(bytes, at)?;
+        if chunk.head.crc == 0 {
+            return None;
+        }
+        let outer = head(bytes, at)?.1.checked_add(at + HEAD)?;
+        let mut unpacked = Unpacked::default();
+        // The shorter one first: too short fails, too long would swallow what follows.
+        for end in [chunk.end.min(outer), chunk.end.max(outer)] {
+            chunk.end = end;
+            if end > chunk.start && end <= bytes.len && unpacked.load(&chunk, bytes).is_some() {
+                self.chunks.push(chunk);
+                return Some(end);
+            }
+        }
+        None
+    }
+
+    /// heft's own metadata.
+    fn prove_metadata(&mut self, bytes: &Bytes, at: u64, window: &[u8]) -> Option<u64> {
+        let is_ours = window.get(9..17)? == [4, 0, 0, 0, b'h', b'e', b'f', b't'];
+        is_ours.then_some(())?;
+        let end = head(bytes, at)?.1.checked_add(at + HEAD)?;
+        let (name, pairs) = record::metadata(&bytes.range(at + HEAD, end)?)?;
+        self.add_metadata(&name, pairs);
+        Some(end)
+    }
+
+    /// Whether the index has the check sum that the footer says; `end` is the end of the footer.
+    fn index_is_whole(&self, bytes: &Bytes, end: u64) -> bool {
+        let footer = bytes.range(end - 20, end);
+        let Some((start, crc)) = footer.and_then(|body| record::footer(&body)) else {
+            return false;
+        };
+        let sum = |index: Vec<u8>| crc32fast::hash(&index);
+        start == 0 || crc == 0 || bytes.range(start, end - 4).map(sum) == Some(crc)
     }
 
     /// Without the index at the end, the channels are named only inside the chunks.
-    fn look_into_chunks(&mut self, bytes: &[u8]) {
-        self.schemas.clear();
-        self.channels.clear();
+    fn look_into_chunks(&mut self, bytes: &Bytes) {
+        let mut unpacked = Unpacked::default();
         for chunk in core::mem::take(&mut self.chunks) {
-            match chunk.records(bytes, |record| self.define(record)) {
-                Some(()) => self.chunks.push(chunk),
-                None => self.damaged += 1,
+            let define = &mut |opcode: u8, body: &[u8]| match opcode {
+                op::SCHEMA => {
+                    self.schemas.extend(record::schema(body).map(|s| (s.id, s)));
+                }
+                op::CHANNEL => {
+                    self.channels
+                        .extend(record::channel(body).map(|c| (c.id, c)));
+                }
+                _ => {}
+            };
+            match unpacked.load(&chunk, bytes) {
+                Some(()) => {
+                    unpacked.for_each(define);
+                    self.chunks.push(chunk);
+                }
+                None => self.damage.push(chunk.damage()),
             }
         }
     }
 }
 
 impl Chunk {
-    /// Its records, unpacked; `None` if they cannot be unpacked or their check sum is wrong.
-    fn unpack(&self, bytes: &[u8]) -> Option<Vec<u8>> {
-        let data = bytes.get(self.start..self.end)?;
-        let size = self.header.uncompressed_size;
-        let mut unpacked = Vec::new();
-        match self.header.compression.as_str() {
-            "" => unpacked.extend_from_slice(data),
-            "lz4" => {
-                // The limit comes first: a damaged file may say any size.
-                let decoder = lz4::Decoder::new(data).ok()?;
-                decoder
-                    .take(size.saturating_add(1))
-                    .read_to_end(&mut unpacked)
-                    .ok()?;
-            }
-            _ => return None,
+    pub(crate) fn damage(&self) -> Damage {
+        Damage {
+            at: self.at,
+            bytes: self.end - self.at,
+            what: "a damaged block",
         }
-        let crc = self.header.uncompressed_crc;
-        let whole = unpacked.len() as u64 == size;
-        (whole && (crc == 0 || crc32fast::hash(&unpacked) == crc)).then_some(unpacked)
     }
+}
 
-    /// Calls `found` with each of its records; `None` if the chunk is damaged (then, unless its
-    /// check sum was left out, nothing was found).
-    pub(crate) fn records(&self, bytes: &[u8], mut found: impl FnMut(Record<'_>)) -> Option<()> {
-        let unpacked = self.unpack(bytes)?;
-        let mut at = 0;
-        while at < unpacked.len() {
-            let (opcode, body, end) = record(&unpacked, at)?;
-            if matches!(opcode, op::SCHEMA | op::CHANNEL | op::MESSAGE) {
-                found(mcap::parse_record(opcode, body).ok()?);
-            }
-            at = end;
+/// Opcode and length of the record at `at`.
+fn head(bytes: &Bytes, at: u64) -> Option<(u8, u64)> {
+    let mut head = [0; HEAD as usize];
+    bytes.fill(at, &mut head)?;
+    let [opcode, length @ ..] = head;
+    Some((opcode, u64::from_le_bytes(length)))
+}
+
+/// The chunk at `at`, as its own head tells it.
+fn chunk_at(bytes: &Bytes, at: u64) -> Option<Chunk> {
+    let mut head = [0; CHUNK_HEAD];
+    let start = at + HEAD;
+    let room = bytes.len.checked_sub(start)?.min(CHUNK_HEAD as u64) as usize;
+    bytes.fill(start, &mut head[..room])?;
+    let head = record::chunk_head(&head[..room])?;
+    let start = start + head.length;
+    let end = start.checked_add(head.packed)?;
+    (head.packed <= LIMIT && head.unpacked <= LIMIT).then_some(Chunk {
+        head,
+        at,
+        start,
+        end,
+    })
+}
+
+/// The records of one chunk at a time, and the place reached in them.
+#[derive(Debug, Default)]
+pub(crate) struct Unpacked {
+    bytes: Vec<u8>,
+    at: usize,
+}
+
+impl Unpacked {
+    /// Unpacks a chunk; `None` if it cannot be unpacked or its check sum is wrong.
+    pub(crate) fn load(&mut self, chunk: &Chunk, file: &Bytes) -> Option<()> {
+        self.bytes.clear();
+        self.at = 0;
+        let packed = file.range(chunk.start, chunk.end)?;
+        if chunk.head.is_lz4 {
+            // The limit comes first: a damaged file may say any size.
+            let decoder = lz4::Decoder::new(packed.as_slice()).ok()?;
+            let mut limited = decoder.take(LIMIT);
+            limited.read_to_end(&mut self.bytes).ok()?;
+        } else {
+            self.bytes = packed;
         }
-        Some(())
+        let crc = chunk.head.crc;
+        let whole = match crc {
+            0 => self.bytes.len() as u64 == chunk.head.unpacked,
+            crc => crc32fast::hash(&self.bytes) == crc,
+        };
+        if !whole {
+            self.bytes.clear();
+        }
+        whole.then_some(())
     }
 
-    /// Calls `found` with each of its messages; `None` if the chunk is damaged.
-    pub(crate) fn messages(
-        &self,
-        bytes: &[u8],
-        mut found: impl FnMut(&MessageHeader, &[u8]),
-    ) -> Option<()> {
-        self.records(bytes, |record| {
-            if let Record::Message { header, data } = record {
-                found(&header, &data);
-            }
-        })
+    /// Opcode and body of the next record; `None` at the end, or where the rest is not whole.
+    pub(crate) fn next(&mut self) -> Option<(u8, &[u8])> {
+        let (opcode, body, end) = record::at(&self.bytes, self.at)?;
+        self.at = end;
+        Some((opcode, body))
     }
-}
 
-/// Whether the index has the check sum that the footer says; `end` is the end of the footer.
-fn index_is_whole(bytes: &[u8], footer: &[u8], end: usize) -> bool {
-    let Ok(Record::Footer(footer)) = mcap::parse_record(op::FOOTER, footer) else {
-        return false;
-    };
-    let start = usize::try_from(footer.summary_start).unwrap_or(usize::MAX);
-    let index = bytes.get(start..end - 4).unwrap_or_default();
-    footer.summary_start == 0 || crc32fast::hash(index) == footer.summary_crc
-}
+    /// Whether all of it has been read.
+    pub(crate) fn is_at_end(&self) -> bool {
+        self.at == self.bytes.len()
+    }
 
-/// Opcode, body and end of the record at `at`; `None` if it is not whole.
-fn record(bytes: &[u8], at: usize) -> Option<(u8, &[u8], usize)> {
-    let (head, rest) = bytes.get(at..)?.split_first_chunk::<9>()?;
-    let [opcode, length @ ..] = *head;
-    let length = usize::try_from(u64::from_le_bytes(length)).ok()?;
-    Some((opcode, rest.get(..length)?, at + 9 + length))
-}
-
-/// Bytes of a chunk record before its compressed records.
-fn header_length(header: &ChunkHeader) -> usize {
-    8 + 8 + 8 + 4 + 4 + header.compression.len() + 8
+    fn for_each(&mut self, found: &mut impl FnMut(u8, &[u8])) {
+        while let Some((opcode, body)) = self.next() {
+            found(opcode, body);
+        }
+    }
 }

@@ -61,7 +61,10 @@ impl Machine for Loader {
         &["rear_torque"],
         &["slope"],
     ];
-    const FLAGS: &'static [(&'static str, u32)] = &[("boom_moving", loader_bits::BOOM_MOVING)];
+    const FLAGS: &'static [(&'static str, u32)] = &[
+        ("boom_moving", loader_bits::BOOM_MOVING),
+        ("brake", loader_bits::BRAKE),
+    ];
     const ONE_OF: u32 = 0;
     const OPTIONAL: u32 = 0;
 }
@@ -96,7 +99,7 @@ pub(crate) fn signals<M: Machine>() -> Vec<Signal> {
         unit: "s",
         slot: Slot::Time,
     };
-    let sensors = own::<M::Sensors>().map(|(index, bit)| Signal {
+    let sensors = own::<M::Sensors>(M::FLAGS).map(|(index, bit)| Signal {
         name: M::Sensors::FIELDS[index].name.into(),
         unit: M::Sensors::FIELDS[index].unit,
         slot: Slot::Sensor(index, bit),
@@ -106,7 +109,7 @@ pub(crate) fn signals<M: Machine>() -> Vec<Signal> {
         unit: "",
         slot: Slot::Flag(*bit),
     });
-    let truth = own::<M::Truth>().map(|(index, bit)| Signal {
+    let truth = own::<M::Truth>(&[]).map(|(index, bit)| Signal {
         name: format!("true_{}", M::Truth::FIELDS[index].name),
         unit: M::Truth::FIELDS[index].unit,
         slot: Slot::Truth(index, bit),
@@ -118,13 +121,15 @@ pub(crate) fn signals<M: Machine>() -> Vec<Signal> {
         .collect()
 }
 
-/// Index and bit of each measured field of a message.
-fn own<M: Message>() -> impl Iterator<Item = (usize, u32)> {
+/// Index and bit of each measured field of a message; a bit that is a flag's is passed over.
+fn own<M: Message>(flags: &[(&str, u32)]) -> impl Iterator<Item = (usize, u32)> {
+    let taken = flags.iter().fold(0, |bits, (_, bit)| bits | bit);
+    let free = (0..u32::BITS)
+        .map(|i| 1u32 << i)
+        .filter(move |bit| bit & taken == 0);
     let numbers = M::FIELDS.iter().enumerate().skip(messages::HEAD);
     let measured = numbers.filter(|(_, field)| field.kind == Kind::F64);
-    measured
-        .enumerate()
-        .map(|(bit, (index, _))| (index, 1 << bit))
+    measured.zip(free).map(|((index, _), bit)| (index, bit))
 }
 
 /// Bit of the sensor signal called `name`, of whichever machine; 0 if there is none.
@@ -298,6 +303,9 @@ mod tests {
             loader_bits::SPADE_FORCE_Z
         ));
         assert!(is(bit(&loader, "boom_moving"), loader_bits::BOOM_MOVING));
+        assert!(is(bit(&loader, "articulation"), loader_bits::ARTICULATION));
+        assert!(is(bit(&loader, "yaw_rate"), loader_bits::YAW_RATE));
+        assert!(is(bit(&loader, "brake"), loader_bits::BRAKE));
         assert!(matches!(
             bit(&loader, "true_slope"),
             Some(Slot::Truth(_, 0x80))

@@ -7,6 +7,7 @@ use mcap::records::MessageHeader;
 use messages::channels::Channel;
 use messages::{Hops, Message, Stamp};
 
+use crate::file::{self, Taken};
 use crate::{Error, schema, wire};
 
 /// What a recording says of its run, by name: seed, configuration, version, host.
@@ -15,41 +16,76 @@ pub type Metadata = BTreeMap<String, String>;
 /// Name of the metadata record.
 pub(crate) const RECORD: &str = "heft";
 
+/// Name of a metadata record that tells a jump of the wall clock, and its key.
+pub(crate) const CLOCK: &str = "heft.clock";
+pub(crate) const JUMP: &str = "jump";
+
+/// Key under which a reader tells all jumps.
+pub(crate) const JUMPS: &str = "wall_clock.jumps";
+
+/// Key of the check sum over all other pairs, which MCAP itself does not have.
+pub(crate) const METADATA_SUM: &str = "metadata.sha256";
+
+/// By this in the name of the library a reader knows that there must be a check sum.
+pub(crate) const WITH_SUM: &str = ", metadata with check sum";
+
 /// Writes an MCAP recording. Only whole chunks reach the file, so that a process killed at any
-/// moment loses at most what came after the last [`Writer::flush`] and leaves a file that
-/// [`crate::recover`] mends.
+/// moment loses at most what came after the last [`Writer::flush`] and leaves a file that every
+/// reader reads. The file is locked as long as it is written.
 pub struct Writer {
     inner: mcap::Writer<BufWriter<File>>,
+    /// The same file, for its length.
+    file: File,
     path: PathBuf,
     ids: Vec<(&'static str, u16)>,
     bytes: Vec<u8>,
+    wall_offset_ns: i64,
 }
 
 impl Writer {
-    /// Creates the file, or empties it, and writes the metadata.
+    /// Begins a recording and writes the metadata. The file must be new, or empty: nothing that
+    /// exists is ever cut off.
     ///
     /// # Errors
-    /// The file cannot be created or written.
+    /// The file exists, or cannot be created or written; then nothing is left behind.
     pub fn create(path: impl AsRef<Path>, metadata: &Metadata) -> Result<Self, Error> {
         let path = path.as_ref().to_owned();
-        let file =
-            File::create(&path).map_err(|e| Error::system("create the recording", &path, &e))?;
+        let file = file::take(&path).map_err(|e| refused(&path, e))?;
+        Self::begin(path.clone(), file, metadata).inspect_err(|_| {
+            if path.is_file() {
+                let _ = std::fs::remove_file(&path); // the error that is returned matters more
+            }
+        })
+    }
+
+    fn begin(path: PathBuf, file: File, metadata: &Metadata) -> Result<Self, Error> {
+        let same = file
+            .try_clone()
+            .map_err(|e| Error::system("create the recording", &path, &e))?;
         let mut inner = options()
             .create(BufWriter::new(file))
             .map_err(|e| failure(&path, e))?;
         inner
             .write_metadata(&mcap::records::Metadata {
                 name: RECORD.into(),
-                metadata: metadata.clone(),
+                metadata: with_sum(metadata),
             })
             .and_then(|()| inner.flush())
             .map_err(|e| failure(&path, e))?;
         Ok(Self {
             inner,
+            file: same,
             path,
             ids: Vec::new(),
             bytes: Vec::new(),
+            wall_offset_ns: 0,
         })
+    }
+
+    /// Has the messages stamped with wall time: their monotonic times plus this [ns], so that
+    /// viewers show the day. The messages themselves keep the monotonic clock.
+    pub fn set_wall_offset(&mut self, offset_ns: i64) {
+        self.wall_offset_ns = offset_ns;
     }
 
     /// Adds a message to its channel. It is stamped with the time of its measurement and with that
@@ -60,7 +96,7 @@ impl Writer {
     /// added.
     pub fn write<M: Message>(&mut self, channel: &Channel, message: &M) -> Result<(), Error> {
         let channel_id = self.channel_id::<M>(channel)?;
-        let (log_time, publish_time) = times(message.stamp(), message.hops());
+        let (log_time, publish_time) = times(message.stamp(), message.hops(), self.wall_offset_ns);
         self.bytes.clear();
         wire::encode(message, &mut self.bytes);
         let header = MessageHeader {
@@ -74,6 +110,19 @@ impl Writer {
             .map_err(|e| failure(&self.path, e))
     }
 
+    /// Notes in words that the wall clock jumped.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn note_clock(&mut self, text: &str) -> Result<(), Error> {
+        let record = mcap::records::Metadata {
+            name: CLOCK.into(),
+            metadata: [(JUMP.to_owned(), text.to_owned())].into(),
+        };
+        let written = self.inner.write_metadata(&record);
+        written.map_err(|e| failure(&self.path, e))
+    }
+
     /// Closes the chunk and hands everything to the operating system: it survives the end of this
     /// process, but not of the machine.
     ///
@@ -81,6 +130,12 @@ impl Writer {
     /// The file cannot be written.
     pub fn flush(&mut self) -> Result<(), Error> {
         self.inner.flush().map_err(|e| failure(&self.path, e))
+    }
+
+    /// Bytes in the file.
+    #[must_use]
+    pub fn size(&self) -> u64 {
+        self.file.metadata().map_or(0, |m| m.len())
     }
 
     /// Writes index and footer and waits until the disk has it all.
@@ -118,20 +173,47 @@ impl Writer {
 pub(crate) fn options() -> mcap::WriteOptions {
     mcap::WriteOptions::new()
         .profile("heft")
-        .library(concat!("heft ", env!("CARGO_PKG_VERSION")))
+        .library(format!("heft {}{WITH_SUM}", env!("CARGO_PKG_VERSION")))
         .compression(Some(mcap::Compression::Lz4))
         .disable_seeking(true)
 }
 
 /// Log time and publish time [ns].
-fn times(stamp: &Stamp, hops: &Hops) -> (u64, u64) {
+fn times(stamp: &Stamp, hops: &Hops, wall_offset_ns: i64) -> (u64, u64) {
+    let wall = |monotonic: u64| monotonic.saturating_add_signed(wall_offset_ns);
     let log = if stamp.measured_ns != 0 {
-        stamp.measured_ns
+        wall(stamp.measured_ns)
     } else {
         (stamp.time * 1e9).round() as u64 // NaN and negative times become 0
     };
     let last = hops.sensor_ns.max(hops.filter_ns).max(hops.estimate_ns);
-    (log, if last == 0 { log } else { last })
+    (log, if last == 0 { log } else { wall(last) })
+}
+
+/// The pairs with their check sum.
+pub(crate) fn with_sum(metadata: &Metadata) -> Metadata {
+    let mut metadata = metadata.clone();
+    metadata.remove(METADATA_SUM);
+    metadata.insert(METADATA_SUM.into(), sum_of(&metadata));
+    metadata
+}
+
+/// Check sum of pairs.
+pub(crate) fn sum_of(metadata: &Metadata) -> String {
+    let length = |text: &str| format!("{} {text}\n", text.len());
+    let pairs = metadata.iter().map(|(k, v)| length(k) + &length(v));
+    sha256(&pairs.collect::<String>())
+}
+
+fn refused(path: &Path, taken: Taken) -> Error {
+    match taken {
+        Taken::System(e) => Error::system("create the recording", path, &e),
+        Taken::Exists => Error::new(
+            "there is a recording already; it is not overwritten",
+            path.display().to_string(),
+            "choose another name or folder, or move the file away",
+        ),
+    }
 }
 
 pub(crate) fn failure(path: &Path, error: mcap::McapError) -> Error {

@@ -261,8 +261,8 @@ fn the_loaders_estimates_have_the_columns_of_the_contract() {
         "t,speed,front_wheel_speed,rear_wheel_speed,slip_stiffness,slip_stiffness_std,cg_height,\
          cg_height_std,cg_ratio,cg_ratio_std,cg_distance,spade_force_x,spade_force_x_std,slope_bias,\
          front_radius_scale,rear_radius_scale,nis,excited_ratio,excited_height,consistent,fresh,\
-         converged_ratio,converged_height,frozen,reset,trusted_ratio,trusted_height,method\n\
-         0,0,0,0,0,0,0,0,0.45,0,0,,,,,,0,0,0,0,0,0,0,0,0,0,0,full\n"
+         converged_ratio,converged_height,frozen,reset,trusted_ratio,trusted_height,method,reason\n\
+         0,0,0,0,0,0,0,0,0.45,0,0,,,,,,0,0,0,0,0,0,0,0,0,0,0,full,\n"
     );
 }
 

@@ -75,7 +75,7 @@ fn renumbered_unknown_missing_and_widened_fields_are_put_where_they_belong() {
 }
 
 #[test]
-fn a_message_that_is_not_whole_is_an_error() {
+fn a_message_that_is_not_whole_is_left_out_and_told() {
     let dir = tempfile::tempdir().expect("a folder");
     let path = dir.path().join("broken.mcap");
     write(
@@ -85,5 +85,8 @@ fn a_message_that_is_not_whole_is_an_error() {
     );
     let reader = Reader::open(&path).expect("a recording");
     let read = reader.messages::<ExcavatorTruth>("excavator/truth");
-    assert!(read.is_err_and(|e| e.what.contains("damaged")));
+    assert_eq!(read, Ok(Vec::new()));
+    assert!(reader.damage()[0].contains("a damaged message"));
+    let recovered = recording::recover(&path, None).expect("recoverable");
+    assert!(!recovered.was_complete(), "recover agrees with the readers");
 }

@@ -6,8 +6,9 @@
 //! start (see `Output::notify`).
 
 use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
+use std::time::Duration;
 
-use rustix::event::{EventfdFlags, eventfd};
+use rustix::event::{EventfdFlags, PollFd, PollFlags, Timespec, eventfd, poll};
 
 use crate::Error;
 
@@ -40,6 +41,18 @@ impl Bell {
     /// Blocks until the bell has been rung since the last wait. Wakes may be spurious.
     pub fn wait(&self) {
         let _ = rustix::io::read(&self.0, &mut [0u8; 8]);
+    }
+
+    /// Like [`wait`](Self::wait), but not for longer than `limit`.
+    pub fn wait_at_most(&self, limit: Duration) {
+        let timeout = Timespec {
+            tv_sec: limit.as_secs() as i64,
+            tv_nsec: limit.subsec_nanos().into(),
+        };
+        let mut fds = [PollFd::new(&self.0, PollFlags::IN)];
+        if poll(&mut fds, Some(&timeout)).is_ok_and(|n| n > 0) {
+            self.wait();
+        }
     }
 
     /// Another handle on the same bell.

@@ -212,9 +212,10 @@ pub(crate) fn listen(control: Arc<Control>, bell: Bell) -> Arc<Wishes> {
     let told = Arc::clone(&wishes);
     std::thread::spawn(move || {
         loop {
-            match control.hear(1000) {
+            // A supervisor that dies closes the socket: there is nothing to look at meanwhile.
+            match control.hear(u32::MAX) {
                 Heard::Word(word) => obey(&told, &word),
-                Heard::Nothing => {}
+                Heard::Nothing => continue,
                 Heard::Gone => told.exit.store(true, Ordering::Release),
             }
             bell.ring();

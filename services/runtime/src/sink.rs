@@ -1,4 +1,4 @@
-//! Drives a [`Sink`]: every channel of a machine, drained on a timer.
+//! Drives a [`Sink`]: every channel of a machine, drained before it is half full.
 
 use std::time::Duration;
 
@@ -13,6 +13,9 @@ use crate::{Error, Output, Taps, Worker};
 pub trait Sink {
     /// Takes one message.
     fn accept<M: Message>(&mut self, channel: &'static Channel, message: &M);
+    /// Told that `samples` of a channel were overwritten before they could be taken, because this
+    /// process came too late; counted in sequence numbers, so those that nobody sent are among them.
+    fn overwritten(&mut self, _channel: &'static Channel, _samples: u64) {}
     /// Whether it can take more without losing any.
     fn has_room(&self) -> bool;
     /// Its fault, see [`messages::fault`].
@@ -21,8 +24,11 @@ pub trait Sink {
     fn drain(&mut self);
 }
 
-/// Time between two visits. The logger is not on the path of any estimate, so it is not woken.
-const VISIT: Duration = Duration::from_millis(20);
+/// Longest time between two visits. The logger is not on the path of any estimate, so no sample wakes
+/// it; a wish of the supervisor does.
+const VISIT: Duration = Duration::from_millis(200);
+/// The same at most so many samples long: a quarter of the depth of a channel.
+const VISIT_SAMPLES: u64 = 128;
 /// The same when a lossless source waits for it.
 const QUICK_VISIT: Duration = Duration::from_micros(500);
 
@@ -42,10 +48,17 @@ pub fn run_sink<S: Sink + 'static>(
         return Ok(());
     }
     let mut told = 0;
+    let pause = if lossless {
+        QUICK_VISIT
+    } else {
+        VISIT.min(Duration::from_nanos(worker.setup.period_ns * VISIT_SAMPLES))
+    };
     while !worker.wishes.wants_exit() {
         let draining = worker.wishes.take_drain();
         let begun = now_ns();
+        worker.reporter.begin();
         let visit = taps.drain(&mut sink);
+        worker.reporter.end();
         let step_ns = (now_ns() - begun) / visit.taken.max(1);
         for i in 0..visit.taken {
             let lost = if i == 0 { visit.lost } else { 0 };
@@ -65,7 +78,7 @@ pub fn run_sink<S: Sink + 'static>(
             sink.drain();
             worker.control.say("drained");
         }
-        std::thread::park_timeout(if lossless { QUICK_VISIT } else { VISIT });
+        worker.bell.wait_at_most(pause);
     }
     sink.drain();
     Ok(())

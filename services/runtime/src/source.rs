@@ -50,7 +50,13 @@ pub fn run_source<S: Source>(
     sender.truth.connect();
     let epoch = worker.setup.identity.restarts;
     let mut origin = None;
-    while let Some((mut measured, mut true_values)) = source.next() {
+    loop {
+        worker.reporter.begin();
+        let next = source.next();
+        worker.reporter.end();
+        let Some((mut measured, mut true_values)) = next else {
+            break;
+        };
         let stamp = measured.stamp();
         let origin = *origin.get_or_insert(stamp.time);
         if stamp.sequence < first {
@@ -61,7 +67,7 @@ pub fn run_source<S: Source>(
             break;
         }
         let now = now_ns();
-        if pace == Pace::RealTime && epoch > 0 && now > deadline + NAP_NS {
+        if pace == Pace::RealTime && first > 0 && now > deadline + NAP_NS {
             // After a restart: what should have been sent meanwhile is lost, not sent late.
             continue;
         }

@@ -49,7 +49,9 @@ fn answer_all<S: Step>(
 ) {
     while let Some((message, lost)) = input.receive() {
         let received = now_ns();
+        worker.reporter.begin();
         let mut out = answer(step, &message);
+        worker.reporter.end();
         let published = now_ns();
         let restarts = worker.setup.identity.restarts;
         out.hops_mut().mark(hop, published, restarts);

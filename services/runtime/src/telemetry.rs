@@ -12,11 +12,14 @@ use messages::{Health, State, fault};
 use rtrb::{Consumer, Producer, RingBuffer};
 
 use crate::clock::now_ns;
+use crate::pulse::{Pulse, Turn};
 use crate::{Output, Ports};
 
 /// Events that may wait: 0.4 s at 10 kHz.
 const RING: usize = 4096;
-const PERIOD: Duration = Duration::from_millis(100);
+const PERIOD: Duration = Duration::from_millis(300);
+/// Looks without a sample after which one is missed.
+const QUIET: u32 = 4;
 
 /// What the stepping thread says of one sample.
 #[derive(Debug, Clone, Copy)]
@@ -56,19 +59,21 @@ pub struct Reporter {
 struct Shared {
     fault: AtomicU32,
     realtime: AtomicBool,
+    turn: Turn,
     end: AtomicBool,
 }
 
 impl Reporter {
-    /// Starts the telemetry thread.
+    /// Starts the telemetry thread; the calling thread is the one that works.
     #[must_use]
     pub fn start(identity: Identity) -> Self {
         let (events, consumer) = RingBuffer::new(RING);
         let shared = Arc::new(Shared::default());
         let its = Arc::clone(&shared);
+        let pulse = Pulse::of(rustix::thread::gettid());
         let thread = std::thread::Builder::new()
             .name("telemetry".into())
-            .spawn(move || report(identity, consumer, &its))
+            .spawn(move || report(identity, consumer, &its, pulse))
             .ok();
         Self {
             events,
@@ -80,6 +85,16 @@ impl Reporter {
     /// Reports a sample. If the ring is full the event is dropped: telemetry never costs a sample.
     pub fn sample(&mut self, event: Event) {
         let _ = self.events.push(event);
+    }
+
+    /// Says that a piece of work begins, which must end soon.
+    pub fn begin(&self) {
+        self.shared.turn.begin();
+    }
+
+    /// Says that it has ended.
+    pub fn end(&self) {
+        self.shared.turn.end();
     }
 
     /// Reports a fault, by its code.
@@ -97,6 +112,7 @@ impl Drop for Reporter {
     fn drop(&mut self) {
         self.shared.end.store(true, Ordering::Release);
         if let Some(thread) = self.thread.take() {
+            thread.thread().unpark();
             let _ = thread.join();
         }
     }
@@ -151,7 +167,7 @@ impl Counts {
     }
 }
 
-fn report(identity: Identity, mut events: Consumer<Event>, shared: &Shared) {
+fn report(identity: Identity, mut events: Consumer<Event>, shared: &Shared, mut pulse: Pulse) {
     let Some(mut counts) = Counts::new(identity) else {
         return;
     };
@@ -177,7 +193,7 @@ fn report(identity: Identity, mut events: Consumer<Event>, shared: &Shared) {
                 "samples lost before this process"
             );
         }
-        if quiet == 10 && counts.health.steps > 0 && !ending {
+        if quiet == QUIET && counts.health.steps > 0 && !ending {
             counts.health.fault = fault::DEADLINE;
             tracing::warn!(process = identity.name, "no sample for a second");
         }
@@ -186,7 +202,12 @@ fn report(identity: Identity, mut events: Consumer<Event>, shared: &Shared) {
             code => counts.health.fault = code,
         }
         counts.health.realtime = u32::from(shared.realtime.load(Ordering::Relaxed));
-        counts.health.state = state(ending, quiet, counts.health.steps) as u32;
+        let state = if pulse.hangs(&shared.turn) {
+            State::Hanging
+        } else {
+            state(ending, quiet, counts.health.steps)
+        };
+        counts.health.state = state as u32;
         if let Some(output) = &mut output {
             output.send(&counts.message(sequence));
             output.notify();
@@ -211,7 +232,7 @@ fn state(ending: bool, quiet: u32, steps: u64) -> State {
     match (ending, quiet, steps) {
         (true, _, _) => State::Ended,
         (_, _, 0) => State::Starting,
-        (_, 0..10, _) => State::Running,
+        (_, 0..QUIET, _) => State::Running,
         _ => State::Waiting,
     }
 }

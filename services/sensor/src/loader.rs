@@ -1,8 +1,8 @@
 //! The simulated wheel loader as a source of messages.
 
 use messages::loader_bits::{
-    ACCELERATION, BOOM_MOVING, FRONT_TORQUE, FRONT_WHEEL_SPEED, MASS, REAR_TORQUE,
-    REAR_WHEEL_SPEED, SLOPE, SPADE_FORCE_X, SPADE_FORCE_Z, SPEED,
+    ACCELERATION, ARTICULATION, BOOM_MOVING, BRAKE, FRONT_TORQUE, FRONT_WHEEL_SPEED, MASS,
+    REAR_TORQUE, REAR_WHEEL_SPEED, SLOPE, SPADE_FORCE_X, SPADE_FORCE_Z, SPEED, YAW_RATE,
 };
 use messages::{LoaderSensors, LoaderTruth};
 use runtime::Source;
@@ -79,11 +79,15 @@ fn measured(row: &Row) -> LoaderSensors {
         mass: take(row.mass, MASS),
         spade_force_x: take(row.spade_force_x, SPADE_FORCE_X),
         spade_force_z: take(row.spade_force_z, SPADE_FORCE_Z),
+        articulation: take(row.articulation, ARTICULATION),
+        yaw_rate: take(row.yaw_rate, YAW_RATE),
         ..LoaderSensors::default()
     };
-    if let Some(moving) = row.boom_moving {
-        columns |= BOOM_MOVING;
-        valid |= if moving { BOOM_MOVING } else { 0 };
+    for (flag, bit) in [(row.boom_moving, BOOM_MOVING), (row.brake, BRAKE)] {
+        if let Some(on) = flag {
+            columns |= bit;
+            valid |= if on { bit } else { 0 };
+        }
     }
     LoaderSensors {
         valid,

@@ -90,11 +90,17 @@ pub type Process = Box<dyn FnOnce(Worker) -> Result<(), runtime::Error>>;
 pub trait AnyStep {
     /// The answer with the identity of the input; `None` to a message of another type.
     fn answer(&mut self, input: &Envelope) -> Option<Envelope>;
+    /// A copy with its own state.
+    fn fork(&self) -> Box<dyn AnyStep>;
 }
 
-impl<S: Step> AnyStep for S {
+impl<S: Step + Clone + 'static> AnyStep for S {
     fn answer(&mut self, input: &Envelope) -> Option<Envelope> {
         S::Input::inside(input).map(|message| answer(self, message).envelope())
+    }
+
+    fn fork(&self) -> Box<dyn AnyStep> {
+        Box::new(self.clone())
     }
 }
 
@@ -127,7 +133,7 @@ pub struct RowOf<S: Step> {
     pub new: fn(&Description, &str) -> Result<S, Error>,
 }
 
-impl<S: Step + std::fmt::Debug + 'static> Row for RowOf<S> {
+impl<S: Step + Clone + std::fmt::Debug + 'static> Row for RowOf<S> {
     fn input(&self) -> &'static Channel {
         self.input
     }

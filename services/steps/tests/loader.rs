@@ -50,7 +50,8 @@ fn every_method_says_its_name_and_what_it_estimates() {
 #[test]
 fn full_runs_on_eight_states_without_an_accelerometer() {
     let answer = run("full", COLUMNS & !bits::ACCELERATION);
-    assert_eq!(answer.estimated, bits::STATE | bits::RADIUS_SCALES);
+    let all = bits::STATE | bits::RADIUS_SCALES | bits::SPEED_DELAY;
+    assert_eq!(answer.estimated, all);
     assert!(answer.flags & bits::FRESH != 0);
 }
 

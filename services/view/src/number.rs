@@ -3,12 +3,20 @@
 /// Between groups of three digits; does not break at the end of a line.
 pub const GROUP: char = '\u{a0}';
 
+/// Most decimal places, and most zeros before the point, that a number is shown with: a double has no
+/// more digits.
+const PLACES: i32 = 17;
+
 /// `value` with `decimals` places and grouped thousands; negative `decimals` round to tens, hundreds...
 #[must_use]
 pub fn grouped(value: f64, decimals: i32) -> String {
     if !value.is_finite() {
         return "–".into();
     }
+    if value.abs() >= 1e21 || (value != 0.0 && value.abs() < 1e-21) {
+        return format!("{value:.3e}").replace('-', "−");
+    }
+    let decimals = decimals.clamp(-PLACES, PLACES);
     let unit = 10f64.powi(-decimals.min(0));
     let rounded = (value / unit).round() * unit;
     let places = usize::try_from(decimals.max(0)).unwrap_or(0);
@@ -63,7 +71,7 @@ pub fn significant(value: f64, digits: i32) -> String {
         return grouped(value, 0);
     }
     let first = value.abs().log10().floor() as i32;
-    grouped(value, (digits - 1 - first).min(9))
+    grouped(value, digits.saturating_sub(1 + first).min(9))
 }
 
 /// Value and standard deviation, both with the places that the standard deviation deserves.

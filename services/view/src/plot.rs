@@ -176,7 +176,8 @@ impl Plot {
 
     /// Range of the abscissa over all marks.
     fn x_extent(&self) -> (f64, f64) {
-        self.x_range.unwrap_or_else(|| {
+        let given = self.x_range.map(|r| scale::Extent::of(self.x_scale, r));
+        given.unwrap_or_else(|| {
             let mut extent = scale::Extent::new(self.x_scale);
             for item in &self.items {
                 match &item.mark {

@@ -76,15 +76,18 @@ fn machine<E: Estimate>(body: &mut String, run: &Run, part: &MachineRun<E>, rule
     } else {
         &[]
     };
-    section(
-        body,
-        "Innovations",
-        panels::innovation::panels(part, motion),
-    );
-    latency(body, part);
+    // They are judged by neighbours.
+    if run.thinned.is_empty() {
+        section(
+            body,
+            "Innovations",
+            panels::innovation::panels(part, motion),
+        );
+    }
+    latency(body, run, part);
 }
 
-fn latency<E: Estimate>(body: &mut String, part: &MachineRun<E>) {
+fn latency<E: Estimate>(body: &mut String, run: &Run, part: &MachineRun<E>) {
     let mut panels = Vec::new();
     let mut rows = String::new();
     for estimator in &part.estimators {
@@ -100,7 +103,7 @@ fn latency<E: Estimate>(body: &mut String, part: &MachineRun<E>) {
         return;
     }
     section(body, "Latency and loss", panels);
-    tables::latency(body, &rows, part);
+    tables::latency(body, run, &rows, part);
 }
 
 fn section(body: &mut String, title: &str, panels: Vec<Panel>) {

@@ -1,6 +1,6 @@
 //! A run in memory: what the report is made of.
 
-use messages::channels;
+use messages::channels::{self, Channel};
 use messages::{
     ExcavatorEstimate, ExcavatorSensors, Health, Kind, LoaderEstimate, LoaderSensors, Message,
     SwingMotion,
@@ -90,7 +90,30 @@ pub struct Run {
     pub health: Vec<Health>,
     /// Names of the processes, by [`Health::process`].
     pub processes: Vec<String>,
+    /// Estimators of which only a part is in memory, because the run is long.
+    pub thinned: Vec<Thinned>,
+    /// What was found damaged in the recording, in words.
+    pub damage: Vec<String>,
 }
+
+/// An estimator whose estimates were thinned: of each stretch the first is kept, and those where a
+/// headline quantity is highest and lowest.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Thinned {
+    /// Name of the channel.
+    pub channel: String,
+    /// Samples a stretch.
+    pub stretch: u64,
+    /// Estimates in the recording.
+    pub received: u64,
+    /// Samples that never arrived, see [`lost`].
+    pub lost: u64,
+}
+
+/// So many estimates of a channel are held in memory; beyond that they are thinned.
+const HELD: u64 = 60_000;
+/// Filtered motions that are read: those whose whiteness is told.
+const MOTIONS: usize = 60_000;
 
 impl Run {
     /// Reads a recording.
@@ -106,22 +129,21 @@ impl Run {
                 .map(str::to_owned)
                 .collect()
         });
+        let mut thinned = Vec::new();
+        let mut last_health = std::collections::BTreeMap::new();
+        for health in reader.stream::<Health>(channels::HEALTH.name)? {
+            last_health.insert(health.process, health);
+        }
+        let motions = reader.stream(channels::EXCAVATOR_MOTION.name)?;
         Ok(Self {
-            excavator: MachineRun {
-                estimators: estimators(reader)?,
-                truth: reader.messages(channels::EXCAVATOR_TRUTH.name)?,
-            },
-            loader: MachineRun {
-                estimators: estimators(reader)?,
-                truth: reader.messages(channels::LOADER_TRUTH.name)?,
-            },
-            inputs: [
-                inputs::<ExcavatorSensors>(reader, channels::EXCAVATOR_SENSORS.name)?,
-                inputs::<LoaderSensors>(reader, channels::LOADER_SENSORS.name)?,
-            ]
-            .concat(),
-            motion: reader.messages(channels::EXCAVATOR_MOTION.name)?,
-            health: reader.messages(channels::HEALTH.name)?,
+            excavator: machine(reader, &channels::EXCAVATOR_TRUTH, &mut thinned)?,
+            loader: machine(reader, &channels::LOADER_TRUTH, &mut thinned)?,
+            inputs: inputs(reader)?,
+            motion: motions.take(MOTIONS).collect(),
+            health: last_health.into_values().collect(),
+            thinned,
+            // All of it has been read by now, except the rest of the motion.
+            damage: reader.damage(),
             metadata: metadata
                 .iter()
                 .map(|(k, v)| (k.clone(), v.clone()))
@@ -158,57 +180,161 @@ pub struct Input {
     pub points: Vec<(f64, f64)>,
 }
 
-/// The signals of a channel of sensors, those without any value left out.
-fn inputs<S: Message>(reader: &Reader, channel: &str) -> Result<Vec<Input>, recording::Error> {
-    let samples: Vec<S> = reader.messages(channel)?;
-    let valid = S::index("valid");
-    let bits = |s: &S| {
-        valid
-            .and_then(|i| s.get(i))
-            .map_or(0, |v| v.as_f64() as u32)
-    };
-    let numbers = S::FIELDS.iter().enumerate().skip(messages::HEAD);
-    let measured = numbers.filter(|(_, field)| field.kind == Kind::F64);
-    let input = |(bit, (index, field)): (usize, (usize, &messages::Field))| {
-        let value = |s: &S| match s.get(index) {
-            Some(value) if bits(s) >> bit & 1 == 1 => value.as_f64(),
-            _ => f64::NAN,
-        };
-        Input {
-            name: field.name,
-            unit: field.unit,
-            points: samples.iter().map(|s| (s.stamp().time, value(s))).collect(),
-        }
-    };
-    let all = measured.enumerate().map(input);
-    Ok(all
-        .filter(|input| input.points.iter().any(|p| p.1.is_finite()))
-        .collect())
+/// The signals of the sensors, those without any value left out; of a long recording some of the
+/// samples.
+fn inputs(reader: &Reader) -> Result<Vec<Input>, recording::Error> {
+    let mut all = signals::<ExcavatorSensors>(reader, channels::EXCAVATOR_SENSORS.name)?;
+    all.extend(signals::<LoaderSensors>(
+        reader,
+        channels::LOADER_SENSORS.name,
+    )?);
+    Ok(all)
 }
 
-fn estimators<E: Estimate>(reader: &Reader) -> Result<Vec<Estimator<E>>, recording::Error> {
-    let mut found = Vec::new();
+fn signals<S: Message>(reader: &Reader, channel: &str) -> Result<Vec<Input>, recording::Error> {
+    let number = |sample: &S, name: &str| S::index(name).and_then(|i| sample.get(i));
+    let few = reader.size() < 100 * HELD;
+    let counts = if few {
+        Default::default()
+    } else {
+        reader.counts()
+    };
+    let stride = counts.get(channel).map_or(1, |n| n.div_ceil(HELD));
+    let mut found: Vec<Input> = Vec::new();
+    let measured = S::FIELDS.iter().filter(|f| f.kind == Kind::F64);
+    let measured: Vec<_> = measured
+        .map(|field| (field, recording::frame::sensor_bit(field.name)))
+        .filter(|(_, bit)| *bit != 0)
+        .collect();
+    for sample in reader.stream::<S>(channel)?.step_by(stride as usize) {
+        let valid = number(&sample, "valid").map_or(0, |v| v.as_f64() as u32);
+        for (i, (field, bit)) in measured.iter().enumerate() {
+            if found.len() <= i {
+                let (name, unit) = (field.name, field.unit);
+                found.push(Input {
+                    name,
+                    unit,
+                    points: Vec::new(),
+                });
+            }
+            let value = number(&sample, field.name).filter(|_| valid & bit != 0);
+            let value = value.map_or(f64::NAN, |v| v.as_f64());
+            found[i].points.push((sample.stamp().time, value));
+        }
+    }
+    found.retain(|input| input.points.iter().any(|p| p.1.is_finite()));
+    Ok(found)
+}
+
+fn machine<E: Estimate>(
+    reader: &Reader,
+    truth: &Channel,
+    thinned: &mut Vec<Thinned>,
+) -> Result<MachineRun<E>, recording::Error> {
+    let mut run = MachineRun::default();
+    // Estimates that are in memory for sure need not be counted before.
+    let few = reader.size() < 100 * HELD;
+    let counts = if few {
+        Default::default()
+    } else {
+        reader.counts()
+    };
     for channel in Pipeline::of(E::MACHINE).estimates() {
-        let estimates = reader.messages(channel.name)?;
+        let stretch = counts.get(channel.name).map_or(1, |n| n.div_ceil(HELD / 3));
+        let mut lost = Lost::default();
+        let mut received = 0;
+        let all = reader.stream::<E>(channel.name)?.inspect(|e| {
+            received += 1;
+            lost.add(e);
+        });
+        let estimates: Vec<E> = if stretch < 4 {
+            all.collect()
+        } else {
+            thin(all, stretch)
+        };
+        if stretch >= 4 {
+            thinned.push(Thinned {
+                channel: channel.name.to_owned(),
+                stretch,
+                received,
+                lost: lost.count,
+            });
+        }
         if !estimates.is_empty() {
-            found.push(Estimator {
+            run.estimators.push(Estimator {
                 channel: channel.name.to_owned(),
                 estimates,
             });
         }
     }
-    Ok(found)
+    let truths = reader.stream::<E::Truth>(truth.name)?;
+    if thinned.is_empty() {
+        run.truth = truths.collect();
+    } else {
+        // Of the estimates that were kept.
+        let kept = run.estimators.iter().flat_map(|e| &e.estimates);
+        let kept: std::collections::BTreeSet<u64> = kept.map(|e| e.stamp().sequence).collect();
+        run.truth = truths
+            .filter(|t| kept.contains(&t.stamp().sequence))
+            .collect();
+    }
+    Ok(run)
+}
+
+/// Of each stretch the first estimate, and the highest and lowest of each headline quantity.
+fn thin<E: Estimate>(estimates: impl Iterator<Item = E>, stretch: u64) -> Vec<E> {
+    let value = |e: &E| {
+        let mut headline = E::PARAMETERS.iter().filter(|p| p.headline());
+        headline.next().map_or(f64::NAN, |p| p.value(e))
+    };
+    let mut kept: Vec<E> = Vec::new();
+    let (mut n, mut low, mut high): (u64, Option<(u64, E)>, Option<(u64, E)>) = (0, None, None);
+    for estimate in estimates {
+        if n % stretch == 0 {
+            let mut both: Vec<(u64, E)> = [low.take(), high.take()].into_iter().flatten().collect();
+            both.sort_by_key(|(n, _)| *n);
+            both.dedup_by_key(|(n, _)| *n);
+            kept.extend(both.into_iter().map(|(_, e)| e));
+            kept.push(estimate);
+        } else {
+            let now = value(&estimate);
+            if low.as_ref().is_none_or(|(_, e)| now < value(e)) {
+                low = Some((n, estimate));
+            }
+            if high.as_ref().is_none_or(|(_, e)| now > value(e)) {
+                high = Some((n, estimate));
+            }
+        }
+        n += 1;
+    }
+    kept
 }
 
 /// Samples that never arrived, by the gaps of the sequence within each life of the source.
 #[must_use]
 pub fn lost<M: Message>(messages: &[M]) -> u64 {
-    let gap = |pair: &[M]| {
-        let (a, b) = (pair[0].stamp(), pair[1].stamp());
-        let ahead = b.sequence.saturating_sub(a.sequence).saturating_sub(1);
-        if a.machine == b.machine { ahead } else { 0 }
-    };
-    messages.windows(2).map(gap).sum()
+    let mut lost = Lost::default();
+    messages.iter().for_each(|m| lost.add(m));
+    lost.count
+}
+
+/// Counts them one after the other.
+#[derive(Debug, Default)]
+struct Lost {
+    /// Machine and number of the last one.
+    last: Option<(u32, u64)>,
+    count: u64,
+}
+
+impl Lost {
+    fn add<M: Message>(&mut self, message: &M) {
+        let (machine, number) = (message.stamp().machine, message.stamp().sequence);
+        if let Some((_, before)) = self.last.filter(|last| last.0 == machine) {
+            let missing = number.saturating_sub(before).saturating_sub(1);
+            self.count = self.count.saturating_add(missing);
+        }
+        self.last = Some((machine, number));
+    }
 }
 
 #[cfg(test)]
@@ -231,6 +357,29 @@ mod tests {
         });
         assert_eq!(lost(&seen), 5);
         assert_eq!(lost::<Health>(&[]), 0);
+    }
+
+    #[test]
+    fn a_thinned_stretch_keeps_its_first_its_highest_and_its_lowest() {
+        use messages::excavator_bits as bits;
+        let estimate = |n: u64| ExcavatorEstimate {
+            stamp: stamp(n),
+            inertia: match n {
+                137 => 9e3,
+                152 => 1e3,
+                _ => 5e3,
+            },
+            estimated: bits::INERTIA,
+            ..Default::default()
+        };
+        let kept = thin((0..1000).map(estimate), 100);
+        assert!(kept.len() <= 30);
+        let kept: Vec<u64> = kept.iter().map(|e| e.stamp.sequence).collect();
+        assert!(kept.windows(2).all(|w| w[0] < w[1]), "in order");
+        assert!(
+            [0, 100, 137, 152, 900].iter().all(|n| kept.contains(n)),
+            "{kept:?}"
+        );
     }
 
     #[test]

@@ -19,6 +19,7 @@
 //! ```
 
 mod cycle;
+mod effects;
 mod plant;
 mod profile;
 mod road;
@@ -30,9 +31,10 @@ mod tier;
 #[cfg(test)]
 mod golden;
 
+pub use effects::{Bend, Effects, PayloadTold};
 pub use plant::{GRAVITY, Inputs, Machine, Motion, Plant, State};
 pub use road::{Phases, Road, Surface};
 pub use scenario::{Payload, Scenario, loaded};
 pub use sensors::Grade;
 pub use simulation::{CHANNELS, InvalidRun, Row, Run, Simulation, Truth};
-pub use tier::{Tier, Told};
+pub use tier::{Size, Tier, Told};

@@ -66,6 +66,14 @@ pub struct Machine {
     pub rear_radius_error: f64,
     /// Load sensitivity rho of the rolling radius.
     pub radius_load_sensitivity: f64,
+    /// Slip stiffness of the front axle over that of the rear, less one.
+    pub stiffness_difference: f64,
+    /// Exponent p of a slip stiffness that falls with the load, (F_z/F_0)^-p.
+    pub stiffness_exponent: f64,
+    /// The centre drive is locked: both axles turn alike.
+    pub locked_drive: bool,
+    /// Way from the middle of the wheelbase to the hinge of the steering, in wheelbases, forward positive.
+    pub hinge: f64,
 }
 
 impl Machine {
@@ -90,6 +98,10 @@ impl Machine {
         front_radius_error: 0.0,
         rear_radius_error: 0.0,
         radius_load_sensitivity: 0.0,
+        stiffness_difference: 0.0,
+        stiffness_exponent: 0.0,
+        locked_drive: false,
+        hinge: 0.0,
     };
 }
 
@@ -100,6 +112,14 @@ pub struct Inputs {
     pub front_torque: f64,
     /// Rear axle torque at the wheel [N m].
     pub rear_torque: f64,
+    /// Torque of the friction brakes on the front axle, forward positive [N m].
+    pub front_brake: f64,
+    /// Torque of the friction brakes on the rear axle, forward positive [N m].
+    pub rear_brake: f64,
+    /// Speed of the front axle: this times the speed of the rear body,
+    pub bend_gain: f64,
+    /// and this [m/s]; 1 and 0 for a machine that drives straight on.
+    pub bend_offset: f64,
     /// Horizontal spading force at the bucket tip, at ground height, positive pushing backward [N].
     pub spade_force_x: f64,
     /// Vertical spading force, positive pushing down [N].
@@ -118,6 +138,10 @@ impl Inputs {
         Self {
             front_torque: mix(a.front_torque, b.front_torque),
             rear_torque: mix(a.rear_torque, b.rear_torque),
+            front_brake: mix(a.front_brake, b.front_brake),
+            rear_brake: mix(a.rear_brake, b.rear_brake),
+            bend_gain: mix(a.bend_gain, b.bend_gain),
+            bend_offset: mix(a.bend_offset, b.bend_offset),
             spade_force_x: mix(a.spade_force_x, b.spade_force_x),
             spade_force_z: mix(a.spade_force_z, b.spade_force_z),
             mass: mix(a.mass, b.mass),
@@ -267,11 +291,14 @@ fn motion(vehicle: &Vehicle, road: &Road, state: &State, u: &Inputs) -> Motion {
     let per_axle_weight = per_mass * (2.0 / GRAVITY);
     let front = axle(
         vehicle,
-        v,
+        v * u.bend_gain + u.bend_offset,
         wheel_f,
         slip_f,
         [loads[0], loads[0] * per_axle_weight],
-        machine.front_radius_error,
+        [
+            machine.front_radius_error,
+            vehicle.stiffness_per_friction[0],
+        ],
     );
     let rear = axle(
         vehicle,
@@ -279,8 +306,15 @@ fn motion(vehicle: &Vehicle, road: &Road, state: &State, u: &Inputs) -> Motion {
         wheel_r,
         slip_r,
         [loads[1], loads[1] * per_axle_weight],
-        machine.rear_radius_error,
+        [machine.rear_radius_error, vehicle.stiffness_per_friction[1]],
     );
+    let mut spin = [
+        u.front_torque + u.front_brake - front.radius * front.force,
+        u.rear_torque + u.rear_brake - rear.radius * rear.force,
+    ];
+    if machine.locked_drive {
+        spin = [0.5 * (spin[0] + spin[1]); 2];
+    }
     let normal = loads[0] + loads[1];
     let rolling = machine.rolling_resistance * normal * tanh(v * (1.0 / ROLLING_FADE));
     let traction = front.force + rear.force - rolling;
@@ -290,8 +324,8 @@ fn motion(vehicle: &Vehicle, road: &Road, state: &State, u: &Inputs) -> Motion {
     Motion {
         rate: [
             (traction - u.spade_force_x) * per_mass - GRAVITY * sin,
-            (u.front_torque - front.radius * front.force) * vehicle.per_axle_inertia,
-            (u.rear_torque - rear.radius * rear.force) * vehicle.per_axle_inertia,
+            spin[0] * vehicle.per_axle_inertia,
+            spin[1] * vehicle.per_axle_inertia,
             front.slip_rate,
             rear.slip_rate,
             z_rate,
@@ -311,7 +345,8 @@ fn motion(vehicle: &Vehicle, road: &Road, state: &State, u: &Inputs) -> Motion {
 struct Vehicle {
     machine: Machine,
     per_relaxation_length: f64,
-    stiffness_per_friction: f64,
+    /// Front and rear.
+    stiffness_per_friction: [f64; 2],
     per_axle_inertia: f64,
     per_pitch_inertia: f64,
 }
@@ -321,7 +356,11 @@ impl Vehicle {
         Self {
             machine,
             per_relaxation_length: 1.0 / machine.relaxation_length,
-            stiffness_per_friction: machine.slip_stiffness / machine.friction,
+            stiffness_per_friction: {
+                let gain = (1.0 + machine.stiffness_difference).sqrt();
+                let mean = machine.slip_stiffness / machine.friction;
+                [mean * gain, mean / gain]
+            },
             per_axle_inertia: 1.0 / machine.axle_inertia,
             per_pitch_inertia: 1.0 / machine.pitch_inertia,
         }
@@ -342,7 +381,7 @@ fn axle(
     wheel: f64,
     slip: f64,
     [load, relative]: [f64; 2],
-    error: f64,
+    [error, mut stiffness]: [f64; 2],
 ) -> Axle {
     let machine = &vehicle.machine;
     let radius = machine.wheel_radius
@@ -352,7 +391,10 @@ fn axle(
     let speed = v.abs().max(rim.abs()).max(SMALLEST_SLIP_SPEED);
     let slip_rate = ((rim - v) - speed * slip) * vehicle.per_relaxation_length;
     let carcass_slip = slip + machine.carcass_time * slip_rate;
-    let force = machine.friction * tanh(vehicle.stiffness_per_friction * carcass_slip) * load;
+    if machine.stiffness_exponent != 0.0 {
+        stiffness *= relative.max(0.05).powf(-machine.stiffness_exponent);
+    }
+    let force = machine.friction * tanh(stiffness * carcass_slip) * load;
     Axle {
         radius,
         slip_rate,

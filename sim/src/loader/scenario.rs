@@ -352,6 +352,10 @@ impl Driver {
         Inputs {
             front_torque: 2.0 * torque * share,
             rear_torque: 2.0 * torque * (1.0 - share),
+            front_brake: 0.0,
+            rear_brake: 0.0,
+            bend_gain: 1.0,
+            bend_offset: 0.0,
             spade_force_x,
             spade_force_z,
             mass,

@@ -2,11 +2,12 @@
 
 use std::fmt;
 
-use super::plant::{GRAVITY, Machine, Plant};
+use super::effects::{self, Effects, Gears, Inclinometer, Late, PayloadTold};
+use super::plant::{GRAVITY, Inputs, Machine, Plant, State};
 use super::road::{Phases, Road};
 use super::scenario::{Driver, Payload, Scenario};
 use super::sensors::Grade;
-use super::tier::{self, Calibration, Tier, Told};
+use super::tier::{self, Calibration, Size, Tier, Told};
 use crate::fault::{Fault, Injector, InvalidFault};
 use crate::noise::Noise;
 
@@ -46,6 +47,10 @@ pub struct Run {
     pub grade: Grade,
     /// How well the machine is known.
     pub tier: Tier,
+    /// The machine's size.
+    pub size: Size,
+    /// What the machine does that the reference plant leaves out.
+    pub effects: Effects,
     /// What goes wrong.
     pub faults: Vec<Fault>,
     /// How long [s]; none is the scenario's own. A longer run goes on as a work cycle (a cruise goes on
@@ -63,6 +68,8 @@ impl Run {
             seed: 0,
             grade: Grade::Resolver,
             tier: Tier::A,
+            size: Size::Reference,
+            effects: Effects::default(),
             faults: Vec::new(),
             duration: None,
         }
@@ -80,9 +87,10 @@ impl Run {
             Err(InvalidRun(format!(
                 "duration {duration} s: expected a number that is not negative"
             )))
-        } else if !(0.0..=3000.0).contains(&payload) {
+        } else if !(0.0..=0.64 * self.size.machine().mass).contains(&payload) {
             Err(InvalidRun(format!(
-                "payload {payload} kg: expected 0 to 3000 (the machine tips beyond)"
+                "payload {payload} kg: expected 0 to {:.0} (the machine tips beyond)",
+                0.64 * self.size.machine().mass
             )))
         } else {
             Ok(())
@@ -158,10 +166,46 @@ pub struct Row {
     pub spade_force_z: Option<f64>,
     /// Whether the boom moves the payload.
     pub boom_moving: Option<bool>,
+    /// Angle between front and rear body, positive turning left [rad]; none if it is not measured.
+    pub articulation: Option<f64>,
+    /// Yaw rate of the rear body, positive turning left [rad/s]; none if it is not measured.
+    pub yaw_rate: Option<f64>,
+    /// Whether friction brakes act; none if nobody says.
+    pub brake: Option<bool>,
     /// What the weighing system and the boom angles say of the payload.
     pub payload: Payload,
     /// The truth.
     pub truth: Truth,
+}
+
+/// What acts on the plant: the driver's wishes, and what the machine makes of them.
+#[derive(Clone, Debug)]
+struct Acts {
+    effects: Effects,
+    machine: Machine,
+    gears: Gears,
+}
+
+impl Acts {
+    fn inputs(&mut self, driver: &mut Driver, t: f64, state: &State) -> Inputs {
+        let mut inputs = driver.inputs(t, state[0]);
+        if self.effects == Effects::default() {
+            return inputs;
+        }
+        if self.effects.gear_delay > 0.0 {
+            self.gears.follow(t, state[0]);
+            let share = self.gears.share(t);
+            inputs.front_torque *= share;
+            inputs.rear_torque *= share;
+        }
+        let torques = [inputs.front_torque, inputs.rear_torque];
+        let (brake, drive) = self.effects.brake(torques, state[2]);
+        [inputs.front_torque, inputs.rear_torque] = drive;
+        [inputs.front_brake, inputs.rear_brake] = brake;
+        (inputs.bend_gain, inputs.bend_offset) =
+            effects::front_speed(&self.machine, &self.effects.bend(t));
+        inputs
+    }
 }
 
 /// The rows of a run, one after the other.
@@ -169,6 +213,9 @@ pub struct Row {
 pub struct Simulation {
     plant: Plant,
     driver: Driver,
+    acts: Acts,
+    late_speed: Late,
+    inclinometer: Inclinometer,
     machine: Machine,
     calibration: Calibration,
     told: Told,
@@ -188,20 +235,29 @@ impl Simulation {
     pub fn new(run: &Run) -> Result<Self, InvalidRun> {
         run.check()?;
         let stream = |channel| Noise::channel(run.seed, channel);
-        let (machine, calibration, told) =
-            tier::draw(run.tier, run.grade, &mut stream(MACHINE_STREAM));
+        let (mut machine, calibration, told) =
+            tier::draw(run.size, run.tier, run.grade, &mut stream(MACHINE_STREAM));
+        run.effects.apply(&mut machine);
         let road = Road::new(
             &run.scenario.surface(),
             &Phases::draw(&mut stream(ROAD_STREAM)),
         );
         let mut driver = Driver::new(run.scenario, run.payload, &machine, stream(DRIVER_STREAM));
+        let mut acts = Acts {
+            effects: run.effects,
+            machine,
+            gears: Gears::default(),
+        };
         let plant = Plant::new(machine, road, run.scenario.start_speed(), &mut |t, x| {
-            driver.inputs(t, x[0])
+            acts.inputs(&mut driver, t, x)
         });
         let duration = run.duration.unwrap_or(run.scenario.duration());
         Ok(Self {
             plant,
             driver,
+            acts,
+            late_speed: Late::default(),
+            inclinometer: Inclinometer::default(),
             machine,
             calibration,
             told,
@@ -234,20 +290,44 @@ impl Simulation {
             true_torque * gain * (1.0 + grade.torque_std() * n)
         };
         let acceleration = motion.rate[0];
+        let effects = self.acts.effects;
+        let bend = effects.bend(time);
+        let turning = (effects.steering != 0.0 && effects.steering_told).then_some(bend);
+        let braking = inputs.front_brake + inputs.rear_brake != 0.0;
+        let step = 1.0 / self.rate;
+        let slope = self
+            .inclinometer
+            .show(&effects, motion.slope, acceleration, step);
+        let shown_speed = self.late_speed.pass(time, speed, effects.speed_delay);
+        let gears = &self.acts.gears;
+        let reported = gears.share(time - effects.gear_delay) / gears.share(time);
+        let tells_mass = self.tells_mass && effects.payload_told != PayloadTold::Nothing;
+        let tells_boom = effects.payload_told == PayloadTold::All;
         let specific_force = acceleration + GRAVITY * motion.slope.sin();
         Row {
             time,
-            speed: speed + grade.speed_std() * noise[0],
+            speed: shown_speed + grade.speed_std() * noise[0],
             front_wheel_speed: front_wheel_speed + grade.wheel_speed_std() * noise[1],
             rear_wheel_speed: rear_wheel_speed + grade.wheel_speed_std() * noise[2],
-            front_torque: torque(inputs.front_torque, known.front_torque_gain, noise[3]),
-            rear_torque: torque(inputs.rear_torque, known.rear_torque_gain, noise[4]),
-            slope: motion.slope + known.slope_bias + grade.slope_std() * noise[5],
+            front_torque: torque(
+                inputs.front_torque * reported,
+                known.front_torque_gain,
+                noise[3],
+            ),
+            rear_torque: torque(
+                inputs.rear_torque * reported,
+                known.rear_torque_gain,
+                noise[4],
+            ),
+            slope: slope + known.slope_bias + grade.slope_std() * noise[5],
             acceleration: specific_force + grade.acceleration_std() * noise[6],
-            mass: self.tells_mass.then_some(inputs.mass * known.mass_gain),
+            mass: tells_mass.then_some(inputs.mass * known.mass_gain),
             spade_force_x: known.spade_force_x_known.then_some(inputs.spade_force_x),
             spade_force_z: Some(inputs.spade_force_z * known.spade_force_z_gain),
-            boom_moving: Some(self.driver.boom_moving(time)),
+            boom_moving: tells_boom.then(|| self.driver.boom_moving(time)),
+            articulation: turning.map(|bend| bend.angle),
+            yaw_rate: turning.map(|bend| effects::yaw_rate(&self.machine, &bend, speed)),
+            brake: (effects.brakes > 0.0 && effects.brakes_told).then_some(braking),
             payload: self.weigh(time),
             truth: Truth {
                 speed,
@@ -311,9 +391,9 @@ impl Iterator for Simulation {
         while self.next < self.rows {
             let time = self.next as f64 / self.rate;
             if self.next > 0 {
-                let driver = &mut self.driver;
+                let (driver, acts) = (&mut self.driver, &mut self.acts);
                 self.plant
-                    .advance(time, &mut |t, state| driver.inputs(t, state[0]));
+                    .advance(time, &mut |t, state| acts.inputs(driver, t, state));
             }
             self.next += 1;
             let mut row = self.measure(time);

@@ -25,6 +25,51 @@ impl Tier {
     }
 }
 
+/// Sizes of wheel loaders, by their mass.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Size {
+    /// 4.7 t, the reference machine.
+    #[default]
+    Reference,
+    /// 5 t.
+    Small,
+    /// 12 t.
+    Middle,
+    /// 20 t.
+    Large,
+}
+
+impl Size {
+    /// All sizes beside the reference machine.
+    pub const REAL: [Self; 3] = [Self::Small, Self::Middle, Self::Large];
+
+    /// The machine from its data sheet.
+    pub fn machine(self) -> Machine {
+        let (mass, radius, inertia, wheelbase, reach, height, ratio) = match self {
+            Self::Reference => return Machine::NOMINAL,
+            Self::Small => (5200.0, 0.56, 24.0, 2.15, 1.6, 0.92, 0.45),
+            Self::Middle => (12_500.0, 0.70, 120.0, 3.0, 2.2, 1.15, 0.45),
+            Self::Large => (19_800.0, 0.82, 320.0, 3.3, 2.6, 1.30, 0.46),
+        };
+        let typical = Machine::NOMINAL;
+        let heavy = mass / typical.mass;
+        let long = wheelbase / typical.wheelbase;
+        Machine {
+            mass,
+            wheel_radius: radius,
+            axle_inertia: inertia,
+            wheelbase,
+            bucket_reach: reach,
+            cg_height: height,
+            cg_ratio: ratio,
+            tyre_stiffness: heavy * typical.tyre_stiffness,
+            tyre_damping: heavy * typical.tyre_damping,
+            pitch_inertia: heavy * long * long * typical.pitch_inertia,
+            ..typical
+        }
+    }
+}
+
 /// What the estimator is told about the machine, and what it starts from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Told {
@@ -76,14 +121,20 @@ pub(super) struct Calibration {
 }
 
 /// Draws a machine, its sensors and what the filter is told of them.
-pub(super) fn draw(tier: Tier, grade: Grade, noise: &mut Noise) -> (Machine, Calibration, Told) {
+pub(super) fn draw(
+    size: Size,
+    tier: Tier,
+    grade: Grade,
+    noise: &mut Noise,
+) -> (Machine, Calibration, Told) {
+    let typical = size.machine();
     let machine = match tier {
-        Tier::A => Machine::NOMINAL,
-        Tier::B => draw_machine(noise),
+        Tier::A => typical,
+        Tier::B => draw_machine(&typical, noise),
     };
     let mut calibration = draw_calibration(noise);
     let mut rho = 0.01 * (1.0 + 0.1 * noise.normal());
-    let typical = Machine::NOMINAL;
+    let tall = typical.cg_height / Machine::NOMINAL.cg_height;
     let mut centre = (typical.cg_height, typical.cg_ratio);
     if tier == Tier::A {
         calibration = Calibration {
@@ -108,7 +159,7 @@ pub(super) fn draw(tier: Tier, grade: Grade, noise: &mut Noise) -> (Machine, Cal
         friction: typical.friction,
         radius_load_sensitivity: rho,
         slip_stiffness: 19.0 + 2.0 * noise.normal(),
-        cg_height: centre.0 + 0.10 * noise.normal(),
+        cg_height: centre.0 + 0.10 * tall * noise.normal(),
         cg_ratio: centre.1 + 0.05 * noise.normal(),
         front_radius_error: machine.front_radius_error + 5e-4 * noise.normal(),
         rear_radius_error: machine.rear_radius_error + 5e-4 * noise.normal(),
@@ -117,11 +168,12 @@ pub(super) fn draw(tier: Tier, grade: Grade, noise: &mut Noise) -> (Machine, Cal
     (machine, calibration, told)
 }
 
-fn draw_machine(noise: &mut Noise) -> Machine {
+fn draw_machine(typical: &Machine, noise: &mut Noise) -> Machine {
+    let tall = typical.cg_height / Machine::NOMINAL.cg_height;
     let mut normal = |mean: f64, deviation: f64| mean + deviation * noise.normal();
     let slip_stiffness = normal(19.0, 1.5).clamp(14.0, 24.0);
-    let cg_height = normal(0.9, 0.08).clamp(0.7, 1.15);
-    let cg_ratio = normal(0.45, 0.03).clamp(0.36, 0.54);
+    let cg_height = tall * normal(0.9, 0.08).clamp(0.7, 1.15);
+    let cg_ratio = normal(typical.cg_ratio, 0.03).clamp(0.36, 0.54);
     let front_radius_error = normal(0.0, 0.003);
     let rear_radius_error = normal(0.0, 0.003);
     Machine {
@@ -134,7 +186,7 @@ fn draw_machine(noise: &mut Noise) -> Machine {
         friction: noise.uniform(0.6, 0.9),
         relaxation_length: noise.uniform(0.08, 0.2),
         radius_load_sensitivity: 0.01,
-        ..Machine::NOMINAL
+        ..*typical
     }
 }
 
@@ -158,7 +210,12 @@ mod tests {
 
     #[test]
     fn tier_a_is_told_everything_but_where_to_start() {
-        let (machine, _, told) = draw(Tier::A, Grade::Resolver, &mut Noise::new(1));
+        let (machine, _, told) = draw(
+            Size::Reference,
+            Tier::A,
+            Grade::Resolver,
+            &mut Noise::new(1),
+        );
         assert_eq!(machine, Machine::NOMINAL);
         assert_eq!((told.mass, told.radius_load_sensitivity), (4700.0, 0.0));
         assert_ne!(told.cg_height, machine.cg_height);
@@ -167,7 +224,10 @@ mod tests {
     #[test]
     fn machines_of_tier_b_spread_as_specified() {
         let draws: Vec<_> = (0..4000)
-            .map(|s| draw(Tier::B, Grade::Resolver, &mut Noise::new(s)))
+            .map(|s| {
+                let noise = &mut Noise::new(s);
+                draw(Size::Reference, Tier::B, Grade::Resolver, noise)
+            })
             .collect();
         let spread = |value: &dyn Fn(&(Machine, Calibration, Told)) -> f64| {
             let mean = draws.iter().map(value).sum::<f64>() / draws.len() as f64;

@@ -5,8 +5,11 @@
 //! | 6 | v, w_f, w_r, K, h, lam | the paper, (15)-(17) |
 //! | 8 | .., d_f, d_r | no accelerometer |
 //! | 10 | .., F_x, d_f, d_r, b | recommended |
+//! | 9, 11 | those of 8 or 10, tau | the speed comes late |
 //!
 //! Measurements are v, w_f, w_r and, with four, the specific force a_x = (v+ - v)/dt + g sin th along the body axis.
+//! A late speed is measured as v - tau dv/dt: satellite receivers and radars filter, and at 1 m/s^2 a delay of 30 ms is
+//! twice the slip speed.
 //! Parameters are random walks. (15) names L the measurement matrix (it is the noise input) and v_k process noise (it is
 //! the measurement noise); (17) rewrites (15), not (12).
 
@@ -35,6 +38,11 @@ impl Loading {
     };
 }
 
+/// Whether a filter of so many states has the delay of the speed as its last one.
+pub const fn has_delay(states: usize) -> bool {
+    states % 2 == 1
+}
+
 /// One step of the loader under given inputs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CgModel {
@@ -54,7 +62,7 @@ pub struct CgModel {
 
 impl<const N: usize, const M: usize> Model<N, M> for CgModel {
     const DYNAMIC: usize = 3;
-    const DIRECT: usize = 3;
+    const DIRECT: usize = if has_delay(N) { 0 } else { 3 };
 
     fn predict<T: Scalar>(&self, state: &[T; N]) -> ([T; N], [T; M]) {
         let mut parameters = Parameters::of(state);
@@ -87,14 +95,21 @@ impl<const N: usize, const M: usize> Model<N, M> for CgModel {
         };
         let mut next = *state;
         (next[0], next[1], next[2]) = (new.speed, new.front_wheel_speed, new.rear_wheel_speed);
-        let specific_force = (new.speed - old.speed) / self.dt + road.sine * GRAVITY;
-        let measurement = core::array::from_fn(|j| if j < 3 { next[j] } else { specific_force });
+        let rate = (new.speed - old.speed) / self.dt;
+        let measurement = core::array::from_fn(|j| match j {
+            0 if has_delay(N) => next[0] - rate * state[N - 1],
+            0..3 => next[j],
+            _ => rate + road.sine * GRAVITY,
+        });
         (next, measurement)
     }
 
-    /// The speed noise of the step acts on the specific force as q_v/dt.
+    /// The speed noise of the step acts on the specific force as q_v/dt, and what measures a state sees its noise.
     fn noise_coupling(&self) -> [[f64; N]; M] {
         let mut coupling = [[0.0; N]; M];
+        for (j, row) in coupling.iter_mut().enumerate().take(3) {
+            row[j] = 1.0;
+        }
         for row in coupling.iter_mut().skip(3) {
             row[0] = 1.0 / self.dt;
         }

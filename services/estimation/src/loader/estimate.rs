@@ -1,6 +1,6 @@
 //! What the estimator answers to each row: values, standard deviations, and whether to believe them.
 
-use super::Method;
+use super::{Method, Reason};
 use crate::Quantity;
 
 /// What the estimator did with a row.
@@ -54,6 +54,8 @@ pub struct Estimate {
     pub front_radius_scale: Option<f64>,
     /// Rolling radius of the rear wheels over its nominal value, 1 + d_r.
     pub rear_radius_scale: Option<f64>,
+    /// Delay of the measured speed [s].
+    pub speed_delay: Option<Quantity>,
     /// Normalised innovation squared of this row per accepted measurement; 1 is the expected value.
     pub nis: f64,
     /// The torques changed enough to tell the axle loads apart.
@@ -62,24 +64,26 @@ pub struct Estimate {
     pub excited_height: bool,
     /// The innovations are not larger than predicted.
     pub consistent: bool,
-    /// Speed and both wheel speeds were accepted within the last 0.25 s.
+    /// Speed and wheel speeds were accepted, and torques, slope and specific force came, within the last 0.25 s; none is stuck.
     pub fresh: bool,
-    /// The data, not the prior, determine the ratio.
-    pub observable_ratio: bool,
-    /// The data, not the prior, determine the height.
-    pub observable_height: bool,
-    /// Observable, consistent, fresh, not reset, and the ratio's interval is narrower than its limit.
+    /// The data, not the prior or a bound, determine the ratio.
+    pub identifiable_ratio: bool,
+    /// The data, not the prior or a bound, determine the height.
+    pub identifiable_height: bool,
+    /// The ratio's interval is narrower than its limit.
     pub converged_ratio: bool,
-    /// Observable, consistent, fresh, not reset, and the height's interval is narrower than its limit.
+    /// The height's interval is narrower than its limit.
     pub converged_height: bool,
     /// Slow or digging: the parameters are held nearly constant.
     pub frozen: bool,
     /// A reset happened within the last 2 s.
     pub reset: bool,
-    /// The ratio may be believed: excited and converged, with all that this includes.
+    /// The ratio may be believed: excited, consistent, fresh, converged, identifiable, and not just reset.
     pub trusted_ratio: bool,
-    /// The height may be believed: excited and converged, with all that this includes.
+    /// The height may be believed: excited, consistent, fresh, converged, identifiable, and not just reset.
     pub trusted_height: bool,
+    /// Why it is not fresh or not consistent.
+    pub reason: Reason,
     /// What was done with the row.
     pub status: Status,
     /// The method that made the estimate.

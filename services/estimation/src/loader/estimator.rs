@@ -1,12 +1,14 @@
 //! The estimator of the centre of gravity: one row in, one answer out.
 
+use super::cg_model::has_delay;
 use super::estimate::{Estimate, Status};
 use super::filter::{CgFilter, RowReport};
 use super::payload::Payload;
 use super::settings::{Settings, SettingsError};
 use super::verdict::{Intervals, with_floors};
-use super::{Columns, Method, Sample};
+use super::{Columns, Method, Reason, Sample};
 use crate::Quantity;
+use crate::math::sqrt;
 use crate::root::standard_deviations;
 
 /// The filter that a method runs on.
@@ -15,7 +17,22 @@ use crate::root::standard_deviations;
 enum Filter {
     Six(CgFilter<6, 3>),
     Eight(CgFilter<8, 3>),
+    Nine(CgFilter<9, 3>),
     Ten(CgFilter<10, 4>),
+    Eleven(CgFilter<11, 4>),
+}
+
+/// The same with whichever filter it is.
+macro_rules! each {
+    ($filter:expr, $f:ident => $then:expr) => {
+        match $filter {
+            Filter::Six($f) => $then,
+            Filter::Eight($f) => $then,
+            Filter::Nine($f) => $then,
+            Filter::Ten($f) => $then,
+            Filter::Eleven($f) => $then,
+        }
+    };
 }
 
 /// Estimates the centre of gravity of a wheel loader while it works.
@@ -53,15 +70,15 @@ impl CgEstimator {
         tuning.linearised |= method == Method::Ekf;
         settings.tuning = Some(tuning);
         let filter = match method {
-            Method::Full if columns.acceleration => Filter::Ten(CgFilter::new(&settings, method)),
-            Method::Full => Filter::Eight(CgFilter::new(&settings, method)),
+            Method::Full => match (columns.acceleration, tuning.latency) {
+                (true, true) => Filter::Eleven(CgFilter::new(&settings, method)),
+                (true, false) => Filter::Ten(CgFilter::new(&settings, method)),
+                (false, true) => Filter::Nine(CgFilter::new(&settings, method)),
+                (false, false) => Filter::Eight(CgFilter::new(&settings, method)),
+            },
             _ => Filter::Six(CgFilter::new(&settings, method)),
         };
-        let last = match &filter {
-            Filter::Six(f) => report(f, &settings, method, &waiting()),
-            Filter::Eight(f) => report(f, &settings, method, &waiting()),
-            Filter::Ten(f) => report(f, &settings, method, &waiting()),
-        };
+        let last = each!(&filter, f => report(f, &settings, method, &waiting()));
         Ok(Self {
             settings,
             method,
@@ -75,11 +92,8 @@ impl CgEstimator {
 
     /// Takes one row and answers.
     pub fn step(&mut self, sample: &Sample) -> Estimate {
-        let mut answer = match &mut self.filter {
-            Filter::Six(f) => step(f, &self.settings, self.method, sample),
-            Filter::Eight(f) => step(f, &self.settings, self.method, sample),
-            Filter::Ten(f) => step(f, &self.settings, self.method, sample),
-        };
+        let (settings, method) = (&self.settings, self.method);
+        let mut answer = each!(&mut self.filter, f => step(f, settings, method, sample));
         if answer.status == Status::Refused {
             self.refused += 1;
             self.refused_in_a_row = self.refused_in_a_row.saturating_add(1);
@@ -105,7 +119,7 @@ impl CgEstimator {
         };
         if f64::from(self.refused_in_a_row) * self.period > self.settings.verdict.fresh {
             answer.fresh = false;
-            (answer.converged_ratio, answer.converged_height) = (false, false);
+            answer.reason = Reason::Missing;
             (answer.trusted_ratio, answer.trusted_height) = (false, false);
         }
         answer
@@ -116,11 +130,7 @@ impl CgEstimator {
     /// From the first payload on, prior and states mean the empty machine, so tell it from the first row (mass 0 when
     /// empty). The reported values stay those of the loaded machine.
     pub fn set_payload(&mut self, payload: Option<Payload>) {
-        match &mut self.filter {
-            Filter::Six(f) => f.set_payload(payload),
-            Filter::Eight(f) => f.set_payload(payload),
-            Filter::Ten(f) => f.set_payload(payload),
-        }
+        each!(&mut self.filter, f => f.set_payload(payload));
     }
 
     /// The method.
@@ -135,20 +145,12 @@ impl CgEstimator {
 
     /// The filter's state \[v, w_f, w_r, K, h, lam, ..\], for analysis.
     pub fn state(&self) -> &[f64] {
-        match &self.filter {
-            Filter::Six(f) => f.state(),
-            Filter::Eight(f) => f.state(),
-            Filter::Ten(f) => f.state(),
-        }
+        each!(&self.filter, f => f.state())
     }
 
     /// Row `i` of the lower root of the filter's covariance, for analysis.
     pub fn covariance_root_row(&self, i: usize) -> &[f64] {
-        match &self.filter {
-            Filter::Six(f) => &f.covariance_root()[i],
-            Filter::Eight(f) => &f.covariance_root()[i],
-            Filter::Ten(f) => &f.covariance_root()[i],
-        }
+        each!(&self.filter, f => &f.covariance_root()[i])
     }
 }
 
@@ -159,6 +161,7 @@ fn waiting<const M: usize>() -> RowReport<M> {
         accepted: [false; M],
         deweighted: [false; M],
         frozen: false,
+        set_aside: false,
     }
 }
 
@@ -182,24 +185,35 @@ fn report<const N: usize, const M: usize>(
     let x = filter.state();
     let std = standard_deviations(filter.covariance_root());
     let (height, ratio, loaded_std) = loaded(filter, settings, (x[4], x[5]), (std[4], std[5]));
+    let doubt = filter.doubt();
     let reported = with_floors(
         settings,
         filter.tuning(),
         N > 6,
         ratio,
-        (loaded_std.1, loaded_std.0),
+        (
+            widened(doubt.birge * loaded_std.1, doubt.beyond[0]),
+            widened(doubt.birge * loaded_std.0, doubt.beyond[1]),
+        ),
     );
     let intervals = Intervals {
-        filter: (std[5], std[4]),
+        filter: (doubt.birge * std[5], doubt.birge * std[4]),
         reported,
         ratio,
     };
-    let verdict = filter.evidence.verdict(settings, &intervals, row.frozen);
+    let verdict = filter
+        .evidence
+        .verdict(settings, &intervals, &doubt, row.frozen);
+    let sound = verdict.consistent && verdict.fresh && !verdict.reset;
     let radii = match N {
-        10 => Some((x[7], x[8])),
-        8 => Some((x[6], x[7])),
+        10 | 11 => Some((x[7], x[8])),
+        8 | 9 => Some((x[6], x[7])),
         _ => None,
     };
+    let delay = has_delay(N).then(|| Quantity {
+        value: x[N - 1],
+        std: std[N - 1],
+    });
     let used = row.accepted.iter().filter(|a| **a).count().max(1);
     Estimate {
         started: filter.last_time().is_some(),
@@ -220,30 +234,47 @@ fn report<const N: usize, const M: usize>(
             std: reported.0,
         },
         cg_distance: (1.0 - ratio) * settings.machine.wheelbase,
-        spade_force_x: (N == 10).then(|| Quantity {
+        spade_force_x: (N >= 10).then(|| Quantity {
             value: filter.spade_force_x + x[6],
             std: std[6],
         }),
-        slope_bias: (N == 10).then(|| x[9]),
+        slope_bias: (N >= 10).then(|| x[9]),
         front_radius_scale: radii.map(|r| 1.0 + r.0),
         rear_radius_scale: radii.map(|r| 1.0 + r.1),
+        speed_delay: delay,
         nis: row.nis / used as f64,
         excited_ratio: verdict.excited_ratio,
         excited_height: verdict.excited_height,
         consistent: verdict.consistent,
         fresh: verdict.fresh,
-        observable_ratio: verdict.observable_ratio,
-        observable_height: verdict.observable_height,
+        identifiable_ratio: verdict.identifiable_ratio,
+        identifiable_height: verdict.identifiable_height,
         converged_ratio: verdict.converged_ratio,
         converged_height: verdict.converged_height,
         frozen: row.frozen,
         reset: verdict.reset,
-        trusted_ratio: verdict.excited_ratio && verdict.converged_ratio,
-        trusted_height: verdict.excited_height && verdict.converged_height,
+        trusted_ratio: sound
+            && verdict.excited_ratio
+            && verdict.identifiable_ratio
+            && verdict.converged_ratio,
+        trusted_height: sound
+            && verdict.excited_height
+            && verdict.identifiable_height
+            && verdict.converged_height,
+        reason: verdict.reason,
         status: row.status,
         method,
         resets: filter.evidence.resets,
         refused: 0,
+    }
+}
+
+/// The norm of two standard deviations; exactly the first where the second is zero.
+fn widened(std: f64, beyond: f64) -> f64 {
+    if beyond > 0.0 {
+        sqrt(std * std + beyond * beyond)
+    } else {
+        std
     }
 }
 

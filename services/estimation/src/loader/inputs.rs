@@ -7,6 +7,8 @@ use super::wheel_dynamics::Inputs;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct InputHold {
     held: [f64; 5],
+    /// Which of them were missing in the last row.
+    missing: [bool; 5],
     acceleration: Option<f64>,
     /// Mass with its load [kg].
     pub mass: f64,
@@ -18,12 +20,29 @@ pub(super) struct StepInputs {
     pub inputs: Inputs,
     /// Mean specific force over the step; missing when either end is.
     pub acceleration: Option<f64>,
+    /// Friction brakes act.
+    pub brake: bool,
+    /// Angle between front and rear body, where it is measured [rad].
+    pub articulation: Option<f64>,
+    /// Yaw rate, where it is measured [rad/s].
+    pub yaw_rate: Option<f64>,
+}
+
+impl StepInputs {
+    /// Angle between front and rear body: measured, or from the yaw rate, or 0 [rad].
+    pub fn turning(&self, speed: f64, wheelbase: f64) -> f64 {
+        let by_yaw = |rate: f64| rate * wheelbase / speed.abs().max(0.5);
+        self.articulation
+            .or(self.yaw_rate.map(by_yaw))
+            .unwrap_or(0.0)
+    }
 }
 
 impl InputHold {
     pub fn new(mass: f64) -> Self {
         Self {
             held: [0.0; 5],
+            missing: [false; 5],
             acceleration: None,
             mass,
         }
@@ -32,8 +51,9 @@ impl InputHold {
     /// Takes a row over and returns what acted during the step that it ends.
     ///
     /// An input that is missing keeps its last finite value; before any it is 0. Mid-point inputs are the mean of the held
-    /// value and the new one, otherwise the older one is held over the step as the paper does.
-    pub fn advance(&mut self, sample: &Sample, midpoint: bool) -> StepInputs {
+    /// value and the new one, otherwise the older one is held over the step as the paper does. Where `anew`, a value that comes
+    /// after missing ones stands alone: what was held is of another time.
+    pub fn advance(&mut self, sample: &Sample, midpoint: bool, anew: bool) -> StepInputs {
         let row = [
             sample.front_torque,
             sample.rear_torque,
@@ -42,12 +62,18 @@ impl InputHold {
             sample.slope,
         ];
         let mut used = self.held;
-        for ((used, held), new) in used.iter_mut().zip(&mut self.held).zip(row) {
+        let memory = self.held.iter_mut().zip(&mut self.missing);
+        for ((used, (held, missing)), new) in used.iter_mut().zip(memory).zip(row) {
             if let Some(new) = finite(new) {
-                if midpoint {
-                    *used = 0.5 * (*held + new);
-                }
+                *used = match midpoint {
+                    true if anew && *missing => new,
+                    true => 0.5 * (*held + new),
+                    false => *used,
+                };
                 *held = new;
+                *missing = false;
+            } else {
+                *missing = true;
             }
         }
         let acceleration = finite(sample.acceleration);
@@ -76,6 +102,9 @@ impl InputHold {
         StepInputs {
             inputs,
             acceleration: mean,
+            brake: sample.brake,
+            articulation: finite(sample.articulation),
+            yaw_rate: finite(sample.yaw_rate),
         }
     }
 }

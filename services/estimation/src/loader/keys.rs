@@ -58,6 +58,8 @@ table! {
         radius_load_sensitivity: f64 = 0.01, "", 0.0 to 0.2;
         /// Its standard deviation; widens the reported interval of the ratio.
         radius_load_sensitivity_std: f64 = 0.001, "", 0.0 to 0.2;
+        /// Standard deviation of the ratio of the axles' slip stiffnesses; widens the reported interval of the ratio.
+        stiffness_ratio_std: f64 = 0.05, "", 0.0 to 1.0;
         /// Relaxation length of the tyres; 0 for tyres that do not wind up.
         relaxation_length: f64 = 0.10, "m", 0.0 to 10.0;
     }
@@ -78,6 +80,10 @@ table! {
         acceleration_std: f64 = 0.05, "m/s^2", 1e-9 to 10.0;
         /// Standard deviation of each axle's torque gain; widens the reported interval of the ratio.
         torque_gain_std: f64 = 0.005, "", 0.0 to 1.0;
+        /// Delay of the speed against the other signals (satellite receivers, radars); `full` learns it.
+        speed_delay: f64 = 0.0, "s", 0.0 to 1.0;
+        /// Its standard deviation before the first row.
+        speed_delay_std: f64 = 0.08, "s", 1e-6 to 1.0;
     }
 }
 
@@ -128,7 +134,7 @@ table! {
         /// Second spread of the sigma points.
         kappa: f64 = 0.0, "", -5.0 to 100.0;
         /// Random walk of the speed.
-        q_speed: f64 = 5e-4, "m/s", 0.0 to 10.0;
+        q_speed: f64 = 1e-4, "m/s", 0.0 to 10.0;
         /// Random walk of the wheel speeds.
         q_wheel_speed: f64 = 1e-3, "rad/s", 0.0 to 10.0;
         /// Random walk of the slip stiffness.
@@ -141,18 +147,20 @@ table! {
         q_spade_force: f64 = 150.0, "N", 0.0 to 1e6;
         /// Random walk of the radius errors.
         q_radius: f64 = 1e-7, "", 0.0 to 1.0;
-        /// Random walk of the slope bias.
-        q_slope_bias: f64 = 1e-5, "rad", 0.0 to 1.0;
+        /// Least random walk of the slope bias; errors of the slope that the motion shows add to it.
+        q_slope_bias: f64 = 3e-5, "rad", 0.0 to 1.0;
+        /// Random walk of the delay of the speed.
+        q_speed_delay: f64 = 1e-5, "s", 0.0 to 1.0;
         /// Smallest speed in a slip denominator.
         v_min: f64 = 0.30, "m/s", 1e-3 to 10.0;
         /// Parameters are frozen below this speed.
         v_freeze: f64 = 0.5, "m/s", 0.0 to 10.0;
         /// Wheel-speed noise from axle-load ripple acting through the slip, share of the slip (cb).
-        c_b: f64 = 0.1, "", 0.0 to 10.0;
+        c_b: f64 = 0.05, "", 0.0 to 10.0;
         /// Wheel-speed noise from axle-load ripple acting through the radius (crho).
-        c_rho: f64 = 0.1, "", 0.0 to 10.0;
+        c_rho: f64 = 0.05, "", 0.0 to 10.0;
         /// Wheel-speed noise from changes of torque (ct).
-        c_t: f64 = 1.5, "", 0.0 to 10.0;
+        c_t: f64 = 2.0, "", 0.0 to 10.0;
         /// Innovations beyond this many standard deviations are weakened.
         gate: f64 = 5.0, "", 1.0 to 1e6;
         /// Innovations beyond this many standard deviations are dropped.
@@ -181,13 +189,15 @@ table! {
         reopen: f64 = 2.0, "", 0.0 to 100.0;
         /// Once the ratio is known the parameters are loosened, because the start was linearised at the initial guess: share
         /// of the prior that comes back per squared standard deviation of way; 0 is off.
-        relearn: f64 = 0.1, "", 0.0 to 100.0;
+        relearn: f64 = 0.02, "", 0.0 to 100.0;
         /// The boom moves: random walks of height and ratio times this.
         boom_gain: f64 = 40.0, "", 0.0 to 1e4;
         /// What cannot be learnt of the height; added to its reported standard deviation.
         cg_height_floor: f64 = 0.04, "m", 0.0 to 10.0;
         /// What cannot be learnt of the ratio, relative; added to its reported standard deviation.
         cg_ratio_floor: f64 = 0.011, "", 0.0 to 1.0;
+        /// Least error of the load sensitivity of the rolling radius that counts, whatever is stated; 0 when calibrated.
+        load_sensitivity_floor: f64 = 0.002, "", 0.0 to 0.2;
         /// Verdict: the ratio is excited when the torque varies by this (standard deviation over 5 s).
         excited_torque: f64 = 300.0, "N m", 0.0 to 1e6;
         /// Verdict: the height is excited when the acceleration varies by this.
@@ -197,7 +207,7 @@ table! {
         /// Verdict: consistent up to this mean normalised innovation squared.
         consistent_nis: f64 = 2.0, "", 0.1 to 100.0;
         /// Verdict: the ratio has converged at this relative standard deviation.
-        converged_ratio: f64 = 0.03, "", 1e-4 to 1.0;
+        converged_ratio: f64 = 0.05, "", 1e-4 to 1.0;
         /// Verdict: the height has converged at this standard deviation.
         converged_height: f64 = 0.08, "m", 1e-4 to 10.0;
     }

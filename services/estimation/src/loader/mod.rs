@@ -13,28 +13,39 @@
 //! | [`wheel_dynamics`] | (1)-(5), (8), (9), (12)-(14), (18): the process |
 //! | [`cg_model`] | (15)-(17): states and measurements |
 //! | `windup` | tyres wind up under a growing torque |
+//! | `load` | a load that is weighed |
+//! | `slope` | how far the slope sensor is to be believed |
+//! | `legs` | independent manoeuvres must agree |
 //! | `quantum` | wheel speeds in steps |
+//! | `stuck` | a sensor whose value never changes |
 //! | `relearning` | what was learnt wrongly: the start, the radii under another load |
+//! | `disturbance` | brakes, steering, forces that nobody measures |
 //! | `inputs`, `conditions` | inputs between rows; freezing and wheel noise |
 //! | `filter`, `estimator` | one row |
-//! | `verdict` | whether to believe it |
+//! | `verdict`, `reason` | whether to believe it, and why not |
 //! | [`payload`] | a load that is known |
 //! | [`weigh`] | the static reference |
 
 pub mod axle_loads;
 pub mod cg_model;
 mod conditions;
+mod disturbance;
 mod estimate;
 mod estimator;
 mod filter;
 mod inputs;
 pub mod keys;
+mod legs;
+mod load;
 mod method;
 pub mod payload;
 mod quantum;
+mod reason;
 mod relearning;
 mod sample;
 pub mod settings;
+mod slope;
+mod stuck;
 mod verdict;
 pub mod weigh;
 pub mod wheel_dynamics;
@@ -45,5 +56,6 @@ pub use estimator::CgEstimator;
 pub use filter::{CgFilter, RowReport};
 pub use method::Method;
 pub use payload::Payload;
+pub use reason::Reason;
 pub use sample::{Columns, Sample};
 pub use settings::{LoadTransfer, Machine, Prior, Sensors, Settings, SettingsError, Tuning};

@@ -65,6 +65,11 @@ impl Relearning {
         (rule.gain * (stiffness * stiffness + ratio * ratio)).min(1.0)
     }
 
+    /// The ratio has been known once.
+    pub fn settled(&self) -> bool {
+        self.started_again
+    }
+
     /// By how much the relative radii are to be loosened under this share of the front axle.
     ///
     /// The variance belongs to the distance, not to the way: a slow shift counts like a fast one. A load that is set down

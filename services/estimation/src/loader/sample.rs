@@ -27,6 +27,12 @@ pub struct Sample {
     pub spade_force_z: Option<f64>,
     /// The boom moves: a payload may be taken up or set down.
     pub boom_moving: bool,
+    /// Angle between front and rear body, positive when the machine turns left [rad].
+    pub articulation: Option<f64>,
+    /// Yaw rate of the rear body, positive anticlockwise from above [rad/s].
+    pub yaw_rate: Option<f64>,
+    /// Friction brakes act.
+    pub brake: bool,
 }
 
 /// The optional signals that the source has.
@@ -53,6 +59,8 @@ const SPEED_LIMIT: f64 = 200.0;
 const WHEEL_SPEED_LIMIT: f64 = 1000.0;
 /// Beyond this a specific force is no measurement [m/s^2].
 const ACCELERATION_LIMIT: f64 = 1000.0;
+/// Beyond this a yaw rate is no measurement [rad/s].
+const YAW_LIMIT: f64 = 10.0;
 /// Beyond this a slope is no measurement [rad].
 const SLOPE_LIMIT: f64 = 1.5;
 /// Beyond this multiple of the weight a force on wheels or bucket is no measurement.
@@ -82,6 +90,9 @@ impl Sample {
             spade_force_x: within(self.spade_force_x, force),
             spade_force_z: within(self.spade_force_z, force),
             boom_moving: self.boom_moving,
+            articulation: within(self.articulation, SLOPE_LIMIT),
+            yaw_rate: within(self.yaw_rate, YAW_LIMIT),
+            brake: self.brake,
         }
     }
 }

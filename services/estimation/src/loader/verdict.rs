@@ -3,13 +3,16 @@
 //! Errors that cannot be learnt on line (load sensitivity of the radius, torque ratio, what the model leaves out) are added
 //! to the variance in the report only, never in the filter:
 //! ```text
-//! sd_lam,rep^2 = sd_lam^2 + lam^2 [(16 sigma_rho)^2 + ((1 - lam) sigma_Tratio)^2 + 0.011^2]
+//! sd_lam,rep^2 = sd_lam^2 + lam^2 [(16 sigma_rho)^2 + ((1 - lam) sigma_Tratio)^2 + ((1 - lam) sigma_Kratio)^2 + 0.011^2]
 //! sd_h,rep^2   = sd_h^2 + (0.04 m)^2
 //! ```
 //! The methods of the paper take the rolling radii as exact. On a real machine that error is larger than all others and
 //! their own interval knows nothing of it, so it is added too: they are honest, and therefore never trusted.
 
+use super::reason::Reason;
+use super::sample::{Sample, finite};
 use super::settings::{Settings, Tuning};
+use super::stuck::WATCHED;
 use crate::math::sqrt;
 
 /// Relative error of the ratio per load sensitivity.
@@ -26,7 +29,33 @@ const EXCITATION_TIME: f64 = 5.0;
 /// How long a reset is shown [s].
 const RESET_SHOWN: f64 = 2.0;
 /// Share of the prior's standard deviation below which the data determine the parameter: ratio, height.
-const OBSERVABLE: (f64, f64) = (0.5, 0.7);
+const OBSERVABLE: (f64, f64) = (0.5, 0.36);
+
+/// What makes an estimate doubtful beside its own covariance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Doubt {
+    /// Birge ratio of the manoeuvres.
+    pub birge: f64,
+    /// How far ratio and height lie beyond what the prior lets expect.
+    pub beyond: [f64; 2],
+    /// Ratio and height are at a bound.
+    pub at_limit: [bool; 2],
+    /// The machine is loaded, and nobody would say if the boom lifted the load.
+    pub unknown_height: bool,
+    /// The first cause.
+    pub reason: Reason,
+}
+
+impl Doubt {
+    /// Nothing is doubtful.
+    pub const NONE: Self = Self {
+        birge: 1.0,
+        beyond: [0.0; 2],
+        at_limit: [false; 2],
+        unknown_height: false,
+        reason: Reason::None,
+    };
+}
 
 /// Exponentially weighted mean and variance.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -60,8 +89,12 @@ impl Variation {
 pub(super) struct Evidence {
     torque: Variation,
     acceleration: Variation,
-    /// Ages of the last accepted speed and wheel speeds [s].
-    age: [f64; 3],
+    /// Ages of the last accepted speed and wheel speeds, and of the last torques, slope and specific force [s].
+    age: [f64; WATCHED],
+    /// The specific force is a required input.
+    accelerometer: bool,
+    /// A signal is stuck.
+    pub stuck: Option<usize>,
     /// How long every motion measurement that came was rejected [s].
     pub locked_out: f64,
     /// Running mean of the normalised innovation squared per measurement.
@@ -79,11 +112,12 @@ pub(super) struct Verdict {
     pub excited_height: bool,
     pub consistent: bool,
     pub fresh: bool,
-    pub observable_ratio: bool,
-    pub observable_height: bool,
+    pub identifiable_ratio: bool,
+    pub identifiable_height: bool,
     pub converged_ratio: bool,
     pub converged_height: bool,
     pub reset: bool,
+    pub reason: Reason,
 }
 
 /// Standard deviations of the two parameters that carry a verdict.
@@ -98,11 +132,14 @@ pub(super) struct Intervals {
 }
 
 impl Evidence {
-    pub fn new() -> Self {
+    /// Before the first row; `accelerometer`: the specific force is a required input.
+    pub fn new(accelerometer: bool) -> Self {
         Self {
             torque: Variation::default(),
             acceleration: Variation::default(),
-            age: [f64::INFINITY; 3],
+            age: [f64::INFINITY; WATCHED],
+            accelerometer,
+            stuck: None,
             locked_out: 0.0,
             consistency: 1.0,
             since_reset: 0.0,
@@ -123,6 +160,36 @@ impl Evidence {
         self.since_reset += dt;
     }
 
+    /// The inputs that came with the row.
+    pub fn receive(&mut self, sample: &Sample) {
+        let inputs = [
+            sample.front_torque,
+            sample.rear_torque,
+            sample.slope,
+            sample.acceleration,
+        ];
+        for (age, input) in self.age[3..].iter_mut().zip(inputs) {
+            if finite(input).is_some() {
+                *age = 0.0;
+            }
+        }
+    }
+
+    /// A torque has been missing for longer than an input stays fresh: the wheels tell nothing.
+    pub fn torque_lost(&self, limit: f64) -> bool {
+        self.age[3].max(self.age[4]) > limit
+    }
+
+    /// Whether every required input is recent.
+    fn fresh(&self, limit: f64) -> bool {
+        let required = if self.accelerometer {
+            WATCHED
+        } else {
+            WATCHED - 1
+        };
+        self.stuck.is_none() && self.age[..required].iter().all(|age| *age <= limit)
+    }
+
     /// The row's measurements came and were accepted, or not.
     pub fn admit(&mut self, came: bool, accepted: &[bool], dt: f64) {
         if accepted.iter().take(3).any(|a| *a) {
@@ -130,11 +197,16 @@ impl Evidence {
         } else if came {
             self.locked_out += dt;
         }
-        for (age, accepted) in self.age.iter_mut().zip(accepted) {
+        for (age, accepted) in self.age[..3].iter_mut().zip(accepted) {
             if *accepted {
                 *age = 0.0;
             }
         }
+    }
+
+    /// Wheel speeds that came and fit, but are not used.
+    pub fn set_aside(&mut self) {
+        (self.age[1], self.age[2]) = (0.0, 0.0);
     }
 
     /// The normalised innovation squared of the row, per accepted measurement.
@@ -149,13 +221,18 @@ impl Evidence {
         self.resets += 1;
     }
 
-    pub fn verdict(&self, settings: &Settings, intervals: &Intervals, frozen: bool) -> Verdict {
+    pub fn verdict(
+        &self,
+        settings: &Settings,
+        intervals: &Intervals,
+        doubt: &Doubt,
+        frozen: bool,
+    ) -> Verdict {
         let (ratio_std, height_std) = intervals.filter;
         let limits = &settings.verdict;
-        let fresh = self.age.iter().all(|age| *age <= limits.fresh);
-        let consistent = self.consistency <= limits.consistent_nis;
+        let fresh = self.fresh(limits.fresh);
+        let consistent = self.consistency <= limits.consistent_nis && doubt.reason == Reason::None;
         let reset = self.resets > 0 && self.since_reset < RESET_SHOWN;
-        let sound = consistent && fresh && !reset;
         let observable_ratio = ratio_std <= OBSERVABLE.0 * settings.prior.cg_ratio_std;
         let observable_height = height_std <= OBSERVABLE.1 * settings.prior.cg_height_std;
         Verdict {
@@ -163,15 +240,23 @@ impl Evidence {
             excited_height: !frozen && self.acceleration.std() >= limits.excited_acceleration,
             consistent,
             fresh,
-            observable_ratio,
-            observable_height,
-            converged_ratio: sound
-                && observable_ratio
-                && intervals.reported.0 <= limits.converged_ratio * intervals.ratio.abs(),
-            converged_height: sound
-                && observable_height
-                && intervals.reported.1 <= limits.converged_height,
+            identifiable_ratio: observable_ratio && !doubt.at_limit[0],
+            identifiable_height: observable_height && !doubt.at_limit[1] && !doubt.unknown_height,
+            converged_ratio: intervals.reported.0 <= limits.converged_ratio * intervals.ratio.abs(),
+            converged_height: intervals.reported.1 <= limits.converged_height,
             reset,
+            reason: self.reason(fresh, consistent, doubt.reason),
+        }
+    }
+
+    /// Why the estimate is not fresh or not consistent.
+    fn reason(&self, fresh: bool, consistent: bool, doubt: Reason) -> Reason {
+        match self.stuck {
+            Some(signal) => Reason::stuck(signal),
+            None if !fresh => Reason::Missing,
+            None if doubt != Reason::None => doubt,
+            None if !consistent => Reason::Unexplained,
+            None => Reason::None,
         }
     }
 }
@@ -192,11 +277,16 @@ pub(super) fn with_floors(
     } else {
         machine.radius_load_sensitivity
     };
-    let sensitivity = norm(&[machine.radius_load_sensitivity_std, unmodelled]);
+    let stated = machine.radius_load_sensitivity_std;
+    let sensitivity = norm(&[
+        stated.max(settings.verdict.load_sensitivity_floor),
+        unmodelled,
+    ]);
     let torque_ratio = core::f64::consts::SQRT_2 * settings.sensors.torque_gain_std;
     let relative = norm(&[
         RATIO_PER_SENSITIVITY * sensitivity,
         (1.0 - ratio) * torque_ratio,
+        (1.0 - ratio) * machine.stiffness_ratio_std,
         settings.verdict.cg_ratio_floor,
         RATIO_PER_RADIUS * radius,
     ]);

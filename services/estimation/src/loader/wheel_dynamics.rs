@@ -133,12 +133,13 @@ impl<T: Scalar> Motion<T> {
 }
 
 impl<T: Scalar> Parameters<T> {
-    /// The parameters of a state vector of 6 (\[.., K, h, lam\]), 8 (\[.., d_f, d_r\]) or 10 (\[.., F_x, d_f, d_r, b\]) entries.
+    /// The parameters of a state vector of 6 (\[.., K, h, lam\]), 8 (\[.., d_f, d_r\]) or 10 (\[.., F_x, d_f, d_r, b\]) entries,
+    /// or one more.
     pub fn of<const N: usize>(x: &[T; N]) -> Self {
         let zero = T::constant(0.0);
         let (force, radii, bias) = match N {
-            10 => (x[6], (x[7], x[8]), x[9]),
-            8 => (zero, (x[6], x[7]), zero),
+            10 | 11 => (x[6], (x[7], x[8]), x[9]),
+            8 | 9 => (zero, (x[6], x[7]), zero),
             _ => (zero, (zero, zero), zero),
         };
         Self {

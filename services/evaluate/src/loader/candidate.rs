@@ -261,5 +261,8 @@ fn sample(row: &Row) -> Sample {
         spade_force_x: row.spade_force_x,
         spade_force_z: row.spade_force_z,
         boom_moving: row.boom_moving.unwrap_or(false),
+        articulation: row.articulation,
+        yaw_rate: row.yaw_rate,
+        brake: row.brake.unwrap_or(false),
     }
 }

@@ -7,11 +7,13 @@
 //! | `height` | when the height is observable, and what the interval says when it is not |
 //! | `tiers` | the targets on a known machine (tier A) and on a real one (tier B) |
 //! | `robustness` | bad input, and runs without divergence |
+//! | `honesty` | how much of what is trusted is wrong on machines that are not the reference plant |
 //! | `observability` | which parameter is weak, along a manoeuvre |
 
 mod candidate;
 mod conditions;
 mod height;
+mod honesty;
 mod observability;
 mod robustness;
 mod score;
@@ -23,13 +25,14 @@ use crate::{Error, Options, Report};
 
 type Evaluate = fn(&Options) -> Result<Report, Error>;
 
-const TABLES: [(&str, Evaluate); 6] = [
+const TABLES: [(&str, Evaluate); 7] = [
     ("conditions", conditions::evaluate),
     ("sign", sign::evaluate),
     ("height", height::evaluate),
     ("tiers", tiers::evaluate),
     ("robustness", robustness::evaluate),
     ("observability", observability::evaluate),
+    ("honesty", honesty::evaluate),
 ];
 
 /// One table, whose JSON is that table's; or all of them, whose JSON has one key per table.

@@ -8,8 +8,9 @@ use std::time::Instant;
 
 use messages::Machine;
 
-use crate::commands::run::{folder, signals};
+use crate::commands::run::folder;
 use crate::failure::Failure;
+use crate::signals::Signals;
 use crate::watch::LIVE;
 
 /// Length of the demonstration [s].
@@ -28,7 +29,7 @@ pub fn demo() -> Result<(), Failure> {
         env!("CARGO_PKG_VERSION")
     );
     // Ctrl-C reaches both runs as well: they end in order, and this process waits for them.
-    let _signal = signals()?;
+    let _signal = Signals::catch()?;
     let folder = folder(None, "demo")?;
     let (sender, lines) = channel::<Line>();
     let mut runs = Vec::new();

@@ -1,6 +1,7 @@
 //! `heft doctor`: what this host lacks for real-time work, and what killed runs left behind.
 
 use std::fs;
+use std::path::PathBuf;
 
 use runtime::{Domain, free_shared_memory, realtime};
 use rustix::process::{Resource, getrlimit};
@@ -45,6 +46,7 @@ pub fn doctor(clean: bool) -> Result<(), Failure> {
     }
     let findings = [
         domains(),
+        recordings(),
         room(),
         priority(),
         memory(),
@@ -107,6 +109,54 @@ fn domains() -> Vec<Finding> {
     }
     if findings.iter().all(|f| f.good) {
         findings.push(good("nothing left behind in shared memory"));
+    }
+    findings
+}
+
+/// Recordings that a crash left in parts or cut off, where runs record by default and where the unit does.
+fn recordings() -> Vec<Finding> {
+    let mut folders = vec![PathBuf::from(".")];
+    for home in ["runs", "/var/lib/heft"] {
+        let inside = fs::read_dir(home).into_iter().flatten().flatten();
+        folders.extend(
+            inside
+                .map(|entry| entry.path())
+                .filter(|path| path.is_dir()),
+        );
+    }
+    let mut findings = Vec::new();
+    for first in folders
+        .iter()
+        .flat_map(|folder| recording::recordings(folder))
+    {
+        let Ok(reader) = recording::Reader::open(&first) else {
+            continue;
+        };
+        let files = reader.files().count();
+        let is_split = reader.metadata().contains_key("split");
+        if reader.is_being_written() || reader.is_complete() && (files < 2 || is_split) {
+            continue;
+        }
+        let what = if reader.is_complete() {
+            "was not joined"
+        } else {
+            "was cut off"
+        };
+        let parts = if files > 1 {
+            format!(" ({files} parts)")
+        } else {
+            String::new()
+        };
+        findings.push(bad(
+            format!(
+                "the recording {} {what}{parts}; every command reads it as it is",
+                first.display()
+            ),
+            format!(
+                "heft recover {} writes one whole copy beside it",
+                first.display()
+            ),
+        ));
     }
     findings
 }

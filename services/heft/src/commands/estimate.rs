@@ -1,37 +1,58 @@
 //! `heft estimate`: the steps of the pipeline in one thread, on recorded data.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use config::Description;
 use messages::channels::Channel;
-use messages::{Envelope, ExcavatorEstimate, LoaderEstimate, Message, Receiver};
-use recording::{EstimateWriter, Metadata, Writer};
+use messages::{Envelope, ExcavatorEstimate, LoaderEstimate, Message, Receiver, excavator_bits};
+use recording::{EstimateWriter, Metadata, Reader, Samples, Writer, output};
 use steps::Error;
-use steps::stages::{Pipeline, Role};
+use steps::stages::{AnyStep, Pipeline, Role};
 use view::estimate::Estimate;
 
 use crate::cli::EstimateArgs;
 use crate::commands::run::{description, tell_idle_keys};
 use crate::failure::Failure;
-use crate::{sources, summary};
+use crate::{parts, sources, summary};
 
 /// `heft estimate`
 pub fn estimate(args: &EstimateArgs) -> Result<(), Failure> {
+    check_outputs(args)?;
     let map = sources::map(args.map.as_deref())?;
     let description = description(args.machine, &args.description)?;
     match &description {
         Description::Excavator(d) => {
-            let rows = recording::load_excavator(&args.file, map.as_ref())?;
-            if let Some((first, _)) = rows.first() {
-                steps::excavator::check_columns(d, method(args), first)?;
+            let samples = recording::open_excavator(&args.file, map.as_ref())?;
+            if let Some((first, _)) = samples.rows()?.next() {
+                steps::excavator::check_columns(d, method(args), &first)?;
             }
-            run::<_, _, ExcavatorEstimate>(args, &description, &rows)
+            run::<_, _, ExcavatorEstimate>(args, &description, samples)
         }
         Description::Loader(_) => {
-            let rows = recording::load_loader(&args.file, map.as_ref())?;
-            run::<_, _, LoaderEstimate>(args, &description, &rows)
+            let samples = recording::open_loader(&args.file, map.as_ref())?;
+            run::<_, _, LoaderEstimate>(args, &description, samples)
         }
     }
+}
+
+/// Refuses to write over what is read, or over something else of value.
+fn check_outputs(args: &EstimateArgs) -> Result<(), Failure> {
+    let config = args.description.config.as_deref();
+    let inputs = [Some(args.file.as_path()), args.map.as_deref(), config];
+    let mut inputs: Vec<&Path> = inputs.into_iter().flatten().collect();
+    output::check(&args.output, &inputs, recording::csv::is_estimates)?;
+    inputs.push(&args.output);
+    if let Some(report) = &args.report {
+        output::check(report, &inputs, super::report::is_page)?;
+        if std::path::absolute(report).ok() == std::path::absolute(&args.output).ok() {
+            return Err(Failure::input(
+                "estimates and report cannot have the same name",
+                report.display(),
+                "choose two names",
+            ));
+        }
+    }
+    Ok(())
 }
 
 /// The method that was asked for, or that of the process whose estimate is told first.
@@ -44,87 +65,109 @@ fn method(args: &EstimateArgs) -> &str {
     asked.unwrap_or(main.first().copied().unwrap_or_default())
 }
 
-/// What one process answered.
-struct Answers {
-    channel: &'static Channel,
-    messages: Vec<Envelope>,
-}
+/// The stages that lead to a method's estimate, each with the channel that it writes.
+type Way = Vec<(&'static Channel, Box<dyn AnyStep>)>;
 
-/// Runs the stages that lead to a method's estimate over samples; the estimates come last.
-fn answers<S: Message, T>(
-    description: &Description,
-    method: &str,
-    rows: &[(S, T)],
-) -> Result<Vec<Answers>, Error> {
+fn way(description: &Description, method: &str) -> Result<Way, Error> {
     let pipeline = Pipeline::of(description.machine());
     let stage = pipeline.with_method(method);
     let stage = stage.ok_or_else(|| pipeline.unknown(method))?;
-    let mut all: Vec<Answers> = Vec::new();
-    let samples: Vec<Envelope> = rows.iter().map(|(s, _)| s.envelope()).collect();
-    for row in pipeline.way_to(stage) {
-        let mut step = row.start(description, method)?;
-        let input = all.last().map_or(&samples, |before| &before.messages);
-        let messages = input.iter().filter_map(|m| step.answer(m)).collect();
-        all.push(Answers {
-            channel: row.output(),
-            messages,
-        });
-    }
-    Ok(all)
+    let rows = pipeline.way_to(stage).into_iter();
+    rows.map(|row| Ok((row.output(), row.start(description, method)?)))
+        .collect()
 }
 
+/// Does the boom point into the ground in nearly every sample in which an excavator swings? No machine can.
+#[derive(Default)]
+struct Boom {
+    down: usize,
+    all: usize,
+}
+
+impl Boom {
+    /// Swinging from this velocity on [rad/s].
+    const SWINGS: f64 = 0.1;
+    /// Down from this angle on [rad].
+    const DOWN: f64 = -0.2;
+    /// Fewest samples that tell.
+    const FEWEST: usize = 50;
+
+    fn add(&mut self, sample: &Envelope) {
+        let Envelope::ExcavatorSensors(s) = sample else {
+            return;
+        };
+        let measured = excavator_bits::BOOM_ANGLE | excavator_bits::SWING_VELOCITY;
+        if s.valid & measured == measured && s.swing_velocity.abs() > Self::SWINGS {
+            self.all += 1;
+            self.down += usize::from(s.boom_angle < Self::DOWN);
+        }
+    }
+
+    /// Says so.
+    fn tell(&self) {
+        if self.all >= Self::FEWEST && 10 * self.down > 9 * self.all {
+            println!(
+                "boom_angle seems to have the other sign: the boom points into the ground while the machine swings\n  what to do: \
+                 turn it with `scale = -1` in a signal map (up is positive)"
+            );
+        }
+    }
+}
+
+/// Takes sample after sample through the stages, so that the length of the data does not matter.
 fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
     args: &EstimateArgs,
     description: &Description,
-    rows: &[(S, T)],
+    mut samples: Samples<S, T>,
 ) -> Result<(), Failure> {
-    let answers = answers(description, method(args), rows)?;
+    samples.on_progress(parts::progress());
+    let mut way = way(description, method(args))?;
     tell_idle_keys(description, &[method(args)]);
-    let estimates = answers.last().map_or(&[][..], |a| &a.messages);
-    let estimates = || estimates.iter().filter_map(E::inside);
     let mut writer = EstimateWriter::<E>::create(&args.output)?;
-    estimates().try_for_each(|e| writer.write(e))?;
-    let written = writer.finish()?;
-    if let Some(report) = &args.report {
-        let metadata = metadata(args, description, method(args));
-        write_report(report, &metadata, |w| {
-            write_rows(w, description, rows)?;
-            answers
-                .iter()
-                .try_for_each(|a| write_all(w, a.channel, a.messages.iter().copied()))
-        })?;
+    let metadata = metadata(args, description, method(args));
+    let report = args.report.as_deref();
+    let mut notes = report.map(|r| Notes::create(r, &metadata)).transpose()?;
+    let (mut rows, mut last, mut trusted) = (0, E::default(), None);
+    let mut boom = Boom::default();
+    for (sample, truth) in samples.rows()? {
+        rows += 1;
+        let mut message = sample.envelope();
+        boom.add(&message);
+        if let Some(notes) = &mut notes {
+            notes.add_sample(description, &message, &truth)?;
+        }
+        for (channel, step) in &mut way {
+            let Some(answer) = step.answer(&message) else {
+                break;
+            };
+            if let Some(notes) = &mut notes {
+                notes.add(channel, &answer)?;
+            }
+            message = answer;
+        }
+        if let Some(estimate) = E::inside(&message) {
+            writer.write(estimate)?;
+            last = *estimate;
+            trusted = Some(last).filter(Estimate::trusted).or(trusted);
+        }
     }
-    let last = estimates().last().copied().unwrap_or_default();
-    tell(args, written, rows.len(), &view::words::verdict(&last));
-    let trusted = estimates().filter(|e| Estimate::trusted(*e)).last();
+    let written = writer.finish()?;
+    if let (Some(notes), Some(report)) = (notes, &args.report) {
+        notes.report(report)?;
+    }
+    tell(args, written, rows, &view::words::verdict(&last));
+    boom.tell();
     let age = trusted.map(|e| last.stamp().time - e.stamp().time);
     if let Some((trusted, age)) = trusted.zip(age).filter(|(_, age)| *age > 0.0) {
         println!(
             "last trusted {age:.1} s before the end: {}",
-            view::words::verdict(trusted)
+            view::words::verdict(&trusted)
         );
     }
     if args.require_trust {
         summary::require_trust(age)?;
     }
-    Ok(())
-}
-
-/// The samples and, where it is known, the truth.
-fn write_rows<S: Message, T: Message>(
-    writer: &mut Writer,
-    description: &Description,
-    rows: &[(S, T)],
-) -> Result<(), recording::Error> {
-    let stages = Pipeline::of(description.machine()).stages.iter();
-    for stage in stages {
-        if let Role::Source { sensors, truth } = stage.role {
-            write_all(writer, sensors, rows.iter().map(|(s, _)| s.envelope()))?;
-            let known = rows.iter().map(|(_, t)| t).filter(|t| is_known(*t));
-            write_all(writer, truth, known.map(Message::envelope))?;
-        }
-    }
-    Ok(())
+    samples.recording().map_or(Ok(()), parts::tell_damage)
 }
 
 /// Whether a truth says anything.
@@ -154,6 +197,7 @@ fn metadata(args: &EstimateArgs, description: &Description, method: &str) -> Met
     let mut metadata = Metadata::new();
     for (key, value) in [
         ("heft.version", env!("CARGO_PKG_VERSION").to_owned()),
+        (crate::build::KEY, crate::build::IDENTITY.to_owned()),
         ("machine", description.machine().name().to_owned()),
         ("input", args.file.display().to_string()),
         ("method", method.to_owned()),
@@ -165,37 +209,66 @@ fn metadata(args: &EstimateArgs, description: &Description, method: &str) -> Met
     metadata
 }
 
-fn write_all(
-    writer: &mut Writer,
-    channel: &Channel,
-    messages: impl IntoIterator<Item = Envelope>,
-) -> Result<(), recording::Error> {
-    struct Write<'a>(&'a mut Writer, &'a Channel);
-
-    impl Receiver for Write<'_> {
-        type Output = Result<(), recording::Error>;
-
-        fn receive<M: Message>(self, message: &M) -> Self::Output {
-            self.0.write(self.1, message)
-        }
-    }
-
-    messages
-        .into_iter()
-        .try_for_each(|m| m.open(Write(writer, channel)))
+/// A report is made from a recording, here from one that exists only for it.
+struct Notes {
+    file: PathBuf,
+    writer: Option<Writer>,
 }
 
-/// A report is made from a recording, here from one that exists only for it.
-fn write_report(
-    report: &Path,
-    metadata: &Metadata,
-    fill: impl FnOnce(&mut Writer) -> Result<(), recording::Error>,
-) -> Result<(), Failure> {
-    let recording = report.with_extension("mcap.tmp");
-    let mut writer = Writer::create(&recording, metadata)?;
-    fill(&mut writer)?;
-    writer.finish()?;
-    let done = super::report::write(&recording, report);
-    let _ = std::fs::remove_file(&recording);
-    done
+impl Notes {
+    fn create(report: &Path, metadata: &Metadata) -> Result<Self, recording::Error> {
+        let mut name = report.as_os_str().to_owned();
+        name.push(format!(".partial-{}", std::process::id()));
+        let file = PathBuf::from(name);
+        let writer = Some(Writer::create(&file, metadata)?);
+        Ok(Self { file, writer })
+    }
+
+    fn add(&mut self, channel: &Channel, message: &Envelope) -> Result<(), recording::Error> {
+        struct Write<'a>(&'a mut Writer, &'a Channel);
+
+        impl Receiver for Write<'_> {
+            type Output = Result<(), recording::Error>;
+
+            fn receive<M: Message>(self, message: &M) -> Self::Output {
+                self.0.write(self.1, message)
+            }
+        }
+
+        let writer = self.writer.as_mut();
+        writer.map_or(Ok(()), |writer| message.open(Write(writer, channel)))
+    }
+
+    /// A sample and, where it is known, the truth.
+    fn add_sample<T: Message>(
+        &mut self,
+        description: &Description,
+        sample: &Envelope,
+        truth: &T,
+    ) -> Result<(), recording::Error> {
+        for stage in Pipeline::of(description.machine()).stages {
+            if let Role::Source {
+                sensors,
+                truth: of_truth,
+            } = stage.role
+            {
+                self.add(sensors, sample)?;
+                if is_known(truth) {
+                    self.add(of_truth, &truth.envelope())?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn report(mut self, page: &Path) -> Result<(), Failure> {
+        self.writer.take().map_or(Ok(()), Writer::finish)?;
+        super::report::write(&Reader::open(&self.file)?, page)
+    }
+}
+
+impl Drop for Notes {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_file(&self.file);
+    }
 }

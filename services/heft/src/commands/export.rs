@@ -2,16 +2,15 @@
 
 use std::path::Path;
 
-use recording::Reader;
-
 use crate::failure::Failure;
+use crate::parts;
 
 /// `heft export`
 pub fn export(file: &Path, folder: &Path) -> Result<(), Failure> {
-    super::recover::mend(file)?;
+    let reader = parts::open(file)?;
     std::fs::create_dir_all(folder).map_err(|e| Failure::file("make the folder", folder, &e))?;
-    for written in recording::csv::export(&Reader::open(file)?, folder)? {
+    for written in recording::csv::export(&reader, folder)? {
         println!("{}", written.display());
     }
-    Ok(())
+    parts::tell_damage(&reader)
 }

@@ -1,57 +1,42 @@
-//! `heft replay`: recomputes every estimate of a recording from what its process read.
-//!
-//! A process answers each sample that reached it, in order, and begins with a new state when it is
-//! restarted. The recording tells both, by the sequence numbers of the answers and by the life of
-//! the stage that made them. So losses and restarts replay too. Only where the recording itself has
-//! a gap (its logger was killed) the state behind the gap is unknown: what a stage answered after
-//! it, until it began anew, cannot be checked, and is counted as such.
+//! `heft replay`: recomputes every estimate of a recording from what its process read, see
+//! [`crate::compare`].
 
-use std::collections::HashMap;
 use std::path::Path;
 
 use config::Description;
-use messages::{Envelope, HEAD, Machine};
-use recording::{Metadata, Reader};
-use steps::stages::{AnyStep, Pipeline, Row, Stage};
+use messages::{Envelope, HEAD, Hop, Machine};
+use recording::Metadata;
+use steps::stages::{AnyStep, Pipeline, Stage};
 
+use crate::build;
 use crate::cli::ReplayArgs;
+use crate::compare::{Compared, Place, Replay, compare};
 use crate::failure::Failure;
-use crate::parts::envelopes;
+use crate::parts::{self, envelopes};
 use crate::plan::method_key;
-
-/// Comparison of one channel.
-struct Compared {
-    channel: &'static str,
-    answers: usize,
-    identical: usize,
-    /// Sequence number and field of the first difference.
-    first_difference: Option<(u64, &'static str)>,
-    /// Answers behind a gap of the recording.
-    unknown: usize,
-}
 
 /// `heft replay`
 pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
-    super::recover::mend(&args.file)?;
-    let reader = Reader::open(&args.file)?;
+    let reader = parts::open(&args.file)?;
     let metadata = reader.metadata();
-    let version = metadata.get("heft.version").map_or("?", String::as_str);
-    if version != env!("CARGO_PKG_VERSION") {
-        println!(
-            "recorded by heft {version}, replayed by heft {}",
-            env!("CARGO_PKG_VERSION")
-        );
+    let other_build = build::difference(metadata);
+    if let Some(builds) = &other_build {
+        println!("{builds}");
     }
     let description = description(metadata, &args.file)?;
-    let mut results = Vec::new();
+    let (mut answers, mut identical, mut unknown) = (0, 0, 0);
     for (stage, row) in Pipeline::of(description.machine()).rows() {
         let method = method(metadata, stage, &args.file)?;
-        let new = || Ok(row.start(&description, method)?);
-        results.push(compare(&reader, row, new)?);
-    }
-    let (mut answers, mut identical, mut unknown) = (0, 0, 0);
-    for result in results.iter().filter(|r| r.answers > 0) {
-        println!("{}", line(result));
+        let replay = OfRow {
+            fresh: row.start(&description, method)?,
+            hop: row.hop(),
+        };
+        let inputs = envelopes(&reader, row.input())?;
+        let recorded = envelopes(&reader, row.output())?;
+        let result = compare(&replay, inputs, recorded);
+        if result.answers > 0 {
+            println!("{}", line(row.output().name, &result));
+        }
         answers += result.answers;
         identical += result.identical;
         unknown += result.unknown;
@@ -69,17 +54,21 @@ pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
     }
     let different = answers - identical - unknown;
     if args.verify && different > 0 {
-        return Err(Failure::answer_is_no(format!(
-            "{different} estimates differ"
-        )));
+        return Err(Failure::answer_is_no(match other_build {
+            Some(builds) => format!(
+                "{different} estimates differ: {builds}\n  where: {}\n  what to do: replay it with the build that made it; another one may compute otherwise",
+                args.file.display()
+            ),
+            None => format!("{different} estimates differ, though the same build made them"),
+        }));
     }
-    Ok(())
+    parts::tell_damage(&reader)
 }
 
-fn line(result: &Compared) -> String {
+fn line(channel: &str, result: &Compared) -> String {
     let mut text = format!(
         "{:<24} {} of {} bit-identical",
-        result.channel, result.identical, result.answers
+        channel, result.identical, result.answers
     );
     if let Some((sequence, field)) = result.first_difference {
         text += &format!("; the first difference is in `{field}` of sample {sequence}");
@@ -132,71 +121,46 @@ fn method<'a>(metadata: &'a Metadata, stage: &Stage, file: &Path) -> Result<&'a 
     told.map(String::as_str).ok_or_else(|| missing(&key, file))
 }
 
-fn compare(
-    reader: &Reader,
-    row: &dyn Row,
-    new: impl Fn() -> Result<Box<dyn AnyStep>, Failure>,
-) -> Result<Compared, Failure> {
-    let samples = envelopes(reader, row.input())?;
-    let recorded = envelopes(reader, row.output())?;
-    let by_number: HashMap<u64, &Envelope> =
-        samples.iter().map(|m| (m.stamp().sequence, m)).collect();
-    let mut result = Compared {
-        channel: row.output().name,
-        answers: recorded.len(),
-        identical: 0,
-        first_difference: None,
-        unknown: 0,
-    };
-    let life = |answered: &Envelope| answered.hops().restarts(row.hop());
-    let mut step = new()?;
-    let mut current = 0;
-    let mut known = true;
-    let mut previous: Option<&Envelope> = None;
-    for answered in &recorded {
-        if life(answered) != current {
-            current = life(answered);
-            step = new()?;
-            // Its first answers may be in the gap too.
-            known = !gap(previous, answered, &by_number);
-        } else if gap(previous, answered, &by_number) {
-            known = false;
-        }
-        previous = Some(answered);
-        let sample = by_number.get(&answered.stamp().sequence).filter(|_| known);
-        let answer = sample.and_then(|sample| step.answer(sample));
-        let Some(answer) = answer else {
-            result.unknown += 1;
-            continue;
-        };
-        match difference(&answer, answered) {
-            None => result.identical += 1,
-            Some(field) => {
-                result
-                    .first_difference
-                    .get_or_insert((answered.stamp().sequence, field));
-            }
-        }
+/// A stage under comparison.
+struct OfRow {
+    fresh: Box<dyn AnyStep>,
+    hop: Hop,
+}
+
+impl Replay for OfRow {
+    type Input = Envelope;
+    type Answer = Envelope;
+    type Step = Box<dyn AnyStep>;
+
+    fn new(&self) -> Self::Step {
+        self.fresh.fork()
     }
-    Ok(result)
-}
 
-/// Whether samples are missing from the recording between two answers, which the stage may have
-/// read: neither they nor their answers are there, and it was not the source that was restarted.
-fn gap(previous: Option<&Envelope>, next: &Envelope, inputs: &HashMap<u64, &Envelope>) -> bool {
-    let first = previous.map_or(0, |p| p.stamp().sequence + 1);
-    let same_source = previous.is_none_or(|p| p.stamp().epoch == next.stamp().epoch);
-    same_source && (first..next.stamp().sequence).any(|number| !inputs.contains_key(&number))
-}
+    fn fork(&self, step: &Self::Step) -> Self::Step {
+        step.fork()
+    }
 
-/// Name of the first field of the message itself whose bits differ.
-fn difference(a: &Envelope, b: &Envelope) -> Option<&'static str> {
-    let same = |i: usize| match (a.get(i), b.get(i)) {
-        (Some(a), Some(b)) => a.same_bits(b),
-        (a, b) => a.is_none() && b.is_none(),
-    };
-    let fields = a.fields();
-    (HEAD..fields.len())
-        .find(|&i| !same(i))
-        .map(|i| fields[i].name)
+    fn answer(&self, step: &mut Self::Step, input: &Envelope) -> Option<Envelope> {
+        step.answer(input)
+    }
+
+    fn place(&self, input: &Envelope) -> Place {
+        (input.stamp().epoch, input.stamp().sequence)
+    }
+
+    fn place_and_life(&self, answer: &Envelope) -> (Place, u32) {
+        (self.place(answer), answer.hops().restarts(self.hop))
+    }
+
+    /// Of the fields of the message itself.
+    fn difference(&self, a: &Envelope, b: &Envelope) -> Option<&'static str> {
+        let same = |i: usize| match (a.get(i), b.get(i)) {
+            (Some(a), Some(b)) => a.same_bits(b),
+            (a, b) => a.is_none() && b.is_none(),
+        };
+        let fields = a.fields();
+        (HEAD..fields.len())
+            .find(|&i| !same(i))
+            .map(|i| fields[i].name)
+    }
 }

@@ -1,8 +1,6 @@
 //! `heft run`: a pipeline of processes, from its first sample to its summary.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use config::Description;
 use messages::Machine;
@@ -11,7 +9,9 @@ use steps::stages::Pipeline;
 
 use crate::cli::{self, DescriptionArgs, RunArgs};
 use crate::failure::Failure;
+use crate::fault::Fault;
 use crate::plan::Plan;
+use crate::signals::Signals;
 use crate::sources;
 use crate::summary;
 use crate::supervisor::{End, Supervisor};
@@ -42,15 +42,6 @@ pub fn description(machine: Machine, args: &DescriptionArgs) -> Result<Descripti
     }
     description.set_all(&args.set)?;
     Ok(description)
-}
-
-/// Sets a flag on SIGINT and SIGTERM.
-pub fn signals() -> Result<Arc<AtomicBool>, Failure> {
-    let flag = Arc::new(AtomicBool::new(false));
-    for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
-        signal_hook::flag::register(signal, Arc::clone(&flag)).map_err(Failure::internal)?;
-    }
-    Ok(flag)
 }
 
 /// A folder for a run that has none of its own: `runs/MACHINE-TIME`.
@@ -105,6 +96,7 @@ pub fn plan(args: &RunArgs) -> Result<(Plan, PathBuf), Failure> {
         realtime: args.rt,
         cores: cores(args),
         recording: PathBuf::new(),
+        limits: args.limits.clone(),
         probe: args.probe.as_deref().map(absolute).transpose()?,
         probe_listens: args.probe_listens,
     };
@@ -112,7 +104,7 @@ pub fn plan(args: &RunArgs) -> Result<(Plan, PathBuf), Failure> {
     let methods: Vec<&str> = plan.methods.values().map(String::as_str).collect();
     tell_idle_keys(&description, &methods);
     let folder = absolute(&folder(args.out.as_deref(), machine.name())?)?;
-    plan.recording = folder.join("run.mcap");
+    plan.recording = recording::reserve(&folder)?;
     Ok((plan, folder))
 }
 
@@ -170,7 +162,7 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     for name in Domain::remove_leftovers() {
         eprintln!("removed what the killed run `{name}` had left in shared memory");
     }
-    let (plan, folder) = plan(args)?;
+    let (plan, _) = plan(args)?;
     let machine = plan.machine;
     let page = args
         .view
@@ -191,11 +183,11 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
         &domain(args.domain.as_deref(), "")?,
         plan,
         watch,
-        signals()?,
+        Signals::catch()?,
     )?;
     let (end, watch) = supervisor.run()?;
     let report = (!args.no_report)
-        .then(|| summary::report(&recording, &folder))
+        .then(|| summary::report(&recording))
         .flatten();
     print!(
         "{}",
@@ -208,6 +200,18 @@ fn verdict(end: &End, watch: &Watch, require_trust: bool) -> Result<(), Failure>
     if let End::Failed(reason) = end {
         return Err(Failure::answer_is_no(format!(
             "the run ended early: {reason}\n  where: the supervisor\n  what to do: see the messages above; the recording holds what was seen"
+        )));
+    }
+    let faults = watch.faults();
+    let lost: Vec<String> = faults
+        .iter()
+        .filter(|fault| fault.costs_the_status())
+        .map(Fault::words)
+        .collect();
+    if !lost.is_empty() {
+        return Err(Failure::answer_is_no(format!(
+            "the run lost something: {}\n  where: this run\n  what to do: see `docs/reliability.md`; estimates and recording are good but for that",
+            lost.join("; ")
         )));
     }
     if require_trust {

@@ -1,15 +1,14 @@
 use std::fmt::Write as _;
-use std::fs::File;
-use std::io::{BufWriter, ErrorKind, Write};
 use std::marker::PhantomData;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use messages::{
-    EXCAVATOR_METHODS, EXCAVATOR_REASONS, ExcavatorEstimate, LOADER_METHODS, LoaderEstimate,
-    Message, Value, excavator_bits as e, loader_bits as l,
+    EXCAVATOR_METHODS, EXCAVATOR_REASONS, ExcavatorEstimate, LOADER_METHODS, LOADER_REASONS,
+    LoaderEstimate, Message, Value, excavator_bits as e, loader_bits as l,
 };
 
 use crate::Error;
+use crate::output::{Output, first_line};
 
 /// A column of the output.
 #[derive(Debug, Clone, Copy)]
@@ -116,6 +115,10 @@ impl Estimate for LoaderEstimate {
     const EXTRA: (&'static [Column], u32) = (&[], 0);
     const REFUSED: u32 = l::REFUSED;
     const METHODS: &'static [&'static str] = LOADER_METHODS;
+    const REASONS: &'static [(&'static str, &'static str)] = LOADER_REASONS;
+    fn reason(&self) -> u32 {
+        self.reason
+    }
     fn bits(&self) -> (u32, u32, u32) {
         (self.flags, self.estimated, self.method)
     }
@@ -124,10 +127,7 @@ impl Estimate for LoaderEstimate {
 /// Writes estimates as CSV, one row per accepted sample. The file appears under its name only when
 /// it is complete.
 pub struct EstimateWriter<E: Estimate> {
-    path: PathBuf,
-    /// Where it is written until then; none where the name is that of a device or a pipe.
-    beside: Option<PathBuf>,
-    out: BufWriter<File>,
+    out: Output,
     /// Columns with the field of each; none before the first row, which decides whether there are
     /// those of friction and offset.
     columns: Vec<(Column, Option<usize>)>,
@@ -178,21 +178,8 @@ impl<E: Estimate> EstimateWriter<E> {
     /// # Errors
     /// The file cannot be created.
     pub fn create(path: &Path) -> Result<Self, Error> {
-        let fail = |e| Error::system("write the estimates", path, &e);
-        if path.is_dir() {
-            return Err(fail(ErrorKind::IsADirectory.into()));
-        }
-        let device = path.exists() && !path.is_file();
-        let beside = (!device).then(|| {
-            let mut name = path.as_os_str().to_owned();
-            name.push(".partial");
-            PathBuf::from(name)
-        });
-        let file = File::create(beside.as_deref().unwrap_or(path)).map_err(fail)?;
         Ok(Self {
-            path: path.to_owned(),
-            beside,
-            out: BufWriter::new(file),
+            out: Output::create(path, &[], is_estimates)?,
             columns: Vec::new(),
             row: String::new(),
             written: 0,
@@ -262,32 +249,22 @@ impl<E: Estimate> EstimateWriter<E> {
         if self.columns.is_empty() {
             self.header(0)?;
         }
-        let flushed = self.out.flush().and_then(|()| match &self.beside {
-            Some(_) => self.out.get_ref().sync_all(),
-            None => Ok(()),
-        });
-        flushed.map_err(|e| Error::system("write the estimates", &self.path, &e))?;
-        if let Some(beside) = self.beside.take() {
-            std::fs::rename(&beside, &self.path)
-                .map_err(|e| Error::system("write the estimates", &self.path, &e))?;
-        }
+        self.out.finish()?;
         Ok(self.written)
     }
 
     fn put_row(&mut self) -> Result<(), Error> {
-        let written = self.out.write_all(self.row.as_bytes());
+        let written = self.out.put(self.row.as_bytes());
         self.row.clear();
-        written.map_err(|e| Error::system("write the estimates", &self.path, &e))
+        written
     }
 }
 
-impl<E: Estimate> Drop for EstimateWriter<E> {
-    /// A file that was not finished is removed.
-    fn drop(&mut self) {
-        if let Some(beside) = &self.beside {
-            let _ = std::fs::remove_file(beside);
-        }
-    }
+/// Whether a file that begins like this holds estimates that heft has written.
+#[must_use]
+pub fn is_estimates(head: &[u8]) -> bool {
+    let named = |line: &str| line.split(',').any(|column| column == "method");
+    first_line(head).is_some_and(|line| line.starts_with("t,") && named(line))
 }
 
 fn index<E: Estimate>(column: Column) -> Option<usize> {

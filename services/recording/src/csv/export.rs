@@ -1,11 +1,10 @@
 use std::fmt::Write as _;
-use std::fs::File;
-use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use messages::Value;
 
 use super::estimate::put_number;
+use crate::output::{Output, first_line};
 use crate::signal::sensor_bit;
 use crate::{Error, Reader, RecordedField};
 
@@ -26,11 +25,18 @@ pub fn export(reader: &Reader, folder: impl AsRef<Path>) -> Result<Vec<PathBuf>,
 
 fn one(reader: &Reader, channel: &str, folder: &Path) -> Result<PathBuf, Error> {
     let path = folder.join(format!("{}.csv", channel.replace('/', "_")));
-    let fail = |e: std::io::Error| Error::system("write the channel", &path, &e);
-    let mut out = BufWriter::new(File::create(&path).map_err(fail)?);
+    let inputs: Vec<&Path> = reader.files().collect();
     let fields = reader.fields(channel);
     let names: Vec<&str> = fields.iter().map(|f| f.name.as_str()).collect();
-    writeln!(out, "{}", names.join(",")).map_err(fail)?;
+    let header = names.join(",");
+    // An earlier export, by this version or another one.
+    let is_ours = |head: &[u8]| {
+        let line = first_line(head).unwrap_or_default();
+        line == header || line.starts_with("machine,epoch,sequence,")
+    };
+    let mut out = Output::create(&path, &inputs, is_ours)?;
+    out.put(header.as_bytes())?;
+    out.put(b"\n")?;
     let bits = bits(&fields);
     let mut row = String::new();
     let mut outcome = Ok(());
@@ -45,10 +51,11 @@ fn one(reader: &Reader, channel: &str, folder: &Path) -> Result<PathBuf, Error> 
         }
         row.push('\n');
         if outcome.is_ok() {
-            outcome = out.write_all(row.as_bytes());
+            outcome = out.put(row.as_bytes());
         }
     })?;
-    outcome.and_then(|()| out.flush()).map_err(fail)?;
+    outcome?;
+    out.finish()?;
     Ok(path)
 }
 

@@ -26,11 +26,14 @@ pub fn message(e: &Estimate) -> LoaderEstimate {
         front_radius_scale: e.front_radius_scale.unwrap_or_default(),
         rear_radius_scale: e.rear_radius_scale.unwrap_or_default(),
         nis: e.nis,
+        speed_delay: e.speed_delay.unwrap_or_default().value,
+        speed_delay_std: e.speed_delay.unwrap_or_default().std,
         flags: flags(e),
         estimated: estimated(e),
         method: e.method as u32,
         resets: e.resets,
         refused: e.refused,
+        reason: e.reason as u32,
         ..LoaderEstimate::default()
     }
 }
@@ -41,6 +44,8 @@ fn flags(e: &Estimate) -> u32 {
         (bits::EXCITED_HEIGHT, e.excited_height),
         (bits::CONSISTENT, e.consistent),
         (bits::FRESH, e.fresh),
+        (bits::IDENTIFIABLE_RATIO, e.identifiable_ratio),
+        (bits::IDENTIFIABLE_HEIGHT, e.identifiable_height),
         (bits::CONVERGED_RATIO, e.converged_ratio),
         (bits::CONVERGED_HEIGHT, e.converged_height),
         (bits::FROZEN, e.frozen),
@@ -64,5 +69,18 @@ fn estimated(e: &Estimate) -> u32 {
             bits::RADIUS_SCALES,
             e.started && e.front_radius_scale.is_some(),
         ),
+        (bits::SPEED_DELAY, e.started && e.speed_delay.is_some()),
     ])
+}
+
+#[cfg(test)]
+mod tests {
+    use estimation::loader::Reason;
+
+    #[test]
+    fn every_reason_has_its_words() {
+        let names = messages::LOADER_REASONS.iter().map(|(name, _)| *name);
+        assert!(names.eq(Reason::NAMES));
+        assert_eq!(Reason::AtLimit.name(), "limit");
+    }
 }

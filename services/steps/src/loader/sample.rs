@@ -20,5 +20,8 @@ pub fn sample(m: &LoaderSensors) -> Sample {
         spade_force_x: valid(bits::SPADE_FORCE_X, m.spade_force_x),
         spade_force_z: valid(bits::SPADE_FORCE_Z, m.spade_force_z),
         boom_moving: m.valid & bits::BOOM_MOVING != 0,
+        articulation: valid(bits::ARTICULATION, m.articulation),
+        yaw_rate: valid(bits::YAW_RATE, m.yaw_rate),
+        brake: m.valid & bits::BRAKE != 0,
     }
 }

@@ -18,13 +18,15 @@ use axum::routing::get;
 use futures_util::stream::{self, Stream, StreamExt};
 use tokio::net::{TcpListener, TcpSocket};
 use tokio::sync::broadcast::{self, error::RecvError};
-use tokio::sync::oneshot;
+use tokio::sync::{Notify, oneshot};
 
 use super::connections::Door;
 use super::{Feed, frame, page};
 
 /// Viewers at a time; the next one is told to wait.
 pub const MAX_VIEWERS: usize = 16;
+/// Between two frames while nobody looks: the past, for whoever comes.
+const IDLE_PERIOD: Duration = Duration::from_secs(1);
 /// Between two frames: at most 30 a second.
 const PERIOD: Duration = Duration::from_millis(34);
 /// Words change slower than numbers: every eighth frame, 4 times a second.
@@ -79,6 +81,11 @@ impl Drop for Server {
 /// What the tasks share.
 #[derive(Debug)]
 struct Shared {
+    feed: Feed,
+    /// Time of the machine that was shown last.
+    shown: Mutex<f64>,
+    /// Rung when somebody comes to look.
+    came: Notify,
     frames: broadcast::Sender<Frame>,
     history: Mutex<VecDeque<Arc<str>>>,
     viewers: AtomicUsize,
@@ -113,6 +120,9 @@ pub(super) fn serve_every(period: Duration, address: SocketAddr, feed: Feed) -> 
     };
     let address = listener.local_addr()?;
     let shared = Arc::new(Shared {
+        feed,
+        shown: Mutex::new(f64::NEG_INFINITY),
+        came: Notify::new(),
         frames: broadcast::channel(RING).0,
         history: Mutex::new(VecDeque::with_capacity(HISTORY)),
         viewers: AtomicUsize::new(0),
@@ -125,7 +135,7 @@ pub(super) fn serve_every(period: Duration, address: SocketAddr, feed: Feed) -> 
         .name("live page".into())
         .spawn(move || {
             runtime.block_on(async move {
-                tokio::spawn(take_frames(period, feed, Arc::clone(&for_thread)));
+                tokio::spawn(take_frames(period, Arc::clone(&for_thread)));
                 run(listener, for_thread, stopped).await;
             });
             // Dropping the runtime here closes every connection, the stalled ones too.
@@ -160,42 +170,47 @@ async fn run(listener: TcpListener, shared: Arc<Shared>, stopped: oneshot::Recei
     futures_util::future::select(serving, stopped).await;
 }
 
-/// Takes a frame every `period` where there is news, for whoever watches and whoever comes.
-async fn take_frames(period: Duration, feed: Feed, shared: Arc<Shared>) {
+/// Takes a frame every `period` while somebody looks, and now and then while nobody does.
+async fn take_frames(period: Duration, shared: Arc<Shared>) {
     let mut clock = tokio::time::interval(period);
     clock.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
-    let mut shown = f64::NEG_INFINITY;
     for turn in 0u64.. {
         clock.tick().await;
         let viewers = shared.viewers.load(Ordering::Relaxed);
-        let skipped = shared.skipped.load(Ordering::Relaxed);
-        let (series, status) = {
-            let monitor = feed.lock();
-            let news = monitor.time != shown && !monitor.channels.is_empty();
-            shown = if news { monitor.time } else { shown };
-            let words = turn.is_multiple_of(STATUS_EVERY) && viewers > 0;
-            let status = words.then(|| frame::status(&monitor, Instant::now(), viewers, skipped));
-            (news.then(|| frame::series(&monitor)), status)
-        };
-        if let Some(series) = series {
-            let data: Arc<str> = series.into();
-            shared.remember(Arc::clone(&data));
-            // An error means that nobody watches.
-            let _ = shared.frames.send(Frame {
-                kind: "series",
-                data,
-            });
+        if viewers == 0 {
+            let _ = tokio::time::timeout(IDLE_PERIOD, shared.came.notified()).await;
         }
-        if let Some(status) = status {
-            let _ = shared.frames.send(Frame {
-                kind: "status",
-                data: status.into(),
-            });
+        shared.take_series();
+        if viewers > 0 && turn.is_multiple_of(STATUS_EVERY) {
+            let skipped = shared.skipped.load(Ordering::Relaxed);
+            let status = frame::status(&shared.feed.lock(), Instant::now(), viewers, skipped);
+            shared.send("status", status.into());
         }
     }
 }
 
 impl Shared {
+    /// Takes a frame of the numbers where there is news.
+    fn take_series(&self) {
+        let series = {
+            let mut shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
+            let monitor = self.feed.lock();
+            if monitor.time == *shown || monitor.channels.is_empty() {
+                return;
+            }
+            *shown = monitor.time;
+            frame::series(&monitor)
+        };
+        let data: Arc<str> = series.into();
+        self.remember(Arc::clone(&data));
+        self.send("series", data);
+    }
+
+    fn send(&self, kind: &'static str, data: Arc<str>) {
+        // An error means that nobody watches.
+        let _ = self.frames.send(Frame { kind, data });
+    }
+
     fn remember(&self, data: Arc<str>) {
         let mut history = self.history.lock().unwrap_or_else(PoisonError::into_inner);
         if history.len() == HISTORY {
@@ -265,6 +280,8 @@ impl Viewer {
             .viewers
             .fetch_update(Ordering::Relaxed, Ordering::Relaxed, seats)
             .ok()?;
+        shared.take_series();
+        shared.came.notify_one();
         let frames = shared.frames.subscribe();
         Some(Self { shared, frames })
     }

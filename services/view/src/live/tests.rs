@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use messages::{Health, LoaderEstimate, LoaderTruth, Stamp, channels, loader_bits as bits};
 
+use super::connections::{MAX_CONNECTIONS, REQUEST_LIMIT};
 use super::server::serve_every;
 use super::{Feed, MAX_VIEWERS, Server, serve};
 
@@ -134,6 +135,32 @@ fn another_name_for_this_host_and_one_viewer_too_many_are_refused() {
     }
     let full = read_until(&mut request(&server, "/events", "localhost"), &["\r\n\r\n"]);
     assert!(full.starts_with("HTTP/1.1 503"), "{full}");
+}
+
+/// More half requests than there are places, and one whole request behind them.
+#[test]
+fn a_request_that_is_never_finished_loses_its_place() {
+    let server = serve(any_port(), Feed::default()).expect("served");
+    let mut half: Vec<TcpStream> = (0..MAX_CONNECTIONS + 10)
+        .map(|_| request_begun(&server))
+        .collect();
+    let began = Instant::now();
+    let mut whole = request(&server, "/", "localhost");
+    whole
+        .set_read_timeout(Some(2 * REQUEST_LIMIT))
+        .expect("a timeout can be set");
+    read_until(&mut whole, &["</html>"]);
+    assert!(began.elapsed() < REQUEST_LIMIT + Duration::from_secs(3));
+    let mut rest = Vec::new();
+    // Closed, or reset: nothing more comes in any case.
+    let _ = half[0].read_to_end(&mut rest);
+    assert!(!rest.starts_with(b"HTTP/1.1 200"));
+}
+
+fn request_begun(server: &Server) -> TcpStream {
+    let mut stream = TcpStream::connect(server.address()).expect("the server listens");
+    stream.write_all(b"GET / HTTP/1.1\r\nHo").expect("sent");
+    stream
 }
 
 /// Ten stalled viewers and 1 000 frames a second, 30 times the real rate: pushes stay short, the

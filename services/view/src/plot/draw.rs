@@ -138,6 +138,9 @@ fn axes(out: &mut String, plot: &Plot, f: &Frame, x: &Axis, y: &Axis, ticks: &[(
     let (right, bottom) = (f.left + f.width, f.top + f.height);
     for (value, label) in ticks {
         let at = f.top + y.place(*value);
+        if !at.is_finite() {
+            continue;
+        }
         let (text_x, text_y) = (f.left - 6.0, at + 4.0);
         let _ = write!(
             out,
@@ -155,6 +158,9 @@ fn axes(out: &mut String, plot: &Plot, f: &Frame, x: &Axis, y: &Axis, ticks: &[(
     };
     for (value, label) in &x_ticks {
         let at = f.left + x.place(*value);
+        if !at.is_finite() {
+            continue;
+        }
         let (mark, text_y) = (bottom + 4.0, bottom + 17.0);
         let _ = write!(
             out,

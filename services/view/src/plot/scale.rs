@@ -39,9 +39,22 @@ impl Extent {
     pub(super) fn add(&mut self, value: f64) {
         let usable = value.is_finite() && (self.scale == Scale::Linear || value > 0.0);
         if usable {
+            // So wide that no difference or ratio of two of them is infinite.
+            let value = match self.scale {
+                Scale::Linear => value.clamp(-1e150, 1e150),
+                Scale::Logarithmic => value.clamp(1e-150, 1e150),
+            };
             self.low = self.low.min(value);
             self.high = self.high.max(value);
         }
+    }
+
+    /// A range that was asked for, widened where it is none.
+    pub(super) fn of(scale: Scale, (low, high): (f64, f64)) -> (f64, f64) {
+        let mut extent = Self::new(scale);
+        extent.add(low);
+        extent.add(high);
+        extent.plain()
     }
 
     /// The range, 0 to 1 (or 1 to 10) where nothing was added, widened where it is a single value.
@@ -120,6 +133,11 @@ impl Axis {
 /// Ticks at multiples of 1, 2 or 5 times a power of ten.
 fn linear_ticks(low: f64, high: f64, count: usize) -> Vec<(f64, String)> {
     let raw = (high - low) / count.max(1) as f64;
+    // Multiples of the step must be countable.
+    if !raw.is_normal() || raw <= 0.0 || low.abs().max(high.abs()) / raw > 1e12 {
+        let ends = [low, high].into_iter().filter(|v| v.is_finite());
+        return ends.map(|v| (v, number::significant(v, 4))).collect();
+    }
     let power = 10f64.powf(raw.log10().floor());
     let step = [1.0, 2.0, 5.0, 10.0]
         .into_iter()
@@ -140,7 +158,9 @@ fn linear_ticks(low: f64, high: f64, count: usize) -> Vec<(f64, String)> {
 /// Ticks at powers of ten, and at 2 and 5 times them where there are few decades.
 fn decade_ticks(low: f64, high: f64, count: usize) -> Vec<(f64, String)> {
     let (first, last) = (low.log10().floor() as i32, high.log10().ceil() as i32);
-    let decades = usize::try_from(last - first).unwrap_or(1).max(1);
+    let decades = usize::try_from(last.saturating_sub(first))
+        .unwrap_or(1)
+        .max(1);
     let steps: &[f64] = if decades <= 2 || decades * 3 <= count {
         &[1.0, 2.0, 5.0]
     } else {
@@ -184,6 +204,39 @@ mod tests {
             labels(decade_ticks(1e-4, 1.0, 6)),
             ["0.0001", "0.001", "0.01", "0.1", "1"]
         );
+    }
+
+    #[test]
+    fn no_range_makes_a_tick_that_is_no_number() {
+        let ends = [
+            0.0,
+            -0.0,
+            1.0,
+            -1.0,
+            f64::MIN_POSITIVE,
+            5e-324,
+            f64::MAX,
+            f64::MIN,
+            1e16,
+            1e16 + 2.0,
+            f64::NAN,
+            f64::INFINITY,
+        ];
+        for scale in [Scale::Linear, Scale::Logarithmic] {
+            for (low, high) in ends.iter().flat_map(|a| ends.iter().map(move |b| (*a, *b))) {
+                let range = Extent::of(scale, (low, high));
+                assert!(range.0 < range.1, "{scale:?} {low} {high}: {range:?}");
+                for range in [range, (low, high)] {
+                    let axis = Axis::new(scale, range, 0.0, 100.0);
+                    for (value, label) in axis.ticks(7) {
+                        assert!(
+                            value.is_finite() && label.len() < 60,
+                            "{low} {high} {label}"
+                        );
+                    }
+                }
+            }
+        }
     }
 
     #[test]

@@ -26,12 +26,13 @@ pub(super) fn title(run: &Run) -> String {
 pub(super) fn write(body: &mut String, run: &Run) {
     let _ = write!(body, "<header><h1>{}</h1>", text(&title(run)));
     let facts = [
-        ("started", "on "),
         ("scenario", "scenario "),
         ("input", "input "),
         ("payload_kg", "payload [kg] "),
         ("seed", "seed "),
         ("heft.version", "heft "),
+        ("wall_clock.start", "begun "),
+        ("wall_clock.jumps", "wall clock jumped by "),
         ("host", "host "),
     ];
     let known = facts.iter().filter_map(|(key, words)| {
@@ -45,6 +46,23 @@ pub(super) fn write(body: &mut String, run: &Run) {
     }
     if run.excavator.estimators.is_empty() && run.loader.estimators.is_empty() {
         body.push_str("<p>This run holds no estimate of a machine.</p>");
+    }
+    for damage in &run.damage {
+        let _ = write!(
+            body,
+            "<p class=\"other\"><b>The recording is damaged</b>: {}; the rest was read.</p>",
+            text(damage)
+        );
+    }
+    if let Some(thinned) = run.thinned.iter().max_by_key(|t| t.stretch) {
+        let _ = write!(
+            body,
+            "<p class=\"other\"><b>A long run</b>: plots, errors and latencies are made from a part of its {} \
+             samples, of each {} the first and those with the highest and the lowest estimate. Losses are \
+             counted over all. Innovations are left out.</p>",
+            grouped(thinned.received as f64, 0),
+            grouped(thinned.stretch as f64, 0),
+        );
     }
     machine(body, &run.excavator);
     machine(body, &run.loader);

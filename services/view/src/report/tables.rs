@@ -183,12 +183,23 @@ pub(super) fn hop_rows(rows: &mut String, channel: &str, hops: &[Hop]) {
 }
 
 /// Latencies by hop, and what was lost.
-pub(super) fn latency<E: Estimate>(body: &mut String, hop_rows: &str, part: &MachineRun<E>) {
+pub(super) fn latency<E: Estimate>(
+    body: &mut String,
+    run: &Run,
+    hop_rows: &str,
+    part: &MachineRun<E>,
+) {
     let head = ["channel", "hop", "p50", "p99", "p99.9", "max"];
     let mut losses = String::new();
     for estimator in &part.estimators {
-        let lost = run::lost(&estimator.estimates);
-        let received = estimator.estimates.len() as f64;
+        let thinned = run.thinned.iter().find(|t| t.channel == estimator.channel);
+        let (lost, received) = match thinned {
+            Some(all) => (all.lost, all.received as f64),
+            None => (
+                run::lost(&estimator.estimates),
+                estimator.estimates.len() as f64,
+            ),
+        };
         let cells = [
             text(&estimator.channel),
             grouped(received, 0),
@@ -266,6 +277,7 @@ pub(crate) fn state_name(state: u32) -> &'static str {
         () if is(State::Running) => "running",
         () if is(State::Waiting) => "waiting",
         () if is(State::Ended) => "ended",
+        () if is(State::Hanging) => "hanging",
         () => "unknown",
     }
 }

@@ -1,7 +1,7 @@
 //! The wheel loader's verdict in words.
 
 use estimation::HALF_WIDTH_95;
-use messages::{LoaderEstimate, loader_bits as bits};
+use messages::{LOADER_REASONS, LoaderEstimate, loader_bits as bits};
 
 use super::Judgement;
 use crate::number::{self, significant};
@@ -60,6 +60,7 @@ struct Part {
     trusted: u32,
     excited: u32,
     converged: u32,
+    identifiable: u32,
     idle: &'static str,
     moving: &'static str,
 }
@@ -69,6 +70,7 @@ impl Part {
         trusted: bits::TRUSTED_RATIO,
         excited: bits::EXCITED_RATIO,
         converged: bits::CONVERGED_RATIO,
+        identifiable: bits::IDENTIFIABLE_RATIO,
         idle: "the axle torques hardly change, which tells nothing about the position",
         moving: "the axle torques change",
     };
@@ -76,6 +78,7 @@ impl Part {
         trusted: bits::TRUSTED_HEIGHT,
         excited: bits::EXCITED_HEIGHT,
         converged: bits::CONVERGED_HEIGHT,
+        identifiable: bits::IDENTIFIABLE_HEIGHT,
         idle: "the machine hardly accelerates or brakes, and only that tells the height",
         moving: "the machine accelerates and brakes",
     };
@@ -119,6 +122,15 @@ fn reasons_against(e: &LoaderEstimate, part: &Part, width: &str) -> Vec<String> 
     }
     if !has(bits::CONSISTENT) {
         reasons.push("the measurements disagree with the model by more than their noise".into());
+    }
+    if let Some((_, words)) = LOADER_REASONS
+        .get(e.reason as usize)
+        .filter(|r| !r.1.is_empty())
+    {
+        reasons.push((*words).into());
+    }
+    if !has(part.identifiable) {
+        reasons.push("these measurements do not determine it yet".into());
     }
     if has(bits::RESET) {
         reasons.push("the filter has just been reset".into());

@@ -307,6 +307,7 @@ pub fn loader(seconds: f64, rate: f64, truth: bool) -> Run {
 /// Writes the run as a recording.
 pub fn record(path: &std::path::Path, metadata: &recording::Metadata, run: &Run) {
     use messages::channels::{self, EXCAVATOR_MOTION, EXCAVATOR_TRUTH, HEALTH, LOADER_TRUTH};
+    let _ = std::fs::remove_file(path); // of an earlier test
     let mut writer = recording::Writer::create(path, metadata).expect("created");
     let channel = |name: &str| channels::find(name).expect("a channel of the table");
     run.health

@@ -44,6 +44,8 @@ const CHANGE: f64 = 10.0;
 const SUSPICIOUS: f64 = 4.0;
 /// Below this velocity a holding brake or stiction may take any part of the torque [rad/s].
 const BRAKED: f64 = 0.04;
+/// No machine swings with its boom further down than this: the angle has the other sign [rad].
+const DOWN: f64 = -0.25;
 /// Less than this share of what the description allows for is not worth a word.
 const MATERIAL: f64 = 0.33;
 /// Factor of the torque's noise variance above which the motion does not follow the model.
@@ -261,6 +263,7 @@ impl Working {
         let payload = x[M].clamp(least, most);
         let at_limit = payload != x[M];
         let described = self.doubts.inertia_share * drive.now.empty;
+        let down = !standing && drive.posture[0] < DOWN;
         let payload_std = std(M) * sqrt(self.agreement.factor());
         let carried = payload_std * drive.now.per_payload;
         State {
@@ -273,9 +276,16 @@ impl Working {
             acceleration: self.filter.acceleration,
             nis: innovation.nis(),
             changing: self.bucket.is_open() || self.changed,
-            unsettled: at_limit || self.bucket.is_settling() || self.change.level() > SUSPICIOUS,
+            unsettled: at_limit
+                || down
+                || self.bucket.is_settling()
+                || self.change.level() > SUSPICIOUS,
             opening: self.bucket.is_open(),
-            reason: self.reason(at_limit, standing),
+            reason: if down {
+                Reason::Sign
+            } else {
+                self.reason(at_limit, standing)
+            },
             ..State::default()
         }
     }

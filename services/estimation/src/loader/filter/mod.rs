@@ -2,19 +2,25 @@
 
 use crate::ekf::Ekf;
 use crate::loader::Method;
-use crate::loader::cg_model::{CgModel, Loading};
+use crate::loader::cg_model::{CgModel, Loading, has_delay};
 use crate::loader::conditions::{Conditions, Monitor};
+use crate::loader::disturbance::{Disturbance, Effect};
 use crate::loader::estimate::Status;
 use crate::loader::inputs::{InputHold, StepInputs};
+use crate::loader::legs::{Legs, Slip};
+use crate::loader::load::Load;
 use crate::loader::payload::Payload;
 use crate::loader::quantum::Quantum;
+use crate::loader::reason::Reason;
 use crate::loader::relearning::Relearning;
 use crate::loader::sample::{Sample, finite};
 use crate::loader::settings::{Settings, Tuning};
-use crate::loader::verdict::Evidence;
+use crate::loader::slope::SlopeError;
+use crate::loader::stuck::{Stuck, Witness};
+use crate::loader::verdict::{Doubt, Evidence};
 use crate::loader::wheel_dynamics::{GRAVITY, Inputs, WheelDynamics};
 use crate::loader::windup::Windup;
-use crate::math::{sin_cos, tanh};
+use crate::math::{sin_cos, sqrt, tanh};
 use crate::prediction::Images;
 use crate::sigma_points::Spread;
 use crate::srukf::SquareRootUkf;
@@ -32,6 +38,18 @@ const NOT_MEASURED_STD: f64 = 1e6;
 /// A longer step between rows is a jump, whatever the tuning takes for a gap [s].
 const LONGEST_STEP: f64 = 1.0;
 
+/// Acceleration beyond which the torques do not explain the motion [m/s^2].
+const UNEXPLAINED: f64 = 0.15;
+
+/// Standard deviations of the prior within which an estimate is as expected; twice as far it contradicts it by one more.
+const EXPECTED: f64 = 2.0;
+/// Standard deviations of the prior beyond which the delay of the speed is no sensor's.
+const LATEST: f64 = 4.0;
+/// Birge ratio beyond which the manoeuvres disagree.
+const DISAGREE: f64 = 2.0;
+/// How long a change is shown [s].
+const CHANGE_SHOWN: f64 = 5.0;
+
 /// What a row did.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RowReport<const M: usize> {
@@ -45,6 +63,8 @@ pub struct RowReport<const M: usize> {
     pub deweighted: [bool; M],
     /// Slow or digging.
     pub frozen: bool,
+    /// The wheels came with their torques, but something else moves them: brakes.
+    pub set_aside: bool,
 }
 
 impl<const M: usize> RowReport<M> {
@@ -55,11 +75,12 @@ impl<const M: usize> RowReport<M> {
             accepted: [false; M],
             deweighted: [false; M],
             frozen,
+            set_aside: false,
         }
     }
 }
 
-/// The filter with `N` states (6, 8 or 10, see [`crate::loader::cg_model`]) and `M` measurements (3, or 4 with the specific force).
+/// The filter with `N` states (6, 8 to 11, see [`crate::loader::cg_model`]) and `M` measurements (3, or 4 with the specific force).
 #[derive(Clone, Copy, Debug)]
 pub struct CgFilter<const N: usize, const M: usize> {
     settings: Settings,
@@ -73,6 +94,17 @@ pub struct CgFilter<const N: usize, const M: usize> {
     clock: TimeBase,
     windup: Windup,
     quantum: Quantum,
+    stuck: Stuck,
+    disturbance: Disturbance,
+    /// What it does to the wheels in this row.
+    effect: Effect,
+    slope_error: SlopeError,
+    legs: Legs,
+    /// How long ago something changed that the load may explain [s].
+    changed: f64,
+    pub(in crate::loader) load: Load,
+    /// The boom's motion is told.
+    boom_told: bool,
     relearning: Relearning,
     /// Process noise of the next step beyond the usual, by state.
     loosened: [f64; N],
@@ -120,10 +152,18 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
             dynamics,
             hold: InputHold::new(machine.mass),
             monitor: Monitor::default(),
-            evidence: Evidence::new(),
+            evidence: Evidence::new(M > 3),
             clock: TimeBase::default(),
             windup: Windup::default(),
             quantum: Quantum::default(),
+            stuck: Stuck::default(),
+            disturbance: Disturbance::default(),
+            effect: Effect::default(),
+            slope_error: SlopeError::default(),
+            legs: Legs::default(),
+            changed: f64::INFINITY,
+            load: Load::default(),
+            boom_told: false,
             relearning: Relearning::new([settings.prior.slip_stiffness, settings.prior.cg_ratio]),
             loosened: [0.0; N],
             spade_force_x: 0.0,
@@ -177,7 +217,15 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
             Tick::Refused => return RowReport::without_update(Status::Refused, self.frozen),
             Tick::SetBack => return self.set_back(sample),
         };
-        let step = self.hold.advance(sample, self.tuning.midpoint_inputs);
+        let screened = if self.tuning.screened {
+            let witness = self.witness(sample);
+            self.stuck.watch(sample, &witness, dt)
+        } else {
+            *sample
+        };
+        let sample = &screened;
+        let (midpoint, anew) = (self.tuning.midpoint_inputs, self.tuning.screened);
+        let step = self.hold.advance(sample, midpoint, anew);
         self.spade_force_x = step.inputs.spade_force_x;
         self.dynamics.mass = self
             .payload
@@ -187,7 +235,18 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
             step.inputs.front_torque + step.inputs.rear_torque,
             self.free_acceleration(&step),
         );
-        if dt > self.tuning.gap {
+        self.evidence.receive(sample);
+        self.evidence.stuck = self.stuck.first();
+        self.boom_told |= sample.boom_moving;
+        self.changed += dt;
+        self.watch_slope(sample, dt);
+        if self.tuning.load_shift && self.payload.is_none() {
+            self.weigh(dt);
+        }
+        let at = [self.filter.state[0], self.filter.state[3]];
+        self.effect = self.disturbance.update(&self.dynamics, &step, at, dt);
+        let fresh = self.settings.verdict.fresh;
+        if dt > self.tuning.gap || self.tuning.screened && self.evidence.torque_lost(fresh) {
             return self.bridge_gap(sample);
         }
         let model = self.model(step.inputs, dt);
@@ -208,7 +267,8 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
 
     /// The first row with a time starts the filter.
     fn first(&mut self, sample: &Sample) -> RowReport<M> {
-        self.hold.advance(sample, false);
+        self.hold.advance(sample, false, false);
+        self.evidence.receive(sample);
         self.spade_force_x = finite(sample.spade_force_x).unwrap_or(0.0);
         let speed = finite(sample.speed).unwrap_or(0.0);
         let rim = speed / self.dynamics.wheel_radius;
@@ -233,6 +293,31 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
             integration: self.tuning.integration,
             substeps: self.tuning.substeps,
             loading: self.loading(),
+        }
+    }
+
+    /// What the motion says of a row beside its own signals.
+    fn witness(&self, sample: &Sample) -> Witness {
+        let (state, sensors) = (&self.filter.state, &self.settings.sensors);
+        let radius = self.dynamics.wheel_radius;
+        let speed = finite(sample.speed).unwrap_or(state[0]);
+        let front = finite(sample.front_wheel_speed).unwrap_or(speed / radius);
+        let rear = finite(sample.rear_wheel_speed).unwrap_or(speed / radius);
+        let fastest = speed.abs().max(radius * front.abs().max(rear.abs()));
+        Witness {
+            moving: fastest > self.tuning.freeze_speed,
+            speeds: [0.5 * radius * (front + rear), rear, front],
+            unexplained: self.disturbance.unexplained.abs() > UNEXPLAINED,
+            std: [
+                sensors.speed_std,
+                sensors.wheel_speed_std,
+                sensors.wheel_speed_std,
+                0.0,
+                0.0,
+                sensors.slope_std,
+                sensors.acceleration_std,
+            ],
+            patience: self.settings.verdict.fresh,
         }
     }
 
@@ -261,7 +346,7 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
         sample: &Sample,
         step: &StepInputs,
     ) -> RowReport<M> {
-        let unknown_force = if N == 10 { images.state[6] } else { 0.0 };
+        let unknown_force = if N >= 10 { images.state[6] } else { 0.0 };
         let force = step.inputs.spade_force_x + unknown_force;
         let conditions = self
             .monitor
@@ -269,7 +354,14 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
         let process_std = self.process_std(&conditions, sample.boom_moving, model.dt);
         let measured = measurements::<M>(sample, step.acceleration);
         self.quantum.see([measured[1], measured[2]]);
+        let effect = self.effect;
         let mut std = self.measurement_std(&images.state, &conditions, model);
+        if self.tuning.screened {
+            let slip = sqrt(effect.turn * effect.turn + effect.force * effect.force);
+            let disturbed = slip * images.state[0].abs() / self.dynamics.wheel_radius;
+            std[1] = sqrt(std[1] * std[1] + disturbed * disturbed);
+            std[2] = sqrt(std[2] * std[2] + disturbed * disturbed);
+        }
         let prediction = images.predict(&process_std);
         let mut innovation: [f64; M] =
             core::array::from_fn(|j| measured[j] - prediction.measurement[j]);
@@ -292,10 +384,28 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
             });
             (accepted[j], deweighted[j]) = (kept, soft);
         }
+        let mut set_aside = false;
+        if self.tuning.screened {
+            // A held torque is of another time, and a wheel without its torque tells nothing.
+            let torques = [sample.front_torque, sample.rear_torque];
+            let driven = torques.iter().all(|torque| finite(*torque).is_some());
+            set_aside = driven && effect.braking && accepted[1] && accepted[2];
+            accepted[1] &= driven && !effect.braking;
+            accepted[2] &= driven && !effect.braking;
+        }
+        let both = accepted[1] && accepted[2] && !conditions.frozen;
+        if self.tuning.screened && both {
+            self.compare_legs(&images.state, &innovation, &std, model);
+        }
         let update = prediction.update(&innovation, &std, &accepted);
         self.filter.accept(&update);
         self.clamp();
         self.loosened = self.loosening();
+        if self.changed == 0.0 {
+            let prior = &self.settings.prior;
+            self.loosened[4] = prior.cg_height_std;
+            self.loosened[5] = prior.cg_ratio_std;
+        }
         let status = Status::Updated;
         RowReport {
             status,
@@ -303,6 +413,99 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
             accepted,
             deweighted,
             frozen: conditions.frozen,
+            set_aside,
+        }
+    }
+
+    /// Wheels, specific force and slope of a row show how far the slope is to be believed.
+    fn watch_slope(&mut self, sample: &Sample, dt: f64) {
+        let wheels = finite(sample.front_wheel_speed).zip(finite(sample.rear_wheel_speed));
+        let road = finite(sample.acceleration).zip(finite(sample.slope));
+        if let (Some((front, rear)), Some((acceleration, slope))) = (wheels, road) {
+            let rim_speed = 0.5 * self.dynamics.wheel_radius * (front + rear);
+            self.slope_error.see(rim_speed, acceleration, slope, dt);
+        }
+    }
+
+    /// Adds a row to the present leg; a leg that lies far off reopens height and ratio.
+    fn compare_legs(
+        &mut self,
+        state: &[f64; N],
+        innovation: &[f64; M],
+        std: &[f64; M],
+        model: &CgModel,
+    ) {
+        let (machine, inputs) = (&self.dynamics, &model.inputs);
+        let radius = machine.wheel_radius;
+        let [speed, stiffness, height, ratio] = [state[0], state[3], state[4], state[5]];
+        let acceleration = (state[0] - self.filter.state[0]) / model.dt;
+        let lift = acceleration + GRAVITY * sin_cos(inputs.slope).0;
+        let front = (ratio - height * lift / (GRAVITY * machine.wheelbase)).clamp(0.1, 0.9);
+        let per_weight = 1.0 / (radius * stiffness * machine.mass * GRAVITY);
+        let slip = |torque: f64, share: f64| torque * per_weight / (share * share);
+        let moved = slip(inputs.front_torque, front) + slip(inputs.rear_torque, 1.0 - front);
+        let slip = Slip {
+            innovation: radius * (innovation[1] - innovation[2]),
+            variance: radius * radius * (std[1] * std[1] + std[2] * std[2]),
+            by_share: -speed.abs() * moved,
+            driving: (inputs.front_torque + inputs.rear_torque) * speed > 0.0,
+        };
+        let variance = self.filter.root[5].iter().map(|x| x * x).sum::<f64>();
+        if self.legs.take(&slip, variance, model.dt) && self.relearning.settled() {
+            self.changed = 0.0;
+        }
+    }
+
+    /// What makes the estimate doubtful beside its own covariance.
+    pub(in crate::loader) fn doubt(&self) -> Doubt {
+        let (prior, state) = (&self.settings.prior, &self.filter.state);
+        let beyond =
+            |value: f64, centre: f64, std: f64| ((value - centre).abs() - EXPECTED * std).max(0.0);
+        let empty = self.payload.is_none() && self.load.share() < 0.04;
+        let height = beyond(state[4], prior.cg_height, prior.cg_height_std);
+        let ratio = beyond(state[5], prior.cg_ratio, prior.cg_ratio_std);
+        let stiffness = beyond(state[3], prior.slip_stiffness, prior.slip_stiffness_std);
+        let limits = self.tuning.clamps;
+        let at = |bounds: Option<(f64, f64)>, value: f64| {
+            bounds.is_some_and(|(low, high)| value <= 1.02 * low || value >= 0.98 * high)
+        };
+        let at_limit = [
+            at(limits.map(|c| c.cg_ratio), state[5]),
+            at(limits.map(|c| c.cg_height), state[4]),
+            at(limits.map(|c| c.slip_stiffness), state[3]),
+        ];
+        if !self.tuning.screened {
+            return Doubt {
+                at_limit: [at_limit[0], at_limit[1]],
+                ..Doubt::NONE
+            };
+        }
+        let delay = if has_delay(N) { state[N - 1] } else { 0.0 };
+        let sensors = &self.settings.sensors;
+        let late = (delay - sensors.speed_delay).abs() > LATEST * sensors.speed_delay_std;
+        let reason = if self.disturbance.torques_misfit() {
+            Reason::Torque
+        } else if late {
+            Reason::Latency
+        } else if at_limit.contains(&true) {
+            Reason::AtLimit
+        } else if stiffness > prior.slip_stiffness_std {
+            Reason::Stiffness
+        } else if self.changed < CHANGE_SHOWN {
+            Reason::Load
+        } else if self.legs.ratio() > DISAGREE
+            || empty && (height > prior.cg_height_std || ratio > prior.cg_ratio_std)
+        {
+            Reason::Disagreement
+        } else {
+            Reason::None
+        };
+        Doubt {
+            birge: self.legs.ratio(),
+            beyond: if empty { [ratio, height] } else { [0.0; 2] },
+            at_limit: [at_limit[0], at_limit[1]],
+            unknown_height: self.lifts_untold(),
+            reason,
         }
     }
 
@@ -336,6 +539,7 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
             accepted,
             deweighted: [false; M],
             frozen: false,
+            set_aside: false,
         }
     }
 }

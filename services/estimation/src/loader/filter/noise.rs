@@ -3,8 +3,13 @@
 use super::CgFilter;
 use crate::loader::cg_model::CgModel;
 use crate::loader::conditions::{Conditions, REFERENCE_STEP, WheelStep};
+use crate::loader::load::Centre;
 use crate::loader::wheel_dynamics::GRAVITY;
 use crate::math::sqrt;
+use crate::root::{standard_deviations, triangularise};
+
+/// Share of the mass from which on the machine is loaded.
+const LEAST_LOAD: f64 = 0.04;
 
 impl<const N: usize, const M: usize> CgFilter<N, M> {
     /// Process noise of a step, by state.
@@ -22,7 +27,7 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
             parameters = [0.0; 3];
         }
         if let (Some(rule), None) = (self.tuning.digging, self.payload) {
-            if boom_moving {
+            if boom_moving || self.lifts_untold() {
                 parameters[1] = rule.boom_gain * scale * noise.cg_height;
                 parameters[2] = rule.boom_gain * scale * noise.cg_ratio;
             }
@@ -33,7 +38,17 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
         }
         let mut motion = [noise.speed, noise.wheel_speed, noise.wheel_speed].map(|q| q * scale);
         motion[0] = motion[0].max(GRAVITY * self.settings.sensors.slope_std * dt);
-        let rest = [noise.spade_force_x, noise.radius, noise.slope_bias].map(|q| q * scale);
+        let rest = [
+            noise.spade_force_x,
+            noise.radius,
+            noise.slope_bias,
+            noise.speed_delay,
+        ]
+        .map(|q| q * scale);
+        let mut rest = rest;
+        if self.tuning.screened {
+            rest[2] = rest[2].max(self.slope_error.walk(dt));
+        }
         let mut std: [f64; N] = by_state(motion, parameters, rest);
         for (std, more) in std.iter_mut().zip(self.loosened) {
             // The usual noise keeps its bits.
@@ -42,6 +57,45 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
             }
         }
         std
+    }
+
+    /// The machine is loaded, and nobody would say if the boom moved.
+    pub(in crate::loader) fn lifts_untold(&self) -> bool {
+        self.tuning.load_shift && !self.boom_told && self.load.share() > LEAST_LOAD
+    }
+
+    /// A step of the mass moves the centre of gravity and makes it uncertain.
+    pub(super) fn weigh(&mut self, dt: f64) {
+        let std = standard_deviations(&self.filter.root);
+        let state = self.filter.state;
+        let centre = [(state[4], std[4]), (state[5], std[5])];
+        let Some(shift) = self.load.weigh(self.hold.mass, centre, dt) else {
+            return;
+        };
+        if let Some(centre) = shift.restored {
+            self.restore(centre);
+            return;
+        }
+        let reach = self.settings.machine.bucket_reach / self.dynamics.wheelbase;
+        let (ratio, ratio_std) = shift.ratio(state[5], reach);
+        self.filter.state[5] = ratio;
+        for (i, std) in [(4, shift.height_std(state[4])), (5, ratio_std)] {
+            let loosened = &mut self.loosened[i];
+            *loosened = sqrt(*loosened * *loosened + std * std);
+        }
+        self.clamp();
+    }
+
+    /// Height and ratio are again what they were; of their correlation with other states nothing is kept.
+    fn restore(&mut self, centre: Centre) {
+        let mut rows = self.filter.root.map(|row| [row]);
+        let mut process = [0.0; N];
+        for (i, (value, std)) in [4, 5].into_iter().zip(centre) {
+            self.filter.state[i] = value;
+            rows[i] = [[0.0; N]];
+            process[i] = std;
+        }
+        self.filter.root = triangularise(&mut rows, &process);
     }
 
     /// Process noise beyond the usual, for what must be learnt again.
@@ -69,7 +123,7 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
                 prior.cg_ratio_std,
             ]
             .map(|std| std * share),
-            [0.0, sqrt(learnt * learnt + radius * radius), 0.0],
+            [0.0, sqrt(learnt * learnt + radius * radius), 0.0, 0.0],
         )
     }
 
@@ -113,7 +167,7 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
         by_state(
             [0.0; 3],
             [prior.slip_stiffness, prior.cg_height, prior.cg_ratio],
-            [0.0; 3],
+            [0.0, 0.0, 0.0, self.settings.sensors.speed_delay],
         )
     }
 
@@ -134,22 +188,23 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
                 prior.spade_force_x_std,
                 prior.radius_std,
                 prior.slope_bias_std,
+                self.settings.sensors.speed_delay_std,
             ],
         );
         core::array::from_fn(|i| core::array::from_fn(|j| if i == j { std[i] } else { 0.0 }))
     }
 }
 
-/// One value per state from those of motion, parameters, and \[F_x, d, b\].
+/// One value per state from those of motion, parameters, and \[F_x, d, b, tau\].
 fn by_state<const N: usize>(
     motion: [f64; 3],
     parameters: [f64; 3],
-    [force, radius, bias]: [f64; 3],
+    [force, radius, bias, delay]: [f64; 4],
 ) -> [f64; N] {
-    let extra = if N == 8 {
-        [radius, radius, 0.0, 0.0]
+    let extra = if N < 10 {
+        [radius, radius, delay, 0.0, 0.0]
     } else {
-        [force, radius, radius, bias]
+        [force, radius, radius, bias, delay]
     };
     core::array::from_fn(|i| match i {
         0..3 => motion[i],

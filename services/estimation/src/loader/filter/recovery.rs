@@ -33,6 +33,9 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
         ];
         self.evidence
             .admit(came.iter().any(Option::is_some), &report.accepted, dt);
+        if report.set_aside {
+            self.evidence.set_aside();
+        }
         if self.evidence.locked_out > LOCKED_OUT {
             self.evidence.locked_out = 0.0;
             return self.bridge_gap(sample);

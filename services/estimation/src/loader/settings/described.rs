@@ -38,6 +38,7 @@ fn machine(description: &Description) -> Machine {
         },
         radius_load_sensitivity: m.radius_load_sensitivity,
         radius_load_sensitivity_std: m.radius_load_sensitivity_std,
+        stiffness_ratio_std: m.stiffness_ratio_std,
         relaxation_length: m.relaxation_length,
     }
 }
@@ -50,6 +51,8 @@ fn sensors(description: &Description) -> Sensors {
         slope_std: s.slope_std,
         acceleration_std: s.acceleration_std,
         torque_gain_std: s.torque_gain_std,
+        speed_delay: s.speed_delay,
+        speed_delay_std: s.speed_delay_std,
     }
 }
 
@@ -74,6 +77,7 @@ fn verdict(keys: &Keys) -> Verdict {
     Verdict {
         cg_height_floor: keys.cg_height_floor,
         cg_ratio_floor: keys.cg_ratio_floor,
+        load_sensitivity_floor: keys.load_sensitivity_floor,
         excited_torque: keys.excited_torque,
         excited_acceleration: keys.excited_acceleration,
         fresh: keys.fresh,
@@ -163,6 +167,7 @@ fn common(keys: &Keys, base: Tuning) -> Tuning {
             spade_force_x: keys.q_spade_force,
             radius: keys.q_radius,
             slope_bias: keys.q_slope_bias,
+            speed_delay: keys.q_speed_delay,
         },
         spread: keys.alpha,
         beta: keys.beta,

@@ -25,6 +25,9 @@ pub struct Machine {
     pub radius_load_sensitivity: f64,
     /// Standard deviation of rho: it cannot be learnt on line and widens the reported interval.
     pub radius_load_sensitivity_std: f64,
+    /// Standard deviation of the ratio of the axles' slip stiffnesses, front over rear: tyres differ by wear, pressure, make,
+    /// which cannot be learnt on line and widens the reported interval.
+    pub stiffness_ratio_std: f64,
     /// Relaxation length of the tyres [m].
     pub relaxation_length: f64,
 }
@@ -42,6 +45,7 @@ impl Default for Machine {
             friction: 0.8,
             radius_load_sensitivity: 0.01,
             radius_load_sensitivity_std: 0.001,
+            stiffness_ratio_std: 0.05,
             relaxation_length: 0.10,
         }
     }
@@ -73,6 +77,7 @@ impl Machine {
             "machine.radius_load_sensitivity_std",
             self.radius_load_sensitivity_std,
         )?;
+        not_negative("machine.stiffness_ratio_std", self.stiffness_ratio_std)?;
         not_negative("machine.relaxation_length", self.relaxation_length)
     }
 }
@@ -90,6 +95,10 @@ pub struct Sensors {
     pub acceleration_std: f64,
     /// Relative error of each axle's torque; their ratio cannot be learnt on line and widens the interval.
     pub torque_gain_std: f64,
+    /// Delay of the speed against the other signals [s].
+    pub speed_delay: f64,
+    /// Standard deviation of that delay before the first row [s]; `full` learns it.
+    pub speed_delay_std: f64,
 }
 
 impl Default for Sensors {
@@ -100,6 +109,8 @@ impl Default for Sensors {
             slope_std: 0.002,
             acceleration_std: 0.05,
             torque_gain_std: 0.005,
+            speed_delay: 0.0,
+            speed_delay_std: 0.08,
         }
     }
 }
@@ -110,7 +121,9 @@ impl Sensors {
         positive("sensors.wheel_speed_std", self.wheel_speed_std)?;
         not_negative("sensors.slope_std", self.slope_std)?;
         positive("sensors.acceleration_std", self.acceleration_std)?;
-        not_negative("sensors.torque_gain_std", self.torque_gain_std)
+        not_negative("sensors.torque_gain_std", self.torque_gain_std)?;
+        not_negative("sensors.speed_delay", self.speed_delay)?;
+        positive("sensors.speed_delay_std", self.speed_delay_std)
     }
 }
 

@@ -25,17 +25,26 @@ impl Tuning {
         let recommended = Self::recommended();
         Self {
             inflation: Inflation {
-                torque_lag: 1.5,
+                load_ripple: 0.05,
+                radius_ripple: 0.05,
+                torque_lag: 2.0,
                 ..recommended.inflation
+            },
+            noise: ProcessNoise {
+                speed: 1e-4,
+                slope_bias: 3e-5,
+                ..recommended.noise
             },
             spread: 0.3,
             windup: true,
             quantum: true,
             relearning: Some(Relearning {
                 known: 0.3,
-                gain: 0.1,
+                gain: 0.02,
             }),
             load_shift: true,
+            screened: true,
+            latency: true,
             ..recommended
         }
     }
@@ -52,6 +61,7 @@ impl Tuning {
                 spade_force_x: 150.0,
                 radius: 1e-7,
                 slope_bias: 1e-5,
+                speed_delay: 1e-5,
             },
             minimum_speed: 0.3,
             midpoint_inputs: true,
@@ -91,6 +101,8 @@ impl Tuning {
             quantum: false,
             relearning: None,
             load_shift: false,
+            screened: false,
+            latency: false,
         }
     }
 

@@ -31,6 +31,8 @@ pub struct ProcessNoise {
     pub radius: f64,
     /// Bias of the slope sensor [rad].
     pub slope_bias: f64,
+    /// Delay of the speed [s].
+    pub speed_delay: f64,
 }
 
 /// Disturbances that act on the wheels like extra measurement noise.
@@ -153,6 +155,11 @@ pub struct Tuning {
     pub quantum: bool,
     /// Loosen what the start taught wrongly; `None` is off.
     pub relearning: Option<Relearning>,
+    /// The delay of the speed is a state.
+    pub latency: bool,
+    /// Doubt the inputs: a value that never changes is missing, wheel speeds count only with their torques and without
+    /// brakes and steering, the slope as far as the motion bears it out, and manoeuvres must agree.
+    pub screened: bool,
     /// Loosen the rolling radii when the load shifts between the axles.
     pub load_shift: bool,
 }

@@ -9,6 +9,8 @@ pub struct Verdict {
     pub cg_height_floor: f64,
     /// Relative error of the ratio that remains with everything calibrated.
     pub cg_ratio_floor: f64,
+    /// Least error of the load sensitivity of the rolling radius that counts, whatever is stated: tyres warm up and wear.
+    pub load_sensitivity_floor: f64,
     /// Variation of the total torque that excites the ratio [N m].
     pub excited_torque: f64,
     /// Variation of the acceleration that excites the height [m/s^2].
@@ -28,11 +30,12 @@ impl Default for Verdict {
         Self {
             cg_height_floor: 0.04,
             cg_ratio_floor: 0.011,
+            load_sensitivity_floor: 0.002,
             excited_torque: 300.0,
             excited_acceleration: 0.3,
             fresh: 0.25,
             consistent_nis: 2.0,
-            converged_ratio: 0.03,
+            converged_ratio: 0.05,
             converged_height: 0.08,
         }
     }
@@ -42,6 +45,10 @@ impl Verdict {
     pub(super) fn check(&self) -> Result<(), SettingsError> {
         not_negative("estimator.cg_height_floor", self.cg_height_floor)?;
         not_negative("estimator.cg_ratio_floor", self.cg_ratio_floor)?;
+        not_negative(
+            "estimator.load_sensitivity_floor",
+            self.load_sensitivity_floor,
+        )?;
         not_negative("estimator.excited_torque", self.excited_torque)?;
         not_negative("estimator.excited_acceleration", self.excited_acceleration)?;
         positive("estimator.fresh", self.fresh)?;

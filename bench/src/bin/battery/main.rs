@@ -1,0 +1,141 @@
+//! `cargo run -p bench --bin battery -- --minutes N --seed S`: attacks whole pipelines in turn, and
+//! prints per attack how often it was tried and survived.
+//!
+//! Surviving means: the run ends in order and in time, what was lost is told and costs the status,
+//! nothing is left behind. The gap is measured in the recorded data, not by the life of a process.
+
+mod attack;
+mod doubled;
+mod floods;
+mod ground;
+mod kills;
+mod stops;
+mod users;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+
+use attack::{Attack, Outcome, Rng};
+use ground::Ground;
+
+const USAGE: &str = "\
+usage: battery [--minutes N] [--seed S] [--only WORD] [--heft PATH]
+       N minutes (1) of the attacks whose name holds WORD (all), on the heft at PATH (beside this program)";
+
+/// The table of attacks: a row more is an attack more.
+fn attacks() -> Vec<Box<dyn Attack>> {
+    let mut attacks: Vec<Box<dyn Attack>> = Vec::new();
+    attacks.extend(kills::all());
+    attacks.extend(stops::all());
+    attacks.push(Box::new(doubled::Doubled));
+    attacks.push(Box::new(floods::Flood));
+    attacks.push(Box::new(users::SecondUser));
+    attacks
+}
+
+struct Arguments {
+    minutes: f64,
+    seed: u64,
+    only: String,
+    heft: PathBuf,
+}
+
+fn arguments() -> Option<Arguments> {
+    let beside = std::env::current_exe().ok()?.with_file_name("heft");
+    let mut found = Arguments {
+        minutes: 1.0,
+        seed: 1,
+        only: String::new(),
+        heft: beside,
+    };
+    let mut words = std::env::args().skip(1);
+    while let Some(word) = words.next() {
+        let value = words.next()?;
+        match word.as_str() {
+            "--minutes" => found.minutes = value.parse().ok()?,
+            "--seed" => found.seed = value.parse().ok()?,
+            "--only" => found.only = value,
+            "--heft" => found.heft = value.into(),
+            _ => return None,
+        }
+    }
+    Some(found)
+}
+
+/// What became of one attack.
+#[derive(Default)]
+struct Tally {
+    tried: u32,
+    survived: u32,
+    skipped: u32,
+    worst_gap: u64,
+}
+
+fn main() -> ExitCode {
+    let Some(arguments) = arguments() else {
+        eprintln!("{USAGE}");
+        return ExitCode::from(2);
+    };
+    if !arguments.heft.exists() {
+        eprintln!(
+            "{} is not there: run `cargo build` first",
+            arguments.heft.display()
+        );
+        return ExitCode::from(2);
+    }
+    let mut rng = Rng::new(arguments.seed);
+    let mut rows: Vec<(Box<dyn Attack>, Tally)> = attacks()
+        .into_iter()
+        .filter(|a| a.name().contains(&arguments.only))
+        .map(|a| (a, Tally::default()))
+        .collect();
+    let begun = Instant::now();
+    let limit = Duration::from_secs_f64(60.0 * arguments.minutes.max(0.0));
+    let mut number = 0;
+    'all: while !rows.is_empty() {
+        for (attack, tally) in &mut rows {
+            if begun.elapsed() >= limit {
+                break 'all;
+            }
+            number += 1;
+            let ground = Ground::new(&arguments.heft, number);
+            match attack.attempt(&mut rng, &ground) {
+                Ok(Outcome::Survived { gap }) => {
+                    tally.tried += 1;
+                    tally.survived += 1;
+                    tally.worst_gap = tally.worst_gap.max(gap);
+                }
+                Ok(Outcome::Skipped) => tally.skipped += 1,
+                Err(why) => {
+                    tally.tried += 1;
+                    println!("{} (number {number}): {why}", attack.name());
+                }
+            }
+        }
+    }
+    println!(
+        "{:<34} {:>6} {:>9} {:>8} {:>10}",
+        "attack", "tried", "survived", "skipped", "worst gap"
+    );
+    let mut all_good = true;
+    for (attack, tally) in &rows {
+        all_good &= tally.tried == tally.survived;
+        println!(
+            "{:<34} {:>6} {:>9} {:>8} {:>10}",
+            attack.name(),
+            tally.tried,
+            tally.survived,
+            tally.skipped,
+            tally.worst_gap
+        );
+    }
+    println!(
+        "{} attacks in {:.1} minutes, seed {}; gaps in samples at {} Hz",
+        rows.iter().map(|(_, t)| t.tried).sum::<u32>(),
+        begun.elapsed().as_secs_f64() / 60.0,
+        arguments.seed,
+        ground::RATE
+    );
+    ExitCode::from(u8::from(!all_good))
+}

@@ -1,0 +1,63 @@
+//! Another user of the host tries to read, shorten, replace and signal what a run has made.
+
+use std::process::Command;
+use std::time::Duration;
+
+use crate::attack::{Attack, Outcome, Rng};
+use crate::ground::Ground;
+
+pub struct SecondUser;
+
+/// Every line must fail for the other user.
+const ATTEMPTS: &str = "
+for f in /dev/shm/heft-*.* $OUT/* $HOME_OF_RUN $HOME_OF_RUN/*; do
+  cat $f && echo read $f
+  truncate -s 0 $f && echo shortened $f
+  rm -rf $f 2> /dev/null; test -e $f || case $f in *'*'*) ;; /dev/shm/heft-*.*) echo removed $f ;; esac
+  ln -sf /etc/passwd $f && echo replaced $f
+  flock -n $f true && echo locked $f
+done
+for p in $PIDS; do kill -0 $p && echo signalled $p; done
+true";
+
+impl Attack for SecondUser {
+    fn name(&self) -> String {
+        "second user".into()
+    }
+
+    fn attempt(&mut self, _rng: &mut Rng, ground: &Ground) -> Result<Outcome, String> {
+        let foe = ["--reuid=65534", "--regid=65534", "--clear-groups"];
+        let can = Command::new("setpriv").args(foe).arg("true").status();
+        if !can.is_ok_and(|status| status.success()) {
+            return Ok(Outcome::Skipped);
+        }
+        let run = ground.run(2.5, &[])?;
+        run.wait_for_all()?;
+        std::thread::sleep(Duration::from_millis(500));
+        let pids: Vec<String> = run
+            .service("kalman")
+            .into_iter()
+            .chain(run.service("logger"))
+            .map(|p| p.to_string())
+            .collect();
+        let home = format!("/dev/shm/heft-{}", rustix::process::geteuid().as_raw());
+        let output = Command::new("setpriv")
+            .args(foe)
+            .args(["sh", "-c", ATTEMPTS])
+            .env("OUT", ground.folder().join("out"))
+            .env("HOME_OF_RUN", home)
+            .env("PIDS", pids.join(" "))
+            .output()
+            .map_err(|e| e.to_string())?;
+        let done = String::from_utf8_lossy(&output.stdout).into_owned();
+        let remains = run.remains(Duration::from_secs(8))?;
+        if !done.is_empty() {
+            return Err(format!("another user could do this:\n{done}"));
+        }
+        if remains.status != 0 {
+            return Err(format!("status {}: {}", remains.status, remains.text));
+        }
+        let gap = remains.check(0)?;
+        Ok(Outcome::Survived { gap })
+    }
+}

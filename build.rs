@@ -1,0 +1,47 @@
+//! Tells the program which build it is: recordings carry it, so that a replay by another build can
+//! say why it differs. In a source archive without git the commit is "unknown".
+
+use std::process::Command;
+
+fn main() {
+    let git = |args: &[&str]| {
+        let output = Command::new("git").args(args).output().ok()?;
+        let text = String::from_utf8(output.stdout).ok()?;
+        output.status.success().then(|| text.trim().to_owned())
+    };
+    // Only a commit of this very source: not of a repository that an archive was unpacked into.
+    let here = std::env::var("CARGO_MANIFEST_DIR").unwrap_or_default();
+    let is_ours = git(&["rev-parse", "--show-toplevel"]).is_some_and(|top| top == here);
+    let commit = is_ours
+        .then(|| git(&["rev-parse", "--short=7", "HEAD"]))
+        .flatten();
+    let commit = commit.map(|commit| {
+        let paths = [
+            "status",
+            "--porcelain",
+            "--untracked-files=no",
+            "--",
+            "services",
+            "sim",
+        ];
+        let changed = git(&paths).is_some_and(|text| !text.is_empty());
+        commit + if changed { "-changed" } else { "" }
+    });
+    let variable = |name: &str| std::env::var(name).unwrap_or_else(|_| "unknown".into());
+    println!(
+        "cargo::rustc-env=HEFT_BUILD={}, {} {}, {}",
+        commit.as_deref().unwrap_or("unknown"),
+        variable("TARGET"),
+        variable("PROFILE"),
+        variable("CARGO_CFG_TARGET_FEATURE"),
+    );
+    if let (true, Some(folder)) = (is_ours, git(&["rev-parse", "--absolute-git-dir"])) {
+        println!("cargo::rerun-if-changed={folder}/HEAD");
+        println!("cargo::rerun-if-changed={folder}/index");
+        if let Some(common) = git(&["rev-parse", "--path-format=absolute", "--git-common-dir"]) {
+            println!("cargo::rerun-if-changed={common}/refs/heads");
+            println!("cargo::rerun-if-changed={common}/packed-refs");
+        }
+    }
+    println!("cargo::rerun-if-changed=build.rs");
+}

@@ -1,0 +1,149 @@
+//! What moves the wheels beside the torques that are told: brakes, steering, forces that nobody measures.
+//!
+//! | symbol | code | meaning | unit |
+//! |---|---|---|---|
+//! | gamma | `articulation` | angle between front and rear body | rad |
+//! | kappa | `gain` | force on the body over the force that the torques tell, learnt while they drive | 1 |
+//! | a_u | `unexplained` | specific force that the torques do not explain | m/s^2 |
+//!
+//! A turning machine's axles run on different circles: their speeds differ by some gamma^2 v, more or less by where the hinge
+//! lies. A force F_u = m a_u that no torque explains is the friction brakes', the bucket's, or a torque that is told late,
+//! and passes through the tyres or not: it moves a slip by up to a_u/(g K). Both are errors of one sign for as long as they
+//! last, so they do not average out and count more than noise of their size. They count for 0.25 s longer, because
+//! tyres and body settle.
+
+use super::inputs::StepInputs;
+use super::wheel_dynamics::{GRAVITY, WheelDynamics};
+use crate::math::tanh;
+
+/// How long a disturbance outlasts its cause [s].
+const HOLD: f64 = 0.25;
+/// Averaging time of the unexplained specific force [s].
+const TIME: f64 = 0.05;
+/// What noise and tolerances leave unexplained [m/s^2], and its share of the acceleration.
+const EXPLAINED: (f64, f64) = (0.05, 0.05);
+/// Weight of an unexplained force against noise of its size.
+const FORCE_WEIGHT: f64 = 4.0;
+/// Weight of the steering against noise of its size.
+const TURN_WEIGHT: f64 = 1.0;
+/// The gain is learnt over this many m/s^2 squared times seconds of driving, and starts with a tenth of it.
+const GAIN_MEMORY: f64 = 10.0;
+/// A force per mass beyond this is none of a drive [m/s^2].
+const LARGEST: f64 = 5.0;
+/// A gain beyond these is no tolerance of mass and torque.
+const GAIN_RANGE: (f64, f64) = (0.75, 1.33);
+
+/// The largest value of the last quarter second.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Peak {
+    value: f64,
+    left: f64,
+}
+
+impl Peak {
+    fn update(&mut self, value: f64, dt: f64) -> f64 {
+        if value >= self.value || self.left <= 0.0 {
+            *self = Self { value, left: HOLD };
+        } else {
+            self.left -= dt;
+        }
+        self.value
+    }
+}
+
+/// Memory of the disturbances.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Disturbance {
+    brake: Peak,
+    turn: Peak,
+    force: Peak,
+    fast: f64,
+    /// Sums of the gain: force times pull, pull squared, per mass squared.
+    sums: [f64; 2],
+    /// Smoothed specific force that the torques do not explain, forward positive [m/s^2].
+    pub unexplained: f64,
+}
+
+/// What a step's disturbances do to the wheels.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Effect {
+    /// Brakes act: the wheels tell nothing.
+    pub braking: bool,
+    /// Standard deviation of both slips by steering.
+    pub turn: f64,
+    /// Standard deviation of both slips by unexplained forces.
+    pub force: f64,
+}
+
+impl Default for Disturbance {
+    fn default() -> Self {
+        Self {
+            brake: Peak::default(),
+            turn: Peak::default(),
+            force: Peak::default(),
+            fast: 0.0,
+            sums: [0.1 * GAIN_MEMORY; 2],
+            unexplained: 0.0,
+        }
+    }
+}
+
+impl Disturbance {
+    /// Takes what acted during a step of `dt`; `speed` and `stiffness` are the predicted ones.
+    pub fn update(
+        &mut self,
+        machine: &WheelDynamics,
+        step: &StepInputs,
+        [speed, stiffness]: [f64; 2],
+        dt: f64,
+    ) -> Effect {
+        let braking = self.brake.update(f64::from(step.brake), dt) > 0.0;
+        let angle = step.turning(speed, machine.wheelbase);
+        let turn = TURN_WEIGHT * self.turn.update(angle * angle, dt);
+        let excess = step.acceleration.map_or(0.0, |a| {
+            self.explain(machine, step, [speed, a], dt);
+            (self.fast.abs() - EXPLAINED.0 - EXPLAINED.1 * a.abs()).max(0.0)
+        });
+        let force = FORCE_WEIGHT * self.force.update(excess, dt) / (GRAVITY * stiffness);
+        Effect {
+            braking,
+            turn,
+            force,
+        }
+    }
+
+    /// Force on the body over the force that the torques tell.
+    fn gain(&self) -> f64 {
+        (self.sums[0] / self.sums[1]).clamp(GAIN_RANGE.0, GAIN_RANGE.1)
+    }
+
+    /// The torques do not move the machine as its mass says.
+    pub fn torques_misfit(&self) -> bool {
+        let gain = self.sums[0] / self.sums[1];
+        !(GAIN_RANGE.0..=GAIN_RANGE.1).contains(&gain)
+    }
+
+    fn explain(
+        &mut self,
+        machine: &WheelDynamics,
+        step: &StepInputs,
+        [speed, measured]: [f64; 2],
+        dt: f64,
+    ) {
+        let u = &step.inputs;
+        let radius = machine.wheel_radius;
+        let inertia = machine.mass + 2.0 * machine.axle_inertia / (radius * radius);
+        let pull = (u.front_torque + u.rear_torque) / (radius * inertia);
+        let rolling = machine.rolling_resistance * tanh(speed / 0.05) * machine.mass * GRAVITY;
+        let needed = measured + (rolling + u.spade_force_x) / inertia;
+        let drives = pull * speed > 0.0 && u.spade_force_x == 0.0 && !step.brake;
+        if drives && pull.abs() < LARGEST && needed.abs() < LARGEST {
+            let forget = 1.0 - (pull * pull * dt / GAIN_MEMORY).min(1.0);
+            self.sums[0] = forget * self.sums[0] + needed * pull * dt;
+            self.sums[1] = forget * self.sums[1] + pull * pull * dt;
+        }
+        let residual = needed - self.gain() * pull;
+        self.fast += (dt / TIME).min(1.0) * (residual - self.fast);
+        self.unexplained += (dt / HOLD).min(1.0) * (residual - self.unexplained);
+    }
+}

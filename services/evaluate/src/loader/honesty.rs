@@ -1,0 +1,331 @@
+//! Of what is called trusted, how much is wrong: loaders of three sizes at work, with the ordinary physics that no
+//! description has, one effect at a time and all together.
+//!
+//! JSON: [`crate::honesty::json`]. Every machine has the tolerances of tier B; the estimator is told the data sheet, its
+//! noises and floors scaled with the size, and the default of everything else.
+
+use estimation::loader::{CgEstimator, Columns, Estimate, Method, Settings};
+use sim::loader::{Effects, PayloadTold, Row, Run, Scenario, Simulation, Size, Tier};
+
+use super::candidate::Candidate;
+use crate::honesty::{Judged, Line, Tally, json, text};
+use crate::{Error, Options, Report, seeds};
+
+/// Length of a record [s].
+const DURATION: f64 = 120.0;
+/// True speed above which the machine moves [m/s].
+const MOVING: f64 = 0.1;
+/// Payload of a load cycle, as a share of the machine.
+const PAYLOAD: f64 = 0.25;
+
+/// What a line asks for: least trusted share of the moving time, least coverage of all rows.
+type Asked = (f64, f64);
+const ASKED: Asked = (0.0, 0.0);
+
+/// An effect with its severity in words.
+type Case = (&'static str, &'static str, Effects, Asked);
+
+const NONE: Effects = Effects {
+    speed_delay: 0.0,
+    brakes: 0.0,
+    brakes_told: true,
+    steering: 0.0,
+    steering_told: true,
+    hinge: 0.0,
+    locked_drive: false,
+    slope_follows: 0.0,
+    slope_lag: 0.0,
+    gear_delay: 0.0,
+    stiffness_difference: 0.0,
+    stiffness_exponent: 0.0,
+    radius_sensitivity: 0.0,
+    payload_told: PayloadTold::All,
+};
+
+const fn late(speed_delay: f64) -> Effects {
+    Effects {
+        speed_delay,
+        ..NONE
+    }
+}
+
+const fn brakes(brakes: f64, brakes_told: bool) -> Effects {
+    Effects {
+        brakes,
+        brakes_told,
+        ..NONE
+    }
+}
+
+const fn steering(steering: f64) -> Effects {
+    Effects {
+        steering,
+        hinge: 0.1,
+        ..NONE
+    }
+}
+
+const fn payload(payload_told: PayloadTold) -> Effects {
+    Effects {
+        payload_told,
+        ..NONE
+    }
+}
+
+/// The lines of the table.
+const CASES: [Case; 17] = [
+    ("none", "", NONE, (0.70, 0.93)),
+    ("late speed", "30 ms", late(0.03), ASKED),
+    ("late speed", "100 ms", late(0.1), ASKED),
+    ("brakes", "20 %", brakes(0.2, true), ASKED),
+    ("brakes", "50 %", brakes(0.5, true), ASKED),
+    ("brakes, not told", "50 %", brakes(0.5, false), ASKED),
+    ("steering", "10 deg", steering(0.175), ASKED),
+    ("steering", "20 deg", steering(0.349), ASKED),
+    (
+        "locked drive",
+        "",
+        Effects {
+            locked_drive: true,
+            ..NONE
+        },
+        ASKED,
+    ),
+    (
+        "slope sensor follows",
+        "30 %, 0.2 s",
+        Effects {
+            slope_follows: 0.3,
+            slope_lag: 0.2,
+            ..NONE
+        },
+        ASKED,
+    ),
+    (
+        "gear changes late",
+        "50 ms",
+        Effects {
+            gear_delay: 0.05,
+            ..NONE
+        },
+        ASKED,
+    ),
+    (
+        "stiffness of the axles",
+        "10 %",
+        Effects {
+            stiffness_difference: 0.1,
+            ..NONE
+        },
+        ASKED,
+    ),
+    (
+        "stiffness falls with load",
+        "p .2",
+        Effects {
+            stiffness_exponent: 0.2,
+            ..NONE
+        },
+        ASKED,
+    ),
+    (
+        "radius sensitivity",
+        "+.005",
+        Effects {
+            radius_sensitivity: 0.005,
+            ..NONE
+        },
+        ASKED,
+    ),
+    ("payload", "mass told", payload(PayloadTold::Mass), ASKED),
+    ("payload", "not told", payload(PayloadTold::Nothing), ASKED),
+    (
+        "good machine",
+        "all a little",
+        Effects {
+            speed_delay: 0.02,
+            brakes: 0.15,
+            steering: 0.12,
+            hinge: 0.05,
+            slope_follows: 0.1,
+            slope_lag: 0.05,
+            stiffness_difference: 0.03,
+            stiffness_exponent: 0.05,
+            radius_sensitivity: 0.001,
+            ..NONE
+        },
+        (0.50, 0.93),
+    ),
+];
+
+/// What a competent user states for a machine of that size: the default, scaled.
+fn scaled(mut settings: Settings, size: Size) -> Settings {
+    let (machine, reference) = (size.machine(), Size::Reference.machine());
+    let heavy = machine.mass / reference.mass;
+    let tall = machine.cg_height / reference.cg_height;
+    let torque = heavy * machine.wheel_radius / reference.wheel_radius;
+    settings.machine.relaxation_length = 0.12;
+    settings.prior.cg_height_std *= tall;
+    settings.prior.spade_force_x_std *= heavy;
+    settings.verdict.excited_torque *= torque;
+    settings.verdict.cg_height_floor *= tall;
+    settings.verdict.converged_height *= tall;
+    if let Some(tuning) = &mut settings.tuning {
+        tuning.noise.spade_force_x *= heavy;
+        tuning.noise.cg_height *= tall;
+        if let Some(digging) = &mut tuning.digging {
+            digging.force *= heavy;
+        }
+        if let Some(clamps) = &mut tuning.clamps {
+            clamps.cg_height = (clamps.cg_height.0, clamps.cg_height.1 * tall);
+        }
+    }
+    settings
+}
+
+/// A machine of one of the three sizes under these effects.
+fn work(effects: Effects, seed: u64) -> Run {
+    let size = Size::REAL[(seed as usize - 1) % Size::REAL.len()];
+    let loads = effects.payload_told != PayloadTold::All;
+    Run {
+        seed,
+        tier: Tier::B,
+        size,
+        effects,
+        duration: Some(DURATION),
+        payload: loads.then(|| PAYLOAD * size.machine().mass),
+        ..Run::new(if loads {
+            Scenario::LoadCycle
+        } else {
+            Scenario::WorkCycle
+        })
+    }
+}
+
+/// Drives the product through a run; `look` sees each answer.
+fn drive(run: &Run, mut look: impl FnMut(&Row, &Estimate)) -> Result<(), Error> {
+    let mut simulation = Simulation::new(run).map_err(Error::refused)?;
+    let (told, candidate) = (*simulation.told(), Candidate::COLD);
+    let Some(first) = simulation.next() else {
+        return Ok(());
+    };
+    let settings = scaled(candidate.settings(&told, &first), run.size);
+    let columns = Columns {
+        acceleration: true,
+        ..Columns::default()
+    };
+    let mut estimator =
+        CgEstimator::new(&settings, Method::Full, columns).map_err(Error::refused)?;
+    for row in std::iter::once(first).chain(simulation) {
+        look(&row, &estimator.step(&candidate.sample(&told, &row)));
+    }
+    Ok(())
+}
+
+fn tally(run: &Run) -> Result<[Tally; 2], Error> {
+    let mut tallies = [Tally::default(), Tally::default()];
+    drive(run, |row, estimate| {
+        for (tally, judged) in tallies.iter_mut().zip(judge(row, estimate)) {
+            tally.push(&judged);
+        }
+    })?;
+    Ok(tallies)
+}
+
+/// Ratio and height.
+fn judge(row: &Row, estimate: &Estimate) -> [Judged; 2] {
+    let moving = row.truth.speed.abs() > MOVING;
+    let judged = |truth: f64, quantity: estimation::Quantity, trusted: bool| Judged {
+        truth,
+        estimate: quantity.value,
+        std: quantity.std,
+        trusted,
+        moving,
+        reason: estimate.reason.name(),
+    };
+    [
+        judged(
+            row.truth.cg_ratio,
+            estimate.cg_ratio,
+            estimate.trusted_ratio,
+        ),
+        judged(
+            row.truth.cg_height,
+            estimate.cg_height,
+            estimate.trusted_height,
+        ),
+    ]
+}
+
+/// Every effect at every severity, ratio and height; the sizes take turns with the seeds.
+pub(super) fn evaluate(options: &Options) -> Result<Report, Error> {
+    let mut lines = Vec::new();
+    for (effect, severity, effects, asked) in CASES {
+        let found = seeds(options, &format!("{effect} {severity}"), |seed| {
+            tally(&work(effects, seed))
+        })?;
+        for (i, what) in ["ratio", "height"].into_iter().enumerate() {
+            let mut sum = Tally::default();
+            found.iter().for_each(|both| sum.add(&both[i]));
+            let mut line = Line::new(effect, severity, what, sum);
+            (line.least_trusted, line.least_covered) = asked;
+            lines.push(line);
+        }
+    }
+    Ok(Report {
+        text: format!(
+            "Loaders at work that are not what their description says, {} seeds of {DURATION} s\n{}",
+            options.seeds,
+            text(&lines)
+        ),
+        json: json(&lines),
+        met: lines.iter().all(Line::met),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sim::fault::Fault;
+
+    #[test]
+    fn a_late_speed_is_learnt_and_nothing_wrong_is_trusted() {
+        let [ratio, height] = tally(&work(late(0.1), 1)).unwrap();
+        assert!(ratio.trusted() > 0.5, "{}", ratio.trusted());
+        assert!(ratio.wrong() <= 0.05, "{}", ratio.wrong());
+        assert!(ratio.covered() > 0.93 && height.covered() > 0.93);
+    }
+
+    #[test]
+    fn a_signal_that_is_lost_or_never_changes_is_named_and_nothing_is_trusted() {
+        for (fault, reason) in [
+            ("front_torque:missing,from=40,to=50", "missing"),
+            ("rear_torque:missing,from=40,to=50", "missing"),
+            ("slope:missing,from=40,to=50", "missing"),
+            ("acceleration:missing,from=40,to=50", "missing"),
+            ("front_wheel_speed:hold,from=40,to=50", "stuck front wheel"),
+            ("rear_wheel_speed:hold,from=40,to=50", "stuck rear wheel"),
+            ("speed:hold,from=40,to=50", "stuck speed"),
+            ("acceleration:hold,from=40,to=50", "stuck acceleration"),
+        ] {
+            let run = Run {
+                faults: vec![Fault::parse(fault).unwrap()],
+                duration: Some(70.0),
+                ..work(NONE, 2)
+            };
+            let (mut named, mut wrong) = (0, 0);
+            drive(&run, |row, estimate| {
+                let gone = (40.6..49.9).contains(&row.time) && row.truth.speed > 1.0;
+                if gone {
+                    assert!(!estimate.fresh, "{fault} at {}", row.time);
+                    assert!(!estimate.trusted_ratio && !estimate.trusted_height);
+                    named += u32::from(estimate.reason.name() == reason);
+                }
+                let away = (estimate.cg_ratio.value / row.truth.cg_ratio - 1.0).abs();
+                wrong += u32::from(estimate.trusted_ratio && away > 0.1);
+            })
+            .unwrap();
+            assert!(named > 500 && wrong == 0, "{fault}: {named}, {wrong}");
+        }
+    }
+}

@@ -1,0 +1,114 @@
+//! Bounds of a recording without end: `--split 10min`, `--keep 20GB`, `--min-free 1GB`.
+
+use std::time::Duration;
+
+use clap::Args;
+use serde::{Deserialize, Serialize};
+
+/// A time or an amount of data.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub enum Bound {
+    /// So long.
+    Time(Duration),
+    /// So many bytes.
+    Bytes(u64),
+}
+
+/// Bounds of the recording
+#[derive(Debug, Clone, Default, PartialEq, Args, Serialize, Deserialize)]
+pub struct LimitArgs {
+    /// Begin a new part of the recording after this time or size: 10min, 1h, 100MB
+    #[arg(long, value_name = "TIME|SIZE", value_parser = bound)]
+    pub split: Option<Bound>,
+    /// Remove the oldest recordings of the folder beyond this size or age: 20GB, 7d
+    #[arg(long, value_name = "SIZE|TIME", value_parser = bound, requires = "split")]
+    pub keep: Option<Bound>,
+    /// Stop recording, not estimating, while the disk has less room than this: 1GB
+    #[arg(long, value_name = "SIZE", value_parser = size)]
+    pub min_free: Option<u64>,
+}
+
+impl LimitArgs {
+    /// The same for the logger.
+    pub fn of_logger(&self) -> logger::Limits {
+        let time = |bound| match bound {
+            Some(Bound::Time(time)) => Some(time),
+            _ => None,
+        };
+        let bytes = |bound| match bound {
+            Some(Bound::Bytes(bytes)) => Some(bytes),
+            _ => None,
+        };
+        logger::Limits {
+            split_after: time(self.split),
+            split_bytes: bytes(self.split),
+            keep_for: time(self.keep),
+            keep_bytes: bytes(self.keep),
+            min_free: self.min_free,
+        }
+    }
+}
+
+/// Units with what they are in seconds or bytes.
+const TIMES: &[(&str, f64)] = &[("s", 1.0), ("min", 60.0), ("h", 3600.0), ("d", 86_400.0)];
+const SIZES: &[(&str, f64)] = &[("kB", 1e3), ("MB", 1e6), ("GB", 1e9), ("TB", 1e12)];
+
+fn bound(text: &str) -> Result<Bound, String> {
+    let at = text
+        .find(|c: char| c.is_ascii_alphabetic())
+        .unwrap_or(text.len());
+    let (number, unit) = text.split_at(at);
+    let number: f64 = number.trim().parse().map_err(|_| wrong(text))?;
+    let within = |units: &[(&str, f64)]| {
+        let found = units
+            .iter()
+            .find(|(name, _)| name.eq_ignore_ascii_case(unit));
+        found.map(|(_, factor)| number * factor)
+    };
+    match (within(TIMES), within(SIZES)) {
+        (Some(time), _) if (1.0..=1e9).contains(&time) => {
+            Ok(Bound::Time(Duration::from_secs_f64(time)))
+        }
+        (_, Some(bytes)) if (1e4..=1e18).contains(&bytes) => Ok(Bound::Bytes(bytes as u64)),
+        _ => Err(wrong(text)),
+    }
+}
+
+fn size(text: &str) -> Result<u64, String> {
+    match bound(text)? {
+        Bound::Bytes(bytes) => Ok(bytes),
+        Bound::Time(_) => Err("give a size, such as 1GB".into()),
+    }
+}
+
+fn wrong(text: &str) -> String {
+    format!("\"{text}\" is neither a time (30s, 10min, 1h, 7d) nor a size (100MB, 20GB)")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_and_sizes_are_told_apart_by_their_unit() {
+        assert_eq!(bound("10min"), Ok(Bound::Time(Duration::from_secs(600))));
+        assert_eq!(bound("1.5 h"), Ok(Bound::Time(Duration::from_secs(5400))));
+        assert_eq!(bound("7d"), Ok(Bound::Time(Duration::from_secs(604_800))));
+        assert_eq!(bound("100MB"), Ok(Bound::Bytes(100_000_000)));
+        assert_eq!(size("20GB"), Ok(20_000_000_000));
+        for wrong in [
+            "",
+            "10",
+            "MB",
+            "-1h",
+            "10 parsecs",
+            "nanmin",
+            "1e300GB",
+            "0s",
+            "1 kB",
+        ] {
+            assert!(bound(wrong).is_err(), "{wrong}");
+        }
+        assert!(size("10min").is_err());
+    }
+}

@@ -1,0 +1,261 @@
+//! Recorded answers against recomputed ones, one after the other in constant memory.
+//!
+//! A stage answers each sample that reached it, in order. Between two recorded answers some may be
+//! missing, and the recording does not say why: the stage may have lost the samples, or answered
+//! them while the logger lost the answers. Each case leaves the stage in another state, so both are
+//! tried, and the next answer decides bit for bit. Where none agrees the state is unknown: what
+//! follows, until the stage began anew, is not checked, and not called a difference either.
+
+use std::collections::VecDeque;
+
+/// Which sample: life of the source, number.
+pub type Place = (u32, u64);
+
+/// How to replay a stage.
+pub trait Replay {
+    /// What it reads.
+    type Input;
+    /// What it answers.
+    type Answer;
+    /// The stage itself.
+    type Step;
+
+    /// The stage as it begins.
+    fn new(&self) -> Self::Step;
+    /// A copy of it.
+    fn fork(&self, step: &Self::Step) -> Self::Step;
+    /// Its answer; `None` to what it cannot read.
+    fn answer(&self, step: &mut Self::Step, input: &Self::Input) -> Option<Self::Answer>;
+    /// Which sample an input is.
+    fn place(&self, input: &Self::Input) -> Place;
+    /// Which sample an answer is to, and how often the stage had been restarted.
+    fn place_and_life(&self, answer: &Self::Answer) -> (Place, u32);
+    /// Name of the first field that differs.
+    fn difference(&self, a: &Self::Answer, b: &Self::Answer) -> Option<&'static str>;
+}
+
+/// What the comparison found.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Compared {
+    /// Recorded answers.
+    pub answers: usize,
+    /// Those that came out the same, bit for bit.
+    pub identical: usize,
+    /// Sequence number and field of the first difference.
+    pub first_difference: Option<(u64, &'static str)>,
+    /// Answers that cannot be checked, because the state before them is unknown.
+    pub unknown: usize,
+}
+
+/// Samples without an answer that are remembered: more than any channel holds.
+const WAITING: usize = 1024;
+
+/// Recomputes every answer. Inputs and answers come in the order of their places.
+pub fn compare<R: Replay>(
+    replay: &R,
+    inputs: impl Iterator<Item = R::Input>,
+    answers: impl Iterator<Item = R::Answer>,
+) -> Compared {
+    let mut inputs = inputs.peekable();
+    let mut result = Compared::default();
+    let mut step = Some(replay.new());
+    let (mut last, mut last_life): (Option<Place>, u32) = (None, 0);
+    for recorded in answers {
+        result.answers += 1;
+        let (place, life) = replay.place_and_life(&recorded);
+        if life != last_life {
+            (step, last_life) = (Some(replay.new()), life);
+        }
+        // Samples that have no recorded answer.
+        let mut waiting = VecDeque::new();
+        let mut passed = 0;
+        while let Some(input) = inputs.next_if(|input| replay.place(input) < place) {
+            passed += 1;
+            if waiting.len() == WAITING {
+                waiting.pop_front();
+            }
+            waiting.push_back(input);
+        }
+        let first = last.map_or(0, |(_, n)| n + 1);
+        let follows = last.is_none_or(|(epoch, _)| epoch == place.0) && place.1 == first;
+        last = Some(place);
+        let sample = inputs.next_if(|input| replay.place(input) == place);
+        let (Some(sample), Some(before)) = (sample, step.take()) else {
+            result.unknown += 1;
+            continue;
+        };
+        let gap = passed > 0 || !follows;
+        match explain(replay, before, &waiting, &sample, &recorded) {
+            Ok(after) => {
+                result.identical += 1;
+                step = Some(after);
+            }
+            // The state before it was known, and so is the one after it.
+            Err((field, after)) if !gap => {
+                result.first_difference.get_or_insert((place.1, field));
+                step = Some(after);
+            }
+            Err(_) => result.unknown += 1,
+        }
+    }
+    result
+}
+
+/// The state after the recorded answer: that of the first case that leads to it. `Err`: where no case
+/// does, the field that differs and the state if nothing is missing.
+fn explain<R: Replay>(
+    replay: &R,
+    before: R::Step,
+    waiting: &VecDeque<R::Input>,
+    sample: &R::Input,
+    recorded: &R::Answer,
+) -> Result<R::Step, (&'static str, R::Step)> {
+    let try_out = |mut step: R::Step, skipped: usize| {
+        for input in waiting.iter().skip(skipped) {
+            let _ = replay.answer(&mut step, input);
+        }
+        let answer = replay.answer(&mut step, sample);
+        let field = answer.map_or(Some("type"), |a| replay.difference(&a, recorded));
+        (field, step)
+    };
+    // None of them reached the stage; all did; the oldest were lost before it.
+    let n = waiting.len();
+    let cases = [n].into_iter().chain(0..n);
+    let mut first = None;
+    for skipped in cases {
+        match try_out(replay.fork(&before), skipped) {
+            (None, after) => return Ok(after),
+            (Some(field), after) => first = first.or(Some((field, after))),
+        }
+    }
+    Err(first.unwrap_or(("type", before)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Adds up what it reads: every sample that it did or did not see shows in all later answers.
+    struct Sum;
+
+    type Answer = (Place, u32, u64);
+
+    impl Replay for Sum {
+        type Input = Place;
+        type Answer = Answer;
+        type Step = u64;
+
+        fn new(&self) -> u64 {
+            7
+        }
+        fn fork(&self, step: &u64) -> u64 {
+            *step
+        }
+        fn answer(&self, step: &mut u64, input: &Place) -> Option<Answer> {
+            *step = step.wrapping_mul(31).wrapping_add(input.1);
+            Some((*input, 0, *step))
+        }
+        fn place(&self, input: &Place) -> Place {
+            *input
+        }
+        fn place_and_life(&self, answer: &Answer) -> (Place, u32) {
+            (answer.0, answer.1)
+        }
+        fn difference(&self, a: &Answer, b: &Answer) -> Option<&'static str> {
+            (a.2 != b.2).then_some("sum")
+        }
+    }
+
+    /// The answers of a stage to the samples that reach it; restarted before each of `restarts`.
+    fn answers(samples: &[Place], reached: impl Fn(u64) -> bool, restarts: &[u64]) -> Vec<Answer> {
+        let (mut step, mut life) = (Sum.new(), 0);
+        let mut out = Vec::new();
+        for sample in samples.iter().filter(|s| reached(s.1)) {
+            if restarts.contains(&sample.1) {
+                (step, life) = (Sum.new(), life + 1);
+            }
+            let answer = Sum.answer(&mut step, sample).expect("an answer");
+            out.push((answer.0, life, answer.2));
+        }
+        out
+    }
+
+    fn samples(n: u64) -> Vec<Place> {
+        (0..n).map(|i| (0, i)).collect()
+    }
+
+    fn check(inputs: &[Place], answers: &[Answer]) -> Compared {
+        compare(&Sum, inputs.iter().copied(), answers.iter().copied())
+    }
+
+    #[test]
+    fn samples_lost_before_a_stage_and_answers_lost_behind_it_are_told_apart() {
+        let inputs = samples(1000);
+        // Of 200 to 699 the oldest 300 never reached the stage; of the answers to the rest 100 are lost.
+        let stage = answers(&inputs, |n| !(200..500).contains(&n), &[]);
+        let logged: Vec<_> = stage
+            .into_iter()
+            .filter(|a| !(500..600).contains(&a.0.1))
+            .collect();
+        let compared = check(&inputs, &logged);
+        assert_eq!(
+            (compared.identical, compared.unknown),
+            (600, 0),
+            "{compared:?}"
+        );
+        // All answers of a stretch lost, all samples lost.
+        let all = answers(&inputs, |_| true, &[]);
+        let logged: Vec<_> = all
+            .into_iter()
+            .filter(|a| !(300..340).contains(&a.0.1))
+            .collect();
+        assert_eq!(check(&inputs, &logged).identical, 960);
+        let some = answers(&inputs, |n| n % 10 != 3, &[]);
+        assert_eq!(check(&inputs, &some).identical, 900);
+    }
+
+    #[test]
+    fn a_stage_whose_source_was_dead_has_no_gap() {
+        // Numbers 300 to 349 were never made: neither samples nor answers are there.
+        let inputs: Vec<_> = samples(1000)
+            .into_iter()
+            .filter(|s| !(300..350).contains(&s.1))
+            .collect();
+        assert_eq!(
+            check(&inputs, &answers(&inputs, |_| true, &[])).identical,
+            950
+        );
+        // A source that was restarted begins a new life, with numbers that may repeat.
+        let twice: Vec<Place> = (0..500)
+            .map(|n| (0, n))
+            .chain((480..900).map(|n| (1, n)))
+            .collect();
+        assert_eq!(
+            check(&twice, &answers(&twice, |_| true, &[])).identical,
+            920
+        );
+    }
+
+    #[test]
+    fn behind_a_gap_of_the_recording_nothing_is_claimed_until_the_stage_begins_anew() {
+        let inputs = samples(1000);
+        let all = answers(&inputs, |_| true, &[700]);
+        // The logger was dead from 300 to 399.
+        let recorded = |n: u64| !(300..400).contains(&n);
+        let logged: Vec<_> = all.iter().copied().filter(|a| recorded(a.0.1)).collect();
+        let seen: Vec<_> = inputs.iter().copied().filter(|s| recorded(s.1)).collect();
+        let compared = check(&seen, &logged);
+        assert_eq!((compared.identical, compared.unknown), (600, 300));
+        assert_eq!(compared.first_difference, None, "no wolf");
+    }
+
+    #[test]
+    fn one_changed_answer_is_a_difference_and_the_rest_is_still_checked() {
+        let inputs = samples(100);
+        let mut all = answers(&inputs, |_| true, &[]);
+        all[40].2 += 1;
+        let compared = check(&inputs, &all);
+        assert_eq!((compared.identical, compared.unknown), (99, 0));
+        assert_eq!(compared.first_difference, Some((40, "sum")));
+    }
+}

@@ -1,0 +1,160 @@
+//! What can go wrong in a run: the words for it in the summary, and whether it costs the exit status.
+//!
+//! The table in `docs/reliability.md` says the same; a test holds them together.
+
+use std::time::Duration;
+
+/// Something that went wrong.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Fault {
+    /// A service died and was started again.
+    Died {
+        /// Which.
+        service: &'static str,
+        /// How, as the system says it.
+        how: String,
+    },
+    /// A service died while the run was ending, and was left dead.
+    DiedAtEnd {
+        /// Which.
+        service: &'static str,
+        /// How, as the system says it.
+        how: String,
+    },
+    /// A service gave no sign of life, was ended and started again.
+    Hung {
+        /// Which.
+        service: &'static str,
+        /// For how long.
+        silence: Duration,
+    },
+    /// A service was asked to end and did not.
+    DidNotEnd {
+        /// Which.
+        service: &'static str,
+    },
+    /// Samples that were due but never measured: the source was away.
+    Unmeasured {
+        /// How many.
+        samples: u64,
+    },
+    /// Samples that were measured and never answered.
+    Unanswered {
+        /// By which service.
+        service: &'static str,
+        /// How many.
+        samples: u64,
+        /// Of how many that were measured.
+        of: u64,
+    },
+    /// The logger found gaps in the channels, or was away.
+    Unrecorded {
+        /// Samples at least.
+        samples: u64,
+    },
+    /// The disk took no more of the recording.
+    Disk,
+    /// The recording could not be made whole.
+    NotJoined {
+        /// Why.
+        why: String,
+    },
+    /// Samples came to a service later than a period.
+    Late {
+        /// To which.
+        service: &'static str,
+        /// How many.
+        samples: u64,
+    },
+}
+
+impl Fault {
+    /// For the summary.
+    pub fn words(&self) -> String {
+        match self {
+            Self::Died { service, how } => format!("{service} died ({how}); it was started again"),
+            Self::DiedAtEnd { service, how } => {
+                format!("{service} died ({how}) while the run was ending")
+            }
+            Self::Hung { service, silence } => format!(
+                "{service} hung: no sign of life for {:.1} s; it was ended and started again",
+                silence.as_secs_f64()
+            ),
+            Self::DidNotEnd { service } => format!("{service} did not end and was killed"),
+            Self::Unmeasured { samples } => {
+                format!("{samples} samples were not measured: the source was away")
+            }
+            Self::Unanswered {
+                service,
+                samples,
+                of,
+            } => format!("{samples} of {of} samples were not answered by {service}"),
+            Self::Unrecorded { samples: 0 } => {
+                "the recording has a gap: the logger was away".into()
+            }
+            Self::Unrecorded { samples } => {
+                format!("the recording has gaps of {samples} messages")
+            }
+            Self::Disk => "the recording is incomplete: the disk took no more".into(),
+            Self::NotJoined { why } => format!("the recording stays in parts: {why}"),
+            Self::Late { service, samples } => {
+                format!("{samples} samples came to {service} later than a period")
+            }
+        }
+    }
+
+    /// Whether the run ends with status 1 because of it: something was lost, or nearly.
+    pub fn costs_the_status(&self) -> bool {
+        !matches!(self, Self::Died { .. } | Self::Late { .. })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_table_of_the_documentation_says_the_same_words_and_status() {
+        let text = include_str!("../../../docs/reliability.md");
+        let killed = || "signal: 9 (SIGKILL)".to_owned();
+        let faults = [
+            Fault::Died {
+                service: "kalman",
+                how: killed(),
+            },
+            Fault::DiedAtEnd {
+                service: "logger",
+                how: killed(),
+            },
+            Fault::Hung {
+                service: "ukf",
+                silence: Duration::from_millis(800),
+            },
+            Fault::DidNotEnd { service: "logger" },
+            Fault::Unmeasured { samples: 12 },
+            Fault::Unanswered {
+                service: "rls",
+                samples: 3,
+                of: 301,
+            },
+            Fault::Unrecorded { samples: 6 },
+            Fault::Disk,
+            Fault::NotJoined {
+                why: "no room".into(),
+            },
+            Fault::Late {
+                service: "ukf",
+                samples: 4,
+            },
+        ];
+        for fault in &faults {
+            let status = u8::from(fault.costs_the_status());
+            let row = format!("| {} | {status} |", fault.words());
+            assert!(text.contains(&row), "{row}");
+        }
+        let rows = text
+            .lines()
+            .filter(|l| l.ends_with("| 0 |") || l.ends_with("| 1 |"));
+        assert_eq!(rows.count(), faults.len(), "no row without a fault");
+    }
+}

@@ -1,0 +1,379 @@
+//! What is recorded where: parts of a bounded length, old ones removed, room left on the disk.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant, SystemTime};
+
+use messages::channels::Channel;
+use messages::{Envelope, Message, Receiver};
+use recording::{Error, Metadata, Writer};
+
+/// Bounds of a recording without end; none of them by default.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Limits {
+    /// A new part after this time.
+    pub split_after: Option<Duration>,
+    /// A new part after so many bytes.
+    pub split_bytes: Option<u64>,
+    /// The oldest recordings of the folder are removed when it holds more bytes than this.
+    pub keep_bytes: Option<u64>,
+    /// Recordings of the folder that were last written longer ago are removed.
+    pub keep_for: Option<Duration>,
+    /// Recording stops while the disk has less room than this [bytes].
+    pub min_free: Option<u64>,
+}
+
+/// A wall clock that is away by more than this from where it was has jumped.
+const JUMP_NS: i64 = 500_000_000;
+/// Time between two attempts to go on after the disk was full.
+const RETRY: Duration = Duration::from_secs(5);
+
+/// Writes messages into the parts of a recording.
+pub struct Recorder {
+    first: PathBuf,
+    metadata: Metadata,
+    limits: Limits,
+    /// None while the disk takes no more.
+    writer: Option<Writer>,
+    part: PathBuf,
+    begun: Instant,
+    wall_offset_ns: i64,
+    stopped: Instant,
+}
+
+impl Recorder {
+    /// Begins the recording `first`, or its next part where there is something in it already.
+    ///
+    /// # Errors
+    /// The file cannot be made.
+    pub fn create(first: &Path, metadata: &Metadata, limits: Limits) -> Result<Self, Error> {
+        let mut recorder = Self {
+            first: first.to_owned(),
+            metadata: metadata.clone(),
+            limits,
+            writer: None,
+            part: first.to_owned(),
+            begun: Instant::now(),
+            wall_offset_ns: 0,
+            stopped: Instant::now(),
+        };
+        recorder.begin()?;
+        Ok(recorder)
+    }
+
+    fn begin(&mut self) -> Result<(), Error> {
+        let begun = std::fs::metadata(&self.first).is_ok_and(|m| m.is_file() && m.len() > 0);
+        // The first part may have been removed already.
+        let next = recording::next_part(&self.first);
+        self.part = if begun || !self.first.exists() {
+            next
+        } else {
+            self.first.clone()
+        };
+        self.wall_offset_ns = wall_offset_ns();
+        let mut metadata = self.metadata.clone();
+        let number = recording::part_number(&self.part);
+        metadata.insert("part".into(), number.to_string());
+        let wall = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
+        let seconds = wall.map_or(0, |d| d.as_secs());
+        metadata.insert("wall_clock.start".into(), date_and_time(seconds));
+        metadata.insert(
+            "wall_clock.minus_monotonic_ns".into(),
+            self.wall_offset_ns.to_string(),
+        );
+        let mut writer = Writer::create(&self.part, &metadata)?;
+        writer.set_wall_offset(self.wall_offset_ns);
+        self.writer = Some(writer);
+        self.begun = Instant::now();
+        Ok(())
+    }
+
+    /// Records a message; false if it is not recorded.
+    ///
+    /// # Errors
+    /// The disk takes no more. Recording stops then, and goes on by itself when there is room.
+    pub fn write(&mut self, channel: &'static Channel, envelope: &Envelope) -> Result<bool, Error> {
+        let Some(writer) = &mut self.writer else {
+            return Ok(false);
+        };
+        match envelope.open(WriteTo(writer, channel)) {
+            Ok(()) => Ok(true),
+            Err(error) => Err(self.stop(error)),
+        }
+    }
+
+    /// Hands everything to the operating system, and looks after room, parts and clock.
+    ///
+    /// # Errors
+    /// As [`Recorder::write`].
+    pub fn flush(&mut self) -> Result<(), Error> {
+        let Some(writer) = &mut self.writer else {
+            return self.try_again();
+        };
+        if let Err(error) = writer.flush() {
+            return Err(self.stop(error));
+        }
+        let size = writer.size();
+        self.look_at_the_clock()?;
+        if let Some(error) = self.lacks_room() {
+            let finished = self.finish();
+            self.stopped = Instant::now();
+            return finished.and(Err(error));
+        }
+        let full = self.limits.split_bytes.is_some_and(|most| size >= most)
+            || self
+                .limits
+                .split_after
+                .is_some_and(|most| self.begun.elapsed() >= most);
+        if full {
+            self.finish()?;
+            self.begin()?;
+            self.remove_old();
+        }
+        Ok(())
+    }
+
+    /// Ends the part: index and footer.
+    ///
+    /// # Errors
+    /// The file cannot be written; what was flushed stays readable.
+    pub fn finish(&mut self) -> Result<(), Error> {
+        self.writer.take().map_or(Ok(()), Writer::finish)
+    }
+
+    fn stop(&mut self, error: Error) -> Error {
+        self.writer = None;
+        self.stopped = Instant::now();
+        error
+    }
+
+    fn try_again(&mut self) -> Result<(), Error> {
+        if self.stopped.elapsed() < RETRY {
+            return Ok(());
+        }
+        self.stopped = Instant::now();
+        self.remove_old();
+        if self.lacks_room().is_some() {
+            return Ok(());
+        }
+        // Still full: that was said when it began.
+        let _ = self.begin();
+        Ok(())
+    }
+
+    /// That the disk has less room than it should.
+    fn lacks_room(&self) -> Option<Error> {
+        let least = self.limits.min_free?;
+        let folder = self.first.parent()?;
+        let disk = rustix::fs::statvfs(folder).ok()?;
+        let free = disk.f_bavail.saturating_mul(disk.f_frsize);
+        (free < least).then(|| Error {
+            what: format!(
+                "the disk has {} MB of room left, less than --min-free asks for",
+                free / 1_000_000
+            ),
+            place: folder.display().to_string(),
+            remedy: "make room: the recording goes on by itself then, in a new part".into(),
+            io: Some(std::io::ErrorKind::StorageFull),
+        })
+    }
+
+    fn look_at_the_clock(&mut self) -> Result<(), Error> {
+        let offset = wall_offset_ns();
+        let jump = offset.saturating_sub(self.wall_offset_ns);
+        if jump.abs() < JUMP_NS {
+            return Ok(());
+        }
+        self.wall_offset_ns = offset;
+        let seconds = jump as f64 / 1e9;
+        tracing::warn!("the wall clock jumped by {seconds:.3} s; the recording keeps its time");
+        let text = format!(
+            "{seconds:.3} s at {} ns of the monotonic clock",
+            monotonic_ns()
+        );
+        match self.writer.as_mut().map(|w| w.note_clock(&text)) {
+            Some(Err(error)) => Err(self.stop(error)),
+            _ => Ok(()),
+        }
+    }
+
+    /// Removes the oldest recordings of the folder until the rest is within its bounds. The part that
+    /// is written stays, and so does what another run is writing, and every file of another name.
+    fn remove_old(&self) {
+        let (
+            Some(folder),
+            Limits {
+                keep_bytes,
+                keep_for,
+                ..
+            },
+        ) = (self.first.parent(), self.limits)
+        else {
+            return;
+        };
+        if keep_bytes.is_none() && keep_for.is_none() {
+            return;
+        }
+        let mut files = recording::files_by_age(folder);
+        files.retain(|(file, _, _)| *file != self.part);
+        let own = self.writer.as_ref().map_or(0, Writer::size);
+        let mut total: u64 = own + files.iter().map(|f| f.2).sum::<u64>();
+        for (file, changed, size) in files {
+            let too_old =
+                keep_for.is_some_and(|most| changed.elapsed().is_ok_and(|age| age > most));
+            let too_much = keep_bytes.is_some_and(|most| total > most);
+            if (too_old || too_much) && !recording::is_being_written(&file) {
+                match std::fs::remove_file(&file) {
+                    Ok(()) => total -= size,
+                    Err(e) => tracing::warn!(file = %file.display(), "cannot remove: {e}"),
+                }
+            }
+        }
+    }
+}
+
+struct WriteTo<'a>(&'a mut Writer, &'static Channel);
+
+impl Receiver for WriteTo<'_> {
+    type Output = Result<(), Error>;
+    fn receive<M: Message>(self, message: &M) -> Self::Output {
+        self.0.write(self.1, message)
+    }
+}
+
+fn monotonic_ns() -> i64 {
+    nanoseconds(rustix::time::ClockId::Monotonic)
+}
+
+/// Wall time minus the monotonic clock [ns].
+fn wall_offset_ns() -> i64 {
+    nanoseconds(rustix::time::ClockId::Realtime) - monotonic_ns()
+}
+
+fn nanoseconds(clock: rustix::time::ClockId) -> i64 {
+    let now = rustix::time::clock_gettime(clock);
+    now.tv_sec * 1_000_000_000 + now.tv_nsec
+}
+
+/// Seconds since 1970 as date and time, UTC (Hinnant's civil_from_days).
+fn date_and_time(seconds: u64) -> String {
+    let (days, rest) = (seconds / 86_400 + 719_468, seconds % 86_400);
+    let (era, day) = (days / 146_097, days % 146_097);
+    let year = (day - day / 1460 + day / 36_524 - day / 146_096) / 365;
+    let of_year = day - (365 * year + year / 4 - year / 100);
+    let month = (5 * of_year + 2) / 153;
+    let of_month = of_year - (153 * month + 2) / 5 + 1;
+    let (month, next) = if month < 10 {
+        (month + 3, 0)
+    } else {
+        (month - 9, 1)
+    };
+    format!(
+        "{:04}-{month:02}-{of_month:02}T{:02}:{:02}:{:02}Z",
+        era * 400 + year + next,
+        rest / 3600,
+        rest / 60 % 60,
+        rest % 60
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use messages::ExcavatorSensors;
+    use messages::channels::EXCAVATOR_SENSORS;
+
+    fn record(recorder: &mut Recorder, numbers: std::ops::Range<u64>) {
+        for number in numbers {
+            let mut message = ExcavatorSensors::default();
+            message.stamp.sequence = number;
+            message.stamp.measured_ns = 1 + number;
+            message.swing_velocity = (number as f64).sin();
+            assert_eq!(
+                recorder.write(&EXCAVATOR_SENSORS, &message.envelope()),
+                Ok(true)
+            );
+        }
+        recorder.flush().expect("room");
+    }
+
+    fn numbers(path: &Path) -> Vec<u64> {
+        let reader = recording::Reader::open(path).expect("a recording");
+        assert!(reader.is_complete(), "each part is whole");
+        let messages = reader.stream::<ExcavatorSensors>("excavator/sensors");
+        messages
+            .expect("sensors")
+            .map(|m| m.stamp.sequence)
+            .collect()
+    }
+
+    #[test]
+    fn a_split_recording_is_read_as_one_and_keeps_what_it_may() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let first = dir.path().join("run.mcap");
+        let mut limits = Limits {
+            split_bytes: Some(20_000),
+            ..Limits::default()
+        };
+        let mut recorder = Recorder::create(&first, &Metadata::new(), limits).expect("made");
+        for i in 0..10 {
+            record(&mut recorder, i * 500..(i + 1) * 500);
+        }
+        recorder.finish().expect("room");
+        let files = recording::files_by_age(dir.path()).len();
+        assert!(files > 3, "{files} parts");
+        assert_eq!(numbers(dir.path()), (0..5000).collect::<Vec<_>>());
+
+        // A second run into the folder, which may hold 100 kB.
+        let second = dir.path().join("run-2.mcap");
+        limits.keep_bytes = Some(100_000);
+        std::fs::write(dir.path().join("notes.mcap.txt"), vec![0; 200_000]).expect("writable");
+        let mut recorder = Recorder::create(&second, &Metadata::new(), limits).expect("made");
+        for i in 0..20 {
+            record(&mut recorder, i * 500..(i + 1) * 500);
+        }
+        recorder.finish().expect("room");
+        let total: u64 = recording::files_by_age(dir.path())
+            .iter()
+            .map(|f| f.2)
+            .sum();
+        assert!((40_000..130_000).contains(&total), "{total} bytes are kept");
+        assert!(!first.exists(), "the oldest go first");
+        let kept = numbers(dir.path());
+        assert_eq!(kept.last(), Some(&9999));
+        assert!(kept.windows(2).all(|w| w[0] + 1 == w[1]), "without a gap");
+        assert!(dir.path().join("notes.mcap.txt").exists());
+    }
+
+    #[test]
+    fn a_disk_with_less_room_than_asked_for_stops_the_recording_with_a_whole_part() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let first = dir.path().join("run.mcap");
+        let limits = Limits {
+            min_free: Some(u64::MAX),
+            ..Limits::default()
+        };
+        let mut recorder = Recorder::create(&first, &Metadata::new(), limits).expect("made");
+        let message = ExcavatorSensors::default();
+        assert_eq!(
+            recorder.write(&EXCAVATOR_SENSORS, &message.envelope()),
+            Ok(true)
+        );
+        assert!(
+            recorder
+                .flush()
+                .is_err_and(|e| e.is_disk_full() && e.what.contains("--min-free"))
+        );
+        assert_eq!(
+            recorder.write(&EXCAVATOR_SENSORS, &message.envelope()),
+            Ok(false)
+        );
+        assert_eq!(numbers(&first), [0]);
+    }
+
+    #[test]
+    fn the_day_is_that_of_the_calendar() {
+        assert_eq!(date_and_time(0), "1970-01-01T00:00:00Z");
+        assert_eq!(date_and_time(951_782_399), "2000-02-28T23:59:59Z");
+        assert_eq!(date_and_time(1_709_208_000), "2024-02-29T12:00:00Z");
+    }
+}

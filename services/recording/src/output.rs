@@ -1,0 +1,164 @@
+//! Files that a command writes: they appear under their name when they are complete, and never in
+//! the place of something that heft did not make.
+
+use std::fs::File;
+use std::io::{self, BufWriter, ErrorKind, Read, Write};
+use std::os::unix::fs::MetadataExt;
+use std::path::{Path, PathBuf};
+
+use crate::Error;
+
+/// A file in the making. It is written beside its place and moved there by [`Output::finish`]; one
+/// that was not finished leaves nothing behind.
+#[derive(Debug)]
+pub struct Output {
+    path: PathBuf,
+    /// Where it is written until then; none where the name is that of a device or a pipe.
+    beside: Option<PathBuf>,
+    out: BufWriter<File>,
+}
+
+impl Output {
+    /// Begins the file `path`, which must not be one of `inputs`, nor hold anything but an
+    /// earlier result of the same kind: `is_ours` is shown its first bytes.
+    ///
+    /// # Errors
+    /// It would destroy something, or cannot be created.
+    pub fn create(
+        path: &Path,
+        inputs: &[&Path],
+        is_ours: impl Fn(&[u8]) -> bool,
+    ) -> Result<Self, Error> {
+        check(path, inputs, is_ours)?;
+        let fail = |e| Error::system("write the result", path, &e);
+        let device = path.exists() && !path.is_file();
+        let (beside, file) = if device {
+            (None, File::options().write(true).open(path).map_err(fail)?)
+        } else {
+            let (beside, file) = beside(path).map_err(fail)?;
+            (Some(beside), file)
+        };
+        Ok(Self {
+            path: path.to_owned(),
+            beside,
+            out: BufWriter::new(file),
+        })
+    }
+
+    /// Gives the file its name.
+    ///
+    /// # Errors
+    /// The file cannot be written; nothing is then left behind.
+    pub fn finish(mut self) -> Result<(), Error> {
+        let fail = |e| Error::system("write the result", &self.path, &e);
+        self.out.flush().map_err(fail)?;
+        if let Some(beside) = &self.beside {
+            self.out.get_ref().sync_all().map_err(fail)?;
+            std::fs::rename(beside, &self.path).map_err(fail)?;
+            self.beside = None;
+        }
+        Ok(())
+    }
+
+    /// Adds bytes.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn put(&mut self, bytes: &[u8]) -> Result<(), Error> {
+        let written = self.out.write_all(bytes);
+        written.map_err(|e| Error::system("write the result", &self.path, &e))
+    }
+}
+
+impl Drop for Output {
+    fn drop(&mut self) {
+        if let Some(beside) = &self.beside {
+            let _ = std::fs::remove_file(beside);
+        }
+    }
+}
+
+/// A new file beside `path`.
+fn beside(path: &Path) -> io::Result<(PathBuf, File)> {
+    for number in 0.. {
+        let mut name = path.as_os_str().to_owned();
+        name.push(format!(".partial-{}-{number}", std::process::id()));
+        match File::create_new(&name) {
+            Err(e) if e.kind() == ErrorKind::AlreadyExists => {}
+            file => return Ok((name.into(), file?)),
+        }
+    }
+    Err(ErrorKind::AlreadyExists.into())
+}
+
+/// Whether a result may be written to `path`, see [`Output::create`].
+///
+/// # Errors
+/// It may not; the error says why.
+pub fn check(path: &Path, inputs: &[&Path], is_ours: impl Fn(&[u8]) -> bool) -> Result<(), Error> {
+    let Ok(there) = std::fs::metadata(path) else {
+        return Ok(());
+    };
+    let refused = |what: &str| {
+        let remedy = "choose another name for the result, or move that file away";
+        Err(Error::new(what, path.display().to_string(), remedy))
+    };
+    let is_input = |input: &&Path| {
+        std::fs::metadata(input).is_ok_and(|m| (m.dev(), m.ino()) == (there.dev(), there.ino()))
+    };
+    if there.is_dir() {
+        return Err(Error::system(
+            "write the result",
+            path,
+            &ErrorKind::IsADirectory.into(),
+        ));
+    }
+    if there.is_file() && inputs.iter().any(is_input) {
+        return refused("the result would overwrite its own input");
+    }
+    if !there.is_file() || there.len() == 0 {
+        return Ok(());
+    }
+    let mut head = Vec::new();
+    let opened = File::open(path).and_then(|f| f.take(4096).read_to_end(&mut head));
+    if opened.is_err() || !is_ours(&head) {
+        return refused("there is a file that is no earlier result; it is not overwritten");
+    }
+    Ok(())
+}
+
+/// The first line of a text, if it is whole.
+pub(crate) fn first_line(head: &[u8]) -> Option<&str> {
+    let end = head.iter().position(|b| *b == b'\n')?;
+    std::str::from_utf8(&head[..end]).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn neither_an_input_nor_a_foreign_file_is_overwritten_but_an_earlier_result_is() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let at = |name: &str| dir.path().join(name);
+        let ours = |head: &[u8]| head.starts_with(b"ours");
+        let write = |to: &str, inputs: &[&Path]| -> Result<(), Error> {
+            let mut out = Output::create(&at(to), inputs, ours)?;
+            out.put(b"ours, again")?;
+            out.finish()
+        };
+        std::fs::write(at("in"), "ours").expect("writable");
+        std::fs::hard_link(at("in"), at("hard")).expect("linkable");
+        std::os::unix::fs::symlink(at("in"), at("soft")).expect("linkable");
+        std::fs::write(at("foreign"), "theirs").expect("writable");
+        for name in ["in", "hard", "soft"] {
+            assert!(write(name, &[&at("in")]).is_err(), "{name}");
+        }
+        assert!(write("foreign", &[]).is_err());
+        assert_eq!(std::fs::read(at("in")).expect("there"), b"ours");
+        assert_eq!(write("new", &[&at("in")]), Ok(()));
+        assert_eq!(write("new", &[&at("in")]), Ok(()), "an earlier result");
+        drop(Output::create(&at("half"), &[], ours));
+        assert_eq!(std::fs::read_dir(dir.path()).expect("there").count(), 5);
+    }
+}

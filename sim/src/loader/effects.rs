@@ -1,0 +1,279 @@
+//! What machines do that the reference plant leaves out, each alone or together.
+//!
+//! | effect | what |
+//! |---|---|
+//! | late speed | a satellite receiver or radar filters: the speed comes later than the rest |
+//! | brakes | friction brakes take a share of the braking, 55 % of it in front; nobody measures their torque |
+//! | steering | the machine bends in its hinge and drives curves: front and rear axle run at different speeds |
+//! | locked drive | the centre drive is locked: both axles turn alike, and the torques are not those of the split |
+//! | slope sensor | an inclinometer follows the acceleration by a share of a/g, and lags |
+//! | gear changes | the torque breaks in for 0.3 s at every change of gear, and is reported later than it acts |
+//! | tyres | the stiffness of the axles differs; it falls with the load as (F_z/F_0)^-p; the radius gives more than is told |
+//! | payload | the mass is told and the boom is not, or neither |
+
+use std::collections::VecDeque;
+
+use super::plant::{GRAVITY, Machine};
+
+/// Share of the front axle in the braking of the friction brakes.
+const FRONT_BRAKES: f64 = 0.55;
+/// Friction brakes come in over this wheel speed [rad/s].
+const BRAKE_FADE: f64 = 0.2;
+/// A curve takes this long, left and right [s].
+const CURVE: f64 = 9.0;
+/// Share of the time that is spent in curves.
+const CURVES: f64 = 0.5;
+/// Speed at which the gear changes [m/s].
+const GEAR_SPEED: f64 = 2.5;
+/// How long a change of gear takes [s], and the torque that remains.
+const GEAR_CHANGE: (f64, f64) = (0.3, 0.3);
+
+/// What is told of a payload.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PayloadTold {
+    /// The mass, and when the boom moves.
+    #[default]
+    All,
+    /// The mass alone.
+    Mass,
+    /// Nothing.
+    Nothing,
+}
+
+/// The effects; the default is none.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Effects {
+    /// Delay of the speed [s].
+    pub speed_delay: f64,
+    /// Share of the braking that friction brakes take.
+    pub brakes: f64,
+    /// There is a signal that says when they act.
+    pub brakes_told: bool,
+    /// Largest articulation [rad].
+    pub steering: f64,
+    /// Articulation and yaw rate are measured.
+    pub steering_told: bool,
+    /// Way from the middle of the wheelbase to the hinge, in wheelbases, forward positive.
+    pub hinge: f64,
+    /// The centre drive is locked.
+    pub locked_drive: bool,
+    /// Share of a/g that the slope sensor follows.
+    pub slope_follows: f64,
+    /// Time constant of the slope sensor [s].
+    pub slope_lag: f64,
+    /// The torque of a gear change is reported this much later [s]; 0 is a machine without gears.
+    pub gear_delay: f64,
+    /// Slip stiffness of the front axle over that of the rear, less one.
+    pub stiffness_difference: f64,
+    /// Exponent p of the stiffness that falls with the load.
+    pub stiffness_exponent: f64,
+    /// Load sensitivity of the radius beyond the told one.
+    pub radius_sensitivity: f64,
+    /// What is told of a payload.
+    pub payload_told: PayloadTold,
+}
+
+/// The machine bent in its hinge.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Bend {
+    /// Articulation, positive turning left [rad].
+    pub angle: f64,
+    /// Its rate [rad/s].
+    pub rate: f64,
+}
+
+impl Effects {
+    /// The machine with the tyres of these effects.
+    pub(super) fn apply(&self, machine: &mut Machine) {
+        machine.stiffness_difference = self.stiffness_difference;
+        machine.stiffness_exponent = self.stiffness_exponent;
+        machine.radius_load_sensitivity += self.radius_sensitivity;
+        machine.locked_drive = self.locked_drive;
+        machine.hinge = self.hinge;
+    }
+
+    /// Torque of the friction brakes on both axles [N m], against the rolling direction, and the drive torque that remains.
+    ///
+    /// They take their share of an axle torque that brakes.
+    pub(super) fn brake(&self, torques: [f64; 2], wheel_speed: f64) -> ([f64; 2], [f64; 2]) {
+        let braking = (torques[0] + torques[1]) * wheel_speed < 0.0 && self.brakes > 0.0;
+        if !braking {
+            return ([0.0; 2], torques);
+        }
+        let taken = self.brakes * (torques[0] + torques[1]);
+        // The drive turns at rest: a brake does not push.
+        let grip = (wheel_speed.abs() / BRAKE_FADE).min(1.0);
+        (
+            [
+                FRONT_BRAKES * taken * grip,
+                (1.0 - FRONT_BRAKES) * taken * grip,
+            ],
+            torques.map(|t| (1.0 - self.brakes) * t),
+        )
+    }
+
+    /// The bend at time `t`.
+    pub(super) fn bend(&self, t: f64) -> Bend {
+        if self.steering == 0.0 {
+            return Bend::default();
+        }
+        let phase = (t / CURVE).fract() / CURVES;
+        if phase >= 1.0 {
+            return Bend::default();
+        }
+        let side = if (t / CURVE) as u64 % 2 == 0 {
+            1.0
+        } else {
+            -1.0
+        };
+        let way = std::f64::consts::PI * phase;
+        let rate = std::f64::consts::PI / (CURVE * CURVES);
+        // In and out over the curve, smooth at both ends.
+        Bend {
+            angle: side * self.steering * way.sin() * way.sin(),
+            rate: side * self.steering * (2.0 * way).sin() * rate,
+        }
+    }
+}
+
+/// Speeds of front over rear axle: slope and offset, v_front = slope v + offset, for a machine bent in its hinge.
+///
+/// With l_f, l_r from the hinge to the axles: the rear body moves at v along its axis, the hinge follows, and the front axle
+/// rolls without side slip.
+pub(super) fn front_speed(machine: &Machine, bend: &Bend) -> (f64, f64) {
+    let front = (0.5 - machine.hinge) * machine.wheelbase;
+    let rear = machine.wheelbase - front;
+    let (sin, cos) = bend.angle.sin_cos();
+    let turn = front + rear * cos;
+    // Yaw rate of the rear body: (v sin - front rate)/(front + rear cos); v_front = v cos + rear yaw sin.
+    (
+        cos + rear * sin * sin / turn,
+        -rear * sin * front * bend.rate / turn,
+    )
+}
+
+/// Yaw rate of the rear body [rad/s], positive turning left.
+pub(super) fn yaw_rate(machine: &Machine, bend: &Bend, speed: f64) -> f64 {
+    let front = (0.5 - machine.hinge) * machine.wheelbase;
+    let rear = machine.wheelbase - front;
+    let (sin, cos) = bend.angle.sin_cos();
+    (speed * sin - front * bend.rate) / (front + rear * cos)
+}
+
+/// The gears: when they change, and the torque that remains.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Gears {
+    high: bool,
+    /// Times of the last changes.
+    changes: VecDeque<f64>,
+}
+
+impl Gears {
+    /// Follows the speed at time `t`.
+    pub fn follow(&mut self, t: f64, speed: f64) {
+        let limit = if self.high {
+            0.9 * GEAR_SPEED
+        } else {
+            GEAR_SPEED
+        };
+        if (speed > limit) != self.high {
+            self.high = !self.high;
+            self.changes.push_back(t);
+            if self.changes.len() > 8 {
+                self.changes.pop_front();
+            }
+        }
+    }
+
+    /// Share of the torque that passes at time `t`.
+    pub fn share(&self, t: f64) -> f64 {
+        let (time, least) = GEAR_CHANGE;
+        let during = |from: &f64| (0.0..time).contains(&(t - from));
+        match self.changes.iter().rev().find(|from| during(from)) {
+            Some(from) => {
+                let x = (2.0 * (t - from) / time - 1.0).abs();
+                least + (1.0 - least) * x * x
+            }
+            None => 1.0,
+        }
+    }
+}
+
+/// A signal that comes late: its values of the last second.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Late {
+    values: VecDeque<(f64, f64)>,
+}
+
+impl Late {
+    /// Takes the value at `t` and gives that of `delay` earlier, between rows linear.
+    pub fn pass(&mut self, t: f64, value: f64, delay: f64) -> f64 {
+        if delay <= 0.0 {
+            return value;
+        }
+        self.values.push_back((t, value));
+        let wanted = t - delay;
+        while self.values.len() > 2 && self.values[1].0 <= wanted {
+            self.values.pop_front();
+        }
+        let (a, b) = (self.values[0], self.values[self.values.len().min(2) - 1]);
+        if b.0 <= a.0 || wanted <= a.0 {
+            return a.1;
+        }
+        a.1 + (b.1 - a.1) * ((wanted - a.0) / (b.0 - a.0)).min(1.0)
+    }
+}
+
+/// An inclinometer that follows the acceleration and lags.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Inclinometer {
+    shown: Option<f64>,
+}
+
+impl Inclinometer {
+    /// What it shows on a slope [rad] under an acceleration [m/s^2], `dt` after the last time.
+    pub fn show(&mut self, effects: &Effects, slope: f64, acceleration: f64, dt: f64) -> f64 {
+        let seen = slope + effects.slope_follows * acceleration / GRAVITY;
+        let shown = self.shown.get_or_insert(seen);
+        let weight = if effects.slope_lag > 0.0 {
+            (dt / effects.slope_lag).min(1.0)
+        } else {
+            1.0
+        };
+        *shown += weight * (seen - *shown);
+        *shown
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_hinge_in_the_middle_of_a_steady_curve_moves_both_axles_alike() {
+        let bend = Bend {
+            angle: 0.3,
+            rate: 0.0,
+        };
+        let speed = |hinge: f64| {
+            let machine = Machine {
+                hinge,
+                ..Machine::NOMINAL
+            };
+            front_speed(&machine, &bend).0
+        };
+        assert!((speed(0.0) - 1.0).abs() < 1e-12);
+        // A hinge nearer to the front: the front axle's circle is the larger one, by some gamma^2 per wheelbase.
+        assert!(speed(0.1) > 1.005 && speed(-0.1) < 0.995, "{}", speed(0.1));
+    }
+
+    #[test]
+    fn a_late_signal_is_what_it_was() {
+        let mut late = Late::default();
+        let last = (0..100).fold(0.0, |_, k| {
+            let t = f64::from(k) * 0.01;
+            late.pass(t, 3.0 * t, 0.085)
+        });
+        assert!((last - 3.0 * (0.99 - 0.085)).abs() < 1e-9, "{last}");
+    }
+}

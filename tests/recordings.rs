@@ -1,0 +1,231 @@
+//! No command destroys a recording, an input or another file: what a user can type by mistake.
+
+mod common;
+
+use std::path::Path;
+use std::time::Duration;
+
+use common::{Running, both, kill, run, run_ok, sequences, wait_until};
+use messages::ExcavatorSensors;
+use recording::Reader;
+use rustix::process::Signal;
+
+fn path(path: &Path) -> &str {
+    path.to_str().expect("a path")
+}
+
+/// A short run into `folder`.
+fn record(folder: &Path, more: &[&str]) -> String {
+    let domain = common::domain(&format!("rec-{}", more.len()));
+    let run = [
+        "run",
+        "excavator",
+        "--pace",
+        "max",
+        "--quiet",
+        "--duration",
+        "4",
+    ];
+    let place = ["--domain", &domain, "--out", path(folder)];
+    run_ok(&[&run[..], &place, more].concat())
+}
+
+#[test]
+fn a_second_run_into_a_folder_leaves_the_first_recording_and_report_as_they_are() {
+    let folder = tempfile::tempdir().expect("a folder");
+    record(folder.path(), &[]);
+    let first = folder.path().join("run.mcap");
+    let before = std::fs::read(&first).expect("a recording");
+    let page = std::fs::read(folder.path().join("report.html")).expect("a report");
+    let text = record(folder.path(), &[]);
+    assert!(
+        text.contains("run-2.mcap") && text.contains("report-2.html"),
+        "{text}"
+    );
+    assert_eq!(std::fs::read(&first).expect("a recording"), before);
+    assert_eq!(
+        std::fs::read(folder.path().join("report.html")).expect("a report"),
+        page
+    );
+    // Two at once.
+    let start = |name: &str| {
+        let mut command = common::heft();
+        command.args([
+            "run",
+            "excavator",
+            "--quiet",
+            "--no-report",
+            "--duration",
+            "1",
+            "--domain",
+        ]);
+        command
+            .arg(common::domain(name))
+            .arg("--out")
+            .arg(folder.path());
+        command.spawn().expect("heft starts")
+    };
+    for mut child in [start("one"), start("two")] {
+        assert!(child.wait().expect("heft ends").success());
+    }
+    for name in ["run-2.mcap", "run-3.mcap", "run-4.mcap"] {
+        assert!(
+            Reader::open(folder.path().join(name))
+                .expect(name)
+                .is_complete()
+        );
+    }
+}
+
+#[test]
+fn the_recording_of_a_running_pipeline_can_be_read_and_is_complete_in_the_end() {
+    let running = Running::start(
+        "readers",
+        &["excavator", "--duration", "6", "--rate", "500"],
+    );
+    running.wait_for_services();
+    let recording = running.recording();
+    wait_until("something is recorded", Duration::from_secs(20), || {
+        Reader::open(&recording).is_ok_and(|r| !r.channels().is_empty())
+    });
+    let out = tempfile::tempdir().expect("a folder");
+    let (page, tables) = (out.path().join("r.html"), out.path().join("tables"));
+    let readers: [&[&str]; 3] = [
+        &["report", path(&recording), "-o", path(&page)],
+        &["replay", path(&recording), "--verify"],
+        &["export", path(&recording), "-o", path(&tables)],
+    ];
+    for args in readers {
+        let output = run(args);
+        assert_eq!(output.status.code(), Some(0), "{args:?}: {}", both(&output));
+        assert!(
+            both(&output).contains("it is being written"),
+            "{}",
+            both(&output)
+        );
+    }
+    let output = run(&["recover", path(&recording)]);
+    assert_eq!(output.status.code(), Some(2), "{}", both(&output));
+    let (output, folder) = running.wait();
+    assert!(output.status.success(), "{}", both(&output));
+    let sensors =
+        sequences::<ExcavatorSensors>(&folder.path().join("run.mcap"), "excavator/sensors");
+    assert_eq!(sensors, (0..=3000).collect::<Vec<_>>());
+}
+
+#[test]
+fn after_a_power_cut_the_parts_of_a_restarted_logger_are_read_as_one() {
+    let running = Running::start("parts", &["excavator", "--duration", "60", "--rate", "200"]);
+    running.wait_for_services();
+    std::thread::sleep(Duration::from_secs(2));
+    kill(running.service("logger").expect("a process"), Signal::KILL);
+    let second = running.folder.path().join("run.part2.mcap");
+    wait_until("the next part is written", Duration::from_secs(20), || {
+        Reader::open(&second).is_ok_and(|r| !r.channels().is_empty())
+    });
+    std::thread::sleep(Duration::from_secs(1));
+    let names = ["sensor", "kalman", "rls", "ukf", "logger"];
+    let all: Vec<u32> = names.iter().filter_map(|n| running.service(n)).collect();
+    running.signal(Signal::KILL);
+    all.into_iter().for_each(|pid| kill(pid, Signal::KILL));
+    let (_, folder) = running.wait();
+    let first = folder.path().join("run.mcap");
+    let count = |file: &Path| sequences::<ExcavatorSensors>(file, "excavator/sensors");
+    let (alone, both_parts) = (count(&second), count(&first));
+    assert!(
+        alone.len() > 100 && both_parts.len() > alone.len() + 200,
+        "{} {}",
+        alone.len(),
+        both_parts.len()
+    );
+    assert_eq!(
+        count(folder.path()),
+        both_parts,
+        "the folder stands for its recording"
+    );
+    let text = run_ok(&["recover", path(&first)]);
+    assert!(text.contains("from 2 parts"), "{text}");
+    assert_eq!(count(&folder.path().join("run.recovered.mcap")), both_parts);
+    assert!(first.exists() && second.exists(), "the parts stay");
+}
+
+#[test]
+fn nothing_is_written_over_what_is_read_or_over_a_foreign_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name);
+    std::fs::copy(
+        common::golden("excavator_input_base_case1.csv"),
+        at("x.csv"),
+    )
+    .expect("copied");
+    std::fs::copy(
+        common::golden("recordings/excavator-cfdbb98.mcap"),
+        at("run.mcap"),
+    )
+    .expect("copied");
+    std::fs::hard_link(at("x.csv"), at("same.csv")).expect("linked");
+    std::os::unix::fs::symlink(at("run.mcap"), at("link.html")).expect("linked");
+    std::fs::write(at("notes.csv"), "day,fuel\n1,20\n").expect("written");
+    let (csv, mcap) = (at("x.csv"), at("run.mcap"));
+    let before = [std::fs::read(&csv), std::fs::read(&mcap)].map(|b| b.expect("there"));
+    let estimate = |to: &str| {
+        vec![
+            "estimate".to_owned(),
+            path(&csv).into(),
+            "--machine".into(),
+            "excavator".into(),
+            "-o".into(),
+            path(&at(to)).into(),
+        ]
+    };
+    let report = |to: &str| {
+        vec![
+            "report".to_owned(),
+            path(&mcap).into(),
+            "-o".into(),
+            path(&at(to)).into(),
+        ]
+    };
+    for args in [
+        estimate("x.csv"),
+        estimate("same.csv"),
+        estimate("notes.csv"),
+        estimate("run.mcap"),
+        report("run.mcap"),
+        report("link.html"),
+        report("x.csv"),
+    ] {
+        let args: Vec<&str> = args.iter().map(String::as_str).collect();
+        let output = run(&args);
+        assert_eq!(output.status.code(), Some(2), "{args:?}: {}", both(&output));
+    }
+    let after = [std::fs::read(&csv), std::fs::read(&mcap)].map(|b| b.expect("there"));
+    assert!(before == after);
+    // An earlier result of the same kind is replaced.
+    for _ in 0..2 {
+        let args = estimate("estimates.csv");
+        run_ok(&args.iter().map(String::as_str).collect::<Vec<_>>());
+    }
+    assert_eq!(
+        std::fs::read_dir(folder.path()).expect("there").count(),
+        6,
+        "nothing beside"
+    );
+}
+
+#[test]
+fn a_split_run_is_whole_in_every_part_and_as_one() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = record(folder.path(), &["--rate", "1000", "--split", "1s"]);
+    assert!(text.contains("run.mcap"), "{text}");
+    let parts: Vec<_> = std::fs::read_dir(folder.path())
+        .expect("there")
+        .map(|e| e.expect("an entry").path())
+        .filter(|p| p.extension().is_some_and(|e| e == "mcap"))
+        .collect();
+    assert!(!parts.is_empty());
+    let sensors = sequences::<ExcavatorSensors>(folder.path(), "excavator/sensors");
+    assert_eq!(sensors, (0..=4000).collect::<Vec<_>>());
+    let text = run_ok(&["replay", path(folder.path()), "--verify"]);
+    assert!(!text.contains("cannot be checked"), "{text}");
+}

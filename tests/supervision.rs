@@ -1,0 +1,229 @@
+//! What the supervisor notices, says and survives: services that hang, that die while the run starts
+//! or ends, signals, a standard output that nobody reads.
+
+mod common;
+
+use std::process::Stdio;
+use std::time::{Duration, Instant};
+
+use common::{Running, both, heft, kill, wait_until};
+use rustix::process::Signal;
+
+fn cycle(name: &str, seconds: &str) -> Running {
+    let args = ["excavator", "--scenario", "cycle", "--duration", seconds];
+    let running = Running::start(name, &args);
+    running.wait_for_services();
+    wait_until("it records", Duration::from_secs(20), || {
+        let about = running.recording().metadata();
+        about.is_ok_and(|file| file.len() > 20_000)
+    });
+    running
+}
+
+#[test]
+fn a_stopped_service_is_noticed_within_a_second_started_again_told_and_costs_the_status() {
+    let running = cycle("stop", "60");
+    std::thread::sleep(Duration::from_secs(1));
+    for name in ["ukf", "sensor", "logger"] {
+        let victim = running.service(name).expect("it runs");
+        let begun = Instant::now();
+        kill(victim, Signal::STOP);
+        wait_until("another is there", Duration::from_secs(5), || {
+            running.service(name).is_some_and(|pid| pid != victim)
+        });
+        let noticed = begun.elapsed();
+        // A tenth for the restart, two for a loaded test machine.
+        assert!(noticed < Duration::from_millis(1300), "{name}: {noticed:?}");
+        std::thread::sleep(Duration::from_millis(300));
+    }
+    running.signal(Signal::TERM);
+    let (output, _folder) = running.wait();
+    let text = both(&output);
+    assert_eq!(output.status.code(), Some(1), "{text}");
+    for words in [
+        "ukf hung",
+        "sensor hung",
+        "logger hung",
+        "not answered by ukf",
+    ] {
+        assert!(text.contains(words), "{words}: {text}");
+    }
+}
+
+#[test]
+fn a_short_stop_is_forgiven() {
+    let running = cycle("nap", "4");
+    let victim = running.service("rls").expect("it runs");
+    kill(victim, Signal::STOP);
+    std::thread::sleep(Duration::from_millis(200));
+    kill(victim, Signal::CONT);
+    let (output, _folder) = running.wait();
+    assert!(output.status.success(), "{}", both(&output));
+    assert!(!both(&output).contains("hung"), "{}", both(&output));
+}
+
+#[test]
+fn a_run_ends_within_five_seconds_whatever_hangs() {
+    let running = cycle("hang", "60");
+    std::thread::sleep(Duration::from_millis(500));
+    for name in ["sensor", "kalman", "rls", "ukf", "logger"] {
+        kill(running.service(name).expect("it runs"), Signal::STOP);
+    }
+    let begun = Instant::now();
+    running.signal(Signal::TERM);
+    let (output, _folder) = running.wait();
+    assert!(
+        begun.elapsed() < Duration::from_secs(5),
+        "{:?}",
+        begun.elapsed()
+    );
+    assert_eq!(output.status.code(), Some(1), "{}", both(&output));
+    assert!(both(&output).contains("ukf hung"), "{}", both(&output));
+}
+
+#[test]
+fn a_death_before_the_service_is_ready_is_a_death_like_any_other() {
+    for name in ["sensor", "kalman", "logger"] {
+        let running = Running::start(&format!("early-{name}"), &["excavator", "--duration", "1"]);
+        let mut victim = None;
+        wait_until("it appears", Duration::from_secs(10), || {
+            victim = running.service(name);
+            victim.is_some()
+        });
+        kill(victim.expect("a process"), Signal::KILL);
+        let (output, _folder) = running.wait();
+        let text = both(&output);
+        assert!(output.status.success(), "nothing was lost: {text}");
+        assert!(text.contains(&format!("{name} died")), "{text}");
+    }
+}
+
+#[test]
+fn a_logger_that_dies_while_the_run_ends_is_told_and_its_recording_can_be_read() {
+    let running = cycle("drain", "60");
+    std::thread::sleep(Duration::from_millis(1500));
+    // The drain waits for a stage that is held up.
+    kill(running.service("ukf").expect("it runs"), Signal::STOP);
+    running.signal(Signal::TERM);
+    std::thread::sleep(Duration::from_millis(200));
+    kill(running.service("logger").expect("it runs"), Signal::KILL);
+    let (output, folder) = running.wait();
+    let text = both(&output);
+    assert_eq!(output.status.code(), Some(1), "{text}");
+    assert!(text.contains("logger died"), "{text}");
+    let numbers = common::sequences::<messages::ExcavatorSensors>(
+        &folder.path().join("run.mcap"),
+        "excavator/sensors",
+    );
+    assert!(numbers.len() > 50, "{} samples", numbers.len());
+}
+
+#[test]
+fn a_terminal_that_hangs_up_ends_a_run_in_order() {
+    let running = cycle("hup", "60");
+    std::thread::sleep(Duration::from_millis(500));
+    running.signal(Signal::HUP);
+    let (output, _folder) = running.wait();
+    assert!(output.status.success(), "{}", both(&output));
+    assert!(both(&output).contains("recording"), "{}", both(&output));
+}
+
+#[test]
+fn an_answer_that_nobody_takes_is_said_on_standard_error_and_costs_the_status() {
+    let full = || {
+        std::fs::OpenOptions::new()
+            .write(true)
+            .open("/dev/full")
+            .expect("/dev/full")
+    };
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = [
+        "run",
+        "excavator",
+        "--duration",
+        "0.5",
+        "--no-report",
+        "--out",
+    ];
+    let commands = [
+        vec!["doctor"],
+        vec!["completions", "bash"],
+        vec!["run", "loader", "--scenario", "list"],
+        run.to_vec(),
+    ];
+    for (i, mut args) in commands.into_iter().enumerate() {
+        if i == 3 {
+            args.push(folder.path().to_str().expect("a path"));
+        }
+        let output = heft()
+            .args(&args)
+            .stdout(Stdio::from(full()))
+            .output()
+            .expect("heft starts");
+        let text = both(&output);
+        assert_eq!(output.status.code(), Some(1), "{args:?}: {text}");
+        assert!(text.contains("cannot write the answer"), "{args:?}: {text}");
+        let output = heft()
+            .args(&args)
+            .stderr(Stdio::from(full()))
+            .output()
+            .expect("heft starts");
+        assert!(
+            output.status.code().is_some_and(|c| c < 2),
+            "{args:?}: {}",
+            output.status
+        );
+    }
+}
+
+#[test]
+fn few_open_files_are_refused_with_the_command_that_helps() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let script = format!(
+        "ulimit -n 64; {} run excavator --duration 1 --out {}",
+        env!("CARGO_BIN_EXE_heft"),
+        folder.path().display()
+    );
+    let output = std::process::Command::new("sh")
+        .args(["-c", &script])
+        .output()
+        .expect("sh");
+    assert_eq!(output.status.code(), Some(2), "{}", both(&output));
+    assert!(both(&output).contains("ulimit -n"), "{}", both(&output));
+}
+
+#[test]
+fn the_service_manager_is_told_that_a_run_is_ready_and_awake() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("notify");
+    let socket = std::os::unix::net::UnixDatagram::bind(&path).expect("a socket");
+    socket
+        .set_read_timeout(Some(Duration::from_secs(10)))
+        .expect("a limit");
+    let mut child = heft()
+        .args([
+            "run",
+            "excavator",
+            "--duration",
+            "2",
+            "--quiet",
+            "--no-report",
+            "--out",
+        ])
+        .arg(folder.path().join("out"))
+        .env("NOTIFY_SOCKET", &path)
+        .env("WATCHDOG_USEC", "900000")
+        .stdout(Stdio::null())
+        .spawn()
+        .expect("heft starts");
+    let mut heard = Vec::new();
+    while heard.last().is_none_or(|w| w != "STOPPING=1") {
+        let mut word = [0; 64];
+        let n = socket.recv(&mut word).expect("a word in time");
+        heard.push(String::from_utf8_lossy(&word[..n]).into_owned());
+    }
+    assert!(child.wait().expect("it ends").success());
+    let ready = heard.iter().position(|w| w == "READY=1").expect("ready");
+    let awake = heard[ready..].iter().filter(|w| *w == "WATCHDOG=1").count();
+    assert!(awake >= 4, "{heard:?}");
+}
