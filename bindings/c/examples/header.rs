@@ -172,12 +172,16 @@ fn close(out: &mut String, table: &str) {
     }
 }
 
-/// Unit and words of a signal or a value; the boom's motion is a bit of the messages.
+/// Unit and words of a signal or a value; the boom's motion and the brakes are bits of the messages.
 fn field<M: Message>(name: &str) -> (&'static str, &'static str) {
     let found = M::FIELDS.iter().find(|field: &&Field| field.name == name);
     match found {
         Some(field) => (field.unit, field.doc.trim()),
         None if name == "boom_moving" => ("", "Above 0 while the boom moves; 0 or NAN: it rests."),
+        None if name == "brake" => (
+            "",
+            "Above 0 while friction brakes act; 0 or NAN: they do not.",
+        ),
         None => panic!("the message {} has no field {name}", M::NAME),
     }
 }

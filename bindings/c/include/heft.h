@@ -58,6 +58,8 @@ extern "C" {
 #define HEFT_EXCAVATOR_COLUMN_BOOM_ANGLE (1u << 3)
 #define HEFT_EXCAVATOR_COLUMN_ARM_ANGLE (1u << 4)
 #define HEFT_EXCAVATOR_COLUMN_BUCKET_ANGLE (1u << 5)
+#define HEFT_EXCAVATOR_COLUMN_PITCH (1u << 6)
+#define HEFT_EXCAVATOR_COLUMN_ROLL (1u << 7)
 
 /* Bits of `flags` of an estimate. */
 #define HEFT_EXCAVATOR_FLAG_EXCITED (1u << 0)
@@ -91,6 +93,8 @@ typedef struct {
   double boom_angle; /* Boom angle to the horizontal, up positive. [rad] */
   double arm_angle; /* Arm angle relative to the boom. [rad] */
   double bucket_angle; /* Bucket angle relative to the arm. [rad] */
+  double pitch; /* Pitch of the upper body, nose up positive. [rad] */
+  double roll; /* Roll of the upper body, left side low positive. [rad] */
 } heft_excavator_sample;
 
 /* The answer to a row. */
@@ -118,14 +122,22 @@ typedef struct {
   uint32_t flags; /* HEFT_EXCAVATOR_FLAG_... */
   uint32_t estimated; /* HEFT_EXCAVATOR_ESTIMATED_... */
   uint32_t method; /* HEFT_EXCAVATOR_METHOD_..., the one at work. */
-  uint32_t reserved; /* 0 */
+  uint32_t reason; /* Code of the reason why it is not trusted; 0 for none. */
 } heft_excavator_estimate;
 
-/* Settings, as in a description; flags are 0 or 1, choices count from 0, NAN is "none". */
+/* Settings, as in a description; flags are 0 or 1, choices count from 0, NAN is "none" and ends a list. */
 typedef struct {
   struct {
     double nominal_damping; /* Viscous damping of the swing, as known beforehand (b-bar). [N m s/rad] */
     double coulomb_friction; /* Coulomb friction torque of the swing. [N m] */
+    double coulomb_friction_std; /* Standard deviation of the Coulomb friction; "none" takes prior.friction_std. [N m] */
+    double drive_efficiency; /* Efficiency of the swing drive: driving torque arrives times it, braking torque divided by it. */
+    double drive_efficiency_std; /* Its standard deviation. */
+    double upper_first_moment; /* First moment of the upper body without boom, arm and bucket about the swing axis, forward positive (a counterweight makes it negative); "none" takes one that balances the folded, empty attachment. [kg m] */
+    double upper_first_moment_std; /* Its standard deviation; "none" takes 3 % of a stated moment, 30 % of one that is not. [kg m] */
+    double slope_std; /* Standard deviation of the slope of the ground along each of two axes. [rad] */
+    double mass_tolerance; /* Relative standard deviation of the described masses and inertias. */
+    double geometry_tolerance; /* Relative standard deviation of the described lengths. */
     double upper_inertia; /* Inertia of the upper body without boom, arm and bucket, about the swing axis (J_u). [kg m^2] */
     double inertia_min; /* Smallest inertia that an estimate may take. [kg m^2] */
     double inertia_max; /* Largest inertia that an estimate may take. [kg m^2] */
@@ -154,9 +166,16 @@ typedef struct {
     double swing_velocity_std; /* Noise of the swing velocity (sigma_w). [rad/s] */
     double swing_angle_std; /* Noise of the swing angle, where an encoder serves in place of the velocity. [rad] */
     double swing_torque_std; /* Noise of the swing torque (sigma_T). [N m] */
-    double swing_torque_gain_std; /* Standard deviation of the torque's gain about 1; it cannot be noticed, and widens the interval. */
+    double swing_torque_gain_std; /* Standard deviation of the torque's gain about 1; "none" takes 0.03. Nobody knows a gain exactly: 0 says that nothing is known of it and takes 0.05, but is meant with the variant "known", whose "none" is 0. */
+    double swing_torque_delay; /* How late the torque comes. [s] */
+    double swing_torque_delay_std; /* Its standard deviation. [s] */
+    double swing_velocity_delay; /* How late the swing velocity comes. [s] */
+    double swing_velocity_delay_std; /* Its standard deviation. [s] */
+    double angle_std; /* Noise of the joint angles. [rad] */
     double swing_velocity_limit; /* A velocity of this size or more is taken as missing (end of the sensor's range). [rad/s] */
     double angle_limit; /* A joint angle of this size or more is taken as missing. [rad] */
+    double swing_torque_gain; /* Measured over true swing torque, as calibrated. */
+    double swing_torque_offset; /* Swing torque that is measured where there is none, as calibrated. [N m] */
   } sensors;
   struct {
     double inertia; /* Swing inertia. [kg m^2] */
@@ -169,31 +188,60 @@ typedef struct {
     double friction_std; /* Standard deviation of the Coulomb friction about coulomb_friction, where it is estimated. [N m] */
   } prior;
   struct {
-    double variant; /* What is assumed of damping, torque offset and payload. (0 auto, 1 known, 2 tolerant, 3 drop) */
-    double constant_inertia; /* The caller declares that the inertia does not change (mode A). */
-    double calibrate_at_rest; /* Measures the velocity's bias over the first 0.5 s, if the machine stands then. */
-    double measure_noise_at_rest; /* Measures the velocity's noise in the same time, within 0.5 to 4 times the described one. */
+    double filter_frequency; /* Natural frequency of the common second-order filter of velocity, torque and friction (wn). [rad/s] */
+    double filter_damping; /* Its damping ratio (zeta). */
+    double q_c; /* Random walk of the acceleration in the Kalman filter, variance per second (q_c; q = q_c T). [rad^2/s^5] */
+    double convergence_delay; /* Convergence delay of the Kalman filter, the length of a change window; "none" computes it from the gain. [s] */
+    double forgetting[8]; /* Forgetting per sample, one factor or one per parameter; empty takes each method's own. A list replaces paper.lambda_normal and paper.lambda_window. */
+    double epsilon; /* Nominal rule: distance of the estimated from the nominal damping at which it acts (Eqs. 28-29). [N m s/rad] */
     double estimate_damping; /* svf-rls estimates the viscous damping too. */
     double estimate_friction; /* svf-rls estimates the Coulomb friction too. */
     double estimate_offset; /* svf-rls estimates a torque offset too. */
-    double filter_frequency; /* Natural frequency of the common second-order filter of velocity, torque and friction (wn). [rad/s] */
-    double filter_damping; /* Its damping ratio (zeta). */
-    double convergence_delay; /* Convergence delay of the Kalman filter, the length of a change window; "none" computes it from the gain. [s] */
-    double epsilon; /* Nominal rule: distance of the estimated from the nominal damping at which it acts (Eqs. 28-29). [N m s/rad] */
-    double q_c; /* Random walk of the acceleration in the Kalman filter, variance per second (q_c; q = q_c T). [rad^2/s^5] */
-    double q_m; /* Random walk of the payload, variance per second (q_m). [kg^2/s] */
-    double q_l; /* Random walk of ln J, variance per second (q_l). [1/s] */
+    double constant_inertia; /* The caller declares that the inertia does not change (mode A). */
+    double variant; /* What is assumed of damping, torque offset and payload. (0 auto, 1 known, 2 tolerant, 3 drop) */
+    double friction_width; /* Velocity over which the friction of the joint estimators changes sign. [rad/s] */
+    double svf_friction_width; /* The same in svf-rls. [rad/s] */
+    double svf_acceleration_min; /* svf-rls learns above this filtered acceleration. [rad/s^2] */
+    double svf_covariance; /* Covariance of svf-rls at the start and its largest value. */
+    double torque_noise_divisor; /* The torque enters as the mean of two samples, with variance (sigma_T / this)^2; 1, and not 1.41, since each sample is in two means. */
+    double torque_noise_share; /* What the model of the torque leaves out, as a share of the largest torque seen (noise per 0.01 s); less or more of it is found from the innovations. */
     double gate; /* Innovations beyond this many standard deviations are weakened. */
     double reject; /* Innovations beyond this many standard deviations are dropped, at most three in a row (modes C, A). */
     double payload_min; /* Smallest payload that an estimate may take. [kg] */
     double payload_max; /* Largest payload that an estimate may take. [kg] */
+    double q_m; /* Random walk of the payload, variance per second (q_m). [kg^2/s] */
+    double q_l; /* Random walk of ln J, variance per second (q_l). [1/s] */
+    double interval_factor; /* Factor of the reported standard deviation of the method torque, variant "known" (c_I). */
+    double calibrate_at_rest; /* Measures the velocity's bias over the first 0.5 s, if the machine stands then. */
+    double measure_noise_at_rest; /* Measures the velocity's noise in the same time, within 0.5 to 4 times the described one. */
     double reopen_after; /* After a stand of this length the payload may be another. [s] */
+    double weak_onset; /* Second, more sensitive detector of torque changes (modes C and A with constant inertia). */
+    double opening_rate; /* Bucket opening rate that announces a change of payload. [rad/s] */
+    double opening_decay; /* Share of the payload that leaves per angle of opening (1.4 per rad). [1/rad] */
+    double opening_change_max; /* Largest free change of payload per angle of opening. [kg/rad] */
+    double change_rate_std; /* Free change of payload after an alarm and in the second filter. [kg/s] */
+    double change_threshold; /* Sum of normalised innovations at which a changed payload is declared. */
+    double drop_q_m; /* Random walk of the payload in the drop model of the variant "drop", variance per second. [kg^2/s] */
+    double velocity_drift; /* Random walk of the inertia in mode A, relative. [1/sqrt(s)] */
+    double velocity_drift_constant; /* The same with constant_inertia. [1/sqrt(s)] */
+    double velocity_torque_drift; /* Random walk of the torque in mode A. [N m/sqrt(s)] */
+    double velocity_torque_drift_constant; /* The same with constant_inertia. [N m/sqrt(s)] */
     double excited_velocity; /* Verdict: excited at this velocity. [rad/s] */
     double consistent_nis; /* Verdict: consistent up to this mean of the normalised innovations squared. */
     double converged_share; /* Verdict: converged when the half width of the 95 % interval is below this share of J. */
     double fresh_velocity; /* Verdict: fresh with a velocity at most this old. [s] */
     double fresh_others; /* Verdict: fresh with torque and angles at most this old. [s] */
   } estimator;
+  struct {
+    double change_times[8]; /* Known times of torque changes; empty finds them online. [s] */
+    double lambda_normal[3]; /* Forgetting of inertia, damping and torque outside the change windows. */
+    double lambda_window[3]; /* Forgetting of the three inside the change windows. */
+    double covariance[3]; /* Initial covariances of the three. */
+    double torque; /* Initial torque (the initial inertia and damping are prior.inertia and machine.nominal_damping). [N m] */
+    double nominal_rule; /* The nominal-parameter rule for the damping is on. */
+    double start_time; /* The regression begins at this time and runs through every standstill from then on; "none" begins with the data and holds at standstill. [s] */
+    double stop_time; /* The regression holds its estimate from this time on; "none" goes to the end. [s] */
+  } paper;
 } heft_excavator_settings;
 
 /* Bytes that heft_excavator_init needs. */
@@ -297,10 +345,10 @@ typedef struct {
   uint32_t flags; /* HEFT_LOADER_FLAG_... */
   uint32_t estimated; /* HEFT_LOADER_ESTIMATED_... */
   uint32_t method; /* HEFT_LOADER_METHOD_..., the one at work. */
-  uint32_t reserved; /* 0 */
+  uint32_t reason; /* Code of the reason why it is not trusted; 0 for none. */
 } heft_loader_estimate;
 
-/* Settings, as in a description; flags are 0 or 1, choices count from 0, NAN is "none". */
+/* Settings, as in a description; flags are 0 or 1, choices count from 0, NAN is "none" and ends a list. */
 typedef struct {
   struct {
     double mass; /* Mass, where the data do not carry one. [kg] */
@@ -309,12 +357,14 @@ typedef struct {
     double wheelbase; /* Distance of the axles (l). [m] */
     double bucket_reach; /* Front axle to bucket tip (l_c). [m] */
     double rolling_resistance; /* Rolling resistance (f). */
+    double gear_ratio; /* Motor to wheel; used by the simulator, torques in the data are those at the wheel. */
     double friction; /* Largest tyre force over axle load (mu); 0 leaves it unlimited. */
     double radius_load_sensitivity; /* Relative loss of rolling radius per relative axle load (rho). */
     double radius_load_sensitivity_std; /* Its standard deviation; widens the reported interval of the ratio. */
     double relaxation_length; /* Relaxation length of the tyres; 0 for tyres that do not wind up. [m] */
   } machine;
   struct {
+    double rate; /* Samples per second. [Hz] */
     double speed_std; /* Noise of the speed. [m/s] */
     double wheel_speed_std; /* Noise of the wheel speeds. [rad/s] */
     double slope_std; /* Noise of the slope. [rad] */
@@ -335,6 +385,13 @@ typedef struct {
     double slope_bias_std; /* Standard deviation of the slope bias at the start. [rad] */
   } prior;
   struct {
+    double load_transfer; /* Sign of the dynamic load transfer. (0 physical, 1 printed) */
+    double tuning; /* Configuration of the methods isr-ukf-printed, isr-ukf and ekf. (0 paper, 1 tuned) */
+    double inputs; /* Inputs of a step. (0 auto, 1 midpoint, 2 hold) */
+    double substeps; /* Equal sub-steps per row. */
+    double alpha; /* Spread of the sigma points (the tuning "paper" has 0.01). */
+    double beta; /* Weight of the centre point in the covariance. */
+    double kappa; /* Second spread of the sigma points. */
     double q_speed; /* Random walk of the speed. [m/s] */
     double q_wheel_speed; /* Random walk of the wheel speeds. [rad/s] */
     double q_slip_stiffness; /* Random walk of the slip stiffness. */
@@ -348,7 +405,21 @@ typedef struct {
     double c_b; /* Wheel-speed noise from axle-load ripple acting through the slip, share of the slip (cb). */
     double c_rho; /* Wheel-speed noise from axle-load ripple acting through the radius (crho). */
     double c_t; /* Wheel-speed noise from changes of torque (ct). */
+    double gate; /* Innovations beyond this many standard deviations are weakened. */
+    double reject; /* Innovations beyond this many standard deviations are dropped. */
+    double slip_stiffness_min; /* Smallest slip stiffness. */
+    double slip_stiffness_max; /* Largest slip stiffness. */
+    double cg_height_min; /* Smallest height. [m] */
+    double cg_height_max; /* Largest height. [m] */
+    double cg_ratio_min; /* Smallest ratio. */
+    double cg_ratio_max; /* Largest ratio. */
+    double reset_nis; /* Mean normalised innovation squared at which the filter is reset. */
     double gap; /* A longer step between rows is a gap: speed and wheel speeds are taken anew. [s] */
+    double dig_force; /* Spade force that means digging; parameters are frozen. [N] */
+    double dig_hold; /* Digging lasts at least this long. [s] */
+    double reopen; /* Height and ratio are reopened after digging to this many prior standard deviations; 0 leaves them. */
+    double relearn; /* Once the ratio is known the parameters are loosened, because the start was linearised at the initial guess: share of the prior that comes back per squared standard deviation of way; 0 is off. */
+    double boom_gain; /* The boom moves: random walks of height and ratio times this. */
     double cg_height_floor; /* What cannot be learnt of the height; added to its reported standard deviation. [m] */
     double cg_ratio_floor; /* What cannot be learnt of the ratio, relative; added to its reported standard deviation. */
     double excited_torque; /* Verdict: the ratio is excited when the torque varies by this (standard deviation over 5 s). [N m] */

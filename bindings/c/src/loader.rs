@@ -56,6 +56,9 @@ impl Machine for Loader {
         spade_force_x = |s, x| s.spade_force_x = present(x);
         spade_force_z = |s, x| s.spade_force_z = present(x);
         boom_moving = |s, x| s.boom_moving = x > 0.0;
+        articulation = |s, x| s.articulation = present(x);
+        yaw_rate = |s, x| s.yaw_rate = present(x);
+        brake = |s, x| s.brake = x > 0.0;
     };
 
     const REQUIRED: &'static [&'static [&'static str]] = &[
@@ -85,6 +88,8 @@ impl Machine for Loader {
         front_radius_scale = |e| e.estimate.front_radius_scale.unwrap_or_default();
         rear_radius_scale = |e| e.estimate.rear_radius_scale.unwrap_or_default();
         nis = |e| e.estimate.nis;
+        speed_delay = |e| e.estimate.speed_delay.unwrap_or_default().value;
+        speed_delay_std = |e| e.estimate.speed_delay.unwrap_or_default().std;
     };
 
     const FLAGS: &'static [Bit<Timed>] = rows! { Bit, get:
@@ -100,6 +105,8 @@ impl Machine for Loader {
         trusted_height = |e| e.estimate.trusted_height;
         refused = |e| e.estimate.status == Status::Refused;
         diverged = |e| e.estimate.status == Status::Diverged;
+        identifiable_ratio = |e| e.estimate.identifiable_ratio;
+        identifiable_height = |e| e.estimate.identifiable_height;
     };
 
     const ESTIMATED: &'static [Bit<Timed>] = rows! { Bit, get:
@@ -107,6 +114,7 @@ impl Machine for Loader {
         spade_force_x = |e| e.estimate.started && e.estimate.spade_force_x.is_some();
         slope_bias = |e| e.estimate.started && e.estimate.slope_bias.is_some();
         radius_scales = |e| e.estimate.started && e.estimate.front_radius_scale.is_some();
+        speed_delay = |e| e.estimate.started && e.estimate.speed_delay.is_some();
     };
 
     const METHODS: &'static [&'static str] = &["full", "isr-ukf-printed", "isr-ukf", "ekf"];
@@ -143,8 +151,8 @@ impl Machine for Loader {
         Method::ALL.iter().position(|m| *m == method).unwrap_or(0)
     }
 
-    fn reason(_: &Timed) -> u32 {
-        0
+    fn reason(estimate: &Timed) -> u32 {
+        estimate.estimate.reason as u32
     }
 
     fn refused(estimate: &Timed) -> u64 {

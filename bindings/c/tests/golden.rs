@@ -76,9 +76,6 @@ fn compare<M: Machine, E: Message, const N: usize>(bytes: &[u8], expected: &[E],
             .into_iter()
             .enumerate()
         {
-            if E::index(name).is_none() {
-                continue; // The loader gives no reason.
-            }
             let ours = half(8 * N + 8 + 4 * i);
             assert_eq!(
                 Value::U32(ours),

@@ -245,12 +245,10 @@ fn outputs<M: Words>(all: &mut Vec<Variable>) {
     ));
 }
 
-/// Unit and words of a signal or a value; the boom's motion is a bit of the messages.
+/// Unit and words of a signal or a value; what is only a bit of the messages has no field.
 fn words<M: Message>(name: &str) -> (&'static str, &'static str) {
     let field = M::FIELDS.iter().find(|field| field.name == name);
-    field.map_or(("", "Above 0 while the boom moves."), |f| {
-        (f.unit, f.doc.trim())
-    })
+    field.map_or(("", "Above 0 while it is so."), |f| (f.unit, f.doc.trim()))
 }
 
 fn unit_attribute(unit: &str) -> String {

@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::PathBuf;
-use std::time::{SystemTime, UNIX_EPOCH};
 
 use config::Description;
 use messages::Machine;
@@ -122,8 +121,6 @@ impl Plan {
                 }
             }
         }
-        let since_1970 = SystemTime::now().duration_since(UNIX_EPOCH);
-        put("started", utc(since_1970.map_or(0, |d| d.as_secs())));
         put("rate_hz", self.rate.to_string());
         put(
             "pace",
@@ -177,39 +174,5 @@ mod by_name {
         let name = String::deserialize(from)?;
         Machine::from_name(&name)
             .ok_or_else(|| D::Error::custom(format!("there is no machine `{name}`")))
-    }
-}
-
-/// Seconds since 1970 as date and time of day, such as 2026-11-21 17:35 UTC.
-fn utc(seconds: u64) -> String {
-    let (days, rest) = (seconds / 86_400, seconds % 86_400);
-    // Years from March on, so that the leap day is the last one (Howard Hinnant, days to civil).
-    let shifted = days + 719_468;
-    let (era, day_of_era) = (shifted / 146_097, shifted % 146_097);
-    let year_of_era =
-        (day_of_era - day_of_era / 1_460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
-    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
-    let from_march = (5 * day_of_year + 2) / 153;
-    let day = day_of_year - (153 * from_march + 2) / 5 + 1;
-    let month = if from_march < 10 {
-        from_march + 3
-    } else {
-        from_march - 9
-    };
-    let year = year_of_era + era * 400 + u64::from(month <= 2);
-    let (hour, minute) = (rest / 3_600, rest % 3_600 / 60);
-    format!("{year}-{month:02}-{day:02} {hour:02}:{minute:02} UTC")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn seconds_become_dates() {
-        assert_eq!(utc(0), "1970-01-01 00:00 UTC");
-        assert_eq!(utc(951_782_400), "2000-02-29 00:00 UTC");
-        assert_eq!(utc(1_795_282_500), "2026-11-21 17:35 UTC");
-        assert_eq!(utc(4_107_542_399), "2100-02-28 23:59 UTC");
     }
 }

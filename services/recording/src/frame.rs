@@ -137,6 +137,12 @@ fn column<E: Estimate>(column: Column, estimates: &[&E]) -> NamedColumn {
     }
 }
 
+/// Bit of the sensor signal called `name` in `valid`, of whichever machine; 0 if there is none.
+#[must_use]
+pub fn sensor_bit(name: &str) -> u32 {
+    signal::sensor_bit(name)
+}
+
 /// Names of the columns that samples of the machine can have; nothing for another machine.
 #[must_use]
 pub fn signals_of(machine: &str) -> Option<Vec<String>> {

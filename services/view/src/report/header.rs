@@ -26,7 +26,6 @@ pub(super) fn title(run: &Run) -> String {
 pub(super) fn write(body: &mut String, run: &Run) {
     let _ = write!(body, "<header><h1>{}</h1>", text(&title(run)));
     let facts = [
-        ("started", "on "),
         ("scenario", "scenario "),
         ("input", "input "),
         ("payload_kg", "payload [kg] "),
