@@ -285,6 +285,9 @@ const char *heft_excavator_error(const void *memory);
 #define HEFT_LOADER_COLUMN_SPADE_FORCE_X (1u << 8)
 #define HEFT_LOADER_COLUMN_SPADE_FORCE_Z (1u << 9)
 #define HEFT_LOADER_COLUMN_BOOM_MOVING (1u << 10)
+#define HEFT_LOADER_COLUMN_ARTICULATION (1u << 11)
+#define HEFT_LOADER_COLUMN_YAW_RATE (1u << 12)
+#define HEFT_LOADER_COLUMN_BRAKE (1u << 13)
 
 /* Bits of `flags` of an estimate. */
 #define HEFT_LOADER_FLAG_EXCITED_RATIO (1u << 0)
@@ -299,12 +302,15 @@ const char *heft_excavator_error(const void *memory);
 #define HEFT_LOADER_FLAG_TRUSTED_HEIGHT (1u << 9)
 #define HEFT_LOADER_FLAG_REFUSED (1u << 10)
 #define HEFT_LOADER_FLAG_DIVERGED (1u << 11)
+#define HEFT_LOADER_FLAG_IDENTIFIABLE_RATIO (1u << 12)
+#define HEFT_LOADER_FLAG_IDENTIFIABLE_HEIGHT (1u << 13)
 
 /* Bits of `estimated` of an estimate: which quantities the method has an opinion on. */
 #define HEFT_LOADER_ESTIMATED_STATE (1u << 0)
 #define HEFT_LOADER_ESTIMATED_SPADE_FORCE_X (1u << 1)
 #define HEFT_LOADER_ESTIMATED_SLOPE_BIAS (1u << 2)
 #define HEFT_LOADER_ESTIMATED_RADIUS_SCALES (1u << 3)
+#define HEFT_LOADER_ESTIMATED_SPEED_DELAY (1u << 4)
 
 /* A row of sensors; NAN where a sample is missing. */
 typedef struct {
@@ -320,6 +326,9 @@ typedef struct {
   double spade_force_x; /* Force on the bucket tip that pushes the machine backward. [N] */
   double spade_force_z; /* Force on the bucket tip that pushes the machine down. [N] */
   double boom_moving; /* Above 0 while the boom moves; 0 or NAN: it rests. */
+  double articulation; /* Angle between front and rear body, positive when the machine turns left. [rad] */
+  double yaw_rate; /* Yaw rate of the rear body, positive anticlockwise from above. [rad/s] */
+  double brake; /* Above 0 while friction brakes act; 0 or NAN: they do not. */
 } heft_loader_sample;
 
 /* The answer to a row. */
@@ -341,6 +350,8 @@ typedef struct {
   double front_radius_scale; /* Rolling radius of the front wheels over its nominal value. */
   double rear_radius_scale; /* Rolling radius of the rear wheels over its nominal value. */
   double nis; /* Normalised innovation squared of this sample per accepted measurement. */
+  double speed_delay; /* Delay of the measured speed. [s] */
+  double speed_delay_std; /* Standard deviation of that delay. [s] */
   uint64_t refused; /* Rows refused so far. */
   uint32_t flags; /* HEFT_LOADER_FLAG_... */
   uint32_t estimated; /* HEFT_LOADER_ESTIMATED_... */
@@ -361,6 +372,7 @@ typedef struct {
     double friction; /* Largest tyre force over axle load (mu); 0 leaves it unlimited. */
     double radius_load_sensitivity; /* Relative loss of rolling radius per relative axle load (rho). */
     double radius_load_sensitivity_std; /* Its standard deviation; widens the reported interval of the ratio. */
+    double stiffness_ratio_std; /* Standard deviation of the ratio of the axles' slip stiffnesses; widens the reported interval of the ratio. */
     double relaxation_length; /* Relaxation length of the tyres; 0 for tyres that do not wind up. [m] */
   } machine;
   struct {
@@ -370,6 +382,8 @@ typedef struct {
     double slope_std; /* Noise of the slope. [rad] */
     double acceleration_std; /* Noise of the specific force. [m/s^2] */
     double torque_gain_std; /* Standard deviation of each axle's torque gain; widens the reported interval of the ratio. */
+    double speed_delay; /* Delay of the speed against the other signals (satellite receivers, radars); `full` learns it. [s] */
+    double speed_delay_std; /* Its standard deviation before the first row. [s] */
   } sensors;
   struct {
     double slip_stiffness; /* Slip stiffness (K). */
@@ -399,7 +413,8 @@ typedef struct {
     double q_cg_ratio; /* Random walk of the ratio. */
     double q_spade_force; /* Random walk of the unmeasured spade force. [N] */
     double q_radius; /* Random walk of the radius errors. */
-    double q_slope_bias; /* Random walk of the slope bias. [rad] */
+    double q_slope_bias; /* Least random walk of the slope bias; errors of the slope that the motion shows add to it. [rad] */
+    double q_speed_delay; /* Random walk of the delay of the speed. [s] */
     double v_min; /* Smallest speed in a slip denominator. [m/s] */
     double v_freeze; /* Parameters are frozen below this speed. [m/s] */
     double c_b; /* Wheel-speed noise from axle-load ripple acting through the slip, share of the slip (cb). */
@@ -422,6 +437,7 @@ typedef struct {
     double boom_gain; /* The boom moves: random walks of height and ratio times this. */
     double cg_height_floor; /* What cannot be learnt of the height; added to its reported standard deviation. [m] */
     double cg_ratio_floor; /* What cannot be learnt of the ratio, relative; added to its reported standard deviation. */
+    double load_sensitivity_floor; /* Least error of the load sensitivity of the rolling radius that counts, whatever is stated; 0 when calibrated. */
     double excited_torque; /* Verdict: the ratio is excited when the torque varies by this (standard deviation over 5 s). [N m] */
     double excited_acceleration; /* Verdict: the height is excited when the acceleration varies by this. [m/s^2] */
     double fresh; /* Verdict: fresh with speed and wheel speeds at most this old. [s] */
