@@ -33,7 +33,7 @@ const ARROWS: &[(&str, &[&str])] = &[
         "services/evaluate",
         &["calibrate", "config", "estimation", "sim"],
     ),
-    ("bench", &["estimation", "sim"]),
+    ("bench", &["estimation", "messages", "recording", "sim"]),
     // The root package: the command line, above everything.
     (
         "",

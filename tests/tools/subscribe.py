@@ -66,8 +66,9 @@ class LoaderEstimate(ctypes.Structure):
         "speed", "front_wheel_speed", "rear_wheel_speed", "slip_stiffness", "slip_stiffness_std",
         "cg_height", "cg_height_std", "cg_ratio", "cg_ratio_std", "cg_distance",
         "spade_force_x", "spade_force_x_std", "slope_bias",
-        "front_radius_scale", "rear_radius_scale", "nis")] + [
-        ("flags", u32), ("estimated", u32), ("method", u32), ("resets", u32), ("refused", u64)]
+        "front_radius_scale", "rear_radius_scale", "nis", "speed_delay", "speed_delay_std")] + [
+        ("flags", u32), ("estimated", u32), ("method", u32), ("resets", u32), ("refused", u64),
+        ("reason", u32), ("reserved", u32)]
     TRUSTED_RATIO, TRUSTED_HEIGHT = 1 << 8, 1 << 9
     CHANNEL = "loader/cg_ukf"
 
