@@ -13,24 +13,27 @@ use crate::Error;
 #[derive(Debug)]
 pub struct Output {
     path: PathBuf,
+    /// What it holds: "write the estimates" fails, or does not.
+    doing: &'static str,
     /// Where it is written until then; none where the name is that of a device or a pipe.
     beside: Option<PathBuf>,
     out: BufWriter<File>,
 }
 
 impl Output {
-    /// Begins the file `path`, which must not be one of `inputs`, nor hold anything but an
+    /// Begins the file `path` (`doing` says what for, "write the page"), which must not be one of `inputs`, nor hold anything but an
     /// earlier result of the same kind: `is_ours` is shown its first bytes.
     ///
     /// # Errors
     /// It would destroy something, or cannot be created.
     pub fn create(
+        doing: &'static str,
         path: &Path,
         inputs: &[&Path],
         is_ours: impl Fn(&[u8]) -> bool,
     ) -> Result<Self, Error> {
         check(path, inputs, is_ours)?;
-        let fail = |e| Error::system("write the result", path, &e);
+        let fail = |e| Error::system(doing, path, &e);
         let device = path.exists() && !path.is_file();
         let (beside, file) = if device {
             (None, File::options().write(true).open(path).map_err(fail)?)
@@ -40,6 +43,7 @@ impl Output {
         };
         Ok(Self {
             path: path.to_owned(),
+            doing,
             beside,
             out: BufWriter::new(file),
         })
@@ -50,7 +54,7 @@ impl Output {
     /// # Errors
     /// The file cannot be written; nothing is then left behind.
     pub fn finish(mut self) -> Result<(), Error> {
-        let fail = |e| Error::system("write the result", &self.path, &e);
+        let fail = |e| Error::system(self.doing, &self.path, &e);
         self.out.flush().map_err(fail)?;
         if let Some(beside) = &self.beside {
             self.out.get_ref().sync_all().map_err(fail)?;
@@ -66,7 +70,7 @@ impl Output {
     /// The file cannot be written.
     pub fn put(&mut self, bytes: &[u8]) -> Result<(), Error> {
         let written = self.out.write_all(bytes);
-        written.map_err(|e| Error::system("write the result", &self.path, &e))
+        written.map_err(|e| Error::system(self.doing, &self.path, &e))
     }
 }
 
@@ -143,7 +147,7 @@ mod tests {
         let at = |name: &str| dir.path().join(name);
         let ours = |head: &[u8]| head.starts_with(b"ours");
         let write = |to: &str, inputs: &[&Path]| -> Result<(), Error> {
-            let mut out = Output::create(&at(to), inputs, ours)?;
+            let mut out = Output::create("write", &at(to), inputs, ours)?;
             out.put(b"ours, again")?;
             out.finish()
         };
@@ -158,7 +162,7 @@ mod tests {
         assert_eq!(std::fs::read(at("in")).expect("there"), b"ours");
         assert_eq!(write("new", &[&at("in")]), Ok(()));
         assert_eq!(write("new", &[&at("in")]), Ok(()), "an earlier result");
-        drop(Output::create(&at("half"), &[], ours));
+        drop(Output::create("write", &at("half"), &[], ours));
         assert_eq!(std::fs::read_dir(dir.path()).expect("there").count(), 5);
     }
 }

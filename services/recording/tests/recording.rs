@@ -424,3 +424,16 @@ fn fill_up(disk: &Path) {
     assert_eq!(count(&copy), Ok(kept));
     assert!(flushed > 100);
 }
+
+#[test]
+fn a_damaged_length_in_the_metadata_hides_nothing_behind_it() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/golden/recordings");
+    let reader = Reader::open(folder.join("damaged-metadata-length.mcap")).expect("a recording");
+    let counts = reader.counts();
+    assert!(counts.values().sum::<u64>() > 50, "{counts:?}");
+    let damage = reader.damage();
+    assert!(
+        damage.len() == 1 && damage[0].contains("a damaged record at byte 33"),
+        "{damage:?}"
+    );
+}

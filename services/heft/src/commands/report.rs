@@ -25,7 +25,7 @@ pub fn write(reader: &Reader, page: &Path) -> Result<(), Failure> {
     let files: Vec<&Path> = reader.files().collect();
     output::check(page, &files, is_page)?;
     let text = view::report(&Run::from_recording(reader)?);
-    let mut out = Output::create(page, &files, is_page)?;
+    let mut out = Output::create("write the page", page, &files, is_page)?;
     out.put(text.as_bytes())?;
     Ok(out.finish()?)
 }

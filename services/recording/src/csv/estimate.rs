@@ -179,7 +179,7 @@ impl<E: Estimate> EstimateWriter<E> {
     /// The file cannot be created.
     pub fn create(path: &Path) -> Result<Self, Error> {
         Ok(Self {
-            out: Output::create(path, &[], is_estimates)?,
+            out: Output::create("write the estimates", path, &[], is_estimates)?,
             columns: Vec::new(),
             row: String::new(),
             written: 0,

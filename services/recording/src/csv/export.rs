@@ -34,7 +34,7 @@ fn one(reader: &Reader, channel: &str, folder: &Path) -> Result<PathBuf, Error> 
         let line = first_line(head).unwrap_or_default();
         line == header || line.starts_with("machine,epoch,sequence,")
     };
-    let mut out = Output::create(&path, &inputs, is_ours)?;
+    let mut out = Output::create("write the channel", &path, &inputs, is_ours)?;
     out.put(header.as_bytes())?;
     out.put(b"\n")?;
     let bits = bits(&fields);
