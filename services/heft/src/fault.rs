@@ -21,12 +21,14 @@ pub enum Fault {
         /// How, as the system says it.
         how: String,
     },
-    /// A service gave no sign of life, was ended and started again.
+    /// A service gave no sign of life and was ended.
     Hung {
         /// Which.
         service: &'static str,
         /// For how long.
         silence: Duration,
+        /// Whether it was started again: not while the run ends.
+        again: bool,
     },
     /// A service was asked to end and did not.
     DidNotEnd {
@@ -76,9 +78,14 @@ impl Fault {
             Self::DiedAtEnd { service, how } => {
                 format!("{service} died ({how}) while the run was ending")
             }
-            Self::Hung { service, silence } => format!(
-                "{service} hung: no sign of life for {:.1} s; it was ended and started again",
-                silence.as_secs_f64()
+            Self::Hung {
+                service,
+                silence,
+                again,
+            } => format!(
+                "{service} hung: no sign of life for {:.1} s; it was ended{}",
+                silence.as_secs_f64(),
+                if *again { " and started again" } else { "" }
             ),
             Self::DidNotEnd { service } => format!("{service} did not end and was killed"),
             Self::Unmeasured { samples } => {
@@ -129,6 +136,7 @@ mod tests {
             Fault::Hung {
                 service: "ukf",
                 silence: Duration::from_millis(800),
+                again: true,
             },
             Fault::DidNotEnd { service: "logger" },
             Fault::Unmeasured { samples: 12 },

@@ -170,6 +170,7 @@ impl Supervisor {
         self.notify.say("STOPPING=1");
         // Before `go` there is nothing to drain.
         if self.start_ns != 0 && !matches!(end, End::Failed(_)) {
+            self.note_what_was_due();
             self.drain();
         }
         self.end_all();
@@ -305,7 +306,11 @@ impl Supervisor {
         let hung = worker.hung;
         worker.plan_restart(status)?;
         self.watch.note(match hung {
-            Some(silence) => Fault::Hung { service, silence },
+            Some(silence) => Fault::Hung {
+                service,
+                silence,
+                again: true,
+            },
             None => {
                 tracing::warn!(service, %status, "a service died; it is started again");
                 let how = status.to_string();
@@ -344,6 +349,22 @@ impl Supervisor {
         restarted
     }
 
+    /// A source that is away when the run ends leaves no gap in the numbers, but samples were due.
+    fn note_what_was_due(&mut self) {
+        let is_source = |w: &&Worker| matches!(w.process.role, Role::Source { .. });
+        let away = self
+            .workers
+            .iter()
+            .find(is_source)
+            .is_some_and(|w| !w.ready);
+        if away && !self.plan.lossless {
+            let seconds = now_ns().saturating_sub(self.start_ns) as f64 * 1e-9;
+            let due = (seconds * self.plan.rate) as u64;
+            let samples = due.saturating_sub(self.watch.next_sequence());
+            self.watch.note(Fault::Unmeasured { samples });
+        }
+    }
+
     /// Upstream first, so that nobody is asked before its writer has said its last word.
     fn drain(&mut self) {
         let begun = Instant::now();
@@ -374,7 +395,11 @@ impl Supervisor {
             };
             worker.give_up();
             if let Some(silence) = worker.hung {
-                self.watch.note(Fault::Hung { service, silence });
+                self.watch.note(Fault::Hung {
+                    service,
+                    silence,
+                    again: false,
+                });
             } else if !status.success() {
                 let how = status.to_string();
                 self.watch.note(Fault::DiedAtEnd { service, how });

@@ -162,6 +162,8 @@ pub struct Watch {
     /// Counts of processes that died.
     before: BTreeMap<u32, Counts>,
     faults: Vec<Fault>,
+    /// The logger was away while samples came.
+    unrecorded: bool,
     shown: Option<Instant>,
     begun: Option<Instant>,
 }
@@ -271,6 +273,8 @@ impl Watch {
 
     /// Notes what went wrong.
     pub fn note(&mut self, fault: Fault) {
+        let logger_is_away = matches!(fault, Fault::Died { service, .. } | Fault::Hung { service, .. } if service == "logger");
+        self.unrecorded |= logger_is_away && self.next_sequence() > 0;
         self.faults.push(fault);
     }
 
@@ -286,8 +290,7 @@ impl Watch {
         }
         faults.extend(self.unanswered(sent));
         let logger = self.counts_of("logger");
-        let away = |f: &Fault| matches!(f, Fault::Died { service, .. } | Fault::Hung { service, .. } if *service == "logger");
-        if logger.lost > 0 || self.faults.iter().any(away) {
+        if logger.lost > 0 || self.unrecorded {
             faults.push(Fault::Unrecorded {
                 samples: logger.lost,
             });
