@@ -171,7 +171,7 @@ fn answers(own: &str, key: &str) -> bool {
 
 fn find(outcome: &mut Outcome, free: &[Role], options: &Options<'_>) {
     if outcome.swings.has_posture()
-        && let Some(fault) = sort_loads(&mut outcome.swings, &outcome.fixed, options)
+        && let Some(fault) = sort_loads(&mut outcome.swings, &outcome.fixed)
     {
         outcome.faults.push(fault);
         return;
@@ -235,8 +235,9 @@ fn find(outcome: &mut Outcome, free: &[Role], options: &Options<'_>) {
     });
 }
 
-/// A first fit of the recordings with nothing in the bucket tells which swings of the others are loaded.
-fn sort_loads(swings: &mut Swings, fixed: &[bool], options: &Options<'_>) -> Option<String> {
+/// A first fit of the recordings with nothing in the bucket tells which swings of the others are loaded. It is
+/// not stopped: half of it would sort wrongly.
+fn sort_loads(swings: &mut Swings, fixed: &[bool]) -> Option<String> {
     let empty: Vec<usize> = (0..swings.series.len())
         .filter(|&r| swings.told[r].is_some_and(|t| t.value == 0.0))
         .flat_map(|r| swings.blocks_of(r))
@@ -248,7 +249,7 @@ fn sort_loads(swings: &mut Swings, fixed: &[bool], options: &Options<'_>) -> Opt
             model: swings,
             blocks: &empty,
             fixed,
-            stop: options.stop,
+            stop: &AtomicBool::new(false),
             progress: &|_| {},
         };
         task.run(&start::start(swings, &empty, fixed)).place

@@ -291,7 +291,10 @@ pub fn evaluate(options: &Options) -> Result<Report, Error> {
         let errors: Vec<f64> = found.iter().map(|f| f.parameters[i].0.abs()).collect();
         let covered = percentage(found.iter().map(|f| f.parameters[i].1));
         let target = TARGETS.get(i).map(|t| t.2);
-        let good = target.is_none_or(|t| median(&errors) < t) && (90.0..=98.5).contains(&covered);
+        // Two standard deviations of a share of 95 % in so few machines.
+        let luck = 200.0 * (0.95 * 0.05 / found.len().max(1) as f64).sqrt();
+        let good = target.is_none_or(|t| median(&errors) < t)
+            && (90.0 - luck..=98.0 + luck).contains(&covered);
         met &= good || target.is_none();
         table.row([
             name.to_owned(),

@@ -212,7 +212,7 @@ fn origin(args: &CalibrateArgs) -> Result<Vec<String>, Failure> {
         let bytes = std::fs::read(file).map_err(|e| Failure::file("read", file, &e))?;
         lines.push(format!(
             "  {}  sha256 {}",
-            name(file),
+            file.display(),
             recording::sha256(&bytes)
         ));
     }
