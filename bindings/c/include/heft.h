@@ -373,6 +373,7 @@ typedef struct {
     double radius_load_sensitivity; /* Relative loss of rolling radius per relative axle load (rho). */
     double radius_load_sensitivity_std; /* Its standard deviation; widens the reported interval of the ratio. */
     double stiffness_ratio_std; /* Standard deviation of the ratio of the axles' slip stiffnesses; widens the reported interval of the ratio. */
+    double stiffness_load_exponent_std; /* Standard deviation of p where the slip stiffness falls with the load F_z as F_z^-p; widens the reported interval of the height. */
     double relaxation_length; /* Relaxation length of the tyres; 0 for tyres that do not wind up. [m] */
   } machine;
   struct {

@@ -215,11 +215,11 @@ fn estimates_have_the_columns_of_the_contract() {
     assert_eq!(
         lines[0],
         "t,inertia,inertia_std,damping,damping_std,torque,torque_std,payload,payload_std,velocity,\
-         acceleration,excited,consistent,fresh,converged,identifiable,held,changing,reset,trusted,method"
+         acceleration,excited,consistent,fresh,converged,identifiable,held,changing,reset,trusted,method,reason"
     );
     assert_eq!(
         lines[1],
-        "0.1,5000.1,1e-7,,,,,,,0.3333333333333333,,1,0,0,0,0,0,0,0,1,posture-torque"
+        "0.1,5000.1,1e-7,,,,,,,0.3333333333333333,,1,0,0,0,0,0,0,0,1,posture-torque,"
     );
     assert!(lines[2].starts_with("2.1,,1e-7,"), "{}", lines[2]);
     assert_eq!(lines.len(), 3);
@@ -239,8 +239,8 @@ fn friction_and_offset_are_added_where_they_are_estimated() {
     writer.write_excavator(&row).expect("room");
     writer.finish().expect("room");
     let text = std::fs::read_to_string(&path).expect("readable");
-    assert!(text.contains(",trusted,friction,friction_std,offset,offset_std,method\n"));
-    assert!(text.ends_with(",1,20,0,,,posture-torque\n"), "{text}");
+    assert!(text.contains(",trusted,friction,friction_std,offset,offset_std,method,reason\n"));
+    assert!(text.ends_with(",1,20,0,,,posture-torque,\n"), "{text}");
 }
 
 #[test]

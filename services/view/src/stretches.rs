@@ -60,12 +60,12 @@ mod tests {
     use super::*;
     use messages::{ExcavatorEstimate, Stamp, excavator_bits as x};
 
-    /// Moves from 1 to 4 s with a pause of 0.2 s, and for 0.5 s at 6 s.
+    /// Moves from 1 to 4 s with a pause of 0.1 s, and for 0.5 s at 6 s.
     fn run() -> Vec<ExcavatorEstimate> {
         let estimate = |i: i32| {
             let t = f64::from(i) * 0.1;
             let moves =
-                (1.0..2.0).contains(&t) || (2.2..4.0).contains(&t) || (6.0..6.5).contains(&t);
+                (1.0..2.0).contains(&t) || (2.1..4.0).contains(&t) || (6.0..6.5).contains(&t);
             ExcavatorEstimate {
                 stamp: Stamp {
                     time: t,

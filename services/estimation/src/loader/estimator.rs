@@ -190,7 +190,7 @@ fn report<const N: usize, const M: usize>(
         settings,
         filter.tuning(),
         N > 6,
-        ratio,
+        (ratio, height),
         (
             widened(doubt.birge * loaded_std.1, doubt.beyond[0]),
             widened(doubt.birge * loaded_std.0, doubt.beyond[1]),

@@ -60,6 +60,8 @@ table! {
         radius_load_sensitivity_std: f64 = 0.001, "", 0.0 to 0.2;
         /// Standard deviation of the ratio of the axles' slip stiffnesses; widens the reported interval of the ratio.
         stiffness_ratio_std: f64 = 0.05, "", 0.0 to 1.0;
+        /// Standard deviation of p where the slip stiffness falls with the load F_z as F_z^-p; widens the reported interval of the height.
+        stiffness_load_exponent_std: f64 = 0.1, "", 0.0 to 1.0;
         /// Relaxation length of the tyres; 0 for tyres that do not wind up.
         relaxation_length: f64 = 0.10, "m", 0.0 to 10.0;
     }

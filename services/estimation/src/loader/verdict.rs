@@ -266,7 +266,7 @@ pub(super) fn with_floors(
     settings: &Settings,
     tuning: &Tuning,
     learns_radii: bool,
-    ratio: f64,
+    (ratio, height): (f64, f64),
     (ratio_std, height_std): (f64, f64),
 ) -> (f64, f64) {
     let machine = &settings.machine;
@@ -296,6 +296,7 @@ pub(super) fn with_floors(
             height_std,
             settings.verdict.cg_height_floor,
             HEIGHT_PER_RADIUS * radius,
+            height * machine.stiffness_load_exponent_std,
         ]),
     )
 }

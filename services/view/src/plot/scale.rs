@@ -63,14 +63,20 @@ impl Extent {
         match self.scale {
             Scale::Linear if self.low > self.high => (0.0, 1.0),
             Scale::Logarithmic if self.low > self.high => (1.0, 10.0),
-            Scale::Logarithmic if single => (self.low / 2.0, self.high * 2.0),
+            Scale::Logarithmic if single => (
+                (self.low / 2.0).max(f64::MIN_POSITIVE),
+                (self.high * 2.0).clamp(2.0 * f64::MIN_POSITIVE, f64::MAX),
+            ),
             Scale::Linear if single => {
                 let half = if self.low == 0.0 {
                     1.0
                 } else {
-                    0.05 * self.low.abs()
+                    (0.05 * self.low.abs()).max(f64::MIN_POSITIVE)
                 };
-                (self.low - half, self.high + half)
+                (
+                    (self.low - half).max(f64::MIN),
+                    (self.high + half).min(f64::MAX),
+                )
             }
             _ => (self.low, self.high),
         }

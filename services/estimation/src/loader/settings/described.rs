@@ -39,6 +39,7 @@ fn machine(description: &Description) -> Machine {
         radius_load_sensitivity: m.radius_load_sensitivity,
         radius_load_sensitivity_std: m.radius_load_sensitivity_std,
         stiffness_ratio_std: m.stiffness_ratio_std,
+        stiffness_load_exponent_std: m.stiffness_load_exponent_std,
         relaxation_length: m.relaxation_length,
     }
 }

@@ -28,6 +28,9 @@ pub struct Machine {
     /// Standard deviation of the ratio of the axles' slip stiffnesses, front over rear: tyres differ by wear, pressure, make,
     /// which cannot be learnt on line and widens the reported interval.
     pub stiffness_ratio_std: f64,
+    /// Standard deviation of p, where the slip stiffness falls with the axle load as F_z^-p: the load transfer, and with it the
+    /// height, then seems (1 - p) times as large. It cannot be learnt on line and widens the reported interval.
+    pub stiffness_load_exponent_std: f64,
     /// Relaxation length of the tyres [m].
     pub relaxation_length: f64,
 }
@@ -46,6 +49,7 @@ impl Default for Machine {
             radius_load_sensitivity: 0.01,
             radius_load_sensitivity_std: 0.001,
             stiffness_ratio_std: 0.05,
+            stiffness_load_exponent_std: 0.1,
             relaxation_length: 0.10,
         }
     }
@@ -78,6 +82,10 @@ impl Machine {
             self.radius_load_sensitivity_std,
         )?;
         not_negative("machine.stiffness_ratio_std", self.stiffness_ratio_std)?;
+        not_negative(
+            "machine.stiffness_load_exponent_std",
+            self.stiffness_load_exponent_std,
+        )?;
         not_negative("machine.relaxation_length", self.relaxation_length)
     }
 }
