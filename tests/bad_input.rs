@@ -142,7 +142,7 @@ fn a_full_disk_ends_an_estimate_with_a_word() {
     ]);
     assert_eq!(result.status.code(), Some(2), "{}", both(&result));
     assert!(
-        both(&result).contains("cannot write the result"),
+        both(&result).contains("cannot write the estimates"),
         "{}",
         both(&result)
     );
