@@ -163,6 +163,9 @@ fn linear_ticks(low: f64, high: f64, count: usize) -> Vec<(f64, String)> {
 
 /// Ticks at powers of ten, and at 2 and 5 times them where there are few decades.
 fn decade_ticks(low: f64, high: f64, count: usize) -> Vec<(f64, String)> {
+    if !(low.is_normal() && low > 0.0 && high.is_finite() && high > low) {
+        return Vec::new();
+    }
     let (first, last) = (low.log10().floor() as i32, high.log10().ceil() as i32);
     let decades = usize::try_from(last.saturating_sub(first))
         .unwrap_or(1)
