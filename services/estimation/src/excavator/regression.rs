@@ -47,6 +47,8 @@ pub struct Regression {
     kind: Kind,
     nis: NisWindow<50>,
     running_for: f64,
+    /// Whether a torque alone can tell the inertia of this machine, see [`Settings::tells_by_half`].
+    tells: bool,
     /// Time since the last torque; infinite before the first [s].
     torque_age: f64,
     refused: u64,
@@ -100,6 +102,7 @@ impl Regression {
             kind,
             nis: NisWindow::new(16.0),
             running_for: 0.0,
+            tells: settings.tells_by_half(),
             torque_age: f64::INFINITY,
             refused: 0,
             last,
@@ -192,7 +195,7 @@ impl Regression {
                 consistent: measured_noise || self.nis.mean() <= e.consistent_nis,
                 fresh,
                 converged: 1.96 * inertia.std < e.converged_share * inertia.value,
-                identifiable: fit.identifiable && self.settings.tells_by_half(),
+                identifiable: fit.identifiable && self.tells,
                 held,
                 nominal: fit.nominal,
                 window: fit.window,
@@ -201,7 +204,7 @@ impl Regression {
             method: self.method,
             forgetting: fit.forgetting,
             refused: self.refused,
-            reason: if self.settings.tells_by_half() {
+            reason: if self.tells {
                 Reason::None
             } else {
                 Reason::Method
