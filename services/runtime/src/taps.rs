@@ -83,22 +83,18 @@ impl<M: Message> TypedTap<M> {
 impl<M: Message, S: Sink> Tap<S> for TypedTap<M> {
     fn drain(&mut self, sink: &mut S) -> Visit {
         let mut visit = Visit::default();
-        let mut before = 0;
         while sink.has_room() {
             let Some((message, lost)) = self.input.receive() else {
                 break;
             };
             self.through = self.through.max(message.stamp().sequence + 1);
             sink.accept(self.channel, &*message);
-            if visit.taken == 0 {
-                before = lost;
-            }
             visit.taken += 1;
             visit.lost += if self.carries_every_sample() { lost } else { 0 };
         }
-        // The oldest are overwritten, and only where the buffer was full.
-        if before > 0 && visit.taken >= self.channel.depth as u64 {
-            sink.overwritten(self.channel, before);
+        // Only what is in a full buffer is overwritten: before this visit, or while it took the oldest.
+        if visit.lost > 0 && visit.taken >= self.channel.depth as u64 {
+            sink.overwritten(self.channel, visit.lost);
         }
         visit
     }
