@@ -6,7 +6,7 @@ use messages::channels::{
     ChannelOf, EXCAVATOR_SENSORS, EXCAVATOR_TRUTH, LOADER_SENSORS, LOADER_TRUTH,
 };
 use messages::{
-    ExcavatorSensors, ExcavatorTruth, Kind, LoaderSensors, LoaderTruth, Message, Value,
+    ExcavatorSensors, ExcavatorTruth, LoaderSensors, LoaderTruth, Message, NumberType, Value,
     excavator_bits, loader_bits,
 };
 
@@ -139,7 +139,7 @@ fn own<M: Message>(flags: &[(&str, u32)]) -> impl Iterator<Item = (usize, u32)> 
         .map(|i| 1u32 << i)
         .filter(move |bit| bit & taken == 0);
     let numbers = M::FIELDS.iter().enumerate().skip(messages::HEAD);
-    let measured = numbers.filter(|(_, field)| field.kind == Kind::F64);
+    let measured = numbers.filter(|(_, field)| field.kind == NumberType::F64);
     measured.zip(free).map(|((index, _), bit)| (index, bit))
 }
 
