@@ -1,6 +1,15 @@
 //! Plants, sensors with seeded noise, faults and scenarios: the truth that estimates are judged by.
 //!
 //! This crate never imports the estimators, so that truth and belief cannot share a mistake.
+//!
+//! | module | what |
+//! |---|---|
+//! | [`excavator`] | the plant of the paper's cases, and machines of real sizes at work |
+//! | [`loader`] | plant, road, driver, sensors, tolerances |
+//! | [`fault`] | what goes wrong with a signal |
+//! | [`noise`] | seeded noise, a channel each |
+//! | [`named`] | names of machines at work |
+//! | [`rk4`], [`blend`] | integration, smooth courses |
 
 pub mod blend;
 pub mod excavator;

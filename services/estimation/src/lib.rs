@@ -4,6 +4,33 @@
 //! check their settings; after that, bad samples are refused or treated as missing and never reach
 //! the state. Transcendental functions come from one software library ([`math`]), so that the same
 //! data give the same bits on every platform.
+//!
+//! | module | what |
+//! |---|---|
+//! | [`excavator`], [`loader`] | the machines: samples in, estimates with a verdict out; their settings and keys |
+//! | [`kalman`], [`ekf`], [`srukf`], [`rls`] | the filters, of any size |
+//! | [`model`], [`prediction`], [`sigma_points`], [`root`], [`scalar`], [`batch`] | what they are made of |
+//! | [`consistency`] | whether innovations have their predicted size |
+//! | [`dual`] | derivatives beside values |
+//! | [`keys`] | tables of the keys of a description |
+//! | [`math`] | roots, sines, exponentials: the same bits everywhere |
+//!
+//! ```
+//! use estimation::excavator::{Columns, Method, Sample, Settings, SwingEstimator};
+//!
+//! let columns = Columns { velocity: true, torque: true, posture: true, ..Columns::default() };
+//! let mut estimator = SwingEstimator::new(&Settings::default(), Method::Auto, columns)?;
+//! let sample = Sample {
+//!     time: 0.0,
+//!     velocity: Some(0.0),                             // rad/s
+//!     torque: Some(0.0),                               // N m
+//!     posture: [Some(0.9), Some(-2.1), Some(-1.0)],    // boom, arm, bucket, rad
+//!     ..Sample::default()
+//! };
+//! let answer = estimator.step(&sample);
+//! assert!(answer.inertia_std > 0.0 && !answer.flags.trusted(), "nothing has moved yet");
+//! # Ok::<(), estimation::excavator::SettingsError>(())
+//! ```
 #![no_std]
 
 pub mod batch;

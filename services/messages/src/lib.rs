@@ -5,6 +5,14 @@
 //! program subscribes with a structure of the same name, size and alignment. [`Message::FIELDS`]
 //! describes each payload, so that the recorder, the CSV writer and the live page need no
 //! knowledge of any particular one.
+//!
+//! | file | what |
+//! |---|---|
+//! | `excavator`, `loader`, `health` | the payloads, a row per field |
+//! | `machine` | the machines by name |
+//! | [`channels`] | the table of channels: name, payload, depth, rate |
+//! | `message`, `stamp` | what every payload can do, and begins with |
+//! | `envelope` | any payload |
 
 pub mod channels;
 mod envelope;

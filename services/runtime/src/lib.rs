@@ -4,6 +4,17 @@
 //! and knows nothing of channels, bells and clocks. The supervisor creates and holds every channel
 //! ([`Ports::create`]) and hands every worker its bells ([`Control`]); a worker opens its ports,
 //! says `ready` and is driven by [`run_stage`], [`run_source`] or [`run_sink`].
+//!
+//! | file | what |
+//! |---|---|
+//! | `stage`, `source`, `live`, `sink`, `probe` | the loops of the processes |
+//! | `step` | what they drive |
+//! | `ports`, `taps` | channels: one, several |
+//! | `bell` | wake-ups |
+//! | `worker`, `control` | the life of a process, and how the supervisor speaks to it |
+//! | `domain`, `home`, `cleaner` | where the files of a run are, who owns them, who removes them |
+//! | `telemetry`, `pulse` | counting, and noticing that a step hangs |
+//! | `realtime`, `clock` | scheduling and time |
 
 mod bell;
 mod cleaner;

@@ -1,5 +1,14 @@
 //! What people see of heft: the report, the live page, the terminal dashboard and the papers'
 //! figures, all from one set of plots and one set of words.
+//!
+//! | module | what |
+//! |---|---|
+//! | `report`, [`live`], [`top`], [`figures`] | page of a run, live page, terminal, figures of the papers |
+//! | [`estimate`] | what a machine has to show: parameters, flags, innovation; a file each |
+//! | `run`, [`monitor`] | a run in memory; the latest of everything |
+//! | [`panels`], [`plot`] | what is plotted, and how |
+//! | [`words`], [`number`] | verdicts in sentences, numbers rounded to their uncertainty |
+//! | [`score`], [`stretches`] | errors against the truth; swings and loads |
 
 pub mod estimate;
 pub mod figures;
