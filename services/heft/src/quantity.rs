@@ -3,8 +3,6 @@
 use messages::{Envelope, Message, Receiver, Value, excavator_bits, loader_bits};
 use view::number;
 
-use crate::watch::Score;
-
 /// An estimated quantity.
 #[derive(Debug)]
 pub struct Quantity {
@@ -84,19 +82,6 @@ impl Quantity {
     /// A value without its unit, rounded like an estimate of this standard deviation.
     pub fn number(&self, value: f64, std: f64) -> String {
         number::grouped(value, number::decimals(std))
-    }
-
-    /// The quantity on the live line; a tick says that it is trusted.
-    pub fn short(&self, score: &Score) -> String {
-        let truth = score.truth.map_or(String::new(), |t| {
-            format!(" (true {})", self.number(t, score.std))
-        });
-        let verdict = if score.trusted { '✓' } else { '?' };
-        format!(
-            "{} {}{truth} {verdict}",
-            self.symbol,
-            self.text(score.value, score.std)
-        )
     }
 
     /// The true value in a truth message, if it is known.

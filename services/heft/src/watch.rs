@@ -89,6 +89,20 @@ impl Score {
         }
     }
 
+    /// For the live line; a tick says that it is trusted.
+    fn short(&self) -> String {
+        let q = self.quantity;
+        let truth = self.truth.map_or(String::new(), |t| {
+            format!(" (true {})", q.number(t, self.std))
+        });
+        let verdict = if self.trusted { '✓' } else { '?' };
+        format!(
+            "{} {}{truth} {verdict}",
+            q.symbol,
+            q.text(self.value, self.std)
+        )
+    }
+
     fn add(&mut self, time: f64, value: f64, std: f64, trusted: bool, truth: Option<f64>) {
         (self.time, self.value, self.std) = (time, value, std);
         (self.trusted, self.truth) = (trusted, truth);
@@ -371,7 +385,7 @@ impl Watch {
     fn line(&self, width: usize) -> String {
         let time = self.told().next().map_or(0.0, |s| s.time);
         let mut parts = vec![format!("{time:5.1} s")];
-        parts.extend(self.told().map(|score| score.quantity.short(score)));
+        parts.extend(self.told().map(Score::short));
         if self.lost() > 0 {
             parts.push(format!("lost {}", self.lost()));
         }
