@@ -60,7 +60,7 @@ fn comparison_row<E: Estimate>(
 ) -> String {
     let score = Score::of(part, estimator, parameter);
     let largest = |errors: &[f64]| {
-        let summary = crate::statistics::Summary::of(errors);
+        let summary = statistics::Summary::of(errors);
         summary.map_or("–".into(), |s| format!("{} %", grouped(s.max_abs, 2)))
     };
     let mean = score.summary().map_or("–".into(), |s| {
