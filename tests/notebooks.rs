@@ -15,21 +15,28 @@ fn python() -> Option<String> {
 #[test]
 fn the_notebooks_run_where_python_has_this_heft() {
     let Some(python) = python() else {
-        println!(
-            "skipped: no python3 with this heft, pandas, matplotlib, nbconvert and ipykernel"
-        );
+        println!("skipped: no python3 with this heft, pandas, matplotlib, nbconvert and ipykernel");
         return;
     };
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/notebooks");
     let scratch = tempfile::tempdir().expect("a folder");
     let files = std::fs::read_dir(folder).expect("notebooks").flatten();
-    let notebooks = files.map(|file| file.path()).filter(|path| path.extension().is_some_and(|e| e == "ipynb"));
+    let notebooks = files
+        .map(|file| file.path())
+        .filter(|path| path.extension().is_some_and(|e| e == "ipynb"));
     let mut count = 0;
     for notebook in notebooks {
         let name = notebook.file_name().expect("a name");
         std::fs::copy(&notebook, scratch.path().join(name)).expect("copied");
         let run = Command::new(&python)
-            .args(["-m", "nbconvert", "--to", "notebook", "--execute", "--stdout"])
+            .args([
+                "-m",
+                "nbconvert",
+                "--to",
+                "notebook",
+                "--execute",
+                "--stdout",
+            ])
             .arg(name)
             .current_dir(&scratch)
             .output()

@@ -235,11 +235,7 @@ impl Plot {
     }
 }
 
-fn add_band(
-    extent: &mut scale::Extent,
-    points: &[(f64, f64, f64)],
-    (least, most): (f64, f64),
-) {
+fn add_band(extent: &mut scale::Extent, points: &[(f64, f64, f64)], (least, most): (f64, f64)) {
     let finite = points.iter().filter(|p| p.1.is_finite() && p.2.is_finite());
     let mut widths: Vec<_> = finite.map(|p| (p.2 - p.1, p.1, p.2)).collect();
     widths.sort_by(|a, b| a.0.total_cmp(&b.0));

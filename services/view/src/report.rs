@@ -109,10 +109,7 @@ impl Page {
             return;
         }
         let title = html::text(title);
-        let _ = write!(
-            self.body,
-            "<section><h2>{title}</h2><div class=\"panels\">"
-        );
+        let _ = write!(self.body, "<section><h2>{title}</h2><div class=\"panels\">");
         for panel in panels {
             self.panel(panel);
         }

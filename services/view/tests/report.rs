@@ -76,15 +76,18 @@ fn the_report_loads_nothing_and_runs_no_script_but_its_own() {
         unit: "<script>",
         points: vec![(0.0, 1.0), (1.0, 2.0)],
     });
-    for run in [
-        hostile,
-        common::loader(5.0, 100.0, true),
-        Run::default(),
-    ] {
+    for run in [hostile, common::loader(5.0, 100.0, true), Run::default()] {
         // Its licence line names an address, and nothing reads it.
         let html = report(&run).replace("/*! https://github.com/leeoniya/uPlot", "");
         assert_eq!(addresses(&html), Vec::<&str>::new());
-        for loader in ["<link", "@import", "url(", "src=", "fetch(", "alert(1)</script"] {
+        for loader in [
+            "<link",
+            "@import",
+            "url(",
+            "src=",
+            "fetch(",
+            "alert(1)</script",
+        ] {
             assert!(!html.contains(loader), "{loader}");
         }
         let drawn = html.contains("data-plot");

@@ -50,7 +50,10 @@ fn names(files: &[PathBuf]) -> Vec<String> {
     if distinct.len() == files.len() && !stems.contains(&None) {
         return stems.into_iter().flatten().collect();
     }
-    files.iter().map(|file| file.display().to_string()).collect()
+    files
+        .iter()
+        .map(|file| file.display().to_string())
+        .collect()
 }
 
 /// Writes the page of a recording; nothing half-written is left behind, and nothing overwritten but

@@ -12,18 +12,12 @@ const VALUE: usize = 5;
 pub(super) fn of(plot: &Plot) -> Value {
     let x = plot.x_extent();
     let names: Vec<Value> = plot.y_names.iter().map(|(at, n)| json!([at, n])).collect();
-    let end = |v: f64| {
-        if v.is_finite() {
-            json!(v)
-        } else {
-            Value::Null
-        }
-    };
     json!({
         "title": plot.title,
         "x": [x.0, x.1],
         "y": plot.y_range.map(|(low, high)| [low, high]),
-        "possible": [end(plot.y_possible.0), end(plot.y_possible.1)],
+        // Null where there is no end.
+        "possible": [plot.y_possible.0, plot.y_possible.1],
         "names": names,
         "items": plot.items.iter().filter_map(item).collect::<Vec<_>>(),
     })

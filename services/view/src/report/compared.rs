@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use estimation::HALF_WIDTH_95;
-use messages::Message;
 
 use super::html::{self, row, table, text};
 use super::one_by_one::interval;
@@ -97,7 +96,8 @@ fn verdicts<E: Estimate>(body: &mut String, parts: &[Part<'_, E>]) {
         rows.push_str(&row(&cells));
     }
     let mut head = vec!["quantity, 95 %".to_owned()];
-    let name = |(name, _, _, estimator): &Part<'_, E>| format!("{}: {}", text(name), estimator.method());
+    let name =
+        |(name, _, _, estimator): &Part<'_, E>| format!("{}: {}", text(name), estimator.method());
     head.extend(parts.iter().map(name));
     head.push(format!("minus {}", text(parts[0].0)));
     let head: Vec<&str> = head.iter().map(String::as_str).collect();
@@ -117,7 +117,9 @@ fn value<E: Estimate>(
 ) -> (String, f64, f64) {
     let judgements = run_judgements(&estimator.estimates);
     let headline = E::PARAMETERS.iter().filter(|p| p.headline());
-    let own = headline.zip(&judgements).find(|(p, _)| p.key == parameter.key);
+    let own = headline
+        .zip(&judgements)
+        .find(|(p, _)| p.key == parameter.key);
     // A quantity without a verdict of its own is told where the first of those that have one is.
     let judgement = own.map(|(_, j)| j).or(judgements.first());
     let Some((judgement, estimate)) =
@@ -215,7 +217,15 @@ fn recordings<E: Estimate>(body: &mut String, parts: &[Part<'_, E>]) {
         ]));
     }
     let motions = format!("{name}s");
-    let head = ["recording", "method", "duration", &motions, "trusted", "estimates", "lost"];
+    let head = [
+        "recording",
+        "method",
+        "duration",
+        &motions,
+        "trusted",
+        "estimates",
+        "lost",
+    ];
     let _ = write!(
         body,
         "<section><h2>The recordings</h2>{}</section>",
@@ -241,7 +251,10 @@ fn differences(body: &mut String, runs: &[(String, Run)]) {
     let names: Vec<String> = runs.iter().map(|(name, _)| text(name)).collect();
     head.extend(names.iter().map(String::as_str));
     let _ = if rows.is_empty() {
-        write!(body, "<section><h2>What differs in how they were made</h2><p>Nothing that they say of themselves.</p></section>")
+        write!(
+            body,
+            "<section><h2>What differs in how they were made</h2><p>Nothing that they say of themselves.</p></section>"
+        )
     } else {
         write!(
             body,
@@ -282,7 +295,11 @@ mod tests {
     #[test]
     fn settings_are_told_by_key() {
         let text = "# a remark\n[machine]\nmass = 3\n\n[sensors]\nrate = 100.0\n";
-        let pairs = [("description", text), ("seed", "7"), ("wall_clock.start", "x")];
+        let pairs = [
+            ("description", text),
+            ("seed", "7"),
+            ("wall_clock.start", "x"),
+        ];
         let run = Run {
             metadata: pairs.map(|(k, v)| (k.to_owned(), v.to_owned())).to_vec(),
             ..Default::default()
@@ -301,6 +318,9 @@ mod tests {
         let value = |v, std| (String::new(), v, std);
         assert!(difference(&value(100.0, 3.0), &value(110.0, 4.0), "kg").contains("they differ"));
         assert!(difference(&value(100.0, 3.0), &value(109.0, 4.0), "kg").contains("none"));
-        assert_eq!(difference(&value(f64::NAN, 1.0), &value(1.0, 1.0), "kg"), "–");
+        assert_eq!(
+            difference(&value(f64::NAN, 1.0), &value(1.0, 1.0), "kg"),
+            "–"
+        );
     }
 }

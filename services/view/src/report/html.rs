@@ -27,7 +27,9 @@ pub(super) fn page_of_plots(title: &str, body: &str, plots: &[Plot]) -> String {
     }
     let data: Vec<_> = plots.iter().map(Plot::data).collect();
     // Nothing in it can end the element.
-    let data = serde_json::Value::from(data).to_string().replace('<', "\\u003c");
+    let data = serde_json::Value::from(data)
+        .to_string()
+        .replace('<', "\\u003c");
     let script = format!(
         "<script type=\"application/json\" id=\"plots\">{data}</script><script>{SCRIPT}</script>"
     );
@@ -85,7 +87,13 @@ mod tests {
 
     #[test]
     fn base64_is_that_of_rfc_4648() {
-        let cases = [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foobar", "Zm9vYmFy")];
+        let cases = [
+            ("", ""),
+            ("f", "Zg=="),
+            ("fo", "Zm8="),
+            ("foo", "Zm9v"),
+            ("foobar", "Zm9vYmFy"),
+        ];
         for (plain, coded) in cases {
             assert_eq!(base64(plain.as_bytes()), coded);
         }
@@ -96,7 +104,10 @@ mod tests {
         let mut plot = Plot::new("</script><script>alert(1)</script>", "t");
         plot.line("<!--", crate::plot::Style::Truth, &[(0.0, 1.0)]);
         let page = page_of_plots("t", "", &[plot]);
-        assert_eq!(page.matches("<script").count(), 2 + SCRIPT.matches("<script").count());
+        assert_eq!(
+            page.matches("<script").count(),
+            2 + SCRIPT.matches("<script").count()
+        );
         assert!(!page.contains("alert(1)</script>"));
     }
 }

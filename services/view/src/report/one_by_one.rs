@@ -21,10 +21,13 @@ pub(super) fn write<E: Estimate>(body: &mut String, part: &MachineRun<E>) {
     if found.is_empty() {
         return;
     }
-    let shown: Vec<_> = E::STRETCH.iter().filter_map(|key| parameter(key)).collect();
+    let shown: Vec<_> = E::STRETCH
+        .iter()
+        .filter_map(|key| parameter::<E>(key))
+        .collect();
     let titles: Vec<String> = shown
         .iter()
-        .map(|p: &&Parameter<E, E::Truth>| format!("{}, 95 %", p.title()))
+        .map(|p| format!("{}, 95 %", p.title()))
         .collect();
     let mut head = vec![name, "start", "duration"];
     head.extend(titles.iter().map(String::as_str));
