@@ -103,10 +103,10 @@ fn the_report_loads_nothing_and_runs_no_script_but_its_own() {
 fn two_recordings_are_compared_with_what_differs_in_how_they_were_made() {
     let (first, mut second) = (
         common::excavator(20.0, 100.0, true),
-        common::excavator(15.0, 100.0, true),
+        common::excavator(20.0, 100.0, true),
     );
     second.metadata = vec![(
-        "description".into(),
+        "config".into(),
         "[machine]\nnominal_damping = 1400\n".into(),
     )];
     let runs = [("morning".into(), first), ("evening <1>".into(), second)];
@@ -117,8 +117,8 @@ fn two_recordings_are_compared_with_what_differs_in_how_they_were_made() {
         "none to be seen",
         "minus morning",
         "evening &lt;1&gt;",
-        "15.0",
-        "<td>description: machine.nominal_damping</td><td>1500</td><td>1400</td>",
+        "20.0 s",
+        "<td>config: machine.nominal_damping</td><td>1500</td><td>1400</td>",
     ] {
         assert!(html.contains(part), "{part}");
     }
