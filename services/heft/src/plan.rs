@@ -160,6 +160,13 @@ pub fn method_key(process: &str) -> String {
     format!("method.{process}")
 }
 
+/// What a state of this build must fit to be continued: process, method, description.
+pub fn state_identity(description: &str, process: &str, method: &str) -> u64 {
+    let parts = [crate::build::IDENTITY, process, method, description];
+    let sum = recording::sha256(parts.join("\n"));
+    u64::from_str_radix(&sum[..16], 16).unwrap_or_default()
+}
+
 /// A machine by its name.
 mod by_name {
     use messages::Machine;

@@ -12,7 +12,7 @@ use runtime::{
 use steps::stages::{Role, Row, Stage};
 
 use crate::failure::Failure;
-use crate::plan::Plan;
+use crate::plan::{Plan, state_identity};
 use crate::sources::{LiveInput, can_bus, excavator_source, loader_source, standard_input};
 
 /// Is the service `name` of a run until the run ends.
@@ -136,7 +136,9 @@ fn serve_live<M: recording::Machine>(
 }
 
 fn serve_step(worker: Worker, plan: &Plan, stage: &Stage, row: &dyn Row) -> Result<(), Failure> {
-    let process = row.prepare(&plan.description()?, plan.method(stage.name))?;
+    let method = plan.method(stage.name);
+    let fits = state_identity(&plan.description, stage.name, method);
+    let process = row.prepare(&plan.description()?, method, fits)?;
     Ok(process(worker)?)
 }
 

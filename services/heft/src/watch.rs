@@ -6,7 +6,8 @@ use std::io::{IsTerminal, Write};
 use std::time::{Duration, Instant};
 
 use messages::channels::{Channel, Payload};
-use messages::{Envelope, Health, Machine, Message, Value, fault};
+use messages::keyframe::Collector;
+use messages::{Envelope, Health, Machine, Message, Snapshot, Value, fault};
 use runtime::Sink;
 use steps::stages::Pipeline;
 use view::live::Feed;
@@ -161,6 +162,9 @@ pub struct Watch {
     health: BTreeMap<u32, Health>,
     /// Counts of processes that died.
     before: BTreeMap<u32, Counts>,
+    /// Pieces of the states of processes, and their latest whole ones.
+    collectors: BTreeMap<u32, Collector>,
+    states: BTreeMap<u32, Snapshot>,
     faults: Vec<Fault>,
     /// The logger was away while samples came.
     unrecorded: bool,
@@ -241,6 +245,14 @@ impl Watch {
         self.all_health()
             .find(|(process, _)| *process == name)
             .map(|(_, health)| health)
+    }
+
+    /// Latest whole state of the process called `name`.
+    pub fn state(&self, name: &str) -> Option<&Snapshot> {
+        let mut states = self.states.iter();
+        states.find_map(|(index, state)| {
+            (self.pipeline?.process_name(*index) == name).then_some(state)
+        })
     }
 
     /// Health of all processes, by name.
@@ -432,10 +444,17 @@ impl Watch {
 
 impl Sink for Watch {
     fn accept<M: Message>(&mut self, channel: &'static Channel, message: &M) {
+        let envelope = message.envelope();
+        if let Envelope::Keyframe(piece) = &envelope {
+            let collector = self.collectors.entry(piece.process).or_default();
+            if let Some(state) = collector.take(piece) {
+                self.states.insert(piece.process, state);
+            }
+            return;
+        }
         if let Some(feed) = &self.feed {
             feed.push(channel, message);
         }
-        let envelope = message.envelope();
         let carried = self.carried.entry(channel.name).or_default();
         carried.add(message.stamp().sequence);
         match &envelope {

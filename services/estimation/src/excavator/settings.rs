@@ -7,6 +7,7 @@ pub use super::keys::{Estimator, Paper, Prior, Variant};
 
 /// Sensors.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Sensors {
     /// Samples per second; only the first sample needs it, later ones bring their time [Hz].
     pub rate: f64,
@@ -31,6 +32,7 @@ pub struct Sensors {
 
 /// Everything an excavator estimator needs to know beforehand.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Settings {
     /// Lengths and masses.
     pub geometry: Geometry,
