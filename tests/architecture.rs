@@ -21,17 +21,18 @@ const ARROWS: &[(&str, &[&str])] = &[
         "services/steps",
         &["config", "estimation", "messages", "runtime"],
     ),
+    ("services/statistics", &["estimation"]),
     ("services/logger", &["messages", "recording", "runtime"]),
     (
         "services/view",
-        &["estimation", "messages", "recording", "steps"],
+        &["estimation", "messages", "recording", "statistics", "steps"],
     ),
     ("bindings/c", &["estimation"]),
     ("bindings/fmu", &["estimation", "messages"]),
     ("services/calibrate", &["config", "estimation"]),
     (
         "services/evaluate",
-        &["calibrate", "config", "estimation", "sim"],
+        &["calibrate", "config", "estimation", "sim", "statistics"],
     ),
     (
         "bench",
@@ -120,7 +121,9 @@ fn estimation_depends_on_nalgebra_alone_and_has_no_std() {
     assert_eq!(found, BTreeSet::from(allowed));
     let manifest = fs::read_to_string(root().join("services/estimation/Cargo.toml"));
     let manifest = manifest.expect("a manifest");
-    let serde = manifest.lines().find(|l| l.starts_with("serde = { version"));
+    let serde = manifest
+        .lines()
+        .find(|l| l.starts_with("serde = { version"));
     assert!(serde.is_some_and(|l| l.contains("optional = true")));
     assert!(!manifest.contains("default = ["), "it is off by default");
     let lib = fs::read_to_string(root().join("services/estimation/src/lib.rs")).expect("a crate");

@@ -72,7 +72,9 @@ fn killed_excavator_services_go_on_from_their_states() {
         assert_eq!(first.len(), 2, "{channel}: {text}");
         for at in first {
             let life = answers[at].hops.estimate_restarts;
-            let life = answers[at..].iter().take_while(|a| a.hops.estimate_restarts == life);
+            let life = answers[at..]
+                .iter()
+                .take_while(|a| a.hops.estimate_restarts == life);
             let life: Vec<_> = life.collect();
             for answer in life.iter().take(20) {
                 let said = answer.flags & excavator_bits::RESTARTED != 0;
@@ -124,7 +126,10 @@ fn a_killed_loader_service_keeps_what_took_it_long_to_learn() {
         assert!(after.flags & loader_bits::RESTARTED != 0);
         assert!(after.flags & loader_bits::TRUSTED_RATIO == 0, "not at once");
         // At most a second of learning is lost, of sixteen.
-        assert!(before.cg_ratio_std < 0.5 * fresh.cg_ratio_std, "it had learnt");
+        assert!(
+            before.cg_ratio_std < 0.5 * fresh.cg_ratio_std,
+            "it had learnt"
+        );
         let share = after.cg_ratio_std / before.cg_ratio_std;
         assert!(share < 1.5, "{share} of {}", before.cg_ratio_std);
         let number = after.stamp.sequence;

@@ -5,7 +5,14 @@ use std::process::Command;
 #[test]
 fn every_parser_survives_what_was_found_and_a_second_of_mutations() {
     let targets = [
-        "csv", "dbc", "map", "description", "candump", "lines", "mcap", "report",
+        "csv",
+        "dbc",
+        "map",
+        "description",
+        "candump",
+        "lines",
+        "mcap",
+        "report",
     ];
     for target in targets {
         let folder = tempfile::tempdir().expect("a folder");
@@ -32,5 +39,8 @@ fn an_unknown_target_is_refused_with_the_known_ones() {
         .output()
         .expect("the battery starts");
     let said = String::from_utf8_lossy(&output.stderr);
-    assert!(!output.status.success() && said.contains("candump"), "{said}");
+    assert!(
+        !output.status.success() && said.contains("candump"),
+        "{said}"
+    );
 }

@@ -74,7 +74,11 @@ fn allocations<S: Step + Clone>(mut service: S, messages: &[S::Input]) -> u64 {
     assert!(other.restore(&state[..length]));
     let after = messages[5_000..10_000].iter();
     let answers = after.map(|message| answer(&mut other, message));
-    assert_eq!(answers.last(), Some(last), "it goes on as if nothing had been");
+    assert_eq!(
+        answers.last(),
+        Some(last),
+        "it goes on as if nothing had been"
+    );
     println!("{}: {length} bytes of state", std::any::type_name::<S>());
     calls
 }

@@ -39,9 +39,9 @@ pub fn run_stage<S: Step>(
     if let Some(before) = before {
         keyframes.emit(&step, &before.stamp);
     }
-    while !worker.wishes.wants_exit() {
+    while !worker.requests.wants_exit() {
         worker.bell.wait();
-        let draining = worker.wishes.take_drain();
+        let draining = worker.requests.take_drain();
         let ends = (&mut input, &mut output);
         answer_all(&mut worker, ends, hop, &mut step, &mut keyframes);
         if draining {

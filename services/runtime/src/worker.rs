@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use messages::Snapshot;
 
-use crate::control::{self, Begin, Wishes};
+use crate::control::{self, Begin, Requests};
 use crate::telemetry::{Identity, Reporter};
 use crate::{Bell, Control, Error, Ports, realtime};
 
@@ -27,7 +27,7 @@ pub struct Worker {
     pub(crate) bell: Bell,
     pub(crate) readers: Vec<Bell>,
     pub(crate) ports: Ports,
-    pub(crate) wishes: Arc<Wishes>,
+    pub(crate) requests: Arc<Requests>,
     pub(crate) reporter: Reporter,
     /// The last state of this process before it died.
     pub(crate) before: Option<Snapshot>,
@@ -43,7 +43,7 @@ impl Worker {
         let control = Arc::new(Control::of_worker()?);
         let (bell, readers, before) = control.receive_bells()?;
         let ports = Ports::new(setup.identity.name)?;
-        let wishes = control::listen(Arc::clone(&control), bell.try_clone()?);
+        let requests = control::listen(Arc::clone(&control), bell.try_clone()?);
         let reporter = Reporter::start(setup.identity);
         Ok(Self {
             setup,
@@ -51,7 +51,7 @@ impl Worker {
             bell,
             readers,
             ports,
-            wishes,
+            requests,
             reporter,
             before,
         })
@@ -75,10 +75,10 @@ impl Worker {
         }
         self.control.say("ready");
         let begin = loop {
-            if self.wishes.wants_exit() {
+            if self.requests.wants_exit() {
                 return None;
             }
-            if let Some(begin) = self.wishes.begin() {
+            if let Some(begin) = self.requests.begin() {
                 break begin;
             }
             self.bell.wait();

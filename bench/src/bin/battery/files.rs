@@ -50,7 +50,10 @@ type Rows = BTreeMap<String, Vec<u64>>;
 
 impl Original {
     fn make(ground: &Ground) -> Result<Self, String> {
-        ground.run(1.5, &[])?.remains(Duration::from_secs(20))?.check(0)?;
+        ground
+            .run(1.5, &[])?
+            .remains(Duration::from_secs(20))?
+            .check(0)?;
         let file = ground.folder().join("out/run.mcap");
         let bytes = fs::read(&file).map_err(|e| e.to_string())?;
         let reader = Reader::open(&file).map_err(|e| e.to_string())?;
@@ -66,7 +69,9 @@ impl Original {
         let mut bytes = self.bytes.clone();
         if damage == Damage::Cut {
             let (at, kind, _) = rng.one(&self.records);
-            let at = (at + 1).saturating_sub(rng.between(0, 3) as usize).min(bytes.len());
+            let at = (at + 1)
+                .saturating_sub(rng.between(0, 3) as usize)
+                .min(bytes.len());
             bytes.truncate(at);
             return (bytes, format!("cut at {at}, beside record kind {kind}"));
         }
@@ -75,7 +80,12 @@ impl Original {
         kinds.sort_unstable();
         kinds.dedup();
         let kind = rng.one(&kinds);
-        let same: Vec<_> = self.records.iter().filter(|r| r.1 == kind).copied().collect();
+        let same: Vec<_> = self
+            .records
+            .iter()
+            .filter(|r| r.1 == kind)
+            .copied()
+            .collect();
         let (start, _, length) = rng.one(&same);
         // The head with its length as often as the rest.
         let at = match rng.between(0, 2) {
@@ -193,7 +203,9 @@ fn judge_whole(copy: &Path, original: &Rows) -> Result<(), String> {
         return Err("the recovered copy is not whole".into());
     }
     let inside = |(channel, list): (&String, &Vec<u64>)| {
-        original.get(channel).is_some_and(|whole| is_within(list, whole))
+        original
+            .get(channel)
+            .is_some_and(|whole| is_within(list, whole))
     };
     if rows(&reader).iter().all(inside) {
         Ok(())

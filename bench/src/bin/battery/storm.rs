@@ -22,7 +22,15 @@ impl Attack for Storm {
             let out = ground.folder().join(n.to_string());
             let mut command = ground.heft();
             command
-                .args(["run", "excavator", "--quiet", "--no-report", "--duration", "1", "--out"])
+                .args([
+                    "run",
+                    "excavator",
+                    "--quiet",
+                    "--no-report",
+                    "--duration",
+                    "1",
+                    "--out",
+                ])
                 .arg(&out)
                 .args(["--domain", &format!("{}-{n}", ground.domain())])
                 .stdout(Stdio::null())

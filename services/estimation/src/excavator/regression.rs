@@ -214,7 +214,7 @@ impl Regression {
                 excited,
                 consistent: measured_noise || self.nis.mean() <= e.consistent_nis,
                 fresh,
-                converged: 1.96 * inertia.std < e.converged_share * inertia.value,
+                converged: crate::HALF_WIDTH_95 * inertia.std < e.converged_share * inertia.value,
                 identifiable: fit.identifiable && self.tells,
                 held,
                 nominal: fit.nominal,

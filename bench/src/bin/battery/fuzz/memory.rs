@@ -17,7 +17,11 @@ struct Limited;
 #[allow(unsafe_code)]
 unsafe impl GlobalAlloc for Limited {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        if USED.fetch_add(layout.size(), Relaxed).saturating_add(layout.size()) > MOST.load(Relaxed) {
+        if USED
+            .fetch_add(layout.size(), Relaxed)
+            .saturating_add(layout.size())
+            > MOST.load(Relaxed)
+        {
             USED.fetch_sub(layout.size(), Relaxed);
             return std::ptr::null_mut();
         }

@@ -77,7 +77,10 @@ fn apart(target: &str, time: Duration, seed: u64, folder: &Path) -> Result<u64, 
     };
     let printed = child.wait_with_output().map_err(|e| e.to_string())?.stdout;
     if status.is_some_and(|status| status.success()) {
-        return Ok(String::from_utf8_lossy(&printed).trim().parse().unwrap_or(0));
+        return Ok(String::from_utf8_lossy(&printed)
+            .trim()
+            .parse()
+            .unwrap_or(0));
     }
     let said = fs::read_to_string(folder.join("said")).unwrap_or_default();
     let kept = keep(target, seed, folder);

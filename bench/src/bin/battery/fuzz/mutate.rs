@@ -4,9 +4,30 @@ use crate::attack::Rng;
 
 /// Words on which parsers stumble.
 const WORDS: [&[u8]; 24] = [
-    b"nan", b"-inf", b"1e308", b"1e-320", b"-0", b"0", b"-1", b"4294967296", b"18446744073709551616",
-    b"9223372036854775807", b"0.1", b"\"", b"'", b",", b";", b"\t", b"\n", b"\r\n", b"\0", b"\xef\xbb\xbf",
-    b"\xff\xfe", b"[", b"=", b"1e999999999",
+    b"nan",
+    b"-inf",
+    b"1e308",
+    b"1e-320",
+    b"-0",
+    b"0",
+    b"-1",
+    b"4294967296",
+    b"18446744073709551616",
+    b"9223372036854775807",
+    b"0.1",
+    b"\"",
+    b"'",
+    b",",
+    b";",
+    b"\t",
+    b"\n",
+    b"\r\n",
+    b"\0",
+    b"\xef\xbb\xbf",
+    b"\xff\xfe",
+    b"[",
+    b"=",
+    b"1e999999999",
 ];
 
 /// Changes `input` in one to six places; `others` are there to take parts from.
@@ -26,12 +47,26 @@ pub fn mutate(input: &mut Vec<u8>, others: &[Vec<u8>], rng: &mut Rng) {
             }
             5 => {
                 let word = rng.one(&WORDS);
-                let replaced = if rng.between(0, 2) == 0 { word.len().min(rest) } else { 0 };
+                let replaced = if rng.between(0, 2) == 0 {
+                    word.len().min(rest)
+                } else {
+                    0
+                };
                 input.splice(at..at + replaced, word.iter().copied());
             }
             6 => {
                 // A number in binary: a length, a count, a time.
-                let number = rng.one(&[0, 1, 0x7f, 0x80, 0xffff, 1 << 31, u64::from(u32::MAX), 1 << 48, u64::MAX]);
+                let number = rng.one(&[
+                    0,
+                    1,
+                    0x7f,
+                    0x80,
+                    0xffff,
+                    1 << 31,
+                    u64::from(u32::MAX),
+                    1 << 48,
+                    u64::MAX,
+                ]);
                 let width = rng.one(&[1, 2, 4, 8]).min(rest);
                 input[at..at + width].copy_from_slice(&number.to_le_bytes()[..width]);
             }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use config::Description;
 use messages::channels::{CHANNELS, Channel, Visitor};
-use messages::{Kind, Machine, Message, Value};
+use messages::{Machine, Message, NumberType, Value};
 use recording::{LineDecoder, Map, Metadata, Reader, Writer};
 
 use crate::attack::Rng;
@@ -55,14 +55,22 @@ pub const TARGETS: &[Target] = &[
     },
     Target {
         name: "map",
-        seeds: &["tests/maps/truck.toml", "tests/maps/emps.toml", "tests/maps/hsm150.toml"],
+        seeds: &[
+            "tests/maps/truck.toml",
+            "tests/maps/emps.toml",
+            "tests/maps/hsm150.toml",
+        ],
         made: None,
         longest: 4 * KB,
         run: map,
     },
     Target {
         name: "description",
-        seeds: &["tests/descriptions/emps.toml", "tests/descriptions/hsm150.toml", "tests/descriptions/paper.toml"],
+        seeds: &[
+            "tests/descriptions/emps.toml",
+            "tests/descriptions/hsm150.toml",
+            "tests/descriptions/paper.toml",
+        ],
         made: Some(whole_description),
         longest: 16 * KB,
         run: description,
@@ -115,7 +123,10 @@ fn dbc(input: &[u8]) {
 fn map(input: &[u8]) {
     write("truck.dbc", TRUCK_DBC.as_bytes());
     write("x.log", &log());
-    write("x.csv", b"time,v,t,a,b,c\n0,1,2,3,4,5\n0.01,1,2,3,4,5\n0.03,1,,3,4,5\n");
+    write(
+        "x.csv",
+        b"time,v,t,a,b,c\n0,1,2,3,4,5\n0.01,1,2,3,4,5\n0.03,1,,3,4,5\n",
+    );
     let text = String::from_utf8_lossy(input);
     if let Ok(map) = Map::parse(&text, "truck.toml") {
         let _ = recording::load_loader("x.log", Some(&map));
@@ -131,7 +142,8 @@ fn description(input: &[u8]) {
             continue;
         };
         let printed = read.to_toml();
-        let again = Description::parse(&printed, "printed", None).expect("what it prints, it reads");
+        let again =
+            Description::parse(&printed, "printed", None).expect("what it prints, it reads");
         assert_eq!(again.to_toml(), printed, "printing is a fixed point");
     }
 }
@@ -175,14 +187,23 @@ fn mcap(input: &[u8]) {
 
 /// A whole recording of wild numbers; the input is the chance.
 fn report(input: &[u8]) {
-    let seed = input.iter().fold(1_u64, |a, b| a.wrapping_mul(31).wrapping_add(u64::from(*b)));
+    let seed = input
+        .iter()
+        .fold(1_u64, |a, b| a.wrapping_mul(31).wrapping_add(u64::from(*b)));
     let mut rng = Rng::new(seed);
     let machine = rng.one(&["excavator", "loader"]);
     let _ = fs::remove_file("x.mcap");
     let mut writer = Writer::create("x.mcap", &metadata(machine)).expect("room for a recording");
     for _ in 0..rng.between(0, 40) {
-        for channel in CHANNELS.iter().filter(|c| c.name.starts_with(machine) || c.name == "health") {
-            channel.payload.visit(Wild { channel, writer: &mut writer, rng: &mut rng });
+        for channel in CHANNELS
+            .iter()
+            .filter(|c| c.name.starts_with(machine) || c.name == "health")
+        {
+            channel.payload.visit(Wild {
+                channel,
+                writer: &mut writer,
+                rng: &mut rng,
+            });
         }
     }
     writer.finish().expect("room for a recording");
@@ -204,17 +225,26 @@ impl Visitor for Wild<'_> {
             let bits = match self.rng.between(0, 4) {
                 0 => self.rng.between(0, u64::MAX),
                 1 => (self.rng.between(0, 2000) as f64 - 1000.0).to_bits(),
-                2 => self.rng.one(&[0, 1, u64::MAX, f64::NAN.to_bits(), f64::MAX.to_bits(), 1 << 63]),
+                2 => self.rng.one(&[
+                    0,
+                    1,
+                    u64::MAX,
+                    f64::NAN.to_bits(),
+                    f64::MAX.to_bits(),
+                    1 << 63,
+                ]),
                 _ => self.rng.between(0, 1000),
             };
             let value = match field.kind {
-                Kind::U32 => Value::U32(bits as u32),
-                Kind::U64 => Value::U64(bits),
-                Kind::F64 => Value::F64(f64::from_bits(bits)),
+                NumberType::U32 => Value::U32(bits as u32),
+                NumberType::U64 => Value::U64(bits),
+                NumberType::F64 => Value::F64(f64::from_bits(bits)),
             };
             message.set(index, value);
         }
-        self.writer.write(self.channel, &message).expect("room for a message");
+        self.writer
+            .write(self.channel, &message)
+            .expect("room for a message");
     }
 }
 
@@ -233,7 +263,10 @@ fn read_all(file: &str) {
 }
 
 fn metadata(machine: &str) -> Metadata {
-    let pairs = [("machine", machine), ("processes", "sensor,kalman,rls,ukf,logger")];
+    let pairs = [
+        ("machine", machine),
+        ("processes", "sensor,kalman,rls,ukf,logger"),
+    ];
     pairs.map(|(k, v)| (k.to_owned(), v.to_owned())).into()
 }
 
@@ -245,7 +278,11 @@ fn short_recording() -> Vec<u8> {
     let mut rng = Rng::new(1);
     for n in 0..60 {
         for channel in CHANNELS {
-            channel.payload.visit(Wild { channel, writer: &mut writer, rng: &mut rng });
+            channel.payload.visit(Wild {
+                channel,
+                writer: &mut writer,
+                rng: &mut rng,
+            });
         }
         if n % 20 == 19 {
             writer.flush().expect("room for a recording");
@@ -258,7 +295,9 @@ fn short_recording() -> Vec<u8> {
 }
 
 fn whole_description() -> Vec<u8> {
-    Description::default_of(Machine::Loader).to_toml().into_bytes()
+    Description::default_of(Machine::Loader)
+        .to_toml()
+        .into_bytes()
 }
 
 /// Frames of the truck in the common forms.
