@@ -167,3 +167,51 @@ fn every_step_tells_its_whole_state_at_least_once_a_second() {
         }
     }
 }
+
+#[test]
+fn what_was_trusted_is_the_prior_of_the_next_run_and_its_replay_knows() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let state = folder.path().join("state.json");
+    let state = state.to_str().expect("a path");
+    let run_once = |n: u32| {
+        let (out, domain) = (
+            folder.path().join(n.to_string()),
+            common::domain(&format!("state-{n}")),
+        );
+        let out = out.to_str().expect("a path").to_owned();
+        let args = [
+            "run",
+            "loader",
+            "--pace",
+            "max",
+            "--duration",
+            "60",
+            "--quiet",
+            "--no-report",
+        ];
+        let more = ["--state", state, "--domain", &domain, "--out", &out];
+        let output = run(&[&args[..], &more].concat());
+        assert!(output.status.success(), "{}", both(&output));
+        let recording = std::path::Path::new(&out).join("run.mcap");
+        (
+            both(&output),
+            read::<LoaderEstimate>(&recording, "loader/cg_ukf"),
+            recording,
+        )
+    };
+    let (text, first, _) = run_once(1);
+    assert!(text.contains("nothing to remember yet"), "{text}");
+    let learnt = first
+        .iter()
+        .rfind(|e| e.flags & loader_bits::TRUSTED_RATIO != 0);
+    let learnt = learnt.expect("it trusts the ratio once in a minute");
+    let (text, second, recording) = run_once(2);
+    assert!(text.contains("restored"), "{text}");
+    let begin = &second[0];
+    assert!((begin.cg_ratio - learnt.cg_ratio).abs() < 1e-9, "{text}");
+    assert!(
+        begin.cg_ratio_std < first[0].cg_ratio_std && begin.flags & loader_bits::TRUSTED_RATIO == 0
+    );
+    let (all, unknown) = replayed(&recording);
+    assert!(all > 10_000 && unknown == 0, "{unknown} of {all}");
+}

@@ -113,6 +113,8 @@ pub fn compare<R: Replay>(
             }
             waiting.push_back(input);
         }
+        // Whatever a restarted stage went on with, its first state is not recorded.
+        let lost = is_new && life > 0 && restored.is_none();
         if let Some((state, seen)) = restored {
             waiting.retain(|input| replay.place(input) > seen);
             step = Some(state);
@@ -125,7 +127,7 @@ pub fn compare<R: Replay>(
             result.unknown += 1;
             continue;
         };
-        let gap = passed > 0 || !follows;
+        let gap = passed > 0 || !follows || lost;
         match explain(replay, before, &waiting, &sample, &recorded) {
             Ok(after) => {
                 result.identical += 1;

@@ -45,6 +45,8 @@ pub struct Plan {
     /// Cores for the stages of this machine under real-time scheduling, taken in turn along the
     /// chain; none: wherever the system puts them.
     pub cores: Vec<usize>,
+    /// What was restored of an earlier run, in words; the description holds it.
+    pub restored: Option<String>,
     /// File to record to.
     pub recording: PathBuf,
     /// Bounds of the recording.
@@ -120,6 +122,9 @@ impl Plan {
                     put("payload_kg", payload.to_string());
                 }
             }
+        }
+        if let Some(restored) = &self.restored {
+            put("state", restored.clone());
         }
         put("rate_hz", self.rate.to_string());
         put(

@@ -14,6 +14,7 @@ use view::live::Feed;
 
 use crate::fault::Fault;
 use crate::quantity::{QUANTITIES, Quantity};
+use crate::state::Memory;
 
 /// Truths that may wait for their estimates.
 const TRUTHS: usize = 2048;
@@ -165,6 +166,8 @@ pub struct Watch {
     /// Pieces of the states of processes, and their latest whole ones.
     collectors: BTreeMap<u32, Collector>,
     states: BTreeMap<u32, Snapshot>,
+    /// What outlives the run.
+    memory: Option<Memory>,
     faults: Vec<Fault>,
     /// The logger was away while samples came.
     unrecorded: bool,
@@ -189,6 +192,11 @@ impl Watch {
             begun: Some(Instant::now()),
             ..Self::default()
         }
+    }
+
+    /// Has what is trusted remembered.
+    pub fn remember(&mut self, memory: Option<Memory>) {
+        self.memory = memory;
     }
 
     /// Whether it reads a channel. Every reader costs the writer time while the next stage waits, so
@@ -341,6 +349,9 @@ impl Watch {
 
     /// Shows the state, not too often.
     pub fn tick(&mut self) {
+        if let Some(memory) = &mut self.memory {
+            memory.tick();
+        }
         if self.show == Show::Nothing || self.scores.is_empty() {
             return;
         }
@@ -371,8 +382,11 @@ impl Watch {
         };
     }
 
-    /// Ends the live line.
+    /// Ends the live line, and writes what outlives the run.
     pub fn finish(&mut self) {
+        if let Some(memory) = &mut self.memory {
+            memory.save();
+        }
         if self.show == Show::Terminal && self.shown.is_some() && std::io::stderr().is_terminal() {
             eprintln!();
         }
@@ -466,6 +480,9 @@ impl Sink for Watch {
             }
             Envelope::ExcavatorEstimate(_) | Envelope::LoaderEstimate(_) => {
                 self.note_estimate(channel, message);
+                if let Some(memory) = &mut self.memory {
+                    memory.see(channel, message);
+                }
             }
             Envelope::Health(health) => {
                 let before = self.health.insert(health.process, *health);

@@ -13,6 +13,7 @@ mod ground;
 mod kills;
 mod stops;
 mod storm;
+mod trust;
 mod users;
 
 use std::path::PathBuf;
@@ -25,8 +26,10 @@ use ground::Ground;
 const USAGE: &str = "\
 usage: battery [--minutes N] [--seed S] [--only WORD] [--heft PATH]
        battery --fuzz TARGET [--seconds N] [--seed S]
+       battery --trust WORD [--seed S]
        N minutes (1) of the attacks whose name holds WORD (all), on the heft at PATH (beside this program);
-       the second form is one target of the fuzzer alone, in this folder";
+       the second form is one target of the fuzzer alone, in this folder;
+       the third the cells of the trust matrix whose name holds WORD, as a table";
 
 /// The table of attacks: a row more is an attack more.
 fn attacks() -> Vec<Box<dyn Attack>> {
@@ -37,6 +40,7 @@ fn attacks() -> Vec<Box<dyn Attack>> {
     attacks.extend(fuzz::all());
     attacks.push(Box::new(doubled::Doubled));
     attacks.push(Box::new(storm::Storm));
+    attacks.push(Box::new(trust::Trust));
     attacks.push(Box::new(floods::Flood));
     attacks.push(Box::new(users::SecondUser));
     attacks
@@ -48,6 +52,7 @@ struct Arguments {
     only: String,
     heft: PathBuf,
     fuzz: Option<String>,
+    trust: Option<String>,
     seconds: f64,
 }
 
@@ -59,6 +64,7 @@ fn arguments() -> Option<Arguments> {
         only: String::new(),
         heft: beside,
         fuzz: None,
+        trust: None,
         seconds: 1.0,
     };
     let mut words = std::env::args().skip(1);
@@ -69,6 +75,7 @@ fn arguments() -> Option<Arguments> {
             "--seed" => found.seed = value.parse().ok()?,
             "--only" => found.only = value,
             "--fuzz" => found.fuzz = Some(value),
+            "--trust" => found.trust = Some(value),
             "--seconds" => found.seconds = value.parse().ok()?,
             "--heft" => found.heft = value.into(),
             _ => return None,
@@ -94,6 +101,15 @@ fn main() -> ExitCode {
     if let Some(target) = &arguments.fuzz {
         return match fuzz::run(target, arguments.seconds, arguments.seed) {
             Ok(()) => ExitCode::SUCCESS,
+            Err(why) => {
+                eprintln!("{why}");
+                ExitCode::FAILURE
+            }
+        };
+    }
+    if let Some(word) = &arguments.trust {
+        return match trust::print(word, arguments.seed) {
+            Ok(good) => ExitCode::from(u8::from(!good)),
             Err(why) => {
                 eprintln!("{why}");
                 ExitCode::FAILURE
