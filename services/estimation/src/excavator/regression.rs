@@ -24,7 +24,7 @@ use super::estimate::{Estimate, Flags, Method};
 use super::joint::JointRegression;
 use super::motion::Motion;
 use super::reason::Reason;
-use super::settings::Settings;
+use super::settings::{HalfTold, Settings};
 use super::settings_error::SettingsError;
 use super::single::SingleRegression;
 use crate::Quantity;
@@ -53,6 +53,8 @@ pub struct Regression {
     time: Option<f64>,
     /// Whether a torque alone can tell the inertia of this machine, see [`Settings::tells_by_half`].
     tells: bool,
+    /// What the inertia can be where it cannot.
+    half_told: HalfTold,
     /// Time since the last torque; infinite before the first [s].
     torque_age: f64,
     refused: u64,
@@ -108,6 +110,7 @@ impl Regression {
             running_for: 0.0,
             time: None,
             tells: settings.tells_by_half(),
+            half_told: settings.half_told(None),
             torque_age: f64::INFINITY,
             refused: 0,
             last,
@@ -198,7 +201,10 @@ impl Regression {
         // The joint regression does not use the Kalman filter, and measures its own residual.
         let measured_noise = matches!(self.kind, Kind::Joint(_));
         let fresh = motion.age <= e.fresh_velocity && (paper || self.torque_age <= e.fresh_others);
-        let inertia = fit.inertia;
+        let mut inertia = fit.inertia;
+        if !self.tells {
+            inertia.std = self.half_told.widened(inertia.value, inertia.std);
+        }
         Estimate {
             inertia: inertia.value,
             inertia_std: inertia.std,

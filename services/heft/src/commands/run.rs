@@ -182,7 +182,7 @@ fn show(args: &RunArgs) -> Show {
 pub fn run(args: &RunArgs) -> Result<(), Failure> {
     if args.scenario.as_deref() == Some("list") {
         let all = machines::entry(args.machine).scenarios();
-        print!("{}", machines::scenario_lines(all));
+        print!("{}", machines::scenario_lines(&all));
         return Ok(());
     }
     for name in Domain::remove_leftovers() {
