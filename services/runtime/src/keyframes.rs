@@ -48,7 +48,8 @@ impl Keyframes {
     /// Emits the state where one is due.
     pub(crate) fn after<S: Step>(&mut self, step: &S, stamp: &Stamp, now_ns: u64) {
         let is_due = self.last.is_none_or(|(at, time)| {
-            now_ns.saturating_sub(at) >= PERIOD_NS || !((stamp.time - time).abs() < PERIOD)
+            let is_near = (stamp.time - time).abs() < PERIOD; // a time that is none is not
+            now_ns.saturating_sub(at) >= PERIOD_NS || !is_near
         });
         if is_due {
             self.last = Some((now_ns, stamp.time));
