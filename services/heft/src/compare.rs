@@ -100,8 +100,10 @@ pub fn compare<R: Replay>(
         if is_new {
             (step, last_life) = (Some(replay.begin()), life);
         }
-        // What the stage went on with after a restart, or what tells its state again.
-        let restored = state.filter(|_| is_new || step.is_none());
+        // What the stage went on with after a restart, or what tells its state again: not one from before
+        // the answers that could not be checked.
+        let is_near = |s: &&Snapshot| last.is_some_and(|last| place_of(s) >= last);
+        let restored = state.filter(|s| is_new || step.is_none() && is_near(s));
         let restored = restored.and_then(|state| Some((replay.restore(state)?, place_of(state))));
         // Samples that have no recorded answer.
         let mut waiting = VecDeque::new();

@@ -109,6 +109,7 @@ impl Settings {
 
 /// What an inertia can be of which only a half is told.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct HalfTold {
     least: f64,
     most: f64,
