@@ -106,7 +106,7 @@ mod tests {
     #[test]
     fn an_answer_says_restarted_until_it_is_trusted_and_is_not_at_once() {
         let mut restart = Restart::default();
-        let mut told = |restart: &mut Restart, time, mut flags| {
+        let told = |restart: &mut Restart, time, mut flags| {
             let mut reason = 0;
             restart.tell(&BITS, time, &mut flags, &mut reason);
             (flags, reason)
