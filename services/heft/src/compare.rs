@@ -3,7 +3,7 @@
 //! A stage answers each sample that reached it, in order. Between two recorded answers some may be
 //! missing, and the recording does not say why: the stage may have lost the samples, or answered
 //! them while the logger lost the answers. Each case leaves the stage in another state, so both are
-//! tried, and the next answer decides bit for bit. Where none agrees the state is unknown: what
+//! tried, and the next answer decides bit for bit (it may not show the difference; a later one does). Where none agrees the state is unknown: what
 //! follows is not checked, and not called a difference either, until a keyframe tells the state.
 
 use std::collections::VecDeque;
@@ -91,6 +91,8 @@ pub fn compare<R: Replay>(
     };
     let mut result = Compared::default();
     let mut step = Some(replay.begin());
+    // Whether the state is known for sure, and not only agrees with every answer so far.
+    let mut sure = true;
     let (mut last, mut last_life): (Option<Place>, u32) = (None, 0);
     for recorded in answers {
         result.answers += 1;
@@ -98,12 +100,12 @@ pub fn compare<R: Replay>(
         let state = states.before(place, life);
         let is_new = life != last_life;
         if is_new {
-            (step, last_life) = (Some(replay.begin()), life);
+            (step, last_life, sure) = (Some(replay.begin()), life, true);
         }
         // What the stage went on with after a restart, or what tells its state again: not one from before
         // the answers that could not be checked.
         let is_near = |s: &&Snapshot| last.is_some_and(|last| place_of(s) >= last);
-        let restored = state.filter(|s| is_new || step.is_none() && is_near(s));
+        let restored = state.filter(|s| is_new || (step.is_none() || !sure) && is_near(s));
         let restored = restored.and_then(|state| Some((replay.restore(state)?, place_of(state))));
         // Samples that have no recorded answer.
         let mut waiting = VecDeque::new();
@@ -119,7 +121,7 @@ pub fn compare<R: Replay>(
         let lost = is_new && life > 0 && restored.is_none();
         if let Some((state, seen)) = restored {
             waiting.retain(|input| replay.place(input) > seen);
-            step = Some(state);
+            (step, sure) = (Some(state), true);
         }
         let first = last.map_or(0, |(_, n)| n + 1);
         let follows = last.is_none_or(|(epoch, _)| epoch == place.0) && place.1 == first;
@@ -133,10 +135,11 @@ pub fn compare<R: Replay>(
         match explain(replay, before, &waiting, &sample, &recorded) {
             Ok(after) => {
                 result.identical += 1;
+                sure &= !gap;
                 step = Some(after);
             }
             // The state before it was known, and so is the one after it.
-            Err((field, after)) if !gap => {
+            Err((field, after)) if !gap && sure => {
                 result.first_difference.get_or_insert((place.1, field));
                 step = Some(after);
             }
