@@ -33,7 +33,7 @@ pub trait Entry: Sync {
     /// The scenario of the demonstration.
     fn shown_scenario(&self) -> &'static str;
     /// Names and texts of the scenarios.
-    fn scenarios(&self) -> &'static [(&'static str, &'static str)];
+    fn scenarios(&self) -> Vec<(String, String)>;
     /// Whether the source of a plan can be made.
     ///
     /// # Errors
@@ -63,8 +63,9 @@ trait Typed: Sync {
     const ABOUT: &'static str;
     const USUAL: &'static str;
     const SHOWN: &'static str;
-    const SCENARIOS: &'static [(&'static str, &'static str)];
 
+    /// Names and texts of the scenarios.
+    fn scenarios() -> Vec<(String, String)>;
     /// The simulator of a plan.
     fn simulator(
         plan: &Plan,
@@ -92,8 +93,8 @@ impl<M: Typed> Entry for M {
         M::SHOWN
     }
 
-    fn scenarios(&self) -> &'static [(&'static str, &'static str)] {
-        M::SCENARIOS
+    fn scenarios(&self) -> Vec<(String, String)> {
+        M::scenarios()
     }
 
     fn check_source(&self, plan: &Plan) -> Result<(), Failure> {
@@ -114,14 +115,36 @@ impl<M: Typed> Entry for M {
 }
 
 /// The scenarios of a machine, a line each.
-pub fn scenario_lines(all: &[(&str, &str)]) -> String {
+pub fn scenario_lines(all: &[(String, String)]) -> String {
+    let width = all.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
     all.iter()
-        .map(|(name, text)| format!("    {name:<20} {text}\n"))
+        .map(|(name, text)| format!("    {name:<width$} {text}\n"))
         .collect()
 }
 
-fn no_scenario(name: &str, all: &[(&str, &str)]) -> Failure {
-    let nearest = config::nearest(name, all.iter().map(|(n, _)| *n));
+/// The scenarios that have courses of their own, then the machines at work.
+fn all_scenarios<'a>(
+    courses: &[(&str, &str)],
+    cases: impl Iterator<Item = (&'a str, &'a str)>,
+) -> Vec<(String, String)> {
+    let courses = courses
+        .iter()
+        .map(|(name, text)| ((*name).to_owned(), (*text).to_owned()));
+    let work = cases.map(|(effect, severity)| {
+        let text = if effect == "none" {
+            "dig, lift, swing, dump, return; a machine that is what its description says".to_owned()
+        } else {
+            format!("the same with {effect} {severity}")
+                .trim_end()
+                .to_owned()
+        };
+        (sim::named::scenario(effect, severity), text)
+    });
+    courses.chain(work).collect()
+}
+
+fn no_scenario(name: &str, all: &[(String, String)]) -> Failure {
+    let nearest = config::nearest(name, all.iter().map(|(n, _)| n.as_str()));
     let hint = nearest.map_or(String::new(), |n| format!(" (did you mean `{n}`?)"));
     Failure::input(
         format!("there is no scenario `{name}`{hint}"),

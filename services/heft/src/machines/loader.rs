@@ -4,9 +4,10 @@ mod figures;
 
 use messages::{LoaderSensors, LoaderTruth};
 use runtime::Source;
-use sim::loader::{Run, Scenario, Tier};
+use sim::loader::{CASES, Run, Scenario, Tier};
+use sim::named;
 
-use super::{Figure, Typed, bad_run, no_scenario};
+use super::{Figure, Typed, all_scenarios, bad_run, no_scenario};
 use crate::failure::Failure;
 use crate::plan::Plan;
 
@@ -17,15 +18,24 @@ impl Typed for Loader {
     const ABOUT: &'static str = "Centre of gravity, slip stiffness, digging force";
     const USUAL: &'static str = "work-cycle";
     const SHOWN: &'static str = "work-cycle";
-    const SCENARIOS: &'static [(&'static str, &'static str)] = Scenario::ALL;
+
+    fn scenarios() -> Vec<(String, String)> {
+        all_scenarios(Scenario::ALL, CASES.iter().map(|c| (c.0, c.1)))
+    }
 
     fn simulator(
         plan: &Plan,
     ) -> Result<impl Source<Sensors = LoaderSensors, Truth = LoaderTruth>, Failure> {
-        let scenario = Scenario::parse(&plan.scenario)
-            .ok_or_else(|| no_scenario(&plan.scenario, Scenario::ALL))?;
-        let mut run = Run::new(scenario);
-        (run.payload, run.rate, run.seed) = (plan.payload, plan.rate, plan.seed);
+        let mut at_work = CASES.iter();
+        let mut run = match at_work.find(|c| named::scenario(c.0, c.1) == plan.scenario) {
+            Some((_, _, effects)) => Run::at_work(*effects),
+            None => Run::new(
+                Scenario::parse(&plan.scenario)
+                    .ok_or_else(|| no_scenario(&plan.scenario, &Self::scenarios()))?,
+            ),
+        };
+        run.payload = plan.payload.or(run.payload);
+        (run.rate, run.seed) = (plan.rate, plan.seed);
         (run.tier, run.duration) = (Tier::B, plan.duration);
         sensor::SimulatedLoader::new(&run).map_err(bad_run)
     }
