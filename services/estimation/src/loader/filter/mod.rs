@@ -86,6 +86,7 @@ impl<const M: usize> RowReport<M> {
 
 /// The filter with `N` states (6, 8 to 11, see [`crate::loader::cg_model`]) and `M` measurements (3, or 4 with the specific force).
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CgFilter<const N: usize, const M: usize> {
     settings: Settings,
     tuning: Tuning,
@@ -111,6 +112,7 @@ pub struct CgFilter<const N: usize, const M: usize> {
     boom_told: bool,
     relearning: Relearning,
     /// Process noise of the next step beyond the usual, by state.
+    #[cfg_attr(feature = "serde", serde(with = "crate::written"))]
     loosened: [f64; N],
     /// Force on the bucket tip measured over the last step [N].
     pub(in crate::loader) spade_force_x: f64,
@@ -251,7 +253,8 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
         self.effect = self.disturbance.update(&self.dynamics, &step, at, dt);
         let fresh = self.settings.verdict.fresh;
         if dt > self.tuning.gap || self.tuning.screened && self.evidence.torque_lost(fresh) {
-            return self.bridge_gap(sample);
+            let away = if dt > self.tuning.gap { dt } else { 0.0 };
+            return self.bridge_gap(sample, away);
         }
         let model = self.model(step.inputs, dt);
         let report = if self.printed {
