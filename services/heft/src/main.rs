@@ -13,6 +13,7 @@ mod fault;
 mod live;
 mod machines;
 mod notify;
+mod page;
 mod parts;
 mod plan;
 mod quantity;

@@ -8,6 +8,7 @@ use view::estimate::Estimate;
 use view::words::{verdict, wrapped};
 
 use crate::failure::Failure;
+use crate::page;
 use crate::watch::{Score, Watch};
 
 /// Columns of every terminal.
@@ -23,7 +24,7 @@ pub fn report(recording: &Path) -> Option<PathBuf> {
     let path = recording.with_file_name(name + ".html");
     let written = recording::Reader::open(recording)
         .map_err(Into::into)
-        .and_then(|reader| super::commands::report::write(&reader, &path));
+        .and_then(|reader| page::write(&reader, &path));
     match written {
         Ok(()) => Some(path),
         Err(failure) => {

@@ -24,5 +24,5 @@ pub mod stretches;
 pub mod top;
 pub mod words;
 
-pub use report::{compared, page, report};
+pub use report::{compared, page, picture, report};
 pub use run::{Estimator, Input, MachineRun, Run, lost};

@@ -55,6 +55,24 @@ pub fn report(run: &Run) -> String {
     html::page_of_plots(&header::title(run), &page.body, &page.plots)
 }
 
+/// What is told first, over time, with its interval, the truth where it is known, and the stretches that heft
+/// trusts: one SVG file that follows the reader's light or dark setting.
+#[must_use]
+pub fn picture(run: &Run) -> String {
+    let excavator = panels::history::panels(&run.excavator);
+    let panels = excavator
+        .into_iter()
+        .chain(panels::history::panels(&run.loader));
+    let plots: Vec<Plot> = panels.filter(|p| p.wide).map(|p| p.plot).collect();
+    crate::plot::file(
+        &header::title(run).replacen("report", "estimates", 1),
+        "band: 95 % interval; shaded: heft trusts its estimate; dashed: the truth",
+        &plots,
+        WIDE.0,
+        WIDE.1,
+    )
+}
+
 /// A page in the style of the report around a `body` that is HTML already.
 #[must_use]
 pub fn page(title: &str, body: &str) -> String {

@@ -13,7 +13,7 @@ use view::estimate::Estimate;
 use crate::cli::EstimateArgs;
 use crate::commands::run::{description, tell_idle_keys};
 use crate::failure::Failure;
-use crate::{parts, sources, summary};
+use crate::{page, parts, sources, summary};
 
 /// `heft estimate`
 pub fn estimate(args: &EstimateArgs) -> Result<(), Failure> {
@@ -43,7 +43,7 @@ fn check_outputs(args: &EstimateArgs) -> Result<(), Failure> {
     output::check(&args.output, &inputs, recording::csv::is_estimates)?;
     inputs.push(&args.output);
     if let Some(report) = &args.report {
-        output::check(report, &inputs, super::report::is_page)?;
+        output::check(report, &inputs, page::is_ours)?;
         if std::path::absolute(report).ok() == std::path::absolute(&args.output).ok() {
             return Err(Failure::input(
                 "estimates and report cannot have the same name",
@@ -263,7 +263,7 @@ impl Notes {
 
     fn report(mut self, page: &Path) -> Result<(), Failure> {
         self.writer.take().map_or(Ok(()), Writer::finish)?;
-        super::report::write(&Reader::open(&self.file)?, page)
+        page::write(&Reader::open(&self.file)?, page)
     }
 }
 

@@ -1,12 +1,12 @@
-//! `heft report`: one offline HTML page of a recording, or of several side by side.
+//! `heft report`: one offline HTML page of a recording, or of several side by side; or its picture.
 
 use std::path::{Path, PathBuf};
 
 use recording::Reader;
-use recording::output::{self, Output};
 use view::Run;
 
 use crate::failure::Failure;
+use crate::page::{put, write};
 use crate::parts;
 
 /// `heft report`
@@ -54,24 +54,4 @@ fn names(files: &[PathBuf]) -> Vec<String> {
         .iter()
         .map(|file| file.display().to_string())
         .collect()
-}
-
-/// Writes the page of a recording; nothing half-written is left behind, and nothing overwritten but
-/// an earlier page.
-pub fn write(reader: &Reader, page: &Path) -> Result<(), Failure> {
-    let files: Vec<&Path> = reader.files().collect();
-    output::check(page, &files, is_page)?;
-    put(&view::report(&Run::from_recording(reader)?), page, &files)
-}
-
-fn put(text: &str, page: &Path, inputs: &[&Path]) -> Result<(), Failure> {
-    let mut out = Output::create("write the page", page, inputs, is_page)?;
-    out.put(text.as_bytes())?;
-    Ok(out.finish()?)
-}
-
-/// Whether a file that begins like this is a page of heft.
-pub fn is_page(head: &[u8]) -> bool {
-    let head = String::from_utf8_lossy(head);
-    head.starts_with("<!doctype html>") && head.contains("<title>heft report")
 }

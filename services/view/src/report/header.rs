@@ -55,7 +55,7 @@ pub(super) fn write(body: &mut String, run: &Run) {
 }
 
 /// When, where and with what it was made, and how long it is, as HTML.
-pub(super) fn facts(run: &Run) -> Vec<String> {
+fn facts(run: &Run) -> Vec<String> {
     let facts = [
         ("scenario", "scenario "),
         ("input", "input "),
