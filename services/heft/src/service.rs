@@ -13,7 +13,10 @@ use steps::stages::{Role, Row, Stage};
 
 use crate::failure::Failure;
 use crate::plan::Plan;
-use crate::sources::{LiveInput, can_bus, excavator_source, loader_source, standard_input};
+use crate::sources::{self, LiveInput, can_bus, excavator_source, loader_source};
+
+/// A live source that was started again leaves at least this gap in the time of the data [ns].
+const AFTER_RESTART_NS: u64 = 100_000_000;
 
 /// Is the service `name` of a run until the run ends.
 pub fn serve(name: &str, domain: &str, restarts: u32) -> Result<(), Failure> {
@@ -46,6 +49,7 @@ pub fn serve(name: &str, domain: &str, restarts: u32) -> Result<(), Failure> {
         Role::Step(row) => serve_step(worker, &plan, stage, *row),
         Role::Sink => serve_logger(worker, &plan),
         Role::Probe(channel) => serve_probe(worker, &plan, channel),
+        Role::Sender => serve_sender(worker, &plan),
     }
 }
 
@@ -65,7 +69,7 @@ fn pace(plan: &Plan) -> Pace {
 
 fn serve_source(worker: Worker, plan: &Plan) -> Result<(), Failure> {
     let pace = pace(plan);
-    if let Some(live) = plan.input.as_deref().and_then(LiveInput::of) {
+    if let Some(live) = sources::live(plan) {
         return match plan.machine {
             Machine::Excavator => serve_live::<recording::Excavator>(
                 worker,
@@ -97,9 +101,10 @@ fn serve_source(worker: Worker, plan: &Plan) -> Result<(), Failure> {
     }?)
 }
 
-/// A live source. After a restart its first sample gets the time since the run began.
+/// A live source. After a restart its first sample gets the time since the run began, or comes
+/// shortly after the latest if the data were ahead of that.
 fn serve_live<M: recording::Machine>(
-    worker: Worker,
+    mut worker: Worker,
     plan: &Plan,
     live: &LiveInput,
     sensors: &ChannelOf<M::Sensors>,
@@ -107,8 +112,13 @@ fn serve_live<M: recording::Machine>(
 ) -> Result<(), Failure> {
     let pace = pace(plan);
     let start = |begin: Begin, restarts: u32| {
-        let since = now_ns().saturating_sub(begin.start_ns) as f64 / 1e9;
-        if restarts == 0 { 0.0 } else { since }
+        let since = now_ns().saturating_sub(begin.start_ns);
+        let latest = begin.latest_ns + AFTER_RESTART_NS;
+        if restarts == 0 {
+            0.0
+        } else {
+            since.max(latest) as f64 / 1e9
+        }
     };
     Ok(match live {
         LiveInput::Can(interface) => {
@@ -126,7 +136,10 @@ fn serve_live<M: recording::Machine>(
             )
         }
         LiveInput::Lines => {
-            let mut lines = standard_input::<M>(plan)?;
+            let input = worker
+                .take_input()
+                .ok_or_else(|| Failure::internal("the supervisor handed over no standard input"))?;
+            let mut lines = sources::lines::<M>(plan, input)?;
             run_live(worker, sensors, truth, pace, plan.duration, |b, r| {
                 lines.begin_at(start(b, r));
                 lines
@@ -145,6 +158,17 @@ fn serve_logger(worker: Worker, plan: &Plan) -> Result<(), Failure> {
     let limits = plan.limits.of_logger();
     let logger = logger::Logger::create(&plan.recording, &plan.metadata(), limits)?;
     Ok(run_sink(worker, &channels, plan.lossless, logger)?)
+}
+
+/// Sends estimates to a CAN bus.
+fn serve_sender(worker: Worker, plan: &Plan) -> Result<(), Failure> {
+    let Some(output) = &plan.output else {
+        return Ok(());
+    };
+    let outgoing = output.outgoing(plan.machine)?;
+    let channels = [outgoing.channel];
+    let writer = logger::BusWriter::new(&output.interface, outgoing);
+    Ok(run_sink(worker, &channels, false, writer)?)
 }
 
 fn serve_probe(worker: Worker, plan: &Plan, channel: &'static Channel) -> Result<(), Failure> {

@@ -1,5 +1,6 @@
 //! Where samples come from: the simulator or a recording.
 
+use std::os::fd::OwnedFd;
 use std::path::Path;
 
 use messages::{ExcavatorSensors, ExcavatorTruth, LoaderSensors, LoaderTruth, Machine};
@@ -92,12 +93,12 @@ pub fn can_bus<M: recording::Machine>(
     Ok(sensor::CanBus::new(interface, &map)?)
 }
 
-/// The lines of standard input as samples. It is the process's standard output: its standard input
-/// is where the supervisor speaks.
-pub fn standard_input<M: recording::Machine>(plan: &Plan) -> Result<sensor::Lines<M>, Failure> {
+/// The lines that the run is given on its standard input as samples.
+pub fn lines<M: recording::Machine>(
+    plan: &Plan,
+    input: OwnedFd,
+) -> Result<sensor::Lines<M>, Failure> {
     let map = map(plan.map.as_deref())?;
-    let input = rustix::io::dup(rustix::stdio::stdout())
-        .map_err(|e| Failure::file("read", Path::new("standard input"), &e.into()))?;
     Ok(sensor::Lines::new(input, map, !plan.lossless)?)
 }
 
@@ -168,23 +169,25 @@ fn limited<S: messages::Message, T>(mut rows: Vec<(S, T)>, duration: Option<f64>
 /// Whether the source of a plan can be made.
 pub fn check(plan: &Plan) -> Result<(), Failure> {
     match plan.machine {
-        Machine::Excavator if is_live(plan) => check_live::<recording::Excavator>(plan),
-        Machine::Loader if is_live(plan) => check_live::<recording::Loader>(plan),
+        Machine::Excavator if live(plan).is_some() => check_live::<recording::Excavator>(plan),
+        Machine::Loader if live(plan).is_some() => check_live::<recording::Loader>(plan),
         Machine::Excavator => excavator_source(plan).map(drop),
         Machine::Loader => loader_source(plan).map(drop),
     }
 }
 
-fn is_live(plan: &Plan) -> bool {
-    plan.input
-        .as_deref()
-        .is_some_and(|i| LiveInput::of(i).is_some())
+/// The live source of a plan, if it has one.
+pub fn live(plan: &Plan) -> Option<LiveInput> {
+    plan.input.as_deref().and_then(LiveInput::of)
 }
 
 fn check_live<M: recording::Machine>(plan: &Plan) -> Result<(), Failure> {
-    match plan.input.as_deref().and_then(LiveInput::of) {
+    match live(plan) {
         Some(LiveInput::Can(interface)) => can_bus::<M>(plan, &interface).map(drop),
-        _ => standard_input::<M>(plan).map(drop),
+        _ => {
+            recording::LineDecoder::<M>::new(map(plan.map.as_deref())?)?;
+            Ok(())
+        }
     }
 }
 
@@ -214,13 +217,13 @@ pub fn shown(machine: Machine) -> &'static str {
 
 /// The scenarios of a machine, a line each.
 pub fn scenarios(machine: Machine) -> String {
-    lines(match machine {
+    named(match machine {
         Machine::Excavator => sim::excavator::Scenario::ALL,
         Machine::Loader => sim::loader::Scenario::ALL,
     })
 }
 
-fn lines(all: &[(&str, &str)]) -> String {
+fn named(all: &[(&str, &str)]) -> String {
     all.iter()
         .map(|(name, text)| format!("    {name:<20} {text}\n"))
         .collect()
@@ -232,6 +235,6 @@ fn no_scenario(name: &str, all: &[(&str, &str)]) -> Failure {
     Failure::input(
         format!("there is no scenario `{name}`{hint}"),
         "--scenario",
-        format!("choose one of\n{}", lines(all).trim_end()),
+        format!("choose one of\n{}", named(all).trim_end()),
     )
 }

@@ -1,8 +1,9 @@
 //! The life of a worker process: get the bells, open the ports, say `ready`, loop, end.
 
+use std::os::fd::OwnedFd;
 use std::sync::Arc;
 
-use crate::control::{self, Begin, Wishes};
+use crate::control::{self, Begin, Handed, Wishes};
 use crate::telemetry::{Identity, Reporter};
 use crate::{Bell, Control, Error, Ports, realtime};
 
@@ -24,6 +25,7 @@ pub struct Worker {
     pub(crate) control: Arc<Control>,
     pub(crate) bell: Bell,
     pub(crate) readers: Vec<Bell>,
+    input: Option<OwnedFd>,
     pub(crate) ports: Ports,
     pub(crate) wishes: Arc<Wishes>,
     pub(crate) reporter: Reporter,
@@ -37,7 +39,11 @@ impl Worker {
     /// There is no supervisor, or iceoryx2 refuses.
     pub fn start(setup: Setup) -> Result<Self, Error> {
         let control = Arc::new(Control::of_worker()?);
-        let (bell, readers) = control.receive_bells()?;
+        let Handed {
+            bell,
+            readers,
+            input,
+        } = control.receive_bells()?;
         let ports = Ports::new(setup.identity.name)?;
         let wishes = control::listen(Arc::clone(&control), bell.try_clone()?);
         let reporter = Reporter::start(setup.identity);
@@ -46,6 +52,7 @@ impl Worker {
             control,
             bell,
             readers,
+            input,
             ports,
             wishes,
             reporter,
@@ -56,6 +63,11 @@ impl Worker {
     #[must_use]
     pub fn ports(&self) -> &Ports {
         &self.ports
+    }
+
+    /// What the run was given on its standard input, if the supervisor handed it over; once.
+    pub fn take_input(&mut self) -> Option<OwnedFd> {
+        self.input.take()
     }
 
     /// Makes the calling thread a real-time one if asked for, says `ready` and waits for `go`.

@@ -1,7 +1,7 @@
 //! The simulated excavator as a source of messages.
 
 use messages::excavator_bits::{ARM_ANGLE, BOOM_ANGLE, BUCKET_ANGLE, SWING_TORQUE, SWING_VELOCITY};
-use messages::{ExcavatorSensors, ExcavatorTruth};
+use messages::{ExcavatorSensors, ExcavatorTruth, Message};
 use runtime::Source;
 use sim::excavator::{InvalidRun, Row, Run, Simulation, Truth};
 
@@ -42,6 +42,8 @@ impl Source for SimulatedExcavator {
             stamp.sequence = self.sequence;
             stamp.time = row.time;
         }
+        measured.mark_simulated();
+        known.mark_simulated();
         self.sequence += 1;
         Some((measured, known))
     }
