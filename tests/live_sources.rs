@@ -15,10 +15,11 @@ use std::process::{Output, Stdio};
 use std::time::Duration;
 
 use common::{Running, both, heft, kill, run, run_ok};
-use messages::channels::{EXCAVATOR_INERTIA_UKF, EXCAVATOR_SENSORS, EXCAVATOR_TRUTH, HEALTH};
-use messages::{ExcavatorEstimate, ExcavatorSensors, ExcavatorTruth, Health, excavator_bits};
+use messages::channels::{EXCAVATOR_INERTIA_UKF, EXCAVATOR_SENSORS, HEALTH};
+use messages::{ExcavatorEstimate, ExcavatorSensors, Health, excavator_bits};
 use recording::Reader;
 use rustix::process::Signal;
+use sim::excavator::{Scenario, Simulation};
 use vcan::{Frame, Recorder, Talker, set_interface};
 
 const DBC: &str = "BO_ 100 Swing: 4 X\n SG_ rate : 0|32@1- (0.000001,0) [0|0] \"rad/s\" X\n\
@@ -37,22 +38,17 @@ fn mapped() -> (tempfile::TempDir, PathBuf) {
 }
 
 /// Simulated swings: when, velocity, torque; and the true inertia at each.
-fn swings(seconds: u32) -> (Vec<[f64; 3]>, Vec<f64>) {
-    let out = tempfile::tempdir().expect("a folder");
-    let arguments = "run excavator --pace max --seed 3 --quiet --no-report --duration";
-    let mut arguments: Vec<&str> = arguments.split(' ').collect();
-    let (seconds, domain) = (seconds.to_string(), common::domain("swings"));
-    arguments.extend([&*seconds, "--domain", &domain, "--out", text(out.path())]);
-    // On a slow kernel a process may be late; the samples are there all the same.
-    run(&arguments);
-    let reader = Reader::open(out.path()).expect("a recording");
-    let rows: Vec<ExcavatorSensors> = reader.messages(EXCAVATOR_SENSORS.name).expect("samples");
-    let truth: Vec<ExcavatorTruth> = reader.messages(EXCAVATOR_TRUTH.name).expect("truths");
-    let row = |s: &ExcavatorSensors| [s.stamp.time, s.swing_velocity, s.swing_torque];
-    (
-        rows.iter().map(row).collect(),
-        truth.iter().map(|t| t.inertia).collect(),
-    )
+fn swings(seconds: f64) -> (Vec<[f64; 3]>, Vec<f64>) {
+    let scenario = Scenario::parse("constant").expect("a scenario");
+    let mut run = sim::excavator::Run::new(scenario);
+    (run.rate, run.seed, run.duration) = (100.0, 3, seconds);
+    let rows = Simulation::new(&run).expect("a run");
+    let measured = |x: Option<f64>| x.unwrap_or(f64::NAN);
+    rows.map(|r| {
+        let row = [r.time, measured(r.swing_velocity), measured(r.swing_torque)];
+        (row, r.truth.inertia)
+    })
+    .unzip()
 }
 
 /// The two frames of a sample.
@@ -128,7 +124,7 @@ fn lines_of_candump_in_any_form_give_the_bits_of_their_file() {
     let (dir, map) = mapped();
     let log = dir.path().join("run.log");
     let mut lines = String::from("\u{feff}");
-    for row in swings(12).0 {
+    for row in swings(12.0).0 {
         for frame in frames(row) {
             let time = 1.7e9 + frame.time;
             let bytes = frame.data.iter().map(|b| format!("{b:02X}"));
@@ -177,7 +173,7 @@ fn rows_of_a_table_come_on_standard_input_and_give_the_bits_of_their_file() {
     let dir = tempfile::tempdir().expect("a folder");
     let table = dir.path().join("t.csv");
     let mut lines = String::from("t;swing_velocity;swing_torque\n");
-    for [time, velocity, torque] in swings(12).0 {
+    for [time, velocity, torque] in swings(12.0).0 {
         let row = format!("{time};{velocity};{torque}\n");
         lines += &row.replace('.', ",");
     }
@@ -320,7 +316,7 @@ fn end(run: Running) -> (tempfile::TempDir, PathBuf, Output) {
 #[ignore = "needs vcan0; run through tests/tools/with-can"]
 fn a_bus_gives_the_bits_of_its_log() {
     let (dir, map) = mapped();
-    let rows = swings(15).0;
+    let rows = swings(15.0).0;
     let run = on_bus("bits", "excavator", &map);
     let beside = Recorder::start("vcan0");
     Talker::open("vcan0").play(rows.into_iter().flat_map(frames));
@@ -368,7 +364,7 @@ fn assert_honest(reader: &Reader, inertia: f64) -> usize {
 #[ignore = "needs vcan0; run through tests/tools/with-can"]
 fn silence_costs_freshness_and_an_interface_may_go_and_come_back() {
     let (_dir, map) = mapped();
-    let (rows, truth) = swings(30);
+    let (rows, truth) = swings(30.0);
     let third = rows.len() / 3;
     let run = on_bus("silence", "excavator", &map);
     let mut talker = Talker::open("vcan0");
@@ -426,7 +422,7 @@ fn silence_costs_freshness_and_an_interface_may_go_and_come_back() {
 #[ignore = "needs vcan0; run through tests/tools/with-can"]
 fn a_second_talker_and_random_frames_make_nothing_false_trusted() {
     let (_dir, map) = mapped();
-    let (rows, truth) = swings(24);
+    let (rows, truth) = swings(24.0);
     let half = rows.len() / 2;
     let run = on_bus("talkers", "excavator", &map);
     let mut talker = Talker::open("vcan0");

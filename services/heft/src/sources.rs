@@ -1,10 +1,11 @@
 //! Where samples come from: the simulator or a recording.
 
+use std::cmp::Ordering;
 use std::os::fd::OwnedFd;
 use std::path::Path;
 
 use messages::{ExcavatorSensors, ExcavatorTruth, LoaderSensors, LoaderTruth, Machine};
-use recording::Map;
+use recording::{Map, Samples};
 use runtime::Source;
 
 use crate::failure::Failure;
@@ -114,11 +115,8 @@ pub fn excavator_source(
     use sim::excavator::{Run, Scenario};
     if let Some(input) = &plan.input {
         let map = map(plan.map.as_deref())?;
-        let rows = recording::load_excavator(input, map.as_ref())?;
-        return Ok(Either::Recorded(sensor::Recorded::new(limited(
-            rows,
-            plan.duration,
-        ))));
+        let samples = recording::open_excavator(input, map.as_ref())?;
+        return Ok(Either::Recorded(recorded(samples, plan.duration)?));
     }
     let scenario = Scenario::parse(&plan.scenario)
         .ok_or_else(|| no_scenario(&plan.scenario, Scenario::ALL))?;
@@ -137,11 +135,8 @@ pub fn loader_source(
     use sim::loader::{Run, Scenario, Tier};
     if let Some(input) = &plan.input {
         let map = map(plan.map.as_deref())?;
-        let rows = recording::load_loader(input, map.as_ref())?;
-        return Ok(Either::Recorded(sensor::Recorded::new(limited(
-            rows,
-            plan.duration,
-        ))));
+        let samples = recording::open_loader(input, map.as_ref())?;
+        return Ok(Either::Recorded(recorded(samples, plan.duration)?));
     }
     let scenario = Scenario::parse(&plan.scenario)
         .ok_or_else(|| no_scenario(&plan.scenario, Scenario::ALL))?;
@@ -153,26 +148,46 @@ pub fn loader_source(
     ))
 }
 
-/// The rows of the first `duration` seconds.
-fn limited<S: messages::Message, T>(mut rows: Vec<(S, T)>, duration: Option<f64>) -> Vec<(S, T)> {
-    if let (Some(duration), Some((first, _))) = (duration, rows.first()) {
-        let end = first.stamp().time + duration;
-        let keep = rows
-            .iter()
-            .position(|(s, _)| s.stamp().time > end)
-            .unwrap_or(rows.len());
-        rows.truncate(keep);
-    }
-    rows
+/// The samples of the first `duration` seconds, read as they are played.
+fn recorded<S: messages::Message, T: messages::Message>(
+    samples: Samples<S, T>,
+    duration: Option<f64>,
+) -> Result<sensor::Recorded<S, T>, Failure> {
+    // They are read until the process ends.
+    let samples: &'static Samples<S, T> = Box::leak(Box::new(samples));
+    let mut end = None;
+    let is_within = move |(sample, _): &(S, T)| {
+        let time = sample.stamp().time;
+        let end = *end.get_or_insert(time + duration.unwrap_or(f64::INFINITY));
+        time.partial_cmp(&end) != Some(Ordering::Greater)
+    };
+    Ok(sensor::Recorded::new(samples.rows()?.take_while(is_within)))
+}
+
+/// Whether a file of samples can be read to its end.
+fn check_file<S: messages::Message, T: messages::Message>(
+    samples: &Samples<S, T>,
+) -> Result<(), Failure> {
+    samples.rows()?.for_each(drop);
+    Ok(samples.check()?)
 }
 
 /// Whether the source of a plan can be made.
 pub fn check(plan: &Plan) -> Result<(), Failure> {
-    match plan.machine {
-        Machine::Excavator if live(plan).is_some() => check_live::<recording::Excavator>(plan),
-        Machine::Loader if live(plan).is_some() => check_live::<recording::Loader>(plan),
-        Machine::Excavator => excavator_source(plan).map(drop),
-        Machine::Loader => loader_source(plan).map(drop),
+    if live(plan).is_some() {
+        return match plan.machine {
+            Machine::Excavator => check_live::<recording::Excavator>(plan),
+            Machine::Loader => check_live::<recording::Loader>(plan),
+        };
+    }
+    let map = map(plan.map.as_deref())?;
+    match (&plan.input, plan.machine) {
+        (Some(file), Machine::Excavator) => {
+            check_file(&recording::open_excavator(file, map.as_ref())?)
+        }
+        (Some(file), Machine::Loader) => check_file(&recording::open_loader(file, map.as_ref())?),
+        (None, Machine::Excavator) => excavator_source(plan).map(drop),
+        (None, Machine::Loader) => loader_source(plan).map(drop),
     }
 }
 

@@ -13,5 +13,5 @@ mod tokens;
 pub use decoder::Decoder;
 pub use frame::{Frame, MAX_DATA};
 pub(crate) use frame::{Line, parse};
-pub(crate) use log::read;
+pub(crate) use log::Log;
 pub use outgoing::Outgoing;

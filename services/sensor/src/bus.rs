@@ -17,7 +17,7 @@ const UNDER_WAY: i64 = 100_000_000;
 const RETRY: Duration = Duration::from_millis(200);
 /// A signal that has not come by then is told.
 const SILENT: Duration = Duration::from_secs(5);
-/// The clocks drift apart by this if the time of day was set [ns].
+/// The clocks come apart by more than this if the time of day was set [ns].
 const STEP: i64 = 10_000_000;
 
 /// The samples of a machine's bus.
@@ -51,7 +51,7 @@ impl<M: Machine> CanBus<M> {
             decoder: Decoder::new(map)?,
             check: Some(Instant::now() + SILENT),
             dropped: 0,
-            offset: offset(),
+            offset: offset().1,
         })
     }
 
@@ -86,8 +86,8 @@ impl<M: Machine> CanBus<M> {
     /// A time of day on the monotonic clock [ns], in whole microseconds of the day as candump
     /// writes them: a log taken beside the run gives the same bits.
     fn monotonic(&mut self, time_of_day: i64) -> i64 {
-        let now = offset();
-        if (now - self.offset).abs() > STEP {
+        let (doubt, now) = offset();
+        if (now - self.offset).abs() > STEP + doubt {
             self.offset = now;
         }
         time_of_day / 1000 * 1000 + self.offset
@@ -158,16 +158,17 @@ impl<M: Machine> Live for CanBus<M> {
     }
 }
 
-/// Monotonic clock less time of day [ns]; read twice, for the case that something came between.
-fn offset() -> i64 {
+/// Monotonic clock less time of day [ns], behind how much of it is doubtful because something came
+/// between the readings; the better of two.
+fn offset() -> (i64, i64) {
     let read = || {
         let before = now_ns();
         let day = SystemTime::now().duration_since(UNIX_EPOCH);
         let day = i64::try_from(day.unwrap_or_default().as_nanos()).unwrap_or(0);
         let after = now_ns();
-        (after - before, signed(before) - day)
+        (signed(after - before), signed(before) - day)
     };
-    read().min(read()).1
+    read().min(read())
 }
 
 fn signed(ns: u64) -> i64 {

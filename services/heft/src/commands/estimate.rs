@@ -26,6 +26,7 @@ pub fn estimate(args: &EstimateArgs) -> Result<(), Failure> {
             if let Some((first, _)) = samples.rows()?.next() {
                 steps::excavator::check_columns(d, method(args), &first)?;
             }
+            samples.check()?;
             run::<_, _, ExcavatorEstimate>(args, &description, samples)
         }
         Description::Loader(_) => {
@@ -151,6 +152,7 @@ fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
             trusted = Some(last).filter(Estimate::trusted).or(trusted);
         }
     }
+    samples.check()?;
     let written = writer.finish()?;
     if let (Some(notes), Some(report)) = (notes, &args.report) {
         notes.report(report)?;
