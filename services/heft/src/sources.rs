@@ -1,41 +1,18 @@
-//! Where samples come from: the simulator or a recording.
+//! Where samples come from: the simulator, a recording, a bus, standard input.
 
 use std::cmp::Ordering;
 use std::os::fd::OwnedFd;
 use std::path::Path;
 
-use messages::{ExcavatorSensors, ExcavatorTruth, LoaderSensors, LoaderTruth, Machine};
-use recording::{Map, Samples};
-use runtime::Source;
+use messages::Message;
+use recording::Map;
+use runtime::{Begin, Pace, Source, Worker, now_ns, run_live, run_source};
 
 use crate::failure::Failure;
 use crate::plan::Plan;
 
-/// A source of either kind.
-pub enum Either<A, B> {
-    /// From the simulator.
-    Simulated(A),
-    /// From a recording.
-    Recorded(B),
-}
-
-impl<S, T, A, B> Source for Either<A, B>
-where
-    S: messages::Message,
-    T: messages::Message,
-    A: Source<Sensors = S, Truth = T>,
-    B: Source<Sensors = S, Truth = T>,
-{
-    type Sensors = S;
-    type Truth = T;
-
-    fn next(&mut self) -> Option<(S, T)> {
-        match self {
-            Self::Simulated(source) => source.next(),
-            Self::Recorded(source) => source.next(),
-        }
-    }
-}
+/// A live source that was started again leaves at least this gap in the time of the data [ns].
+const AFTER_RESTART_NS: u64 = 100_000_000;
 
 /// A source that nobody paces.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -80,7 +57,7 @@ pub fn words(plan: &Plan) -> String {
 }
 
 /// The frames of a CAN interface as samples.
-pub fn can_bus<M: recording::Machine>(
+fn can_bus<M: recording::Machine>(
     plan: &Plan,
     interface: &str,
 ) -> Result<sensor::CanBus<M>, Failure> {
@@ -95,10 +72,7 @@ pub fn can_bus<M: recording::Machine>(
 }
 
 /// The lines that the run is given on its standard input as samples.
-pub fn lines<M: recording::Machine>(
-    plan: &Plan,
-    input: OwnedFd,
-) -> Result<sensor::Lines<M>, Failure> {
+fn lines<M: recording::Machine>(plan: &Plan, input: OwnedFd) -> Result<sensor::Lines<M>, Failure> {
     let map = map(plan.map.as_deref())?;
     Ok(sensor::Lines::new(input, map, !plan.lossless)?)
 }
@@ -108,87 +82,29 @@ pub fn map(path: Option<&Path>) -> Result<Option<Map>, Failure> {
     Ok(path.map(Map::read).transpose()?)
 }
 
-/// The excavator's samples.
-pub fn excavator_source(
+/// The samples of a recording, read as they are played.
+fn recorded<M: recording::Machine>(
     plan: &Plan,
-) -> Result<impl Source<Sensors = ExcavatorSensors, Truth = ExcavatorTruth>, Failure> {
-    use sim::excavator::{Run, Scenario};
-    if let Some(input) = &plan.input {
-        let map = map(plan.map.as_deref())?;
-        let samples = recording::open_excavator(input, map.as_ref())?;
-        return Ok(Either::Recorded(recorded(samples, plan.duration)?));
-    }
-    let scenario = Scenario::parse(&plan.scenario)
-        .ok_or_else(|| no_scenario(&plan.scenario, Scenario::ALL))?;
-    let mut run = Run::new(scenario);
-    (run.payload, run.rate, run.seed) = (plan.payload, plan.rate, plan.seed);
-    run.duration = plan.duration.unwrap_or(run.duration);
-    Ok(Either::Simulated(
-        sensor::SimulatedExcavator::new(&run).map_err(bad_run)?,
-    ))
-}
-
-/// The loader's samples.
-pub fn loader_source(
-    plan: &Plan,
-) -> Result<impl Source<Sensors = LoaderSensors, Truth = LoaderTruth>, Failure> {
-    use sim::loader::{Run, Scenario, Tier};
-    if let Some(input) = &plan.input {
-        let map = map(plan.map.as_deref())?;
-        let samples = recording::open_loader(input, map.as_ref())?;
-        return Ok(Either::Recorded(recorded(samples, plan.duration)?));
-    }
-    let scenario = Scenario::parse(&plan.scenario)
-        .ok_or_else(|| no_scenario(&plan.scenario, Scenario::ALL))?;
-    let mut run = Run::new(scenario);
-    (run.payload, run.rate, run.seed) = (plan.payload, plan.rate, plan.seed);
-    (run.tier, run.duration) = (Tier::B, plan.duration);
-    Ok(Either::Simulated(
-        sensor::SimulatedLoader::new(&run).map_err(bad_run)?,
-    ))
-}
-
-/// The samples of the first `duration` seconds, read as they are played.
-fn recorded<S: messages::Message, T: messages::Message>(
-    samples: Samples<S, T>,
-    duration: Option<f64>,
-) -> Result<sensor::Recorded<S, T>, Failure> {
+    input: &Path,
+) -> Result<sensor::Recorded<M::Sensors, M::Truth>, Failure> {
+    let map = map(plan.map.as_deref())?;
     // They are read until the process ends.
-    let samples: &'static Samples<S, T> = Box::leak(Box::new(samples));
-    let mut end = None;
-    let is_within = move |(sample, _): &(S, T)| {
+    let samples = Box::leak(Box::new(recording::open::<M>(input, map.as_ref())?));
+    let (mut end, duration) = (None, plan.duration.unwrap_or(f64::INFINITY));
+    let is_within = move |(sample, _): &(M::Sensors, M::Truth)| {
         let time = sample.stamp().time;
-        let end = *end.get_or_insert(time + duration.unwrap_or(f64::INFINITY));
+        let end = *end.get_or_insert(time + duration);
         time.partial_cmp(&end) != Some(Ordering::Greater)
     };
     Ok(sensor::Recorded::new(samples.rows()?.take_while(is_within)))
 }
 
-/// Whether a file of samples can be read to its end.
-fn check_file<S: messages::Message, T: messages::Message>(
-    samples: &Samples<S, T>,
-) -> Result<(), Failure> {
+/// Whether a recording can be read to its end.
+fn check_recorded<M: recording::Machine>(plan: &Plan, input: &Path) -> Result<(), Failure> {
+    let map = map(plan.map.as_deref())?;
+    let samples = recording::open::<M>(input, map.as_ref())?;
     samples.rows()?.for_each(drop);
     Ok(samples.check()?)
-}
-
-/// Whether the source of a plan can be made.
-pub fn check(plan: &Plan) -> Result<(), Failure> {
-    if live(plan).is_some() {
-        return match plan.machine {
-            Machine::Excavator => check_live::<recording::Excavator>(plan),
-            Machine::Loader => check_live::<recording::Loader>(plan),
-        };
-    }
-    let map = map(plan.map.as_deref())?;
-    match (&plan.input, plan.machine) {
-        (Some(file), Machine::Excavator) => {
-            check_file(&recording::open_excavator(file, map.as_ref())?)
-        }
-        (Some(file), Machine::Loader) => check_file(&recording::open_loader(file, map.as_ref())?),
-        (None, Machine::Excavator) => excavator_source(plan).map(drop),
-        (None, Machine::Loader) => loader_source(plan).map(drop),
-    }
 }
 
 /// The live source of a plan, if it has one.
@@ -196,60 +112,73 @@ pub fn live(plan: &Plan) -> Option<LiveInput> {
     plan.input.as_deref().and_then(LiveInput::of)
 }
 
-fn check_live<M: recording::Machine>(plan: &Plan) -> Result<(), Failure> {
-    match live(plan) {
+/// Whether the source of a plan can be made; `simulate` makes the simulator's.
+pub fn check<M: recording::Machine, S>(
+    plan: &Plan,
+    simulate: impl FnOnce() -> Result<S, Failure>,
+) -> Result<(), Failure> {
+    let Some(input) = &plan.input else {
+        return simulate().map(drop);
+    };
+    match LiveInput::of(input) {
         Some(LiveInput::Can(interface)) => can_bus::<M>(plan, &interface).map(drop),
-        _ => {
+        Some(LiveInput::Lines) => {
             recording::LineDecoder::<M>::new(map(plan.map.as_deref())?)?;
             Ok(())
         }
+        None => check_recorded::<M>(plan, input),
     }
 }
 
-fn bad_run(error: impl std::fmt::Display) -> Failure {
-    Failure::input(
-        error,
-        "the simulator",
-        "choose another --rate, --duration or --payload",
-    )
-}
-
-/// The scenario of a run that names none.
-pub fn usual(machine: Machine) -> &'static str {
-    match machine {
-        Machine::Excavator => "base",
-        Machine::Loader => "work-cycle",
-    }
-}
-
-/// The scenario of the demonstration.
-pub fn shown(machine: Machine) -> &'static str {
-    match machine {
-        Machine::Excavator => "cycle",
-        Machine::Loader => "work-cycle",
-    }
-}
-
-/// The scenarios of a machine, a line each.
-pub fn scenarios(machine: Machine) -> String {
-    named(match machine {
-        Machine::Excavator => sim::excavator::Scenario::ALL,
-        Machine::Loader => sim::loader::Scenario::ALL,
-    })
-}
-
-fn named(all: &[(&str, &str)]) -> String {
-    all.iter()
-        .map(|(name, text)| format!("    {name:<20} {text}\n"))
-        .collect()
-}
-
-fn no_scenario(name: &str, all: &[(&str, &str)]) -> Failure {
-    let nearest = config::nearest(name, all.iter().map(|(n, _)| *n));
-    let hint = nearest.map_or(String::new(), |n| format!(" (did you mean `{n}`?)"));
-    Failure::input(
-        format!("there is no scenario `{name}`{hint}"),
-        "--scenario",
-        format!("choose one of\n{}", named(all).trim_end()),
-    )
+/// Is the source of a plan until the run ends; `simulate` makes the simulator's.
+pub fn serve<M, S>(
+    mut worker: Worker,
+    plan: &Plan,
+    simulate: impl FnOnce() -> Result<S, Failure>,
+) -> Result<(), Failure>
+where
+    M: recording::Machine,
+    S: Source<Sensors = M::Sensors, Truth = M::Truth>,
+{
+    let pace = if plan.lossless {
+        Pace::Lossless
+    } else {
+        Pace::RealTime
+    };
+    let (sensors, truth) = (M::SENSORS, M::TRUTH);
+    let Some(input) = &plan.input else {
+        return Ok(run_source(worker, sensors, truth, pace, simulate()?)?);
+    };
+    // After a restart the first live sample gets the time since the run began, or comes shortly after
+    // the latest if the data were ahead of that.
+    let start = |begin: Begin, restarts: u32| {
+        let since = now_ns().saturating_sub(begin.start_ns);
+        let first = since.max(begin.latest_ns + AFTER_RESTART_NS);
+        if restarts == 0 {
+            0.0
+        } else {
+            first as f64 / 1e9
+        }
+    };
+    let duration = plan.duration;
+    Ok(match LiveInput::of(input) {
+        Some(LiveInput::Can(interface)) => {
+            let mut bus = can_bus::<M>(plan, &interface)?;
+            run_live(worker, sensors, truth, Pace::RealTime, duration, |b, r| {
+                bus.begin_at(start(b, r));
+                bus
+            })
+        }
+        Some(LiveInput::Lines) => {
+            let input = worker
+                .take_input()
+                .ok_or_else(|| Failure::internal("the supervisor handed over no standard input"))?;
+            let mut lines = lines::<M>(plan, input)?;
+            run_live(worker, sensors, truth, pace, duration, |b, r| {
+                lines.begin_at(start(b, r));
+                lines
+            })
+        }
+        None => run_source(worker, sensors, truth, pace, recorded::<M>(plan, input)?),
+    }?)
 }

@@ -3,7 +3,7 @@
 use std::os::fd::OwnedFd;
 use std::sync::Arc;
 
-use crate::control::{self, Begin, Handed, Wishes};
+use crate::control::{self, Begin, Handed, Requests};
 use crate::telemetry::{Identity, Reporter};
 use crate::{Bell, Control, Error, Ports, realtime};
 
@@ -27,7 +27,7 @@ pub struct Worker {
     pub(crate) readers: Vec<Bell>,
     input: Option<OwnedFd>,
     pub(crate) ports: Ports,
-    pub(crate) wishes: Arc<Wishes>,
+    pub(crate) requests: Arc<Requests>,
     pub(crate) reporter: Reporter,
 }
 
@@ -45,7 +45,7 @@ impl Worker {
             input,
         } = control.receive_bells()?;
         let ports = Ports::new(setup.identity.name)?;
-        let wishes = control::listen(Arc::clone(&control), bell.try_clone()?);
+        let requests = control::listen(Arc::clone(&control), bell.try_clone()?);
         let reporter = Reporter::start(setup.identity);
         Ok(Self {
             setup,
@@ -54,7 +54,7 @@ impl Worker {
             readers,
             input,
             ports,
-            wishes,
+            requests,
             reporter,
         })
     }
@@ -82,10 +82,10 @@ impl Worker {
         }
         self.control.say("ready");
         let begin = loop {
-            if self.wishes.wants_exit() {
+            if self.requests.wants_exit() {
                 return None;
             }
-            if let Some(begin) = self.wishes.begin() {
+            if let Some(begin) = self.requests.begin() {
                 break begin;
             }
             self.bell.wait();
