@@ -80,6 +80,9 @@ struct Table {
     preface: usize,
 }
 
+/// The lines below the header.
+type Lines = Reader<Box<dyn Read>>;
+
 /// The header is within so many bytes.
 const HEAD: u64 = 1 << 18;
 
@@ -135,7 +138,7 @@ impl Table {
     }
 
     /// A reader behind the header, and the header.
-    fn reader(&self) -> Result<(Reader<Box<dyn Read>>, Vec<String>), Error> {
+    fn reader(&self) -> Result<(Lines, Vec<String>), Error> {
         let mut builder = ReaderBuilder::new();
         let mut reader = builder
             .delimiter(self.dialect.separator)
@@ -162,7 +165,7 @@ impl Table {
 /// The rows of a table, one after the other.
 pub(crate) struct TableRows<M: Machine> {
     table: Table,
-    reader: Reader<Box<dyn Read>>,
+    reader: Lines,
     columns: Columns<M>,
     record: ByteRecord,
     count: u64,
