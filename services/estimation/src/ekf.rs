@@ -2,11 +2,11 @@
 //!
 //! ```text
 //! x^- = f(x),  P^- = F P F' + Q                        the first `DYNAMIC` rows of F; the others are those of the identity
-//! c_j = cov(x, y_j),  s_j = var(y_j) + r_j             measurement by measurement, each on what the ones before left
-//! x = x^- + c_j (y_j - y^_j)/s_j,  P = P^- - c_j c_j'/s_j
+//! S = cov(y) + R = L L',  G = L^-1 cov(y, x),  z = L^-1 (y - y^)
+//! x = x^- + G' z,  P = P^- - G' G,  NIS = z'z
 //! ```
-//! **Exact rows.** Where y_j is state j itself, row j of P is c_j r_j/s_j, and not the difference c_j - c_j (s_j - r_j)/s_j, which
-//! cancels where a measurement is far better than what was known. So nothing is lost in the state that the cancellation would hit.
+//! **Exact rows.** Where y_j is state j itself, row j of P is r_j times that of K' = L'^-1 G, and not a difference, which cancels
+//! where a measurement is far better than what was known.
 //!
 //! **What it needs.** With process noise on the states its error equals that of a square root down to variances of R/P = 1e-9 (both
 //! against double-double arithmetic). Without process noise a covariance loses its sign near R/P = 1e-8: take
@@ -16,8 +16,8 @@
 //! |---|---|---|
 //! | x, P | `state`, `covariance` | state and covariance |
 //! | y^ | `measurement` | predicted measurement |
-//! | c_j | `cross` | covariance of measurement j with the predicted states |
-//! | s_j - r_j | `own` | covariances of the predicted measurements among themselves, without sensor noise |
+//! | cov(y, x) | `cross` | covariance of the predicted measurements with the predicted states |
+//! | cov(y) | `own` | their covariances among themselves |
 
 #![allow(clippy::needless_range_loop)] // indices as in the formulas
 
@@ -49,7 +49,9 @@ pub struct Expected<const N: usize, const M: usize> {
 }
 
 /// sum of weights\[j\] rows\[j\].
-#[inline(always)]
+///
+/// Not inlined: only sums that are stored side by side are worked out side by side.
+#[inline(never)]
 pub(crate) fn combine<const N: usize>(weights: &[f64; N], rows: &[[f64; N]; N]) -> [f64; N] {
     let mut sum = rows[0].map(|x| weights[0] * x);
     for j in 1..N {
@@ -58,6 +60,14 @@ pub(crate) fn combine<const N: usize>(weights: &[f64; N], rows: &[[f64; N]; N]) 
         }
     }
     sum
+}
+
+/// Adds a multiple of a row.
+#[inline(always)]
+pub(crate) fn add<const N: usize>(sum: &mut [f64; N], factor: f64, row: &[f64; N]) {
+    for i in 0..N {
+        sum[i] += factor * row[i];
+    }
 }
 
 /// Scalar product.
@@ -133,43 +143,36 @@ impl<const N: usize, const M: usize> Ekf<N, M> {
             self.state[k] = next[k].value;
         }
         carry(p, &moved[..P::DYNAMIC], &by[..P::DYNAMIC]);
+        // The noise of its own step that a measurement sees.
         let coupling = model.noise_coupling();
-        self.complete(&mut expected, &coupling, N, process_std, 0..P::DIRECT);
+        for j in P::DIRECT..M {
+            for i in 0..N {
+                let shared = coupling[j][i] * process_std[i] * process_std[i];
+                expected.cross[j][i] += shared;
+                for l in P::DIRECT..M {
+                    expected.own[j][l] += shared * coupling[l][i];
+                }
+            }
+        }
+        self.complete(&mut expected, process_std, 0..P::DIRECT);
         expected
     }
 
-    /// Adds the process noise, and fills in the measurements that are states.
-    ///
-    /// `coupling` is the model's, zero from state `seen` on.
+    /// Adds the process noise to the states, and fills in the measurements that are states.
     #[inline(always)]
     pub(crate) fn complete(
         &mut self,
         expected: &mut Expected<N, M>,
-        coupling: &[[f64; N]; M],
-        seen: usize,
         process_std: &[f64; N],
         direct: Range<usize>,
     ) {
         let p = &mut self.covariance;
-        let noise = process_std.map(|q| q * q);
         for i in 0..N {
-            p[i][i] += noise[i];
+            p[i][i] += process_std[i] * process_std[i];
         }
-        for j in 0..M {
-            if direct.contains(&j) {
-                expected.measurement[j] = self.state[j];
-                expected.cross[j] = p[j];
-                continue;
-            }
-            for i in 0..seen {
-                let shared = coupling[j][i] * noise[i];
-                expected.cross[j][i] += shared;
-                for l in 0..M {
-                    if !direct.contains(&l) {
-                        expected.own[j][l] += shared * coupling[l][i];
-                    }
-                }
-            }
+        for j in direct.clone() {
+            expected.measurement[j] = self.state[j];
+            expected.cross[j] = p[j];
         }
         for j in direct {
             for l in 0..M {
@@ -192,58 +195,53 @@ impl<const N: usize, const M: usize> Ekf<N, M> {
         accepted: &[bool; M],
         direct: Range<usize>,
     ) -> f64 {
-        let (mut cross, mut own, mut left) = (expected.cross, expected.own, *innovation);
-        let mut gains = [[0.0; N]; M];
-        let mut nis = 0.0;
+        let Expected { cross, own, .. } = expected;
+        // L L' = S of the accepted measurements, G = L^-1 C, z = L^-1 e.
+        let (mut root, mut gain) = ([[0.0; M]; M], [[0.0; N]; M]);
+        let (mut per, mut whitened, mut nis) = ([0.0; M], [0.0; M], 0.0);
         for j in 0..M {
             if !accepted[j] {
                 continue;
             }
-            let noise = std[j] * std[j];
-            let per = 1.0 / sqrt(own[j][j] + noise);
-            let (gain, along) = (cross[j].map(|c| per * c), own[j].map(|c| per * c));
-            let z = left[j] * per;
-            nis += z * z;
-            for m in 0..M {
-                // What is behind counts only where its row is kept.
-                if m == j || m < j && !direct.contains(&m) {
-                    continue;
-                }
-                left[m] -= along[m] * z;
-                for i in 0..N {
-                    cross[m][i] -= along[m] * gain[i];
-                }
-                for l in 0..M {
-                    own[m][l] -= along[m] * along[l];
-                }
+            let (mut row, mut left) = (cross[j], innovation[j]);
+            let mut variance = own[j][j] + std[j] * std[j];
+            for l in 0..j {
+                let along = (0..l).fold(own[j][l], |sum, k| sum - root[j][k] * root[l][k]);
+                let factor = along * per[l];
+                root[j][l] = factor;
+                variance -= factor * factor;
+                left -= factor * whitened[l];
+                add(&mut row, -factor, &gain[l]);
             }
-            if direct.contains(&j) {
-                cross[j] = gain.map(|g| g * (noise * per));
-                own[j] = along.map(|a| a * (noise * per));
-                for m in 0..M {
-                    own[m][j] = own[j][m];
-                }
-            }
-            for i in 0..N {
-                self.state[i] += gain[i] * z;
-            }
-            gains[j] = gain;
+            per[j] = 1.0 / sqrt(variance);
+            gain[j] = row.map(|c| c * per[j]);
+            whitened[j] = left * per[j];
+            nis += whitened[j] * whitened[j];
+        }
+        for j in 0..M {
+            add(&mut self.state, whitened[j], &gain[j]);
         }
         let p = &mut self.covariance;
         for i in 0..N {
-            if direct.contains(&i) {
-                continue;
+            let mut row = p[i];
+            for j in 0..M {
+                add(&mut row, -gain[j][i], &gain[j]);
             }
-            for gain in &gains {
-                for c in 0..N {
-                    p[i][c] -= gain[i] * gain[c];
-                }
-            }
+            p[i] = row;
         }
-        for j in direct {
-            for i in 0..N {
-                p[j][i] = cross[j][i];
-                p[i][j] = cross[j][i];
+        // K' = L'^-1 G, and the exact rows R K'.
+        for j in (direct.start..M).rev() {
+            let mut row = gain[j];
+            for l in j + 1..M {
+                add(&mut row, -root[l][j], &gain[l]);
+            }
+            gain[j] = row.map(|c| c * per[j]);
+            if accepted[j] && direct.contains(&j) {
+                let noise = std[j] * std[j];
+                for i in 0..N {
+                    p[j][i] = noise * gain[j][i];
+                    p[i][j] = noise * gain[j][i];
+                }
             }
         }
         nis

@@ -17,6 +17,7 @@ use super::axle_loads::{LEAST_LOAD, axle_loads};
 use super::wheel_dynamics::{
     GRAVITY, Inputs, Motion, Parameters, ROLLING_WIDTH, Road, WheelDynamics,
 };
+use crate::ekf::add;
 use crate::math::tanh;
 
 /// Speed, front and rear wheel speed, slip stiffness, height and ratio stand here in every state vector.
@@ -76,12 +77,41 @@ impl<const N: usize> Tangent<N> {
     }
 }
 
-/// The step as far as it has been worked out: the acceleration that the loads are taken at, and the motion.
+/// The step as far as it has been worked out: the acceleration that the loads are taken at, and the motion with its derivatives.
+///
+/// Before the first pass the motion is the old one, whose rows are unit rows; the first row is then that of the acceleration.
 struct Stage<const N: usize> {
     acceleration: f64,
-    acceleration_by: [f64; N],
     motion: [f64; 3],
     by: [[f64; N]; 3],
+}
+
+impl<const N: usize> Stage<N> {
+    /// Adds to a row what depends on this stage's acceleration and motion; a = (v - v_old)/dt behind a pass.
+    #[inline(always)]
+    fn chain<const FIRST: bool>(
+        &self,
+        row: &mut [f64; N],
+        by_acceleration: f64,
+        by_motion: [f64; 3],
+        dt: f64,
+    ) {
+        if FIRST {
+            add(row, by_acceleration, &self.by[0]);
+            for j in 0..3 {
+                row[j] += by_motion[j];
+            }
+            return;
+        }
+        let per_dt = by_acceleration / dt;
+        row[V] -= per_dt;
+        add(row, by_motion[V] + per_dt, &self.by[V]);
+        for j in W {
+            if by_motion[j] != 0.0 {
+                add(row, by_motion[j], &self.by[j]);
+            }
+        }
+    }
 }
 
 /// Resistance, and its derivatives by speed and slope bias; that by the spade force is 1.
@@ -128,13 +158,6 @@ struct Step<'a> {
     road: &'a Road<f64>,
     dt: f64,
     drag: Drag,
-}
-
-#[inline(always)]
-fn add<const N: usize>(sum: &mut [f64; N], factor: f64, row: &[f64; N]) {
-    for (sum, x) in sum.iter_mut().zip(row) {
-        *sum += factor * x;
-    }
 }
 
 /// Adds to the derivative by a parameter, where it is a state.
@@ -214,9 +237,8 @@ impl Step<'_> {
         }
         Stage {
             acceleration,
-            acceleration_by: by,
             motion: self.old,
-            by: [[0.0; N]; 3], // the unit rows of the first pass are not looked at
+            by: [by, [0.0; N], [0.0; N]],
         }
     }
 
@@ -335,8 +357,8 @@ impl Step<'_> {
         let stiffness = self.p.slip_stiffness;
         let radius_by_load = -m.wheel_radius * m.radius_load_sensitivity / (0.5 * m.mass * GRAVITY);
         let loads = self.loads(from.acceleration);
-        let axles: [Axle; 2] =
-            core::array::from_fn(|i| self.axle(i, loads[i], from.acceleration, &from.motion));
+        let axle = |i: usize| self.axle(i, loads[i], from.acceleration, &from.motion);
+        let axles = [axle(0), axle(1)];
         let [front, rear] = &axles;
         let free = [front.radius * front.spun, rear.radius * rear.spun];
         let push = front.grip * free[0] + rear.grip * free[1] - self.drag.value;
@@ -371,14 +393,7 @@ impl Step<'_> {
             by_motion[V] += alpha * axle.by_speed;
             by_motion[W[i]] = alpha * axle.by_wheel;
         }
-        add(&mut speed_by, by_acceleration, &from.acceleration_by);
-        for j in 0..3 {
-            if FIRST {
-                speed_by[j] += by_motion[j];
-            } else {
-                add(&mut speed_by, by_motion[j], &from.by[j]);
-            }
-        }
+        from.chain::<FIRST>(&mut speed_by, by_acceleration, by_motion, dt);
 
         let mut by = [speed_by, [0.0; N], [0.0; N]];
         let mut motion = [speed, 0.0, 0.0];
@@ -403,23 +418,13 @@ impl Step<'_> {
             let by_acceleration =
                 by_conductance * axle.by_acceleration + by_load * axle.load.by_acceleration;
             add(row, pull, &speed_by);
-            add(row, by_acceleration, &from.acceleration_by);
-            let by_speed = by_conductance * axle.by_speed;
-            let by_wheel = by_conductance * axle.by_wheel;
-            if FIRST {
-                row[V] += by_speed;
-                row[W[i]] += by_wheel;
-            } else {
-                add(row, by_speed, &from.by[V]);
-                add(row, by_wheel, &from.by[W[i]]);
-            }
+            let mut by_motion = [by_conductance * axle.by_speed, 0.0, 0.0];
+            by_motion[W[i]] = by_conductance * axle.by_wheel;
+            from.chain::<FIRST>(row, by_acceleration, by_motion, dt);
             motion[W[i]] = wheel;
         }
-        let mut acceleration_by = speed_by.map(|x| x / dt);
-        acceleration_by[V] -= 1.0 / dt;
         Stage {
             acceleration: (speed - self.old[V]) / dt,
-            acceleration_by,
             motion,
             by,
         }

@@ -114,10 +114,8 @@ pub struct Road<T> {
 impl<T: Scalar> Road<T> {
     /// The road under a slope.
     pub fn of(slope: T) -> Self {
-        Self {
-            sine: slope.sin(),
-            cosine: slope.cos(),
-        }
+        let (sine, cosine) = slope.sin_cos();
+        Self { sine, cosine }
     }
 }
 
@@ -297,8 +295,7 @@ impl WheelDynamics {
         let demand = (-(acceleration * self.axle_inertia / radius) + torque).abs()
             / (radius * load * self.friction);
         let use_of_friction = demand.min(T::constant(0.995));
-        let bent = slip_stiffness * use_of_friction / use_of_friction.atanh();
-        use_of_friction.above(T::constant(1e-6), bent, slip_stiffness)
+        slip_stiffness * use_of_friction.per_atanh()
     }
 
     #[inline(always)]

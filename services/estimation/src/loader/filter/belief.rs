@@ -13,7 +13,6 @@ use crate::loader::cg_model::{CgModel, has_delay};
 use crate::loader::tangent::{Places, Tangent};
 use crate::loader::wheel_dynamics::{GRAVITY, Road};
 use crate::math::sqrt;
-use crate::model::Model;
 use crate::prediction::{Images, Prediction};
 use crate::root::triangularise;
 use crate::sigma_points::Spread;
@@ -52,7 +51,7 @@ pub(in crate::loader) trait Belief<const N: usize, const M: usize>:
     /// Takes the step, with process noise.
     fn predict(
         &mut self,
-        ahead: Self::Ahead,
+        ahead: &mut Self::Ahead,
         model: &CgModel,
         process_std: &[f64; N],
     ) -> Self::Expected;
@@ -102,8 +101,9 @@ impl<const N: usize, const M: usize> Belief<N, M> for SquareRootUkf<N, M> {
     }
 
     fn is_sound(&self) -> bool {
-        let finite = |row: &[f64; N]| row.iter().all(|x| x.is_finite());
-        finite(&self.state) && self.root.iter().all(finite)
+        // A sum of numbers that are finite by far is finite.
+        let sum = |row: &[f64; N]| row.iter().sum::<f64>();
+        (sum(&self.state) + self.root.iter().map(sum).sum::<f64>()).is_finite()
     }
 
     fn separate(&mut self, states: &[(usize, f64)]) {
@@ -128,7 +128,7 @@ impl<const N: usize, const M: usize> Belief<N, M> for SquareRootUkf<N, M> {
     #[inline(always)]
     fn predict(
         &mut self,
-        mut ahead: Self::Ahead,
+        ahead: &mut Self::Ahead,
         _: &CgModel,
         process_std: &[f64; N],
     ) -> Self::Expected {
@@ -168,6 +168,8 @@ const fn direct(states: usize) -> Range<usize> {
 
 /// A measurement that is made of the speed after the step and two states before it, to first order.
 struct Made {
+    /// How much of the noise of the new speed it sees, as [`CgModel`] says.
+    noise: f64,
     new_speed: f64,
     old: [(usize, f64); 2],
 }
@@ -184,10 +186,12 @@ impl Made {
     ) -> Option<Self> {
         match j {
             0 if has_delay(N) => Some(Self {
+                noise: 1.0,
                 new_speed: 1.0 - delay / dt,
                 old: [(0, delay / dt), (N - 1, -rate)],
             }),
             3 => Some(Self {
+                noise: 1.0 / dt,
                 new_speed: 1.0 / dt,
                 old: [
                     (0, -1.0 / dt),
@@ -236,10 +240,13 @@ impl<const N: usize, const M: usize> Belief<N, M> for Ekf<N, M> {
     }
 
     fn is_sound(&self) -> bool {
-        let finite = |row: &[f64; N]| row.iter().sum::<f64>().is_finite();
-        finite(&self.state)
-            && self.covariance.iter().all(finite)
-            && (0..N).all(|i| self.covariance[i][i] > 0.0)
+        // What is not finite beside the diagonal shows in the state with the next row.
+        let (mut sum, mut positive) = (0.0, true);
+        for i in 0..N {
+            sum += self.state[i] + self.covariance[i][i];
+            positive &= self.covariance[i][i] > 0.0;
+        }
+        positive && sum.is_finite()
     }
 
     fn separate(&mut self, states: &[(usize, f64)]) {
@@ -274,13 +281,13 @@ impl<const N: usize, const M: usize> Belief<N, M> for Ekf<N, M> {
     #[inline(always)]
     fn predict(
         &mut self,
-        ahead: Self::Ahead,
+        ahead: &mut Self::Ahead,
         model: &CgModel,
         process_std: &[f64; N],
     ) -> Self::Expected {
         let by = &ahead.tangent.by;
         let p = &mut self.covariance;
-        let moved = by.map(|row| combine(&row, p));
+        let moved = [combine(&by[0], p), combine(&by[1], p), combine(&by[2], p)];
         let rate = (ahead.state[0] - self.state[0]) / model.dt;
         let delay = if has_delay(N) { self.state[N - 1] } else { 0.0 };
         let made = |j: usize| Made::of::<N>(j, model.dt, rate, delay, &ahead.road);
@@ -313,9 +320,17 @@ impl<const N: usize, const M: usize> Belief<N, M> for Ekf<N, M> {
                 expected.own[l][j] = own;
             }
         }
-        let coupling: [[f64; N]; M] = Model::noise_coupling(model);
+        let noise = process_std[0] * process_std[0];
+        for j in 0..M {
+            let Some(first) = made(j) else { continue };
+            expected.cross[j][0] += first.noise * noise;
+            for l in 0..M {
+                let Some(second) = made(l) else { continue };
+                expected.own[j][l] += first.noise * second.noise * noise;
+            }
+        }
         self.state = ahead.state;
-        self.complete(&mut expected, &coupling, 3, process_std, direct(N));
+        self.complete(&mut expected, process_std, direct(N));
         expected
     }
 

@@ -341,7 +341,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
 
     /// The consistent step with every rule of the tuning.
     fn update(&mut self, model: &CgModel, sample: &Sample, step: &StepInputs) -> RowReport<M> {
-        let ahead = self.belief.ahead(model);
+        let mut ahead = self.belief.ahead(model);
         let before = Before {
             speed: self.belief.state()[0],
             ratio_variance: self.belief.variance(5),
@@ -363,7 +363,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             std[1] = sqrt(std[1] * std[1] + disturbed * disturbed);
             std[2] = sqrt(std[2] * std[2] + disturbed * disturbed);
         }
-        let expected = self.belief.predict(ahead, model, &process_std);
+        let expected = self.belief.predict(&mut ahead, model, &process_std);
         let predicted = B::measurement(&expected);
         let mut innovation: [f64; M] = core::array::from_fn(|j| measured[j] - predicted[j]);
         if self.tuning.windup {
