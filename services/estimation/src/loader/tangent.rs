@@ -432,6 +432,7 @@ impl Step<'_> {
 }
 
 #[cfg(test)]
+#[allow(clippy::needless_range_loop)]
 mod tests {
     use super::*;
     use crate::dual::Dual;
