@@ -21,17 +21,18 @@ const ARROWS: &[(&str, &[&str])] = &[
         "services/steps",
         &["config", "estimation", "messages", "runtime"],
     ),
+    ("services/statistics", &["estimation"]),
     ("services/logger", &["messages", "recording", "runtime"]),
     (
         "services/view",
-        &["estimation", "messages", "recording", "steps"],
+        &["estimation", "messages", "recording", "statistics", "steps"],
     ),
     ("bindings/c", &["estimation"]),
     ("bindings/fmu", &["estimation", "messages"]),
     ("services/calibrate", &["config", "estimation"]),
     (
         "services/evaluate",
-        &["calibrate", "config", "estimation", "sim"],
+        &["calibrate", "config", "estimation", "sim", "statistics"],
     ),
     ("bench", &["estimation", "messages", "recording", "sim"]),
     // The root package: the command line, above everything.

@@ -150,9 +150,9 @@ mod tests {
                 let mut message = M::default();
                 for (i, field) in M::FIELDS.iter().enumerate() {
                     let value = match field.kind {
-                        crate::Kind::U32 => crate::Value::U32(i as u32 + 1),
-                        crate::Kind::U64 => crate::Value::U64(i as u64 + 1),
-                        crate::Kind::F64 => crate::Value::F64(i as f64 + 0.5),
+                        crate::NumberType::U32 => crate::Value::U32(i as u32 + 1),
+                        crate::NumberType::U64 => crate::Value::U64(i as u64 + 1),
+                        crate::NumberType::F64 => crate::Value::F64(i as f64 + 0.5),
                     };
                     assert!(message.set(i, value), "{} {}", M::NAME, field.name);
                     assert_eq!(message.get(i), Some(value), "{} {}", M::NAME, field.name);

@@ -169,7 +169,7 @@ pub struct Begin {
 
 /// What the supervisor wants, for the loop of a worker to look at.
 #[derive(Debug, Default)]
-pub struct Wishes {
+pub struct Requests {
     first: AtomicU64,
     start_ns: AtomicU64,
     go: AtomicBool,
@@ -177,7 +177,7 @@ pub struct Wishes {
     exit: AtomicBool,
 }
 
-impl Wishes {
+impl Requests {
     /// Where to begin, once told to.
     #[must_use]
     pub fn begin(&self) -> Option<Begin> {
@@ -207,9 +207,9 @@ impl Wishes {
 
 /// Listens to the supervisor on a thread of its own, so that the loop of the worker waits for its
 /// bell alone. Rings the bell on every wish.
-pub(crate) fn listen(control: Arc<Control>, bell: Bell) -> Arc<Wishes> {
-    let wishes = Arc::new(Wishes::default());
-    let told = Arc::clone(&wishes);
+pub(crate) fn listen(control: Arc<Control>, bell: Bell) -> Arc<Requests> {
+    let requests = Arc::new(Requests::default());
+    let told = Arc::clone(&requests);
     std::thread::spawn(move || {
         loop {
             // A supervisor that dies closes the socket: there is nothing to look at meanwhile.
@@ -224,23 +224,23 @@ pub(crate) fn listen(control: Arc<Control>, bell: Bell) -> Arc<Wishes> {
             }
         }
     });
-    wishes
+    requests
 }
 
-fn obey(wishes: &Wishes, word: &str) {
+fn obey(requests: &Requests, word: &str) {
     match word.split_once(' ').unwrap_or((word, "")) {
         ("go", numbers) => {
             let mut numbers = numbers.split(' ').map(|n| n.parse().unwrap_or(0));
-            wishes
+            requests
                 .first
                 .store(numbers.next().unwrap_or(0), Ordering::Relaxed);
-            wishes
+            requests
                 .start_ns
                 .store(numbers.next().unwrap_or(0), Ordering::Relaxed);
-            wishes.go.store(true, Ordering::Release);
+            requests.go.store(true, Ordering::Release);
         }
-        ("drain", _) => wishes.drain.store(true, Ordering::Release),
-        ("exit", _) => wishes.exit.store(true, Ordering::Release),
+        ("drain", _) => requests.drain.store(true, Ordering::Release),
+        ("exit", _) => requests.exit.store(true, Ordering::Release),
         _ => {}
     }
 }

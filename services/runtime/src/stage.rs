@@ -29,9 +29,9 @@ pub fn run_stage<S: Step>(
     input.count_from(begin.first);
     input.connect();
     output.connect();
-    while !worker.wishes.wants_exit() {
+    while !worker.requests.wants_exit() {
         worker.bell.wait();
-        let draining = worker.wishes.take_drain();
+        let draining = worker.requests.take_drain();
         answer_all(&mut worker, &mut input, &mut output, hop, &mut step);
         if draining {
             worker.control.say("drained");

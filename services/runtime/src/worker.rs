@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::control::{self, Begin, Wishes};
+use crate::control::{self, Begin, Requests};
 use crate::telemetry::{Identity, Reporter};
 use crate::{Bell, Control, Error, Ports, realtime};
 
@@ -25,7 +25,7 @@ pub struct Worker {
     pub(crate) bell: Bell,
     pub(crate) readers: Vec<Bell>,
     pub(crate) ports: Ports,
-    pub(crate) wishes: Arc<Wishes>,
+    pub(crate) requests: Arc<Requests>,
     pub(crate) reporter: Reporter,
 }
 
@@ -39,7 +39,7 @@ impl Worker {
         let control = Arc::new(Control::of_worker()?);
         let (bell, readers) = control.receive_bells()?;
         let ports = Ports::new(setup.identity.name)?;
-        let wishes = control::listen(Arc::clone(&control), bell.try_clone()?);
+        let requests = control::listen(Arc::clone(&control), bell.try_clone()?);
         let reporter = Reporter::start(setup.identity);
         Ok(Self {
             setup,
@@ -47,7 +47,7 @@ impl Worker {
             bell,
             readers,
             ports,
-            wishes,
+            requests,
             reporter,
         })
     }
@@ -70,10 +70,10 @@ impl Worker {
         }
         self.control.say("ready");
         let begin = loop {
-            if self.wishes.wants_exit() {
+            if self.requests.wants_exit() {
                 return None;
             }
-            if let Some(begin) = self.wishes.begin() {
+            if let Some(begin) = self.requests.begin() {
                 break begin;
             }
             self.bell.wait();

@@ -140,6 +140,9 @@ impl Core {
         let basis = if told { basis } else { Basis::Nothing };
         if !told {
             state.reason = Reason::Method;
+            let posture = needs_posture.then_some(tick.posture);
+            let half = settings.half_told(posture);
+            state.inertia_std = half.widened(state.inertia, state.inertia_std);
         }
         let accepted = tick.velocity.is_some();
         self.verdict.step(settings, &tick, accepted, &state, basis);

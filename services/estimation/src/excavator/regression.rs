@@ -24,7 +24,7 @@ use super::estimate::{Estimate, Flags, Method};
 use super::joint::JointRegression;
 use super::motion::Motion;
 use super::reason::Reason;
-use super::settings::Settings;
+use super::settings::{HalfTold, Settings};
 use super::settings_error::SettingsError;
 use super::single::SingleRegression;
 use crate::Quantity;
@@ -49,6 +49,8 @@ pub struct Regression {
     running_for: f64,
     /// Whether a torque alone can tell the inertia of this machine, see [`Settings::tells_by_half`].
     tells: bool,
+    /// What the inertia can be where it cannot.
+    half_told: HalfTold,
     /// Time since the last torque; infinite before the first [s].
     torque_age: f64,
     refused: u64,
@@ -103,6 +105,7 @@ impl Regression {
             nis: NisWindow::new(16.0),
             running_for: 0.0,
             tells: settings.tells_by_half(),
+            half_told: settings.half_told(None),
             torque_age: f64::INFINITY,
             refused: 0,
             last,
@@ -178,7 +181,10 @@ impl Regression {
         // The joint regression does not use the Kalman filter, and measures its own residual.
         let measured_noise = matches!(self.kind, Kind::Joint(_));
         let fresh = motion.age <= e.fresh_velocity && (paper || self.torque_age <= e.fresh_others);
-        let inertia = fit.inertia;
+        let mut inertia = fit.inertia;
+        if !self.tells {
+            inertia.std = self.half_told.widened(inertia.value, inertia.std);
+        }
         Estimate {
             inertia: inertia.value,
             inertia_std: inertia.std,
@@ -194,7 +200,7 @@ impl Regression {
                 excited,
                 consistent: measured_noise || self.nis.mean() <= e.consistent_nis,
                 fresh,
-                converged: 1.96 * inertia.std < e.converged_share * inertia.value,
+                converged: crate::HALF_WIDTH_95 * inertia.std < e.converged_share * inertia.value,
                 identifiable: fit.identifiable && self.tells,
                 held,
                 nominal: fit.nominal,

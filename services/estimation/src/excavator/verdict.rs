@@ -91,7 +91,8 @@ impl Verdict {
     ) -> Reasons {
         let e = &settings.estimator;
         let (torque, posture) = needs;
-        let converged = 1.96 * state.inertia_std < e.converged_share * state.inertia;
+        let converged =
+            crate::HALF_WIDTH_95 * state.inertia_std < e.converged_share * state.inertia;
         Reasons {
             excited: state.velocity.abs() >= e.excited_velocity,
             consistent: self.nis.mean() <= e.consistent_nis,

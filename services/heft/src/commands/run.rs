@@ -10,6 +10,7 @@ use steps::stages::Pipeline;
 use crate::cli::{self, DescriptionArgs, RunArgs};
 use crate::failure::Failure;
 use crate::fault::Fault;
+use crate::machines;
 use crate::parts::Reserved;
 use crate::plan::Plan;
 use crate::signals::Signals;
@@ -81,7 +82,9 @@ pub fn plan(args: &RunArgs) -> Result<(Plan, PathBuf), Failure> {
     let scenario = args.scenario.as_deref();
     let mut plan = Plan {
         machine,
-        scenario: scenario.unwrap_or(sources::usual(machine)).to_owned(),
+        scenario: scenario
+            .unwrap_or(machines::entry(machine).usual_scenario())
+            .to_owned(),
         payload: args.payload,
         input: args.input.as_deref().map(input).transpose()?,
         map: args.map.as_deref().map(absolute).transpose()?,
@@ -121,7 +124,7 @@ fn check(plan: &Plan, description: &Description) -> Result<(), Failure> {
     for (stage, row) in plan.pipeline().rows() {
         row.start(description, plan.method(stage.name))?;
     }
-    sources::check(plan)
+    machines::entry(plan.machine).check_source(plan)
 }
 
 /// The input of a run: a file, or a live source as it was named.
@@ -165,7 +168,8 @@ fn show(args: &RunArgs) -> Show {
 /// `heft run`
 pub fn run(args: &RunArgs) -> Result<(), Failure> {
     if args.scenario.as_deref() == Some("list") {
-        print!("{}", sources::scenarios(args.machine));
+        let all = machines::entry(args.machine).scenarios();
+        print!("{}", machines::scenario_lines(&all));
         return Ok(());
     }
     for name in Domain::remove_leftovers() {

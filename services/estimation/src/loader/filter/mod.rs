@@ -46,6 +46,10 @@ const EXPECTED: f64 = 2.0;
 const LATEST: f64 = 4.0;
 /// Birge ratio beyond which the manoeuvres disagree.
 const DISAGREE: f64 = 2.0;
+/// A slip by steering or by unexplained forces that is named as the cause: a tenth of what the wheels do at work.
+const NOTED_SLIP: f64 = 0.005;
+/// An error of the slope beside its bias that is named as the cause [rad].
+const NOTED_SLOPE: f64 = 0.02;
 /// How long a change is shown [s].
 const CHANGE_SHOWN: f64 = 5.0;
 
@@ -506,6 +510,21 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             at_limit: [at_limit[0], at_limit[1]],
             unknown_height: self.lifts_untold(),
             reason,
+            acts: self.acts(),
+        }
+    }
+
+    /// What acts on the machine that its model does not have.
+    fn acts(&self) -> Reason {
+        let slowed = self.disturbance.unexplained * self.filter.state[0] < 0.0;
+        if self.effect.braking || self.effect.force > NOTED_SLIP && slowed {
+            Reason::Brakes
+        } else if self.effect.turn > NOTED_SLIP {
+            Reason::Steering
+        } else if self.slope_error.size() > NOTED_SLOPE {
+            Reason::Slope
+        } else {
+            Reason::None
         }
     }
 
