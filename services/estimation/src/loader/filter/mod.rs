@@ -516,7 +516,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
 
     /// What acts on the machine that its model does not have.
     fn acts(&self) -> Reason {
-        let slowed = self.disturbance.unexplained * self.filter.state[0] < 0.0;
+        let slowed = self.disturbance.unexplained * self.belief.state()[0] < 0.0;
         if self.effect.braking || self.effect.force > NOTED_SLIP && slowed {
             Reason::Brakes
         } else if self.effect.turn > NOTED_SLIP {
