@@ -30,10 +30,13 @@ use crate::root;
 
 /// The filter: a state and its covariance.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Ekf<const N: usize, const M: usize> {
     /// State x.
+    #[cfg_attr(feature = "serde", serde(with = "crate::written"))]
     pub state: [f64; N],
     /// Covariance P, symmetric.
+    #[cfg_attr(feature = "serde", serde(with = "crate::written::rows"))]
     pub covariance: [[f64; N]; N],
 }
 

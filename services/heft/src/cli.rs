@@ -245,6 +245,9 @@ pub struct RunArgs {
     /// Bounds of the recording
     #[command(flatten)]
     pub limits: LimitArgs,
+    /// Remember slow parameters from run to run in this file: what was trusted is the prior of the next run
+    #[arg(long, value_name = "FILE")]
+    pub state: Option<PathBuf>,
     /// Name of the run's corner of shared memory
     #[arg(long)]
     pub domain: Option<String>,

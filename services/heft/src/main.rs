@@ -20,6 +20,7 @@ mod service;
 mod signals;
 mod sources;
 mod spare;
+mod state;
 mod summary;
 mod supervisor;
 mod watch;

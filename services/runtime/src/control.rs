@@ -2,6 +2,7 @@
 //!
 //! | from | word | meaning |
 //! |---|---|---|
+//! | supervisor | `state` and numbers, a line, bytes | the last state of the process before it died, if there is one |
 //! | supervisor | `bells`, with file descriptors | the worker's own bell, then those of its readers, next stage first |
 //! | worker | `ready` | all ports are open |
 //! | supervisor | `go N T` | begin; a source begins with sample N, and sample 0 was due at T ns |
@@ -18,6 +19,8 @@ use std::os::fd::{AsFd, OwnedFd};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
+use messages::keyframe::{LONGEST, Owner};
+use messages::{Snapshot, Stamp};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::net::{
     AddressFamily, RecvAncillaryBuffer, RecvAncillaryMessage, RecvFlags, SendAncillaryBuffer,
@@ -64,11 +67,15 @@ impl Control {
         rustix::net::send(&self.0, word.as_bytes(), SendFlags::NOSIGNAL).is_ok()
     }
 
-    /// Hands over bells.
+    /// Hands over the state of an earlier life, if there is one, and bells.
     ///
     /// # Errors
     /// The worker is gone.
-    pub fn hand_over(&self, bells: &[&Bell]) -> Result<(), Error> {
+    pub fn hand_over(&self, bells: &[&Bell], before: Option<&Snapshot>) -> Result<(), Error> {
+        if let Some(before) = before {
+            // Where it cannot be sent the worker begins anew.
+            let _ = rustix::net::send(&self.0, &state_word(before), SendFlags::NOSIGNAL);
+        }
         let fds: Vec<_> = bells.iter().map(|b| b.as_fd()).collect();
         let mut space = [MaybeUninit::uninit(); rustix::cmsg_space!(ScmRights(MAX_BELLS))];
         let mut ancillary = SendAncillaryBuffer::new(&mut space);
@@ -83,11 +90,12 @@ impl Control {
         Ok(())
     }
 
-    /// Receives the bells: the worker's own and those of its readers.
+    /// Receives the bells, the worker's own and those of its readers, and before them the state of an
+    /// earlier life, if there is one.
     ///
     /// # Errors
     /// The first word is not `bells`: this process was not started by a supervisor.
-    pub fn receive_bells(&self) -> Result<(Bell, Vec<Bell>), Error> {
+    pub fn receive_bells(&self) -> Result<(Bell, Vec<Bell>, Option<Snapshot>), Error> {
         let not_ours = |detail: String| {
             Error::new(
                 format!("this process has no supervisor ({detail})"),
@@ -97,14 +105,21 @@ impl Control {
         };
         let mut space = [MaybeUninit::uninit(); rustix::cmsg_space!(ScmRights(MAX_BELLS))];
         let mut ancillary = RecvAncillaryBuffer::new(&mut space);
-        let mut word = [0u8; 8];
-        recvmsg(
-            &self.0,
-            &mut [IoSliceMut::new(&mut word)],
-            &mut ancillary,
-            RecvFlags::CMSG_CLOEXEC,
-        )
-        .map_err(|e| not_ours(e.to_string()))?;
+        let mut word = vec![0u8; LONGEST + 256];
+        let mut before = None;
+        loop {
+            let got = recvmsg(
+                &self.0,
+                &mut [IoSliceMut::new(&mut word)],
+                &mut ancillary,
+                RecvFlags::CMSG_CLOEXEC,
+            )
+            .map_err(|e| not_ours(e.to_string()))?;
+            match state_of(&word[..got.bytes]) {
+                Some(state) => before = Some(state),
+                None => break,
+            }
+        }
         let mut bells = Vec::new();
         for message in ancillary.drain() {
             if let RecvAncillaryMessage::ScmRights(fds) = message {
@@ -118,7 +133,7 @@ impl Control {
         let own = bells
             .pop()
             .ok_or_else(|| not_ours("no bell of its own".into()))?;
-        Ok((own, readers))
+        Ok((own, readers, before))
     }
 
     /// The next word within `timeout_ms`; `Heard::Nothing` on time-out, `Heard::Gone` if the
@@ -139,6 +154,49 @@ impl Control {
             _ => Heard::Gone,
         }
     }
+}
+
+/// First word of a state.
+const STATE: &str = "state";
+
+/// A state as one word.
+fn state_word(state: &Snapshot) -> Vec<u8> {
+    let (owner, stamp) = (state.owner, state.stamp);
+    let numbers = format!(
+        "{STATE} {} {} {} {} {} {}\n",
+        owner.process,
+        owner.restarts,
+        owner.identity,
+        stamp.epoch,
+        stamp.sequence,
+        stamp.time.to_bits()
+    );
+    [numbers.as_bytes(), &state.bytes].concat()
+}
+
+/// The state in a word, if it is one.
+fn state_of(word: &[u8]) -> Option<Snapshot> {
+    let end = word.iter().position(|byte| *byte == b'\n')?;
+    let line = std::str::from_utf8(&word[..end]).ok()?;
+    let numbers = line.strip_prefix(STATE)?.split_whitespace();
+    let numbers: Vec<u64> = numbers.map_while(|n| n.parse().ok()).collect();
+    let [process, restarts, identity, epoch, sequence, time] = numbers[..] else {
+        return None;
+    };
+    Some(Snapshot {
+        owner: Owner {
+            process: u32::try_from(process).ok()?,
+            restarts: u32::try_from(restarts).ok()?,
+            identity,
+        },
+        stamp: Stamp {
+            epoch: u32::try_from(epoch).ok()?,
+            sequence,
+            time: f64::from_bits(time),
+            ..Stamp::default()
+        },
+        bytes: word[end + 1..].to_vec(),
+    })
 }
 
 impl AsFd for Control {
@@ -253,10 +311,17 @@ mod tests {
     fn bells_pass_through_the_socket_and_ring_on_the_other_side() {
         let (supervisor, worker) = Control::pair().unwrap();
         let (own, reader) = (Bell::new().unwrap(), Bell::new().unwrap());
-        supervisor.hand_over(&[&own, &reader]).unwrap();
+        let mut before = Snapshot {
+            bytes: (0..LONGEST).map(|i| i as u8).collect(),
+            ..Snapshot::default()
+        };
+        (before.owner.identity, before.stamp.sequence) = (7, 1 << 40);
+        supervisor
+            .hand_over(&[&own, &reader], Some(&before))
+            .unwrap();
         let worker = Control(worker);
-        let (its_own, readers) = worker.receive_bells().unwrap();
-        assert_eq!(readers.len(), 1);
+        let (its_own, readers, its_before) = worker.receive_bells().unwrap();
+        assert_eq!((readers.len(), its_before), (1, Some(before)));
         readers[0].ring();
         reader.wait();
         own.ring();

@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use messages::Snapshot;
+
 use crate::control::{self, Begin, Requests};
 use crate::telemetry::{Identity, Reporter};
 use crate::{Bell, Control, Error, Ports, realtime};
@@ -27,6 +29,8 @@ pub struct Worker {
     pub(crate) ports: Ports,
     pub(crate) requests: Arc<Requests>,
     pub(crate) reporter: Reporter,
+    /// The last state of this process before it died.
+    pub(crate) before: Option<Snapshot>,
 }
 
 impl Worker {
@@ -37,7 +41,7 @@ impl Worker {
     /// There is no supervisor, or iceoryx2 refuses.
     pub fn start(setup: Setup) -> Result<Self, Error> {
         let control = Arc::new(Control::of_worker()?);
-        let (bell, readers) = control.receive_bells()?;
+        let (bell, readers, before) = control.receive_bells()?;
         let ports = Ports::new(setup.identity.name)?;
         let requests = control::listen(Arc::clone(&control), bell.try_clone()?);
         let reporter = Reporter::start(setup.identity);
@@ -49,6 +53,7 @@ impl Worker {
             ports,
             requests,
             reporter,
+            before,
         })
     }
 

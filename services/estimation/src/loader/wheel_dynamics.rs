@@ -34,6 +34,7 @@ const PASSES: usize = 2;
 
 /// The machine as the process model knows it.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WheelDynamics {
     /// Mass [kg].
     pub mass: f64,

@@ -39,8 +39,9 @@ pub(in crate::loader) trait Belief<const N: usize, const M: usize>:
     /// Finite, and every variance positive.
     fn is_sound(&self) -> bool;
 
-    /// These states are known anew, each with a standard deviation, and nothing of them is known by the others.
-    fn separate(&mut self, states: &[(usize, f64)]);
+    /// These states are known anew, each with a standard deviation, and nothing of them is known by the others, which get
+    /// process noise.
+    fn separate(&mut self, states: &[(usize, f64)], process_std: &[f64; N]);
 
     /// One step of the model; the belief itself stays.
     fn ahead(&self, model: &CgModel) -> Self::Ahead;
@@ -106,9 +107,9 @@ impl<const N: usize, const M: usize> Belief<N, M> for SquareRootUkf<N, M> {
         (sum(&self.state) + self.root.iter().map(sum).sum::<f64>()).is_finite()
     }
 
-    fn separate(&mut self, states: &[(usize, f64)]) {
+    fn separate(&mut self, states: &[(usize, f64)], process_std: &[f64; N]) {
         let mut rows = self.root.map(|row| [row]);
-        let mut process = [0.0; N];
+        let mut process = *process_std;
         for &(i, std) in states {
             rows[i] = [[0.0; N]];
             process[i] = std;
@@ -249,7 +250,10 @@ impl<const N: usize, const M: usize> Belief<N, M> for Ekf<N, M> {
         positive && sum.is_finite()
     }
 
-    fn separate(&mut self, states: &[(usize, f64)]) {
+    fn separate(&mut self, states: &[(usize, f64)], process_std: &[f64; N]) {
+        for i in 0..N {
+            self.covariance[i][i] += process_std[i] * process_std[i];
+        }
         for &(i, std) in states {
             self.covariance[i] = [0.0; N];
             for row in &mut self.covariance {

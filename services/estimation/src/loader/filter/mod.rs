@@ -94,6 +94,7 @@ impl<const M: usize> RowReport<M> {
 /// The filter with `N` states (6, 8 to 11, see [`crate::loader::cg_model`]) and `M` measurements (3, or 4 with the specific force),
 /// which keeps its state as a `B`.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct CgFilter<const N: usize, const M: usize, B: Belief<N, M>> {
     settings: Settings,
     tuning: Tuning,
@@ -119,6 +120,7 @@ pub(super) struct CgFilter<const N: usize, const M: usize, B: Belief<N, M>> {
     boom_told: bool,
     relearning: Relearning,
     /// Process noise of the next step beyond the usual, by state.
+    #[cfg_attr(feature = "serde", serde(with = "crate::written"))]
     loosened: [f64; N],
     /// Force on the bucket tip measured over the last step [N].
     pub(in crate::loader) spade_force_x: f64,
@@ -258,7 +260,8 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         self.effect = self.disturbance.update(&self.dynamics, &step, at, dt);
         let fresh = self.settings.verdict.fresh;
         if dt > self.tuning.gap || self.tuning.screened && self.evidence.torque_lost(fresh) {
-            return self.bridge_gap(sample);
+            let away = if dt > self.tuning.gap { dt } else { 0.0 };
+            return self.bridge_gap(sample, away);
         }
         let model = self.model(step.inputs, dt);
         let report = if self.printed {

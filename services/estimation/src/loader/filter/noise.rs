@@ -87,7 +87,8 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     /// Height and ratio are again what they were; of their correlation with other states nothing is kept.
     fn restore(&mut self, centre: Centre) {
         let [height, ratio] = centre;
-        self.belief.separate(&[(4, height.1), (5, ratio.1)]);
+        self.belief
+            .separate(&[(4, height.1), (5, ratio.1)], &[0.0; N]);
         let state = self.belief.state_mut();
         (state[4], state[5]) = (height.0, ratio.0);
     }

@@ -1,10 +1,12 @@
 //! When the filter lost its way: gaps, restarts, bounds.
 
 use super::{Belief, CgFilter, RowReport};
+use crate::loader::conditions::Conditions;
 use crate::loader::estimate::Status;
 use crate::loader::relearning::Relearning;
 use crate::loader::sample::{Sample, finite};
 use crate::loader::windup::Windup;
+use crate::math::sqrt;
 
 /// When every speed that comes has been rejected for this long, the filter is wrong and not the sensors [s].
 ///
@@ -37,7 +39,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
         if self.evidence.locked_out > LOCKED_OUT {
             self.evidence.locked_out = 0.0;
-            return self.bridge_gap(sample);
+            return self.bridge_gap(sample, 0.0);
         }
         let used = report.accepted.iter().filter(|a| **a).count();
         let time_constant = self.tuning.reset.map_or(2.0, |rule| rule.time_constant);
@@ -60,7 +62,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             let std = self.prior_std();
             core::array::from_fn(|i| (i, std[i]))
         };
-        self.belief.separate(&prior);
+        self.belief.separate(&prior, &[0.0; N]);
         self.evidence.restart();
         let state = self.belief.state();
         self.relearning = Relearning::new([state[3], state[5]]);
@@ -71,13 +73,15 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         self.evidence.restart();
         RowReport {
             status: Status::ClockSetBack,
-            ..self.bridge_gap(sample)
+            ..self.bridge_gap(sample, 0.0)
         }
     }
 
-    /// After a gap the speeds are new and independent; the parameters and their joint covariance stay.
-    pub(super) fn bridge_gap(&mut self, sample: &Sample) -> RowReport<M> {
+    /// After a gap the speeds are new and independent; the parameters and their joint covariance stay, but for what
+    /// they may have wandered while nothing was measured, for `away` [s], not beyond the prior.
+    pub(super) fn bridge_gap(&mut self, sample: &Sample, away: f64) -> RowReport<M> {
         self.anchor(sample);
+        let process = self.wandering(away);
         self.windup = Windup::default();
         let prior = &self.settings.prior;
         let least = [
@@ -88,8 +92,21 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let sensor = self.sensor_std();
         let motion: [(usize, f64); 3] =
             core::array::from_fn(|i| (i, least[i].max(3.0 * sensor[i])));
-        self.belief.separate(&motion);
+        self.belief.separate(&motion, &process);
         RowReport::without_update(Status::Gap, self.frozen)
+    }
+
+    /// Process noise of the parameters over a time without rows, by state.
+    fn wandering(&self, away: f64) -> [f64; N] {
+        if away <= 0.0 {
+            return [0.0; N];
+        }
+        let usual = self.process_std(&Conditions::default(), false, away);
+        let prior = self.prior_std();
+        core::array::from_fn(|i| {
+            let room = (prior[i] * prior[i] - self.belief.variance(i)).max(0.0);
+            if i < 3 { 0.0 } else { usual[i].min(sqrt(room)) }
+        })
     }
 
     fn anchor(&mut self, sample: &Sample) {
