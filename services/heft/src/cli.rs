@@ -66,9 +66,10 @@ pub enum Command {
     },
     /// Make one offline HTML page of a recording
     Report {
-        /// The recording, or its folder
-        file: PathBuf,
-        /// Page to write; the recording's name with .html if absent
+        /// The recording, or its folder; several of the same machine are compared
+        #[arg(required = true)]
+        files: Vec<PathBuf>,
+        /// Page to write; if absent the recording's name with .html, or compared.html beside the first
         #[arg(short, long)]
         output: Option<PathBuf>,
     },
@@ -257,6 +258,9 @@ pub struct RunArgs {
     /// Bounds of the recording
     #[command(flatten)]
     pub limits: LimitArgs,
+    /// Remember slow parameters from run to run in this file: what was trusted is the prior of the next run
+    #[arg(long, value_name = "FILE")]
+    pub state: Option<PathBuf>,
     /// Name of the run's corner of shared memory
     #[arg(long)]
     pub domain: Option<String>,

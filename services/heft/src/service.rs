@@ -7,7 +7,7 @@ use steps::stages::{Role, Row, Stage};
 
 use crate::failure::Failure;
 use crate::machines;
-use crate::plan::Plan;
+use crate::plan::{Plan, state_identity};
 
 /// Is the service `name` of a run until the run ends.
 pub fn serve(name: &str, domain: &str, restarts: u32) -> Result<(), Failure> {
@@ -51,7 +51,9 @@ fn core(plan: &Plan, stage: &Stage) -> Option<usize> {
 }
 
 fn serve_step(worker: Worker, plan: &Plan, stage: &Stage, row: &dyn Row) -> Result<(), Failure> {
-    let process = row.prepare(&plan.description()?, plan.method(stage.name))?;
+    let method = plan.method(stage.name);
+    let fits = state_identity(&plan.description, stage.name, method);
+    let process = row.prepare(&plan.description()?, method, fits)?;
     Ok(process(worker)?)
 }
 

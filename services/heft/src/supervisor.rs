@@ -154,11 +154,15 @@ impl Supervisor {
                     .map(|w| &w.bell),
             );
         }
+        // One that dies at once may die of its state.
+        let before = (worker.restarts > 0 && !worker.died_quickly())
+            .then(|| self.watch.state(worker.process.name));
         // The run's own standard input belongs to the source that was asked to read it.
         let reads = matches!(worker.process.role, Role::Source { .. })
             && sources::live(&self.plan) == Some(LiveInput::Lines);
         let input = reads.then(rustix::stdio::stdin);
-        if worker.control.hand_over(&bells, input).is_err() {
+        let handed = worker.control.hand_over(&bells, before.flatten(), input);
+        if handed.is_err() {
             self.workers[index].kill();
         }
     }

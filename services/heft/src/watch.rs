@@ -6,13 +6,15 @@ use std::io::{IsTerminal, Write};
 use std::time::{Duration, Instant};
 
 use messages::channels::{Channel, Payload};
-use messages::{Envelope, Health, Machine, Message, Stamp, Value, fault};
+use messages::keyframe::Collector;
+use messages::{Envelope, Health, Machine, Message, Snapshot, Stamp, Value, fault};
 use runtime::Sink;
 use steps::stages::Pipeline;
 use view::live::Feed;
 
 use crate::fault::Fault;
 use crate::quantity::{QUANTITIES, Quantity};
+use crate::state::Memory;
 
 /// Truths that may wait for their estimates.
 const TRUTHS: usize = 2048;
@@ -163,6 +165,11 @@ pub struct Watch {
     health: BTreeMap<u32, Health>,
     /// Counts of processes that died.
     before: BTreeMap<u32, Counts>,
+    /// Pieces of the states of processes, and their latest whole ones.
+    collectors: BTreeMap<u32, Collector>,
+    states: BTreeMap<u32, Snapshot>,
+    /// What outlives the run.
+    memory: Option<Memory>,
     faults: Vec<Fault>,
     /// The samples are the simulator's.
     is_simulated: bool,
@@ -189,6 +196,11 @@ impl Watch {
             begun: Some(Instant::now()),
             ..Self::default()
         }
+    }
+
+    /// Has what is trusted remembered.
+    pub fn remember(&mut self, memory: Option<Memory>) {
+        self.memory = memory;
     }
 
     /// Whether it reads a channel. Every reader costs the writer time while the next stage waits, so
@@ -250,6 +262,14 @@ impl Watch {
         self.all_health()
             .find(|(process, _)| *process == name)
             .map(|(_, health)| health)
+    }
+
+    /// Latest whole state of the process called `name`.
+    pub fn state(&self, name: &str) -> Option<&Snapshot> {
+        let mut states = self.states.iter();
+        states.find_map(|(index, state)| {
+            (self.pipeline?.process_name(*index) == name).then_some(state)
+        })
     }
 
     /// Health of all processes, by name.
@@ -347,6 +367,9 @@ impl Watch {
 
     /// Shows the state, not too often.
     pub fn tick(&mut self) {
+        if let Some(memory) = &mut self.memory {
+            memory.tick();
+        }
         if self.show == Show::Nothing || self.scores.is_empty() {
             return;
         }
@@ -377,8 +400,11 @@ impl Watch {
         };
     }
 
-    /// Ends the live line.
+    /// Ends the live line, and writes what outlives the run.
     pub fn finish(&mut self) {
+        if let Some(memory) = &mut self.memory {
+            memory.save();
+        }
         if self.show == Show::Terminal && self.shown.is_some() && std::io::stderr().is_terminal() {
             eprintln!();
         }
@@ -451,11 +477,18 @@ impl Watch {
 
 impl Sink for Watch {
     fn accept<M: Message>(&mut self, channel: &'static Channel, message: &M) {
+        self.is_simulated |= message.is_simulated();
+        let envelope = message.envelope();
+        if let Envelope::Keyframe(piece) = &envelope {
+            let collector = self.collectors.entry(piece.process).or_default();
+            if let Some(state) = collector.take(piece) {
+                self.states.insert(piece.process, state);
+            }
+            return;
+        }
         if let Some(feed) = &self.feed {
             feed.push(channel, message);
         }
-        self.is_simulated |= message.is_simulated();
-        let envelope = message.envelope();
         let carried = self.carried.entry(channel.name).or_default();
         carried.add(message.stamp());
         match &envelope {
@@ -467,6 +500,9 @@ impl Sink for Watch {
             }
             Envelope::ExcavatorEstimate(_) | Envelope::LoaderEstimate(_) => {
                 self.note_estimate(channel, message);
+                if let Some(memory) = &mut self.memory {
+                    memory.see(channel, message);
+                }
             }
             Envelope::Health(health) => {
                 let before = self.health.insert(health.process, *health);

@@ -10,6 +10,7 @@ pub mod channels;
 mod envelope;
 mod excavator;
 mod health;
+pub mod keyframe;
 mod loader;
 mod machine;
 mod message;
@@ -20,6 +21,7 @@ pub use excavator::{
     ExcavatorEstimate, ExcavatorSensors, ExcavatorTruth, SwingMotion, excavator_bits,
 };
 pub use health::{Credit, Health, State, fault};
+pub use keyframe::{Keyframe, Snapshot};
 pub use loader::{LOADER_REASONS, LoaderEstimate, LoaderSensors, LoaderTruth, loader_bits};
 pub use machine::Machine;
 pub use message::{Field, HEAD, Message, NumberType, SIMULATED, Value};
@@ -46,6 +48,7 @@ pub const EXCAVATOR_REASONS: &[(&str, &str)] = &[
         "method",
         "this method cannot tell the inertia of a machine that is not calibrated",
     ),
+    ("restarted", "the service was started again"),
 ];
 
 /// Names of the excavator estimation methods on the command line and in every output, indexed by
@@ -61,4 +64,4 @@ pub const EXCAVATOR_METHODS: &[&str] = &[
 ];
 
 /// Names of the loader estimation methods, indexed by [`LoaderEstimate::method`].
-pub const LOADER_METHODS: &[&str] = &["full", "isr-ukf-printed", "isr-ukf", "ekf"];
+pub const LOADER_METHODS: &[&str] = &["full", "isr-ukf-printed", "isr-ukf", "ekf", "full-ekf"];

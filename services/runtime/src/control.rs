@@ -2,6 +2,7 @@
 //!
 //! | from | word | meaning |
 //! |---|---|---|
+//! | supervisor | `state` and numbers, a line, bytes | the last state of the process before it died, if there is one |
 //! | supervisor | `bells`, with file descriptors | the worker's own bell, then those of its readers, next stage first |
 //! | supervisor | `bells+input`, with one more | the same, and what the run was given on its standard input |
 //! | worker | `ready` | all ports are open |
@@ -20,6 +21,8 @@ use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
+use messages::keyframe::{LONGEST, Owner};
+use messages::{Snapshot, Stamp};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::net::{
     AddressFamily, RecvAncillaryBuffer, RecvAncillaryMessage, RecvFlags, SendAncillaryBuffer,
@@ -40,6 +43,8 @@ pub struct Handed {
     pub bell: Bell,
     /// The bells of its readers, next stage first.
     pub readers: Vec<Bell>,
+    /// The state of an earlier life, if there is one.
+    pub before: Option<Snapshot>,
     /// What the run was given on its standard input, if this worker is to read it.
     pub input: Option<OwnedFd>,
 }
@@ -82,11 +87,21 @@ impl Control {
         rustix::net::send(&self.0, word.as_bytes(), SendFlags::NOSIGNAL).is_ok()
     }
 
-    /// Hands over bells, and an input to the worker that is to read it.
+    /// Hands over the state of an earlier life, if there is one, bells, and an input to the worker that is
+    /// to read it.
     ///
     /// # Errors
     /// The worker is gone.
-    pub fn hand_over(&self, bells: &[&Bell], input: Option<BorrowedFd>) -> Result<(), Error> {
+    pub fn hand_over(
+        &self,
+        bells: &[&Bell],
+        before: Option<&Snapshot>,
+        input: Option<BorrowedFd>,
+    ) -> Result<(), Error> {
+        if let Some(before) = before {
+            // Where it cannot be sent the worker begins anew.
+            let _ = rustix::net::send(&self.0, &state_word(before), SendFlags::NOSIGNAL);
+        }
         let bells = bells.iter().map(|b| b.as_fd());
         let fds: Vec<_> = bells.chain(input).collect();
         let word: &[u8] = if input.is_some() {
@@ -107,7 +122,8 @@ impl Control {
         Ok(())
     }
 
-    /// Receives the bells, and the input if there is one.
+    /// Receives the bells, and the input if there is one; before them the state of an earlier life, if
+    /// there is one.
     ///
     /// # Errors
     /// The first word is not `bells`: this process was not started by a supervisor.
@@ -121,21 +137,27 @@ impl Control {
         };
         let mut space = [MaybeUninit::uninit(); rustix::cmsg_space!(ScmRights(MAX_DESCRIPTORS))];
         let mut ancillary = RecvAncillaryBuffer::new(&mut space);
-        let mut word = [0u8; 16];
-        let heard = recvmsg(
-            &self.0,
-            &mut [IoSliceMut::new(&mut word)],
-            &mut ancillary,
-            RecvFlags::CMSG_CLOEXEC,
-        )
-        .map_err(|e| not_ours(e.to_string()))?;
+        let mut word = vec![0u8; LONGEST + 256];
+        let mut before = None;
+        let has_input = loop {
+            let got = recvmsg(
+                &self.0,
+                &mut [IoSliceMut::new(&mut word)],
+                &mut ancillary,
+                RecvFlags::CMSG_CLOEXEC,
+            )
+            .map_err(|e| not_ours(e.to_string()))?;
+            match state_of(&word[..got.bytes]) {
+                Some(state) => before = Some(state),
+                None => break &word[..got.bytes] == WITH_INPUT,
+            }
+        };
         let mut handed = Vec::new();
         for message in ancillary.drain() {
             if let RecvAncillaryMessage::ScmRights(fds) = message {
                 handed.extend(fds);
             }
         }
-        let has_input = word.get(..heard.bytes) == Some(WITH_INPUT);
         let input = if has_input { handed.pop() } else { None };
         let mut bells = handed.into_iter().map(Bell::from_fd);
         let bell = bells.next();
@@ -143,6 +165,7 @@ impl Control {
         Ok(Handed {
             bell,
             readers: bells.collect(),
+            before,
             input,
         })
     }
@@ -165,6 +188,49 @@ impl Control {
             _ => Heard::Gone,
         }
     }
+}
+
+/// First word of a state.
+const STATE: &str = "state";
+
+/// A state as one word.
+fn state_word(state: &Snapshot) -> Vec<u8> {
+    let (owner, stamp) = (state.owner, state.stamp);
+    let numbers = format!(
+        "{STATE} {} {} {} {} {} {}\n",
+        owner.process,
+        owner.restarts,
+        owner.identity,
+        stamp.epoch,
+        stamp.sequence,
+        stamp.time.to_bits()
+    );
+    [numbers.as_bytes(), &state.bytes].concat()
+}
+
+/// The state in a word, if it is one.
+fn state_of(word: &[u8]) -> Option<Snapshot> {
+    let end = word.iter().position(|byte| *byte == b'\n')?;
+    let line = std::str::from_utf8(&word[..end]).ok()?;
+    let numbers = line.strip_prefix(STATE)?.split_whitespace();
+    let numbers: Vec<u64> = numbers.map_while(|n| n.parse().ok()).collect();
+    let [process, restarts, identity, epoch, sequence, time] = numbers[..] else {
+        return None;
+    };
+    Some(Snapshot {
+        owner: Owner {
+            process: u32::try_from(process).ok()?,
+            restarts: u32::try_from(restarts).ok()?,
+            identity,
+        },
+        stamp: Stamp {
+            epoch: u32::try_from(epoch).ok()?,
+            sequence,
+            time: f64::from_bits(time),
+            ..Stamp::default()
+        },
+        bytes: word[end + 1..].to_vec(),
+    })
 }
 
 impl AsFd for Control {
@@ -280,10 +346,18 @@ mod tests {
     fn bells_pass_through_the_socket_and_ring_on_the_other_side() {
         let (supervisor, worker) = Control::pair().unwrap();
         let (own, reader) = (Bell::new().unwrap(), Bell::new().unwrap());
-        supervisor.hand_over(&[&own, &reader], None).unwrap();
+        let mut before = Snapshot {
+            bytes: (0..LONGEST).map(|i| i as u8).collect(),
+            ..Snapshot::default()
+        };
+        (before.owner.identity, before.stamp.sequence) = (7, 1 << 40);
+        supervisor
+            .hand_over(&[&own, &reader], Some(&before), None)
+            .unwrap();
         let worker = Control(worker);
         let handed = worker.receive_bells().unwrap();
-        assert_eq!((handed.readers.len(), handed.input.is_some()), (1, false));
+        assert_eq!((handed.readers.len(), handed.before), (1, Some(before)));
+        assert!(handed.input.is_none());
         handed.readers[0].ring();
         reader.wait();
         own.ring();
@@ -298,7 +372,9 @@ mod tests {
         let mut input = tempfile::tempfile().unwrap();
         input.write_all(b"a line").unwrap();
         input.rewind().unwrap();
-        supervisor.hand_over(&[&bell], Some(input.as_fd())).unwrap();
+        supervisor
+            .hand_over(&[&bell], None, Some(input.as_fd()))
+            .unwrap();
         let handed = Control(worker).receive_bells().unwrap();
         assert!(handed.readers.is_empty());
         let mut text = String::new();

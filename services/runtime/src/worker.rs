@@ -3,6 +3,8 @@
 use std::os::fd::OwnedFd;
 use std::sync::Arc;
 
+use messages::Snapshot;
+
 use crate::control::{self, Begin, Handed, Requests};
 use crate::telemetry::{Identity, Reporter};
 use crate::{Bell, Control, Error, Ports, realtime};
@@ -29,6 +31,8 @@ pub struct Worker {
     pub(crate) ports: Ports,
     pub(crate) requests: Arc<Requests>,
     pub(crate) reporter: Reporter,
+    /// The last state of this process before it died.
+    pub(crate) before: Option<Snapshot>,
 }
 
 impl Worker {
@@ -42,6 +46,7 @@ impl Worker {
         let Handed {
             bell,
             readers,
+            before,
             input,
         } = control.receive_bells()?;
         let ports = Ports::new(setup.identity.name)?;
@@ -56,6 +61,7 @@ impl Worker {
             ports,
             requests,
             reporter,
+            before,
         })
     }
 

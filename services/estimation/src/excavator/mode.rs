@@ -18,6 +18,7 @@ use super::verdict::{Basis, Reasons, Verdict};
 
 #[derive(Debug, Clone)]
 #[expect(clippy::large_enum_variant, reason = "no allocator; one per process")]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 enum Mode {
     PostureTorque(PostureTorque),
     Torque(TorqueMode),
@@ -27,6 +28,7 @@ enum Mode {
 
 /// A mode with what feeds it; rebuilt from the prior after a reset.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Core {
     mode: Mode,
     driver: Driver,
@@ -38,6 +40,7 @@ pub(super) struct Core {
 
 /// What a tick led to.
 #[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Reading {
     pub(super) tick: Tick,
     pub(super) state: State,

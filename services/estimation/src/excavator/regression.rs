@@ -33,6 +33,7 @@ use crate::rls::MultipleForgettingRls;
 
 #[derive(Debug, Clone)]
 #[expect(clippy::large_enum_variant, reason = "no allocator; one per process")]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 enum Kind {
     Paper(MultipleForgettingRls<3>),
     Single(SingleRegression),
@@ -41,12 +42,15 @@ enum Kind {
 
 /// The regression estimators.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Regression {
     settings: Settings,
     method: Method,
     kind: Kind,
     nis: NisWindow<50>,
     running_for: f64,
+    /// Of the motion before [s].
+    time: Option<f64>,
     /// Whether a torque alone can tell the inertia of this machine, see [`Settings::tells_by_half`].
     tells: bool,
     /// What the inertia can be where it cannot.
@@ -104,6 +108,7 @@ impl Regression {
             kind,
             nis: NisWindow::new(16.0),
             running_for: 0.0,
+            time: None,
             tells: settings.tells_by_half(),
             half_told: settings.half_told(None),
             torque_age: f64::INFINITY,
@@ -121,6 +126,7 @@ impl Regression {
             again.flags.refused = true;
             return again;
         }
+        self.forget(motion);
         self.torque_age = if motion.torque_measured {
             0.0
         } else {
@@ -130,6 +136,20 @@ impl Regression {
         let fit = self.update(motion, held);
         self.last = self.estimate(motion, &fit, held);
         self.last
+    }
+
+    /// Samples that did not reach the regression: what they would have made it forget is forgotten.
+    fn forget(&mut self, motion: &Motion) {
+        let last = self.time.replace(motion.time);
+        let missed = last.map_or(0.0, |last| motion.time - last - motion.period);
+        if missed < 0.5 * motion.period {
+            return;
+        }
+        match &mut self.kind {
+            Kind::Paper(_) => {} // holds what it was given, see above
+            Kind::Single(single) => single.forget(missed, motion.period),
+            Kind::Joint(joint) => joint.forget(missed, motion.period),
+        }
     }
 
     /// Outside its time, at standstill, or before the filters have settled.

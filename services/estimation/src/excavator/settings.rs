@@ -9,6 +9,7 @@ pub use super::keys::{Estimator, Paper, Prior, Variant};
 
 /// Sensors.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Sensors {
     /// Samples per second; only the first sample needs it, later ones bring their time [Hz].
     pub rate: f64,
@@ -33,6 +34,7 @@ pub struct Sensors {
 
 /// Everything an excavator estimator needs to know beforehand.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Settings {
     /// Lengths and masses.
     pub geometry: Geometry,
@@ -107,6 +109,7 @@ impl Settings {
 
 /// What an inertia can be of which only a half is told.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct HalfTold {
     least: f64,
     most: f64,

@@ -32,6 +32,7 @@ pub(super) enum Basis {
 
 /// Reasons, accumulated over ticks.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Verdict {
     nis: NisWindow<50>,
     velocity_age: f64,
@@ -40,6 +41,7 @@ pub(super) struct Verdict {
 
 /// The five reasons.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Reasons {
     pub(super) excited: bool,
     pub(super) consistent: bool,

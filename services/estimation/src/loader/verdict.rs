@@ -62,6 +62,7 @@ impl Doubt {
 
 /// Exponentially weighted mean and variance.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Variation {
     mean: f64,
     variance: f64,
@@ -89,6 +90,7 @@ impl Variation {
 
 /// What is remembered for the verdict.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Evidence {
     torque: Variation,
     acceleration: Variation,

@@ -16,6 +16,7 @@ use crate::parts::Reserved;
 use crate::plan::Plan;
 use crate::signals::Signals;
 use crate::sources::{self, LiveInput};
+use crate::state::Memory;
 use crate::summary;
 use crate::supervisor::{End, Supervisor};
 use crate::watch::{Show, Watch};
@@ -101,6 +102,7 @@ pub fn plan(args: &RunArgs) -> Result<(Plan, PathBuf), Failure> {
         lossless: args.pace == cli::Pace::Max,
         realtime: args.rt,
         cores: cores(args),
+        restored: None,
         recording: PathBuf::new(),
         limits: args.limits.clone(),
         probe: args.probe.as_deref().map(absolute).transpose()?,
@@ -112,6 +114,17 @@ pub fn plan(args: &RunArgs) -> Result<(Plan, PathBuf), Failure> {
     let folder = absolute(&folder(args.out.as_deref(), machine.name())?)?;
     plan.recording = recording::reserve(&folder)?;
     Ok((plan, folder))
+}
+
+/// Opens the memory of earlier runs, and puts what it restores into the plan.
+fn remember(file: &Path, plan: &mut Plan) -> Result<Memory, Failure> {
+    let file = absolute(file)?;
+    let mut description = plan.description()?;
+    let (memory, said) = Memory::open(&file, &mut description, &plan.methods)?;
+    eprintln!("{said}");
+    plan.description = description.to_toml();
+    plan.restored = Some(said);
+    Ok(memory)
 }
 
 /// Warns of keys that were set and do nothing.
@@ -187,8 +200,10 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     for name in Domain::remove_leftovers() {
         eprintln!("removed what the killed run `{name}` had left in shared memory");
     }
-    let (plan, _) = plan(args)?;
+    let (mut plan, _) = plan(args)?;
     let _reserved = Reserved(plan.recording.clone());
+    let memory = args.state.as_deref();
+    let memory = memory.map(|f| remember(f, &mut plan)).transpose()?;
     let machine = plan.machine;
     let page = args
         .view
@@ -198,12 +213,13 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     let pipeline = Pipeline::of(machine);
     let asked = args.method.as_deref().and_then(|m| pipeline.with_method(m));
     let told = asked.and_then(|stage| stage.output());
-    let watch = Watch::new(
+    let mut watch = Watch::new(
         machine,
         told.or(pipeline.main_output()),
         page.as_ref().map(|(feed, _)| feed.clone()),
         show(args),
     );
+    watch.remember(memory);
     let recording = plan.recording.clone();
     if !args.quiet || !sources::is_simulated(&plan) {
         eprintln!("{}", sources::words(&plan));

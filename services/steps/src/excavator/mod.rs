@@ -9,6 +9,7 @@ mod regression;
 mod sample;
 
 pub use estimate::message as estimate_message;
+use estimate::tell_restart;
 pub use estimator::EstimatorStep;
 pub use filter::FilterStep;
 pub use motion::{message as motion_message, motion};

@@ -30,22 +30,7 @@ pub(super) fn write(body: &mut String, run: &Run) {
             "<p class=\"other\"><b>Simulated</b>: nothing here was measured on a machine.</p>",
         );
     }
-    let facts = [
-        ("scenario", "scenario "),
-        ("input", "input "),
-        ("payload_kg", "payload [kg] "),
-        ("seed", "seed "),
-        ("heft.version", "heft "),
-        ("wall_clock.start", "begun "),
-        ("wall_clock.jumps", "wall clock jumped by "),
-        ("host", "host "),
-    ];
-    let known = facts.iter().filter_map(|(key, words)| {
-        run.metadata(key)
-            .map(|value| format!("{words}{}", text(value)))
-    });
-    let mut line: Vec<_> = known.collect();
-    line.extend(duration(run));
+    let line = facts(run);
     if !line.is_empty() {
         let _ = write!(body, "<p class=\"facts\">{}</p>", line.join(" · "));
     }
@@ -81,6 +66,27 @@ fn is_simulated(run: &Run) -> bool {
         last.into_iter().any(Message::is_simulated)
     }
     run.metadata("scenario").is_some() || any(&run.excavator) || any(&run.loader)
+}
+
+/// When, where and with what it was made, and how long it is, as HTML.
+pub(super) fn facts(run: &Run) -> Vec<String> {
+    let facts = [
+        ("scenario", "scenario "),
+        ("input", "input "),
+        ("payload_kg", "payload [kg] "),
+        ("seed", "seed "),
+        ("heft.version", "heft "),
+        ("wall_clock.start", "begun "),
+        ("wall_clock.jumps", "wall clock jumped by "),
+        ("host", "host "),
+    ];
+    let known = facts.iter().filter_map(|(key, words)| {
+        run.metadata(key)
+            .map(|value| format!("{words}{}", text(value)))
+    });
+    let mut line: Vec<_> = known.collect();
+    line.extend(duration(run));
+    line
 }
 
 /// From the first estimate to the last.

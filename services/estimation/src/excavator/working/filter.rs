@@ -79,6 +79,7 @@ pub(super) struct Input {
 
 /// State and covariance.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Filter {
     pub(super) x: Vector,
     pub(super) p: [Vector; N],
