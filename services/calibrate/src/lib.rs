@@ -12,7 +12,9 @@
 //! | [`model`] | blocks of recordings that give innovations |
 //! | [`fit`] | the maximum, by scoring steps with the damping of Levenberg and Marquardt |
 //! | [`honesty`] | what the data do not determine, the scatter between blocks, profiles, hold-out |
+//! | [`outcome`] | what came out, for any machine |
 //! | [`excavator`] | swings of an excavator |
+//! | [`loader`] | drives of a loader |
 //! | [`output`] | the description with its origin |
 //! | [`algebra`] | faer |
 //! | [`description`] | keys by name |
@@ -22,9 +24,12 @@ pub mod description;
 pub mod excavator;
 pub mod fit;
 pub mod honesty;
+pub mod loader;
 pub mod model;
+pub mod outcome;
 pub mod output;
 pub mod parameter;
 
 pub use model::{Innovation, Model};
+pub use outcome::{Found, Summary};
 pub use parameter::{Law, Parameter, Source};

@@ -291,6 +291,9 @@ pub struct EstimateArgs {
     /// Estimates, one row per accepted row of the input (CSV)
     #[arg(short, long, value_name = "OUT.csv")]
     pub output: PathBuf,
+    /// Also let every later row speak of each moment (excavator, torque and posture)
+    #[arg(long)]
+    pub smooth: bool,
     /// Also write an HTML report
     #[arg(long, value_name = "R.html")]
     pub report: Option<PathBuf>,
@@ -314,6 +317,9 @@ pub struct CalibrateArgs {
     /// Mass of the whole machine in a recording of a loader, as weighed
     #[arg(long, value_name = "FILE=KG±KG")]
     pub mass: Vec<String>,
+    /// Axle scales of a loader (as for heft weigh): of the machine without load, or in a recording
+    #[arg(long, value_name = "[FILE=]SCALES.csv")]
+    pub weigh: Vec<String>,
     /// Find these keys only
     #[arg(long, value_name = "KEY,...", value_delimiter = ',')]
     pub free: Vec<String>,
