@@ -10,6 +10,10 @@ use crate::output::Pen;
 const RADIUS_STD: f64 = 5e-4;
 const SLOPE_BIAS_STD: f64 = 2e-3;
 const DELAY_STD: f64 = 2e-3;
+/// The slip stiffness differs from ground to ground by this share.
+const GROUND: f64 = 0.05;
+/// Share of the described width of the ratio that is left.
+const LOADED: f64 = 0.5;
 
 impl Outcome {
     /// The description with what was found, and its text with `origin` as comments above; none where nothing was.
@@ -53,10 +57,17 @@ impl Outcome {
             | Role::BalanceNoise
             | Role::Jerk => {}
             Role::Mass(load) | Role::Ratio(load) | Role::Height(load) if load > 0 => {}
-            // The ground and what is in the bucket change: only the centre of the prior is calibrated.
-            Role::Stiffness | Role::Mass(_) | Role::Ratio(_) | Role::Height(_) => {
-                pen.value(&key, q)
+            Role::Stiffness => {
+                pen.value(&key, q);
+                pen.std("prior.slip_stiffness_std", q.std.max(GROUND * q.value));
             }
+            // What is in the bucket and on the machine changes: of the prior's width, only the spread between machines goes.
+            Role::Ratio(_) => {
+                let described = pen.description.prior.cg_ratio_std;
+                pen.value(&key, q);
+                pen.std("prior.cg_ratio_std", q.std.max(LOADED * described));
+            }
+            Role::Mass(_) | Role::Height(_) => pen.value(&key, q),
             Role::Rolling | Role::Relaxation | Role::Friction => pen.value(&key, q),
             Role::SpeedNoise | Role::WheelNoise | Role::AccelerationNoise => {
                 // Of one row of the recording.
