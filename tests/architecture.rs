@@ -21,19 +21,33 @@ const ARROWS: &[(&str, &[&str])] = &[
         "services/steps",
         &["config", "estimation", "messages", "runtime"],
     ),
+    ("services/statistics", &["estimation"]),
     ("services/logger", &["messages", "recording", "runtime"]),
     (
         "services/view",
-        &["estimation", "messages", "recording", "steps"],
+        &["estimation", "messages", "recording", "statistics", "steps"],
     ),
     ("bindings/c", &["estimation"]),
     ("bindings/fmu", &["estimation", "messages"]),
     ("services/calibrate", &["config", "estimation"]),
     (
         "services/evaluate",
-        &["calibrate", "config", "estimation", "sim"],
+        &["calibrate", "config", "estimation", "sim", "statistics"],
     ),
-    ("bench", &["estimation", "messages", "recording", "sim"]),
+    (
+        "bench",
+        &[
+            "config",
+            "estimation",
+            "messages",
+            "recording",
+            "runtime",
+            "sensor",
+            "sim",
+            "steps",
+            "view",
+        ],
+    ),
     // The root package: the command line, above everything.
     (
         "",
@@ -106,7 +120,15 @@ fn every_member_of_the_workspace_has_its_arrows() {
 #[test]
 fn estimation_depends_on_nalgebra_alone_and_has_no_std() {
     let found = dependencies("services/estimation", "[dependencies]");
-    assert_eq!(found, BTreeSet::from(["nalgebra".to_owned()]));
+    let allowed = ["nalgebra", "serde"].map(str::to_owned);
+    assert_eq!(found, BTreeSet::from(allowed));
+    let manifest = fs::read_to_string(root().join("services/estimation/Cargo.toml"));
+    let manifest = manifest.expect("a manifest");
+    let serde = manifest
+        .lines()
+        .find(|l| l.starts_with("serde = { version"));
+    assert!(serde.is_some_and(|l| l.contains("optional = true")));
+    assert!(!manifest.contains("default = ["), "it is off by default");
     let lib = fs::read_to_string(root().join("services/estimation/src/lib.rs")).expect("a crate");
     assert!(lib.contains("#![no_std]"));
 }

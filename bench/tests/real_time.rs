@@ -1,6 +1,7 @@
 //! Real-time manners of the steps: they do not allocate, do not call the system, and the filters do the same work whatever the data.
 
 use bench::{counts, groups, real};
+use messages::keyframe::LONGEST;
 use runtime::{Source, Step, answer};
 use sensor::{SimulatedExcavator, SimulatedLoader};
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -53,14 +54,33 @@ fn ten_thousand_steps_allocate_nothing() {
     }
 }
 
-/// Allocations of a service that answers ten thousand messages, the first included.
-fn allocations<S: Step>(mut service: S, messages: &[S::Input]) -> u64 {
+/// Allocations of a service that answers ten thousand messages, the first included, and writes its state
+/// down in the middle. A service that reads that state then goes on bit for bit.
+fn allocations<S: Step + Clone>(mut service: S, messages: &[S::Input]) -> u64 {
     assert!(messages.len() >= 10_000);
+    let mut other = service.clone();
+    let mut state = vec![0; LONGEST];
+    let mut length = 0;
+    let mut last = S::Output::default();
     let before = CALLS.get();
-    for message in &messages[..10_000] {
-        std::hint::black_box(answer(&mut service, message));
+    for (n, message) in messages[..10_000].iter().enumerate() {
+        last = std::hint::black_box(answer(&mut service, message));
+        if n == 4_999 {
+            length = service.save(&mut state).expect("the state has room");
+        }
     }
-    CALLS.get() - before
+    let calls = CALLS.get() - before;
+    assert!(!other.restore(&state[..length - 1]), "a state cut off");
+    assert!(other.restore(&state[..length]));
+    let after = messages[5_000..10_000].iter();
+    let answers = after.map(|message| answer(&mut other, message));
+    assert_eq!(
+        answers.last(),
+        Some(last),
+        "it goes on as if nothing had been"
+    );
+    println!("{}: {length} bytes of state", std::any::type_name::<S>());
+    calls
 }
 
 fn sensors<S: Source>(mut source: S) -> Vec<S::Sensors> {

@@ -26,7 +26,7 @@ const FIRST_STREAM: u64 = 1000;
 
 /// What happens to a value.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Kind {
+pub enum FaultKind {
     /// No value.
     Missing,
     /// A value that is not a number.
@@ -51,7 +51,7 @@ pub struct Fault {
     /// Name of the column, or [`ROW`].
     pub channel: String,
     /// What it does.
-    pub kind: Kind,
+    pub kind: FaultKind,
     /// The share of samples it hits, 0 to 1.
     pub probability: f64,
     /// Beginning of its window [s].
@@ -74,7 +74,7 @@ impl std::error::Error for InvalidFault {}
 
 impl Fault {
     /// A fault on every sample of a channel.
-    pub fn always(channel: &str, kind: Kind) -> Self {
+    pub fn always(channel: &str, kind: FaultKind) -> Self {
         Self {
             channel: channel.into(),
             kind,
@@ -85,7 +85,7 @@ impl Fault {
     }
 
     /// A fault on a random share of the samples of a channel.
-    pub fn random(channel: &str, kind: Kind, probability: f64) -> Self {
+    pub fn random(channel: &str, kind: FaultKind, probability: f64) -> Self {
         Self {
             probability,
             ..Self::always(channel, kind)
@@ -93,7 +93,7 @@ impl Fault {
     }
 
     /// A fault on every sample with `from <= time < to`.
-    pub fn between(channel: &str, kind: Kind, from: f64, to: f64) -> Self {
+    pub fn between(channel: &str, kind: FaultKind, from: f64, to: f64) -> Self {
         Self {
             from,
             to,
@@ -108,7 +108,8 @@ impl Fault {
             .split_once(':')
             .ok_or_else(|| invalid("expected CHANNEL:KIND[=VALUE][,p=SHARE][,from=S][,to=S]"))?;
         let mut parts = rest.split(',').map(str::trim);
-        let kind = Kind::parse(parts.next().unwrap_or_default()).map_err(|why| invalid(&why))?;
+        let kind =
+            FaultKind::parse(parts.next().unwrap_or_default()).map_err(|why| invalid(&why))?;
         let mut fault = Self::always(channel.trim(), kind);
         for part in parts {
             let (key, value) = part
@@ -131,7 +132,7 @@ impl Fault {
     }
 }
 
-impl Kind {
+impl FaultKind {
     fn parse(text: &str) -> Result<Self, String> {
         let (name, value) = match text.split_once('=') {
             Some((name, value)) => (name, Some(number(value)?)),
@@ -197,7 +198,7 @@ impl Injector {
         let active = faults.iter().zip(FIRST_STREAM..).map(|(fault, stream)| {
             let channel = channels.iter().position(|name| *name == fault.channel);
             match (channel, fault.channel == ROW, fault.kind) {
-                (Some(_), _, _) | (None, true, Kind::Missing) => {}
+                (Some(_), _, _) | (None, true, FaultKind::Missing) => {}
                 (None, true, _) => {
                     return Err(InvalidFault(format!("a {ROW} can only be missing")));
                 }
@@ -328,11 +329,11 @@ mod tests {
         ] {
             assert!(Fault::parse(text).is_err(), "{text}");
         }
-        let unknown = Injector::new(&[Fault::always("c", Kind::Hold)], &["a", "b"], 1);
+        let unknown = Injector::new(&[Fault::always("c", FaultKind::Hold)], &["a", "b"], 1);
         assert_eq!(
             unknown.unwrap_err().to_string(),
             "no channel `c`; channels are a, b, row"
         );
-        assert!(Injector::new(&[Fault::always(ROW, Kind::Bias(1.0))], &["a"], 1).is_err());
+        assert!(Injector::new(&[Fault::always(ROW, FaultKind::Bias(1.0))], &["a"], 1).is_err());
     }
 }

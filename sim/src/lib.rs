@@ -6,5 +6,6 @@ pub mod blend;
 pub mod excavator;
 pub mod fault;
 pub mod loader;
+pub mod named;
 pub mod noise;
 pub mod rk4;

@@ -1,7 +1,7 @@
 //! What a simulated run does, at any rate and with faults.
 
 use sim::excavator::{Row, Run, Scenario, Sensors, Simulation};
-use sim::fault::{Fault, Kind};
+use sim::fault::{Fault, FaultKind};
 use std::time::{Duration, Instant};
 
 fn rows(run: &Run) -> Vec<Row> {
@@ -171,8 +171,8 @@ fn a_change_of_the_payload_takes_place_when_it_says() {
 fn a_fault_on_one_sensor_leaves_the_others_as_they_were() {
     let run = Run::new(Scenario::Base);
     let faults = vec![
-        Fault::random("swing_velocity", Kind::Missing, 0.1),
-        Fault::always("boom_angle", Kind::Missing),
+        Fault::random("swing_velocity", FaultKind::Missing, 0.1),
+        Fault::always("boom_angle", FaultKind::Missing),
     ];
     let (whole, broken) = (rows(&run), rows(&Run { faults, ..run }));
     assert!(
@@ -193,7 +193,7 @@ fn a_fault_on_one_sensor_leaves_the_others_as_they_were() {
 #[test]
 fn a_gap_leaves_rows_out_and_nothing_else() {
     let run = Run::new(Scenario::Base);
-    let faults = vec![Fault::between("row", Kind::Missing, 8.095, 8.145)];
+    let faults = vec![Fault::between("row", FaultKind::Missing, 8.095, 8.145)];
     let whole: Vec<_> = rows(&run)
         .into_iter()
         .filter(|r| !(8.095..8.145).contains(&r.time))
@@ -224,7 +224,7 @@ fn what_cannot_be_simulated_is_refused() {
         ..run.clone()
     }));
     assert!(refused(Run {
-        faults: vec![Fault::always("wheel", Kind::Hold)],
+        faults: vec![Fault::always("wheel", FaultKind::Hold)],
         ..run
     }));
 }

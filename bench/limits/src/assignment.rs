@@ -1,13 +1,13 @@
 //! What a stage is told on its command line.
 
-use crate::{Kind, Options, WARM_UP};
+use crate::{Options, Primitive, WARM_UP};
 use std::io;
 use std::os::fd::RawFd;
 
 /// One stage of a chain: who it is, what to do, and the descriptors it was born with.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Assignment {
-    pub kind: Kind,
+    pub kind: Primitive,
     pub stage: usize,
     pub stages: usize,
     pub period_ns: u64,
@@ -28,7 +28,7 @@ pub struct Assignment {
 
 impl Assignment {
     /// The part of stage `stage`; descriptors are filled in by the starter.
-    pub fn new(kind: Kind, options: &Options, stage: usize) -> Self {
+    pub fn new(kind: Primitive, options: &Options, stage: usize) -> Self {
         Self {
             kind,
             stage,
@@ -83,7 +83,7 @@ impl Assignment {
 }
 
 fn parse(args: &[String]) -> Option<Assignment> {
-    let kind = Kind::from_name(args.first()?)?;
+    let kind = Primitive::from_name(args.first()?)?;
     let numbers: Vec<i64> = args[1..]
         .iter()
         .map(|arg| arg.parse().ok())
@@ -135,7 +135,7 @@ mod tests {
             ..Options::default()
         };
         for stage in 0..4 {
-            let assignment = Assignment::new(Kind::Pipe, &options, stage);
+            let assignment = Assignment::new(Primitive::Pipe, &options, stage);
             assert_eq!(
                 Assignment::from_args(&assignment.to_args()).ok(),
                 Some(assignment)

@@ -9,7 +9,7 @@
 //!            (a futex word, a pipe, or a spinning cache line per hop)
 //! ```
 //!
-//! | [`Kind`] | a hop is | what it is the limit of |
+//! | [`Primitive`] | a hop is | what it is the limit of |
 //! |---|---|---|
 //! | `Futex` | a ring in shared memory and a futex word | every blocking wake between processes |
 //! | `Pipe` | one `write`, one blocking `read` | what needs no shared memory |
@@ -41,7 +41,7 @@ pub const WARM_UP: usize = 64;
 
 /// How a sample gets from one process to the next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum Primitive {
     /// A ring in shared memory; the reader sleeps on a futex word.
     Futex,
     /// A pipe; the reader sleeps in `read`.
@@ -50,21 +50,21 @@ pub enum Kind {
     Spin,
 }
 
-impl Kind {
+impl Primitive {
     /// Every kind, in the order they are reported.
-    pub const ALL: [Kind; 3] = [Kind::Futex, Kind::Pipe, Kind::Spin];
+    pub const ALL: [Primitive; 3] = [Primitive::Futex, Primitive::Pipe, Primitive::Spin];
 
     /// The name used in tables, JSON and between the processes.
     pub fn name(self) -> &'static str {
         match self {
-            Kind::Futex => "futex",
-            Kind::Pipe => "pipe",
-            Kind::Spin => "spin",
+            Primitive::Futex => "futex",
+            Primitive::Pipe => "pipe",
+            Primitive::Spin => "spin",
         }
     }
 
-    fn from_name(name: &str) -> Option<Kind> {
-        Kind::ALL.into_iter().find(|kind| kind.name() == name)
+    fn from_name(name: &str) -> Option<Primitive> {
+        Primitive::ALL.into_iter().find(|kind| kind.name() == name)
     }
 }
 
@@ -114,7 +114,7 @@ pub struct Outcome {
     pub lost: u64,
     /// Whether every process really ran under SCHED_FIFO. `false` where it was not asked for or is not permitted.
     pub fifo: bool,
-    /// Processes that took part. Fewer than asked for only for [`Kind::Spin`], which needs a core for each: compare hop by hop then.
+    /// Processes that took part. Fewer than asked for only for [`Primitive::Spin`], which needs a core for each: compare hop by hop then.
     pub stages: usize,
 }
 
@@ -123,7 +123,7 @@ pub struct Outcome {
 /// # Errors
 /// `InvalidInput` for options that make no chain; otherwise what the system said when a process or its memory could not be had, or
 /// `TimedOut` when the chain came to a halt.
-pub fn chain(kind: Kind, options: &Options) -> io::Result<Outcome> {
+pub fn chain(kind: Primitive, options: &Options) -> io::Result<Outcome> {
     let options = checked(kind, options)?;
     let shared =
         shared::Shared::create(options.stages, options.samples + WARM_UP, options.payload)?;
@@ -131,7 +131,7 @@ pub fn chain(kind: Kind, options: &Options) -> io::Result<Outcome> {
     Ok(collect(&shared, options.stages, options.samples))
 }
 
-fn checked(kind: Kind, options: &Options) -> io::Result<Options> {
+fn checked(kind: Primitive, options: &Options) -> io::Result<Options> {
     let mut options = options.clone();
     let wrong = |what: &str| {
         Err(io::Error::new(
@@ -158,7 +158,7 @@ fn checked(kind: Kind, options: &Options) -> io::Result<Options> {
         .payload
         .max(8 * (1 + options.stages))
         .next_multiple_of(8);
-    if kind == Kind::Spin {
+    if kind == Primitive::Spin {
         let cores = schedule::permitted_cores()?;
         options.stages = options.stages.min(cores.len()).max(2);
         options.cores = Some(cores);

@@ -1,6 +1,6 @@
 //! One hop of a chain, seen from its two ends.
 
-use crate::Kind;
+use crate::Primitive;
 use crate::shared::{Ring, Shared};
 use rustix::io::Errno;
 use rustix::thread::futex;
@@ -86,12 +86,17 @@ enum Source<'a> {
 }
 
 impl<'a> Input<'a> {
-    /// The reading end of hop `hop`; `pipe` is used by [`Kind::Pipe`] only.
-    pub fn new(kind: Kind, shared: &'a Shared, hop: usize, pipe: Option<OwnedFd>) -> Option<Self> {
+    /// The reading end of hop `hop`; `pipe` is used by [`Primitive::Pipe`] only.
+    pub fn new(
+        kind: Primitive,
+        shared: &'a Shared,
+        hop: usize,
+        pipe: Option<OwnedFd>,
+    ) -> Option<Self> {
         let source = match kind {
-            Kind::Futex => Source::Futex(shared.ring(hop)),
-            Kind::Spin => Source::Spin(shared.ring(hop)),
-            Kind::Pipe => Source::Pipe(pipe?),
+            Primitive::Futex => Source::Futex(shared.ring(hop)),
+            Primitive::Spin => Source::Spin(shared.ring(hop)),
+            Primitive::Pipe => Source::Pipe(pipe?),
         };
         Some(Self { source, count: 0 })
     }
@@ -116,17 +121,17 @@ impl<'a> Input<'a> {
     }
 }
 
-/// The writing end of hop `hop`; `pipe` is used by [`Kind::Pipe`] only.
+/// The writing end of hop `hop`; `pipe` is used by [`Primitive::Pipe`] only.
 pub fn output<'a>(
-    kind: Kind,
+    kind: Primitive,
     shared: &'a Shared,
     hop: usize,
     pipe: Option<OwnedFd>,
 ) -> Option<Output<'a>> {
     Some(match kind {
-        Kind::Futex => Output::Futex(shared.ring(hop)),
-        Kind::Spin => Output::Spin(shared.ring(hop)),
-        Kind::Pipe => Output::Pipe(pipe?),
+        Primitive::Futex => Output::Futex(shared.ring(hop)),
+        Primitive::Spin => Output::Spin(shared.ring(hop)),
+        Primitive::Pipe => Output::Pipe(pipe?),
     })
 }
 

@@ -4,7 +4,7 @@
 use crate::assignment::Assignment;
 use crate::schedule::now_ns;
 use crate::shared::Shared;
-use crate::{Kind, Options, SUBCOMMAND, WARM_UP};
+use crate::{Options, Primitive, SUBCOMMAND, WARM_UP};
 use rustix::io::{FdFlags, fcntl_setfd};
 use rustix::pipe::{PipeFlags, pipe_with};
 use rustix::thread::futex;
@@ -23,7 +23,7 @@ const LEAD_NS: u64 = 20_000_000;
 const LOOK: Duration = Duration::from_millis(20);
 
 /// Runs the chain to its end.
-pub fn run(kind: Kind, options: &Options, shared: &Shared) -> io::Result<()> {
+pub fn run(kind: Primitive, options: &Options, shared: &Shared) -> io::Result<()> {
     let mut stages = Stages(start_all(kind, options, shared)?);
     stages.wait_until_ready(shared, options.stages)?;
     shared
@@ -36,11 +36,11 @@ pub fn run(kind: Kind, options: &Options, shared: &Shared) -> io::Result<()> {
     stages.wait_until_done(Duration::from_secs_f64(10.0 + 2.0 * planned + working))
 }
 
-fn start_all(kind: Kind, options: &Options, shared: &Shared) -> io::Result<Vec<Child>> {
+fn start_all(kind: Primitive, options: &Options, shared: &Shared) -> io::Result<Vec<Child>> {
     let mut started = Stages(Vec::new());
     let mut from_before: Option<OwnedFd> = None;
     for stage in 0..options.stages {
-        let (reader, writer) = if kind == Kind::Pipe && stage + 1 < options.stages {
+        let (reader, writer) = if kind == Primitive::Pipe && stage + 1 < options.stages {
             let (reader, writer) = pipe_with(PipeFlags::CLOEXEC)?;
             (Some(reader), Some(writer))
         } else {

@@ -1,6 +1,6 @@
 //! Chains of real processes. The stages are this program started again, so it has its own `main`.
 
-use limits::{Kind, Options, SUBCOMMAND, chain, worker_main};
+use limits::{Options, Primitive, SUBCOMMAND, chain, worker_main};
 use std::time::Duration;
 
 fn main() {
@@ -12,7 +12,7 @@ fn main() {
         println!("chain: test");
         return;
     }
-    for kind in Kind::ALL {
+    for kind in Primitive::ALL {
         a_chain_of_four_delivers_every_sample(kind, false);
         a_chain_of_four_delivers_every_sample(kind, true);
     }
@@ -21,7 +21,7 @@ fn main() {
     println!("chain: ok");
 }
 
-fn a_chain_of_four_delivers_every_sample(kind: Kind, fifo: bool) {
+fn a_chain_of_four_delivers_every_sample(kind: Primitive, fifo: bool) {
     let options = Options {
         samples: 500,
         fifo,
@@ -58,7 +58,7 @@ fn work_is_part_of_a_hop() {
         work: Duration::from_micros(100),
         ..Options::default()
     };
-    let outcome = chain(Kind::Futex, &options).expect("a chain with work runs");
+    let outcome = chain(Primitive::Futex, &options).expect("a chain with work runs");
     // Two of three hops begin with 100 us of work: that of stages 1 and 2.
     assert!(
         outcome
@@ -91,7 +91,7 @@ fn nonsense_is_refused() {
             ..Options::default()
         },
     ] {
-        assert!(chain(Kind::Futex, &options).is_err(), "{options:?}");
+        assert!(chain(Primitive::Futex, &options).is_err(), "{options:?}");
     }
     let status = worker_main(&["futex".to_string()]);
     assert_eq!(status, 2, "a worker started by hand says so");

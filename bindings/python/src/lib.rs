@@ -3,7 +3,7 @@
 
 use config::Description;
 use messages::channels::{CHANNELS, Visitor};
-use messages::{Envelope, ExcavatorEstimate, Kind, LoaderEstimate, Machine, Message, Value};
+use messages::{Envelope, ExcavatorEstimate, NumberType, LoaderEstimate, Machine, Message, Value};
 use pyo3::create_exception;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -156,14 +156,14 @@ fn recorded<'py>(
     let columns = frame::channel(reader, channel).map_err(refused)?;
     let columns = columns.into_iter().map(|column| {
         let bytes: Vec<u8> = match column.field.kind {
-            Kind::F64 => column.values.iter().flat_map(|v| v.as_f64().to_le_bytes()).collect(),
-            Kind::U32 => column.values.iter().flat_map(|v| word(*v).to_le_bytes()[..4].to_vec()).collect(),
-            Kind::U64 => column.values.iter().flat_map(|v| word(*v).to_le_bytes()).collect(),
+            NumberType::F64 => column.values.iter().flat_map(|v| v.as_f64().to_le_bytes()).collect(),
+            NumberType::U32 => column.values.iter().flat_map(|v| word(*v).to_le_bytes()[..4].to_vec()).collect(),
+            NumberType::U64 => column.values.iter().flat_map(|v| word(*v).to_le_bytes()).collect(),
         };
         let kind = match column.field.kind {
-            Kind::F64 => "numbers",
-            Kind::U32 => "u4",
-            Kind::U64 => "u8",
+            NumberType::F64 => "numbers",
+            NumberType::U32 => "u4",
+            NumberType::U64 => "u8",
         };
         let content = (kind, PyBytes::new(py, &bytes));
         (column.field.name, column.field.unit, column.meaning, content).into_pyobject(py)
@@ -190,9 +190,9 @@ fn schema() -> Vec<(&'static str, Fields)> {
         type Output = (&'static str, Fields);
         fn visit<M: Message>(self) -> Self::Output {
             let kind = |kind| match kind {
-                Kind::F64 => "f64",
-                Kind::U32 => "u32",
-                Kind::U64 => "u64",
+                NumberType::F64 => "f64",
+                NumberType::U32 => "u32",
+                NumberType::U64 => "u64",
             };
             let fields = M::FIELDS.iter().map(|f| (f.name, f.unit, f.doc.trim(), kind(f.kind)));
             (M::NAME, fields.collect())

@@ -146,6 +146,28 @@ fn contradictions_between_keys_are_found() {
 }
 
 #[test]
+fn a_mass_in_newtons_and_a_wheelbase_in_millimetres_are_found() {
+    let check = |text: &str| Description::parse(text, "x", Some(Machine::Loader));
+    for wrong in [
+        "[machine]\nmass = 46000\nwheelbase = 2.3",
+        "[machine]\nmass = 120000\nwheelbase = 2.9",
+    ] {
+        let errors = check(wrong).expect_err("newtons").to_string();
+        assert!(
+            errors.contains("newtons where kilograms belong"),
+            "{errors}"
+        );
+    }
+    for right in [
+        "[machine]\nmass = 4700\nwheelbase = 2.3",
+        "[machine]\nmass = 50000\nwheelbase = 4.5",
+        "[machine]\nmass = 5\nwheelbase = 0.1\nwheel_radius = 0.03",
+    ] {
+        assert!(check(right).is_ok(), "{right}");
+    }
+}
+
+#[test]
 fn all_defects_are_told_at_once_in_the_order_of_the_file() {
     let text = "[sensors]\nrate = 0\nspeed = 3\n[prior]\npayload = true\n";
     let errors = Excavator::parse(text, "x.toml").expect_err("three defects");

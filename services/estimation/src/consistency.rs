@@ -6,7 +6,9 @@
 /// Mean of the last `N` normalised innovations squared, each limited so that a single outlier
 /// cannot decide.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct NisWindow<const N: usize> {
+    #[cfg_attr(feature = "serde", serde(with = "crate::written"))]
     values: [f64; N],
     next: usize,
     filled: usize,
@@ -43,6 +45,7 @@ impl<const N: usize> NisWindow<N> {
 /// Two-sided cumulative sum of normalised innovations: sees a small lasting shift of their mean
 /// that no single sample shows.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Cusum {
     drift: f64,
     threshold: f64,

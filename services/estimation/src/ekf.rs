@@ -13,10 +13,13 @@ use crate::root::dot;
 
 /// The filter: a state and the lower root of its covariance.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Ekf<const N: usize, const M: usize> {
     /// State x.
+    #[cfg_attr(feature = "serde", serde(with = "crate::written"))]
     pub state: [f64; N],
     /// Lower root S of the covariance, P = S S'.
+    #[cfg_attr(feature = "serde", serde(with = "crate::written::rows"))]
     pub root: [[f64; N]; N],
 }
 

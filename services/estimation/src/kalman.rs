@@ -53,6 +53,7 @@ impl Innovation {
 
 /// Kalman filter of velocity and acceleration from a measured velocity.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct VelocityFilter {
     velocity: f64,
     acceleration: f64,
@@ -132,6 +133,7 @@ impl VelocityFilter {
 
 /// The steady state of [`VelocityFilter`].
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Gain {
     /// Gain of the velocity.
     pub velocity: f64,
@@ -196,6 +198,7 @@ pub fn natural_frequency(period: f64, process_variance: f64, measurement_varianc
 /// Kalman filter of angle, velocity and acceleration from an encoder's angle; the acceleration is a
 /// random walk as in [`VelocityFilter`].
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct AngleFilter {
     x: Vector3<f64>,
     p: Matrix3<f64>,

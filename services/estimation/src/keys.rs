@@ -50,6 +50,7 @@ pub struct Key {
 
 /// A short list of numbers.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Numbers {
     values: [f64; Self::MOST],
     length: usize,
@@ -221,6 +222,7 @@ macro_rules! table {
     ) => {
         $(#[doc = $doc])*
         #[derive(Debug, Clone, Copy, PartialEq)]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
         pub struct $name {
             $( $(#[doc = $field_doc])+ #[doc = $crate::keys::unit!($unit)] pub $field: $type, )*
         }
@@ -295,6 +297,7 @@ macro_rules! choice {
     ) => {
         $(#[doc = $doc])*
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
         pub enum $name { $( $(#[doc = $variant_doc])+ $variant, )+ }
 
         impl $crate::keys::Setting for $name {

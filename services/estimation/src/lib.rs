@@ -23,12 +23,15 @@ pub mod scalar;
 pub mod sigma_points;
 pub mod srukf;
 mod time_base;
+#[cfg(feature = "serde")]
+mod written;
 
 /// Half the width of a 95 % interval, in standard deviations.
 pub const HALF_WIDTH_95: f64 = 1.96;
 
 /// A value with its standard deviation, in the unit of the value.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Quantity {
     /// The value.
     pub value: f64,

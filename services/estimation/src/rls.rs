@@ -25,9 +25,12 @@ const VARIANCE_LIMIT: f64 = 1e14;
 
 /// Recursive least squares with one forgetting factor per parameter.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MultipleForgettingRls<const N: usize> {
     /// Current parameters.
+    #[cfg_attr(feature = "serde", serde(with = "crate::written"))]
     pub parameters: [f64; N],
+    #[cfg_attr(feature = "serde", serde(with = "crate::written"))]
     variance: [f64; N],
 }
 
@@ -105,6 +108,7 @@ impl MultipleForgettingRls<3> {
 
 /// Ordinary recursive least squares: one forgetting factor, full covariance.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Rls<const N: usize> {
     /// Current parameters.
     pub parameters: SVector<f64, N>,
@@ -128,6 +132,12 @@ impl<const N: usize> Rls<N> {
     /// Covariance in units of the output's noise variance.
     pub fn covariance(&self) -> &SMatrix<f64, N, N> {
         &self.covariance
+    }
+
+    /// Forgets as by samples without excitation whose forgetting factors have the product `kept`.
+    pub fn forget(&mut self, kept: f64) {
+        self.covariance /= kept;
+        self.bound();
     }
 
     /// Takes in one sample and returns its innovation.

@@ -18,6 +18,7 @@ use crate::math::sqrt;
 
 /// Spread parameters of the unscented transformation.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Spread {
     /// Distance of the points: 1 is the product's choice, 0.01 the paper's.
     pub alpha: f64,
@@ -56,6 +57,7 @@ impl Spread {
 
 /// The factors that turn images of sigma points into columns of a root.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Weights {
     /// sqrt(c): the points lie at x +- scale S\[:, i\].
     pub scale: f64,

@@ -22,6 +22,7 @@ pub(crate) enum Tick {
 
 /// The time of the last accepted row, and of rows under suspicion.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct TimeBase {
     last: Option<f64>,
     /// The time before the last row, if that row jumped.

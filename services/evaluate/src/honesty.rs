@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 /// A trusted value further away than this share of the truth is wrong, whatever its interval says.
 const FAR: f64 = 0.10;
 /// Half width of a 95 % interval in standard deviations.
-const HALF_WIDTH: f64 = 1.96;
+const HALF_WIDTH: f64 = estimation::HALF_WIDTH_95;
 
 /// One row of an estimator beside its truth.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -9,7 +9,6 @@ pub mod honesty;
 pub mod loader;
 mod options;
 mod parallel;
-pub mod statistics;
 pub mod text;
 
 pub use error::Error;

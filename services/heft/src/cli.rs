@@ -9,6 +9,7 @@ use clap_complete::Shell;
 use messages::Machine;
 
 use crate::bounds::LimitArgs;
+use crate::machines;
 
 /// Lets a construction machine know its own mass properties while it works.
 ///
@@ -27,12 +28,8 @@ pub struct Cli {
 
 /// The machines by their names.
 fn machine() -> impl TypedValueParser<Value = Machine> {
-    let names = Machine::ALL.map(|machine| {
-        PossibleValue::new(machine.name()).help(match machine {
-            Machine::Excavator => "Swing inertia, damping, torque, payload",
-            Machine::Loader => "Centre of gravity, slip stiffness, digging force",
-        })
-    });
+    let names = Machine::ALL
+        .map(|machine| PossibleValue::new(machine.name()).help(machines::entry(machine).about()));
     PossibleValuesParser::new(names)
         .try_map(|name| Machine::from_name(&name).ok_or("there is no such machine"))
 }
@@ -248,6 +245,9 @@ pub struct RunArgs {
     /// Bounds of the recording
     #[command(flatten)]
     pub limits: LimitArgs,
+    /// Remember slow parameters from run to run in this file: what was trusted is the prior of the next run
+    #[arg(long, value_name = "FILE")]
+    pub state: Option<PathBuf>,
     /// Name of the run's corner of shared memory
     #[arg(long)]
     pub domain: Option<String>,

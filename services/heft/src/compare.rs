@@ -3,10 +3,13 @@
 //! A stage answers each sample that reached it, in order. Between two recorded answers some may be
 //! missing, and the recording does not say why: the stage may have lost the samples, or answered
 //! them while the logger lost the answers. Each case leaves the stage in another state, so both are
-//! tried, and the next answer decides bit for bit. Where none agrees the state is unknown: what
-//! follows, until the stage began anew, is not checked, and not called a difference either.
+//! tried, and the next answer decides bit for bit (it may not show the difference; a later one does). Where none agrees the state is unknown: what
+//! follows is not checked, and not called a difference either, until a keyframe tells the state.
 
 use std::collections::VecDeque;
+use std::iter::Peekable;
+
+use messages::Snapshot;
 
 /// Which sample: life of the source, number.
 pub type Place = (u32, u64);
@@ -22,6 +25,8 @@ pub trait Replay {
 
     /// The stage as it begins.
     fn begin(&self) -> Self::Step;
+    /// The stage in a recorded state; `None` if the state is of another build.
+    fn restore(&self, state: &Snapshot) -> Option<Self::Step>;
     /// A copy of it.
     fn fork(&self, step: &Self::Step) -> Self::Step;
     /// Its answer; `None` to what it cannot read.
@@ -47,25 +52,61 @@ pub struct Compared {
     pub unknown: usize,
 }
 
+/// Recorded states of one stage, in the order of their places.
+struct States<I: Iterator<Item = Snapshot>> {
+    rest: Peekable<I>,
+    /// The latest one before the answer at hand.
+    latest: Option<Snapshot>,
+}
+
+impl<I: Iterator<Item = Snapshot>> States<I> {
+    /// The state that this life of the stage had last before the sample at `place`.
+    fn before(&mut self, place: Place, life: u32) -> Option<&Snapshot> {
+        let earlier = |s: &Snapshot| (s.owner.restarts, place_of(s)) < (life, place);
+        while let Some(state) = self.rest.next_if(earlier) {
+            self.latest = Some(state);
+        }
+        self.latest.as_ref().filter(|s| s.owner.restarts == life)
+    }
+}
+
+fn place_of(state: &Snapshot) -> Place {
+    (state.stamp.epoch, state.stamp.sequence)
+}
+
 /// Samples without an answer that are remembered: more than any channel holds.
 const WAITING: usize = 1024;
 
-/// Recomputes every answer. Inputs and answers come in the order of their places.
+/// Recomputes every answer. Inputs, answers and states come in the order of their places.
 pub fn compare<R: Replay>(
     replay: &R,
     inputs: impl Iterator<Item = R::Input>,
     answers: impl Iterator<Item = R::Answer>,
+    states: impl Iterator<Item = Snapshot>,
 ) -> Compared {
     let mut inputs = inputs.peekable();
+    let mut states = States {
+        rest: states.peekable(),
+        latest: None,
+    };
     let mut result = Compared::default();
     let mut step = Some(replay.begin());
+    // Whether the state is known for sure, and not only agrees with every answer so far.
+    let mut sure = true;
     let (mut last, mut last_life): (Option<Place>, u32) = (None, 0);
     for recorded in answers {
         result.answers += 1;
         let (place, life) = replay.place_and_life(&recorded);
-        if life != last_life {
-            (step, last_life) = (Some(replay.begin()), life);
+        let state = states.before(place, life);
+        let is_new = life != last_life;
+        if is_new {
+            (step, last_life, sure) = (Some(replay.begin()), life, true);
         }
+        // What the stage went on with after a restart, or what tells its state again: not one from before
+        // the answers that could not be checked.
+        let is_near = |s: &&Snapshot| last.is_some_and(|last| place_of(s) >= last);
+        let restored = state.filter(|s| is_new || (step.is_none() || !sure) && is_near(s));
+        let restored = restored.and_then(|state| Some((replay.restore(state)?, place_of(state))));
         // Samples that have no recorded answer.
         let mut waiting = VecDeque::new();
         let mut passed = 0;
@@ -76,6 +117,12 @@ pub fn compare<R: Replay>(
             }
             waiting.push_back(input);
         }
+        // Whatever a restarted stage went on with, its first state is not recorded.
+        let lost = is_new && life > 0 && restored.is_none();
+        if let Some((state, seen)) = restored {
+            waiting.retain(|input| replay.place(input) > seen);
+            (step, sure) = (Some(state), true);
+        }
         let first = last.map_or(0, |(_, n)| n + 1);
         let follows = last.is_none_or(|(epoch, _)| epoch == place.0) && place.1 == first;
         last = Some(place);
@@ -84,14 +131,15 @@ pub fn compare<R: Replay>(
             result.unknown += 1;
             continue;
         };
-        let gap = passed > 0 || !follows;
+        let gap = passed > 0 || !follows || lost;
         match explain(replay, before, &waiting, &sample, &recorded) {
             Ok(after) => {
                 result.identical += 1;
+                sure &= !gap;
                 step = Some(after);
             }
             // The state before it was known, and so is the one after it.
-            Err((field, after)) if !gap => {
+            Err((field, after)) if !gap && sure => {
                 result.first_difference.get_or_insert((place.1, field));
                 step = Some(after);
             }
@@ -148,6 +196,9 @@ mod tests {
         fn begin(&self) -> u64 {
             7
         }
+        fn restore(&self, state: &Snapshot) -> Option<u64> {
+            Some(u64::from_le_bytes(state.bytes.clone().try_into().ok()?))
+        }
         fn fork(&self, step: &u64) -> u64 {
             *step
         }
@@ -185,7 +236,62 @@ mod tests {
     }
 
     fn check(inputs: &[Place], answers: &[Answer]) -> Compared {
-        compare(&Sum, inputs.iter().copied(), answers.iter().copied())
+        check_with(inputs, answers, &[])
+    }
+
+    fn check_with(inputs: &[Place], answers: &[Answer], states: &[Snapshot]) -> Compared {
+        let (inputs, answers) = (inputs.iter().copied(), answers.iter().copied());
+        compare(&Sum, inputs, answers, states.iter().cloned())
+    }
+
+    /// The state after an answer.
+    fn state(answer: &Answer) -> Snapshot {
+        let mut state = Snapshot {
+            bytes: answer.2.to_le_bytes().to_vec(),
+            ..Snapshot::default()
+        };
+        (state.stamp.epoch, state.stamp.sequence) = answer.0;
+        state.owner.restarts = answer.1;
+        state
+    }
+
+    #[test]
+    fn behind_a_gap_the_check_goes_on_at_the_next_state() {
+        let inputs = samples(1000);
+        let all = answers(&inputs, |_| true, &[]);
+        let recorded = |n: u64| !(300..400).contains(&n);
+        let logged: Vec<_> = all.iter().copied().filter(|a| recorded(a.0.1)).collect();
+        let seen: Vec<_> = inputs.iter().copied().filter(|s| recorded(s.1)).collect();
+        let every_50: Vec<_> = logged.iter().step_by(50).map(state).collect();
+        let compared = check_with(&seen, &logged, &every_50);
+        // From 400, itself unknown, whose state is recorded.
+        assert_eq!((compared.identical, compared.unknown), (899, 1));
+        let late: Vec<_> = logged.iter().skip(10).step_by(50).map(state).collect();
+        let compared = check_with(&seen, &logged, &late);
+        assert_eq!((compared.identical, compared.unknown), (889, 11));
+        // States that do not fit help nobody, and harm nobody.
+        let foreign = Snapshot::default();
+        let compared = check_with(&seen, &logged, &[foreign]);
+        assert_eq!((compared.identical, compared.unknown), (300, 600));
+    }
+
+    #[test]
+    fn a_stage_that_went_on_from_an_earlier_state_is_followed() {
+        let inputs = samples(400);
+        let mut all = answers(&inputs[..200], |_| true, &[]);
+        // It died after 199, came back at 220 with its state of 150, and says so before its first answer.
+        let mut resumed = state(&all[150]);
+        resumed.owner.restarts = 1;
+        let mut step = Sum.restore(&resumed).expect("a state");
+        for input in &inputs[220..] {
+            let answer = Sum.answer(&mut step, input).expect("an answer");
+            all.push((answer.0, 1, answer.2));
+        }
+        let states = [state(&all[100]), state(&all[150]), resumed];
+        let compared = check_with(&inputs, &all, &states);
+        assert_eq!((compared.identical, compared.unknown), (380, 0));
+        let compared = check_with(&inputs, &all, &states[..2]);
+        assert_eq!(compared.identical, 200, "{compared:?}");
     }
 
     #[test]

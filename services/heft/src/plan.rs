@@ -45,6 +45,8 @@ pub struct Plan {
     /// Cores for the stages of this machine under real-time scheduling, taken in turn along the
     /// chain; none: wherever the system puts them.
     pub cores: Vec<usize>,
+    /// What was restored of an earlier run, in words; the description holds it.
+    pub restored: Option<String>,
     /// File to record to.
     pub recording: PathBuf,
     /// Bounds of the recording.
@@ -121,6 +123,9 @@ impl Plan {
                 }
             }
         }
+        if let Some(restored) = &self.restored {
+            put("state", restored.clone());
+        }
         put("rate_hz", self.rate.to_string());
         put(
             "pace",
@@ -158,6 +163,13 @@ impl Plan {
 /// Key under which a recording names the method of a process.
 pub fn method_key(process: &str) -> String {
     format!("method.{process}")
+}
+
+/// What a state of this build must fit to be continued: process, method, description.
+pub fn state_identity(description: &str, process: &str, method: &str) -> u64 {
+    let parts = [crate::build::IDENTITY, process, method, description];
+    let sum = recording::sha256(parts.join("\n"));
+    u64::from_str_radix(&sum[..16], 16).unwrap_or_default()
 }
 
 /// A machine by its name.

@@ -1,6 +1,7 @@
 //! The quantities that heft is about: where they stand in the messages and how people write them.
 
 use messages::{Envelope, Message, Receiver, Value, excavator_bits, loader_bits};
+use view::number;
 
 use crate::watch::Score;
 
@@ -77,26 +78,19 @@ const fn height(channel: &'static str) -> Quantity {
 impl Quantity {
     /// `value ± std`, rounded to two digits of the standard deviation.
     pub fn text(&self, value: f64, std: f64) -> String {
-        let decimals = decimals(std);
-        let unit = if self.unit.is_empty() {
-            String::new()
-        } else {
-            format!(" {}", self.unit)
-        };
-        format!("{value:.decimals$} ± {std:.decimals$}{unit}")
+        number::with_std(value, std, self.unit)
     }
 
     /// A value without its unit, rounded like an estimate of this standard deviation.
     pub fn number(&self, value: f64, std: f64) -> String {
-        format!("{value:.*}", decimals(std))
+        number::grouped(value, number::decimals(std))
     }
 
     /// The quantity on the live line; a tick says that it is trusted.
     pub fn short(&self, score: &Score) -> String {
-        let decimals = decimals(score.std);
-        let truth = score
-            .truth
-            .map_or(String::new(), |t| format!(" (true {t:.decimals$})"));
+        let truth = score.truth.map_or(String::new(), |t| {
+            format!(" (true {})", self.number(t, score.std))
+        });
         let verdict = if score.trusted { '✓' } else { '?' };
         format!(
             "{} {}{truth} {verdict}",
@@ -108,15 +102,6 @@ impl Quantity {
     /// The true value in a truth message, if it is known.
     pub fn truth(&self, message: &Envelope) -> Option<f64> {
         message.open(Truth(self.truth_field))
-    }
-}
-
-/// Decimals that show two digits of `std`.
-fn decimals(std: f64) -> usize {
-    if std > 0.0 {
-        (1.0 - std.log10().floor()).clamp(0.0, 6.0) as usize
-    } else {
-        3
     }
 }
 
@@ -168,11 +153,5 @@ mod tests {
         let envelope = truth.envelope();
         assert_eq!(QUANTITIES[2].truth(&envelope), Some(0.45));
         assert_eq!(QUANTITIES[3].truth(&envelope), None);
-    }
-
-    #[test]
-    fn numbers_are_rounded_to_their_uncertainty() {
-        assert_eq!(QUANTITIES[0].text(5873.4, 61.2), "5873 ± 61 kg m²");
-        assert_eq!(QUANTITIES[2].text(0.45123, 0.0071), "0.4512 ± 0.0071");
     }
 }

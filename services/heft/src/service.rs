@@ -1,19 +1,13 @@
 //! One service of a run, in a process of its own.
 
-use messages::channels::{
-    Channel, ChannelOf, EXCAVATOR_SENSORS, EXCAVATOR_TRUTH, LOADER_SENSORS, LOADER_TRUTH, Visitor,
-    of_machine,
-};
-use messages::{Machine, Message};
-use runtime::{
-    Arrival, Begin, Domain, Identity, Pace, Setup, Wake, Worker, now_ns, run_live, run_probe,
-    run_sink, run_source,
-};
+use messages::Message;
+use messages::channels::{Channel, Visitor, of_machine};
+use runtime::{Arrival, Domain, Identity, Setup, Wake, Worker, run_probe, run_sink};
 use steps::stages::{Role, Row, Stage};
 
 use crate::failure::Failure;
-use crate::plan::Plan;
-use crate::sources::{LiveInput, can_bus, excavator_source, loader_source, standard_input};
+use crate::machines;
+use crate::plan::{Plan, state_identity};
 
 /// Is the service `name` of a run until the run ends.
 pub fn serve(name: &str, domain: &str, restarts: u32) -> Result<(), Failure> {
@@ -42,7 +36,7 @@ pub fn serve(name: &str, domain: &str, restarts: u32) -> Result<(), Failure> {
     };
     let worker = Worker::start(setup)?;
     match &stage.role {
-        Role::Source { .. } => serve_source(worker, &plan),
+        Role::Source { .. } => machines::entry(plan.machine).serve_source(worker, &plan),
         Role::Step(row) => serve_step(worker, &plan, stage, *row),
         Role::Sink => serve_logger(worker, &plan),
         Role::Probe(channel) => serve_probe(worker, &plan, channel),
@@ -55,88 +49,10 @@ fn core(plan: &Plan, stage: &Stage) -> Option<usize> {
     plan.cores.get(turn).copied()
 }
 
-fn pace(plan: &Plan) -> Pace {
-    if plan.lossless {
-        Pace::Lossless
-    } else {
-        Pace::RealTime
-    }
-}
-
-fn serve_source(worker: Worker, plan: &Plan) -> Result<(), Failure> {
-    let pace = pace(plan);
-    if let Some(live) = plan.input.as_deref().and_then(LiveInput::of) {
-        return match plan.machine {
-            Machine::Excavator => serve_live::<recording::Excavator>(
-                worker,
-                plan,
-                &live,
-                &EXCAVATOR_SENSORS,
-                &EXCAVATOR_TRUTH,
-            ),
-            Machine::Loader => {
-                serve_live::<recording::Loader>(worker, plan, &live, &LOADER_SENSORS, &LOADER_TRUTH)
-            }
-        };
-    }
-    Ok(match plan.machine {
-        Machine::Excavator => run_source(
-            worker,
-            &EXCAVATOR_SENSORS,
-            &EXCAVATOR_TRUTH,
-            pace,
-            excavator_source(plan)?,
-        ),
-        Machine::Loader => run_source(
-            worker,
-            &LOADER_SENSORS,
-            &LOADER_TRUTH,
-            pace,
-            loader_source(plan)?,
-        ),
-    }?)
-}
-
-/// A live source. After a restart its first sample gets the time since the run began.
-fn serve_live<M: recording::Machine>(
-    worker: Worker,
-    plan: &Plan,
-    live: &LiveInput,
-    sensors: &ChannelOf<M::Sensors>,
-    truth: &ChannelOf<M::Truth>,
-) -> Result<(), Failure> {
-    let pace = pace(plan);
-    let start = |begin: Begin, restarts: u32| {
-        let since = now_ns().saturating_sub(begin.start_ns) as f64 / 1e9;
-        if restarts == 0 { 0.0 } else { since }
-    };
-    Ok(match live {
-        LiveInput::Can(interface) => {
-            let mut bus = can_bus::<M>(plan, interface)?;
-            run_live(
-                worker,
-                sensors,
-                truth,
-                Pace::RealTime,
-                plan.duration,
-                |b, r| {
-                    bus.begin_at(start(b, r));
-                    bus
-                },
-            )
-        }
-        LiveInput::Lines => {
-            let mut lines = standard_input::<M>(plan)?;
-            run_live(worker, sensors, truth, pace, plan.duration, |b, r| {
-                lines.begin_at(start(b, r));
-                lines
-            })
-        }
-    }?)
-}
-
 fn serve_step(worker: Worker, plan: &Plan, stage: &Stage, row: &dyn Row) -> Result<(), Failure> {
-    let process = row.prepare(&plan.description()?, plan.method(stage.name))?;
+    let method = plan.method(stage.name);
+    let fits = state_identity(&plan.description, stage.name, method);
+    let process = row.prepare(&plan.description()?, method, fits)?;
     Ok(process(worker)?)
 }
 

@@ -1,39 +1,12 @@
-//! Where samples come from: the simulator or a recording.
+//! Where samples come from: the simulator, a recording, a bus, standard input.
 
 use std::path::Path;
 
-use messages::{ExcavatorSensors, ExcavatorTruth, LoaderSensors, LoaderTruth, Machine};
 use recording::Map;
-use runtime::Source;
+use runtime::{Begin, Pace, Source, Worker, now_ns, run_live, run_source};
 
 use crate::failure::Failure;
 use crate::plan::Plan;
-
-/// A source of either kind.
-pub enum Either<A, B> {
-    /// From the simulator.
-    Simulated(A),
-    /// From a recording.
-    Recorded(B),
-}
-
-impl<S, T, A, B> Source for Either<A, B>
-where
-    S: messages::Message,
-    T: messages::Message,
-    A: Source<Sensors = S, Truth = T>,
-    B: Source<Sensors = S, Truth = T>,
-{
-    type Sensors = S;
-    type Truth = T;
-
-    fn next(&mut self) -> Option<(S, T)> {
-        match self {
-            Self::Simulated(source) => source.next(),
-            Self::Recorded(source) => source.next(),
-        }
-    }
-}
 
 /// A source that nobody paces.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -78,7 +51,7 @@ pub fn words(plan: &Plan) -> String {
 }
 
 /// The frames of a CAN interface as samples.
-pub fn can_bus<M: recording::Machine>(
+fn can_bus<M: recording::Machine>(
     plan: &Plan,
     interface: &str,
 ) -> Result<sensor::CanBus<M>, Failure> {
@@ -94,7 +67,7 @@ pub fn can_bus<M: recording::Machine>(
 
 /// The lines of standard input as samples. It is the process's standard output: its standard input
 /// is where the supervisor speaks.
-pub fn standard_input<M: recording::Machine>(plan: &Plan) -> Result<sensor::Lines<M>, Failure> {
+fn standard_input<M: recording::Machine>(plan: &Plan) -> Result<sensor::Lines<M>, Failure> {
     let map = map(plan.map.as_deref())?;
     let input = rustix::io::dup(rustix::stdio::stdout())
         .map_err(|e| Failure::file("read", Path::new("standard input"), &e.into()))?;
@@ -106,50 +79,14 @@ pub fn map(path: Option<&Path>) -> Result<Option<Map>, Failure> {
     Ok(path.map(Map::read).transpose()?)
 }
 
-/// The excavator's samples.
-pub fn excavator_source(
+/// The samples of a recording.
+fn recorded<M: recording::Machine>(
     plan: &Plan,
-) -> Result<impl Source<Sensors = ExcavatorSensors, Truth = ExcavatorTruth>, Failure> {
-    use sim::excavator::{Run, Scenario};
-    if let Some(input) = &plan.input {
-        let map = map(plan.map.as_deref())?;
-        let rows = recording::load_excavator(input, map.as_ref())?;
-        return Ok(Either::Recorded(sensor::Recorded::new(limited(
-            rows,
-            plan.duration,
-        ))));
-    }
-    let scenario = Scenario::parse(&plan.scenario)
-        .ok_or_else(|| no_scenario(&plan.scenario, Scenario::ALL))?;
-    let mut run = Run::new(scenario);
-    (run.payload, run.rate, run.seed) = (plan.payload, plan.rate, plan.seed);
-    run.duration = plan.duration.unwrap_or(run.duration);
-    Ok(Either::Simulated(
-        sensor::SimulatedExcavator::new(&run).map_err(bad_run)?,
-    ))
-}
-
-/// The loader's samples.
-pub fn loader_source(
-    plan: &Plan,
-) -> Result<impl Source<Sensors = LoaderSensors, Truth = LoaderTruth>, Failure> {
-    use sim::loader::{Run, Scenario, Tier};
-    if let Some(input) = &plan.input {
-        let map = map(plan.map.as_deref())?;
-        let rows = recording::load_loader(input, map.as_ref())?;
-        return Ok(Either::Recorded(sensor::Recorded::new(limited(
-            rows,
-            plan.duration,
-        ))));
-    }
-    let scenario = Scenario::parse(&plan.scenario)
-        .ok_or_else(|| no_scenario(&plan.scenario, Scenario::ALL))?;
-    let mut run = Run::new(scenario);
-    (run.payload, run.rate, run.seed) = (plan.payload, plan.rate, plan.seed);
-    (run.tier, run.duration) = (Tier::B, plan.duration);
-    Ok(Either::Simulated(
-        sensor::SimulatedLoader::new(&run).map_err(bad_run)?,
-    ))
+    input: &Path,
+) -> Result<sensor::Recorded<M::Sensors, M::Truth>, Failure> {
+    let map = map(plan.map.as_deref())?;
+    let rows = recording::open::<M>(input, map.as_ref())?.rows()?.collect();
+    Ok(sensor::Recorded::new(limited(rows, plan.duration)))
 }
 
 /// The rows of the first `duration` seconds.
@@ -165,73 +102,61 @@ fn limited<S: messages::Message, T>(mut rows: Vec<(S, T)>, duration: Option<f64>
     rows
 }
 
-/// Whether the source of a plan can be made.
-pub fn check(plan: &Plan) -> Result<(), Failure> {
-    match plan.machine {
-        Machine::Excavator if is_live(plan) => check_live::<recording::Excavator>(plan),
-        Machine::Loader if is_live(plan) => check_live::<recording::Loader>(plan),
-        Machine::Excavator => excavator_source(plan).map(drop),
-        Machine::Loader => loader_source(plan).map(drop),
-    }
-}
-
-fn is_live(plan: &Plan) -> bool {
-    plan.input
-        .as_deref()
-        .is_some_and(|i| LiveInput::of(i).is_some())
-}
-
-fn check_live<M: recording::Machine>(plan: &Plan) -> Result<(), Failure> {
-    match plan.input.as_deref().and_then(LiveInput::of) {
+/// Whether the source of a plan can be made; `simulate` makes the simulator's.
+pub fn check<M: recording::Machine, S>(
+    plan: &Plan,
+    simulate: impl FnOnce() -> Result<S, Failure>,
+) -> Result<(), Failure> {
+    let Some(input) = &plan.input else {
+        return simulate().map(drop);
+    };
+    match LiveInput::of(input) {
         Some(LiveInput::Can(interface)) => can_bus::<M>(plan, &interface).map(drop),
-        _ => standard_input::<M>(plan).map(drop),
+        Some(LiveInput::Lines) => standard_input::<M>(plan).map(drop),
+        None => recorded::<M>(plan, input).map(drop),
     }
 }
 
-fn bad_run(error: impl std::fmt::Display) -> Failure {
-    Failure::input(
-        error,
-        "the simulator",
-        "choose another --rate, --duration or --payload",
-    )
-}
-
-/// The scenario of a run that names none.
-pub fn usual(machine: Machine) -> &'static str {
-    match machine {
-        Machine::Excavator => "base",
-        Machine::Loader => "work-cycle",
-    }
-}
-
-/// The scenario of the demonstration.
-pub fn shown(machine: Machine) -> &'static str {
-    match machine {
-        Machine::Excavator => "cycle",
-        Machine::Loader => "work-cycle",
-    }
-}
-
-/// The scenarios of a machine, a line each.
-pub fn scenarios(machine: Machine) -> String {
-    lines(match machine {
-        Machine::Excavator => sim::excavator::Scenario::ALL,
-        Machine::Loader => sim::loader::Scenario::ALL,
-    })
-}
-
-fn lines(all: &[(&str, &str)]) -> String {
-    all.iter()
-        .map(|(name, text)| format!("    {name:<20} {text}\n"))
-        .collect()
-}
-
-fn no_scenario(name: &str, all: &[(&str, &str)]) -> Failure {
-    let nearest = config::nearest(name, all.iter().map(|(n, _)| *n));
-    let hint = nearest.map_or(String::new(), |n| format!(" (did you mean `{n}`?)"));
-    Failure::input(
-        format!("there is no scenario `{name}`{hint}"),
-        "--scenario",
-        format!("choose one of\n{}", lines(all).trim_end()),
-    )
+/// Is the source of a plan until the run ends; `simulate` makes the simulator's.
+pub fn serve<M, S>(
+    worker: Worker,
+    plan: &Plan,
+    simulate: impl FnOnce() -> Result<S, Failure>,
+) -> Result<(), Failure>
+where
+    M: recording::Machine,
+    S: Source<Sensors = M::Sensors, Truth = M::Truth>,
+{
+    let pace = if plan.lossless {
+        Pace::Lossless
+    } else {
+        Pace::RealTime
+    };
+    let (sensors, truth) = (M::SENSORS, M::TRUTH);
+    let Some(input) = &plan.input else {
+        return Ok(run_source(worker, sensors, truth, pace, simulate()?)?);
+    };
+    // After a restart the first live sample gets the time since the run began.
+    let start = |begin: Begin, restarts: u32| {
+        let since = now_ns().saturating_sub(begin.start_ns) as f64 / 1e9;
+        if restarts == 0 { 0.0 } else { since }
+    };
+    let duration = plan.duration;
+    Ok(match LiveInput::of(input) {
+        Some(LiveInput::Can(interface)) => {
+            let mut bus = can_bus::<M>(plan, &interface)?;
+            run_live(worker, sensors, truth, Pace::RealTime, duration, |b, r| {
+                bus.begin_at(start(b, r));
+                bus
+            })
+        }
+        Some(LiveInput::Lines) => {
+            let mut lines = standard_input::<M>(plan)?;
+            run_live(worker, sensors, truth, pace, duration, |b, r| {
+                lines.begin_at(start(b, r));
+                lines
+            })
+        }
+        None => run_source(worker, sensors, truth, pace, recorded::<M>(plan, input)?),
+    }?)
 }

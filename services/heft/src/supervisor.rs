@@ -147,7 +147,10 @@ impl Supervisor {
                     .map(|w| &w.bell),
             );
         }
-        if worker.control.hand_over(&bells).is_err() {
+        // One that dies at once may die of its state.
+        let before = (worker.restarts > 0 && !worker.died_quickly())
+            .then(|| self.watch.state(worker.process.name));
+        if worker.control.hand_over(&bells, before.flatten()).is_err() {
             self.workers[index].kill();
         }
     }

@@ -6,13 +6,15 @@ use std::io::{IsTerminal, Write};
 use std::time::{Duration, Instant};
 
 use messages::channels::{Channel, Payload};
-use messages::{Envelope, Health, Machine, Message, Value, fault};
+use messages::keyframe::Collector;
+use messages::{Envelope, Health, Machine, Message, Snapshot, Value, fault};
 use runtime::Sink;
 use steps::stages::Pipeline;
 use view::live::Feed;
 
 use crate::fault::Fault;
 use crate::quantity::{QUANTITIES, Quantity};
+use crate::state::Memory;
 
 /// Truths that may wait for their estimates.
 const TRUTHS: usize = 2048;
@@ -161,6 +163,11 @@ pub struct Watch {
     health: BTreeMap<u32, Health>,
     /// Counts of processes that died.
     before: BTreeMap<u32, Counts>,
+    /// Pieces of the states of processes, and their latest whole ones.
+    collectors: BTreeMap<u32, Collector>,
+    states: BTreeMap<u32, Snapshot>,
+    /// What outlives the run.
+    memory: Option<Memory>,
     faults: Vec<Fault>,
     /// The logger was away while samples came.
     unrecorded: bool,
@@ -185,6 +192,11 @@ impl Watch {
             begun: Some(Instant::now()),
             ..Self::default()
         }
+    }
+
+    /// Has what is trusted remembered.
+    pub fn remember(&mut self, memory: Option<Memory>) {
+        self.memory = memory;
     }
 
     /// Whether it reads a channel. Every reader costs the writer time while the next stage waits, so
@@ -241,6 +253,14 @@ impl Watch {
         self.all_health()
             .find(|(process, _)| *process == name)
             .map(|(_, health)| health)
+    }
+
+    /// Latest whole state of the process called `name`.
+    pub fn state(&self, name: &str) -> Option<&Snapshot> {
+        let mut states = self.states.iter();
+        states.find_map(|(index, state)| {
+            (self.pipeline?.process_name(*index) == name).then_some(state)
+        })
     }
 
     /// Health of all processes, by name.
@@ -329,6 +349,9 @@ impl Watch {
 
     /// Shows the state, not too often.
     pub fn tick(&mut self) {
+        if let Some(memory) = &mut self.memory {
+            memory.tick();
+        }
         if self.show == Show::Nothing || self.scores.is_empty() {
             return;
         }
@@ -359,8 +382,11 @@ impl Watch {
         };
     }
 
-    /// Ends the live line.
+    /// Ends the live line, and writes what outlives the run.
     pub fn finish(&mut self) {
+        if let Some(memory) = &mut self.memory {
+            memory.save();
+        }
         if self.show == Show::Terminal && self.shown.is_some() && std::io::stderr().is_terminal() {
             eprintln!();
         }
@@ -432,10 +458,17 @@ impl Watch {
 
 impl Sink for Watch {
     fn accept<M: Message>(&mut self, channel: &'static Channel, message: &M) {
+        let envelope = message.envelope();
+        if let Envelope::Keyframe(piece) = &envelope {
+            let collector = self.collectors.entry(piece.process).or_default();
+            if let Some(state) = collector.take(piece) {
+                self.states.insert(piece.process, state);
+            }
+            return;
+        }
         if let Some(feed) = &self.feed {
             feed.push(channel, message);
         }
-        let envelope = message.envelope();
         let carried = self.carried.entry(channel.name).or_default();
         carried.add(message.stamp().sequence);
         match &envelope {
@@ -447,6 +480,9 @@ impl Sink for Watch {
             }
             Envelope::ExcavatorEstimate(_) | Envelope::LoaderEstimate(_) => {
                 self.note_estimate(channel, message);
+                if let Some(memory) = &mut self.memory {
+                    memory.see(channel, message);
+                }
             }
             Envelope::Health(health) => {
                 let before = self.health.insert(health.process, *health);

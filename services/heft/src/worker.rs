@@ -117,6 +117,11 @@ impl Worker {
         Ok(())
     }
 
+    /// Whether its last life was a short one.
+    pub fn died_quickly(&self) -> bool {
+        self.quick_deaths > 0
+    }
+
     /// Whether the process lives.
     pub fn is_alive(&mut self) -> bool {
         self.next == Next::Lives && matches!(self.child.try_wait(), Ok(None))

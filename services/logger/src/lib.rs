@@ -1,7 +1,7 @@
 //! The logger: takes every message of a machine and has a thread of its own write the recording.
 //!
 //! The process drains the channels on a timer and pushes what it finds into a lock-free ring; the
-//! writer thread empties the ring into the file and flushes it twice a second. A disk that is slow
+//! writer thread sleeps until something is in it, empties it into the file and flushes twice a second. A disk that is slow
 //! or full therefore never holds up a channel: what the ring cannot take is counted and said.
 
 use std::path::Path;
@@ -66,6 +66,13 @@ impl Logger {
         })
     }
 
+    /// Wakes the writer, if it sleeps.
+    fn wake(&self) {
+        if let Some(thread) = &self.thread {
+            thread.thread().unpark();
+        }
+    }
+
     fn room(&self) -> usize {
         self.records.as_ref().map_or(0, Producer::slots)
     }
@@ -79,6 +86,7 @@ impl Sink for Logger {
             self.shared.unwritten.fetch_add(1, Ordering::Relaxed);
             self.shared.fault.store(fault::DISK, Ordering::Relaxed);
         }
+        self.wake();
     }
 
     fn has_room(&self) -> bool {
@@ -100,6 +108,7 @@ impl Sink for Logger {
 impl Drop for Logger {
     fn drop(&mut self) {
         drop(self.records.take());
+        self.wake();
         if let Some(thread) = self.thread.take() {
             let _ = thread.join();
         }
@@ -131,7 +140,7 @@ fn write_all(mut recorder: Recorder, mut records: Consumer<Record>, shared: &Sha
         if ending {
             break;
         }
-        std::thread::sleep(Duration::from_millis(5));
+        std::thread::park_timeout(FLUSH_PERIOD.saturating_sub(flushed.elapsed()));
     }
     if let Err(error) = recorder.finish() {
         tell(shared, &error);

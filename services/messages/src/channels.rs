@@ -6,7 +6,7 @@ use core::ops::Deref;
 
 pub use crate::envelope::{Payload, Visitor};
 use crate::{
-    Credit, ExcavatorEstimate, ExcavatorSensors, ExcavatorTruth, Health, LoaderEstimate,
+    Credit, ExcavatorEstimate, ExcavatorSensors, ExcavatorTruth, Health, Keyframe, LoaderEstimate,
     LoaderSensors, LoaderTruth, Machine, Message, SwingMotion,
 };
 
@@ -103,6 +103,8 @@ channels! {
     HEALTH: Health = "health", 128, Rate::Hz(3.0);
     /// How far the logger has got.
     CREDIT: Credit = "credit", 16, Rate::Sensors;
+    /// The complete state of each step, in pieces. Deep enough for two states of every process.
+    KEYFRAME: Keyframe = "keyframe", 512, Rate::Hz(2.0);
 }
 
 /// The channel called `name`.
@@ -111,7 +113,7 @@ pub fn find(name: &str) -> Option<&'static Channel> {
     CHANNELS.iter().copied().find(|c| c.name == name)
 }
 
-/// Channels of a machine, health and credit included.
+/// Channels of a machine, those that both have included.
 pub fn of_machine(machine: Machine) -> impl Iterator<Item = &'static Channel> {
     CHANNELS.iter().copied().filter(move |c| {
         c.name
@@ -150,9 +152,9 @@ mod tests {
                 let mut message = M::default();
                 for (i, field) in M::FIELDS.iter().enumerate() {
                     let value = match field.kind {
-                        crate::Kind::U32 => crate::Value::U32(i as u32 + 1),
-                        crate::Kind::U64 => crate::Value::U64(i as u64 + 1),
-                        crate::Kind::F64 => crate::Value::F64(i as f64 + 0.5),
+                        crate::NumberType::U32 => crate::Value::U32(i as u32 + 1),
+                        crate::NumberType::U64 => crate::Value::U64(i as u64 + 1),
+                        crate::NumberType::F64 => crate::Value::F64(i as f64 + 0.5),
                     };
                     assert!(message.set(i, value), "{} {}", M::NAME, field.name);
                     assert_eq!(message.get(i), Some(value), "{} {}", M::NAME, field.name);
@@ -176,7 +178,8 @@ mod tests {
                 "loader/cg_ekf",
                 "loader/cg_ukf",
                 "health",
-                "credit"
+                "credit",
+                "keyframe"
             ]
         );
     }

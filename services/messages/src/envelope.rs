@@ -98,4 +98,5 @@ payloads!(
     LoaderEstimate,
     Health,
     Credit,
+    Keyframe,
 );

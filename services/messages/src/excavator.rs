@@ -49,6 +49,8 @@ pub mod excavator_bits {
     pub const WINDOW: u32 = 1 << 10;
     /// The row was refused (time not increasing or not finite); the state is untouched.
     pub const REFUSED: u32 = 1 << 11;
+    /// The service was started again and has not been trusted since.
+    pub const RESTARTED: u32 = 1 << 12;
 
     // Quantities: `ExcavatorEstimate::estimated`; a method that does not estimate one leaves it 0.
     /// Damping.

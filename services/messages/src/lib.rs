@@ -10,6 +10,7 @@ pub mod channels;
 mod envelope;
 mod excavator;
 mod health;
+pub mod keyframe;
 mod loader;
 mod machine;
 mod message;
@@ -20,9 +21,10 @@ pub use excavator::{
     ExcavatorEstimate, ExcavatorSensors, ExcavatorTruth, SwingMotion, excavator_bits,
 };
 pub use health::{Credit, Health, State, fault};
+pub use keyframe::{Keyframe, Snapshot};
 pub use loader::{LOADER_REASONS, LoaderEstimate, LoaderSensors, LoaderTruth, loader_bits};
 pub use machine::Machine;
-pub use message::{Field, HEAD, Kind, Message, Value};
+pub use message::{Field, HEAD, Message, NumberType, Value};
 pub use stamp::{Hop, Hops, Stamp};
 
 /// Reasons of the excavator's estimates by their code, [`ExcavatorEstimate::reason`]: name in the tables, and
@@ -46,6 +48,7 @@ pub const EXCAVATOR_REASONS: &[(&str, &str)] = &[
         "method",
         "this method cannot tell the inertia of a machine that is not calibrated",
     ),
+    ("restarted", "the service was started again"),
 ];
 
 /// Names of the excavator estimation methods on the command line and in every output, indexed by

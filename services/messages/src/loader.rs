@@ -66,6 +66,9 @@ pub mod loader_bits {
     /// These inputs can determine the height, and it is not at a bound.
     pub const IDENTIFIABLE_HEIGHT: u32 = 1 << 13;
 
+    /// The service was started again and has not been trusted since.
+    pub const RESTARTED: u32 = 1 << 14;
+
     // Quantities: `LoaderEstimate::estimated`.
     /// Speed, wheel speeds, slip stiffness, height, ratio (0 until the first accepted row).
     pub const STATE: u32 = 1;
@@ -219,4 +222,5 @@ pub const LOADER_REASONS: &[(&str, &str)] = &[
         "manoeuvres disagree by more than they claim",
     ),
     ("limit", "an estimate is at its limit"),
+    ("restarted", "the service was started again"),
 ];

@@ -6,7 +6,7 @@ use crate::{Hops, Stamp};
 
 /// Type of a field of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum NumberType {
     /// Unsigned 32-bit number; bits or an index.
     U32,
     /// Unsigned 64-bit number; a count or a time in nanoseconds.
@@ -18,11 +18,11 @@ pub enum Kind {
 /// Value of a field of a message.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Value {
-    /// See [`Kind::U32`].
+    /// See [`NumberType::U32`].
     U32(u32),
-    /// See [`Kind::U64`].
+    /// See [`NumberType::U64`].
     U64(u64),
-    /// See [`Kind::F64`].
+    /// See [`NumberType::F64`].
     F64(f64),
 }
 
@@ -57,7 +57,7 @@ pub struct Field {
     /// One sentence.
     pub doc: &'static str,
     /// Type.
-    pub kind: Kind,
+    pub kind: NumberType,
 }
 
 /// A payload of a channel, with its own description.
@@ -98,59 +98,69 @@ pub trait Message: ZeroCopySend + Copy + Debug + Default + PartialEq + Send + 's
 pub const HEAD: usize = 10;
 
 pub(crate) const HEAD_FIELDS: [Field; HEAD] = [
-    field("machine", "", "Which machine.", Kind::U32),
+    field("machine", "", "Which machine.", NumberType::U32),
     field(
         "epoch",
         "",
         "Restarts of the source before this sample.",
-        Kind::U32,
+        NumberType::U32,
     ),
-    field("sequence", "", "Number of the sample, from 0.", Kind::U64),
+    field(
+        "sequence",
+        "",
+        "Number of the sample, from 0.",
+        NumberType::U64,
+    ),
     field(
         "t",
         "s",
         "Time of the measurement as the data tell it.",
-        Kind::F64,
+        NumberType::F64,
     ),
     field(
         "measured_ns",
         "ns",
         "Time of the measurement, host monotonic clock.",
-        Kind::U64,
+        NumberType::U64,
     ),
     field(
         "sensor_ns",
         "ns",
         "Published by the sensor process.",
-        Kind::U64,
+        NumberType::U64,
     ),
     field(
         "filter_ns",
         "ns",
         "Published by the filter stage, 0 if none.",
-        Kind::U64,
+        NumberType::U64,
     ),
     field(
         "estimate_ns",
         "ns",
         "Published by the estimator, 0 if none.",
-        Kind::U64,
+        NumberType::U64,
     ),
     field(
         "filter_restarts",
         "",
         "Restarts of the filter stage before this.",
-        Kind::U32,
+        NumberType::U32,
     ),
     field(
         "estimate_restarts",
         "",
         "Restarts of the estimator before this.",
-        Kind::U32,
+        NumberType::U32,
     ),
 ];
 
-const fn field(name: &'static str, unit: &'static str, doc: &'static str, kind: Kind) -> Field {
+const fn field(
+    name: &'static str,
+    unit: &'static str,
+    doc: &'static str,
+    kind: NumberType,
+) -> Field {
     Field {
         name,
         unit,
@@ -193,7 +203,7 @@ pub(crate) fn set_head(stamp: &mut Stamp, hops: &mut Hops, index: usize, value: 
 
 /// Type of a field, found from its Rust type.
 pub(crate) trait FieldType: Copy {
-    const KIND: Kind;
+    const KIND: NumberType;
     fn wrap(self) -> Value;
     fn unwrap(value: Value) -> Option<Self>;
 }
@@ -201,7 +211,7 @@ pub(crate) trait FieldType: Copy {
 macro_rules! field_type {
     ($($type:ty => $kind:ident),*) => {$(
         impl FieldType for $type {
-            const KIND: Kind = Kind::$kind;
+            const KIND: NumberType = NumberType::$kind;
             fn wrap(self) -> Value { Value::$kind(self) }
             fn unwrap(value: Value) -> Option<Self> {
                 match value { Value::$kind(v) => Some(v), _ => None }

@@ -1,8 +1,5 @@
 use std::path::Path;
 
-use messages::channels::{
-    Channel, EXCAVATOR_SENSORS, EXCAVATOR_TRUTH, LOADER_SENSORS, LOADER_TRUTH,
-};
 use messages::{ExcavatorSensors, ExcavatorTruth, LoaderSensors, LoaderTruth, Message};
 
 use crate::signal::{Excavator, Loader, Machine};
@@ -17,7 +14,7 @@ pub fn load_excavator(
     path: impl AsRef<Path>,
     map: Option<&Map>,
 ) -> Result<Vec<(ExcavatorSensors, ExcavatorTruth)>, Error> {
-    Ok(open_excavator(path, map)?.rows()?.collect())
+    Ok(open::<Excavator>(path, map)?.rows()?.collect())
 }
 
 /// Reads the samples of a wheel loader, as [`load_excavator`] does.
@@ -28,7 +25,7 @@ pub fn load_loader(
     path: impl AsRef<Path>,
     map: Option<&Map>,
 ) -> Result<Vec<(LoaderSensors, LoaderTruth)>, Error> {
-    Ok(open_loader(path, map)?.rows()?.collect())
+    Ok(open::<Loader>(path, map)?.rows()?.collect())
 }
 
 /// Samples of a machine with their truth. Those of a recording are read one after the other, so that
@@ -76,34 +73,16 @@ impl<S: Message, T: Message> Samples<S, T> {
     }
 }
 
-/// Opens the samples of an excavator: a table (`.csv`), a recording (`.mcap` or its folder) or a CAN
-/// log (`.log`, which needs a map).
+/// Opens the samples of a machine: a table (`.csv`), a recording (`.mcap` or its folder) or a CAN log
+/// (`.log`, which needs a map).
 ///
 /// # Errors
 /// The file cannot be read or lacks something; the error says what and where.
-pub fn open_excavator(
+pub fn open<M: Machine>(
     path: impl AsRef<Path>,
     map: Option<&Map>,
-) -> Result<Samples<ExcavatorSensors, ExcavatorTruth>, Error> {
-    open::<Excavator>(path.as_ref(), map, [&EXCAVATOR_SENSORS, &EXCAVATOR_TRUTH])
-}
-
-/// Opens the samples of a wheel loader, as [`open_excavator`] does.
-///
-/// # Errors
-/// As [`open_excavator`].
-pub fn open_loader(
-    path: impl AsRef<Path>,
-    map: Option<&Map>,
-) -> Result<Samples<LoaderSensors, LoaderTruth>, Error> {
-    open::<Loader>(path.as_ref(), map, [&LOADER_SENSORS, &LOADER_TRUTH])
-}
-
-fn open<M: Machine>(
-    path: &Path,
-    map: Option<&Map>,
-    channels: [&Channel; 2],
 ) -> Result<Samples<M::Sensors, M::Truth>, Error> {
+    let path = path.as_ref();
     let place = || path.display().to_string();
     let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
     let ending = if path.is_dir() {
@@ -114,7 +93,7 @@ fn open<M: Machine>(
     match (ending.as_deref(), map) {
         (Some("csv" | "txt"), _) => Ok(Samples(Source::Table(csv::read::<M>(path, map)?))),
         (Some("log"), Some(map)) => Ok(Samples(Source::Table(can::read::<M>(path, map)?))),
-        (Some("mcap"), None) => recorded::<M>(path, channels),
+        (Some("mcap"), None) => recorded::<M>(path),
         (Some("log"), None) => Err(Error::new(
             "a CAN log needs a signal map",
             place(),
@@ -133,12 +112,9 @@ fn open<M: Machine>(
     }
 }
 
-fn recorded<M: Machine>(
-    path: &Path,
-    channels: [&Channel; 2],
-) -> Result<Samples<M::Sensors, M::Truth>, Error> {
+fn recorded<M: Machine>(path: &Path) -> Result<Samples<M::Sensors, M::Truth>, Error> {
     let reader = Reader::open(path)?;
-    let names = channels.map(|c| c.name);
+    let names = [M::SENSORS.name, M::TRUTH.name];
     if reader.stream::<M::Sensors>(names[0])?.next().is_none() {
         return Err(Error::new(
             format!("the recording has no samples of a {}", M::NAME),

@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 use std::path::{Path, PathBuf};
 
 use mcap::records::op;
-use messages::{Kind, Message, Value};
+use messages::{Message, NumberType, Value};
 
 use crate::file::Bytes;
 use crate::parts::{self, JOINED};
@@ -353,8 +353,8 @@ impl<M: Message> Iterator for Stream<'_, M> {
 /// Sets a field, if it can hold the value.
 fn put<M: Message>(message: &mut M, index: usize, value: Value) {
     let value = match (value, M::FIELDS[index].kind) {
-        (Value::U32(v), Kind::U64) => Value::U64(u64::from(v)),
-        (Value::U64(v), Kind::U32) => Value::U32(v as u32),
+        (Value::U32(v), NumberType::U64) => Value::U64(u64::from(v)),
+        (Value::U64(v), NumberType::U32) => Value::U32(v as u32),
         (value, _) => value,
     };
     message.set(index, value);

@@ -1,6 +1,6 @@
 //! Protobuf schemas from and to the tables of fields.
 
-use messages::{Field, Kind, Message};
+use messages::{Field, Message, NumberType};
 use prost::Message as _;
 use prost_types::field_descriptor_proto::{Label, Type};
 use prost_types::source_code_info::Location;
@@ -34,9 +34,9 @@ pub(crate) fn bytes<M: Message>() -> Vec<u8> {
 
 fn descriptor((field, number): (&Field, i32)) -> FieldDescriptorProto {
     let kind = match field.kind {
-        Kind::U32 => Type::Uint32,
-        Kind::U64 => Type::Uint64,
-        Kind::F64 => Type::Double,
+        NumberType::U32 => Type::Uint32,
+        NumberType::U64 => Type::Uint64,
+        NumberType::F64 => Type::Double,
     };
     FieldDescriptorProto {
         name: Some(field.name.into()),
@@ -71,7 +71,7 @@ pub struct RecordedField {
     /// Unit, "" if none is said.
     pub unit: String,
     /// Type.
-    pub kind: Kind,
+    pub kind: NumberType,
     /// Number on the wire.
     pub(crate) number: u64,
 }
@@ -98,9 +98,9 @@ pub(crate) fn fields(name: &str, bytes: &[u8]) -> Option<Vec<RecordedField>> {
 
 fn recorded(field: &FieldDescriptorProto, unit: String) -> Option<RecordedField> {
     let kind = match field.r#type() {
-        Type::Uint32 => Kind::U32,
-        Type::Uint64 => Kind::U64,
-        Type::Double => Kind::F64,
+        Type::Uint32 => NumberType::U32,
+        Type::Uint64 => NumberType::U64,
+        Type::Double => NumberType::F64,
         _ => return None,
     };
     Some(RecordedField {

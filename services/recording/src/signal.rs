@@ -2,8 +2,11 @@
 
 use std::collections::VecDeque;
 
+use messages::channels::{
+    ChannelOf, EXCAVATOR_SENSORS, EXCAVATOR_TRUTH, LOADER_SENSORS, LOADER_TRUTH,
+};
 use messages::{
-    ExcavatorSensors, ExcavatorTruth, Kind, LoaderSensors, LoaderTruth, Message, Value,
+    ExcavatorSensors, ExcavatorTruth, LoaderSensors, LoaderTruth, Message, NumberType, Value,
     excavator_bits, loader_bits,
 };
 
@@ -15,6 +18,10 @@ pub trait Machine: Sized + std::fmt::Debug {
     type Truth: Message;
     /// Name on the command line.
     const NAME: &'static str;
+    /// Channel of the samples.
+    const SENSORS: &'static ChannelOf<Self::Sensors>;
+    /// Channel of the truth.
+    const TRUTH: &'static ChannelOf<Self::Truth>;
     /// Of each group, the source must have one.
     const REQUIRED: &'static [&'static [&'static str]];
     /// Signals that are only a bit of `valid`.
@@ -33,6 +40,8 @@ impl Machine for Excavator {
     type Sensors = ExcavatorSensors;
     type Truth = ExcavatorTruth;
     const NAME: &'static str = "excavator";
+    const SENSORS: &'static ChannelOf<Self::Sensors> = &EXCAVATOR_SENSORS;
+    const TRUTH: &'static ChannelOf<Self::Truth> = &EXCAVATOR_TRUTH;
     const REQUIRED: &'static [&'static [&'static str]] = &[&["swing_velocity", "swing_angle"]];
     const FLAGS: &'static [(&'static str, u32)] = &[];
     const ONE_OF: u32 = excavator_bits::SWING_VELOCITY | excavator_bits::SWING_ANGLE;
@@ -53,6 +62,8 @@ impl Machine for Loader {
     type Sensors = LoaderSensors;
     type Truth = LoaderTruth;
     const NAME: &'static str = "loader";
+    const SENSORS: &'static ChannelOf<Self::Sensors> = &LOADER_SENSORS;
+    const TRUTH: &'static ChannelOf<Self::Truth> = &LOADER_TRUTH;
     const REQUIRED: &'static [&'static [&'static str]] = &[
         &["speed"],
         &["front_wheel_speed"],
@@ -128,7 +139,7 @@ fn own<M: Message>(flags: &[(&str, u32)]) -> impl Iterator<Item = (usize, u32)> 
         .map(|i| 1u32 << i)
         .filter(move |bit| bit & taken == 0);
     let numbers = M::FIELDS.iter().enumerate().skip(messages::HEAD);
-    let measured = numbers.filter(|(_, field)| field.kind == Kind::F64);
+    let measured = numbers.filter(|(_, field)| field.kind == NumberType::F64);
     measured.zip(free).map(|((index, _), bit)| (index, bit))
 }
 

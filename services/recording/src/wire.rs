@@ -2,7 +2,7 @@
 //! `f64` is `double`, the counts are varints. A field whose bits are all zero is left out, as
 //! proto3 does; minus zero and NaN keep their bits.
 
-use messages::{Kind, Message, Value};
+use messages::{Message, NumberType, Value};
 
 const VARINT: u64 = 0;
 const FIXED64: u64 = 1;
@@ -49,11 +49,11 @@ impl Scalar {
     pub(crate) const ZERO: Self = Self(0);
 
     /// The value of a field of this kind.
-    pub(crate) fn value(self, kind: Kind) -> Value {
+    pub(crate) fn value(self, kind: NumberType) -> Value {
         match kind {
-            Kind::U32 => Value::U32(self.0 as u32),
-            Kind::U64 => Value::U64(self.0),
-            Kind::F64 => Value::F64(f64::from_bits(self.0)),
+            NumberType::U32 => Value::U32(self.0 as u32),
+            NumberType::U64 => Value::U64(self.0),
+            NumberType::F64 => Value::F64(f64::from_bits(self.0)),
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use messages::channels::{self, EXCAVATOR_SENSORS, EXCAVATOR_TRUTH, HEALTH, Visitor};
-use messages::{ExcavatorSensors, ExcavatorTruth, Health, Kind, Message, Value};
+use messages::{ExcavatorSensors, ExcavatorTruth, Health, Message, NumberType, Value};
 use recording::{Metadata, Reader, Writer, recover};
 
 fn sample(n: u64) -> ExcavatorSensors {
@@ -90,9 +90,9 @@ fn every_payload_survives_bit_for_bit_with_extreme_values() {
             let mut written = M::default();
             for (i, field) in M::FIELDS.iter().enumerate() {
                 let value = match field.kind {
-                    Kind::F64 => Value::F64(doubles[i % 5]),
-                    Kind::U32 => Value::U32(counts[i % 5] as u32),
-                    Kind::U64 => Value::U64(counts[i % 5]),
+                    NumberType::F64 => Value::F64(doubles[i % 5]),
+                    NumberType::U32 => Value::U32(counts[i % 5] as u32),
+                    NumberType::U64 => Value::U64(counts[i % 5]),
                 };
                 assert!(written.set(i, value));
             }

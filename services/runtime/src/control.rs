@@ -2,6 +2,7 @@
 //!
 //! | from | word | meaning |
 //! |---|---|---|
+//! | supervisor | `state` and numbers, a line, bytes | the last state of the process before it died, if there is one |
 //! | supervisor | `bells`, with file descriptors | the worker's own bell, then those of its readers, next stage first |
 //! | worker | `ready` | all ports are open |
 //! | supervisor | `go N T` | begin; a source begins with sample N, and sample 0 was due at T ns |
@@ -18,6 +19,8 @@ use std::os::fd::{AsFd, OwnedFd};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
+use messages::keyframe::{LONGEST, Owner};
+use messages::{Snapshot, Stamp};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::net::{
     AddressFamily, RecvAncillaryBuffer, RecvAncillaryMessage, RecvFlags, SendAncillaryBuffer,
@@ -64,11 +67,15 @@ impl Control {
         rustix::net::send(&self.0, word.as_bytes(), SendFlags::NOSIGNAL).is_ok()
     }
 
-    /// Hands over bells.
+    /// Hands over the state of an earlier life, if there is one, and bells.
     ///
     /// # Errors
     /// The worker is gone.
-    pub fn hand_over(&self, bells: &[&Bell]) -> Result<(), Error> {
+    pub fn hand_over(&self, bells: &[&Bell], before: Option<&Snapshot>) -> Result<(), Error> {
+        if let Some(before) = before {
+            // Where it cannot be sent the worker begins anew.
+            let _ = rustix::net::send(&self.0, &state_word(before), SendFlags::NOSIGNAL);
+        }
         let fds: Vec<_> = bells.iter().map(|b| b.as_fd()).collect();
         let mut space = [MaybeUninit::uninit(); rustix::cmsg_space!(ScmRights(MAX_BELLS))];
         let mut ancillary = SendAncillaryBuffer::new(&mut space);
@@ -83,11 +90,12 @@ impl Control {
         Ok(())
     }
 
-    /// Receives the bells: the worker's own and those of its readers.
+    /// Receives the bells, the worker's own and those of its readers, and before them the state of an
+    /// earlier life, if there is one.
     ///
     /// # Errors
     /// The first word is not `bells`: this process was not started by a supervisor.
-    pub fn receive_bells(&self) -> Result<(Bell, Vec<Bell>), Error> {
+    pub fn receive_bells(&self) -> Result<(Bell, Vec<Bell>, Option<Snapshot>), Error> {
         let not_ours = |detail: String| {
             Error::new(
                 format!("this process has no supervisor ({detail})"),
@@ -97,14 +105,21 @@ impl Control {
         };
         let mut space = [MaybeUninit::uninit(); rustix::cmsg_space!(ScmRights(MAX_BELLS))];
         let mut ancillary = RecvAncillaryBuffer::new(&mut space);
-        let mut word = [0u8; 8];
-        recvmsg(
-            &self.0,
-            &mut [IoSliceMut::new(&mut word)],
-            &mut ancillary,
-            RecvFlags::CMSG_CLOEXEC,
-        )
-        .map_err(|e| not_ours(e.to_string()))?;
+        let mut word = vec![0u8; LONGEST + 256];
+        let mut before = None;
+        loop {
+            let got = recvmsg(
+                &self.0,
+                &mut [IoSliceMut::new(&mut word)],
+                &mut ancillary,
+                RecvFlags::CMSG_CLOEXEC,
+            )
+            .map_err(|e| not_ours(e.to_string()))?;
+            match state_of(&word[..got.bytes]) {
+                Some(state) => before = Some(state),
+                None => break,
+            }
+        }
         let mut bells = Vec::new();
         for message in ancillary.drain() {
             if let RecvAncillaryMessage::ScmRights(fds) = message {
@@ -118,7 +133,7 @@ impl Control {
         let own = bells
             .pop()
             .ok_or_else(|| not_ours("no bell of its own".into()))?;
-        Ok((own, readers))
+        Ok((own, readers, before))
     }
 
     /// The next word within `timeout_ms`; `Heard::Nothing` on time-out, `Heard::Gone` if the
@@ -139,6 +154,49 @@ impl Control {
             _ => Heard::Gone,
         }
     }
+}
+
+/// First word of a state.
+const STATE: &str = "state";
+
+/// A state as one word.
+fn state_word(state: &Snapshot) -> Vec<u8> {
+    let (owner, stamp) = (state.owner, state.stamp);
+    let numbers = format!(
+        "{STATE} {} {} {} {} {} {}\n",
+        owner.process,
+        owner.restarts,
+        owner.identity,
+        stamp.epoch,
+        stamp.sequence,
+        stamp.time.to_bits()
+    );
+    [numbers.as_bytes(), &state.bytes].concat()
+}
+
+/// The state in a word, if it is one.
+fn state_of(word: &[u8]) -> Option<Snapshot> {
+    let end = word.iter().position(|byte| *byte == b'\n')?;
+    let line = std::str::from_utf8(&word[..end]).ok()?;
+    let numbers = line.strip_prefix(STATE)?.split_whitespace();
+    let numbers: Vec<u64> = numbers.map_while(|n| n.parse().ok()).collect();
+    let [process, restarts, identity, epoch, sequence, time] = numbers[..] else {
+        return None;
+    };
+    Some(Snapshot {
+        owner: Owner {
+            process: u32::try_from(process).ok()?,
+            restarts: u32::try_from(restarts).ok()?,
+            identity,
+        },
+        stamp: Stamp {
+            epoch: u32::try_from(epoch).ok()?,
+            sequence,
+            time: f64::from_bits(time),
+            ..Stamp::default()
+        },
+        bytes: word[end + 1..].to_vec(),
+    })
 }
 
 impl AsFd for Control {
@@ -169,7 +227,7 @@ pub struct Begin {
 
 /// What the supervisor wants, for the loop of a worker to look at.
 #[derive(Debug, Default)]
-pub struct Wishes {
+pub struct Requests {
     first: AtomicU64,
     start_ns: AtomicU64,
     go: AtomicBool,
@@ -177,7 +235,7 @@ pub struct Wishes {
     exit: AtomicBool,
 }
 
-impl Wishes {
+impl Requests {
     /// Where to begin, once told to.
     #[must_use]
     pub fn begin(&self) -> Option<Begin> {
@@ -207,9 +265,9 @@ impl Wishes {
 
 /// Listens to the supervisor on a thread of its own, so that the loop of the worker waits for its
 /// bell alone. Rings the bell on every wish.
-pub(crate) fn listen(control: Arc<Control>, bell: Bell) -> Arc<Wishes> {
-    let wishes = Arc::new(Wishes::default());
-    let told = Arc::clone(&wishes);
+pub(crate) fn listen(control: Arc<Control>, bell: Bell) -> Arc<Requests> {
+    let requests = Arc::new(Requests::default());
+    let told = Arc::clone(&requests);
     std::thread::spawn(move || {
         loop {
             // A supervisor that dies closes the socket: there is nothing to look at meanwhile.
@@ -224,23 +282,23 @@ pub(crate) fn listen(control: Arc<Control>, bell: Bell) -> Arc<Wishes> {
             }
         }
     });
-    wishes
+    requests
 }
 
-fn obey(wishes: &Wishes, word: &str) {
+fn obey(requests: &Requests, word: &str) {
     match word.split_once(' ').unwrap_or((word, "")) {
         ("go", numbers) => {
             let mut numbers = numbers.split(' ').map(|n| n.parse().unwrap_or(0));
-            wishes
+            requests
                 .first
                 .store(numbers.next().unwrap_or(0), Ordering::Relaxed);
-            wishes
+            requests
                 .start_ns
                 .store(numbers.next().unwrap_or(0), Ordering::Relaxed);
-            wishes.go.store(true, Ordering::Release);
+            requests.go.store(true, Ordering::Release);
         }
-        ("drain", _) => wishes.drain.store(true, Ordering::Release),
-        ("exit", _) => wishes.exit.store(true, Ordering::Release),
+        ("drain", _) => requests.drain.store(true, Ordering::Release),
+        ("exit", _) => requests.exit.store(true, Ordering::Release),
         _ => {}
     }
 }
@@ -253,10 +311,17 @@ mod tests {
     fn bells_pass_through_the_socket_and_ring_on_the_other_side() {
         let (supervisor, worker) = Control::pair().unwrap();
         let (own, reader) = (Bell::new().unwrap(), Bell::new().unwrap());
-        supervisor.hand_over(&[&own, &reader]).unwrap();
+        let mut before = Snapshot {
+            bytes: (0..LONGEST).map(|i| i as u8).collect(),
+            ..Snapshot::default()
+        };
+        (before.owner.identity, before.stamp.sequence) = (7, 1 << 40);
+        supervisor
+            .hand_over(&[&own, &reader], Some(&before))
+            .unwrap();
         let worker = Control(worker);
-        let (its_own, readers) = worker.receive_bells().unwrap();
-        assert_eq!(readers.len(), 1);
+        let (its_own, readers, its_before) = worker.receive_bells().unwrap();
+        assert_eq!((readers.len(), its_before), (1, Some(before)));
         readers[0].ring();
         reader.wait();
         own.ring();

@@ -12,6 +12,7 @@ mod control;
 mod domain;
 mod error;
 mod home;
+mod keyframes;
 mod live;
 mod ports;
 mod probe;

@@ -59,12 +59,12 @@ pub fn run_probe<M: Message>(
     };
     input.count_from(begin.first);
     input.connect();
-    while !worker.wishes.wants_exit() {
+    while !worker.requests.wants_exit() {
         match &listener {
             None => worker.bell.wait(),
             Some(listener) => listener.wait(LOOK),
         }
-        let draining = worker.wishes.take_drain();
+        let draining = worker.requests.take_drain();
         while let Some((message, lost)) = input.receive() {
             let now = now_ns();
             let measured = message.stamp().measured_ns;

@@ -53,8 +53,8 @@ pub fn run_sink<S: Sink + 'static>(
     } else {
         VISIT.min(Duration::from_nanos(worker.setup.period_ns * VISIT_SAMPLES))
     };
-    while !worker.wishes.wants_exit() {
-        let draining = worker.wishes.take_drain();
+    while !worker.requests.wants_exit() {
+        let draining = worker.requests.take_drain();
         let begun = now_ns();
         worker.reporter.begin();
         let visit = taps.drain(&mut sink);

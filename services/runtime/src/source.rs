@@ -175,14 +175,14 @@ fn wait_for_time(worker: &Worker, deadline: u64) -> bool {
 }
 
 pub(crate) fn is_ending(worker: &Worker) -> bool {
-    worker.wishes.wants_exit() || worker.wishes.wants_drain()
+    worker.requests.wants_exit() || worker.requests.wants_drain()
 }
 
 /// Says that there is no more, and stays until told to go: readers may still be draining.
 pub(crate) fn finish(worker: &Worker) {
     worker.control.say("ended");
-    while !worker.wishes.wants_exit() {
-        if worker.wishes.take_drain() {
+    while !worker.requests.wants_exit() {
+        if worker.requests.take_drain() {
             worker.control.say("drained");
         }
         worker.bell.wait();

@@ -4,11 +4,13 @@ use messages::channels::ChannelOf;
 use messages::{Hop, Message, fault};
 
 use crate::clock::now_ns;
+use crate::keyframes::Keyframes;
 use crate::step::{Step, answer};
 use crate::telemetry::Event;
 use crate::{Error, Input, Output, Worker};
 
-/// Runs `step` from `input` to `output` until the supervisor ends it.
+/// Runs `step` from `input` to `output` until the supervisor ends it. `fits`: what a state of it must
+/// fit, as one number.
 ///
 /// # Errors
 /// A channel cannot be opened.
@@ -17,8 +19,12 @@ pub fn run_stage<S: Step>(
     input: &ChannelOf<S::Input>,
     output: &ChannelOf<S::Output>,
     hop: Hop,
+    fits: u64,
     mut step: S,
 ) -> Result<(), Error> {
+    let mut keyframes = Keyframes::open(&worker.ports, worker.setup.identity, fits)?;
+    let before = worker.before.take();
+    let before = before.filter(|before| keyframes.resume(&mut step, before));
     let mut input = worker.ports.input::<S::Input>(input, input.depth)?;
     let mut output = worker.ports.output::<S::Output>(output)?;
     input.connect();
@@ -29,10 +35,15 @@ pub fn run_stage<S: Step>(
     input.count_from(begin.first);
     input.connect();
     output.connect();
-    while !worker.wishes.wants_exit() {
+    keyframes.connect();
+    if let Some(before) = before {
+        keyframes.emit(&step, &before.stamp);
+    }
+    while !worker.requests.wants_exit() {
         worker.bell.wait();
-        let draining = worker.wishes.take_drain();
-        answer_all(&mut worker, &mut input, &mut output, hop, &mut step);
+        let draining = worker.requests.take_drain();
+        let ends = (&mut input, &mut output);
+        answer_all(&mut worker, ends, hop, &mut step, &mut keyframes);
         if draining {
             worker.control.say("drained");
         }
@@ -42,10 +53,10 @@ pub fn run_stage<S: Step>(
 
 fn answer_all<S: Step>(
     worker: &mut Worker,
-    input: &mut Input<S::Input>,
-    output: &mut Output<S::Output>,
+    (input, output): (&mut Input<S::Input>, &mut Output<S::Output>),
     hop: Hop,
     step: &mut S,
+    keyframes: &mut Keyframes,
 ) {
     while let Some((message, lost)) = input.receive() {
         let received = now_ns();
@@ -68,5 +79,6 @@ fn answer_all<S: Step>(
             lost,
             late: received.saturating_sub(measured) > worker.setup.period_ns,
         });
+        keyframes.after(step, message.stamp(), published);
     }
 }

@@ -12,6 +12,20 @@ pub trait Step {
 
     /// Answers one message. Stamp and hops of the answer are filled in by [`answer`].
     fn step(&mut self, input: &Self::Input) -> Self::Output;
+
+    /// Writes its complete state, bit by bit, without allocation, and returns how many bytes that took;
+    /// `None` if there is no room, or nothing to keep.
+    fn save(&self, _into: &mut [u8]) -> Option<usize> {
+        None
+    }
+
+    /// Becomes what it was when it wrote this state; false, and unchanged, if this is no state of its own.
+    fn restore(&mut self, _state: &[u8]) -> bool {
+        false
+    }
+
+    /// Told that it was restored in a new process, and that samples were missed.
+    fn resume(&mut self) {}
 }
 
 /// The answer of `step` to `input`, with the identity of the input.

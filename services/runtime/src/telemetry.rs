@@ -34,6 +34,14 @@ pub struct Event {
     pub late: bool,
 }
 
+/// Samples that were counted without an event of their own.
+#[derive(Debug, Clone, Copy, Default)]
+struct Untold {
+    steps: u64,
+    lost: u64,
+    late: u64,
+}
+
 /// Who this process is, for the `health` channel.
 #[derive(Debug, Clone, Copy)]
 pub struct Identity {
@@ -50,7 +58,9 @@ pub struct Identity {
 pub struct Reporter {
     // Declared first, dropped first: the half that is dropped last frees the buffer, and that
     // shall not be the stepping thread.
-    events: Producer<Event>,
+    events: Producer<(Event, Untold)>,
+    /// Samples that found the ring full, and the lost and the late ones among them.
+    untold: Untold,
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
 }
@@ -61,6 +71,8 @@ struct Shared {
     realtime: AtomicBool,
     turn: Turn,
     end: AtomicBool,
+    /// What was untold at the end.
+    rest: std::sync::Mutex<Untold>,
 }
 
 impl Reporter {
@@ -77,14 +89,23 @@ impl Reporter {
             .ok();
         Self {
             events,
+            untold: Untold::default(),
             shared,
             thread,
         }
     }
 
-    /// Reports a sample. If the ring is full the event is dropped: telemetry never costs a sample.
+    /// Reports a sample. If the ring is full its times are dropped, and it is counted with the next one:
+    /// telemetry never costs a sample.
     pub fn sample(&mut self, event: Event) {
-        let _ = self.events.push(event);
+        match self.events.push((event, self.untold)) {
+            Ok(()) => self.untold = Untold::default(),
+            Err(_) => {
+                self.untold.steps += 1;
+                self.untold.lost += event.lost;
+                self.untold.late += u64::from(event.late);
+            }
+        }
     }
 
     /// Says that a piece of work begins, which must end soon.
@@ -110,6 +131,10 @@ impl Reporter {
 
 impl Drop for Reporter {
     fn drop(&mut self) {
+        // The steps are over: a lock costs nobody anything.
+        if let Ok(mut rest) = self.shared.rest.lock() {
+            *rest = self.untold;
+        }
         self.shared.end.store(true, Ordering::Release);
         if let Some(thread) = self.thread.take() {
             thread.thread().unpark();
@@ -142,12 +167,19 @@ impl Counts {
         })
     }
 
-    fn add(&mut self, event: Event) {
+    fn add(&mut self, event: Event, untold: Untold) {
         self.health.steps += 1;
         self.health.late += u64::from(event.late);
         self.health.lost += event.lost;
+        self.add_untold(untold);
         self.steps.saturating_record(event.step_ns);
         self.ages.saturating_record(event.age_ns);
+    }
+
+    fn add_untold(&mut self, untold: Untold) {
+        self.health.steps += untold.steps;
+        self.health.late += untold.late;
+        self.health.lost += untold.lost;
     }
 
     fn message(&mut self, sequence: u64) -> Health {
@@ -167,7 +199,12 @@ impl Counts {
     }
 }
 
-fn report(identity: Identity, mut events: Consumer<Event>, shared: &Shared, mut pulse: Pulse) {
+fn report(
+    identity: Identity,
+    mut events: Consumer<(Event, Untold)>,
+    shared: &Shared,
+    mut pulse: Pulse,
+) {
     let Some(mut counts) = Counts::new(identity) else {
         return;
     };
@@ -176,8 +213,11 @@ fn report(identity: Identity, mut events: Consumer<Event>, shared: &Shared, mut 
     for sequence in 0.. {
         let ending = shared.end.load(Ordering::Acquire);
         let before = (counts.health.steps, counts.health.lost);
-        while let Ok(event) = events.pop() {
-            counts.add(event);
+        while let Ok((event, untold)) = events.pop() {
+            counts.add(event, untold);
+        }
+        if let Some(rest) = shared.rest.lock().ok().filter(|_| ending) {
+            counts.add_untold(*rest);
         }
         quiet = if counts.health.steps == before.0 {
             quiet + 1

@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use crate::control::{self, Begin, Wishes};
+use messages::Snapshot;
+
+use crate::control::{self, Begin, Requests};
 use crate::telemetry::{Identity, Reporter};
 use crate::{Bell, Control, Error, Ports, realtime};
 
@@ -25,8 +27,10 @@ pub struct Worker {
     pub(crate) bell: Bell,
     pub(crate) readers: Vec<Bell>,
     pub(crate) ports: Ports,
-    pub(crate) wishes: Arc<Wishes>,
+    pub(crate) requests: Arc<Requests>,
     pub(crate) reporter: Reporter,
+    /// The last state of this process before it died.
+    pub(crate) before: Option<Snapshot>,
 }
 
 impl Worker {
@@ -37,9 +41,9 @@ impl Worker {
     /// There is no supervisor, or iceoryx2 refuses.
     pub fn start(setup: Setup) -> Result<Self, Error> {
         let control = Arc::new(Control::of_worker()?);
-        let (bell, readers) = control.receive_bells()?;
+        let (bell, readers, before) = control.receive_bells()?;
         let ports = Ports::new(setup.identity.name)?;
-        let wishes = control::listen(Arc::clone(&control), bell.try_clone()?);
+        let requests = control::listen(Arc::clone(&control), bell.try_clone()?);
         let reporter = Reporter::start(setup.identity);
         Ok(Self {
             setup,
@@ -47,8 +51,9 @@ impl Worker {
             bell,
             readers,
             ports,
-            wishes,
+            requests,
             reporter,
+            before,
         })
     }
 
@@ -70,10 +75,10 @@ impl Worker {
         }
         self.control.say("ready");
         let begin = loop {
-            if self.wishes.wants_exit() {
+            if self.requests.wants_exit() {
                 return None;
             }
-            if let Some(begin) = self.wishes.begin() {
+            if let Some(begin) = self.requests.begin() {
                 break begin;
             }
             self.bell.wait();

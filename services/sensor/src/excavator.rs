@@ -1,11 +1,13 @@
 //! The simulated excavator as a source of messages.
 
-use messages::excavator_bits::{ARM_ANGLE, BOOM_ANGLE, BUCKET_ANGLE, SWING_TORQUE, SWING_VELOCITY};
+use messages::excavator_bits::{
+    ARM_ANGLE, BOOM_ANGLE, BUCKET_ANGLE, PITCH, ROLL, SWING_TORQUE, SWING_VELOCITY,
+};
 use messages::{ExcavatorSensors, ExcavatorTruth};
 use runtime::Source;
-use sim::excavator::{InvalidRun, Row, Run, Simulation, Truth};
+use sim::excavator::{InvalidRun, Row, Run, Simulation, Truth, Work};
 
-/// What a simulated excavator has: an encoder in place of the velocity is a matter of recordings.
+/// What every simulated excavator has: an encoder in place of the velocity is a matter of recordings.
 const COLUMNS: u32 = SWING_VELOCITY | SWING_TORQUE | BOOM_ANGLE | ARM_ANGLE | BUCKET_ANGLE;
 /// All seven true values are known.
 const ALL_KNOWN: u32 = 0b111_1111;
@@ -13,8 +15,14 @@ const ALL_KNOWN: u32 = 0b111_1111;
 /// A simulated excavator.
 #[derive(Debug)]
 pub struct SimulatedExcavator {
-    rows: Simulation,
+    rows: Rows,
     sequence: u64,
+}
+
+#[derive(Debug)]
+enum Rows {
+    Run(Box<Simulation>),
+    Work(Box<Work>),
 }
 
 impl SimulatedExcavator {
@@ -24,9 +32,18 @@ impl SimulatedExcavator {
     /// A number of the run is out of its range.
     pub fn new(run: &Run) -> Result<Self, InvalidRun> {
         Ok(Self {
-            rows: Simulation::new(run)?,
+            rows: Rows::Run(Box::new(Simulation::new(run)?)),
             sequence: 0,
         })
+    }
+
+    /// A machine at work, which does not end by itself.
+    #[must_use]
+    pub fn at_work(work: Work) -> Self {
+        Self {
+            rows: Rows::Work(Box::new(work)),
+            sequence: 0,
+        }
     }
 }
 
@@ -35,7 +52,10 @@ impl Source for SimulatedExcavator {
     type Truth = ExcavatorTruth;
 
     fn next(&mut self) -> Option<(ExcavatorSensors, ExcavatorTruth)> {
-        let row = self.rows.next()?;
+        let row = match &mut self.rows {
+            Rows::Run(run) => run.next(),
+            Rows::Work(work) => work.next(),
+        }?;
         let mut measured = measured(&row);
         let mut known = truth(&row.truth);
         for stamp in [&mut measured.stamp, &mut known.stamp] {
@@ -48,25 +68,34 @@ impl Source for SimulatedExcavator {
 }
 
 fn measured(row: &Row) -> ExcavatorSensors {
-    let mut valid = 0;
-    let mut take = |value: Option<f64>, bit: u32| match value {
-        Some(value) if value.is_finite() => {
-            valid |= bit;
-            value
+    let (mut valid, mut columns) = (0, COLUMNS);
+    let mut take = |value: Option<f64>, bit: u32| {
+        columns |= if value.is_some() { bit } else { 0 };
+        match value {
+            Some(value) if value.is_finite() => {
+                valid |= bit;
+                value
+            }
+            _ => 0.0,
         }
-        _ => 0.0,
     };
     let [boom, arm, bucket] = row.posture;
+    let [pitch, roll] = row.inclination;
     let message = ExcavatorSensors {
         swing_velocity: take(row.swing_velocity, SWING_VELOCITY),
         swing_torque: take(row.swing_torque, SWING_TORQUE),
         boom_angle: take(boom, BOOM_ANGLE),
         arm_angle: take(arm, ARM_ANGLE),
         bucket_angle: take(bucket, BUCKET_ANGLE),
-        columns: COLUMNS,
+        pitch: take(pitch, PITCH),
+        roll: take(roll, ROLL),
         ..ExcavatorSensors::default()
     };
-    ExcavatorSensors { valid, ..message }
+    ExcavatorSensors {
+        valid,
+        columns,
+        ..message
+    }
 }
 
 fn truth(truth: &Truth) -> ExcavatorTruth {

@@ -14,6 +14,7 @@ mod bits;
 mod error;
 pub mod excavator;
 mod idle;
+mod kept;
 pub mod loader;
 mod source;
 pub mod stages;

@@ -1,10 +1,11 @@
 //! When an estimator must begin anew.
 
 use messages::Stamp;
+use serde::{Deserialize, Serialize};
 
 /// Notices the first sample of a source, and of one that was restarted with its clock set back:
 /// a state from before would refuse its rows for ever.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct SourceWatch {
     last: Option<(u32, f64)>,
 }

@@ -76,11 +76,13 @@ pub trait Row: Sync + std::fmt::Debug {
     /// # Errors
     /// The method is unknown or the description has a value that it cannot use.
     fn start(&self, description: &Description, method: &str) -> Result<Box<dyn AnyStep>, Error>;
-    /// The same as a process that only waits for its worker.
+    /// The same as a process that only waits for its worker. `fits`: what a state of this step must
+    /// fit, as one number.
     ///
     /// # Errors
     /// As [`Self::start`].
-    fn prepare(&self, description: &Description, method: &str) -> Result<Process, Error>;
+    fn prepare(&self, description: &Description, method: &str, fits: u64)
+    -> Result<Process, Error>;
 }
 
 /// Runs a stage in the worker that it is given, until the supervisor ends it.
@@ -90,6 +92,8 @@ pub type Process = Box<dyn FnOnce(Worker) -> Result<(), runtime::Error>>;
 pub trait AnyStep {
     /// The answer with the identity of the input; `None` to a message of another type.
     fn answer(&mut self, input: &Envelope) -> Option<Envelope>;
+    /// Becomes what it was when it wrote this state; false, and unchanged, if this is no state of its own.
+    fn restore(&mut self, state: &[u8]) -> bool;
     /// A copy with its own state.
     fn fork(&self) -> Box<dyn AnyStep>;
 }
@@ -97,6 +101,10 @@ pub trait AnyStep {
 impl<S: Step + Clone + 'static> AnyStep for S {
     fn answer(&mut self, input: &Envelope) -> Option<Envelope> {
         S::Input::inside(input).map(|message| answer(self, message).envelope())
+    }
+
+    fn restore(&mut self, state: &[u8]) -> bool {
+        S::restore(self, state)
     }
 
     fn fork(&self) -> Box<dyn AnyStep> {
@@ -154,11 +162,16 @@ impl<S: Step + Clone + std::fmt::Debug + 'static> Row for RowOf<S> {
         Ok(Box::new((self.new)(description, method)?))
     }
 
-    fn prepare(&self, description: &Description, method: &str) -> Result<Process, Error> {
+    fn prepare(
+        &self,
+        description: &Description,
+        method: &str,
+        fits: u64,
+    ) -> Result<Process, Error> {
         let step = (self.new)(description, method)?;
         let (input, output, hop) = (self.input, self.output, self.hop);
         Ok(Box::new(move |worker| {
-            run_stage(worker, input, output, hop, step)
+            run_stage(worker, input, output, hop, fits, step)
         }))
     }
 }

@@ -11,7 +11,6 @@ pub mod plot;
 mod report;
 mod run;
 pub mod score;
-pub mod statistics;
 pub mod stretches;
 pub mod top;
 pub mod words;

@@ -2,8 +2,8 @@
 
 use messages::channels::{self, Channel};
 use messages::{
-    ExcavatorEstimate, ExcavatorSensors, Health, Kind, LoaderEstimate, LoaderSensors, Message,
-    SwingMotion, excavator_bits, loader_bits,
+    ExcavatorEstimate, ExcavatorSensors, Health, LoaderEstimate, LoaderSensors, Message,
+    NumberType, SwingMotion, excavator_bits, loader_bits,
 };
 use recording::Reader;
 use steps::stages::Pipeline;
@@ -219,7 +219,7 @@ fn inputs<S: Message>(
     bits: &[u32],
 ) -> Result<Vec<Input>, recording::Error> {
     let numbers = S::FIELDS.iter().enumerate().skip(messages::HEAD);
-    let measured: Vec<_> = numbers.filter(|(_, f)| f.kind == Kind::F64).collect();
+    let measured: Vec<_> = numbers.filter(|(_, f)| f.kind == NumberType::F64).collect();
     let valid = S::index("valid");
     let mut inputs: Vec<Input> = measured
         .iter()

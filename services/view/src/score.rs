@@ -3,7 +3,7 @@
 
 use crate::estimate::{Estimate, Parameter};
 use crate::run::{Estimator, MachineRun};
-use crate::statistics::Summary;
+use statistics::Summary;
 
 /// The score of one estimator for one parameter.
 #[derive(Debug, Clone, Default)]

@@ -3,7 +3,7 @@
 mod common;
 
 use messages::{
-    ExcavatorEstimate, ExcavatorTruth, Health, Kind, LoaderEstimate, LoaderTruth, Message,
+    ExcavatorEstimate, ExcavatorTruth, Health, LoaderEstimate, LoaderTruth, Message, NumberType,
     SwingMotion, Value,
 };
 use view::{Estimator, MachineRun, Run, number, report};
@@ -45,10 +45,10 @@ impl Any {
         let mut message = M::default();
         for (i, field) in M::FIELDS.iter().enumerate() {
             let value = match field.kind {
-                Kind::F64 => Value::F64(self.double()),
+                NumberType::F64 => Value::F64(self.double()),
                 // Half of the flags of anything are set.
-                Kind::U32 => Value::U32(self.bits() as u32),
-                Kind::U64 => Value::U64(self.bits() >> (self.bits() % 64)),
+                NumberType::U32 => Value::U32(self.bits() as u32),
+                NumberType::U64 => Value::U64(self.bits() >> (self.bits() % 64)),
             };
             message.set(i, value);
         }

@@ -38,4 +38,4 @@ pub use scenario::Scenario;
 pub use sensors::{CHANNELS, Instruments, Sensors};
 pub use simulation::{InvalidRun, Row, Run, Simulation, Truth};
 pub use torque::Swing;
-pub use work::{Effects, Size, Work};
+pub use work::{Effects, Size, Work, cases};

@@ -18,6 +18,7 @@
 //! # Ok::<(), sim::loader::InvalidRun>(())
 //! ```
 
+mod cases;
 mod cycle;
 mod effects;
 mod plant;
@@ -31,6 +32,7 @@ mod tier;
 #[cfg(test)]
 mod golden;
 
+pub use cases::CASES;
 pub use effects::{Bend, Effects, PayloadTold};
 pub use plant::{GRAVITY, Inputs, Machine, Motion, Plant, State};
 pub use road::{Phases, Road, Surface};

@@ -78,6 +78,19 @@ impl Run {
         }
     }
 
+    /// A machine at work with these effects: with loads, where they are not all told.
+    pub fn at_work(effects: Effects) -> Self {
+        let told = effects.payload_told == PayloadTold::All;
+        Self {
+            effects,
+            ..Self::new(if told {
+                Scenario::WorkCycle
+            } else {
+                Scenario::LoadCycle
+            })
+        }
+    }
+
     fn check(&self) -> Result<(), InvalidRun> {
         let duration = self.duration.unwrap_or(0.0);
         let payload = self.payload.unwrap_or(0.0);

@@ -8,6 +8,10 @@ pub trait Attack {
     fn name(&self) -> String;
     /// Tries it once; `Err` says what did not survive.
     fn attempt(&mut self, rng: &mut Rng, ground: &Ground) -> Result<Outcome, String>;
+    /// What else there is to tell of all attempts.
+    fn note(&self) -> Option<String> {
+        None
+    }
 }
 
 /// How an attempt ended, when nothing was harmed.

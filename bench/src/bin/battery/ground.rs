@@ -39,6 +39,11 @@ impl Ground {
         &self.folder
     }
 
+    /// Its domain, and the beginning of the names of others.
+    pub fn domain(&self) -> &str {
+        &self.domain
+    }
+
     /// A command of heft.
     pub fn heft(&self) -> Command {
         let mut command = Command::new(&self.heft);

@@ -6,10 +6,14 @@
 
 mod attack;
 mod doubled;
+mod files;
 mod floods;
+mod fuzz;
 mod ground;
 mod kills;
 mod stops;
+mod storm;
+mod trust;
 mod users;
 
 use std::path::PathBuf;
@@ -21,14 +25,22 @@ use ground::Ground;
 
 const USAGE: &str = "\
 usage: battery [--minutes N] [--seed S] [--only WORD] [--heft PATH]
-       N minutes (1) of the attacks whose name holds WORD (all), on the heft at PATH (beside this program)";
+       battery --fuzz TARGET [--seconds N] [--seed S]
+       battery --trust WORD [--seed S]
+       N minutes (1) of the attacks whose name holds WORD (all), on the heft at PATH (beside this program);
+       the second form is one target of the fuzzer alone, in this folder;
+       the third the cells of the trust matrix whose name holds WORD, as a table";
 
 /// The table of attacks: a row more is an attack more.
 fn attacks() -> Vec<Box<dyn Attack>> {
     let mut attacks: Vec<Box<dyn Attack>> = Vec::new();
     attacks.extend(kills::all());
     attacks.extend(stops::all());
+    attacks.extend(files::all());
+    attacks.extend(fuzz::all());
     attacks.push(Box::new(doubled::Doubled));
+    attacks.push(Box::new(storm::Storm));
+    attacks.push(Box::new(trust::Trust));
     attacks.push(Box::new(floods::Flood));
     attacks.push(Box::new(users::SecondUser));
     attacks
@@ -39,6 +51,9 @@ struct Arguments {
     seed: u64,
     only: String,
     heft: PathBuf,
+    fuzz: Option<String>,
+    trust: Option<String>,
+    seconds: f64,
 }
 
 fn arguments() -> Option<Arguments> {
@@ -48,6 +63,9 @@ fn arguments() -> Option<Arguments> {
         seed: 1,
         only: String::new(),
         heft: beside,
+        fuzz: None,
+        trust: None,
+        seconds: 1.0,
     };
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
@@ -56,6 +74,9 @@ fn arguments() -> Option<Arguments> {
             "--minutes" => found.minutes = value.parse().ok()?,
             "--seed" => found.seed = value.parse().ok()?,
             "--only" => found.only = value,
+            "--fuzz" => found.fuzz = Some(value),
+            "--trust" => found.trust = Some(value),
+            "--seconds" => found.seconds = value.parse().ok()?,
             "--heft" => found.heft = value.into(),
             _ => return None,
         }
@@ -77,6 +98,24 @@ fn main() -> ExitCode {
         eprintln!("{USAGE}");
         return ExitCode::from(2);
     };
+    if let Some(target) = &arguments.fuzz {
+        return match fuzz::run(target, arguments.seconds, arguments.seed) {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(why) => {
+                eprintln!("{why}");
+                ExitCode::FAILURE
+            }
+        };
+    }
+    if let Some(word) = &arguments.trust {
+        return match trust::print(word, arguments.seed) {
+            Ok(good) => ExitCode::from(u8::from(!good)),
+            Err(why) => {
+                eprintln!("{why}");
+                ExitCode::FAILURE
+            }
+        };
+    }
     if !arguments.heft.exists() {
         eprintln!(
             "{} is not there: run `cargo build` first",
@@ -130,6 +169,8 @@ fn main() -> ExitCode {
             tally.worst_gap
         );
     }
+    let notes = rows.iter().filter_map(|(attack, _)| attack.note());
+    notes.for_each(|note| println!("{note}"));
     println!(
         "{} attacks in {:.1} minutes, seed {}; gaps in samples at {} Hz",
         rows.iter().map(|(_, t)| t.tried).sum::<u32>(),

@@ -23,6 +23,7 @@ pub(super) fn rest(delays: [f64; 2]) -> f64 {
 
 /// The last ticks, and how long each signal waits.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Align {
     ring: [Tick; LONGEST + 1],
     count: usize,

@@ -43,7 +43,9 @@ pub(super) struct Calibrated {
 
 /// Collects the first half second.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Calibration {
+    #[cfg_attr(feature = "serde", serde(with = "crate::written"))]
     velocities: [f64; CAPACITY],
     valid: usize,
     ticks: usize,

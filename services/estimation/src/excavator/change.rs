@@ -22,6 +22,7 @@ pub(super) struct Gated {
 
 /// Innovation gate: a fast Kalman filter that drops what lies far outside.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Gate {
     filter: Option<VelocityFilter>,
     gate: f64,
@@ -67,6 +68,7 @@ impl Gate {
 
 /// Gate and detector.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct ChangeDetector {
     gate: Gate,
     cusum: Cusum,
@@ -76,6 +78,7 @@ pub(super) struct ChangeDetector {
 
 /// Counts samples that say rest or motion.
 #[derive(Debug, Clone, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Rest {
     moving: bool,
     small: u32,

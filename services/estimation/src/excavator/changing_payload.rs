@@ -32,6 +32,7 @@ const CHANGE_TIME: f64 = 0.3;
 
 /// The two filters side by side, the bucket's opening and the alarm.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct ChangingPayload {
     /// Largest free change during an opening, free change after an alarm [kg/rad, kg/s].
     opening_change_max: f64,

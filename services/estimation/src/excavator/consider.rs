@@ -47,6 +47,7 @@ impl Doubt {
 
 /// Errors of a state of `N` due to one parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Consider<const N: usize> {
     error: SVector<f64, N>,
     active: bool,

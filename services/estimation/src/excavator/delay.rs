@@ -13,6 +13,7 @@ const AFTER: u32 = 25;
 
 /// One entry of the line.
 #[derive(Debug, Clone, Copy, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Entry {
     pub(super) drive: Drive,
     pub(super) phase: Phase,
@@ -22,6 +23,7 @@ pub(super) struct Entry {
 
 /// The line.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct DelayLine {
     ring: [Entry; LATE + 1],
     count: usize,

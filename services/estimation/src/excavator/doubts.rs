@@ -3,6 +3,7 @@
 /// Standard deviations of what a described machine may differ by. Each enters the default estimator as a
 /// state, so that its interval carries the doubt and the motion can remove it; 0 says that it is exactly so.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Doubts {
     /// Gain of the torque measurement about 1.
     pub gain_std: f64,

@@ -5,6 +5,7 @@ use super::grid::Tick;
 
 /// Inputs of one step from tick k-1 to tick k.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Drive {
     pub(super) time: f64,
     pub(super) period: f64,
@@ -36,6 +37,7 @@ const UNKNOWN_TORQUE: f64 = 300.0;
 
 /// Remembers the tick before.
 #[derive(Debug, Clone, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Driver {
     last: Option<(f64, Inertia)>,
 }

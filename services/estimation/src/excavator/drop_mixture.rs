@@ -12,6 +12,7 @@ use crate::math::{exp, sqrt};
 
 /// Two copies of the filter, the second with a payload that may drop; standard mixing.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct DropMixture {
     models: [Model; 2],
     pub(super) filters: [PayloadFilter; 2],

@@ -25,7 +25,9 @@ pub(super) struct Aligned {
 
 /// Remembers the last samples.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Aligner {
+    #[cfg_attr(feature = "serde", serde(with = "crate::written"))]
     ring: [(f64, f64, f64); RING],
     count: usize,
     half: usize,

@@ -23,6 +23,7 @@ pub struct Sample {
 
 /// Which columns the source has at all.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Columns {
     /// Swing velocity.
     pub velocity: bool,
@@ -36,6 +37,7 @@ pub struct Columns {
 
 /// Verdict of one estimate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Flags {
     /// The motion carries information about the inertia.
     pub excited: bool,
@@ -76,6 +78,7 @@ impl Flags {
 
 /// Estimation methods, by the names of the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Method {
     /// By the columns that exist.
     #[default]
@@ -147,6 +150,7 @@ impl Method {
 
 /// The answer to one sample. Every number is finite.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Estimate {
     /// Swing inertia [kg m^2].
     pub inertia: f64,

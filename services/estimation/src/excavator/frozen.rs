@@ -13,6 +13,7 @@ const MEMORY: f64 = 0.02;
 
 /// One signal.
 #[derive(Debug, Clone, Copy, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Repetition {
     last: Option<f64>,
     increment: f64,

@@ -14,6 +14,7 @@ use crate::math::sin_cos;
 /// Lengths, masses and inertias of the machine above the swing bearing. The default is a 5.5 t
 /// excavator.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Geometry {
     /// Upper body without boom, arm and bucket, about the swing axis (J_u) [kg m^2].
     pub upper_inertia: f64,
@@ -43,6 +44,7 @@ impl Default for Geometry {
 
 /// Inertia at one posture, linear in the payload.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Inertia {
     /// Without payload (J_e) [kg m^2].
     pub empty: f64,

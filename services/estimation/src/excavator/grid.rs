@@ -24,6 +24,7 @@ const LEAST_SHARE: f64 = 0.4;
 
 /// One sample on the grid.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Tick {
     pub(super) time: f64,
     pub(super) period: f64,
@@ -101,6 +102,7 @@ impl Fill {
 
 /// Mean of the valid values of a signal in the current block.
 #[derive(Debug, Clone, Copy, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Mean {
     sum: f64,
     count: u32,
@@ -120,6 +122,7 @@ impl Mean {
 }
 
 #[derive(Debug, Clone, Copy, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Block {
     rows: u32,
     motion: Mean,
@@ -130,6 +133,7 @@ struct Block {
 
 /// Averages and fills.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Grid {
     angle: bool,
     velocity_variance: f64,

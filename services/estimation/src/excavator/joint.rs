@@ -14,7 +14,7 @@ use super::motion::Motion;
 use super::regression::Fit;
 use super::settings::Settings;
 use crate::Quantity;
-use crate::math::{exp, sqrt};
+use crate::math::{exp, ln, sqrt};
 use crate::rls::Rls;
 use nalgebra::{Matrix4, Vector4};
 
@@ -36,6 +36,7 @@ const DIFFUSE: f64 = 3.0;
 
 /// Joint regression of inertia, damping, friction and offset.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct JointRegression {
     settings: Settings,
     rls: Rls<4>,
@@ -82,13 +83,7 @@ impl JointRegression {
     }
 
     pub(super) fn step(&mut self, motion: &Motion, torque_age: f64, held: bool) -> Fit {
-        let forgetting = self
-            .settings
-            .estimator
-            .forgetting
-            .first()
-            .copied()
-            .unwrap_or_else(|| exp(-motion.period / MEMORY));
+        let forgetting = self.forgetting(motion.period);
         // A missing torque or position is held by the filters; nothing is learned from long holds.
         let fresh = motion.age <= self.settings.estimator.fresh_velocity
             && torque_age <= self.settings.estimator.fresh_others;
@@ -96,6 +91,22 @@ impl JointRegression {
             self.learn(motion, forgetting);
         }
         self.fit(motion, torque_age, forgetting)
+    }
+
+    /// Forgets for `missed` [s], at `period` [s] a sample.
+    pub(super) fn forget(&mut self, missed: f64, period: f64) {
+        let kept = exp(ln(self.forgetting(period)) * missed / period.max(1e-9)).max(1e-12);
+        self.rls.forget(kept);
+        self.meat *= kept * kept;
+        self.past *= kept;
+        self.residual_square *= kept;
+        self.squares = self.squares.map(|sum| kept * sum);
+        self.weight *= kept;
+    }
+
+    fn forgetting(&self, period: f64) -> f64 {
+        let given = self.settings.estimator.forgetting.first().copied();
+        given.unwrap_or_else(|| exp(-period / MEMORY))
     }
 
     fn learn(&mut self, motion: &Motion, forgetting: f64) {

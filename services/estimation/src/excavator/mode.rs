@@ -19,6 +19,7 @@ use super::working::Working;
 
 #[derive(Debug, Clone)]
 #[expect(clippy::large_enum_variant, reason = "no allocator; one per process")]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 enum Mode {
     PostureTorque(PostureTorque),
     Torque(TorqueMode),
@@ -28,6 +29,7 @@ enum Mode {
 
 /// A mode with what feeds it; rebuilt from the prior after a reset.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Core {
     mode: Mode,
     driver: Driver,
@@ -39,6 +41,7 @@ pub(super) struct Core {
 
 /// What a tick led to.
 #[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Reading {
     pub(super) tick: Tick,
     pub(super) state: State,
@@ -141,6 +144,9 @@ impl Core {
         let basis = if told { basis } else { Basis::Nothing };
         if !told {
             state.reason = Reason::Method;
+            let posture = needs_posture.then_some(tick.posture);
+            let half = settings.half_told(posture);
+            state.inertia_std = half.widened(state.inertia, state.inertia_std);
         }
         let accepted = tick.velocity.is_some();
         self.verdict.step(settings, &tick, accepted, &state, basis);

@@ -21,6 +21,7 @@ use crate::math::{exp, ln, sqrt, tanh};
 
 /// Swing motion at one sample: all that [`super::Regression`] needs.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Motion {
     /// Time of the measurement [s].
     pub time: f64,
@@ -66,6 +67,7 @@ pub struct Motion {
 }
 
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 enum Filter {
     Waiting,
     Velocity(VelocityFilter),
@@ -73,6 +75,7 @@ enum Filter {
 }
 
 #[derive(Debug, Clone, Copy, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Bank {
     motion: Lowpass,
     torque: Lowpass,
@@ -82,6 +85,7 @@ struct Bank {
 
 /// Kalman filter and equal filters.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MotionFilter {
     settings: Settings,
     angle: bool,
@@ -331,6 +335,7 @@ impl MotionFilter {
 
 /// Convergence delay of the acceleration; recomputed when the sampling period has changed for good.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Delay {
     value: f64,
     period: f64,

@@ -14,6 +14,7 @@ const REFERENCE_INERTIA: f64 = 6500.0;
 
 /// Detector of weak changes.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct WeakOnset {
     filter: UnknownTorque,
     cusum: Cusum,

@@ -7,6 +7,7 @@ const OPENING: usize = 10;
 
 /// Bucket opening: its rate, and for how long it still counts.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Opening {
     ring: [(f64, f64); OPENING],
     count: usize,

@@ -43,6 +43,7 @@ pub(super) struct Change {
 
 /// Constants of the filter.
 #[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Model {
     friction: f64,
     friction_width: f64,
@@ -93,6 +94,7 @@ impl Model {
 
 /// State and covariance.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct PayloadFilter {
     pub(super) x: State,
     pub(super) p: Covariance,

@@ -35,6 +35,7 @@ const TORQUE_NOISE: f64 = 10.0;
 /// -50, -37.5, ..., 650 kg, Gaussian with 200 kg, wider than in mode D, whose filters may go on
 /// beyond it.
 #[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Payloads {
     first: f64,
     spacing: f64,
@@ -81,6 +82,7 @@ impl Payloads {
 }
 
 #[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Node {
     mass: f64,
     log_weight: f64,
@@ -92,12 +94,14 @@ struct Node {
 
 /// Mode C.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct PostureMode {
     settings: Settings,
     damping_std: f64,
     /// Size of the machine's torques against the reference machine's.
     scale: f64,
     payloads: Payloads,
+    #[cfg_attr(feature = "serde", serde(with = "crate::written"))]
     nodes: [Node; NODES],
     line: DelayLine,
     late: State,

@@ -15,6 +15,7 @@ use crate::math::sqrt;
 // One of them is made per machine, in place: there is no allocator to box it with.
 #[expect(clippy::large_enum_variant)]
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) enum PostureTorque {
     /// One filter.
     Plain(Model, PayloadFilter),

@@ -2,6 +2,7 @@
 
 /// A cause, by its code in the messages. The codes never change their meaning.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Reason {
     /// Nothing speaks against the description.
     #[default]
@@ -34,11 +35,13 @@ pub enum Reason {
     Sign,
     /// The method cannot tell the inertia of a machine that is not calibrated.
     Method,
+    /// The process was started again: said by those who start it, not by an estimator.
+    Restarted,
 }
 
 impl Reason {
     /// All, in the order of their codes.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 16] = [
         Self::None,
         Self::Slope,
         Self::Loss,
@@ -54,6 +57,7 @@ impl Reason {
         Self::Frozen,
         Self::Sign,
         Self::Method,
+        Self::Restarted,
     ];
 
     /// Code in the messages.
@@ -84,6 +88,7 @@ impl Reason {
             Self::Frozen => "frozen",
             Self::Sign => "sign",
             Self::Method => "method",
+            Self::Restarted => "restarted",
         }
     }
 
@@ -107,6 +112,7 @@ impl Reason {
             Self::Method => {
                 "this method cannot tell the inertia of a machine that is not calibrated"
             }
+            Self::Restarted => "the service was started again",
         }
     }
 }

@@ -24,7 +24,7 @@ use super::estimate::{Estimate, Flags, Method};
 use super::joint::JointRegression;
 use super::motion::Motion;
 use super::reason::Reason;
-use super::settings::Settings;
+use super::settings::{HalfTold, Settings};
 use super::settings_error::SettingsError;
 use super::single::SingleRegression;
 use crate::Quantity;
@@ -33,6 +33,7 @@ use crate::rls::MultipleForgettingRls;
 
 #[derive(Debug, Clone)]
 #[expect(clippy::large_enum_variant, reason = "no allocator; one per process")]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 enum Kind {
     Paper(MultipleForgettingRls<3>),
     Single(SingleRegression),
@@ -41,14 +42,19 @@ enum Kind {
 
 /// The regression estimators.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Regression {
     settings: Settings,
     method: Method,
     kind: Kind,
     nis: NisWindow<50>,
     running_for: f64,
+    /// Of the motion before [s].
+    time: Option<f64>,
     /// Whether a torque alone can tell the inertia of this machine, see [`Settings::tells_by_half`].
     tells: bool,
+    /// What the inertia can be where it cannot.
+    half_told: HalfTold,
     /// Time since the last torque; infinite before the first [s].
     torque_age: f64,
     refused: u64,
@@ -102,7 +108,9 @@ impl Regression {
             kind,
             nis: NisWindow::new(16.0),
             running_for: 0.0,
+            time: None,
             tells: settings.tells_by_half(),
+            half_told: settings.half_told(None),
             torque_age: f64::INFINITY,
             refused: 0,
             last,
@@ -118,6 +126,7 @@ impl Regression {
             again.flags.refused = true;
             return again;
         }
+        self.forget(motion);
         self.torque_age = if motion.torque_measured {
             0.0
         } else {
@@ -127,6 +136,20 @@ impl Regression {
         let fit = self.update(motion, held);
         self.last = self.estimate(motion, &fit, held);
         self.last
+    }
+
+    /// Samples that did not reach the regression: what they would have made it forget is forgotten.
+    fn forget(&mut self, motion: &Motion) {
+        let last = self.time.replace(motion.time);
+        let missed = last.map_or(0.0, |last| motion.time - last - motion.period);
+        if missed < 0.5 * motion.period {
+            return;
+        }
+        match &mut self.kind {
+            Kind::Paper(_) => {} // holds what it was given, see above
+            Kind::Single(single) => single.forget(missed, motion.period),
+            Kind::Joint(joint) => joint.forget(missed, motion.period),
+        }
     }
 
     /// Outside its time, at standstill, or before the filters have settled.
@@ -178,7 +201,10 @@ impl Regression {
         // The joint regression does not use the Kalman filter, and measures its own residual.
         let measured_noise = matches!(self.kind, Kind::Joint(_));
         let fresh = motion.age <= e.fresh_velocity && (paper || self.torque_age <= e.fresh_others);
-        let inertia = fit.inertia;
+        let mut inertia = fit.inertia;
+        if !self.tells {
+            inertia.std = self.half_told.widened(inertia.value, inertia.std);
+        }
         Estimate {
             inertia: inertia.value,
             inertia_std: inertia.std,
@@ -194,7 +220,7 @@ impl Regression {
                 excited,
                 consistent: measured_noise || self.nis.mean() <= e.consistent_nis,
                 fresh,
-                converged: 1.96 * inertia.std < e.converged_share * inertia.value,
+                converged: crate::HALF_WIDTH_95 * inertia.std < e.converged_share * inertia.value,
                 identifiable: fit.identifiable && self.tells,
                 held,
                 nominal: fit.nominal,

@@ -23,6 +23,7 @@ pub(super) struct Accepted {
 
 /// Refuses rows whose time does not increase and takes impossible values for missing.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Screen {
     clock: TimeBase,
     first_period: f64,

@@ -1,5 +1,7 @@
 //! Settings of every excavator estimator; the default is the reference machine.
 
+use crate::math::sqrt;
+
 use super::doubts::Doubts;
 use super::geometry::Geometry;
 use super::keys::Description;
@@ -7,6 +9,7 @@ pub use super::keys::{Estimator, Paper, Prior, Variant};
 
 /// Sensors.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Sensors {
     /// Samples per second; only the first sample needs it, later ones bring their time [Hz].
     pub rate: f64,
@@ -33,6 +36,7 @@ pub struct Sensors {
 
 /// Everything an excavator estimator needs to know beforehand.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Settings {
     /// Lengths and masses.
     pub geometry: Geometry,
@@ -76,12 +80,54 @@ impl Settings {
         self.doubts.is_none() || self.estimator.constant_inertia || lighter
     }
 
+    /// The inertias that a machine can have of which torque or posture tells only a half: anywhere between folded
+    /// and empty and stretched and full; with the `posture` known the content is left, and the damping, which is
+    /// the scale.
+    pub(super) fn half_told(&self, posture: Option<[f64; 3]>) -> HalfTold {
+        let Some(posture) = posture else {
+            let stretched = self.geometry.inertia([0.0; 3]);
+            return HalfTold {
+                least: self.geometry.folded_inertia(),
+                most: stretched.with_payload(self.rated_payload()),
+                scale: 0.0,
+            };
+        };
+        let here = self.geometry.inertia(posture);
+        HalfTold {
+            least: here.empty,
+            most: here.with_payload(self.rated_payload()),
+            scale: (self.prior.damping_std / self.nominal_damping.max(f64::MIN_POSITIVE)).min(1.0),
+        }
+    }
+
     /// Smallest and largest payload that an estimate may take: as set, but never less than what the
     /// prior holds possible [kg].
     pub(super) fn payload_range(&self) -> [f64; 2] {
         let prior = self.prior.payload + 4.0 * self.prior.payload_std;
         let e = &self.estimator;
         [e.payload_min, e.payload_max.max(prior)]
+    }
+}
+
+/// What an inertia can be of which only a half is told.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct HalfTold {
+    least: f64,
+    most: f64,
+    scale: f64,
+}
+
+impl HalfTold {
+    /// The standard deviation that covers the present inertia, `std` being that of the `inertia` which the method
+    /// found [kg m^2]. That belongs to another posture or content than the present: the difference of two values
+    /// that lie anywhere in a range has a sixth of its square as the variance. What lies outside the range is wrong
+    /// by as much at least.
+    pub(super) fn widened(&self, inertia: f64, std: f64) -> f64 {
+        let range = (self.most - self.least).max(0.0);
+        let outside = (inertia - self.most).max(self.least - inertia).max(0.0);
+        let scale = self.scale * inertia;
+        sqrt(std * std + range * range / 6.0 + outside * outside + scale * scale)
     }
 }
 

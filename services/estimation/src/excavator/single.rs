@@ -17,6 +17,7 @@ const FLOOR_MOVING: f64 = 0.25;
 
 /// Scalar regression of the inertia.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct SingleRegression {
     settings: Settings,
     inertia: f64,
@@ -57,6 +58,14 @@ impl SingleRegression {
             identifiable: e.constant_inertia && self.learned_for >= 0.2,
             ..Fit::default()
         }
+    }
+
+    /// Forgets for `missed` [s], at `period` [s] a sample: sure of nothing that is older than the memory.
+    pub(super) fn forget(&mut self, missed: f64, period: f64) {
+        let kept = exp(ln(self.forgetting(period)) * missed / period.max(1e-9));
+        self.variance =
+            (self.variance / kept.max(1e-12)).min(self.settings.estimator.svf_covariance);
+        self.learned_for *= kept;
     }
 
     fn forgetting(&self, period: f64) -> f64 {

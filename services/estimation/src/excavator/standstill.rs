@@ -17,6 +17,7 @@ const REFERENCE_STD: f64 = 0.005;
 
 /// What the machine does at one sample.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) enum Phase {
     /// Moving: predict and correct.
     #[default]
@@ -29,6 +30,7 @@ pub(super) enum Phase {
 
 /// Standstill detector; true at start.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Standstill {
     still: bool,
     ring: [f64; ENTRY],

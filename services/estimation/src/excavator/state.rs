@@ -4,6 +4,7 @@ use super::reason::Reason;
 
 /// Reading of a mode, before the verdict.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct State {
     pub(super) inertia: f64,
     pub(super) inertia_std: f64,

@@ -9,6 +9,7 @@
 
 /// One low-pass filter; `value` is z, `rate` is z'.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Lowpass {
     pub(super) value: f64,
     pub(super) rate: f64,
@@ -20,6 +21,7 @@ pub(super) struct Lowpass {
 
 /// Frequency and damping, shared by all filters of a bank.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Shape {
     pub(super) frequency: f64,
     pub(super) damping: f64,

@@ -29,6 +29,7 @@ const STALE_POSTURE: f64 = 0.3;
 
 /// Swing inertia from the sensors, by any state-space mode.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SwingEstimator {
     /// As given, and with the measured noise.
     described: Settings,

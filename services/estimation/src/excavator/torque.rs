@@ -27,6 +27,7 @@ use nalgebra::{Matrix4, Vector4};
 
 /// Filter of momentum, ln J, torque offset and damping.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct TorqueMode {
     x: Vector4<f64>,
     p: Matrix4<f64>,

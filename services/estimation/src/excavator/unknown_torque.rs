@@ -14,6 +14,7 @@ const TORQUE_STD: f64 = 3000.0;
 
 /// Filter of velocity and unknown total torque for one inertia.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct UnknownTorque {
     pub(super) velocity: f64,
     pub(super) torque: f64,

@@ -26,6 +26,7 @@ const TORQUE_DRIFT_FLAGGED: f64 = 15_000.0;
 
 /// Mode A.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct VelocityMode {
     settings: Settings,
     x: Vector3<f64>,

@@ -32,6 +32,7 @@ pub(super) enum Basis {
 
 /// Reasons, accumulated over ticks.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Verdict {
     nis: NisWindow<50>,
     velocity_age: f64,
@@ -40,6 +41,7 @@ pub(super) struct Verdict {
 
 /// The five reasons.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Reasons {
     pub(super) excited: bool,
     pub(super) consistent: bool,
@@ -91,7 +93,8 @@ impl Verdict {
     ) -> Reasons {
         let e = &settings.estimator;
         let (torque, posture) = needs;
-        let converged = 1.96 * state.inertia_std < e.converged_share * state.inertia;
+        let converged =
+            crate::HALF_WIDTH_95 * state.inertia_std < e.converged_share * state.inertia;
         Reasons {
             excited: state.velocity.abs() >= e.excited_velocity,
             consistent: self.nis.mean() <= e.consistent_nis,

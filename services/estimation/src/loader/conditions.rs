@@ -39,6 +39,7 @@ pub(super) struct Conditions {
 
 /// Memory of digging and of the lagged torques.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Monitor {
     hold: f64,
     lagged_torque: [f64; 2],

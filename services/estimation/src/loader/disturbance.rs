@@ -35,6 +35,7 @@ const GAIN_RANGE: (f64, f64) = (0.75, 1.33);
 
 /// The largest value of the last quarter second.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Peak {
     value: f64,
     left: f64,
@@ -53,6 +54,7 @@ impl Peak {
 
 /// Memory of the disturbances.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Disturbance {
     brake: Peak,
     turn: Peak,
@@ -66,6 +68,7 @@ pub(super) struct Disturbance {
 
 /// What a step's disturbances do to the wheels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Effect {
     /// Brakes act: the wheels tell nothing.
     pub braking: bool,

@@ -5,6 +5,7 @@ use crate::Quantity;
 
 /// What the estimator did with a row.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Status {
     /// No row has been accepted yet: the values are the prior.
     #[default]
@@ -27,6 +28,7 @@ pub enum Status {
 
 /// State of the estimate after one row. Every number is finite.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Estimate {
     /// A row has been accepted; before, the values are the prior.
     pub started: bool,

@@ -14,6 +14,7 @@ use crate::root::standard_deviations;
 /// The filter that a method runs on.
 #[derive(Clone, Copy, Debug)]
 #[allow(clippy::large_enum_variant)] // no allocator
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 enum Filter {
     Six(CgFilter<6, 3>),
     Eight(CgFilter<8, 3>),
@@ -40,6 +41,7 @@ macro_rules! each {
 /// Every call of [`CgEstimator::step`] answers with finite numbers, whatever the row holds. A row whose time does not
 /// increase is refused and changes nothing. A step does not allocate, does not read a clock, and does the same work each time.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CgEstimator {
     settings: Settings,
     method: Method,

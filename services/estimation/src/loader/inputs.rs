@@ -5,6 +5,7 @@ use super::wheel_dynamics::Inputs;
 
 /// The last finite input of each kind, the mass, and the last specific force.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct InputHold {
     held: [f64; 5],
     /// Which of them were missing in the last row.

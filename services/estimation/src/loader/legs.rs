@@ -27,6 +27,7 @@ const CHANGED: f64 = 16.0;
 
 /// Memory of the legs.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Legs {
     /// Sums of G y/R and G^2/R of the present leg, its time [s], and whether the torques drive.
     sums: [f64; 2],

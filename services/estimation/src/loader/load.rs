@@ -30,6 +30,7 @@ pub(super) type Centre = [(f64, f64); 2];
 
 /// Memory of the mass.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Load {
     /// The mass that counts, and when it became so [kg], [s].
     anchor: Option<f64>,

@@ -4,6 +4,7 @@ use core::fmt;
 
 /// How the centre of gravity is estimated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Method {
     /// 10 states with rolling radii, unknown spade force and slope bias (8 without an accelerometer), protected
     /// against bad input: the product.

@@ -11,6 +11,7 @@ use crate::math::sqrt;
 
 /// A known payload with its standard deviations.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Payload {
     /// Mass m_p [kg].
     pub mass: f64,

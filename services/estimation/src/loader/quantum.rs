@@ -11,6 +11,7 @@ const ROUNDING: f64 = 1e-9;
 
 /// What has been seen of the front and the rear wheel speed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Quantum {
     last: [Option<f64>; 2],
     least: [Option<f64>; 2],

@@ -3,6 +3,7 @@
 /// A cause; the number is its code.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u32)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Reason {
     /// Nothing is wrong.
     #[default]
@@ -43,11 +44,13 @@ pub enum Reason {
     Disagreement = 17,
     /// An estimate is at its limit.
     AtLimit = 18,
+    /// The process was started again: said by those who start it, not by an estimator.
+    Restarted = 19,
 }
 
 impl Reason {
     /// Names by code.
-    pub const NAMES: [&'static str; 19] = [
+    pub const NAMES: [&'static str; 20] = [
         "",
         "missing",
         "stuck speed",
@@ -67,6 +70,7 @@ impl Reason {
         "load",
         "disagreement",
         "limit",
+        "restarted",
     ];
 
     /// The name in tables; empty for none.

@@ -28,6 +28,7 @@ const LEAST_SHIFT: f64 = 0.02;
 
 /// What is remembered.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Relearning {
     /// K and lam where the filter started.
     start: [f64; 2],

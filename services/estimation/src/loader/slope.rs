@@ -25,6 +25,7 @@ const CORRELATION: f64 = 1.0;
 
 /// Memory of the slope's errors.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct SlopeError {
     started: bool,
     /// Smoothed wheel speed [m/s] and smoothed a_x - g sin(slope) [m/s^2].

@@ -23,6 +23,7 @@ const NOISY: u32 = 50;
 
 /// What is known of one signal.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Trace {
     last: Option<f64>,
     /// How long it has not changed [s].
@@ -52,6 +53,7 @@ pub(super) struct Witness {
 
 /// Memory of the watched signals.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Stuck {
     traces: [Trace; WATCHED],
     /// Which are stuck.

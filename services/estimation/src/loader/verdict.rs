@@ -44,6 +44,8 @@ pub(super) struct Doubt {
     pub unknown_height: bool,
     /// The first cause.
     pub reason: Reason,
+    /// What acts on the machine that its model does not have: names innovations that are too large.
+    pub acts: Reason,
 }
 
 impl Doubt {
@@ -54,11 +56,13 @@ impl Doubt {
         at_limit: [false; 2],
         unknown_height: false,
         reason: Reason::None,
+        acts: Reason::None,
     };
 }
 
 /// Exponentially weighted mean and variance.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Variation {
     mean: f64,
     variance: f64,
@@ -86,6 +90,7 @@ impl Variation {
 
 /// What is remembered for the verdict.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Evidence {
     torque: Variation,
     acceleration: Variation,
@@ -245,18 +250,18 @@ impl Evidence {
             converged_ratio: intervals.reported.0 <= limits.converged_ratio * intervals.ratio.abs(),
             converged_height: intervals.reported.1 <= limits.converged_height,
             reset,
-            reason: self.reason(fresh, consistent, doubt.reason),
+            reason: self.reason(fresh, consistent, doubt),
         }
     }
 
     /// Why the estimate is not fresh or not consistent.
-    fn reason(&self, fresh: bool, consistent: bool, doubt: Reason) -> Reason {
+    fn reason(&self, fresh: bool, consistent: bool, doubt: &Doubt) -> Reason {
         match self.stuck {
             Some(signal) => Reason::stuck(signal),
             None if !fresh => Reason::Missing,
-            None if doubt != Reason::None => doubt,
-            None if !consistent => Reason::Unexplained,
-            None => Reason::None,
+            None if doubt.reason != Reason::None => doubt.reason,
+            None if !consistent && doubt.acts == Reason::None => Reason::Unexplained,
+            None => doubt.acts,
         }
     }
 }

@@ -34,6 +34,7 @@ const PASSES: usize = 2;
 
 /// The machine as the process model knows it.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WheelDynamics {
     /// Mass [kg].
     pub mass: f64,
@@ -62,6 +63,7 @@ pub struct WheelDynamics {
 /// How the slip stiffness of an axle differs from K, as a calibration finds it (`heft calibrate`):
 /// K_i = K q_i (F_zi/F_0)^-p with half the weight F_0.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Tyres {
     /// q_f and q_r = 1/q_f, whose ratio is that of the stiffnesses.
     pub gains: [f64; 2],

@@ -24,6 +24,7 @@ const LEAST_SHARE: f64 = 0.1;
 
 /// Memory of the torques.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Windup {
     last: Option<[f64; 2]>,
     /// Rate of the torques [N m/s].

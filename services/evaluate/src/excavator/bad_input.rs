@@ -14,7 +14,7 @@ use crate::{Error, Options, Report, seeds};
 use estimation::excavator::Settings;
 use serde_json::{Value, json};
 use sim::excavator::{Scenario, Sensors};
-use sim::fault::{Fault, Kind, ROW};
+use sim::fault::{Fault, FaultKind, ROW};
 
 /// The loads [kg].
 const PAYLOADS: [f64; 2] = [0.0, 423.0];
@@ -208,67 +208,67 @@ fn sensor_troubles() -> Vec<Trouble> {
         trouble(
             "10 % missing",
             AS_NONE,
-            vec![Fault::random(velocity, Kind::Missing, 0.1)],
+            vec![Fault::random(velocity, FaultKind::Missing, 0.1)],
         ),
         trouble(
             "50 % missing",
             [Accuracy(9.0), Accuracy(10.0), Honesty],
-            vec![Fault::random(velocity, Kind::Missing, 0.5)],
+            vec![Fault::random(velocity, FaultKind::Missing, 0.5)],
         ),
         trouble(
             "5 % not a number",
             AS_NONE,
-            vec![Fault::random(velocity, Kind::NotANumber, 0.05)],
+            vec![Fault::random(velocity, FaultKind::NotANumber, 0.05)],
         ),
         trouble(
             "0.3 s missing",
             [Accuracy(8.0), Accuracy(9.0), Accuracy(30.0)],
-            vec![Fault::between(velocity, Kind::Missing, 6.6, 6.9)],
+            vec![Fault::between(velocity, FaultKind::Missing, 6.6, 6.9)],
         ),
         trouble(
             "torque 5 % missing",
             AS_NONE,
-            vec![Fault::random("swing_torque", Kind::Missing, 0.05)],
+            vec![Fault::random("swing_torque", FaultKind::Missing, 0.05)],
         ),
         trouble(
             "2 % outliers 0.3",
             AS_NONE,
-            vec![Fault::random(velocity, Kind::Outlier(0.3), 0.02)],
+            vec![Fault::random(velocity, FaultKind::Outlier(0.3), 0.02)],
         ),
         trouble(
             "5 % outliers 1.0",
             AS_NONE,
-            vec![Fault::random(velocity, Kind::Outlier(1.0), 0.05)],
+            vec![Fault::random(velocity, FaultKind::Outlier(1.0), 0.05)],
         ),
         Trouble {
             settings: |s| s.sensors.swing_velocity_limit = 0.8,
             ..trouble(
                 "limit 0.8",
                 [Accuracy(8.0), Accuracy(9.0), Accuracy(35.0)],
-                vec![Fault::always(velocity, Kind::Saturation(0.8))],
+                vec![Fault::always(velocity, FaultKind::Saturation(0.8))],
             )
         },
         trouble(
             "bias 0.01",
             AS_NONE,
-            vec![Fault::always(velocity, Kind::Bias(0.01))],
+            vec![Fault::always(velocity, FaultKind::Bias(0.01))],
         ),
         trouble(
             "scale +1 %",
             AS_NONE,
-            vec![Fault::always(velocity, Kind::Scale(1.01))],
+            vec![Fault::always(velocity, FaultKind::Scale(1.01))],
         ),
         trouble(
             "torque gain +2 %",
             RECORD,
-            vec![Fault::always("swing_torque", Kind::Scale(1.02))],
+            vec![Fault::always("swing_torque", FaultKind::Scale(1.02))],
         ),
         Trouble {
             settings: |s| s.sensors.swing_torque_gain_std = 0.02,
             ..trouble(
                 "the same, stated",
                 [Honesty, Honesty, Honesty],
-                vec![Fault::always("swing_torque", Kind::Scale(1.02))],
+                vec![Fault::always("swing_torque", FaultKind::Scale(1.02))],
             )
         },
         Trouble {
@@ -276,13 +276,13 @@ fn sensor_troubles() -> Vec<Trouble> {
             ..trouble(
                 "torque offset 100",
                 STATED,
-                vec![Fault::always("swing_torque", Kind::Bias(100.0))],
+                vec![Fault::always("swing_torque", FaultKind::Bias(100.0))],
             )
         },
         trouble(
             "60 ms gap",
             AS_NONE,
-            vec![Fault::between(ROW, Kind::Missing, 6.995, 7.045)],
+            vec![Fault::between(ROW, FaultKind::Missing, 6.995, 7.045)],
         ),
         Trouble {
             noise: Sensors {

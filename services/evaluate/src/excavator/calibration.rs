@@ -20,9 +20,9 @@ use sim::excavator::{
 };
 use sim::noise::Noise;
 
-use crate::statistics::{median, p95, percentage};
 use crate::text::{Table, plain, verdict};
 use crate::{Error, Options, Report, seeds};
+use statistics::{median, p95, percentage};
 
 /// Length of a recording [s], of a cycle [s], sampling rate [Hz].
 const LENGTH: f64 = 120.0;
@@ -250,7 +250,8 @@ impl After {
             if estimate.flags.trusted() {
                 let error = estimate.inertia - exact.truth.inertia;
                 after.rows[1] += 1;
-                after.rows[2] += usize::from(error.abs() > 1.96 * estimate.inertia_std);
+                after.rows[2] +=
+                    usize::from(error.abs() > estimation::HALF_WIDTH_95 * estimate.inertia_std);
                 after.squares += (error / exact.truth.inertia).powi(2);
             }
         }
@@ -390,7 +391,10 @@ fn one(seed: u64) -> Result<Option<Found>, Error> {
                 Role::Offset => 1.0,
                 _ => 100.0 / truth.of(role),
             };
-            Some((scale * error, error.abs() < 1.96 * quantity.std))
+            Some((
+                scale * error,
+                error.abs() < estimation::HALF_WIDTH_95 * quantity.std,
+            ))
         })
         .collect();
     Ok(parameters.map(|parameters| Found { parameters, after }))

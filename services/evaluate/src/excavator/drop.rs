@@ -10,12 +10,12 @@ use super::case::{Case, PAYLOADS};
 use super::estimators::{Point, Setup, series};
 use super::score::{Score, Summary, Window};
 use super::target::{Target, judgement};
-use crate::statistics::{largest, mean, mean_error, median, p95, percentage};
 use crate::text::{Table, plain};
 use crate::{Error, Options, Report, seeds};
 use serde_json::{Value, json};
 use sim::excavator::Scenario::{self, *};
 use sim::excavator::Sensors;
+use statistics::{largest, mean, mean_error, median, p95, percentage};
 
 /// What is asked of an event; none is asked of a part that the swing does not reach.
 #[derive(Clone, Copy)]

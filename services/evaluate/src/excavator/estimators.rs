@@ -40,7 +40,7 @@ impl Point {
     /// Whether the 95 % interval holds the truth.
     pub fn covered(&self) -> bool {
         let error = (self.estimate.inertia - self.truth.inertia).abs();
-        error < 1.96 * self.estimate.inertia_std
+        error < estimation::HALF_WIDTH_95 * self.estimate.inertia_std
     }
 }
 

@@ -1,8 +1,8 @@
 //! Error statistics of one run, and of many.
 
 use super::estimators::Point;
-use crate::statistics::{deviation, largest, mean, mean_error, median, p95, p95_error, percentage};
 use serde_json::{Value, json};
+use statistics::{deviation, largest, mean, mean_error, median, p95, p95_error, percentage};
 
 /// The swing begins [s].
 const SWING: f64 = 5.5;
@@ -80,7 +80,9 @@ impl Score {
             trusted: share(&|p| p.estimate.flags.trusted()),
             trusted_wrong: share(&|p| p.estimate.flags.trusted() && p.error().abs() > WRONG),
             identifiable: share(&|p| p.estimate.flags.identifiable),
-            wide: share(&|p| 1.96 * p.estimate.inertia_std > 0.1 * p.estimate.inertia),
+            wide: share(&|p| {
+                estimation::HALF_WIDTH_95 * p.estimate.inertia_std > 0.1 * p.estimate.inertia
+            }),
             convergence: convergence(points),
             samples: errors.len(),
         }

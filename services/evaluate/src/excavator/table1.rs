@@ -7,11 +7,11 @@
 use super::case::{Case, three};
 use super::estimators::{Point, Setup};
 use super::score::{Score, Summary, Window};
-use crate::statistics::{deviation, largest, mean};
 use crate::text::{Table, plain, signed, verdict};
 use crate::{Error, Options, Report, seeds};
 use serde_json::json;
 use sim::excavator::{Scenario, Sensors};
+use statistics::{deviation, largest, mean};
 
 /// Mean and standard deviation that the paper prints [%].
 const PAPER: [(f64, f64); 3] = [(-1.70, 4.51), (0.13, 4.99), (-0.49, 4.00)];

@@ -14,18 +14,18 @@
 use std::sync::atomic::AtomicBool;
 
 use calibrate::loader::{self as calibration, Input, Outcome, Role, Told};
-use estimation::Quantity;
 use estimation::loader::weigh::{Reading, Weighing};
 use estimation::loader::{CgEstimator, Columns, Method, Settings};
+use estimation::{HALF_WIDTH_95, Quantity};
 use serde_json::{Map, Value, json};
 use sim::loader::{Effects, Machine, Row, Run, Scenario, Simulation, Tier};
 use sim::noise::Noise;
 
 use super::candidate::sample;
 use super::score::{Score, Summary};
-use crate::statistics::{median, p95, percentage};
 use crate::text::{Table, plain, verdict};
 use crate::{Error, Options, Report, seeds};
+use statistics::{median, p95, percentage};
 
 /// Length of a recording, and of the work afterwards [s].
 const LENGTH: f64 = 120.0;
@@ -273,7 +273,7 @@ fn errors(outcome: &Outcome, true_value: impl Fn(Role) -> f64) -> Option<Vec<(f6
             } else {
                 factor
             };
-            Some((scale * error, error.abs() < 1.96 * quantity.std))
+            Some((scale * error, error.abs() < HALF_WIDTH_95 * quantity.std))
         })
         .collect()
 }
@@ -320,7 +320,7 @@ impl Found {
                 for (count, (trusted, q, truth)) in self.trusted.iter_mut().zip(judged) {
                     if trusted {
                         count[0] += 1;
-                        count[1] += usize::from((q.value - truth).abs() > 1.96 * q.std);
+                        count[1] += usize::from((q.value - truth).abs() > HALF_WIDTH_95 * q.std);
                     }
                 }
             }

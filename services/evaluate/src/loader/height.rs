@@ -10,9 +10,9 @@ use sim::loader::{Run, Scenario, Tier};
 
 use super::candidate::Candidate;
 use super::{fewer, trial};
-use crate::statistics::{mean, median};
 use crate::text::{Table, plain, verdict};
 use crate::{Error, Options, Report, seeds};
+use statistics::{mean, median};
 
 /// The manoeuvres and the times at which they are looked at [s].
 const CASES: [(Tier, Scenario, &[f64]); 5] = [
@@ -57,9 +57,11 @@ impl Line {
         let std = median(&of(&|look| look.std));
         Self {
             std_of_prior: (std * std - FLOOR * FLOOR).max(0.0).sqrt() / PRIOR,
-            interval: 1.96 * std,
+            interval: estimation::HALF_WIDTH_95 * std,
             rms: mean(&of(&|look| look.error * look.error)).sqrt(),
-            coverage: mean(&of(&|look| f64::from(look.error.abs() < 1.96 * look.std))),
+            coverage: mean(&of(&|look| {
+                f64::from(look.error.abs() < estimation::HALF_WIDTH_95 * look.std)
+            })),
             excited: mean(&of(&|look| f64::from(look.excited))),
             trusted: mean(&of(&|look| f64::from(look.trusted))),
         }

@@ -5,7 +5,7 @@
 //! noises and floors scaled with the size, and the default of everything else.
 
 use estimation::loader::{CgEstimator, Columns, Estimate, Method, Settings};
-use sim::loader::{Effects, PayloadTold, Row, Run, Scenario, Simulation, Size, Tier};
+use sim::loader::{CASES, Effects, PayloadTold, Row, Run, Simulation, Size, Tier};
 
 use super::candidate::Candidate;
 use crate::honesty::{Judged, Line, Tally, json, text};
@@ -20,143 +20,14 @@ const PAYLOAD: f64 = 0.25;
 
 /// What a line asks for: least trusted share of the moving time, least coverage of all rows.
 type Asked = (f64, f64);
-const ASKED: Asked = (0.0, 0.0);
 
-/// An effect with its severity in words.
-type Case = (&'static str, &'static str, Effects, Asked);
-
-const NONE: Effects = Effects {
-    speed_delay: 0.0,
-    brakes: 0.0,
-    brakes_told: true,
-    steering: 0.0,
-    steering_told: true,
-    hinge: 0.0,
-    locked_drive: false,
-    slope_follows: 0.0,
-    slope_lag: 0.0,
-    gear_delay: 0.0,
-    stiffness_difference: 0.0,
-    stiffness_exponent: 0.0,
-    radius_sensitivity: 0.0,
-    payload_told: PayloadTold::All,
-};
-
-const fn late(speed_delay: f64) -> Effects {
-    Effects {
-        speed_delay,
-        ..NONE
+fn asked(effect: &str) -> Asked {
+    match effect {
+        "none" => (0.70, 0.93),
+        "good machine" => (0.50, 0.93),
+        _ => (0.0, 0.0),
     }
 }
-
-const fn brakes(brakes: f64, brakes_told: bool) -> Effects {
-    Effects {
-        brakes,
-        brakes_told,
-        ..NONE
-    }
-}
-
-const fn steering(steering: f64) -> Effects {
-    Effects {
-        steering,
-        hinge: 0.1,
-        ..NONE
-    }
-}
-
-const fn payload(payload_told: PayloadTold) -> Effects {
-    Effects {
-        payload_told,
-        ..NONE
-    }
-}
-
-/// The lines of the table.
-const CASES: [Case; 17] = [
-    ("none", "", NONE, (0.70, 0.93)),
-    ("late speed", "30 ms", late(0.03), ASKED),
-    ("late speed", "100 ms", late(0.1), ASKED),
-    ("brakes", "20 %", brakes(0.2, true), ASKED),
-    ("brakes", "50 %", brakes(0.5, true), ASKED),
-    ("brakes, not told", "50 %", brakes(0.5, false), ASKED),
-    ("steering", "10 deg", steering(0.175), ASKED),
-    ("steering", "20 deg", steering(0.349), ASKED),
-    (
-        "locked drive",
-        "",
-        Effects {
-            locked_drive: true,
-            ..NONE
-        },
-        ASKED,
-    ),
-    (
-        "slope sensor follows",
-        "30 %, 0.2 s",
-        Effects {
-            slope_follows: 0.3,
-            slope_lag: 0.2,
-            ..NONE
-        },
-        ASKED,
-    ),
-    (
-        "gear changes late",
-        "50 ms",
-        Effects {
-            gear_delay: 0.05,
-            ..NONE
-        },
-        ASKED,
-    ),
-    (
-        "stiffness of the axles",
-        "10 %",
-        Effects {
-            stiffness_difference: 0.1,
-            ..NONE
-        },
-        ASKED,
-    ),
-    (
-        "stiffness falls with load",
-        "p .2",
-        Effects {
-            stiffness_exponent: 0.2,
-            ..NONE
-        },
-        ASKED,
-    ),
-    (
-        "radius sensitivity",
-        "+.005",
-        Effects {
-            radius_sensitivity: 0.005,
-            ..NONE
-        },
-        ASKED,
-    ),
-    ("payload", "mass told", payload(PayloadTold::Mass), ASKED),
-    ("payload", "not told", payload(PayloadTold::Nothing), ASKED),
-    (
-        "good machine",
-        "all a little",
-        Effects {
-            speed_delay: 0.02,
-            brakes: 0.15,
-            steering: 0.12,
-            hinge: 0.05,
-            slope_follows: 0.1,
-            slope_lag: 0.05,
-            stiffness_difference: 0.03,
-            stiffness_exponent: 0.05,
-            radius_sensitivity: 0.001,
-            ..NONE
-        },
-        (0.50, 0.93),
-    ),
-];
 
 /// What a competent user states for a machine of that size: the default, scaled.
 fn scaled(mut settings: Settings, size: Size) -> Settings {
@@ -191,14 +62,9 @@ fn work(effects: Effects, seed: u64) -> Run {
         seed,
         tier: Tier::B,
         size,
-        effects,
         duration: Some(DURATION),
         payload: loads.then(|| PAYLOAD * size.machine().mass),
-        ..Run::new(if loads {
-            Scenario::LoadCycle
-        } else {
-            Scenario::WorkCycle
-        })
+        ..Run::at_work(effects)
     }
 }
 
@@ -260,7 +126,7 @@ fn judge(row: &Row, estimate: &Estimate) -> [Judged; 2] {
 /// Every effect at every severity, ratio and height; the sizes take turns with the seeds.
 pub(super) fn evaluate(options: &Options) -> Result<Report, Error> {
     let mut lines = Vec::new();
-    for (effect, severity, effects, asked) in CASES {
+    for (effect, severity, effects) in CASES {
         let found = seeds(options, &format!("{effect} {severity}"), |seed| {
             tally(&work(effects, seed))
         })?;
@@ -268,7 +134,7 @@ pub(super) fn evaluate(options: &Options) -> Result<Report, Error> {
             let mut sum = Tally::default();
             found.iter().for_each(|both| sum.add(&both[i]));
             let mut line = Line::new(effect, severity, what, sum);
-            (line.least_trusted, line.least_covered) = asked;
+            (line.least_trusted, line.least_covered) = asked(effect);
             lines.push(line);
         }
     }
@@ -288,9 +154,14 @@ mod tests {
     use super::*;
     use sim::fault::Fault;
 
+    fn effects(name: &str, severity: &str) -> Effects {
+        let found = CASES.into_iter().find(|c| (c.0, c.1) == (name, severity));
+        found.unwrap().2
+    }
+
     #[test]
     fn a_late_speed_is_learnt_and_nothing_wrong_is_trusted() {
-        let [ratio, height] = tally(&work(late(0.1), 1)).unwrap();
+        let [ratio, height] = tally(&work(effects("late speed", "100 ms"), 1)).unwrap();
         assert!(ratio.trusted() > 0.5, "{}", ratio.trusted());
         assert!(ratio.wrong() <= 0.05, "{}", ratio.wrong());
         assert!(ratio.covered() > 0.93 && height.covered() > 0.93);
@@ -311,7 +182,7 @@ mod tests {
             let run = Run {
                 faults: vec![Fault::parse(fault).unwrap()],
                 duration: Some(70.0),
-                ..work(NONE, 2)
+                ..work(effects("none", ""), 2)
             };
             let (mut named, mut wrong) = (0, 0);
             drive(&run, |row, estimate| {

@@ -9,9 +9,9 @@ use sim::loader::{Run, Scenario, Tier};
 
 use super::candidate::Candidate;
 use super::trial;
-use crate::statistics::mean;
 use crate::text::{Table, plain, verdict};
 use crate::{Error, Options, Report, seeds};
+use statistics::mean;
 
 /// Length of a run with a fault [s].
 const DURATION: f64 = 120.0;

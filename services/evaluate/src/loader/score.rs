@@ -8,10 +8,10 @@ use estimation::Quantity;
 use estimation::loader::Estimate;
 use sim::loader::Row;
 
-use crate::statistics::{mean, median, p95};
+use statistics::{mean, median, p95};
 
 /// Half width of a 95 % interval in standard deviations.
-const INTERVAL: f64 = 1.96;
+const INTERVAL: f64 = estimation::HALF_WIDTH_95;
 
 /// One parameter over one run.
 #[derive(Clone, Copy, Debug, Default)]

@@ -10,6 +10,7 @@ use messages::Machine;
 
 use crate::commands::run::folder;
 use crate::failure::Failure;
+use crate::machines;
 use crate::signals::Signals;
 use crate::watch::LIVE;
 
@@ -75,7 +76,7 @@ fn start(
             "run",
             machine.name(),
             "--scenario",
-            crate::sources::shown(machine),
+            machines::entry(machine).shown_scenario(),
             "--duration",
             DURATION,
         ])

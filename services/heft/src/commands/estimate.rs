@@ -22,7 +22,7 @@ pub fn estimate(args: &EstimateArgs) -> Result<(), Failure> {
     let description = description(args.machine, &args.description)?;
     match &description {
         Description::Excavator(d) => {
-            let samples = recording::open_excavator(&args.file, map.as_ref())?;
+            let samples = recording::open::<recording::Excavator>(&args.file, map.as_ref())?;
             if let Some((first, _)) = samples.rows()?.next() {
                 steps::excavator::check_columns(d, method(args), &first)?;
             }
@@ -47,7 +47,7 @@ pub fn estimate(args: &EstimateArgs) -> Result<(), Failure> {
                     "leave it out",
                 ));
             }
-            let samples = recording::open_loader(&args.file, map.as_ref())?;
+            let samples = recording::open::<recording::Loader>(&args.file, map.as_ref())?;
             run(args, &description, samples, |_, _: &mut LoaderEstimate| {})
         }
     }

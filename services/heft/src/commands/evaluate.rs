@@ -2,27 +2,28 @@
 
 use std::fs;
 
-use messages::Machine;
-
 use crate::cli::EvaluateArgs;
 use crate::failure::Failure;
+use crate::machines;
 
 /// `heft evaluate`
 pub fn evaluate(args: &EvaluateArgs) -> Result<(), Failure> {
     if let Some(folder) = &args.figures {
         fs::create_dir_all(folder).map_err(|e| Failure::file("make the folder", folder, &e))?;
-        return crate::figures::draw(args.machine, folder);
+        for (name, svg) in machines::entry(args.machine).figures()? {
+            let path = folder.join(format!("{}-{name}.svg", args.machine));
+            fs::write(&path, svg).map_err(|e| Failure::file("write", &path, &e))?;
+            println!("{}", path.display());
+        }
+        return Ok(());
     }
     let options = evaluate::Options {
         table: args.table.clone(),
         seeds: args.seeds,
         ..Default::default()
     };
-    let report = match args.machine {
-        Machine::Excavator => evaluate::excavator(&options),
-        Machine::Loader => evaluate::loader(&options),
-    }
-    .map_err(|e| {
+    let report = machines::entry(args.machine).evaluate(&options);
+    let report = report.map_err(|e| {
         Failure::input(
             e,
             "--table",

@@ -4,7 +4,9 @@
 use std::path::Path;
 
 use config::Description;
-use messages::{Envelope, HEAD, Hop, Machine};
+use messages::channels::KEYFRAME;
+use messages::keyframe::Collector;
+use messages::{Envelope, HEAD, Hop, Keyframe, Machine, Snapshot};
 use recording::{Metadata, Reader};
 use steps::stages::{AnyStep, Pipeline, Stage};
 
@@ -13,7 +15,7 @@ use crate::cli::ReplayArgs;
 use crate::compare::{Compared, Place, Replay, compare};
 use crate::failure::Failure;
 use crate::parts::{self, envelopes};
-use crate::plan::method_key;
+use crate::plan::{method_key, state_identity};
 
 /// `heft replay`
 pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
@@ -27,14 +29,21 @@ pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
     let (mut answers, mut identical, mut unknown) = (0, 0, 0);
     for (stage, row) in Pipeline::of(description.machine()).rows() {
         let method = method(metadata, stage, &args.file)?;
+        let text = metadata.get("description").map_or("", String::as_str);
         let replay = OfRow {
+            fits: state_identity(text, stage.name, method),
             fresh: row.start(&description, method)?,
             hop: row.hop(),
             recorded: names(&reader, row.output().name),
         };
         let inputs = envelopes(&reader, row.input())?;
         let recorded = envelopes(&reader, row.output())?;
-        let result = compare(&replay, inputs, recorded);
+        let pipeline = Pipeline::of(description.machine());
+        let mine = |piece: &Keyframe| pipeline.process_name(piece.process) == stage.name;
+        let mut collector = Collector::default();
+        let pieces = reader.stream::<Keyframe>(KEYFRAME.name)?.filter(mine);
+        let states = pieces.filter_map(|piece| collector.take(&piece));
+        let result = compare(&replay, inputs, recorded, states);
         if result.answers > 0 {
             println!("{}", line(row.output().name, &result));
         }
@@ -51,7 +60,9 @@ pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
     }
     println!("{identical} of {answers} estimates are bit-identical");
     if unknown > 0 {
-        println!("{unknown} cannot be checked: the recording has a gap before them");
+        println!(
+            "{unknown} cannot be checked: the recording has a gap between them and the next state"
+        );
     }
     let different = answers - identical - unknown;
     if args.verify && different > 0 {
@@ -129,6 +140,8 @@ fn names(reader: &Reader, channel: &str) -> Vec<String> {
 
 /// A stage under comparison.
 struct OfRow {
+    /// What a recorded state must fit.
+    fits: u64,
     fresh: Box<dyn AnyStep>,
     hop: Hop,
     /// Names of the fields that the recording has: another version may know more.
@@ -142,6 +155,12 @@ impl Replay for OfRow {
 
     fn begin(&self) -> Self::Step {
         self.fresh.fork()
+    }
+
+    fn restore(&self, state: &Snapshot) -> Option<Self::Step> {
+        let mut step = self.begin();
+        let fits = state.owner.identity == self.fits && step.restore(&state.bytes);
+        fits.then_some(step)
     }
 
     fn fork(&self, step: &Self::Step) -> Self::Step {

@@ -10,10 +10,12 @@ use steps::stages::Pipeline;
 use crate::cli::{self, DescriptionArgs, RunArgs};
 use crate::failure::Failure;
 use crate::fault::Fault;
+use crate::machines;
 use crate::parts::Reserved;
 use crate::plan::Plan;
 use crate::signals::Signals;
 use crate::sources::{self, LiveInput};
+use crate::state::Memory;
 use crate::summary;
 use crate::supervisor::{End, Supervisor};
 use crate::watch::{Show, Watch};
@@ -81,7 +83,9 @@ pub fn plan(args: &RunArgs) -> Result<(Plan, PathBuf), Failure> {
     let scenario = args.scenario.as_deref();
     let mut plan = Plan {
         machine,
-        scenario: scenario.unwrap_or(sources::usual(machine)).to_owned(),
+        scenario: scenario
+            .unwrap_or(machines::entry(machine).usual_scenario())
+            .to_owned(),
         payload: args.payload,
         input: args.input.as_deref().map(input).transpose()?,
         map: args.map.as_deref().map(absolute).transpose()?,
@@ -96,6 +100,7 @@ pub fn plan(args: &RunArgs) -> Result<(Plan, PathBuf), Failure> {
         lossless: args.pace == cli::Pace::Max,
         realtime: args.rt,
         cores: cores(args),
+        restored: None,
         recording: PathBuf::new(),
         limits: args.limits.clone(),
         probe: args.probe.as_deref().map(absolute).transpose()?,
@@ -107,6 +112,17 @@ pub fn plan(args: &RunArgs) -> Result<(Plan, PathBuf), Failure> {
     let folder = absolute(&folder(args.out.as_deref(), machine.name())?)?;
     plan.recording = recording::reserve(&folder)?;
     Ok((plan, folder))
+}
+
+/// Opens the memory of earlier runs, and puts what it restores into the plan.
+fn remember(file: &Path, plan: &mut Plan) -> Result<Memory, Failure> {
+    let file = absolute(file)?;
+    let mut description = plan.description()?;
+    let (memory, said) = Memory::open(&file, &mut description, &plan.methods)?;
+    eprintln!("{said}");
+    plan.description = description.to_toml();
+    plan.restored = Some(said);
+    Ok(memory)
 }
 
 /// Warns of keys that were set and do nothing.
@@ -121,7 +137,7 @@ fn check(plan: &Plan, description: &Description) -> Result<(), Failure> {
     for (stage, row) in plan.pipeline().rows() {
         row.start(description, plan.method(stage.name))?;
     }
-    sources::check(plan)
+    machines::entry(plan.machine).check_source(plan)
 }
 
 /// The input of a run: a file, or a live source as it was named.
@@ -165,14 +181,17 @@ fn show(args: &RunArgs) -> Show {
 /// `heft run`
 pub fn run(args: &RunArgs) -> Result<(), Failure> {
     if args.scenario.as_deref() == Some("list") {
-        print!("{}", sources::scenarios(args.machine));
+        let all = machines::entry(args.machine).scenarios();
+        print!("{}", machines::scenario_lines(&all));
         return Ok(());
     }
     for name in Domain::remove_leftovers() {
         eprintln!("removed what the killed run `{name}` had left in shared memory");
     }
-    let (plan, _) = plan(args)?;
+    let (mut plan, _) = plan(args)?;
     let _reserved = Reserved(plan.recording.clone());
+    let memory = args.state.as_deref();
+    let memory = memory.map(|f| remember(f, &mut plan)).transpose()?;
     let machine = plan.machine;
     let page = args
         .view
@@ -182,12 +201,13 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     let pipeline = Pipeline::of(machine);
     let asked = args.method.as_deref().and_then(|m| pipeline.with_method(m));
     let told = asked.and_then(|stage| stage.output());
-    let watch = Watch::new(
+    let mut watch = Watch::new(
         machine,
         told.or(pipeline.main_output()),
         page.as_ref().map(|(feed, _)| feed.clone()),
         show(args),
     );
+    watch.remember(memory);
     let recording = plan.recording.clone();
     if !args.quiet || !sources::is_simulated(&plan) {
         eprintln!("{}", sources::words(&plan));

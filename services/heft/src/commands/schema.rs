@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use clap::ValueEnum;
 use messages::channels::{CHANNELS, Visitor};
-use messages::{Field, Kind, Message};
+use messages::{Field, Message, NumberType};
 
 use crate::failure::Failure;
 
@@ -79,10 +79,10 @@ impl Table {
     }
 }
 
-fn size(kind: Kind) -> usize {
+fn size(kind: NumberType) -> usize {
     match kind {
-        Kind::U32 => 4,
-        Kind::U64 | Kind::F64 => 8,
+        NumberType::U32 => 4,
+        NumberType::U64 | NumberType::F64 => 8,
     }
 }
 
@@ -139,9 +139,9 @@ fn c(table: &Table) -> String {
     let mut out = format!("\ntypedef struct heft_{name} {{\n");
     for field in table.fields {
         let kind = match field.kind {
-            Kind::U32 => "uint32_t",
-            Kind::U64 => "uint64_t",
-            Kind::F64 => "double",
+            NumberType::U32 => "uint32_t",
+            NumberType::U64 => "uint64_t",
+            NumberType::F64 => "double",
         };
         let _ = writeln!(out, "    {kind} {}; /* {} */", field.name, meaning(field));
     }
@@ -166,9 +166,9 @@ fn python(table: &Table) -> String {
     let mut out = format!("\n\nclass {name}(ctypes.Structure):\n    _fields_ = [\n");
     for field in table.fields {
         let kind = match field.kind {
-            Kind::U32 => "u32",
-            Kind::U64 => "u64",
-            Kind::F64 => "f64",
+            NumberType::U32 => "u32",
+            NumberType::U64 => "u64",
+            NumberType::F64 => "f64",
         };
         let _ = writeln!(
             out,
@@ -189,9 +189,9 @@ fn proto(table: &Table) -> String {
     let mut out = format!("\nmessage {} {{\n", table.name);
     for (n, field) in table.fields.iter().enumerate() {
         let kind = match field.kind {
-            Kind::U32 => "uint32",
-            Kind::U64 => "uint64",
-            Kind::F64 => "double",
+            NumberType::U32 => "uint32",
+            NumberType::U64 => "uint64",
+            NumberType::F64 => "double",
         };
         let _ = writeln!(
             out,

@@ -6,8 +6,9 @@ use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 use messages::channels::{Channel, of_machine};
-use messages::{Field, Machine, Message, Value, fault};
+use messages::{Field, Message, Value, fault};
 use runtime::{Ports, Sink, Taps};
+use steps::stages::Pipeline;
 
 use super::top::find;
 use crate::failure::Failure;
@@ -58,11 +59,12 @@ struct Writer {
 pub fn tail(args: &TailArgs) -> Result<(), Failure> {
     let domain = find(args.domain.as_deref())?;
     let machine = Plan::read(&domain)?.machine;
-    let name = args.channel.as_deref().unwrap_or(match machine {
-        Machine::Excavator => "excavator/inertia_ukf",
-        Machine::Loader => "loader/cg_ukf",
-    });
-    let Some(channel) = of_machine(machine).find(|c| c.name == name) else {
+    let channel = match args.channel.as_deref() {
+        Some(name) => of_machine(machine).find(|c| c.name == name),
+        None => Pipeline::of(machine).main_output(),
+    };
+    let Some(channel) = channel else {
+        let name = args.channel.as_deref().unwrap_or_default();
         let names: Vec<&str> = of_machine(machine).map(|c| c.name).collect();
         return Err(Failure::input(
             format!("the pipeline has no channel {name}"),

@@ -1,9 +1,10 @@
 //! What every excavator estimator says, as a message.
 
-use estimation::excavator::Estimate;
+use estimation::excavator::{Estimate, Reason};
 use messages::{ExcavatorEstimate, excavator_bits as bits};
 
 use crate::bits::set_bits;
+use crate::kept::{Bits, Restart};
 
 /// The message of an excavator estimate; what the method does not estimate stays 0 without its bit.
 /// `started`: a row has been accepted.
@@ -38,6 +39,17 @@ pub fn message(e: &Estimate, started: bool) -> ExcavatorEstimate {
         reason: e.reason.code(),
         ..ExcavatorEstimate::default()
     }
+}
+
+/// Says in an estimate that its process was started again, until it is trusted.
+pub(super) fn tell_restart(restart: &mut Restart, time: f64, m: &mut ExcavatorEstimate) {
+    let bits = Bits {
+        restarted: bits::RESTARTED,
+        fresh: bits::FRESH,
+        trusted: bits::TRUSTED,
+        reason: Reason::Restarted.code(),
+    };
+    restart.tell(&bits, time, &mut m.flags, &mut m.reason);
 }
 
 fn flags(e: &Estimate) -> u32 {

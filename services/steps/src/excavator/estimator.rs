@@ -5,19 +5,22 @@ use config::Excavator as Description;
 use estimation::excavator::{Columns, Method, Settings, SettingsError, SwingEstimator};
 use messages::{ExcavatorEstimate, ExcavatorSensors};
 use runtime::Step;
+use serde::{Deserialize, Serialize};
 
-use super::{columns, estimate_message, method, sample};
+use super::{columns, estimate_message, method, sample, tell_restart};
 use crate::Error;
+use crate::kept::{Restart, keeps_its_state};
 use crate::source::SourceWatch;
 
 /// One state-space method, or the choice among them.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct EstimatorStep {
     settings: Settings,
     method: Method,
     estimator: SwingEstimator,
     source: SourceWatch,
     started: bool,
+    restart: Restart,
 }
 
 impl EstimatorStep {
@@ -35,6 +38,7 @@ impl EstimatorStep {
             estimator: estimator(&settings, method, ALL).map_err(Error::settings)?,
             source: SourceWatch::default(),
             started: false,
+            restart: Restart::default(),
         })
     }
 }
@@ -77,6 +81,10 @@ impl Step for EstimatorStep {
         }
         let estimate = self.estimator.step(&sample(input));
         self.started |= !estimate.flags.refused;
-        estimate_message(&estimate, self.started)
+        let mut message = estimate_message(&estimate, self.started);
+        tell_restart(&mut self.restart, input.stamp.time, &mut message);
+        message
     }
+
+    keeps_its_state!(restart);
 }

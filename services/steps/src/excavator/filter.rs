@@ -4,13 +4,15 @@ use config::Excavator as Description;
 use estimation::excavator::{Columns, MotionFilter, Settings};
 use messages::{ExcavatorSensors, SwingMotion};
 use runtime::Step;
+use serde::{Deserialize, Serialize};
 
 use super::{columns, motion_message, sample};
 use crate::Error;
+use crate::kept::keeps_its_state;
 use crate::source::SourceWatch;
 
 /// Sensors in, swing motion out.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct FilterStep {
     settings: Settings,
     filter: MotionFilter,
@@ -55,4 +57,6 @@ impl Step for FilterStep {
         }
         motion_message(&self.filter.step(&sample(input)), input.valid)
     }
+
+    keeps_its_state!();
 }

@@ -10,6 +10,7 @@ mod sample;
 mod smooth;
 
 pub use estimate::message as estimate_message;
+use estimate::tell_restart;
 pub use estimator::EstimatorStep;
 pub use filter::FilterStep;
 pub use motion::{message as motion_message, motion};

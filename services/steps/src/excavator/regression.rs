@@ -4,19 +4,22 @@ use config::Excavator as Description;
 use estimation::excavator::{Method, Regression, Settings};
 use messages::{ExcavatorEstimate, SwingMotion};
 use runtime::Step;
+use serde::{Deserialize, Serialize};
 
-use super::{estimate_message, method, motion};
+use super::{estimate_message, method, motion, tell_restart};
 use crate::Error;
+use crate::kept::{Restart, keeps_its_state};
 use crate::source::SourceWatch;
 
 /// `multi-forgetting-rls` or `svf-rls`: swing motion in, inertia out.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct RegressionStep {
     settings: Settings,
     method: Method,
     regression: Regression,
     source: SourceWatch,
     started: bool,
+    restart: Restart,
 }
 
 impl RegressionStep {
@@ -33,6 +36,7 @@ impl RegressionStep {
             regression: Regression::new(&settings, method).map_err(Error::settings)?,
             source: SourceWatch::default(),
             started: false,
+            restart: Restart::default(),
         })
     }
 }
@@ -50,6 +54,10 @@ impl Step for RegressionStep {
         }
         let motion = motion(input);
         self.started |= !motion.refused;
-        estimate_message(&self.regression.step(&motion), self.started)
+        let mut message = estimate_message(&self.regression.step(&motion), self.started);
+        tell_restart(&mut self.restart, input.stamp.time, &mut message);
+        message
     }
+
+    keeps_its_state!(restart);
 }

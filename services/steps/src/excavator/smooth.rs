@@ -2,7 +2,7 @@
 
 use config::Excavator as Description;
 use estimation::excavator::{Settings, Smoothed, Smoother, SwingEstimator, Trail};
-use estimation::{Quantity, excavator::Geometry};
+use estimation::{HALF_WIDTH_95, Quantity, excavator::Geometry};
 use messages::{ExcavatorEstimate, ExcavatorSensors, excavator_bits as bits};
 
 use super::{columns, method, sample};
@@ -24,7 +24,7 @@ impl Past {
     pub fn put(&self, estimate: &mut ExcavatorEstimate) {
         (estimate.inertia, estimate.inertia_std) = (self.inertia.value, self.inertia.std);
         (estimate.payload, estimate.payload_std) = (self.payload.value, self.payload.std);
-        let sure = 1.96 * self.inertia.std < self.converged * self.inertia.value
+        let sure = HALF_WIDTH_95 * self.inertia.std < self.converged * self.inertia.value
             && estimate.flags & bits::CHANGING == 0;
         let set = |flags: u32, bit: u32, on: bool| if on { flags | bit } else { flags & !bit };
         let flags = set(estimate.flags, bits::CONVERGED, sure);

@@ -3,19 +3,22 @@
 //! All methods are the same step with different settings. The process `kalman` runs `ekf`, `ukf` the others.
 
 use config::Loader as Description;
-use estimation::loader::{CgEstimator, Columns, Settings};
+use estimation::loader::{CgEstimator, Columns, Reason, Settings};
 use messages::{LoaderEstimate, LoaderSensors, loader_bits as bits};
 use runtime::Step;
+use serde::{Deserialize, Serialize};
 
 use super::{estimate_message, method, sample};
 use crate::Error;
+use crate::kept::{Bits, Restart, keeps_its_state};
 
 /// Any method of the loader: sensors in, centre of gravity out.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct EstimatorStep {
     estimator: CgEstimator,
     /// For sources without an accelerometer, until the first sample says which it is.
     without_accelerometer: Option<CgEstimator>,
+    restart: Restart,
 }
 
 impl EstimatorStep {
@@ -37,6 +40,7 @@ impl EstimatorStep {
         Ok(Self {
             estimator: estimator(true)?,
             without_accelerometer: Some(estimator(false)?),
+            restart: Restart::default(),
         })
     }
 }
@@ -51,6 +55,18 @@ impl Step for EstimatorStep {
         {
             self.estimator = other;
         }
-        estimate_message(&self.estimator.step(&sample(input)))
+        let mut message = estimate_message(&self.estimator.step(&sample(input)));
+        let bits = Bits {
+            restarted: bits::RESTARTED,
+            fresh: bits::FRESH,
+            trusted: bits::TRUSTED_RATIO | bits::TRUSTED_HEIGHT,
+            reason: Reason::Restarted as u32,
+        };
+        let time = input.stamp.time;
+        let said = (&mut message.flags, &mut message.reason);
+        self.restart.tell(&bits, time, said.0, said.1);
+        message
     }
+
+    keeps_its_state!(restart);
 }

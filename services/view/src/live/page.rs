@@ -4,8 +4,8 @@ use serde_json::{Value, json};
 
 use crate::estimate::Estimate;
 use crate::plot;
-use crate::statistics::mean_chi_square_95;
 use messages::{ExcavatorEstimate, LoaderEstimate};
+use statistics::mean_chi_square_95;
 
 const PAGE: &str = include_str!("../../assets/live.html");
 const STYLE: &str = include_str!("../../assets/live.css");

@@ -7,7 +7,7 @@ use crate::number::grouped;
 use crate::plot::{Plot, Style};
 use crate::run::MachineRun;
 use crate::score::Score;
-use crate::statistics::{Histogram, Summary, normal_density};
+use statistics::{Histogram, Summary, normal_density};
 
 const BINS: usize = 32;
 

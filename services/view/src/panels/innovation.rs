@@ -8,7 +8,7 @@ use super::{Panel, TIME};
 use crate::estimate::Estimate;
 use crate::plot::{Plot, Style};
 use crate::run::{Estimator, MachineRun};
-use crate::statistics::{autocorrelation, mean_chi_square_95, moving_mean};
+use statistics::{autocorrelation, mean_chi_square_95, moving_mean};
 
 /// Lags of the autocorrelation.
 const LAGS: usize = 50;

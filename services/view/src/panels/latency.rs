@@ -4,7 +4,7 @@ use super::Panel;
 use crate::estimate::Estimate;
 use crate::plot::{Plot, Style};
 use crate::run::Estimator;
-use crate::statistics::quantile;
+use statistics::quantile;
 
 /// The sorted latencies of one hop.
 #[derive(Debug, Clone)]

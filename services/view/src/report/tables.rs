@@ -67,7 +67,10 @@ pub(super) fn stretches<E: Estimate>(body: &mut String, part: &MachineRun<E>) {
 
 /// Value ± half of the 95 % interval, a dash where there is none.
 fn interval<E, T>(parameter: &Parameter<E, T>, estimate: &E) -> String {
-    let (value, half) = (parameter.value(estimate), 1.96 * parameter.std(estimate));
+    let (value, half) = (
+        parameter.value(estimate),
+        estimation::HALF_WIDTH_95 * parameter.std(estimate),
+    );
     if value.is_finite() && half.is_finite() {
         let decimals = decimals(half);
         format!("{} ± {}", grouped(value, decimals), grouped(half, decimals))
@@ -123,7 +126,7 @@ fn comparison_row<E: Estimate>(
 ) -> String {
     let score = Score::of(part, estimator, parameter);
     let largest = |errors: &[f64]| {
-        let summary = crate::statistics::Summary::of(errors);
+        let summary = statistics::Summary::of(errors);
         summary.map_or("–".into(), |s| format!("{} %", grouped(s.max_abs, 2)))
     };
     let mean = score.summary().map_or("–".into(), |s| {

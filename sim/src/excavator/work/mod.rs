@@ -4,12 +4,14 @@
 //! Nothing here is shared with [`super::plant`]: other machines, another course of events, another
 //! integration (semi-implicit Euler at 1 ms, since springs and dry friction are in it).
 
+mod cases;
 mod duty;
 mod effects;
 mod machine;
 mod measure;
 mod size;
 
+pub use cases::cases;
 pub use effects::Effects;
 pub use measure::Work;
 pub use size::Size;

@@ -17,6 +17,7 @@ const OUTRIGHT: f64 = 18.0;
 
 /// Mean ratio of what stretches moved to what they may move.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Agreement {
     start: Option<(f64, f64)>,
     elapsed: f64,

@@ -17,6 +17,7 @@ const SETTLING: u32 = 20;
 
 /// What is known of the content after a tick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) enum Content {
     /// As before.
     Unchanged,
@@ -26,6 +27,7 @@ pub(super) enum Content {
 
 /// Follows the joints.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Bucket {
     opening: Opening,
     rate: f64,

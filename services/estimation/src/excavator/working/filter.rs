@@ -80,12 +80,14 @@ pub(super) struct Input {
 
 /// State and covariance.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Filter {
     pub(super) x: Vector,
     pub(super) p: [Vector; N],
     /// Acceleration over the last step [rad/s^2].
     pub(super) acceleration: f64,
     /// What it did in this tick, where that is kept.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(super) trail: Option<Trail>,
 }
 

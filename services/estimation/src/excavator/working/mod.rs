@@ -58,6 +58,7 @@ const DISAGREEMENT: f64 = 3.0;
 
 /// The default estimator with torque and posture.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Working {
     settings: Settings,
     doubts: Doubts,

@@ -15,6 +15,7 @@ const RANGE: [f64; 2] = [0.25, 400.0];
 
 /// Factor of the variance of the torque.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Noise {
     logarithm: f64,
     sum: f64,

@@ -47,6 +47,10 @@ const EXPECTED: f64 = 2.0;
 const LATEST: f64 = 4.0;
 /// Birge ratio beyond which the manoeuvres disagree.
 const DISAGREE: f64 = 2.0;
+/// A slip by steering or by unexplained forces that is named as the cause: a tenth of what the wheels do at work.
+const NOTED_SLIP: f64 = 0.005;
+/// An error of the slope beside its bias that is named as the cause [rad].
+const NOTED_SLOPE: f64 = 0.02;
 /// How long a change is shown [s].
 const CHANGE_SHOWN: f64 = 5.0;
 
@@ -82,6 +86,7 @@ impl<const M: usize> RowReport<M> {
 
 /// The filter with `N` states (6, 8 to 11, see [`crate::loader::cg_model`]) and `M` measurements (3, or 4 with the specific force).
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CgFilter<const N: usize, const M: usize> {
     settings: Settings,
     tuning: Tuning,
@@ -107,6 +112,7 @@ pub struct CgFilter<const N: usize, const M: usize> {
     boom_told: bool,
     relearning: Relearning,
     /// Process noise of the next step beyond the usual, by state.
+    #[cfg_attr(feature = "serde", serde(with = "crate::written"))]
     loosened: [f64; N],
     /// Force on the bucket tip measured over the last step [N].
     pub(in crate::loader) spade_force_x: f64,
@@ -248,7 +254,8 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
         self.effect = self.disturbance.update(&self.dynamics, &step, at, dt);
         let fresh = self.settings.verdict.fresh;
         if dt > self.tuning.gap || self.tuning.screened && self.evidence.torque_lost(fresh) {
-            return self.bridge_gap(sample);
+            let away = if dt > self.tuning.gap { dt } else { 0.0 };
+            return self.bridge_gap(sample, away);
         }
         let model = self.model(step.inputs, dt);
         let report = if self.printed {
@@ -523,6 +530,21 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
             at_limit: [at_limit[0], at_limit[1]],
             unknown_height: self.lifts_untold(),
             reason,
+            acts: self.acts(),
+        }
+    }
+
+    /// What acts on the machine that its model does not have.
+    fn acts(&self) -> Reason {
+        let slowed = self.disturbance.unexplained * self.filter.state[0] < 0.0;
+        if self.effect.braking || self.effect.force > NOTED_SLIP && slowed {
+            Reason::Brakes
+        } else if self.effect.turn > NOTED_SLIP {
+            Reason::Steering
+        } else if self.slope_error.size() > NOTED_SLOPE {
+            Reason::Slope
+        } else {
+            Reason::None
         }
     }
 

@@ -1,11 +1,13 @@
 //! When the filter lost its way: gaps, restarts, bounds.
 
 use super::{CgFilter, RowReport};
+use crate::loader::conditions::Conditions;
 use crate::loader::estimate::Status;
 use crate::loader::relearning::Relearning;
 use crate::loader::sample::{Sample, finite};
 use crate::loader::windup::Windup;
-use crate::root::triangularise;
+use crate::math::sqrt;
+use crate::root::{standard_deviations, triangularise};
 
 /// When every speed that comes has been rejected for this long, the filter is wrong and not the sensors [s].
 ///
@@ -38,7 +40,7 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
         }
         if self.evidence.locked_out > LOCKED_OUT {
             self.evidence.locked_out = 0.0;
-            return self.bridge_gap(sample);
+            return self.bridge_gap(sample, 0.0);
         }
         let used = report.accepted.iter().filter(|a| **a).count();
         let time_constant = self.tuning.reset.map_or(2.0, |rule| rule.time_constant);
@@ -73,19 +75,21 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
         self.evidence.restart();
         RowReport {
             status: Status::ClockSetBack,
-            ..self.bridge_gap(sample)
+            ..self.bridge_gap(sample, 0.0)
         }
     }
 
-    /// After a gap the speeds are new and independent; the parameters and their joint covariance stay.
-    pub(super) fn bridge_gap(&mut self, sample: &Sample) -> RowReport<M> {
+    /// After a gap the speeds are new and independent; the parameters and their joint covariance stay, but for what
+    /// they may have wandered while nothing was measured, for `away` [s], not beyond the prior.
+    pub(super) fn bridge_gap(&mut self, sample: &Sample, away: f64) -> RowReport<M> {
         self.anchor(sample);
+        let process = self.wandering(away);
         self.windup = Windup::default();
         let mut rows = self.filter.root.map(|row| [row]);
         for row in &mut rows[..3] {
             *row = [[0.0; N]];
         }
-        self.filter.root = triangularise(&mut rows, &[0.0; N]);
+        self.filter.root = triangularise(&mut rows, &process);
         let prior = &self.settings.prior;
         let least = [
             prior.speed_std,
@@ -96,6 +100,22 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
             self.filter.root[i][i] = least.max(3.0 * sensor);
         }
         RowReport::without_update(Status::Gap, self.frozen)
+    }
+
+    /// Process noise of the parameters over a time without rows, by state.
+    fn wandering(&self, away: f64) -> [f64; N] {
+        if away <= 0.0 {
+            return [0.0; N];
+        }
+        let usual = self.process_std(&Conditions::default(), false, away);
+        let (now, prior) = (
+            standard_deviations(&self.filter.root),
+            standard_deviations(&self.prior_root()),
+        );
+        core::array::from_fn(|i| {
+            let room = (prior[i] * prior[i] - now[i] * now[i]).max(0.0);
+            if i < 3 { 0.0 } else { usual[i].min(sqrt(room)) }
+        })
     }
 
     fn anchor(&mut self, sample: &Sample) {

@@ -4,6 +4,7 @@ use super::{SettingsError, not_negative, positive, require};
 
 /// The machine, from its data sheet and its calibration.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Machine {
     /// Mass with its load [kg]; a measured mass overrides it.
     pub mass: f64,
@@ -106,6 +107,7 @@ impl Machine {
 
 /// Standard deviations of the sensors, per sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Sensors {
     /// Speed [m/s].
     pub speed_std: f64,
@@ -160,6 +162,7 @@ impl Sensors {
 /// on top of it, the spread from machine to machine (1.5, 0.08 m, 0.03). With the guess alone the interval of the height
 /// holds the truth in 89 % of the drives in which it cannot be learnt.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Prior {
     /// Slip stiffness K.
     pub slip_stiffness: f64,

@@ -27,6 +27,7 @@ pub use verdict::Verdict;
 
 /// Everything the estimator is told.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Settings {
     /// The machine.
     pub machine: Machine,

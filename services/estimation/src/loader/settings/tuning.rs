@@ -4,6 +4,7 @@ pub use crate::loader::keys::LoadTransfer;
 
 /// How the process model is integrated over a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Integration {
     /// Linearly implicit: stable at every speed.
     #[default]
@@ -14,6 +15,7 @@ pub enum Integration {
 
 /// Process noise, standard deviation per 10 ms step; scaled with the root of the step length.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ProcessNoise {
     /// Speed [m/s].
     pub speed: f64,
@@ -37,6 +39,7 @@ pub struct ProcessNoise {
 
 /// Disturbances that act on the wheels like extra measurement noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Inflation {
     /// Relative axle-load ripple acting through the slip (cb); 0 is off.
     pub load_ripple: f64,
@@ -50,6 +53,7 @@ pub struct Inflation {
 
 /// Treatment of single innovations, in units of their predicted standard deviation.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Gates {
     /// Above: the measurement is de-weighted.
     pub soft: f64,
@@ -59,6 +63,7 @@ pub struct Gates {
 
 /// When digging holds the parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Digging {
     /// Spade force that counts as digging [N].
     pub force: f64,
@@ -72,6 +77,7 @@ pub struct Digging {
 
 /// Bounds of the estimated parameters: the mean is clamped, the covariance is not.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Clamps {
     /// Slip stiffness.
     pub slip_stiffness: (f64, f64),
@@ -92,6 +98,7 @@ impl Clamps {
 
 /// When the filter restarts by itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Reset {
     /// Running mean of the normalised innovation squared above which the covariance restarts.
     pub level: f64,
@@ -103,6 +110,7 @@ pub struct Reset {
 
 /// When the parameters are loosened because what the start taught was taken from a tangent, see `relearning`.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Relearning {
     /// The ratio is known when its standard deviation is this share of the prior's.
     pub known: f64,
@@ -112,6 +120,7 @@ pub struct Relearning {
 
 /// Numerical and statistical choices; each method has its own defaults, see [`Tuning::of`].
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Tuning {
     /// Process noise.
     pub noise: ProcessNoise,

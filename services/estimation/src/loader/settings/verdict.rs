@@ -4,6 +4,7 @@ use super::{SettingsError, not_negative, positive};
 
 /// What the report adds to the filter's standard deviations, and the limits of the verdict.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Verdict {
     /// Error of the height that cannot be learnt on line [m].
     pub cg_height_floor: f64,

@@ -175,8 +175,8 @@ fn residuals(body: &mut String, summary: &Summary<'_>, found: &Found) {
             .collect();
         let mut course = Plot::new(format!("residual, {name}"), "measurement");
         course.line("innovation / expected", Style::Series(0), &points);
-        course.level("95 %", Style::Limit, 1.96);
-        course.level("", Style::Limit, -1.96);
+        course.level("95 %", Style::Limit, estimation::HALF_WIDTH_95);
+        course.level("", Style::Limit, -estimation::HALF_WIDTH_95);
         plots.push(course);
         plots.push(histogram(&residuals, name));
     }

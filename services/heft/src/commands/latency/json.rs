@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use hdrhistogram::Histogram;
-use limits::Kind;
+use limits::Primitive;
 use serde_json::{Value, json};
 
 use super::measure::{Measured, max_us, us};
@@ -29,7 +29,7 @@ pub fn record(m: &Measured) -> Value {
         .filter(|(_, h)| !h.is_empty())
         .map(|(kind, h)| (kind.name().to_owned(), percentiles(h)))
         .collect();
-    let futex = m.limit(Kind::Futex).map(percentiles);
+    let futex = m.limit(Primitive::Futex).map(percentiles);
     let bins: Vec<Value> = m
         .end_to_end
         .iter_log(1_000, 1.25)
@@ -84,7 +84,10 @@ mod tests {
         };
         let mut measured = Measured::new(conditions).unwrap();
         measured.end_to_end.record(30_000).unwrap();
-        let futex = measured.limits.iter_mut().find(|(k, _)| *k == Kind::Futex);
+        let futex = measured
+            .limits
+            .iter_mut()
+            .find(|(k, _)| *k == Primitive::Futex);
         futex.unwrap().1.record(20_000).unwrap();
         let record = record(&measured);
         assert_eq!(record["rate"], 1_000.0);

@@ -5,7 +5,7 @@ use std::os::unix::fs::DirBuilderExt;
 use std::process::{Command, Stdio};
 
 use hdrhistogram::Histogram;
-use limits::{Kind, Options};
+use limits::{Options, Primitive};
 use runtime::{Arrival, Wake};
 
 use super::conditions::Conditions;
@@ -26,7 +26,7 @@ pub struct Measured {
     /// The last hop, to a user that waits for the iceoryx2 event instead of a bell.
     pub by_event: Histogram<u64>,
     /// The bare chains.
-    pub limits: Vec<(Kind, Histogram<u64>)>,
+    pub limits: Vec<(Primitive, Histogram<u64>)>,
     /// Samples that did not arrive.
     pub lost: u64,
 }
@@ -39,7 +39,7 @@ impl Measured {
             end_to_end: histogram()?,
             hops: [histogram()?, histogram()?, histogram()?],
             by_event: histogram()?,
-            limits: Kind::ALL
+            limits: Primitive::ALL
                 .into_iter()
                 .map(|kind| Ok((kind, histogram()?)))
                 .collect::<Result<_, Failure>>()?,
@@ -48,7 +48,7 @@ impl Measured {
     }
 
     /// What a bare chain took, where it was measured.
-    pub fn limit(&self, kind: Kind) -> Option<&Histogram<u64>> {
+    pub fn limit(&self, kind: Primitive) -> Option<&Histogram<u64>> {
         self.limits
             .iter()
             .find(|(k, h)| *k == kind && !h.is_empty())
@@ -57,7 +57,7 @@ impl Measured {
 
     /// Ours over the chain of bare futexes.
     pub fn ratio(&self, quantile: f64) -> Option<f64> {
-        let futex = us(self.limit(Kind::Futex)?, quantile);
+        let futex = us(self.limit(Primitive::Futex)?, quantile);
         (futex > 0.0).then(|| us(&self.end_to_end, quantile) / futex)
     }
 }
@@ -180,13 +180,13 @@ fn add_arrivals(result: &mut Measured, text: &str) {
 
 /// One round of a bare chain.
 fn add_limit(
-    kind: Kind,
+    kind: Primitive,
     conditions: &Conditions,
     seconds: f64,
     histogram: &mut Histogram<u64>,
 ) -> Result<(), Failure> {
     // A chain of spinners needs a core each; two processes show the cache line itself.
-    let (stages, fifo) = if kind == Kind::Spin {
+    let (stages, fifo) = if kind == Primitive::Spin {
         (2, false)
     } else {
         (STAGES, conditions.realtime)

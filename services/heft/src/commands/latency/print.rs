@@ -1,7 +1,7 @@
 //! The numbers as tables.
 
 use hdrhistogram::Histogram;
-use limits::Kind;
+use limits::Primitive;
 
 use super::conditions::Conditions;
 use super::measure::{Measured, max_us, us};
@@ -53,7 +53,7 @@ pub fn measured(m: &Measured) {
     }
     row("  rls to user, iceoryx2 event", &m.by_event);
     for (kind, h) in m.limits.iter().filter(|(_, h)| !h.is_empty()) {
-        let name = if *kind == Kind::Spin {
+        let name = if *kind == Primitive::Spin {
             "bare cache line, 1 hop"
         } else {
             &format!("bare {} chain", kind.name())

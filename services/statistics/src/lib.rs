@@ -1,6 +1,79 @@
-//! The few statistics that the plots and tables show.
+//! The statistics that tables, plots and evaluations show: one home, so that a percentile is the same
+//! number everywhere.
 
 use estimation::HALF_WIDTH_95;
+
+/// Arithmetic mean; 0 of nothing.
+#[must_use]
+pub fn mean(values: &[f64]) -> f64 {
+    if values.is_empty() {
+        0.0
+    } else {
+        values.iter().sum::<f64>() / values.len() as f64
+    }
+}
+
+/// Population standard deviation; 0 of nothing.
+#[must_use]
+pub fn deviation(values: &[f64]) -> f64 {
+    let centre = mean(values);
+    let squares: Vec<f64> = values.iter().map(|v| (v - centre).powi(2)).collect();
+    mean(&squares).sqrt()
+}
+
+/// Largest absolute value; 0 of nothing.
+#[must_use]
+pub fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |largest, v| v.abs().max(largest))
+}
+
+/// The percentile `share` (0 to 1), interpolated between neighbours; 0 of nothing.
+#[must_use]
+pub fn percentile(values: &[f64], share: f64) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    if sorted.is_empty() {
+        0.0
+    } else {
+        quantile(&sorted, share)
+    }
+}
+
+/// The median; 0 of nothing.
+#[must_use]
+pub fn median(values: &[f64]) -> f64 {
+    percentile(values, 0.5)
+}
+
+/// The 95th percentile; 0 of nothing.
+#[must_use]
+pub fn p95(values: &[f64]) -> f64 {
+    percentile(values, 0.95)
+}
+
+/// Standard error of [`mean`]; 0 of nothing.
+#[must_use]
+pub fn mean_error(values: &[f64]) -> f64 {
+    deviation(values) / (values.len().max(1) as f64).sqrt()
+}
+
+/// Standard error of [`p95`]: half the distance between the percentiles one standard deviation of the rank
+/// below and above, without a law of distribution.
+#[must_use]
+pub fn p95_error(values: &[f64]) -> f64 {
+    let rank = (0.95 * 0.05 / values.len().max(1) as f64).sqrt();
+    0.5 * (percentile(values, 0.95 + rank) - percentile(values, 0.95 - rank))
+}
+
+/// The percentage of true values; 0 of nothing.
+#[must_use]
+pub fn percentage(values: impl IntoIterator<Item = bool>) -> f64 {
+    let hits: Vec<f64> = values
+        .into_iter()
+        .map(|hit| if hit { 100.0 } else { 0.0 })
+        .collect();
+    mean(&hits)
+}
 
 /// Count, mean and standard deviation (population) of a sample, and its largest magnitude.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -173,7 +246,7 @@ mod tests {
         assert_eq!(r[0], 1.0);
         let outside = r[1..]
             .iter()
-            .filter(|v| v.abs() > 1.96 / (n as f64).sqrt())
+            .filter(|v| v.abs() > HALF_WIDTH_95 / (n as f64).sqrt())
             .count();
         assert!(
             outside <= 5,
@@ -194,5 +267,28 @@ mod tests {
     #[test]
     fn a_moving_mean_forgets_what_left_the_window() {
         assert_eq!(moving_mean(&[1.0, 3.0, 5.0, 7.0], 2), [1.0, 2.0, 4.0, 6.0]);
+    }
+
+    #[test]
+    fn percentiles_interpolate_between_neighbours() {
+        let values = [4.0, 1.0, 3.0, 2.0];
+        assert_eq!(
+            [0.0, 0.5, 1.0].map(|p| percentile(&values, p)),
+            [1.0, 2.5, 4.0]
+        );
+        assert_eq!(percentile(&[], 0.5), 0.0);
+    }
+
+    #[test]
+    fn the_deviation_is_that_of_the_population() {
+        assert_eq!(
+            (
+                mean(&[1.0, 3.0]),
+                deviation(&[1.0, 3.0]),
+                largest(&[-3.0, 1.0])
+            ),
+            (2.0, 1.0, 3.0)
+        );
+        assert_eq!(percentage([true, true, false, false]), 50.0);
     }
 }

@@ -1,42 +1,18 @@
-//! `heft evaluate --figures`: the papers' figures, drawn from our runs.
-
-use std::fs;
-use std::path::Path;
+//! The figures of the excavator's paper, drawn from our runs.
 
 use evaluate::excavator::{Point, table1};
-use messages::{LoaderEstimate, Machine};
-use runtime::{Source, answer};
-use sensor::SimulatedLoader;
 use sim::excavator::{Attachment, Geometry, Scenario};
-use steps::loader::EstimatorStep;
-use view::figures::{Curve, excavator, loader};
+use view::figures::{Curve, excavator};
 
 use crate::failure::Failure;
+use crate::machines::{Figure, SEED};
 
 /// Materials of the three cases of the excavator paper [kg].
 const CASES: [(f64, &str); 3] = [(0.0, "empty"), (288.0, "288 kg"), (423.0, "423 kg")];
 /// Postures 1 and 2 of Fig. 3: boom, arm, bucket [deg].
 const POSTURES: [[f64; 3]; 2] = [[55.0, -146.0, -85.0], [45.0, -75.0, -60.0]];
-/// Seed of every run that is drawn.
-const SEED: u64 = 1;
-
-/// Draws the figures of a machine's paper into `folder` and says what it wrote.
-pub fn draw(machine: Machine, folder: &Path) -> Result<(), Failure> {
-    let figures = match machine {
-        Machine::Excavator => excavator_figures()?,
-        Machine::Loader => loader_figures()?,
-    };
-    for (name, svg) in figures {
-        let path = folder.join(format!("{machine}-{name}.svg"));
-        fs::write(&path, svg).map_err(|e| Failure::file("write", &path, &e))?;
-        println!("{}", path.display());
-    }
-    Ok(())
-}
-
-type Figure = (String, String);
-
-fn excavator_figures() -> Result<Vec<Figure>, Failure> {
+/// Every figure of the paper.
+pub fn all() -> Result<Vec<Figure>, Failure> {
     let mut figures = vec![
         ("fig03".to_owned(), attachments()),
         ("fig08".to_owned(), working_angles()),
@@ -169,86 +145,4 @@ fn case(first: usize, name: &str, points: &[Point]) -> [String; 3] {
         excavator::updates(&(first + 1).to_string(), name, &t, &nominal, &window),
         excavator::error_distribution(&(first + 2).to_string(), name, &errors),
     ]
-}
-
-fn loader_figures() -> Result<Vec<Figure>, Failure> {
-    use sim::loader::Scenario;
-    [
-        ("fig04", "4", Scenario::Bumpy, "driving on a bumpy road"),
-        ("fig05", "5", Scenario::Spading, "spading on a bumpy road"),
-        ("fig07", "7", Scenario::ConstantTorque, "constant torque"),
-        (
-            "fig08",
-            "8",
-            Scenario::AccelDecel,
-            "acceleration and deceleration",
-        ),
-    ]
-    .into_iter()
-    .map(|(file, number, scenario, condition)| {
-        Ok((file.to_owned(), loader_figure(number, scenario, condition)?))
-    })
-    .collect()
-}
-
-/// One condition of the loader paper, by its filter and by the EKF of the same model.
-fn loader_figure(
-    number: &str,
-    scenario: sim::loader::Scenario,
-    condition: &str,
-) -> Result<String, Failure> {
-    let run = sim::loader::Run {
-        seed: SEED,
-        ..sim::loader::Run::new(scenario)
-    };
-    let mut source = SimulatedLoader::new(&run).map_err(Failure::internal)?;
-    let rows: Vec<_> = std::iter::from_fn(|| source.next()).collect();
-    // The machine of these runs is exactly known: rigid tyres.
-    let mut description = config::Loader::default();
-    description.machine.radius_load_sensitivity = 0.0;
-    let estimates = |method| -> Result<Vec<LoaderEstimate>, Failure> {
-        let mut step = EstimatorStep::new(&description, method).map_err(Failure::internal)?;
-        Ok(rows.iter().map(|(s, _)| answer(&mut step, s)).collect())
-    };
-    let (ukf, ekf) = (estimates("isr-ukf")?, estimates("ekf")?);
-
-    let wheelbase = description.machine.wheelbase;
-    let column = |f: fn(&LoaderEstimate) -> f64, of: &[LoaderEstimate]| {
-        of.iter().map(f).collect::<Vec<f64>>()
-    };
-    let t: Vec<f64> = rows.iter().map(|(s, _)| s.stamp.time).collect();
-    let torque: Vec<f64> = rows.iter().map(|(s, _)| s.front_torque).collect();
-    let speed = column(|e| e.speed, &ukf);
-    let true_speed: Vec<f64> = rows.iter().map(|(_, t)| t.speed).collect();
-    let true_distance: Vec<f64> = rows
-        .iter()
-        .map(|(_, t)| (1.0 - t.cg_ratio) * wheelbase)
-        .collect();
-    let true_height: Vec<f64> = rows.iter().map(|(_, t)| t.cg_height).collect();
-    let estimates = [("ISR-UKF", &ukf), ("EKF", &ekf)];
-    let distances = estimates.map(|(label, of)| (label, column(|e| e.cg_distance, of)));
-    let heights = estimates.map(|(label, of)| (label, column(|e| e.cg_height, of)));
-    let distance: Vec<Curve> = distances
-        .iter()
-        .map(|(label, values)| Curve { label, values })
-        .collect();
-    let height: Vec<Curve> = heights
-        .iter()
-        .map(|(label, values)| Curve { label, values })
-        .collect();
-    let series = loader::Series {
-        t: &t,
-        front_torque: &torque,
-        speed: &speed,
-        reference_speed: Some(&true_speed),
-        reference_distance: &true_distance,
-        distance: &distance,
-        reference_height: &true_height,
-        height: &height,
-    };
-    Ok(if number == "4" || number == "5" {
-        loader::driving(number, condition, &series)
-    } else {
-        loader::experiment(number, condition, &series)
-    })
 }

@@ -1,0 +1,162 @@
+//! What the command line needs of a machine beyond the tables of the libraries: a row each.
+
+mod excavator;
+mod loader;
+
+use messages::Machine;
+use runtime::{Source, Worker};
+
+use crate::failure::Failure;
+use crate::plan::Plan;
+use crate::sources;
+
+/// A figure: its name and the SVG.
+pub type Figure = (String, String);
+
+/// Seed of every run that is drawn.
+const SEED: u64 = 1;
+
+/// Everything that the command line asks of a machine.
+pub fn entry(machine: Machine) -> &'static dyn Entry {
+    match machine {
+        Machine::Excavator => &excavator::Excavator,
+        Machine::Loader => &loader::Loader,
+    }
+}
+
+/// A machine as the command line sees it.
+pub trait Entry: Sync {
+    /// What is estimated, for the help.
+    fn about(&self) -> &'static str;
+    /// The scenario of a run that names none.
+    fn usual_scenario(&self) -> &'static str;
+    /// The scenario of the demonstration.
+    fn shown_scenario(&self) -> &'static str;
+    /// Names and texts of the scenarios.
+    fn scenarios(&self) -> Vec<(String, String)>;
+    /// Whether the source of a plan can be made.
+    ///
+    /// # Errors
+    /// It cannot; says why.
+    fn check_source(&self, plan: &Plan) -> Result<(), Failure>;
+    /// Is the source of a plan until the run ends.
+    ///
+    /// # Errors
+    /// The source or a channel cannot be opened.
+    fn serve_source(&self, worker: Worker, plan: &Plan) -> Result<(), Failure>;
+    /// The tables of `heft evaluate`.
+    ///
+    /// # Errors
+    /// The table is unknown.
+    fn evaluate(&self, options: &evaluate::Options) -> Result<evaluate::Report, evaluate::Error>;
+    /// The figures of the paper.
+    ///
+    /// # Errors
+    /// A run cannot be simulated.
+    fn figures(&self) -> Result<Vec<Figure>, Failure>;
+}
+
+/// A machine with its types: what [`Entry`] is made of.
+trait Typed: Sync {
+    /// How its samples are read.
+    type Signals: recording::Machine;
+    const ABOUT: &'static str;
+    const USUAL: &'static str;
+    const SHOWN: &'static str;
+
+    /// Names and texts of the scenarios.
+    fn scenarios() -> Vec<(String, String)>;
+    /// The simulator of a plan.
+    fn simulator(
+        plan: &Plan,
+    ) -> Result<
+        impl Source<
+            Sensors = <Self::Signals as recording::Machine>::Sensors,
+            Truth = <Self::Signals as recording::Machine>::Truth,
+        >,
+        Failure,
+    >;
+    fn evaluate(options: &evaluate::Options) -> Result<evaluate::Report, evaluate::Error>;
+    fn figures() -> Result<Vec<Figure>, Failure>;
+}
+
+impl<M: Typed> Entry for M {
+    fn about(&self) -> &'static str {
+        M::ABOUT
+    }
+
+    fn usual_scenario(&self) -> &'static str {
+        M::USUAL
+    }
+
+    fn shown_scenario(&self) -> &'static str {
+        M::SHOWN
+    }
+
+    fn scenarios(&self) -> Vec<(String, String)> {
+        M::scenarios()
+    }
+
+    fn check_source(&self, plan: &Plan) -> Result<(), Failure> {
+        sources::check::<M::Signals, _>(plan, || M::simulator(plan))
+    }
+
+    fn serve_source(&self, worker: Worker, plan: &Plan) -> Result<(), Failure> {
+        sources::serve::<M::Signals, _>(worker, plan, || M::simulator(plan))
+    }
+
+    fn evaluate(&self, options: &evaluate::Options) -> Result<evaluate::Report, evaluate::Error> {
+        M::evaluate(options)
+    }
+
+    fn figures(&self) -> Result<Vec<Figure>, Failure> {
+        M::figures()
+    }
+}
+
+/// The scenarios of a machine, a line each.
+pub fn scenario_lines(all: &[(String, String)]) -> String {
+    let width = all.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
+    all.iter()
+        .map(|(name, text)| format!("    {name:<width$} {text}\n"))
+        .collect()
+}
+
+/// The scenarios that have courses of their own, then the machines at work.
+fn all_scenarios<'a>(
+    courses: &[(&str, &str)],
+    cases: impl Iterator<Item = (&'a str, &'a str)>,
+) -> Vec<(String, String)> {
+    let courses = courses
+        .iter()
+        .map(|(name, text)| ((*name).to_owned(), (*text).to_owned()));
+    let work = cases.map(|(effect, severity)| {
+        let text = if effect == "none" {
+            "dig, lift, swing, dump, return; a machine that is what its description says".to_owned()
+        } else {
+            format!("the same with {effect} {severity}")
+                .trim_end()
+                .to_owned()
+        };
+        (sim::named::scenario(effect, severity), text)
+    });
+    courses.chain(work).collect()
+}
+
+fn no_scenario(name: &str, all: &[(String, String)]) -> Failure {
+    let nearest = config::nearest(name, all.iter().map(|(n, _)| n.as_str()));
+    let hint = nearest.map_or(String::new(), |n| format!(" (did you mean `{n}`?)"));
+    Failure::input(
+        format!("there is no scenario `{name}`{hint}"),
+        "--scenario",
+        format!("choose one of\n{}", scenario_lines(all).trim_end()),
+    )
+}
+
+fn bad_run(error: impl std::fmt::Display) -> Failure {
+    Failure::input(
+        error,
+        "the simulator",
+        "choose another --rate, --duration or --payload",
+    )
+}

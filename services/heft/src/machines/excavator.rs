@@ -1,0 +1,91 @@
+//! The excavator on the command line.
+
+mod figures;
+
+use messages::{ExcavatorSensors, ExcavatorTruth};
+use runtime::Source;
+use sensor::SimulatedExcavator;
+use sim::excavator::{Effects, Run, Scenario, Size, Work, cases};
+use sim::named;
+
+use super::{Figure, Typed, all_scenarios, bad_run, no_scenario};
+use crate::failure::Failure;
+use crate::plan::Plan;
+
+pub(super) struct Excavator;
+
+impl Typed for Excavator {
+    type Signals = recording::Excavator;
+    const ABOUT: &'static str = "Swing inertia, damping, torque, payload";
+    const USUAL: &'static str = "base";
+    const SHOWN: &'static str = "cycle";
+
+    fn scenarios() -> Vec<(String, String)> {
+        let cases = cases();
+        all_scenarios(Scenario::ALL, cases.iter().map(|c| (c.0, c.1)))
+    }
+
+    fn simulator(
+        plan: &Plan,
+    ) -> Result<impl Source<Sensors = ExcavatorSensors, Truth = ExcavatorTruth>, Failure> {
+        let mut at_work = cases().into_iter();
+        if let Some((_, _, effects)) = at_work.find(|c| named::scenario(c.0, c.1) == plan.scenario)
+        {
+            return work(plan, effects);
+        }
+        let scenario = Scenario::parse(&plan.scenario)
+            .ok_or_else(|| no_scenario(&plan.scenario, &Self::scenarios()))?;
+        let mut run = Run::new(scenario);
+        (run.payload, run.rate, run.seed) = (plan.payload, plan.rate, plan.seed);
+        run.duration = plan.duration.unwrap_or(run.duration);
+        Ok(Simulated {
+            rows: SimulatedExcavator::new(&run).map_err(bad_run)?,
+            duration: f64::INFINITY,
+        })
+    }
+
+    fn evaluate(options: &evaluate::Options) -> Result<evaluate::Report, evaluate::Error> {
+        evaluate::excavator(options)
+    }
+
+    fn figures() -> Result<Vec<Figure>, Failure> {
+        figures::all()
+    }
+}
+
+/// Rate of the machines at work [Hz], and how long they work if nobody says [s].
+const WORK_RATE: f64 = 100.0;
+const WORK_DURATION: f64 = 60.0;
+
+/// The reference machine at work with these effects.
+fn work(plan: &Plan, effects: Effects) -> Result<Simulated, Failure> {
+    if plan.rate != WORK_RATE {
+        return Err(bad_run(format!(
+            "a machine at work is sampled at {WORK_RATE} Hz"
+        )));
+    }
+    if plan.payload.is_some() {
+        return Err(bad_run("a machine at work has its own loads"));
+    }
+    let work = Work::new(Size::reference(), effects, plan.seed);
+    Ok(Simulated {
+        rows: SimulatedExcavator::at_work(work),
+        duration: plan.duration.unwrap_or(WORK_DURATION),
+    })
+}
+
+/// A simulated machine, for some time.
+struct Simulated {
+    rows: SimulatedExcavator,
+    duration: f64,
+}
+
+impl Source for Simulated {
+    type Sensors = ExcavatorSensors;
+    type Truth = ExcavatorTruth;
+
+    fn next(&mut self) -> Option<(ExcavatorSensors, ExcavatorTruth)> {
+        let next = self.rows.next()?;
+        (next.0.stamp.time <= self.duration).then_some(next)
+    }
+}

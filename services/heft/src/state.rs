@@ -1,0 +1,424 @@
+//! `--state FILE`: what took long to learn and changes slowly is remembered from run to run.
+//!
+//! Only what was trusted is remembered, per parameter with its standard deviation and the day. The next run
+//! begins with it as its prior: widened for the pause, never narrower than a share of the described prior,
+//! and without a verdict. The description that a recording carries holds those priors, so a replay needs
+//! nothing else.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::io::Write;
+use std::os::unix::fs::OpenOptionsExt;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant, SystemTime};
+
+use config::Description;
+use messages::channels::Channel;
+use messages::{Message, excavator_bits, loader_bits};
+use serde::{Deserialize, Serialize};
+
+use crate::failure::Failure;
+
+/// Share of the described prior's standard deviation below which none is restored: tyres are changed,
+/// grease ages, and nobody says so.
+const LEAST_SHARE: f64 = 0.6;
+/// After a pause of this length nothing is left but the value [s]: 30 days.
+const FORGOTTEN: f64 = 30.0 * 86_400.0;
+/// Time between two writes.
+const PERIOD: Duration = Duration::from_secs(60);
+
+/// A parameter that is worth remembering: where it is estimated, and which keys restore it.
+struct Slow {
+    channel: &'static str,
+    field: &'static str,
+    std_field: &'static str,
+    /// Set when it may be remembered.
+    trusted: u32,
+    key: &'static str,
+    std_key: &'static str,
+}
+
+const fn loader(
+    field: &'static str,
+    std_field: &'static str,
+    trusted: u32,
+    keys: [&'static str; 2],
+) -> Slow {
+    Slow {
+        channel: "loader/cg_ukf",
+        field,
+        std_field,
+        trusted,
+        key: keys[0],
+        std_key: keys[1],
+    }
+}
+
+/// All of them. A content of the bucket or a load is not slow.
+const SLOW: &[Slow] = &[
+    loader(
+        "slip_stiffness",
+        "slip_stiffness_std",
+        loader_bits::TRUSTED_RATIO,
+        ["prior.slip_stiffness", "prior.slip_stiffness_std"],
+    ),
+    loader(
+        "cg_ratio",
+        "cg_ratio_std",
+        loader_bits::TRUSTED_RATIO,
+        ["prior.cg_ratio", "prior.cg_ratio_std"],
+    ),
+    loader(
+        "cg_height",
+        "cg_height_std",
+        loader_bits::TRUSTED_HEIGHT,
+        ["prior.cg_height", "prior.cg_height_std"],
+    ),
+    Slow {
+        channel: "excavator/inertia_ukf",
+        field: "damping",
+        std_field: "damping_std",
+        trusted: excavator_bits::TRUSTED,
+        key: "machine.nominal_damping",
+        std_key: "prior.damping_std",
+    },
+];
+
+/// A remembered parameter.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Remembered {
+    /// In the unit of its key.
+    value: f64,
+    /// Its standard deviation when it was last trusted.
+    std: f64,
+    /// When that was [s since 1970].
+    learnt: u64,
+}
+
+/// What the file holds.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+struct State {
+    heft: String,
+    machine: String,
+    /// Of the description without what was restored.
+    description_sha256: String,
+    /// Methods of the run, by process.
+    methods: BTreeMap<String, String>,
+    /// By the key that they restore.
+    parameters: BTreeMap<String, Remembered>,
+}
+
+/// The memory of a run.
+#[derive(Debug)]
+pub struct Memory {
+    file: PathBuf,
+    state: State,
+    written: Instant,
+    /// The last attempt failed: said once.
+    failed: bool,
+}
+
+impl Memory {
+    /// Opens the file of an earlier run, if there is one that fits, and puts what it remembers into the
+    /// description. Returns what there is to say of it, a line.
+    pub fn open(
+        file: &Path,
+        description: &mut Description,
+        methods: &BTreeMap<String, String>,
+    ) -> Result<(Self, String), Failure> {
+        let fresh = State {
+            heft: crate::build::IDENTITY.into(),
+            machine: description.machine().name().into(),
+            description_sha256: recording::sha256(description.to_toml()),
+            methods: methods.clone(),
+            parameters: BTreeMap::new(),
+        };
+        let place = file.display();
+        let (state, line) = match read(file, &fresh) {
+            Ok(Some(old)) => {
+                let said = restore(&old.parameters, now(), description)?;
+                let parameters = old.parameters;
+                (
+                    State {
+                        parameters,
+                        ..fresh
+                    },
+                    format!("{place}: {said}"),
+                )
+            }
+            Ok(None) => (fresh, format!("{place}: nothing to remember yet")),
+            Err(why) => {
+                // Kept, for whoever wants to know; never a reason not to run.
+                let aside = file.with_extension("refused.json");
+                let kept = fs::rename(file, &aside).is_ok();
+                let kept = if kept {
+                    format!("; kept as {}", aside.display())
+                } else {
+                    String::new()
+                };
+                (fresh, format!("{place}: not used: {why}{kept}"))
+            }
+        };
+        let memory = Self {
+            file: file.to_owned(),
+            state,
+            written: Instant::now(),
+            failed: false,
+        };
+        // Whoever cannot write says so before the work, not after it.
+        memory.write()?;
+        Ok((memory, line))
+    }
+
+    /// Looks at an estimate.
+    pub fn see<M: Message>(&mut self, channel: &Channel, message: &M) {
+        for slow in SLOW.iter().filter(|s| s.channel == channel.name) {
+            let number = |name| {
+                M::index(name)
+                    .and_then(|i| message.get(i))
+                    .map(messages::Value::as_f64)
+            };
+            let (Some(value), Some(std), Some(flags)) =
+                (number(slow.field), number(slow.std_field), number("flags"))
+            else {
+                continue;
+            };
+            if flags as u32 & slow.trusted != 0 && std > 0.0 && value.is_finite() && std.is_finite()
+            {
+                let learnt = now();
+                let remembered = Remembered { value, std, learnt };
+                self.state.parameters.insert(slow.key.into(), remembered);
+            }
+        }
+    }
+
+    /// Writes the file where a minute has passed.
+    pub fn tick(&mut self) {
+        if self.written.elapsed() >= PERIOD {
+            self.save();
+        }
+    }
+
+    /// Writes the file now. What cannot be written is said, once; the run goes on.
+    pub fn save(&mut self) {
+        self.written = Instant::now();
+        if let Err(failure) = self.write() {
+            if !self.failed {
+                tracing::warn!("{failure}");
+            }
+            self.failed = true;
+        }
+    }
+
+    /// In one step: at every moment there is the old state or the new one.
+    fn write(&self) -> Result<(), Failure> {
+        let text = serde_json::to_string_pretty(&self.state).map_err(Failure::internal)? + "\n";
+        let new = self
+            .file
+            .with_extension(format!("{}.new", std::process::id()));
+        let written = (|| {
+            let mut options = fs::OpenOptions::new();
+            let mut file = options
+                .write(true)
+                .create_new(true)
+                .mode(0o600)
+                .open(&new)?;
+            file.write_all(text.as_bytes())?;
+            file.sync_all()?;
+            fs::rename(&new, &self.file)
+        })();
+        written.map_err(|e| {
+            let _ = fs::remove_file(&new); // the error that is returned matters more
+            Failure::file("write", &self.file, &e)
+        })
+    }
+}
+
+/// The state in a file; `None` if there is no file. `Err`: why it does not fit this run.
+fn read(file: &Path, run: &State) -> Result<Option<State>, String> {
+    let text = match fs::read_to_string(file) {
+        Ok(text) => text,
+        Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+        Err(e) => return Err(e.to_string()),
+    };
+    let old: State = serde_json::from_str(&text).map_err(|e| format!("damaged: {e}"))?;
+    if old.machine != run.machine {
+        return Err(format!("it is of the machine {}", old.machine));
+    }
+    if old.description_sha256 != run.description_sha256 {
+        return Err("the description was changed since".into());
+    }
+    if old.methods != run.methods {
+        return Err("it was learnt by another method".into());
+    }
+    let sound = |r: &Remembered| r.value.is_finite() && r.std.is_finite() && r.std > 0.0;
+    if !old.parameters.values().all(sound) {
+        return Err("damaged: a number that is none".into());
+    }
+    Ok(Some(old))
+}
+
+/// Puts remembered parameters into a description; what was done, in words.
+fn restore(
+    parameters: &BTreeMap<String, Remembered>,
+    now: u64,
+    description: &mut Description,
+) -> Result<String, Failure> {
+    let mut said = Vec::new();
+    for slow in SLOW {
+        let (Some(old), Some(prior)) =
+            (parameters.get(slow.key), number(description, slow.std_key))
+        else {
+            continue;
+        };
+        // 0 says that it is known exactly.
+        if prior <= 0.0 {
+            continue;
+        }
+        let std = widened(old.std, prior, now.saturating_sub(old.learnt) as f64);
+        let mut restored = description.clone();
+        let set = [
+            format!("{}={}", slow.key, old.value),
+            format!("{}={}", slow.std_key, std),
+        ];
+        // Outside what the description allows: it begins from the prior.
+        if restored.set_all(&set).is_ok() {
+            *description = restored;
+            said.push(format!("{} {:.4} ± {:.2}", slow.field, old.value, std));
+        }
+    }
+    Ok(if said.is_empty() {
+        "nothing to restore".into()
+    } else {
+        format!("restored {}", said.join(", "))
+    })
+}
+
+/// Standard deviation after a pause [s]: between a share of the prior's and all of it.
+fn widened(std: f64, prior: f64, pause: f64) -> f64 {
+    let grown = std * std + prior * prior * (pause / FORGOTTEN);
+    grown.sqrt().clamp(LEAST_SHARE * prior, prior)
+}
+
+/// A number of a description by its key.
+fn number(description: &Description, key: &str) -> Option<f64> {
+    let (table, name) = key.split_once('.')?;
+    let text = description.to_toml();
+    let mut lines = text
+        .lines()
+        .skip_while(|l| l.trim() != format!("[{table}]"));
+    lines.next()?;
+    let mut own = lines.take_while(|l| !l.starts_with('['));
+    let line = own.find_map(|l| l.strip_prefix(name)?.trim_start().strip_prefix('='))?;
+    line.split('#').next()?.trim().parse().ok()
+}
+
+fn now() -> u64 {
+    let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
+    since.map_or(0, |d| d.as_secs())
+}
+
+#[cfg(test)]
+mod tests {
+    use messages::channels::LOADER_CG_UKF;
+    use messages::{LoaderEstimate, Machine};
+
+    use super::*;
+
+    fn loader() -> Description {
+        Description::default_of(Machine::Loader)
+    }
+
+    fn estimate(ratio: f64, flags: u32) -> LoaderEstimate {
+        LoaderEstimate {
+            slip_stiffness: 24.0,
+            slip_stiffness_std: 0.5,
+            cg_ratio: ratio,
+            cg_ratio_std: 0.01,
+            cg_height: 1.1,
+            cg_height_std: 0.05,
+            flags,
+            ..LoaderEstimate::default()
+        }
+    }
+
+    #[test]
+    fn what_was_trusted_is_the_prior_of_the_next_run_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("state.json");
+        let methods = BTreeMap::new();
+        let (mut memory, said) = Memory::open(&file, &mut loader(), &methods).unwrap();
+        assert!(said.contains("nothing to remember yet"), "{said}");
+        memory.see(&LOADER_CG_UKF, &estimate(0.50, 0));
+        memory.see(&LOADER_CG_UKF, &estimate(0.47, loader_bits::TRUSTED_RATIO));
+        memory.see(&LOADER_CG_UKF, &estimate(0.60, 0));
+        memory.save();
+        let text = fs::read_to_string(&file).unwrap();
+        assert!(
+            text.contains("prior.cg_ratio") && !text.contains("cg_height"),
+            "{text}"
+        );
+        let mut next = loader();
+        let (_, said) = Memory::open(&file, &mut next, &methods).unwrap();
+        assert!(said.contains("restored slip_stiffness 24"), "{said}");
+        let (before, after) = (loader(), next);
+        assert_eq!(number(&after, "prior.cg_ratio"), Some(0.47));
+        assert_eq!(
+            number(&after, "prior.cg_height"),
+            number(&before, "prior.cg_height")
+        );
+        let std = |d: &Description| number(d, "prior.cg_ratio_std").unwrap();
+        assert!(
+            (std(&after) / std(&before) - LEAST_SHARE).abs() < 1e-9,
+            "floored"
+        );
+        // The same description again: what was restored is no change of it.
+        let (_, said) = Memory::open(&file, &mut loader(), &methods).unwrap();
+        assert!(said.contains("restored"), "{said}");
+    }
+
+    #[test]
+    fn a_state_that_does_not_fit_is_kept_aside_told_and_no_reason_not_to_run() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("state.json");
+        let other = BTreeMap::from([("ukf".to_owned(), "isr-ukf".to_owned())]);
+        let mut changed = loader();
+        changed.set_all(&["machine.mass=11000"]).unwrap();
+        let cases: [(&str, &mut dyn FnMut() -> String); 4] = [
+            ("damaged", &mut || {
+                fs::write(&file, "{\"heft\": 1").unwrap();
+                Memory::open(&file, &mut loader(), &BTreeMap::new())
+                    .unwrap()
+                    .1
+            }),
+            ("another method", &mut || {
+                Memory::open(&file, &mut loader(), &other).unwrap().1
+            }),
+            ("description was changed", &mut || {
+                Memory::open(&file, &mut changed, &other).unwrap().1
+            }),
+            ("of the machine loader", &mut || {
+                let mut excavator = Description::default_of(Machine::Excavator);
+                Memory::open(&file, &mut excavator, &other).unwrap().1
+            }),
+        ];
+        for (words, open) in cases {
+            let said = open();
+            assert!(said.contains(words) && said.contains("kept as"), "{said}");
+        }
+        let refused = folder.path().join("nowhere/state.json");
+        assert!(
+            Memory::open(&refused, &mut loader(), &other).is_err(),
+            "said before the work"
+        );
+    }
+
+    #[test]
+    fn a_pause_widens_up_to_the_prior() {
+        assert_eq!(widened(0.01, 1.0, 0.0), LEAST_SHARE);
+        let week = widened(0.7, 1.0, 7.0 * 86_400.0);
+        assert!(week > 0.7 && week < 1.0, "{week}");
+        assert_eq!(widened(0.01, 1.0, 1e12), 1.0);
+        assert_eq!(widened(5.0, 1.0, 0.0), 1.0);
+    }
+}

@@ -1,0 +1,130 @@
+//! The effects one at a time, at the severities that machines have, and together.
+
+use super::effects::{Effects, PayloadTold};
+
+const NONE: Effects = Effects {
+    speed_delay: 0.0,
+    brakes: 0.0,
+    brakes_told: true,
+    steering: 0.0,
+    steering_told: true,
+    hinge: 0.0,
+    locked_drive: false,
+    slope_follows: 0.0,
+    slope_lag: 0.0,
+    gear_delay: 0.0,
+    stiffness_difference: 0.0,
+    stiffness_exponent: 0.0,
+    radius_sensitivity: 0.0,
+    payload_told: PayloadTold::All,
+};
+
+const fn late(speed_delay: f64) -> Effects {
+    Effects {
+        speed_delay,
+        ..NONE
+    }
+}
+
+const fn brakes(brakes: f64, brakes_told: bool) -> Effects {
+    Effects {
+        brakes,
+        brakes_told,
+        ..NONE
+    }
+}
+
+const fn steering(steering: f64) -> Effects {
+    Effects {
+        steering,
+        hinge: 0.1,
+        ..NONE
+    }
+}
+
+const fn payload(payload_told: PayloadTold) -> Effects {
+    Effects {
+        payload_told,
+        ..NONE
+    }
+}
+
+/// What machines at work do that their description does not say: name, severity in words, effects. The first does
+/// nothing of the kind.
+pub const CASES: [(&str, &str, Effects); 17] = [
+    ("none", "", NONE),
+    ("late speed", "30 ms", late(0.03)),
+    ("late speed", "100 ms", late(0.1)),
+    ("brakes", "20 %", brakes(0.2, true)),
+    ("brakes", "50 %", brakes(0.5, true)),
+    ("brakes, not told", "50 %", brakes(0.5, false)),
+    ("steering", "10 deg", steering(0.175)),
+    ("steering", "20 deg", steering(0.349)),
+    (
+        "locked drive",
+        "",
+        Effects {
+            locked_drive: true,
+            ..NONE
+        },
+    ),
+    (
+        "slope sensor follows",
+        "30 %, 0.2 s",
+        Effects {
+            slope_follows: 0.3,
+            slope_lag: 0.2,
+            ..NONE
+        },
+    ),
+    (
+        "gear changes late",
+        "50 ms",
+        Effects {
+            gear_delay: 0.05,
+            ..NONE
+        },
+    ),
+    (
+        "stiffness of the axles",
+        "10 %",
+        Effects {
+            stiffness_difference: 0.1,
+            ..NONE
+        },
+    ),
+    (
+        "stiffness falls with load",
+        "p .2",
+        Effects {
+            stiffness_exponent: 0.2,
+            ..NONE
+        },
+    ),
+    (
+        "radius sensitivity",
+        "+.005",
+        Effects {
+            radius_sensitivity: 0.005,
+            ..NONE
+        },
+    ),
+    ("payload", "mass told", payload(PayloadTold::Mass)),
+    ("payload", "not told", payload(PayloadTold::Nothing)),
+    (
+        "good machine",
+        "all a little",
+        Effects {
+            speed_delay: 0.02,
+            brakes: 0.15,
+            steering: 0.12,
+            hinge: 0.05,
+            slope_follows: 0.1,
+            slope_lag: 0.05,
+            stiffness_difference: 0.03,
+            stiffness_exponent: 0.05,
+            radius_sensitivity: 0.001,
+            ..NONE
+        },
+    ),
+];

@@ -1,0 +1,58 @@
+//! Names of machines at work, as the command line takes them.
+
+/// The name of the scenario of an effect: `work-slope-4-deg`, `work-torque-gain-minus-5`, `work` for none.
+pub fn scenario(effect: &str, severity: &str) -> String {
+    let text = if effect == "none" {
+        String::new()
+    } else {
+        format!("{effect} {severity}")
+    };
+    let text = text.to_lowercase().replace('+', "plus ");
+    let mut name = String::from("work");
+    for (i, word) in text.split([' ', ',']).enumerate() {
+        // A minus before a number is a word, a point before one belongs to it.
+        let word = if i > 0 {
+            word.replace('-', "minus-")
+        } else {
+            word.into()
+        };
+        let word: String = word
+            .chars()
+            .filter(|c| c.is_alphanumeric() || *c == '-' || *c == '.')
+            .collect();
+        if !word.is_empty() {
+            name.push('-');
+            name.push_str(&word);
+        }
+    }
+    name
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_machine_at_work_has_a_name_of_its_own() {
+        let excavators = crate::excavator::cases()
+            .into_iter()
+            .map(|c| scenario(c.0, c.1));
+        let loaders = crate::loader::CASES.map(|c| scenario(c.0, c.1));
+        let (mut excavators, mut loaders) = (excavators.collect::<Vec<_>>(), loaders.to_vec());
+        assert!(
+            excavators.contains(&"work-torque-gain-minus-5".to_owned()),
+            "{excavators:?}"
+        );
+        assert!(
+            excavators.contains(&"work-slope-4-deg".to_owned()),
+            "{excavators:?}"
+        );
+        for names in [&mut excavators, &mut loaders] {
+            assert_eq!(names[0], "work");
+            let all = names.len();
+            names.sort();
+            names.dedup();
+            assert_eq!(names.len(), all);
+        }
+    }
+}
