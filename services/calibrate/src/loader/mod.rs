@@ -27,7 +27,7 @@ const CLOSE: f64 = 0.05;
 /// One of so many stretches is in the first fits.
 const START_WITH: usize = 3;
 /// A told mass is wrong where it lies so many standard deviations from what the torques say.
-const DOUBTFUL: f64 = 4.0;
+const DOUBTFUL: f64 = 3.0;
 /// How free a mass is that is asked for, relative.
 const ANY_MASS: f64 = 0.5;
 
@@ -138,7 +138,7 @@ pub fn calibrate(inputs: &[Input], options: &Options<'_>) -> Result<Outcome, Str
 /// Which parameters stay as described.
 fn held(drives: &Drives, free: Option<&[String]>) -> Result<Vec<bool>, String> {
     let Some(free) = free else {
-        return Ok(vec![false; drives.roles.len()]);
+        return Ok(drives.roles.iter().map(|r| *r == Role::Friction).collect());
     };
     let mut fixed: Vec<bool> = drives.roles.iter().map(|r| r.load().is_none()).collect();
     for key in free {
@@ -195,7 +195,11 @@ fn find(outcome: &mut Outcome, options: &Options<'_>) {
     if !fit.interrupted {
         faults.extend(doubts(drives, &task, &fit));
     }
-    let held = vec![0.0; outcome.fixed.len()];
+    // The friction of the ground looks like a stiffness that falls with the load: it is held, and its tolerance counts.
+    let roles = drives.roles.iter().zip(&outcome.fixed);
+    let held: Vec<f64> = roles
+        .map(|(role, fixed)| f64::from(*role == Role::Friction && *fixed))
+        .collect();
     let minor: Vec<bool> = drives
         .roles
         .iter()

@@ -38,7 +38,7 @@ const SCALE_STD: f64 = 0.005;
 const TILTS: [f64; 4] = [0.0, 0.0, 0.12, -0.12];
 
 /// What is judged: name, role, factor from the value to the printed unit; relative to the true value where the factor is negative.
-const JUDGED: [(&str, Role, f64); 14] = [
+const JUDGED: [(&str, Role, f64); 13] = [
     ("front_radius", Role::FrontRadius, 100.0),
     ("rear_radius", Role::RearRadius, 100.0),
     ("load_sensitivity", Role::LoadSensitivity, -100.0),
@@ -47,7 +47,6 @@ const JUDGED: [(&str, Role, f64); 14] = [
     ("stiffness", Role::Stiffness, -100.0),
     ("stiffness_ratio", Role::StiffnessRatio, -100.0),
     ("load_exponent", Role::LoadExponent, 100.0),
-    ("friction", Role::Friction, -100.0),
     ("rolling_resistance", Role::Rolling, -100.0),
     ("slope_bias", Role::SlopeBias, 1e3),
     ("speed_delay", Role::SpeedDelay, 1e3),
@@ -235,7 +234,6 @@ fn one(seed: u64) -> Result<Option<Found>, Error> {
         Role::Stiffness => machine.slip_stiffness,
         Role::StiffnessRatio => 1.0 + machine.stiffness_difference,
         Role::LoadExponent => machine.stiffness_exponent,
-        Role::Friction => machine.friction,
         Role::Rolling => machine.rolling_resistance,
         Role::SlopeBias => slope_bias,
         Role::SpeedDelay => truth.effects.speed_delay,
