@@ -3,7 +3,7 @@
 mod filter;
 mod loads;
 mod result;
-pub mod series;
+mod series;
 mod start;
 mod swings;
 mod torque;

@@ -60,7 +60,7 @@ pub struct WheelDynamics {
     pub tyres: Tyres,
 }
 
-/// How the slip stiffness of an axle differs from K, as a calibration finds it (`heft calibrate`):
+/// How the slip stiffness of an axle differs from K:
 /// K_i = K q_i (F_zi/F_0)^-p with half the weight F_0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -247,7 +247,7 @@ fn sensors(grade: Grade) -> Sensors {
 }
 
 /// A row as the estimator takes it.
-pub(super) fn sample(row: &Row) -> Sample {
+fn sample(row: &Row) -> Sample {
     Sample {
         time: row.time,
         speed: Some(row.speed),
