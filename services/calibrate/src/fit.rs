@@ -236,18 +236,13 @@ fn information<M: Model>(model: &M, block: usize, place: &[f64], fixed: &[bool])
             moved[i] += by;
             at(&moved)
         };
-        let above = moved(DIFFERENCE);
-        let (below, apart) = if model.is_rough() {
-            (base.clone(), DIFFERENCE)
-        } else {
-            (moved(-DIFFERENCE), 2.0 * DIFFERENCE)
-        };
+        let (above, below) = (moved(DIFFERENCE), moved(-DIFFERENCE));
         for (k, innovation) in base.iter().enumerate() {
             let (Some(above), Some(below)) = (above.get(k), below.get(k)) else {
                 continue;
             };
-            let slope = (above.value - below.value) / apart;
-            let spread = (above.variance - below.variance) / apart;
+            let slope = (above.value - below.value) / (2.0 * DIFFERENCE);
+            let spread = (above.variance - below.variance) / (2.0 * DIFFERENCE);
             let weight = (GATE * innovation.variance.sqrt() / innovation.value.abs()).min(1.0);
             rows[(2 * k, i)] = slope * (weight / innovation.variance).sqrt();
             rows[(2 * k + 1, i)] = spread / innovation.variance * core::f64::consts::FRAC_1_SQRT_2;

@@ -29,11 +29,6 @@ pub trait Model: Sync {
     /// Whether a parameter acts on a block at all.
     fn acts(&self, parameter: usize, block: usize) -> bool;
 
-    /// Whether derivatives are one-sided: half the work, where the last digit does not count.
-    fn is_rough(&self) -> bool {
-        false
-    }
-
     /// Appends the innovations of a block at these values of the parameters; always as many, all finite,
     /// with positive variances.
     fn innovations(&self, block: usize, values: &[f64], out: &mut Vec<Innovation>);

@@ -66,9 +66,10 @@ pub enum Command {
     },
     /// Make one offline HTML page of a recording
     Report {
-        /// The recording, or its folder
-        file: PathBuf,
-        /// Page to write; the recording's name with .html if absent
+        /// The recording, or its folder; several of the same machine are compared
+        #[arg(required = true)]
+        files: Vec<PathBuf>,
+        /// Page to write; if absent the recording's name with .html, or compared.html beside the first
         #[arg(short, long)]
         output: Option<PathBuf>,
     },

@@ -38,9 +38,7 @@ fn machine(description: &Description) -> Machine {
         },
         radius_load_sensitivity: m.radius_load_sensitivity,
         radius_load_sensitivity_std: m.radius_load_sensitivity_std,
-        stiffness_ratio: m.stiffness_ratio,
         stiffness_ratio_std: m.stiffness_ratio_std,
-        stiffness_load_exponent: m.stiffness_load_exponent,
         stiffness_load_exponent_std: m.stiffness_load_exponent_std,
         relaxation_length: m.relaxation_length,
     }
@@ -53,7 +51,6 @@ fn sensors(description: &Description) -> Sensors {
         wheel_speed_std: s.wheel_speed_std,
         slope_std: s.slope_std,
         acceleration_std: s.acceleration_std,
-        torque_gains: [s.front_torque_gain, s.rear_torque_gain],
         torque_gain_std: s.torque_gain_std,
         speed_delay: s.speed_delay,
         speed_delay_std: s.speed_delay_std,
@@ -71,10 +68,8 @@ fn prior(description: &Description) -> Prior {
         cg_ratio_std: p.cg_ratio_std,
         speed_std: p.speed_std,
         wheel_speed_std: p.wheel_speed_std,
-        radius_errors: [p.front_radius_error, p.rear_radius_error],
         radius_std: p.radius_std,
         spade_force_x_std: p.spade_force_std,
-        slope_bias: p.slope_bias,
         slope_bias_std: p.slope_bias_std,
     }
 }
@@ -93,10 +88,10 @@ fn verdict(keys: &Keys) -> Verdict {
     }
 }
 
-/// `full` takes every key. The methods with six states are the paper's, exactly, or take the keys that `tuned` knows.
+/// `full` and `full-ekf` take every key. The methods with six states are the paper's, exactly, or take the keys that `tuned` knows.
 fn tuning(keys: &Keys, method: Method) -> Tuning {
     let base = match (method, keys.tuning) {
-        (Method::Full, _) => protected(keys, Tuning::product()),
+        (Method::Full | Method::FullEkf, _) => protected(keys, Tuning::product()),
         (_, keys::Tuning::Paper) => Tuning::paper(),
         (_, keys::Tuning::Tuned) => tuned(keys),
     };
