@@ -304,6 +304,9 @@ pub struct EstimateArgs {
     /// Estimates, one row per accepted row of the input (CSV)
     #[arg(short, long, value_name = "OUT.csv")]
     pub output: PathBuf,
+    /// Also let every later row speak of each moment (excavator, torque and posture)
+    #[arg(long)]
+    pub smooth: bool,
     /// Also write an HTML report
     #[arg(long, value_name = "R.html")]
     pub report: Option<PathBuf>,
