@@ -354,4 +354,21 @@ pub fn print(word: &str, seed: u64) -> Result<bool, String> {
 }
 
 /// Cells above the bound that are known, `*` for every kind.
-const KNOWN: &[(&str, &str, &str, &str)] = &[];
+const KNOWN: &[(&str, &str, &str, &str)] = &[
+    ("excavator", "auto", "swing_velocity", "gain 0.8"),
+    ("excavator", "auto", "swing_torque", "gain 0.8"),
+    ("excavator", "auto", "swing_torque", "gain 2"),
+    ("excavator", "auto", "boom_angle", "offset"),
+    ("excavator", "auto", "arm_angle", "gain 2"),
+    ("excavator", "auto", "arm_angle", "sign"),
+    ("excavator", "auto", "arm_angle", "offset"),
+    ("excavator", "auto", "bucket_angle", "sign"),
+    ("excavator", "posture-torque", "swing_velocity", "gain 0.8"),
+    ("excavator", "posture-torque", "swing_torque", "gain 0.8"),
+    ("excavator", "posture-torque", "swing_torque", "gain 2"),
+    ("excavator", "posture-torque", "boom_angle", "offset"),
+    ("excavator", "posture-torque", "arm_angle", "gain 2"),
+    ("excavator", "posture-torque", "arm_angle", "sign"),
+    ("excavator", "posture-torque", "arm_angle", "offset"),
+    ("excavator", "posture-torque", "bucket_angle", "sign"),
+];
