@@ -66,9 +66,10 @@ pub enum Command {
     },
     /// Make one offline HTML page of a recording
     Report {
-        /// The recording, or its folder
-        file: PathBuf,
-        /// Page to write; the recording's name with .html if absent
+        /// The recording, or its folder; several of the same machine are compared
+        #[arg(required = true)]
+        files: Vec<PathBuf>,
+        /// Page to write; if absent the recording's name with .html, or compared.html beside the first
         #[arg(short, long)]
         output: Option<PathBuf>,
     },
@@ -291,6 +292,9 @@ pub struct EstimateArgs {
     /// Estimates, one row per accepted row of the input (CSV)
     #[arg(short, long, value_name = "OUT.csv")]
     pub output: PathBuf,
+    /// Also let every later row speak of each moment (excavator, torque and posture)
+    #[arg(long)]
+    pub smooth: bool,
     /// Also write an HTML report
     #[arg(long, value_name = "R.html")]
     pub report: Option<PathBuf>,

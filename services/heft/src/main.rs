@@ -74,7 +74,7 @@ fn dispatch(cli: Cli) -> Result<(), Failure> {
         Command::Evaluate(args) => commands::evaluate::evaluate(&args),
         Command::Calibrate(args) => commands::calibrate::calibrate(&args),
         Command::Recover { file, output } => commands::recover::recover(&file, output.as_deref()),
-        Command::Report { file, output } => commands::report::report(&file, output.as_deref()),
+        Command::Report { files, output } => commands::report::report(&files, output.as_deref()),
         Command::Export { file, output } => commands::export::export(&file, &output),
         Command::Top { domain, once } => commands::top::top(domain.as_deref(), once),
         Command::Latency(args) => commands::latency::latency(&args),

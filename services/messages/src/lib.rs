@@ -64,4 +64,4 @@ pub const EXCAVATOR_METHODS: &[&str] = &[
 ];
 
 /// Names of the loader estimation methods, indexed by [`LoaderEstimate::method`].
-pub const LOADER_METHODS: &[&str] = &["full", "isr-ukf-printed", "isr-ukf", "ekf"];
+pub const LOADER_METHODS: &[&str] = &["full", "isr-ukf-printed", "isr-ukf", "ekf", "full-ekf"];

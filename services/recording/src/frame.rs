@@ -112,6 +112,14 @@ pub fn columns_of<E: Estimate>(estimates: &[E]) -> Vec<NamedColumn> {
         "",
         Values::Words(accepted.iter().map(method).collect()),
     ));
+    if !E::REASONS.is_empty() {
+        let reason = |e: &&E| {
+            let known = E::REASONS.get(e.reason() as usize);
+            known.map_or("", |(name, _)| *name)
+        };
+        let reasons = accepted.iter().map(reason).collect();
+        columns.push(("reason", "", Values::Words(reasons)));
+    }
     columns
 }
 

@@ -5,27 +5,6 @@ const frames = [];          // one object a frame: {t, e: {channel: estimate}, t
 const charts = new Map();   // title of the plot -> {plot, columns}
 let paused = false, dirty = false, layout = "";
 
-const byId = (id) => document.getElementById(id);
-const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
-
-// Thousands apart, as everywhere in heft.
-const grouped = (v, places) => v.toLocaleString("en", { minimumFractionDigits: places || 0, maximumFractionDigits: places === undefined ? 6 : places }).replaceAll(",", "\u00a0").replace("-", "\u2212");
-
-/** "8 257 ± 90": both with the places that two digits of the standard deviation need. */
-function rounded(v, std) {
-  if (!(std > 0)) return grouped(Number(v.toPrecision(4)));
-  const places = 1 - Math.floor(Math.log10(std)), unit = 10 ** -Math.min(places, 0);
-  const show = (x) => grouped(places < 0 ? Math.round(x / unit) * unit : x, Math.min(Math.max(places, 0), 9));
-  return show(v) + " \u00b1 " + show(std);
-}
-
-function element(tag, text, className) {
-  const e = document.createElement(tag);
-  if (text !== undefined) e.textContent = text;
-  if (className) e.className = className;
-  return e;
-}
-
 // ---- frames
 
 function add(frame) {
@@ -140,7 +119,6 @@ function make(wish, parent) {
       bands.push({ series: [at + 1, at], fill: () => colour(c.hue) + "33" });
     }
   }
-  const axis = { stroke: () => colour("--faint"), grid: { stroke: () => colour("--rule"), width: 1 }, ticks: { stroke: () => colour("--rule") }, font: "12px system-ui" };
   const options = {
     width: figure.clientWidth || 400, height: wish.wide ? 250 : 190, series, bands,
     legend: { live: true },

@@ -25,6 +25,8 @@ pub trait Estimate: Message {
     const MOTION_NAME: (&'static str, f64);
     /// Keys of the parameters that are told of each stretch of motion.
     const STRETCH: &'static [&'static str];
+    /// Keys of those whose sum over the stretches means something.
+    const SUMMED: &'static [&'static str];
 
     /// How fast the machine moves [rad/s, m/s].
     fn motion(&self) -> f64;
@@ -75,6 +77,8 @@ pub struct Parameter<E, T> {
     pub label: &'static str,
     /// Unit, as in [`messages::Field::unit`].
     pub unit: &'static str,
+    /// What it can be, in the machine as it is built; a plot's axis goes no further.
+    pub possible: (f64, f64),
     value: fn(&E) -> f64,
     std: Option<fn(&E) -> f64>,
     estimated: fn(&E) -> bool,
@@ -84,6 +88,11 @@ pub struct Parameter<E, T> {
     /// Bit that says that the motion informs about it; errors are counted there.
     pub excited: u32,
 }
+
+/// Any number.
+const ANY: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
+/// No negative number.
+const POSITIVE: (f64, f64) = (0.0, f64::INFINITY);
 
 impl<E, T> Parameter<E, T> {
     /// The value, NaN where the method does not estimate it.

@@ -15,5 +15,5 @@ pub mod stretches;
 pub mod top;
 pub mod words;
 
-pub use report::{page, report};
-pub use run::{Estimator, MachineRun, Run, lost};
+pub use report::{compared, page, report};
+pub use run::{Estimator, Input, MachineRun, Run, lost};

@@ -4,6 +4,7 @@
 //! Colours are classes (`assets/plot.css`), so that a page can follow the reader's light or dark
 //! setting; [`Plot::file`] puts the style sheet into the file itself.
 
+mod data;
 mod decimate;
 mod draw;
 mod scale;
@@ -71,6 +72,7 @@ pub struct Plot {
     y_scale: Scale,
     x_range: Option<(f64, f64)>,
     y_range: Option<(f64, f64)>,
+    y_possible: (f64, f64),
     x_names: Vec<(f64, String)>,
     y_names: Vec<(f64, String)>,
     items: Vec<Item>,
@@ -87,6 +89,7 @@ impl Plot {
             y_scale: Scale::Linear,
             x_range: None,
             y_range: None,
+            y_possible: (f64::NEG_INFINITY, f64::INFINITY),
             x_names: Vec::new(),
             y_names: Vec::new(),
             items: Vec::new(),
@@ -105,6 +108,13 @@ impl Plot {
     #[must_use]
     pub fn y_range(mut self, low: f64, high: f64) -> Self {
         self.y_range = Some((low, high));
+        self
+    }
+
+    /// What the quantity can be: no band and no margin widens the ordinate beyond it; a line may.
+    #[must_use]
+    pub fn y_possible(mut self, (low, high): (f64, f64)) -> Self {
+        self.y_possible = (low, high);
         self
     }
 
@@ -168,6 +178,18 @@ impl Plot {
         &self.title
     }
 
+    /// Label of the abscissa.
+    #[must_use]
+    pub fn x_label(&self) -> &str {
+        &self.x_label
+    }
+
+    /// The marks for the script of the report; bars and logarithmic axes are left out.
+    #[must_use]
+    pub fn data(&self) -> serde_json::Value {
+        data::of(self)
+    }
+
     /// The plot as an `<svg>` element for a page that holds [`STYLE`].
     #[must_use]
     pub fn svg(&self, width: u32, height: u32) -> String {
@@ -199,7 +221,7 @@ impl Plot {
             for item in &self.items {
                 match &item.mark {
                     Mark::Line(points) => points.iter().for_each(|p| extent.add(p.1)),
-                    Mark::Band(points) => add_band(&mut extent, points),
+                    Mark::Band(points) => add_band(&mut extent, points, self.y_possible),
                     Mark::Bars { heights, .. } => {
                         extent.add(0.0);
                         heights.iter().for_each(|&h| extent.add(h));
@@ -208,18 +230,18 @@ impl Plot {
                     Mark::Shade(_) => {}
                 }
             }
-            extent.padded()
+            extent.padded(self.y_possible)
         })
     }
 }
 
-fn add_band(extent: &mut scale::Extent, points: &[(f64, f64, f64)]) {
+fn add_band(extent: &mut scale::Extent, points: &[(f64, f64, f64)], (least, most): (f64, f64)) {
     let finite = points.iter().filter(|p| p.1.is_finite() && p.2.is_finite());
     let mut widths: Vec<_> = finite.map(|p| (p.2 - p.1, p.1, p.2)).collect();
     widths.sort_by(|a, b| a.0.total_cmp(&b.0));
     for (_, low, high) in widths.iter().take(widths.len() * 9 / 10) {
-        extent.add(*low);
-        extent.add(*high);
+        extent.add(low.max(least));
+        extent.add(high.min(most));
     }
 }
 

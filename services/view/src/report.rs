@@ -1,76 +1,77 @@
-//! The report: one HTML file that opens from disk, without script or network.
+//! The report: one HTML file that opens from disk, without network; what it says and draws is there
+//! without its script too, which only looks closer.
 
+mod compared;
 mod header;
 mod html;
+mod one_by_one;
 mod tables;
+
+use std::fmt::Write;
 
 use messages::{Health, Machine};
 
 use crate::estimate::Estimate;
 use crate::panels::{self, Panel};
+use crate::plot::Plot;
 use crate::run::{MachineRun, Run};
 
+pub use compared::compared;
 pub(crate) use tables::state_name;
-
-/// Style of the page; the plots bring their own.
-const STYLE: &str = include_str!("../assets/report.css");
 
 /// Width and height of a plot over the whole page, of half of it, and of a wide one on a phone.
 const WIDE: (u32, u32) = (900, 290);
 const HALF: (u32, u32) = (445, 250);
 const PHONE: (u32, u32) = (400, 270);
 
+/// A page in the making: its text, and the plots that its script draws again.
+#[derive(Debug, Default)]
+struct Page {
+    body: String,
+    plots: Vec<Plot>,
+}
+
 /// The report on `run`.
 #[must_use]
 pub fn report(run: &Run) -> String {
-    let mut body = String::new();
-    header::write(&mut body, run);
+    let mut page = Page::default();
+    header::write(&mut page.body, run);
     machine(
-        &mut body,
+        &mut page,
         run,
         &run.excavator,
         panels::rules::excavator(&run.excavator),
     );
     machine(
-        &mut body,
+        &mut page,
         run,
         &run.loader,
         panels::rules::loader(&run.loader),
     );
-    section(
-        &mut body,
-        "What the sensors measured",
-        panels::sensors::panels(&run.inputs),
-    );
-    tables::processes(&mut body, run);
-    tables::configuration(&mut body, run);
-    html::page(&header::title(run), &[crate::plot::STYLE, STYLE], &body)
+    let measured = panels::sensors::panels(&run.inputs);
+    page.section("What the sensors measured", measured);
+    tables::processes(&mut page.body, run);
+    tables::configuration(&mut page.body, run);
+    html::page_of_plots(&header::title(run), &page.body, &page.plots)
 }
 
 /// A page in the style of the report around a `body` that is HTML already.
 #[must_use]
 pub fn page(title: &str, body: &str) -> String {
-    html::page(title, &[crate::plot::STYLE, STYLE], body)
+    html::page(title, body)
 }
 
 /// All sections of one machine; nothing where the run has none of it.
-fn machine<E: Estimate>(body: &mut String, run: &Run, part: &MachineRun<E>, rules: Vec<Panel>) {
+fn machine<E: Estimate>(page: &mut Page, run: &Run, part: &MachineRun<E>, rules: Vec<Panel>) {
     if part.estimators.is_empty() {
         return;
     }
-    section(
-        body,
-        &format!("What the {} did", E::MACHINE),
-        panels::history::panels(part),
-    );
-    tables::stretches(body, part);
-    section(body, "Why heft trusts it, or not", rules);
-    tables::comparison(body, run, part);
-    section(
-        body,
-        "Errors against the truth",
-        panels::error::panels(part),
-    );
+    let history = panels::history::panels(part);
+    page.section(&format!("What the {} did", E::MACHINE), history);
+    one_by_one::write(&mut page.body, part);
+    page.section("Why heft trusts it, or not", rules);
+    tables::comparison(&mut page.body, run, part);
+    page.section("Errors against the truth", panels::error::panels(part));
     let motion = if E::MACHINE == Machine::Excavator {
         run.motion.as_slice()
     } else {
@@ -78,16 +79,12 @@ fn machine<E: Estimate>(body: &mut String, run: &Run, part: &MachineRun<E>, rule
     };
     // They are judged by neighbours.
     if run.thinned.is_empty() {
-        section(
-            body,
-            "Innovations",
-            panels::innovation::panels(part, motion),
-        );
+        page.section("Innovations", panels::innovation::panels(part, motion));
     }
-    latency(body, run, part);
+    latency(page, run, part);
 }
 
-fn latency<E: Estimate>(body: &mut String, run: &Run, part: &MachineRun<E>) {
+fn latency<E: Estimate>(page: &mut Page, run: &Run, part: &MachineRun<E>) {
     let mut panels = Vec::new();
     let mut rows = String::new();
     for estimator in &part.estimators {
@@ -99,46 +96,52 @@ fn latency<E: Estimate>(body: &mut String, run: &Run, part: &MachineRun<E>) {
         ));
     }
     if panels.is_empty() {
-        body.push_str("<section><h2>Latency and loss</h2><p>This run was computed in one process: no sample travelled.</p></section>");
+        page.body.push_str("<section><h2>Latency and loss</h2><p>This run was computed in one process: no sample travelled.</p></section>");
         return;
     }
-    section(body, "Latency and loss", panels);
-    tables::latency(body, run, &rows, part);
+    page.section("Latency and loss", panels);
+    tables::latency(&mut page.body, run, &rows, part);
 }
 
-fn section(body: &mut String, title: &str, panels: Vec<Panel>) {
-    if panels.is_empty() {
-        return;
+impl Page {
+    fn section(&mut self, title: &str, panels: Vec<Panel>) {
+        if panels.is_empty() {
+            return;
+        }
+        let title = html::text(title);
+        let _ = write!(self.body, "<section><h2>{title}</h2><div class=\"panels\">");
+        for panel in panels {
+            self.panel(panel);
+        }
+        self.body.push_str("</div></section>");
     }
-    body.push_str(&format!(
-        "<section><h2>{}</h2><div class=\"panels\">",
-        html::text(title)
-    ));
-    for panel in &panels {
-        write_panel(body, panel);
-    }
-    body.push_str("</div></section>");
-}
 
-fn write_panel(body: &mut String, panel: &Panel) {
-    let note = if panel.note.is_empty() {
-        String::new()
-    } else {
-        format!("<figcaption>{}</figcaption>", html::text(&panel.note))
-    };
-    if panel.wide {
-        let (wide, phone) = (
-            panel.plot.svg(WIDE.0, WIDE.1),
-            panel.plot.svg(PHONE.0, PHONE.1),
-        );
-        body.push_str(&format!(
-            "<figure class=\"wide\"><div class=\"large\">{wide}</div><div class=\"small\">{phone}</div>{note}</figure>"
-        ));
-    } else {
-        body.push_str(&format!(
-            "<figure>{}{note}</figure>",
-            panel.plot.svg(HALF.0, HALF.1)
-        ));
+    /// A plot as SVG; one over time is handed to the script too.
+    fn panel(&mut self, panel: Panel) {
+        let note = if panel.note.is_empty() {
+            String::new()
+        } else {
+            format!("<figcaption>{}</figcaption>", html::text(&panel.note))
+        };
+        let svg = |(width, height)| panel.plot.svg(width, height);
+        let place = if panel.plot.x_label() == panels::TIME {
+            format!(" data-plot=\"{}\"", self.plots.len())
+        } else {
+            String::new()
+        };
+        let _ = if panel.wide {
+            write!(
+                self.body,
+                "<figure class=\"wide\"{place}><div class=\"large\">{}</div><div class=\"small\">{}</div>{note}</figure>",
+                svg(WIDE),
+                svg(PHONE)
+            )
+        } else {
+            write!(self.body, "<figure{place}>{}{note}</figure>", svg(HALF))
+        };
+        if !place.is_empty() {
+            self.plots.push(panel.plot);
+        }
     }
 }
 

@@ -125,4 +125,13 @@ fn the_report_opens_from_disk_in_chromium() {
     );
     let loaded = driver.run("return performance.getEntriesByType('resource').length");
     assert_eq!(loaded, json!(0), "the report loads nothing");
+    let count = |of: &str| driver.run(&format!("return document.querySelectorAll('{of}').length"));
+    assert_ne!(count("figure[data-plot]"), json!(0));
+    let canvases = count("figure.drawn canvas");
+    assert_eq!(canvases, count("figure[data-plot]"), "its own script runs");
+    let ends = "return charts.map((c) => [c.plot.scales.x.min, c.plot.scales.x.max])";
+    driver.run("zoom(2, 3)");
+    let all = driver.run(ends);
+    let all = all.as_array().expect("a range for each plot");
+    assert!(all.iter().all(|range| *range == json!([2, 3])), "{all:?}");
 }

@@ -2,7 +2,7 @@
 
 mod common;
 
-use view::{Run, report};
+use view::{Run, compared, report};
 
 /// Addresses that a page could load; the only ones allowed are names of XML vocabularies.
 fn addresses(html: &str) -> Vec<&str> {
@@ -67,22 +67,66 @@ fn without_truth_there_is_no_error_but_a_verdict() {
 }
 
 #[test]
-fn the_report_loads_nothing_and_runs_no_script() {
-    for run in [
-        common::excavator(5.0, 100.0, true),
-        common::loader(5.0, 100.0, true),
-        Run::default(),
-    ] {
-        let html = report(&run);
+fn the_report_loads_nothing_and_runs_no_script_but_its_own() {
+    let mut hostile = common::excavator(5.0, 100.0, true);
+    let name = "</script><script>alert(1)</script>";
+    hostile.metadata.push(("input".into(), name.into()));
+    hostile.inputs.push(view::Input {
+        name: "</script><script>alert(2)</script>",
+        unit: "<script>",
+        points: vec![(0.0, 1.0), (1.0, 2.0)],
+    });
+    for run in [hostile, common::loader(5.0, 100.0, true), Run::default()] {
+        // Its licence line names an address, and nothing reads it.
+        let html = report(&run).replace("/*! https://github.com/leeoniya/uPlot", "");
         assert_eq!(addresses(&html), Vec::<&str>::new());
-        assert!(
-            !html.contains("<script")
-                && !html.contains("<link")
-                && !html.contains("@import")
-                && !html.contains("url(")
-        );
-        assert!(html.contains("default-src 'none'"));
+        for loader in [
+            "<link",
+            "@import",
+            "url(",
+            "src=",
+            "fetch(",
+            "alert(1)</script",
+        ] {
+            assert!(!html.contains(loader), "{loader}");
+        }
+        let drawn = html.contains("data-plot");
+        // The numbers, and the one script whose hash the policy names.
+        assert_eq!(html.matches("<script").count(), if drawn { 2 } else { 0 });
+        let policy = "content=\"default-src 'none'; style-src 'unsafe-inline'; script-src '";
+        let allowed = if drawn { "sha256-" } else { "none'\"" };
+        assert!(html.contains(&format!("{policy}{allowed}")));
     }
+}
+
+#[test]
+fn two_recordings_are_compared_with_what_differs_in_how_they_were_made() {
+    let (first, mut second) = (
+        common::excavator(20.0, 100.0, true),
+        common::excavator(20.0, 100.0, true),
+    );
+    second.metadata = vec![(
+        "config".into(),
+        "[machine]\nnominal_damping = 1400\n".into(),
+    )];
+    let runs = [("morning".into(), first), ("evening <1>".into(), second)];
+    let html = compared(&runs);
+    keep("compared.html", &html);
+    for part in [
+        "What they say",
+        "none to be seen",
+        "minus morning",
+        "evening &lt;1&gt;",
+        "20.0 s",
+        "<td>config: machine.nominal_damping</td><td>1500</td><td>1400</td>",
+    ] {
+        assert!(html.contains(part), "{part}");
+    }
+    let other = compared(&[
+        ("a".into(), common::excavator(5.0, 100.0, false)),
+        ("b".into(), common::loader(5.0, 100.0, false)),
+    ]);
+    assert!(other.contains("No two of them"));
 }
 
 #[test]

@@ -53,7 +53,7 @@ def estimate(data: Any, machine: str, config: Config = None, method: Optional[st
     Raises HeftError where the data or the description cannot be used; it says what to do.
     """
     names = set(_heft.signals(machine))
-    columns = [(name, _numbers(data[name])) for name in _names(data) if name in names]
+    columns = [(name, _numbers(name, data[name])) for name in _names(data) if name in names]
     text, settings = _description(config)
     result = _heft.estimate(machine, columns, text, settings, method)
     return _frame(result, _library(data))
@@ -92,6 +92,9 @@ def calibrate(
 
     ``payload`` and ``mass`` say what was weighed, such as ``{"full.csv": "400±5"}``. Returns what
     ``heft calibrate`` printed.
+
+    Raises HeftError, and writes nothing, where the recordings do not determine the parameters; it says
+    what is missing.
     """
     arguments = ["calibrate", machine, *(os.fspath(file) for file in recordings)]
     for option, known in (("--payload", payload), ("--mass", mass)):
@@ -113,20 +116,22 @@ def calibrate(
 def subscribe(channel: str, domain: Optional[str] = None) -> Iterator[Dict[str, Any]]:
     """The messages of a running pipeline as they come: ``for m in heft.subscribe("excavator/sensors")``.
 
-    Ends with the pipeline. Closing the iterator ends the subscription.
+    Ends with the pipeline. Closing the iterator ends the subscription. Raises HeftError where no
+    pipeline runs, or it has no such channel.
     """
     arguments = [command(), "tail", channel, "--format", "json"]
     if domain is not None:
         arguments += ["--domain", domain]
-    with subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True) as process:
-        assert process.stdout is not None
+    with subprocess.Popen(arguments, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None and process.stderr is not None
         try:
             for line in process.stdout:
                 yield json.loads(line)
+            told = process.stderr.read().strip()
         finally:
             process.terminate()
     if process.returncode not in (0, -15):
-        raise HeftError(f"heft tail {channel} ended with status {process.returncode}")
+        raise HeftError(told or f"heft tail {channel} ended with status {process.returncode}")
 
 
 def command() -> str:
@@ -141,7 +146,7 @@ def command() -> str:
 
 def _run(arguments: Iterable[str]) -> str:
     done = subprocess.run([command(), *arguments], capture_output=True, text=True)
-    if done.returncode not in (0, 1):
+    if done.returncode != 0:
         raise HeftError(done.stderr.strip() or done.stdout.strip())
     return done.stdout
 
@@ -173,15 +178,23 @@ def _library(data: Any) -> str:
     return type(data).__module__.split(".")[0]
 
 
-def _numbers(column: Any) -> bytes:
-    """A column as the bytes of its doubles."""
-    if _library(column) == "polars":
-        import polars
-
-        column = column.cast(polars.Float64).fill_null(float("nan")).to_numpy()
-    elif hasattr(column, "to_numpy"):
-        column = column.to_numpy(dtype="float64", na_value=float("nan"))
-    return np.ascontiguousarray(column, dtype="<f8").tobytes()
+def _numbers(name: str, column: Any) -> bytes:
+    """A column as the bytes of its doubles; times of day as seconds since the first of them."""
+    try:
+        if _library(column) == "polars":
+            array = column.to_numpy()
+        elif _library(column) == "pandas" and column.dtype.kind not in "Mm":
+            array = column.to_numpy(dtype="float64", na_value=float("nan"))
+        else:
+            aware = getattr(column.dtype, "tz", None) is not None if hasattr(column, "dtype") else False
+            array = np.asarray(column, dtype="datetime64[ns]" if aware else None)
+        if array.dtype.kind == "M":
+            array = array - np.nanmin(array)
+        if array.dtype.kind == "m":
+            array = array / np.timedelta64(1, "s")
+        return np.ascontiguousarray(array, dtype="<f8").tobytes()
+    except (TypeError, ValueError) as error:
+        raise HeftError(f"column {name} is not of numbers: {error}; convert it first") from None
 
 
 def _array(values: Any) -> np.ndarray:

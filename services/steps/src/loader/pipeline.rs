@@ -30,7 +30,7 @@ pub static PIPELINE: Pipeline = Pipeline {
                 input: &LOADER_SENSORS,
                 output: &LOADER_CG_EKF,
                 hop: Hop::Estimate,
-                methods: &["ekf"],
+                methods: &["full-ekf", "ekf"],
                 new: |d, method| EstimatorStep::new(loader(d)?, method),
             }),
         },

@@ -4,18 +4,19 @@ use messages::{
     EXCAVATOR_METHODS, ExcavatorEstimate, ExcavatorTruth, Machine, excavator_bits as bits,
 };
 
-use super::{Estimate, InnovationRule, Parameter};
+use super::{ANY, Estimate, InnovationRule, POSITIVE, Parameter};
 use crate::words::{self, Judgement};
 
 type Row = Parameter<ExcavatorEstimate, ExcavatorTruth>;
 
 /// A parameter without verdict; `$truth` is the field of the truth and its bit in `known`.
 macro_rules! row {
-    ($key:literal, $label:literal, $unit:literal, $value:ident, $std:expr, $bit:expr, $truth:expr) => {
+    ($key:literal, $label:literal, $unit:literal, $possible:expr, $value:ident, $std:expr, $bit:expr, $truth:expr) => {
         Row {
             key: $key,
             label: $label,
             unit: $unit,
+            possible: $possible,
             value: |e| e.$value,
             std: $std,
             estimated: |e| e.estimated & $bit != 0,
@@ -46,6 +47,7 @@ impl Estimate for ExcavatorEstimate {
                 "inertia",
                 "Swing inertia",
                 "kg m^2",
+                POSITIVE,
                 inertia,
                 Some(|e| e.inertia_std),
                 bits::INERTIA,
@@ -56,6 +58,7 @@ impl Estimate for ExcavatorEstimate {
             "payload",
             "Payload",
             "kg",
+            POSITIVE,
             payload,
             Some(|e| e.payload_std),
             bits::PAYLOAD,
@@ -65,6 +68,7 @@ impl Estimate for ExcavatorEstimate {
             "torque",
             "Torque",
             "N m",
+            ANY,
             torque,
             Some(|e| e.torque_std),
             bits::TORQUE,
@@ -74,6 +78,7 @@ impl Estimate for ExcavatorEstimate {
             "damping",
             "Damping",
             "N m s/rad",
+            POSITIVE,
             damping,
             Some(|e| e.damping_std),
             bits::DAMPING,
@@ -83,6 +88,7 @@ impl Estimate for ExcavatorEstimate {
             "friction",
             "Coulomb friction",
             "N m",
+            POSITIVE,
             friction,
             Some(|e| e.friction_std),
             bits::FRICTION,
@@ -92,6 +98,7 @@ impl Estimate for ExcavatorEstimate {
             "offset",
             "Torque offset",
             "N m",
+            ANY,
             offset,
             Some(|e| e.offset_std),
             bits::OFFSET,
@@ -101,6 +108,7 @@ impl Estimate for ExcavatorEstimate {
             "velocity",
             "Swing velocity",
             "rad/s",
+            ANY,
             velocity,
             None,
             u32::MAX,
@@ -110,6 +118,7 @@ impl Estimate for ExcavatorEstimate {
             "acceleration",
             "Swing acceleration",
             "rad/s^2",
+            ANY,
             acceleration,
             None,
             bits::ACCELERATION,
@@ -119,6 +128,7 @@ impl Estimate for ExcavatorEstimate {
 
     const MOTION_NAME: (&'static str, f64) = ("swing", 0.05);
     const STRETCH: &'static [&'static str] = &["inertia", "payload"];
+    const SUMMED: &'static [&'static str] = &["payload"];
 
     fn motion(&self) -> f64 {
         self.velocity.abs()

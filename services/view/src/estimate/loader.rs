@@ -2,17 +2,18 @@
 
 use messages::{LOADER_METHODS, LoaderEstimate, LoaderTruth, Machine, loader_bits as bits};
 
-use super::{Estimate, InnovationRule, Parameter};
+use super::{ANY, Estimate, InnovationRule, POSITIVE, Parameter};
 use crate::words::{self, Judgement};
 
 type Row = Parameter<LoaderEstimate, LoaderTruth>;
 
 macro_rules! row {
-    ($key:literal, $label:literal, $unit:literal, $value:ident, $std:expr, $bit:expr, $truth:expr) => {
+    ($key:literal, $label:literal, $unit:literal, $possible:expr, $value:ident, $std:expr, $bit:expr, $truth:expr) => {
         Row {
             key: $key,
             label: $label,
             unit: $unit,
+            possible: $possible,
             value: |e| e.$value,
             std: $std,
             estimated: |e| e.estimated & $bit != 0,
@@ -43,6 +44,7 @@ impl Estimate for LoaderEstimate {
                 "cg_ratio",
                 "Share of the weight on the front axle",
                 "",
+                (0.0, 1.0),
                 cg_ratio,
                 Some(|e| e.cg_ratio_std),
                 bits::STATE,
@@ -56,6 +58,7 @@ impl Estimate for LoaderEstimate {
                 "cg_height",
                 "Height of the centre of gravity",
                 "m",
+                POSITIVE,
                 cg_height,
                 Some(|e| e.cg_height_std),
                 bits::STATE,
@@ -66,6 +69,7 @@ impl Estimate for LoaderEstimate {
             "slip_stiffness",
             "Tyre slip stiffness",
             "",
+            POSITIVE,
             slip_stiffness,
             Some(|e| e.slip_stiffness_std),
             bits::STATE,
@@ -75,6 +79,7 @@ impl Estimate for LoaderEstimate {
             "spade_force_x",
             "Horizontal spade force",
             "N",
+            ANY,
             spade_force_x,
             Some(|e| e.spade_force_x_std),
             bits::ESTIMATED_SPADE_FORCE_X,
@@ -84,6 +89,7 @@ impl Estimate for LoaderEstimate {
             "speed",
             "Speed",
             "m/s",
+            ANY,
             speed,
             None,
             bits::STATE,
@@ -93,6 +99,7 @@ impl Estimate for LoaderEstimate {
             "slope_bias",
             "Bias of the slope sensor",
             "rad",
+            ANY,
             slope_bias,
             None,
             bits::SLOPE_BIAS,
@@ -102,6 +109,7 @@ impl Estimate for LoaderEstimate {
             "front_radius_scale",
             "Front rolling radius over nominal",
             "",
+            POSITIVE,
             front_radius_scale,
             None,
             bits::RADIUS_SCALES,
@@ -111,6 +119,7 @@ impl Estimate for LoaderEstimate {
             "rear_radius_scale",
             "Rear rolling radius over nominal",
             "",
+            POSITIVE,
             rear_radius_scale,
             None,
             bits::RADIUS_SCALES,
@@ -120,6 +129,7 @@ impl Estimate for LoaderEstimate {
 
     const MOTION_NAME: (&'static str, f64) = ("drive", 0.3);
     const STRETCH: &'static [&'static str] = &["cg_ratio", "cg_height"];
+    const SUMMED: &'static [&'static str] = &[];
 
     fn motion(&self) -> f64 {
         self.speed.abs()

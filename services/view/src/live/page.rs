@@ -10,6 +10,7 @@ use statistics::mean_chi_square_95;
 const PAGE: &str = include_str!("../../assets/live.html");
 const STYLE: &str = include_str!("../../assets/live.css");
 const REPORT_STYLE: &str = include_str!("../../assets/report.css");
+const COMMON: &str = include_str!("../../assets/common.js");
 const SCRIPT: &str = include_str!("../../assets/live.js");
 const UPLOT: &str = include_str!("../../assets/uPlot.iife.min.js");
 const UPLOT_STYLE: &str = include_str!("../../assets/uPlot.min.css");
@@ -26,11 +27,11 @@ pub(super) fn page() -> String {
     });
     PAGE.replace(
         "/*STYLE*/",
-        &[plot::STYLE, REPORT_STYLE, UPLOT_STYLE, STYLE].concat(),
+        &[plot::STYLE, UPLOT_STYLE, REPORT_STYLE, STYLE].concat(),
     )
     .replace("/*UPLOT*/", UPLOT)
     .replace("/*DEFINITIONS*/", &definitions.to_string())
-    .replace("/*SCRIPT*/", SCRIPT)
+    .replace("/*SCRIPT*/", &[COMMON, SCRIPT].concat())
 }
 
 fn definition<E: Estimate>() -> Value {

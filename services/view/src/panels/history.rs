@@ -21,7 +21,7 @@ fn panel<E: Estimate>(run: &MachineRun<E>, parameter: &Parameter<E, E::Truth>) -
     if estimators.is_empty() {
         return None;
     }
-    let mut plot = Plot::new(parameter.title(), TIME);
+    let mut plot = Plot::new(parameter.title(), TIME).y_possible(parameter.possible);
     if let Some(primary) = run.primary().filter(|_| parameter.headline()) {
         let trusted = |e: &E| e.flags() & parameter.trusted != 0;
         let spans = spans(&primary.estimates, |e| e.stamp().time, trusted);

@@ -52,7 +52,7 @@ fn size_panel<E: Estimate>(run: &MachineRun<E>, judged: &[&Estimator<E>]) -> Pan
         "Normalised innovation squared, mean of {} samples [–]",
         rule.window
     );
-    let mut plot = Plot::new(title, TIME);
+    let mut plot = Plot::new(title, TIME).y_possible((0.0, f64::INFINITY));
     let (low, high) = mean_chi_square_95(rule.window as f64 * rule.measurements);
     let mut ends = (f64::INFINITY, f64::NEG_INFINITY);
     for estimator in judged {
@@ -101,7 +101,8 @@ struct Whiteness {
 
 impl Whiteness {
     fn new() -> Self {
-        let plot = Plot::new("Autocorrelation of the innovations [–]", "Lag [samples]");
+        let plot = Plot::new("Autocorrelation of the innovations [–]", "Lag [samples]")
+            .y_possible((-1.0, 1.0));
         Self {
             plot,
             fewest: usize::MAX,

@@ -122,8 +122,10 @@ fn forgetting(estimator: &Estimator<ExcavatorEstimate>) -> Option<Panel> {
 fn activity(estimator: &Estimator<ExcavatorEstimate>) -> Option<Panel> {
     let acts = |e: &ExcavatorEstimate| e.flags & (x::NOMINAL | x::WINDOW) != 0;
     estimator.estimates.iter().any(acts).then(|| {
-        let title = format!("Updating rules, 1 = acts: {}", estimator.method());
-        let mut plot = Plot::new(title, TIME).y_range(-0.1, 1.1);
+        let title = format!("Updating rules: {}", estimator.method());
+        let mut plot = Plot::new(title, TIME)
+            .y_range(-0.1, 1.1)
+            .y_names(vec![(0.0, "rests".into()), (1.0, "acts".into())]);
         let rules = [
             ("nominal damping", x::NOMINAL),
             ("change window", x::WINDOW),

@@ -8,8 +8,12 @@ use crate::run::Input;
 /// A panel for each unit, with a line for each signal that has a value.
 #[must_use]
 pub fn panels(inputs: &[Input]) -> Vec<Panel> {
-    let mut units: Vec<&str> = inputs.iter().map(|input| input.unit).collect();
-    units.dedup();
+    let mut units: Vec<&str> = Vec::new();
+    for input in inputs {
+        if !units.contains(&input.unit) {
+            units.push(input.unit);
+        }
+    }
     units.into_iter().map(|unit| panel(inputs, unit)).collect()
 }
 

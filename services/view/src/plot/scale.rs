@@ -82,13 +82,19 @@ impl Extent {
         }
     }
 
-    /// The same with 5 % of room at both ends; zero stays an end where it is one.
-    pub(super) fn padded(&self) -> (f64, f64) {
+    /// The same with 5 % of room at both ends; zero stays an end where it is one, and so does the
+    /// least and the largest value that is `possible`.
+    pub(super) fn padded(&self, possible: (f64, f64)) -> (f64, f64) {
         let (low, high) = self.plain();
         match self.scale {
             Scale::Linear => {
                 let room = 0.05 * (high - low);
-                (if low == 0.0 { 0.0 } else { low - room }, high + room)
+                let from = if low == 0.0 { 0.0 } else { low - room };
+                // Values beyond what is possible are shown nevertheless.
+                (
+                    from.max(possible.0.min(low)),
+                    (high + room).min(possible.1.max(high)),
+                )
             }
             Scale::Logarithmic => (low, high * (high / low).powf(0.05)),
         }

@@ -25,22 +25,7 @@ pub(super) fn title(run: &Run) -> String {
 
 pub(super) fn write(body: &mut String, run: &Run) {
     let _ = write!(body, "<header><h1>{}</h1>", text(&title(run)));
-    let facts = [
-        ("scenario", "scenario "),
-        ("input", "input "),
-        ("payload_kg", "payload [kg] "),
-        ("seed", "seed "),
-        ("heft.version", "heft "),
-        ("wall_clock.start", "begun "),
-        ("wall_clock.jumps", "wall clock jumped by "),
-        ("host", "host "),
-    ];
-    let known = facts.iter().filter_map(|(key, words)| {
-        run.metadata(key)
-            .map(|value| format!("{words}{}", text(value)))
-    });
-    let mut line: Vec<_> = known.collect();
-    line.extend(duration(run));
+    let line = facts(run);
     if !line.is_empty() {
         let _ = write!(body, "<p class=\"facts\">{}</p>", line.join(" · "));
     }
@@ -67,6 +52,27 @@ pub(super) fn write(body: &mut String, run: &Run) {
     machine(body, &run.excavator);
     machine(body, &run.loader);
     body.push_str("</header>");
+}
+
+/// When, where and with what it was made, and how long it is, as HTML.
+pub(super) fn facts(run: &Run) -> Vec<String> {
+    let facts = [
+        ("scenario", "scenario "),
+        ("input", "input "),
+        ("payload_kg", "payload [kg] "),
+        ("seed", "seed "),
+        ("heft.version", "heft "),
+        ("wall_clock.start", "begun "),
+        ("wall_clock.jumps", "wall clock jumped by "),
+        ("host", "host "),
+    ];
+    let known = facts.iter().filter_map(|(key, words)| {
+        run.metadata(key)
+            .map(|value| format!("{words}{}", text(value)))
+    });
+    let mut line: Vec<_> = known.collect();
+    line.extend(duration(run));
+    line
 }
 
 /// From the first estimate to the last.

@@ -8,83 +8,17 @@ use steps::stages::Pipeline;
 use super::html::{row, table, text};
 use super::last_health;
 use crate::estimate::{Estimate, Parameter};
-use crate::number::{decimals, grouped, nanoseconds};
+use crate::number::{grouped, nanoseconds};
 use crate::panels::latency::Hop;
 use crate::run::{self, Estimator, MachineRun, Run};
 use crate::score::Score;
-use crate::stretches;
-use crate::words::Judgement;
 
 /// Share in percent, a dash where there is none.
-fn percent(share: f64) -> String {
+pub(super) fn percent(share: f64) -> String {
     if share.is_finite() {
         format!("{} %", grouped(100.0 * share, 1))
     } else {
         "–".into()
-    }
-}
-
-/// A row for each stretch of motion of the estimator that is told first.
-pub(super) fn stretches<E: Estimate>(body: &mut String, part: &MachineRun<E>) {
-    let Some(primary) = part.primary() else {
-        return;
-    };
-    let (name, least) = E::MOTION_NAME;
-    let found = stretches::stretches(&primary.estimates, E::motion, least);
-    if found.is_empty() {
-        return;
-    }
-    let shown = |key: &&str| E::PARAMETERS.iter().find(|p| p.key == *key);
-    let shown: Vec<_> = E::STRETCH.iter().filter_map(shown).collect();
-    let titles: Vec<String> = shown
-        .iter()
-        .map(|p| format!("{}, 95 %", p.title()))
-        .collect();
-    let mut head = vec![name, "start", "duration"];
-    head.extend(titles.iter().map(String::as_str));
-    head.push("verdict");
-    let mut rows = String::new();
-    for (i, stretch) in found.iter().enumerate() {
-        let estimate = &primary.estimates[stretch.index];
-        let mut cells = vec![
-            (i + 1).to_string(),
-            format!("{} s", grouped(stretch.start, 1)),
-            format!("{} s", grouped(stretch.duration, 1)),
-        ];
-        cells.extend(shown.iter().map(|p| interval(p, estimate)));
-        let verdicts = stretch.told.iter().map(|j| text(&brief(j)));
-        cells.push(verdicts.collect::<Vec<_>>().join("<br>"));
-        rows.push_str(&row(&cells));
-    }
-    let _ = write!(
-        body,
-        "<section><h2>One by one</h2>{}<p class=\"note\">By {}: the last value that heft trusted within each {name}, \
-         else the last one, ± half the 95 % interval.</p></section>",
-        table(1, &head, &rows),
-        primary.method()
-    );
-}
-
-/// Value ± half of the 95 % interval, a dash where there is none.
-fn interval<E, T>(parameter: &Parameter<E, T>, estimate: &E) -> String {
-    let (value, half) = (
-        parameter.value(estimate),
-        estimation::HALF_WIDTH_95 * parameter.std(estimate),
-    );
-    if value.is_finite() && half.is_finite() {
-        let decimals = decimals(half);
-        format!("{} ± {}", grouped(value, decimals), grouped(half, decimals))
-    } else {
-        "–".into()
-    }
-}
-
-/// "trusted", or why not.
-fn brief(judgement: &Judgement) -> String {
-    if judgement.trusted {
-        "trusted".into()
-    } else {
-        format!("not trusted: {}", judgement.reasons.join("; "))
     }
 }
 

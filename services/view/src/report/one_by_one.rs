@@ -1,0 +1,141 @@
+//! A row for each swing or drive, and what they come to together.
+
+use std::fmt::Write;
+
+use estimation::HALF_WIDTH_95;
+
+use super::html::{row, table, text};
+use crate::estimate::{Estimate, Parameter};
+use crate::number::{decimals, grouped, unit};
+use crate::run::MachineRun;
+use crate::stretches::{Stretch, stretches};
+use crate::words::Judgement;
+
+/// A row for each stretch of motion of the estimator that is told first.
+pub(super) fn write<E: Estimate>(body: &mut String, part: &MachineRun<E>) {
+    let Some(primary) = part.primary() else {
+        return;
+    };
+    let (name, least) = E::MOTION_NAME;
+    let found = stretches(&primary.estimates, E::motion, least);
+    if found.is_empty() {
+        return;
+    }
+    let shown: Vec<_> = E::STRETCH
+        .iter()
+        .filter_map(|key| parameter::<E>(key))
+        .collect();
+    let titles: Vec<String> = shown
+        .iter()
+        .map(|p| format!("{}, 95 %", p.title()))
+        .collect();
+    let mut head = vec![name, "start", "duration"];
+    head.extend(titles.iter().map(String::as_str));
+    head.push("verdict");
+    let mut rows = String::new();
+    for (i, stretch) in found.iter().enumerate() {
+        let estimate = &primary.estimates[stretch.index];
+        let mut cells = vec![
+            (i + 1).to_string(),
+            format!("{} s", grouped(stretch.start, 1)),
+            format!("{} s", grouped(stretch.duration, 1)),
+        ];
+        cells.extend(shown.iter().map(|p| interval(p, estimate)));
+        let verdicts = stretch.told.iter().map(|j| text(&brief(j)));
+        cells.push(verdicts.collect::<Vec<_>>().join("<br>"));
+        rows.push_str(&row(&cells));
+    }
+    let _ = write!(
+        body,
+        "<section><h2>One by one</h2>{}<p>{}</p><p class=\"note\">By {}: the last value that heft trusted within each {name}, \
+         else the last one, ± half the 95 % interval.</p></section>",
+        table(1, &head, &rows),
+        together(&primary.estimates, &found),
+        primary.method()
+    );
+}
+
+fn parameter<E: Estimate>(key: &str) -> Option<&'static Parameter<E, E::Truth>> {
+    E::PARAMETERS.iter().find(|p| p.key == key)
+}
+
+/// How many, how long, and the sum of what can be summed.
+fn together<E: Estimate>(estimates: &[E], found: &[Stretch]) -> String {
+    let (name, _) = E::MOTION_NAME;
+    let trusted = |stretch: &&Stretch| stretch.told.iter().all(|judgement| judgement.trusted);
+    let duration: f64 = found.iter().map(|s| s.duration).sum();
+    let good: Vec<&Stretch> = found.iter().filter(trusted).collect();
+    let mut out = format!(
+        "Together: {} {name}{}, {} s of motion, {} trusted.",
+        found.len(),
+        if found.len() == 1 { "" } else { "s" },
+        grouped(duration, 1),
+        good.len()
+    );
+    for parameter in E::SUMMED.iter().filter_map(|key| parameter::<E>(key)) {
+        let at = |s: &&Stretch| estimates.get(s.index);
+        let values = good.iter().filter_map(at);
+        let values = values.map(|e| (parameter.value(e), parameter.std(e)));
+        let known: Vec<(f64, f64)> = values
+            .filter(|(value, std)| value.is_finite() && std.is_finite())
+            .collect();
+        if known.len() > 1 {
+            out += &sum(parameter.label, parameter.unit, name, &known);
+        }
+    }
+    out
+}
+
+/// The sum with its two intervals: noise averages out over the stretches, while an error of the
+/// description (a nominal damping, a geometry) is the same in each. A standard deviation does not say how
+/// much of it is which, so both ends are told.
+fn sum(label: &str, of: &str, name: &str, known: &[(f64, f64)]) -> String {
+    let value: f64 = known.iter().map(|k| k.0).sum();
+    let apart = HALF_WIDTH_95 * known.iter().map(|k| k.1 * k.1).sum::<f64>().sqrt();
+    let alike = HALF_WIDTH_95 * known.iter().map(|k| k.1).sum::<f64>();
+    let places = decimals(apart);
+    format!(
+        " {label} of the trusted ones, summed: {}\u{a0}{}, 95\u{a0}% ± {} where the errors of the {name}s are independent, \
+         ± {} where they are all alike, as those of the description are.",
+        grouped(value, places),
+        unit(of),
+        grouped(apart, places),
+        grouped(alike, places),
+    )
+}
+
+/// Value ± half of the 95 % interval, a dash where there is none.
+pub(super) fn interval<E, T>(parameter: &Parameter<E, T>, estimate: &E) -> String {
+    let value = parameter.value(estimate);
+    let half = HALF_WIDTH_95 * parameter.std(estimate);
+    if value.is_finite() && half.is_finite() {
+        let decimals = decimals(half);
+        format!("{} ± {}", grouped(value, decimals), grouped(half, decimals))
+    } else {
+        "–".into()
+    }
+}
+
+/// "trusted", or why not.
+pub(super) fn brief(judgement: &Judgement) -> String {
+    if judgement.trusted {
+        "trusted".into()
+    } else {
+        format!("not trusted: {}", judgement.reasons.join("; "))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::number::GROUP;
+
+    #[test]
+    fn a_sum_tells_independent_and_common_errors_apart() {
+        let text = sum("Payload", "kg", "swing", &[(300.0, 10.0), (400.0, 10.0)]);
+        let text = text.replace(GROUP, " ");
+        // 1.96 sqrt(2) 10 and 1.96 2 10.
+        assert!(text.contains("700 kg, 95 % ± 28 where"), "{text}");
+        assert!(text.contains("± 39 where they are all alike"), "{text}");
+    }
+}
