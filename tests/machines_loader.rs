@@ -1,4 +1,4 @@
-//! Eight loaders that are not our simulator: of what they call trusted, at most one row of twenty is wrong.
+//! Eight loaders that are not our simulator, by sigma points and by the tangent: of what they call trusted, at most one row of twenty is wrong.
 //!
 //! The recordings and the settings that a competent user states are in `golden/machines`. A trusted row is
 //! wrong if its 95 % interval misses the truth or the value is more than 10 % off.
@@ -17,7 +17,7 @@ fn folder() -> PathBuf {
 }
 
 /// Tallies of ratio and height over a recording, with the estimator as `heft estimate` makes it.
-fn tallies(name: &str, sets: &serde_json::Value) -> [Tally; 2] {
+fn tallies(name: &str, sets: &serde_json::Value, method: Method) -> [Tally; 2] {
     let sets = sets.as_object().expect("settings by key");
     let sets: Vec<String> = sets
         .iter()
@@ -25,12 +25,12 @@ fn tallies(name: &str, sets: &serde_json::Value) -> [Tally; 2] {
         .collect();
     let mut description = config::Loader::default();
     description.set_all(&sets).expect("settings that exist");
-    let settings = Settings::of(&description, Method::Full);
+    let settings = Settings::of(&description, method);
     let columns = Columns {
         acceleration: true,
         ..Columns::default()
     };
-    let mut estimator = CgEstimator::new(&settings, Method::Full, columns).expect("an estimator");
+    let mut estimator = CgEstimator::new(&settings, method, columns).expect("an estimator");
 
     let text = std::fs::read_to_string(folder().join(format!("{name}.csv"))).expect("a recording");
     let mut lines = text.lines().map(|line| line.split(',').collect::<Vec<_>>());
@@ -83,11 +83,14 @@ fn what_is_trusted_on_other_machines_is_right_and_the_interval_holds_all_the_tim
     let recordings: serde_json::Map<String, serde_json::Value> =
         serde_json::from_str(&text).expect("JSON");
     let mut failed = Vec::new();
-    for (name, about) in recordings {
-        let [ratio, height] = tallies(&name, &about["sets"]);
+    for ((name, about), method) in recordings
+        .iter()
+        .flat_map(|recording| [Method::Full, Method::FullEkf].map(|method| (recording, method)))
+    {
+        let [ratio, height] = tallies(name, &about["sets"], method);
         for (what, found) in [("ratio", ratio), ("height", height)] {
             let said = format!(
-                "{name}, {what}: trusted {:.2} wrong {:.3} rms {:.2} % covered {:.3}",
+                "{name}, {method}, {what}: trusted {:.2} wrong {:.3} rms {:.2} % covered {:.3}",
                 found.trusted(),
                 found.wrong(),
                 found.rms(),

@@ -109,7 +109,7 @@ pub fn extended() -> Group {
     use peers::extended::{Kfilter, Numeris, Smelly, Textbook};
     let data = rover_data();
     Group::new("ekf_6_3", "EKF 6/3", 0.7, bounds::EXTENDED)
-        .with::<ours::Extended, _, 6>(Role::Ours, "ours (square root)", &data)
+        .with::<ours::Extended, _, 6>(Role::Ours, "ours (covariance)", &data)
         .with::<Kfilter, _, 6>(Role::Peer, "kfilter 0.5.1", &data)
         .with::<Smelly, _, 6>(Role::Peer, "smelly 0.2.0", &data)
         .with::<Numeris, _, 6>(Role::Peer, "numeris 0.6.0", &data)

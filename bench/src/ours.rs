@@ -110,7 +110,7 @@ impl Filter<RoverSample, 6> for Unscented {
     }
 }
 
-/// Extended Kalman filter 6/3, in square-root form, with the derivatives from dual numbers.
+/// Extended Kalman filter 6/3, on the covariance, with the derivatives from dual numbers.
 pub struct Extended {
     filter: Ekf<6, 3>,
     rover: Rover,

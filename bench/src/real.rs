@@ -261,8 +261,8 @@ pub fn steps() -> Vec<(&'static str, Contender)> {
             contender::<Swing<6>, _, 1>("excavator, velocity", rows),
         ),
         (
-            "loader_full_10",
-            contender::<Loader<0>, _, 2>("loader, full, 10 states", work.clone()),
+            "loader_full_11",
+            contender::<Loader<0>, _, 2>("loader, full, 11 states", work.clone()),
         ),
         (
             "loader_isr_ukf_printed_6",
@@ -274,7 +274,11 @@ pub fn steps() -> Vec<(&'static str, Contender)> {
         ),
         (
             "loader_ekf_6",
-            contender::<Loader<3>, _, 2>("loader, ekf, 6 states", work),
+            contender::<Loader<3>, _, 2>("loader, ekf, 6 states", work.clone()),
+        ),
+        (
+            "loader_full_ekf_11",
+            contender::<Loader<4>, _, 2>("loader, full-ekf, 11 states", work),
         ),
     ]
 }

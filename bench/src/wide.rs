@@ -108,8 +108,8 @@ impl Scalar for Lanes {
     fn tanh(self) -> Self {
         self.map(Scalar::tanh)
     }
-    fn atanh(self) -> Self {
-        self.map(Scalar::atanh)
+    fn per_atanh(self) -> Self {
+        self.map(Scalar::per_atanh)
     }
 }
 

@@ -120,9 +120,7 @@ fn the_loaders_services_answer_without_allocating() {
         ..sim::loader::Run::new(sim::loader::Scenario::WorkCycle)
     };
     let samples = sensors(SimulatedLoader::new(&run).expect("a valid run"));
-    let filter = steps::loader::EstimatorStep::new(&description, "ekf").expect("valid settings");
-    assert_eq!(allocations(filter, &samples), 0, "ekf");
-    for method in ["full", "isr-ukf", "isr-ukf-printed"] {
+    for method in messages::LOADER_METHODS {
         let service = steps::loader::EstimatorStep::new(&description, method).expect("a method");
         assert_eq!(allocations(service, &samples), 0, "{method}");
     }
@@ -164,7 +162,7 @@ fn steps_make_no_system_calls() {
         return;
     }
     // Thousands of steps more, and not one call more: start-up and end are all there is.
-    for key in ["srukf_6_3", "excavator_posture_torque", "loader_full_10"] {
+    for key in ["srukf_6_3", "excavator_posture_torque", "loader_full_11"] {
         let (few, many) = (system_calls(key, 1), system_calls(key, 2));
         assert!(few > 10, "{key}: valgrind reports calls at all");
         assert_eq!(many, few, "{key}");

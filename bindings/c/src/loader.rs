@@ -117,7 +117,8 @@ impl Machine for Loader {
         speed_delay = |e| e.estimate.started && e.estimate.speed_delay.is_some();
     };
 
-    const METHODS: &'static [&'static str] = &["full", "isr-ukf-printed", "isr-ukf", "ekf"];
+    const METHODS: &'static [&'static str] =
+        &["full", "isr-ukf-printed", "isr-ukf", "ekf", "full-ekf"];
 
     fn new(
         description: &Description,

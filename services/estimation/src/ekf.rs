@@ -1,85 +1,257 @@
-//! Extended Kalman filter in square-root form on any [`Model`], with exact derivatives from dual numbers.
+//! Extended Kalman filter on any [`Model`], on the covariance itself, with exact derivatives from dual numbers.
 //!
-//! The derivative directions are the columns of the root, so the derivatives of the model's outputs are F S and H S
-//! themselves and no Jacobian is formed. From there on it is the step of [`crate::prediction`].
+//! ```text
+//! x^- = f(x),  P^- = F P F' + Q                        the first `DYNAMIC` rows of F; the others are those of the identity
+//! S = cov(y) + R = L L',  G = L^-1 cov(y, x),  z = L^-1 (y - y^)
+//! x = x^- + G' z,  P = P^- - G' G,  NIS = z'z
+//! ```
+//! **Exact rows.** Where y_j is state j itself, row j of P is r_j times that of K' = L'^-1 G, and not a difference, which cancels
+//! where a measurement is far better than what was known.
+//!
+//! **What it needs.** With process noise on the states its error equals that of a square root down to variances of R/P = 1e-9 (both
+//! against double-double arithmetic). Without process noise a covariance loses its sign near R/P = 1e-8: take
+//! [`crate::srukf::SquareRootUkf`] there, which cannot. P stays symmetric to the last bit.
+//!
+//! | symbol | code | meaning |
+//! |---|---|---|
+//! | x, P | `state`, `covariance` | state and covariance |
+//! | y^ | `measurement` | predicted measurement |
+//! | cov(y, x) | `cross` | covariance of the predicted measurements with the predicted states |
+//! | cov(y) | `own` | their covariances among themselves |
 
 #![allow(clippy::needless_range_loop)] // indices as in the formulas
+
+use core::ops::Range;
 
 use crate::dual::Dual;
 use crate::math::sqrt;
 use crate::model::Model;
-use crate::prediction::{Images, Prediction, Update};
-use crate::root::dot;
+use crate::root;
 
-/// The filter: a state and the lower root of its covariance.
+/// The filter: a state and its covariance.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Ekf<const N: usize, const M: usize> {
     /// State x.
     #[cfg_attr(feature = "serde", serde(with = "crate::written"))]
     pub state: [f64; N],
-    /// Lower root S of the covariance, P = S S'.
+    /// Covariance P, symmetric.
     #[cfg_attr(feature = "serde", serde(with = "crate::written::rows"))]
-    pub root: [[f64; N]; N],
+    pub covariance: [[f64; N]; N],
+}
+
+/// Measurements predicted, measurement noise not included.
+#[derive(Clone, Copy, Debug)]
+pub struct Expected<const N: usize, const M: usize> {
+    /// Predicted measurement y^.
+    pub measurement: [f64; M],
+    /// Row j: covariance of measurement j with every predicted state.
+    pub cross: [[f64; N]; M],
+    /// Their covariances among themselves.
+    pub own: [[f64; M]; M],
+}
+
+/// sum of weights\[j\] rows\[j\].
+///
+/// Not inlined: only sums that are stored side by side are worked out side by side.
+#[inline(never)]
+pub(crate) fn combine<const N: usize>(weights: &[f64; N], rows: &[[f64; N]; N]) -> [f64; N] {
+    let mut sum = rows[0].map(|x| weights[0] * x);
+    for j in 1..N {
+        for c in 0..N {
+            sum[c] += weights[j] * rows[j][c];
+        }
+    }
+    sum
+}
+
+/// Adds a multiple of a row.
+#[inline(always)]
+pub(crate) fn add<const N: usize>(sum: &mut [f64; N], factor: f64, row: &[f64; N]) {
+    for i in 0..N {
+        sum[i] += factor * row[i];
+    }
+}
+
+/// Scalar product.
+#[inline(always)]
+pub(crate) fn dot<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
+    root::dot(&[*a], &[*b])
+}
+
+/// P^- but for the noise: the first states move. `by` are their rows of F and `moved` those of F P.
+#[inline(always)]
+pub(crate) fn carry<const N: usize>(p: &mut [[f64; N]; N], moved: &[[f64; N]], by: &[[f64; N]]) {
+    let moving = moved.len();
+    for k in 0..moving {
+        for l in 0..=k {
+            p[k][l] = dot(&moved[k], &by[l]);
+            p[l][k] = p[k][l];
+        }
+        for c in moving..N {
+            p[k][c] = moved[k][c];
+            p[c][k] = moved[k][c];
+        }
+    }
+}
+
+impl<const N: usize, const M: usize> Expected<N, M> {
+    /// Standard deviation of the predicted measurement j, sensor noise not included.
+    pub fn measurement_std(&self, j: usize) -> f64 {
+        sqrt(self.own[j][j].max(0.0))
+    }
 }
 
 impl<const N: usize, const M: usize> Ekf<N, M> {
     /// A filter at `state` with independent standard deviations.
     pub fn new(state: [f64; N], std: &[f64; N]) -> Self {
-        let mut root = [[0.0; N]; N];
-        for (i, row) in root.iter_mut().enumerate() {
-            row[i] = std[i];
+        let mut covariance = [[0.0; N]; N];
+        for (i, row) in covariance.iter_mut().enumerate() {
+            row[i] = std[i] * std[i];
         }
-        Self { state, root }
+        Self { state, covariance }
     }
 
-    /// Predicts one step; `process_std` is the additive process noise of the step.
-    #[inline]
-    pub fn predict<P: Model<N, M>>(&self, model: &P, process_std: &[f64; N]) -> Prediction<N, M> {
-        self.images(model).predict(process_std)
-    }
-
-    /// The prediction before the process noise is added.
+    /// Moves on by one step; `process_std` is the additive process noise of the step.
     #[inline(always)]
-    pub fn images<P: Model<N, M>>(&self, model: &P) -> Images<N, M, 1> {
-        let mut seeded = [Dual::new(0.0, [0.0; N]); N];
-        for k in 0..N {
-            seeded[k] = Dual::new(self.state[k], self.root[k]);
-        }
+    pub fn predict<P: Model<N, M>>(&mut self, model: &P, process_std: &[f64; N]) -> Expected<N, M> {
+        let seeded: [Dual<N>; N] = core::array::from_fn(|k| {
+            let mut direction = [0.0; N];
+            direction[k] = 1.0;
+            Dual::new(self.state[k], direction)
+        });
         let (next, measured) = model.predict(&seeded);
-        let mut images = Images {
-            state: self.state,
+        let p = &mut self.covariance;
+        let mut expected = Expected {
             measurement: [0.0; M],
-            rows: [[[0.0; N]; 1]; N],
-            measured: [[[0.0; N]; 1]; M],
-            noise_coupling: model.noise_coupling(),
-            direct: P::DIRECT,
+            cross: [[0.0; N]; M],
+            own: [[0.0; M]; M],
         };
+        for j in P::DIRECT..M {
+            let row = combine(&measured[j].derivative, p);
+            expected.measurement[j] = measured[j].value;
+            expected.cross[j] = row;
+            for l in P::DIRECT..=j {
+                expected.own[j][l] = dot(&row, &measured[l].derivative);
+                expected.own[l][j] = expected.own[j][l];
+            }
+            for k in 0..P::DYNAMIC {
+                expected.cross[j][k] = dot(&row, &next[k].derivative);
+            }
+        }
+        let (mut by, mut moved) = ([[0.0; N]; N], [[0.0; N]; N]);
         for k in 0..P::DYNAMIC {
-            images.state[k] = next[k].value;
-            images.rows[k] = [next[k].derivative];
+            by[k] = next[k].derivative;
+            moved[k] = combine(&by[k], p);
+            self.state[k] = next[k].value;
         }
-        for k in P::DYNAMIC..N {
-            images.rows[k] = [self.root[k]];
+        carry(p, &moved[..P::DYNAMIC], &by[..P::DYNAMIC]);
+        // The noise of its own step that a measurement sees.
+        let coupling = model.noise_coupling();
+        for j in P::DIRECT..M {
+            for i in 0..N {
+                let shared = coupling[j][i] * process_std[i] * process_std[i];
+                expected.cross[j][i] += shared;
+                for l in P::DIRECT..M {
+                    expected.own[j][l] += shared * coupling[l][i];
+                }
+            }
         }
-        for p in 0..P::DIRECT {
-            images.measurement[p] = images.state[p];
-        }
-        for p in P::DIRECT..M {
-            images.measurement[p] = measured[p].value;
-            images.measured[p] = [measured[p].derivative];
-        }
-        images
+        self.complete(&mut expected, process_std, 0..P::DIRECT);
+        expected
     }
 
-    /// Takes over the result of an update.
-    pub fn accept(&mut self, update: &Update<N, M>) {
-        self.state = update.state;
-        self.root = update.root;
+    /// Adds the process noise to the states, and fills in the measurements that are states.
+    #[inline(always)]
+    pub(crate) fn complete(
+        &mut self,
+        expected: &mut Expected<N, M>,
+        process_std: &[f64; N],
+        direct: Range<usize>,
+    ) {
+        let p = &mut self.covariance;
+        for i in 0..N {
+            p[i][i] += process_std[i] * process_std[i];
+        }
+        for j in direct.clone() {
+            expected.measurement[j] = self.state[j];
+            expected.cross[j] = p[j];
+        }
+        for j in direct {
+            for l in 0..M {
+                expected.own[j][l] = expected.cross[l][j];
+                expected.own[l][j] = expected.cross[l][j];
+            }
+        }
+    }
+
+    /// Absorbs the accepted measurements; returns the normalised innovation squared, the sum over them.
+    ///
+    /// `innovation` is y - y^ and `std` the measurement noise, which must be positive where accepted. The measurements in
+    /// `direct` are the states of the same index.
+    #[inline(always)]
+    pub fn update(
+        &mut self,
+        expected: &Expected<N, M>,
+        innovation: &[f64; M],
+        std: &[f64; M],
+        accepted: &[bool; M],
+        direct: Range<usize>,
+    ) -> f64 {
+        let Expected { cross, own, .. } = expected;
+        // L L' = S of the accepted measurements, G = L^-1 C, z = L^-1 e.
+        let (mut root, mut gain) = ([[0.0; M]; M], [[0.0; N]; M]);
+        let (mut per, mut whitened, mut nis) = ([0.0; M], [0.0; M], 0.0);
+        for j in 0..M {
+            if !accepted[j] {
+                continue;
+            }
+            let (mut row, mut left) = (cross[j], innovation[j]);
+            let mut variance = own[j][j] + std[j] * std[j];
+            for l in 0..j {
+                let along = (0..l).fold(own[j][l], |sum, k| sum - root[j][k] * root[l][k]);
+                let factor = along * per[l];
+                root[j][l] = factor;
+                variance -= factor * factor;
+                left -= factor * whitened[l];
+                add(&mut row, -factor, &gain[l]);
+            }
+            per[j] = 1.0 / sqrt(variance);
+            gain[j] = row.map(|c| c * per[j]);
+            whitened[j] = left * per[j];
+            nis += whitened[j] * whitened[j];
+        }
+        for j in 0..M {
+            add(&mut self.state, whitened[j], &gain[j]);
+        }
+        let p = &mut self.covariance;
+        for i in 0..N {
+            let mut row = p[i];
+            for j in 0..M {
+                add(&mut row, -gain[j][i], &gain[j]);
+            }
+            p[i] = row;
+        }
+        // K' = L'^-1 G, and the exact rows R K'.
+        for j in (direct.start..M).rev() {
+            let mut row = gain[j];
+            for l in j + 1..M {
+                add(&mut row, -root[l][j], &gain[l]);
+            }
+            gain[j] = row.map(|c| c * per[j]);
+            if accepted[j] && direct.contains(&j) {
+                let noise = std[j] * std[j];
+                for i in 0..N {
+                    p[j][i] = noise * gain[j][i];
+                    p[i][j] = noise * gain[j][i];
+                }
+            }
+        }
+        nis
     }
 
     /// One step with every measurement present; returns the normalised innovation squared.
-    #[inline]
+    #[inline(always)]
     pub fn step<P: Model<N, M>>(
         &mut self,
         model: &P,
@@ -87,89 +259,14 @@ impl<const N: usize, const M: usize> Ekf<N, M> {
         measurement: &[f64; M],
         measurement_std: &[f64; M],
     ) -> f64 {
-        if P::DIRECT == M {
-            return self.step_direct(model, process_std, measurement, measurement_std);
-        }
-        let prediction = self.predict(model, process_std);
-        let innovation = core::array::from_fn(|j| measurement[j] - prediction.measurement[j]);
-        let update = prediction.update(&innovation, measurement_std, &[true; M]);
-        self.accept(&update);
-        update.nis()
+        let expected = self.predict(model, process_std);
+        let innovation = core::array::from_fn(|j| measurement[j] - expected.measurement[j]);
+        self.update(
+            &expected,
+            &innovation,
+            measurement_std,
+            &[true; M],
+            0..P::DIRECT,
+        )
     }
-
-    /// The step for models whose measurements are all leading states: in place, and column by column, so that a rotation acts
-    /// on neighbouring numbers.
-    #[inline(always)]
-    fn step_direct<P: Model<N, M>>(
-        &mut self,
-        model: &P,
-        process_std: &[f64; N],
-        measurement: &[f64; M],
-        measurement_std: &[f64; M],
-    ) -> f64 {
-        let mut seeded = [Dual::new(0.0, [0.0; N]); N];
-        for k in 0..N {
-            seeded[k] = Dual::new(self.state[k], self.root[k]);
-        }
-        let (image, _) = model.predict(&seeded);
-        for k in 0..P::DYNAMIC {
-            self.state[k] = image[k].value;
-            self.root[k] = image[k].derivative;
-        }
-        let mut columns = triangular_columns(&mut self.root, process_std);
-        let mut nis = 0.0;
-        for j in 0..M {
-            let (cosine, sine, mut norm) = rotation(measurement_std[j], columns[j][j]);
-            let mut pivots = columns[j].map(|entry| sine * entry);
-            columns[j] = columns[j].map(|entry| cosine * entry);
-            for i in (0..j).rev() {
-                let (cosine, sine, next) = rotation(norm, columns[i][j]);
-                for k in 0..N {
-                    let old = columns[i][k];
-                    columns[i][k] = cosine * old - sine * pivots[k];
-                    pivots[k] = cosine * pivots[k] + sine * old;
-                }
-                norm = next;
-            }
-            let z = (measurement[j] - self.state[j]) / norm;
-            for k in 0..N {
-                self.state[k] += pivots[k] * z;
-            }
-            nis += z * z;
-        }
-        for k in 0..N {
-            for i in 0..N {
-                self.root[k][i] = if i <= k { columns[i][k] } else { 0.0 };
-            }
-        }
-        nis
-    }
-}
-
-/// Cosine and sine of the rotation that folds `entry` into `norm`, and the norm it leaves.
-#[inline(always)]
-fn rotation(norm: f64, entry: f64) -> (f64, f64, f64) {
-    let next = sqrt(norm * norm + entry * entry);
-    (norm / next, entry / next, next)
-}
-
-/// Columns of the lower root of `rows rows' + diag(q)^2`, by the reflections of [`crate::root`]; `rows` is used up.
-#[inline(always)]
-fn triangular_columns<const N: usize>(rows: &mut [[f64; N]; N], q: &[f64; N]) -> [[f64; N]; N] {
-    let mut columns = [[0.0; N]; N];
-    for i in 0..N {
-        let row = rows[i];
-        let norm = sqrt(q[i] * q[i] + dot(&[row], &[row]));
-        let pivot = q[i] + norm;
-        let scale = 1.0 / (norm * pivot).max(f64::MIN_POSITIVE);
-        columns[i][i] = norm;
-        for k in i + 1..N {
-            let along = scale * dot(&[row], &[rows[k]]);
-            for c in 0..N {
-                rows[k][c] -= along * row[c];
-            }
-            columns[i][k] = along * pivot;
-        }
-    }
-    columns
 }

@@ -43,6 +43,7 @@ pub mod keys;
 pub mod loader;
 pub mod math;
 pub mod model;
+pub mod pair;
 pub mod prediction;
 pub mod rls;
 pub mod root;

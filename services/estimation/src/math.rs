@@ -5,6 +5,8 @@
 
 use nalgebra::ComplexField;
 
+use crate::scalar::Scalar;
+
 /// Exponential.
 #[inline]
 pub fn exp(x: f64) -> f64 {
@@ -29,14 +31,116 @@ pub fn sqrt(x: f64) -> f64 {
     ComplexField::sqrt(x)
 }
 
+/// Up to this angle [rad], a steep road, the Taylor series of sine and cosine are exact to rounding.
+pub(crate) const SHORT_SINE: f64 = 0.15;
+
+/// Sine and cosine of an angle up to [`SHORT_SINE`].
+#[inline(always)]
+pub(crate) fn short_sin_cos<T: Scalar>(x: T) -> (T, T) {
+    let s = x * x;
+    let sine = horner(
+        s,
+        [1.0, -1.0 / 6.0, 1.0 / 120.0, -1.0 / 5040.0, 1.0 / 362_880.0],
+    );
+    let cosine = horner(
+        s,
+        [
+            1.0,
+            -0.5,
+            1.0 / 24.0,
+            -1.0 / 720.0,
+            1.0 / 40_320.0,
+            -1.0 / 3_628_800.0,
+        ],
+    );
+    (x * sine, cosine)
+}
+
 /// Sine and cosine.
 #[inline]
 pub fn sin_cos(x: f64) -> (f64, f64) {
-    ComplexField::sin_cos(x)
+    if x.abs() <= SHORT_SINE {
+        short_sin_cos(x)
+    } else {
+        ComplexField::sin_cos(x)
+    }
+}
+
+/// Up to this argument [`per_atanh`] is a convergent of Gauss's continued fraction, good to 4e-15.
+pub(crate) const SHORT_ATANH: f64 = 0.5;
+
+/// u/atanh(u) for u up to [`SHORT_ATANH`].
+#[inline(always)]
+pub(crate) fn short_per_atanh<T: Scalar>(u: T) -> T {
+    let s = u * u;
+    let numerator = horner(
+        s,
+        [
+            1.0,
+            -3.12,
+            3.7304347826086954,
+            -2.1316770186335403,
+            0.5890160183066362,
+            -0.0692960021537219,
+            0.0023098667384573966,
+        ],
+    );
+    let denominator = horner(
+        s,
+        [
+            1.0,
+            -2.7866666666666666,
+            2.8904347826086956,
+            -1.3693416149068323,
+            0.28994079401402056,
+            -0.02213105421074192,
+            0.0002685815488923002,
+        ],
+    );
+    numerator / denominator
+}
+
+/// u/atanh(u) for 0 <= u < 1: how far a tyre that saturates is bent.
+#[inline]
+pub fn per_atanh(u: f64) -> f64 {
+    if u.abs() <= SHORT_ATANH {
+        short_per_atanh(u)
+    } else {
+        u / ComplexField::atanh(u)
+    }
+}
+
+/// A polynomial by its coefficients, the constant first.
+#[inline(always)]
+fn horner<T: Scalar, const K: usize>(x: T, coefficients: [f64; K]) -> T {
+    let mut sum = T::constant(coefficients[K - 1]);
+    for k in (0..K - 1).rev() {
+        sum = sum * x + coefficients[k];
+    }
+    sum
 }
 
 /// Nearest integer, halves away from zero.
 #[inline]
 pub fn round(x: f64) -> f64 {
     ComplexField::round(x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_short_forms_are_the_functions() {
+        for k in -3000..3000 {
+            let x = f64::from(k) * 1e-4 + 1e-5;
+            let (sine, cosine) = sin_cos(x);
+            assert!((sine - x.sin()).abs() <= 4e-16 * x.abs() && (cosine - x.cos()).abs() <= 4e-16);
+        }
+        assert_eq!(per_atanh(0.0), 1.0);
+        for k in 1..9999 {
+            let u = f64::from(k) * 1e-4;
+            assert!((per_atanh(u) * u.atanh() / u - 1.0).abs() < 4e-15, "{u}");
+        }
+    }
 }

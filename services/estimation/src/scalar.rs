@@ -8,6 +8,8 @@ use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use nalgebra::{ComplexField, RealField};
 
+use crate::math;
+
 /// Arithmetic, elementary functions, and selection instead of branches.
 pub trait Scalar:
     Copy
@@ -37,8 +39,13 @@ pub trait Scalar:
     fn ln(self) -> Self;
     /// Hyperbolic tangent.
     fn tanh(self) -> Self;
-    /// Inverse hyperbolic tangent.
-    fn atanh(self) -> Self;
+    /// u/atanh(u), from 1 at u = 0 falling to 0 at 1.
+    fn per_atanh(self) -> Self;
+
+    /// Sine and cosine.
+    fn sin_cos(self) -> (Self, Self) {
+        (self.sin(), self.cos())
+    }
 
     /// The larger of two; of equal ones the second.
     fn max(self, other: Self) -> Self {
@@ -85,8 +92,13 @@ impl Scalar for f64 {
     fn tanh(self) -> Self {
         ComplexField::tanh(self)
     }
-    fn atanh(self) -> Self {
-        ComplexField::atanh(self)
+    #[inline(always)]
+    fn per_atanh(self) -> Self {
+        math::per_atanh(self)
+    }
+    #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        math::sin_cos(self)
     }
     #[inline(always)]
     fn abs(self) -> Self {

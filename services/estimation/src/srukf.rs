@@ -15,8 +15,10 @@
 #![allow(clippy::needless_range_loop)] // indices as in the formulas
 
 use crate::model::Model;
+use crate::pair::Pair;
 use crate::prediction::{Images, Prediction, Update};
 use crate::root::{Row, solve_lower, solve_lower_transposed, triangularise};
+use crate::scalar::Scalar;
 use crate::sigma_points::{Spread, Weights};
 
 /// The filter: a state and the lower root of its covariance.
@@ -109,16 +111,19 @@ impl<const N: usize, const M: usize> SquareRootUkf<N, M> {
         }
         let (mut shift, mut shift_measured) = ([0.0; N], [0.0; M]);
         for i in 0..N {
-            let offset: [f64; N] = core::array::from_fn(|k| self.weights.scale * self.root[k][i]);
-            let (plus, plus_measured) =
-                model.predict(&core::array::from_fn(|k| self.state[k] + offset[k]));
-            let (minus, minus_measured) =
-                model.predict(&core::array::from_fn(|k| self.state[k] - offset[k]));
+            // Both points of the axis at once, a lane each.
+            let mut points = [Pair::constant(0.0); N];
+            for k in 0..N {
+                let offset = self.weights.scale * self.root[k][i];
+                points[k] = Pair([self.state[k] + offset, self.state[k] - offset]);
+            }
+            let (image, measured) = model.predict(&points);
             for k in 0..P::DYNAMIC {
-                shift[k] += self.pair(&mut images.rows[k], i, plus[k], minus[k], center[k]);
+                let Pair([plus, minus]) = image[k];
+                shift[k] += self.pair(&mut images.rows[k], i, plus, minus, center[k]);
             }
             for p in P::DIRECT..M {
-                let (plus, minus) = (plus_measured[p], minus_measured[p]);
+                let Pair([plus, minus]) = measured[p];
                 shift_measured[p] +=
                     self.pair(&mut images.measured[p], i, plus, minus, center_measured[p]);
             }

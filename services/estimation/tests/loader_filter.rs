@@ -69,13 +69,7 @@ fn configuration(name: &str) -> (Method, Tuning) {
                 ..Tuning::recommended()
             },
         ),
-        "recommended_n10_ekf" => (
-            Method::Full,
-            Tuning {
-                linearised: true,
-                ..Tuning::recommended()
-            },
-        ),
+        "recommended_n10_ekf" => (Method::FullEkf, Tuning::recommended()),
         other => panic!("unknown run {other}"),
     }
 }
@@ -103,14 +97,7 @@ fn settings(file: &Value, tuning: Tuning, told_sensitivity: f64) -> Settings {
 
 fn state_std(estimator: &CgEstimator) -> Vec<f64> {
     (0..estimator.state().len())
-        .map(|i| {
-            estimator
-                .covariance_root_row(i)
-                .iter()
-                .map(|x| x * x)
-                .sum::<f64>()
-                .sqrt()
-        })
+        .map(|i| estimator.state_std(i))
         .collect()
 }
 

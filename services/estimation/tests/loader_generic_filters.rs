@@ -216,10 +216,69 @@ fn on_a_linear_model_both_filters_are_the_kalman_filter() {
         x = [x[0] + p[(0, 0)] / s * e, x[1] + p[(1, 0)] / s * e];
         p -= p.column(0) * p.row(0) / s;
         assert!((nis.0 - e * e / s).abs() < 1e-11 && (nis.1 - e * e / s).abs() < 1e-11);
-        for (state, root) in [(ukf.state, ukf.root), (ekf.state, ekf.root)] {
+        let of_root = ukf.root[1][0] * ukf.root[1][0] + ukf.root[1][1] * ukf.root[1][1];
+        for (state, covariance) in [(ukf.state, of_root), (ekf.state, ekf.covariance[1][1])] {
             assert!((state[0] - x[0]).abs() < 1e-12 && (state[1] - x[1]).abs() < 1e-12);
-            let covariance = root[1][0] * root[1][0] + root[1][1] * root[1][1];
             assert!((covariance - p[(1, 1)]).abs() < 1e-13);
+        }
+    }
+}
+
+/// The condition in the documentation of `ekf`: with process noise nothing is lost down to R/P = 1e-9.
+#[test]
+fn the_exact_row_keeps_the_covariance_where_the_measurement_is_far_better_than_the_prior() {
+    let (q, r) = ([1e-4, 1e-3], [1e-4]);
+    let start = [1e-4 / 1e-9_f64.sqrt(); 2];
+    let mut ukf = SquareRootUkf::<2, 1>::new([0.0, 1.0], &start, Spread::UNIT);
+    let mut ekf = Ekf::<2, 1>::new([0.0, 1.0], &start);
+    for k in 0..500 {
+        let y = [(f64::from(k) * 0.01).sin()];
+        ukf.step(&Linear, &q, &y, &r);
+        ekf.step(&Linear, &q, &y, &r);
+        for i in 0..2 {
+            let of_root: f64 = ukf.root[i].iter().map(|x| x * x).sum();
+            let error = (ekf.covariance[i][i] / of_root - 1.0).abs();
+            // Row 0 is exact from the first row on; what is left of the other is 1e-7 of what it was.
+            assert!(
+                error < if i == 0 { 1e-6 } else { 1e-5 },
+                "{k}, {i}: {error:e}"
+            );
+            assert!(
+                (ekf.state[i] - ukf.state[i]).abs() < 1e-4 * of_root.sqrt(),
+                "{k}"
+            );
+        }
+        assert_eq!(ekf.covariance[0][1], ekf.covariance[1][0]);
+    }
+}
+
+/// The indirect measurements, the noise they share with the states and the rejected ones, against the root's own step.
+#[test]
+fn the_ekf_on_the_covariance_is_the_joseph_form() {
+    let product = |i: usize, j: usize| (0..N).map(|c| S[i][c] * S[j][c]).sum();
+    let covariance = core::array::from_fn(|i| core::array::from_fn(|j| product(i, j)));
+    for accepted in [[true; M], [true, false, true], [false, true, true]] {
+        let mut ekf = Ekf::<N, M> {
+            state: X,
+            covariance,
+        };
+        let expected = ekf.predict(&Bent, &Q);
+        let predicted = SMatrix::<f64, N, N>::from_fn(|i, j| ekf.covariance[i][j]);
+        let cross = SMatrix::<f64, N, M>::from_fn(|i, j| expected.cross[j][i]);
+        let own = SMatrix::<f64, M, M>::from_fn(|i, j| {
+            let noise = if accepted[i] { R[i] * R[i] } else { 1e12 };
+            expected.own[i][j] + if i == j { noise } else { 0.0 }
+        });
+        let gain = cross * own.try_inverse().unwrap();
+        let after = predicted - gain * cross.transpose();
+        ekf.update(&expected, &[0.1, -0.2, 0.05], &R, &accepted, 0..1);
+        for i in 0..N {
+            for j in 0..N {
+                assert!(
+                    (ekf.covariance[i][j] - after[(i, j)]).abs() < 1e-13,
+                    "{i} {j}"
+                );
+            }
         }
     }
 }

@@ -147,7 +147,7 @@ fn a_method_goes_to_the_process_that_offers_it_and_the_others_keep_their_own() {
     );
     assert_eq!(
         methods(Machine::Loader, Some("isr-ukf")).as_deref(),
-        Ok("kalman=ekf ukf=isr-ukf")
+        Ok("kalman=full-ekf ukf=isr-ukf")
     );
     assert!(excavator(Some("full")).is_err());
 }

@@ -9,44 +9,25 @@
 //! posture's part of dJ/dt: material that leaves the bucket takes its momentum along. The paper's
 //! Eq. 11 lacks `Jd w` and the sign of the friction.
 
-mod calibration;
-mod change;
-mod changing_payload;
+mod align;
 mod consider;
-mod delay;
-mod described;
-mod doubts;
-mod drive;
-mod drop_mixture;
-mod encoder;
 mod estimate;
-mod frozen;
-mod geometry;
-mod grid;
-mod joint;
+mod input;
 pub mod keys;
 mod mode;
-mod motion;
-mod onset;
-mod opening;
 mod payload;
-mod posture;
-mod posture_torque;
 mod reason;
 mod regression;
-mod screen;
 mod settings;
-mod settings_error;
-mod single;
-mod standstill;
-mod state;
-mod svf;
 mod swing;
-mod torque;
-mod unknown_torque;
-mod velocity;
 mod verdict;
 mod working;
+
+use input::{calibration, delay, encoder, frozen, grid, motion, screen, standstill};
+use mode::{drive, onset, posture, posture_torque, state, torque, unknown_torque, velocity};
+use payload::{change, changing_payload, drop_mixture, opening};
+use regression::{joint, single, svf};
+use settings::{doubts, geometry, settings_error};
 
 pub use crate::Quantity;
 pub use doubts::Doubts;
@@ -58,3 +39,4 @@ pub use regression::Regression;
 pub use settings::{Estimator, Paper, Prior, Sensors, Settings, Variant};
 pub use settings_error::SettingsError;
 pub use swing::{Details, SwingEstimator};
+pub use working::{Smoothed, Smoother, Trail};

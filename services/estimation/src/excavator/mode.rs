@@ -1,5 +1,14 @@
 //! One mode with what feeds it: standstill, detectors, verdict.
 
+pub(in crate::excavator) mod drive;
+pub(in crate::excavator) mod onset;
+pub(in crate::excavator) mod posture;
+pub(in crate::excavator) mod posture_torque;
+pub(in crate::excavator) mod state;
+pub(in crate::excavator) mod torque;
+pub(in crate::excavator) mod unknown_torque;
+pub(in crate::excavator) mod velocity;
+
 use super::change::ChangeDetector;
 use super::delay::Entry;
 use super::drive::Driver;
@@ -15,6 +24,7 @@ use super::state::State;
 use super::torque::TorqueMode;
 use super::velocity::VelocityMode;
 use super::verdict::{Basis, Reasons, Verdict};
+use super::working::Working;
 
 #[derive(Debug, Clone)]
 #[expect(clippy::large_enum_variant, reason = "no allocator; one per process")]
@@ -160,6 +170,14 @@ impl Core {
                 Phase::Released(_) => 2,
                 _ => 0,
             },
+        }
+    }
+
+    /// The default estimator with torque and posture, if it is at work.
+    pub(super) fn working(&mut self) -> Option<&mut Working> {
+        match &mut self.mode {
+            Mode::PostureTorque(mode) => mode.working(),
+            _ => None,
         }
     }
 

@@ -16,6 +16,11 @@
 //! The state takes an Euler step, its own derivative the exponential: the pair for which the gains
 //! were set. u is 0 with no variance while nothing changes the payload.
 
+pub(in crate::excavator) mod change;
+pub(in crate::excavator) mod changing_payload;
+pub(in crate::excavator) mod drop_mixture;
+pub(in crate::excavator) mod opening;
+
 use super::consider::Consider;
 use super::drive::Drive;
 use super::settings::Settings;

@@ -20,6 +20,10 @@
 //! `estimate_damping`, `estimate_friction`, `estimate_offset` these too, by ordinary RLS.
 //! The posture term Jd w is not in it: while an arm moves the error reaches 25 % and more.
 
+pub(in crate::excavator) mod joint;
+pub(in crate::excavator) mod single;
+pub(in crate::excavator) mod svf;
+
 use super::estimate::{Estimate, Flags, Method};
 use super::joint::JointRegression;
 use super::motion::Motion;

@@ -1,5 +1,10 @@
 //! Settings of every excavator estimator; the default is the reference machine.
 
+pub(in crate::excavator) mod described;
+pub(in crate::excavator) mod doubts;
+pub(in crate::excavator) mod geometry;
+pub(in crate::excavator) mod settings_error;
+
 use crate::math::sqrt;
 
 use super::doubts::Doubts;
@@ -30,6 +35,8 @@ pub struct Sensors {
     pub swing_torque_gain: f64,
     /// Torque that is measured where there is none, as calibrated [N m].
     pub swing_torque_offset: f64,
+    /// How late velocity and torque come, as told [s].
+    pub delays: [f64; 2],
 }
 
 /// Everything an excavator estimator needs to know beforehand.

@@ -22,7 +22,7 @@ use super::wheel_dynamics::{GRAVITY, Road, WheelDynamics};
 use crate::scalar::Scalar;
 
 /// Axle loads are at least this share of the weight: a lifted axle still has a slip.
-const LEAST_LOAD: f64 = 0.02;
+pub(super) const LEAST_LOAD: f64 = 0.02;
 
 /// Front and rear axle load, each floored at 2 % of the weight [N].
 #[inline(always)]

@@ -14,7 +14,10 @@
 //! the measurement noise); (17) rewrites (15), not (12).
 
 use super::settings::Integration;
+use super::tangent::Tangent;
 use super::wheel_dynamics::{GRAVITY, Inputs, Motion, Parameters, Road, WheelDynamics};
+use crate::dual::Dual;
+use crate::math::sin_cos;
 use crate::model::Model;
 use crate::scalar::Scalar;
 
@@ -60,21 +63,26 @@ pub struct CgModel {
     pub loading: Loading,
 }
 
-impl<const N: usize, const M: usize> Model<N, M> for CgModel {
-    const DYNAMIC: usize = 3;
-    const DIRECT: usize = if has_delay(N) { 0 } else { 3 };
-
-    fn predict<T: Scalar>(&self, state: &[T; N]) -> ([T; N], [T; M]) {
-        let mut parameters = Parameters::of(state);
+impl CgModel {
+    /// The parameters of a state, the payload added.
+    fn parameters<T: Scalar, const N: usize>(&self, state: &[T; N]) -> Parameters<T> {
         let Loading {
             share,
             height,
             ratio,
         } = self.loading;
-        parameters.cg_height = parameters.cg_height * share + height;
-        parameters.cg_ratio = parameters.cg_ratio * share + ratio;
+        let parameters = Parameters::of(state);
+        Parameters {
+            cg_height: parameters.cg_height * share + height,
+            cg_ratio: parameters.cg_ratio * share + ratio,
+            ..parameters
+        }
+    }
+
+    /// The motion one step later, and the road.
+    fn advance<T: Scalar, const N: usize>(&self, state: &[T; N]) -> (Motion<T>, Road<T>) {
+        let (old, parameters) = (Motion::of(state), self.parameters(state));
         let road = Road::of(-parameters.slope_bias + self.inputs.slope);
-        let old = Motion::of(state);
         let new = match self.integration {
             Integration::Implicit => self.dynamics.substeps(
                 &old,
@@ -93,6 +101,60 @@ impl<const N: usize, const M: usize> Model<N, M> for CgModel {
                 self.substeps,
             ),
         };
+        (new, road)
+    }
+
+    /// The same with its derivatives by the state.
+    pub(super) fn tangent<const N: usize>(&self, state: &[f64; N]) -> (Tangent<N>, Road<f64>) {
+        let parameters = self.parameters(state);
+        let (sine, cosine) = sin_cos(self.inputs.slope - parameters.slope_bias);
+        let road = Road { sine, cosine };
+        if self.integration == Integration::Euler {
+            return (self.dual_tangent(state), road);
+        }
+        let part = self.dt / f64::from(self.substeps);
+        let step = |motion| {
+            self.dynamics
+                .step_tangent(&motion, &parameters, &self.inputs, &road, part)
+        };
+        let mut tangent: Tangent<N> = step(Motion::of(state));
+        for _ in 1..self.substeps {
+            tangent = tangent.then(&step(tangent.motion));
+        }
+        for row in &mut tangent.by {
+            row[4] *= self.loading.share;
+            row[5] *= self.loading.share;
+        }
+        (tangent, road)
+    }
+
+    /// The derivatives by dual numbers: for a form of the process whose derivatives are not written out.
+    fn dual_tangent<const N: usize>(&self, state: &[f64; N]) -> Tangent<N> {
+        let seeded: [Dual<N>; N] = core::array::from_fn(|k| {
+            Dual::new(
+                state[k],
+                core::array::from_fn(|i| if i == k { 1.0 } else { 0.0 }),
+            )
+        });
+        let motion = self.advance(&seeded).0;
+        let rows = [
+            motion.speed,
+            motion.front_wheel_speed,
+            motion.rear_wheel_speed,
+        ];
+        Tangent {
+            motion: Motion::of(&rows.map(|row| row.value)),
+            by: rows.map(|row| row.derivative),
+        }
+    }
+}
+
+impl<const N: usize, const M: usize> Model<N, M> for CgModel {
+    const DYNAMIC: usize = 3;
+    const DIRECT: usize = if has_delay(N) { 0 } else { 3 };
+
+    fn predict<T: Scalar>(&self, state: &[T; N]) -> ([T; N], [T; M]) {
+        let (old, (new, road)) = (Motion::of(state), self.advance(state));
         let mut next = *state;
         (next[0], next[1], next[2]) = (new.speed, new.front_wheel_speed, new.rear_wheel_speed);
         let rate = (new.speed - old.speed) / self.dt;

@@ -2,25 +2,31 @@
 
 use super::cg_model::has_delay;
 use super::estimate::{Estimate, Status};
-use super::filter::{CgFilter, RowReport};
+use super::filter::{Belief, CgFilter, RowReport};
 use super::payload::Payload;
 use super::settings::{Settings, SettingsError};
 use super::verdict::{Intervals, with_floors};
 use super::{Columns, Method, Reason, Sample};
 use crate::Quantity;
+use crate::ekf::Ekf;
 use crate::math::sqrt;
-use crate::root::standard_deviations;
+use crate::srukf::SquareRootUkf;
 
 /// The filter that a method runs on.
 #[derive(Clone, Copy, Debug)]
 #[allow(clippy::large_enum_variant)] // no allocator
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 enum Filter {
-    Six(CgFilter<6, 3>),
-    Eight(CgFilter<8, 3>),
-    Nine(CgFilter<9, 3>),
-    Ten(CgFilter<10, 4>),
-    Eleven(CgFilter<11, 4>),
+    Six(CgFilter<6, 3, SquareRootUkf<6, 3>>),
+    Eight(CgFilter<8, 3, SquareRootUkf<8, 3>>),
+    Nine(CgFilter<9, 3, SquareRootUkf<9, 3>>),
+    Ten(CgFilter<10, 4, SquareRootUkf<10, 4>>),
+    Eleven(CgFilter<11, 4, SquareRootUkf<11, 4>>),
+    SixByTangent(CgFilter<6, 3, Ekf<6, 3>>),
+    EightByTangent(CgFilter<8, 3, Ekf<8, 3>>),
+    NineByTangent(CgFilter<9, 3, Ekf<9, 3>>),
+    TenByTangent(CgFilter<10, 4, Ekf<10, 4>>),
+    ElevenByTangent(CgFilter<11, 4, Ekf<11, 4>>),
 }
 
 /// The same with whichever filter it is.
@@ -32,6 +38,11 @@ macro_rules! each {
             Filter::Nine($f) => $then,
             Filter::Ten($f) => $then,
             Filter::Eleven($f) => $then,
+            Filter::SixByTangent($f) => $then,
+            Filter::EightByTangent($f) => $then,
+            Filter::NineByTangent($f) => $then,
+            Filter::TenByTangent($f) => $then,
+            Filter::ElevenByTangent($f) => $then,
         }
     };
 }
@@ -57,7 +68,8 @@ pub struct CgEstimator {
 impl CgEstimator {
     /// An estimator that waits for its first row.
     ///
-    /// `full` needs the acceleration column for its 10 states and runs on 8 without it.
+    /// `full` and `full-ekf` need the acceleration column for their 10 states (11 with the delay of the speed) and run on 8 (9)
+    /// without it.
     ///
     /// # Errors
     /// Names the first setting that cannot be used.
@@ -67,22 +79,28 @@ impl CgEstimator {
         columns: Columns,
     ) -> Result<Self, SettingsError> {
         settings.check(method)?;
-        let mut settings = *settings;
-        let mut tuning = settings.tuning(method);
-        tuning.linearised |= method == Method::Ekf;
-        settings.tuning = Some(tuning);
-        let filter = match method {
-            Method::Full => match (columns.acceleration, tuning.latency) {
-                (true, true) => Filter::Eleven(CgFilter::new(&settings, method)),
-                (true, false) => Filter::Ten(CgFilter::new(&settings, method)),
-                (false, true) => Filter::Nine(CgFilter::new(&settings, method)),
-                (false, false) => Filter::Eight(CgFilter::new(&settings, method)),
-            },
-            _ => Filter::Six(CgFilter::new(&settings, method)),
+        let tuning = settings.tuning(method);
+        let states = match (method, columns.acceleration, tuning.latency) {
+            (Method::IsrUkfPrinted | Method::IsrUkf | Method::Ekf, ..) => 6,
+            (_, false, late) => 8 + usize::from(late),
+            (_, true, late) => 10 + usize::from(late),
         };
-        let last = each!(&filter, f => report(f, &settings, method, &waiting()));
+        let by_tangent = matches!(method, Method::FullEkf | Method::Ekf);
+        let filter = match (states, by_tangent) {
+            (11, false) => Filter::Eleven(CgFilter::new(settings, method)),
+            (10, false) => Filter::Ten(CgFilter::new(settings, method)),
+            (9, false) => Filter::Nine(CgFilter::new(settings, method)),
+            (8, false) => Filter::Eight(CgFilter::new(settings, method)),
+            (_, false) => Filter::Six(CgFilter::new(settings, method)),
+            (11, true) => Filter::ElevenByTangent(CgFilter::new(settings, method)),
+            (10, true) => Filter::TenByTangent(CgFilter::new(settings, method)),
+            (9, true) => Filter::NineByTangent(CgFilter::new(settings, method)),
+            (8, true) => Filter::EightByTangent(CgFilter::new(settings, method)),
+            (_, true) => Filter::SixByTangent(CgFilter::new(settings, method)),
+        };
+        let last = each!(&filter, f => report(f, settings, method, &waiting()));
         Ok(Self {
-            settings,
+            settings: *settings,
             method,
             filter,
             refused: 0,
@@ -150,9 +168,9 @@ impl CgEstimator {
         each!(&self.filter, f => f.state())
     }
 
-    /// Row `i` of the lower root of the filter's covariance, for analysis.
-    pub fn covariance_root_row(&self, i: usize) -> &[f64] {
-        each!(&self.filter, f => &f.covariance_root()[i])
+    /// Standard deviation of state `i` in the filter, without floors and doubts, for analysis.
+    pub fn state_std(&self, i: usize) -> f64 {
+        each!(&self.filter, f => f.std(i))
     }
 }
 
@@ -167,8 +185,8 @@ fn waiting<const M: usize>() -> RowReport<M> {
     }
 }
 
-fn step<const N: usize, const M: usize>(
-    filter: &mut CgFilter<N, M>,
+fn step<const N: usize, const M: usize, B: Belief<N, M>>(
+    filter: &mut CgFilter<N, M, B>,
     settings: &Settings,
     method: Method,
     sample: &Sample,
@@ -178,14 +196,14 @@ fn step<const N: usize, const M: usize>(
 }
 
 /// Values, intervals and verdict after a row.
-fn report<const N: usize, const M: usize>(
-    filter: &CgFilter<N, M>,
+fn report<const N: usize, const M: usize, B: Belief<N, M>>(
+    filter: &CgFilter<N, M, B>,
     settings: &Settings,
     method: Method,
     row: &RowReport<M>,
 ) -> Estimate {
     let x = filter.state();
-    let std = standard_deviations(filter.covariance_root());
+    let std: [f64; N] = core::array::from_fn(|i| filter.std(i));
     let (height, ratio, loaded_std) = loaded(filter, settings, (x[4], x[5]), (std[4], std[5]));
     let doubt = filter.doubt();
     let reported = with_floors(
@@ -281,8 +299,8 @@ fn widened(std: f64, beyond: f64) -> f64 {
 }
 
 /// Height, ratio and their standard deviations (height first) with a known payload added.
-fn loaded<const N: usize, const M: usize>(
-    filter: &CgFilter<N, M>,
+fn loaded<const N: usize, const M: usize, B: Belief<N, M>>(
+    filter: &CgFilter<N, M, B>,
     settings: &Settings,
     (height, ratio): (f64, f64),
     std: (f64, f64),

@@ -6,8 +6,8 @@ use core::fmt;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Method {
-    /// 10 states with rolling radii, unknown spade force and slope bias (8 without an accelerometer), protected
-    /// against bad input: the product.
+    /// 11 states with rolling radii, unknown spade force, slope bias and delay of the speed (9 without an accelerometer),
+    /// protected against bad input, by sigma points: the product.
     #[default]
     Full,
     /// The improved square-root UKF with 6 states exactly as Yang, Wang, Han 2021 print it.
@@ -16,11 +16,20 @@ pub enum Method {
     IsrUkf,
     /// The extended Kalman filter on the same 6 states.
     Ekf,
+    /// `full` by the model's tangent: an extended Kalman filter of the same states, noise, conditions and verdict, at an eighth
+    /// of the cost.
+    FullEkf,
 }
 
 impl Method {
     /// Every method, the default first.
-    pub const ALL: [Self; 4] = [Self::Full, Self::IsrUkfPrinted, Self::IsrUkf, Self::Ekf];
+    pub const ALL: [Self; 5] = [
+        Self::Full,
+        Self::IsrUkfPrinted,
+        Self::IsrUkf,
+        Self::Ekf,
+        Self::FullEkf,
+    ];
 
     /// The name in files and on the command line.
     pub const fn name(self) -> &'static str {
@@ -29,6 +38,7 @@ impl Method {
             Self::IsrUkfPrinted => "isr-ukf-printed",
             Self::IsrUkf => "isr-ukf",
             Self::Ekf => "ekf",
+            Self::FullEkf => "full-ekf",
         }
     }
 

@@ -12,6 +12,7 @@
 //! | [`axle_loads`] | (6), (7), (10), (11) |
 //! | [`wheel_dynamics`] | (1)-(5), (8), (9), (12)-(14), (18): the process |
 //! | [`cg_model`] | (15)-(17): states and measurements |
+//! | `tangent` | the derivatives of the process |
 //! | `windup` | tyres wind up under a growing torque |
 //! | `load` | a load that is weighed |
 //! | `slope` | how far the slope sensor is to be believed |
@@ -46,6 +47,7 @@ mod sample;
 pub mod settings;
 mod slope;
 mod stuck;
+mod tangent;
 mod verdict;
 pub mod weigh;
 pub mod wheel_dynamics;
@@ -53,7 +55,6 @@ mod windup;
 
 pub use estimate::{Estimate, Status};
 pub use estimator::CgEstimator;
-pub use filter::{CgFilter, RowReport};
 pub use method::Method;
 pub use payload::Payload;
 pub use reason::Reason;

@@ -27,7 +27,7 @@ use crate::scalar::Scalar;
 pub const GRAVITY: f64 = 9.81;
 
 /// Width of the rolling resistance at standstill [m/s].
-const ROLLING_WIDTH: f64 = 0.05;
+pub(super) const ROLLING_WIDTH: f64 = 0.05;
 
 /// Loads and friction are inserted into the step this often.
 const PASSES: usize = 2;
@@ -115,10 +115,8 @@ pub struct Road<T> {
 impl<T: Scalar> Road<T> {
     /// The road under a slope.
     pub fn of(slope: T) -> Self {
-        Self {
-            sine: slope.sin(),
-            cosine: slope.cos(),
-        }
+        let (sine, cosine) = slope.sin_cos();
+        Self { sine, cosine }
     }
 }
 
@@ -156,13 +154,13 @@ impl<T: Scalar> Parameters<T> {
 }
 
 /// What one wheel contributes to the implicit step.
-struct Wheel<T> {
+pub(super) struct Wheel<T> {
     /// r_i c_i: force per slip speed times radius.
     pull: T,
     /// N_i = 1 + dt r_i^2 c_i/I.
-    denominator: T,
+    pub(super) denominator: T,
     /// g_i = c_i/N_i.
-    grip: T,
+    pub(super) grip: T,
     /// r_i w_i + dt r_i T_i/I: rim speed without the ground.
     free_rim_speed: T,
 }
@@ -248,7 +246,7 @@ impl WheelDynamics {
 
     /// Acceleration that the torques would give without slip: the start of the loads [m/s^2].
     #[inline(always)]
-    fn rigid_acceleration<T: Scalar>(
+    pub(super) fn rigid_acceleration<T: Scalar>(
         &self,
         radius_front: T,
         radius_rear: T,
@@ -265,21 +263,26 @@ impl WheelDynamics {
     /// Rolling resistance and slope: forces against forward motion that do not depend on slip [N].
     #[inline(always)]
     fn drag<T: Scalar>(&self, speed: T, u: &Inputs, road: &Road<T>) -> T {
+        self.faded_drag((speed / ROLLING_WIDTH).tanh(), u, road)
+    }
+
+    /// The same with the rolling resistance at this share of its full size.
+    #[inline(always)]
+    pub(super) fn faded_drag<T: Scalar>(&self, fade: T, u: &Inputs, road: &Road<T>) -> T {
         let load = road.cosine * (self.mass * GRAVITY) + u.spade_force_z;
-        (speed / ROLLING_WIDTH).tanh() * load * self.rolling_resistance
-            + road.sine * (self.mass * GRAVITY)
+        fade * load * self.rolling_resistance + road.sine * (self.mass * GRAVITY)
     }
 
     /// Rolling radius under load [m].
     #[inline(always)]
-    fn radius<T: Scalar>(&self, error: T, load: T) -> T {
+    pub(super) fn radius<T: Scalar>(&self, error: T, load: T) -> T {
         let excess = load / (0.5 * self.mass * GRAVITY) - 1.0;
         (error - excess * self.radius_load_sensitivity + 1.0) * self.wheel_radius
     }
 
     /// Secant slip stiffness of a tyre that saturates like mu tanh(K sigma/mu).
     #[inline(always)]
-    fn stiffness<T: Scalar>(
+    pub(super) fn stiffness<T: Scalar>(
         &self,
         slip_stiffness: T,
         torque: f64,
@@ -293,12 +296,11 @@ impl WheelDynamics {
         let demand = (-(acceleration * self.axle_inertia / radius) + torque).abs()
             / (radius * load * self.friction);
         let use_of_friction = demand.min(T::constant(0.995));
-        let bent = slip_stiffness * use_of_friction / use_of_friction.atanh();
-        use_of_friction.above(T::constant(1e-6), bent, slip_stiffness)
+        slip_stiffness * use_of_friction.per_atanh()
     }
 
     #[inline(always)]
-    fn wheel<T: Scalar>(
+    pub(super) fn wheel<T: Scalar>(
         &self,
         force_per_slip_speed: T,
         torque: f64,
@@ -403,7 +405,7 @@ impl WheelDynamics {
 
     /// max(|v|, |r w|, v_min).
     #[inline(always)]
-    fn slip_denominator<T: Scalar>(&self, speed: T, rim_speed: T) -> T {
+    pub(super) fn slip_denominator<T: Scalar>(&self, speed: T, rim_speed: T) -> T {
         speed
             .abs()
             .max(rim_speed.abs())

@@ -64,6 +64,11 @@ impl Candidate {
     pub const TUNED: Self = Self::new("tuned 6 states", Method::IsrUkf, known_machine_tuning());
     /// The product, nothing calibrated.
     pub const COLD: Self = Self::product("full, cold");
+    /// The product by the model's tangent.
+    pub const TANGENT: Self = Self {
+        method: Method::FullEkf,
+        ..Self::product("full-ekf, cold")
+    };
     /// The product with rolling radii known to 5e-4.
     pub const WARM: Self = Self {
         warm: true,

@@ -99,7 +99,7 @@ impl Case {
 const INF: f64 = f64::INFINITY;
 
 /// The lines; consecutive ones of the same tier and scenario share their runs.
-const CASES: [Case; 26] = {
+const CASES: [Case; 29] = {
     use Scenario::{AccelDecel, Bumpy, ConstantTorque, Digging, LoadCycle, Spading, WorkCycle};
     use Tier::{A, B};
     [
@@ -118,6 +118,9 @@ const CASES: [Case; 26] = {
         Case::new(B, Bumpy, Candidate::COLD)
             .ratio(3.2, 9.2, INF)
             .covered(),
+        Case::new(B, Bumpy, Candidate::TANGENT)
+            .ratio(3.2, 9.2, INF)
+            .covered(),
         Case::new(B, Bumpy, Candidate::CALIBRATED),
         Case::new(B, Spading, Candidate::COLD),
         Case::new(B, Digging, Candidate::COLD),
@@ -126,6 +129,9 @@ const CASES: [Case; 26] = {
         Case::new(B, AccelDecel, Candidate::EKF),
         // The sampling spread of the median is 0.3 points.
         Case::new(B, AccelDecel, Candidate::COLD)
+            .ratio(3.3, 6.0, INF)
+            .covered(),
+        Case::new(B, AccelDecel, Candidate::TANGENT)
             .ratio(3.3, 6.0, INF)
             .covered(),
         Case::new(B, AccelDecel, Candidate::CALIBRATED),
@@ -137,6 +143,10 @@ const CASES: [Case; 26] = {
             .covered(),
         Case::new(B, WorkCycle, Candidate::TUNED),
         Case::new(B, WorkCycle, Candidate::COLD)
+            .ratio(INF, 3.5, 1.8)
+            .height(11.0, 4.0)
+            .covered(),
+        Case::new(B, WorkCycle, Candidate::TANGENT)
             .ratio(INF, 3.5, 1.8)
             .height(11.0, 4.0)
             .covered(),

@@ -1,6 +1,7 @@
 //! The loader's estimators as a step.
 //!
-//! All methods are the same step with different settings. The process `kalman` runs `ekf`, `ukf` the others.
+//! All methods are the same step with different settings. The process `kalman` runs those on the model's tangent, `ukf` those on
+//! sigma points.
 
 use config::Loader as Description;
 use estimation::loader::{CgEstimator, Columns, Reason, Settings};

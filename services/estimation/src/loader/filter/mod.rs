@@ -1,6 +1,5 @@
 //! The estimator on a fixed number of states: what happens with one row.
 
-use crate::ekf::Ekf;
 use crate::loader::Method;
 use crate::loader::cg_model::{CgModel, Loading, has_delay};
 use crate::loader::conditions::{Conditions, Monitor};
@@ -21,15 +20,15 @@ use crate::loader::verdict::{Doubt, Evidence};
 use crate::loader::wheel_dynamics::{GRAVITY, Inputs, WheelDynamics};
 use crate::loader::windup::Windup;
 use crate::math::{sin_cos, sqrt, tanh};
-use crate::prediction::Images;
 use crate::sigma_points::Spread;
-use crate::srukf::SquareRootUkf;
 use crate::time_base::{Tick, TimeBase};
 
+mod belief;
 mod gate;
 mod noise;
 mod recovery;
 
+pub(super) use belief::Belief;
 use gate::gate;
 
 /// Measurement noise that stands for "not measured" in the printed form.
@@ -54,9 +53,17 @@ const NOTED_SLOPE: f64 = 0.02;
 /// How long a change is shown [s].
 const CHANGE_SHOWN: f64 = 5.0;
 
+/// What held before the row.
+#[derive(Clone, Copy, Debug)]
+struct Before {
+    speed: f64,
+    /// Variance of the ratio.
+    ratio_variance: f64,
+}
+
 /// What a row did.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RowReport<const M: usize> {
+pub(super) struct RowReport<const M: usize> {
     /// How the row was taken.
     pub status: Status,
     /// Normalised innovation squared, the sum over the accepted measurements.
@@ -84,14 +91,15 @@ impl<const M: usize> RowReport<M> {
     }
 }
 
-/// The filter with `N` states (6, 8 to 11, see [`crate::loader::cg_model`]) and `M` measurements (3, or 4 with the specific force).
+/// The filter with `N` states (6, 8 to 11, see [`crate::loader::cg_model`]) and `M` measurements (3, or 4 with the specific force),
+/// which keeps its state as a `B`.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct CgFilter<const N: usize, const M: usize> {
+pub(super) struct CgFilter<const N: usize, const M: usize, B: Belief<N, M>> {
     settings: Settings,
     tuning: Tuning,
     printed: bool,
-    filter: SquareRootUkf<N, M>,
+    belief: B,
     dynamics: WheelDynamics,
     hold: InputHold,
     monitor: Monitor,
@@ -120,7 +128,7 @@ pub struct CgFilter<const N: usize, const M: usize> {
     frozen: bool,
 }
 
-impl<const N: usize, const M: usize> CgFilter<N, M> {
+impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     /// The filter before its first row; the settings must have been checked.
     pub(in crate::loader) fn new(settings: &Settings, method: Method) -> Self {
         let tuning = settings.tuning(method);
@@ -154,7 +162,7 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
             settings: *settings,
             tuning,
             printed: method == Method::IsrUkfPrinted,
-            filter: SquareRootUkf::new([0.0; N], &[0.0; N], spread),
+            belief: B::new([0.0; N], &[0.0; N], spread),
             dynamics,
             hold: InputHold::new(machine.mass),
             monitor: Monitor::default(),
@@ -176,19 +184,18 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
             payload: None,
             frozen: false,
         };
-        new.filter.state = new.prior_state();
-        new.filter.root = new.prior_root();
+        new.belief = B::new(new.prior_state(), &new.prior_std(), spread);
         new
     }
 
     /// The state \[v, w_f, w_r, K, h, lam, ..\].
     pub fn state(&self) -> &[f64; N] {
-        &self.filter.state
+        self.belief.state()
     }
 
-    /// The lower root of its covariance.
-    pub fn covariance_root(&self) -> &[[f64; N]; N] {
-        &self.filter.root
+    /// Standard deviation of a state.
+    pub fn std(&self, i: usize) -> f64 {
+        self.belief.std(i)
     }
 
     pub(in crate::loader) fn tuning(&self) -> &Tuning {
@@ -249,7 +256,7 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
         if self.tuning.load_shift && self.payload.is_none() {
             self.weigh(dt);
         }
-        let at = [self.filter.state[0], self.filter.state[3]];
+        let at = [self.belief.state()[0], self.belief.state()[3]];
         self.effect = self.disturbance.update(&self.dynamics, &step, at, dt);
         let fresh = self.settings.verdict.fresh;
         if dt > self.tuning.gap || self.tuning.screened && self.evidence.torque_lost(fresh) {
@@ -259,15 +266,8 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
         let model = self.model(step.inputs, dt);
         let report = if self.printed {
             self.step_printed(sample, &model)
-        } else if self.tuning.linearised {
-            let images = Ekf {
-                state: self.filter.state,
-                root: self.filter.root,
-            }
-            .images(&model);
-            self.update(images, &model, sample, &step)
         } else {
-            self.update(self.filter.images(&model), &model, sample, &step)
+            self.update(&model, sample, &step)
         };
         self.finish(report, sample, dt)
     }
@@ -279,7 +279,7 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
         self.spade_force_x = finite(sample.spade_force_x).unwrap_or(0.0);
         let speed = finite(sample.speed).unwrap_or(0.0);
         let rim = speed / self.dynamics.wheel_radius;
-        let state = &mut self.filter.state;
+        let state = self.belief.state_mut();
         state[0] = speed;
         state[1] = finite(sample.front_wheel_speed).unwrap_or(rim);
         state[2] = finite(sample.rear_wheel_speed).unwrap_or(rim);
@@ -305,7 +305,7 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
 
     /// What the motion says of a row beside its own signals.
     fn witness(&self, sample: &Sample) -> Witness {
-        let (state, sensors) = (&self.filter.state, &self.settings.sensors);
+        let (state, sensors) = (self.belief.state(), &self.settings.sensors);
         let radius = self.dynamics.wheel_radius;
         let speed = finite(sample.speed).unwrap_or(state[0]);
         let front = finite(sample.front_wheel_speed).unwrap_or(speed / radius);
@@ -338,7 +338,8 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
         let spin = 2.0 * self.dynamics.axle_inertia / (radius * radius);
         let pull = (step.inputs.front_torque + step.inputs.rear_torque) / radius;
         let weight = self.dynamics.mass * GRAVITY;
-        let rolling = self.dynamics.rolling_resistance * tanh(self.filter.state[0] / 0.05) * weight;
+        let rolling =
+            self.dynamics.rolling_resistance * tanh(self.belief.state()[0] / 0.05) * weight;
         Some(
             (pull - rolling - weight * slope - step.inputs.spade_force_x)
                 / (self.dynamics.mass + spin),
@@ -346,34 +347,34 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
     }
 
     /// The consistent step with every rule of the tuning.
-    fn update<const B: usize>(
-        &mut self,
-        mut images: Images<N, M, B>,
-        model: &CgModel,
-        sample: &Sample,
-        step: &StepInputs,
-    ) -> RowReport<M> {
-        let unknown_force = if N >= 10 { images.state[6] } else { 0.0 };
+    fn update(&mut self, model: &CgModel, sample: &Sample, step: &StepInputs) -> RowReport<M> {
+        let mut ahead = self.belief.ahead(model);
+        let before = Before {
+            speed: self.belief.state()[0],
+            ratio_variance: self.belief.variance(5),
+        };
+        let state = *B::state_ahead(&ahead);
+        let unknown_force = if N >= 10 { state[6] } else { 0.0 };
         let force = step.inputs.spade_force_x + unknown_force;
         let conditions = self
             .monitor
-            .conditions(&self.tuning, images.state[0], force, model.dt);
+            .conditions(&self.tuning, state[0], force, model.dt);
         let process_std = self.process_std(&conditions, sample.boom_moving, model.dt);
         let measured = measurements::<M>(sample, step.acceleration);
         self.quantum.see([measured[1], measured[2]]);
         let effect = self.effect;
-        let mut std = self.measurement_std(&images.state, &conditions, model);
+        let mut std = self.measurement_std(&state, &conditions, model);
         if self.tuning.screened {
             let slip = sqrt(effect.turn * effect.turn + effect.force * effect.force);
-            let disturbed = slip * images.state[0].abs() / self.dynamics.wheel_radius;
+            let disturbed = slip * state[0].abs() / self.dynamics.wheel_radius;
             std[1] = sqrt(std[1] * std[1] + disturbed * disturbed);
             std[2] = sqrt(std[2] * std[2] + disturbed * disturbed);
         }
-        let prediction = images.predict(&process_std);
-        let mut innovation: [f64; M] =
-            core::array::from_fn(|j| measured[j] - prediction.measurement[j]);
+        let expected = self.belief.predict(&mut ahead, model, &process_std);
+        let predicted = B::measurement(&expected);
+        let mut innovation: [f64; M] = core::array::from_fn(|j| measured[j] - predicted[j]);
         if self.tuning.windup {
-            let at = [images.state[3], images.state[5]];
+            let at = [state[3], state[5]];
             let windup = self.windup.wheel_speeds(
                 self.settings.machine.relaxation_length,
                 &model.dynamics,
@@ -387,7 +388,7 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
         let (mut accepted, mut deweighted) = ([false; M], [false; M]);
         for j in 0..M {
             let (kept, soft) = gate(self.tuning.gates, innovation[j], &mut std[j], || {
-                prediction.measurement_std(j)
+                B::measurement_std(&expected, j)
             });
             (accepted[j], deweighted[j]) = (kept, soft);
         }
@@ -402,10 +403,9 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
         }
         let both = accepted[1] && accepted[2] && !conditions.frozen;
         if self.tuning.screened && both {
-            self.compare_legs(&images.state, &innovation, &std, model);
+            self.compare_legs(&before, &state, &innovation, &std, model);
         }
-        let update = prediction.update(&innovation, &std, &accepted);
-        self.filter.accept(&update);
+        let nis = self.belief.update(&expected, &innovation, &std, &accepted);
         self.clamp();
         self.loosened = self.loosening();
         if self.changed == 0.0 {
@@ -416,7 +416,7 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
         let status = Status::Updated;
         RowReport {
             status,
-            nis: update.nis(),
+            nis,
             accepted,
             deweighted,
             frozen: conditions.frozen,
@@ -437,6 +437,7 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
     /// Adds a row to the present leg; a leg that lies far off reopens height and ratio.
     fn compare_legs(
         &mut self,
+        before: &Before,
         state: &[f64; N],
         innovation: &[f64; M],
         std: &[f64; M],
@@ -445,7 +446,7 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
         let (machine, inputs) = (&self.dynamics, &model.inputs);
         let radius = machine.wheel_radius;
         let [speed, stiffness, height, ratio] = [state[0], state[3], state[4], state[5]];
-        let acceleration = (state[0] - self.filter.state[0]) / model.dt;
+        let acceleration = (state[0] - before.speed) / model.dt;
         let lift = acceleration + GRAVITY * sin_cos(inputs.slope).0;
         let front = (ratio - height * lift / (GRAVITY * machine.wheelbase)).clamp(0.1, 0.9);
         let per_weight = 1.0 / (radius * stiffness * machine.mass * GRAVITY);
@@ -457,15 +458,14 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
             by_share: -speed.abs() * moved,
             driving: (inputs.front_torque + inputs.rear_torque) * speed > 0.0,
         };
-        let variance = self.filter.root[5].iter().map(|x| x * x).sum::<f64>();
-        if self.legs.take(&slip, variance, model.dt) && self.relearning.settled() {
+        if self.legs.take(&slip, before.ratio_variance, model.dt) && self.relearning.settled() {
             self.changed = 0.0;
         }
     }
 
     /// What makes the estimate doubtful beside its own covariance.
     pub(in crate::loader) fn doubt(&self) -> Doubt {
-        let (prior, state) = (&self.settings.prior, &self.filter.state);
+        let (prior, state) = (&self.settings.prior, self.belief.state());
         let beyond =
             |value: f64, centre: f64, std: f64| ((value - centre).abs() - EXPECTED * std).max(0.0);
         let empty = self.payload.is_none() && self.load.share() < 0.04;
@@ -519,7 +519,7 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
 
     /// What acts on the machine that its model does not have.
     fn acts(&self) -> Reason {
-        let slowed = self.disturbance.unexplained * self.filter.state[0] < 0.0;
+        let slowed = self.disturbance.unexplained * self.belief.state()[0] < 0.0;
         if self.effect.braking || self.effect.force > NOTED_SLIP && slowed {
             Reason::Brakes
         } else if self.effect.turn > NOTED_SLIP {
@@ -542,17 +542,18 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
                 *std = NOT_MEASURED_STD;
             }
         }
-        let printed = self
-            .filter
-            .step_printed(model, &process_std, &std, |predicted| {
-                core::array::from_fn(|j| {
-                    if accepted[j] {
-                        measured[j] - predicted[j]
-                    } else {
-                        0.0
-                    }
-                })
-            });
+        let Some(filter) = self.belief.sigma_points() else {
+            return RowReport::without_update(Status::Diverged, false);
+        };
+        let printed = filter.step_printed(model, &process_std, &std, |predicted| {
+            core::array::from_fn(|j| {
+                if accepted[j] {
+                    measured[j] - predicted[j]
+                } else {
+                    0.0
+                }
+            })
+        });
         self.clamp();
         let status = Status::Updated;
         RowReport {

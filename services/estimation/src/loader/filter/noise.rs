@@ -1,17 +1,16 @@
 //! Prior, process noise and measurement noise of a step, by state and measurement.
 
-use super::CgFilter;
+use super::{Belief, CgFilter};
 use crate::loader::cg_model::CgModel;
 use crate::loader::conditions::{Conditions, REFERENCE_STEP, WheelStep};
 use crate::loader::load::Centre;
 use crate::loader::wheel_dynamics::GRAVITY;
 use crate::math::sqrt;
-use crate::root::{standard_deviations, triangularise};
 
 /// Share of the mass from which on the machine is loaded.
 const LEAST_LOAD: f64 = 0.04;
 
-impl<const N: usize, const M: usize> CgFilter<N, M> {
+impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     /// Process noise of a step, by state.
     pub(super) fn process_std(
         &self,
@@ -66,9 +65,8 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
 
     /// A step of the mass moves the centre of gravity and makes it uncertain.
     pub(super) fn weigh(&mut self, dt: f64) {
-        let std = standard_deviations(&self.filter.root);
-        let state = self.filter.state;
-        let centre = [(state[4], std[4]), (state[5], std[5])];
+        let state = *self.belief.state();
+        let centre = [4, 5].map(|i| (state[i], self.belief.std(i)));
         let Some(shift) = self.load.weigh(self.hold.mass, centre, dt) else {
             return;
         };
@@ -78,7 +76,7 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
         }
         let reach = self.settings.machine.bucket_reach / self.dynamics.wheelbase;
         let (ratio, ratio_std) = shift.ratio(state[5], reach);
-        self.filter.state[5] = ratio;
+        self.belief.state_mut()[5] = ratio;
         for (i, std) in [(4, shift.height_std(state[4])), (5, ratio_std)] {
             let loosened = &mut self.loosened[i];
             *loosened = sqrt(*loosened * *loosened + std * std);
@@ -88,22 +86,19 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
 
     /// Height and ratio are again what they were; of their correlation with other states nothing is kept.
     fn restore(&mut self, centre: Centre) {
-        let mut rows = self.filter.root.map(|row| [row]);
-        let mut process = [0.0; N];
-        for (i, (value, std)) in [4, 5].into_iter().zip(centre) {
-            self.filter.state[i] = value;
-            rows[i] = [[0.0; N]];
-            process[i] = std;
-        }
-        self.filter.root = triangularise(&mut rows, &process);
+        let [height, ratio] = centre;
+        self.belief
+            .separate(&[(4, height.1), (5, ratio.1)], &[0.0; N]);
+        let state = self.belief.state_mut();
+        (state[4], state[5]) = (height.0, ratio.0);
     }
 
     /// Process noise beyond the usual, for what must be learnt again.
     pub(super) fn loosening(&mut self) -> [f64; N] {
-        let (prior, state) = (&self.settings.prior, &self.filter.state);
+        let (prior, state) = (&self.settings.prior, self.belief.state());
         let (mut share, mut radius) = (0.0, 0.0);
         if let Some(rule) = &self.tuning.relearning {
-            let ratio_std = sqrt(self.filter.root[5].iter().map(|x| x * x).sum::<f64>());
+            let ratio_std = self.belief.std(5);
             share = self
                 .relearning
                 .loosening(rule, prior, [state[3], state[5]], ratio_std);
@@ -171,9 +166,9 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
         )
     }
 
-    pub(super) fn prior_root(&self) -> [[f64; N]; N] {
+    pub(super) fn prior_std(&self) -> [f64; N] {
         let prior = &self.settings.prior;
-        let std: [f64; N] = by_state(
+        by_state(
             [
                 prior.speed_std,
                 prior.wheel_speed_std,
@@ -190,8 +185,7 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
                 prior.slope_bias_std,
                 self.settings.sensors.speed_delay_std,
             ],
-        );
-        core::array::from_fn(|i| core::array::from_fn(|j| if i == j { std[i] } else { 0.0 }))
+        )
     }
 }
 

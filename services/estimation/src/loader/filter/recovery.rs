@@ -1,20 +1,19 @@
 //! When the filter lost its way: gaps, restarts, bounds.
 
-use super::{CgFilter, RowReport};
+use super::{Belief, CgFilter, RowReport};
 use crate::loader::conditions::Conditions;
 use crate::loader::estimate::Status;
 use crate::loader::relearning::Relearning;
 use crate::loader::sample::{Sample, finite};
 use crate::loader::windup::Windup;
 use crate::math::sqrt;
-use crate::root::{standard_deviations, triangularise};
 
 /// When every speed that comes has been rejected for this long, the filter is wrong and not the sensors [s].
 ///
 /// Rejected rows have no normalised innovation, so the reset rule alone would never see this.
 const LOCKED_OUT: f64 = 1.0;
 
-impl<const N: usize, const M: usize> CgFilter<N, M> {
+impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     /// Counts the row, and restarts a filter that lost its way.
     pub(super) fn finish(
         &mut self,
@@ -23,8 +22,8 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
         dt: f64,
     ) -> RowReport<M> {
         self.frozen = report.frozen;
-        if !self.is_finite() || !report.nis.is_finite() {
-            self.filter.state = self.prior_state();
+        if !self.belief.is_sound() || !report.nis.is_finite() {
+            *self.belief.state_mut() = self.prior_state();
             self.restart(sample);
             return RowReport::without_update(Status::Diverged, report.frozen);
         }
@@ -56,17 +55,16 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
         report
     }
 
-    fn is_finite(&self) -> bool {
-        let finite = |row: &[f64; N]| row.iter().all(|x| x.is_finite());
-        finite(&self.filter.state) && self.filter.root.iter().all(finite)
-    }
-
     /// Covariance back to the prior, speeds to their measurements; the parameters keep their values.
     pub(super) fn restart(&mut self, sample: &Sample) {
         self.anchor(sample);
-        self.filter.root = self.prior_root();
+        let prior: [(usize, f64); N] = {
+            let std = self.prior_std();
+            core::array::from_fn(|i| (i, std[i]))
+        };
+        self.belief.separate(&prior, &[0.0; N]);
         self.evidence.restart();
-        let state = &self.filter.state;
+        let state = self.belief.state();
         self.relearning = Relearning::new([state[3], state[5]]);
     }
 
@@ -85,20 +83,16 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
         self.anchor(sample);
         let process = self.wandering(away);
         self.windup = Windup::default();
-        let mut rows = self.filter.root.map(|row| [row]);
-        for row in &mut rows[..3] {
-            *row = [[0.0; N]];
-        }
-        self.filter.root = triangularise(&mut rows, &process);
         let prior = &self.settings.prior;
         let least = [
             prior.speed_std,
             prior.wheel_speed_std,
             prior.wheel_speed_std,
         ];
-        for (i, (sensor, least)) in self.sensor_std().into_iter().zip(least).enumerate() {
-            self.filter.root[i][i] = least.max(3.0 * sensor);
-        }
+        let sensor = self.sensor_std();
+        let motion: [(usize, f64); 3] =
+            core::array::from_fn(|i| (i, least[i].max(3.0 * sensor[i])));
+        self.belief.separate(&motion, &process);
         RowReport::without_update(Status::Gap, self.frozen)
     }
 
@@ -108,12 +102,9 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
             return [0.0; N];
         }
         let usual = self.process_std(&Conditions::default(), false, away);
-        let (now, prior) = (
-            standard_deviations(&self.filter.root),
-            standard_deviations(&self.prior_root()),
-        );
+        let prior = self.prior_std();
         core::array::from_fn(|i| {
-            let room = (prior[i] * prior[i] - now[i] * now[i]).max(0.0);
+            let room = (prior[i] * prior[i] - self.belief.variance(i)).max(0.0);
             if i < 3 { 0.0 } else { usual[i].min(sqrt(room)) }
         })
     }
@@ -124,7 +115,7 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
             sample.front_wheel_speed,
             sample.rear_wheel_speed,
         ];
-        for (state, measured) in self.filter.state.iter_mut().zip(measured) {
+        for (state, measured) in self.belief.state_mut().iter_mut().zip(measured) {
             *state = finite(measured).unwrap_or(*state);
         }
     }
@@ -132,7 +123,7 @@ impl<const N: usize, const M: usize> CgFilter<N, M> {
     /// Keeps the means of K, h, lam within their bounds.
     pub(super) fn clamp(&mut self) {
         if let Some(bounds) = self.tuning.clamps {
-            let state = &mut self.filter.state;
+            let state = self.belief.state_mut();
             for (i, (low, high)) in [
                 (3, bounds.slip_stiffness),
                 (4, bounds.cg_height),

@@ -88,10 +88,10 @@ fn verdict(keys: &Keys) -> Verdict {
     }
 }
 
-/// `full` takes every key. The methods with six states are the paper's, exactly, or take the keys that `tuned` knows.
+/// `full` and `full-ekf` take every key. The methods with six states are the paper's, exactly, or take the keys that `tuned` knows.
 fn tuning(keys: &Keys, method: Method) -> Tuning {
     let base = match (method, keys.tuning) {
-        (Method::Full, _) => protected(keys, Tuning::product()),
+        (Method::Full | Method::FullEkf, _) => protected(keys, Tuning::product()),
         (_, keys::Tuning::Paper) => Tuning::paper(),
         (_, keys::Tuning::Tuned) => tuned(keys),
     };

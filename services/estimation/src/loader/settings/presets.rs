@@ -10,12 +10,12 @@ impl Tuning {
     /// The tuning that a method has when nothing else is asked for.
     pub const fn of(method: Method) -> Self {
         match method {
-            Method::Full => Self::product(),
+            Method::Full | Method::FullEkf => Self::product(),
             _ => Self::paper(),
         }
     }
 
-    /// What `full` runs on: [`Tuning::recommended`], and what a real machine needs beyond it.
+    /// What `full` and `full-ekf` run on: [`Tuning::recommended`], and what a real machine needs beyond it.
     ///
     /// Windup, quantum, relearning and load shift remove errors that the recommended filter is sure of. Changes of torque count less
     /// (c_t 1.5 instead of 0.5): what remains of them, the axle loads lagging behind the acceleration, has the same sign
@@ -72,7 +72,6 @@ impl Tuning {
             beta: 2.0,
             kappa: 0.0,
             load_transfer: LoadTransfer::Physical,
-            linearised: false,
             inflation: Inflation {
                 load_ripple: 0.1,
                 radius_ripple: 0.1,

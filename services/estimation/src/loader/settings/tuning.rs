@@ -142,8 +142,6 @@ pub struct Tuning {
     pub kappa: f64,
     /// Sign of the load transfer.
     pub load_transfer: LoadTransfer,
-    /// Measure with a linearised model (EKF) instead of sigma points.
-    pub linearised: bool,
     /// Extra wheel noise.
     pub inflation: Inflation,
     /// Below this speed the parameters are held and the wheel rows weak [m/s]; 0 is off.

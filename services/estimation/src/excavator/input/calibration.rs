@@ -1,0 +1,188 @@
+//! Bias and noise of the velocity, measured over the first half second if the machine stands then.
+//! Single samples far outside are left out: one of them would hide that the machine stands.
+
+use crate::excavator::grid::Tick;
+use crate::excavator::settings::Settings;
+use crate::math::{exp, ln, sqrt};
+
+/// Length of the measurement [s].
+const WINDOW: f64 = 0.5;
+/// Ticks that fit into it, with some to spare.
+const CAPACITY: usize = 128;
+/// A larger mean is motion, not bias [rad/s].
+const BIAS_MAX: f64 = 0.03;
+/// Motion may have begun this many ticks before it is noticed.
+const ONSET: usize = 8;
+/// Motion is judged by the median of so many velocities.
+const RECENT: usize = 5;
+/// Fewest ticks that give a bias when the machine sets off early.
+const FEWEST: usize = 12;
+/// A sample this many standard deviations from the median is an outlier. A Gaussian one lies there
+/// once in two million.
+const OUTLIER: f64 = 5.0;
+
+/// How far the measurement is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::excavator) enum Progress {
+    /// The machine may yet be seen to stand.
+    Measuring,
+    /// It stood.
+    Stood(Calibrated),
+    /// It did not stand, or too little was seen of it.
+    Failed,
+}
+
+/// What was found while the machine stood.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::excavator) struct Calibrated {
+    /// To be subtracted from every velocity [rad/s].
+    pub(in crate::excavator) bias: f64,
+    /// Measured over described noise, at least 1.
+    pub(in crate::excavator) noise: f64,
+}
+
+/// Collects the first half second.
+#[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(in crate::excavator) struct Calibration {
+    #[cfg_attr(feature = "serde", serde(with = "crate::written"))]
+    velocities: [f64; CAPACITY],
+    valid: usize,
+    ticks: usize,
+    /// Ticks per row of the source.
+    slowness: f64,
+    torque_sum: f64,
+    torque: f64,
+    elapsed: f64,
+    variance: f64,
+    friction: f64,
+    measure_noise: bool,
+}
+
+impl Calibration {
+    pub(in crate::excavator) fn new(settings: &Settings) -> Self {
+        Self {
+            velocities: [0.0; CAPACITY],
+            valid: 0,
+            ticks: 0,
+            slowness: 1.0,
+            torque_sum: 0.0,
+            torque: 0.0,
+            elapsed: 0.0,
+            variance: 0.0,
+            friction: settings.coulomb_friction,
+            measure_noise: settings.estimator.measure_noise_at_rest,
+        }
+    }
+
+    /// Takes in one tick of a source with `slowness` ticks per row; over with the first tick that is
+    /// no longer part of it.
+    pub(in crate::excavator) fn step(&mut self, tick: &Tick, slowness: f64) -> Progress {
+        self.slowness = slowness;
+        if self.elapsed >= WINDOW - 1e-6 || self.ticks >= CAPACITY {
+            return self.finish();
+        }
+        self.elapsed += tick.period;
+        self.ticks += 1;
+        self.torque_sum += tick.torque;
+        self.torque += (1.0 - exp(ln(0.65) * tick.period / 0.01)) * (tick.torque - self.torque);
+        if let Some(y) = tick.velocity {
+            self.velocities[self.valid] = y;
+            self.valid += 1;
+            self.variance = tick.velocity_variance;
+        }
+        if self.moves() {
+            self.early()
+        } else {
+            Progress::Measuring
+        }
+    }
+
+    /// The first `n` velocities without outliers, and how many are left. The scale is the median
+    /// distance from the median, which a few outliers do not move, but at least the described one.
+    fn inliers(&self, n: usize) -> ([f64; CAPACITY], usize) {
+        let mut sorted = self.velocities;
+        let centre = median(&mut sorted[..n]);
+        let mut distances = sorted.map(|v| (v - centre).abs());
+        let std = (1.4826 * median(&mut distances[..n])).max(sqrt(self.variance));
+        let (mut kept, mut count) = ([0.0; CAPACITY], 0);
+        for &v in &self.velocities[..n] {
+            if (v - centre).abs() < OUTLIER * std {
+                kept[count] = v;
+                count += 1;
+            }
+        }
+        (kept, count)
+    }
+
+    fn moves(&self) -> bool {
+        let recent = self.valid.saturating_sub(RECENT)..self.valid;
+        let mut recent_velocities = [0.0; RECENT];
+        recent_velocities[..recent.len()].copy_from_slice(&self.velocities[recent]);
+        let limit = BIAS_MAX + 1.5 * sqrt(self.variance);
+        median(&mut recent_velocities).abs() > limit || self.torque.abs() > self.friction
+    }
+
+    /// The machine set off before the time was over: what came before may still tell the bias.
+    fn early(&self) -> Progress {
+        let (before, n) = self.inliers(self.valid.saturating_sub(ONSET));
+        let before = &before[..n];
+        if n < FEWEST || !plausible(before, self.variance) {
+            return Progress::Failed;
+        }
+        Progress::Stood(Calibrated {
+            bias: mean(before),
+            noise: 1.0,
+        })
+    }
+
+    fn finish(&self) -> Progress {
+        let (all, n) = self.inliers(self.valid);
+        let all = &all[..n];
+        let expected = self.ticks as f64 / self.slowness;
+        let complete = n as f64 >= 0.8 * expected && n >= FEWEST;
+        let torque = self.torque_sum / self.ticks.max(1) as f64;
+        if !complete || torque.abs() >= self.friction || !plausible(all, self.variance) {
+            return Progress::Failed;
+        }
+        // Measured noise only ever widens: a quiet half second may be a quantised sensor. The
+        // margin is the error of a standard deviation from fifty samples.
+        let ratio = deviation(all) / sqrt(self.variance);
+        let noise = if self.measure_noise && ratio > 1.3 {
+            ratio.min(4.0)
+        } else {
+            1.0
+        };
+        Progress::Stood(Calibrated {
+            bias: mean(all),
+            noise,
+        })
+    }
+}
+
+/// Median of some values, which are sorted for it.
+fn median(values: &mut [f64]) -> f64 {
+    values.sort_unstable_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
+}
+
+/// A steady small mean with the described noise.
+fn plausible(values: &[f64], variance: f64) -> bool {
+    let std = sqrt(variance);
+    let (first, second) = values.split_at(values.len() / 2);
+    let half = first.len().max(1) as f64;
+    let drift = mean(second) - mean(first);
+    mean(values).abs() < BIAS_MAX
+        && deviation(values) < 3.0 * std
+        && drift.abs() < 4.0 * std * sqrt(2.0 / half)
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
+}
+
+fn deviation(values: &[f64]) -> f64 {
+    let m = mean(values);
+    let square: f64 = values.iter().map(|v| (v - m) * (v - m)).sum();
+    sqrt(square / values.len().saturating_sub(1).max(1) as f64)
+}

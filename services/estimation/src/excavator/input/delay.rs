@@ -1,0 +1,55 @@
+//! Delay line between change detector and estimator (modes C and A).
+//!
+//! A change of torque is noticed 0.1 to 0.15 s after it happened. The estimator therefore runs 15
+//! ticks late, and the flag of a change covers the ticks from 15 before its detection to 25 after.
+
+use crate::excavator::drive::Drive;
+use crate::excavator::standstill::Phase;
+
+/// Ticks by which the estimator is late (0.15 s).
+pub(in crate::excavator) const LATE: usize = 15;
+/// Ticks that stay flagged after a detection (0.25 s).
+const AFTER: u32 = 25;
+
+/// One entry of the line.
+#[derive(Debug, Clone, Copy, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(in crate::excavator) struct Entry {
+    pub(in crate::excavator) drive: Drive,
+    pub(in crate::excavator) phase: Phase,
+    pub(in crate::excavator) reopen: bool,
+    pub(in crate::excavator) flagged: bool,
+}
+
+/// The line.
+#[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(in crate::excavator) struct DelayLine {
+    ring: [Entry; LATE + 1],
+    count: usize,
+    flag_left: u32,
+}
+
+impl DelayLine {
+    pub(in crate::excavator) fn new() -> Self {
+        Self {
+            ring: [Entry::default(); LATE + 1],
+            count: 0,
+            flag_left: 0,
+        }
+    }
+
+    /// Puts a tick in; gives the one that leaves, once the line is full.
+    pub(in crate::excavator) fn push(&mut self, mut entry: Entry, event: bool) -> Option<Entry> {
+        if event {
+            self.ring.iter_mut().for_each(|e| e.flagged = true);
+            self.flag_left = AFTER + 1;
+        }
+        entry.flagged = self.flag_left > 0;
+        self.flag_left = self.flag_left.saturating_sub(1);
+        let n = self.ring.len();
+        self.ring[self.count % n] = entry;
+        self.count += 1;
+        (self.count >= n).then(|| self.ring[self.count % n])
+    }
+}

@@ -1,0 +1,279 @@
+//! From rows at any rate to a grid of about 100 Hz.
+//!
+//! The detectors and state-space estimators were tuned at 100 Hz. Rows that come faster are
+//! averaged, so that their noise averages too and the counts of the detectors keep their meaning;
+//! a gap is filled with prediction-only ticks, angles interpolated, torque held. A gap beyond
+//! [`LONG_GAP`] is not bridged: the machine may have done anything, and the work per row stays
+//! bounded.
+
+use crate::excavator::estimate::Sample;
+use crate::excavator::settings::Settings;
+
+/// Period of the grid [s].
+pub(in crate::excavator) const PERIOD: f64 = 0.01;
+/// Longest gap that is filled [s].
+pub(in crate::excavator) const LONG_GAP: f64 = 1.0;
+/// Rows at least this far apart are taken singly [s].
+const SINGLE: f64 = 0.51 * PERIOD;
+/// Faster rows are collected until this much time has passed [s].
+const BLOCK: f64 = 0.99 * PERIOD;
+/// More than this share of the noise variance is never averaged away: real noise is not white
+/// without limit, and the models' own errors on the grid do not average. With 0.1 mode D covers
+/// the truth in 85 % of the samples at 1 kHz, with 0.4 as at 100 Hz.
+const LEAST_SHARE: f64 = 0.4;
+
+/// One sample on the grid.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(in crate::excavator) struct Tick {
+    pub(in crate::excavator) time: f64,
+    pub(in crate::excavator) period: f64,
+    /// `None` where missing, and in filled gaps.
+    pub(in crate::excavator) velocity: Option<f64>,
+    /// Variance of the velocity [(rad/s)^2].
+    pub(in crate::excavator) velocity_variance: f64,
+    /// Mean torque, the last valid one where missing; 0 before the first.
+    pub(in crate::excavator) torque: f64,
+    /// Joint angles, the last valid ones where missing.
+    pub(in crate::excavator) posture: [f64; 3],
+    /// Share of a single row's noise variance that is left.
+    pub(in crate::excavator) share: f64,
+    /// Time since the last torque, infinite before the first [s].
+    pub(in crate::excavator) torque_age: f64,
+    /// Time since all three angles were there, infinite before [s].
+    pub(in crate::excavator) posture_age: f64,
+    /// Pitch and roll, where both are measured.
+    pub(in crate::excavator) inclination: Option<[f64; 2]>,
+}
+
+/// What one row set off: some prediction-only ticks and a tick with data.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::excavator) struct Fill {
+    from: Tick,
+    to: Tick,
+    inserted: usize,
+    /// The rows come slower than the grid, but regularly: nothing is missing between them.
+    pub(in crate::excavator) regular: bool,
+    /// The gap was too long to fill: begin anew.
+    pub(in crate::excavator) restart: bool,
+}
+
+impl Fill {
+    /// Ticks per row of a regular source that is slower than the grid, else 1.
+    pub(in crate::excavator) fn slowness(&self) -> f64 {
+        if self.regular {
+            (self.inserted + 1) as f64
+        } else {
+            1.0
+        }
+    }
+
+    /// The ticks, in order; at most 100.
+    pub(in crate::excavator) fn ticks(&self) -> impl Iterator<Item = Tick> + use<> {
+        let (from, to, n, regular) = (self.from, self.to, self.inserted, self.regular);
+        let h = to.period / (n + 1) as f64;
+        (1..=n + 1).map(move |i| {
+            if i > n {
+                return Tick { period: h, ..to };
+            }
+            let share = i as f64 / (n + 1) as f64;
+            Tick {
+                time: from.time + h * i as f64,
+                period: h,
+                velocity: None,
+                posture: core::array::from_fn(|j| {
+                    from.posture[j] + share * (to.posture[j] - from.posture[j])
+                }),
+                velocity_variance: to.velocity_variance,
+                // Between regular rows the torque has moved on; in a gap it is not known how.
+                torque: if regular {
+                    from.torque + share * (to.torque - from.torque)
+                } else {
+                    from.torque
+                },
+                share: to.share,
+                torque_age: from.torque_age + h * i as f64,
+                posture_age: from.posture_age + h * i as f64,
+                inclination: None,
+            }
+        })
+    }
+}
+
+/// Mean of the valid values of a signal in the current block.
+#[derive(Debug, Clone, Copy, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct Mean {
+    sum: f64,
+    count: u32,
+}
+
+impl Mean {
+    fn push(&mut self, value: Option<f64>) {
+        if let Some(value) = value {
+            self.sum += value;
+            self.count += 1;
+        }
+    }
+
+    fn value(&self) -> Option<f64> {
+        (self.count > 0).then(|| self.sum / f64::from(self.count))
+    }
+}
+
+#[derive(Debug, Clone, Copy, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct Block {
+    rows: u32,
+    motion: Mean,
+    torque: Mean,
+    posture: [Mean; 3],
+    inclination: [Mean; 2],
+}
+
+/// Averages and fills.
+#[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(in crate::excavator) struct Grid {
+    angle: bool,
+    velocity_variance: f64,
+    angle_variance: f64,
+    block: Block,
+    since: f64,
+    /// Length of the step before [s].
+    period: f64,
+    last: Option<Tick>,
+    last_angle: Option<(f64, f64)>,
+    torque: Option<f64>,
+    posture: [Option<f64>; 3],
+}
+
+impl Grid {
+    /// `angle`: the velocity is differenced from an encoder's angle.
+    pub(in crate::excavator) fn new(settings: &Settings, angle: bool) -> Self {
+        let s = &settings.sensors;
+        Self {
+            angle,
+            velocity_variance: s.swing_velocity_std * s.swing_velocity_std,
+            angle_variance: s.swing_angle_std * s.swing_angle_std,
+            block: Block::default(),
+            since: 0.0,
+            period: 0.0,
+            last: None,
+            last_angle: None,
+            torque: None,
+            posture: [None; 3],
+        }
+    }
+
+    /// Takes in one row, `period` after the row before; answers when a tick is complete.
+    pub(in crate::excavator) fn push(&mut self, sample: &Sample, period: f64) -> Option<Fill> {
+        self.since += period;
+        let block = &mut self.block;
+        block.rows += 1;
+        let motion = if self.angle {
+            sample.angle
+        } else {
+            sample.velocity
+        };
+        block.motion.push(motion);
+        block.torque.push(sample.torque);
+        for (mean, angle) in block.posture.iter_mut().zip(sample.posture) {
+            mean.push(angle);
+        }
+        for (mean, angle) in block.inclination.iter_mut().zip(sample.inclination) {
+            mean.push(angle);
+        }
+        let single = block.rows == 1 && self.since > SINGLE;
+        let complete = single || self.since > BLOCK || self.last.is_none();
+        complete.then(|| self.finish(sample.time))
+    }
+
+    /// Last valid torque (mean of its block).
+    pub(in crate::excavator) fn torque(&self) -> Option<f64> {
+        self.torque
+    }
+
+    /// All three joint angles have been seen.
+    pub(in crate::excavator) fn has_posture(&self) -> bool {
+        self.posture.iter().all(Option::is_some)
+    }
+
+    fn finish(&mut self, time: f64) -> Fill {
+        let block = core::mem::take(&mut self.block);
+        let period = core::mem::take(&mut self.since);
+        self.torque = block.torque.value().or(self.torque);
+        for (held, mean) in self.posture.iter_mut().zip(&block.posture) {
+            *held = mean.value().or(*held);
+        }
+        let share = (1.0 / f64::from(block.rows)).max(LEAST_SHARE);
+        let (velocity, velocity_variance) = self.velocity(&block, time, share);
+        let to = Tick {
+            time,
+            period,
+            velocity,
+            velocity_variance,
+            torque: self.torque.unwrap_or(0.0),
+            posture: self.posture.map(|q| q.unwrap_or(0.0)),
+            share,
+            torque_age: if block.torque.count > 0 {
+                0.0
+            } else {
+                self.last
+                    .map_or(f64::INFINITY, |last| last.torque_age + period)
+            },
+            posture_age: if block.posture.iter().all(|mean| mean.count > 0) {
+                0.0
+            } else {
+                self.last
+                    .map_or(f64::INFINITY, |last| last.posture_age + period)
+            },
+            inclination: match block.inclination.map(|mean| mean.value()) {
+                [Some(pitch), Some(roll)] => Some([pitch, roll]),
+                _ => None,
+            },
+        };
+        let from = self.last.unwrap_or(to);
+        let restart = self.last.is_some() && period > LONG_GAP;
+        // A single row after 1.5 periods or more has rows missing before it.
+        let whole = (period / PERIOD + 0.5) as usize;
+        let inserted = if self.last.is_none() || restart || block.rows > 1 && period < 1.5 * PERIOD
+        {
+            0
+        } else {
+            whole.saturating_sub(1)
+        };
+        self.last = Some(to);
+        let regular = inserted > 0 && (period - self.period).abs() < 0.2 * period;
+        self.period = period;
+        Fill {
+            regular,
+            from,
+            to: Tick {
+                period: if restart { PERIOD } else { period },
+                ..to
+            },
+            inserted,
+            restart,
+        }
+    }
+
+    fn velocity(&mut self, block: &Block, time: f64, share: f64) -> (Option<f64>, f64) {
+        let mean = block.motion.value();
+        if !self.angle {
+            return (mean, self.velocity_variance * share);
+        }
+        let before = self.last_angle;
+        if let Some(angle) = mean {
+            self.last_angle = Some((time, angle));
+        }
+        let (Some(angle), Some((then, earlier))) = (mean, before) else {
+            return (None, self.velocity_variance);
+        };
+        let h = time - then;
+        // The difference belongs to half a period ago: 5 ms at the accelerations of a swing.
+        const LAG: f64 = 0.002 * 0.002;
+        let variance = 2.0 * self.angle_variance * share / (h * h) + LAG;
+        (Some((angle - earlier) / h), variance)
+    }
+}

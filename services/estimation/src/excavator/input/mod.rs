@@ -1,0 +1,10 @@
+//! What comes in: rows on a grid, missing and late values, an encoder, a frozen sensor, rest.
+
+pub(in crate::excavator) mod calibration;
+pub(in crate::excavator) mod delay;
+pub(in crate::excavator) mod encoder;
+pub(in crate::excavator) mod frozen;
+pub(in crate::excavator) mod grid;
+pub(in crate::excavator) mod motion;
+pub(in crate::excavator) mod screen;
+pub(in crate::excavator) mod standstill;

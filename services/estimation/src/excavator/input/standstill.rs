@@ -1,0 +1,184 @@
+//! Does the upper body stand still?
+//!
+//! At standstill Coulomb friction takes any torque up to its limit, so the equation of motion says
+//! nothing about the inertia; noise would be mistaken for information. Standstill ends by a
+//! measured velocity (whose mean then is the state) or by a torque above friction.
+
+use crate::math::{exp, ln, sqrt};
+
+/// Samples of the entry test (0.12 s at 100 Hz).
+const ENTRY: usize = 12;
+/// Samples of the release test (0.04 s).
+const RELEASE: usize = 4;
+/// A single velocity of this size out of standstill is an outlier [rad/s].
+const OUTLIER: f64 = 0.12;
+/// Velocity noise for which the thresholds were set [rad/s].
+const REFERENCE_STD: f64 = 0.005;
+
+/// What the machine does at one sample.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(in crate::excavator) enum Phase {
+    /// Moving: predict and correct.
+    #[default]
+    Moving,
+    /// Standing: hold.
+    Held,
+    /// Set off with this velocity: restart the velocity state.
+    Released(f64),
+}
+
+/// Standstill detector; true at start.
+#[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(in crate::excavator) struct Standstill {
+    still: bool,
+    ring: [f64; ENTRY],
+    valid: usize,
+    /// Sign of the last velocity if it was too large for a machine just setting off, else 0.
+    large: f64,
+    torque: Option<f64>,
+    friction: f64,
+    torque_std: f64,
+    velocity_std: f64,
+    held_for: f64,
+    seen: bool,
+}
+
+impl Standstill {
+    pub(in crate::excavator) fn new(velocity_std: f64, torque_std: f64, friction: f64) -> Self {
+        Self {
+            still: true,
+            ring: [0.0; ENTRY],
+            valid: 0,
+            large: 0.0,
+            torque: None,
+            friction,
+            torque_std,
+            velocity_std,
+            held_for: 0.0,
+            seen: false,
+        }
+    }
+
+    /// Takes in one grid sample; `torque` is the last valid torque, `None` if there is none.
+    pub(in crate::excavator) fn step(
+        &mut self,
+        velocity: Option<f64>,
+        torque: Option<f64>,
+        period: f64,
+    ) -> Phase {
+        let velocity = velocity.filter(|&y| !self.is_outlier(y));
+        if let Some(y) = velocity {
+            self.ring[self.valid % ENTRY] = y;
+            self.valid += 1;
+        }
+        let quiet = self.quiet(torque, period);
+        let phase = if self.still {
+            self.leave(quiet)
+        } else {
+            self.enter(quiet, velocity.is_some())
+        };
+        if self.still && !self.seen {
+            self.seen = self.looks_still();
+        }
+        phase
+    }
+
+    /// How long it stood before this sample [s]; counts the samples passed to [`Self::count`].
+    pub(in crate::excavator) fn held_for(&self) -> f64 {
+        self.held_for
+    }
+
+    /// Counts the time of the current stand; call once per sample, after `held_for` was used.
+    pub(in crate::excavator) fn count(&mut self, phase: Phase, period: f64) {
+        self.held_for = match phase {
+            Phase::Held => self.held_for + period,
+            _ => 0.0,
+        };
+    }
+
+    /// Whether measurements have ever shown a standstill (at start it is only assumed).
+    pub(in crate::excavator) fn seen(&self) -> bool {
+        self.seen
+    }
+
+    /// Says that a standstill was seen by other means.
+    pub(in crate::excavator) fn confirm(&mut self) {
+        self.seen = true;
+    }
+
+    fn scale(&self) -> f64 {
+        self.velocity_std / REFERENCE_STD
+    }
+
+    /// Smoothed torque below friction, or below its own noise; without torque nothing speaks against
+    /// it.
+    fn quiet(&mut self, torque: Option<f64>, period: f64) -> bool {
+        let Some(torque) = torque else { return true };
+        let gain = 1.0 - exp(ln(0.65) * period / 0.01);
+        let smoothed = self.torque.unwrap_or(0.0);
+        let smoothed = smoothed + gain * (torque - smoothed);
+        self.torque = Some(smoothed);
+        smoothed.abs()
+            < self
+                .friction
+                .max(3.0 * self.torque_std * sqrt(gain / (2.0 - gain)))
+    }
+
+    /// Nothing jumps from rest to such a velocity within a sample; two in a row are believed.
+    fn is_outlier(&mut self, y: f64) -> bool {
+        let large = if y.abs() > OUTLIER * self.scale() {
+            y.signum()
+        } else {
+            0.0
+        };
+        let believed = large == 0.0 || large == self.large;
+        self.large = large;
+        self.still && !believed
+    }
+
+    fn leave(&mut self, quiet: bool) -> Phase {
+        if self.valid < RELEASE {
+            return Phase::Held;
+        }
+        let mean = self.mean(RELEASE);
+        let threshold = if quiet { 0.012 } else { 0.03 } * self.scale();
+        if mean.abs() > threshold {
+            self.still = false;
+            Phase::Released(mean)
+        } else if quiet {
+            Phase::Held
+        } else {
+            self.still = false;
+            Phase::Moving
+        }
+    }
+
+    fn enter(&mut self, quiet: bool, measured: bool) -> Phase {
+        if quiet && measured && self.looks_still() {
+            self.still = true;
+            self.seen = true;
+            Phase::Held
+        } else {
+            Phase::Moving
+        }
+    }
+
+    fn looks_still(&self) -> bool {
+        if self.valid < ENTRY {
+            return false;
+        }
+        let mean = self.mean(ENTRY);
+        let square: f64 = self.ring.iter().map(|y| (y - mean) * (y - mean)).sum();
+        let std = sqrt(square / (ENTRY - 1) as f64);
+        mean.abs() < 0.006 * self.scale() && std < 2.0 * self.velocity_std
+    }
+
+    fn mean(&self, n: usize) -> f64 {
+        (1..=n)
+            .map(|back| self.ring[(self.valid - back) % ENTRY])
+            .sum::<f64>()
+            / n as f64
+    }
+}

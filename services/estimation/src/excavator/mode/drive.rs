@@ -1,0 +1,88 @@
+//! What drives the models between two ticks: means and rates of torque and posture.
+
+use crate::excavator::geometry::{Geometry, Inertia};
+use crate::excavator::grid::Tick;
+
+/// Inputs of one step from tick k-1 to tick k.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(in crate::excavator) struct Drive {
+    pub(in crate::excavator) time: f64,
+    pub(in crate::excavator) period: f64,
+    /// Gated velocity and its variance.
+    pub(in crate::excavator) velocity: Option<f64>,
+    pub(in crate::excavator) variance: f64,
+    /// Mean of the two torques [N m].
+    pub(in crate::excavator) torque: f64,
+    /// Inertia at the tick, mean over the step, and rate over it.
+    pub(in crate::excavator) now: Inertia,
+    pub(in crate::excavator) mean: Inertia,
+    pub(in crate::excavator) rate: Inertia,
+    /// Joint angles [rad].
+    pub(in crate::excavator) posture: [f64; 3],
+    /// Pitch and roll of the upper body [rad].
+    pub(in crate::excavator) inclination: Option<[f64; 2]>,
+    /// Share of a row's noise variance that is left after averaging.
+    pub(in crate::excavator) share: f64,
+    /// Variance of the torque beyond its noise, where it has been missing for long [(N m)^2].
+    pub(in crate::excavator) stale_torque: f64,
+}
+
+/// A torque missing for longer than this is not held any more, but unknown [s].
+const TORQUE_HOLD: f64 = 0.10;
+/// Standard deviation, per tick, of an unknown torque [sigma_T]: a swing's torque changes by
+/// thousands of newton metres in a quarter of a second, and an error that lasts counts more than
+/// noise of its size.
+const UNKNOWN_TORQUE: f64 = 300.0;
+
+/// Remembers the tick before.
+#[derive(Debug, Clone, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(in crate::excavator) struct Driver {
+    last: Option<(f64, Inertia)>,
+}
+
+impl Driver {
+    /// The step that leads to `tick`; the first one is at rest where it is.
+    pub(in crate::excavator) fn step(
+        &mut self,
+        tick: &Tick,
+        geometry: Option<&Geometry>,
+        torque_std: f64,
+    ) -> Drive {
+        let now = geometry.map_or(Inertia::default(), |g| g.inertia(tick.posture));
+        let (torque, before) = self
+            .last
+            .replace((tick.torque, now))
+            .unwrap_or((tick.torque, now));
+        let h = tick.period;
+        Drive {
+            time: tick.time,
+            period: h,
+            velocity: tick.velocity,
+            variance: tick.velocity_variance,
+            torque: 0.5 * (tick.torque + torque),
+            now,
+            mean: Inertia {
+                empty: 0.5 * (now.empty + before.empty),
+                per_payload: 0.5 * (now.per_payload + before.per_payload),
+                moment: 0.5 * (now.moment + before.moment),
+                radius: 0.5 * (now.radius + before.radius),
+            },
+            rate: Inertia {
+                empty: (now.empty - before.empty) / h,
+                per_payload: (now.per_payload - before.per_payload) / h,
+                moment: (now.moment - before.moment) / h,
+                radius: (now.radius - before.radius) / h,
+            },
+            posture: tick.posture,
+            inclination: tick.inclination,
+            share: tick.share,
+            stale_torque: if tick.torque_age > TORQUE_HOLD {
+                (UNKNOWN_TORQUE * torque_std) * (UNKNOWN_TORQUE * torque_std)
+            } else {
+                0.0
+            },
+        }
+    }
+}

@@ -1,0 +1,74 @@
+//! Detector of weak torque changes (modes C, and A with constant inertia).
+//!
+//! One filter of velocity and unknown torque that knows the posture, at a payload of 200 kg; a
+//! cumulative sum of its innovations. The posture is what makes so low a threshold possible.
+
+use crate::consistency::Cusum;
+use crate::excavator::drive::Drive;
+use crate::excavator::settings::Settings;
+use crate::excavator::standstill::Phase;
+use crate::excavator::unknown_torque::{Physics, UnknownTorque};
+
+/// Inertia of the machine for which the drifts were set [kg m^2].
+const REFERENCE_INERTIA: f64 = 6500.0;
+
+/// Detector of weak changes.
+#[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(in crate::excavator) struct WeakOnset {
+    filter: UnknownTorque,
+    cusum: Cusum,
+    settings: Settings,
+    posture: bool,
+    /// Size of the machine's torques against the reference machine's.
+    scale: f64,
+}
+
+impl WeakOnset {
+    /// `posture`: the posture is known; else the inertia is constant.
+    pub(in crate::excavator) fn new(settings: &Settings, posture: bool) -> Self {
+        let scale = if posture {
+            settings.geometry.scale()
+        } else {
+            settings.prior.inertia / REFERENCE_INERTIA
+        };
+        Self {
+            scale,
+            filter: UnknownTorque::start(scale),
+            cusum: Cusum::new(0.7, 6.0),
+            settings: *settings,
+            posture,
+        }
+    }
+
+    /// Takes in one tick; true where a change is detected.
+    pub(in crate::excavator) fn step(&mut self, drive: &Drive, phase: Phase) -> bool {
+        let z = if phase == Phase::Moving {
+            let physics = self.physics(drive);
+            self.filter.step(&physics, drive).normalised()
+        } else {
+            self.filter.rest(drive, phase, self.scale);
+            0.0
+        };
+        self.cusum.push(z)
+    }
+
+    fn physics(&self, drive: &Drive) -> Physics {
+        let s = &self.settings;
+        let (inertia, rate, torque_drift) = if self.posture {
+            let payload = s.prior.payload;
+            let inertia = drive.mean.with_payload(payload);
+            (inertia, drive.rate.with_payload(payload), 400.0)
+        } else {
+            (s.prior.inertia, 0.0, 100.0)
+        };
+        Physics {
+            inertia: inertia.max(0.1 * s.inertia_min),
+            rate,
+            damping: s.nominal_damping,
+            damping_std: 0.0,
+            torque_noise: 0.0,
+            torque_drift: self.scale * torque_drift,
+        }
+    }
+}

@@ -1,0 +1,306 @@
+//! Mode C: posture without torque. The torque is unknown but constant for a while.
+//!
+//! A grid of payloads, each with a two-state filter of velocity and total torque u = T - T_f sgn(w):
+//!
+//! ```text
+//! w' = (u - (b + Jd) w) / J,   u a slow random walk, a fast one while a change is flagged
+//! ```
+//!
+//! A bucket that opens while the machine swings may lose the payload. Without torque that cannot be
+//! followed: the estimate is then not trusted until the machine has stood and the grid begins anew.
+//!
+//! The weight of a node is the likelihood of its innovations. b is the nominal damping: a wrong one
+//! shifts the payload by the covariance of the nodes with the slope of their log weights in b, which
+//! widens the interval (see [`crate::excavator::consider`]).
+
+use crate::excavator::consider::Doubt;
+use crate::excavator::delay::{DelayLine, Entry};
+use crate::excavator::drive::Drive;
+use crate::excavator::opening::Opening;
+use crate::excavator::settings::Settings;
+use crate::excavator::standstill::Phase;
+use crate::excavator::state::State;
+use crate::excavator::unknown_torque::{Physics, UnknownTorque};
+use crate::math::{exp, ln, sqrt};
+
+/// Payloads of the grid.
+const NODES: usize = 57;
+/// Random walk of the total torque, flagged and not, reference machine [N m/sqrt(s)].
+const TORQUE_DRIFT_FLAGGED: f64 = 15_000.0;
+const TORQUE_DRIFT: f64 = 10.0;
+/// Torque noise that enters the velocity directly, reference machine [N m].
+const TORQUE_NOISE: f64 = 10.0;
+
+/// Payloads of the grid and what is believed of them before: for the default prior of 200 +- 160 kg
+/// -50, -37.5, ..., 650 kg, Gaussian with 200 kg, wider than in mode D, whose filters may go on
+/// beyond it.
+#[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct Payloads {
+    first: f64,
+    spacing: f64,
+    mean: f64,
+    std: f64,
+}
+
+impl Payloads {
+    fn new(settings: &Settings) -> Self {
+        let prior = &settings.prior;
+        let [first, most] = settings.payload_range();
+        let last = (prior.payload + 2.8125 * prior.payload_std)
+            .min(most)
+            .max(first + prior.payload_std);
+        Self {
+            first,
+            spacing: (last - first) / (NODES - 1) as f64,
+            mean: prior.payload,
+            std: 1.25 * prior.payload_std,
+        }
+    }
+
+    fn mass(&self, i: usize) -> f64 {
+        self.first + self.spacing * i as f64
+    }
+
+    fn likely_until(&self) -> f64 {
+        self.mass(NODES - 1) - 4.0 * self.spacing
+    }
+
+    /// What the prior takes from the log weight near both ends: below nothing, and above 600 kg.
+    fn unlikeliness(&self, mass: f64) -> f64 {
+        if (-1.6 * self.spacing..=self.likely_until()).contains(&mass) {
+            0.0
+        } else {
+            3.0
+        }
+    }
+
+    fn log_prior(&self, mass: f64) -> f64 {
+        let z = (mass - self.mean) / self.std;
+        -0.5 * z * z - self.unlikeliness(mass)
+    }
+}
+
+#[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct Node {
+    mass: f64,
+    log_weight: f64,
+    /// Change of the log weight with the damping, per standard deviation.
+    slope: f64,
+    weight: f64,
+    filter: UnknownTorque,
+}
+
+/// Mode C.
+#[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(in crate::excavator) struct PostureMode {
+    settings: Settings,
+    damping_std: f64,
+    /// Size of the machine's torques against the reference machine's.
+    scale: f64,
+    payloads: Payloads,
+    #[cfg_attr(feature = "serde", serde(with = "crate::written"))]
+    nodes: [Node; NODES],
+    line: DelayLine,
+    late: State,
+    /// Payload from the grid: mean and standard deviation.
+    payload: (f64, f64),
+    opening: Opening,
+    /// The bucket has opened in this swing.
+    opened: bool,
+    unflagged_for: f64,
+    held: bool,
+}
+
+impl PostureMode {
+    pub(in crate::excavator) fn new(settings: &Settings) -> Self {
+        let payloads = Payloads::new(settings);
+        let scale = settings.geometry.scale();
+        let mut mode = Self {
+            settings: *settings,
+            scale,
+            payloads,
+            damping_std: Doubt::new(settings).damping,
+            nodes: core::array::from_fn(|i| Node {
+                mass: payloads.mass(i),
+                log_weight: 0.0,
+                slope: 0.0,
+                weight: 0.0,
+                filter: UnknownTorque::start(scale),
+            }),
+            line: DelayLine::new(),
+            late: State::default(),
+            payload: (0.0, 0.0),
+            opening: Opening::new(settings.estimator.opening_rate),
+            opened: false,
+            unflagged_for: 0.0,
+            held: true,
+        };
+        mode.restart_weights();
+        mode
+    }
+
+    /// One tick; the reading is that of the tick 0.15 s ago at the posture of now.
+    pub(in crate::excavator) fn step(&mut self, entry: Entry, event: bool) -> State {
+        let now = entry.drive.now;
+        self.opening.step(&entry.drive);
+        self.opened |= self.opening.is_open() && entry.phase == Phase::Moving;
+        if let Some(late) = self.line.push(entry, event) {
+            self.advance(&late);
+        }
+        let (mass, std) = self.payload;
+        State {
+            inertia: now.with_payload(mass),
+            inertia_std: std * now.per_payload,
+            payload: Some(self.payload),
+            opening: self.opening.is_open(),
+            changing: self.opened,
+            unsettled: mass > self.payloads.likely_until(),
+            ..self.late
+        }
+    }
+
+    /// Whether the tick behind the reading stood still.
+    pub(in crate::excavator) fn held(&self) -> bool {
+        self.held
+    }
+
+    /// Unflagged motion since the last rest [s].
+    pub(in crate::excavator) fn unflagged_for(&self) -> f64 {
+        self.unflagged_for
+    }
+
+    fn advance(&mut self, late: &Entry) {
+        self.held = late.phase == Phase::Held;
+        if late.reopen {
+            self.opened = false;
+            self.restart_weights();
+        }
+        let mut nis = 0.0;
+        if late.phase == Phase::Moving {
+            nis = self.filter(&late.drive, late.flagged);
+            self.unflagged_for += if late.flagged { 0.0 } else { late.drive.period };
+        } else {
+            for node in &mut self.nodes {
+                node.filter.rest(&late.drive, late.phase, self.scale);
+            }
+            self.unflagged_for = 0.0;
+        }
+        self.normalise();
+        self.read(late, nis);
+    }
+
+    /// All nodes, one step; returns the normalised innovation squared of the mixture.
+    fn filter(&mut self, drive: &Drive, flagged: bool) -> f64 {
+        let damping = self.settings.nominal_damping;
+        let inertia_min = 0.1 * self.settings.inertia_min;
+        let drift = if flagged {
+            TORQUE_DRIFT_FLAGGED
+        } else {
+            TORQUE_DRIFT
+        };
+        let mut nis = 0.0;
+        for node in &mut self.nodes {
+            let physics = Physics {
+                // Only a geometry that is none could come near zero here.
+                inertia: drive.mean.with_payload(node.mass).max(inertia_min),
+                rate: drive.rate.with_payload(node.mass),
+                damping,
+                damping_std: self.damping_std,
+                torque_noise: self.scale * TORQUE_NOISE,
+                torque_drift: self.scale * drift,
+            };
+            let innovation = node.filter.step(&physics, drive);
+            if drive.velocity.is_some() {
+                node.log_weight -= 0.5 * (innovation.nis() + ln(innovation.variance));
+                // The error before the correction over S is the one after it over R.
+                node.slope += innovation.value * node.filter.doubt[0] / drive.variance;
+                nis += node.weight * innovation.nis();
+            }
+        }
+        nis
+    }
+
+    fn restart_weights(&mut self) {
+        for node in &mut self.nodes {
+            node.log_weight = self.payloads.log_prior(node.mass);
+            node.slope = 0.0;
+        }
+        self.normalise();
+    }
+
+    fn normalise(&mut self) {
+        let most = self
+            .nodes
+            .iter()
+            .fold(f64::NEG_INFINITY, |most, node| most.max(node.log_weight));
+        let mut sum = 0.0;
+        for node in &mut self.nodes {
+            node.weight = exp(node.log_weight - most);
+            sum += node.weight;
+        }
+        let mut mean = 0.0;
+        for node in &mut self.nodes {
+            node.weight /= sum;
+            node.log_weight = ln(node.weight + 1e-30);
+            mean += node.weight * node.mass;
+        }
+        let variance: f64 = self
+            .nodes
+            .iter()
+            .map(|node| node.weight * (node.mass - mean) * (node.mass - mean))
+            .sum();
+        let doubt = self.doubt();
+        let spacing = self.payloads.spacing;
+        let variance = variance + spacing * spacing / 12.0 + doubt * doubt;
+        self.payload = (mean, sqrt(variance));
+    }
+
+    /// Shift of the payload by a damping one standard deviation off: the log weight is nearly a
+    /// parabola in the payload, and its slopes there move its top. Taken from the three nodes about
+    /// the top, so that the ends of the grid, at which the payload cannot move, do not hide it.
+    fn doubt(&self) -> f64 {
+        let top = (1..NODES - 1)
+            .max_by(|&i, &j| self.nodes[i].weight.total_cmp(&self.nodes[j].weight))
+            .unwrap_or(1);
+        let [left, middle, right] = [top - 1, top, top + 1].map(|i| &self.nodes[i]);
+        let log = |node: &Node| node.log_weight + self.payloads.unlikeliness(node.mass);
+        let curvature = 2.0 * log(middle) - log(left) - log(right);
+        let tilt = 0.5 * (right.slope - left.slope);
+        if curvature > 0.0 {
+            self.payloads.spacing * tilt / curvature
+        } else {
+            0.0
+        }
+    }
+
+    fn read(&mut self, late: &Entry, nis: f64) {
+        let mean = |of: fn(&UnknownTorque) -> f64| -> f64 {
+            self.nodes.iter().map(|n| n.weight * of(&n.filter)).sum()
+        };
+        let torque = mean(|f| f.torque);
+        let variance: f64 = self
+            .nodes
+            .iter()
+            .map(|n| {
+                let d = n.filter.torque - torque;
+                n.weight * (n.filter.p[2] + d * d)
+            })
+            .sum();
+        self.late = State {
+            total_torque: Some((torque, sqrt(variance.max(0.0)))),
+            velocity: mean(|f| f.velocity),
+            acceleration: mean(|f| f.acceleration),
+            nis,
+            flagged: late.flagged,
+            ..State::default()
+        };
+    }
+
+    pub(in crate::excavator) fn is_sound(&self) -> bool {
+        let (mass, std) = self.payload;
+        mass.is_finite() && std.is_finite() && self.late.velocity.is_finite()
+    }
+}

@@ -1,0 +1,113 @@
+//! Mode D: torque and posture. One filter, a mixture with a drop model, or the default: two filters
+//! side by side.
+
+use crate::excavator::changing_payload::ChangingPayload;
+use crate::excavator::drive::Drive;
+use crate::excavator::drop_mixture::DropMixture;
+use crate::excavator::payload::{Change, Model, Outcome, PayloadFilter};
+use crate::excavator::settings::{Settings, Variant};
+use crate::excavator::standstill::Phase;
+use crate::excavator::state::State;
+use crate::excavator::working::Working;
+use crate::math::sqrt;
+
+/// Mode D in any variant.
+// One of them is made per machine, in place: there is no allocator to box it with.
+#[expect(clippy::large_enum_variant)]
+#[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(in crate::excavator) enum PostureTorque {
+    /// One filter.
+    Plain(Model, PayloadFilter),
+    /// Mixture with a drop model.
+    Drop(DropMixture),
+    /// Two filters side by side, on a calibrated machine.
+    Auto(ChangingPayload),
+    /// A machine that nobody has calibrated.
+    Working(Working),
+}
+
+impl PostureTorque {
+    pub(in crate::excavator) fn new(settings: &Settings) -> Self {
+        match (settings.estimator.variant, &settings.doubts) {
+            (Variant::Auto, Some(doubts)) => Self::Working(Working::new(settings, doubts)),
+            (Variant::Auto, None) => Self::Auto(ChangingPayload::new(settings)),
+            (Variant::Drop, _) => Self::Drop(DropMixture::new(settings)),
+            (variant, _) => {
+                let model = Model::new(settings, variant == Variant::Known);
+                Self::Plain(model, PayloadFilter::new(&model))
+            }
+        }
+    }
+
+    /// One tick; `reopen` after a long stand.
+    pub(in crate::excavator) fn step(
+        &mut self,
+        drive: &Drive,
+        phase: Phase,
+        reopen: bool,
+    ) -> State {
+        match self {
+            Self::Plain(model, filter) => {
+                if reopen {
+                    filter.reopen(model);
+                }
+                let outcome = if phase == Phase::Moving {
+                    filter.step(model, drive, Change::default())
+                } else {
+                    filter.rest(model, drive, phase);
+                    Outcome::default()
+                };
+                state(model, filter, drive, &outcome, filter.payload().1, false)
+            }
+            Self::Drop(mixture) => mixture.step(drive, phase, reopen),
+            Self::Auto(auto) => auto.step(drive, phase, reopen),
+            Self::Working(working) => working.step(drive, phase),
+        }
+    }
+
+    /// The default estimator, whose trail can be kept.
+    pub(in crate::excavator) fn working(&mut self) -> Option<&mut Working> {
+        match self {
+            Self::Working(working) => Some(working),
+            _ => None,
+        }
+    }
+
+    /// Whether the filters are still sound.
+    pub(in crate::excavator) fn is_sound(&self) -> bool {
+        match self {
+            Self::Plain(_, filter) => filter.is_sound(),
+            Self::Drop(mixture) => mixture.filters.iter().all(PayloadFilter::is_sound),
+            Self::Auto(auto) => auto.is_sound(),
+            Self::Working(working) => working.is_sound(),
+        }
+    }
+}
+
+/// Common reading of a filter.
+pub(in crate::excavator) fn state(
+    model: &Model,
+    filter: &PayloadFilter,
+    drive: &Drive,
+    outcome: &Outcome,
+    payload_variance: f64,
+    changing: bool,
+) -> State {
+    let g = drive.now.per_payload;
+    let doubt = filter.doubt.of(1);
+    let payload_std = sqrt(payload_variance.max(0.0) + doubt * doubt);
+    State {
+        inertia: drive.now.with_payload(filter.x[1]),
+        inertia_std: g * payload_std,
+        payload: Some((filter.x[1], payload_std)),
+        damping: Some((filter.x[3], sqrt(filter.p[(3, 3)].max(0.0)))),
+        offset: Some((filter.x[2], sqrt(filter.p[(2, 2)].max(0.0)))),
+        velocity: filter.x[0],
+        acceleration: outcome.acceleration,
+        nis: outcome.innovation.nis(),
+        unsettled: filter.at_limit(model),
+        changing,
+        ..State::default()
+    }
+}

@@ -1,0 +1,100 @@
+//! Velocity and unknown total torque u = T - T_f sgn(w) for one inertia.
+//!
+//! ```text
+//! w' = (u - (b + Jd) w) / J,   u a slow random walk, a fast one while a change is flagged
+//! ```
+
+use crate::excavator::drive::Drive;
+use crate::excavator::standstill::Phase;
+use crate::kalman::Innovation;
+use crate::math::exp;
+
+/// Standard deviation of the total torque at start and after rest, reference machine [N m].
+const TORQUE_STD: f64 = 3000.0;
+
+/// Filter of velocity and unknown total torque for one inertia.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(in crate::excavator) struct UnknownTorque {
+    pub(in crate::excavator) velocity: f64,
+    pub(in crate::excavator) torque: f64,
+    pub(in crate::excavator) p: [f64; 3],
+    /// Over the last step [rad/s^2].
+    pub(in crate::excavator) acceleration: f64,
+    /// Errors of velocity and torque due to the damping.
+    pub(in crate::excavator) doubt: [f64; 2],
+}
+
+/// Inertia, its rate, damping and noises of one step.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::excavator) struct Physics {
+    /// J [kg m^2].
+    pub(in crate::excavator) inertia: f64,
+    /// Jd [kg m^2/s].
+    pub(in crate::excavator) rate: f64,
+    /// b and its standard deviation [N m s/rad].
+    pub(in crate::excavator) damping: f64,
+    pub(in crate::excavator) damping_std: f64,
+    /// Torque noise that enters the velocity directly [N m].
+    pub(in crate::excavator) torque_noise: f64,
+    /// Random walk of the total torque [N m/sqrt(s)].
+    pub(in crate::excavator) torque_drift: f64,
+}
+
+impl UnknownTorque {
+    /// At rest; `scale` is the size of the machine's torques against the reference machine's.
+    pub(in crate::excavator) fn start(scale: f64) -> Self {
+        let torque_std = scale * TORQUE_STD;
+        Self {
+            velocity: 0.0,
+            torque: 0.0,
+            p: [1e-6, 0.0, torque_std * torque_std],
+            acceleration: 0.0,
+            doubt: [0.0; 2],
+        }
+    }
+
+    /// Predicts over one step and takes in its velocity.
+    pub(in crate::excavator) fn step(&mut self, physics: &Physics, drive: &Drive) -> Innovation {
+        let dt = drive.period;
+        let beta = dt / physics.inertia;
+        let damping = physics.damping + physics.rate;
+        let alpha = exp(-beta * damping);
+        let [velocity, torque] = self.doubt;
+        let driven = torque - physics.damping_std * self.velocity;
+        self.doubt[0] = alpha * velocity + beta * driven;
+        self.acceleration = (self.torque - damping * self.velocity) / physics.inertia;
+        self.velocity += dt * self.acceleration;
+        let [p00, p01, p11] = self.p;
+        let direct = physics.torque_noise * beta;
+        let p00 =
+            alpha * alpha * p00 + 2.0 * alpha * beta * p01 + beta * beta * p11 + direct * direct;
+        let p01 = alpha * p01 + beta * p11;
+        let p11 = p11 + physics.torque_drift * physics.torque_drift * dt;
+        self.p = [p00, p01, p11];
+        let Some(y) = drive.velocity else {
+            return Innovation::default();
+        };
+        let variance = p00 + drive.variance;
+        let value = y - self.velocity;
+        let (k0, k1) = (p00 / variance, p01 / variance);
+        self.velocity += k0 * value;
+        self.torque += k1 * value;
+        let predicted = self.doubt[0];
+        self.doubt = [(1.0 - k0) * predicted, torque - k1 * predicted];
+        self.p = [p00 - k0 * p00, p01 - k0 * p01, p11 - k1 * p01];
+        Innovation { value, variance }
+    }
+
+    /// Standing, or setting off.
+    pub(in crate::excavator) fn rest(&mut self, drive: &Drive, phase: Phase, scale: f64) {
+        if let Phase::Released(velocity) = phase {
+            self.velocity = velocity;
+            self.p[0] = drive.variance / 4.0 + 0.02 * 0.02;
+            self.p[1] = 0.0;
+            self.doubt[0] = 0.0;
+        } else {
+            *self = Self::start(scale);
+        }
+    }
+}

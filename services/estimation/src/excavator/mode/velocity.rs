@@ -1,0 +1,200 @@
+//! Mode A: velocity and nominal damping only.
+//!
+//! ```text
+//! beta = b/J,  alpha = T_t/J:   w' = alpha - beta w
+//! ```
+//!
+//! While the inertia changes it cannot be told from the damping, so the interval is wide and the
+//! verdict is never `identifiable`. A caller who declares the inertia constant gets a number after
+//! about a second and a half of steady torque. A filter with states (w, ln J, T) must not be used
+//! here: it drifts by 90 %.
+
+use crate::excavator::consider::Doubt;
+use crate::excavator::delay::{DelayLine, Entry};
+use crate::excavator::drive::Drive;
+use crate::excavator::settings::Settings;
+use crate::excavator::standstill::Phase;
+use crate::excavator::state::State;
+use crate::kalman::Innovation;
+use crate::math::sqrt;
+use nalgebra::{Matrix3, Vector3};
+
+/// Variance of alpha at start and after rest [(rad/s^2)^2].
+const ALPHA_VARIANCE: f64 = 0.25;
+/// Random walk of the torque while a change is flagged [N m/sqrt(s)].
+const TORQUE_DRIFT_FLAGGED: f64 = 15_000.0;
+
+/// Mode A.
+#[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(in crate::excavator) struct VelocityMode {
+    settings: Settings,
+    x: Vector3<f64>,
+    p: Matrix3<f64>,
+    line: DelayLine,
+    late: State,
+    unflagged_for: f64,
+    held: bool,
+}
+
+impl VelocityMode {
+    pub(in crate::excavator) fn new(settings: &Settings) -> Self {
+        let mut mode = Self {
+            settings: *settings,
+            x: Vector3::new(0.0, settings.nominal_damping / settings.prior.inertia, 0.0),
+            p: Matrix3::from_diagonal(&Vector3::new(1e-6, 0.0, ALPHA_VARIANCE)),
+            line: DelayLine::new(),
+            late: State::default(),
+            unflagged_for: 0.0,
+            held: true,
+        };
+        mode.p[(1, 1)] = mode.prior_variance();
+        mode.read(0.0, 0.0, false);
+        mode
+    }
+
+    /// Relative uncertainty of the prior, carried over to beta.
+    fn prior_variance(&self) -> f64 {
+        let p = &self.settings.prior;
+        let std = p.inertia_std / p.inertia * self.settings.nominal_damping / p.inertia;
+        std * std
+    }
+
+    /// One tick; the reading is that of the tick 0.15 s ago.
+    pub(in crate::excavator) fn step(&mut self, entry: Entry, event: bool) -> State {
+        if let Some(late) = self.line.push(entry, event) {
+            self.advance(&late);
+        }
+        self.late
+    }
+
+    /// Whether the tick behind the reading stood still.
+    pub(in crate::excavator) fn held(&self) -> bool {
+        self.held
+    }
+
+    /// Unflagged motion since the last rest [s].
+    pub(in crate::excavator) fn unflagged_for(&self) -> f64 {
+        self.unflagged_for
+    }
+
+    fn advance(&mut self, late: &Entry) {
+        self.held = late.phase == Phase::Held;
+        if late.reopen {
+            self.p[(1, 1)] = self.p[(1, 1)].max(self.prior_variance());
+        }
+        let mut nis = 0.0;
+        let mut acceleration = 0.0;
+        if late.phase == Phase::Moving {
+            acceleration = self.predict(&late.drive, late.flagged);
+            nis = self.correct(&late.drive).nis();
+            self.unflagged_for += if late.flagged { 0.0 } else { late.drive.period };
+        } else {
+            self.rest(&late.drive, late.phase);
+            self.unflagged_for = 0.0;
+        }
+        self.read(nis, acceleration, late.flagged);
+    }
+
+    #[expect(non_snake_case, reason = "the symbols of the model")]
+    fn predict(&mut self, drive: &Drive, flagged: bool) -> f64 {
+        let e = &self.settings.estimator;
+        let (relative, drift) = if e.constant_inertia {
+            (e.velocity_drift_constant, e.velocity_torque_drift_constant)
+        } else {
+            (e.velocity_drift, e.velocity_torque_drift)
+        };
+        let drift = if flagged { TORQUE_DRIFT_FLAGGED } else { drift };
+        let dt = drive.period;
+        let [w, beta, alpha] = [self.x[0], self.x[1], self.x[2]];
+        let c = alpha / beta;
+        let f = alpha - beta * w;
+        let mut F = Matrix3::identity();
+        F[(0, 0)] = 1.0 - dt * beta;
+        F[(0, 1)] = -dt * w;
+        F[(0, 2)] = dt;
+        self.x[0] += dt * f;
+        self.p = F * self.p * F.transpose();
+        // A drift of J changes alpha = T/J and beta = b/J together.
+        let qb = relative * relative * beta * beta * dt;
+        self.p[(1, 1)] += qb;
+        self.p[(1, 2)] += c * qb;
+        self.p[(2, 1)] += c * qb;
+        self.p[(2, 2)] += c * c * qb;
+        let torque = drift * beta / self.settings.nominal_damping;
+        self.p[(2, 2)] += torque * torque * dt;
+        self.p[(0, 0)] += 1e-7 * dt;
+        f
+    }
+
+    fn correct(&mut self, drive: &Drive) -> Innovation {
+        let Some(y) = drive.velocity else {
+            return Innovation::default();
+        };
+        let innovation = Innovation {
+            value: y - self.x[0],
+            variance: self.p[(0, 0)] + drive.variance,
+        };
+        let gain = self.p.column(0) / innovation.variance;
+        self.x += gain * innovation.value;
+        self.p -= gain * self.p.row(0);
+        self.p = (self.p + self.p.transpose()) * 0.5;
+        let s = &self.settings;
+        self.x[1] = self.x[1].clamp(
+            s.nominal_damping / s.inertia_max,
+            s.nominal_damping / s.inertia_min,
+        );
+        innovation
+    }
+
+    fn rest(&mut self, drive: &Drive, phase: Phase) {
+        self.clear(0);
+        if let Phase::Released(velocity) = phase {
+            self.x[0] = velocity;
+            self.p[(0, 0)] = drive.variance / 4.0 + 0.02 * 0.02;
+        } else {
+            self.clear(2);
+            self.x[0] = 0.0;
+            self.x[2] = 0.0;
+            self.p[(0, 0)] = 1e-6;
+            self.p[(2, 2)] = ALPHA_VARIANCE;
+        }
+    }
+
+    fn clear(&mut self, i: usize) {
+        self.p.row_mut(i).fill(0.0);
+        self.p.column_mut(i).fill(0.0);
+    }
+
+    fn read(&mut self, nis: f64, acceleration: f64, flagged: bool) {
+        let s = &self.settings;
+        let [w, beta, alpha] = [self.x[0], self.x[1], self.x[2]];
+        let inertia = (s.nominal_damping / beta).clamp(s.inertia_min, s.inertia_max);
+        // J = b/beta errs with the nominal damping; where J changes, the drift of beta covers that.
+        let doubt = if s.estimator.constant_inertia {
+            Doubt::new(s).damping / s.nominal_damping
+        } else {
+            0.0
+        };
+        let own = self.p[(1, 1)].max(0.0) / (beta * beta);
+        let relative = sqrt(own + doubt * doubt);
+        let torque = alpha * inertia;
+        let torque_std = inertia * sqrt(self.p[(2, 2)].max(0.0)) + torque.abs() * relative;
+        self.late = State {
+            inertia,
+            inertia_std: inertia * relative,
+            total_torque: Some((torque, torque_std)),
+            velocity: w,
+            acceleration,
+            nis,
+            flagged,
+            unsettled: inertia <= s.inertia_min || inertia >= s.inertia_max,
+            ..State::default()
+        };
+    }
+
+    pub(in crate::excavator) fn is_sound(&self) -> bool {
+        self.x.iter().chain(self.p.iter()).all(|v| v.is_finite())
+            && self.p.diagonal().iter().all(|&v| v >= 0.0)
+    }
+}

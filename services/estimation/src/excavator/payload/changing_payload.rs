@@ -1,0 +1,261 @@
+//! Mode D by default: a payload that may change, noticed by itself.
+//!
+//! Filter 1 believes in a constant payload until the bucket opens or an alarm is raised; filter 2
+//! always lets it move. The payload enters the motion only through d(g w)/dt, which nearly
+//! vanishes in a dump while braking: prior knowledge must carry the estimate there, so while the
+//! bucket opens by rho [rad/s] the payload leaves as `m' = rho (u - 1.4 m)` with a free u. The
+//! interval widens with the opening, before the material moves. What no bucket angle announces,
+//! the comparison of the two filters and the sums of filter 1's innovations find.
+
+use crate::excavator::drive::Drive;
+use crate::excavator::opening::Opening;
+use crate::excavator::payload::{Change, Model, Outcome, PayloadFilter};
+use crate::excavator::posture_torque::state;
+use crate::excavator::settings::Settings;
+use crate::excavator::standstill::Phase;
+use crate::excavator::state::State;
+use crate::math::{exp, ln, sqrt};
+
+/// Ticks of change mode after an alarm (0.30 s).
+const CHANGE: u32 = 30;
+/// Ticks after an opening in which the last of the material may still leave (0.20 s).
+const SETTLING: u32 = 20;
+/// Sum of innovations, and difference of the filters in standard deviations, at which an estimate is
+/// no longer trusted: 4.0 and 1.8 widen the interval, 10 and 2.5 (five times) declare a change. They
+/// are reached for 3 % of an undisturbed swing; a change that nothing announces is trusted for a
+/// fifth less time.
+const SUSPICIOUS_SUM: f64 = 3.0;
+const SUSPICIOUS_DIFFERENCE: f64 = 1.4;
+/// The free change of payload decays in this time, in an opening and after an alarm [s].
+const OPENING_TIME: f64 = 0.5;
+const CHANGE_TIME: f64 = 0.3;
+
+/// The two filters side by side, the bucket's opening and the alarm.
+#[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(in crate::excavator) struct ChangingPayload {
+    /// Largest free change during an opening, free change after an alarm [kg/rad, kg/s].
+    opening_change_max: f64,
+    change_rate_std: f64,
+    opening_decay: f64,
+    change_threshold: f64,
+    /// A kilogram of the reference machine, on this one.
+    kilogram: f64,
+    model: Model,
+    /// Filter 1: constant payload unless something says otherwise.
+    constant: PayloadFilter,
+    /// Filter 2: the payload always moves.
+    moving: PayloadFilter,
+    opening: Opening,
+    /// Ticks left in which the end of an opening is not yet believed.
+    settling: u32,
+    /// The innovations or the other filter make a change possible, but not yet likely.
+    suspicious: bool,
+    /// Ticks of change mode left (hc).
+    change: u32,
+    /// Filter 1 was allowed to move at the tick before (actp).
+    active: bool,
+    /// Ticks in a row at which the filters disagree (cz).
+    disagree: u32,
+    up: f64,
+    down: f64,
+    /// Mean normalised innovation squared of filter 1 (n2).
+    noise: f64,
+    /// Variance of the payload as last reported [kg^2].
+    variance: f64,
+}
+
+impl ChangingPayload {
+    pub(in crate::excavator) fn new(settings: &Settings) -> Self {
+        let model = Model::new(settings, false);
+        let constant = PayloadFilter::new(&model);
+        let mut moving = constant.clone();
+        let e = &settings.estimator;
+        let kilogram = settings.geometry.payload_scale();
+        let change_rate_std = e.change_rate_std * kilogram;
+        moving.restart_drive(change_rate_std * change_rate_std);
+        Self {
+            opening_change_max: e.opening_change_max * kilogram,
+            change_rate_std,
+            opening_decay: e.opening_decay,
+            change_threshold: e.change_threshold,
+            kilogram,
+            model,
+            constant,
+            moving,
+            opening: Opening::new(e.opening_rate),
+            settling: 0,
+            suspicious: false,
+            change: 0,
+            active: false,
+            disagree: 0,
+            up: 0.0,
+            down: 0.0,
+            noise: 1.0,
+            variance: 0.0,
+        }
+    }
+
+    /// One tick; `reopen` after a long stand.
+    pub(in crate::excavator) fn step(
+        &mut self,
+        drive: &Drive,
+        phase: Phase,
+        reopen: bool,
+    ) -> State {
+        let rho = self.opening.step(drive);
+        self.settling = if self.opening.is_open() {
+            SETTLING
+        } else {
+            self.settling.saturating_sub(1)
+        };
+        if reopen {
+            self.constant.reopen(&self.model);
+            self.moving.reopen(&self.model);
+        }
+        if phase != Phase::Moving {
+            return self.rest(drive, phase);
+        }
+        let change_mode = self.change > 0;
+        self.change = self.change.saturating_sub(1);
+        let active = self.opening.is_open() || change_mode;
+        let outcome = self.advance(drive, rho, change_mode, active);
+        let (scale, inflation) = self.compare(drive, &outcome, active);
+        let mut variance =
+            self.constant.payload().1.max(0.0) * scale * scale + inflation * inflation;
+        if drive.velocity.is_none() {
+            // What no measurement has shown is not known better, however the filters come together.
+            variance = variance.max(self.variance);
+        }
+        self.variance = variance;
+        let changing = self.change > 0 || self.opening.is_open();
+        let mut state = state(
+            &self.model,
+            &self.constant,
+            drive,
+            &outcome,
+            variance,
+            changing,
+        );
+        state.unsettled |= self.settling > 0 || self.suspicious;
+        state.change_mode = self.change > 0;
+        state.opening = self.opening.is_open();
+        state
+    }
+
+    fn rest(&mut self, drive: &Drive, phase: Phase) -> State {
+        let std = self.change_rate_std;
+        self.constant.rest(&self.model, drive, phase);
+        self.moving.rest(&self.model, drive, phase);
+        self.constant.restart_drive(0.0);
+        self.moving.restart_drive(std * std);
+        self.change = 0;
+        self.active = false;
+        self.hold_off();
+        let variance = self.constant.payload().1;
+        self.variance = variance;
+        let opening = self.opening.is_open();
+        let mut state = state(
+            &self.model,
+            &self.constant,
+            drive,
+            &Outcome::default(),
+            variance,
+            opening,
+        );
+        state.opening = opening;
+        state
+    }
+
+    fn hold_off(&mut self) {
+        self.disagree = 0;
+        self.up = 0.0;
+        self.down = 0.0;
+    }
+
+    /// Both filters, one step.
+    fn advance(&mut self, drive: &Drive, rho: f64, change_mode: bool, active: bool) -> Outcome {
+        let (m, variance) = self.constant.payload();
+        let own = (m.max(0.0) + 2.0 * sqrt(variance.max(0.0))).min(self.opening_change_max);
+        let alarm_std = self.change_rate_std;
+        if active && !self.active {
+            let std = if change_mode { alarm_std } else { own };
+            self.constant.restart_drive(std * std);
+        }
+        if self.active && !active {
+            self.constant.restart_drive(0.0);
+        }
+        self.active = active;
+        let decay = self.opening_decay * rho;
+        let (weight, std, time) = if change_mode {
+            (rho + 1.0, alarm_std, CHANGE_TIME)
+        } else {
+            (rho, own, OPENING_TIME)
+        };
+        let one = Change {
+            weight,
+            decay,
+            std,
+            time,
+        };
+        let two = Change {
+            weight: rho + 1.0,
+            decay,
+            std: alarm_std,
+            time: CHANGE_TIME,
+        };
+        let outcome = self.constant.step(&self.model, drive, one);
+        self.moving.step(&self.model, drive, two);
+        outcome
+    }
+
+    /// Compares the two filters; returns the factor of the standard deviation and what is added.
+    fn compare(&mut self, drive: &Drive, outcome: &Outcome, active: bool) -> (f64, f64) {
+        let zz = outcome.innovation.normalised();
+        if drive.velocity.is_some() {
+            let share = 1.0 - exp(ln(0.98) * drive.period / 0.01);
+            self.noise += share * ((zz * zz).min(9.0) - self.noise);
+        }
+        let scale = sqrt((self.noise - 0.15).max(1.0));
+        let (m1, v1) = self.constant.payload();
+        let (m2, v2) = self.moving.payload();
+        let extra = v2 - v1;
+        let least = 20.0 * self.kilogram;
+        let std = sqrt(extra.max(least * least));
+        let mut difference = m2 - m1;
+        let z = difference / (std * scale);
+        self.disagree = if z.abs() > 2.5 && !active {
+            self.disagree + 1
+        } else {
+            0
+        };
+        let zc = (zz / scale).clamp(-3.0, 3.0);
+        self.up = (self.up + zc - 0.5).max(0.0);
+        self.down = (self.down - zc - 0.5).max(0.0);
+        let unsure = 40.0 * self.kilogram;
+        if active || v1 > unsure * unsure {
+            self.hold_off();
+        }
+        let level = self.up.max(self.down);
+        let alarm = self.disagree >= 5 || level > self.change_threshold;
+        if alarm {
+            self.constant = self.moving.clone();
+            self.hold_off();
+            self.change = CHANGE;
+            self.active = true;
+            difference = 0.0;
+        }
+        self.suspicious =
+            !active && (self.up.max(self.down) > SUSPICIOUS_SUM || z.abs() > SUSPICIOUS_DIFFERENCE);
+        let mut inflation = (difference.abs() - std * scale).max(0.0);
+        if !active && !alarm && (self.up.max(self.down) > 4.0 || z.abs() > 1.8) {
+            inflation = sqrt(extra.max(0.0) + 4.0 * difference * difference);
+        }
+        (scale, inflation)
+    }
+
+    /// Whether both filters are still sound.
+    pub(in crate::excavator) fn is_sound(&self) -> bool {
+        self.constant.is_sound() && self.moving.is_sound()
+    }
+}

@@ -1,0 +1,132 @@
+//! From the description of an excavator to the settings of its estimators.
+
+use crate::excavator::align;
+use crate::excavator::doubts::Doubts;
+use crate::excavator::geometry::Geometry;
+use crate::excavator::keys::{Description, Paper, Variant};
+use crate::excavator::settings::{Sensors, Settings};
+use crate::math::sqrt;
+
+impl Settings {
+    /// The settings that a description means.
+    #[must_use]
+    pub fn of(d: &Description) -> Self {
+        Self {
+            geometry: Geometry::of(d),
+            nominal_damping: d.machine.nominal_damping,
+            coulomb_friction: d.machine.coulomb_friction,
+            inertia_min: d.machine.inertia_min,
+            inertia_max: d.machine.inertia_max,
+            sensors: sensors(d),
+            prior: d.prior,
+            estimator: d.estimator,
+            paper: paper(d),
+            doubts: (d.estimator.variant == Variant::Auto)
+                .then(|| Doubts::of(d))
+                .filter(Doubts::are_any),
+        }
+    }
+}
+
+impl Geometry {
+    /// The geometry that a description means.
+    #[must_use]
+    pub fn of(d: &Description) -> Self {
+        let g = &d.geometry;
+        Self {
+            upper_inertia: d.machine.upper_inertia,
+            boom_pin: g.boom_pin,
+            lengths: [g.boom_length, g.arm_length],
+            centres: [g.boom_centre, g.arm_centre, g.bucket_centre],
+            payload_centre: g.payload_centre,
+            payload_gyration: g.payload_gyration,
+            masses: [g.boom_mass, g.arm_mass, g.bucket_mass],
+            inertias: [g.boom_inertia, g.arm_inertia, g.bucket_inertia],
+            axial_inertias: [
+                g.boom_axial_inertia,
+                g.arm_axial_inertia,
+                g.bucket_axial_inertia,
+            ],
+        }
+    }
+}
+
+/// Gain of the torque where nothing is stated, and where it is said to be exact.
+const GAIN_STD: [f64; 2] = [0.03, 0.05];
+
+/// Standard deviation of the torque's gain.
+fn gain_std(d: &Description) -> f64 {
+    let known = d.estimator.variant == Variant::Known;
+    match d.sensors.swing_torque_gain_std {
+        None if known => 0.0,
+        None => GAIN_STD[0],
+        Some(0.0) if !known => GAIN_STD[1],
+        Some(stated) => stated,
+    }
+}
+
+impl Doubts {
+    /// What a description leaves open of a machine that is not calibrated.
+    #[must_use]
+    pub fn of(d: &Description) -> Self {
+        let (m, s) = (&d.machine, &d.sensors);
+        let both = |a: f64, b: f64| sqrt(a * a + b * b);
+        Self {
+            gain_std: gain_std(d),
+            efficiency: m.drive_efficiency,
+            efficiency_std: m.drive_efficiency_std,
+            friction_std: m.coulomb_friction_std.unwrap_or(d.prior.friction_std),
+            slope_std: m.slope_std,
+            upper_first_moment: m.upper_first_moment,
+            upper_first_moment_std: m.upper_first_moment_std,
+            delay: align::rest([s.swing_velocity_delay, s.swing_torque_delay]),
+            delay_std: both(s.swing_velocity_delay_std, s.swing_torque_delay_std),
+            torque_share: d.estimator.torque_noise_share,
+            inertia_share: both(m.mass_tolerance, 2.0 * m.geometry_tolerance),
+        }
+    }
+}
+
+impl Doubts {
+    /// Whether the description leaves anything open: not where it states 0 for every tolerance.
+    fn are_any(&self) -> bool {
+        let stds = [
+            self.efficiency_std,
+            self.slope_std,
+            self.delay_std,
+            self.torque_share,
+            self.inertia_share,
+        ];
+        stds.iter().any(|std| *std > 0.0)
+    }
+}
+
+fn sensors(d: &Description) -> Sensors {
+    let s = &d.sensors;
+    Sensors {
+        rate: s.rate,
+        swing_velocity_std: s.swing_velocity_std,
+        swing_angle_std: s.swing_angle_std,
+        swing_torque_std: s.swing_torque_std,
+        swing_torque_gain_std: gain_std(d),
+        swing_velocity_limit: s.swing_velocity_limit,
+        angle_limit: s.angle_limit,
+        swing_torque_gain: s.swing_torque_gain,
+        swing_torque_offset: s.swing_torque_offset,
+        delays: [s.swing_velocity_delay, s.swing_torque_delay],
+    }
+}
+
+/// A list under estimator.forgetting holds inside and outside the windows alike.
+fn paper(d: &Description) -> Paper {
+    let common = match *d.estimator.forgetting {
+        [all] => Some([all; 3]),
+        [inertia, damping, torque, ..] => Some([inertia, damping, torque]),
+        _ => None,
+    };
+    Paper {
+        lambda_normal: common.unwrap_or(d.paper.lambda_normal),
+        lambda_window: common.unwrap_or(d.paper.lambda_window),
+        ..d.paper
+    }
+}

@@ -1,0 +1,50 @@
+//! What a description of a working machine leaves open, and how far.
+
+/// Standard deviations of what a described machine may differ by. Each enters the default estimator as a
+/// state, so that its interval carries the doubt and the motion can remove it; 0 says that it is exactly so.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Doubts {
+    /// Gain of the torque measurement about 1.
+    pub gain_std: f64,
+    /// Efficiency of the drive: the described one; driving torque arrives times it, braking torque divided by it.
+    pub efficiency: f64,
+    /// Its standard deviation.
+    pub efficiency_std: f64,
+    /// Coulomb friction about the described one [N m].
+    pub friction_std: f64,
+    /// Slope of the ground along each of two axes [rad].
+    pub slope_std: f64,
+    /// First moment of the upper body about the swing axis without boom, arm and bucket, forward positive
+    /// [kg m]; `None` takes a counterweight that balances the folded, empty attachment.
+    pub upper_first_moment: Option<f64>,
+    /// Its standard deviation [kg m]; `None` takes 3 % of a stated moment, 30 % of a guessed one.
+    pub upper_first_moment_std: Option<f64>,
+    /// How much later the velocity comes than the torque, beside what is taken out exactly [s].
+    pub delay: f64,
+    /// Its standard deviation [s].
+    pub delay_std: f64,
+    /// What the model of the torque leaves out, per 0.01 s, as a share of the largest torque seen.
+    pub torque_share: f64,
+    /// Relative standard deviation of the described inertia of the empty machine.
+    pub inertia_share: f64,
+}
+
+impl Default for Doubts {
+    /// A machine that nobody has calibrated.
+    fn default() -> Self {
+        Self {
+            gain_std: 0.05,
+            efficiency: 1.0,
+            efficiency_std: 0.03,
+            friction_std: 75.0,
+            slope_std: 0.03,
+            upper_first_moment: None,
+            upper_first_moment_std: None,
+            delay: 0.0,
+            delay_std: 0.02,
+            torque_share: 0.10,
+            inertia_share: 0.024,
+        }
+    }
+}

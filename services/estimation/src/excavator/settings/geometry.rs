@@ -1,0 +1,124 @@
+//! Swing inertia as a function of posture and payload.
+//!
+//! With the absolute link angles `a1 = q_b`, `a2 = a1 + q_a`, `a3 = a2 + q_k`:
+//!
+//! ```text
+//! r1 = x0 + c1 cos a1;  rA = x0 + L1 cos a1;  r2 = rA + c2 cos a2;  rB = rA + L2 cos a2
+//! r3 = rB + c3 cos a3;  rp = rB + cp cos a3
+//! J_e = J_u + sum [ m_i r_i^2 + I_i cos^2 a_i + Ir_i sin^2 a_i ];   g = rp^2 + kp^2;   J = J_e + m g
+//! ```
+
+use crate::excavator::keys::Description;
+use crate::math::sin_cos;
+
+/// Lengths, masses and inertias of the machine above the swing bearing. The default is a 5.5 t
+/// excavator.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Geometry {
+    /// Upper body without boom, arm and bucket, about the swing axis (J_u) [kg m^2].
+    pub upper_inertia: f64,
+    /// Swing axis to boom pin (x0) [m].
+    pub boom_pin: f64,
+    /// Boom pin to arm pin, arm pin to bucket pin (L1, L2) [m].
+    pub lengths: [f64; 2],
+    /// Pin to centre of mass of boom, arm, bucket (c1, c2, c3) [m].
+    pub centres: [f64; 3],
+    /// Bucket pin to the payload's centre of mass (cp) [m].
+    pub payload_centre: f64,
+    /// Radius of gyration of the payload (kp) [m].
+    pub payload_gyration: f64,
+    /// Masses of boom, arm, bucket [kg].
+    pub masses: [f64; 3],
+    /// Inertias across the length, at the centre of mass (I1, I2, I3) [kg m^2].
+    pub inertias: [f64; 3],
+    /// Inertias about the length (Ir1, Ir2, Ir3) [kg m^2].
+    pub axial_inertias: [f64; 3],
+}
+
+impl Default for Geometry {
+    fn default() -> Self {
+        Self::of(&Description::default())
+    }
+}
+
+/// Inertia at one posture, linear in the payload.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Inertia {
+    /// Without payload (J_e) [kg m^2].
+    pub empty: f64,
+    /// Per kilogram of payload (g) [m^2].
+    pub per_payload: f64,
+    /// First moment of boom, arm and bucket about the swing axis [kg m].
+    pub moment: f64,
+    /// The same per kilogram of payload: its radius [m].
+    pub radius: f64,
+}
+
+impl Inertia {
+    /// Inertia with a payload of `mass` kilograms [kg m^2].
+    pub fn with_payload(&self, mass: f64) -> f64 {
+        self.empty + mass * self.per_payload
+    }
+}
+
+/// A folded posture in which machines are compared [rad].
+const FOLDED: [f64; 3] = [0.96, -2.55, -1.48];
+
+impl Geometry {
+    /// Inertia of the machine against the reference machine's, both empty and folded. The torques of
+    /// machines are in the same proportion, since they are made to swing alike.
+    pub(in crate::excavator) fn scale(&self) -> f64 {
+        self.inertia(FOLDED).empty / Self::default().inertia(FOLDED).empty
+    }
+
+    /// What a kilogram of payload on the reference machine is on this one: its payloads have the same
+    /// share of its inertia.
+    pub(in crate::excavator) fn payload_scale(&self) -> f64 {
+        let leverage = |geometry: &Self| geometry.inertia(FOLDED).per_payload;
+        self.scale() * leverage(&Self::default()) / leverage(self)
+    }
+
+    /// Inertia of the empty machine in the folded posture [kg m^2].
+    pub(in crate::excavator) fn folded_inertia(&self) -> f64 {
+        self.inertia(FOLDED).empty
+    }
+
+    /// First moment of the empty attachment in the folded posture [kg m].
+    pub(in crate::excavator) fn folded_moment(&self) -> f64 {
+        self.inertia(FOLDED).moment
+    }
+
+    /// Inertia at the joint angles boom (to the horizontal, up positive), arm (relative to the
+    /// boom), bucket (relative to the arm) [rad].
+    pub fn inertia(&self, posture: [f64; 3]) -> Inertia {
+        let a1 = posture[0];
+        let a2 = a1 + posture[1];
+        let a3 = a2 + posture[2];
+        let turns = [sin_cos(a1), sin_cos(a2), sin_cos(a3)];
+        let [cos1, cos2, cos3] = turns.map(|(_, cos)| cos);
+        let arm_pin = self.boom_pin + self.lengths[0] * cos1;
+        let bucket_pin = arm_pin + self.lengths[1] * cos2;
+        let radii = [
+            self.boom_pin + self.centres[0] * cos1,
+            arm_pin + self.centres[1] * cos2,
+            bucket_pin + self.centres[2] * cos3,
+        ];
+        let links: f64 = (0..3)
+            .map(|i| {
+                let (sin, cos) = turns[i];
+                self.masses[i] * radii[i] * radii[i]
+                    + self.inertias[i] * cos * cos
+                    + self.axial_inertias[i] * sin * sin
+            })
+            .sum();
+        let payload = bucket_pin + self.payload_centre * cos3;
+        Inertia {
+            empty: self.upper_inertia + links,
+            per_payload: payload * payload + self.payload_gyration * self.payload_gyration,
+            moment: (0..3).map(|i| self.masses[i] * radii[i]).sum(),
+            radius: payload,
+        }
+    }
+}

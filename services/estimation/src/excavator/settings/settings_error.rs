@@ -1,0 +1,110 @@
+//! Settings that no estimator could work with, and what is wrong with them.
+
+use crate::excavator::settings::Settings;
+
+/// What is wrong with the settings.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum SettingsError {
+    /// A value is not finite, or outside its range.
+    OutOfRange {
+        /// Key of the description.
+        key: &'static str,
+        /// The value.
+        value: f64,
+    },
+    /// The method needs a column that the source does not have.
+    MissingColumn {
+        /// The method.
+        method: &'static str,
+        /// The column.
+        column: &'static str,
+    },
+    /// The method belongs to the other process.
+    WrongStage {
+        /// The method.
+        method: &'static str,
+    },
+}
+
+impl core::fmt::Display for SettingsError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::OutOfRange { key, value } => write!(f, "{key} = {value} is out of range"),
+            Self::MissingColumn { method, column } => {
+                write!(f, "the method {method} needs the column {column}")
+            }
+            Self::WrongStage { method } => {
+                write!(f, "the method {method} does not run in this service")
+            }
+        }
+    }
+}
+
+impl core::error::Error for SettingsError {}
+
+impl Settings {
+    /// Refuses values that an estimator could not work with.
+    pub fn check(&self) -> Result<(), SettingsError> {
+        let (s, p, e) = (&self.sensors, &self.prior, &self.estimator);
+        let positive = [
+            ("machine.inertia_min", self.inertia_min),
+            ("machine.inertia_max", self.inertia_max - self.inertia_min),
+            ("sensors.rate", s.rate),
+            ("sensors.swing_velocity_std", s.swing_velocity_std),
+            ("sensors.swing_angle_std", s.swing_angle_std),
+            ("sensors.swing_torque_std", s.swing_torque_std),
+            ("sensors.swing_velocity_limit", s.swing_velocity_limit),
+            ("sensors.swing_torque_gain", s.swing_torque_gain),
+            ("prior.inertia", p.inertia),
+            ("prior.inertia_std", p.inertia_std),
+            ("prior.payload_std", p.payload_std),
+            ("estimator.filter_frequency", e.filter_frequency),
+            ("estimator.filter_damping", e.filter_damping),
+            ("estimator.q_c", e.q_c),
+            ("estimator.friction_width", e.friction_width),
+            ("estimator.svf_friction_width", e.svf_friction_width),
+            ("estimator.svf_covariance", e.svf_covariance),
+            ("estimator.torque_noise_divisor", e.torque_noise_divisor),
+            ("estimator.gate", e.gate),
+            ("estimator.payload_max", e.payload_max - e.payload_min),
+            (
+                "estimator.paper.lambda_normal",
+                least(&self.paper.lambda_normal),
+            ),
+            (
+                "estimator.paper.lambda_window",
+                least(&self.paper.lambda_window),
+            ),
+            ("estimator.paper.covariance", least(&self.paper.covariance)),
+            (
+                "estimator.forgetting",
+                e.forgetting.iter().copied().fold(1.0, f64::min),
+            ),
+        ];
+        let not_negative = [
+            ("machine.nominal_damping", self.nominal_damping),
+            ("machine.coulomb_friction", self.coulomb_friction),
+            ("sensors.swing_torque_gain_std", s.swing_torque_gain_std),
+            ("prior.damping_std", p.damping_std),
+            ("prior.torque_offset_std", p.torque_offset_std),
+            ("prior.known_torque_offset_std", p.known_torque_offset_std),
+            ("prior.friction_std", p.friction_std),
+            ("estimator.q_m", e.q_m),
+            ("estimator.q_l", e.q_l),
+        ];
+        let bad = positive
+            .iter()
+            .find(|(_, value)| !(value.is_finite() && *value > 0.0))
+            .or(not_negative
+                .iter()
+                .find(|(_, value)| !(value.is_finite() && *value >= 0.0)));
+        match bad {
+            Some(&(key, value)) => Err(SettingsError::OutOfRange { key, value }),
+            None => Ok(()),
+        }
+    }
+}
+
+fn least(values: &[f64; 3]) -> f64 {
+    values[0].min(values[1]).min(values[2])
+}

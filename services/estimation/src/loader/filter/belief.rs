@@ -1,0 +1,363 @@
+//! What a filter believes, a state and how uncertain it is, and how the model's step changes it: by sigma points on a covariance
+//! root, or by the model's tangent on the covariance.
+//!
+//! All else of a row (inputs, conditions, noise, gates, verdict) is [`super::CgFilter`]'s and the same for both.
+
+#![allow(clippy::needless_range_loop)] // indices as in the formulas
+
+use core::fmt::Debug;
+use core::ops::Range;
+
+use crate::ekf::{Ekf, Expected, carry, combine};
+use crate::loader::cg_model::{CgModel, has_delay};
+use crate::loader::tangent::{Places, Tangent};
+use crate::loader::wheel_dynamics::{GRAVITY, Road};
+use crate::math::sqrt;
+use crate::prediction::{Images, Prediction};
+use crate::root::triangularise;
+use crate::sigma_points::Spread;
+use crate::srukf::SquareRootUkf;
+
+/// A state with its uncertainty.
+pub(in crate::loader) trait Belief<const N: usize, const M: usize>:
+    Copy + Debug
+{
+    /// The step of the model before its noise.
+    type Ahead;
+    /// The measurements that follow from it.
+    type Expected;
+
+    /// At `state`, with independent standard deviations.
+    fn new(state: [f64; N], std: &[f64; N], spread: Spread) -> Self;
+
+    fn state(&self) -> &[f64; N];
+    fn state_mut(&mut self) -> &mut [f64; N];
+
+    /// Variance of a state.
+    fn variance(&self, i: usize) -> f64;
+
+    /// Finite, and every variance positive.
+    fn is_sound(&self) -> bool;
+
+    /// These states are known anew, each with a standard deviation, and nothing of them is known by the others, which get
+    /// process noise.
+    fn separate(&mut self, states: &[(usize, f64)], process_std: &[f64; N]);
+
+    /// One step of the model; the belief itself stays.
+    fn ahead(&self, model: &CgModel) -> Self::Ahead;
+
+    /// The state after that step.
+    fn state_ahead(ahead: &Self::Ahead) -> &[f64; N];
+
+    /// Takes the step, with process noise.
+    fn predict(
+        &mut self,
+        ahead: &mut Self::Ahead,
+        model: &CgModel,
+        process_std: &[f64; N],
+    ) -> Self::Expected;
+
+    /// The predicted measurement.
+    fn measurement(expected: &Self::Expected) -> &[f64; M];
+
+    /// Its standard deviation, sensor noise not included.
+    fn measurement_std(expected: &Self::Expected, j: usize) -> f64;
+
+    /// Absorbs the accepted measurements; returns the normalised innovation squared.
+    fn update(
+        &mut self,
+        expected: &Self::Expected,
+        innovation: &[f64; M],
+        std: &[f64; M],
+        accepted: &[bool; M],
+    ) -> f64;
+
+    /// The filter that can step as the paper prints it.
+    fn sigma_points(&mut self) -> Option<&mut SquareRootUkf<N, M>>;
+
+    /// Standard deviation of a state.
+    fn std(&self, i: usize) -> f64 {
+        sqrt(self.variance(i).max(0.0))
+    }
+}
+
+impl<const N: usize, const M: usize> Belief<N, M> for SquareRootUkf<N, M> {
+    type Ahead = Images<N, M, 2>;
+    type Expected = Prediction<N, M>;
+
+    fn new(state: [f64; N], std: &[f64; N], spread: Spread) -> Self {
+        Self::new(state, std, spread)
+    }
+
+    fn state(&self) -> &[f64; N] {
+        &self.state
+    }
+
+    fn state_mut(&mut self) -> &mut [f64; N] {
+        &mut self.state
+    }
+
+    fn variance(&self, i: usize) -> f64 {
+        self.root[i].iter().map(|x| x * x).sum()
+    }
+
+    fn is_sound(&self) -> bool {
+        // A sum of numbers that are finite by far is finite.
+        let sum = |row: &[f64; N]| row.iter().sum::<f64>();
+        (sum(&self.state) + self.root.iter().map(sum).sum::<f64>()).is_finite()
+    }
+
+    fn separate(&mut self, states: &[(usize, f64)], process_std: &[f64; N]) {
+        let mut rows = self.root.map(|row| [row]);
+        let mut process = *process_std;
+        for &(i, std) in states {
+            rows[i] = [[0.0; N]];
+            process[i] = std;
+        }
+        self.root = triangularise(&mut rows, &process);
+    }
+
+    #[inline(always)]
+    fn ahead(&self, model: &CgModel) -> Self::Ahead {
+        self.images(model)
+    }
+
+    fn state_ahead(ahead: &Self::Ahead) -> &[f64; N] {
+        &ahead.state
+    }
+
+    #[inline(always)]
+    fn predict(
+        &mut self,
+        ahead: &mut Self::Ahead,
+        _: &CgModel,
+        process_std: &[f64; N],
+    ) -> Self::Expected {
+        ahead.predict(process_std)
+    }
+
+    fn measurement(expected: &Self::Expected) -> &[f64; M] {
+        &expected.measurement
+    }
+
+    fn measurement_std(expected: &Self::Expected, j: usize) -> f64 {
+        expected.measurement_std(j)
+    }
+
+    #[inline(always)]
+    fn update(
+        &mut self,
+        expected: &Self::Expected,
+        innovation: &[f64; M],
+        std: &[f64; M],
+        accepted: &[bool; M],
+    ) -> f64 {
+        let update = expected.update(innovation, std, accepted);
+        self.accept(&update);
+        update.nis()
+    }
+
+    fn sigma_points(&mut self) -> Option<&mut SquareRootUkf<N, M>> {
+        Some(self)
+    }
+}
+
+/// The measurements that are states themselves: the wheel speeds, and the speed unless it is late.
+const fn direct(states: usize) -> Range<usize> {
+    if has_delay(states) { 1..3 } else { 0..3 }
+}
+
+/// A measurement that is made of the speed after the step and two states before it, to first order.
+struct Made {
+    /// How much of the noise of the new speed it sees, as [`CgModel`] says.
+    noise: f64,
+    new_speed: f64,
+    old: [(usize, f64); 2],
+}
+
+impl Made {
+    /// Measurement j: the late speed v+ - tau (v+ - v)/dt, or the specific force (v+ - v)/dt + g sin th; the others are states.
+    #[inline(always)]
+    fn of<const N: usize>(
+        j: usize,
+        dt: f64,
+        rate: f64,
+        delay: f64,
+        road: &Road<f64>,
+    ) -> Option<Self> {
+        match j {
+            0 if has_delay(N) => Some(Self {
+                noise: 1.0,
+                new_speed: 1.0 - delay / dt,
+                old: [(0, delay / dt), (N - 1, -rate)],
+            }),
+            3 => Some(Self {
+                noise: 1.0 / dt,
+                new_speed: 1.0 / dt,
+                old: [
+                    (0, -1.0 / dt),
+                    Places::of(N)
+                        .bias
+                        .map_or((0, 0.0), |bias| (bias, -GRAVITY * road.cosine)),
+                ],
+            }),
+            _ => None,
+        }
+    }
+
+    /// Its covariance with something, from that of the new speed and of the old states.
+    #[inline(always)]
+    fn of_columns(&self, new_speed: f64, old: impl Fn(usize) -> f64) -> f64 {
+        let [(first, by_first), (second, by_second)] = self.old;
+        self.new_speed * new_speed + by_first * old(first) + by_second * old(second)
+    }
+}
+
+/// The model's step at the state.
+pub(in crate::loader) struct Step<const N: usize> {
+    state: [f64; N],
+    tangent: Tangent<N>,
+    road: Road<f64>,
+}
+
+impl<const N: usize, const M: usize> Belief<N, M> for Ekf<N, M> {
+    type Ahead = Step<N>;
+    type Expected = Expected<N, M>;
+
+    fn new(state: [f64; N], std: &[f64; N], _: Spread) -> Self {
+        Self::new(state, std)
+    }
+
+    fn state(&self) -> &[f64; N] {
+        &self.state
+    }
+
+    fn state_mut(&mut self) -> &mut [f64; N] {
+        &mut self.state
+    }
+
+    fn variance(&self, i: usize) -> f64 {
+        self.covariance[i][i]
+    }
+
+    fn is_sound(&self) -> bool {
+        // What is not finite beside the diagonal shows in the state with the next row.
+        let (mut sum, mut positive) = (0.0, true);
+        for i in 0..N {
+            sum += self.state[i] + self.covariance[i][i];
+            positive &= self.covariance[i][i] > 0.0;
+        }
+        positive && sum.is_finite()
+    }
+
+    fn separate(&mut self, states: &[(usize, f64)], process_std: &[f64; N]) {
+        for i in 0..N {
+            self.covariance[i][i] += process_std[i] * process_std[i];
+        }
+        for &(i, std) in states {
+            self.covariance[i] = [0.0; N];
+            for row in &mut self.covariance {
+                row[i] = 0.0;
+            }
+            self.covariance[i][i] = std * std;
+        }
+    }
+
+    #[inline(always)]
+    fn ahead(&self, model: &CgModel) -> Self::Ahead {
+        let (tangent, road) = model.tangent(&self.state);
+        let mut state = self.state;
+        state[0] = tangent.motion.speed;
+        state[1] = tangent.motion.front_wheel_speed;
+        state[2] = tangent.motion.rear_wheel_speed;
+        Step {
+            state,
+            tangent,
+            road,
+        }
+    }
+
+    fn state_ahead(ahead: &Self::Ahead) -> &[f64; N] {
+        &ahead.state
+    }
+
+    /// As [`Ekf::predict`], in the blocks that the loader has: three states that move, and measurements that follow from them.
+    #[inline(always)]
+    fn predict(
+        &mut self,
+        ahead: &mut Self::Ahead,
+        model: &CgModel,
+        process_std: &[f64; N],
+    ) -> Self::Expected {
+        let by = &ahead.tangent.by;
+        let p = &mut self.covariance;
+        let moved = [combine(&by[0], p), combine(&by[1], p), combine(&by[2], p)];
+        let rate = (ahead.state[0] - self.state[0]) / model.dt;
+        let delay = if has_delay(N) { self.state[N - 1] } else { 0.0 };
+        let made = |j: usize| Made::of::<N>(j, model.dt, rate, delay, &ahead.road);
+        let mut expected = Expected {
+            measurement: [0.0; M],
+            cross: [[0.0; N]; M],
+            own: [[0.0; M]; M],
+        };
+        for j in 0..M {
+            let Some(made) = made(j) else { continue };
+            for c in 0..N {
+                expected.cross[j][c] = made.of_columns(moved[0][c], |i| p[i][c]);
+            }
+            expected.measurement[j] = match j {
+                0 => ahead.state[0] - rate * delay,
+                _ => rate + ahead.road.sine * GRAVITY,
+            };
+        }
+        carry(p, &moved, by);
+        for j in 0..M {
+            let Some(first) = made(j) else { continue };
+            let before = expected.cross[j];
+            for k in 0..3 {
+                expected.cross[j][k] = first.of_columns(p[0][k], |i| moved[k][i]);
+            }
+            for l in 0..=j {
+                let Some(second) = made(l) else { continue };
+                let own = second.of_columns(expected.cross[j][0], |i| before[i]);
+                expected.own[j][l] = own;
+                expected.own[l][j] = own;
+            }
+        }
+        let noise = process_std[0] * process_std[0];
+        for j in 0..M {
+            let Some(first) = made(j) else { continue };
+            expected.cross[j][0] += first.noise * noise;
+            for l in 0..M {
+                let Some(second) = made(l) else { continue };
+                expected.own[j][l] += first.noise * second.noise * noise;
+            }
+        }
+        self.state = ahead.state;
+        self.complete(&mut expected, process_std, direct(N));
+        expected
+    }
+
+    fn measurement(expected: &Self::Expected) -> &[f64; M] {
+        &expected.measurement
+    }
+
+    fn measurement_std(expected: &Self::Expected, j: usize) -> f64 {
+        expected.measurement_std(j)
+    }
+
+    #[inline(always)]
+    fn update(
+        &mut self,
+        expected: &Self::Expected,
+        innovation: &[f64; M],
+        std: &[f64; M],
+        accepted: &[bool; M],
+    ) -> f64 {
+        Ekf::update(self, expected, innovation, std, accepted, direct(N))
+    }
+
+    fn sigma_points(&mut self) -> Option<&mut SquareRootUkf<N, M>> {
+        None
+    }
+}
