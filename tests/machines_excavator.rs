@@ -6,7 +6,7 @@
 use std::path::PathBuf;
 
 use config::Tables as _;
-use estimation::excavator::{Columns, Method, Sample, Settings, SwingEstimator};
+use estimation::excavator::{Columns, Method, Sample, Settings, Smoother, SwingEstimator, Trail};
 use evaluate::honesty::{Judged, Tally};
 
 /// True velocity above which the machine moves [rad/s].
@@ -16,8 +16,15 @@ fn folder() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/golden/machines")
 }
 
-/// The estimator of a recording as `heft estimate` makes it, and the tally over its rows.
-fn tally(name: &str, sets: &serde_json::Value, method: Method) -> Tally {
+const COLUMNS: Columns = Columns {
+    velocity: true,
+    angle: false,
+    torque: true,
+    posture: true,
+};
+
+/// What a competent user states.
+fn settings(sets: &serde_json::Value) -> Settings {
     let sets = sets.as_object().expect("settings by key");
     let sets: Vec<String> = sets
         .iter()
@@ -25,35 +32,44 @@ fn tally(name: &str, sets: &serde_json::Value, method: Method) -> Tally {
         .collect();
     let mut description = config::Excavator::default();
     description.set_all(&sets).expect("settings that exist");
-    let settings = Settings::of(&description);
+    Settings::of(&description)
+}
 
+/// The rows of a recording: sample, true inertia, whether the machine moves.
+fn rows(name: &str) -> Vec<(Sample, f64, bool)> {
     let text = std::fs::read_to_string(folder().join(format!("{name}.csv"))).expect("a recording");
     let mut lines = text.lines().map(|line| line.split(',').collect::<Vec<_>>());
     let header = lines.next().expect("a header");
     let column = |name: &str| header.iter().position(|found| *found == name);
-    let columns = Columns {
-        velocity: true,
-        torque: true,
-        posture: true,
-        ..Columns::default()
-    };
-    let mut estimator = SwingEstimator::new(&settings, method, columns).expect("an estimator");
+    lines
+        .map(|cells| {
+            let value = |name: &str| column(name).and_then(|i| cells[i].parse::<f64>().ok());
+            let sample = Sample {
+                time: value("t").expect("a time"),
+                velocity: value("swing_velocity"),
+                torque: value("swing_torque"),
+                posture: ["boom_angle", "arm_angle", "bucket_angle"].map(value),
+                ..Sample::default()
+            };
+            let moves = value("true_velocity").expect("the truth").abs() > MOVING;
+            (sample, value("true_inertia").expect("the truth"), moves)
+        })
+        .collect()
+}
+
+/// The estimator of a recording as `heft estimate` makes it, and the tally over its rows.
+fn tally(name: &str, sets: &serde_json::Value, method: Method) -> Tally {
+    let mut estimator =
+        SwingEstimator::new(&settings(sets), method, COLUMNS).expect("an estimator");
     let mut tally = Tally::default();
-    for cells in lines {
-        let value = |name: &str| column(name).and_then(|i| cells[i].parse::<f64>().ok());
-        let estimate = estimator.step(&Sample {
-            time: value("t").expect("a time"),
-            velocity: value("swing_velocity"),
-            torque: value("swing_torque"),
-            posture: ["boom_angle", "arm_angle", "bucket_angle"].map(value),
-            ..Sample::default()
-        });
+    for (sample, truth, moving) in rows(name) {
+        let estimate = estimator.step(&sample);
         tally.push(&Judged {
-            truth: value("true_inertia").expect("the truth"),
+            truth,
             estimate: estimate.inertia,
             std: estimate.inertia_std,
             trusted: estimate.flags.trusted(),
-            moving: value("true_velocity").expect("the truth").abs() > MOVING,
+            moving,
             reason: "",
         });
     }
@@ -99,4 +115,61 @@ fn other_methods_are_right_or_not_trusted() {
             assert!(found.wrong() <= 0.05, "{said}");
         }
     }
+}
+
+/// On-line and smoothed errors of the rows in motion, in standard deviations and relative to the truth.
+fn smoothed(name: &str, sets: &serde_json::Value) -> Vec<[[f64; 2]; 2]> {
+    let settings = settings(sets);
+    let mut estimator =
+        SwingEstimator::new(&settings, Method::Auto, COLUMNS).expect("an estimator");
+    assert!(estimator.keep_trail());
+    let mut trails: Vec<Trail> = Vec::new();
+    let mut moving = Vec::new();
+    for (sample, truth, moves) in rows(name) {
+        let online = estimator.step_with(&sample, &mut |trail| trails.push(*trail));
+        if let (true, [Some(boom), Some(arm), Some(bucket)]) = (moves, sample.posture) {
+            moving.push((trails.len(), online, truth, [boom, arm, bucket]));
+        }
+    }
+    let mut smoother = Smoother::default();
+    let mut moments: Vec<_> = trails.iter().rev().map(|t| smoother.back(t)).collect();
+    moments.reverse();
+    moving
+        .into_iter()
+        .filter(|(end, ..)| *end > 0)
+        .map(|(end, online, truth, posture)| {
+            let (moment, geometry) = (&moments[end - 1], settings.geometry.inertia(posture));
+            let value = geometry.with_payload(moment.payload.value);
+            let std = (moment.payload.std * geometry.per_payload).hypot(moment.described);
+            let of = |value: f64, std: f64| [(value - truth) / std, (value - truth) / truth];
+            [of(online.inertia, online.inertia_std), of(value, std)]
+        })
+        .collect()
+}
+
+#[test]
+fn what_later_rows_say_of_a_moment_is_nearer_to_the_truth_and_its_interval_holds() {
+    let mut all = Vec::new();
+    for (name, about) in recordings() {
+        let found = smoothed(&name, &about["sets"]);
+        assert_eq!(
+            found,
+            smoothed(&name, &about["sets"]),
+            "{name}: the same bits"
+        );
+        all.extend(found);
+    }
+    let rms = |k: usize| {
+        let squares: f64 = all.iter().map(|row| row[k][1] * row[k][1]).sum();
+        (squares / all.len() as f64).sqrt()
+    };
+    let inside = all.iter().filter(|row| row[1][0].abs() < 1.96).count();
+    let covered = inside as f64 / all.len() as f64;
+    let said = format!(
+        "on line {:.4}, smoothed {:.4}, covered {covered:.3}",
+        rms(0),
+        rms(1)
+    );
+    println!("{said}");
+    assert!(rms(1) < 0.9 * rms(0) && covered > 0.93, "{said}");
 }

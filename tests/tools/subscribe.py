@@ -10,11 +10,12 @@ takes. The program attaches as one more subscriber and leaves no trace.
 """
 
 import argparse
-import ctypes
 import os
 import pathlib
+import subprocess
 import sys
 import time
+import types
 
 import iceoryx2 as iox2
 
@@ -27,62 +28,31 @@ def homes():
     return [p for p in dict.fromkeys(places) if p.is_dir() and p.stat().st_uid == uid]
 
 
-u32, u64, f64 = ctypes.c_uint32, ctypes.c_uint64, ctypes.c_double
-
-# Every message begins with these: which sample, and when each stage published it [ns].
-HEAD = [
-    ("machine", u32), ("epoch", u32), ("sequence", u64), ("time", f64), ("measured_ns", u64),
-    ("sensor_ns", u64), ("filter_ns", u64), ("estimate_ns", u64),
-    ("filter_restarts", u32), ("estimate_restarts", u32),
-]
+def messages(heft):
+    """The structures of the messages, as this heft declares them: no copy that could grow old."""
+    text = subprocess.run([heft, "schema", "--lang", "python"], check=True, capture_output=True, text=True).stdout
+    module = types.ModuleType("heft_messages")
+    exec(text, module.__dict__)
+    return module
 
 
-class ExcavatorEstimate(ctypes.Structure):
-    """SI units; see `heft`'s messages/src/excavator.rs."""
-
-    _fields_ = HEAD + [(name, f64) for name in (
-        "inertia", "inertia_std", "damping", "damping_std", "torque", "torque_std",
-        "payload", "payload_std", "velocity", "acceleration", "friction", "friction_std",
-        "offset", "offset_std", "nis",
-        "forgetting_inertia", "forgetting_damping", "forgetting_torque")] + [
-        ("flags", u32), ("estimated", u32), ("method", u32), ("reason", u32),
-        ("refused", u64), ("reserved_2", u64)]
-    TRUSTED = 1 << 8
-    CHANNEL = "excavator/inertia_ukf"
-
-    @staticmethod
-    def type_name():
-        return "ExcavatorEstimate"
-
-    def __str__(self):
-        word = "trusted" if self.flags & self.TRUSTED else "not trusted"
-        return f"t {self.time:7.2f} s  inertia {self.inertia:7.0f} ± {self.inertia_std:4.0f} kg m²  {word}"
+def excavator(e):
+    word = "trusted" if e.flags & 1 << 8 else "not trusted"
+    return f"inertia {e.inertia:7.0f} ± {e.inertia_std:4.0f} kg m²  {word}"
 
 
-class LoaderEstimate(ctypes.Structure):
-    """SI units; see `heft`'s messages/src/loader.rs."""
-
-    _fields_ = HEAD + [(name, f64) for name in (
-        "speed", "front_wheel_speed", "rear_wheel_speed", "slip_stiffness", "slip_stiffness_std",
-        "cg_height", "cg_height_std", "cg_ratio", "cg_ratio_std", "cg_distance",
-        "spade_force_x", "spade_force_x_std", "slope_bias",
-        "front_radius_scale", "rear_radius_scale", "nis", "speed_delay", "speed_delay_std")] + [
-        ("flags", u32), ("estimated", u32), ("method", u32), ("resets", u32), ("refused", u64),
-        ("reason", u32), ("reserved", u32)]
-    TRUSTED_RATIO, TRUSTED_HEIGHT = 1 << 8, 1 << 9
-    CHANNEL = "loader/cg_ukf"
-
-    @staticmethod
-    def type_name():
-        return "LoaderEstimate"
-
-    def __str__(self):
-        mark = lambda bit: "trusted" if self.flags & bit else "not trusted"
-        return (f"t {self.time:7.2f} s  ratio {self.cg_ratio:.4f} ± {self.cg_ratio_std:.4f} {mark(self.TRUSTED_RATIO)}"
-                f"  height {self.cg_height:.3f} ± {self.cg_height_std:.3f} m {mark(self.TRUSTED_HEIGHT)}")
+def loader(e):
+    mark = lambda bit: "trusted" if e.flags & 1 << bit else "not trusted"
+    return (f"ratio {e.cg_ratio:.4f} ± {e.cg_ratio_std:.4f} {mark(8)}"
+            f"  height {e.cg_height:.3f} ± {e.cg_height_std:.3f} m {mark(9)}")
 
 
-PAYLOADS = {"excavator": ExcavatorEstimate, "loader": LoaderEstimate}
+def anything(message):
+    return "  ".join(f"{name} {getattr(message, name):g}" for name, _ in message._fields_[10:])
+
+
+SHOWN = {"ExcavatorEstimate": excavator, "LoaderEstimate": loader}
+CHANNEL = {"excavator": "excavator/inertia_ukf", "loader": "loader/cg_ukf"}
 
 
 def find_domain(name):
@@ -96,13 +66,16 @@ def find_domain(name):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--domain", help="of the run; needed where there are several")
-    parser.add_argument("--machine", choices=PAYLOADS, default="excavator")
+    parser.add_argument("--machine", choices=CHANNEL, default="excavator")
+    parser.add_argument("--heft", default="heft", help="the program; it declares the structures")
     parser.add_argument("--channel", help="default: that of the state-space filter")
     parser.add_argument("--count", type=int, default=0, help="estimates to print, then end; 0: until interrupted")
     parser.add_argument("--rate", type=float, default=10.0, help="lines a second at most")
     options = parser.parse_args()
 
-    payload = PAYLOADS[options.machine]
+    channel = options.channel or CHANNEL[options.machine]
+    payload = messages(options.heft).CHANNELS[channel]
+    show = SHOWN.get(payload.__name__, anything)
     config = find_domain(options.domain) / "iceoryx2.toml"
     if not config.exists():
         sys.exit(f"no run in this domain: {config} is not there")
@@ -111,7 +84,6 @@ def main():
     iox2.set_log_level_from_env_or(iox2.LogLevel.Error)
     node = (iox2.NodeBuilder.new().name(iox2.NodeName.new("subscribe.py"))
             .signal_handling_mode(iox2.SignalHandlingMode.Disabled).create(iox2.ServiceType.Ipc))
-    channel = options.channel or payload.CHANNEL
     service = node.service_builder(iox2.ServiceName.new(channel)).publish_subscribe(payload).open()
     subscriber = service.subscriber_builder().create()
 
@@ -129,7 +101,8 @@ def main():
             if time.monotonic() - shown >= 1.0 / options.rate:
                 shown = time.monotonic()
                 printed += 1
-                print(estimate, f" lost {lost}", flush=True)
+                simulated = " simulated" if getattr(estimate, "flags", 0) & 1 << 31 else ""
+                print(f"t {estimate.t:7.2f} s  {show(estimate)}{simulated}  lost {lost}", flush=True)
             sample.delete()
     except KeyboardInterrupt:
         pass

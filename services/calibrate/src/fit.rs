@@ -29,8 +29,10 @@ pub const GATE: f64 = 4.0;
 const DIFFERENCE: f64 = 1e-3;
 /// Steps at most.
 const STEPS: usize = 60;
-/// The fit is over when the cost falls by less.
-const SMALLEST_GAIN: f64 = 1e-5;
+/// A fit to the last digit is over when the cost falls by less in a step.
+pub const EXACT: f64 = 1e-5;
+/// One that is good to some hundredths of a standard deviation.
+pub const GOOD: f64 = 1e-2;
 
 /// The information of one block: the triangle of its rows, the right side as last column.
 pub type Information = Mat<f64>;
@@ -52,6 +54,8 @@ pub struct Task<'a, M> {
     pub blocks: &'a [usize],
     /// Parameters that stay where they are, one flag each.
     pub fixed: &'a [bool],
+    /// The fit is over when the cost falls by less in a step.
+    pub least_gain: f64,
     /// Set it to stop: the best so far is the result.
     pub stop: &'a AtomicBool,
     /// Hears of every step.
@@ -91,7 +95,7 @@ impl<M: Model> Task<'_, M> {
             let gain = cost - lower;
             (place, cost) = (next, lower);
             information = self.information(&place);
-            if gain < SMALLEST_GAIN {
+            if gain < self.least_gain {
                 break;
             }
         }
@@ -206,7 +210,7 @@ fn contribution(innovation: &Innovation) -> f64 {
 
 /// The values of the parameters at a place.
 #[must_use]
-pub fn values<M: Model>(model: &M, place: &[f64]) -> Vec<f64> {
+pub fn values<M: Model + ?Sized>(model: &M, place: &[f64]) -> Vec<f64> {
     let parameters = model.parameters().iter();
     parameters.zip(place).map(|(p, &x)| p.value(x)).collect()
 }
@@ -325,6 +329,7 @@ mod tests {
                 model: self,
                 blocks: &[0, 1, 2, 3],
                 fixed: &[false; 3],
+                least_gain: EXACT,
                 stop: &AtomicBool::new(false),
                 progress: &|_| {},
             };
@@ -386,6 +391,7 @@ mod tests {
             model: &line,
             blocks: &[0, 1, 2, 3],
             fixed: &[false; 3],
+            least_gain: EXACT,
             stop: &stop,
             progress: &|p: Progress| stop.store(p.step >= 1, Ordering::Relaxed),
         };

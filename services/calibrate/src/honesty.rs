@@ -13,7 +13,7 @@
 use faer::Mat;
 
 use crate::algebra;
-use crate::fit::{Fit, Information, Task, values};
+use crate::fit::{Fit, GOOD, Information, Task, values};
 use crate::model::{Innovation, Model};
 use crate::parameter::{Law, Parameter, Source};
 
@@ -253,17 +253,33 @@ pub struct Profile {
 }
 
 /// The profile at -2, -1, 0, 1, 2 standard deviations of a parameter.
-pub fn profile<M: Model>(task: &Task<'_, M>, fit: &Fit, parameter: usize, std: f64) -> Profile {
+pub fn profile<M: Model>(
+    task: &Task<'_, M>,
+    fit: &Fit,
+    uncertainty: &Uncertainty,
+    parameter: usize,
+) -> Profile {
     let mut fixed = task.fixed.to_vec();
     fixed[parameter] = true;
     let without = Task {
         fixed: &fixed,
+        least_gain: task.least_gain.max(GOOD),
         progress: &|_| {},
         ..*task
     };
+    // The others follow it as their errors do.
+    let variance = uncertainty.covariance[(parameter, parameter)];
+    let follows = |i: usize| uncertainty.covariance[(i, parameter)] / variance;
     let points = [-2.0, -1.0, 0.0, 1.0, 2.0].map(|k| {
+        let step = k * variance.sqrt();
         let mut place = fit.place.clone();
-        place[parameter] += k * std;
+        for (i, x) in place.iter_mut().enumerate() {
+            *x += if i == parameter {
+                step
+            } else {
+                step * follows(i)
+            };
+        }
         let cost = if k == 0.0 {
             fit.cost
         } else {
@@ -291,7 +307,7 @@ pub struct Agreement {
 }
 
 /// The agreement over some blocks at a place.
-pub fn agreement<M: Model>(model: &M, blocks: &[usize], place: &[f64]) -> Agreement {
+pub fn agreement<M: Model + ?Sized>(model: &M, blocks: &[usize], place: &[f64]) -> Agreement {
     let values = values(model, place);
     let (mut count, mut squares, mut products, mut inside) = (0_usize, 0.0, 0.0, 0_usize);
     for &block in blocks {

@@ -12,6 +12,7 @@
 //! | [`model`] | blocks of recordings that give innovations |
 //! | [`fit`] | the maximum, by scoring steps with the damping of Levenberg and Marquardt |
 //! | [`honesty`] | what the data do not determine, the scatter between blocks, profiles, hold-out |
+//! | [`outcome`] | what came out, for any machine |
 //! | [`excavator`] | swings of an excavator |
 //! | [`output`] | the description with its origin |
 //! | [`algebra`] | faer |
@@ -23,8 +24,10 @@ pub mod excavator;
 pub mod fit;
 pub mod honesty;
 pub mod model;
+pub mod outcome;
 pub mod output;
 pub mod parameter;
 
 pub use model::{Innovation, Model};
+pub use outcome::{Found, Summary};
 pub use parameter::{Law, Parameter, Source};

@@ -3,6 +3,65 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
+use config::Tables;
+use estimation::Quantity;
+
+use crate::description::{number, set};
+use crate::outcome::Summary;
+
+/// Writes the keys of a calibrated description, and remembers what to say of them.
+pub struct Pen<D> {
+    /// The description so far.
+    pub description: D,
+    notes: BTreeMap<String, String>,
+}
+
+impl<D: Tables + Default> Pen<D> {
+    /// Begins with what was described before.
+    #[must_use]
+    pub fn new(description: D) -> Self {
+        Self {
+            description,
+            notes: BTreeMap::new(),
+        }
+    }
+
+    /// A value with its accuracy.
+    pub fn value(&mut self, key: &str, q: Quantity) {
+        let was = number(&self.description, key);
+        if set(&mut self.description, key, rounded(q.value, q.std)) {
+            let was = was.map_or(String::new(), |w| {
+                format!(", described {}", rounded(w, 0.0))
+            });
+            let note = format!("calibrated, ± {:.2e}{was}", q.std);
+            self.notes.insert(key.into(), note);
+        }
+    }
+
+    /// A standard deviation.
+    pub fn std(&mut self, key: &str, std: f64) {
+        if set(&mut self.description, key, rounded(std, std)) {
+            self.notes.insert(key.into(), "calibrated".into());
+        }
+    }
+
+    /// The description as text, with its origin as comments.
+    #[must_use]
+    pub fn text(&self, summary: &Summary<'_>, origin: &[String]) -> String {
+        let mut text = String::new();
+        for line in origin.iter().chain(summary.remarks) {
+            let _ = writeln!(text, "# {line}");
+        }
+        for fault in summary.faults {
+            let _ = writeln!(text, "# NOT TO BE TRUSTED: {fault}");
+        }
+        let complete = self.description.to_toml();
+        let printed = keys(&complete, &D::default().to_toml(), &self.notes);
+        let _ = write!(text, "\n{printed}\n{}", summary.joint());
+        text
+    }
+}
+
 /// The lines of a complete printed description ([`config::Excavator::to_toml`]) under these two conditions:
 /// the key has a note, which stands behind it, or its value is another than in `default`.
 #[must_use]
@@ -64,7 +123,6 @@ pub fn rounded(value: f64, std: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use config::Tables;
 
     #[test]
     fn only_keys_that_say_something_are_printed() {

@@ -47,7 +47,7 @@ pub enum Pace {
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Run the pipeline as separate processes, on the simulator or on recorded data
-    Run(RunArgs),
+    Run(Box<RunArgs>),
     /// Run the same steps in one process on recorded data
     Estimate(EstimateArgs),
     /// Recompute every estimate of a recording
@@ -128,6 +128,12 @@ pub enum Command {
         /// The language
         #[arg(long, value_enum)]
         lang: crate::commands::schema::Language,
+        /// With --lang dbc: the machine; every machine if absent
+        #[arg(long, value_parser = machine())]
+        machine: Option<Machine>,
+        /// With --lang dbc: the output map of that machine
+        #[arg(long, requires = "machine", value_name = "FILE")]
+        output_map: Option<PathBuf>,
     },
     /// Follow a channel of a running pipeline, a line per sample
     Tail(crate::commands::tail::TailArgs),
@@ -204,6 +210,12 @@ pub struct RunArgs {
     /// Signal map of an input with foreign names and units (TOML)
     #[arg(long, requires = "input")]
     pub map: Option<PathBuf>,
+    /// Send the estimates to a CAN bus, as `heft schema --lang dbc` describes them
+    #[arg(long, value_name = "can:IF")]
+    pub output: Option<String>,
+    /// Which estimates, in which frames (TOML); all of the machine's in J1939 proprietary B if absent
+    #[arg(long, requires = "output", value_name = "FILE")]
+    pub output_map: Option<PathBuf>,
     /// The machine's description
     #[command(flatten)]
     pub description: DescriptionArgs,
@@ -292,6 +304,9 @@ pub struct EstimateArgs {
     /// Estimates, one row per accepted row of the input (CSV)
     #[arg(short, long, value_name = "OUT.csv")]
     pub output: PathBuf,
+    /// Also let every later row speak of each moment (excavator, torque and posture)
+    #[arg(long)]
+    pub smooth: bool,
     /// Also write an HTML report
     #[arg(long, value_name = "R.html")]
     pub report: Option<PathBuf>,

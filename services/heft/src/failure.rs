@@ -24,6 +24,11 @@ impl Failure {
         }
     }
 
+    /// Bad input, told in its three lines by another process.
+    pub fn told(message: String) -> Self {
+        Self { message, status: 2 }
+    }
+
     /// The command ran, but the answer is no.
     pub fn answer_is_no(message: impl Into<String>) -> Self {
         Self {

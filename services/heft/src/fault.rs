@@ -40,6 +40,11 @@ pub enum Fault {
         /// How many.
         samples: u64,
     },
+    /// Frames of a bus that nobody took in time.
+    Dropped {
+        /// How many.
+        frames: u64,
+    },
     /// Samples that were measured and never answered.
     Unanswered {
         /// By which service.
@@ -91,6 +96,9 @@ impl Fault {
             Self::Unmeasured { samples } => {
                 format!("{samples} samples were not measured: the source was away")
             }
+            Self::Dropped { frames } => {
+                format!("{frames} frames were dropped by the kernel: the source came too late")
+            }
             Self::Unanswered {
                 service,
                 samples,
@@ -140,6 +148,7 @@ mod tests {
             },
             Fault::DidNotEnd { service: "logger" },
             Fault::Unmeasured { samples: 12 },
+            Fault::Dropped { frames: 40 },
             Fault::Unanswered {
                 service: "rls",
                 samples: 3,

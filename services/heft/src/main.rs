@@ -13,6 +13,7 @@ mod fault;
 mod live;
 mod machines;
 mod notify;
+mod outputs;
 mod parts;
 mod plan;
 mod quantity;
@@ -90,7 +91,11 @@ fn dispatch(cli: Cli) -> Result<(), Failure> {
             machine,
             output,
         } => commands::map::map(&file, &dbc, machine, output.as_deref()),
-        Command::Schema { lang } => commands::schema::schema(lang),
+        Command::Schema {
+            lang,
+            machine,
+            output_map,
+        } => commands::schema::schema(lang, machine, output_map.as_deref()),
         Command::Tail(args) => commands::tail::tail(&args),
         Command::Weigh {
             file,

@@ -13,6 +13,7 @@ use steps::stages::Pipeline;
 
 use crate::bounds::LimitArgs;
 use crate::failure::Failure;
+use crate::outputs::CanOutput;
 
 /// What a run does. Written to the domain by the supervisor, read by every worker.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -28,6 +29,8 @@ pub struct Plan {
     pub input: Option<PathBuf>,
     /// Signal map of that recording.
     pub map: Option<PathBuf>,
+    /// Where estimates are sent, beside the recording.
+    pub output: Option<CanOutput>,
     /// The machine's description, as canonical TOML.
     pub description: String,
     /// Method of each process that has a choice, by the name of the process.

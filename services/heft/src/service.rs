@@ -40,6 +40,7 @@ pub fn serve(name: &str, domain: &str, restarts: u32) -> Result<(), Failure> {
         Role::Step(row) => serve_step(worker, &plan, stage, *row),
         Role::Sink => serve_logger(worker, &plan),
         Role::Probe(channel) => serve_probe(worker, &plan, channel),
+        Role::Sender => serve_sender(worker, &plan),
     }
 }
 
@@ -61,6 +62,17 @@ fn serve_logger(worker: Worker, plan: &Plan) -> Result<(), Failure> {
     let limits = plan.limits.of_logger();
     let logger = logger::Logger::create(&plan.recording, &plan.metadata(), limits)?;
     Ok(run_sink(worker, &channels, plan.lossless, logger)?)
+}
+
+/// Sends estimates to a CAN bus.
+fn serve_sender(worker: Worker, plan: &Plan) -> Result<(), Failure> {
+    let Some(output) = &plan.output else {
+        return Ok(());
+    };
+    let outgoing = output.outgoing(plan.machine)?;
+    let channels = [outgoing.channel];
+    let writer = logger::BusWriter::new(&output.interface, outgoing);
+    Ok(run_sink(worker, &channels, false, writer)?)
 }
 
 fn serve_probe(worker: Worker, plan: &Plan, channel: &'static Channel) -> Result<(), Failure> {

@@ -1,12 +1,18 @@
 //! Where samples come from: the simulator, a recording, a bus, standard input.
 
+use std::cmp::Ordering;
+use std::os::fd::OwnedFd;
 use std::path::Path;
 
+use messages::Message;
 use recording::Map;
 use runtime::{Begin, Pace, Source, Worker, now_ns, run_live, run_source};
 
 use crate::failure::Failure;
 use crate::plan::Plan;
+
+/// A live source that was started again leaves at least this gap in the time of the data [ns].
+const AFTER_RESTART_NS: u64 = 100_000_000;
 
 /// A source that nobody paces.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -65,12 +71,9 @@ fn can_bus<M: recording::Machine>(
     Ok(sensor::CanBus::new(interface, &map)?)
 }
 
-/// The lines of standard input as samples. It is the process's standard output: its standard input
-/// is where the supervisor speaks.
-fn standard_input<M: recording::Machine>(plan: &Plan) -> Result<sensor::Lines<M>, Failure> {
+/// The lines that the run is given on its standard input as samples.
+fn lines<M: recording::Machine>(plan: &Plan, input: OwnedFd) -> Result<sensor::Lines<M>, Failure> {
     let map = map(plan.map.as_deref())?;
-    let input = rustix::io::dup(rustix::stdio::stdout())
-        .map_err(|e| Failure::file("read", Path::new("standard input"), &e.into()))?;
     Ok(sensor::Lines::new(input, map, !plan.lossless)?)
 }
 
@@ -79,27 +82,34 @@ pub fn map(path: Option<&Path>) -> Result<Option<Map>, Failure> {
     Ok(path.map(Map::read).transpose()?)
 }
 
-/// The samples of a recording.
+/// The samples of a recording, read as they are played.
 fn recorded<M: recording::Machine>(
     plan: &Plan,
     input: &Path,
 ) -> Result<sensor::Recorded<M::Sensors, M::Truth>, Failure> {
     let map = map(plan.map.as_deref())?;
-    let rows = recording::open::<M>(input, map.as_ref())?.rows()?.collect();
-    Ok(sensor::Recorded::new(limited(rows, plan.duration)))
+    // They are read until the process ends.
+    let samples = Box::leak(Box::new(recording::open::<M>(input, map.as_ref())?));
+    let (mut end, duration) = (None, plan.duration.unwrap_or(f64::INFINITY));
+    let is_within = move |(sample, _): &(M::Sensors, M::Truth)| {
+        let time = sample.stamp().time;
+        let end = *end.get_or_insert(time + duration);
+        time.partial_cmp(&end) != Some(Ordering::Greater)
+    };
+    Ok(sensor::Recorded::new(samples.rows()?.take_while(is_within)))
 }
 
-/// The rows of the first `duration` seconds.
-fn limited<S: messages::Message, T>(mut rows: Vec<(S, T)>, duration: Option<f64>) -> Vec<(S, T)> {
-    if let (Some(duration), Some((first, _))) = (duration, rows.first()) {
-        let end = first.stamp().time + duration;
-        let keep = rows
-            .iter()
-            .position(|(s, _)| s.stamp().time > end)
-            .unwrap_or(rows.len());
-        rows.truncate(keep);
-    }
-    rows
+/// Whether a recording can be read to its end.
+fn check_recorded<M: recording::Machine>(plan: &Plan, input: &Path) -> Result<(), Failure> {
+    let map = map(plan.map.as_deref())?;
+    let samples = recording::open::<M>(input, map.as_ref())?;
+    samples.rows()?.for_each(drop);
+    Ok(samples.check()?)
+}
+
+/// The live source of a plan, if it has one.
+pub fn live(plan: &Plan) -> Option<LiveInput> {
+    plan.input.as_deref().and_then(LiveInput::of)
 }
 
 /// Whether the source of a plan can be made; `simulate` makes the simulator's.
@@ -112,14 +122,17 @@ pub fn check<M: recording::Machine, S>(
     };
     match LiveInput::of(input) {
         Some(LiveInput::Can(interface)) => can_bus::<M>(plan, &interface).map(drop),
-        Some(LiveInput::Lines) => standard_input::<M>(plan).map(drop),
-        None => recorded::<M>(plan, input).map(drop),
+        Some(LiveInput::Lines) => {
+            recording::LineDecoder::<M>::new(map(plan.map.as_deref())?)?;
+            Ok(())
+        }
+        None => check_recorded::<M>(plan, input),
     }
 }
 
 /// Is the source of a plan until the run ends; `simulate` makes the simulator's.
 pub fn serve<M, S>(
-    worker: Worker,
+    mut worker: Worker,
     plan: &Plan,
     simulate: impl FnOnce() -> Result<S, Failure>,
 ) -> Result<(), Failure>
@@ -136,10 +149,16 @@ where
     let Some(input) = &plan.input else {
         return Ok(run_source(worker, sensors, truth, pace, simulate()?)?);
     };
-    // After a restart the first live sample gets the time since the run began.
+    // After a restart the first live sample gets the time since the run began, or comes shortly after
+    // the latest if the data were ahead of that.
     let start = |begin: Begin, restarts: u32| {
-        let since = now_ns().saturating_sub(begin.start_ns) as f64 / 1e9;
-        if restarts == 0 { 0.0 } else { since }
+        let since = now_ns().saturating_sub(begin.start_ns);
+        let first = since.max(begin.latest_ns + AFTER_RESTART_NS);
+        if restarts == 0 {
+            0.0
+        } else {
+            first as f64 / 1e9
+        }
     };
     let duration = plan.duration;
     Ok(match LiveInput::of(input) {
@@ -151,7 +170,10 @@ where
             })
         }
         Some(LiveInput::Lines) => {
-            let mut lines = standard_input::<M>(plan)?;
+            let input = worker
+                .take_input()
+                .ok_or_else(|| Failure::internal("the supervisor handed over no standard input"))?;
+            let mut lines = lines::<M>(plan, input)?;
             run_live(worker, sensors, truth, pace, duration, |b, r| {
                 lines.begin_at(start(b, r));
                 lines

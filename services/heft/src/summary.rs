@@ -35,7 +35,12 @@ pub fn report(recording: &Path) -> Option<PathBuf> {
 
 /// The verdict per quantity, the latency, the losses, and where everything is.
 pub fn text(machine: Machine, watch: &Watch, recording: &Path, report: Option<&Path>) -> String {
-    let mut out = format!("\n{machine}\n");
+    let simulated = if watch.is_simulated() {
+        " (simulated)"
+    } else {
+        ""
+    };
+    let mut out = format!("\n{machine}{simulated}\n");
     let mut line = |text: String| {
         for (i, part) in wrapped(&text, WIDTH - 6).iter().enumerate() {
             let indent = if i == 0 { "  " } else { "      " };

@@ -18,6 +18,7 @@ use crate::notify::Notify;
 use crate::parts;
 use crate::plan::Plan;
 use crate::signals::Signals;
+use crate::sources::{self, LiveInput};
 use crate::spare::{self, Spare};
 use crate::watch::Watch;
 use crate::worker::Worker;
@@ -48,6 +49,8 @@ pub enum End {
     Interrupted,
     /// A service died again and again.
     Failed(String),
+    /// The source cannot use its input: what, where, what to do.
+    Refused(String),
 }
 
 /// A pipeline and its processes.
@@ -64,6 +67,7 @@ pub struct Supervisor {
     look: Duration,
     start_ns: u64,
     ended: bool,
+    refused: Option<String>,
     plan: Plan,
     owner: Owner,
 }
@@ -111,6 +115,7 @@ impl Supervisor {
             look,
             start_ns: 0,
             ended: false,
+            refused: None,
             plan,
             owner,
         };
@@ -121,9 +126,11 @@ impl Supervisor {
 
     fn spawn_all(&mut self) -> Result<(), Failure> {
         let table = Pipeline::of(self.plan.machine).stages;
-        let wanted = table
-            .iter()
-            .filter(|p| !matches!(p.role, Role::Probe(_)) || self.plan.probe.is_some());
+        let wanted = table.iter().filter(|p| match p.role {
+            Role::Probe(_) => self.plan.probe.is_some(),
+            Role::Sender => self.plan.output.is_some(),
+            Role::Source { .. } | Role::Step(_) | Role::Sink => true,
+        });
         for process in wanted {
             let worker = Worker::start(process, Bell::new()?, self.owner.domain())?;
             self.workers.push(worker);
@@ -150,7 +157,12 @@ impl Supervisor {
         // One that dies at once may die of its state.
         let before = (worker.restarts > 0 && !worker.died_quickly())
             .then(|| self.watch.state(worker.process.name));
-        if worker.control.hand_over(&bells, before.flatten()).is_err() {
+        // The run's own standard input belongs to the source that was asked to read it.
+        let reads = matches!(worker.process.role, Role::Source { .. })
+            && sources::live(&self.plan) == Some(LiveInput::Lines);
+        let input = reads.then(rustix::stdio::stdin);
+        let handed = worker.control.hand_over(&bells, before.flatten(), input);
+        if handed.is_err() {
             self.workers[index].kill();
         }
     }
@@ -214,6 +226,9 @@ impl Supervisor {
             if let Some(end) = self.look() {
                 return end;
             }
+            if let Some(error) = self.refused.take() {
+                return End::Refused(error);
+            }
             if self.ended {
                 return End::Finished;
             }
@@ -271,7 +286,11 @@ impl Supervisor {
                     "ready" => self.is_ready(i),
                     "ended" => self.ended = true,
                     "drained" => self.workers[i].drained = true,
-                    _ => {}
+                    other => {
+                        if let Some(error) = other.strip_prefix("refused ") {
+                            self.refused = Some(error.to_owned());
+                        }
+                    }
                 }
             }
         }
@@ -286,10 +305,11 @@ impl Supervisor {
 
     /// A source begins after the last sample that was seen: 0, unless it has been restarted.
     fn say_go(&self, i: usize) {
-        let first = self.watch.next_sequence();
+        let (first, latest) = (self.watch.next_sequence(), self.watch.latest_time());
+        let latest_ns = (latest.max(0.0) * 1e9) as u64;
         self.workers[i]
             .control
-            .say(&format!("go {first} {}", self.start_ns));
+            .say(&format!("go {first} {} {latest_ns}", self.start_ns));
     }
 
     /// Notices a death and restarts; `Err` with the reason when there is no point in it.

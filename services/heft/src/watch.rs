@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use messages::channels::{Channel, Payload};
 use messages::keyframe::Collector;
-use messages::{Envelope, Health, Machine, Message, Snapshot, Value, fault};
+use messages::{Envelope, Health, Machine, Message, Snapshot, Stamp, Value, fault};
 use runtime::Sink;
 use steps::stages::Pipeline;
 use view::live::Feed;
@@ -115,6 +115,8 @@ impl Score {
 struct Carried {
     /// Number after that of the latest sample.
     next: u64,
+    /// Time of the latest sample, as the data tell it [s].
+    time: f64,
     /// Samples.
     samples: u64,
     /// Samples that the supervisor, held up itself, did not see.
@@ -122,9 +124,9 @@ struct Carried {
 }
 
 impl Carried {
-    fn add(&mut self, sequence: u64) {
-        if sequence >= self.next {
-            self.next = sequence + 1;
+    fn add(&mut self, stamp: &Stamp) {
+        if stamp.sequence >= self.next {
+            (self.next, self.time) = (stamp.sequence + 1, stamp.time);
             self.samples += 1;
         }
     }
@@ -169,6 +171,8 @@ pub struct Watch {
     /// What outlives the run.
     memory: Option<Memory>,
     faults: Vec<Fault>,
+    /// The samples are the simulator's.
+    is_simulated: bool,
     /// The logger was away while samples came.
     unrecorded: bool,
     shown: Option<Instant>,
@@ -212,6 +216,11 @@ impl Watch {
     /// Number after that of the latest sample seen.
     pub fn next_sequence(&self) -> u64 {
         self.sent().next
+    }
+
+    /// Time of the latest sample seen, as the data tell it [s].
+    pub fn latest_time(&self) -> f64 {
+        self.sent().time
     }
 
     /// What the source sent. Every sample has a truth beside it, if an empty one.
@@ -286,6 +295,11 @@ impl Watch {
         found.map_or(Counts::default(), |(_, counts)| counts)
     }
 
+    /// Whether the samples are the simulator's.
+    pub fn is_simulated(&self) -> bool {
+        self.is_simulated
+    }
+
     /// Samples lost before any process.
     pub fn lost(&self) -> u64 {
         self.counts().map(|(_, counts)| counts.lost).sum()
@@ -307,6 +321,10 @@ impl Watch {
             faults.push(Fault::Unmeasured {
                 samples: unmeasured,
             });
+        }
+        let frames = self.counts_of("sensor").lost;
+        if frames > 0 {
+            faults.push(Fault::Dropped { frames });
         }
         faults.extend(self.unanswered(sent));
         let logger = self.counts_of("logger");
@@ -397,6 +415,7 @@ impl Watch {
     fn line(&self, width: usize) -> String {
         let time = self.told().next().map_or(0.0, |s| s.time);
         let mut parts = vec![format!("{time:5.1} s")];
+        parts.extend(self.is_simulated.then(|| "simulated".to_owned()));
         parts.extend(self.told().map(|score| score.quantity.short(score)));
         if self.lost() > 0 {
             parts.push(format!("lost {}", self.lost()));
@@ -458,6 +477,7 @@ impl Watch {
 
 impl Sink for Watch {
     fn accept<M: Message>(&mut self, channel: &'static Channel, message: &M) {
+        self.is_simulated |= message.is_simulated();
         let envelope = message.envelope();
         if let Envelope::Keyframe(piece) = &envelope {
             let collector = self.collectors.entry(piece.process).or_default();
@@ -470,7 +490,7 @@ impl Sink for Watch {
             feed.push(channel, message);
         }
         let carried = self.carried.entry(channel.name).or_default();
-        carried.add(message.stamp().sequence);
+        carried.add(message.stamp());
         match &envelope {
             Envelope::ExcavatorTruth(_) | Envelope::LoaderTruth(_) => {
                 if self.truths.len() == TRUTHS {

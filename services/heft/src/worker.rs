@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use messages::{Health, State};
 use runtime::{Bell, Control, Domain, is_stopped, now_ns};
 use rustix::process::{Pid, PidfdFlags, pidfd_open};
-use steps::stages::{Role, Stage};
+use steps::stages::Stage;
 
 use crate::failure::Failure;
 
@@ -226,13 +226,6 @@ fn spawn(process: &Stage, restarts: u32, domain: &Domain) -> Result<(Control, Ch
         .args(["service", process.name, "--domain", domain.name()])
         .args(["--restarts", &restarts.to_string()])
         .stdin(Stdio::from(theirs))
-        // A source may read what the run was given on its standard input.
-        .stdout(match &process.role {
-            Role::Source { .. } => {
-                rustix::io::dup(rustix::stdio::stdin()).map_or_else(|_| Stdio::null(), Stdio::from)
-            }
-            _ => Stdio::inherit(),
-        })
         // A group of its own: Ctrl-C reaches the supervisor alone, which ends the run in order.
         .process_group(0)
         // Those are for the supervisor alone.

@@ -16,8 +16,10 @@ use recording::{Error, Metadata};
 use rtrb::{Consumer, Producer, RingBuffer};
 use runtime::Sink;
 
+mod bus;
 mod recorder;
 
+pub use bus::BusWriter;
 pub use recorder::Limits;
 use recorder::Recorder;
 

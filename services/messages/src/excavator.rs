@@ -77,7 +77,7 @@ pub mod excavator_bits {
 
 message! {
     /// What the excavator's sensors measured; a signal without its bit in `valid` is 0 and means nothing.
-    pub struct ExcavatorSensors, "ExcavatorSensors", size 136 {
+    pub struct ExcavatorSensors, "ExcavatorSensors", size 136, marked in columns {
         /// Swing rate, positive anticlockwise from above.
         swing_velocity: f64, "rad/s";
         /// Swing angle, same sign.
@@ -103,7 +103,7 @@ message! {
 
 message! {
     /// The truth behind a simulated or annotated sample; estimators never read it.
-    pub struct ExcavatorTruth, "ExcavatorTruth", size 128 {
+    pub struct ExcavatorTruth, "ExcavatorTruth", size 128, marked in known {
         /// True swing inertia.
         inertia: f64, "kg m^2";
         /// True viscous damping.
@@ -127,7 +127,7 @@ message! {
 
 message! {
     /// Swing motion after the filter stage.
-    pub struct SwingMotion, "SwingMotion", size 192 {
+    pub struct SwingMotion, "SwingMotion", size 192, marked in flags {
         /// Velocity of the Kalman filter.
         velocity: f64, "rad/s";
         /// Its standard deviation.
@@ -168,7 +168,7 @@ message! {
 
 message! {
     /// Estimated swing inertia with its verdict.
-    pub struct ExcavatorEstimate, "ExcavatorEstimate", size 240 {
+    pub struct ExcavatorEstimate, "ExcavatorEstimate", size 240, marked in flags {
         /// Swing inertia.
         inertia: f64, "kg m^2";
         /// Standard deviation of the inertia.

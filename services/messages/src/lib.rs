@@ -24,7 +24,7 @@ pub use health::{Credit, Health, State, fault};
 pub use keyframe::{Keyframe, Snapshot};
 pub use loader::{LOADER_REASONS, LoaderEstimate, LoaderSensors, LoaderTruth, loader_bits};
 pub use machine::Machine;
-pub use message::{Field, HEAD, Message, NumberType, Value};
+pub use message::{Field, HEAD, Message, NumberType, SIMULATED, Value};
 pub use stamp::{Hop, Hops, Stamp};
 
 /// Reasons of the excavator's estimates by their code, [`ExcavatorEstimate::reason`]: name in the tables, and

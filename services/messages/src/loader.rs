@@ -84,7 +84,7 @@ pub mod loader_bits {
 
 message! {
     /// What the loader's sensors measured; a signal without its bit in `valid` is 0 and means nothing.
-    pub struct LoaderSensors, "LoaderSensors", size 168 {
+    pub struct LoaderSensors, "LoaderSensors", size 168, marked in columns {
         /// Forward speed of the body.
         speed: f64, "m/s";
         /// Speed of the front wheels.
@@ -118,7 +118,7 @@ message! {
 
 message! {
     /// The truth behind a simulated or annotated sample; estimators never read it.
-    pub struct LoaderTruth, "LoaderTruth", size 136 {
+    pub struct LoaderTruth, "LoaderTruth", size 136, marked in known {
         /// True forward speed.
         speed: f64, "m/s";
         /// True speed of the front wheels.
@@ -144,7 +144,7 @@ message! {
 
 message! {
     /// Estimated centre of gravity with its verdict.
-    pub struct LoaderEstimate, "LoaderEstimate", size 240 {
+    pub struct LoaderEstimate, "LoaderEstimate", size 240, marked in flags {
         /// Forward speed.
         speed: f64, "m/s";
         /// Speed of the front wheels.

@@ -60,6 +60,10 @@ pub struct Field {
     pub kind: NumberType,
 }
 
+/// In the field of bits that each message of a machine has (`columns`, `known` or `flags`): it was
+/// made from simulated samples, nothing was measured.
+pub const SIMULATED: u32 = 1 << 31;
+
 /// A payload of a channel, with its own description.
 pub trait Message: ZeroCopySend + Copy + Debug + Default + PartialEq + Send + 'static {
     /// Type name, as iceoryx2 and the recording show it.
@@ -81,6 +85,11 @@ pub trait Message: ZeroCopySend + Copy + Debug + Default + PartialEq + Send + 's
     fn get(&self, index: usize) -> Option<Value>;
     /// Sets field `index`; false if there is none or the type differs.
     fn set(&mut self, index: usize, value: Value) -> bool;
+
+    /// Whether it was made from simulated samples, see [`SIMULATED`].
+    fn is_simulated(&self) -> bool;
+    /// Says that it was made from simulated samples.
+    fn mark_simulated(&mut self);
 
     /// The message with its type put aside, to be queued with others.
     fn envelope(&self) -> crate::Envelope;
@@ -226,7 +235,7 @@ field_type!(u32 => U32, u64 => U64, f64 => F64);
 macro_rules! message {
     (
         $(#[doc = $doc:literal])*
-        pub struct $name:ident, $type_name:tt, size $size:literal {
+        pub struct $name:ident, $type_name:tt, size $size:literal $(, marked in $mark:ident)? {
             $( $(#[doc = $field_doc:literal])+ $field:ident: $type:ty, $unit:tt; )*
         }
     ) => {
@@ -265,6 +274,12 @@ macro_rules! message {
             fn stamp_mut(&mut self) -> &mut $crate::Stamp { &mut self.stamp }
             fn hops(&self) -> &$crate::Hops { &self.hops }
             fn hops_mut(&mut self) -> &mut $crate::Hops { &mut self.hops }
+            fn is_simulated(&self) -> bool {
+                false $(|| self.$mark & $crate::SIMULATED != 0)?
+            }
+            fn mark_simulated(&mut self) {
+                $(self.$mark |= $crate::SIMULATED;)?
+            }
             fn envelope(&self) -> $crate::Envelope { $crate::Envelope::$name(*self) }
             fn inside(envelope: &$crate::Envelope) -> Option<&Self> {
                 match envelope {

@@ -1,10 +1,11 @@
-//! CAN: frames, databases, and the decoder that makes rows of them.
+//! CAN: frames, databases, the decoder that makes rows of frames, and estimates as frames.
 
 pub(crate) mod dbc;
 mod decoder;
 mod frame;
 pub(crate) mod layout;
 mod log;
+mod outgoing;
 #[cfg(test)]
 mod tests;
 mod tokens;
@@ -12,4 +13,5 @@ mod tokens;
 pub use decoder::Decoder;
 pub use frame::{Frame, MAX_DATA};
 pub(crate) use frame::{Line, parse};
-pub(crate) use log::read;
+pub(crate) use log::Log;
+pub use outgoing::Outgoing;

@@ -1,3 +1,4 @@
+use std::cell::RefCell;
 use std::path::Path;
 
 use messages::{ExcavatorSensors, ExcavatorTruth, LoaderSensors, LoaderTruth, Message};
@@ -14,7 +15,7 @@ pub fn load_excavator(
     path: impl AsRef<Path>,
     map: Option<&Map>,
 ) -> Result<Vec<(ExcavatorSensors, ExcavatorTruth)>, Error> {
-    Ok(open::<Excavator>(path, map)?.rows()?.collect())
+    all(&open::<Excavator>(path, map)?)
 }
 
 /// Reads the samples of a wheel loader, as [`load_excavator`] does.
@@ -25,26 +26,51 @@ pub fn load_loader(
     path: impl AsRef<Path>,
     map: Option<&Map>,
 ) -> Result<Vec<(LoaderSensors, LoaderTruth)>, Error> {
-    Ok(open::<Loader>(path, map)?.rows()?.collect())
+    all(&open::<Loader>(path, map)?)
 }
 
-/// Samples of a machine with their truth. Those of a recording are read one after the other, so that
-/// its length does not matter.
-pub struct Samples<S, T>(Source<S, T>);
+fn all<S: Message, T: Message>(samples: &Samples<S, T>) -> Result<Vec<(S, T)>, Error> {
+    let rows = samples.rows()?.collect();
+    samples.check()?;
+    Ok(rows)
+}
+
+/// Samples of a machine with their truth, read one after the other, so that the length of their file
+/// does not matter.
+pub struct Samples<S, T> {
+    source: Source<S, T>,
+    /// Why the reading of a file ended early.
+    error: RefCell<Option<Error>>,
+    told: Option<Box<dyn Fn(f64)>>,
+}
 
 enum Source<S, T> {
-    Table(Vec<(S, T)>),
+    File(Box<dyn Fn() -> Result<FileRows<S, T>, Error>>, u64),
     Recording(Box<Reader>, [&'static str; 2]),
 }
 
+/// Gives the next row of a file, with the bytes read so far.
+type FileRows<S, T> = Box<dyn FnMut() -> Result<Option<((S, T), u64)>, Error>>;
+
+/// Progress is told so often [rows].
+const TOLD: u64 = 1 << 12;
+
 impl<S: Message, T: Message> Samples<S, T> {
-    /// Sample by sample.
+    fn of(source: Source<S, T>) -> Self {
+        Self {
+            source,
+            error: RefCell::default(),
+            told: None,
+        }
+    }
+
+    /// Sample by sample. They end early where the file cannot be read on: see [`Samples::check`].
     ///
     /// # Errors
-    /// The recording carries something else under these names.
+    /// The file cannot be opened, or the recording carries something else under these names.
     pub fn rows(&self) -> Result<Box<dyn Iterator<Item = (S, T)> + '_>, Error> {
-        let (reader, [sensors, truth]) = match &self.0 {
-            Source::Table(rows) => return Ok(Box::new(rows.iter().copied())),
+        let (reader, [sensors, truth]) = match &self.source {
+            Source::File(open, length) => return Ok(Box::new(self.of_file(open()?, *length))),
             Source::Recording(reader, channels) => (reader, *channels),
         };
         let mut truth = reader.stream::<T>(truth)?.peekable();
@@ -56,19 +82,51 @@ impl<S: Message, T: Message> Samples<S, T> {
         })))
     }
 
+    fn of_file(&self, mut next: FileRows<S, T>, length: u64) -> impl Iterator<Item = (S, T)> {
+        let tell = |share: f64| {
+            if let Some(told) = &self.told {
+                told(share);
+            }
+        };
+        let mut count = 0;
+        std::iter::from_fn(move || match next() {
+            Ok(Some((row, read))) => {
+                count += 1;
+                if count % TOLD == 0 {
+                    tell((read as f64 / length.max(1) as f64).min(0.999));
+                }
+                Some(row)
+            }
+            end => {
+                tell(1.0);
+                *self.error.borrow_mut() = end.err();
+                None
+            }
+        })
+    }
+
+    /// Whether all rows were read.
+    ///
+    /// # Errors
+    /// The file could not be read to its end.
+    pub fn check(&self) -> Result<(), Error> {
+        self.error.borrow_mut().take().map_or(Ok(()), Err)
+    }
+
     /// The recording that they come from, if they do.
     #[must_use]
     pub fn recording(&self) -> Option<&Reader> {
-        match &self.0 {
-            Source::Table(_) => None,
+        match &self.source {
+            Source::File(..) => None,
             Source::Recording(reader, _) => Some(reader),
         }
     }
 
     /// Has `told` called with the share that is read (0 to 1).
     pub fn on_progress(&mut self, told: impl Fn(f64) + 'static) {
-        if let Source::Recording(reader, _) = &mut self.0 {
-            reader.on_progress(told);
+        match &mut self.source {
+            Source::File(..) => self.told = Some(Box::new(told)),
+            Source::Recording(reader, _) => reader.on_progress(told),
         }
     }
 }
@@ -91,8 +149,8 @@ pub fn open<M: Machine>(
         ending
     };
     match (ending.as_deref(), map) {
-        (Some("csv" | "txt"), _) => Ok(Samples(Source::Table(csv::read::<M>(path, map)?))),
-        (Some("log"), Some(map)) => Ok(Samples(Source::Table(can::read::<M>(path, map)?))),
+        (Some("csv" | "txt"), _) => table::<M>(path, map),
+        (Some("log"), Some(map)) => log::<M>(path, map),
         (Some("mcap"), None) => recorded::<M>(path),
         (Some("log"), None) => Err(Error::new(
             "a CAN log needs a signal map",
@@ -112,6 +170,39 @@ pub fn open<M: Machine>(
     }
 }
 
+fn table<M: Machine>(
+    path: &Path,
+    map: Option<&Map>,
+) -> Result<Samples<M::Sensors, M::Truth>, Error> {
+    let (path, map) = (path.to_owned(), map.cloned());
+    let length = length(&path);
+    let open = move || {
+        let mut rows = csv::TableRows::<M>::open(&path, map.as_ref())?;
+        let next = move || Ok(rows.row()?.map(|row| (row, rows.read())));
+        Ok(Box::new(next) as FileRows<M::Sensors, M::Truth>)
+    };
+    // What is wrong with the header is told at once.
+    drop(open()?);
+    Ok(Samples::of(Source::File(Box::new(open), length)))
+}
+
+fn log<M: Machine>(path: &Path, map: &Map) -> Result<Samples<M::Sensors, M::Truth>, Error> {
+    let (path, map) = (path.to_owned(), map.clone());
+    let length = length(&path);
+    let open = move || {
+        let mut log = can::Log::<M>::open(&path, &map)?;
+        let next = move || Ok(log.row()?.map(|row| (row, log.read)));
+        Ok(Box::new(next) as FileRows<M::Sensors, M::Truth>)
+    };
+    drop(open()?);
+    Ok(Samples::of(Source::File(Box::new(open), length)))
+}
+
+/// Bytes of a file; 0 if that cannot be told.
+fn length(path: &Path) -> u64 {
+    std::fs::metadata(path).map_or(0, |m| m.len())
+}
+
 fn recorded<M: Machine>(path: &Path) -> Result<Samples<M::Sensors, M::Truth>, Error> {
     let reader = Reader::open(path)?;
     let names = [M::SENSORS.name, M::TRUTH.name];
@@ -122,7 +213,7 @@ fn recorded<M: Machine>(path: &Path) -> Result<Samples<M::Sensors, M::Truth>, Er
             format!("it has the channels {}", reader.channels().join(", ")),
         ));
     }
-    Ok(Samples(Source::Recording(Box::new(reader), names)))
+    Ok(Samples::of(Source::Recording(Box::new(reader), names)))
 }
 
 /// Machine, restart of the source, number: what sample and truth have in common.

@@ -166,6 +166,13 @@ impl Rows {
         }
     }
 
+    /// The first frame comes at `clock`: there are no rows before.
+    pub(crate) fn begin_at(&mut self, clock: i64) {
+        if let Some(grid) = &mut self.grid {
+            grid.skip_to(clock);
+        }
+    }
+
     /// It is `clock` now: no frame from before will come.
     pub(crate) fn pass(&mut self, clock: i64) {
         self.clock = self.clock.max(clock);

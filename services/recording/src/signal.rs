@@ -11,7 +11,7 @@ use messages::{
 };
 
 /// A machine whose samples can be read.
-pub trait Machine: Sized + std::fmt::Debug {
+pub trait Machine: 'static + Sized + std::fmt::Debug {
     /// What its sensors measure.
     type Sensors: Message;
     /// The truth behind it.

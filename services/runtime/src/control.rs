@@ -4,9 +4,11 @@
 //! |---|---|---|
 //! | supervisor | `state` and numbers, a line, bytes | the last state of the process before it died, if there is one |
 //! | supervisor | `bells`, with file descriptors | the worker's own bell, then those of its readers, next stage first |
+//! | supervisor | `bells+input`, with one more | the same, and what the run was given on its standard input |
 //! | worker | `ready` | all ports are open |
-//! | supervisor | `go N T` | begin; a source begins with sample N, and sample 0 was due at T ns |
+//! | supervisor | `go N T L` | begin; a source begins with sample N, sample 0 was due at T ns, and the latest has the time L ns |
 //! | worker | `ended` | the source has no more samples |
+//! | worker | `refused E` | the source cannot use its input; E is the error in its three lines |
 //! | supervisor | `drain` | answer what is waiting, then say so |
 //! | worker | `drained` | nothing was left to answer |
 //! | supervisor | `exit` | end |
@@ -15,7 +17,7 @@
 
 use std::io::{IoSlice, IoSliceMut};
 use std::mem::MaybeUninit;
-use std::os::fd::{AsFd, OwnedFd};
+use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
@@ -29,8 +31,26 @@ use rustix::net::{
 
 use crate::{Bell, Error};
 
-/// A worker's bell and those of at most seven readers.
-const MAX_BELLS: usize = 8;
+/// A worker's bell, those of at most seven readers, and an input.
+const MAX_DESCRIPTORS: usize = 9;
+/// Longest word: an error with its place.
+const MAX_WORD: usize = 2048;
+
+/// What a supervisor hands to a worker.
+#[derive(Debug)]
+pub struct Handed {
+    /// The worker's own bell.
+    pub bell: Bell,
+    /// The bells of its readers, next stage first.
+    pub readers: Vec<Bell>,
+    /// The state of an earlier life, if there is one.
+    pub before: Option<Snapshot>,
+    /// What the run was given on its standard input, if this worker is to read it.
+    pub input: Option<OwnedFd>,
+}
+
+/// The first word to a worker that is to read an input.
+const WITH_INPUT: &[u8] = b"bells+input";
 
 /// One end of the conversation.
 #[derive(Debug)]
@@ -67,22 +87,34 @@ impl Control {
         rustix::net::send(&self.0, word.as_bytes(), SendFlags::NOSIGNAL).is_ok()
     }
 
-    /// Hands over the state of an earlier life, if there is one, and bells.
+    /// Hands over the state of an earlier life, if there is one, bells, and an input to the worker that is
+    /// to read it.
     ///
     /// # Errors
     /// The worker is gone.
-    pub fn hand_over(&self, bells: &[&Bell], before: Option<&Snapshot>) -> Result<(), Error> {
+    pub fn hand_over(
+        &self,
+        bells: &[&Bell],
+        before: Option<&Snapshot>,
+        input: Option<BorrowedFd>,
+    ) -> Result<(), Error> {
         if let Some(before) = before {
             // Where it cannot be sent the worker begins anew.
             let _ = rustix::net::send(&self.0, &state_word(before), SendFlags::NOSIGNAL);
         }
-        let fds: Vec<_> = bells.iter().map(|b| b.as_fd()).collect();
-        let mut space = [MaybeUninit::uninit(); rustix::cmsg_space!(ScmRights(MAX_BELLS))];
+        let bells = bells.iter().map(|b| b.as_fd());
+        let fds: Vec<_> = bells.chain(input).collect();
+        let word: &[u8] = if input.is_some() {
+            WITH_INPUT
+        } else {
+            b"bells"
+        };
+        let mut space = [MaybeUninit::uninit(); rustix::cmsg_space!(ScmRights(MAX_DESCRIPTORS))];
         let mut ancillary = SendAncillaryBuffer::new(&mut space);
         ancillary.push(SendAncillaryMessage::ScmRights(&fds));
         sendmsg(
             &self.0,
-            &[IoSlice::new(b"bells")],
+            &[IoSlice::new(word)],
             &mut ancillary,
             SendFlags::NOSIGNAL,
         )
@@ -90,12 +122,12 @@ impl Control {
         Ok(())
     }
 
-    /// Receives the bells, the worker's own and those of its readers, and before them the state of an
-    /// earlier life, if there is one.
+    /// Receives the bells, and the input if there is one; before them the state of an earlier life, if
+    /// there is one.
     ///
     /// # Errors
     /// The first word is not `bells`: this process was not started by a supervisor.
-    pub fn receive_bells(&self) -> Result<(Bell, Vec<Bell>, Option<Snapshot>), Error> {
+    pub fn receive_bells(&self) -> Result<Handed, Error> {
         let not_ours = |detail: String| {
             Error::new(
                 format!("this process has no supervisor ({detail})"),
@@ -103,11 +135,11 @@ impl Control {
                 "start the pipeline with `heft run`; it starts the services itself",
             )
         };
-        let mut space = [MaybeUninit::uninit(); rustix::cmsg_space!(ScmRights(MAX_BELLS))];
+        let mut space = [MaybeUninit::uninit(); rustix::cmsg_space!(ScmRights(MAX_DESCRIPTORS))];
         let mut ancillary = RecvAncillaryBuffer::new(&mut space);
         let mut word = vec![0u8; LONGEST + 256];
         let mut before = None;
-        loop {
+        let has_input = loop {
             let got = recvmsg(
                 &self.0,
                 &mut [IoSliceMut::new(&mut word)],
@@ -117,23 +149,25 @@ impl Control {
             .map_err(|e| not_ours(e.to_string()))?;
             match state_of(&word[..got.bytes]) {
                 Some(state) => before = Some(state),
-                None => break,
+                None => break &word[..got.bytes] == WITH_INPUT,
             }
-        }
-        let mut bells = Vec::new();
+        };
+        let mut handed = Vec::new();
         for message in ancillary.drain() {
             if let RecvAncillaryMessage::ScmRights(fds) = message {
-                bells.extend(fds.map(Bell::from_fd));
+                handed.extend(fds);
             }
         }
-        if bells.is_empty() {
-            return Err(not_ours("no bells on standard input".into()));
-        }
-        let readers = bells.split_off(1);
-        let own = bells
-            .pop()
-            .ok_or_else(|| not_ours("no bell of its own".into()))?;
-        Ok((own, readers, before))
+        let input = if has_input { handed.pop() } else { None };
+        let mut bells = handed.into_iter().map(Bell::from_fd);
+        let bell = bells.next();
+        let bell = bell.ok_or_else(|| not_ours("no bells on standard input".into()))?;
+        Ok(Handed {
+            bell,
+            readers: bells.collect(),
+            before,
+            input,
+        })
     }
 
     /// The next word within `timeout_ms`; `Heard::Nothing` on time-out, `Heard::Gone` if the
@@ -147,7 +181,7 @@ impl Control {
             Ok(0) | Err(_) => return Heard::Nothing,
             Ok(_) => {}
         }
-        let mut buffer = [0u8; 64];
+        let mut buffer = [0u8; MAX_WORD];
         match rustix::net::recv(&self.0, &mut buffer, RecvFlags::empty()) {
             Ok((n, _)) if n > 0 => Heard::Word(String::from_utf8_lossy(&buffer[..n]).into_owned()),
             Err(rustix::io::Errno::INTR) => Heard::Nothing,
@@ -223,6 +257,8 @@ pub struct Begin {
     pub first: u64,
     /// Instant at which sample 0 is (or was) due, on the monotonic clock [ns].
     pub start_ns: u64,
+    /// Time of the latest sample that was seen, as the data tell it [ns]; 0 where there is none.
+    pub latest_ns: u64,
 }
 
 /// What the supervisor wants, for the loop of a worker to look at.
@@ -230,6 +266,7 @@ pub struct Begin {
 pub struct Requests {
     first: AtomicU64,
     start_ns: AtomicU64,
+    latest_ns: AtomicU64,
     go: AtomicBool,
     drain: AtomicBool,
     exit: AtomicBool,
@@ -242,6 +279,7 @@ impl Requests {
         self.go.load(Ordering::Acquire).then(|| Begin {
             first: self.first.load(Ordering::Relaxed),
             start_ns: self.start_ns.load(Ordering::Relaxed),
+            latest_ns: self.latest_ns.load(Ordering::Relaxed),
         })
     }
 
@@ -289,12 +327,9 @@ fn obey(requests: &Requests, word: &str) {
     match word.split_once(' ').unwrap_or((word, "")) {
         ("go", numbers) => {
             let mut numbers = numbers.split(' ').map(|n| n.parse().unwrap_or(0));
-            requests
-                .first
-                .store(numbers.next().unwrap_or(0), Ordering::Relaxed);
-            requests
-                .start_ns
-                .store(numbers.next().unwrap_or(0), Ordering::Relaxed);
+            for number in [&requests.first, &requests.start_ns, &requests.latest_ns] {
+                number.store(numbers.next().unwrap_or(0), Ordering::Relaxed);
+            }
             requests.go.store(true, Ordering::Release);
         }
         ("drain", _) => requests.drain.store(true, Ordering::Release),
@@ -317,15 +352,35 @@ mod tests {
         };
         (before.owner.identity, before.stamp.sequence) = (7, 1 << 40);
         supervisor
-            .hand_over(&[&own, &reader], Some(&before))
+            .hand_over(&[&own, &reader], Some(&before), None)
             .unwrap();
         let worker = Control(worker);
-        let (its_own, readers, its_before) = worker.receive_bells().unwrap();
-        assert_eq!((readers.len(), its_before), (1, Some(before)));
-        readers[0].ring();
+        let handed = worker.receive_bells().unwrap();
+        assert_eq!((handed.readers.len(), handed.before), (1, Some(before)));
+        assert!(handed.input.is_none());
+        handed.readers[0].ring();
         reader.wait();
         own.ring();
-        its_own.wait();
+        handed.bell.wait();
+    }
+
+    #[test]
+    fn an_input_passes_beside_the_bells() {
+        use std::io::{Read, Seek, Write};
+        let (supervisor, worker) = Control::pair().unwrap();
+        let bell = Bell::new().unwrap();
+        let mut input = tempfile::tempfile().unwrap();
+        input.write_all(b"a line").unwrap();
+        input.rewind().unwrap();
+        supervisor
+            .hand_over(&[&bell], None, Some(input.as_fd()))
+            .unwrap();
+        let handed = Control(worker).receive_bells().unwrap();
+        assert!(handed.readers.is_empty());
+        let mut text = String::new();
+        let mut file = std::fs::File::from(handed.input.unwrap());
+        file.read_to_string(&mut text).unwrap();
+        assert_eq!(text, "a line");
     }
 
     #[test]

@@ -18,6 +18,8 @@ pub enum Polled<S, T> {
     Nothing,
     /// There will be no more.
     End,
+    /// What comes cannot be used at all: the run is over, and says why.
+    Refused(Error),
 }
 
 /// Where samples come from that nobody paces: a bus, a pipe.
@@ -30,11 +32,16 @@ pub trait Live {
     /// The next sample; waits for at most some 20 ms. `stamp.time` is filled in, and
     /// `stamp.measured_ns` where the source knows it.
     fn poll(&mut self) -> Polled<Self::Sensors, Self::Truth>;
+
+    /// What came and was lost before this source could take it, since that was last asked.
+    fn take_lost(&mut self) -> u64 {
+        0
+    }
 }
 
 /// Sends everything that the source gives on `sensors` and `truth`, for `duration` [s] if there is
-/// one. `make` opens the source when
-/// the run begins, told where it does and how often the source was restarted.
+/// one. `make` opens the source when the run begins, told where it does and how often the source was
+/// restarted.
 ///
 /// # Errors
 /// A channel cannot be opened.
@@ -65,6 +72,10 @@ pub fn run_live<L: Live>(
             Polled::Sample(measured, true_values) => (measured, true_values),
             Polled::Nothing => continue,
             Polled::End => break,
+            Polled::Refused(error) => {
+                worker.control.say(&format!("refused {error}"));
+                break;
+            }
         };
         if pace == Pace::Lossless && !sender.wait_for_turn(&worker, pace, sequence, 0) {
             break;
@@ -81,7 +92,7 @@ pub fn run_live<L: Live>(
         worker.reporter.sample(Event {
             age_ns,
             step_ns: 0,
-            lost: 0,
+            lost: source.take_lost(),
             late: false,
         });
         sequence += 1;

@@ -22,6 +22,10 @@ pub trait Sink {
     fn fault(&self) -> u32;
     /// Makes everything that it has taken permanent.
     fn drain(&mut self);
+    /// Longest time between two visits to the channels.
+    fn visit(&self) -> Duration {
+        VISIT
+    }
 }
 
 /// Longest time between two visits. The logger is not on the path of any estimate, so no sample wakes
@@ -51,7 +55,8 @@ pub fn run_sink<S: Sink + 'static>(
     let pause = if lossless {
         QUICK_VISIT
     } else {
-        VISIT.min(Duration::from_nanos(worker.setup.period_ns * VISIT_SAMPLES))
+        sink.visit()
+            .min(Duration::from_nanos(worker.setup.period_ns * VISIT_SAMPLES))
     };
     while !worker.requests.wants_exit() {
         let draining = worker.requests.take_drain();

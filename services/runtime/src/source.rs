@@ -38,7 +38,10 @@ pub fn run_source<S: Source>(
     mut source: S,
 ) -> Result<(), Error> {
     let mut sender = Sender::<S::Sensors, S::Truth>::open(&worker, sensors, truth)?;
-    let Some(Begin { first, start_ns }) = worker.begin() else {
+    let Some(Begin {
+        first, start_ns, ..
+    }) = worker.begin()
+    else {
         return Ok(());
     };
     sender.connect();

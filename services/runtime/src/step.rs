@@ -28,11 +28,15 @@ pub trait Step {
     fn resume(&mut self) {}
 }
 
-/// The answer of `step` to `input`, with the identity of the input.
+/// The answer of `step` to `input`, with the identity of the input; what is made from simulated
+/// samples says so.
 pub fn answer<S: Step>(step: &mut S, input: &S::Input) -> S::Output {
     let mut output = step.step(input);
     *output.stamp_mut() = *input.stamp();
     *output.hops_mut() = *input.hops();
+    if input.is_simulated() {
+        output.mark_simulated();
+    }
     output
 }
 

@@ -1,10 +1,11 @@
 //! The life of a worker process: get the bells, open the ports, say `ready`, loop, end.
 
+use std::os::fd::OwnedFd;
 use std::sync::Arc;
 
 use messages::Snapshot;
 
-use crate::control::{self, Begin, Requests};
+use crate::control::{self, Begin, Handed, Requests};
 use crate::telemetry::{Identity, Reporter};
 use crate::{Bell, Control, Error, Ports, realtime};
 
@@ -26,6 +27,7 @@ pub struct Worker {
     pub(crate) control: Arc<Control>,
     pub(crate) bell: Bell,
     pub(crate) readers: Vec<Bell>,
+    input: Option<OwnedFd>,
     pub(crate) ports: Ports,
     pub(crate) requests: Arc<Requests>,
     pub(crate) reporter: Reporter,
@@ -41,7 +43,12 @@ impl Worker {
     /// There is no supervisor, or iceoryx2 refuses.
     pub fn start(setup: Setup) -> Result<Self, Error> {
         let control = Arc::new(Control::of_worker()?);
-        let (bell, readers, before) = control.receive_bells()?;
+        let Handed {
+            bell,
+            readers,
+            before,
+            input,
+        } = control.receive_bells()?;
         let ports = Ports::new(setup.identity.name)?;
         let requests = control::listen(Arc::clone(&control), bell.try_clone()?);
         let reporter = Reporter::start(setup.identity);
@@ -50,6 +57,7 @@ impl Worker {
             control,
             bell,
             readers,
+            input,
             ports,
             requests,
             reporter,
@@ -61,6 +69,11 @@ impl Worker {
     #[must_use]
     pub fn ports(&self) -> &Ports {
         &self.ports
+    }
+
+    /// What the run was given on its standard input, if the supervisor handed it over; once.
+    pub fn take_input(&mut self) -> Option<OwnedFd> {
+        self.input.take()
     }
 
     /// Makes the calling thread a real-time one if asked for, says `ready` and waits for `go`.

@@ -1,12 +1,12 @@
 //! A CAN bus as a source: frames from SocketCAN, with the times at which the kernel received them.
 
-use std::io::ErrorKind;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-use recording::can::{Decoder, Frame};
+use recording::can::Decoder;
 use recording::{Error, Machine, Map};
 use runtime::{Live, Polled, now_ns};
-use socketcan::{CanAnyFrame, CanFdSocket, EmbeddedFrame, Frame as _, Socket, SocketOptions};
+
+use crate::socket::{CanSocket, Heard};
 
 /// Longest wait for a frame.
 const PATIENCE: Duration = Duration::from_millis(20);
@@ -15,18 +15,24 @@ const PATIENCE: Duration = Duration::from_millis(20);
 const UNDER_WAY: i64 = 100_000_000;
 /// From one attempt to open the interface to the next.
 const RETRY: Duration = Duration::from_millis(200);
-/// The clocks drift apart by this if the time of day was set [ns].
+/// A signal that has not come by then is told.
+const SILENT: Duration = Duration::from_secs(5);
+/// The clocks come apart by more than this if the time of day was set [ns].
 const STEP: i64 = 10_000_000;
 
 /// The samples of a machine's bus.
 #[derive(Debug)]
 pub struct CanBus<M: Machine> {
     interface: String,
-    socket: Option<CanFdSocket>,
+    socket: Option<CanSocket>,
     tried: Option<Instant>,
     /// Whether the last word was that the interface is gone.
     is_down: bool,
     decoder: Decoder<M>,
+    /// When signals that have not come are told.
+    check: Option<Instant>,
+    /// Frames that the kernel dropped since that was last asked.
+    dropped: u64,
     /// Monotonic clock less time of day [ns].
     offset: i64,
 }
@@ -43,7 +49,9 @@ impl<M: Machine> CanBus<M> {
             tried: None,
             is_down: false,
             decoder: Decoder::new(map)?,
-            offset: offset(),
+            check: Some(Instant::now() + SILENT),
+            dropped: 0,
+            offset: offset().1,
         })
     }
 
@@ -61,20 +69,8 @@ impl<M: Machine> CanBus<M> {
             return false;
         }
         self.tried = Some(Instant::now());
-        let opened = CanFdSocket::open(&self.interface).and_then(|socket| {
-            socket.set_recv_timestamp(true)?;
-            socket.set_error_filter_drop_all()?;
-            socket.set_read_timeout(PATIENCE)?;
-            Ok(socket)
-        });
-        match opened {
-            Ok(socket) => {
-                if self.is_down {
-                    tracing::info!("{} is back", self.interface);
-                }
-                self.is_down = false;
-                self.socket = Some(socket);
-            }
+        match CanSocket::open(&self.interface, PATIENCE) {
+            Ok(socket) => self.socket = Some(socket),
             Err(error) => self.gone(&error),
         }
         self.socket.is_some()
@@ -89,32 +85,42 @@ impl<M: Machine> CanBus<M> {
 
     /// A time of day on the monotonic clock [ns], in whole microseconds of the day as candump
     /// writes them: a log taken beside the run gives the same bits.
-    fn monotonic(&mut self, time: SystemTime) -> i64 {
-        let now = offset();
-        if (now - self.offset).abs() > STEP {
+    fn monotonic(&mut self, time_of_day: i64) -> i64 {
+        let (doubt, now) = offset();
+        if (now - self.offset).abs() > STEP + doubt {
             self.offset = now;
         }
-        since_epoch(time) / 1000 * 1000 + self.offset
+        time_of_day / 1000 * 1000 + self.offset
     }
 
-    fn silence(&mut self) {
-        self.decoder.pass(signed(now_ns()) - UNDER_WAY);
+    fn silence(&mut self, until: i64) {
+        self.decoder.pass(until - UNDER_WAY);
     }
 
     fn read(&mut self) {
-        let Some(socket) = &self.socket else { return };
-        match socket.read_frame_with_timestamp() {
-            Ok((frame, time)) => {
-                let time = self.monotonic(time);
-                if let Some(frame) = ours(&frame, time, &self.interface) {
-                    self.decoder.take(&frame);
-                }
+        let Some(socket) = &mut self.socket else {
+            return;
+        };
+        // Nothing in the queue later means that nothing was received before this moment.
+        let before = signed(now_ns());
+        let interface = self.interface.clone();
+        let heard = match socket.read(&interface) {
+            Ok((heard, dropped)) => {
+                self.dropped += dropped;
+                heard
             }
-            Err(e) if matches!(e.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => {
-                self.silence();
+            Err(error) => return self.gone(&error),
+        };
+        if std::mem::take(&mut self.is_down) {
+            tracing::warn!("{interface} is back");
+        }
+        match heard {
+            Heard::Frame(mut frame) => {
+                frame.time_ns = self.monotonic(frame.time_ns);
+                self.decoder.take(&frame);
             }
-            Err(e) if e.kind() == ErrorKind::Interrupted => {}
-            Err(e) => self.gone(&e),
+            Heard::Other => {}
+            Heard::Nothing => self.silence(before),
         }
     }
 }
@@ -122,6 +128,10 @@ impl<M: Machine> CanBus<M> {
 impl<M: Machine> Live for CanBus<M> {
     type Sensors = M::Sensors;
     type Truth = M::Truth;
+
+    fn take_lost(&mut self) -> u64 {
+        std::mem::take(&mut self.dropped)
+    }
 
     fn poll(&mut self) -> Polled<M::Sensors, M::Truth> {
         if let Some((sensors, truth)) = self.decoder.row() {
@@ -131,7 +141,12 @@ impl<M: Machine> Live for CanBus<M> {
             self.read();
         } else {
             std::thread::sleep(PATIENCE);
-            self.silence();
+            self.silence(signed(now_ns()));
+        }
+        if self.check.take_if(|due| Instant::now() > *due).is_some()
+            && let Err(error) = self.decoder.check_heard(&self.interface)
+        {
+            tracing::warn!("{} in {} s: {}", error.what, SILENT.as_secs(), error.place);
         }
         for remark in self.decoder.take_remarks() {
             tracing::warn!("{}: {remark}", self.interface);
@@ -143,31 +158,17 @@ impl<M: Machine> Live for CanBus<M> {
     }
 }
 
-/// A data frame as the decoder takes it.
-fn ours<'a>(frame: &CanAnyFrame, time: i64, interface: &'a str) -> Option<Frame<'a>> {
-    match frame {
-        CanAnyFrame::Normal(f) => {
-            Frame::new(time, interface, f.raw_id(), f.is_extended(), f.data())
-        }
-        CanAnyFrame::Fd(f) => Frame::new(time, interface, f.raw_id(), f.is_extended(), f.data()),
-        _ => None,
-    }
-}
-
-/// Monotonic clock less time of day [ns]; read twice, for the case that something came between.
-fn offset() -> i64 {
+/// Monotonic clock less time of day [ns], behind how much of it is doubtful because something came
+/// between the readings; the better of two.
+fn offset() -> (i64, i64) {
     let read = || {
         let before = now_ns();
-        let day = since_epoch(SystemTime::now());
+        let day = SystemTime::now().duration_since(UNIX_EPOCH);
+        let day = i64::try_from(day.unwrap_or_default().as_nanos()).unwrap_or(0);
         let after = now_ns();
-        (after - before, signed(before) - day)
+        (signed(after - before), signed(before) - day)
     };
-    read().min(read()).1
-}
-
-fn since_epoch(time: SystemTime) -> i64 {
-    let since = time.duration_since(UNIX_EPOCH).unwrap_or_default();
-    i64::try_from(since.as_nanos()).unwrap_or(0)
+    read().min(read())
 }
 
 fn signed(ns: u64) -> i64 {

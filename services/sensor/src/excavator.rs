@@ -3,7 +3,7 @@
 use messages::excavator_bits::{
     ARM_ANGLE, BOOM_ANGLE, BUCKET_ANGLE, PITCH, ROLL, SWING_TORQUE, SWING_VELOCITY,
 };
-use messages::{ExcavatorSensors, ExcavatorTruth};
+use messages::{ExcavatorSensors, ExcavatorTruth, Message};
 use runtime::Source;
 use sim::excavator::{InvalidRun, Row, Run, Simulation, Truth, Work};
 
@@ -62,6 +62,8 @@ impl Source for SimulatedExcavator {
             stamp.sequence = self.sequence;
             stamp.time = row.time;
         }
+        measured.mark_simulated();
+        known.mark_simulated();
         self.sequence += 1;
         Some((measured, known))
     }

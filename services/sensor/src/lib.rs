@@ -5,6 +5,7 @@ mod excavator;
 mod lines;
 mod loader;
 mod recorded;
+mod socket;
 
 pub use bus::CanBus;
 pub use excavator::SimulatedExcavator;

@@ -24,6 +24,10 @@ pub struct Lines<M: Machine> {
     /// A line that is too long is dropped to its end.
     is_skipping: bool,
     has_ended: bool,
+    /// Whether a sample came.
+    has_row: bool,
+    /// Why nothing of this input can be used.
+    refusal: Option<runtime::Error>,
     /// Whether time passes while nothing comes; not where samples are only as fast as they are taken.
     is_paced: bool,
 }
@@ -40,6 +44,8 @@ impl<M: Machine> Lines<M> {
             rest: Vec::new(),
             is_skipping: false,
             has_ended: false,
+            has_row: false,
+            refusal: None,
             is_paced,
         })
     }
@@ -74,9 +80,11 @@ impl<M: Machine> Lines<M> {
             Ok(count) => self.split(&bytes[..count], now),
             Err(rustix::io::Errno::INTR | rustix::io::Errno::AGAIN) => {}
             Err(error) => {
-                tracing::error!("standard input: {error}");
-                self.stream.finish();
-                self.has_ended = true;
+                self.refusal = Some(runtime::Error::new(
+                    format!("cannot read: {error}"),
+                    "standard input",
+                    "check what writes to it",
+                ));
             }
         }
     }
@@ -101,10 +109,30 @@ impl<M: Machine> Lines<M> {
         }
     }
 
+    /// The end: one without a sample before it is an error.
+    fn end(&mut self) -> Polled<M::Sensors, M::Truth> {
+        if std::mem::replace(&mut self.has_row, true) {
+            return Polled::End;
+        }
+        Polled::Refused(runtime::Error::new(
+            "the input ended without a sample",
+            "standard input",
+            "pipe lines of candump (with --map) or a table with its header into it",
+        ))
+    }
+
     fn take(&mut self, line: &[u8], now: i64) {
+        if self.refusal.is_some() {
+            return;
+        }
         if let Err(error) = self.stream.take(line, now) {
-            tracing::error!("{error}");
-            self.has_ended = true;
+            let Error {
+                what,
+                place,
+                remedy,
+                ..
+            } = error;
+            self.refusal = Some(runtime::Error::new(what, place, remedy));
         }
     }
 }
@@ -117,15 +145,22 @@ impl<M: Machine> Live for Lines<M> {
         if let Some((sensors, truth)) = self.stream.row() {
             return Polled::Sample(sensors, truth);
         }
+        if let Some(refusal) = self.refusal.take() {
+            self.has_ended = true;
+            return Polled::Refused(refusal);
+        }
         if self.has_ended {
-            return Polled::End;
+            return self.end();
         }
         self.read();
         for remark in self.stream.take_remarks() {
             tracing::warn!("{remark}");
         }
         match self.stream.row() {
-            Some((sensors, truth)) => Polled::Sample(sensors, truth),
+            Some((sensors, truth)) => {
+                self.has_row = true;
+                Polled::Sample(sensors, truth)
+            }
             None => Polled::Nothing,
         }
     }

@@ -4,7 +4,7 @@ use messages::loader_bits::{
     ACCELERATION, ARTICULATION, BOOM_MOVING, BRAKE, FRONT_TORQUE, FRONT_WHEEL_SPEED, MASS,
     REAR_TORQUE, REAR_WHEEL_SPEED, SLOPE, SPADE_FORCE_X, SPADE_FORCE_Z, SPEED, YAW_RATE,
 };
-use messages::{LoaderSensors, LoaderTruth};
+use messages::{LoaderSensors, LoaderTruth, Message};
 use runtime::Source;
 use sim::loader::{InvalidRun, Row, Run, Simulation, Truth};
 
@@ -51,6 +51,8 @@ impl Source for SimulatedLoader {
             stamp.sequence = self.sequence;
             stamp.time = row.time;
         }
+        measured.mark_simulated();
+        known.mark_simulated();
         self.sequence += 1;
         Some((measured, known))
     }

@@ -1,24 +1,21 @@
 //! Recorded samples as a source of messages.
 
-use std::vec::IntoIter;
-
 use messages::{Message, Stamp};
 use runtime::Source;
 
-/// Plays loaded rows, once, in their order. Numbers count from 0 as in any run; what an earlier run
+/// Plays rows, once, in their order. Numbers count from 0 as in any run; what an earlier run
 /// noted of its clocks is taken off, the time of the data stays.
-#[derive(Debug)]
 pub struct Recorded<S, T> {
-    rows: IntoIter<(S, T)>,
+    rows: Box<dyn Iterator<Item = (S, T)>>,
     sequence: u64,
 }
 
 impl<S, T> Recorded<S, T> {
     /// Plays `rows`.
     #[must_use]
-    pub fn new(rows: Vec<(S, T)>) -> Self {
+    pub fn new(rows: impl Iterator<Item = (S, T)> + 'static) -> Self {
         Self {
-            rows: rows.into_iter(),
+            rows: Box::new(rows),
             sequence: 0,
         }
     }
@@ -67,7 +64,7 @@ mod tests {
             sensors.hops.sensor_ns = 5;
             (sensors, ExcavatorTruth::default())
         };
-        let mut source = Recorded::new((0..3).map(row).collect());
+        let mut source = Recorded::new((0..3).map(row));
         for n in 0..3 {
             let (sensors, truth) = source.next().expect("three rows");
             assert_eq!(

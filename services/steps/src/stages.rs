@@ -7,7 +7,7 @@
 //!
 //! let pipeline = Pipeline::of(Machine::Excavator);
 //! let names: Vec<&str> = pipeline.stages.iter().map(|s| s.name).collect();
-//! assert_eq!(names, ["sensor", "kalman", "rls", "ukf", "logger", "probe"]);
+//! assert_eq!(names, ["sensor", "kalman", "rls", "ukf", "logger", "probe", "sender"]);
 //! assert_eq!(pipeline.with_method("svf-rls").map(|s| s.name), Some("rls"));
 //! ```
 
@@ -59,6 +59,8 @@ pub enum Role {
     Sink,
     /// Notes when the messages of this channel arrive.
     Probe(&'static Channel),
+    /// Sends estimates to others; only in a run that has an output.
+    Sender,
 }
 
 /// A stage that answers messages, its types put aside.
@@ -182,7 +184,7 @@ impl Stage {
     pub fn row(&self) -> Option<&'static dyn Row> {
         match self.role {
             Role::Step(row) => Some(row),
-            Role::Source { .. } | Role::Sink | Role::Probe(_) => None,
+            Role::Source { .. } | Role::Sink | Role::Probe(_) | Role::Sender => None,
         }
     }
 
@@ -192,7 +194,7 @@ impl Stage {
         match self.role {
             Role::Step(row) => Some(row.input()),
             Role::Probe(channel) => Some(channel),
-            Role::Source { .. } | Role::Sink => None,
+            Role::Source { .. } | Role::Sink | Role::Sender => None,
         }
     }
 
@@ -202,7 +204,7 @@ impl Stage {
         match self.role {
             Role::Step(row) => Some(row.output()),
             Role::Source { sensors, .. } => Some(sensors),
-            Role::Sink | Role::Probe(_) => None,
+            Role::Sink | Role::Probe(_) | Role::Sender => None,
         }
     }
 
@@ -323,6 +325,14 @@ impl Pipeline {
         }
     }
 }
+
+/// Sends estimates to others. It wakes by itself: no estimator waits for it.
+pub(crate) const SENDER: Stage = Stage {
+    name: "sender",
+    wakes: &[],
+    priority: 0,
+    role: Role::Sender,
+};
 
 /// Takes every message and, where the source waits for it, tells how far it has got.
 pub(crate) const LOGGER: Stage = Stage {

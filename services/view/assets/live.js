@@ -214,7 +214,7 @@ function status(s) {
   verdicts(s.verdicts);
   rows("processes", s.processes, (p) => [[p.name + " (" + p.pid + ")"], [p.state, p.state === "waiting"], [p.rate.toFixed(0)], [p.age], [p.step], [p.late], [p.lost, p.lost > 0], [p.restarts, p.restarts > 0], [seconds(p.silent_s), p.silent_s > 1], [p.fault, p.fault !== "none"]]);
   rows("channels", s.channels, (c) => [[c.name], [c.rate.toFixed(0)], [grouped(c.count)], [c.lost, c.lost > 0], [seconds(c.silent_s), c.silent_s > 1]]);
-  byId("link").textContent = "live · " + s.viewers + (s.viewers === 1 ? " viewer" : " viewers") + (s.skipped ? " · " + s.skipped + " frames skipped by slow viewers" : "");
+  byId("link").textContent = (s.simulated ? "simulated: nothing is measured · " : "") + "live · " + s.viewers + (s.viewers === 1 ? " viewer" : " viewers") + (s.skipped ? " · " + s.skipped + " frames skipped by slow viewers" : "");
 }
 
 // ---- start

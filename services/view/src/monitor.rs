@@ -170,6 +170,8 @@ pub struct Monitor {
     pub loader: MachineState<LoaderEstimate>,
     /// Time of the newest estimate, as the data tell it [s].
     pub time: f64,
+    /// Whether the samples are the simulator's.
+    pub is_simulated: bool,
 }
 
 impl Monitor {
@@ -185,6 +187,7 @@ impl Monitor {
     /// Takes note of a message.
     pub fn push<M: Message>(&mut self, channel: &Channel, message: &M, now: Instant) {
         self.count(channel, message, now);
+        self.is_simulated |= message.is_simulated();
         let message: &dyn Any = message;
         if let Some(e) = message.downcast_ref::<ExcavatorEstimate>() {
             self.time = e.stamp.time;

@@ -110,8 +110,13 @@ fn title(frame: &mut Frame, area: Rect, state: &TopState) {
     } else {
         ""
     };
+    let simulated = if state.monitor.is_simulated {
+        "   simulated"
+    } else {
+        ""
+    };
     let text = format!(
-        "heft top   {}   t = {:.1} s{waiting}   q ends",
+        "heft top   {}   t = {:.1} s{simulated}{waiting}   q ends",
         state.domain, state.monitor.time
     );
     frame.render_widget(

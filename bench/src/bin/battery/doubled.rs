@@ -14,7 +14,7 @@ impl Attack for Doubled {
     }
 
     fn attempt(&mut self, rng: &mut Rng, ground: &Ground) -> Result<Outcome, String> {
-        let first = ground.run(1.5, &[])?;
+        let first = ground.run(2.5, &[])?;
         let other = |seconds: &str| {
             let mut command = ground.heft();
             command

@@ -1,6 +1,7 @@
 //! Where an attack takes place: a pipeline in a folder and a domain of its own, and what is left of it.
 
 use std::fs;
+use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -13,6 +14,9 @@ use rustix::process::{Pid, Signal, kill_process};
 pub const RATE: u64 = 200;
 /// Services of the pipeline.
 pub const SERVICES: [&str; 5] = ["sensor", "kalman", "rls", "ukf", "logger"];
+
+/// A recording of this length holds samples, and not only what it says of itself [bytes].
+const RECORDS: u64 = 20_000;
 
 /// A folder, a domain and the program under attack.
 pub struct Ground {
@@ -58,14 +62,7 @@ impl Ground {
         let other = file.try_clone().map_err(|e| e.to_string())?;
         let child = self
             .heft()
-            .args([
-                "run",
-                "excavator",
-                "--scenario",
-                "cycle",
-                "--quiet",
-                "--no-report",
-            ])
+            .args(["run", "excavator", "--quiet", "--no-report"])
             .args([
                 "--rate",
                 &RATE.to_string(),
@@ -143,11 +140,20 @@ impl Run {
         }
     }
 
-    /// Waits until every service is there.
+    /// Waits until every service is there and samples are recorded: a loaded machine starts slowly.
     pub fn wait_for_all(&self) -> Result<(), String> {
         SERVICES
             .iter()
-            .try_for_each(|name| self.wait_for(name).map(|_| ()))
+            .try_for_each(|name| self.wait_for(name).map(|_| ()))?;
+        let begun = Instant::now();
+        let file = self.out.join("run.mcap");
+        while fs::metadata(&file).map_or(0, |file| file.len()) < RECORDS {
+            if begun.elapsed() > Duration::from_secs(20) {
+                return Err(format!("nothing is recorded: {}", self.text()));
+            }
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        Ok(())
     }
 
     /// Signals a service, if it is there.
@@ -291,10 +297,13 @@ fn send(pid: u32, signal: Signal) {
     }
 }
 
+/// Whether something of this domain is left; what another user made under such a name is not ours.
 fn shared_memory(domain: &str) -> bool {
     let part = format!(".{domain}.");
+    let user = rustix::process::geteuid().as_raw();
+    let ours = |e: &fs::DirEntry| e.metadata().is_ok_and(|about| about.uid() == user);
     let mut entries = fs::read_dir("/dev/shm").into_iter().flatten().flatten();
-    entries.any(|e| e.file_name().to_string_lossy().contains(&part))
+    entries.any(|e| e.file_name().to_string_lossy().contains(&part) && ours(&e))
 }
 
 fn sequences<M: Message>(file: &Path, channel: &str) -> Result<Vec<u64>, String> {

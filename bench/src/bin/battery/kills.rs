@@ -61,7 +61,7 @@ impl Attack for Kill {
             if self.phase == Phase::Drain {
                 60.0
             } else {
-                2.0
+                4.0
             },
             &[],
         )?;

@@ -38,7 +38,7 @@ impl Attack for Stop {
             if self.0 == Length::AtTheEnd {
                 60.0
             } else {
-                3.0
+                5.0
             },
             &[],
         )?;

@@ -31,7 +31,7 @@ impl Attack for SecondUser {
         if !can.is_ok_and(|status| status.success()) {
             return Ok(Outcome::Skipped);
         }
-        let run = ground.run(2.5, &[])?;
+        let run = ground.run(4.0, &[])?;
         run.wait_for_all()?;
         std::thread::sleep(Duration::from_millis(500));
         let pids: Vec<String> = run

@@ -198,6 +198,7 @@ fn weigh_by_description(
     let released = Task {
         model: &open,
         blocks: task.blocks,
+        least_gain: task.least_gain,
         fixed: &fixed,
         stop: task.stop,
         progress: &|_| {},

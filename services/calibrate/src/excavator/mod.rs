@@ -21,12 +21,10 @@ pub use swings::{Role, Swings};
 pub use torque::{Impulse, Torque};
 
 use crate::description::number;
-use crate::fit::{Fit, Progress, Task};
-use crate::honesty::{self, Agreement, Profile, Uncertainty};
+use crate::fit::{EXACT, Progress, Task};
+use crate::honesty;
 use crate::model::Model;
-
-/// One of so many swings is kept from the fit that is judged on it.
-const HELD_OUT: usize = 4;
+use crate::outcome::{Found, Summary};
 
 /// A recording and what is known of it.
 #[derive(Debug, Clone)]
@@ -66,30 +64,35 @@ pub struct Outcome {
     pub remarks: Vec<String>,
 }
 
-/// A fit and what it may claim.
-#[derive(Debug, Clone)]
-pub struct Found {
-    /// The fit.
-    pub fit: Fit,
-    /// Its uncertainty.
-    pub uncertainty: Uncertainty,
-    /// Profiles of the two weakest parameters.
-    pub profiles: Vec<Profile>,
-    /// On swings that took no part in a fit to the others: with the description, and with that fit.
-    pub unseen: [Agreement; 2],
-}
-
 impl Outcome {
+    /// To look at.
+    #[must_use]
+    pub fn summary(&self) -> Summary<'_> {
+        let series = &self.swings.series;
+        Summary {
+            machine: "excavator",
+            block: "swing",
+            model: &self.swings,
+            recordings: series.iter().map(|s| s.name.clone()).collect(),
+            contents: series
+                .iter()
+                .map(|s| {
+                    let (left, right) = (s.moving_time(1.0), s.moving_time(-1.0));
+                    format!("{left:.0} / {right:.0} s of swings left / right")
+                })
+                .collect(),
+            fixed: &self.fixed,
+            loads: self.swings.roles.iter().map(Role::is_load).collect(),
+            found: self.found.as_ref(),
+            faults: &self.faults,
+            remarks: &self.remarks,
+        }
+    }
+
     /// A parameter: value and standard deviation.
     #[must_use]
     pub fn quantity(&self, role: Role) -> Option<Quantity> {
-        let found = self.found.as_ref()?;
-        let i = self.swings.index(role)?;
-        let parameter = &self.swings.parameters[i];
-        Some(Quantity {
-            value: parameter.value(found.fit.place[i]),
-            std: parameter.value_std(found.fit.place[i], found.uncertainty.std(i)),
-        })
+        self.summary().quantity(self.swings.index(role)?)
     }
 }
 
@@ -186,11 +189,12 @@ fn find(outcome: &mut Outcome, free: &[Role], options: &Options<'_>) {
         model: swings,
         blocks,
         fixed: &outcome.fixed,
+        least_gain: EXACT,
         stop: options.stop,
         progress: options.progress,
     };
     let whole = task(&all);
-    let mut fit = whole.run(&start::start(swings, &all, &outcome.fixed));
+    let fit = whole.run(&start::start(swings, &all, &outcome.fixed));
     if fit.interrupted {
         outcome
             .remarks
@@ -212,27 +216,23 @@ fn find(outcome: &mut Outcome, free: &[Role], options: &Options<'_>) {
             d.name, d.told.value, d.found.value, d.found.std
         ));
     }
-    let none = vec![false; outcome.fixed.len()];
-    let everything = Task {
-        fixed: &none,
-        ..task(&all)
-    };
-    fit.information = everything.information(&fit.place);
     let held = tolerances(swings, options);
-    let uncertainty = honesty::uncertainty(&fit, &swings.parameters, &outcome.fixed, &held);
-    let Some(uncertainty) = uncertainty else {
+    let minor: Vec<bool> = swings
+        .roles
+        .iter()
+        .map(|role| {
+            matches!(
+                role,
+                Role::Payload(_) | Role::MotionNoise | Role::TorqueNoise
+            )
+        })
+        .collect();
+    let Some(found) = Found::of(&whole, fit, &held, &minor) else {
         outcome.faults = vec!["the recordings determine nothing".into()];
         return;
     };
-    let unseen = judge(&outcome.swings, &outcome.fixed, options, &fit);
-    let profiles = weakest(&whole, &fit, &uncertainty);
     outcome.faults = faults;
-    outcome.found = Some(Found {
-        fit,
-        uncertainty,
-        profiles,
-        unseen,
-    });
+    outcome.found = Some(found);
 }
 
 /// A first fit of the recordings with nothing in the bucket tells which swings of the others are loaded. It is
@@ -249,6 +249,7 @@ fn sort_loads(swings: &mut Swings, fixed: &[bool]) -> Option<String> {
             model: swings,
             blocks: &empty,
             fixed,
+            least_gain: EXACT,
             stop: &AtomicBool::new(false),
             progress: &|_| {},
         };
@@ -268,50 +269,4 @@ fn tolerances(swings: &Swings, options: &Options<'_>) -> Vec<f64> {
     };
     let parameters = swings.roles.iter().zip(&swings.parameters);
     parameters.map(|(role, p)| stated(role) / p.std).collect()
-}
-
-/// Fits without one swing in four, and asks those.
-fn judge(swings: &Swings, fixed: &[bool], options: &Options<'_>, whole: &Fit) -> [Agreement; 2] {
-    let unseen: Vec<usize> = (0..swings.series.len())
-        .flat_map(|r| {
-            swings
-                .blocks_of(r)
-                .into_iter()
-                .skip(HELD_OUT / 2)
-                .step_by(HELD_OUT)
-        })
-        .collect();
-    let seen: Vec<usize> = (0..swings.blocks())
-        .filter(|b| !unseen.contains(b))
-        .collect();
-    let task = Task {
-        model: swings,
-        blocks: &seen,
-        fixed,
-        stop: options.stop,
-        progress: &|_| {},
-    };
-    let fit = task.run(&whole.place);
-    let before = vec![0.0; fixed.len()];
-    [&before, &fit.place].map(|place| honesty::agreement(swings, &unseen, place))
-}
-
-/// Profiles of the two parameters that the data narrowed least.
-fn weakest(task: &Task<'_, Swings>, fit: &Fit, uncertainty: &Uncertainty) -> Vec<Profile> {
-    let roles = &task.model.roles;
-    let mut order: Vec<usize> = (0..roles.len())
-        .filter(|&i| !task.fixed[i])
-        .filter(|&i| {
-            !matches!(
-                roles[i],
-                Role::Payload(_) | Role::MotionNoise | Role::TorqueNoise
-            )
-        })
-        .collect();
-    order.sort_by(|a, b| uncertainty.std(*b).total_cmp(&uncertainty.std(*a)));
-    order
-        .into_iter()
-        .take(2)
-        .map(|i| honesty::profile(task, fit, i, uncertainty.std(i)))
-        .collect()
 }

@@ -1,16 +1,13 @@
 //! The calibrated description of an excavator.
 
-use std::collections::BTreeMap;
-use std::fmt::Write;
-
-use config::{Excavator as Description, Tables};
+use config::Excavator as Description;
 use estimation::Quantity;
 
 use super::series::percentile;
 use super::{Outcome, Role};
-use crate::description::{number, set};
+use crate::description::number;
 use crate::model::Model;
-use crate::output;
+use crate::output::Pen;
 
 /// Masses and inertias that share one scale.
 const LINKS: [&str; 9] = [
@@ -25,31 +22,6 @@ const LINKS: [&str; 9] = [
     "machine.geometry.bucket_axial_inertia",
 ];
 
-/// Writes the keys of a calibrated description, and remembers what to say of them.
-struct Pen {
-    description: Description,
-    notes: BTreeMap<String, String>,
-}
-
-impl Pen {
-    fn value(&mut self, key: &str, q: Quantity) {
-        let was = number(&self.description, key);
-        if set(&mut self.description, key, output::rounded(q.value, q.std)) {
-            let was = was.map_or(String::new(), |w| {
-                format!(", described {}", output::rounded(w, 0.0))
-            });
-            let note = format!("calibrated, ± {:.2e}{was}", q.std);
-            self.notes.insert(key.into(), note);
-        }
-    }
-
-    fn std(&mut self, key: &str, std: f64) {
-        if set(&mut self.description, key, output::rounded(std, std)) {
-            self.notes.insert(key.into(), "calibrated".into());
-        }
-    }
-}
-
 impl Outcome {
     /// The description with what was found, and its text with `origin` as comments above; none where
     /// nothing was.
@@ -59,11 +31,8 @@ impl Outcome {
         before: &Description,
         origin: &[String],
     ) -> Option<(Description, String)> {
-        let found = self.found.as_ref()?;
-        let mut pen = Pen {
-            description: before.clone(),
-            notes: BTreeMap::new(),
-        };
+        self.found.as_ref()?;
+        let mut pen = Pen::new(before.clone());
         for (i, role) in self.swings.roles.iter().enumerate() {
             if !self.fixed[i] {
                 self.write(&mut pen, *role);
@@ -74,27 +43,11 @@ impl Outcome {
         {
             pen.std("machine.mass_tolerance", tolerance);
         }
-        let mut text = String::new();
-        for line in origin.iter().chain(&self.remarks) {
-            let _ = writeln!(text, "# {line}");
-        }
-        for fault in &self.faults {
-            let _ = writeln!(text, "# NOT TO BE TRUSTED: {fault}");
-        }
-        let printed = output::keys(
-            &pen.description.to_toml(),
-            &Description::default().to_toml(),
-            &pen.notes,
-        );
-        let _ = write!(
-            text,
-            "\n{printed}\n{}",
-            self.joint(found.uncertainty.widened)
-        );
+        let text = pen.text(&self.summary(), origin);
         Some((pen.description, text))
     }
 
-    fn write(&self, pen: &mut Pen, role: Role) {
+    fn write(&self, pen: &mut Pen<Description>, role: Role) {
         let Some(q) = self.quantity(role) else {
             return;
         };
@@ -195,29 +148,5 @@ impl Outcome {
             variance.max(0.0).sqrt() / (value(upper) + part * value(links))
         });
         worst.into_iter().reduce(f64::max)
-    }
-
-    /// The joint uncertainty, as comments: descriptions have no place for correlations.
-    fn joint(&self, widened: f64) -> String {
-        let Some(found) = &self.found else {
-            return String::new();
-        };
-        let free: Vec<usize> = (0..self.fixed.len()).filter(|&i| !self.fixed[i]).collect();
-        let mut text = format!(
-            "# Correlations of the errors (standard deviations widened {widened:.2} times by the scatter between swings):\n"
-        );
-        for (row, &i) in free.iter().enumerate() {
-            let cells: Vec<String> = free[..row]
-                .iter()
-                .map(|&j| format!("{:+.2}", found.uncertainty.correlation(i, j)))
-                .collect();
-            let _ = writeln!(
-                text,
-                "#   {:<32} {}",
-                self.swings.parameters[i].key,
-                cells.join(" ")
-            );
-        }
-        text
     }
 }

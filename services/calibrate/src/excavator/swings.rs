@@ -36,6 +36,14 @@ pub enum Role {
     Payload(usize),
 }
 
+impl Role {
+    /// Whether it is of a recording rather than of the machine.
+    #[must_use]
+    pub fn is_load(&self) -> bool {
+        matches!(self, Self::Payload(_))
+    }
+}
+
 /// Swings of several recordings of one machine.
 #[derive(Debug, Clone)]
 pub struct Swings {

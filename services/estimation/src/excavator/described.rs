@@ -1,5 +1,6 @@
 //! From the description of an excavator to the settings of its estimators.
 
+use super::align;
 use super::doubts::Doubts;
 use super::geometry::Geometry;
 use super::keys::{Description, Paper, Variant};
@@ -78,7 +79,7 @@ impl Doubts {
             slope_std: m.slope_std,
             upper_first_moment: m.upper_first_moment,
             upper_first_moment_std: m.upper_first_moment_std,
-            delay: s.swing_velocity_delay - s.swing_torque_delay,
+            delay: align::rest([s.swing_velocity_delay, s.swing_torque_delay]),
             delay_std: both(s.swing_velocity_delay_std, s.swing_torque_delay_std),
             torque_share: d.estimator.torque_noise_share,
             inertia_share: both(m.mass_tolerance, 2.0 * m.geometry_tolerance),
@@ -112,6 +113,7 @@ fn sensors(d: &Description) -> Sensors {
         angle_limit: s.angle_limit,
         swing_torque_gain: s.swing_torque_gain,
         swing_torque_offset: s.swing_torque_offset,
+        delays: [s.swing_velocity_delay, s.swing_torque_delay],
     }
 }
 

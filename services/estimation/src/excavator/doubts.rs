@@ -20,7 +20,7 @@ pub struct Doubts {
     pub upper_first_moment: Option<f64>,
     /// Its standard deviation [kg m]; `None` takes 3 % of a stated moment, 30 % of a guessed one.
     pub upper_first_moment_std: Option<f64>,
-    /// How much later the velocity comes than the torque [s].
+    /// How much later the velocity comes than the torque, beside what is taken out exactly [s].
     pub delay: f64,
     /// Its standard deviation [s].
     pub delay_std: f64,

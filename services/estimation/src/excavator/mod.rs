@@ -9,6 +9,7 @@
 //! posture's part of dJ/dt: material that leaves the bucket takes its momentum along. The paper's
 //! Eq. 11 lacks `Jd w` and the sign of the friction.
 
+mod align;
 mod calibration;
 mod change;
 mod changing_payload;
@@ -58,3 +59,4 @@ pub use regression::Regression;
 pub use settings::{Estimator, Paper, Prior, Sensors, Settings, Variant};
 pub use settings_error::SettingsError;
 pub use swing::{Details, SwingEstimator};
+pub use working::{Smoothed, Smoother, Trail};

@@ -15,6 +15,7 @@ use super::state::State;
 use super::torque::TorqueMode;
 use super::velocity::VelocityMode;
 use super::verdict::{Basis, Reasons, Verdict};
+use super::working::Working;
 
 #[derive(Debug, Clone)]
 #[expect(clippy::large_enum_variant, reason = "no allocator; one per process")]
@@ -160,6 +161,14 @@ impl Core {
                 Phase::Released(_) => 2,
                 _ => 0,
             },
+        }
+    }
+
+    /// The default estimator with torque and posture, if it is at work.
+    pub(super) fn working(&mut self) -> Option<&mut Working> {
+        match &mut self.mode {
+            Mode::PostureTorque(mode) => mode.working(),
+            _ => None,
         }
     }
 

@@ -61,6 +61,14 @@ impl PostureTorque {
         }
     }
 
+    /// The default estimator, whose trail can be kept.
+    pub(super) fn working(&mut self) -> Option<&mut Working> {
+        match self {
+            Self::Working(working) => Some(working),
+            _ => None,
+        }
+    }
+
     /// Whether the filters are still sound.
     pub(super) fn is_sound(&self) -> bool {
         match self {

@@ -30,6 +30,8 @@ pub struct Sensors {
     pub swing_torque_gain: f64,
     /// Torque that is measured where there is none, as calibrated [N m].
     pub swing_torque_offset: f64,
+    /// How late velocity and torque come, as told [s].
+    pub delays: [f64; 2],
 }
 
 /// Everything an excavator estimator needs to know beforehand.

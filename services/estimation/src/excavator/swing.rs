@@ -4,6 +4,7 @@
 //! The modes are extended Kalman filters and a grid. The square-root UKF on the model of mode D
 //! differs by at most 0.15 standard deviations over a swing (tests/excavator_ukf.rs) and costs more.
 
+use super::align::Align;
 use super::calibration::{Calibrated, Calibration, Progress};
 use super::estimate::{Columns, Estimate, Flags, Method, Sample};
 use super::grid::{Grid, Tick};
@@ -14,6 +15,7 @@ use super::settings::Settings;
 use super::settings_error::SettingsError;
 use super::state::State;
 use super::verdict::Reasons;
+use super::working::{Trail, Working};
 use crate::Quantity;
 use crate::math::sqrt;
 
@@ -36,6 +38,7 @@ pub struct SwingEstimator {
     columns: Columns,
     screen: Screen,
     grid: Grid,
+    align: Align,
     calibration: Option<Calibration>,
     bias: f64,
     core: Core,
@@ -44,6 +47,7 @@ pub struct SwingEstimator {
     slowness: f64,
     presence_checked: bool,
     reading: Option<Reading>,
+    trailing: bool,
     last: Estimate,
 }
 
@@ -75,6 +79,7 @@ impl SwingEstimator {
             columns,
             screen: Screen::new(&settings.sensors),
             grid: Grid::new(settings, !columns.velocity),
+            align: Align::new(settings.sensors.delays),
             calibration: e.calibrate_at_rest.then(|| Calibration::new(settings)),
             bias: 0.0,
             core: Core::new(settings, method, false),
@@ -82,6 +87,7 @@ impl SwingEstimator {
             slowness: 1.0,
             presence_checked: !auto,
             reading: None,
+            trailing: false,
             last: Estimate {
                 inertia: settings.prior.inertia,
                 inertia_std: settings.prior.inertia_std,
@@ -125,6 +131,12 @@ impl SwingEstimator {
     /// changes nothing, unless one stamp was wrong or the clock was set back for good: then the
     /// estimator begins anew.
     pub fn step(&mut self, sample: &Sample) -> Estimate {
+        self.step_with(sample, &mut |_| {})
+    }
+
+    /// The same, for an analysis off line: `see` gets what each tick did, in order, once [`Self::keep_trail`] has been called and
+    /// while the default with torque and posture is at work.
+    pub fn step_with(&mut self, sample: &Sample, see: &mut impl FnMut(&Trail)) -> Estimate {
         let Some(row) = self.screen.accept(sample) else {
             let mut again = self.last;
             again.refused = self.screen.refused();
@@ -135,10 +147,12 @@ impl SwingEstimator {
         let mut reset = row.set_back;
         if row.set_back {
             self.grid = Grid::new(&self.described, !self.columns.velocity);
+            self.align.clear();
             self.restart(false);
         }
         if let Some(fill) = self.grid.push(&sample, row.period) {
             if fill.restart {
+                self.align.clear();
                 self.restart(false);
                 reset = true;
             }
@@ -147,16 +161,35 @@ impl SwingEstimator {
             }
             for tick in fill.ticks() {
                 reset |= self.tick(&tick);
+                if self.trailing
+                    && let Some(trail) = self.core.working().and_then(Working::take_trail)
+                {
+                    see(&trail);
+                }
             }
         }
         self.last = self.estimate(&sample, reset);
         self.last
     }
 
+    /// Keeps what each tick does for [`Self::step_with`]; false where this method has nothing to keep.
+    pub fn keep_trail(&mut self) -> bool {
+        self.trailing = self.core.working().is_some();
+        self.core
+            .working()
+            .into_iter()
+            .for_each(Working::keep_trail);
+        self.trailing
+    }
+
     /// One tick of the grid; true where the filter was set back to its prior.
     fn tick(&mut self, tick: &Tick) -> bool {
         self.elapsed += tick.period;
         let mut reset = self.check_presence();
+        let Some(tick) = &self.align.pass(tick) else {
+            self.wait(tick);
+            return reset;
+        };
         if self.calibrates(tick) {
             self.wait(tick);
             return reset;
@@ -216,6 +249,12 @@ impl SwingEstimator {
 
     fn restart(&mut self, stood: bool) {
         self.core = Core::new(&self.settings, self.method, stood);
+        if self.trailing {
+            self.core
+                .working()
+                .into_iter()
+                .for_each(Working::keep_trail);
+        }
         self.reading = None;
     }
 

@@ -7,7 +7,8 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use calibrate::excavator::{self as machine, Input, Outcome, Role};
+use calibrate::Summary;
+use calibrate::excavator::{self as machine, Input};
 use calibrate::fit::Progress;
 use config::Description;
 use estimation::Quantity;
@@ -54,76 +55,77 @@ fn excavator(args: &CalibrateArgs, d: &config::Excavator) -> Result<(), Failure>
             progress: &tell_progress,
         },
     )
-    .map_err(|e| {
-        Failure::input(
-            e,
-            "--free",
-            "name keys that can be found, separated by commas",
-        )
-    })?;
-    print!("{}", text(&outcome));
+    .map_err(unknown_key)?;
+    let written = outcome.description(d, &origin(args)?).map(|(_, text)| text);
+    finish(args, &outcome.summary(), written)
+}
+
+fn unknown_key(e: String) -> Failure {
+    Failure::input(
+        e,
+        "--free",
+        "name keys that can be found, separated by commas",
+    )
+}
+
+/// Tells what was found, and writes the description where it may be believed, or the user insists.
+fn finish(
+    args: &CalibrateArgs,
+    summary: &Summary<'_>,
+    written: Option<String>,
+) -> Result<(), Failure> {
+    print!("{}", text(summary));
     if let Some(report) = &args.report {
-        std::fs::write(report, page::excavator(&outcome))
+        std::fs::write(report, page::page(summary))
             .map_err(|e| Failure::file("write", report, &e))?;
         println!("report in {}", report.display());
     }
-    finish(args, d, &outcome)
-}
-
-/// Writes the description where it may be believed, or the user insists.
-fn finish(args: &CalibrateArgs, d: &config::Excavator, outcome: &Outcome) -> Result<(), Failure> {
-    let sure = outcome.faults.is_empty();
-    let written = outcome.description(d, &origin(args)?);
+    let sure = summary.faults.is_empty();
     match written {
-        Some((_, text)) if sure || args.accept => {
+        Some(text) if sure || args.accept => {
             std::fs::write(&args.output, text)
                 .map_err(|e| Failure::file("write", &args.output, &e))?;
             println!("description in {}", args.output.display());
         }
         _ => println!("no description written"),
     }
-    if sure || (args.accept && outcome.found.is_some()) {
+    if sure || (args.accept && summary.found.is_some()) {
         return Ok(());
     }
     Err(Failure::answer_is_no(format!(
         "{}\n  where: {}\n  what to do: record what is missing, or take the rest with --accept",
-        outcome.faults.join("\n"),
-        args.files
-            .iter()
-            .map(|f| name(f))
-            .collect::<Vec<_>>()
-            .join(", ")
+        summary.faults.join("\n"),
+        summary.recordings.join(", ")
     )))
 }
 
 /// What a terminal shows of the result.
-fn text(outcome: &Outcome) -> String {
+fn text(summary: &Summary<'_>) -> String {
     let mut out = String::new();
-    for remark in &outcome.remarks {
+    for remark in summary.remarks {
         out += &format!("note: {remark}\n");
     }
-    let Some(found) = &outcome.found else {
+    let Some(found) = summary.found else {
         return out;
     };
-    for (i, role) in outcome.swings.roles.iter().enumerate() {
-        let (p, held) = (&outcome.swings.parameters[i], outcome.fixed[i]);
-        let Some(q) = outcome.quantity(*role) else {
+    for (i, p) in summary.model.parameters().iter().enumerate() {
+        let Some(q) = summary.quantity(i) else {
             continue;
         };
-        let held = if held { "  (held)" } else { "" };
+        let held = if summary.fixed[i] { "  (held)" } else { "" };
         out += &format!("{:<44} {}{held}\n", p.words, page::figure(q, p.unit));
     }
     let [before, after] = &found.unseen;
     out += &format!(
-        "on swings that took no part: squared innovations {:.2} of the expected ({:.2} as described), {:.1} % inside the 95 % interval ({:.1} %)\n",
+        "on what took no part in the fit: squared innovations {:.2} of the expected ({:.2} as described), {:.1} % inside the 95 % interval ({:.1} %)\n",
         after.nis,
         before.nis,
         100.0 * after.covered,
         100.0 * before.covered
     );
     out += &format!(
-        "intervals widened {:.2} times by the scatter between swings\n",
-        found.uncertainty.widened
+        "intervals widened {:.2} times by the scatter from {} to {}\n",
+        found.uncertainty.widened, summary.block, summary.block
     );
     out
 }
@@ -146,14 +148,22 @@ fn told(
         let Some((file, load)) = text.rsplit_once('=') else {
             return Err(bad("no = between file and mass".into()));
         };
-        let at = args
-            .files
-            .iter()
-            .position(|f| f == Path::new(file) || name(f) == file)
-            .ok_or_else(|| bad(format!("{file} is none of the recordings")))?;
+        let at = position(args, file, option, text)?;
         loads[at] = Some(quantity(load).ok_or_else(|| bad(format!("{load} is no mass")))?);
     }
     Ok(loads)
+}
+
+/// Which recording is meant.
+fn position(args: &CalibrateArgs, file: &str, option: &str, text: &str) -> Result<usize, Failure> {
+    let is_meant = |f: &PathBuf| f == Path::new(file) || name(f) == file;
+    args.files.iter().position(is_meant).ok_or_else(|| {
+        Failure::input(
+            format!("{file} is none of the recordings"),
+            format!("{option} {text}"),
+            "name one of them, with or without its folder",
+        )
+    })
 }
 
 /// A mass with its accuracy, both not negative.
@@ -226,8 +236,8 @@ fn origin(args: &CalibrateArgs) -> Result<Vec<String>, Failure> {
 
 fn short(load: &str) -> String {
     match load.rsplit_once('=') {
-        Some((file, mass)) => format!("{} = {mass} kg", name(&PathBuf::from(file))),
-        None => load.to_owned(),
+        Some((file, mass)) => format!("{} = {mass}", name(&PathBuf::from(file))),
+        None => name(&PathBuf::from(load)),
     }
 }
 
@@ -249,11 +259,6 @@ fn date(time: SystemTime) -> String {
     };
     let year = year_of_era + era * 400 + i64::from(month <= 2);
     format!("{year:04}-{month:02}-{day:02}")
-}
-
-/// Whether a parameter is a nuisance of the recordings rather than of the machine.
-pub(super) fn is_load(role: Role) -> bool {
-    matches!(role, Role::Payload(_))
 }
 
 #[cfg(test)]

@@ -26,11 +26,30 @@ pub fn estimate(args: &EstimateArgs) -> Result<(), Failure> {
             if let Some((first, _)) = samples.rows()?.next() {
                 steps::excavator::check_columns(d, method(args), &first)?;
             }
-            run::<_, _, ExcavatorEstimate>(args, &description, samples)
+            samples.check()?;
+            let past = if args.smooth {
+                let rows = samples.rows()?.map(|(row, _)| row);
+                steps::excavator::past(d, method(args), rows)?
+            } else {
+                Vec::new()
+            };
+            let put = |row: usize, estimate: &mut ExcavatorEstimate| {
+                if let Some(Some(moment)) = past.get(row) {
+                    moment.put(estimate);
+                }
+            };
+            run(args, &description, samples, put)
         }
         Description::Loader(_) => {
+            if args.smooth {
+                return Err(Failure::input(
+                    "the loader's estimators have no smoother",
+                    "--smooth",
+                    "leave it out",
+                ));
+            }
             let samples = recording::open::<recording::Loader>(&args.file, map.as_ref())?;
-            run::<_, _, LoaderEstimate>(args, &description, samples)
+            run(args, &description, samples, |_, _: &mut LoaderEstimate| {})
         }
     }
 }
@@ -114,11 +133,13 @@ impl Boom {
     }
 }
 
-/// Takes sample after sample through the stages, so that the length of the data does not matter.
+/// Takes sample after sample through the stages, so that the length of the data does not matter; `put` may say of a
+/// row's estimate what later rows know.
 fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
     args: &EstimateArgs,
     description: &Description,
     mut samples: Samples<S, T>,
+    put: impl Fn(usize, &mut E),
 ) -> Result<(), Failure> {
     samples.on_progress(parts::progress());
     let mut way = way(description, method(args))?;
@@ -137,9 +158,13 @@ fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
             notes.add_sample(description, &message, &truth)?;
         }
         for (channel, step) in &mut way {
-            let Some(answer) = step.answer(&message) else {
+            let Some(mut answer) = step.answer(&message) else {
                 break;
             };
+            if let Some(mut estimate) = E::inside(&answer).copied() {
+                put(rows - 1, &mut estimate);
+                answer = estimate.envelope();
+            }
             if let Some(notes) = &mut notes {
                 notes.add(channel, &answer)?;
             }
@@ -151,6 +176,7 @@ fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
             trusted = Some(last).filter(Estimate::trusted).or(trusted);
         }
     }
+    samples.check()?;
     let written = writer.finish()?;
     if let (Some(notes), Some(report)) = (notes, &args.report) {
         notes.report(report)?;

@@ -11,6 +11,7 @@ use crate::cli::{self, DescriptionArgs, RunArgs};
 use crate::failure::Failure;
 use crate::fault::Fault;
 use crate::machines;
+use crate::outputs::CanOutput;
 use crate::parts::Reserved;
 use crate::plan::Plan;
 use crate::signals::Signals;
@@ -89,6 +90,7 @@ pub fn plan(args: &RunArgs) -> Result<(Plan, PathBuf), Failure> {
         payload: args.payload,
         input: args.input.as_deref().map(input).transpose()?,
         map: args.map.as_deref().map(absolute).transpose()?,
+        output: output(args)?,
         description: description.to_toml(),
         methods: methods
             .into_iter()
@@ -137,6 +139,9 @@ fn check(plan: &Plan, description: &Description) -> Result<(), Failure> {
     for (stage, row) in plan.pipeline().rows() {
         row.start(description, plan.method(stage.name))?;
     }
+    if let Some(output) = &plan.output {
+        output.outgoing(plan.machine)?;
+    }
     machines::entry(plan.machine).check_source(plan)
 }
 
@@ -146,6 +151,13 @@ fn input(path: &Path) -> Result<PathBuf, Failure> {
         Some(_) => Ok(path.to_owned()),
         None => absolute(path),
     }
+}
+
+/// Where estimates are sent.
+fn output(args: &RunArgs) -> Result<Option<CanOutput>, Failure> {
+    let map = args.output_map.as_deref().map(absolute).transpose()?;
+    let output = args.output.as_deref();
+    output.map(|name| CanOutput::of(name, map)).transpose()
 }
 
 fn absolute(path: &Path) -> Result<PathBuf, Failure> {
@@ -219,6 +231,9 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
         Signals::catch()?,
     )?;
     let (end, watch) = supervisor.run()?;
+    if let End::Refused(error) = end {
+        return Err(Failure::told(error));
+    }
     let report = (!args.no_report)
         .then(|| summary::report(&recording))
         .flatten();

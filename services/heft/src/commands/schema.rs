@@ -1,10 +1,12 @@
 //! `heft schema`: the messages in other languages, from their one table.
 
 use std::fmt::Write;
+use std::path::Path;
 
 use clap::ValueEnum;
 use messages::channels::{CHANNELS, Visitor};
-use messages::{Field, Message, NumberType};
+use messages::{Field, Machine, Message, NumberType};
+use recording::can::Outgoing;
 
 use crate::failure::Failure;
 
@@ -19,17 +21,33 @@ pub enum Language {
     Proto,
     /// JSON: every field with its offset, unit and meaning.
     Json,
+    /// DBC: the frames of `heft run --output can:IF`.
+    Dbc,
 }
 
 /// `heft schema`
-pub fn schema(language: Language) -> Result<(), Failure> {
+pub fn schema(
+    language: Language,
+    machine: Option<Machine>,
+    output_map: Option<&Path>,
+) -> Result<(), Failure> {
     use std::io::Write as _;
-    let text = text(language);
+    let text = match language {
+        Language::Dbc => dbc(machine, output_map)?,
+        _ => text(language),
+    };
     match std::io::stdout().write_all(text.as_bytes()) {
         // A reader that has seen enough.
         Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Err(Failure::internal(e)),
         _ => Ok(()),
     }
+}
+
+/// The frames of a machine, or of all.
+fn dbc(machine: Option<Machine>, map: Option<&Path>) -> Result<String, Failure> {
+    let machines = machine.map_or(Machine::ALL.to_vec(), |m| vec![m]);
+    let all = machines.iter().map(|m| Outgoing::new(m.name(), map));
+    Ok(Outgoing::dbc(&all.collect::<Result<Vec<_>, _>>()?))
 }
 
 fn text(language: Language) -> String {
@@ -39,19 +57,21 @@ fn text(language: Language) -> String {
         Language::Python => PYTHON_HEAD,
         Language::Proto => "syntax = \"proto3\";\npackage heft;\n",
         Language::Json => "{\"messages\": {\n",
+        Language::Dbc => "",
     });
     for (n, table) in all.iter().enumerate() {
         out += &match language {
             Language::C => c(table),
             Language::Python => python(table),
             Language::Proto => proto(table),
+            Language::Dbc => String::new(),
             Language::Json => json(table) + if n + 1 < all.len() { ",\n" } else { "\n" },
         };
     }
     out += &match language {
         Language::C => "#endif\n".to_owned(),
         Language::Python => channels("CHANNELS = {", "    \"{c}\": {m},", "}"),
-        Language::Proto => String::new(),
+        Language::Proto | Language::Dbc => String::new(),
         Language::Json => "}}\n".to_owned(),
     };
     out

@@ -2,13 +2,14 @@
 
 use std::fmt::Write as _;
 use std::io::{ErrorKind, Write as _};
+use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 use messages::channels::{Channel, of_machine};
 use messages::{Field, Message, Value, fault};
+use recording::can::Outgoing;
 use runtime::{Ports, Sink, Taps};
-use steps::stages::Pipeline;
 
 use super::top::find;
 use crate::failure::Failure;
@@ -25,6 +26,10 @@ pub enum Format {
     Json,
     /// A header, then a row per sample.
     Csv,
+    /// The frames of `heft run --output`, as candump -L writes them; the time is that of the data.
+    Candump,
+    /// The bytes of the structure that `heft schema --lang c` declares, one after the other.
+    Binary,
     /// InfluxDB's line protocol; the time is the host's monotonic clock [ns].
     Influx,
 }
@@ -40,6 +45,9 @@ pub struct TailArgs {
     /// At most so many samples a second; all if absent
     #[arg(long, value_name = "HZ")]
     pub rate: Option<f64>,
+    /// With --format candump: which estimates, in which frames (TOML)
+    #[arg(long, value_name = "FILE")]
+    pub output_map: Option<PathBuf>,
     /// The domain to attach to; the only one there is if absent
     #[arg(long)]
     pub domain: Option<String>,
@@ -48,23 +56,29 @@ pub struct TailArgs {
 /// Writes each sample as it comes.
 struct Writer {
     format: Format,
+    frames: Outgoing,
     /// Least time between two samples [s], and that of the last.
     period: f64,
     last: f64,
     has_header: bool,
     text: String,
+    bytes: Vec<u8>,
 }
 
 /// `heft tail`
 pub fn tail(args: &TailArgs) -> Result<(), Failure> {
     let domain = find(args.domain.as_deref())?;
     let machine = Plan::read(&domain)?.machine;
-    let channel = match args.channel.as_deref() {
-        Some(name) => of_machine(machine).find(|c| c.name == name),
-        None => Pipeline::of(machine).main_output(),
-    };
-    let Some(channel) = channel else {
-        let name = args.channel.as_deref().unwrap_or_default();
+    let frames = Outgoing::new(machine.name(), args.output_map.as_deref())?;
+    let name = args.channel.as_deref().unwrap_or(frames.channel.name);
+    if args.format == Format::Candump && name != frames.channel.name {
+        return Err(Failure::input(
+            format!("{name} is not sent as frames"),
+            "heft tail",
+            format!("{} is; an --output-map chooses", frames.channel.name),
+        ));
+    }
+    let Some(channel) = of_machine(machine).find(|c| c.name == name) else {
         let names: Vec<&str> = of_machine(machine).map(|c| c.name).collect();
         return Err(Failure::input(
             format!("the pipeline has no channel {name}"),
@@ -77,20 +91,25 @@ pub fn tail(args: &TailArgs) -> Result<(), Failure> {
     let mut taps = Taps::open(&Ports::new("tail")?, &[channel])?;
     let mut writer = Writer {
         format: args.format,
+        frames,
         period: args.rate.filter(|r| *r > 0.0).map_or(0.0, |r| 1.0 / r),
         last: f64::NEG_INFINITY,
         has_header: false,
         text: String::new(),
+        bytes: Vec::new(),
     };
     let stop = Signals::catch()?;
     while !stop.came() && plan.exists() {
         taps.drain(&mut writer);
-        let written = std::io::stdout().lock().write_all(writer.text.as_bytes());
+        writer
+            .bytes
+            .extend(std::mem::take(&mut writer.text).into_bytes());
+        let written = std::io::stdout().lock().write_all(&writer.bytes);
         match written.and_then(|()| std::io::stdout().flush()) {
             // A reader that has seen enough.
             Err(e) if e.kind() == ErrorKind::BrokenPipe => return Ok(()),
             Err(e) => return Err(Failure::internal(e)),
-            Ok(()) => writer.text.clear(),
+            Ok(()) => writer.bytes.clear(),
         }
         std::thread::sleep(NAP);
     }
@@ -125,6 +144,22 @@ impl Sink for Writer {
                     put(out, value);
                 });
                 out.push_str("}\n");
+            }
+            Format::Binary => {
+                for (_, value) in fields {
+                    match value {
+                        Value::U32(v) => self.bytes.extend(v.to_ne_bytes()),
+                        Value::U64(v) => self.bytes.extend(v.to_ne_bytes()),
+                        Value::F64(v) => self.bytes.extend(v.to_ne_bytes()),
+                    }
+                }
+            }
+            Format::Candump => {
+                let time_ns = (message.stamp().time * 1e9) as i64;
+                let envelope = message.envelope();
+                for frame in self.frames.frames(&envelope, time_ns, "heft") {
+                    let _ = writeln!(out, "{}", frame.line());
+                }
             }
             Format::Influx => {
                 let _ = write!(out, "{} ", channel.name.replace('/', "_"));

@@ -168,6 +168,7 @@ impl<M: Machine> Decoder<M> {
     /// The first frame gets the time `seconds` instead of 0.
     pub fn begin_at(&mut self, seconds: f64) {
         self.clock.shift = (seconds * 1e9) as i64;
+        self.rows.begin_at(self.clock.shift);
     }
 
     /// What was strange so far, a line each; taken once.
@@ -175,8 +176,11 @@ impl<M: Machine> Decoder<M> {
         std::mem::take(&mut self.remarks)
     }
 
-    /// An error if a signal of the map never had a value.
-    pub(crate) fn check_heard(&self, log: &str) -> Result<(), Error> {
+    /// Whether every signal of the map has had a value.
+    ///
+    /// # Errors
+    /// One has had none.
+    pub fn check_heard(&self, log: &str) -> Result<(), Error> {
         let is_silent = |s: &Source| matches!(s, Source::Bus(bus) if !bus.has_value);
         let silent = self.lines.iter().find(|l| l.terms.iter().any(is_silent));
         silent.map_or(Ok(()), |line| {

@@ -5,6 +5,8 @@ use crate::time;
 /// Longest data field of a frame (CAN FD).
 pub const MAX_DATA: usize = 64;
 
+const SECOND: i64 = 1_000_000_000;
+
 /// A data frame with the time it was received.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Frame<'a> {
@@ -43,6 +45,19 @@ impl<'a> Frame<'a> {
         })
     }
 
+    /// The line of `candump -L`.
+    #[must_use]
+    pub fn line(&self) -> String {
+        let (seconds, ns) = (
+            self.time_ns.div_euclid(SECOND),
+            self.time_ns.rem_euclid(SECOND),
+        );
+        let width = if self.extended { 8 } else { 3 };
+        let data: String = self.data().iter().map(|b| format!("{b:02X}")).collect();
+        let (us, interface, id) = (ns / 1000, self.interface, self.id);
+        format!("({seconds:010}.{us:06}) {interface} {id:0width$X}#{data}")
+    }
+
     /// The data field.
     #[must_use]
     pub fn data(&self) -> &[u8] {
@@ -68,7 +83,8 @@ pub(crate) enum Line<'a> {
 /// `-t A`, `-t z`) or without, with or without direction (`-x`) and text (`-a`). `None` for text
 /// that is no frame.
 pub(crate) fn parse(line: &str) -> Option<Line<'_>> {
-    let line = line.trim();
+    // Some editors begin a file with a mark of its encoding.
+    let line = line.trim_start_matches('\u{feff}').trim();
     if line.is_empty() {
         return Some(Line::Nothing);
     }

@@ -1,48 +1,97 @@
 //! Logs of candump.
 
-use std::path::Path;
+use std::fs::File;
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
 
 use super::{Decoder, Line, parse};
 use crate::Error;
 use crate::map::Map;
 use crate::signal::{Machine, Row};
 
-/// Reads a log as the map says.
-pub(crate) fn read<M: Machine>(path: &Path, map: &Map) -> Result<Vec<Row<M>>, Error> {
-    let bytes = std::fs::read(path).map_err(|e| Error::system("read the CAN log", path, &e))?;
-    let text = String::from_utf8_lossy(&bytes);
-    let mut decoder = Decoder::<M>::new(map)?;
-    let mut rows = Vec::new();
-    let count = text.lines().count();
-    for (number, line) in text.lines().enumerate() {
-        match parse(line) {
-            Some(Line::Frame { frame, timed: true }) => decoder.take(&frame),
+/// The rows of a log, one after the other.
+pub(crate) struct Log<M: Machine> {
+    path: PathBuf,
+    file: BufReader<File>,
+    decoder: Decoder<M>,
+    line: Vec<u8>,
+    number: usize,
+    /// Bytes read.
+    pub read: u64,
+    has_ended: bool,
+}
+
+impl<M: Machine> Log<M> {
+    /// Opens a log, to be read as the map says.
+    pub(crate) fn open(path: &Path, map: &Map) -> Result<Self, Error> {
+        let failed = |e| Error::system("read the CAN log", path, &e);
+        Ok(Self {
+            file: BufReader::new(File::open(path).map_err(failed)?),
+            path: path.to_owned(),
+            decoder: Decoder::new(map)?,
+            line: Vec::new(),
+            number: 0,
+            read: 0,
+            has_ended: false,
+        })
+    }
+
+    /// The next row; nothing at the end.
+    pub(crate) fn row(&mut self) -> Result<Option<Row<M>>, Error> {
+        loop {
+            if let Some(row) = self.decoder.row() {
+                return Ok(Some(row));
+            }
+            if self.has_ended {
+                return Ok(None);
+            }
+            self.line.clear();
+            let read = self.file.read_until(b'\n', &mut self.line);
+            let read = read.map_err(|e| Error::system("read the CAN log", &self.path, &e))?;
+            self.read += read as u64;
+            if read == 0 {
+                self.end()?;
+            } else {
+                self.number += 1;
+                self.take()?;
+            }
+        }
+    }
+
+    fn take(&mut self) -> Result<(), Error> {
+        let text = String::from_utf8_lossy(&self.line);
+        let error = |what: String, remedy| {
+            Err(Error::new(
+                what,
+                format!("{}:{}", self.path.display(), self.number),
+                remedy,
+            ))
+        };
+        match parse(&text) {
+            Some(Line::Frame { frame, timed: true }) => self.decoder.take(&frame),
             Some(Line::Frame { .. }) => {
-                return Err(Error::new(
-                    "the log tells no times",
-                    format!("{}:{}", path.display(), number + 1),
-                    "record it with candump -L, or with candump -ta",
-                ));
+                let remedy = "record it with candump -L, or with candump -ta";
+                return error("the log tells no times".into(), remedy);
             }
             Some(Line::Nothing) => {}
             // The last line of a log whose writer was switched off.
-            None if number + 1 == count && !text.ends_with('\n') => {}
+            None if !text.ends_with('\n') => {}
             None => {
-                let shown: String = line.trim().chars().take(80).collect();
-                return Err(Error::new(
-                    format!("\"{shown}\" is no frame"),
-                    format!("{}:{}", path.display(), number + 1),
-                    "give a log of candump -L, or of candump -ta with its times",
-                ));
+                let shown: String = text.trim().chars().take(80).collect();
+                let remedy = "give a log of candump -L, or of candump -ta with its times";
+                return error(format!("\"{shown}\" is no frame"), remedy);
             }
         }
-        rows.extend(std::iter::from_fn(|| decoder.row()));
+        Ok(())
     }
-    decoder.finish();
-    rows.extend(std::iter::from_fn(|| decoder.row()));
-    for remark in decoder.take_remarks() {
-        tracing::warn!("{}: {remark}", path.display());
+
+    fn end(&mut self) -> Result<(), Error> {
+        self.has_ended = true;
+        self.decoder.finish();
+        let log = self.path.display();
+        for remark in self.decoder.take_remarks() {
+            tracing::warn!("{log}: {remark}");
+        }
+        self.decoder.check_heard(&format!("the log {log}"))
     }
-    decoder.check_heard(&format!("the log {}", path.display()))?;
-    Ok(rows)
 }

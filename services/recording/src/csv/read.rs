@@ -1,5 +1,6 @@
-use std::io::Read;
-use std::path::Path;
+use std::fs::File;
+use std::io::{BufReader, Cursor, Read, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
 
 use ::csv::{ByteRecord, Reader, ReaderBuilder, Trim};
 use messages::{ExcavatorSensors, ExcavatorTruth, LoaderSensors, LoaderTruth};
@@ -68,47 +69,82 @@ pub fn read_weighings(path: impl AsRef<Path>) -> Result<Vec<[f64; 3]>, Error> {
     Ok(rows)
 }
 
-/// The bytes of a file.
+/// A file and how it is written.
 struct Table {
-    bytes: Vec<u8>,
+    path: PathBuf,
     file: String,
     dialect: Dialect,
-    /// Bytes before the header: Excel's line that names the separator.
+    /// The content where it was UTF-16; any other file is read as it goes.
+    converted: Option<Vec<u8>>,
+    /// Bytes before the header: a byte order mark, and Excel's line that names the separator.
     preface: usize,
 }
 
+/// The lines below the header.
+type Lines = Reader<Box<dyn Read>>;
+
+/// The header is within so many bytes.
+const HEAD: u64 = 1 << 18;
+
 impl Table {
     fn open(path: &Path) -> Result<Self, Error> {
-        let bytes = std::fs::read(path).map_err(|e| Error::system("read the data", path, &e))?;
-        let bytes = dialect::utf8(bytes);
+        let failed = |e| Error::system("read the data", path, &e);
+        let mut head = Vec::new();
+        let mut opened = File::open(path).map_err(failed)?;
+        let begin = opened.by_ref().take(HEAD).read_to_end(&mut head);
+        begin.map_err(failed)?;
+        let is_wide = head.starts_with(&[0xff, 0xfe]) || head.starts_with(&[0xfe, 0xff]);
+        let mark = if head.starts_with(&[0xef, 0xbb, 0xbf]) {
+            3
+        } else {
+            0
+        };
+        if is_wide {
+            opened.read_to_end(&mut head).map_err(failed)?;
+            head = dialect::utf8(head);
+        }
+        let text = head.get(mark..).unwrap_or_default();
         let file = path.display().to_string();
-        if bytes.trim_ascii().is_empty() {
+        if text.trim_ascii().is_empty() {
             let remedy = "give a CSV file with a header and a row per sample";
             return Err(Error::new("the file is empty", file, remedy));
         }
-        let blank = bytes.iter().take_while(|b| b.is_ascii_whitespace()).count();
-        let line = bytes[blank..].split(|b| *b == b'\n').next();
+        let blank = text.iter().take_while(|b| b.is_ascii_whitespace()).count();
+        let line = text[blank..].split(|b| *b == b'\n').next();
         let line = line.unwrap_or_default();
         let preface = match dialect::separator_line(line) {
-            Some(_) => (blank + line.len() + 1).min(bytes.len()),
+            Some(_) => (blank + line.len() + 1).min(text.len()),
             None => 0,
         };
         Ok(Self {
+            path: path.to_owned(),
             dialect: Dialect::of(line),
-            bytes,
             file,
-            preface,
+            preface: mark + preface,
+            converted: is_wide.then_some(head),
         })
     }
 
+    /// The content from byte `start`.
+    fn content(&self, start: usize) -> Result<Box<dyn Read>, Error> {
+        let failed = |e| Error::system("read the data", &self.path, &e);
+        if let Some(bytes) = &self.converted {
+            let rest = bytes.get(start..).unwrap_or_default();
+            return Ok(Box::new(Cursor::new(rest.to_vec())));
+        }
+        let mut file = File::open(&self.path).map_err(failed)?;
+        file.seek(SeekFrom::Start(start as u64)).map_err(failed)?;
+        Ok(Box::new(file))
+    }
+
     /// A reader behind the header, and the header.
-    fn reader(&self) -> Result<(Reader<&[u8]>, Vec<String>), Error> {
+    fn reader(&self) -> Result<(Lines, Vec<String>), Error> {
         let mut builder = ReaderBuilder::new();
         let mut reader = builder
             .delimiter(self.dialect.separator)
             .trim(Trim::All)
             .flexible(true)
-            .from_reader(&self.bytes[self.preface..]);
+            .from_reader(self.content(self.preface)?);
         let header = header(&mut reader, &self.file)?;
         Ok((reader, header))
     }
@@ -116,44 +152,96 @@ impl Table {
     /// Line of a record, counted from 1; empty lines before it are counted too.
     fn line(&self, record: &ByteRecord) -> usize {
         let start = self.preface + record.position().map_or(0, |p| p.byte() as usize);
-        let rest = self.bytes.get(start..).unwrap_or_default();
-        let blank = rest.iter().take_while(|b| b.is_ascii_whitespace()).count();
-        let before = self.bytes.get(..start + blank).unwrap_or(&self.bytes);
-        before.iter().filter(|b| **b == b'\n').count() + 1
+        let content = self
+            .content(0)
+            .into_iter()
+            .flat_map(|c| BufReader::new(c).bytes());
+        let bytes = content.map_while(Result::ok).enumerate();
+        let before = bytes.take_while(|(at, b)| *at < start || b.is_ascii_whitespace());
+        before.filter(|(_, b)| *b == b'\n').count() + 1
+    }
+}
+
+/// The rows of a table, one after the other.
+pub(crate) struct TableRows<M: Machine> {
+    table: Table,
+    reader: Lines,
+    columns: Columns<M>,
+    record: ByteRecord,
+    count: u64,
+    has_ended: bool,
+}
+
+impl<M: Machine> TableRows<M> {
+    /// Opens a table, to be read as the map says.
+    pub(crate) fn open(path: &Path, map: Option<&Map>) -> Result<Self, Error> {
+        let table = Table::open(path)?;
+        let (reader, header) = table.reader()?;
+        Ok(Self {
+            columns: Columns::choose(header, table.dialect, map, &table.file)?,
+            table,
+            reader,
+            record: ByteRecord::new(),
+            count: 0,
+            has_ended: false,
+        })
+    }
+
+    /// Bytes read.
+    pub(crate) fn read(&self) -> u64 {
+        self.reader.position().byte()
+    }
+
+    /// The next row; nothing at the end.
+    pub(crate) fn row(&mut self) -> Result<Option<Row<M>>, Error> {
+        loop {
+            if let Some(row) = self.columns.row() {
+                return Ok(Some(row));
+            }
+            if self.has_ended {
+                return Ok(None);
+            }
+            self.take()?;
+        }
+    }
+
+    /// Takes a line, or the end.
+    fn take(&mut self) -> Result<(), Error> {
+        let (table, record) = (&self.table, &mut self.record);
+        let more = self.reader.read_byte_record(record);
+        if more.map_err(|e| broken(&e, &table.file))? {
+            check_width(
+                record,
+                self.columns.width(),
+                || table.line(record),
+                &table.file,
+            )?;
+            self.count += 1;
+            return self
+                .columns
+                .take(record)
+                .map_err(|NoNumber { text, column }| {
+                    no_number(text.as_bytes(), &column, table.line(record), &table.file)
+                });
+        }
+        if self.count == 0 {
+            let remedy = "give a file with a row per sample below the header";
+            let file = table.file.clone();
+            return Err(Error::new(
+                "the file has a header but no rows",
+                file,
+                remedy,
+            ));
+        }
+        self.has_ended = true;
+        self.columns.finish();
+        Ok(())
     }
 }
 
 pub(crate) fn read<M: Machine>(path: &Path, map: Option<&Map>) -> Result<Vec<Row<M>>, Error> {
-    let table = Table::open(path)?;
-    let (mut reader, header) = table.reader()?;
-    let mut columns = Columns::<M>::choose(header, table.dialect, map, &table.file)?;
-    let mut record = ByteRecord::new();
-    let mut count = 0;
-    while reader
-        .read_byte_record(&mut record)
-        .map_err(|e| broken(&e, &table.file))?
-    {
-        check_width(
-            &record,
-            columns.width(),
-            || table.line(&record),
-            &table.file,
-        )?;
-        columns.take(&record).map_err(|NoNumber { text, column }| {
-            no_number(text.as_bytes(), &column, table.line(&record), &table.file)
-        })?;
-        count += 1;
-    }
-    if count == 0 {
-        let remedy = "give a file with a row per sample below the header";
-        return Err(Error::new(
-            "the file has a header but no rows",
-            table.file,
-            remedy,
-        ));
-    }
-    columns.finish();
-    Ok(std::iter::from_fn(|| columns.row()).collect())
+    let mut rows = TableRows::<M>::open(path, map)?;
+    std::iter::from_fn(|| rows.row().transpose()).collect()
 }
 
 /// Header and numbers of the first `most` rows, by column; NaN where a cell holds none.

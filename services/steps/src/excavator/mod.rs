@@ -7,6 +7,7 @@ mod motion;
 mod pipeline;
 mod regression;
 mod sample;
+mod smooth;
 
 pub use estimate::message as estimate_message;
 use estimate::tell_restart;
@@ -16,6 +17,7 @@ pub use motion::{message as motion_message, motion};
 pub use pipeline::PIPELINE;
 pub use regression::RegressionStep;
 pub use sample::{check_columns, columns, sample};
+pub use smooth::{Past, past};
 
 use estimation::excavator::Method;
 

@@ -9,7 +9,7 @@ use messages::{Hop, Machine};
 
 use super::{EstimatorStep, FilterStep, RegressionStep};
 use crate::Error;
-use crate::stages::{LOGGER, Pipeline, Role, RowOf, Stage};
+use crate::stages::{LOGGER, Pipeline, Role, RowOf, SENDER, Stage};
 
 /// The excavator's processes, upstream first.
 pub static PIPELINE: Pipeline = Pipeline {
@@ -68,6 +68,7 @@ pub static PIPELINE: Pipeline = Pipeline {
             priority: 80,
             role: Role::Probe(EXCAVATOR_INERTIA_RLS.any()),
         },
+        SENDER,
     ],
 };
 

@@ -6,7 +6,7 @@ use messages::{Hop, Machine};
 
 use super::EstimatorStep;
 use crate::Error;
-use crate::stages::{LOGGER, Pipeline, Role, RowOf, Stage};
+use crate::stages::{LOGGER, Pipeline, Role, RowOf, SENDER, Stage};
 
 /// The loader's processes, upstream first.
 pub static PIPELINE: Pipeline = Pipeline {
@@ -53,6 +53,7 @@ pub static PIPELINE: Pipeline = Pipeline {
             priority: 80,
             role: Role::Probe(LOADER_CG_UKF.any()),
         },
+        SENDER,
     ],
 };
 

@@ -82,6 +82,7 @@ pub(super) fn status(monitor: &Monitor, now: Instant, viewers: usize, skipped: u
         "verdicts": verdicts,
         "processes": processes.collect::<Vec<_>>(),
         "channels": channels.collect::<Vec<_>>(),
+        "simulated": monitor.is_simulated,
         "viewers": viewers,
         "skipped": skipped,
     })

@@ -25,6 +25,11 @@ pub(super) fn title(run: &Run) -> String {
 
 pub(super) fn write(body: &mut String, run: &Run) {
     let _ = write!(body, "<header><h1>{}</h1>", text(&title(run)));
+    if is_simulated(run) {
+        body.push_str(
+            "<p class=\"other\"><b>Simulated</b>: nothing here was measured on a machine.</p>",
+        );
+    }
     let line = facts(run);
     if !line.is_empty() {
         let _ = write!(body, "<p class=\"facts\">{}</p>", line.join(" · "));
@@ -52,6 +57,15 @@ pub(super) fn write(body: &mut String, run: &Run) {
     machine(body, &run.excavator);
     machine(body, &run.loader);
     body.push_str("</header>");
+}
+
+/// Whether the samples are a simulator's: older recordings say so by their scenario only.
+fn is_simulated(run: &Run) -> bool {
+    fn any<E: Estimate>(part: &MachineRun<E>) -> bool {
+        let last = part.estimators.iter().filter_map(|e| e.estimates.last());
+        last.into_iter().any(Message::is_simulated)
+    }
+    run.metadata("scenario").is_some() || any(&run.excavator) || any(&run.loader)
 }
 
 /// When, where and with what it was made, and how long it is, as HTML.

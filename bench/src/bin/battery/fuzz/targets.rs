@@ -150,10 +150,12 @@ fn description(input: &[u8]) {
 
 fn candump(input: &[u8]) {
     write("truck.dbc", TRUCK_DBC.as_bytes());
-    write("truck.toml", TRUCK_MAP.as_bytes());
     write("x.log", input);
-    let map = Map::read(Path::new("truck.toml")).expect("the map of the tests");
-    let _ = recording::load_loader("x.log", Some(&map));
+    let at_a_rate = TRUCK_MAP.replace("master = \"front_wheel_speed\"", "rate = 100");
+    for text in [TRUCK_MAP, &at_a_rate] {
+        let map = Map::parse(text, "truck.toml").expect("the map of the tests");
+        let _ = recording::load_loader("x.log", Some(&map));
+    }
 }
 
 fn lines(input: &[u8]) {

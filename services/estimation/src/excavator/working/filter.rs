@@ -22,6 +22,7 @@
 //! All but w and m are constants of the machine and its place. Only row W of the transition differs from the
 //! identity, so a step costs two passes over the covariance.
 
+use super::smoother::Trail;
 use crate::kalman::Innovation;
 use crate::math::{exp, tanh};
 
@@ -85,6 +86,9 @@ pub(super) struct Filter {
     pub(super) p: [Vector; N],
     /// Acceleration over the last step [rad/s^2].
     pub(super) acceleration: f64,
+    /// What it did in this tick, where that is kept.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub(super) trail: Option<Trail>,
 }
 
 impl Filter {
@@ -98,6 +102,7 @@ impl Filter {
             x,
             p,
             acceleration: 0.0,
+            trail: None,
         }
     }
 
@@ -132,6 +137,9 @@ impl Filter {
         row[MOMENT] = step * lean;
         x[W] += dt * f;
         self.acceleration = f;
+        if let Some(trail) = &mut self.trail {
+            trail.row(W, &row);
+        }
 
         let mut column = [0.0; N];
         for (c, line) in column.iter_mut().zip(&self.p) {
@@ -150,6 +158,11 @@ impl Filter {
     fn leave(&mut self, input: &Input) {
         if input.leaving > 0.0 {
             let kept = 1.0 - input.leaving;
+            if let Some(trail) = &mut self.trail {
+                let mut row = [0.0; N];
+                row[M] = kept;
+                trail.row(M, &row);
+            }
             self.x[M] *= kept;
             for i in 0..N {
                 self.p[M][i] *= kept;
@@ -184,6 +197,9 @@ impl Filter {
         let total = dot(&column, row) + variance;
         let gated = total.max(value * value / (gate * gate));
         let share = 1.0 / gated;
+        if let Some(trail) = &mut self.trail {
+            trail.measured(row, &column.map(|c| c * share), value, gated);
+        }
         for i in 0..N {
             let gain = column[i] * share;
             self.x[i] += gain * value;
@@ -199,6 +215,9 @@ impl Filter {
 
     /// State `i` takes a new value with a variance, independent of all others.
     pub(super) fn set(&mut self, i: usize, value: f64, variance: f64) {
+        if let Some(trail) = &mut self.trail {
+            trail.set(i);
+        }
         self.x[i] = value;
         for j in 0..N {
             self.p[i][j] = 0.0;
@@ -214,7 +233,7 @@ impl Filter {
     }
 }
 
-fn dot(a: &Vector, b: &Vector) -> f64 {
+pub(super) fn dot(a: &Vector, b: &Vector) -> f64 {
     let mut sum = 0.0;
     for i in 0..N {
         sum += a[i] * b[i];

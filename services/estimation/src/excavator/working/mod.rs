@@ -8,6 +8,7 @@ mod agreement;
 mod bucket;
 mod filter;
 mod noise;
+mod smoother;
 
 use self::agreement::Agreement;
 use self::bucket::{Bucket, Content};
@@ -15,6 +16,7 @@ use self::filter::{
     DAMPING, DELAY, FRICTION, Filter, GAIN, Input, LOSS, M, MOMENT, N, OFFSET, SLOPE, Vector, W,
 };
 use self::noise::Noise;
+pub use self::smoother::{Smoothed, Smoother, Trail};
 use super::doubts::Doubts;
 use super::drive::Drive;
 use super::geometry::Inertia;
@@ -80,6 +82,9 @@ pub(super) struct Working {
     changed: bool,
     /// The empty bucket of this swing has been used as a weight of zero.
     tared: bool,
+    /// What each tick does is kept; the next one is the first.
+    trailing: bool,
+    anew: bool,
 }
 
 impl Working {
@@ -120,12 +125,17 @@ impl Working {
             change: Cusum::new(0.5, CHANGE),
             changed: false,
             tared: false,
+            trailing: false,
+            anew: true,
         }
     }
 
     /// One tick.
     pub(super) fn step(&mut self, drive: &Drive, phase: Phase) -> State {
         let standing = phase == Phase::Held;
+        if self.trailing {
+            self.filter.trail = Some(Trail::NOTHING);
+        }
         let content = self.bucket.step(drive, standing);
         if content == Content::Unknown {
             let p = &self.settings.prior;
@@ -139,7 +149,30 @@ impl Working {
             Phase::Held => self.rest(0.0, 1e-6),
             Phase::Released(w) => self.set_off(w, drive),
         };
+        self.finish_trail(drive);
         self.state(drive, innovation, standing)
+    }
+
+    /// Keeps from now on what each tick does.
+    pub(super) fn keep_trail(&mut self) {
+        self.trailing = true;
+    }
+
+    /// What the last tick did, where that is kept.
+    pub(super) fn take_trail(&mut self) -> Option<Trail> {
+        self.filter.trail.take()
+    }
+
+    fn finish_trail(&mut self, drive: &Drive) {
+        let anew = core::mem::take(&mut self.anew);
+        let filter = &mut self.filter;
+        if let Some(trail) = &mut filter.trail {
+            trail.finish(&filter.x, &filter.p);
+            trail.anew = anew;
+            trail.range = self.settings.payload_range();
+            trail.described = self.doubts.inertia_share * drive.now.empty;
+            trail.disagreement = self.agreement.factor();
+        }
     }
 
     fn rest(&mut self, velocity: f64, variance: f64) -> Innovation {
@@ -158,6 +191,11 @@ impl Working {
         let innovation = self.rest(velocity, drive.variance / 4.0 + 0.02 * 0.02);
         let acceleration = drive.torque / drive.now.with_payload(self.filter.x[M]);
         let (x, p) = (&mut self.filter.x, &mut self.filter.p);
+        if let Some(trail) = &mut self.filter.trail {
+            let mut row = [0.0; N];
+            (row[W], row[DELAY]) = (1.0, acceleration);
+            trail.row(W, &row);
+        }
         x[W] += x[DELAY] * acceleration;
         let of_delay = p[DELAY];
         let variance = p[W][W];

@@ -3,13 +3,10 @@
 
 use std::fmt::Write;
 
-use calibrate::Model;
-use calibrate::excavator::{Found, Outcome};
 use calibrate::honesty::Agreement;
+use calibrate::{Found, Summary};
 use estimation::Quantity;
 use view::plot::{Plot, Style, escape};
-
-use super::is_load;
 
 /// Bars of the histogram of residuals.
 const BARS: usize = 40;
@@ -29,23 +26,24 @@ pub fn figure(q: Quantity, unit: &str) -> String {
     format!("{:.decimals$} ± {:.decimals$}{unit}", q.value, q.std)
 }
 
-/// The page of an excavator.
-pub fn excavator(outcome: &Outcome) -> String {
-    let mut body = String::from("<h1>Calibration of the excavator</h1>");
-    verdict(&mut body, outcome);
-    if let Some(found) = &outcome.found {
-        values(&mut body, outcome, found);
-        unseen(&mut body, found);
-        residuals(&mut body, outcome, found);
-        slices(&mut body, outcome, found);
-        correlations(&mut body, outcome, found);
-        contributions(&mut body, outcome, found);
+/// The page of a calibration.
+pub fn page(summary: &Summary<'_>) -> String {
+    let title = format!("Calibration of the {}", summary.machine);
+    let mut body = format!("<h1>{title}</h1>");
+    verdict(&mut body, summary);
+    if let Some(found) = summary.found {
+        values(&mut body, summary, found);
+        unseen(&mut body, summary, found);
+        residuals(&mut body, summary, found);
+        slices(&mut body, summary, found);
+        correlations(&mut body, summary, found);
+        contributions(&mut body, summary, found);
     }
-    view::page("Calibration of the excavator", &body)
+    view::page(&title, &body)
 }
 
-fn verdict(body: &mut String, outcome: &Outcome) {
-    let (class, word) = if outcome.faults.is_empty() {
+fn verdict(body: &mut String, summary: &Summary<'_>) {
+    let (class, word) = if summary.faults.is_empty() {
         ("verdict trusted", "calibrated")
     } else {
         ("verdict", "not to be believed")
@@ -54,7 +52,7 @@ fn verdict(body: &mut String, outcome: &Outcome) {
         body,
         "<div class=\"{class}\"><p><span class=\"badge\">{word}</span></p>"
     );
-    for line in outcome.faults.iter().chain(&outcome.remarks) {
+    for line in summary.faults.iter().chain(summary.remarks) {
         let _ = write!(body, "<p>{}</p>", escape(line));
     }
     body.push_str("</div>");
@@ -93,25 +91,21 @@ fn panels(body: &mut String, title: &str, note: &str, plots: &[Plot]) {
     body.push_str("</div></section>");
 }
 
-fn values(body: &mut String, outcome: &Outcome, found: &Found) {
-    let rows: Vec<Vec<String>> = outcome
-        .swings
-        .roles
-        .iter()
-        .enumerate()
-        .filter_map(|(i, role)| {
-            let p = &outcome.swings.parameters[i];
+fn values(body: &mut String, summary: &Summary<'_>, found: &Found) {
+    let parameters = summary.model.parameters().iter().enumerate();
+    let rows: Vec<Vec<String>> = parameters
+        .filter_map(|(i, p)| {
             let before = Quantity {
                 value: p.mean,
                 std: p.value_std(0.0, 1.0),
             };
             let noise = p.value_std(found.fit.place[i], found.uncertainty.noise[i]);
-            let held = if outcome.fixed[i] { " (held)" } else { "" };
+            let held = if summary.fixed[i] { " (held)" } else { "" };
             Some(vec![
                 format!("{}{held}", p.words),
                 p.key.clone(),
                 figure(before, p.unit),
-                figure(outcome.quantity(*role)?, p.unit),
+                figure(summary.quantity(i)?, p.unit),
                 format!("{noise:.2e}"),
             ])
         })
@@ -120,15 +114,15 @@ fn values(body: &mut String, outcome: &Outcome, found: &Found) {
         body,
         "What was found",
         &format!(
-            "± is one standard deviation. The last column is what the noise alone would give; the scatter between swings widened it {:.2} times.",
-            found.uncertainty.widened
+            "± is one standard deviation. The last column is what the noise alone would give; the scatter from {} to {} widened it {:.2} times.",
+            summary.block, summary.block, found.uncertainty.widened
         ),
         &["", "key", "before", "found", "noise alone"],
         &rows,
     );
 }
 
-fn unseen(body: &mut String, found: &Found) {
+fn unseen(body: &mut String, summary: &Summary<'_>, found: &Found) {
     let row = |name: &str, a: &Agreement| {
         vec![
             name.to_owned(),
@@ -141,8 +135,11 @@ fn unseen(body: &mut String, found: &Found) {
     let [before, after] = &found.unseen;
     table(
         body,
-        "On swings that the fit has not seen",
-        "One swing in four was left out of a fit of its own. A right model has 1, 0 and 95.",
+        "On what the fit has not seen",
+        &format!(
+            "One {} in four was left out of a fit of its own. A right model has 1, 0 and 95.",
+            summary.block
+        ),
         &[
             "",
             "innovations",
@@ -154,12 +151,12 @@ fn unseen(body: &mut String, found: &Found) {
     );
 }
 
-/// Normalised innovations of a recording with the found values, in the order of its swings.
-fn normalised(outcome: &Outcome, found: &Found, recording: usize) -> Vec<f64> {
-    let values = calibrate::fit::values(&outcome.swings, &found.fit.place);
+/// Normalised innovations of a recording with the found values, block after block.
+fn normalised(summary: &Summary<'_>, found: &Found, recording: usize) -> Vec<f64> {
+    let values = calibrate::fit::values(summary.model, &found.fit.place);
     let mut innovations = Vec::new();
-    for block in outcome.swings.blocks_of(recording) {
-        outcome.swings.innovations(block, &values, &mut innovations);
+    for block in summary.blocks_of(recording) {
+        summary.model.innovations(block, &values, &mut innovations);
     }
     innovations
         .iter()
@@ -167,21 +164,21 @@ fn normalised(outcome: &Outcome, found: &Found, recording: usize) -> Vec<f64> {
         .collect()
 }
 
-fn residuals(body: &mut String, outcome: &Outcome, found: &Found) {
+fn residuals(body: &mut String, summary: &Summary<'_>, found: &Found) {
     let mut plots = Vec::new();
-    for (r, series) in outcome.swings.series.iter().enumerate() {
-        let residuals = normalised(outcome, found, r);
+    for (r, name) in summary.recordings.iter().enumerate() {
+        let residuals = normalised(summary, found, r);
         let points: Vec<(f64, f64)> = residuals
             .iter()
             .enumerate()
             .map(|(i, z)| (i as f64, *z))
             .collect();
-        let mut course = Plot::new(format!("residual, {}", series.name), "sample in swings");
+        let mut course = Plot::new(format!("residual, {name}"), "measurement");
         course.line("innovation / expected", Style::Series(0), &points);
         course.level("95 %", Style::Limit, estimation::HALF_WIDTH_95);
         course.level("", Style::Limit, -estimation::HALF_WIDTH_95);
         plots.push(course);
-        plots.push(histogram(&residuals, &series.name));
+        plots.push(histogram(&residuals, name));
     }
     panels(
         body,
@@ -217,12 +214,12 @@ fn histogram(residuals: &[f64], name: &str) -> Plot {
     plot
 }
 
-fn slices(body: &mut String, outcome: &Outcome, found: &Found) {
+fn slices(body: &mut String, summary: &Summary<'_>, found: &Found) {
     let plots: Vec<Plot> = found
         .profiles
         .iter()
         .map(|profile| {
-            let p = &outcome.swings.parameters[profile.parameter];
+            let p = &summary.model.parameters()[profile.parameter];
             let best = found.fit.place[profile.parameter];
             let std = found.uncertainty.std(profile.parameter);
             let points: Vec<(f64, f64)> = profile
@@ -251,9 +248,9 @@ fn slices(body: &mut String, outcome: &Outcome, found: &Found) {
     );
 }
 
-fn correlations(body: &mut String, outcome: &Outcome, found: &Found) {
-    let free: Vec<usize> = (0..outcome.fixed.len())
-        .filter(|&i| !outcome.fixed[i])
+fn correlations(body: &mut String, summary: &Summary<'_>, found: &Found) {
+    let free: Vec<usize> = (0..summary.fixed.len())
+        .filter(|&i| !summary.fixed[i])
         .collect();
     let head: Vec<String> = std::iter::once(String::new())
         .chain((1..=free.len()).map(|k| k.to_string()))
@@ -265,7 +262,7 @@ fn correlations(body: &mut String, outcome: &Outcome, found: &Found) {
             let cells = free[..k]
                 .iter()
                 .map(|&j| found.uncertainty.correlation(i, j));
-            std::iter::once(format!("{} {}", k + 1, outcome.swings.parameters[i].words))
+            std::iter::once(format!("{} {}", k + 1, summary.model.parameters()[i].words))
                 .chain(cells.map(|c| format!("{c:+.2}")))
                 .chain(std::iter::once("1".into()))
                 .collect()
@@ -276,33 +273,29 @@ fn correlations(body: &mut String, outcome: &Outcome, found: &Found) {
 }
 
 /// Share of each recording in what the data say about a parameter.
-fn contributions(body: &mut String, outcome: &Outcome, found: &Found) {
-    let swings = &outcome.swings;
+fn contributions(body: &mut String, summary: &Summary<'_>, found: &Found) {
     let mut head = vec!["".to_owned()];
-    head.extend(swings.series.iter().map(|s| format!("{}, %", s.name)));
+    head.extend(summary.recordings.iter().map(|name| format!("{name}, %")));
     let mut rows: Vec<Vec<String>> = Vec::new();
-    for (i, role) in swings.roles.iter().enumerate() {
-        if outcome.fixed[i] || is_load(*role) {
+    for (i, parameter) in summary.model.parameters().iter().enumerate() {
+        if summary.fixed[i] || summary.loads[i] {
             continue;
         }
-        let mut shares = vec![0.0; swings.series.len()];
+        let mut shares = vec![0.0; summary.recordings.len()];
         for (block, information) in found.fit.information.iter().enumerate() {
             let column = (0..information.nrows()).map(|k| information[(k, i)].powi(2));
-            shares[swings.recording(block)] += column.sum::<f64>();
+            shares[summary.model.recording(block)] += column.sum::<f64>();
         }
         let whole: f64 = shares.iter().sum::<f64>().max(f64::MIN_POSITIVE);
-        let mut row = vec![swings.parameters[i].words.clone()];
+        let mut row = vec![parameter.words.clone()];
         row.extend(shares.iter().map(|s| format!("{:.0}", 100.0 * s / whole)));
         rows.push(row);
     }
-    let mut seconds = vec!["time in swings, left / right, s".to_owned()];
-    seconds.extend(
-        swings
-            .series
-            .iter()
-            .map(|s| format!("{:.0} / {:.0}", s.moving_time(1.0), s.moving_time(-1.0))),
+    rows.push(
+        std::iter::once("it holds".to_owned())
+            .chain(summary.contents.iter().cloned())
+            .collect(),
     );
-    rows.push(seconds);
     let head: Vec<&str> = head.iter().map(String::as_str).collect();
     table(
         body,

@@ -1,0 +1,162 @@
+//! What a calibration of any machine came to: the fit, what it may claim, and how to look at it.
+
+use std::fmt::Write;
+
+use estimation::Quantity;
+
+use crate::fit::{Fit, GOOD, Task};
+use crate::honesty::{self, Agreement, Profile, Uncertainty};
+use crate::model::Model;
+
+/// One of so many blocks is kept from the fit that is judged on it.
+const HELD_OUT: usize = 4;
+
+/// A fit and what it may claim.
+#[derive(Debug, Clone)]
+pub struct Found {
+    /// The fit.
+    pub fit: Fit,
+    /// Its uncertainty.
+    pub uncertainty: Uncertainty,
+    /// Profiles of the two weakest parameters.
+    pub profiles: Vec<Profile>,
+    /// On blocks that took no part in a fit to the others: with the description, and with that fit.
+    pub unseen: [Agreement; 2],
+}
+
+impl Found {
+    /// What the fit of a task may claim. `held` is the tolerance of each parameter that was not free, in standard
+    /// deviations of what was known; `minor` are those that no profile is worth. None where the data say nothing.
+    pub fn of<M: Model>(
+        task: &Task<'_, M>,
+        mut fit: Fit,
+        held: &[f64],
+        minor: &[bool],
+    ) -> Option<Self> {
+        let none = vec![false; task.fixed.len()];
+        let everything = Task {
+            fixed: &none,
+            ..*task
+        };
+        fit.information = everything.information(&fit.place);
+        let parameters = task.model.parameters();
+        let uncertainty = honesty::uncertainty(&fit, parameters, task.fixed, held)?;
+        let unseen = judge(task, &fit);
+        let profiles = weakest(task, &fit, &uncertainty, minor);
+        Some(Self {
+            fit,
+            uncertainty,
+            profiles,
+            unseen,
+        })
+    }
+}
+
+/// Fits without one block in four, and asks those.
+fn judge<M: Model>(task: &Task<'_, M>, whole: &Fit) -> [Agreement; 2] {
+    let mut counted = vec![0; task.model.blocks()];
+    let is_unseen = |block: usize, counted: &mut Vec<usize>| {
+        let recording = task.model.recording(block);
+        counted[recording] += 1;
+        (counted[recording] - 1) % HELD_OUT == HELD_OUT / 2
+    };
+    let (unseen, seen): (Vec<usize>, Vec<usize>) = task
+        .blocks
+        .iter()
+        .partition(|&&block| is_unseen(block, &mut counted));
+    let fit = Task {
+        blocks: &seen,
+        least_gain: task.least_gain.max(GOOD),
+        progress: &|_| {},
+        ..*task
+    }
+    .run(&whole.place);
+    let before = vec![0.0; task.fixed.len()];
+    [&before, &fit.place].map(|place| honesty::agreement(task.model, &unseen, place))
+}
+
+/// Profiles of the two parameters that the data narrowed least.
+fn weakest<M: Model>(
+    task: &Task<'_, M>,
+    fit: &Fit,
+    uncertainty: &Uncertainty,
+    minor: &[bool],
+) -> Vec<Profile> {
+    let mut order: Vec<usize> = (0..task.fixed.len())
+        .filter(|&i| !task.fixed[i] && !minor[i])
+        .collect();
+    order.sort_by(|a, b| uncertainty.std(*b).total_cmp(&uncertainty.std(*a)));
+    order
+        .into_iter()
+        .take(2)
+        .map(|i| honesty::profile(task, fit, uncertainty, i))
+        .collect()
+}
+
+/// A calibration of any machine, to look at.
+#[derive(Clone)]
+pub struct Summary<'a> {
+    /// The machine, in a title.
+    pub machine: &'static str,
+    /// What a block is: "swing".
+    pub block: &'static str,
+    /// Parameters and blocks.
+    pub model: &'a dyn Model,
+    /// Names of the recordings.
+    pub recordings: Vec<String>,
+    /// What each recording holds, in words.
+    pub contents: Vec<String>,
+    /// Which parameters were held.
+    pub fixed: &'a [bool],
+    /// Which parameters are of a recording rather than of the machine.
+    pub loads: Vec<bool>,
+    /// The fit, if there is one.
+    pub found: Option<&'a Found>,
+    /// Why the result must not be believed.
+    pub faults: &'a [String],
+    /// What the reader should know.
+    pub remarks: &'a [String],
+}
+
+impl Summary<'_> {
+    /// A parameter: value and standard deviation.
+    #[must_use]
+    pub fn quantity(&self, i: usize) -> Option<Quantity> {
+        let found = self.found?;
+        let parameter = &self.model.parameters()[i];
+        Some(Quantity {
+            value: parameter.value(found.fit.place[i]),
+            std: parameter.value_std(found.fit.place[i], found.uncertainty.std(i)),
+        })
+    }
+
+    /// The blocks of a recording.
+    #[must_use]
+    pub fn blocks_of(&self, recording: usize) -> Vec<usize> {
+        (0..self.model.blocks())
+            .filter(|&block| self.model.recording(block) == recording)
+            .collect()
+    }
+
+    /// The joint uncertainty, as comments of a description, which has no place for correlations.
+    #[must_use]
+    pub fn joint(&self) -> String {
+        let Some(found) = self.found else {
+            return String::new();
+        };
+        let free: Vec<usize> = (0..self.fixed.len()).filter(|&i| !self.fixed[i]).collect();
+        let mut text = format!(
+            "# Correlations of the errors (standard deviations widened {:.2} times by the scatter from {} to {}):\n",
+            found.uncertainty.widened, self.block, self.block
+        );
+        for (row, &i) in free.iter().enumerate() {
+            let cells: Vec<String> = free[..row]
+                .iter()
+                .map(|&j| format!("{:+.2}", found.uncertainty.correlation(i, j)))
+                .collect();
+            let key = &self.model.parameters()[i].key;
+            let _ = writeln!(text, "#   {key:<32} {}", cells.join(" "));
+        }
+        text
+    }
+}

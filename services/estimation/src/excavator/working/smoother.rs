@@ -1,0 +1,261 @@
+//! Fixed-interval smoothing of the default estimator, off line: what every later row says of an earlier moment.
+//!
+//! The adjoint form of the smoother of Rauch, Tung and Striebel (Bryson, Frazier 1963; Bierman 1977). The filter leaves a trail of
+//! what it did with state and covariance in each tick; going back along it, with `lambda` and `Lambda` zero at the end,
+//! ```text
+//! measurement h of innovation nu, variance S, gain K:   lambda <- (I - K h)' lambda - h' nu/S
+//!                                                       Lambda <- (I - K h)' Lambda (I - K h) + h' h/S
+//! transition F:                                         lambda <- F' lambda,  Lambda <- F' Lambda F
+//! state of a tick:   x_s = x - P lambda,   P_s = P - P Lambda P
+//! ```
+//! Nothing is inverted, so states that are known exactly do no harm, and a state that is set anew is a transition with a row of
+//! zeros: what comes after it says nothing of before. The model is the filter's, linearised where the filter went.
+
+use super::filter::{M, N, Vector, dot};
+use crate::Quantity;
+use crate::math::sqrt;
+
+/// Most that a tick does: content unknown, two inclinations, standing, setting off; or motion, loss, velocity, tare.
+const MOST: usize = 8;
+
+/// One thing that the filter did.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Act {
+    /// State `i` became `row x`.
+    Row(usize, Vector),
+    /// A measurement of `row x` with its gain, innovation and variance.
+    Measured {
+        row: Vector,
+        gain: Vector,
+        value: f64,
+        variance: f64,
+    },
+}
+
+/// What the filter did in one tick, and what it knew of the payload after it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Trail {
+    acts: [Option<Act>; MOST],
+    count: usize,
+    /// Payload, and its row of the covariance.
+    payload: f64,
+    covariance: Vector,
+    /// The filter is a new one: of what was before it knows nothing.
+    pub(super) anew: bool,
+    /// Smallest and largest payload.
+    pub(super) range: [f64; 2],
+    /// Standard deviation of the described inertia [kg m^2].
+    pub(super) described: f64,
+    /// Factor of the variance by which stretches of the swings disagree.
+    pub(super) disagreement: f64,
+}
+
+impl Trail {
+    /// Nothing done.
+    pub(super) const NOTHING: Self = Self {
+        acts: [None; MOST],
+        count: 0,
+        payload: 0.0,
+        covariance: [0.0; N],
+        anew: false,
+        range: [0.0; 2],
+        described: 0.0,
+        disagreement: 1.0,
+    };
+
+    fn push(&mut self, act: Act) {
+        if let Some(free) = self.acts.get_mut(self.count) {
+            *free = Some(act);
+            self.count += 1;
+        }
+    }
+
+    /// State `i` is a new one, independent of all.
+    pub(super) fn set(&mut self, i: usize) {
+        self.push(Act::Row(i, [0.0; N]));
+    }
+
+    /// State `i` becomes this product.
+    pub(super) fn row(&mut self, i: usize, row: &Vector) {
+        self.push(Act::Row(i, *row));
+    }
+
+    /// A measurement.
+    pub(super) fn measured(&mut self, row: &Vector, gain: &Vector, value: f64, variance: f64) {
+        self.push(Act::Measured {
+            row: *row,
+            gain: *gain,
+            value,
+            variance,
+        });
+    }
+
+    /// The state after the tick.
+    pub(super) fn finish(&mut self, x: &Vector, p: &[Vector; N]) {
+        self.payload = x[M];
+        self.covariance = p[M];
+    }
+}
+
+/// The best estimate of a past moment.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Smoothed {
+    /// Payload and standard deviation [kg].
+    pub payload: Quantity,
+    /// Standard deviation of the described inertia without payload [kg m^2].
+    pub described: f64,
+}
+
+/// Goes back along a trail.
+#[derive(Debug, Clone)]
+pub struct Smoother {
+    lambda: Vector,
+    curvature: [Vector; N],
+    disagreement: f64,
+}
+
+impl Default for Smoother {
+    fn default() -> Self {
+        Self {
+            lambda: [0.0; N],
+            curvature: [[0.0; N]; N],
+            disagreement: 1.0,
+        }
+    }
+}
+
+impl Smoother {
+    /// The tick before those that have been: its payload as all rows see it.
+    pub fn back(&mut self, trail: &Trail) -> Smoothed {
+        let smoothed = self.state(trail);
+        for act in trail.acts[..trail.count].iter().rev().flatten() {
+            match act {
+                Act::Row(i, row) => self.transition(*i, row),
+                Act::Measured {
+                    row,
+                    gain,
+                    value,
+                    variance,
+                } => self.measurement(row, gain, *value, *variance),
+            }
+        }
+        if trail.anew {
+            *self = Self::default();
+        }
+        smoothed
+    }
+
+    fn state(&mut self, trail: &Trail) -> Smoothed {
+        let c = &trail.covariance;
+        let mut weighted = 0.0;
+        for (ci, line) in c.iter().zip(&self.curvature) {
+            weighted += ci * dot(line, c);
+        }
+        let [least, most] = trail.range;
+        let payload = (trail.payload - dot(c, &self.lambda)).clamp(least, most);
+        let variance = (c[M] - weighted).clamp(0.0, c[M].max(0.0));
+        self.disagreement = self.disagreement.max(trail.disagreement);
+        Smoothed {
+            payload: Quantity {
+                value: payload,
+                std: sqrt(variance * self.disagreement),
+            },
+            described: trail.described,
+        }
+    }
+
+    /// State `i` had been made of all: x_i = row x.
+    fn transition(&mut self, i: usize, row: &Vector) {
+        let own = self.lambda[i];
+        self.lambda[i] = 0.0;
+        for (l, r) in self.lambda.iter_mut().zip(row) {
+            *l += r * own;
+        }
+        // F' Lambda F with F the identity but for row i.
+        let line = self.curvature[i];
+        let corner = line[i];
+        for j in 0..N {
+            self.curvature[i][j] = 0.0;
+            self.curvature[j][i] = 0.0;
+        }
+        let mut others = line;
+        others[i] = 0.0;
+        for j in 0..N {
+            for k in 0..N {
+                self.curvature[j][k] +=
+                    row[j] * others[k] + others[j] * row[k] + row[j] * corner * row[k];
+            }
+        }
+    }
+
+    fn measurement(&mut self, row: &Vector, gain: &Vector, value: f64, variance: f64) {
+        let share = dot(gain, &self.lambda) + value / variance;
+        let mut across = [0.0; N];
+        for (a, line) in across.iter_mut().zip(&self.curvature) {
+            *a = dot(line, gain);
+        }
+        let square = dot(&across, gain) + 1.0 / variance;
+        for j in 0..N {
+            self.lambda[j] -= row[j] * share;
+            for k in 0..N {
+                self.curvature[j][k] +=
+                    row[j] * square * row[k] - across[j] * row[k] - row[j] * across[k];
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::excavator::working::filter::{Filter, OFFSET, W};
+
+    #[test]
+    fn a_constant_that_was_measured_twice_is_the_same_at_both_times() {
+        let mut std = [0.0; N];
+        std[M] = 100.0;
+        let mut filter = Filter::new([0.0; N], &std);
+        let mut row = [0.0; N];
+        row[M] = 1.0;
+        let trails = [50.0, 80.0].map(|value| {
+            filter.trail = Some(Trail {
+                range: [-1e9, 1e9],
+                ..Trail::NOTHING
+            });
+            let innovation = value - filter.x[M];
+            filter.measure(&row, innovation, 100.0, 1e9);
+            let mut trail = filter.trail.take().expect("a trail");
+            trail.finish(&filter.x, &filter.p);
+            trail
+        });
+        let mut smoother = Smoother::default();
+        let last = smoother.back(&trails[1]).payload;
+        let first = smoother.back(&trails[0]).payload;
+        assert!((first.value - filter.x[M]).abs() < 1e-9);
+        assert!((last.value - first.value).abs() < 1e-9 && (last.std - first.std).abs() < 1e-9);
+        assert!((first.std * first.std - filter.p[M][M]).abs() < 1e-9);
+    }
+
+    #[test]
+    fn what_comes_after_a_new_load_says_nothing_of_the_old_one() {
+        let mut std = [0.0; N];
+        (std[M], std[OFFSET], std[W]) = (100.0, 10.0, 1.0);
+        let mut filter = Filter::new([0.0; N], &std);
+        let mut row = [0.0; N];
+        row[M] = 1.0;
+        let mut before = Trail::NOTHING;
+        before.range = [-1e9, 1e9];
+        before.finish(&filter.x, &filter.p);
+        let mut after = before;
+        after.set(M);
+        filter.set(M, 0.0, 1e4);
+        filter.trail = Some(after);
+        filter.measure(&row, 300.0, 1.0, 1e9);
+        let mut after = filter.trail.take().expect("a trail");
+        after.finish(&filter.x, &filter.p);
+        let mut smoother = Smoother::default();
+        assert!(smoother.back(&after).payload.value > 290.0);
+        let old = smoother.back(&before).payload;
+        assert!(old.value.abs() < 1e-9 && (old.std - 100.0).abs() < 1e-9);
+    }
+}

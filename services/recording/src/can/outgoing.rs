@@ -1,0 +1,647 @@
+//! Estimates as CAN frames: one frame per quantity with its standard deviation, and one with the
+//! verdict. What is not trusted is sent as "not available", so that a receiver cannot use it by mistake.
+//!
+//! | bytes of a quantity | meaning |
+//! |---|---|
+//! | 0-3 | value, 32 bits, least significant byte first, in the resolution of the table |
+//! | 4-7 | its standard deviation, alike, without an offset |
+//!
+//! The verdict has two bits a flag, as J1939 does: 0 no, 1 yes.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use messages::channels::{Channel, Visitor, find};
+use messages::{Envelope, Message, SIMULATED, excavator_bits as e, loader_bits as l};
+use toml_edit::{Document, TableLike};
+
+use super::Frame;
+use crate::Error;
+use crate::map::hint;
+
+/// J1939 proprietary B: parameter groups whose meaning their maker decides.
+const PROPRIETARY_B: std::ops::RangeInclusive<i64> = 0xff00..=0xffff;
+/// "Not available" (J1939-71) in every byte.
+const NOT_AVAILABLE: u32 = u32::MAX;
+/// Largest number that is a value: above are error and "not available".
+const LARGEST: f64 = 0xfaff_ffff_u32 as f64;
+
+/// A quantity with its standard deviation.
+struct Quantity {
+    name: &'static str,
+    /// Names of its signals in the DBC and of their fields in the message.
+    field: &'static str,
+    std_field: &'static str,
+    unit: &'static str,
+    /// Of one bit.
+    scale: f64,
+    /// Of the value 0.
+    offset: f64,
+    estimated: u32,
+    trusted: u32,
+    group: u16,
+}
+
+/// What the frames of one machine are.
+struct Table {
+    machine: &'static str,
+    /// Its channels of estimates, the main one first.
+    channels: [&'static str; 2],
+    quantities: &'static [Quantity],
+    /// Flags of the verdict.
+    flags: &'static [(&'static str, u32)],
+    verdict: u16,
+}
+
+macro_rules! quantity {
+    ($name:literal, $field:literal, $std:literal, $unit:literal, $scale:literal, $offset:literal, $estimated:expr, $trusted:expr, $group:literal) => {
+        Quantity {
+            name: $name,
+            field: $field,
+            std_field: $std,
+            unit: $unit,
+            scale: $scale,
+            offset: $offset,
+            estimated: $estimated,
+            trusted: $trusted,
+            group: $group,
+        }
+    };
+}
+
+const TABLES: &[Table] = &[
+    Table {
+        machine: "excavator",
+        channels: ["excavator/inertia_ukf", "excavator/inertia_rls"],
+        quantities: &[
+            quantity!(
+                "inertia",
+                "inertia",
+                "inertia_std",
+                "kg m^2",
+                0.1,
+                0.0,
+                e::INERTIA,
+                e::TRUSTED,
+                0xff10
+            ),
+            quantity!(
+                "payload",
+                "payload",
+                "payload_std",
+                "kg",
+                0.01,
+                -1e6,
+                e::PAYLOAD,
+                e::TRUSTED,
+                0xff11
+            ),
+            quantity!(
+                "damping",
+                "damping",
+                "damping_std",
+                "N m s/rad",
+                0.1,
+                0.0,
+                e::DAMPING,
+                e::TRUSTED,
+                0xff12
+            ),
+        ],
+        flags: &[
+            ("trusted", e::TRUSTED),
+            ("excited", e::EXCITED),
+            ("consistent", e::CONSISTENT),
+            ("fresh", e::FRESH),
+            ("converged", e::CONVERGED),
+            ("identifiable", e::IDENTIFIABLE),
+            ("changing", e::CHANGING),
+            ("simulated", SIMULATED),
+        ],
+        verdict: 0xff1f,
+    },
+    Table {
+        machine: "loader",
+        channels: ["loader/cg_ukf", "loader/cg_ekf"],
+        quantities: &[
+            quantity!(
+                "ratio",
+                "cg_ratio",
+                "cg_ratio_std",
+                "",
+                1e-6,
+                0.0,
+                l::STATE,
+                l::TRUSTED_RATIO,
+                0xff20
+            ),
+            quantity!(
+                "height",
+                "cg_height",
+                "cg_height_std",
+                "m",
+                1e-5,
+                0.0,
+                l::STATE,
+                l::TRUSTED_HEIGHT,
+                0xff21
+            ),
+        ],
+        flags: &[
+            ("trusted_ratio", l::TRUSTED_RATIO),
+            ("trusted_height", l::TRUSTED_HEIGHT),
+            ("excited_ratio", l::EXCITED_RATIO),
+            ("excited_height", l::EXCITED_HEIGHT),
+            ("consistent", l::CONSISTENT),
+            ("fresh", l::FRESH),
+            ("converged_ratio", l::CONVERGED_RATIO),
+            ("converged_height", l::CONVERGED_HEIGHT),
+            ("identifiable_ratio", l::IDENTIFIABLE_RATIO),
+            ("identifiable_height", l::IDENTIFIABLE_HEIGHT),
+            ("simulated", SIMULATED),
+        ],
+        verdict: 0xff2f,
+    },
+];
+
+const VERDICT: &str = "verdict";
+
+/// The frames of a machine's estimates, as an output map says.
+///
+/// ```toml
+/// [can]
+/// rate = 10         # of each frame a second, at most
+/// source = 0x80     # J1939 source address
+/// priority = 6
+/// channel = "excavator/inertia_ukf"
+/// [can.frames]      # those to send, each with its parameter group (proprietary B) ...
+/// inertia = 0xff10
+/// verdict = { id = 0x321 }   # ... or with an identifier of 11 bits
+/// ```
+#[derive(Debug, Clone)]
+pub struct Outgoing {
+    machine: &'static str,
+    /// The channel that is sent.
+    pub channel: &'static Channel,
+    /// Least time between two frames of one kind [s].
+    pub period: f64,
+    kinds: Vec<Kind>,
+}
+
+/// A kind of frame.
+#[derive(Debug, Clone)]
+struct Kind {
+    name: &'static str,
+    id: u32,
+    extended: bool,
+    content: Content,
+}
+
+#[derive(Debug, Clone)]
+enum Content {
+    /// Positions of value and standard deviation among the fields, and the row of the table.
+    Quantity([usize; 2], &'static Quantity),
+    Verdict(&'static [(&'static str, u32)]),
+}
+
+impl std::fmt::Debug for Quantity {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name)
+    }
+}
+
+/// Position of a field in the messages of a channel.
+struct Position(&'static str);
+
+impl Visitor for Position {
+    type Output = Option<usize>;
+    fn visit<M: Message>(self) -> Option<usize> {
+        M::index(self.0)
+    }
+}
+
+fn position(channel: &Channel, field: &'static str) -> usize {
+    // A field that is not there reads as nothing: "not available".
+    channel.payload.visit(Position(field)).unwrap_or(usize::MAX)
+}
+
+impl Outgoing {
+    /// The frames of `machine`, all of them in proprietary B ten times a second unless the map says
+    /// otherwise.
+    ///
+    /// # Errors
+    /// The map cannot be read, or names what there is not.
+    pub fn new(machine: &str, map: Option<&Path>) -> Result<Self, Error> {
+        let table = TABLES.iter().find(|t| t.machine == machine);
+        let table = table.unwrap_or(&TABLES[0]);
+        let Some(path) = map else {
+            return Parser::new(table, "", Path::new("")).outgoing();
+        };
+        let text = std::fs::read_to_string(path)
+            .map_err(|e| Error::system("read the output map", path, &e))?;
+        Parser::new(table, &text, path).outgoing()
+    }
+
+    /// The frames of an estimate, at `time_ns` on `interface`.
+    pub fn frames<'a>(
+        &self,
+        estimate: &Envelope,
+        time_ns: i64,
+        interface: &'a str,
+    ) -> impl Iterator<Item = Frame<'a>> {
+        let number = |name: &'static str| {
+            let value = estimate.get(position(self.channel, name));
+            value.map_or(0, |v| v.as_f64() as u32)
+        };
+        let (flags, estimated) = (number("flags"), number("estimated"));
+        self.kinds.iter().filter_map(move |kind| {
+            let data = match &kind.content {
+                Content::Quantity(at, row) => {
+                    let told = flags & row.trusted != 0 && estimated & row.estimated != 0;
+                    let [value, std] = at.map(|i| estimate.get(i).map(messages::Value::as_f64));
+                    let value = value.and_then(|v| raw((v - row.offset) / row.scale));
+                    let std = std.and_then(|s| raw(s / row.scale));
+                    let both = value.zip(std).filter(|_| told);
+                    let (value, std) = both.unwrap_or((NOT_AVAILABLE, NOT_AVAILABLE));
+                    u64::from(value) | u64::from(std) << 32
+                }
+                Content::Verdict(all) => {
+                    let used = all.len() * 2;
+                    let bits = all
+                        .iter()
+                        .enumerate()
+                        .map(|(i, (_, flag))| u64::from(flags & flag != 0) << (2 * i));
+                    bits.sum::<u64>() | u64::MAX << used
+                }
+            };
+            Frame::new(
+                time_ns,
+                interface,
+                kind.id,
+                kind.extended,
+                &data.to_le_bytes(),
+            )
+        })
+    }
+
+    /// The DBC of the frames of one machine, or of several.
+    #[must_use]
+    pub fn dbc(all: &[Self]) -> String {
+        let mut out = String::from("VERSION \"\"\n\nNS_ :\n\nBS_:\n\nBU_: heft\n");
+        let kinds = || {
+            all.iter()
+                .flat_map(|o| o.kinds.iter().map(move |kind| (o.machine, kind)))
+        };
+        for (machine, kind) in kinds() {
+            let (id, name) = (kind.dbc_id(), kind.name);
+            let _ = write!(out, "\nBO_ {id} heft_{machine}_{name}: 8 heft\n");
+            kind.signals(&mut out);
+        }
+        out.push_str(ATTRIBUTES);
+        for (_, kind) in kinds() {
+            let format = if kind.extended { 3 } else { 0 };
+            let _ = writeln!(out, "BA_ \"VFrameFormat\" BO_ {} {format};", kind.dbc_id());
+        }
+        for (_, kind) in kinds() {
+            if let Content::Verdict(flags) = &kind.content {
+                for (flag, _) in *flags {
+                    let _ = writeln!(out, "VAL_ {} {flag} {WORDS} ;", kind.dbc_id());
+                }
+            }
+        }
+        out
+    }
+}
+
+/// Says that extended frames are J1939's.
+const ATTRIBUTES: &str = r#"
+BA_DEF_ "ProtocolType" STRING ;
+BA_DEF_ BO_ "VFrameFormat" ENUM "StandardCAN","ExtendedCAN","reserved","J1939PG";
+BA_DEF_DEF_ "ProtocolType" "";
+BA_DEF_DEF_ "VFrameFormat" "J1939PG";
+BA_ "ProtocolType" "J1939";
+"#;
+/// The two bits of a flag.
+const WORDS: &str = r#"0 "no" 1 "yes" 2 "error" 3 "not available""#;
+
+impl Kind {
+    /// A DBC marks identifiers of 29 bits with the topmost one.
+    fn dbc_id(&self) -> u32 {
+        self.id | if self.extended { 1 << 31 } else { 0 }
+    }
+
+    fn signals(&self, out: &mut String) {
+        match &self.content {
+            Content::Quantity(_, row) => {
+                for (signal, start, offset) in
+                    [(row.field, 0, row.offset), (row.std_field, 32, 0.0)]
+                {
+                    let (scale, unit) = (row.scale, row.unit);
+                    let top = LARGEST * scale + offset;
+                    let _ = writeln!(
+                        out,
+                        " SG_ {signal} : {start}|32@1+ ({scale},{offset}) [{offset}|{top}] \"{unit}\" Vector__XXX"
+                    );
+                }
+            }
+            Content::Verdict(flags) => {
+                for (i, (flag, _)) in flags.iter().enumerate() {
+                    let start = 2 * i;
+                    let _ = writeln!(
+                        out,
+                        " SG_ {flag} : {start}|2@1+ (1,0) [0|1] \"\" Vector__XXX"
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// The nearest number of 32 bits; `None` if it has none that is a value.
+fn raw(value: f64) -> Option<u32> {
+    (0.0..=LARGEST)
+        .contains(&value.round())
+        .then(|| value.round() as u32)
+}
+
+struct Parser<'a> {
+    table: &'static Table,
+    text: &'a str,
+    path: &'a Path,
+}
+
+impl<'a> Parser<'a> {
+    fn new(table: &'static Table, text: &'a str, path: &'a Path) -> Self {
+        Self { table, text, path }
+    }
+
+    fn error(&self, what: impl Into<String>, remedy: impl Into<String>) -> Error {
+        Error::new(what, self.path.display().to_string(), remedy)
+    }
+
+    fn outgoing(&self) -> Result<Outgoing, Error> {
+        let document = Document::parse(self.text.to_owned());
+        let document = document.map_err(|e| {
+            let what = e.message().trim().replace('\n', "; ");
+            self.error(what, "correct the TOML")
+        })?;
+        let can = document.get("can").and_then(|c| c.as_table_like());
+        self.known(document.as_table(), &["can"])?;
+        let get = |key: &str| can.and_then(|c| c.get(key));
+        if let Some(can) = can {
+            self.known(can, &["rate", "source", "priority", "channel", "frames"])?;
+        }
+        let number = |key: &str, default: i64, most: i64| match get(key) {
+            None => Ok(default),
+            Some(item) => item
+                .as_integer()
+                .filter(|n| (0..=most).contains(n))
+                .ok_or_else(|| {
+                    self.error(
+                        format!("can.{key} is no whole number from 0 to {most}"),
+                        "correct it",
+                    )
+                }),
+        };
+        let (source, priority) = (number("source", 0x80, 0xfd)?, number("priority", 6, 7)?);
+        let rate = get("rate").map_or(Some(10.0), |item| {
+            item.as_float()
+                .or_else(|| item.as_integer().map(|n| n as f64))
+        });
+        let rate = rate.filter(|r| (0.01..=1000.0).contains(r));
+        let rate = rate
+            .ok_or_else(|| self.error("can.rate is no number from 0.01 to 1000", "correct it"))?;
+        let name = get("channel").map_or(Some(self.table.channels[0]), |item| item.as_str());
+        let name = name.filter(|n| self.table.channels.contains(n));
+        let channel = name.and_then(find).ok_or_else(|| {
+            let all = self.table.channels.join(", ");
+            self.error(
+                "can.channel is no channel of estimates",
+                format!("one of {all}"),
+            )
+        })?;
+        let base = (priority as u32) << 26 | source as u32;
+        let mut kinds = self.kinds(channel, base);
+        if let Some(frames) = get("frames") {
+            let frames = frames.as_table_like();
+            let frames =
+                frames.ok_or_else(|| self.error("can.frames is no table", "write [can.frames]"))?;
+            let names: Vec<&str> = kinds.iter().map(|k| k.name).collect();
+            self.known(frames, &names)?;
+            kinds.retain(|k| frames.contains_key(k.name));
+            for kind in &mut kinds {
+                (kind.id, kind.extended) = self.identifier(kind.name, frames, base)?;
+            }
+        }
+        for (n, kind) in kinds.iter().enumerate() {
+            let twin = kinds[..n]
+                .iter()
+                .find(|k| (k.id, k.extended) == (kind.id, kind.extended));
+            if let Some(twin) = twin {
+                let what = format!("{} and {} have one identifier", twin.name, kind.name);
+                return Err(self.error(what, "give each its own"));
+            }
+        }
+        Ok(Outgoing {
+            machine: self.table.machine,
+            channel,
+            period: 1.0 / rate,
+            kinds,
+        })
+    }
+
+    /// All frames, with their usual groups.
+    fn kinds(&self, channel: &Channel, base: u32) -> Vec<Kind> {
+        let quantities = self.table.quantities.iter().map(|row| {
+            let at = [row.field, row.std_field].map(|field| position(channel, field));
+            (row.name, row.group, Content::Quantity(at, row))
+        });
+        let verdict = (
+            VERDICT,
+            self.table.verdict,
+            Content::Verdict(self.table.flags),
+        );
+        let all = quantities.chain([verdict]);
+        let kind = |(name, group, content)| Kind {
+            name,
+            id: base | u32::from(group) << 8,
+            extended: true,
+            content,
+        };
+        all.map(kind).collect()
+    }
+
+    fn identifier(
+        &self,
+        name: &str,
+        frames: &dyn TableLike,
+        base: u32,
+    ) -> Result<(u32, bool), Error> {
+        let item = frames.get(name);
+        let group = item.and_then(|i| i.as_integer());
+        if let Some(group) = group.filter(|g| PROPRIETARY_B.contains(g)) {
+            return Ok((base | (group as u32) << 8, true));
+        }
+        let fields = item.and_then(|i| i.as_table_like());
+        let id = fields.and_then(|f| f.get("id")?.as_integer());
+        match id.filter(|id| (0..0x800).contains(id)) {
+            Some(id) => Ok((id as u32, false)),
+            None => Err(self.error(
+                format!("can.frames.{name} names no identifier"),
+                "write a parameter group of proprietary B (0xff00 to 0xffff), or { id = ... } with 11 bits",
+            )),
+        }
+    }
+
+    fn known(&self, table: &dyn TableLike, keys: &[&str]) -> Result<(), Error> {
+        let unknown = table
+            .iter()
+            .map(|(key, _)| key)
+            .find(|key| !keys.contains(key));
+        unknown.map_or(Ok(()), |key| {
+            let remedy = hint(key, keys.iter().copied(), "the keys are");
+            Err(self.error(format!("an output map has no key `{key}`"), remedy))
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::dbc::{Dbc, Reading};
+    use super::*;
+    use messages::channels::{
+        EXCAVATOR_INERTIA_RLS, EXCAVATOR_INERTIA_UKF, LOADER_CG_EKF, LOADER_CG_UKF,
+    };
+    use messages::{ExcavatorEstimate, LoaderEstimate};
+
+    #[test]
+    fn every_channel_of_the_tables_exists() {
+        let channels = [
+            EXCAVATOR_INERTIA_UKF.name,
+            EXCAVATOR_INERTIA_RLS.name,
+            LOADER_CG_UKF.name,
+            LOADER_CG_EKF.name,
+        ];
+        let named: Vec<&str> = TABLES.iter().flat_map(|t| t.channels).collect();
+        assert_eq!(named, channels);
+    }
+
+    /// What our own reader of DBC files makes of the frames of an estimate.
+    fn read_back(outgoing: &Outgoing, estimate: &Envelope) -> Vec<(String, Reading, f64)> {
+        let dbc = Dbc::parse(
+            &Outgoing::dbc(std::slice::from_ref(outgoing)),
+            Path::new("out.dbc"),
+        )
+        .expect("a DBC");
+        let mut found = Vec::new();
+        for frame in outgoing.frames(estimate, 0, "can0") {
+            let is_its = |m: &&super::super::dbc::Message| m.matches(frame.id, frame.extended);
+            let message = dbc.messages.iter().find(is_its).expect("its message");
+            for signal in &message.signals {
+                let place = message.place(signal).expect("a place");
+                let half = 0.5 * signal.layout.scale;
+                found.push((signal.name.clone(), place.read(frame.data()), half));
+            }
+        }
+        found
+    }
+
+    fn value<'a>(found: &'a [(String, Reading, f64)], name: &str) -> (&'a Reading, f64) {
+        let row = found.iter().find(|(n, _, _)| n == name);
+        row.map(|(_, r, half)| (r, *half)).expect("the signal")
+    }
+
+    #[test]
+    fn a_trusted_estimate_is_read_back_within_half_a_bit() {
+        let outgoing = Outgoing::new("excavator", None).expect("the usual frames");
+        for n in 0..200 {
+            let x = f64::from(n);
+            let estimate = ExcavatorEstimate {
+                inertia: 1234.5678 * x,
+                inertia_std: 0.777 * x,
+                payload: 31.4159 * x - 500.0,
+                payload_std: 12.3456 + x,
+                flags: e::TRUSTED | e::FRESH | SIMULATED,
+                estimated: e::INERTIA | e::PAYLOAD,
+                ..ExcavatorEstimate::default()
+            };
+            let found = read_back(&outgoing, &estimate.envelope());
+            for (name, wanted) in [
+                ("inertia", estimate.inertia),
+                ("inertia_std", estimate.inertia_std),
+                ("payload", estimate.payload),
+                ("payload_std", estimate.payload_std),
+                ("trusted", 1.0),
+                ("fresh", 1.0),
+                ("simulated", 1.0),
+                ("excited", 0.0),
+            ] {
+                let (Reading::Value(got), half) = value(&found, name) else {
+                    panic!("{name} is not there");
+                };
+                // And the rounding of a double near the offset.
+                assert!(
+                    (got - wanted).abs() <= half * 1.000_001,
+                    "{name}: {got} for {wanted}"
+                );
+            }
+            let damping = value(&found, "damping").0;
+            assert!(matches!(damping, Reading::Missing), "not estimated");
+        }
+    }
+
+    #[test]
+    fn what_is_not_trusted_or_has_no_place_is_not_available() {
+        let outgoing = Outgoing::new("loader", None).expect("the usual frames");
+        let mut estimate = LoaderEstimate {
+            cg_height: 1.2,
+            cg_height_std: 0.1,
+            cg_ratio: 0.4,
+            cg_ratio_std: 0.01,
+            flags: l::TRUSTED_RATIO,
+            estimated: l::STATE,
+            ..LoaderEstimate::default()
+        };
+        let found = read_back(&outgoing, &estimate.envelope());
+        assert!(matches!(value(&found, "cg_height").0, Reading::Missing));
+        assert!(matches!(value(&found, "cg_height_std").0, Reading::Missing));
+        assert!(matches!(value(&found, "cg_ratio").0, Reading::Value(r) if (r - 0.4).abs() < 1e-6));
+        for wrong in [f64::NAN, f64::INFINITY, -1.0, 1e9] {
+            estimate.cg_ratio = wrong;
+            let found = read_back(&outgoing, &estimate.envelope());
+            assert!(
+                matches!(value(&found, "cg_ratio").0, Reading::Missing),
+                "{wrong}"
+            );
+        }
+    }
+
+    fn with_map(text: &str) -> Result<Outgoing, Error> {
+        Parser::new(&TABLES[0], text, Path::new("out.toml")).outgoing()
+    }
+
+    #[test]
+    fn a_map_chooses_frames_and_identifiers_and_its_mistakes_are_told() {
+        let text = "[can]\nrate = 5\nsource = 0x21\npriority = 3\n[can.frames]\ninertia = 0xff55\nverdict = { id = 0x321 }\n";
+        let outgoing = with_map(text).expect("a map");
+        let ids: Vec<(u32, bool)> = outgoing.kinds.iter().map(|k| (k.id, k.extended)).collect();
+        assert_eq!(ids, [(0x0cff_5521, true), (0x321, false)]);
+        assert!((outgoing.period - 0.2).abs() < 1e-12);
+        for (wrong, word) in [
+            ("[can]\nrate = 0\n", "rate"),
+            ("[can]\nsource = 300\n", "source"),
+            ("[cam]\n", "cam"),
+            ("[can]\nchannel = \"loader/cg_ukf\"\n", "channel"),
+            ("[can.frames]\ninertja = 0xff10\n", "inertja"),
+            ("[can.frames]\ninertia = 0xfe10\n", "identifier"),
+            (
+                "[can.frames]\ninertia = 0xff10\nverdict = 0xff10\n",
+                "one identifier",
+            ),
+            ("[can\n", "TOML"),
+        ] {
+            let error = with_map(wrong).expect_err(wrong);
+            assert!(error.to_string().contains(word), "{wrong}: {error}");
+        }
+    }
+}

@@ -1,0 +1,492 @@
+//! Live sources: what comes on standard input or on a bus is what a log of it says, bit for bit;
+//! what cannot be used is told; nothing false is trusted.
+//!
+//! The bus is a real one (`vcan0`) where the kernel has it, or one that `tests/tools/with-can`
+//! boots; where neither is possible the tests on it say so and pass.
+
+mod common;
+mod vcan;
+
+use std::fmt::Write as _;
+use std::fs::File;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::{Output, Stdio};
+use std::time::Duration;
+
+use common::{Running, both, heft, kill, run, run_ok};
+use messages::channels::{EXCAVATOR_INERTIA_UKF, EXCAVATOR_SENSORS, HEALTH};
+use messages::{ExcavatorEstimate, ExcavatorSensors, Health, excavator_bits};
+use recording::Reader;
+use rustix::process::Signal;
+use sim::excavator::{Scenario, Simulation};
+use vcan::{Frame, Recorder, Talker, set_interface};
+
+const DBC: &str = "BO_ 100 Swing: 4 X\n SG_ rate : 0|32@1- (0.000001,0) [0|0] \"rad/s\" X\n\
+                   BO_ 101 Torque: 4 X\n SG_ torque : 7|32@0- (0.01,0) [0|0] \"N m\" X\n";
+const MAP: &str = "[can]\ndbc = \"swing.dbc\"\nrate = 100\nhold = 0.3\n[can.signals]\n\
+                   swing_velocity = { message = \"Swing\", signal = \"rate\" }\n\
+                   swing_torque = { message = \"Torque\", signal = \"torque\" }\n";
+
+/// A folder with the map and its DBC file.
+fn mapped() -> (tempfile::TempDir, PathBuf) {
+    let dir = tempfile::tempdir().expect("a folder");
+    std::fs::write(dir.path().join("swing.dbc"), DBC).expect("writable");
+    let map = dir.path().join("map.toml");
+    std::fs::write(&map, MAP).expect("writable");
+    (dir, map)
+}
+
+/// Simulated swings: when, velocity, torque; and the true inertia at each.
+fn swings(seconds: f64) -> (Vec<[f64; 3]>, Vec<f64>) {
+    let scenario = Scenario::parse("constant").expect("a scenario");
+    let mut run = sim::excavator::Run::new(scenario);
+    (run.rate, run.seed, run.duration) = (100.0, 3, seconds);
+    let rows = Simulation::new(&run).expect("a run");
+    let measured = |x: Option<f64>| x.unwrap_or(f64::NAN);
+    rows.map(|r| {
+        let row = [r.time, measured(r.swing_velocity), measured(r.swing_torque)];
+        (row, r.truth.inertia)
+    })
+    .unzip()
+}
+
+/// The two frames of a sample.
+fn frames([time, velocity, torque]: [f64; 3]) -> [Frame; 2] {
+    let velocity = (velocity * 1e6).round() as i32;
+    let torque = (torque * 1e2).round() as i32;
+    let frame = |time, id, data: [u8; 4]| Frame {
+        time,
+        id,
+        extended: false,
+        data: data.to_vec(),
+    };
+    [
+        frame(time, 100, velocity.to_le_bytes()),
+        frame(time + 0.001, 101, torque.to_be_bytes()),
+    ]
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().expect("a path")
+}
+
+/// `heft run` of standard input, as fast as it goes.
+fn piped(machine: &str, input: &Path, map: Option<&Path>, out: &Path) -> Output {
+    let mut command = heft();
+    command.args([
+        "run",
+        machine,
+        "--input",
+        "-",
+        "--pace",
+        "max",
+        "--no-report",
+    ]);
+    command.args(["--domain", &common::domain("piped"), "--out", text(out)]);
+    command.args(map.iter().flat_map(|map| ["--map", text(map)]));
+    command.stdin(File::open(input).expect("the input"));
+    command.output().expect("heft starts")
+}
+
+/// The estimates that `heft estimate` makes of a file.
+fn estimates(machine: &str, input: &Path, map: Option<&Path>) -> String {
+    let dir = tempfile::tempdir().expect("a folder");
+    let out = dir.path().join("out.csv");
+    let mut arguments = vec![
+        "estimate",
+        text(input),
+        "--machine",
+        machine,
+        "-o",
+        text(&out),
+    ];
+    arguments.extend(map.iter().flat_map(|map| ["--map", text(map)]));
+    run_ok(&arguments);
+    std::fs::read_to_string(&out).expect("estimates")
+}
+
+/// That a run's samples and estimates are those of the file; a bus is listened to for a little longer or
+/// less long than its log: `longer` rows.
+fn assert_same(machine: &str, run: &Path, file: &Path, map: Option<&Path>, longer: usize) {
+    run_ok(&["replay", text(run), "--verify"]);
+    let (live, file) = (estimates(machine, run, None), estimates(machine, file, map));
+    assert!(file.lines().count() > 250, "{} rows", file.lines().count());
+    for (n, (live, file)) in live.lines().zip(file.lines()).enumerate() {
+        assert_eq!(live, file, "row {n}");
+    }
+    let more = live.lines().count().abs_diff(file.lines().count());
+    assert!(more <= longer, "{more} rows more or less");
+}
+
+#[test]
+fn lines_of_candump_in_any_form_give_the_bits_of_their_file() {
+    let (dir, map) = mapped();
+    let log = dir.path().join("run.log");
+    let mut lines = String::from("\u{feff}");
+    for row in swings(12.0).0 {
+        for frame in frames(row) {
+            let time = 1.7e9 + frame.time;
+            let bytes = frame.data.iter().map(|b| format!("{b:02X}"));
+            let bytes: Vec<String> = bytes.collect();
+            let _ = match frame.id {
+                100 => writeln!(
+                    lines,
+                    " ({time:.6})  can0  RX - -  {:03X}   [{}]  {}",
+                    frame.id,
+                    bytes.len(),
+                    bytes.join(" ")
+                ),
+                id => writeln!(lines, "({time:.6}) can0 {id:03X}#{}", bytes.concat()),
+            };
+        }
+    }
+    std::fs::write(&log, lines).expect("writable");
+    let out = tempfile::tempdir().expect("a folder");
+    let output = piped("excavator", &log, Some(&map), out.path());
+    assert!(output.status.success(), "{}", both(&output));
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(said.starts_with("samples: standard input"), "{said}");
+    assert_same(
+        "excavator",
+        &out.path().join("run.mcap"),
+        &log,
+        Some(&map),
+        0,
+    );
+}
+
+#[test]
+fn a_trucks_log_on_standard_input_gives_the_bits_of_its_file() {
+    let Some(log) = vcan::data("can/truck_normal_drive.log") else {
+        return;
+    };
+    let map = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/maps/truck.toml");
+    let out = tempfile::tempdir().expect("a folder");
+    let output = piped("loader", &log, Some(&map), out.path());
+    assert!(output.status.success(), "{}", both(&output));
+    assert_same("loader", &out.path().join("run.mcap"), &log, Some(&map), 0);
+}
+
+#[test]
+fn rows_of_a_table_come_on_standard_input_and_give_the_bits_of_their_file() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let table = dir.path().join("t.csv");
+    let mut lines = String::from("t;swing_velocity;swing_torque\n");
+    for [time, velocity, torque] in swings(12.0).0 {
+        let row = format!("{time};{velocity};{torque}\n");
+        lines += &row.replace('.', ",");
+    }
+    std::fs::write(&table, &lines).expect("writable");
+    let out = tempfile::tempdir().expect("a folder");
+    let output = piped("excavator", &table, None, out.path());
+    assert!(output.status.success(), "{}", both(&output));
+    assert_same("excavator", &out.path().join("run.mcap"), &table, None, 0);
+
+    // A row of something else is left out and told.
+    lines.push_str("nonsense\n5000,00;0,1;7\n");
+    std::fs::write(&table, &lines).expect("writable");
+    let rows = lines.lines().count() - 3;
+    let output = piped("excavator", &table, None, out.path());
+    assert!(output.status.success(), "{}", both(&output));
+    let told = format!("line {} of standard input is no row", rows + 2);
+    assert!(both(&output).contains(&told), "{}", both(&output));
+    let all = common::sequences::<ExcavatorSensors>(out.path(), EXCAVATOR_SENSORS.name);
+    assert_eq!(all.len(), rows + 1);
+}
+
+#[test]
+fn an_input_that_cannot_be_used_ends_the_run_with_the_remedy() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let (_dbc, map) = mapped();
+    for (lines, map, reason) in [
+        ("t,speed_of_swing\n0,1\n0.01,1\n", None, "swing_velocity"),
+        ("t,swing_velocity\n", None, "ended without a sample"),
+        ("", None, "ended without a sample"),
+        ("no frame\nneither\n", Some(&*map), "ended without a sample"),
+    ] {
+        let input = dir.path().join("input");
+        std::fs::write(&input, lines).expect("writable");
+        let out = dir.path().join("out");
+        let output = piped("excavator", &input, map, &out);
+        let said = both(&output);
+        assert_eq!(output.status.code(), Some(2), "{lines:?}: {said}");
+        assert!(said.contains(reason), "{lines:?}: {said}");
+        for line in ["heft: ", "  where: standard input", "  what to do: "] {
+            assert!(said.contains(line), "{lines:?}: {said}");
+        }
+    }
+}
+
+#[test]
+fn a_source_that_was_killed_goes_on_with_standard_input() {
+    let (_dir, map) = mapped();
+    let out = tempfile::tempdir().expect("a folder");
+    let mut child = heft()
+        .args(["run", "excavator", "--input", "-", "--map", text(&map)])
+        .args([
+            "--no-report",
+            "--quiet",
+            "--domain",
+            &common::domain("again"),
+        ])
+        .args(["--out", text(out.path())])
+        .stdin(Stdio::piped())
+        .stderr(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .expect("heft starts");
+    let mut pipe = child.stdin.take().expect("a pipe");
+    let domain = common::domain("again");
+    let source = || {
+        let all = common::processes();
+        let mut found = all
+            .into_iter()
+            .filter(|(_, args)| args.contains(&domain) && args.iter().any(|a| a == "sensor"));
+        found.next().map(|(pid, _)| pid)
+    };
+    common::wait_until("a source", Duration::from_secs(20), || source().is_some());
+    let first = source().expect("a source");
+    for n in 0..600 {
+        if n == 300 {
+            kill(first, Signal::KILL);
+            common::wait_until("another", Duration::from_secs(20), || {
+                source().is_some_and(|pid| pid != first)
+            });
+        }
+        let time = 1.7e9 + f64::from(n) * 0.01;
+        writeln!(pipe, "({time:.6}) can0 064#{:08X}", n * 1000).expect("somebody reads");
+        writeln!(pipe, "({time:.6}) can0 065#{:08X}", n * 1000).expect("somebody reads");
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    drop(pipe);
+    let output = child.wait_with_output().expect("heft ends");
+    let rows: Vec<ExcavatorSensors> = Reader::open(out.path())
+        .and_then(|r| r.messages(EXCAVATOR_SENSORS.name))
+        .expect("samples");
+    let last = rows.iter().filter(|s| s.stamp.epoch == 1).count();
+    assert!(
+        last > 200,
+        "{last} samples of the second source: {}",
+        both(&output)
+    );
+    assert!(rows.windows(2).all(|w| w[1].stamp.time > w[0].stamp.time));
+}
+
+#[test]
+fn a_bus_without_a_map_is_refused_with_the_remedy() {
+    let output = run(&["run", "excavator", "--input", "can:can0"]);
+    assert_eq!(output.status.code(), Some(2), "{}", both(&output));
+    assert!(both(&output).contains("heft map"), "{}", both(&output));
+}
+
+#[test]
+fn on_a_real_bus() {
+    vcan::run_ignored_tests();
+}
+
+/// A run on vcan0, ready to listen.
+fn on_bus(name: &str, machine: &str, map: &Path) -> Running {
+    let run = Running::start(name, &[machine, "--input", "can:vcan0", "--map", text(map)]);
+    // Only a ready source tells its health.
+    common::wait_until("the bus is listened to", Duration::from_secs(60), || {
+        let top = common::run(&["top", "--once", "--domain", &run.domain]);
+        top.status.success() && run.service("sensor").is_some()
+    });
+    std::thread::sleep(Duration::from_secs(3));
+    run
+}
+
+/// That no process died. A slow kernel may find some late.
+fn assert_calm(output: &Output) {
+    let said = both(output);
+    let is_calm = !said.contains("panicked") && !said.contains("died");
+    assert!(is_calm && output.status.code() != Some(2), "{said}");
+}
+
+/// Ends a run; what it recorded.
+fn end(run: Running) -> (tempfile::TempDir, PathBuf, Output) {
+    run.signal(Signal::TERM);
+    let recording = run.recording();
+    let (output, folder) = run.wait();
+    (folder, recording, output)
+}
+
+#[test]
+#[ignore = "needs vcan0; run through tests/tools/with-can"]
+fn a_bus_gives_the_bits_of_its_log() {
+    let (dir, map) = mapped();
+    let rows = swings(15.0).0;
+    let run = on_bus("bits", "excavator", &map);
+    let beside = Recorder::start("vcan0");
+    Talker::open("vcan0").play(rows.into_iter().flat_map(frames));
+    let log = dir.path().join("bus.log");
+    std::fs::write(&log, beside.stop()).expect("writable");
+    let (_folder, recording, output) = end(run);
+    assert_calm(&output);
+    assert_same("excavator", &recording, &log, Some(&map), 100);
+}
+
+#[test]
+#[ignore = "needs vcan0; run through tests/tools/with-can"]
+fn a_truck_on_the_bus_gives_the_bits_of_its_log() {
+    let Some(truck) = vcan::data("can/truck_normal_drive.log") else {
+        return;
+    };
+    let map = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/maps/truck.toml");
+    let run = on_bus("truck", "loader", &map);
+    let beside = Recorder::start("vcan0");
+    Talker::open("vcan0").play(vcan::frames_of_log(&truck).into_iter());
+    let dir = tempfile::tempdir().expect("a folder");
+    let log = dir.path().join("bus.log");
+    std::fs::write(&log, beside.stop()).expect("writable");
+    let (_folder, recording, output) = end(run);
+    assert_calm(&output);
+    assert_same("loader", &recording, &log, Some(&map), 100);
+}
+
+/// That no trusted estimate is off by more than it says; how many are trusted.
+fn assert_honest(reader: &Reader, inertia: f64) -> usize {
+    let all: Vec<ExcavatorEstimate> = reader.messages(EXCAVATOR_INERTIA_UKF.name).expect("some");
+    let trusted = all
+        .iter()
+        .filter(|e| e.flags & excavator_bits::TRUSTED != 0);
+    let off = |e: &&ExcavatorEstimate| (e.inertia - inertia).abs() > 3.0 * e.inertia_std;
+    let wrong: Vec<_> = trusted.clone().filter(off).collect();
+    let shown = wrong
+        .first()
+        .map(|e| (e.stamp.time, e.inertia, e.inertia_std));
+    assert!(wrong.is_empty(), "{} off {inertia}: {shown:?}", wrong.len());
+    trusted.count()
+}
+
+#[test]
+#[ignore = "needs vcan0; run through tests/tools/with-can"]
+fn silence_costs_freshness_and_an_interface_may_go_and_come_back() {
+    let (_dir, map) = mapped();
+    let (rows, truth) = swings(30.0);
+    let third = rows.len() / 3;
+    let run = on_bus("silence", "excavator", &map);
+    let mut talker = Talker::open("vcan0");
+    talker.play(rows[..third].iter().copied().flat_map(frames));
+    std::thread::sleep(Duration::from_secs(2));
+    talker.play(rows[third..2 * third].iter().copied().flat_map(frames));
+    set_interface("vcan0", "down");
+    std::thread::sleep(Duration::from_secs(3));
+    set_interface("vcan0", "up");
+    let mut talker = Talker::open("vcan0");
+    talker.play(rows[2 * third..].iter().copied().flat_map(frames));
+    let (_folder, recording, output) = end(run);
+    assert_calm(&output);
+    assert!(both(&output).contains("vcan0 is back"), "{}", both(&output));
+    let reader = Reader::open(&recording).expect("a recording");
+    let live: Vec<ExcavatorSensors> = reader.messages(EXCAVATOR_SENSORS.name).expect("samples");
+    assert!(live.iter().all(|s| s.stamp.epoch == 0), "no restart");
+    assert!(live.windows(2).all(|w| w[1].stamp.time > w[0].stamp.time));
+    let is_missing = |s: &ExcavatorSensors| s.valid & excavator_bits::SWING_VELOCITY == 0;
+    let missing: Vec<&ExcavatorSensors> = live.iter().filter(|s| is_missing(s)).collect();
+    // 2 s and 3 s without a word: 0.7 s at 100 Hz after what is held, then at 10 Hz.
+    assert!(
+        (150..300).contains(&missing.len()),
+        "{} silent",
+        missing.len()
+    );
+    let estimates: Vec<ExcavatorEstimate> = reader
+        .messages(EXCAVATOR_INERTIA_UKF.name)
+        .expect("estimates");
+    // Half a second into a silence nothing is fresh, and nothing is trusted.
+    let stale = missing
+        .windows(50)
+        .filter(|w| w[49].stamp.sequence == w[0].stamp.sequence + 49);
+    let mut checked = 0;
+    for sequence in stale.map(|w| w[49].stamp.sequence) {
+        let found = estimates.iter().find(|e| e.stamp.sequence == sequence);
+        let told = excavator_bits::FRESH | excavator_bits::TRUSTED;
+        assert!(
+            found.is_some_and(|e| e.flags & told == 0),
+            "sample {sequence}"
+        );
+        checked += 1;
+    }
+    assert!(checked > 40, "{checked}");
+    let last = live.last().expect("a sample").stamp.time;
+    let back = live
+        .iter()
+        .filter(|s| s.stamp.time > last - 5.0 && !is_missing(s))
+        .count();
+    assert!(back > 400, "{back} samples after the interface came back");
+    assert_honest(&reader, truth[0]);
+}
+
+#[test]
+#[ignore = "needs vcan0; run through tests/tools/with-can"]
+fn a_second_talker_and_random_frames_make_nothing_false_trusted() {
+    let (_dir, map) = mapped();
+    let (rows, truth) = swings(24.0);
+    let half = rows.len() / 2;
+    let run = on_bus("talkers", "excavator", &map);
+    let mut talker = Talker::open("vcan0");
+    talker.play(rows[..half].iter().copied().flat_map(frames));
+    // Another machine's motion under the same identifiers, in between.
+    let other = |[t, v, m]: [f64; 3]| frames([t + 0.005, 0.4 - 0.7 * v, 0.3 * m]);
+    let both_talk = rows[half..]
+        .iter()
+        .flat_map(|r| frames(*r).into_iter().chain(other(*r)));
+    talker.play(both_talk);
+    let mut state = 7_u64;
+    let mut random = || {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
+        (state >> 33) as u32
+    };
+    let anything = (0..10_000).map(|n| {
+        let (id, length) = (random() % 0x7ff, random() as usize % 9);
+        Frame {
+            time: f64::from(n) * 0.0005,
+            id: if random() % 8 == 0 { 100 + id % 2 } else { id },
+            extended: false,
+            data: (0..length).map(|_| random() as u8).collect(),
+        }
+    });
+    talker.play(anything);
+    let (_folder, recording, output) = end(run);
+    assert_calm(&output);
+    let reader = Reader::open(&recording).expect("a recording");
+    assert_honest(&reader, truth[0]);
+}
+
+#[test]
+#[ignore = "needs vcan0; run through tests/tools/with-can"]
+fn frames_that_the_kernel_dropped_are_counted() {
+    let (_dir, map) = mapped();
+    let run = on_bus("dropped", "excavator", &map);
+    let sensor = run.service("sensor").expect("a source");
+    let mut talker = Talker::open("vcan0");
+    talker.play(frames([0.0, 0.1, 1.0]).into_iter());
+    kill(sensor, Signal::STOP);
+    // More than any queue holds, faster than the supervisor looks for what is stopped.
+    for _ in 0..20_000 {
+        talker.say(&frames([0.0, 0.1, 1.0])[0]);
+    }
+    kill(sensor, Signal::CONT);
+    std::thread::sleep(Duration::from_secs(1));
+    talker.play(frames([0.0, 0.1, 1.0]).into_iter());
+    std::thread::sleep(Duration::from_secs(2));
+    let (_folder, recording, output) = end(run);
+    assert_eq!(output.status.code(), Some(1), "{}", both(&output));
+    let said = both(&output);
+    assert!(said.contains("frames were dropped by the kernel"), "{said}");
+    let health: Vec<Health> = Reader::open(&recording)
+        .and_then(|r| r.messages(HEALTH.name))
+        .expect("health");
+    let counted = health
+        .iter()
+        .filter(|h| h.process == 0)
+        .map(|h| h.lost)
+        .max();
+    assert!(
+        counted.is_some_and(|lost| lost > 1000),
+        "{counted:?} counted"
+    );
+}

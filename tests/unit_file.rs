@@ -1,0 +1,49 @@
+//! The systemd unit, as far as a shell can try it.
+
+use std::process::{Command, Output};
+
+/// Runs what the unit runs, with `heft` replaced by a program that says its arguments.
+fn started(environment: &[(&str, &str)]) -> Output {
+    let unit = include_str!("../services/heft/heft@.service");
+    let line = unit
+        .lines()
+        .find_map(|l| l.strip_prefix("ExecStart=/bin/sh -c '"));
+    let script = line
+        .and_then(|l| l.strip_suffix('\''))
+        .expect("a command in quotes");
+    let script = script
+        .replace("%i", "excavator")
+        .replace("exec heft", "echo heft");
+    let mut shell = Command::new("/bin/sh");
+    shell.args(["-c", &script]).env_clear();
+    shell.envs(environment.iter().copied());
+    shell.output().expect("a shell")
+}
+
+#[test]
+fn the_unit_refuses_to_start_without_a_source_and_says_what_to_write() {
+    for environment in [&[][..], &[("INPUT", "can:can0")], &[("MAP", "/m.toml")]] {
+        let output = started(environment);
+        assert_eq!(output.status.code(), Some(78));
+        let said = String::from_utf8_lossy(&output.stderr);
+        for word in [
+            "INPUT=can:can0",
+            "MAP=/etc/heft/excavator.map.toml",
+            "/etc/heft/excavator.source",
+        ] {
+            assert!(said.contains(word), "{said}");
+        }
+        assert!(output.stdout.is_empty());
+    }
+}
+
+#[test]
+fn the_unit_runs_the_source_that_is_written_with_its_options() {
+    let options = ("OPTIONS", "--split 10min --keep 20GB");
+    let output = started(&[("INPUT", "can:can0"), ("MAP", "/m.toml"), options]);
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success());
+    let start =
+        "heft run excavator --input can:can0 --map /m.toml --split 10min --keep 20GB --config";
+    assert!(said.starts_with(start), "{said}");
+}
