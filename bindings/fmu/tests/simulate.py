@@ -22,7 +22,7 @@ CASES = [
 
 def rows(file):
     with open(file, newline="") as text:
-        return [{k: float(v) if v else float("nan") for k, v in row.items() if k != "method"} for row in csv.DictReader(text)]
+        return [{k: float(v) if v else float("nan") for k, v in row.items() if k not in ("method", "reason")} for row in csv.DictReader(text)]
 
 
 def command_line(heft, machine, file, folder):
