@@ -69,7 +69,7 @@ fn is_simulated(run: &Run) -> bool {
 }
 
 /// When, where and with what it was made, and how long it is, as HTML.
-fn facts(run: &Run) -> Vec<String> {
+pub(super) fn facts(run: &Run) -> Vec<String> {
     let facts = [
         ("scenario", "scenario "),
         ("input", "input "),
