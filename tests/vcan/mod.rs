@@ -27,8 +27,15 @@ pub fn data(name: &str) -> Option<PathBuf> {
     file.exists().then_some(file)
 }
 
-/// Runs the tests of this file that need a bus, on a kernel that has one.
+/// Runs the tests of this file that need a bus, on a kernel that has one: where `HEFT_CAN` is set, since they play
+/// in real time and a kernel in user mode keeps it only on a machine that is otherwise quiet.
 pub fn run_ignored_tests() {
+    if std::env::var_os("HEFT_CAN").is_none() {
+        println!(
+            "skipped: set HEFT_CAN=1 for the tests on a bus (three minutes, on a quiet machine)"
+        );
+        return;
+    }
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let status = Command::new(root.join("tests/tools/with-can"))
         .arg(std::env::current_exe().expect("this test"))

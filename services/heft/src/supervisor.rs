@@ -96,7 +96,9 @@ impl Supervisor {
             .copied()
             .filter(|c| watch.reads(c))
             .collect();
-        let taps = Taps::open(&ports, &read)?;
+        let mut taps = Taps::open(&ports, &read)?;
+        // A source that is fast may have overwritten its first samples before the first look.
+        taps.count_from(0);
         let look = if plan.lossless {
             QUICK_LOOK
         } else {

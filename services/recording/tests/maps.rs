@@ -355,7 +355,8 @@ fn a_wrong_time_makes_no_rows() {
     let Some(data) = data() else { return };
     let map = Map::read(&data.join("faults/rate.toml")).expect("a map");
     let rows = load_loader(data.join("faults/jump.log"), Some(&map)).expect("rows");
-    assert!((50..2000).contains(&rows.len()), "{}", rows.len());
+    // Half a second at 100 Hz, and one frame of another century.
+    assert!((40..2000).contains(&rows.len()), "{}", rows.len());
     let times = rows
         .windows(2)
         .map(|w| w[1].0.stamp.time - w[0].0.stamp.time);

@@ -39,6 +39,13 @@ impl<S: Sink + 'static> Taps<S> {
             .map(Self)
     }
 
+    /// Counts samples from `sequence`: what is missing before the first that comes is lost too.
+    pub fn count_from(&mut self, sequence: u64) {
+        for tap in &mut self.0 {
+            tap.count_from(sequence);
+        }
+    }
+
     /// Hands every waiting message to the sink.
     pub fn drain(&mut self, sink: &mut S) -> Visit {
         let mut sum = Visit::default();
@@ -65,6 +72,7 @@ impl<S: Sink + 'static> Taps<S> {
 trait Tap<S: Sink> {
     fn drain(&mut self, sink: &mut S) -> Visit;
     fn through(&self) -> Option<u64>;
+    fn count_from(&mut self, sequence: u64);
 }
 
 struct TypedTap<M: Message> {
@@ -101,6 +109,12 @@ impl<M: Message, S: Sink> Tap<S> for TypedTap<M> {
 
     fn through(&self) -> Option<u64> {
         self.carries_every_sample().then_some(self.through)
+    }
+
+    fn count_from(&mut self, sequence: u64) {
+        if self.carries_every_sample() {
+            self.input.count_from(sequence);
+        }
     }
 }
 

@@ -50,10 +50,10 @@ fn neighbours_of_the_chain_lie_one_hop_apart() {
         let of = |s: &Stage| pipeline.hops_before(s);
         pipeline.stages.iter().map(of).collect()
     };
-    // sensor, kalman, rls, ukf, logger, probe
-    assert_eq!(hops(Machine::Excavator), [0, 1, 2, 1, 0, 3]);
-    // sensor, kalman, ukf, logger, probe
-    assert_eq!(hops(Machine::Loader), [0, 1, 1, 0, 2]);
+    // sensor, kalman, rls, ukf, logger, probe, sender
+    assert_eq!(hops(Machine::Excavator), [0, 1, 2, 1, 0, 3, 0]);
+    // sensor, kalman, ukf, logger, probe, sender
+    assert_eq!(hops(Machine::Loader), [0, 1, 1, 0, 2, 0]);
 }
 
 #[test]
