@@ -272,6 +272,7 @@ const char *heft_excavator_error(const void *memory);
 #define HEFT_LOADER_METHOD_ISR_UKF_PRINTED 1
 #define HEFT_LOADER_METHOD_ISR_UKF 2
 #define HEFT_LOADER_METHOD_EKF 3
+#define HEFT_LOADER_METHOD_FULL_EKF 4
 
 /* Signals that the machine has, for `columns` of heft_loader_init; each needs its bit to be used. */
 #define HEFT_LOADER_COLUMN_SPEED (1u << 0)
