@@ -31,7 +31,13 @@ fn panel<E: Estimate>(run: &MachineRun<E>, parameter: &Parameter<E, E::Truth>) -
         }
     }
     let mut label = "95 % interval";
-    for estimator in &estimators {
+    // The interval of a method that never was trusted is as wide as what it cannot know: it would flatten the rest.
+    let trusted = |estimator: &&&Estimator<E>| {
+        let primary = run.primary().map(|p| &p.channel) == Some(&estimator.channel);
+        let flags = |e: &E| e.flags() & parameter.trusted != 0;
+        primary || estimator.estimates.iter().any(flags)
+    };
+    for estimator in estimators.iter().filter(trusted) {
         if add_band(&mut plot, run, estimator, parameter, label) {
             label = "";
         }
