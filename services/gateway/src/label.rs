@@ -75,6 +75,22 @@ pub fn lost(before: i64, next: &Label, per_period: f64) -> u64 {
     ((periods.round() - 1.0).max(0.0) as u64).max(least)
 }
 
+/// How many messages are missing behind `before`, where one of the number `upto` is known to have been there.
+#[must_use]
+pub fn lost_behind(before: i64, upto: i64, per_period: f64) -> u64 {
+    if upto <= before {
+        return 0;
+    }
+    let last = Label {
+        machine: String::new(),
+        epoch: 0,
+        number: upto.max(0) as u64,
+        after: None,
+        wall_ms: 0,
+    };
+    lost(before, &last, per_period).saturating_add(1)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -131,5 +147,9 @@ mod tests {
             1,
             "without a period"
         );
+        assert_eq!(lost_behind(400, 400, hz), 0);
+        assert_eq!(lost_behind(400, 700, hz), 3, "500, 600, 700");
+        assert_eq!(lost_behind(400, 450, hz), 1);
+        assert_eq!(lost_behind(-1, 9000, 0.0), 1);
     }
 }

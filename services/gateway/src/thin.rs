@@ -21,7 +21,7 @@ use crate::track::{Seen, Track};
 const HEALTH_RATE: f64 = 1.0 / 0.3;
 
 /// A stream of messages of one machine.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct StreamInfo {
     /// `KIND/NAME`.
     pub name: String,

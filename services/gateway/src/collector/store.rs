@@ -15,7 +15,7 @@ use super::ask::Question;
 use super::intake::{Answer, Taken, decode};
 use super::live::{Account, Fleet};
 use crate::key::MachineId;
-use crate::label::{Label, lost};
+use crate::label::{Label, lost, lost_behind};
 use crate::status::Status;
 use crate::wall_ms;
 
@@ -433,8 +433,7 @@ impl Store {
         }
         if upto > stream.good {
             // The machine spoke of that one, and has it no more.
-            let missing = lost(stream.good, &label(upto, None), stream.per_period);
-            stream.lose(missing.saturating_add(1));
+            stream.lose(lost_behind(stream.good, upto, stream.per_period));
             stream.good = upto;
         }
         drop(rows);

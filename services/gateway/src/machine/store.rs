@@ -17,7 +17,7 @@ use zenoh::query::Query;
 use zenoh::{Session, Wait};
 
 use super::Shared;
-use crate::label::lost;
+use crate::label::{lost, lost_behind};
 use crate::thin::Selected;
 
 /// Answers to one question; the rest is asked for again.
@@ -156,7 +156,11 @@ impl Visitor for Reading<'_> {
         let is_whole = !is_full
             && (thinner.seen(self.stream) >= self.upto
                 || self.shared.ended.load(Ordering::Relaxed));
-        served.upto = if is_whole { self.upto.max(last) } else { last };
+        served.upto = last;
+        if is_whole && self.upto > last {
+            served.lost += lost_behind(last, self.upto, per_period);
+            served.upto = self.upto;
+        }
         served
     }
 }
