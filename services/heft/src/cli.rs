@@ -1,6 +1,7 @@
 //! The command line: names, arguments, help texts.
 
 use std::net::SocketAddr;
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
@@ -65,14 +66,7 @@ pub enum Command {
         output: Option<PathBuf>,
     },
     /// Make one offline HTML page of a recording
-    Report {
-        /// The recording, or its folder; several of the same machine are compared
-        #[arg(required = true)]
-        files: Vec<PathBuf>,
-        /// Page to write; if absent the recording's name with .html, or compared.html beside the first
-        #[arg(short, long)]
-        output: Option<PathBuf>,
-    },
+    Report(ReportArgs),
     /// Write every channel of a recording as CSV
     Export {
         /// The recording, or its folder
@@ -287,8 +281,9 @@ pub struct RunArgs {
 /// `heft estimate`
 #[derive(Debug, Args)]
 pub struct EstimateArgs {
-    /// Recorded data: .csv, .mcap, or .log (candump)
-    pub file: PathBuf,
+    /// Recorded data: .csv, .mcap, or .log (candump); without --output many of them, and folders of them
+    #[arg(required = true)]
+    pub files: Vec<PathBuf>,
     /// The machine
     #[arg(long, value_parser = machine())]
     pub machine: Machine,
@@ -301,18 +296,55 @@ pub struct EstimateArgs {
     /// The machine's description
     #[command(flatten)]
     pub description: DescriptionArgs,
-    /// Estimates, one row per accepted row of the input (CSV)
+    /// Estimates, one row per accepted row of the input (CSV); if absent NAME.estimates.csv beside each input, with a summary in NAME.estimates.json
     #[arg(short, long, value_name = "OUT.csv")]
-    pub output: PathBuf,
+    pub output: Option<PathBuf>,
     /// Also let every later row speak of each moment (excavator, torque and posture)
     #[arg(long)]
     pub smooth: bool,
     /// Also write an HTML report
-    #[arg(long, value_name = "R.html")]
+    #[arg(long, value_name = "R.html", requires = "output")]
     pub report: Option<PathBuf>,
+    /// Also write a summary (JSON)
+    #[arg(long, value_name = "FILE", requires = "output")]
+    pub json: Option<PathBuf>,
     /// Exit with status 1 if no estimate of the last 30 s is `trusted`
     #[arg(long)]
     pub require_trust: bool,
+    /// Many inputs: write the table of results here too (CSV)
+    #[arg(long, value_name = "FILE.csv", conflicts_with = "output")]
+    pub summary: Option<PathBuf>,
+    /// How many inputs are treated
+    #[command(flatten)]
+    pub many: ManyArgs,
+}
+
+/// Many inputs in one command.
+#[derive(Debug, Args)]
+pub struct ManyArgs {
+    /// Many inputs: do again what is done already
+    #[arg(long)]
+    pub again: bool,
+    /// Many inputs: processes at the same time; as many as there are processors if absent
+    #[arg(long, value_name = "N")]
+    pub jobs: Option<NonZeroUsize>,
+}
+
+/// `heft report`
+#[derive(Debug, Args)]
+pub struct ReportArgs {
+    /// The recording, or its folder; several of the same machine are compared
+    #[arg(required = true)]
+    pub files: Vec<PathBuf>,
+    /// Page to write; if absent the recording's name with .html, or compared.html beside the first
+    #[arg(short, long)]
+    pub output: Option<PathBuf>,
+    /// A page of its own beside each recording, and beside every recording of a folder
+    #[arg(long, conflicts_with = "output")]
+    pub each: bool,
+    /// How many inputs are treated
+    #[command(flatten)]
+    pub many: ManyArgs,
 }
 
 /// `heft calibrate`

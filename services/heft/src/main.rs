@@ -12,6 +12,7 @@ mod failure;
 mod fault;
 mod live;
 mod machines;
+mod many;
 mod notify;
 mod outputs;
 mod page;
@@ -76,7 +77,7 @@ fn dispatch(cli: Cli) -> Result<(), Failure> {
         Command::Evaluate(args) => commands::evaluate::evaluate(&args),
         Command::Calibrate(args) => commands::calibrate::calibrate(&args),
         Command::Recover { file, output } => commands::recover::recover(&file, output.as_deref()),
-        Command::Report { files, output } => commands::report::report(&files, output.as_deref()),
+        Command::Report(args) => commands::report::report(&args),
         Command::Export { file, output } => commands::export::export(&file, &output),
         Command::Top { domain, once } => commands::top::top(domain.as_deref(), once),
         Command::Latency(args) => commands::latency::latency(&args),
