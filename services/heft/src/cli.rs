@@ -51,6 +51,8 @@ pub enum Command {
     Run(Box<RunArgs>),
     /// Run the same steps in one process on recorded data
     Estimate(EstimateArgs),
+    /// Estimate for many machines at once: a table with a column `machine` in, estimates out
+    Serve(ServeArgs),
     /// Recompute every estimate of a recording
     Replay(ReplayArgs),
     /// Evaluate the estimators by Monte-Carlo simulation, next to the published figures
@@ -345,6 +347,39 @@ pub struct ReportArgs {
     /// How many inputs are treated
     #[command(flatten)]
     pub many: ManyArgs,
+}
+
+/// `heft serve`
+#[derive(Debug, Args)]
+pub struct ServeArgs {
+    /// The kind of the machines
+    #[arg(value_parser = machine())]
+    pub machine: Machine,
+    /// The table (CSV); standard input if absent
+    pub file: Option<PathBuf>,
+    /// Signal map (TOML)
+    #[arg(long)]
+    pub map: Option<PathBuf>,
+    /// Method; see the README for the list
+    #[arg(long)]
+    pub method: Option<String>,
+    /// The description of all of them
+    #[command(flatten)]
+    pub description: DescriptionArgs,
+    /// At most one row a machine in so much of its time [s]; every row if 0
+    #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = seconds)]
+    pub every: f64,
+    /// Processes that the machines are shared among; as many as there are processors if absent
+    #[arg(long, value_name = "N")]
+    pub shards: Option<NonZeroUsize>,
+    /// Be one of them
+    #[arg(long, hide = true)]
+    pub shard: bool,
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|x| (0.0..=1e9).contains(x));
+    number.ok_or_else(|| "a number of seconds, 0 or more".into())
 }
 
 /// `heft calibrate`

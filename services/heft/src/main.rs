@@ -19,6 +19,7 @@ mod page;
 mod parts;
 mod plan;
 mod quantity;
+mod serve;
 mod service;
 mod signals;
 mod sources;
@@ -73,6 +74,7 @@ fn dispatch(cli: Cli) -> Result<(), Failure> {
     match command {
         Command::Run(args) => commands::run::run(&args),
         Command::Estimate(args) => commands::estimate::estimate(&args),
+        Command::Serve(args) => commands::serve::serve(&args),
         Command::Replay(args) => commands::replay::replay(&args),
         Command::Evaluate(args) => commands::evaluate::evaluate(&args),
         Command::Calibrate(args) => commands::calibrate::calibrate(&args),

@@ -154,6 +154,45 @@ impl<M: Machine> LineDecoder<M> {
     }
 }
 
+/// A column of text in the rows of a table, such as the name of the machine that each row is of.
+#[derive(Debug, Clone, Copy)]
+pub struct NameColumn {
+    dialect: Dialect,
+    at: usize,
+}
+
+impl NameColumn {
+    /// The column of this name; `said` is the line before the header, if that tells the separator.
+    ///
+    /// # Errors
+    /// The header has no such column.
+    pub fn find(header: &[u8], said: Option<&[u8]>, name: &str) -> Result<Self, Error> {
+        let header = header.strip_prefix(b"\xef\xbb\xbf").unwrap_or(header);
+        let dialect = Dialect::of(said.unwrap_or(header));
+        let names = names(&record(header, dialect), INPUT)?;
+        let at = names.iter().position(|n| n == name).ok_or_else(|| {
+            let what = format!("there is no column {name}");
+            let remedy = format!("add it; the table has {}", names.join(", "));
+            Error::new(what, format!("{INPUT}:1"), remedy)
+        })?;
+        Ok(Self { dialect, at })
+    }
+
+    /// Whether a line tells the separator and is no header.
+    #[must_use]
+    pub fn is_separator(line: &[u8]) -> bool {
+        separator_line(line).is_some()
+    }
+
+    /// What a row says there; nothing where it says nothing.
+    #[must_use]
+    pub fn of(&self, line: &[u8]) -> Option<String> {
+        let record = record(line, self.dialect);
+        let text = String::from_utf8_lossy(record.get(self.at)?).into_owned();
+        (!text.is_empty()).then_some(text)
+    }
+}
+
 /// The name of the input in errors.
 const INPUT: &str = "standard input";
 

@@ -7,7 +7,9 @@ use std::path::{Path, PathBuf};
 
 use config::Description;
 use messages::channels::Channel;
-use messages::{Envelope, ExcavatorEstimate, LoaderEstimate, Message, Receiver, excavator_bits};
+use messages::{
+    Envelope, ExcavatorEstimate, LoaderEstimate, Machine, Message, Receiver, excavator_bits,
+};
 use recording::{EstimateWriter, Metadata, Reader, Samples, Writer, output};
 use steps::Error;
 use steps::stages::{AnyStep, Pipeline, Role};
@@ -41,12 +43,16 @@ fn one(args: &EstimateArgs, file: &Path, output: &Path) -> Result<(), Failure> {
         Description::Excavator(d) => {
             let samples = recording::open::<recording::Excavator>(file, map.as_ref())?;
             if let Some((first, _)) = samples.rows()?.next() {
-                steps::excavator::check_columns(d, method(args), &first)?;
+                steps::excavator::check_columns(
+                    d,
+                    method(args.machine, args.method.as_deref()),
+                    &first,
+                )?;
             }
             samples.check()?;
             let past = if args.smooth {
                 let rows = samples.rows()?.map(|(row, _)| row);
-                steps::excavator::past(d, method(args), rows)?
+                steps::excavator::past(d, method(args.machine, args.method.as_deref()), rows)?
             } else {
                 Vec::new()
             };
@@ -105,19 +111,18 @@ fn check_outputs(args: &EstimateArgs, file: &Path, output: &Path) -> Result<(), 
 }
 
 /// The method that was asked for, or that of the process whose estimate is told first.
-fn method(args: &EstimateArgs) -> &str {
-    let pipeline = Pipeline::of(args.machine);
-    let main = pipeline
-        .stage(pipeline.main)
-        .map_or(&[][..], |s| s.methods());
-    let asked = args.method.as_deref();
-    asked.unwrap_or(main.first().copied().unwrap_or_default())
+pub fn method(machine: Machine, asked: Option<&str>) -> &str {
+    let pipeline = Pipeline::of(machine);
+    let main = pipeline.stage(pipeline.main);
+    let usual = main.and_then(|s| s.methods().first().copied());
+    asked.or(usual).unwrap_or_default()
 }
 
 /// The stages that lead to a method's estimate, each with the channel that it writes.
-type Way = Vec<(&'static Channel, Box<dyn AnyStep>)>;
+pub type Way = Vec<(&'static Channel, Box<dyn AnyStep>)>;
 
-fn way(description: &Description, method: &str) -> Result<Way, Error> {
+/// The way to the estimate of a method.
+pub fn way(description: &Description, method: &str) -> Result<Way, Error> {
     let pipeline = Pipeline::of(description.machine());
     let stage = pipeline.with_method(method);
     let stage = stage.ok_or_else(|| pipeline.unknown(method))?;
@@ -173,8 +178,8 @@ fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
     put: impl Fn(usize, &mut E),
 ) -> Result<(), Failure> {
     samples.on_progress(parts::progress());
-    let mut way = way(description, method(args))?;
-    tell_idle_keys(description, &[method(args)]);
+    let mut way = way(description, method(args.machine, args.method.as_deref()))?;
+    tell_idle_keys(description, &[method(args.machine, args.method.as_deref())]);
     let mut writer = EstimateWriter::<E>::create(output)?;
     let metadata = metadata(args, description);
     let mut found = Found::<E>::new();
@@ -267,7 +272,10 @@ fn metadata(args: &EstimateArgs, description: &Description) -> Metadata {
         (crate::build::KEY, crate::build::IDENTITY.to_owned()),
         ("machine", description.machine().name().to_owned()),
         ("input", names.collect::<Vec<_>>().join(", ")),
-        ("method", method(args).to_owned()),
+        (
+            "method",
+            method(args.machine, args.method.as_deref()).to_owned(),
+        ),
         ("description.sha256", recording::sha256(&text)),
         ("description", text),
     ] {

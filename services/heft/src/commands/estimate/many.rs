@@ -20,7 +20,7 @@ pub fn identity(args: &EstimateArgs, description: &Description) -> String {
     format!(
         "{} --method {}{smooth}, description {}",
         crate::build::IDENTITY,
-        super::method(args),
+        super::method(args.machine, args.method.as_deref()),
         recording::sha256(description.to_toml())
     )
 }
@@ -28,7 +28,10 @@ pub fn identity(args: &EstimateArgs, description: &Description) -> String {
 /// Each input in a process of its own.
 pub fn estimate(args: &EstimateArgs) -> Result<(), Failure> {
     let description = description(args.machine, &args.description)?;
-    super::way(&description, super::method(args))?;
+    super::way(
+        &description,
+        super::method(args.machine, args.method.as_deref()),
+    )?;
     if let Some(summary) = &args.summary {
         recording::output::check(summary, &[], many::is_summary)?;
     }
@@ -222,8 +225,8 @@ fn csv(rows: &[Row]) -> String {
     for row in rows {
         let seconds = row.found.as_ref().and_then(|f| f.get("seconds")?.as_f64());
         let mut cells = vec![
-            quoted(&row.input.display().to_string()),
-            quoted(&row.end),
+            recording::csv::quoted(&row.input.display().to_string()),
+            recording::csv::quoted(&row.end),
             row.count("rows"),
             row.count("refused"),
             shown(seconds),
@@ -247,13 +250,4 @@ fn csv(rows: &[Row]) -> String {
 
 fn shown(number: Option<f64>) -> String {
     number.map_or(String::new(), |n| n.to_string())
-}
-
-/// A cell of a CSV, in quotes where it must be.
-fn quoted(cell: &str) -> String {
-    if cell.contains([',', '"', '\n', '\r']) {
-        format!("\"{}\"", cell.replace('"', "\"\""))
-    } else {
-        cell.to_owned()
-    }
 }
