@@ -165,7 +165,7 @@ impl<'a, M: Machine> Router<'a, M> {
         if line.trim_ascii().is_empty() {
             return Ok(());
         }
-        let Some(column) = self.column else {
+        let Some(column) = &mut self.column else {
             self.head.push(line.to_vec());
             if !NameColumn::is_separator(line) {
                 let said = self.head.first().filter(|_| self.head.len() > 1);

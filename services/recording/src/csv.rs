@@ -1,11 +1,13 @@
 //! CSV in and out.
 
+mod cells;
 mod columns;
 mod dialect;
 mod estimate;
 mod export;
 mod read;
 
+pub(crate) use cells::Cells;
 pub(crate) use columns::Columns;
 pub(crate) use dialect::{Dialect, separator_line};
 pub use estimate::{Column, Estimate, EstimateRows, EstimateWriter, is_estimates};
