@@ -26,9 +26,10 @@ mod sources;
 mod spare;
 mod state;
 mod summary;
+mod supervised;
 mod supervisor;
+mod tally;
 mod watch;
-mod worker;
 
 use std::process::ExitCode;
 

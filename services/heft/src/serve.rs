@@ -3,8 +3,8 @@
 //! and every sample since: the estimates are those of a run in which none died, bit for bit.
 
 mod frames;
+mod remote;
 mod shard;
-mod worker;
 
 use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -15,8 +15,8 @@ use std::time::Instant;
 use messages::Message;
 use recording::{LineDecoder, MAX_LINE, Machine, Map, NameColumn};
 
+use self::remote::RemoteShard;
 pub use self::shard::serve as serve_shard;
-use self::worker::Worker;
 use crate::failure::Failure;
 
 /// The column that names the machine of a row.
@@ -53,7 +53,7 @@ impl Rows {
 pub fn route<M: Machine>(
     input: impl Read,
     map: Option<&Map>,
-    shards: usize,
+    count: usize,
     arguments: &[std::ffi::OsString],
     header: &str,
 ) -> Result<(), Failure> {
@@ -63,25 +63,25 @@ pub fn route<M: Machine>(
         out: Mutex::new(BufWriter::with_capacity(1 << 16, std::io::stdout())),
         names: Mutex::new(Vec::new()),
     };
-    let workers = (0..shards).map(|_| Worker::start(arguments, &rows));
-    let workers = workers.collect::<Result<Vec<_>, _>>()?;
+    let shards = (0..count).map(|_| RemoteShard::start(arguments, &rows));
+    let shards = shards.collect::<Result<Vec<_>, _>>()?;
     let routed = std::thread::scope(|scope| {
-        workers.iter().for_each(|w| w.listen(scope));
-        let routed = Router::<M>::new(map, &workers, &rows).take_all(input);
-        workers.iter().for_each(Worker::close);
+        shards.iter().for_each(|w| w.listen(scope));
+        let routed = Router::<M>::new(map, &shards, &rows).take_all(input);
+        shards.iter().for_each(RemoteShard::close);
         routed
     });
-    let failed = workers.iter().find_map(Worker::failure);
+    let failed = shards.iter().find_map(RemoteShard::failure);
     rows.flush().map_err(Failure::internal)?;
     if let Some(failure) = failed {
         return Err(failure);
     }
     let (samples, refused) = routed?;
     let machines = rows.names.lock().map_or(0, |n| n.len());
-    let taken_over: u32 = workers.iter().map(Worker::restarts).sum();
+    let taken_over: u32 = shards.iter().map(RemoteShard::restarts).sum();
     let seconds = began.elapsed().as_secs_f64();
     eprintln!(
-        "{machines} machines, {samples} samples in {seconds:.1} s by {shards} processes; {refused} lines left out, {taken_over} processes replaced"
+        "{machines} machines, {samples} samples in {seconds:.1} s by {count} processes; {refused} lines left out, {taken_over} processes replaced"
     );
     Ok(())
 }
@@ -94,7 +94,7 @@ fn unreadable(error: &std::io::Error) -> Failure {
 /// Sends each row to the shard of its machine.
 struct Router<'a, M: Machine> {
     map: Option<&'a Map>,
-    workers: &'a [Worker<'a>],
+    shards: &'a [RemoteShard<'a>],
     rows: &'a Rows,
     /// What stands before the rows: a line that tells the separator, the header.
     head: Vec<Vec<u8>>,
@@ -107,10 +107,10 @@ struct Router<'a, M: Machine> {
 }
 
 impl<'a, M: Machine> Router<'a, M> {
-    fn new(map: Option<&'a Map>, workers: &'a [Worker<'a>], rows: &'a Rows) -> Self {
+    fn new(map: Option<&'a Map>, shards: &'a [RemoteShard<'a>], rows: &'a Rows) -> Self {
         Self {
             map,
-            workers,
+            shards,
             rows,
             head: Vec::new(),
             column: None,
@@ -129,8 +129,8 @@ impl<'a, M: Machine> Router<'a, M> {
         loop {
             if !input.buffer().contains(&b'\n') {
                 // What is here goes on its way before anybody waits.
-                self.workers.iter().for_each(Worker::flush);
-                if let Some(failure) = self.workers.iter().find_map(Worker::failure) {
+                self.shards.iter().for_each(RemoteShard::flush);
+                if let Some(failure) = self.shards.iter().find_map(RemoteShard::failure) {
                     return Err(failure);
                 }
             }
@@ -208,7 +208,7 @@ impl<'a, M: Machine> Router<'a, M> {
         }
         let mut hasher = DefaultHasher::new();
         name.hash(&mut hasher);
-        let shard = (hasher.finish() % self.workers.len() as u64) as usize;
+        let shard = (hasher.finish() % self.shards.len() as u64) as usize;
         self.decoders.push((self.decoder()?, shard));
         let mut names = self
             .rows
@@ -227,7 +227,7 @@ impl<'a, M: Machine> Router<'a, M> {
             sample.stamp_mut().machine = number as u32;
             frames::pack(&sample, &mut self.bytes);
             self.samples += 1;
-            self.workers[*shard].send(number as u32, &self.bytes);
+            self.shards[*shard].send(number as u32, &self.bytes);
         }
         for remark in decoder.take_remarks() {
             self.refused += 1;

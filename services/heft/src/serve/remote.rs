@@ -47,7 +47,7 @@ struct Output {
 }
 
 /// A shard.
-pub struct Worker<'a> {
+pub struct RemoteShard<'a> {
     arguments: &'a [OsString],
     rows: &'a Rows,
     input: Mutex<Input>,
@@ -73,7 +73,7 @@ fn start(arguments: &[OsString]) -> Result<(Child, BufWriter<ChildStdin>), Failu
     Ok((child, BufWriter::with_capacity(1 << 16, pipe)))
 }
 
-impl<'a> Worker<'a> {
+impl<'a> RemoteShard<'a> {
     /// Starts the process.
     pub fn start(arguments: &'a [OsString], rows: &'a Rows) -> Result<Self, Failure> {
         let (child, pipe) = start(arguments)?;
