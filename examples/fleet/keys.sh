@@ -25,7 +25,7 @@ certificate() { # NAME ADDRESSES
   cat > "$1.json5" <<END
 { transport: { link: { tls: {
   root_ca_certificate: "$PWD/ca.pem", connect_private_key: "$PWD/$1.key", connect_certificate: "$PWD/$1.pem",
-  close_link_on_expiration: true } } } }
+  enable_mtls: true, close_link_on_expiration: true } } } }
 END
 }
 certificate router "DNS:$router,DNS:localhost,IP:127.0.0.1"

@@ -1,6 +1,8 @@
 //! Sessions of Zenoh: to the endpoints that are named and to nobody else.
 
 use std::path::Path;
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::Duration;
 
 use zenoh::{Config, Session, Wait};
 
@@ -18,7 +20,7 @@ pub struct LinkArgs {
     pub zenoh_config: Option<std::path::PathBuf>,
 }
 
-/// Opens a session that goes on connecting by itself: a router that is away holds up nothing.
+/// Opens a session, when the router is there. From then on it connects again by itself.
 ///
 /// # Errors
 /// The endpoint or the configuration cannot be understood.
@@ -30,6 +32,26 @@ pub fn client(link: &LinkArgs) -> Result<Session, String> {
     set(&mut config, "connect/exit_on_failure", "false")?;
     set(&mut config, "listen/endpoints", "[]")?;
     open(config, &link.connect)
+}
+
+/// [`client`], given up when `stops` says so: to open a session takes until the router is there.
+///
+/// # Errors
+/// As [`client`]; `None` where it was given up.
+pub fn client_unless(link: &LinkArgs, stops: impl Fn() -> bool) -> Result<Option<Session>, String> {
+    let (say, opened) = channel();
+    let its = link.clone();
+    std::thread::spawn(move || {
+        // Nobody waits any more: the process ends.
+        let _ = say.send(client(&its));
+    });
+    loop {
+        match opened.recv_timeout(Duration::from_millis(50)) {
+            Ok(session) => return session.map(Some),
+            Err(RecvTimeoutError::Timeout) if !stops() => {}
+            Err(_) => return Ok(None),
+        }
+    }
 }
 
 /// Opens a router in this process: the same code as `zenohd`, without its plug-ins.

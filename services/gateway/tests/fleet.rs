@@ -240,3 +240,26 @@ fn every_estimate_comes_on_request_until_the_time_is_over() {
     let out = command.output().expect("it runs");
     assert_eq!(out.status.code(), Some(2), "nobody is there");
 }
+
+#[test]
+fn a_router_that_is_away_holds_up_neither_machine_nor_collector() {
+    let mut router = Router::start();
+    router.down();
+    let folder = tempfile::tempdir().expect("a folder");
+    let db = folder.path().join("fleet.sqlite");
+    let first = collector(&router.address, &db, &[]);
+    first.process.end();
+    let centre = collector(&router.address, &db, &[]);
+    let machine = machine(100.0, 12.0, None);
+    let gateway = gateway(&machine, "ex-1", &router.address);
+    sleep(8.0);
+    router.up();
+    machine.process.wait();
+    let whole = expected(100, 12);
+    until("the history is whole", || {
+        centre.numbers("ex-1", UKF).len() >= whole.len() && centre.account("ex-1").1 == 0
+    });
+    assert_eq!(centre.numbers("ex-1", UKF), whole);
+    router.down();
+    gateway.end();
+}

@@ -13,7 +13,7 @@ use super::intake::decode;
 use super::table::{Format, Table};
 use crate::error;
 use crate::key::MachineId;
-use crate::link::{LinkArgs, client};
+use crate::link::{LinkArgs, client_unless};
 use crate::machine::LONGEST;
 
 /// A machine must have answered by then, and a batch that is later is not waited for.
@@ -54,7 +54,10 @@ pub fn full(args: &FullArgs, out: &mut impl Write, stop: &AtomicBool) -> Result<
             "see the page of the fleet",
         )
     })?;
-    let session = client(&args.link)?;
+    let stops = || stop.load(Ordering::Relaxed);
+    let Some(session) = client_unless(&args.link, stops)? else {
+        return Ok(());
+    };
     let failed = |e: zenoh::Error| {
         error(
             format!("Zenoh refuses: {e}"),

@@ -80,7 +80,10 @@ pub fn run(args: &CollectorArgs, stop: &AtomicBool) -> Result<(), String> {
     let fleet = Arc::new(Mutex::new(store.fleet()?));
     let server = page::serve(args.page, Arc::clone(&fleet), args.db.clone())?;
     eprintln!("fleet: http://{}", server.address());
-    let session = crate::link::client(&args.link)?;
+    let stops = || stop.load(Ordering::Relaxed);
+    let Some(session) = crate::link::client_unless(&args.link, stops)? else {
+        return Ok(());
+    };
     let (events, waiting) = sync_channel(QUEUE);
     let intake = Arc::new(Intake::new(events));
     let failed = |e: zenoh::Error| {

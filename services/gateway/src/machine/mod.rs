@@ -66,6 +66,8 @@ struct Shared {
     wall_offset_ns: i64,
     streams: Vec<StreamInfo>,
     heads: Vec<AtomicI64>,
+    /// Numbers up to which losses were counted, by stream.
+    counted: Vec<AtomicI64>,
     since_ms: u64,
     overwritten: AtomicU64,
     dropped: AtomicU64,
@@ -133,6 +135,7 @@ pub fn run(args: &GatewayArgs, stop: &AtomicBool) -> Result<(), String> {
         hz: args.rate,
         wall_offset_ns: wall_ms() as i64 * 1_000_000 - monotonic,
         heads: streams.iter().map(|_| AtomicI64::new(-1)).collect(),
+        counted: streams.iter().map(|_| AtomicI64::new(-1)).collect(),
         streams,
         since_ms: wall_ms(),
         overwritten: AtomicU64::new(0),

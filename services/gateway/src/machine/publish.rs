@@ -12,7 +12,7 @@ use zenoh::qos::{CongestionControl, Priority};
 use zenoh_ext::{AdvancedPublisher, AdvancedPublisherBuilderExt, CacheConfig, MissDetectionConfig};
 
 use super::{Shared, full, store};
-use crate::link::{LinkArgs, client};
+use crate::link::{LinkArgs, client_unless};
 use crate::schema;
 use crate::status::{Counts, Status, Stream};
 use crate::thin::Selected;
@@ -40,7 +40,10 @@ fn publish(
     mut queue: Consumer<Selected>,
     mut samples: Consumer<full::Sample>,
 ) -> Result<(), String> {
-    let session = client(link)?;
+    let Some(session) = client_unless(link, || shared.leave.load(Ordering::Relaxed))? else {
+        tracing::warn!("the router was never there: everything stays in the recording");
+        return Ok(());
+    };
     let failed = |e: zenoh::Error| {
         crate::error(
             format!("Zenoh refuses a key: {e}"),

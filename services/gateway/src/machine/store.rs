@@ -99,7 +99,10 @@ fn answer(shared: &Shared, query: &Query, stream: usize) {
     };
     let served = shared.streams[stream].channel.payload.visit(reading);
     shared.served.fetch_add(served.messages, Ordering::Relaxed);
-    shared.lost.fetch_add(served.lost, Ordering::Relaxed);
+    // What another collector asks for again, or the same one after an answer that did not arrive, is lost once.
+    if shared.counted[stream].fetch_max(served.upto, Ordering::Relaxed) <= after {
+        shared.lost.fetch_add(served.lost, Ordering::Relaxed);
+    }
     let end = serde_json::to_vec(&served).unwrap_or_default();
     let _ = query.reply(key, end).attachment(END).wait();
 }
