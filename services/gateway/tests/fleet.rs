@@ -164,7 +164,7 @@ fn what_the_recording_has_dropped_is_counted_at_both_ends() {
         .expect("a stream");
     assert!(lost > 0, "something was dropped");
     assert_eq!(here as i64 + lost, 400, "{here} here");
-    // The same number at the machine, in the sum over its streams.
+    // And so says the machine, of all its streams.
     let page = || centre.get("/north/ex-1", "localhost");
     let said = |words: &str| -> Option<i64> {
         let page = page();
@@ -176,11 +176,13 @@ fn what_the_recording_has_dropped_is_counted_at_both_ends() {
             .ok()
     };
     sleep(3.0);
-    assert_eq!(said(" messages lost"), Some(centre.account("ex-1").0));
-    assert_eq!(
+    let (ours, theirs) = (
         said(" messages lost"),
-        said(" asked for and no longer recorded")
+        said(" asked for and no longer recorded"),
     );
+    assert_eq!(ours, Some(centre.account("ex-1").0));
+    // A machine may say more, never less: Zenoh's cache may still have had some.
+    assert!(theirs >= ours, "{theirs:?} at the machine, {ours:?} here");
 }
 
 #[test]

@@ -38,8 +38,8 @@ const SCHEMA: &str = "
         at_ms INTEGER NOT NULL, site TEXT NOT NULL, name TEXT NOT NULL, kind TEXT NOT NULL, text TEXT NOT NULL);
 ";
 
-/// A gap younger than this may close by itself.
-const GRACE: Duration = Duration::from_secs(2);
+/// A gap younger than this may close by itself, from Zenoh's cache.
+const GRACE: Duration = Duration::from_secs(5);
 /// Pause between two questions about the same gap; it doubles up to the longest.
 const PAUSE: Duration = Duration::from_secs(2);
 const LONGEST_PAUSE: Duration = Duration::from_secs(60);
