@@ -1,5 +1,7 @@
 //! The drives of a loader as a model: parameters, what is known of them, blocks.
 
+use std::ops::Range;
+
 use config::Loader as Description;
 use estimation::Quantity;
 use estimation::loader::weigh::Reference;
@@ -89,7 +91,10 @@ impl Role {
     #[must_use]
     pub fn is_nuisance(self) -> bool {
         use Role::{Friction, Lift, Reach, Relaxation, TorqueDelay};
-        matches!(self, Friction | Relaxation | TorqueDelay | Reach(_) | Lift(_)) || self.is_noise()
+        matches!(
+            self,
+            Friction | Relaxation | TorqueDelay | Reach(_) | Lift(_)
+        ) || self.is_noise()
     }
 }
 
@@ -190,6 +195,13 @@ impl Drives {
     #[must_use]
     pub fn index(&self, role: Role) -> Option<usize> {
         self.roles.iter().position(|r| *r == role)
+    }
+
+    /// The rows of a block.
+    #[must_use]
+    pub fn stretch(&self, block: usize) -> &Range<usize> {
+        let (recording, number) = self.blocks[block];
+        &self.drives[recording].blocks[number]
     }
 
     /// Time of driving with a load [s].
@@ -359,7 +371,14 @@ fn parameters(drives: &[Drive], loads: &[Told], d: &Description) -> Vec<(Role, P
     };
     let noise = |key: &str, words: &str, unit, mean: f64| Parameter {
         law: Law::Logarithmic,
-        ..linear(key, words, unit, mean, SCATTER_STD, (1e-3 * mean, 1e3 * mean))
+        ..linear(
+            key,
+            words,
+            unit,
+            mean,
+            SCATTER_STD,
+            (1e-3 * mean, 1e3 * mean),
+        )
     };
     let radius =
         |key: &str, words: &str, mean| linear(key, words, "", mean, p.radius_std, (-0.2, 0.2));

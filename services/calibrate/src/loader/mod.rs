@@ -1,5 +1,6 @@
 //! Calibration of a wheel loader from drives with known masses.
 
+mod brakes;
 mod drive;
 mod drives;
 mod residuals;
@@ -138,7 +139,11 @@ fn held(drives: &Drives, free: Option<&[String]>) -> Result<Vec<bool>, String> {
     let Some(free) = free else {
         return Ok(vec![false; drives.roles.len()]);
     };
-    let mut fixed: Vec<bool> = drives.roles.iter().map(|r| r.load().is_none() && !r.is_nuisance()).collect();
+    let mut fixed: Vec<bool> = drives
+        .roles
+        .iter()
+        .map(|r| r.load().is_none() && !r.is_nuisance())
+        .collect();
     for key in free {
         let at = drives.parameters.iter().position(|p| p.key == *key);
         let Some(at) = at else {
@@ -193,8 +198,13 @@ fn find(outcome: &mut Outcome, options: &Options<'_>) {
         }
     }
     if !fit.interrupted {
-        faults.extend(words::far(drives, &fit.place, &outcome.fixed));
-        faults.extend(doubts(drives, &task, &fit));
+        // What follows from brakes would be said of other things.
+        if let Some(brakes) = brakes::differ(drives, &fit.place) {
+            faults.push(brakes);
+        } else {
+            faults.extend(words::far(drives, &fit.place, &outcome.fixed));
+            faults.extend(doubts(drives, &task, &fit));
+        }
     }
     // What is held has the tolerance of the description, which the others carry.
     let held = vec![1.0; drives.roles.len()];
@@ -333,18 +343,75 @@ mod tests {
         assert_eq!(Description::parse(&text, "t"), Ok(description));
     }
 
+    /// The sentences of a run from changed recordings.
+    fn faults(change: impl Fn(&mut Sample), told: f64, weighed: Told) -> String {
+        let mut inputs = inputs(told);
+        for input in &mut inputs {
+            input.samples.iter_mut().for_each(&change);
+        }
+        run(&inputs, weighed).faults.join("\n")
+    }
+
     #[test]
-    fn a_load_told_wrongly_and_one_load_only_are_refused() {
-        let wrong = run(&inputs(5450.0), SCALES).faults.join("\n");
+    fn what_cannot_be_believed_is_said() {
+        let wrong = faults(|_| {}, 5450.0, SCALES);
         assert!(wrong.contains("was told as 5450 kg"), "{wrong}");
         let [flat, _] = inputs(6200.0);
         let one = run(&[flat], SCALES).faults.join("\n");
         assert!(one.contains("the same load"), "{one}");
-        let still = Input {
-            name: "still".into(),
-            samples: Vec::new(),
-            told: Told::default(),
+        let still = faults(|s| s.speed = Some(0.01), 6200.0, SCALES);
+        assert!(still.contains("stands still"), "{still}");
+        let coasting = |s: &mut Sample| {
+            if s.front_torque.is_some_and(|t| t < 0.0) {
+                s.brake = true;
+            }
         };
-        assert!(!run(&[still], SCALES).faults.is_empty());
+        let one_way = faults(coasting, 6200.0, SCALES);
+        assert!(one_way.contains("never brakes"), "{one_way}");
+        let gentle = |s: &mut Sample| {
+            s.front_torque = s.front_torque.map(|t| 0.02 * t);
+            s.rear_torque = s.rear_torque.map(|t| 0.02 * t);
+        };
+        let rolling = faults(gentle, 6200.0, SCALES);
+        assert!(rolling.contains("rolls without pulling"), "{rolling}");
+        let slow_wheel = |s: &mut Sample| {
+            s.front_wheel_speed = s.front_wheel_speed.map(|w| 0.9 * w);
+        };
+        let far = faults(slow_wheel, 6200.0, SCALES);
+        assert!(far.contains("was expected"), "{far}");
+    }
+
+    #[test]
+    fn without_scales_the_share_in_front_is_named_and_stays_as_described() {
+        let outcome = run(&inputs(6200.0), Told::default());
+        let said = outcome.faults.join("\n");
+        assert!(said.contains("weigh both axles"), "{said}");
+        let before = Description::default();
+        let (after, _) = outcome.description(&before, &[]).expect("a fit");
+        assert_eq!(after.prior.cg_ratio, before.prior.cg_ratio);
+        assert_eq!(
+            after.machine.stiffness_ratio,
+            before.machine.stiffness_ratio
+        );
+    }
+
+    #[test]
+    fn what_is_held_with_a_tolerance_widens_what_is_found() {
+        let free = ["prior.front_radius_error", "prior.rear_radius_error"].map(String::from);
+        let options = Options {
+            description: &Description::default(),
+            weighed: SCALES,
+            slices: false,
+            free: Some(&free),
+            stop: &AtomicBool::new(false),
+            progress: &|_| {},
+        };
+        let few = calibrate(&inputs(6200.0), &options).expect("keys");
+        let all = run(&inputs(6200.0), SCALES);
+        let std = |o: &Outcome| o.quantity(Role::FrontRadius).expect("a fit").std;
+        assert!(std(&few) > 5.0 * std(&all), "{} {}", std(&few), std(&all));
+        let error =
+            few.quantity(Role::FrontRadius).expect("a fit").value - guess().radius_errors[0];
+        assert!(error.abs() < 3.0 * std(&few), "{error} {}", std(&few));
     }
 }

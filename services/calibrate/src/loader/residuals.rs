@@ -167,12 +167,19 @@ pub fn residuals(
         let is_late = drive.time[bin.start] - drive.time[first] > LONGEST_DELAY;
         let speed = mean(&|k| {
             let (row, share) = drive.place(k, -g.speed_delay);
-            let at = |row: usize| shown.get(row.wrapping_sub(first)).map_or(f64::NAN, Shown::speed);
+            let at = |row: usize| {
+                shown
+                    .get(row.wrapping_sub(first))
+                    .map_or(f64::NAN, Shown::speed)
+            };
             let before = at(row);
             let then = if share > 0.0 { at(row + 1) } else { before };
             drive.speed[k] - before - share * (then - before)
         });
-        out.push(residual(if is_late { speed } else { f64::NAN }, g.scatter.speed));
+        out.push(residual(
+            if is_late { speed } else { f64::NAN },
+            g.scatter.speed,
+        ));
         if drive.has_acceleration {
             let force = mean(&|k| drive.acceleration[k] - shown[k - first].balance);
             out.push(residual(force, g.scatter.force));

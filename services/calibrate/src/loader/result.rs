@@ -33,7 +33,7 @@ impl Outcome {
                 self.write(&mut pen, *role, q);
             }
         }
-                let text = pen.text(&self.summary(), origin);
+        let text = pen.text(&self.summary(), origin);
         Some((pen.description, text))
     }
 
@@ -77,10 +77,8 @@ impl Outcome {
             }
             Role::FrontGain | Role::RearGain => {
                 pen.value(&key, q);
-                pen.std(
-                    "sensors.torque_gain_std",
-                    self.mixed(&[(Role::FrontGain, 0.5), (Role::RearGain, 0.5)]),
-                );
+                let stds = [Role::FrontGain, Role::RearGain].map(|r| self.std(r));
+                pen.std("sensors.torque_gain_std", stds[0].max(stds[1]));
             }
             Role::StiffnessRatio => {
                 pen.value(&key, q);
