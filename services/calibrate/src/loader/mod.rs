@@ -382,17 +382,34 @@ mod tests {
     }
 
     #[test]
-    fn without_scales_the_share_in_front_is_named_and_stays_as_described() {
-        let outcome = run(&inputs(6200.0), Told::default());
-        let said = outcome.faults.join("\n");
-        assert!(said.contains("weigh both axles"), "{said}");
+    fn equal_torques_leave_the_gains_untold_and_as_described() {
+        let mut inputs = inputs(6200.0);
+        let empty = guess();
+        let loaded = residuals::Guess {
+            mass: 6200.0,
+            ratio: 0.7,
+            ..empty
+        };
+        for (input, g) in inputs.iter_mut().zip([empty, loaded]) {
+            input.samples = samples(&g, 0.0, 7);
+        }
+        let outcome = run(&inputs, SCALES);
+        let said = [&outcome.faults[..], &outcome.remarks[..]]
+            .concat()
+            .join("\n");
+        assert!(said.contains("torque on one axle"), "{said}");
         let before = Description::default();
         let (after, _) = outcome.description(&before, &[]).expect("a fit");
-        assert_eq!(after.prior.cg_ratio, before.prior.cg_ratio);
+        let wide = |role: Role| {
+            let i = outcome.drives.index(role).expect("a parameter");
+            let std = outcome.quantity(role).expect("a fit").std;
+            std > result::NARROWED * outcome.drives.parameters[i].std
+        };
         assert_eq!(
-            after.machine.stiffness_ratio,
-            before.machine.stiffness_ratio
+            wide(Role::FrontGain),
+            after.sensors.front_torque_gain == before.sensors.front_torque_gain
         );
+        assert!(!wide(Role::FrontRadius) && after.prior.front_radius_error != 0.0);
     }
 
     #[test]

@@ -14,7 +14,7 @@ const DELAY_STD: f64 = 2e-3;
 /// The slip stiffness differs from ground to ground by this share.
 const GROUND: f64 = 0.05;
 /// What keeps more than this share of its tolerance stays as described.
-const NARROWED: f64 = 0.7;
+pub const NARROWED: f64 = 0.7;
 /// Share of the described width of the ratio that is left.
 const LOADED: f64 = 0.5;
 

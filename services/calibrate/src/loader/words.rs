@@ -112,9 +112,11 @@ pub fn matters(model: &Drives, direction: &Direction) -> bool {
                 | Role::LoadSensitivity
                 | Role::Stiffness
                 | Role::StiffnessRatio
+                | Role::LoadExponent
                 | Role::SpeedDelay
                 | Role::Mass(_)
                 | Role::Ratio(_)
+                | Role::Height(_)
         )
     }) > 0.5
 }
@@ -141,14 +143,10 @@ pub fn undetermined(model: &Drives, direction: &Direction) -> String {
         .map(|&i| model.parameters[i].words.as_str())
         .collect();
     let has = |of: fn(Role) -> bool| members.iter().any(|&i| of(model.roles[i]));
-    let remedy = if has(|r| matches!(r, Role::Ratio(_)))
-        && has(|r| {
-            matches!(
-                r,
-                Role::StiffnessRatio | Role::LoadExponent | Role::FrontGain | Role::RearGain
-            )
-        }) {
-        "weigh both axles: --weigh scales.csv"
+    let place = |r| matches!(r, Role::Ratio(_) | Role::Reach(_) | Role::Lift(_));
+    let tyres = |r| matches!(r, Role::StiffnessRatio | Role::LoadExponent);
+    let remedy = if has(place) && has(tyres) {
+        "weigh both axles, empty and loaded: --weigh scales.csv --weigh FILE=scales.csv"
     } else if has(|r| matches!(r, Role::FrontGain | Role::RearGain)) {
         "drive for a while with the torque on one axle, and then on the other"
     } else if has(|r| matches!(r, Role::LoadSensitivity | Role::Mass(_))) {
