@@ -143,3 +143,18 @@ fn a_recording_is_for_its_user_alone() {
         assert_eq!(mode(&out.join(file)), 0o600, "{file}");
     }
 }
+
+#[test]
+fn what_a_listener_makes_is_closed_to_others_too() {
+    passes(&format!(
+        "umask 022
+         $heft {RUN} --duration 8 --domain listened --out one & run=$!
+         sleep 3
+         $heft tail --domain listened > rows 2> said & tail=$!
+         sleep 2
+         open=$(find /dev/shm -type f -perm /066)
+         kill $tail; wait $run
+         test -s rows || {{ echo 'nothing was heard'; cat said; exit 1; }}
+         test -z \"$open\" || {{ echo \"open: $open\"; exit 2; }}"
+    ));
+}

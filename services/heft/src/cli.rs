@@ -1,6 +1,7 @@
 //! The command line: names, arguments, help texts.
 
 use std::net::SocketAddr;
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
@@ -50,6 +51,8 @@ pub enum Command {
     Run(Box<RunArgs>),
     /// Run the same steps in one process on recorded data
     Estimate(EstimateArgs),
+    /// Estimate for many machines at once: a table with a column `machine` in, estimates out
+    Serve(ServeArgs),
     /// Recompute every estimate of a recording
     Replay(ReplayArgs),
     /// Evaluate the estimators by Monte-Carlo simulation, next to the published figures
@@ -65,14 +68,7 @@ pub enum Command {
         output: Option<PathBuf>,
     },
     /// Make one offline HTML page of a recording
-    Report {
-        /// The recording, or its folder; several of the same machine are compared
-        #[arg(required = true)]
-        files: Vec<PathBuf>,
-        /// Page to write; if absent the recording's name with .html, or compared.html beside the first
-        #[arg(short, long)]
-        output: Option<PathBuf>,
-    },
+    Report(ReportArgs),
     /// Write every channel of a recording as CSV
     Export {
         /// The recording, or its folder
@@ -287,8 +283,9 @@ pub struct RunArgs {
 /// `heft estimate`
 #[derive(Debug, Args)]
 pub struct EstimateArgs {
-    /// Recorded data: .csv, .mcap, or .log (candump)
-    pub file: PathBuf,
+    /// Recorded data: .csv, .mcap, or .log (candump); without --output many of them, and folders of them
+    #[arg(required = true)]
+    pub files: Vec<PathBuf>,
     /// The machine
     #[arg(long, value_parser = machine())]
     pub machine: Machine,
@@ -301,18 +298,88 @@ pub struct EstimateArgs {
     /// The machine's description
     #[command(flatten)]
     pub description: DescriptionArgs,
-    /// Estimates, one row per accepted row of the input (CSV)
+    /// Estimates, one row per accepted row of the input (CSV); if absent NAME.estimates.csv beside each input, with a summary in NAME.estimates.json
     #[arg(short, long, value_name = "OUT.csv")]
-    pub output: PathBuf,
+    pub output: Option<PathBuf>,
     /// Also let every later row speak of each moment (excavator, torque and posture)
     #[arg(long)]
     pub smooth: bool,
     /// Also write an HTML report
-    #[arg(long, value_name = "R.html")]
+    #[arg(long, value_name = "R.html", requires = "output")]
     pub report: Option<PathBuf>,
+    /// Also write a summary (JSON)
+    #[arg(long, value_name = "FILE", requires = "output")]
+    pub json: Option<PathBuf>,
     /// Exit with status 1 if no estimate of the last 30 s is `trusted`
     #[arg(long)]
     pub require_trust: bool,
+    /// Many inputs: write the table of results here too (CSV)
+    #[arg(long, value_name = "FILE.csv", conflicts_with = "output")]
+    pub summary: Option<PathBuf>,
+    /// How many inputs are treated
+    #[command(flatten)]
+    pub many: ManyArgs,
+}
+
+/// Many inputs in one command.
+#[derive(Debug, Args)]
+pub struct ManyArgs {
+    /// Many inputs: do again what is done already
+    #[arg(long)]
+    pub again: bool,
+    /// Many inputs: processes at the same time; as many as there are processors if absent
+    #[arg(long, value_name = "N")]
+    pub jobs: Option<NonZeroUsize>,
+}
+
+/// `heft report`
+#[derive(Debug, Args)]
+pub struct ReportArgs {
+    /// The recording, or its folder; several of the same machine are compared
+    #[arg(required = true)]
+    pub files: Vec<PathBuf>,
+    /// Page to write; if absent the recording's name with .html, or compared.html beside the first
+    #[arg(short, long)]
+    pub output: Option<PathBuf>,
+    /// A page of its own beside each recording, and beside every recording of a folder
+    #[arg(long, conflicts_with = "output")]
+    pub each: bool,
+    /// How many inputs are treated
+    #[command(flatten)]
+    pub many: ManyArgs,
+}
+
+/// `heft serve`
+#[derive(Debug, Args)]
+pub struct ServeArgs {
+    /// The kind of the machines
+    #[arg(value_parser = machine())]
+    pub machine: Machine,
+    /// The table (CSV); standard input if absent
+    pub file: Option<PathBuf>,
+    /// Signal map (TOML)
+    #[arg(long)]
+    pub map: Option<PathBuf>,
+    /// Method; see the README for the list
+    #[arg(long)]
+    pub method: Option<String>,
+    /// The description of all of them
+    #[command(flatten)]
+    pub description: DescriptionArgs,
+    /// At most one row a machine in so much of its time [s]; every row if 0
+    #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = seconds)]
+    pub every: f64,
+    /// Processes that the machines are shared among; as many as there are processors if absent
+    #[arg(long, value_name = "N")]
+    pub shards: Option<NonZeroUsize>,
+    /// Be one of them
+    #[arg(long, hide = true)]
+    pub shard: bool,
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|x| (0.0..=1e9).contains(x));
+    number.ok_or_else(|| "a number of seconds, 0 or more".into())
 }
 
 /// `heft calibrate`

@@ -3,12 +3,18 @@
 mod excavator;
 mod loader;
 
+use std::ffi::OsString;
+use std::io::Read;
+
+use config::Description;
 use messages::Machine;
+use recording::Map;
+use recording::csv::EstimateRows;
 use runtime::{Source, Worker};
 
 use crate::failure::Failure;
 use crate::plan::Plan;
-use crate::sources;
+use crate::{serve, sources};
 
 /// A figure: its name and the SVG.
 pub type Figure = (String, String);
@@ -44,6 +50,27 @@ pub trait Entry: Sync {
     /// # Errors
     /// The source or a channel cannot be opened.
     fn serve_source(&self, worker: Worker, plan: &Plan) -> Result<(), Failure>;
+    /// Shares the rows of a table among shards started with these arguments.
+    ///
+    /// # Errors
+    /// The table cannot be read, or a shard cannot go on.
+    fn route(
+        &self,
+        input: Box<dyn Read>,
+        map: Option<&Map>,
+        shards: usize,
+        arguments: &[OsString],
+    ) -> Result<(), Failure>;
+    /// Is such a shard.
+    ///
+    /// # Errors
+    /// The description does not fit, or the router is gone.
+    fn serve_shard(
+        &self,
+        description: &Description,
+        method: &str,
+        every: f64,
+    ) -> Result<(), Failure>;
     /// The tables of `heft evaluate`.
     ///
     /// # Errors
@@ -60,6 +87,8 @@ pub trait Entry: Sync {
 trait Typed: Sync {
     /// How its samples are read.
     type Signals: recording::Machine;
+    /// What is estimated of it.
+    type Estimate: recording::csv::Estimate;
     const ABOUT: &'static str;
     const USUAL: &'static str;
     const SHOWN: &'static str;
@@ -103,6 +132,27 @@ impl<M: Typed> Entry for M {
 
     fn serve_source(&self, worker: Worker, plan: &Plan) -> Result<(), Failure> {
         sources::serve::<M::Signals, _>(worker, plan, || M::simulator(plan))
+    }
+
+    fn route(
+        &self,
+        input: Box<dyn Read>,
+        map: Option<&Map>,
+        shards: usize,
+        arguments: &[OsString],
+    ) -> Result<(), Failure> {
+        let header = EstimateRows::<M::Estimate>::new(u32::MAX).header();
+        serve::route::<M::Signals>(input, map, shards, arguments, &header)
+    }
+
+    fn serve_shard(
+        &self,
+        description: &Description,
+        method: &str,
+        every: f64,
+    ) -> Result<(), Failure> {
+        type Sensors<M> = <<M as Typed>::Signals as recording::Machine>::Sensors;
+        serve::serve_shard::<Sensors<M>, M::Estimate>(description, method, every)
     }
 
     fn evaluate(&self, options: &evaluate::Options) -> Result<evaluate::Report, evaluate::Error> {

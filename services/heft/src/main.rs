@@ -12,21 +12,24 @@ mod failure;
 mod fault;
 mod live;
 mod machines;
+mod many;
 mod notify;
 mod outputs;
 mod page;
 mod parts;
 mod plan;
 mod quantity;
+mod serve;
 mod service;
 mod signals;
 mod sources;
 mod spare;
 mod state;
 mod summary;
+mod supervised;
 mod supervisor;
+mod tally;
 mod watch;
-mod worker;
 
 use std::process::ExitCode;
 
@@ -72,11 +75,12 @@ fn dispatch(cli: Cli) -> Result<(), Failure> {
     match command {
         Command::Run(args) => commands::run::run(&args),
         Command::Estimate(args) => commands::estimate::estimate(&args),
+        Command::Serve(args) => commands::serve::serve(&args),
         Command::Replay(args) => commands::replay::replay(&args),
         Command::Evaluate(args) => commands::evaluate::evaluate(&args),
         Command::Calibrate(args) => commands::calibrate::calibrate(&args),
         Command::Recover { file, output } => commands::recover::recover(&file, output.as_deref()),
-        Command::Report { files, output } => commands::report::report(&files, output.as_deref()),
+        Command::Report(args) => commands::report::report(&args),
         Command::Export { file, output } => commands::export::export(&file, &output),
         Command::Top { domain, once } => commands::top::top(domain.as_deref(), once),
         Command::Latency(args) => commands::latency::latency(&args),

@@ -9,7 +9,8 @@ use view::words::{verdict, wrapped};
 
 use crate::failure::Failure;
 use crate::page;
-use crate::watch::{Score, Watch};
+use crate::tally::Tally;
+use crate::watch::Watch;
 
 /// Columns of every terminal.
 const WIDTH: usize = 80;
@@ -48,8 +49,8 @@ pub fn text(machine: Machine, watch: &Watch, recording: &Path, report: Option<&P
             let _ = writeln!(out, "{indent}{part}");
         }
     };
-    for score in watch.scores() {
-        for text in score_lines(score) {
+    for tally in watch.tallies() {
+        for text in tally_lines(tally) {
             line(text);
         }
     }
@@ -133,13 +134,13 @@ fn in_words(watch: &Watch) -> String {
     }
 }
 
-fn score_lines(score: &Score) -> Vec<String> {
-    let q = score.quantity;
+fn tally_lines(tally: &Tally) -> Vec<String> {
+    let q = tally.quantity;
     let name = format!("{} ({})", q.label, q.channel);
     let mut lines = Vec::new();
-    let share = 100.0 * score.trusted_count as f64 / score.seen.max(1) as f64;
-    match score.last_trusted {
-        None => lines.push(format!("{name}: never trusted in {} estimates", score.seen)),
+    let share = 100.0 * tally.trusted_count as f64 / tally.seen.max(1) as f64;
+    match tally.last_trusted {
+        None => lines.push(format!("{name}: never trusted in {} estimates", tally.seen)),
         Some((time, value, std, truth)) => {
             let truth = truth.map_or(String::new(), |t| {
                 format!(
@@ -154,12 +155,12 @@ fn score_lines(score: &Score) -> Vec<String> {
             ));
         }
     }
-    if score.scored > 0 {
+    if tally.scored > 0 {
         lines.push(format!(
             "while trusted: rms error {:.1} %, worst {:.1} %, the 95 % interval held the truth {:.0} % of the time",
-            (score.squares / score.scored as f64).sqrt(),
-            score.worst,
-            100.0 * score.covered as f64 / score.scored as f64
+            (tally.squares / tally.scored as f64).sqrt(),
+            tally.worst,
+            100.0 * tally.covered as f64 / tally.scored as f64
         ));
     }
     lines

@@ -20,8 +20,8 @@ use crate::plan::Plan;
 use crate::signals::Signals;
 use crate::sources::{self, LiveInput};
 use crate::spare::{self, Spare};
+use crate::supervised::Supervised;
 use crate::watch::Watch;
-use crate::worker::Worker;
 
 /// A worker must have its ports open by then.
 const READY_LIMIT: Duration = Duration::from_secs(20);
@@ -55,7 +55,7 @@ pub enum End {
 
 /// A pipeline and its processes.
 pub struct Supervisor {
-    workers: Vec<Worker>,
+    workers: Vec<Supervised>,
     watch: Watch,
     taps: Taps<Watch>,
     cleaner: Cleaner,
@@ -134,7 +134,7 @@ impl Supervisor {
             Role::Source { .. } | Role::Step(_) | Role::Sink => true,
         });
         for process in wanted {
-            let worker = Worker::start(process, Bell::new()?, self.owner.domain())?;
+            let worker = Supervised::start(process, Bell::new()?, self.owner.domain())?;
             self.workers.push(worker);
         }
         for i in 0..self.workers.len() {
@@ -256,10 +256,10 @@ impl Supervisor {
     /// Sleeps until a worker speaks or ends, a signal comes, a restart is due, or `limit` is over; then
     /// hears every word and takes every message.
     fn wait(&mut self, limit: Duration) {
-        let due = self.workers.iter().filter_map(Worker::due).min();
+        let due = self.workers.iter().filter_map(Supervised::due).min();
         let until_due = due.map(|due| due.saturating_duration_since(Instant::now()));
         let limit = until_due.map_or(limit, |d| d.min(limit));
-        let suspect = self.workers.iter().any(Worker::is_suspect);
+        let suspect = self.workers.iter().any(Supervised::is_suspect);
         let limit = if suspect {
             limit.min(SUSPECT_LOOK)
         } else {
@@ -271,7 +271,11 @@ impl Supervisor {
         };
         // A signal that came already is dealt with, and would end every wait.
         let signal = (!self.signals.came()).then(|| self.signals.as_fd());
-        let signs = self.workers.iter().flat_map(Worker::signs).chain(signal);
+        let signs = self
+            .workers
+            .iter()
+            .flat_map(Supervised::signs)
+            .chain(signal);
         let mut fds: Vec<PollFd> = signs
             .map(|fd| PollFd::from_borrowed_fd(fd, PollFlags::IN))
             .collect();
@@ -376,7 +380,7 @@ impl Supervisor {
 
     /// A source that is away when the run ends leaves no gap in the numbers, but samples were due.
     fn note_what_was_due(&mut self) {
-        let is_source = |w: &&Worker| matches!(w.process.role, Role::Source { .. });
+        let is_source = |w: &&Supervised| matches!(w.process.role, Role::Source { .. });
         let away = self
             .workers
             .iter()
@@ -437,7 +441,7 @@ impl Supervisor {
             worker.control.say("exit");
         }
         let begun = Instant::now();
-        while self.workers.iter_mut().any(Worker::is_alive) && begun.elapsed() < EXIT_LIMIT {
+        while self.workers.iter_mut().any(Supervised::is_alive) && begun.elapsed() < EXIT_LIMIT {
             self.wait(QUICK_LOOK);
             self.bury();
         }

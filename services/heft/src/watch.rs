@@ -1,4 +1,4 @@
-//! What the supervisor sees of a run: scores every estimate against the truth where there is one,
+//! What the supervisor sees of a run: tallies every estimate against the truth where there is one,
 //! keeps the latest of everything, shows it on the terminal and hands it to the live page.
 
 use std::collections::{BTreeMap, VecDeque};
@@ -15,6 +15,7 @@ use view::live::Feed;
 use crate::fault::Fault;
 use crate::quantity::{QUANTITIES, Quantity};
 use crate::state::Memory;
+use crate::tally::Tally;
 
 /// Truths that may wait for their estimates.
 const TRUTHS: usize = 2048;
@@ -39,89 +40,6 @@ pub enum Show {
     Terminal,
     /// To standard output, a line each, for a program that draws them.
     Lines,
-}
-
-/// How one estimated quantity has done so far.
-#[derive(Debug, Clone, Copy)]
-pub struct Score {
-    /// What it is.
-    pub quantity: &'static Quantity,
-    /// Time of the latest estimate [s].
-    pub time: f64,
-    /// Latest value.
-    pub value: f64,
-    /// Its standard deviation.
-    pub std: f64,
-    /// Whether it is trusted.
-    pub trusted: bool,
-    /// Truth at the same sample.
-    pub truth: Option<f64>,
-    /// Estimates seen.
-    pub seen: u64,
-    /// Trusted ones among them.
-    pub trusted_count: u64,
-    /// Trusted ones with a known truth.
-    pub scored: u64,
-    /// Those whose 95 % interval held the truth.
-    pub covered: u64,
-    /// Largest error of a trusted estimate [%].
-    pub worst: f64,
-    /// Sum of squared errors of trusted estimates [%^2].
-    pub squares: f64,
-    /// Latest trusted estimate: time, value, standard deviation, truth.
-    pub last_trusted: Option<(f64, f64, f64, Option<f64>)>,
-}
-
-impl Score {
-    fn new(quantity: &'static Quantity) -> Self {
-        Self {
-            quantity,
-            time: 0.0,
-            value: 0.0,
-            std: 0.0,
-            trusted: false,
-            truth: None,
-            seen: 0,
-            trusted_count: 0,
-            scored: 0,
-            covered: 0,
-            worst: 0.0,
-            squares: 0.0,
-            last_trusted: None,
-        }
-    }
-
-    /// For the live line; a tick says that it is trusted.
-    fn short(&self) -> String {
-        let q = self.quantity;
-        let truth = self.truth.map_or(String::new(), |t| {
-            format!(" (true {})", q.number(t, self.std))
-        });
-        let verdict = if self.trusted { '✓' } else { '?' };
-        format!(
-            "{} {}{truth} {verdict}",
-            q.symbol,
-            q.text(self.value, self.std)
-        )
-    }
-
-    fn add(&mut self, time: f64, value: f64, std: f64, trusted: bool, truth: Option<f64>) {
-        (self.time, self.value, self.std) = (time, value, std);
-        (self.trusted, self.truth) = (trusted, truth);
-        self.seen += 1;
-        if !trusted {
-            return;
-        }
-        self.trusted_count += 1;
-        self.last_trusted = Some((time, value, std, truth));
-        if let Some(truth) = truth.filter(|t| *t != 0.0) {
-            let error = 100.0 * (value / truth - 1.0);
-            self.scored += 1;
-            self.covered += u64::from(estimation::Quantity { value, std }.holds(truth));
-            self.worst = self.worst.max(error.abs());
-            self.squares += error * error;
-        }
-    }
 }
 
 /// What a channel carried.
@@ -174,7 +92,7 @@ pub struct Watch {
     feed: Option<Feed>,
     carried: BTreeMap<&'static str, Carried>,
     truths: VecDeque<(u64, Envelope)>,
-    scores: Vec<Score>,
+    tallies: Vec<Tally>,
     latest: BTreeMap<&'static str, Envelope>,
     health: BTreeMap<u32, Health>,
     /// Counts of processes that died.
@@ -250,10 +168,10 @@ impl Watch {
     }
 
     /// Scores of the quantities that are told first.
-    pub fn told(&self) -> impl Iterator<Item = &Score> {
+    pub fn told(&self) -> impl Iterator<Item = &Tally> {
         let told = self.told.map(|channel| channel.name);
-        let scores = self.scores.iter();
-        scores.filter(move |s| Some(s.quantity.channel) == told)
+        let tallies = self.tallies.iter();
+        tallies.filter(move |s| Some(s.quantity.channel) == told)
     }
 
     /// Latest estimate that is told first.
@@ -262,8 +180,8 @@ impl Watch {
     }
 
     /// Scores of all quantities, in the order of their first estimate.
-    pub fn scores(&self) -> &[Score] {
-        &self.scores
+    pub fn tallies(&self) -> &[Tally] {
+        &self.tallies
     }
 
     /// Latest message of a channel.
@@ -384,7 +302,7 @@ impl Watch {
         if let Some(memory) = &mut self.memory {
             memory.tick();
         }
-        if self.show == Show::Nothing || self.scores.is_empty() {
+        if self.show == Show::Nothing || self.tallies.is_empty() {
             return;
         }
         let in_place = self.show == Show::Terminal && std::io::stderr().is_terminal();
@@ -430,7 +348,7 @@ impl Watch {
         let time = self.told().next().map_or(0.0, |s| s.time);
         let mut parts = vec![format!("{time:5.1} s")];
         parts.extend(self.is_simulated.then(|| "simulated".to_owned()));
-        parts.extend(self.told().map(Score::short));
+        parts.extend(self.told().map(Tally::short));
         if self.lost() > 0 {
             parts.push(format!("lost {}", self.lost()));
         }
@@ -464,19 +382,19 @@ impl Watch {
             };
             let truth = self.truth(sequence, quantity);
             let trusted = (flags as u32) & quantity.trusted_bit != 0;
-            let score = match self
-                .scores
+            let tally = match self
+                .tallies
                 .iter_mut()
                 .position(|s| std::ptr::eq(s.quantity, quantity))
             {
-                Some(i) => &mut self.scores[i],
+                Some(i) => &mut self.tallies[i],
                 None => {
-                    self.scores.push(Score::new(quantity));
-                    let last = self.scores.len() - 1;
-                    &mut self.scores[last]
+                    self.tallies.push(Tally::new(quantity));
+                    let last = self.tallies.len() - 1;
+                    &mut self.tallies[last]
                 }
             };
-            score.add(message.stamp().time, value, std, trusted, truth);
+            tally.add(message.stamp().time, value, std, trusted, truth);
         }
     }
 

@@ -95,10 +95,15 @@ impl Recorder {
         let Some(writer) = &mut self.writer else {
             return Ok(false);
         };
-        match envelope.open(WriteTo(writer, channel)) {
-            Ok(()) => Ok(true),
-            Err(error) => Err(self.stop(error)),
+        if let Err(error) = envelope.open(WriteTo(writer, channel)) {
+            return Err(self.stop(error));
         }
+        // However fast messages come, a part becomes at most twice as large as asked.
+        let pending = writer.unflushed();
+        if self.limits.split_bytes.is_some_and(|most| pending >= most) {
+            self.flush()?;
+        }
+        Ok(true)
     }
 
     /// Hands everything to the operating system, and looks after room, parts and clock.

@@ -1,14 +1,26 @@
 //! CSV in and out.
 
+mod cells;
 mod columns;
 mod dialect;
 mod estimate;
 mod export;
 mod read;
 
+pub(crate) use cells::Cells;
 pub(crate) use columns::Columns;
 pub(crate) use dialect::{Dialect, separator_line};
-pub use estimate::{Column, Estimate, EstimateWriter, is_estimates};
+pub use estimate::{Column, Estimate, EstimateRows, EstimateWriter, is_estimates};
 pub use export::export;
 pub(crate) use read::{TableRows, names, numbers};
 pub use read::{read_excavator, read_loader, read_weighings};
+
+/// A cell of a CSV, in quotes where it must be.
+#[must_use]
+pub fn quoted(cell: &str) -> String {
+    if cell.contains([',', '"', '\n', '\r']) {
+        format!("\"{}\"", cell.replace('"', "\"\""))
+    } else {
+        cell.to_owned()
+    }
+}

@@ -33,7 +33,7 @@ mod writer;
 
 pub use csv::EstimateWriter;
 pub use error::Error;
-pub use line_decoder::{LineDecoder, MAX_LINE};
+pub use line_decoder::{LineDecoder, MAX_LINE, NameColumn};
 pub use load::{Samples, load_excavator, load_loader, open};
 pub use map::Map;
 pub use output::Output;

@@ -1,10 +1,8 @@
 //! Samples out of lines as they come: candump's, or the rows of a table.
 
-use ::csv::{ByteRecord, ReaderBuilder, Trim};
-
 use crate::Error;
 use crate::can::{Decoder, Line, parse};
-use crate::csv::{Columns, Dialect, names, separator_line};
+use crate::csv::{Cells, Columns, Dialect, names, separator_line};
 use crate::map::Map;
 use crate::signal::{Machine, Row};
 
@@ -30,7 +28,7 @@ enum Kind<M: Machine> {
     Frames(Box<Decoder<M>>),
     /// A table whose header has not come; the separator, if a line said it.
     Headless(Option<u8>),
-    Table(Box<Columns<M>>, Dialect),
+    Table(Box<Columns<M>>, Box<Cells>),
 }
 
 impl<M: Machine> LineDecoder<M> {
@@ -87,14 +85,15 @@ impl<M: Machine> LineDecoder<M> {
                     Some(separator) => Dialect { separator },
                     None => Dialect::of(line),
                 };
-                let header = names(&record(line, dialect), INPUT)?;
+                let mut cells = Cells::new(dialect);
+                let header = names(cells.split(line), INPUT)?;
                 let columns = Columns::choose(header, dialect, self.map.as_ref(), INPUT)?;
-                self.kind = Kind::Table(Box::new(columns), dialect);
+                self.kind = Kind::Table(Box::new(columns), Box::new(cells));
             }
-            Kind::Table(columns, dialect) => {
-                let record = record(line, *dialect);
+            Kind::Table(columns, cells) => {
+                let record = cells.split(line);
                 let is_whole = record.len() == columns.width();
-                if !is_whole || columns.take(&record).is_err() {
+                if !is_whole || columns.take(record).is_err() {
                     self.refuse("is no row of the table");
                 }
             }
@@ -154,20 +153,45 @@ impl<M: Machine> LineDecoder<M> {
     }
 }
 
+/// A column of text in the rows of a table, such as the name of the machine that each row is of.
+#[derive(Debug)]
+pub struct NameColumn {
+    cells: Cells,
+    at: usize,
+}
+
+impl NameColumn {
+    /// The column of this name; `said` is the line before the header, if that tells the separator.
+    ///
+    /// # Errors
+    /// The header has no such column.
+    pub fn find(header: &[u8], said: Option<&[u8]>, name: &str) -> Result<Self, Error> {
+        let header = header.strip_prefix(b"\xef\xbb\xbf").unwrap_or(header);
+        let dialect = Dialect::of(said.unwrap_or(header));
+        let mut cells = Cells::new(dialect);
+        let names = names(cells.split(header), INPUT)?;
+        let at = names.iter().position(|n| n == name).ok_or_else(|| {
+            let what = format!("there is no column {name}");
+            let remedy = format!("add it; the table has {}", names.join(", "));
+            Error::new(what, format!("{INPUT}:1"), remedy)
+        })?;
+        Ok(Self { cells, at })
+    }
+
+    /// Whether a line tells the separator and is no header.
+    #[must_use]
+    pub fn is_separator(line: &[u8]) -> bool {
+        separator_line(line).is_some()
+    }
+
+    /// What a row says there; nothing where it says nothing.
+    #[must_use]
+    pub fn of(&mut self, line: &[u8]) -> Option<String> {
+        let record = self.cells.split(line);
+        let text = String::from_utf8_lossy(record.get(self.at)?).into_owned();
+        (!text.is_empty()).then_some(text)
+    }
+}
+
 /// The name of the input in errors.
 const INPUT: &str = "standard input";
-
-/// The cells of one line.
-fn record(line: &[u8], dialect: Dialect) -> ByteRecord {
-    let mut reader = ReaderBuilder::new()
-        .has_headers(false)
-        .flexible(true)
-        .trim(Trim::All)
-        .delimiter(dialect.separator)
-        .buffer_capacity(line.len().clamp(1, MAX_LINE))
-        .from_reader(line);
-    let mut record = ByteRecord::new();
-    // A line cannot be broken for this reader: at worst its quotes are, and then a cell is no number.
-    let _ = reader.read_byte_record(&mut record);
-    record
-}

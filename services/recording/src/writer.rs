@@ -39,6 +39,7 @@ pub struct Writer {
     path: PathBuf,
     ids: Vec<(&'static str, u16)>,
     bytes: Vec<u8>,
+    unflushed: u64,
     wall_offset_ns: i64,
 }
 
@@ -78,6 +79,7 @@ impl Writer {
             path,
             ids: Vec::new(),
             bytes: Vec::new(),
+            unflushed: 0,
             wall_offset_ns: 0,
         })
     }
@@ -99,6 +101,7 @@ impl Writer {
         let (log_time, publish_time) = times(message.stamp(), message.hops(), self.wall_offset_ns);
         self.bytes.clear();
         wire::encode(message, &mut self.bytes);
+        self.unflushed += self.bytes.len() as u64;
         let header = MessageHeader {
             channel_id,
             sequence: message.stamp().sequence as u32,
@@ -129,7 +132,14 @@ impl Writer {
     /// # Errors
     /// The file cannot be written.
     pub fn flush(&mut self) -> Result<(), Error> {
+        self.unflushed = 0;
         self.inner.flush().map_err(|e| failure(&self.path, e))
+    }
+
+    /// Bytes of messages since the last flush, not yet compressed.
+    #[must_use]
+    pub fn unflushed(&self) -> u64 {
+        self.unflushed
     }
 
     /// Bytes in the file.

@@ -3,9 +3,11 @@
 use messages::excavator_bits::{
     ARM_ANGLE, BOOM_ANGLE, BUCKET_ANGLE, PITCH, ROLL, SWING_TORQUE, SWING_VELOCITY,
 };
-use messages::{ExcavatorSensors, ExcavatorTruth, Message};
+use messages::{ExcavatorSensors, ExcavatorTruth};
 use runtime::Source;
 use sim::excavator::{InvalidRun, Row, Run, Simulation, Truth, Work};
+
+use crate::simulated::{Taken, mark};
 
 /// What every simulated excavator has: an encoder in place of the velocity is a matter of recordings.
 const COLUMNS: u32 = SWING_VELOCITY | SWING_TORQUE | BOOM_ANGLE | ARM_ANGLE | BUCKET_ANGLE;
@@ -58,29 +60,14 @@ impl Source for SimulatedExcavator {
         }?;
         let mut measured = measured(&row);
         let mut known = truth(&row.truth);
-        for stamp in [&mut measured.stamp, &mut known.stamp] {
-            stamp.sequence = self.sequence;
-            stamp.time = row.time;
-        }
-        measured.mark_simulated();
-        known.mark_simulated();
-        self.sequence += 1;
+        mark(&mut measured, &mut known, &mut self.sequence, row.time);
         Some((measured, known))
     }
 }
 
 fn measured(row: &Row) -> ExcavatorSensors {
-    let (mut valid, mut columns) = (0, COLUMNS);
-    let mut take = |value: Option<f64>, bit: u32| {
-        columns |= if value.is_some() { bit } else { 0 };
-        match value {
-            Some(value) if value.is_finite() => {
-                valid |= bit;
-                value
-            }
-            _ => 0.0,
-        }
-    };
+    let mut taken = Taken::of(COLUMNS);
+    let mut take = |value, bit| taken.take(value, bit);
     let [boom, arm, bucket] = row.posture;
     let [pitch, roll] = row.inclination;
     let message = ExcavatorSensors {
@@ -94,8 +81,8 @@ fn measured(row: &Row) -> ExcavatorSensors {
         ..ExcavatorSensors::default()
     };
     ExcavatorSensors {
-        valid,
-        columns,
+        valid: taken.valid,
+        columns: taken.columns,
         ..message
     }
 }

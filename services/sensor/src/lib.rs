@@ -11,6 +11,7 @@ mod excavator;
 mod lines;
 mod loader;
 mod recorded;
+mod simulated;
 mod socket;
 
 pub use bus::CanBus;

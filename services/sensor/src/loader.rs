@@ -4,9 +4,11 @@ use messages::loader_bits::{
     ACCELERATION, ARTICULATION, BOOM_MOVING, BRAKE, FRONT_TORQUE, FRONT_WHEEL_SPEED, MASS,
     REAR_TORQUE, REAR_WHEEL_SPEED, SLOPE, SPADE_FORCE_X, SPADE_FORCE_Z, SPEED, YAW_RATE,
 };
-use messages::{LoaderSensors, LoaderTruth, Message};
+use messages::{LoaderSensors, LoaderTruth};
 use runtime::Source;
 use sim::loader::{InvalidRun, Row, Run, Simulation, Truth};
+
+use crate::simulated::{Taken, mark};
 
 /// What every simulated loader has.
 const COLUMNS: u32 = SPEED
@@ -47,29 +49,14 @@ impl Source for SimulatedLoader {
         let row = self.rows.next()?;
         let mut measured = measured(&row);
         let mut known = truth(&row.truth);
-        for stamp in [&mut measured.stamp, &mut known.stamp] {
-            stamp.sequence = self.sequence;
-            stamp.time = row.time;
-        }
-        measured.mark_simulated();
-        known.mark_simulated();
-        self.sequence += 1;
+        mark(&mut measured, &mut known, &mut self.sequence, row.time);
         Some((measured, known))
     }
 }
 
 fn measured(row: &Row) -> LoaderSensors {
-    let (mut valid, mut columns) = (0, COLUMNS);
-    let mut take = |value: Option<f64>, bit: u32| {
-        columns |= if value.is_some() { bit } else { 0 };
-        match value {
-            Some(value) if value.is_finite() => {
-                valid |= bit;
-                value
-            }
-            _ => 0.0,
-        }
-    };
+    let mut taken = Taken::of(COLUMNS);
+    let mut take = |value, bit| taken.take(value, bit);
     let message = LoaderSensors {
         speed: take(Some(row.speed), SPEED),
         front_wheel_speed: take(Some(row.front_wheel_speed), FRONT_WHEEL_SPEED),
@@ -87,13 +74,12 @@ fn measured(row: &Row) -> LoaderSensors {
     };
     for (flag, bit) in [(row.boom_moving, BOOM_MOVING), (row.brake, BRAKE)] {
         if let Some(on) = flag {
-            columns |= bit;
-            valid |= if on { bit } else { 0 };
+            taken.flag(on, bit);
         }
     }
     LoaderSensors {
-        valid,
-        columns,
+        valid: taken.valid,
+        columns: taken.columns,
         ..message
     }
 }

@@ -94,6 +94,8 @@ pub type Process = Box<dyn FnOnce(Worker) -> Result<(), runtime::Error>>;
 pub trait AnyStep {
     /// The answer with the identity of the input; `None` to a message of another type.
     fn answer(&mut self, input: &Envelope) -> Option<Envelope>;
+    /// Writes its complete state and returns how many bytes that took, see [`Step::save`].
+    fn save(&self, into: &mut [u8]) -> Option<usize>;
     /// Becomes what it was when it wrote this state; false, and unchanged, if this is no state of its own.
     fn restore(&mut self, state: &[u8]) -> bool;
     /// A copy with its own state.
@@ -103,6 +105,10 @@ pub trait AnyStep {
 impl<S: Step + Clone + 'static> AnyStep for S {
     fn answer(&mut self, input: &Envelope) -> Option<Envelope> {
         S::Input::inside(input).map(|message| answer(self, message).envelope())
+    }
+
+    fn save(&self, into: &mut [u8]) -> Option<usize> {
+        S::save(self, into)
     }
 
     fn restore(&mut self, state: &[u8]) -> bool {

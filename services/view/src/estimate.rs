@@ -1,6 +1,23 @@
 //! What report, live page and terminal need to know of an estimate: its parameters with label,
 //! unit, truth and verdict, in one table per machine.
 
+/// A parameter without verdict, whose errors count while the bit `$excited` is set; `$truth` says where the truth of it stands.
+macro_rules! parameter {
+    ($excited:expr, $key:literal, $label:literal, $unit:literal, $possible:expr, $value:ident, $std:expr, $bit:expr, $truth:expr) => {
+        Parameter {
+            key: $key,
+            label: $label,
+            unit: $unit,
+            possible: $possible,
+            value: |e| e.$value,
+            std: $std,
+            estimated: |e| e.estimated & $bit != 0,
+            truth: $truth,
+            trusted: 0,
+            excited: $excited,
+        }
+    };
+}
 mod excavator;
 mod loader;
 
@@ -93,6 +110,11 @@ pub struct Parameter<E, T> {
 const ANY: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
 /// No negative number.
 const POSITIVE: (f64, f64) = (0.0, f64::INFINITY);
+
+/// A true value, where its bit of `known` says so.
+fn known(known: u32, bit: u32, value: f64) -> Option<f64> {
+    (known & (1 << bit) != 0).then_some(value)
+}
 
 impl<E, T> Parameter<E, T> {
     /// The value, NaN where the method does not estimate it.

@@ -8,6 +8,19 @@
 //! The physics of the state-space estimators is `J a + Jd w = T - b w - T_f sgn(w)`, with Jd the
 //! posture's part of dJ/dt: material that leaves the bucket takes its momentum along. The paper's
 //! Eq. 11 lacks `Jd w` and the sign of the friction.
+//!
+//! | file | idea |
+//! |---|---|
+//! | `estimate`, `settings`, [`keys`] | what goes in and comes out; the keys of a description |
+//! | `input` | rows on a grid, missing and late values, an encoder, a frozen sensor, standstill |
+//! | `align`, `consider` | told delays taken out; what is taken as known and is not |
+//! | `regression` | the paper's way: motion in, inertia out, by recursive least squares |
+//! | `swing`, `mode` | the state-space way: one step for all; the modes by the columns that exist |
+//! | `mode::{velocity, torque, posture, posture_torque}` | modes A, BM, C, D |
+//! | `mode::{unknown_torque, onset, drive, state}` | what they share |
+//! | `payload` | mode D of a calibrated machine: a payload that may change, drops, opening buckets |
+//! | `working` | mode D of a machine that nobody has calibrated, the default: all that may differ as states |
+//! | `verdict`, `reason` | whether to believe it, and why not |
 
 mod align;
 mod consider;

@@ -1,15 +1,21 @@
 //! `heft estimate`: the steps of the pipeline in one thread, on recorded data.
 
+mod found;
+mod many;
+
 use std::path::{Path, PathBuf};
 
 use config::Description;
 use messages::channels::Channel;
-use messages::{Envelope, ExcavatorEstimate, LoaderEstimate, Message, Receiver, excavator_bits};
+use messages::{
+    Envelope, ExcavatorEstimate, LoaderEstimate, Machine, Message, Receiver, excavator_bits,
+};
 use recording::{EstimateWriter, Metadata, Reader, Samples, Writer, output};
 use steps::Error;
 use steps::stages::{AnyStep, Pipeline, Role};
 use view::estimate::Estimate;
 
+use self::found::Found;
 use crate::cli::EstimateArgs;
 use crate::commands::run::{description, tell_idle_keys};
 use crate::failure::Failure;
@@ -17,19 +23,36 @@ use crate::{page, parts, sources, summary};
 
 /// `heft estimate`
 pub fn estimate(args: &EstimateArgs) -> Result<(), Failure> {
-    check_outputs(args)?;
+    match (&args.output, args.files.as_slice()) {
+        (Some(output), [file]) => one(args, file, output),
+        (Some(output), _) => Err(Failure::input(
+            "several inputs cannot have one result",
+            format!("--output {}", output.display()),
+            "leave --output out: each result goes beside its input",
+        )),
+        (None, _) => many::estimate(args),
+    }
+}
+
+/// One input in this process.
+fn one(args: &EstimateArgs, file: &Path, output: &Path) -> Result<(), Failure> {
+    check_outputs(args, file, output)?;
     let map = sources::map(args.map.as_deref())?;
     let description = description(args.machine, &args.description)?;
     match &description {
         Description::Excavator(d) => {
-            let samples = recording::open::<recording::Excavator>(&args.file, map.as_ref())?;
+            let samples = recording::open::<recording::Excavator>(file, map.as_ref())?;
             if let Some((first, _)) = samples.rows()?.next() {
-                steps::excavator::check_columns(d, method(args), &first)?;
+                steps::excavator::check_columns(
+                    d,
+                    method(args.machine, args.method.as_deref()),
+                    &first,
+                )?;
             }
             samples.check()?;
             let past = if args.smooth {
                 let rows = samples.rows()?.map(|(row, _)| row);
-                steps::excavator::past(d, method(args), rows)?
+                steps::excavator::past(d, method(args.machine, args.method.as_deref()), rows)?
             } else {
                 Vec::new()
             };
@@ -38,7 +61,7 @@ pub fn estimate(args: &EstimateArgs) -> Result<(), Failure> {
                     moment.put(estimate);
                 }
             };
-            run(args, &description, samples, put)
+            run(args, output, &description, samples, put)
         }
         Description::Loader(_) => {
             if args.smooth {
@@ -48,46 +71,58 @@ pub fn estimate(args: &EstimateArgs) -> Result<(), Failure> {
                     "leave it out",
                 ));
             }
-            let samples = recording::open::<recording::Loader>(&args.file, map.as_ref())?;
-            run(args, &description, samples, |_, _: &mut LoaderEstimate| {})
+            let samples = recording::open::<recording::Loader>(file, map.as_ref())?;
+            run(
+                args,
+                output,
+                &description,
+                samples,
+                |_, _: &mut LoaderEstimate| {},
+            )
         }
     }
 }
 
 /// Refuses to write over what is read, or over something else of value.
-fn check_outputs(args: &EstimateArgs) -> Result<(), Failure> {
+fn check_outputs(args: &EstimateArgs, file: &Path, output: &Path) -> Result<(), Failure> {
     let config = args.description.config.as_deref();
-    let inputs = [Some(args.file.as_path()), args.map.as_deref(), config];
-    let mut inputs: Vec<&Path> = inputs.into_iter().flatten().collect();
-    output::check(&args.output, &inputs, recording::csv::is_estimates)?;
-    inputs.push(&args.output);
-    if let Some(report) = &args.report {
-        output::check(report, &inputs, page::is_ours)?;
-        if std::path::absolute(report).ok() == std::path::absolute(&args.output).ok() {
+    let inputs = [Some(file), args.map.as_deref(), config];
+    let mut taken: Vec<&Path> = inputs.into_iter().flatten().collect();
+    type IsOurs = fn(&[u8]) -> bool;
+    let results: [(_, IsOurs); 3] = [
+        (Some(output), recording::csv::is_estimates),
+        (args.report.as_deref(), page::is_ours),
+        (args.json.as_deref(), found::is_ours),
+    ];
+    for (result, is_ours) in results {
+        let Some(result) = result else { continue };
+        output::check(result, &taken, is_ours)?;
+        let whole = |p: &Path| std::path::absolute(p).ok();
+        if taken.iter().any(|t| whole(t) == whole(result)) {
             return Err(Failure::input(
-                "estimates and report cannot have the same name",
-                report.display(),
-                "choose two names",
+                "two results, or a result and an input, have the same name",
+                result.display(),
+                "choose another name",
             ));
         }
+        taken.push(result);
     }
     Ok(())
 }
 
 /// The method that was asked for, or that of the process whose estimate is told first.
-fn method(args: &EstimateArgs) -> &str {
-    let pipeline = Pipeline::of(args.machine);
-    let main = pipeline
-        .stage(pipeline.main)
-        .map_or(&[][..], |s| s.methods());
-    let asked = args.method.as_deref();
-    asked.unwrap_or(main.first().copied().unwrap_or_default())
+pub fn method(machine: Machine, asked: Option<&str>) -> &str {
+    let pipeline = Pipeline::of(machine);
+    let main = pipeline.stage(pipeline.main);
+    let usual = main.and_then(|s| s.methods().first().copied());
+    asked.or(usual).unwrap_or_default()
 }
 
 /// The stages that lead to a method's estimate, each with the channel that it writes.
-type Way = Vec<(&'static Channel, Box<dyn AnyStep>)>;
+pub type Way = Vec<(&'static Channel, Box<dyn AnyStep>)>;
 
-fn way(description: &Description, method: &str) -> Result<Way, Error> {
+/// The way to the estimate of a method.
+pub fn way(description: &Description, method: &str) -> Result<Way, Error> {
     let pipeline = Pipeline::of(description.machine());
     let stage = pipeline.with_method(method);
     let stage = stage.ok_or_else(|| pipeline.unknown(method))?;
@@ -137,15 +172,17 @@ impl Boom {
 /// row's estimate what later rows know.
 fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
     args: &EstimateArgs,
+    output: &Path,
     description: &Description,
     mut samples: Samples<S, T>,
     put: impl Fn(usize, &mut E),
 ) -> Result<(), Failure> {
     samples.on_progress(parts::progress());
-    let mut way = way(description, method(args))?;
-    tell_idle_keys(description, &[method(args)]);
-    let mut writer = EstimateWriter::<E>::create(&args.output)?;
-    let metadata = metadata(args, description, method(args));
+    let mut way = way(description, method(args.machine, args.method.as_deref()))?;
+    tell_idle_keys(description, &[method(args.machine, args.method.as_deref())]);
+    let mut writer = EstimateWriter::<E>::create(output)?;
+    let metadata = metadata(args, description);
+    let mut found = Found::<E>::new();
     let report = args.report.as_deref();
     let mut notes = report.map(|r| Notes::create(r, &metadata)).transpose()?;
     let (mut rows, mut last, mut trusted) = (0, E::default(), None);
@@ -172,6 +209,7 @@ fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
         }
         if let Some(estimate) = E::inside(&message) {
             writer.write(estimate)?;
+            found.add(estimate);
             last = *estimate;
             trusted = Some(last).filter(Estimate::trusted).or(trusted);
         }
@@ -181,7 +219,14 @@ fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
     if let (Some(notes), Some(report)) = (notes, &args.report) {
         notes.report(report)?;
     }
-    tell(args, written, rows, &view::words::verdict(&last));
+    if let Some(json) = &args.json {
+        found.write(
+            json,
+            rows.saturating_sub(written),
+            &many::identity(args, description),
+        )?;
+    }
+    tell(args, output, written, rows, &view::words::verdict(&last));
     boom.tell();
     let age = trusted.map(|e| last.stamp().time - e.stamp().time);
     if let Some((trusted, age)) = trusted.zip(age).filter(|(_, age)| *age > 0.0) {
@@ -202,7 +247,7 @@ fn is_known<T: Message>(truth: &T) -> bool {
     known.is_some_and(|bits| bits.as_f64() != 0.0)
 }
 
-fn tell(args: &EstimateArgs, written: usize, rows: usize, verdict: &str) {
+fn tell(args: &EstimateArgs, output: &Path, written: usize, rows: usize, verdict: &str) {
     for line in view::words::wrapped(verdict, 79) {
         println!("{line}");
     }
@@ -212,21 +257,25 @@ fn tell(args: &EstimateArgs, written: usize, rows: usize, verdict: &str) {
     } else {
         format!(" ({refused} rows refused: their time is missing or does not increase)")
     };
-    println!("{written} estimates in {}{refused}", args.output.display());
+    println!("{written} estimates in {}{refused}", output.display());
     if let Some(report) = &args.report {
         println!("report in {}", report.display());
     }
 }
 
-fn metadata(args: &EstimateArgs, description: &Description, method: &str) -> Metadata {
+fn metadata(args: &EstimateArgs, description: &Description) -> Metadata {
+    let names = args.files.iter().map(|f| f.display().to_string());
     let text = description.to_toml();
     let mut metadata = Metadata::new();
     for (key, value) in [
         ("heft.version", env!("CARGO_PKG_VERSION").to_owned()),
         (crate::build::KEY, crate::build::IDENTITY.to_owned()),
         ("machine", description.machine().name().to_owned()),
-        ("input", args.file.display().to_string()),
-        ("method", method.to_owned()),
+        ("input", names.collect::<Vec<_>>().join(", ")),
+        (
+            "method",
+            method(args.machine, args.method.as_deref()).to_owned(),
+        ),
         ("description.sha256", recording::sha256(&text)),
         ("description", text),
     ] {

@@ -15,6 +15,7 @@ pub mod replay;
 pub mod report;
 pub mod run;
 pub mod schema;
+pub mod serve;
 pub mod tail;
 pub mod top;
 pub mod weigh;

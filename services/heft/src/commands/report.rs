@@ -5,16 +5,47 @@ use std::path::{Path, PathBuf};
 use recording::Reader;
 use view::Run;
 
+use crate::cli::ReportArgs;
 use crate::failure::Failure;
+use crate::many::{self, Job};
 use crate::page::{put, write};
 use crate::parts;
 
 /// `heft report`
-pub fn report(files: &[PathBuf], output: Option<&Path>) -> Result<(), Failure> {
-    match files {
-        [file] => one(file, output),
-        _ => side_by_side(files, output),
+pub fn report(args: &ReportArgs) -> Result<(), Failure> {
+    match args.files.as_slice() {
+        _ if args.each => each(args),
+        [file] => one(file, args.output.as_deref()),
+        files => side_by_side(files, args.output.as_deref()),
     }
+}
+
+/// A page beside each recording, each in a process of its own.
+fn each(args: &ReportArgs) -> Result<(), Failure> {
+    let inputs = many::inputs(&args.files, false)?;
+    let pages = many::beside(&inputs, "html");
+    let job = |(input, page): (&PathBuf, &PathBuf)| {
+        let reader = Reader::open(input).ok();
+        let sources: Vec<&Path> = reader.iter().flat_map(Reader::files).collect();
+        let arguments = [
+            "report".into(),
+            "--output".into(),
+            page.into(),
+            "--".into(),
+            input.into(),
+        ];
+        Job {
+            input: input.clone(),
+            arguments: arguments.into(),
+            is_done: !args.many.again && !sources.is_empty() && many::is_newer(page, &sources),
+        }
+    };
+    let jobs: Vec<Job> = inputs.iter().zip(&pages).map(job).collect();
+    let ends = many::run(&jobs, args.many.jobs)?;
+    for (page, end) in pages.iter().zip(&ends) {
+        println!("{}: {}", page.display(), end.word());
+    }
+    many::judge(&ends)
 }
 
 fn one(file: &Path, output: Option<&Path>) -> Result<(), Failure> {

@@ -16,6 +16,7 @@ pub(super) struct Excavator;
 
 impl Typed for Excavator {
     type Signals = recording::Excavator;
+    type Estimate = messages::ExcavatorEstimate;
     const ABOUT: &'static str = "Swing inertia, damping, torque, payload";
     const USUAL: &'static str = "base";
     const SHOWN: &'static str = "cycle";

@@ -15,6 +15,7 @@ pub(super) struct Loader;
 
 impl Typed for Loader {
     type Signals = recording::Loader;
+    type Estimate = messages::LoaderEstimate;
     const ABOUT: &'static str = "Centre of gravity, slip stiffness, digging force";
     const USUAL: &'static str = "work-cycle";
     const SHOWN: &'static str = "work-cycle";

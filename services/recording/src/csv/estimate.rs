@@ -124,16 +124,80 @@ impl Estimate for LoaderEstimate {
     }
 }
 
+/// Estimates as rows of text.
+#[derive(Debug)]
+pub struct EstimateRows<E: Estimate> {
+    /// Columns with the field of each.
+    columns: Vec<(Column, Option<usize>)>,
+    estimates: PhantomData<E>,
+}
+
+impl<E: Estimate> EstimateRows<E> {
+    /// With the columns that an estimate of these quantities needs; all bits for every column there is.
+    #[must_use]
+    pub fn new(estimated: u32) -> Self {
+        let extra: &[Column] = if estimated & E::EXTRA.1 == 0 {
+            &[]
+        } else {
+            E::EXTRA.0
+        };
+        let columns = E::COLUMNS.iter().chain(extra);
+        Self {
+            columns: columns.map(|c| (*c, index::<E>(*c))).collect(),
+            estimates: PhantomData,
+        }
+    }
+
+    /// Names of the columns, without the end of the line.
+    #[must_use]
+    pub fn header(&self) -> String {
+        let mut row = String::from("t");
+        for (column, _) in &self.columns {
+            let (Column::Value(name, _) | Column::Flag(name, _)) = column;
+            let _ = write!(row, ",{name}");
+        }
+        let reason = if E::REASONS.is_empty() { "" } else { ",reason" };
+        let _ = write!(row, ",method{reason}");
+        row
+    }
+
+    /// Appends the row of an estimate, without the end of the line; false, and nothing, for a refused one.
+    pub fn put(&self, estimate: &E, row: &mut String) -> bool {
+        let (flags, estimated, method) = estimate.bits();
+        if flags & E::REFUSED != 0 {
+            return false;
+        }
+        put_number(row, estimate.stamp().time);
+        for (column, index) in &self.columns {
+            row.push(',');
+            match column {
+                Column::Flag(_, bit) => row.push(if flags & bit != 0 { '1' } else { '0' }),
+                Column::Value(_, bits) if estimated & bits != *bits => {}
+                Column::Value(..) => {
+                    if let Some(Value::F64(x)) = index.and_then(|i| estimate.get(i)) {
+                        put_number(row, x);
+                    }
+                }
+            }
+        }
+        let name = E::METHODS.get(method as usize).copied().unwrap_or_default();
+        let _ = write!(row, ",{name}");
+        if !E::REASONS.is_empty() {
+            let reason = E::REASONS.get(estimate.reason() as usize);
+            let _ = write!(row, ",{}", reason.map_or("", |(name, _)| name));
+        }
+        true
+    }
+}
+
 /// Writes estimates as CSV, one row per accepted sample. The file appears under its name only when
 /// it is complete.
 pub struct EstimateWriter<E: Estimate> {
     out: Output,
-    /// Columns with the field of each; none before the first row, which decides whether there are
-    /// those of friction and offset.
-    columns: Vec<(Column, Option<usize>)>,
+    /// None before the first row, which decides whether there are columns of friction and offset.
+    rows: Option<EstimateRows<E>>,
     row: String,
     written: usize,
-    estimates: PhantomData<E>,
 }
 
 impl EstimateWriter<ExcavatorEstimate> {
@@ -180,29 +244,18 @@ impl<E: Estimate> EstimateWriter<E> {
     pub fn create(path: &Path) -> Result<Self, Error> {
         Ok(Self {
             out: Output::create("write the estimates", path, &[], is_estimates)?,
-            columns: Vec::new(),
+            rows: None,
             row: String::new(),
             written: 0,
-            estimates: PhantomData,
         })
     }
 
-    fn header(&mut self, estimated: u32) -> Result<(), Error> {
-        let extra: &[Column] = if estimated & E::EXTRA.1 == 0 {
-            &[]
-        } else {
-            E::EXTRA.0
-        };
-        let columns = E::COLUMNS.iter().chain(extra);
-        self.columns = columns.map(|c| (*c, index::<E>(*c))).collect();
-        self.row.push('t');
-        for (column, _) in &self.columns {
-            let (Column::Value(name, _) | Column::Flag(name, _)) = column;
-            let _ = write!(self.row, ",{name}");
-        }
-        let reason = if E::REASONS.is_empty() { "" } else { ",reason" };
-        let _ = writeln!(self.row, ",method{reason}");
-        self.put_row()
+    fn rows(&mut self, estimated: u32) -> &EstimateRows<E> {
+        self.rows.get_or_insert_with(|| {
+            let rows = EstimateRows::new(estimated);
+            self.row = rows.header() + "\n";
+            rows
+        })
     }
 
     /// Adds an estimate; a refused row is left out.
@@ -210,31 +263,13 @@ impl<E: Estimate> EstimateWriter<E> {
     /// # Errors
     /// The file cannot be written.
     pub fn write(&mut self, estimate: &E) -> Result<(), Error> {
-        let (flags, estimated, method) = estimate.bits();
+        let (flags, estimated, _) = estimate.bits();
         if flags & E::REFUSED != 0 {
             return Ok(());
         }
-        if self.columns.is_empty() {
-            self.header(estimated)?;
-        }
-        put_number(&mut self.row, estimate.stamp().time);
-        for (column, index) in &self.columns {
-            self.row.push(',');
-            match column {
-                Column::Flag(_, bit) => self.row.push(if flags & bit != 0 { '1' } else { '0' }),
-                Column::Value(_, bits) if estimated & bits != *bits => {}
-                Column::Value(..) => {
-                    if let Some(Value::F64(x)) = index.and_then(|i| estimate.get(i)) {
-                        put_number(&mut self.row, x);
-                    }
-                }
-            }
-        }
-        let name = E::METHODS.get(method as usize).copied().unwrap_or_default();
-        let _ = write!(self.row, ",{name}");
-        if !E::REASONS.is_empty() {
-            let reason = E::REASONS.get(estimate.reason() as usize);
-            let _ = write!(self.row, ",{}", reason.map_or("", |(name, _)| name));
+        self.rows(estimated);
+        if let Some(rows) = &self.rows {
+            rows.put(estimate, &mut self.row);
         }
         self.row.push('\n');
         self.written += 1;
@@ -246,9 +281,8 @@ impl<E: Estimate> EstimateWriter<E> {
     /// # Errors
     /// The file cannot be written; nothing is then left behind.
     pub fn finish(mut self) -> Result<usize, Error> {
-        if self.columns.is_empty() {
-            self.header(0)?;
-        }
+        self.rows(0);
+        self.put_row()?;
         self.out.finish()?;
         Ok(self.written)
     }

@@ -4,31 +4,13 @@ use messages::{
     EXCAVATOR_METHODS, ExcavatorEstimate, ExcavatorTruth, Machine, excavator_bits as bits,
 };
 
-use super::{ANY, Estimate, InnovationRule, POSITIVE, Parameter};
+use super::{ANY, Estimate, InnovationRule, POSITIVE, Parameter, known};
 use crate::words::{self, Judgement};
 
 type Row = Parameter<ExcavatorEstimate, ExcavatorTruth>;
 
-/// A parameter without verdict; `$truth` is the field of the truth and its bit in `known`.
 macro_rules! row {
-    ($key:literal, $label:literal, $unit:literal, $possible:expr, $value:ident, $std:expr, $bit:expr, $truth:expr) => {
-        Row {
-            key: $key,
-            label: $label,
-            unit: $unit,
-            possible: $possible,
-            value: |e| e.$value,
-            std: $std,
-            estimated: |e| e.estimated & $bit != 0,
-            truth: $truth,
-            trusted: 0,
-            excited: bits::EXCITED,
-        }
-    };
-}
-
-fn known(truth: &ExcavatorTruth, bit: u32, value: f64) -> Option<f64> {
-    (truth.known & (1 << bit) != 0).then_some(value)
+    ($($what:tt)*) => { parameter!(bits::EXCITED, $($what)*) };
 }
 
 impl Estimate for ExcavatorEstimate {
@@ -51,7 +33,7 @@ impl Estimate for ExcavatorEstimate {
                 inertia,
                 Some(|e| e.inertia_std),
                 bits::INERTIA,
-                Some(|t| known(t, 0, t.inertia))
+                Some(|t| known(t.known, 0, t.inertia))
             )
         },
         row!(
@@ -62,7 +44,7 @@ impl Estimate for ExcavatorEstimate {
             payload,
             Some(|e| e.payload_std),
             bits::PAYLOAD,
-            Some(|t| known(t, 6, t.payload))
+            Some(|t| known(t.known, 6, t.payload))
         ),
         row!(
             "torque",
@@ -72,7 +54,7 @@ impl Estimate for ExcavatorEstimate {
             torque,
             Some(|e| e.torque_std),
             bits::TORQUE,
-            Some(|t| known(t, 3, t.torque))
+            Some(|t| known(t.known, 3, t.torque))
         ),
         row!(
             "damping",
@@ -82,7 +64,7 @@ impl Estimate for ExcavatorEstimate {
             damping,
             Some(|e| e.damping_std),
             bits::DAMPING,
-            Some(|t| known(t, 1, t.damping))
+            Some(|t| known(t.known, 1, t.damping))
         ),
         row!(
             "friction",
@@ -92,7 +74,7 @@ impl Estimate for ExcavatorEstimate {
             friction,
             Some(|e| e.friction_std),
             bits::FRICTION,
-            Some(|t| known(t, 2, t.friction))
+            Some(|t| known(t.known, 2, t.friction))
         ),
         row!(
             "offset",
@@ -112,7 +94,7 @@ impl Estimate for ExcavatorEstimate {
             velocity,
             None,
             u32::MAX,
-            Some(|t| known(t, 4, t.velocity))
+            Some(|t| known(t.known, 4, t.velocity))
         ),
         row!(
             "acceleration",
@@ -122,7 +104,7 @@ impl Estimate for ExcavatorEstimate {
             acceleration,
             None,
             bits::ACCELERATION,
-            Some(|t| known(t, 5, t.acceleration))
+            Some(|t| known(t.known, 5, t.acceleration))
         ),
     ];
 

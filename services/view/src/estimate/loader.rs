@@ -2,30 +2,13 @@
 
 use messages::{LOADER_METHODS, LoaderEstimate, LoaderTruth, Machine, loader_bits as bits};
 
-use super::{ANY, Estimate, InnovationRule, POSITIVE, Parameter};
+use super::{ANY, Estimate, InnovationRule, POSITIVE, Parameter, known};
 use crate::words::{self, Judgement};
 
 type Row = Parameter<LoaderEstimate, LoaderTruth>;
 
 macro_rules! row {
-    ($key:literal, $label:literal, $unit:literal, $possible:expr, $value:ident, $std:expr, $bit:expr, $truth:expr) => {
-        Row {
-            key: $key,
-            label: $label,
-            unit: $unit,
-            possible: $possible,
-            value: |e| e.$value,
-            std: $std,
-            estimated: |e| e.estimated & $bit != 0,
-            truth: $truth,
-            trusted: 0,
-            excited: bits::EXCITED_RATIO,
-        }
-    };
-}
-
-fn known(truth: &LoaderTruth, bit: u32, value: f64) -> Option<f64> {
-    (truth.known & (1 << bit) != 0).then_some(value)
+    ($($what:tt)*) => { parameter!(bits::EXCITED_RATIO, $($what)*) };
 }
 
 impl Estimate for LoaderEstimate {
@@ -48,7 +31,7 @@ impl Estimate for LoaderEstimate {
                 cg_ratio,
                 Some(|e| e.cg_ratio_std),
                 bits::STATE,
-                Some(|t| known(t, 4, t.cg_ratio))
+                Some(|t| known(t.known, 4, t.cg_ratio))
             )
         },
         Row {
@@ -62,7 +45,7 @@ impl Estimate for LoaderEstimate {
                 cg_height,
                 Some(|e| e.cg_height_std),
                 bits::STATE,
-                Some(|t| known(t, 3, t.cg_height))
+                Some(|t| known(t.known, 3, t.cg_height))
             )
         },
         row!(
@@ -73,7 +56,7 @@ impl Estimate for LoaderEstimate {
             slip_stiffness,
             Some(|e| e.slip_stiffness_std),
             bits::STATE,
-            Some(|t| known(t, 5, t.slip_stiffness))
+            Some(|t| known(t.known, 5, t.slip_stiffness))
         ),
         row!(
             "spade_force_x",
@@ -83,7 +66,7 @@ impl Estimate for LoaderEstimate {
             spade_force_x,
             Some(|e| e.spade_force_x_std),
             bits::ESTIMATED_SPADE_FORCE_X,
-            Some(|t| known(t, 6, t.spade_force_x))
+            Some(|t| known(t.known, 6, t.spade_force_x))
         ),
         row!(
             "speed",
@@ -93,7 +76,7 @@ impl Estimate for LoaderEstimate {
             speed,
             None,
             bits::STATE,
-            Some(|t| known(t, 0, t.speed))
+            Some(|t| known(t.known, 0, t.speed))
         ),
         row!(
             "slope_bias",

@@ -98,7 +98,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
 
     /// Process noise of the parameters over a time without rows, by state.
     fn wandering(&self, away: f64) -> [f64; N] {
-        if away <= 0.0 {
+        if away <= 0.0 || !self.tuning.wandering {
             return [0.0; N];
         }
         let usual = self.process_std(&Conditions::default(), false, away);

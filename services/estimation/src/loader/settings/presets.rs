@@ -44,6 +44,7 @@ impl Tuning {
             }),
             load_shift: true,
             screened: true,
+            wandering: true,
             latency: true,
             ..recommended
         }
@@ -101,6 +102,7 @@ impl Tuning {
             relearning: None,
             load_shift: false,
             screened: false,
+            wandering: false,
             latency: false,
         }
     }

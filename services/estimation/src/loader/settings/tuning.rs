@@ -167,6 +167,8 @@ pub struct Tuning {
     /// Doubt the inputs: a value that never changes is missing, wheel speeds count only with their torques and without
     /// brakes and steering, the slope as far as the motion bears it out, and manoeuvres must agree.
     pub screened: bool,
+    /// The parameters wander in a gap too, while nothing is measured.
+    pub wandering: bool,
     /// Loosen the rolling radii when the load shifts between the axles.
     pub load_shift: bool,
 }

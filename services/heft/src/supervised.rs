@@ -30,7 +30,7 @@ const SILENT_LIMIT: Duration = Duration::from_secs(5);
 const KILL_LIMIT: Duration = Duration::from_millis(200);
 
 /// A service and its process.
-pub struct Worker {
+pub struct Supervised {
     /// Its row in the table of processes.
     pub process: &'static Stage,
     /// Wakes it.
@@ -68,7 +68,7 @@ enum Next {
     Nothing,
 }
 
-impl Worker {
+impl Supervised {
     /// Starts the process.
     pub fn start(process: &'static Stage, bell: Bell, domain: &Domain) -> Result<Self, Failure> {
         let (control, child) = spawn(process, 0, domain)?;

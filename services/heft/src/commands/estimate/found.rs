@@ -1,0 +1,100 @@
+//! What the estimates of one input say in sum, as JSON: what a table of many inputs is made of.
+
+use std::path::Path;
+
+use recording::Output;
+use serde_json::{Value, json};
+use view::estimate::Estimate;
+
+use crate::failure::Failure;
+
+/// How the value of the first key of a summary begins.
+const MADE_BY: &str = "heft estimate ";
+
+/// Whether a file that begins like this is such a summary.
+pub fn is_ours(head: &[u8]) -> bool {
+    String::from_utf8_lossy(head).contains("\"heft\": \"heft estimate ")
+}
+
+/// What is told of one quantity.
+#[derive(Clone, Copy, Default)]
+struct Told {
+    /// Rows that were trusted; of those in motion.
+    trusted: [usize; 2],
+    /// Time [s], value and standard deviation of the last that was trusted.
+    last: Option<[f64; 3]>,
+}
+
+/// Counts while estimates are made.
+pub struct Found<E: Estimate> {
+    rows: usize,
+    moving: usize,
+    first_time: f64,
+    last: E,
+    told: Vec<Told>,
+}
+
+impl<E: Estimate> Found<E> {
+    pub fn new() -> Self {
+        let headlines = E::PARAMETERS.iter().filter(|p| p.headline());
+        Self {
+            rows: 0,
+            moving: 0,
+            first_time: 0.0,
+            last: E::default(),
+            told: headlines.map(|_| Told::default()).collect(),
+        }
+    }
+
+    pub fn add(&mut self, estimate: &E) {
+        let time = estimate.stamp().time;
+        if self.rows == 0 {
+            self.first_time = time;
+        }
+        let moves = estimate.motion().abs() >= E::MOTION_NAME.1;
+        self.rows += 1;
+        self.moving += usize::from(moves);
+        self.last = *estimate;
+        let headlines = E::PARAMETERS.iter().filter(|p| p.headline());
+        for (told, p) in self.told.iter_mut().zip(headlines) {
+            if estimate.flags() & p.trusted != 0 {
+                told.trusted[0] += 1;
+                told.trusted[1] += usize::from(moves);
+                told.last = Some([time, p.value(estimate), p.std(estimate)]);
+            }
+        }
+    }
+
+    /// Writes the summary. A number that does not exist is null; `made_by` tells another run whether it would say the same.
+    pub fn write(&self, path: &Path, refused: usize, made_by: &str) -> Result<(), Failure> {
+        let mut out = Output::create("write the summary", path, &[], is_ours)?;
+        let text = format!("{:#}\n", self.json(refused, made_by));
+        out.put(text.as_bytes())?;
+        Ok(out.finish()?)
+    }
+
+    fn json(&self, refused: usize, made_by: &str) -> Value {
+        let share = |n: usize, of: usize| (of > 0).then(|| n as f64 / of as f64);
+        let headlines = E::PARAMETERS.iter().filter(|p| p.headline());
+        let quantities = self.told.iter().zip(headlines).map(|(told, p)| {
+            let [time, value, std] = told.last.unwrap_or([f64::NAN; 3]);
+            json!({
+                "key": p.key, "label": p.label, "unit": p.unit,
+                "value": p.value(&self.last), "std": p.std(&self.last),
+                "trusted": self.last.flags() & p.trusted != 0,
+                "last_trusted": told.last.map(|_| json!({"time": time, "value": value, "std": std})),
+                "trusted_share": share(told.trusted[0], self.rows),
+                "trusted_share_in_motion": share(told.trusted[1], self.moving),
+            })
+        });
+        json!({
+            "heft": MADE_BY.to_owned() + made_by,
+            "machine": E::MACHINE.name(),
+            "rows": self.rows,
+            "refused": refused,
+            "seconds": self.last.stamp().time - self.first_time,
+            "quantities": quantities.collect::<Vec<_>>(),
+            "verdict": view::words::verdict(&self.last),
+        })
+    }
+}

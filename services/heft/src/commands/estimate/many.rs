@@ -1,0 +1,253 @@
+//! Estimates of many inputs: each result beside its input, a table at the end.
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+use config::Description;
+use evaluate::text::Table;
+use recording::Output;
+use serde_json::Value;
+use view::number;
+
+use crate::cli::EstimateArgs;
+use crate::commands::run::description;
+use crate::failure::Failure;
+use crate::many::{self, Ended, Job};
+
+/// What the result depends on beside the input: program, method, description.
+pub fn identity(args: &EstimateArgs, description: &Description) -> String {
+    let smooth = if args.smooth { " --smooth" } else { "" };
+    format!(
+        "{} --method {}{smooth}, description {}",
+        crate::build::IDENTITY,
+        super::method(args.machine, args.method.as_deref()),
+        recording::sha256(description.to_toml())
+    )
+}
+
+/// Each input in a process of its own.
+pub fn estimate(args: &EstimateArgs) -> Result<(), Failure> {
+    let description = description(args.machine, &args.description)?;
+    super::way(
+        &description,
+        super::method(args.machine, args.method.as_deref()),
+    )?;
+    if let Some(summary) = &args.summary {
+        recording::output::check(summary, &[], many::is_summary)?;
+    }
+    let inputs = many::inputs(&args.files, true)?;
+    let tables = many::beside(&inputs, "estimates.csv");
+    let summaries = many::beside(&inputs, "estimates.json");
+    let same = identity(args, &description);
+    let jobs = inputs.iter().zip(tables.iter().zip(&summaries));
+    let jobs = jobs.map(|(input, (table, summary))| Job {
+        input: input.clone(),
+        arguments: arguments(args, input, table, summary),
+        is_done: !args.many.again && is_done(args, input, table, summary, &same),
+    });
+    let jobs: Vec<Job> = jobs.collect();
+    let ends = many::run(&jobs, args.many.jobs)?;
+    let rows = inputs.iter().zip(&summaries).zip(&ends);
+    let rows: Vec<Row> = rows
+        .map(|((input, summary), end)| Row::of(input, summary, end))
+        .collect();
+    print!("{}", terminal(&rows));
+    if let Some(file) = &args.summary {
+        let mut out = Output::create("write the summary", file, &[], many::is_summary)?;
+        out.put(csv(&rows).as_bytes())?;
+        out.finish()?;
+        println!("{} inputs in {}", rows.len(), file.display());
+    }
+    many::judge(&ends)
+}
+
+fn is_done(args: &EstimateArgs, input: &Path, table: &Path, summary: &Path, same: &str) -> bool {
+    let parts = recording::Reader::open(input)
+        .ok()
+        .filter(|_| is_recording(input));
+    let mut sources: Vec<&Path> = parts.iter().flat_map(|r| r.files()).collect();
+    sources.push(input);
+    sources.extend(args.map.as_deref());
+    let made_by = read(summary).and_then(|s| Some(s.get("heft")?.as_str()?.ends_with(same)));
+    many::is_newer(table, &sources) && many::is_newer(summary, &sources) && made_by == Some(true)
+}
+
+fn is_recording(input: &Path) -> bool {
+    input.extension().is_some_and(|e| e == "mcap")
+}
+
+fn arguments(args: &EstimateArgs, input: &Path, table: &Path, summary: &Path) -> Vec<OsString> {
+    let mut all: Vec<OsString> = vec![
+        "estimate".into(),
+        "--machine".into(),
+        args.machine.name().into(),
+    ];
+    let mut option = |name: &str, value: &Path| all.extend([name.into(), value.into()]);
+    option("--output", table);
+    option("--json", summary);
+    if let Some(map) = args.map.as_deref().filter(|_| !is_recording(input)) {
+        option("--map", map);
+    }
+    if let Some(config) = &args.description.config {
+        option("--config", config);
+    }
+    for (name, value) in args
+        .description
+        .set
+        .iter()
+        .map(|s| ("--set", s))
+        .chain(args.method.iter().map(|m| ("--method", m)))
+    {
+        all.extend([name.into(), value.into()]);
+    }
+    for (name, given) in [
+        ("--smooth", args.smooth),
+        ("--require-trust", args.require_trust),
+    ] {
+        all.extend(given.then(|| name.into()));
+    }
+    all.extend(["--".into(), input.into()]);
+    all
+}
+
+fn read(summary: &Path) -> Option<Value> {
+    serde_json::from_slice(&std::fs::read(summary).ok()?).ok()
+}
+
+/// What the table says of an input.
+struct Row {
+    input: PathBuf,
+    end: String,
+    found: Option<Value>,
+}
+
+impl Row {
+    fn of(input: &Path, summary: &Path, end: &Ended) -> Self {
+        Self {
+            input: input.to_owned(),
+            end: end.word().into(),
+            // A summary of an earlier run says nothing of a run that failed; one without trust is new.
+            found: read(summary).filter(|_| !end.is_bad_input()),
+        }
+    }
+
+    fn count(&self, key: &str) -> String {
+        let count = self.found.as_ref().and_then(|f| f.get(key)?.as_u64());
+        count.map_or(String::new(), |c| c.to_string())
+    }
+
+    fn quantities(&self) -> &[Value] {
+        let all = self
+            .found
+            .as_ref()
+            .and_then(|f| f.get("quantities")?.as_array());
+        all.map_or(&[], Vec::as_slice)
+    }
+}
+
+fn text<'a>(quantity: &'a Value, key: &str) -> &'a str {
+    quantity
+        .get(key)
+        .and_then(Value::as_str)
+        .unwrap_or_default()
+}
+
+/// Value and standard deviation of what was trusted last, else of the last.
+fn told(quantity: &Value) -> (Option<[f64; 2]>, bool) {
+    let trusted = quantity.get("last_trusted").filter(|t| !t.is_null());
+    let number = |key| trusted.unwrap_or(quantity).get(key)?.as_f64();
+    (
+        number("value").zip(number("std")).map(Into::into),
+        trusted.is_some(),
+    )
+}
+
+fn terminal(rows: &[Row]) -> String {
+    let labels: Vec<&str> = rows
+        .iter()
+        .map(Row::quantities)
+        .max_by_key(|q| q.len())
+        .unwrap_or_default()
+        .iter()
+        .map(|q| text(q, "label"))
+        .collect();
+    let mut header = vec!["input", "rows"];
+    for label in &labels {
+        header.extend([*label, "trusted, of the motion"]);
+    }
+    header.push("result");
+    let mut table = Table::new(&header);
+    for row in rows {
+        let mut cells = vec![row.input.display().to_string(), row.count("rows")];
+        for n in 0..labels.len() {
+            let Some(quantity) = row.quantities().get(n) else {
+                cells.extend([String::new(), String::new()]);
+                continue;
+            };
+            let (value, trusted) = told(quantity);
+            let doubt = if trusted { "" } else { " (not trusted)" };
+            let value = value.map_or(String::new(), |[v, s]| {
+                number::with_std(v, s, &number::unit(text(quantity, "unit")))
+            });
+            let share = quantity
+                .get("trusted_share_in_motion")
+                .and_then(Value::as_f64);
+            cells.extend([
+                value + doubt,
+                share.map_or(String::new(), |s| format!("{:.0} %", 100.0 * s)),
+            ]);
+        }
+        cells.push(row.end.clone());
+        table.row(cells);
+    }
+    table.to_string()
+}
+
+/// One line an input; a quantity has its value, its standard deviation, whether it ever was trusted, and for how large a share of the
+/// motion.
+fn csv(rows: &[Row]) -> String {
+    let keys: Vec<&str> = rows
+        .iter()
+        .map(Row::quantities)
+        .max_by_key(|q| q.len())
+        .unwrap_or_default()
+        .iter()
+        .map(|q| text(q, "key"))
+        .collect();
+    let columns = keys
+        .iter()
+        .map(|k| format!(",{k},{k}_std,{k}_trusted,{k}_trusted_share_in_motion"));
+    let mut out = format!(
+        "{}rows,refused,seconds{}\n",
+        many::SUMMARY,
+        columns.collect::<String>()
+    );
+    for row in rows {
+        let seconds = row.found.as_ref().and_then(|f| f.get("seconds")?.as_f64());
+        let mut cells = vec![
+            recording::csv::quoted(&row.input.display().to_string()),
+            recording::csv::quoted(&row.end),
+            row.count("rows"),
+            row.count("refused"),
+            shown(seconds),
+        ];
+        for n in 0..keys.len() {
+            let quantity = row.quantities().get(n);
+            let (value, trusted) = quantity.map_or((None, false), told);
+            let share = quantity.and_then(|q| q.get("trusted_share_in_motion")?.as_f64());
+            cells.extend([
+                shown(value.map(|v| v[0])),
+                shown(value.map(|v| v[1])),
+                u8::from(trusted).to_string(),
+                shown(share),
+            ]);
+        }
+        out += &cells.join(",");
+        out.push('\n');
+    }
+    out
+}
+
+fn shown(number: Option<f64>) -> String {
+    number.map_or(String::new(), |n| n.to_string())
+}

@@ -1,0 +1,273 @@
+//! Many inputs in one command: a process for each, as many at a time as there are processors. What is done already is
+//! not done again, so a command that was interrupted goes on where it stopped.
+
+use std::ffi::OsString;
+use std::io::{IsTerminal, Read};
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use crate::failure::Failure;
+
+/// One input.
+pub struct Job {
+    /// Its name.
+    pub input: PathBuf,
+    /// What a process of `heft` is told.
+    pub arguments: Vec<OsString>,
+    /// Its result is there already.
+    pub is_done: bool,
+}
+
+/// How a job ended.
+pub enum Ended {
+    /// It was done before.
+    Kept,
+    /// It was done now.
+    Made,
+    /// It was, and the answer is no: why.
+    No(String),
+    /// It was not: why.
+    Failed(String),
+}
+
+impl Ended {
+    /// In a word, or what was said.
+    pub fn word(&self) -> &str {
+        match self {
+            Self::Kept => "kept",
+            Self::Made => "made",
+            Self::No(why) | Self::Failed(why) => why,
+        }
+    }
+
+    /// Whether there is no result.
+    pub fn is_bad_input(&self) -> bool {
+        matches!(self, Self::Failed(_))
+    }
+}
+
+/// Status of the whole: that of the worst.
+pub fn judge(ends: &[Ended]) -> Result<(), Failure> {
+    let failed = ends.iter().filter(|e| e.is_bad_input()).count();
+    let no = ends.iter().filter(|e| matches!(e, Ended::No(_))).count();
+    match (failed, no) {
+        (0, 0) => Ok(()),
+        (0, no) => Err(Failure::answer_is_no(format!(
+            "{no} of {} inputs: no",
+            ends.len()
+        ))),
+        (failed, _) => Err(Failure::input(
+            format!("{failed} of {} inputs were not treated", ends.len()),
+            "the table above",
+            "mend or leave out what it names; what is done is not done again",
+        )),
+    }
+}
+
+/// The recordings that are meant: files as they are, and of every folder and what is in it each recording once
+/// (not its parts), each table and each CAN log, but nothing that heft has made of them.
+///
+/// # Errors
+/// There is no such file, a folder cannot be read, or nothing is found.
+pub fn inputs(paths: &[PathBuf], tables: bool) -> Result<Vec<PathBuf>, Failure> {
+    let mut found = Vec::new();
+    for path in paths {
+        if path.is_dir() {
+            walk(path, tables, &mut found).map_err(|e| Failure::file("read", path, &e))?;
+        } else if path.exists() {
+            // `*.csv` names what was made last time too.
+            found.extend((!is_ours(path)).then(|| path.clone()));
+        } else {
+            let error = std::io::ErrorKind::NotFound.into();
+            return Err(Failure::file("read", path, &error));
+        }
+    }
+    let mut seen = std::collections::BTreeSet::new();
+    found.retain(|f| seen.insert(f.canonicalize().unwrap_or_else(|_| f.clone())));
+    if found.is_empty() {
+        let places: Vec<_> = paths.iter().map(|p| p.display().to_string()).collect();
+        return Err(Failure::input(
+            "there is nothing to read",
+            places.join(", "),
+            "name recordings (.mcap), tables (.csv), CAN logs (.log), or folders that hold some",
+        ));
+    }
+    Ok(found)
+}
+
+fn walk(folder: &Path, tables: bool, found: &mut Vec<PathBuf>) -> std::io::Result<()> {
+    let mut recordings = recording::recordings(folder);
+    let mut folders = Vec::new();
+    for entry in std::fs::read_dir(folder)? {
+        let (path, kind) = entry.map(|e| (e.path(), e.file_type()))?;
+        let hidden = path
+            .file_name()
+            .is_none_or(|n| n.as_encoded_bytes()[0] == b'.');
+        // Links are not followed: they may lead in a circle.
+        if hidden {
+            continue;
+        } else if kind?.is_dir() {
+            folders.push(path);
+        } else if tables && is_table(&path) {
+            recordings.push(path);
+        }
+    }
+    recordings.sort();
+    found.append(&mut recordings);
+    folders.sort();
+    folders.iter().try_for_each(|f| walk(f, tables, found))
+}
+
+fn is_table(path: &Path) -> bool {
+    let kind = path.extension().map(std::ffi::OsStr::to_ascii_lowercase);
+    let kind = kind.as_deref().and_then(std::ffi::OsStr::to_str);
+    matches!(kind, Some("csv" | "log")) && !is_ours(path)
+}
+
+/// Whether it is a table that heft has made: estimates, or a summary of inputs.
+fn is_ours(path: &Path) -> bool {
+    let mut head = Vec::new();
+    let read = std::fs::File::open(path).and_then(|f| f.take(4096).read_to_end(&mut head));
+    read.is_ok() && (recording::csv::is_estimates(&head) || is_summary(&head))
+}
+
+/// First columns of a table of results.
+pub const SUMMARY: &str = "input,result,";
+
+/// Whether a file that begins like this is a table of results.
+pub fn is_summary(head: &[u8]) -> bool {
+    head.starts_with(SUMMARY.as_bytes())
+}
+
+/// A name beside each input: its own with another ending, and with its whole name where two would have the same.
+pub fn beside(inputs: &[PathBuf], ending: &str) -> Vec<PathBuf> {
+    let short: Vec<PathBuf> = inputs.iter().map(|i| i.with_extension(ending)).collect();
+    let whole = |input: &PathBuf| {
+        let mut name = input.clone().into_os_string();
+        name.push(format!(".{ending}"));
+        name.into()
+    };
+    let is_shared = |name: &PathBuf| short.iter().filter(|s| *s == name).count() > 1;
+    let choose = |(input, name): (&PathBuf, &PathBuf)| {
+        if is_shared(name) {
+            whole(input)
+        } else {
+            name.clone()
+        }
+    };
+    inputs.iter().zip(&short).map(choose).collect()
+}
+
+/// Whether a result is there and none of its sources is newer.
+pub fn is_newer(result: &Path, sources: &[&Path]) -> bool {
+    let changed = |p: &Path| std::fs::metadata(p).and_then(|m| m.modified()).ok();
+    let made = changed(result);
+    made.is_some() && sources.iter().all(|s| changed(s) <= made)
+}
+
+/// Does all jobs; how each ended, in their order.
+///
+/// # Errors
+/// The program does not find itself.
+pub fn run(jobs: &[Job], most: Option<NonZeroUsize>) -> Result<Vec<Ended>, Failure> {
+    let heft = std::env::current_exe().map_err(Failure::internal)?;
+    let processors = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
+    let workers = most.map_or(processors, NonZeroUsize::get).min(jobs.len());
+    let (next, ended) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    let results: Mutex<Vec<Option<Ended>>> = Mutex::new(jobs.iter().map(|_| None).collect());
+    let work = || {
+        while let Some((at, job)) = {
+            let at = next.fetch_add(1, Ordering::Relaxed);
+            jobs.get(at).map(|job| (at, job))
+        } {
+            let end = if job.is_done {
+                Ended::Kept
+            } else {
+                one(&heft, job)
+            };
+            if let Ok(mut results) = results.lock() {
+                results[at] = Some(end);
+            }
+            let count = ended.fetch_add(1, Ordering::Relaxed) + 1;
+            if std::io::stderr().is_terminal() {
+                eprint!("\r\x1b[2K{count} of {} {}", jobs.len(), job.input.display());
+            }
+        }
+    };
+    std::thread::scope(|scope| {
+        for _ in 0..workers {
+            scope.spawn(work);
+        }
+    });
+    if std::io::stderr().is_terminal() {
+        eprint!("\r\x1b[2K");
+    }
+    let results = results.into_inner().unwrap_or_default();
+    let lost = || Ended::Failed("it was not begun".into());
+    Ok(results
+        .into_iter()
+        .map(|r| r.unwrap_or_else(lost))
+        .collect())
+}
+
+fn one(heft: &Path, job: &Job) -> Ended {
+    let mut command = Command::new(heft);
+    command.args(&job.arguments);
+    command.stdin(Stdio::null()).stdout(Stdio::null());
+    match command.output() {
+        Ok(output) if output.status.success() => Ended::Made,
+        Ok(output) => {
+            let said = String::from_utf8_lossy(&output.stderr);
+            let mut reasons = said.lines().filter_map(|l| l.strip_prefix("heft: "));
+            let reason = reasons
+                .next_back()
+                .map_or_else(|| output.status.to_string(), Into::into);
+            match output.status.code() {
+                Some(1) => Ended::No(reason),
+                _ => Ended::Failed(reason),
+            }
+        }
+        Err(error) => Ended::Failed(error.to_string()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_stands_for_every_recording_and_table_in_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let put = |name: &str, text: &str| {
+            let file = folder.path().join(name);
+            std::fs::create_dir_all(file.parent().unwrap()).unwrap();
+            std::fs::write(file, text).unwrap();
+        };
+        put("a.csv", "t,swing_velocity\n");
+        put("a.estimates.csv", "t,inertia,method\n");
+        put("all.csv", "input,result,rows\n");
+        put("deeper/run.mcap", "x");
+        put("deeper/run.part2.mcap", "x");
+        put("deeper/run.recovered.mcap", "x");
+        put("deeper/bus.log", "x");
+        put("deeper/notes.txt", "x");
+        put(".hidden/a.csv", "t\n");
+        let found = inputs(&[folder.path().to_owned()], true).unwrap();
+        let names = found.iter().map(|f| f.strip_prefix(folder.path()).unwrap());
+        let expected = ["a.csv", "deeper/bus.log", "deeper/run.mcap"].map(Path::new);
+        assert_eq!(names.collect::<Vec<_>>(), expected);
+        let only = inputs(&[folder.path().to_owned()], false).unwrap();
+        assert_eq!(only.len(), 1);
+        assert!(inputs(&[folder.path().join("none")], true).is_err());
+    }
+
+    #[test]
+    fn no_two_results_have_the_same_name() {
+        let inputs = ["a.csv", "a.mcap", "b.log"].map(PathBuf::from);
+        let expected = ["a.csv.html", "a.mcap.html", "b.html"].map(PathBuf::from);
+        assert_eq!(beside(&inputs, "html"), expected);
+    }
+}

@@ -1,0 +1,244 @@
+//! Many machines in few processes: the rows of a table with a column that names the machine go to shards, one process a
+//! core, the machines of each by a hash of their names. A shard that dies is replaced by one that gets its last state
+//! and every sample since: the estimates are those of a run in which none died, bit for bit.
+
+mod frames;
+mod remote;
+mod shard;
+
+use std::collections::HashMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::io::{BufRead, BufReader, BufWriter, Read, Stdout, Write};
+use std::sync::{Mutex, PoisonError};
+use std::time::Instant;
+
+use messages::Message;
+use recording::{LineDecoder, MAX_LINE, Machine, Map, NameColumn};
+
+use self::remote::RemoteShard;
+pub use self::shard::serve as serve_shard;
+use crate::failure::Failure;
+
+/// The column that names the machine of a row.
+pub const NAME: &str = "machine";
+/// So many machines are too many for one router; a table whose names are something else has more.
+const MOST_MACHINES: usize = 100_000;
+/// Longest name [bytes].
+const LONGEST_NAME: usize = 200;
+
+/// Standard output, and the names that stand before its rows.
+pub struct Rows {
+    out: Mutex<BufWriter<Stdout>>,
+    names: Mutex<Vec<String>>,
+}
+
+impl Rows {
+    /// A row of a machine; nothing more can be said where nobody reads.
+    fn put(&self, number: u32, row: &str) -> std::io::Result<()> {
+        let names = self.names.lock().unwrap_or_else(PoisonError::into_inner);
+        let name = names.get(number as usize).map_or("", String::as_str);
+        let mut out = self.out.lock().unwrap_or_else(PoisonError::into_inner);
+        writeln!(out, "{name},{row}")
+    }
+
+    fn flush(&self) -> std::io::Result<()> {
+        self.out
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .flush()
+    }
+}
+
+/// Reads a table from `input` and writes the estimates to standard output.
+pub fn route<M: Machine>(
+    input: impl Read,
+    map: Option<&Map>,
+    count: usize,
+    arguments: &[std::ffi::OsString],
+    header: &str,
+) -> Result<(), Failure> {
+    let began = Instant::now();
+    println!("{NAME},{header}");
+    let rows = Rows {
+        out: Mutex::new(BufWriter::with_capacity(1 << 16, std::io::stdout())),
+        names: Mutex::new(Vec::new()),
+    };
+    let shards = (0..count).map(|_| RemoteShard::start(arguments, &rows));
+    let shards = shards.collect::<Result<Vec<_>, _>>()?;
+    let routed = std::thread::scope(|scope| {
+        shards.iter().for_each(|w| w.listen(scope));
+        let routed = Router::<M>::new(map, &shards, &rows).take_all(input);
+        shards.iter().for_each(RemoteShard::close);
+        routed
+    });
+    let failed = shards.iter().find_map(RemoteShard::failure);
+    rows.flush().map_err(Failure::internal)?;
+    if let Some(failure) = failed {
+        return Err(failure);
+    }
+    let (samples, refused) = routed?;
+    let machines = rows.names.lock().map_or(0, |n| n.len());
+    let taken_over: u32 = shards.iter().map(RemoteShard::restarts).sum();
+    let seconds = began.elapsed().as_secs_f64();
+    eprintln!(
+        "{machines} machines, {samples} samples in {seconds:.1} s by {count} processes; {refused} lines left out, {taken_over} processes replaced"
+    );
+    Ok(())
+}
+
+fn unreadable(error: &std::io::Error) -> Failure {
+    let what = format!("cannot read: {error}");
+    Failure::input(what, "standard input", "check what writes to it")
+}
+
+/// Sends each row to the shard of its machine.
+struct Router<'a, M: Machine> {
+    map: Option<&'a Map>,
+    shards: &'a [RemoteShard<'a>],
+    rows: &'a Rows,
+    /// What stands before the rows: a line that tells the separator, the header.
+    head: Vec<Vec<u8>>,
+    column: Option<NameColumn>,
+    numbers: HashMap<String, usize>,
+    decoders: Vec<(LineDecoder<M>, usize)>,
+    bytes: Vec<u8>,
+    samples: u64,
+    refused: u64,
+}
+
+impl<'a, M: Machine> Router<'a, M> {
+    fn new(map: Option<&'a Map>, shards: &'a [RemoteShard<'a>], rows: &'a Rows) -> Self {
+        Self {
+            map,
+            shards,
+            rows,
+            head: Vec::new(),
+            column: None,
+            numbers: HashMap::new(),
+            decoders: Vec::new(),
+            bytes: Vec::new(),
+            samples: 0,
+            refused: 0,
+        }
+    }
+
+    /// Samples and lines that were left out.
+    fn take_all(mut self, input: impl Read) -> Result<(u64, u64), Failure> {
+        let mut input = BufReader::with_capacity(1 << 16, input);
+        let mut line = Vec::new();
+        loop {
+            if !input.buffer().contains(&b'\n') {
+                // What is here goes on its way before anybody waits.
+                self.shards.iter().for_each(RemoteShard::flush);
+                if let Some(failure) = self.shards.iter().find_map(RemoteShard::failure) {
+                    return Err(failure);
+                }
+            }
+            line.clear();
+            let most = MAX_LINE as u64 + 1;
+            let read = (&mut input).take(most).read_until(b'\n', &mut line);
+            if read.map_err(|e| unreadable(&e))? == 0 {
+                break;
+            }
+            if line.len() > MAX_LINE {
+                input.skip_until(b'\n').map_err(Failure::internal)?;
+                self.refuse("is too long");
+                continue;
+            }
+            self.take(line.trim_ascii_end())?;
+        }
+        if self.column.is_none() {
+            return Err(Failure::input(
+                "the input ended without a header",
+                "standard input",
+                format!("pipe a table with the columns {NAME}, t and the signals into it"),
+            ));
+        }
+        for number in 0..self.decoders.len() {
+            self.decoders[number].0.finish();
+            self.send(number);
+        }
+        Ok((self.samples, self.refused))
+    }
+
+    fn take(&mut self, line: &[u8]) -> Result<(), Failure> {
+        if line.trim_ascii().is_empty() {
+            return Ok(());
+        }
+        let Some(column) = &mut self.column else {
+            self.head.push(line.to_vec());
+            if !NameColumn::is_separator(line) {
+                let said = self.head.first().filter(|_| self.head.len() > 1);
+                self.column = Some(NameColumn::find(line, said.map(Vec::as_slice), NAME)?);
+                // What the header lacks is said now, not at the first row.
+                self.decoder()?;
+            }
+            return Ok(());
+        };
+        let Some(name) = column.of(line).filter(|n| n.len() <= LONGEST_NAME) else {
+            self.refuse("names no machine");
+            return Ok(());
+        };
+        let number = match self.numbers.get(&name) {
+            Some(number) => *number,
+            None => self.add(name)?,
+        };
+        self.decoders[number].0.take(line, 0)?;
+        self.send(number);
+        Ok(())
+    }
+
+    fn decoder(&self) -> Result<LineDecoder<M>, Failure> {
+        let mut decoder = LineDecoder::new(self.map.cloned())?;
+        for line in &self.head {
+            decoder.take(line, 0)?;
+        }
+        Ok(decoder)
+    }
+
+    /// Another machine; its number.
+    fn add(&mut self, name: String) -> Result<usize, Failure> {
+        let number = self.decoders.len();
+        if number == MOST_MACHINES {
+            return Err(Failure::input(
+                format!("the table names more than {MOST_MACHINES} machines"),
+                "standard input",
+                format!("check its column {NAME}; more machines take several routers"),
+            ));
+        }
+        let mut hasher = DefaultHasher::new();
+        name.hash(&mut hasher);
+        let shard = (hasher.finish() % self.shards.len() as u64) as usize;
+        self.decoders.push((self.decoder()?, shard));
+        let mut names = self
+            .rows
+            .names
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        names.push(recording::csv::quoted(&name));
+        self.numbers.insert(name, number);
+        Ok(number)
+    }
+
+    /// Sends what a machine's decoder has made.
+    fn send(&mut self, number: usize) {
+        let (decoder, shard) = &mut self.decoders[number];
+        while let Some((mut sample, _)) = decoder.row() {
+            sample.stamp_mut().machine = number as u32;
+            frames::pack(&sample, &mut self.bytes);
+            self.samples += 1;
+            self.shards[*shard].send(number as u32, &self.bytes);
+        }
+        for remark in decoder.take_remarks() {
+            self.refused += 1;
+            tracing::warn!("{remark}");
+        }
+    }
+
+    fn refuse(&mut self, why: &str) {
+        self.refused += 1;
+        if self.refused <= 5 {
+            tracing::warn!("a line {why}; left out");
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! What the router and its shards say to each other: a kind, a length, bytes; numbers little-endian.
+
+use std::io::{self, Read, Write};
+
+use messages::{Message, NumberType, Value};
+
+/// A sample of a machine: its number, then the fields of the message.
+pub const SAMPLE: u8 = b'S';
+/// To a shard: tell your state. From a shard: the state.
+pub const STATE: u8 = b'C';
+/// The row of the estimate of a sample: the machine's number, then text; no text, no row.
+pub const ROW: u8 = b'E';
+/// Why a shard cannot go on.
+pub const FAULT: u8 = b'!';
+
+/// Longest frame that is believed: states of a hundred thousand machines.
+const LONGEST: usize = 1 << 31;
+
+/// A frame as bytes.
+pub fn frame(kind: u8, parts: &[&[u8]]) -> Vec<u8> {
+    let length: usize = parts.iter().map(|p| p.len()).sum();
+    let mut bytes = Vec::with_capacity(length + 5);
+    bytes.push(kind);
+    bytes.extend_from_slice(&(length as u32).to_le_bytes());
+    parts.iter().for_each(|p| bytes.extend_from_slice(p));
+    bytes
+}
+
+/// Writes a frame.
+pub fn write(out: &mut impl Write, kind: u8, parts: &[&[u8]]) -> io::Result<()> {
+    out.write_all(&frame(kind, parts))
+}
+
+/// The next frame's kind, its bytes in `into`; `None` at the end of the input.
+pub fn read(input: &mut impl Read, into: &mut Vec<u8>) -> io::Result<Option<u8>> {
+    let mut kind = [0];
+    if input.read(&mut kind)? == 0 {
+        return Ok(None);
+    }
+    let mut length = [0; 4];
+    input.read_exact(&mut length)?;
+    let length = u32::from_le_bytes(length) as usize;
+    if length > LONGEST {
+        return Err(io::ErrorKind::InvalidData.into());
+    }
+    into.resize(length, 0);
+    input.read_exact(into)?;
+    Ok(Some(kind[0]))
+}
+
+/// A message as bytes: its fields in their order, eight bytes each.
+pub fn pack<M: Message>(message: &M, into: &mut Vec<u8>) {
+    into.clear();
+    for index in 0..M::FIELDS.len() {
+        let bits = match message.get(index) {
+            Some(Value::U32(v)) => u64::from(v),
+            Some(Value::U64(v)) => v,
+            Some(Value::F64(v)) => v.to_bits(),
+            None => 0,
+        };
+        into.extend_from_slice(&bits.to_le_bytes());
+    }
+}
+
+/// The message in bytes of [`pack`].
+pub fn unpack<M: Message>(bytes: &[u8]) -> M {
+    let mut message = M::default();
+    let (words, _) = bytes.as_chunks::<8>();
+    for (index, (field, word)) in M::FIELDS.iter().zip(words).enumerate() {
+        let bits = u64::from_le_bytes(*word);
+        let value = match field.kind {
+            NumberType::U32 => Value::U32(bits as u32),
+            NumberType::U64 => Value::U64(bits),
+            NumberType::F64 => Value::F64(f64::from_bits(bits)),
+        };
+        message.set(index, value);
+    }
+    message
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use messages::ExcavatorSensors;
+
+    #[test]
+    fn what_is_written_is_read() {
+        let mut sample = ExcavatorSensors::default();
+        sample.stamp.machine = 7;
+        sample.stamp.sequence = u64::MAX;
+        sample.swing_velocity = -0.0;
+        sample.valid = 3;
+        let (mut bytes, mut out) = (Vec::new(), Vec::new());
+        pack(&sample, &mut bytes);
+        write(&mut out, SAMPLE, &[&7_u32.to_le_bytes(), &bytes]).unwrap();
+        let mut input = out.as_slice();
+        let mut got = Vec::new();
+        assert_eq!(read(&mut input, &mut got).unwrap(), Some(SAMPLE));
+        let back: ExcavatorSensors = unpack(&got[4..]);
+        assert_eq!(back, sample);
+        assert_eq!(back.swing_velocity.to_bits(), (-0.0_f64).to_bits());
+        assert_eq!(read(&mut input, &mut got).unwrap(), None);
+        assert!(read(&mut &out[..9], &mut got).is_err(), "cut off");
+    }
+}

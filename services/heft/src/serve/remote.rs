@@ -1,0 +1,270 @@
+//! A shard as the router sees it: a process, what it was sent since it last told its state, how far it has answered.
+
+use std::collections::VecDeque;
+use std::ffi::OsString;
+use std::io::{BufReader, BufWriter, Write};
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::thread::Scope;
+
+use super::frames::{self, FAULT, ROW, SAMPLE, STATE};
+use super::{Rows, shard};
+use crate::failure::Failure;
+
+/// Samples between two states, and more for each machine of the shard: a state is some kB a machine.
+const INTERVAL: (u64, u64) = (4096, 64);
+/// So many deaths in a row without an answer end everything: the samples kill it.
+const MOST_DEATHS: u32 = 5;
+
+/// What goes to the process.
+struct Input {
+    child: Child,
+    /// None once there is nothing more to come, or the process is gone.
+    pipe: Option<BufWriter<ChildStdin>>,
+    /// Samples since the last state, as frames.
+    kept: VecDeque<Vec<u8>>,
+    /// Number of the first of them.
+    first: u64,
+    /// How many of them this process was sent.
+    sent: usize,
+    /// Number of the sample at which the next state is asked for.
+    ask_at: u64,
+    is_closed: bool,
+}
+
+/// What comes from it.
+#[derive(Default)]
+struct Output {
+    /// Samples that its last state holds.
+    confirmed: u64,
+    state: Vec<u8>,
+    machines: u64,
+    /// Samples whose rows were written.
+    written: u64,
+    deaths: u32,
+    restarts: u32,
+    failure: Option<String>,
+}
+
+/// A shard.
+pub struct RemoteShard<'a> {
+    arguments: &'a [OsString],
+    rows: &'a Rows,
+    input: Mutex<Input>,
+    output: Mutex<Output>,
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn start(arguments: &[OsString]) -> Result<(Child, BufWriter<ChildStdin>), Failure> {
+    let heft = std::env::current_exe().map_err(Failure::internal)?;
+    let mut command = Command::new(heft);
+    command
+        .args(arguments)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped());
+    let mut child = command.spawn().map_err(Failure::internal)?;
+    let pipe = child
+        .stdin
+        .take()
+        .ok_or_else(|| Failure::internal("no pipe"))?;
+    Ok((child, BufWriter::with_capacity(1 << 16, pipe)))
+}
+
+impl<'a> RemoteShard<'a> {
+    /// Starts the process.
+    pub fn start(arguments: &'a [OsString], rows: &'a Rows) -> Result<Self, Failure> {
+        let (child, pipe) = start(arguments)?;
+        Ok(Self {
+            arguments,
+            rows,
+            input: Mutex::new(Input {
+                child,
+                pipe: Some(pipe),
+                kept: VecDeque::new(),
+                first: 0,
+                sent: 0,
+                ask_at: INTERVAL.0,
+                is_closed: false,
+            }),
+            output: Mutex::new(Output::default()),
+        })
+    }
+
+    /// Sends a sample.
+    pub fn send(&self, number: u32, sample: &[u8]) {
+        let (confirmed, machines) = {
+            let output = lock(&self.output);
+            (output.confirmed, output.machines)
+        };
+        let mut input = lock(&self.input);
+        input.forget(confirmed);
+        let frame = frames::frame(SAMPLE, &[&number.to_le_bytes(), sample]);
+        input.kept.push_back(frame);
+        input.pump(machines);
+    }
+
+    /// Lets nothing wait in the buffer.
+    pub fn flush(&self) {
+        let mut input = lock(&self.input);
+        let flushed = input.pipe.as_mut().map(Write::flush);
+        if let Some(Err(_)) = flushed {
+            // It is gone; whoever reads from it starts another.
+            input.pipe = None;
+        }
+    }
+
+    /// There will be no more samples.
+    pub fn close(&self) {
+        let mut input = lock(&self.input);
+        input.is_closed = true;
+        input.pump(0);
+    }
+
+    /// How often it was replaced.
+    pub fn restarts(&self) -> u32 {
+        lock(&self.output).restarts
+    }
+
+    /// Why it cannot go on.
+    pub fn failure(&self) -> Option<Failure> {
+        lock(&self.output).failure.clone().map(Failure::told)
+    }
+
+    /// Takes its answers in a thread of their own, and replaces it when it dies.
+    pub fn listen<'s>(&'a self, scope: &'s Scope<'s, 'a>) {
+        scope.spawn(move || {
+            loop {
+                let pipe = lock(&self.input).child.stdout.take();
+                let ended = pipe.is_some_and(|pipe| self.take_answers(pipe));
+                match self.replace(ended) {
+                    Ok(true) => {}
+                    Ok(false) => return,
+                    Err(failure) => {
+                        lock(&self.output).failure = Some(failure.to_string());
+                        lock(&self.input).pipe = None;
+                        return;
+                    }
+                }
+                // What it was sent before goes to its successor while this thread reads the answers.
+                scope.spawn(move || lock(&self.input).pump(0));
+            }
+        });
+    }
+
+    /// Whether they ended because the process did.
+    fn take_answers(&self, pipe: ChildStdout) -> bool {
+        let mut pipe = BufReader::with_capacity(1 << 16, pipe);
+        let mut bytes = Vec::new();
+        let mut count = lock(&self.output).confirmed;
+        loop {
+            if pipe.buffer().is_empty() && self.rows.flush().is_err() {
+                return self.fail("nobody reads the estimates");
+            }
+            // A frame that is cut off is the end too.
+            let Ok(Some(kind)) = frames::read(&mut pipe, &mut bytes) else {
+                return true;
+            };
+            match (kind, bytes.split_first_chunk()) {
+                (ROW, Some((number, row))) => {
+                    count += 1;
+                    let mut output = lock(&self.output);
+                    let is_new = count > output.written;
+                    output.written = output.written.max(count);
+                    output.deaths = if is_new { 0 } else { output.deaths };
+                    drop(output);
+                    let row = String::from_utf8_lossy(row);
+                    if is_new
+                        && !row.is_empty()
+                        && self.rows.put(u32::from_le_bytes(*number), &row).is_err()
+                    {
+                        return self.fail("nobody reads the estimates");
+                    }
+                }
+                (STATE, _) => {
+                    let mut output = lock(&self.output);
+                    output.confirmed = count;
+                    output.machines = shard::machines(&bytes);
+                    std::mem::swap(&mut output.state, &mut bytes);
+                }
+                (FAULT, _) => return self.fail(&String::from_utf8_lossy(&bytes)),
+                _ => return false,
+            }
+        }
+    }
+
+    fn fail(&self, why: &str) -> bool {
+        lock(&self.output).failure = Some(why.to_owned());
+        false
+    }
+
+    /// After its output ended: another process in its place, true, where there is work left.
+    fn replace(&self, has_ended: bool) -> Result<bool, Failure> {
+        let mut input = lock(&self.input);
+        if !has_ended {
+            input.pipe = None;
+            let _ = input.child.kill();
+        }
+        let ended = input.child.wait().map_err(Failure::internal)?;
+        let mut output = lock(&self.output);
+        if output.failure.is_some() {
+            return Ok(false);
+        }
+        let asked = input.first + input.kept.len() as u64;
+        if ended.success() && input.is_closed && output.written == asked {
+            return Ok(false);
+        }
+        output.restarts += 1;
+        output.deaths += 1;
+        if output.deaths > MOST_DEATHS {
+            return Err(Failure::internal(format!(
+                "a shard died {MOST_DEATHS} times in a row ({ended})"
+            )));
+        }
+        tracing::warn!("a shard ended ({ended}); another goes on with its machines");
+        input.forget(output.confirmed);
+        let (child, mut pipe) = start(self.arguments)?;
+        if !output.state.is_empty() {
+            // If it dies at once, the next one gets it.
+            let _ = frames::write(&mut pipe, STATE, &[&output.state]);
+        }
+        (input.child, input.pipe, input.sent) = (child, Some(pipe), 0);
+        Ok(true)
+    }
+}
+
+impl Input {
+    /// Samples that a state holds need not be sent again.
+    fn forget(&mut self, confirmed: u64) {
+        while self.first < confirmed && self.kept.pop_front().is_some() {
+            self.first += 1;
+            self.sent = self.sent.saturating_sub(1);
+        }
+    }
+
+    /// Sends what was not sent yet; asks for a state now and then.
+    fn pump(&mut self, machines: u64) {
+        let Some(mut pipe) = self.pipe.take() else {
+            return;
+        };
+        while let Some(frame) = self.kept.get(self.sent) {
+            let number = self.first + self.sent as u64;
+            let mut written = pipe.write_all(frame);
+            if number >= self.ask_at {
+                self.ask_at = number + INTERVAL.0 + INTERVAL.1 * machines;
+                written = written.and_then(|()| frames::write(&mut pipe, STATE, &[]));
+            }
+            self.sent += 1;
+            if written.is_err() {
+                // It is gone; its successor gets everything again.
+                return;
+            }
+        }
+        if !self.is_closed {
+            self.pipe = Some(pipe);
+        }
+        // Dropped, it is flushed and closed.
+    }
+}

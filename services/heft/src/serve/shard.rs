@@ -1,0 +1,177 @@
+//! A shard: steps the machines whose samples it is sent, one process a core. What it knows of them it tells on
+//! request, so that another shard can go on where it stopped.
+
+use std::collections::BTreeMap;
+use std::io::{BufReader, BufWriter, Write, stdin, stdout};
+
+use config::Description;
+use messages::{Envelope, Message};
+use recording::csv::{Estimate, EstimateRows};
+
+use super::frames::{self, FAULT, ROW, SAMPLE, STATE};
+use crate::commands::estimate::{Way, way};
+use crate::failure::Failure;
+
+/// Room for the state of a step [bytes]; the largest takes some 3000.
+const ROOM: usize = 1 << 16;
+
+/// A machine in a shard.
+struct Member {
+    /// Its steps, the estimate's last.
+    way: Way,
+    /// Time of its last row [s].
+    told: f64,
+}
+
+/// Machines by their numbers.
+struct Shard<'a, E: Estimate> {
+    description: &'a Description,
+    method: &'a str,
+    every: f64,
+    rows: EstimateRows<E>,
+    members: BTreeMap<u32, Member>,
+}
+
+/// Serves standard input until it ends.
+pub fn serve<S: Message, E: Estimate>(
+    description: &Description,
+    method: &str,
+    every: f64,
+) -> Result<(), Failure> {
+    let mut shard = Shard::<E> {
+        description,
+        method,
+        every,
+        rows: EstimateRows::new(u32::MAX),
+        members: BTreeMap::new(),
+    };
+    let mut input = BufReader::with_capacity(1 << 16, stdin().lock());
+    let mut out = BufWriter::with_capacity(1 << 16, stdout().lock());
+    let (mut bytes, mut row) = (Vec::new(), String::new());
+    loop {
+        if input.buffer().is_empty() {
+            out.flush().map_err(Failure::internal)?;
+        }
+        let Some(kind) = frames::read(&mut input, &mut bytes).map_err(Failure::internal)? else {
+            return out.flush().map_err(Failure::internal);
+        };
+        let done = match (kind, bytes.split_first_chunk()) {
+            (SAMPLE, Some((number, sample))) => {
+                row.clear();
+                shard
+                    .answer::<S>(u32::from_le_bytes(*number), sample, &mut row)
+                    .map(|()| frames::write(&mut out, ROW, &[number, row.as_bytes()]))
+            }
+            (STATE, None) => Ok(frames::write(&mut out, STATE, &[&shard.save()])),
+            (STATE, _) => shard.restore(&bytes).map(Ok),
+            _ => Err(Failure::internal("a shard was sent what it does not know")),
+        };
+        match done {
+            Ok(written) => written.map_err(Failure::internal)?,
+            Err(failure) => {
+                let told = frames::write(&mut out, FAULT, &[failure.to_string().as_bytes()]);
+                told.and_then(|()| out.flush()).map_err(Failure::internal)?;
+                return Err(failure);
+            }
+        }
+    }
+}
+
+impl<E: Estimate> Shard<'_, E> {
+    fn member(&mut self, number: u32) -> Result<&mut Member, Failure> {
+        use std::collections::btree_map::Entry;
+        match self.members.entry(number) {
+            Entry::Occupied(member) => Ok(member.into_mut()),
+            Entry::Vacant(place) => Ok(place.insert(Member {
+                way: way(self.description, self.method)?,
+                told: f64::NEG_INFINITY,
+            })),
+        }
+    }
+
+    /// The row of a sample's estimate; nothing where there is none.
+    fn answer<S: Message>(
+        &mut self,
+        number: u32,
+        sample: &[u8],
+        row: &mut String,
+    ) -> Result<(), Failure> {
+        let every = self.every;
+        let member = self.member(number)?;
+        let mut message: Envelope = frames::unpack::<S>(sample).envelope();
+        for (_, step) in &mut member.way {
+            let Some(answer) = step.answer(&message) else {
+                return Ok(());
+            };
+            message = answer;
+        }
+        let Some(estimate) = E::inside(&message) else {
+            return Ok(());
+        };
+        let time = estimate.stamp().time;
+        // A clock that was set back begins anew.
+        if (member.told..member.told + every).contains(&time) {
+            return Ok(());
+        }
+        let told = self.rows.put(estimate, row);
+        if told && let Some(member) = self.members.get_mut(&number) {
+            member.told = time;
+        }
+        Ok(())
+    }
+
+    /// Everything that another shard needs: how many machines; of each its number, the time of its last row, the number of
+    /// its steps, and of each step length and state.
+    fn save(&self) -> Vec<u8> {
+        let mut bytes = (self.members.len() as u64).to_le_bytes().to_vec();
+        let mut room = vec![0; ROOM];
+        for (number, member) in &self.members {
+            bytes.extend(number.to_le_bytes());
+            bytes.extend(member.told.to_le_bytes());
+            bytes.extend((member.way.len() as u32).to_le_bytes());
+            for (_, step) in &member.way {
+                let length = step.save(&mut room).unwrap_or(0);
+                bytes.extend((length as u32).to_le_bytes());
+                bytes.extend_from_slice(&room[..length]);
+            }
+        }
+        bytes
+    }
+
+    /// Becomes the shard that wrote this.
+    fn restore(&mut self, mut bytes: &[u8]) -> Result<(), Failure> {
+        let broken = || Failure::internal("the state of a shard is broken");
+        let _machines: [u8; 8] = take(&mut bytes).ok_or_else(broken)?;
+        while !bytes.is_empty() {
+            let number = u32::from_le_bytes(take(&mut bytes).ok_or_else(broken)?);
+            let told = f64::from_le_bytes(take(&mut bytes).ok_or_else(broken)?);
+            let steps = u32::from_le_bytes(take(&mut bytes).ok_or_else(broken)?);
+            let member = self.member(number)?;
+            member.told = told;
+            if steps as usize != member.way.len() {
+                return Err(broken());
+            }
+            for (_, step) in &mut member.way {
+                let length = u32::from_le_bytes(take(&mut bytes).ok_or_else(broken)?) as usize;
+                let (state, rest) = bytes.split_at_checked(length).ok_or_else(broken)?;
+                bytes = rest;
+                // A step without a state has none to lose.
+                if length > 0 && !step.restore(state) {
+                    return Err(broken());
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// How many machines are in a state.
+pub fn machines(state: &[u8]) -> u64 {
+    state.first_chunk().map_or(0, |n| u64::from_le_bytes(*n))
+}
+
+fn take<const N: usize>(bytes: &mut &[u8]) -> Option<[u8; N]> {
+    let (head, rest) = bytes.split_first_chunk()?;
+    *bytes = rest;
+    Some(*head)
+}

@@ -1,0 +1,46 @@
+//! What the messages of every simulator have in common.
+
+use messages::Message;
+
+/// What a simulated sample has and what of it is valid.
+pub(crate) struct Taken {
+    pub columns: u32,
+    pub valid: u32,
+}
+
+impl Taken {
+    /// Columns that are always there.
+    pub(crate) fn of(columns: u32) -> Self {
+        Self { columns, valid: 0 }
+    }
+
+    /// The value of a signal; 0, and not valid, where it is missing. `None`: the machine has no such sensor.
+    pub(crate) fn take(&mut self, value: Option<f64>, bit: u32) -> f64 {
+        self.columns |= if value.is_some() { bit } else { 0 };
+        let value = value.filter(|v| v.is_finite());
+        self.valid |= if value.is_some() { bit } else { 0 };
+        value.unwrap_or(0.0)
+    }
+
+    /// A signal that is only a bit.
+    pub(crate) fn flag(&mut self, on: bool, bit: u32) {
+        self.columns |= bit;
+        self.valid |= if on { bit } else { 0 };
+    }
+}
+
+/// Gives a sample and its truth their number and time, and says that they are simulated.
+pub(crate) fn mark(
+    measured: &mut impl Message,
+    known: &mut impl Message,
+    sequence: &mut u64,
+    time: f64,
+) {
+    for stamp in [measured.stamp_mut(), known.stamp_mut()] {
+        stamp.sequence = *sequence;
+        stamp.time = time;
+    }
+    measured.mark_simulated();
+    known.mark_simulated();
+    *sequence += 1;
+}

@@ -1,0 +1,160 @@
+//! Many inputs in one command: each result beside its input, one table, nothing done twice, one bad input harms no
+//! other.
+
+mod common;
+
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+use common::{both, golden, run, run_ok};
+
+fn text(path: &Path) -> &str {
+    path.to_str().expect("a path")
+}
+
+/// A folder with two good tables, a recording deeper in it, and a table of something else.
+fn site() -> (tempfile::TempDir, Vec<PathBuf>) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let inner = folder.path().join("night");
+    std::fs::create_dir(&inner).expect("a folder");
+    let named = [
+        ("excavator_input_constant.csv", "a.csv"),
+        ("excavator_input_two_swings.csv", "b.csv"),
+        ("recordings/excavator-cfdbb98.mcap", "night/run.mcap"),
+    ];
+    let copy = |(from, to): (&str, &str)| {
+        let to = folder.path().join(to);
+        std::fs::copy(golden(from), &to).expect("a copy");
+        to
+    };
+    let good = named.map(copy).to_vec();
+    std::fs::write(inner.join("other.csv"), "day,rain\n1,2\n").expect("a file");
+    (folder, good)
+}
+
+fn read(file: &Path) -> String {
+    std::fs::read_to_string(file).expect("a text")
+}
+
+fn made(file: &Path) -> SystemTime {
+    let about = std::fs::metadata(file).expect("a result");
+    about.modified().expect("a time")
+}
+
+#[test]
+fn a_folder_gives_a_result_beside_each_input_and_is_not_done_twice() {
+    let (folder, good) = site();
+    let table = folder.path().join("all.csv");
+    let command = ["estimate", text(folder.path()), "--machine", "excavator"];
+    let command = [&command[..], &["--summary", text(&table)]].concat();
+    let first = run(&command);
+    let said = both(&first);
+    assert_eq!(first.status.code(), Some(2), "one input is no good: {said}");
+    assert!(said.contains("other.csv"), "{said}");
+    assert!(said.contains("1 of 4 inputs"), "{said}");
+
+    // The same as one by one.
+    let results: Vec<PathBuf> = good
+        .iter()
+        .map(|g| g.with_extension("estimates.csv"))
+        .collect();
+    for (input, result) in good.iter().zip(&results) {
+        let alone = folder.path().join("alone.csv");
+        run_ok(&[
+            "estimate",
+            text(input),
+            "--machine",
+            "excavator",
+            "-o",
+            text(&alone),
+        ]);
+        assert_eq!(read(&alone), read(result), "{}", input.display());
+        std::fs::remove_file(alone).expect("a file");
+        let summary = read(&input.with_extension("estimates.json"));
+        let summary: serde_json::Value = serde_json::from_str(&summary).expect("JSON");
+        assert_eq!(summary["rows"], read(result).lines().count() - 1);
+        assert!(summary["quantities"][0]["value"].is_f64(), "{summary}");
+    }
+
+    let summary = read(&table);
+    assert_eq!(summary.lines().count(), 5, "{summary}");
+    assert!(summary.starts_with("input,result,rows,"), "{summary}");
+
+    let before: Vec<SystemTime> = results.iter().map(|r| made(r)).collect();
+    let again = both(&run(&command));
+    assert_eq!(again.matches(" kept\n").count(), 3, "{again}");
+    assert!(results.iter().map(|r| made(r)).eq(before.iter().copied()));
+
+    // Another method, another result; and on request the same again.
+    let other = run(&[&command[..], &["--method", "torque"]].concat());
+    assert_eq!(
+        both(&other).matches(" made\n").count(),
+        3,
+        "{}",
+        both(&other)
+    );
+    let same = run(&[&command[..], &["--method", "torque", "--again"]].concat());
+    assert_eq!(both(&same).matches(" made\n").count(), 3, "{}", both(&same));
+}
+
+#[test]
+fn results_of_the_last_time_are_no_inputs() {
+    let (_folder, good) = site();
+    let names: Vec<PathBuf> = good[..2]
+        .iter()
+        .map(|g| g.with_extension("estimates.csv"))
+        .collect();
+    run_ok(&[
+        "estimate",
+        text(&good[0]),
+        text(&good[1]),
+        "--machine",
+        "excavator",
+    ]);
+    let all: Vec<&str> = good[..2].iter().chain(&names).map(|p| text(p)).collect();
+    let said = run_ok(&[&["estimate", "--machine", "excavator"], &all[..]].concat());
+    assert_eq!(said.matches(" kept\n").count(), 2, "{said}");
+    assert!(!said.contains("estimates.csv "), "{said}");
+}
+
+#[test]
+fn each_recording_gets_a_page() {
+    let (folder, good) = site();
+    let command = ["report", "--each", text(folder.path())];
+    let said = run_ok(&command);
+    let page = good[2].with_extension("html");
+    assert!(
+        said.contains(&format!("{}: made", page.display())),
+        "{said}"
+    );
+    assert!(run_ok(&command).contains("html: kept"));
+}
+
+#[test]
+fn several_inputs_and_one_output_are_refused() {
+    let (folder, good) = site();
+    let out = folder.path().join("out.csv");
+    let output = run(&[
+        "estimate",
+        text(&good[0]),
+        text(&good[1]),
+        "--machine",
+        "excavator",
+        "-o",
+        text(&out),
+    ]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(
+        both(&output).contains("leave --output out"),
+        "{}",
+        both(&output)
+    );
+    let nothing = tempfile::tempdir().expect("a folder");
+    let output = run(&["estimate", text(nothing.path()), "--machine", "excavator"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(
+        both(&output).contains("nothing to read"),
+        "{}",
+        both(&output)
+    );
+}

@@ -1,0 +1,238 @@
+//! `heft serve`: many machines in few processes give what each would give alone, also when processes die.
+
+mod common;
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::io::{BufRead, BufReader, Write as _};
+use std::path::Path;
+use std::process::{Child, Stdio};
+use std::time::Duration;
+
+use common::{both, golden, heft, kill, run, run_ok, wait_until};
+use rustix::process::Signal;
+
+const MACHINES: usize = 30;
+
+fn name(machine: usize) -> String {
+    // A comma makes quotes necessary.
+    format!("site 7, no. {machine}")
+}
+
+/// Which recording a machine plays.
+fn plays(machine: usize) -> &'static str {
+    ["excavator_input_two_swings.csv", "excavator_input_drop.csv"][machine % 2]
+}
+
+/// The rows of all machines in turn.
+fn table() -> Vec<String> {
+    let read = |m| std::fs::read_to_string(golden(plays(m))).expect("a recording");
+    let texts: Vec<String> = (0..MACHINES).map(read).collect();
+    let mut rows: Vec<_> = texts.iter().map(|t| t.lines()).collect();
+    let header = rows[0].next().expect("a header");
+    for rows in &mut rows[1..] {
+        rows.next();
+    }
+    let mut lines = vec![format!("machine,{header}")];
+    loop {
+        let before = lines.len();
+        for (machine, rows) in rows.iter_mut().enumerate() {
+            lines.extend(
+                rows.next()
+                    .map(|row| format!("\"{}\",{row}", name(machine))),
+            );
+        }
+        if lines.len() == before {
+            return lines;
+        }
+    }
+}
+
+/// The rows of each machine, in their order.
+fn by_machine(text: &str) -> BTreeMap<String, String> {
+    let mut found = BTreeMap::<String, String>::new();
+    for line in text.lines().skip(1) {
+        let (name, row) = line[1..].split_once("\",").expect("a name in quotes");
+        let _ = writeln!(found.entry(name.into()).or_default(), "{row}");
+    }
+    found
+}
+
+fn start() -> Child {
+    let mut command = heft();
+    command.args([
+        "serve",
+        "excavator",
+        "--shards",
+        "3",
+        "--set",
+        "prior.inertia=6000",
+    ]);
+    command
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped());
+    command.spawn().expect("heft starts")
+}
+
+/// Processes of a router.
+fn shards(router: &Child) -> Vec<u32> {
+    let parent = |pid: u32| {
+        let stat = std::fs::read_to_string(format!("/proc/{pid}/stat")).ok()?;
+        let (_, rest) = stat.rsplit_once(") ")?;
+        rest.split(' ').nth(1)?.parse::<u32>().ok()
+    };
+    let all = common::processes().into_iter();
+    let own = all.filter(|(pid, args)| {
+        args.iter().any(|a| a == "--shard") && parent(*pid) == Some(router.id())
+    });
+    own.map(|(pid, _)| pid).collect()
+}
+
+/// Feeds a router; before the lines at `deaths` every shard is killed. What it writes.
+fn serve(lines: &[String], deaths: &[usize]) -> (String, String) {
+    let mut router = start();
+    let mut pipe = router.stdin.take().expect("a pipe");
+    let out = router.stdout.take().expect("a pipe");
+    let reader = std::thread::spawn(move || {
+        let lines = BufReader::new(out).lines().map(|l| l.expect("text") + "\n");
+        lines.collect::<String>()
+    });
+    for (number, line) in lines.iter().enumerate() {
+        if deaths.contains(&number) {
+            pipe.flush().expect("a router");
+            wait_until("three shards", Duration::from_secs(60), || {
+                shards(&router).len() == 3
+            });
+            let old = shards(&router);
+            old.iter().for_each(|pid| kill(*pid, Signal::KILL));
+            wait_until("their successors", Duration::from_secs(60), || {
+                let new = shards(&router);
+                new.len() == 3 && new.iter().all(|pid| !old.contains(pid))
+            });
+        }
+        writeln!(pipe, "{line}").expect("a router");
+    }
+    drop(pipe);
+    let text = reader.join().expect("rows");
+    let output = router.wait_with_output().expect("the end");
+    let said = both(&output);
+    assert!(output.status.success(), "{said}");
+    (text, said)
+}
+
+#[test]
+fn each_machine_gets_what_it_would_get_alone() {
+    let lines = table();
+    let (text, said) = serve(&lines, &[]);
+    assert!(
+        said.contains(&format!("{MACHINES} machines, {} samples", lines.len() - 1)),
+        "{said}"
+    );
+    let found = by_machine(&text);
+    assert_eq!(found.len(), MACHINES);
+    let header: Vec<&str> = text
+        .lines()
+        .next()
+        .expect("a header")
+        .split(',')
+        .skip(1)
+        .collect();
+    let folder = tempfile::tempdir().expect("a folder");
+    for machine in 0..2 {
+        let out = folder.path().join(format!("{machine}.csv"));
+        let input = golden(plays(machine));
+        let path = |p: &Path| p.to_str().expect("a path").to_owned();
+        run_ok(&[
+            "estimate",
+            &path(&input),
+            "--machine",
+            "excavator",
+            "--set",
+            "prior.inertia=6000",
+            "-o",
+            &path(&out),
+        ]);
+        let alone = std::fs::read_to_string(out).expect("estimates");
+        let own: Vec<&str> = alone.lines().next().expect("a header").split(',').collect();
+        // Alone there are no columns for what the method does not estimate.
+        let place = own
+            .iter()
+            .map(|c| header.iter().position(|h| h == c).expect("a column"));
+        let place: Vec<usize> = place.collect();
+        let narrow = |row: &str| {
+            let cells: Vec<&str> = row.split(',').collect();
+            place
+                .iter()
+                .map(|at| cells[*at])
+                .collect::<Vec<_>>()
+                .join(",")
+                + "\n"
+        };
+        let rows: String = alone.lines().skip(1).map(|l| l.to_owned() + "\n").collect();
+        let same = (machine..MACHINES).step_by(2).map(name);
+        for machine in same {
+            let shared: String = found[&machine].lines().map(narrow).collect();
+            assert_eq!(shared, rows, "{machine}");
+        }
+    }
+}
+
+#[test]
+fn killed_processes_change_no_bit() {
+    let lines = table();
+    let (undisturbed, _) = serve(&lines, &[]);
+    // Before there is a state to go on from, after, and near the end.
+    let (disturbed, said) = serve(&lines, &[500, 16_000, lines.len() - 50]);
+    assert!(said.contains("9 processes replaced"), "{said}");
+    assert_eq!(by_machine(&disturbed), by_machine(&undisturbed));
+}
+
+#[test]
+fn rows_come_no_more_often_than_asked() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let input = folder.path().join("in.csv");
+    std::fs::write(&input, table().join("\n")).expect("a file");
+    let input = input.to_str().expect("a path");
+    let text = run_ok(&["serve", "excavator", input, "--every", "1"]);
+    let rows = by_machine(&text[..]);
+    let times = |rows: &str| -> Vec<f64> {
+        let time = |r: &str| r.split(',').next().and_then(|t| t.parse().ok());
+        rows.lines().map(|r| time(r).expect("a time")).collect()
+    };
+    let told = times(&rows[&name(0)]);
+    assert_eq!(told.len(), 12, "{told:?}");
+    assert!(told.windows(2).all(|w| w[1] - w[0] >= 1.0), "{told:?}");
+}
+
+#[test]
+fn what_cannot_be_served_is_said() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let input = folder.path().join("in.csv");
+    let path = input.to_str().expect("a path");
+    for (text, words) in [
+        ("", "without a header"),
+        ("t,swing_velocity\n0,1\n", "there is no column machine"),
+        ("machine,t\na,1\n", "swing_velocity"),
+    ] {
+        std::fs::write(&input, text).expect("a file");
+        let output = run(&["serve", "excavator", path]);
+        assert_eq!(output.status.code(), Some(2), "{text:?}: {}", both(&output));
+        assert!(both(&output).contains(words), "{text:?}: {}", both(&output));
+    }
+    let rows =
+        "machine,t,swing_velocity,swing_torque\na,0,0,0\n,0.01,0,0\na,0.02,x,0\na,0.03,0,0\n";
+    std::fs::write(&input, rows).expect("a file");
+    let output = run(&["serve", "excavator", path]);
+    assert!(output.status.success(), "{}", both(&output));
+    assert!(
+        both(&output).contains("1 machines, 2 samples"),
+        "{}",
+        both(&output)
+    );
+    assert!(
+        both(&output).contains("2 lines left out"),
+        "{}",
+        both(&output)
+    );
+}
