@@ -373,7 +373,9 @@ typedef struct {
     double friction; /* Largest tyre force over axle load (mu); 0 leaves it unlimited. */
     double radius_load_sensitivity; /* Relative loss of rolling radius per relative axle load (rho). */
     double radius_load_sensitivity_std; /* Its standard deviation; widens the reported interval of the ratio. */
+    double stiffness_ratio; /* Slip stiffness of the front axle over that of the rear under equal loads, as calibrated. */
     double stiffness_ratio_std; /* Standard deviation of the ratio of the axles' slip stiffnesses; widens the reported interval of the ratio. */
+    double stiffness_load_exponent; /* p, where the slip stiffness falls with the load F_z as F_z^-p, as calibrated. */
     double stiffness_load_exponent_std; /* Standard deviation of p where the slip stiffness falls with the load F_z as F_z^-p; widens the reported interval of the height. */
     double relaxation_length; /* Relaxation length of the tyres; 0 for tyres that do not wind up. [m] */
   } machine;
@@ -383,6 +385,8 @@ typedef struct {
     double wheel_speed_std; /* Noise of the wheel speeds. [rad/s] */
     double slope_std; /* Noise of the slope. [rad] */
     double acceleration_std; /* Noise of the specific force. [m/s^2] */
+    double front_torque_gain; /* Measured over true torque of the front axle, as calibrated. */
+    double rear_torque_gain; /* Measured over true torque of the rear axle, as calibrated. */
     double torque_gain_std; /* Standard deviation of each axle's torque gain; widens the reported interval of the ratio. */
     double speed_delay; /* Delay of the speed against the other signals (satellite receivers, radars); `full` learns it. [s] */
     double speed_delay_std; /* Its standard deviation before the first row. [s] */
@@ -397,7 +401,10 @@ typedef struct {
     double speed_std; /* Standard deviation of the speed at the start. [m/s] */
     double wheel_speed_std; /* Standard deviation of the wheel speeds at the start. [rad/s] */
     double spade_force_std; /* Standard deviation of the unmeasured spade force at the start. [N] */
+    double front_radius_error; /* Relative error of the front rolling radius, as calibrated. */
+    double rear_radius_error; /* Relative error of the rear rolling radius, as calibrated. */
     double radius_std; /* Standard deviation of the relative radius errors at the start; 5e-4 when calibrated. */
+    double slope_bias; /* Slope that the sensor shows on level ground, as calibrated. [rad] */
     double slope_bias_std; /* Standard deviation of the slope bias at the start. [rad] */
   } prior;
   struct {

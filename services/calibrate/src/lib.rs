@@ -14,6 +14,7 @@
 //! | [`honesty`] | what the data do not determine, the scatter between blocks, profiles, hold-out |
 //! | [`outcome`] | what came out, for any machine |
 //! | [`excavator`] | swings of an excavator |
+//! | [`loader`] | drives of a loader |
 //! | [`output`] | the description with its origin |
 //! | [`algebra`] | faer |
 //! | [`description`] | keys by name |
@@ -23,6 +24,7 @@ pub mod description;
 pub mod excavator;
 pub mod fit;
 pub mod honesty;
+pub mod loader;
 pub mod model;
 pub mod outcome;
 pub mod output;

@@ -6,7 +6,7 @@ use estimation::dual::Dual;
 use estimation::loader::LoadTransfer;
 use estimation::loader::cg_model::{CgModel, Loading};
 use estimation::loader::settings::Integration;
-use estimation::loader::wheel_dynamics::{Inputs, Motion, Parameters, Road, WheelDynamics};
+use estimation::loader::wheel_dynamics::{Inputs, Motion, Parameters, Road, Tyres, WheelDynamics};
 use estimation::model::Model;
 use loader_common::{array, golden, matrix, number, numbers};
 use serde_json::Value;
@@ -23,6 +23,7 @@ fn machine(load_transfer: LoadTransfer) -> WheelDynamics {
         radius_load_sensitivity: 0.0,
         minimum_speed: 0.3,
         load_transfer,
+        tyres: Tyres::ALIKE,
     }
 }
 

@@ -6,7 +6,7 @@ use estimation::ekf::Ekf;
 use estimation::loader::LoadTransfer;
 use estimation::loader::cg_model::{CgModel, Loading};
 use estimation::loader::settings::Integration;
-use estimation::loader::wheel_dynamics::{Inputs, WheelDynamics};
+use estimation::loader::wheel_dynamics::{Inputs, Tyres, WheelDynamics};
 use estimation::model::Model;
 use estimation::prediction::{Prediction, Update};
 use estimation::sigma_points::Spread;
@@ -26,6 +26,7 @@ fn dynamics(load_transfer: LoadTransfer) -> WheelDynamics {
         radius_load_sensitivity: 0.0,
         minimum_speed: 0.3,
         load_transfer,
+        tyres: Tyres::ALIKE,
     }
 }
 

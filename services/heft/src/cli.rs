@@ -408,6 +408,9 @@ pub struct CalibrateArgs {
     /// Mass of the whole machine in a recording of a loader, as weighed
     #[arg(long, value_name = "FILE=KG±KG")]
     pub mass: Vec<String>,
+    /// Axle scales of a loader (as for heft weigh): of the machine without load, or in a recording
+    #[arg(long, value_name = "[FILE=]SCALES.csv")]
+    pub weigh: Vec<String>,
     /// Find these keys only
     #[arg(long, value_name = "KEY,...", value_delimiter = ',')]
     pub free: Vec<String>,

@@ -43,6 +43,8 @@ pub struct Run {
     pub rate: f64,
     /// Determines the machine, the road, the driver and the noise.
     pub seed: u64,
+    /// Determines the machine instead, so that one machine can do several runs.
+    pub machine_seed: Option<u64>,
     /// The sensors.
     pub grade: Grade,
     /// How well the machine is known.
@@ -66,6 +68,7 @@ impl Run {
             payload: None,
             rate: 100.0,
             seed: 0,
+            machine_seed: None,
             grade: Grade::Resolver,
             tier: Tier::A,
             size: Size::Reference,
@@ -248,8 +251,10 @@ impl Simulation {
     pub fn new(run: &Run) -> Result<Self, InvalidRun> {
         run.check()?;
         let stream = |channel| Noise::channel(run.seed, channel);
+        let of = run.machine_seed.unwrap_or(run.seed);
+        let mut machine_noise = Noise::channel(of, MACHINE_STREAM);
         let (mut machine, calibration, told) =
-            tier::draw(run.size, run.tier, run.grade, &mut stream(MACHINE_STREAM));
+            tier::draw(run.size, run.tier, run.grade, &mut machine_noise);
         run.effects.apply(&mut machine);
         let road = Road::new(
             &run.scenario.surface(),
@@ -286,6 +291,17 @@ impl Simulation {
     /// What the estimator is told.
     pub fn told(&self) -> &Told {
         &self.told
+    }
+
+    /// Measured over true torque, front and rear.
+    pub fn torque_gains(&self) -> [f64; 2] {
+        let known = &self.calibration;
+        [known.front_torque_gain, known.rear_torque_gain]
+    }
+
+    /// The slope sensor shows so much too much [rad].
+    pub fn slope_bias(&self) -> f64 {
+        self.calibration.slope_bias
     }
 
     /// The machine as it is.

@@ -10,10 +10,10 @@ pub struct SecondUser;
 
 /// Every line must fail for the other user.
 const ATTEMPTS: &str = "
-for f in /dev/shm/heft-*.* $OUT/* $HOME_OF_RUN $HOME_OF_RUN/*; do
+for f in /dev/shm/heft-*.$DOMAIN* $OUT/* $HOME_OF_RUN $HOME_OF_RUN/*; do
   cat $f && echo read $f
   truncate -s 0 $f && echo shortened $f
-  rm -rf $f 2> /dev/null; test -e $f || case $f in *'*'*) ;; /dev/shm/heft-*.*) echo removed $f ;; esac
+  rm -rf $f 2> /dev/null; test -e $f || case $f in *'*'*) ;; /dev/shm/heft-*) echo removed $f ;; esac
   ln -sf /etc/passwd $f && echo replaced $f
   flock -n $f true && echo locked $f
 done
@@ -44,6 +44,7 @@ impl Attack for SecondUser {
         let output = Command::new("setpriv")
             .args(foe)
             .args(["sh", "-c", ATTEMPTS])
+            .env("DOMAIN", ground.domain())
             .env("OUT", ground.folder().join("out"))
             .env("HOME_OF_RUN", home)
             .env("PIDS", pids.join(" "))

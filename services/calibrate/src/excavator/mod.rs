@@ -3,7 +3,7 @@
 mod filter;
 mod loads;
 mod result;
-mod series;
+pub mod series;
 mod start;
 mod swings;
 mod torque;

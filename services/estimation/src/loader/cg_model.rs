@@ -46,6 +46,15 @@ pub const fn has_delay(states: usize) -> bool {
     states % 2 == 1
 }
 
+/// Which states of a filter are the errors of the rolling radii, front and rear.
+pub const fn radius_states(states: usize) -> Option<core::ops::Range<usize>> {
+    match states {
+        10 | 11 => Some(7..9),
+        8 | 9 => Some(6..8),
+        _ => None,
+    }
+}
+
 /// One step of the loader under given inputs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CgModel {

@@ -58,8 +58,12 @@ table! {
         radius_load_sensitivity: f64 = 0.01, "", 0.0 to 0.2;
         /// Its standard deviation; widens the reported interval of the ratio.
         radius_load_sensitivity_std: f64 = 0.001, "", 0.0 to 0.2;
+        /// Slip stiffness of the front axle over that of the rear under equal loads, as calibrated.
+        stiffness_ratio: f64 = 1.0, "", 0.1 to 10.0;
         /// Standard deviation of the ratio of the axles' slip stiffnesses; widens the reported interval of the ratio.
         stiffness_ratio_std: f64 = 0.05, "", 0.0 to 1.0;
+        /// p, where the slip stiffness falls with the load F_z as F_z^-p, as calibrated.
+        stiffness_load_exponent: f64 = 0.0, "", -1.0 to 1.0;
         /// Standard deviation of p where the slip stiffness falls with the load F_z as F_z^-p; widens the reported interval of the height.
         stiffness_load_exponent_std: f64 = 0.1, "", 0.0 to 1.0;
         /// Relaxation length of the tyres; 0 for tyres that do not wind up.
@@ -80,6 +84,10 @@ table! {
         slope_std: f64 = 0.002, "rad", 1e-9 to 1.0;
         /// Noise of the specific force.
         acceleration_std: f64 = 0.05, "m/s^2", 1e-9 to 10.0;
+        /// Measured over true torque of the front axle, as calibrated.
+        front_torque_gain: f64 = 1.0, "", 0.1 to 10.0;
+        /// Measured over true torque of the rear axle, as calibrated.
+        rear_torque_gain: f64 = 1.0, "", 0.1 to 10.0;
         /// Standard deviation of each axle's torque gain; widens the reported interval of the ratio.
         torque_gain_std: f64 = 0.005, "", 0.0 to 1.0;
         /// Delay of the speed against the other signals (satellite receivers, radars); `full` learns it.
@@ -111,8 +119,14 @@ table! {
         wheel_speed_std: f64 = 0.05, "rad/s", 1e-9 to 100.0;
         /// Standard deviation of the unmeasured spade force at the start.
         spade_force_std: f64 = 300.0, "N", 1e-9 to 1e6;
+        /// Relative error of the front rolling radius, as calibrated.
+        front_radius_error: f64 = 0.0, "", -0.2 to 0.2;
+        /// Relative error of the rear rolling radius, as calibrated.
+        rear_radius_error: f64 = 0.0, "", -0.2 to 0.2;
         /// Standard deviation of the relative radius errors at the start; 5e-4 when calibrated.
         radius_std: f64 = 0.005, "", 1e-12 to 0.5;
+        /// Slope that the sensor shows on level ground, as calibrated.
+        slope_bias: f64 = 0.0, "rad", -0.5 to 0.5;
         /// Standard deviation of the slope bias at the start.
         slope_bias_std: f64 = 0.01, "rad", 1e-12 to 1.0;
     }

@@ -7,7 +7,7 @@
 //! | symbol | code | meaning |
 //! |---|---|---|
 //! | N_i | `load` | axle load, and its derivatives by h, lam, b, a |
-//! | c_i | `conductance` | force per slip speed, K phi N/den |
+//! | c_i | `conductance` | force per slip speed, K q N^-p phi N/den |
 //! | phi, eta | - | u/atanh u of the tyre that saturates, and its derivative by ln u over phi |
 //! | den | - | max(\|v\|, \|r w\|, v_min) |
 //! | d_i | `denominator` | 1 + dt r^2 c/I |
@@ -287,14 +287,15 @@ impl Step<'_> {
         let torque = [self.u.front_torque, self.u.rear_torque][i];
         let radius = m.radius(error, load.value);
         let radius_by_load = -m.wheel_radius * m.radius_load_sensitivity / (0.5 * m.mass * GRAVITY);
-        let stiffness = m.stiffness(p.slip_stiffness, torque, radius, load.value, acceleration);
+        let unbent = m.axle_stiffness(i, p.slip_stiffness, load.value);
+        let stiffness = m.stiffness(unbent, torque, radius, load.value, acceleration);
         let (speed, rim) = (motion[V], radius * motion[W[i]]);
         let slowest = m.slip_denominator(speed, rim);
         let conductance = stiffness * load.value / slowest;
         let wheel = m.wheel(conductance, torque, radius, self.old[W[i]], dt);
 
-        let (eta, per_demand) =
-            self.saturation(stiffness, torque, radius, load.value, acceleration);
+        let bent = stiffness / unbent;
+        let (eta, per_demand) = self.saturation(bent, torque, radius, load.value, acceleration);
         let per_radius = 1.0 / radius;
         let inertia = m.axle_inertia * per_radius * per_demand;
         let by_slowest = -conductance / slowest;
@@ -319,18 +320,19 @@ impl Step<'_> {
             grip: wheel.grip,
             spun: self.old[W[i]] + dt * torque / m.axle_inertia,
             by_radius,
-            by_load: conductance * (1.0 - eta) / load.value + by_radius * radius_by_load,
+            by_load: conductance * (1.0 - eta - m.tyres.load_exponent) / load.value
+                + by_radius * radius_by_load,
             by_acceleration: -conductance * eta * inertia,
             by_speed,
             by_wheel,
         }
     }
 
-    /// eta of the tyre, and one over the torque that it must bear; 0, 0 where the stiffness does not bend.
+    /// eta of a tyre of this phi, and one over the torque that it must bear; 0, 0 where the stiffness does not bend.
     #[inline(always)]
     fn saturation(
         &self,
-        stiffness: f64,
+        phi: f64,
         torque: f64,
         radius: f64,
         load: f64,
@@ -345,7 +347,6 @@ impl Step<'_> {
         if !(1e-6..MOST_USED).contains(&used) {
             return (0.0, 0.0);
         }
-        let phi = stiffness / self.p.slip_stiffness;
         (1.0 - phi / (1.0 - used * used), 1.0 / borne)
     }
 
@@ -436,6 +437,7 @@ impl Step<'_> {
 mod tests {
     use super::*;
     use crate::dual::Dual;
+    use crate::loader::wheel_dynamics::Tyres;
 
     /// Uniform numbers of xorshift.
     struct Uniform(u64);
@@ -472,6 +474,11 @@ mod tests {
                 LoadTransfer::Printed
             } else {
                 LoadTransfer::Physical
+            },
+            tyres: if k.is_multiple_of(2) {
+                Tyres::new(1.2, 0.15)
+            } else {
+                Tyres::ALIKE
             },
         }
     }

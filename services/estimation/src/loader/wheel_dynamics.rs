@@ -56,6 +56,37 @@ pub struct WheelDynamics {
     pub minimum_speed: f64,
     /// Sign of the load transfer.
     pub load_transfer: LoadTransfer,
+    /// How the tyres of the axles differ.
+    pub tyres: Tyres,
+}
+
+/// How the slip stiffness of an axle differs from K, as a calibration finds it (`heft calibrate`):
+/// K_i = K q_i (F_zi/F_0)^-p with half the weight F_0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Tyres {
+    /// q_f and q_r = 1/q_f, whose ratio is that of the stiffnesses.
+    pub gains: [f64; 2],
+    /// p.
+    pub load_exponent: f64,
+}
+
+impl Tyres {
+    /// Alike on both axles, under every load.
+    pub const ALIKE: Self = Self {
+        gains: [1.0; 2],
+        load_exponent: 0.0,
+    };
+
+    /// From the ratio of the stiffnesses, front over rear, and p.
+    #[must_use]
+    pub fn new(ratio: f64, load_exponent: f64) -> Self {
+        let gain = crate::math::sqrt(ratio);
+        Self {
+            gains: [gain, 1.0 / gain],
+            load_exponent,
+        }
+    }
 }
 
 /// What drives the machine during a step.
@@ -196,13 +227,14 @@ impl WheelDynamics {
                 rim(p.front_radius_error, load_front),
                 rim(p.rear_radius_error, load_rear),
             );
-            let wheel = |torque, radius: T, load, old_speed, new_speed: T| {
-                let stiffness =
-                    self.stiffness(p.slip_stiffness, torque, radius, load, acceleration);
+            let wheel = |axle: usize, torque, radius: T, load, old_speed, new_speed: T| {
+                let unbent = self.axle_stiffness(axle, p.slip_stiffness, load);
+                let stiffness = self.stiffness(unbent, torque, radius, load, acceleration);
                 let slip_speed = self.slip_denominator(new.speed, radius * new_speed);
                 self.wheel(stiffness * load / slip_speed, torque, radius, old_speed, dt)
             };
             let front = wheel(
+                0,
                 u.front_torque,
                 r_front,
                 load_front,
@@ -210,6 +242,7 @@ impl WheelDynamics {
                 new.front_wheel_speed,
             );
             let rear = wheel(
+                1,
                 u.rear_torque,
                 r_rear,
                 load_rear,
@@ -278,6 +311,17 @@ impl WheelDynamics {
     pub(super) fn radius<T: Scalar>(&self, error: T, load: T) -> T {
         let excess = load / (0.5 * self.mass * GRAVITY) - 1.0;
         (error - excess * self.radius_load_sensitivity + 1.0) * self.wheel_radius
+    }
+
+    /// Slip stiffness of an axle under its load, before it saturates.
+    #[inline(always)]
+    pub(super) fn axle_stiffness<T: Scalar>(&self, axle: usize, stiffness: T, load: T) -> T {
+        if self.tyres == Tyres::ALIKE {
+            return stiffness;
+        }
+        let relative = load / (0.5 * self.mass * GRAVITY);
+        let falls = (relative.ln() * -self.tyres.load_exponent).exp();
+        stiffness * self.tyres.gains[axle] * falls
     }
 
     /// Secant slip stiffness of a tyre that saturates like mu tanh(K sigma/mu).

@@ -252,7 +252,7 @@ fn sensors(grade: Grade) -> Sensors {
 }
 
 /// A row as the estimator takes it.
-fn sample(row: &Row) -> Sample {
+pub(super) fn sample(row: &Row) -> Sample {
     Sample {
         time: row.time,
         speed: Some(row.speed),

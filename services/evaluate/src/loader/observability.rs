@@ -10,7 +10,7 @@
 use estimation::dual::Dual;
 use estimation::loader::cg_model::{CgModel, Loading};
 use estimation::loader::settings::Integration;
-use estimation::loader::wheel_dynamics::{Inputs, WheelDynamics};
+use estimation::loader::wheel_dynamics::{Inputs, Tyres, WheelDynamics};
 use estimation::loader::{LoadTransfer, Prior, Tuning};
 use estimation::model::Model;
 use faer::Mat;
@@ -310,6 +310,7 @@ fn model(told: &Told, before: &Row, row: &Row) -> CgModel {
             radius_load_sensitivity: told.radius_load_sensitivity,
             minimum_speed: Tuning::recommended().minimum_speed,
             load_transfer: LoadTransfer::Physical,
+            tyres: Tyres::ALIKE,
         },
         inputs: Inputs {
             front_torque: middle(|row| row.front_torque),

@@ -10,11 +10,13 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use calibrate::Summary;
 use calibrate::excavator::{self as machine, Input};
 use calibrate::fit::Progress;
+use calibrate::loader::Told;
 use config::Description;
 use estimation::Quantity;
 
 use crate::cli::CalibrateArgs;
 use crate::commands::run::description;
+use crate::commands::weigh::{SCALE_STD, reference};
 use crate::failure::Failure;
 use crate::sources;
 
@@ -22,11 +24,7 @@ use crate::sources;
 pub fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {
     match description(args.machine, &args.description)? {
         Description::Excavator(d) => excavator(args, &d),
-        Description::Loader(_) => Err(Failure::input(
-            "the loader cannot be calibrated from recordings yet",
-            "heft calibrate loader",
-            "weigh its axles: heft weigh",
-        )),
+        Description::Loader(d) => loader(args, &d),
     }
 }
 
@@ -58,6 +56,53 @@ fn excavator(args: &CalibrateArgs, d: &config::Excavator) -> Result<(), Failure>
     .map_err(unknown_key)?;
     let written = outcome.description(d, &origin(args)?).map(|(_, text)| text);
     finish(args, &outcome.summary(), written)
+}
+
+fn loader(args: &CalibrateArgs, d: &config::Loader) -> Result<(), Failure> {
+    let map = sources::map(args.map.as_deref())?;
+    let masses = told(args, &args.mass, "--mass")?;
+    let scales = weighed(args, d.machine.wheelbase)?;
+    let mut inputs = Vec::new();
+    for (i, (file, mass)) in args.files.iter().zip(masses).enumerate() {
+        let rows = recording::load_loader(file, map_for(file, map.as_ref()))?;
+        inputs.push(calibrate::loader::Input {
+            name: name(file),
+            samples: rows.iter().map(|(s, _)| steps::loader::sample(s)).collect(),
+            told: Told {
+                mass,
+                ..scales[i + 1]
+            },
+        });
+    }
+    let stop = interrupt()?;
+    let outcome = calibrate::loader::calibrate(
+        &inputs,
+        &calibrate::loader::Options {
+            description: d,
+            weighed: scales[0],
+            slices: args.report.is_some(),
+            free: (!args.free.is_empty()).then_some(args.free.as_slice()),
+            stop: &stop,
+            progress: &tell_progress,
+        },
+    )
+    .map_err(unknown_key)?;
+    let written = outcome.description(d, &origin(args)?).map(|(_, text)| text);
+    finish(args, &outcome.summary(), written)
+}
+
+/// What axle scales say of the machine as described, and then of the machine in each file: `SCALES` or `FILE=SCALES`.
+fn weighed(args: &CalibrateArgs, wheelbase: f64) -> Result<Vec<Told>, Failure> {
+    let mut all = vec![Told::default(); args.files.len() + 1];
+    for text in &args.weigh {
+        let (at, scales) = match text.rsplit_once('=') {
+            None => (0, text.as_str()),
+            Some((file, scales)) => (1 + position(args, file, "--weigh", text)?, scales),
+        };
+        let reference = reference(Path::new(scales), wheelbase)?;
+        all[at] = Told::weighed(&reference, SCALE_STD);
+    }
+    Ok(all)
 }
 
 fn unknown_key(e: String) -> Failure {
@@ -226,7 +271,7 @@ fn origin(args: &CalibrateArgs) -> Result<Vec<String>, Failure> {
             recording::sha256(&bytes)
         ));
     }
-    let loads = args.payload.iter().chain(&args.mass);
+    let loads = args.payload.iter().chain(&args.mass).chain(&args.weigh);
     lines.extend(loads.map(|l| format!("  told: {}", short(l))));
     if let Some(config) = &args.description.config {
         lines.push(format!("  description before: {}", name(config)));

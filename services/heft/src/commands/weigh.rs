@@ -12,13 +12,24 @@ use crate::commands::run::description;
 use crate::failure::Failure;
 
 /// Accuracy of a wheel scale, as a share of its reading.
-const SCALE_STD: f64 = 0.005;
+pub const SCALE_STD: f64 = 0.005;
 
 /// `heft weigh`
 pub fn weigh(file: &Path, args: &DescriptionArgs, json: Option<&Path>) -> Result<(), Failure> {
     let Description::Loader(loader) = description(Machine::Loader, args)? else {
         return Err(Failure::internal("the loader's description is none"));
     };
+    let reference = reference(file, loader.machine.wheelbase)?;
+    print!("{}", text(&reference));
+    if let Some(path) = json {
+        let text = serde_json::to_string_pretty(&to_json(&reference)).map_err(Failure::internal)?;
+        std::fs::write(path, text + "\n").map_err(|e| Failure::file("write", path, &e))?;
+    }
+    Ok(())
+}
+
+/// What the scales of a file say.
+pub fn reference(file: &Path, wheelbase: f64) -> Result<Reference, Failure> {
     let refused = |e: estimation::loader::weigh::WeighError| {
         Failure::input(
             e,
@@ -26,7 +37,7 @@ pub fn weigh(file: &Path, args: &DescriptionArgs, json: Option<&Path>) -> Result
             "weigh both axles on level ground, and again on ground tilted by several degrees",
         )
     };
-    let mut weighing = Weighing::new(loader.machine.wheelbase, SCALE_STD).map_err(refused)?;
+    let mut weighing = Weighing::new(wheelbase, SCALE_STD).map_err(refused)?;
     for [pitch, front_load, rear_load] in recording::csv::read_weighings(file)? {
         weighing
             .add(&Reading {
@@ -36,13 +47,7 @@ pub fn weigh(file: &Path, args: &DescriptionArgs, json: Option<&Path>) -> Result
             })
             .map_err(refused)?;
     }
-    let reference = weighing.reference().map_err(refused)?;
-    print!("{}", text(&reference));
-    if let Some(path) = json {
-        let text = serde_json::to_string_pretty(&to_json(&reference)).map_err(Failure::internal)?;
-        std::fs::write(path, text + "\n").map_err(|e| Failure::file("write", path, &e))?;
-    }
-    Ok(())
+    weighing.reference().map_err(refused)
 }
 
 fn line(name: &str, quantity: Quantity, unit: &str) -> String {

@@ -17,7 +17,7 @@ use crate::loader::settings::{Settings, Tuning};
 use crate::loader::slope::SlopeError;
 use crate::loader::stuck::{Stuck, Witness};
 use crate::loader::verdict::{Doubt, Evidence};
-use crate::loader::wheel_dynamics::{GRAVITY, Inputs, WheelDynamics};
+use crate::loader::wheel_dynamics::{GRAVITY, Inputs, Tyres, WheelDynamics};
 use crate::loader::windup::Windup;
 use crate::math::{sin_cos, sqrt, tanh};
 use crate::sigma_points::Spread;
@@ -152,6 +152,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             },
             minimum_speed: tuning.minimum_speed,
             load_transfer: tuning.load_transfer,
+            tyres: Tyres::new(machine.stiffness_ratio, machine.stiffness_load_exponent),
         };
         let spread = Spread {
             alpha: tuning.spread,
@@ -220,7 +221,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     /// Takes one row.
     pub fn step(&mut self, sample: &Sample) -> RowReport<M> {
         let machine = &self.settings.machine;
-        let sample = &sample.plausible(machine.mass, machine.wheel_radius);
+        let sample = &self.corrected(&sample.plausible(machine.mass, machine.wheel_radius));
         let dt = match self
             .clock
             .tick(sample.time, self.tuning.gap.min(LONGEST_STEP))
@@ -270,6 +271,22 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             self.update(&model, sample, &step)
         };
         self.finish(report, sample, dt)
+    }
+
+    /// The sample with true torques, and where the filter does not learn it, the true slope.
+    fn corrected(&self, sample: &Sample) -> Sample {
+        let [front, rear] = self.settings.sensors.torque_gains;
+        let bias = if N < 10 {
+            self.settings.prior.slope_bias
+        } else {
+            0.0
+        };
+        Sample {
+            front_torque: sample.front_torque.map(|t| t / front),
+            rear_torque: sample.rear_torque.map(|t| t / rear),
+            slope: sample.slope.map(|s| s - bias),
+            ..*sample
+        }
     }
 
     /// The first row with a time starts the filter.

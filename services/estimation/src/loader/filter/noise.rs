@@ -1,7 +1,7 @@
 //! Prior, process noise and measurement noise of a step, by state and measurement.
 
 use super::{Belief, CgFilter};
-use crate::loader::cg_model::CgModel;
+use crate::loader::cg_model::{CgModel, radius_states};
 use crate::loader::conditions::{Conditions, REFERENCE_STEP, WheelStep};
 use crate::loader::load::Centre;
 use crate::loader::wheel_dynamics::GRAVITY;
@@ -159,11 +159,20 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
 
     pub(super) fn prior_state(&self) -> [f64; N] {
         let prior = &self.settings.prior;
-        by_state(
+        let mut state: [f64; N] = by_state(
             [0.0; 3],
             [prior.slip_stiffness, prior.cg_height, prior.cg_ratio],
-            [0.0, 0.0, 0.0, self.settings.sensors.speed_delay],
-        )
+            [
+                0.0,
+                0.0,
+                prior.slope_bias,
+                self.settings.sensors.speed_delay,
+            ],
+        );
+        if let Some(radii) = radius_states(N) {
+            state[radii].copy_from_slice(&prior.radius_errors);
+        }
+        state
     }
 
     pub(super) fn prior_std(&self) -> [f64; N] {

@@ -38,7 +38,9 @@ fn machine(description: &Description) -> Machine {
         },
         radius_load_sensitivity: m.radius_load_sensitivity,
         radius_load_sensitivity_std: m.radius_load_sensitivity_std,
+        stiffness_ratio: m.stiffness_ratio,
         stiffness_ratio_std: m.stiffness_ratio_std,
+        stiffness_load_exponent: m.stiffness_load_exponent,
         stiffness_load_exponent_std: m.stiffness_load_exponent_std,
         relaxation_length: m.relaxation_length,
     }
@@ -51,6 +53,7 @@ fn sensors(description: &Description) -> Sensors {
         wheel_speed_std: s.wheel_speed_std,
         slope_std: s.slope_std,
         acceleration_std: s.acceleration_std,
+        torque_gains: [s.front_torque_gain, s.rear_torque_gain],
         torque_gain_std: s.torque_gain_std,
         speed_delay: s.speed_delay,
         speed_delay_std: s.speed_delay_std,
@@ -68,8 +71,10 @@ fn prior(description: &Description) -> Prior {
         cg_ratio_std: p.cg_ratio_std,
         speed_std: p.speed_std,
         wheel_speed_std: p.wheel_speed_std,
+        radius_errors: [p.front_radius_error, p.rear_radius_error],
         radius_std: p.radius_std,
         spade_force_x_std: p.spade_force_std,
+        slope_bias: p.slope_bias,
         slope_bias_std: p.slope_bias_std,
     }
 }

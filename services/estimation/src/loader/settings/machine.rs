@@ -26,9 +26,13 @@ pub struct Machine {
     pub radius_load_sensitivity: f64,
     /// Standard deviation of rho: it cannot be learnt on line and widens the reported interval.
     pub radius_load_sensitivity_std: f64,
+    /// Slip stiffness of the front axle over that of the rear under equal loads.
+    pub stiffness_ratio: f64,
     /// Standard deviation of the ratio of the axles' slip stiffnesses, front over rear: tyres differ by wear, pressure, make,
     /// which cannot be learnt on line and widens the reported interval.
     pub stiffness_ratio_std: f64,
+    /// p, where the slip stiffness falls with the axle load as F_z^-p.
+    pub stiffness_load_exponent: f64,
     /// Standard deviation of p, where the slip stiffness falls with the axle load as F_z^-p: the load transfer, and with it the
     /// height, then seems (1 - p) times as large. It cannot be learnt on line and widens the reported interval.
     pub stiffness_load_exponent_std: f64,
@@ -49,7 +53,9 @@ impl Default for Machine {
             friction: 0.8,
             radius_load_sensitivity: 0.01,
             radius_load_sensitivity_std: 0.001,
+            stiffness_ratio: 1.0,
             stiffness_ratio_std: 0.05,
+            stiffness_load_exponent: 0.0,
             stiffness_load_exponent_std: 0.1,
             relaxation_length: 0.10,
         }
@@ -82,6 +88,14 @@ impl Machine {
             "machine.radius_load_sensitivity_std",
             self.radius_load_sensitivity_std,
         )?;
+        positive("machine.stiffness_ratio", self.stiffness_ratio)?;
+        let p = self.stiffness_load_exponent;
+        require(
+            "machine.stiffness_load_exponent",
+            "within -1 .. 1",
+            p,
+            p.abs() <= 1.0,
+        )?;
         not_negative("machine.stiffness_ratio_std", self.stiffness_ratio_std)?;
         not_negative(
             "machine.stiffness_load_exponent_std",
@@ -103,6 +117,8 @@ pub struct Sensors {
     pub slope_std: f64,
     /// Specific force [m/s^2].
     pub acceleration_std: f64,
+    /// Measured over true torque, front and rear.
+    pub torque_gains: [f64; 2],
     /// Relative error of each axle's torque; their ratio cannot be learnt on line and widens the interval.
     pub torque_gain_std: f64,
     /// Delay of the speed against the other signals [s].
@@ -118,6 +134,7 @@ impl Default for Sensors {
             wheel_speed_std: 0.002,
             slope_std: 0.002,
             acceleration_std: 0.05,
+            torque_gains: [1.0; 2],
             torque_gain_std: 0.005,
             speed_delay: 0.0,
             speed_delay_std: 0.08,
@@ -131,6 +148,8 @@ impl Sensors {
         positive("sensors.wheel_speed_std", self.wheel_speed_std)?;
         not_negative("sensors.slope_std", self.slope_std)?;
         positive("sensors.acceleration_std", self.acceleration_std)?;
+        positive("sensors.front_torque_gain", self.torque_gains[0])?;
+        positive("sensors.rear_torque_gain", self.torque_gains[1])?;
         not_negative("sensors.torque_gain_std", self.torque_gain_std)?;
         not_negative("sensors.speed_delay", self.speed_delay)?;
         positive("sensors.speed_delay_std", self.speed_delay_std)
@@ -161,11 +180,15 @@ pub struct Prior {
     pub speed_std: f64,
     /// Standard deviation of the wheel speeds at the start [rad/s].
     pub wheel_speed_std: f64,
-    /// Relative error of each rolling radius; 5e-4 when the radii are calibrated.
+    /// Relative errors of the rolling radii, front and rear.
+    pub radius_errors: [f64; 2],
+    /// Standard deviation of the relative error of each rolling radius; 5e-4 when the radii are calibrated.
     pub radius_std: f64,
     /// Unknown part of the spade force [N].
     pub spade_force_x_std: f64,
-    /// Bias of the slope sensor [rad].
+    /// Bias of the slope sensor, true slope = measured - bias [rad].
+    pub slope_bias: f64,
+    /// Its standard deviation [rad].
     pub slope_bias_std: f64,
 }
 
@@ -180,8 +203,10 @@ impl Prior {
         cg_ratio_std: 0.06,
         speed_std: 0.05,
         wheel_speed_std: 0.05,
+        radius_errors: [0.0; 2],
         radius_std: 0.005,
         spade_force_x_std: 300.0,
+        slope_bias: 0.0,
         slope_bias_std: 0.01,
     };
 }
@@ -208,8 +233,21 @@ impl Prior {
         positive("prior.cg_ratio_std", self.cg_ratio_std)?;
         positive("prior.speed_std", self.speed_std)?;
         positive("prior.wheel_speed_std", self.wheel_speed_std)?;
+        for (key, error) in ["prior.front_radius_error", "prior.rear_radius_error"]
+            .into_iter()
+            .zip(self.radius_errors)
+        {
+            require(key, "within -0.2 .. 0.2", error, error.abs() <= 0.2)?;
+        }
         positive("prior.radius_std", self.radius_std)?;
         positive("prior.spade_force_std", self.spade_force_x_std)?;
+        let bias = self.slope_bias;
+        require(
+            "prior.slope_bias",
+            "within -0.5 .. 0.5",
+            bias,
+            bias.abs() <= 0.5,
+        )?;
         positive("prior.slope_bias_std", self.slope_bias_std)
     }
 }

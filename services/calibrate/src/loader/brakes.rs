@@ -1,0 +1,77 @@
+//! Whether braking does what its torques say: friction brakes that nobody recorded show as a bend in the balance of force.
+//!
+//! The residuals of the balance at the fit, over the specific force P that the torques make, by least squares:
+//! ```text
+//! residual = c_0 + c_1 P + c_2 |P|
+//! ```
+//! c_2 is half the difference between what braking and driving do per torque; gain and rolling resistance took the rest.
+
+use faer::Mat;
+
+use super::drives::Drives;
+use crate::algebra;
+use crate::fit::values;
+use crate::model::Model;
+
+/// Smallest difference between braking and driving that is worth a word, and in standard deviations.
+const WORTH: f64 = 0.04;
+const SURE: f64 = 5.0;
+
+/// Says that braking and driving differ.
+#[must_use]
+pub fn differ(model: &Drives, place: &[f64]) -> Option<String> {
+    let points = points(model, place);
+    let matrix = Mat::from_fn(points.len(), 3, |i, j| {
+        let pull = points[i].0;
+        [1.0, pull, pull.abs()][j]
+    });
+    let curvature = matrix.transpose() * &matrix;
+    let covariance = algebra::inverse(&curvature)?;
+    let right: Vec<f64> = points.iter().map(|p| p.1).collect();
+    let c = algebra::least_squares(&matrix, &right);
+    let rest = points
+        .iter()
+        .map(|(pull, r)| (r - c[0] - c[1] * pull - c[2] * pull.abs()).powi(2));
+    let variance = rest.sum::<f64>() / points.len().saturating_sub(3).max(1) as f64;
+    let difference = -2.0 * c[2];
+    let std = 2.0 * (variance * covariance[(2, 2)]).max(0.0).sqrt();
+    (difference.abs() > WORTH.max(SURE * std)).then(|| {
+        format!(
+            "per torque, braking does {:+.0} ± {:.0} % of what driving does: friction brakes act that are not recorded, or the torques are not those of the wheels; brake with the drive alone, or record when the brake acts (column brake)",
+            100.0 * difference,
+            100.0 * std
+        )
+    })
+}
+
+/// Specific force by the torques, and the residual of the balance [m/s^2], of every bin.
+fn points(model: &Drives, place: &[f64]) -> Vec<(f64, f64)> {
+    let values = values(model, place);
+    let mut points = Vec::new();
+    for block in 0..model.blocks() {
+        let mut innovations = Vec::new();
+        model.innovations(block, &values, &mut innovations);
+        let drive = &model.drives[model.recording(block)];
+        let stretch = model.stretch(block);
+        let bins = drive.bins(stretch);
+        let each = innovations.len() / bins.len().max(1);
+        for (i, bin) in bins.into_iter().enumerate() {
+            let count = bin.len().max(1) as f64;
+            let torque: f64 = bin
+                .clone()
+                .map(|k| drive.torques[0][k] + drive.torques[1][k])
+                .sum();
+            let forward = drive.wheels[0][bin.start].signum();
+            let pull = super::GRAVITY * forward * torque / count / model.torque_of_weight();
+            // With an accelerometer the force is the third residual of four, without one it is in the motion, the last.
+            let residual = match each {
+                4 => innovations[4 * i + 2].value,
+                _ => innovations[each * i + each - 1].value / super::residuals::BIN,
+            };
+            if pull.is_finite() {
+                points.push((pull, forward * residual));
+            }
+        }
+    }
+    points
+}

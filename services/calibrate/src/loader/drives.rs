@@ -1,0 +1,624 @@
+//! The drives of a loader as a model: parameters, what is known of them, blocks.
+
+use std::ops::Range;
+
+use config::Loader as Description;
+use estimation::Quantity;
+use estimation::loader::weigh::Reference;
+
+use super::drive::Drive;
+use super::residuals::{self, Guess, LONGEST_DELAY, Scatter};
+use crate::model::{Innovation, Model};
+use crate::parameter::{Law, Parameter, Source};
+
+/// What a parameter is in the guess; a load is numbered, 0 is the machine as described.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    /// Relative error of the front rolling radius.
+    FrontRadius,
+    /// Relative error of the rear rolling radius.
+    RearRadius,
+    /// Load sensitivity of the radii.
+    LoadSensitivity,
+    /// Measured over true torque in front.
+    FrontGain,
+    /// Measured over true torque behind.
+    RearGain,
+    /// Slip stiffness.
+    Stiffness,
+    /// Slip stiffness in front over that behind.
+    StiffnessRatio,
+    /// How the stiffness falls with the load.
+    LoadExponent,
+    /// Limit of friction.
+    Friction,
+    /// Rolling resistance.
+    Rolling,
+    /// Zero of the slope.
+    SlopeBias,
+    /// Delay of the speed.
+    SpeedDelay,
+    /// Delay of the torques.
+    TorqueDelay,
+    /// Relaxation length of the tyres.
+    Relaxation,
+    /// Scatter between the wheels.
+    WheelScatter,
+    /// Scatter of the speed.
+    SpeedScatter,
+    /// Scatter of the balance of force.
+    ForceScatter,
+    /// Scatter of the motion.
+    MotionScatter,
+    /// Mass with a load.
+    Mass(usize),
+    /// Share in front with a load.
+    Ratio(usize),
+    /// Height of the centre of gravity with a load.
+    Height(usize),
+    /// How far a load lies ahead of the front axle, where no scales tell the share.
+    Reach(usize),
+    /// Height of a load, where no scales tell that of the centre of gravity.
+    Lift(usize),
+}
+
+impl Role {
+    /// The load it belongs to, if it does.
+    #[must_use]
+    pub fn load(self) -> Option<usize> {
+        match self {
+            Self::Mass(load)
+            | Self::Ratio(load)
+            | Self::Height(load)
+            | Self::Reach(load)
+            | Self::Lift(load) => Some(load),
+            _ => None,
+        }
+    }
+
+    /// Whether it is only about noise.
+    #[must_use]
+    pub fn is_noise(self) -> bool {
+        use Role::{ForceScatter, MotionScatter, SpeedScatter, WheelScatter};
+        matches!(
+            self,
+            WheelScatter | SpeedScatter | ForceScatter | MotionScatter
+        )
+    }
+
+    /// Whether it only takes part with what is known of it, so that its tolerance counts in the others: lags and limits that
+    /// means over half a second hardly show, and where the load lies.
+    #[must_use]
+    pub fn is_nuisance(self) -> bool {
+        use Role::{Friction, Lift, Reach, Relaxation, TorqueDelay};
+        matches!(
+            self,
+            Friction | Relaxation | TorqueDelay | Reach(_) | Lift(_)
+        ) || self.is_noise()
+    }
+}
+
+/// What is known of a load before.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Told {
+    /// Mass of the whole machine [kg].
+    pub mass: Option<Quantity>,
+    /// Share of the weight in front, from axle scales.
+    pub ratio: Option<Quantity>,
+    /// Height of the centre of gravity, from axle scales on a slope [m].
+    pub height: Option<Quantity>,
+}
+
+impl Told {
+    /// What axle scales say; `scale_std` is the accuracy of one, relative, and it may be common to all readings.
+    #[must_use]
+    pub fn weighed(reference: &Reference, scale_std: f64) -> Self {
+        let ratio = reference.cg_ratio;
+        let common = core::f64::consts::SQRT_2 * scale_std * ratio.value * (1.0 - ratio.value);
+        Self {
+            mass: None,
+            ratio: Some(Quantity {
+                value: ratio.value,
+                std: ratio.std.max(common),
+            }),
+            height: reference.cg_height,
+        }
+    }
+}
+
+/// Drives of one machine.
+#[derive(Debug, Clone)]
+pub struct Drives {
+    /// The recordings.
+    pub drives: Vec<Drive>,
+    /// The load of each.
+    pub load_of: Vec<usize>,
+    /// What is told of each load.
+    pub loads: Vec<Told>,
+    /// What each parameter is.
+    pub roles: Vec<Role>,
+    /// The parameters.
+    pub parameters: Vec<Parameter>,
+    /// Recording and number of each block's stretch.
+    blocks: Vec<(usize, usize)>,
+    /// What no parameter changes.
+    fixed: Guess,
+}
+
+/// Tolerances where the description states none, or less than what only a calibration can know.
+const GAIN_STD: f64 = 0.02;
+const SENSITIVITY_STD: f64 = 0.3;
+const ROLLING_STD: f64 = 0.3;
+const FRICTION_STD: f64 = 0.2;
+const TORQUE_DELAY_STD: f64 = 0.02;
+const RELAXATION_STD: f64 = 0.05;
+/// Mass of a machine against its data sheet, and against a mass that was measured on board.
+const MASS_STD: f64 = 0.02;
+/// Where a load lies ahead of the front axle, as a share of the way to the bucket's tip, and how high, as a share of the height of
+/// the empty machine's centre of gravity: value and tolerance.
+const REACH: (f64, f64) = (0.75, 0.2);
+const LIFT: (f64, f64) = (0.8, 0.5);
+/// A mass on board that differs by this share is another load.
+const OTHER_LOAD: f64 = 0.08;
+/// Scatter within a factor of e^1.5 or so, and usual values.
+const SCATTER_STD: f64 = 1.5;
+const SCATTER: Scatter = Scatter {
+    wheels: 1e-3,
+    speed: 3e-3,
+    force: 0.01,
+    motion: 5e-3,
+};
+
+impl Drives {
+    /// The model of recordings under a description; `told` is what is known of the load of each, and `empty`
+    /// what scales say of the machine as described.
+    #[must_use]
+    pub fn new(drives: Vec<Drive>, told: &[Told], empty: Told, d: &Description) -> Self {
+        let (load_of, loads) = loads(&drives, told, empty, d.machine.mass);
+        let (roles, parameters) = parameters(&drives, &loads, d).into_iter().unzip();
+        let numbered = drives.iter().enumerate();
+        let blocks = numbered
+            .flat_map(|(r, drive)| (0..drive.blocks.len()).map(move |k| (r, k)))
+            .collect();
+        Self {
+            drives,
+            load_of,
+            loads,
+            roles,
+            parameters,
+            blocks,
+            fixed: described(d),
+        }
+    }
+
+    /// The index of a parameter.
+    #[must_use]
+    pub fn index(&self, role: Role) -> Option<usize> {
+        self.roles.iter().position(|r| *r == role)
+    }
+
+    /// The rows of a block.
+    #[must_use]
+    pub fn stretch(&self, block: usize) -> &Range<usize> {
+        let (recording, number) = self.blocks[block];
+        &self.drives[recording].blocks[number]
+    }
+
+    /// Time of driving with a load [s].
+    #[must_use]
+    pub fn driving_time(&self, load: usize) -> f64 {
+        let drives = self.drives.iter().zip(&self.load_of);
+        drives
+            .filter(|(_, of)| **of == load)
+            .map(|(drive, _)| drive.driving_time())
+            .sum()
+    }
+
+    /// Sum of the axle torques that would lift the described machine straight up [N m].
+    #[must_use]
+    pub fn torque_of_weight(&self) -> f64 {
+        self.fixed.mass * super::GRAVITY * self.fixed.radius
+    }
+
+    /// Share in front and height of a machine of this mass whose load lies this far ahead of the front axle, or this high.
+    fn loaded(&self, mass: f64, values: &[f64], place: f64) -> (f64, f64) {
+        let empty = |role: Role| self.index(role).map_or(0.0, |i| values[i]);
+        let part = (empty(Role::Mass(0)) / mass).clamp(0.0, 1.0);
+        let base = self.fixed.wheelbase;
+        let mixed = |empty: f64, load: f64| part * empty + (1.0 - part) * load;
+        (
+            mixed(empty(Role::Ratio(0)), 1.0 + place / base),
+            mixed(empty(Role::Height(0)), place),
+        )
+    }
+
+    fn guess(&self, recording: usize, values: &[f64]) -> Guess {
+        let mut g = self.fixed;
+        let load = self.load_of[recording];
+        for (role, &value) in self.roles.iter().zip(values) {
+            match role {
+                Role::FrontRadius => g.radius_errors[0] = value,
+                Role::RearRadius => g.radius_errors[1] = value,
+                Role::LoadSensitivity => g.load_sensitivity = value,
+                Role::FrontGain => g.torque_gains[0] = value,
+                Role::RearGain => g.torque_gains[1] = value,
+                Role::Stiffness => g.stiffness = value,
+                Role::StiffnessRatio => g.stiffness_ratio = value,
+                Role::LoadExponent => g.load_exponent = value,
+                Role::Friction => g.friction = value,
+                Role::Rolling => g.rolling_resistance = value,
+                Role::SlopeBias => g.slope_bias = value,
+                Role::SpeedDelay => g.speed_delay = value,
+                Role::TorqueDelay => g.torque_delay = value,
+                Role::Relaxation => g.relaxation_length = value,
+                Role::WheelScatter => g.scatter.wheels = value,
+                Role::SpeedScatter => g.scatter.speed = value,
+                Role::ForceScatter => g.scatter.force = value,
+                Role::MotionScatter => g.scatter.motion = value,
+                Role::Mass(l) if *l == load => g.mass = value,
+                Role::Ratio(l) if *l == load => g.ratio = value,
+                Role::Height(l) if *l == load => g.height = value,
+                Role::Reach(l) if *l == load => g.ratio = self.loaded(g.mass, values, value).0,
+                Role::Lift(l) if *l == load => g.height = self.loaded(g.mass, values, value).1,
+                _ => {}
+            }
+        }
+        g
+    }
+}
+
+impl Model for Drives {
+    fn parameters(&self) -> &[Parameter] {
+        &self.parameters
+    }
+
+    fn blocks(&self) -> usize {
+        self.blocks.len()
+    }
+
+    fn recording(&self, block: usize) -> usize {
+        self.blocks[block].0
+    }
+
+    fn acts(&self, parameter: usize, block: usize) -> bool {
+        let load = self.load_of[self.recording(block)];
+        let of = self.roles[parameter].load();
+        of.is_none_or(|l| l == load || l == 0)
+    }
+
+    fn innovations(&self, block: usize, values: &[f64], out: &mut Vec<Innovation>) {
+        let (recording, number) = self.blocks[block];
+        let drive = &self.drives[recording];
+        let guess = self.guess(recording, values);
+        residuals::residuals(drive, &drive.blocks[number], &guess, out);
+    }
+}
+
+/// The load of each recording and what is told of the loads: recordings of which nothing is told carry that of
+/// the description, unless the mass on board says otherwise.
+fn loads(drives: &[Drive], told: &[Told], empty: Told, mass: f64) -> (Vec<usize>, Vec<Told>) {
+    let mut loads = vec![empty];
+    let load_of = drives
+        .iter()
+        .zip(told)
+        .map(|(drive, told)| {
+            let on_board = drive.mass.filter(|m| (m / mass - 1.0).abs() > OTHER_LOAD);
+            let measured = on_board.map(|value| Quantity {
+                value,
+                std: MASS_STD * value,
+            });
+            let own = Told {
+                mass: told.mass.or(measured),
+                ..*told
+            };
+            if own == Told::default() {
+                return 0;
+            }
+            let known = loads[1..].iter().position(|l| *l == own);
+            known.map_or_else(
+                || {
+                    loads.push(own);
+                    loads.len() - 1
+                },
+                |at| at + 1,
+            )
+        })
+        .collect();
+    (load_of, loads)
+}
+
+fn described(d: &Description) -> Guess {
+    let m = &d.machine;
+    Guess {
+        mass: m.mass,
+        ratio: d.prior.cg_ratio,
+        height: d.prior.cg_height,
+        radius: m.wheel_radius,
+        radius_errors: [d.prior.front_radius_error, d.prior.rear_radius_error],
+        load_sensitivity: m.radius_load_sensitivity,
+        stiffness: d.prior.slip_stiffness,
+        stiffness_ratio: m.stiffness_ratio,
+        load_exponent: m.stiffness_load_exponent,
+        friction: if m.friction > 0.0 {
+            m.friction
+        } else {
+            f64::INFINITY
+        },
+        torque_gains: [d.sensors.front_torque_gain, d.sensors.rear_torque_gain],
+        rolling_resistance: m.rolling_resistance,
+        slope_bias: d.prior.slope_bias,
+        speed_delay: d.sensors.speed_delay,
+        torque_delay: 0.0,
+        relaxation_length: m.relaxation_length,
+        axle_inertia: m.axle_inertia,
+        wheelbase: m.wheelbase,
+        scatter: SCATTER,
+    }
+}
+
+fn parameters(drives: &[Drive], loads: &[Told], d: &Description) -> Vec<(Role, Parameter)> {
+    let g = described(d);
+    let (m, p, s) = (&d.machine, &d.prior, &d.sensors);
+    let linear = |key: &str, words: &str, unit, mean: f64, std: f64, range| Parameter {
+        key: key.into(),
+        words: words.into(),
+        unit,
+        mean,
+        std,
+        range,
+        law: Law::Linear,
+        source: Source::Description,
+    };
+    let noise = |key: &str, words: &str, unit, mean: f64| Parameter {
+        law: Law::Logarithmic,
+        ..linear(
+            key,
+            words,
+            unit,
+            mean,
+            SCATTER_STD,
+            (1e-3 * mean, 1e3 * mean),
+        )
+    };
+    let radius =
+        |key: &str, words: &str, mean| linear(key, words, "", mean, p.radius_std, (-0.2, 0.2));
+    let gain_std = s.torque_gain_std.max(GAIN_STD);
+    let gain = |key: &str, words: &str, mean| linear(key, words, "", mean, gain_std, (0.2, 5.0));
+    let sensitivity_std = m
+        .radius_load_sensitivity_std
+        .max(SENSITIVITY_STD * m.radius_load_sensitivity)
+        .max(1e-4);
+    let mut all = vec![
+        (
+            Role::FrontRadius,
+            radius(
+                "prior.front_radius_error",
+                "the error of the front rolling radius",
+                g.radius_errors[0],
+            ),
+        ),
+        (
+            Role::RearRadius,
+            radius(
+                "prior.rear_radius_error",
+                "the error of the rear rolling radius",
+                g.radius_errors[1],
+            ),
+        ),
+        (
+            Role::LoadSensitivity,
+            linear(
+                "machine.radius_load_sensitivity",
+                "the load sensitivity of the rolling radius",
+                "",
+                m.radius_load_sensitivity,
+                sensitivity_std,
+                (0.0, 0.2),
+            ),
+        ),
+        (
+            Role::FrontGain,
+            gain(
+                "sensors.front_torque_gain",
+                "the gain of the front torque",
+                g.torque_gains[0],
+            ),
+        ),
+        (
+            Role::RearGain,
+            gain(
+                "sensors.rear_torque_gain",
+                "the gain of the rear torque",
+                g.torque_gains[1],
+            ),
+        ),
+        (
+            Role::Stiffness,
+            linear(
+                "prior.slip_stiffness",
+                "the slip stiffness",
+                "",
+                p.slip_stiffness,
+                p.slip_stiffness_std,
+                (0.2 * p.slip_stiffness, 5.0 * p.slip_stiffness),
+            ),
+        ),
+        (
+            Role::StiffnessRatio,
+            linear(
+                "machine.stiffness_ratio",
+                "the slip stiffness in front over that behind",
+                "",
+                m.stiffness_ratio,
+                m.stiffness_ratio_std.max(1e-3),
+                (0.1, 10.0),
+            ),
+        ),
+        (
+            Role::LoadExponent,
+            linear(
+                "machine.stiffness_load_exponent",
+                "the fall of the slip stiffness with the load",
+                "",
+                m.stiffness_load_exponent,
+                m.stiffness_load_exponent_std.max(1e-3),
+                (-1.0, 1.0),
+            ),
+        ),
+        (
+            Role::Rolling,
+            linear(
+                "machine.rolling_resistance",
+                "the rolling resistance",
+                "",
+                m.rolling_resistance,
+                (ROLLING_STD * m.rolling_resistance).max(1e-3),
+                (0.0, 1.0),
+            ),
+        ),
+        (
+            Role::SlopeBias,
+            linear(
+                "prior.slope_bias",
+                "the zero of the slope",
+                "rad",
+                p.slope_bias,
+                p.slope_bias_std,
+                (-0.5, 0.5),
+            ),
+        ),
+        (
+            Role::SpeedDelay,
+            linear(
+                "sensors.speed_delay",
+                "the delay of the speed",
+                "s",
+                s.speed_delay,
+                s.speed_delay_std,
+                (-0.1, LONGEST_DELAY),
+            ),
+        ),
+        (
+            Role::TorqueDelay,
+            linear(
+                "sensors.torque_delay",
+                "the delay of the torques",
+                "s",
+                0.0,
+                TORQUE_DELAY_STD,
+                (-0.2, 0.2),
+            ),
+        ),
+        (
+            Role::Relaxation,
+            linear(
+                "machine.relaxation_length",
+                "the relaxation length of the tyres",
+                "m",
+                m.relaxation_length,
+                RELAXATION_STD,
+                (0.0, 2.0),
+            ),
+        ),
+        (
+            Role::WheelScatter,
+            noise(
+                "scatter of the wheels",
+                "the scatter between the wheels",
+                "m/s",
+                SCATTER.wheels,
+            ),
+        ),
+        (
+            Role::SpeedScatter,
+            noise(
+                "scatter of the speed",
+                "the scatter of the speed",
+                "m/s",
+                SCATTER.speed,
+            ),
+        ),
+        (
+            Role::MotionScatter,
+            noise(
+                "scatter of the motion",
+                "the scatter of the motion",
+                "m/s",
+                SCATTER.motion,
+            ),
+        ),
+    ];
+    if drives.iter().any(|drive| drive.has_acceleration) {
+        let parameter = noise(
+            "scatter of the force",
+            "the scatter of the balance of force",
+            "m/s^2",
+            SCATTER.force,
+        );
+        all.push((Role::ForceScatter, parameter));
+    }
+    if m.friction > 0.0 {
+        let parameter = linear(
+            "machine.friction",
+            "the limit of the tyres' friction",
+            "",
+            m.friction,
+            FRICTION_STD * m.friction,
+            (0.3 * m.friction, 3.0 * m.friction),
+        );
+        all.push((Role::Friction, parameter));
+    }
+    for (l, told) in loads.iter().enumerate() {
+        let of = |empty: &str, what: &str| match l {
+            0 => (empty.to_owned(), format!("the {what} without load")),
+            _ => (
+                format!("load {l}, {what}"),
+                format!("the {what} with load {l}"),
+            ),
+        };
+        let known = |parameter: Parameter, told: Option<Quantity>| match told {
+            Some(q) => Parameter {
+                mean: q.value,
+                std: q.std.max(1e-4 * q.value),
+                source: Source::Measured,
+                ..parameter
+            },
+            None => parameter,
+        };
+        let (key, words) = of("machine.mass", "mass");
+        let mass = told.mass.map_or(m.mass, |q| q.value);
+        let range = (0.3 * mass, 3.0 * mass);
+        let parameter = linear(&key, &words, "kg", m.mass, MASS_STD * m.mass, range);
+        all.push((Role::Mass(l), known(parameter, told.mass)));
+        if l == 0 || told.ratio.is_some() {
+            let (key, words) = of("prior.cg_ratio", "share of the weight in front");
+            let parameter = linear(&key, &words, "", p.cg_ratio, p.cg_ratio_std, (0.05, 0.95));
+            all.push((Role::Ratio(l), known(parameter, told.ratio)));
+        } else {
+            let words = format!("how far load {l} lies ahead of the front axle");
+            let (mean, std) = (REACH.0 * m.bucket_reach, REACH.1 * m.bucket_reach);
+            let range = (-m.wheelbase, 2.0 * m.bucket_reach);
+            let parameter = linear(&format!("load {l}, reach"), &words, "m", mean, std, range);
+            all.push((Role::Reach(l), parameter));
+        }
+        if l == 0 || told.height.is_some() {
+            let (key, words) = of("prior.cg_height", "height of the centre of gravity");
+            let parameter = linear(
+                &key,
+                &words,
+                "m",
+                p.cg_height,
+                p.cg_height_std,
+                (0.05, 10.0),
+            );
+            all.push((Role::Height(l), known(parameter, told.height)));
+        } else {
+            let words = format!("how high load {l} lies");
+            let (mean, std) = (LIFT.0 * p.cg_height, LIFT.1 * p.cg_height);
+            let range = (0.0, 10.0);
+            let parameter = linear(&format!("load {l}, height"), &words, "m", mean, std, range);
+            all.push((Role::Lift(l), parameter));
+        }
+    }
+    all
+}

@@ -1,0 +1,129 @@
+//! The calibrated description of a loader.
+
+use config::Loader as Description;
+use estimation::Quantity;
+
+use super::{Outcome, Role};
+use crate::output::Pen;
+use crate::parameter::Source;
+
+/// What is found once does not stay so well for ever: tyres wear and lose pressure, sensors warm up.
+const RADIUS_STD: f64 = 5e-4;
+const SLOPE_BIAS_STD: f64 = 2e-3;
+const DELAY_STD: f64 = 2e-3;
+/// The slip stiffness differs from ground to ground by this share.
+const GROUND: f64 = 0.05;
+/// What keeps more than this share of its tolerance stays as described.
+pub const NARROWED: f64 = 0.7;
+/// Share of the described width of the ratio that is left.
+const LOADED: f64 = 0.5;
+
+impl Outcome {
+    /// The description with what was found, and its text with `origin` as comments above; none where nothing was.
+    #[must_use]
+    pub fn description(
+        &self,
+        before: &Description,
+        origin: &[String],
+    ) -> Option<(Description, String)> {
+        self.found.as_ref()?;
+        let mut pen = Pen::new(before.clone());
+        for (i, role) in self.drives.roles.iter().enumerate() {
+            if let Some(q) = self.quantity(*role).filter(|_| self.is_found(i)) {
+                self.write(&mut pen, *role, q);
+            }
+        }
+        let text = pen.text(&self.summary(), origin);
+        Some((pen.description, text))
+    }
+
+    /// Whether the recordings say more of a parameter than the description did.
+    fn is_found(&self, i: usize) -> bool {
+        let measured = self.drives.parameters[i].source == Source::Measured;
+        let std = self.found.as_ref().map(|f| f.uncertainty.std(i));
+        !self.fixed[i] && (measured || std.is_some_and(|s| s < NARROWED))
+    }
+
+    fn write(&self, pen: &mut Pen<Description>, role: Role, q: Quantity) {
+        let Some(i) = self.drives.index(role) else {
+            return;
+        };
+        let key = self.drives.parameters[i].key.clone();
+        match role {
+            // Of a recording, or of the fit alone.
+            role if role.is_nuisance() => {}
+            Role::Mass(load) | Role::Ratio(load) | Role::Height(load) if load > 0 => {}
+            Role::Stiffness => {
+                pen.value(&key, q);
+                pen.std("prior.slip_stiffness_std", q.std.max(GROUND * q.value));
+            }
+            // What is in the bucket and on the machine changes: of the prior's width, only the spread between machines goes.
+            Role::Ratio(_) => {
+                let described = pen.description.prior.cg_ratio_std;
+                pen.value(&key, q);
+                pen.std("prior.cg_ratio_std", q.std.max(LOADED * described));
+            }
+            Role::Mass(_) | Role::Height(_) => pen.value(&key, q),
+            Role::Rolling => pen.value(&key, q),
+            Role::FrontRadius | Role::RearRadius => {
+                pen.value(&key, q);
+                let other = [Role::FrontRadius, Role::RearRadius].map(|r| self.std(r));
+                pen.std("prior.radius_std", other[0].max(other[1]).max(RADIUS_STD));
+            }
+            Role::LoadSensitivity => {
+                pen.value(&key, q);
+                pen.std("machine.radius_load_sensitivity_std", q.std);
+                pen.std("estimator.load_sensitivity_floor", 0.0);
+            }
+            Role::FrontGain | Role::RearGain => {
+                pen.value(&key, q);
+                let stds = [Role::FrontGain, Role::RearGain].map(|r| self.std(r));
+                pen.std("sensors.torque_gain_std", stds[0].max(stds[1]));
+            }
+            Role::StiffnessRatio => {
+                pen.value(&key, q);
+                // What counts for the ratio is the slip per measured torque, front against rear.
+                let slip = [
+                    (Role::StiffnessRatio, 1.0),
+                    (Role::FrontGain, 1.0),
+                    (Role::RearGain, -1.0),
+                ];
+                pen.std("machine.stiffness_ratio_std", self.mixed(&slip));
+            }
+            Role::LoadExponent => {
+                pen.value(&key, q);
+                pen.std("machine.stiffness_load_exponent_std", q.std);
+            }
+            Role::SlopeBias => {
+                pen.value(&key, q);
+                pen.std("prior.slope_bias_std", q.std.max(SLOPE_BIAS_STD));
+            }
+            Role::SpeedDelay => {
+                pen.value(&key, q);
+                pen.std("sensors.speed_delay_std", q.std.max(DELAY_STD));
+            }
+            _ => {}
+        }
+    }
+
+    fn std(&self, role: Role) -> f64 {
+        self.quantity(role).map_or(0.0, |q| q.std)
+    }
+
+    /// Standard deviation of a sum of parameters, their errors correlated as found.
+    fn mixed(&self, parts: &[(Role, f64)]) -> f64 {
+        let Some(found) = &self.found else {
+            return 0.0;
+        };
+        let mut variance = 0.0;
+        for (a, share_a) in parts {
+            for (b, share_b) in parts {
+                if let (Some(i), Some(j)) = (self.drives.index(*a), self.drives.index(*b)) {
+                    let scale = self.drives.parameters[i].std * self.drives.parameters[j].std;
+                    variance += share_a * share_b * scale * found.uncertainty.covariance[(i, j)];
+                }
+            }
+        }
+        variance.max(0.0).sqrt()
+    }
+}

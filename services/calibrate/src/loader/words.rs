@@ -1,0 +1,179 @@
+//! What is wrong with the recordings of a loader, in sentences that say what to record.
+
+use super::drives::{Drives, Role};
+use crate::excavator::series::percentile;
+use crate::honesty::Direction;
+
+/// Least time of driving in a recording [s].
+const LEAST_DRIVING: f64 = 20.0;
+/// A machine that is never faster stands [m/s].
+const STANDS: f64 = 0.2;
+/// Strongest driving and braking differ at least by this share of the weight, and each is at least a fourth of it.
+const LEAST_PULL: f64 = 0.05;
+/// What is found so many of its tolerances away from the description is another thing than what is described.
+const FAR: f64 = 4.0;
+
+/// What the recordings lack before any fit.
+#[must_use]
+pub fn before(model: &Drives) -> Vec<String> {
+    let mut faults = Vec::new();
+    for drive in &model.drives {
+        let wheels = drive.wheels.iter().flatten().any(|w| w.is_finite());
+        if !wheels || !drive.speed.iter().any(|v| v.is_finite()) {
+            faults.push(format!(
+                "{}: speed and both wheel speeds are needed; check that the right columns are mapped",
+                drive.name
+            ));
+        } else if drive.fastest() < STANDS {
+            faults.push(format!(
+                "{}: the machine stands still; drive straight on for two minutes, and check that the right columns are mapped",
+                drive.name
+            ));
+        } else if drive.driving_time() < LEAST_DRIVING {
+            faults.push(format!(
+                "{}: only {:.1} s of straight driving faster than walking, without digging and braking; record two minutes of driving",
+                drive.name,
+                drive.driving_time()
+            ));
+        }
+    }
+    faults
+}
+
+/// What these recordings cannot tell, by what their drives are like.
+#[must_use]
+pub fn alike(model: &Drives, free: &[Role]) -> Vec<String> {
+    let mut faults = Vec::new();
+    if model.loads.len() < 2 && free.contains(&Role::LoadSensitivity) {
+        faults.push(ONE_LOAD.into());
+    }
+    let [braking, driving] = pulls(model);
+    if driving - braking < LEAST_PULL {
+        faults.push(
+            "the machine rolls without pulling: slips are too small to tell the stiffness of the tyres; record hard acceleration and braking with the drive"
+                .into(),
+        );
+    } else if driving < 0.25 * LEAST_PULL || braking > -0.25 * LEAST_PULL {
+        let [does, lacks] = if driving > -braking {
+            ["drives and never brakes", "braking with the drive"]
+        } else {
+            ["brakes and never drives", "acceleration"]
+        };
+        faults.push(format!(
+            "slips to one direction only: the machine {does}, and the errors of radii, speed and stiffness look alike; record hard {lacks} too"
+        ));
+    }
+    faults
+}
+
+/// What was found far from what the description lets expect.
+#[must_use]
+pub fn far(model: &Drives, place: &[f64], fixed: &[bool]) -> Vec<String> {
+    let found = model.roles.iter().zip(&model.parameters).zip(place);
+    found
+        .zip(fixed)
+        .filter(|(((role, _), x), fixed)| !**fixed && !role.is_noise() && x.abs() > FAR)
+        .map(|(((_, p), &x), _)| {
+            format!(
+                "{} would be {:.4}, but {:.4} ± {:.4} was expected: the machine does what the model does not know (a locked centre drive, a friction brake, ground that gives way), or the description is wrong",
+                p.words,
+                p.value(x),
+                p.mean,
+                p.std
+            )
+        })
+        .collect()
+}
+
+/// All recordings carry the same load.
+pub const ONE_LOAD: &str = "all recordings carry the same load: rolling radii and their load sensitivity, torque gains and masses look alike; record one run with the bucket empty and one with a weighed load, and tell it: --mass FILE=KG±KG";
+
+/// Strongest braking and driving, as shares of the weight.
+fn pulls(model: &Drives) -> [f64; 2] {
+    let mut pulls = Vec::new();
+    for drive in &model.drives {
+        for k in drive.blocks.iter().flat_map(Clone::clone) {
+            let torque = drive.torques[0][k] + drive.torques[1][k];
+            pulls.push(torque * drive.speed[k].signum() / model.torque_of_weight());
+        }
+    }
+    [0.03, 0.97].map(|share| percentile(pulls.clone(), share))
+}
+
+/// Whether a direction that the data leave open makes the result one not to be believed; what the estimator's own
+/// tolerances carry does not.
+#[must_use]
+pub fn matters(model: &Drives, direction: &Direction) -> bool {
+    share(model, direction, |role| {
+        matches!(
+            role,
+            Role::FrontRadius
+                | Role::RearRadius
+                | Role::LoadSensitivity
+                | Role::Stiffness
+                | Role::StiffnessRatio
+                | Role::LoadExponent
+                | Role::SpeedDelay
+                | Role::Mass(_)
+                | Role::Ratio(_)
+                | Role::Height(_)
+        )
+    }) > 0.5
+}
+
+/// Whether a direction is about what has no use beyond the fit.
+#[must_use]
+pub fn is_nuisance(model: &Drives, direction: &Direction) -> bool {
+    share(model, direction, Role::is_nuisance) > 0.5
+}
+
+/// Share of some parameters in a direction.
+fn share(model: &Drives, direction: &Direction, of: impl Fn(Role) -> bool) -> f64 {
+    let shares = model.roles.iter().zip(&direction.shares);
+    let chosen = shares.filter(|(role, _)| of(**role));
+    chosen.map(|(_, share)| share * share).sum()
+}
+
+/// A direction that the data do not determine, and what to record.
+#[must_use]
+pub fn undetermined(model: &Drives, direction: &Direction) -> String {
+    let members = direction.members();
+    let names: Vec<&str> = members
+        .iter()
+        .map(|&i| model.parameters[i].words.as_str())
+        .collect();
+    let has = |of: fn(Role) -> bool| members.iter().any(|&i| of(model.roles[i]));
+    let place = |r| matches!(r, Role::Ratio(_) | Role::Reach(_) | Role::Lift(_));
+    let tyres = |r| matches!(r, Role::StiffnessRatio | Role::LoadExponent);
+    let remedy = if has(place) && has(tyres) {
+        "weigh both axles, empty and loaded: --weigh scales.csv --weigh FILE=scales.csv"
+    } else if has(|r| matches!(r, Role::FrontGain | Role::RearGain)) {
+        "drive for a while with the torque on one axle, and then on the other"
+    } else if has(|r| matches!(r, Role::LoadSensitivity | Role::Mass(_))) {
+        "record a run with a heavier weighed load"
+    } else if has(|r| matches!(r, Role::Height(_) | Role::LoadExponent)) {
+        "record hard acceleration and braking"
+    } else if has(|r| matches!(r, Role::SpeedDelay)) {
+        "record sharp changes of the speed"
+    } else if has(|r| matches!(r, Role::SlopeBias | Role::Rolling)) {
+        "drive the same way there and back, over a slope"
+    } else {
+        "record longer"
+    };
+    let what = match names.as_slice() {
+        [one] => format!("{one} is not determined by these recordings"),
+        _ => format!("{} cannot be told apart by these recordings", join(&names)),
+    };
+    format!(
+        "{what} (information {:.2} of what the description knows); {remedy}",
+        direction.information
+    )
+}
+
+fn join(names: &[&str]) -> String {
+    match names {
+        [] => String::new(),
+        [one] => (*one).to_owned(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}

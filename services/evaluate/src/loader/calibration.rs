@@ -1,0 +1,449 @@
+//! Calibration over simulated machines (`heft calibrate loader`): what three recordings of two minutes find, whether the stated
+//! intervals hold, and what the estimator makes of it.
+//!
+//! Each seed is a machine of tier B (radii, torque gains, slope bias, tyres, resistance and mass not exactly known) whose
+//! speed comes up to 80 ms and whose torques come up to 20 ms late, whose axles differ in stiffness by up to 8 %, whose stiffness
+//! falls with the load by an exponent of up to 0.15, and whose load sensitivity is another by 0.002 (standard deviation) than told.
+//! It drives two minutes empty, two minutes empty with the torque shifted between the axles, and the same with 1500 kg,
+//! weighed to 30 kg; the empty machine stood on axle scales of 0.5 %, level and tilted.
+//!
+//! JSON: `{"load_sensitivity":{"median":..,"p95":..,"covered":..},..,"after":[{"line","ratio","height",..}],"machines":n,"refused":n}`:
+//! errors in percent (radii of the radius, slope in mrad, delay in ms), coverage of the 95 % intervals in percent; `after` has the
+//! largest errors of the estimator, median and p95 over the machines: as described; as calibrated, which leaves room for other ground and
+//! worn tyres; and with what may be stated on the ground of the recordings on the same day ([`same_ground`]).
+
+use std::sync::atomic::AtomicBool;
+
+use calibrate::loader::{self as calibration, Input, Outcome, Role, Told};
+use estimation::loader::weigh::{Reading, Weighing};
+use estimation::loader::{CgEstimator, Columns, Method, Settings};
+use estimation::{HALF_WIDTH_95, Quantity};
+use serde_json::{Map, Value, json};
+use sim::loader::{Effects, Machine, Row, Run, Scenario, Simulation, Tier};
+use sim::noise::Noise;
+
+use super::candidate::sample;
+use super::score::{Score, Summary};
+use crate::text::{Table, plain, verdict};
+use crate::{Error, Options, Report, seeds};
+use statistics::{median, p95, percentage};
+
+/// Length of a recording, and of the work afterwards [s].
+const LENGTH: f64 = 120.0;
+const WORK: f64 = 160.0;
+/// The weighed load and the accuracy of its scale [kg].
+const LOAD: f64 = 1500.0;
+const LOAD_STD: f64 = 30.0;
+/// Accuracy of axle scales, relative, and how the machine stands on them [rad].
+const SCALE_STD: f64 = 0.005;
+const TILTS: [f64; 4] = [0.0, 0.0, 0.12, -0.12];
+
+/// What is judged: name, role, factor from the value to the printed unit; relative to the true value where the factor is negative.
+const JUDGED: [(&str, Role, f64); 13] = [
+    ("front_radius", Role::FrontRadius, 100.0),
+    ("rear_radius", Role::RearRadius, 100.0),
+    ("load_sensitivity", Role::LoadSensitivity, -100.0),
+    ("front_gain", Role::FrontGain, -100.0),
+    ("rear_gain", Role::RearGain, -100.0),
+    ("stiffness", Role::Stiffness, -100.0),
+    ("stiffness_ratio", Role::StiffnessRatio, -100.0),
+    ("load_exponent", Role::LoadExponent, 100.0),
+    ("rolling_resistance", Role::Rolling, -100.0),
+    ("slope_bias", Role::SlopeBias, 1e3),
+    ("speed_delay", Role::SpeedDelay, 1e3),
+    ("ratio", Role::Ratio(0), -100.0),
+    ("height", Role::Height(0), -100.0),
+];
+
+/// The estimator afterwards: line, scenario, largest errors allowed of ratio and height, median and p95 [percent].
+const LINES: [(&str, Scenario, [f64; 2], [f64; 2]); 3] = [
+    ("S1 bumpy", Scenario::Bumpy, [3.2, 9.2], [f64::INFINITY; 2]),
+    (
+        "S4 accel-decel",
+        Scenario::AccelDecel,
+        [3.0, 6.0],
+        [f64::INFINITY; 2],
+    ),
+    (
+        "work after 100 s",
+        Scenario::WorkCycle,
+        [f64::INFINITY, 2.0],
+        [f64::INFINITY, 8.0],
+    ),
+];
+
+/// By what the estimator knows of the machine.
+const DESCRIPTIONS: [&str; 3] = ["as described", "calibrated", "same ground"];
+/// On the ground of the recordings, on the same day: slip stiffness, relative, and radii.
+const SAME_GROUND: (f64, f64) = (0.02, 2e-4);
+
+fn same_ground(calibrated: &config::Loader) -> config::Loader {
+    let mut d = calibrated.clone();
+    d.prior.slip_stiffness_std = SAME_GROUND.0 * d.prior.slip_stiffness;
+    d.prior.radius_std = SAME_GROUND.1;
+    d
+}
+
+/// A machine that differs from its description.
+#[derive(Clone, Copy, Debug)]
+struct Truth {
+    seed: u64,
+    effects: Effects,
+    torque_delay: f64,
+}
+
+impl Truth {
+    fn new(seed: u64) -> Self {
+        let mut noise = Noise::channel(seed, 100);
+        Self {
+            seed,
+            effects: Effects {
+                speed_delay: noise.uniform(0.0, 0.08),
+                stiffness_difference: noise.uniform(-0.08, 0.08),
+                stiffness_exponent: noise.uniform(0.0, 0.15),
+                radius_sensitivity: (0.002 * noise.normal()).max(-0.008),
+                ..Effects::default()
+            },
+            torque_delay: noise.uniform(0.0, 0.02),
+        }
+    }
+
+    /// A run of this machine with a course of its own.
+    fn run(&self, scenario: Scenario, course: u64, payload: Option<f64>, duration: f64) -> Run {
+        Run {
+            seed: 100 * self.seed + course,
+            machine_seed: Some(self.seed),
+            tier: Tier::B,
+            effects: self.effects,
+            payload,
+            duration: Some(duration),
+            ..Run::new(scenario)
+        }
+    }
+
+    /// What its sensors show in a run.
+    fn rows(&self, run: &Run) -> Result<Vec<Row>, Error> {
+        let rows: Vec<Row> = Simulation::new(run).map_err(Error::refused)?.collect();
+        let late = self.torque_delay * run.rate;
+        let (whole, part) = (late.floor() as usize, late.fract());
+        let earlier = |k: usize, by: usize| &rows[k.saturating_sub(by)];
+        let mixed = |k: usize, of: fn(&Row) -> f64| {
+            (1.0 - part) * of(earlier(k, whole)) + part * of(earlier(k, whole + 1))
+        };
+        let delayed = (0..rows.len()).map(|k| Row {
+            front_torque: mixed(k, |row| row.front_torque),
+            rear_torque: mixed(k, |row| row.rear_torque),
+            ..rows[k]
+        });
+        Ok(delayed.collect())
+    }
+
+    fn input(&self, name: &str, run: &Run, told: Told) -> Result<Input, Error> {
+        Ok(Input {
+            name: name.into(),
+            samples: self.rows(run)?.iter().map(sample).collect(),
+            told,
+        })
+    }
+}
+
+/// What a competent user states of the machine before.
+fn described(told: &sim::loader::Told) -> config::Loader {
+    let mut d = config::Loader::default();
+    d.machine.mass = told.mass;
+    d.machine.wheel_radius = told.wheel_radius;
+    d.machine.axle_inertia = told.axle_inertia;
+    d.machine.wheelbase = told.wheelbase;
+    d.machine.bucket_reach = told.bucket_reach;
+    d.machine.rolling_resistance = told.rolling_resistance;
+    d.machine.friction = told.friction;
+    d.machine.radius_load_sensitivity = told.radius_load_sensitivity;
+    d.prior.slip_stiffness = told.slip_stiffness;
+    d.prior.cg_height = told.cg_height.max(0.3);
+    d.prior.cg_ratio = told.cg_ratio;
+    d.sensors.speed_std = told.grade.speed_std();
+    d.sensors.wheel_speed_std = told.grade.wheel_speed_std();
+    d.sensors.slope_std = told.grade.slope_std();
+    d.sensors.acceleration_std = told.grade.acceleration_std();
+    d
+}
+
+/// The empty machine on axle scales.
+fn weighed(machine: &Machine, noise: &mut Noise) -> Result<Told, Error> {
+    let mut weighing = Weighing::new(machine.wheelbase, SCALE_STD).map_err(Error::refused)?;
+    for pitch in TILTS {
+        let share = machine.cg_ratio - machine.cg_height / machine.wheelbase * pitch.tan();
+        let mut shown = |part: f64| part * machine.mass * (1.0 + SCALE_STD * noise.normal());
+        let reading = Reading {
+            pitch,
+            front_load: shown(share),
+            rear_load: shown(1.0 - share),
+        };
+        weighing.add(&reading).map_err(Error::refused)?;
+    }
+    let reference = weighing.reference().map_err(Error::refused)?;
+    Ok(Told::weighed(&reference, SCALE_STD))
+}
+
+/// What one machine gave.
+struct Found {
+    /// Per judged parameter the error and whether the interval holds.
+    parameters: Vec<(f64, bool)>,
+    /// Per line the scores by [`DESCRIPTIONS`].
+    after: Vec<[Score; 3]>,
+    /// Rows of the work in which the machine moves; of these trusted and of those outside the interval, for ratio and height.
+    trusted: [[usize; 2]; 2],
+    moving: usize,
+}
+
+fn one(seed: u64) -> Result<Option<Found>, Error> {
+    let truth = Truth::new(seed);
+    let flat = truth.run(Scenario::WorkCycle, 1, None, LENGTH);
+    let simulation = Simulation::new(&flat).map_err(Error::refused)?;
+    let (machine, told) = (*simulation.machine(), *simulation.told());
+    let (gains, slope_bias) = (simulation.torque_gains(), simulation.slope_bias());
+    let mut noise = Noise::channel(seed, 101);
+    let mass = Quantity {
+        value: machine.mass + LOAD + LOAD_STD * noise.normal(),
+        std: LOAD_STD,
+    };
+    let back = truth.run(Scenario::Dither, 2, None, LENGTH);
+    let loaded = truth.run(Scenario::Dither, 3, Some(LOAD), LENGTH);
+    let load = Told {
+        mass: Some(mass),
+        ..Told::default()
+    };
+    let inputs = [
+        truth.input("flat", &flat, Told::default())?,
+        truth.input("back", &back, Told::default())?,
+        truth.input("loaded", &loaded, load)?,
+    ];
+    let before = described(&told);
+    let outcome = calibration::calibrate(
+        &inputs,
+        &calibration::Options {
+            description: &before,
+            weighed: weighed(&machine, &mut noise)?,
+            slices: false,
+            free: None,
+            stop: &AtomicBool::new(false),
+            progress: &|_| {},
+        },
+    )
+    .map_err(Error::refused)?;
+    if !outcome.faults.is_empty() {
+        eprintln!("seed {seed}: {}", outcome.faults.join("; "));
+        return Ok(None);
+    }
+    let Some((after, _)) = outcome.description(&before, &[]) else {
+        return Ok(None);
+    };
+    let true_value = |role: Role| match role {
+        Role::FrontRadius => machine.front_radius_error,
+        Role::RearRadius => machine.rear_radius_error,
+        Role::LoadSensitivity => machine.radius_load_sensitivity,
+        Role::FrontGain => gains[0],
+        Role::RearGain => gains[1],
+        Role::Stiffness => machine.slip_stiffness,
+        Role::StiffnessRatio => 1.0 + machine.stiffness_difference,
+        Role::LoadExponent => machine.stiffness_exponent,
+        Role::Rolling => machine.rolling_resistance,
+        Role::SlopeBias => slope_bias,
+        Role::SpeedDelay => truth.effects.speed_delay,
+        Role::Ratio(_) => machine.cg_ratio,
+        Role::Height(_) => machine.cg_height,
+        _ => 0.0,
+    };
+    let Some(parameters) = errors(&outcome, true_value) else {
+        return Ok(None);
+    };
+    let mut found = Found {
+        parameters,
+        after: Vec::new(),
+        trusted: [[0; 2]; 2],
+        moving: 0,
+    };
+    for (course, (_, scenario, ..)) in LINES.into_iter().enumerate() {
+        let duration = scenario.duration().min(WORK);
+        let run = truth.run(scenario, 4 + course as u64, None, duration);
+        let rows = truth.rows(&run)?;
+        found.drive(&rows, scenario, [&before, &after, &same_ground(&after)])?;
+    }
+    Ok(Some(found))
+}
+
+fn errors(outcome: &Outcome, true_value: impl Fn(Role) -> f64) -> Option<Vec<(f64, bool)>> {
+    JUDGED
+        .iter()
+        .map(|&(_, role, factor)| {
+            let quantity = outcome.quantity(role)?;
+            let truth = true_value(role);
+            let error = quantity.value - truth;
+            let scale = if factor < 0.0 {
+                -factor / truth
+            } else {
+                factor
+            };
+            Some((scale * error, error.abs() < HALF_WIDTH_95 * quantity.std))
+        })
+        .collect()
+}
+
+impl Found {
+    /// The estimator under both descriptions on the rows of a line.
+    fn drive(
+        &mut self,
+        rows: &[Row],
+        scenario: Scenario,
+        descriptions: [&config::Loader; 3],
+    ) -> Result<(), Error> {
+        let mut scores = [Score::default(); 3];
+        for (k, description) in descriptions.into_iter().enumerate() {
+            let settings = Settings::of(description, Method::Full);
+            let columns = Columns {
+                acceleration: true,
+                ..Columns::default()
+            };
+            let mut estimator =
+                CgEstimator::new(&settings, Method::Full, columns).map_err(Error::refused)?;
+            for row in rows {
+                let estimate = estimator.step(&sample(row));
+                if row.time < scenario.evaluated_from() {
+                    continue;
+                }
+                scores[k].take(row, &estimate);
+                if k != 1 || scenario != Scenario::WorkCycle || row.truth.speed.abs() < 0.1 {
+                    continue;
+                }
+                self.moving += 1;
+                let judged = [
+                    (
+                        estimate.trusted_ratio,
+                        estimate.cg_ratio,
+                        row.truth.cg_ratio,
+                    ),
+                    (
+                        estimate.trusted_height,
+                        estimate.cg_height,
+                        row.truth.cg_height,
+                    ),
+                ];
+                for (count, (trusted, q, truth)) in self.trusted.iter_mut().zip(judged) {
+                    if trusted {
+                        count[0] += 1;
+                        count[1] += usize::from((q.value - truth).abs() > HALF_WIDTH_95 * q.std);
+                    }
+                }
+            }
+        }
+        self.after.push(scores);
+        Ok(())
+    }
+}
+
+/// Evaluates the table.
+pub(super) fn evaluate(options: &Options) -> Result<Report, Error> {
+    let all = seeds(options, "calibration", one)?;
+    let (machines, refused) = (all.len(), all.iter().filter(|f| f.is_none()).count());
+    let found: Vec<Found> = all.into_iter().flatten().collect();
+    let mut json = Map::new();
+    let mut table = Table::new(&["parameter", "median", "p95", "covered %"]);
+    for (i, (name, ..)) in JUDGED.into_iter().enumerate() {
+        let errors: Vec<f64> = found.iter().map(|f| f.parameters[i].0.abs()).collect();
+        let covered = percentage(found.iter().map(|f| f.parameters[i].1));
+        table.row([
+            name.to_owned(),
+            plain(median(&errors), 3),
+            plain(p95(&errors), 3),
+            plain(covered, 1),
+        ]);
+        json.insert(
+            name.to_owned(),
+            json!({"median": median(&errors), "p95": p95(&errors), "covered": covered}),
+        );
+    }
+    let (lines, records, good) = lines(&found);
+    json.insert("after".into(), Value::Array(records));
+    let moving: usize = found.iter().map(|f| f.moving).sum();
+    let share = |part: usize, whole: usize| 100.0 * part as f64 / whole.max(1) as f64;
+    let mut text = format!(
+        "Calibration of {machines} simulated loaders from two recordings of {LENGTH} s empty and one with {LOAD} kg ({refused} refused); errors in percent, of the slope in mrad, of the delay in ms\n{table}\n\
+         The estimator afterwards on new drives: largest error [%], median (p95) over the machines\n{lines}"
+    );
+    for (i, what) in ["ratio", "height"].into_iter().enumerate() {
+        let trusted: usize = found.iter().map(|f| f.trusted[i][0]).sum();
+        let outside: usize = found.iter().map(|f| f.trusted[i][1]).sum();
+        let (trusted, outside) = (share(trusted, moving), share(outside, trusted));
+        text += &format!(
+            "  {what} after 100 s of work: trusted {trusted:.0} % of the motion, of these {outside:.1} % outside the interval\n"
+        );
+        json.insert(
+            format!("{what}_after"),
+            json!({"trusted": trusted, "outside": outside}),
+        );
+    }
+    json.insert("machines".into(), json!(machines));
+    json.insert("refused".into(), json!(refused));
+    Ok(Report {
+        text,
+        json: Value::Object(json),
+        met: good && refused == 0,
+    })
+}
+
+/// The lines of the estimator, their records, and whether all targets are met.
+fn lines(found: &[Found]) -> (Table, Vec<Value>, bool) {
+    let mut table = Table::new(&[
+        "line",
+        "",
+        "ratio",
+        "rms",
+        "covered %",
+        "height",
+        "rms",
+        "covered %",
+        "target",
+        "",
+    ]);
+    let (mut records, mut met) = (Vec::new(), true);
+    for (l, (line, _, ratio, height)) in LINES.into_iter().enumerate() {
+        for (k, name) in DESCRIPTIONS.into_iter().enumerate() {
+            let scores: Vec<Vec<Score>> = found.iter().map(|f| vec![f.after[l][k]]).collect();
+            let summary = Summary::of(&scores, 0);
+            let below = |errors: &super::score::Errors, limits: [f64; 2]| {
+                errors.median <= limits[0] && errors.p95 <= limits[1]
+            };
+            let good = below(&summary.ratio, ratio) && below(&summary.height, height);
+            met &= good || k != 1;
+            let limit = |limits: [f64; 2]| {
+                limits
+                    .map(|x| {
+                        if x.is_finite() {
+                            plain(x, 1)
+                        } else {
+                            "-".into()
+                        }
+                    })
+                    .join(" / ")
+            };
+            let target = format!("{}; {}", limit(ratio), limit(height));
+            table.row([
+                line.to_owned(),
+                name.to_owned(),
+                summary.ratio.largest(),
+                plain(summary.ratio.rms, 2),
+                plain(100.0 * summary.ratio.coverage, 1),
+                summary.height.largest(),
+                plain(summary.height.rms, 2),
+                plain(100.0 * summary.height.coverage, 1),
+                if k == 0 { String::new() } else { target },
+                if k == 0 { String::new() } else { verdict(good) },
+            ]);
+            let mut record = summary.json();
+            record["line"] = json!(line);
+            record["description"] = json!(name);
+            records.push(record);
+        }
+    }
+    (table, records, met)
+}

@@ -1,0 +1,191 @@
+//! `heft calibrate loader` as a user runs it, on a simulated machine off the line.
+
+mod common;
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::Output;
+
+use common::{both, run, run_ok};
+use config::Tables as _;
+use sim::loader::{Effects, Machine, Run, Scenario, Simulation, Tier};
+
+const MACHINE: u64 = 7;
+const LOAD: f64 = 1500.0;
+
+/// A machine with tyres of its own and a late speed.
+fn drive(scenario: Scenario, course: u64, payload: Option<f64>) -> Simulation {
+    let run = Run {
+        seed: 1000 * MACHINE + course,
+        machine_seed: Some(MACHINE),
+        tier: Tier::B,
+        effects: Effects {
+            speed_delay: 0.05,
+            stiffness_difference: 0.06,
+            stiffness_exponent: 0.1,
+            radius_sensitivity: 0.003,
+            ..Effects::default()
+        },
+        payload,
+        duration: Some(100.0),
+        ..Run::new(scenario)
+    };
+    Simulation::new(&run).expect("a run")
+}
+
+struct Recordings {
+    folder: tempfile::TempDir,
+    machine: Machine,
+}
+
+impl Recordings {
+    fn new() -> Self {
+        let recordings = Self {
+            folder: tempfile::tempdir().expect("a folder"),
+            machine: *drive(Scenario::WorkCycle, 1, None).machine(),
+        };
+        recordings.write("flat.csv", drive(Scenario::WorkCycle, 1, None));
+        recordings.write("back.csv", drive(Scenario::Dither, 2, None));
+        recordings.write("loaded.csv", drive(Scenario::Dither, 3, Some(LOAD)));
+        recordings.write("still.csv", drive(Scenario::WorkCycle, 4, None).take(40));
+        let mut scales = "pitch,front_load,rear_load\n".to_owned();
+        let m = &recordings.machine;
+        for pitch in [0.0, 0.0, 0.12, -0.12] {
+            let share = m.cg_ratio - m.cg_height / m.wheelbase * f64::tan(pitch);
+            let weight = 9.81 * m.mass;
+            let _ = writeln!(
+                scales,
+                "{pitch},{},{}",
+                share * weight,
+                (1.0 - share) * weight
+            );
+        }
+        std::fs::write(recordings.path("scales.csv"), scales).expect("a file");
+        recordings
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn write(&self, name: &str, rows: impl Iterator<Item = sim::loader::Row>) {
+        let mut text = "t,speed,front_wheel_speed,rear_wheel_speed,front_torque,rear_torque,slope,acceleration\n".to_owned();
+        for r in rows {
+            let _ = writeln!(
+                text,
+                "{},{},{},{},{},{},{},{}",
+                r.time,
+                r.speed,
+                r.front_wheel_speed,
+                r.rear_wheel_speed,
+                r.front_torque,
+                r.rear_torque,
+                r.slope,
+                r.acceleration
+            );
+        }
+        std::fs::write(self.path(name), text).expect("a file");
+    }
+
+    /// Calibrates from some of the files, with further words.
+    fn calibrate(&self, files: &[&str], more: &[&str]) -> (Output, PathBuf) {
+        let text = |p: &Path| p.to_str().expect("a path").to_owned();
+        let output = self.path("machine.toml");
+        let mut words = vec!["calibrate".to_owned(), "loader".to_owned()];
+        words.extend(files.iter().map(|f| text(&self.path(f))));
+        words.extend(more.iter().map(|w| (*w).to_owned()));
+        words.extend(["-o".to_owned(), text(&output)]);
+        let words: Vec<&str> = words.iter().map(String::as_str).collect();
+        (run(&words), output)
+    }
+}
+
+#[test]
+fn three_drives_and_axle_scales_find_the_machine_within_its_intervals() {
+    let recordings = Recordings::new();
+    let scales = recordings.path("scales.csv");
+    let scales = scales.to_str().expect("a path");
+    let (result, output) = recordings.calibrate(
+        &["flat.csv", "back.csv", "loaded.csv"],
+        &["--mass", "loaded.csv=6200±30", "--weigh", scales],
+    );
+    assert!(result.status.success(), "{}", both(&result));
+    run_ok(&["check", output.to_str().expect("a path")]);
+    let text = std::fs::read_to_string(&output).expect("a file");
+    let d = config::Loader::parse(&text, "machine.toml").expect("a description");
+    let m = &recordings.machine;
+    // Three standard deviations as stated, and no more than what a calibration is for.
+    for (what, found, std, truth, useful) in [
+        (
+            "load sensitivity",
+            d.machine.radius_load_sensitivity,
+            d.machine.radius_load_sensitivity_std,
+            m.radius_load_sensitivity,
+            5e-4,
+        ),
+        (
+            "stiffness ratio",
+            d.machine.stiffness_ratio,
+            d.machine.stiffness_ratio_std,
+            1.0 + m.stiffness_difference,
+            0.02,
+        ),
+        (
+            "load exponent",
+            d.machine.stiffness_load_exponent,
+            d.machine.stiffness_load_exponent_std,
+            m.stiffness_exponent,
+            0.04,
+        ),
+        (
+            "delay",
+            d.sensors.speed_delay,
+            d.sensors.speed_delay_std,
+            0.05,
+            5e-3,
+        ),
+        (
+            "front radius",
+            d.prior.front_radius_error,
+            d.prior.radius_std,
+            m.front_radius_error,
+            1e-3,
+        ),
+        (
+            "slip stiffness",
+            d.prior.slip_stiffness,
+            d.prior.slip_stiffness_std,
+            m.slip_stiffness,
+            1.5,
+        ),
+    ] {
+        assert!(
+            (found - truth).abs() < 3.0 * std && std < useful,
+            "{what}: {found} ± {std} for {truth}"
+        );
+    }
+    assert!(text.contains("sha256") && text.contains("Correlations"));
+}
+
+#[test]
+fn what_cannot_be_believed_is_said_and_not_written() {
+    let recordings = Recordings::new();
+    let scales = recordings.path("scales.csv");
+    let scales = scales.to_str().expect("a path");
+    let all: &[&str] = &["flat.csv", "back.csv", "loaded.csv"];
+    for (files, more, sentence) in [
+        (
+            all,
+            &["--mass", "loaded.csv=5450±30", "--weigh", scales][..],
+            "was told as 5450 kg",
+        ),
+        (&all[..2], &["--weigh", scales], "the same load"),
+        (&["still.csv"], &["--weigh", scales], "stands still"),
+        (all, &["--mass", "loaded.csv=6200±30"], "weigh both axles"),
+    ] {
+        let (result, output) = recordings.calibrate(files, more);
+        assert_eq!(result.status.code(), Some(1), "{}", both(&result));
+        assert!(both(&result).contains(sentence), "{}", both(&result));
+        assert!(!output.exists(), "{sentence}");
+    }
+}
