@@ -47,11 +47,19 @@ pub struct Fleet {
 impl Fleet {
     /// What the arguments ask for.
     pub fn of(args: &FleetArgs) -> Result<Option<Self>, Failure> {
-        let (Some(connect), Some(site), Some(machine)) = (&args.fleet, &args.site, &args.machine_id)
+        let (Some(connect), Some(site), Some(machine)) =
+            (&args.fleet, &args.site, &args.machine_id)
         else {
             return Ok(None);
         };
-        let mut arguments = vec!["--connect", connect, "--site", site, "--machine-id", machine];
+        let mut arguments = vec![
+            "--connect",
+            connect,
+            "--site",
+            site,
+            "--machine-id",
+            machine,
+        ];
         let file = args.zenoh_config.as_deref().map(std::path::absolute);
         let file = file.transpose().map_err(Failure::internal)?;
         let file = file.map(|f| f.display().to_string());

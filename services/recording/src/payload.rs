@@ -55,6 +55,9 @@ mod tests {
         encode(&message, &mut bytes);
         assert_eq!(decode(&bytes), Some(message));
         assert_eq!(decode::<ExcavatorEstimate>(&bytes[..bytes.len() - 1]), None);
-        assert_eq!(decode::<ExcavatorEstimate>(&[0, 0]), Some(Default::default()));
+        assert_eq!(
+            decode::<ExcavatorEstimate>(&[0, 0]),
+            Some(Default::default())
+        );
     }
 }
