@@ -3,6 +3,7 @@
 mod brakes;
 mod drive;
 mod drives;
+mod known;
 mod residuals;
 mod result;
 mod words;

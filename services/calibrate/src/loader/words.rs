@@ -69,15 +69,20 @@ pub fn alike(model: &Drives, free: &[Role]) -> Vec<String> {
 /// What was found far from what the description lets expect.
 #[must_use]
 pub fn far(model: &Drives, place: &[f64], fixed: &[bool]) -> Vec<String> {
-    let found = model.roles.iter().zip(&model.parameters).zip(place);
-    found
-        .zip(fixed)
-        .filter(|(((role, _), x), fixed)| !**fixed && !role.is_noise() && x.abs() > FAR)
-        .map(|(((_, p), &x), _)| {
+    let is_far = |&i: &usize| {
+        // Told masses are asked for one by one.
+        let judged =
+            !model.roles[i].is_noise() && !matches!(model.roles[i], Role::Mass(l) if l > 0);
+        judged && !fixed[i] && place[i].abs() > FAR
+    };
+    (0..place.len())
+        .filter(is_far)
+        .map(|i| {
+            let p = &model.parameters[i];
             format!(
                 "{} would be {:.4}, but {:.4} ± {:.4} was expected: the machine does what the model does not know (a locked centre drive, a friction brake, ground that gives way), or the description is wrong",
                 p.words,
-                p.value(x),
+                p.value(place[i]),
                 p.mean,
                 p.std
             )

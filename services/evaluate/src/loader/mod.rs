@@ -55,7 +55,7 @@ pub(crate) fn evaluate(options: &Options) -> Result<Report, Error> {
         met: true,
     };
     for (name, evaluate) in TABLES {
-        // A calibration takes a minute.
+        // A machine takes several seconds: three drives, a calibration and nine runs of the estimator.
         let report = if name == "calibration" {
             evaluate(&fewer(options, 20))?
         } else {
