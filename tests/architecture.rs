@@ -27,6 +27,11 @@ const ARROWS: &[(&str, &[&str])] = &[
         "services/view",
         &["estimation", "messages", "recording", "statistics", "steps"],
     ),
+    // A workspace of its own, because of Zenoh.
+    (
+        "services/gateway",
+        &["messages", "recording", "runtime", "steps", "view"],
+    ),
     ("bindings/c", &["estimation"]),
     ("bindings/fmu", &["estimation", "messages"]),
     ("services/calibrate", &["config", "estimation"]),
@@ -145,6 +150,21 @@ fn only_the_runtime_talks_to_iceoryx2() {
         );
     }
     assert!(!dependencies("", "[dependencies]").contains("iceoryx2"));
+}
+
+#[test]
+fn only_the_gateway_has_zenoh_and_the_workspace_builds_without_it() {
+    let is_zenoh = |name: &String| name.starts_with("zenoh");
+    for (folder, _) in ARROWS {
+        let found = dependencies(folder, "[dependencies]").iter().any(is_zenoh);
+        assert_eq!(found, *folder == "services/gateway", "{folder}");
+    }
+    let text = |file: &str| fs::read_to_string(root().join(file)).expect("a file");
+    assert!(!text("Cargo.lock").contains("name = \"zenoh"));
+    let workspace = text("Cargo.toml");
+    let excluded = workspace.split("exclude = [").nth(1).expect("a list");
+    let excluded = excluded.split(']').next().unwrap_or_default();
+    assert!(excluded.contains("\"services/gateway\""));
 }
 
 #[test]

@@ -10,6 +10,7 @@ use clap_complete::Shell;
 use messages::Machine;
 
 use crate::bounds::LimitArgs;
+use crate::fleet::FleetArgs;
 use crate::machines;
 
 /// Lets a construction machine know its own mass properties while it works.
@@ -144,6 +145,13 @@ pub enum Command {
         #[arg(long, value_name = "FILE")]
         json: Option<PathBuf>,
     },
+    /// Keep and show what many machines send (needs heft-fleet)
+    #[command(disable_help_flag = true)]
+    Fleet {
+        /// `heft fleet --help` tells
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        args: Vec<String>,
+    },
     /// Print a completion script for a shell
     Completions {
         /// The shell
@@ -254,6 +262,9 @@ pub struct RunArgs {
     /// Bounds of the recording
     #[command(flatten)]
     pub limits: LimitArgs,
+    /// Where what is found is sent
+    #[command(flatten)]
+    pub fleet: FleetArgs,
     /// Remember slow parameters from run to run in this file: what was trusted is the prior of the next run
     #[arg(long, value_name = "FILE")]
     pub state: Option<PathBuf>,

@@ -10,6 +10,7 @@ mod commands;
 mod compare;
 mod failure;
 mod fault;
+mod fleet;
 mod live;
 mod machines;
 mod many;
@@ -107,6 +108,7 @@ fn dispatch(cli: Cli) -> Result<(), Failure> {
             description,
             json,
         } => commands::weigh::weigh(&file, &description, json.as_deref()),
+        Command::Fleet { args } => fleet::fleet(&args),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Cli::command(), "heft", &mut script);

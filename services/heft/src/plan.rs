@@ -13,6 +13,7 @@ use steps::stages::Pipeline;
 
 use crate::bounds::LimitArgs;
 use crate::failure::Failure;
+use crate::fleet::Fleet;
 use crate::outputs::CanOutput;
 
 /// What a run does. Written to the domain by the supervisor, read by every worker.
@@ -50,6 +51,12 @@ pub struct Plan {
     pub cores: Vec<usize>,
     /// What was restored of an earlier run, in words; the description holds it.
     pub restored: Option<String>,
+    /// The fleet that it belongs to.
+    pub fleet: Option<Fleet>,
+    /// When the run began [ms since 1970]: which run of its machine it is.
+    pub begun_ms: u64,
+    /// Version of heft.
+    pub version: String,
     /// File to record to.
     pub recording: PathBuf,
     /// Bounds of the recording.

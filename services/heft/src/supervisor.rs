@@ -14,6 +14,7 @@ use steps::stages::{Pipeline, Role};
 
 use crate::failure::Failure;
 use crate::fault::Fault;
+use crate::fleet::Gateway;
 use crate::notify::Notify;
 use crate::parts;
 use crate::plan::Plan;
@@ -62,6 +63,7 @@ pub struct Supervisor {
     spare: Spare,
     _channels: Vec<Held>,
     _ports: Ports,
+    gateway: Option<Gateway>,
     signals: Signals,
     notify: Notify,
     look: Duration,
@@ -112,6 +114,7 @@ impl Supervisor {
             spare: Spare::default(),
             _channels: held,
             _ports: ports,
+            gateway: None,
             signals,
             notify: Notify::of_environment(),
             look,
@@ -122,6 +125,8 @@ impl Supervisor {
             owner,
         };
         supervisor.spawn_all()?;
+        let fleet = supervisor.plan.fleet.clone();
+        supervisor.gateway = fleet.map(|f| Gateway::start(f, supervisor.owner.domain()));
         supervisor.spare.fill();
         Ok(supervisor)
     }
@@ -249,6 +254,9 @@ impl Supervisor {
             }
         }
         self.end_hanging();
+        if let Some(gateway) = &mut self.gateway {
+            gateway.keep_alive();
+        }
         self.watch.tick();
         None
     }

@@ -18,6 +18,7 @@ mod load;
 mod map;
 pub mod output;
 mod parts;
+pub mod payload;
 mod reader;
 mod record;
 mod recover;

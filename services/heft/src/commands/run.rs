@@ -10,6 +10,7 @@ use steps::stages::Pipeline;
 use crate::cli::{self, DescriptionArgs, RunArgs};
 use crate::failure::Failure;
 use crate::fault::Fault;
+use crate::fleet::Fleet;
 use crate::machines;
 use crate::outputs::CanOutput;
 use crate::parts::Reserved;
@@ -54,6 +55,11 @@ fn default_folder(machine: &str) -> PathBuf {
         .duration_since(std::time::UNIX_EPOCH)
         .map_or(0, |d| d.as_secs());
     PathBuf::from("runs").join(format!("{machine}-{seconds}-{}", std::process::id()))
+}
+
+fn now_ms() -> u64 {
+    let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
+    now.map_or(0, |d| d.as_millis() as u64)
 }
 
 /// Makes the folder of a run.
@@ -103,6 +109,9 @@ pub fn plan(args: &RunArgs) -> Result<(Plan, PathBuf), Failure> {
         realtime: args.rt,
         cores: cores(args),
         restored: None,
+        fleet: Fleet::of(&args.fleet)?,
+        begun_ms: now_ms(),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
         recording: PathBuf::new(),
         limits: args.limits.clone(),
         probe: args.probe.as_deref().map(absolute).transpose()?,

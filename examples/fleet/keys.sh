@@ -1,0 +1,36 @@
+#!/usr/bin/env bash
+# Keys for a fleet with mutual TLS: an authority, a router, a collector, machines; and the configuration of each.
+#
+#   keys.sh FOLDER SITE MACHINE...     DAYS=365 ROUTER=localhost
+#
+# A machine's name is its certificate's common name: the router lets it write its own keys only. Run it again in
+# the same folder to add machines; give each host its own three files and ca.pem, and keep ca.key to yourself.
+set -euo pipefail
+umask 077
+folder=$1 site=$2; shift 2
+days=${DAYS:-365} router=${ROUTER:-localhost} here=$(cd "$(dirname "$0")" && pwd)
+mkdir -p "$folder"; cd "$folder"
+key() { openssl ecparam -name prime256v1 -genkey -noout -out "$1.key"; }
+if [ ! -e ca.pem ]; then
+  key ca
+  openssl req -x509 -new -key ca.key -days 3650 -subj "/CN=heft fleet authority" -out ca.pem
+fi
+certificate() { # NAME ADDRESSES
+  [ -e "$1.pem" ] && return
+  key "$1"
+  openssl req -new -key "$1.key" -subj "/CN=$1" -out "$1.csr"
+  openssl x509 -req -in "$1.csr" -CA ca.pem -CAkey ca.key -CAcreateserial -days "$days" -out "$1.pem" -extfile \
+    <(printf 'subjectAltName=%s\nbasicConstraints=CA:FALSE\nkeyUsage=digitalSignature\nextendedKeyUsage=serverAuth,clientAuth' "$2") 2>/dev/null
+  rm "$1.csr"
+  cat > "$1.json5" <<END
+{ transport: { link: { tls: {
+  root_ca_certificate: "$PWD/ca.pem", connect_private_key: "$PWD/$1.key", connect_certificate: "$PWD/$1.pem",
+  enable_mtls: true, close_link_on_expiration: true } } } }
+END
+}
+certificate router "DNS:$router,DNS:localhost,IP:127.0.0.1"
+certificate collector "DNS:collector"
+for machine in "$@"; do certificate "$machine" "DNS:$machine"; done
+machines=$(ls *.pem | sed 's/\.pem$//' | grep -vxE 'ca|router|collector')
+python3 "$here/router.py" "$PWD" "$site" $machines > router.json5
+echo "router.json5 and one configuration for each of: collector" $machines

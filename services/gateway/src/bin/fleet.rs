@@ -1,0 +1,70 @@
+//! heft-fleet: keeps and shows what many machines send. `heft fleet` is the same.
+
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use clap::{Parser, Subcommand};
+use gateway::collector::full::FullArgs;
+use gateway::collector::query::QueryArgs;
+use gateway::collector::{CollectorArgs, full, query, run};
+use gateway::link;
+
+/// Keeps and shows what many machines send.
+///
+/// Without a command: collects until it is ended, and shows all machines on a page of this host.
+#[derive(Parser)]
+#[command(name = "heft fleet", version, args_conflicts_with_subcommands = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Option<Command>,
+    #[command(flatten)]
+    collector: CollectorArgs,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Print the history as a table
+    Query(QueryArgs),
+    /// Print every estimate of one machine for a while
+    Full(FullArgs),
+    /// Be a router of Zenoh, as `zenohd` is, for machines and collectors to meet
+    Router {
+        /// Where it listens: this host only, unless told otherwise
+        #[arg(long, value_name = "tcp/HOST:PORT")]
+        listen: Option<String>,
+        /// Keys, certificates, access: a configuration file of Zenoh
+        #[arg(long, value_name = "FILE")]
+        zenoh_config: Option<std::path::PathBuf>,
+    },
+}
+
+fn main() -> ExitCode {
+    gateway::log();
+    // What is written is for its user alone.
+    rustix::process::umask(rustix::fs::Mode::RWXG | rustix::fs::Mode::RWXO);
+    let cli = Cli::parse();
+    let stop = Arc::new(AtomicBool::new(false));
+    let result = gateway::on_signal(&stop).and_then(|()| match &cli.command {
+        None => run(&cli.collector, &stop),
+        Some(Command::Query(args)) => query::query(args, &mut std::io::stdout().lock()),
+        Some(Command::Full(args)) => full::full(args, &mut std::io::stdout().lock(), &stop),
+        Some(Command::Router {
+            listen,
+            zenoh_config,
+        }) => {
+            let listen = listen
+                .as_deref()
+                .or(zenoh_config.is_none().then_some(link::DEFAULT));
+            let session = link::router(listen, zenoh_config.as_deref());
+            session.map(|_session| {
+                eprintln!("router: {}", listen.unwrap_or("as its configuration says"));
+                while !stop.load(Ordering::Relaxed) {
+                    std::thread::sleep(Duration::from_millis(100));
+                }
+            })
+        }
+    });
+    gateway::exit("heft fleet", result)
+}

@@ -1,0 +1,25 @@
+//! heft-gateway: sends what a machine's pipeline finds to a fleet. `heft run ... --fleet` starts it.
+
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use clap::Parser;
+use gateway::machine::{GatewayArgs, run};
+
+/// Sends what a machine's pipeline finds to a fleet.
+///
+/// `heft run ... --fleet tcp/HOST:7447 --site S --machine-id M` starts it beside the pipeline.
+#[derive(Parser)]
+#[command(name = "heft-gateway", version)]
+struct Cli {
+    #[command(flatten)]
+    args: GatewayArgs,
+}
+
+fn main() -> ExitCode {
+    gateway::log();
+    let stop = Arc::new(AtomicBool::new(false));
+    let result = gateway::on_signal(&stop).and_then(|()| run(&Cli::parse().args, &stop));
+    gateway::exit("heft-gateway", result)
+}

@@ -1,0 +1,187 @@
+//! Alarms: a machine that is silent, that has not been trusted for long, or whose learnt parameters have
+//! drifted beyond what their intervals allow.
+
+use std::collections::BTreeMap;
+use std::time::{Duration, Instant};
+
+use super::live::{Fleet, Machine, SILENT};
+use super::shown::{Quantity, quantities};
+use crate::key::MachineId;
+
+/// Two estimates that differ by more than this many standard deviations of their difference have drifted
+/// (a chance of 1 in 16 000 for independent normal errors; errors of one machine are not independent, so less).
+const DRIFT: f64 = 4.0;
+/// A clock that is off by more than this [ms] is told.
+const CLOCK_MS: i64 = 10_000;
+
+/// What is an alarm.
+#[derive(Debug, Clone, clap::Args)]
+pub struct AlarmArgs {
+    /// A machine that runs and was not trusted for so long [min]
+    #[arg(long, default_value_t = 30.0, value_name = "MIN")]
+    pub untrusted_after: f64,
+}
+
+/// An alarm that was raised or is over.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Alarm {
+    /// Whose.
+    pub id: MachineId,
+    /// Which.
+    pub kind: &'static str,
+    /// In words.
+    pub text: String,
+}
+
+impl std::fmt::Display for Alarm {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}: {}", self.id, self.text)
+    }
+}
+
+/// What is remembered of a machine.
+#[derive(Debug, Default)]
+pub struct State {
+    /// Alarms that are on, by kind, in words.
+    pub on: BTreeMap<&'static str, String>,
+    /// Since when it runs without being trusted.
+    untrusted: Option<Instant>,
+    /// The first trusted value of each learnt parameter since the collector began, and what it drifted to.
+    first: BTreeMap<&'static str, Quantity>,
+}
+
+/// Looks at every machine; returns what changed.
+pub fn look(fleet: &mut Fleet, args: &AlarmArgs) -> Vec<Alarm> {
+    let limit = Duration::from_secs_f64(args.untrusted_after.clamp(0.0, 1e6) * 60.0);
+    let mut changed = Vec::new();
+    for (id, machine) in &mut fleet.machines {
+        let now = found(machine, limit);
+        let before = std::mem::take(&mut machine.alarms.on);
+        for (kind, text) in &now {
+            if !before.contains_key(kind) {
+                let (id, text) = (id.clone(), text.clone());
+                changed.push(Alarm { id, kind, text });
+            }
+        }
+        for kind in before.keys().filter(|k| !now.contains_key(*k)) {
+            let text = format!("{kind}: over");
+            let id = id.clone();
+            changed.push(Alarm { id, kind, text });
+        }
+        machine.alarms.on = now;
+    }
+    changed
+}
+
+fn found(machine: &mut Machine, limit: Duration) -> BTreeMap<&'static str, String> {
+    let mut on = BTreeMap::new();
+    let has_ended = machine.status.as_ref().is_some_and(|s| s.ended);
+    if !machine.is_here() {
+        machine.alarms.untrusted = None;
+        if !has_ended {
+            let text = format!("silent for more than {} s", SILENT.as_secs());
+            on.insert("silent", text);
+        }
+        return on;
+    }
+    if machine.clock_ms.abs() > CLOCK_MS {
+        let seconds = machine.clock_ms as f64 / 1e3;
+        on.insert("clock", format!("its clock is off by {seconds:+.0} s"));
+    }
+    let all = machine
+        .main("estimate")
+        .map(|(_, e)| quantities(e))
+        .unwrap_or_default();
+    let trusted = all.first().is_some_and(|q| q.trusted);
+    let since = *machine.alarms.untrusted.get_or_insert_with(Instant::now);
+    if trusted {
+        machine.alarms.untrusted = None;
+    } else if since.elapsed() >= limit {
+        let minutes = since.elapsed().as_secs() / 60;
+        on.insert("untrusted", format!("not trusted for {minutes} min"));
+    }
+    for quantity in all.into_iter().filter(|q| q.learnt && q.trusted) {
+        let first = machine
+            .alarms
+            .first
+            .entry(quantity.key)
+            .or_insert_with(|| quantity.clone());
+        if let Some(text) = drift(first, &quantity) {
+            on.insert("drift", text);
+        }
+    }
+    on
+}
+
+/// That a parameter is no longer what it was.
+fn drift(first: &Quantity, now: &Quantity) -> Option<String> {
+    let std = first.std.hypot(now.std);
+    ((now.value - first.value).abs() > DRIFT * std)
+        .then(|| format!("{} was {} and is {}", now.label, first.text(), now.text()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::status::Status;
+
+    fn args() -> AlarmArgs {
+        AlarmArgs {
+            untrusted_after: 0.0,
+        }
+    }
+
+    #[test]
+    fn a_silent_machine_is_told_once_and_so_is_its_return() {
+        let mut fleet = Fleet::default();
+        let id = MachineId::new("north", "ex-1").expect("names");
+        fleet.known(&id, "excavator", "0.1");
+        let raised = look(&mut fleet, &args());
+        assert_eq!(raised.len(), 1);
+        assert_eq!(raised[0].kind, "silent");
+        assert!(look(&mut fleet, &args()).is_empty());
+        let status = Status {
+            wall_ms: crate::wall_ms(),
+            ..Default::default()
+        };
+        fleet.status(&id, Box::new(status));
+        let kinds: Vec<_> = look(&mut fleet, &args())
+            .into_iter()
+            .map(|a| (a.kind, a.text))
+            .collect();
+        assert!(
+            kinds.contains(&("silent", "silent: over".into())),
+            "{kinds:?}"
+        );
+        assert!(kinds.iter().any(|k| k.0 == "untrusted"), "{kinds:?}");
+    }
+
+    #[test]
+    fn a_machine_that_ended_is_not_silent() {
+        let mut fleet = Fleet::default();
+        let id = MachineId::new("north", "ex-1").expect("names");
+        let status = Status {
+            ended: true,
+            wall_ms: crate::wall_ms(),
+            ..Default::default()
+        };
+        fleet.status(&id, Box::new(status));
+        fleet.token(&id, false);
+        assert!(look(&mut fleet, &args()).is_empty());
+    }
+
+    #[test]
+    fn a_parameter_has_drifted_when_the_intervals_say_so() {
+        let at = |value, std| Quantity {
+            key: "damping",
+            label: "Damping",
+            unit: "N m s/rad",
+            value,
+            std,
+            trusted: true,
+            learnt: true,
+        };
+        assert_eq!(drift(&at(100.0, 3.0), &at(118.0, 4.0)), None);
+        assert!(drift(&at(100.0, 3.0), &at(121.0, 4.0)).is_some_and(|t| t.contains("Damping")));
+    }
+}

@@ -1,0 +1,134 @@
+//! The page of one machine: the report of what it has sent lately, by the same code as the report of a run.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use messages::{Envelope, Machine, Message};
+use rusqlite::params;
+use steps::stages::Pipeline;
+use view::estimate::Estimate;
+use view::plot::escape;
+use view::{Estimator, MachineRun, Run};
+
+use super::intake::decode;
+use super::live;
+use super::query::open;
+use super::shown;
+use crate::key::MachineId;
+
+/// Messages of a stream that are drawn: an hour at one a second.
+const DRAWN: i64 = 3600;
+
+/// What is told above the plots.
+pub struct Head {
+    kind: String,
+    html: String,
+    metadata: Vec<(String, String)>,
+}
+
+impl Head {
+    /// Of the machine as it is now.
+    #[must_use]
+    pub fn of(id: &MachineId, machine: &live::Machine) -> Self {
+        let mut metadata = vec![
+            ("machine".to_owned(), machine.kind.clone()),
+            ("site and machine".to_owned(), id.to_string()),
+            ("heft.version".to_owned(), machine.version.clone()),
+        ];
+        if let Some(status) = &machine.status {
+            let c = status.counts;
+            let counts = format!(
+                "{} sent, {} dropped before Zenoh, {} overwritten in the channels, {} sent again, {} asked for and no longer recorded",
+                c.sent, c.dropped, c.overwritten, c.served, c.lost
+            );
+            metadata.push(("gateway".to_owned(), counts));
+            let clock = format!("{} ms against the collector's", machine.clock_ms);
+            metadata.push(("clock".to_owned(), clock));
+        }
+        let account = machine.account;
+        let history = format!(
+            "{} messages lost, {} streams with a gap",
+            account.lost, account.gaps
+        );
+        metadata.push(("history".to_owned(), history));
+        for (why, times) in &machine.refused {
+            metadata.push((format!("refused: {why}"), times.to_string()));
+        }
+        let alarms: String = machine
+            .alarms
+            .on
+            .values()
+            .map(|text| format!("<p class=\"badge\">{}</p>", escape(text)))
+            .collect();
+        let words = machine
+            .main("estimate")
+            .map(|(_, e)| shown::verdict(e))
+            .unwrap_or_default();
+        let html = format!(
+            "<p class=\"facts\"><a href=\"/\">all machines</a> · {}</p>{alarms}<p class=\"other\">{}</p>",
+            if machine.is_here() { "here" } else { "away" },
+            escape(&words)
+        );
+        Self {
+            kind: machine.kind.clone(),
+            html,
+            metadata,
+        }
+    }
+}
+
+/// The page; `None` if nothing can be read of the machine.
+#[must_use]
+pub fn page(db: &Path, id: &MachineId, head: &Head) -> Option<String> {
+    let sql = open(db).ok()?;
+    let mut query = sql
+        .prepare(
+            "SELECT name, payload FROM (
+               SELECT s.name, e.number, e.payload, row_number() OVER (PARTITION BY s.id ORDER BY e.number DESC) AS place
+               FROM machine m JOIN stream s ON s.machine = m.id JOIN message e ON e.stream = s.id
+               WHERE m.site = ?1 AND m.name = ?2 AND (s.name LIKE 'estimate/%' OR s.name LIKE 'health/%')
+                 AND s.epoch = (SELECT max(epoch) FROM stream WHERE machine = m.id))
+             WHERE place <= ?3 ORDER BY name, number",
+        )
+        .ok()?;
+    let mut rows = query.query(params![id.site, id.machine, DRAWN]).ok()?;
+    let mut streams: BTreeMap<String, Vec<Envelope>> = BTreeMap::new();
+    while let Ok(Some(row)) = rows.next() {
+        let (name, payload): (String, Vec<u8>) = (row.get(0).ok()?, row.get(1).ok()?);
+        if let Some(message) = decode(&name, &payload) {
+            streams.entry(name).or_default().push(message);
+        }
+    }
+    let machine = Machine::from_name(&head.kind)?;
+    let stages = Pipeline::of(machine).stages;
+    let health = streams
+        .iter()
+        .filter(|(name, _)| name.starts_with("health/"));
+    let run = Run {
+        metadata: head.metadata.clone(),
+        excavator: part(&streams),
+        loader: part(&streams),
+        health: health
+            .filter_map(|(_, all)| messages::Health::inside(all.last()?).copied())
+            .collect(),
+        processes: stages.iter().map(|s| s.name.to_owned()).collect(),
+        ..Run::default()
+    };
+    let page = view::report(&run);
+    Some(page.replacen("<main>", &format!("<main>{}", head.html), 1))
+}
+
+fn part<E: Estimate>(streams: &BTreeMap<String, Vec<Envelope>>) -> MachineRun<E> {
+    let estimator = |(name, all): (&String, &Vec<Envelope>)| {
+        let estimates: Vec<E> = all.iter().filter_map(|e| E::inside(e).copied()).collect();
+        let name = name.strip_prefix("estimate/")?;
+        (!estimates.is_empty()).then(|| Estimator {
+            channel: format!("{}/{name}", E::MACHINE),
+            estimates,
+        })
+    };
+    MachineRun {
+        estimators: streams.iter().filter_map(estimator).collect(),
+        truth: Vec::new(),
+    }
+}

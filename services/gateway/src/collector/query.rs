@@ -1,0 +1,207 @@
+//! `heft fleet query`: the history as a table.
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use rusqlite::{Connection, OpenFlags, params};
+use serde_json::json;
+
+use super::intake::decode;
+use super::table::{Format, Table};
+use crate::{error, wall_ms};
+
+/// What is asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum What {
+    /// One row for each swing or drive.
+    Loads,
+    /// Estimates.
+    Estimates,
+    /// How the processes were.
+    Health,
+    /// Changes of the processes' state.
+    Events,
+    /// What was raised.
+    Alarms,
+}
+
+/// `heft fleet query`
+#[derive(Debug, Clone, clap::Args)]
+pub struct QueryArgs {
+    /// The history (SQLite)
+    #[arg(long, default_value = "fleet.sqlite", value_name = "FILE")]
+    pub db: PathBuf,
+    /// The site; all if absent
+    #[arg(long)]
+    pub site: Option<String>,
+    /// The machine; all if absent
+    #[arg(long)]
+    pub machine: Option<String>,
+    /// How far back, such as 30m, 8h, 7d
+    #[arg(long, default_value = "8h", value_parser = milliseconds)]
+    pub since: i64,
+    /// What
+    #[arg(long, value_enum, default_value = "loads")]
+    pub what: What,
+    /// How
+    #[arg(long, value_enum, default_value = "csv")]
+    pub format: Format,
+}
+
+/// "8h" in milliseconds.
+pub(super) fn milliseconds(text: &str) -> Result<i64, String> {
+    let (number, unit) = text.split_at(text.len() - text.chars().last().map_or(0, char::len_utf8));
+    let factor = match unit {
+        "s" => 1e3,
+        "m" => 60e3,
+        "h" => 3600e3,
+        "d" => 86_400e3,
+        _ => return Err("a number with s, m, h or d behind it".into()),
+    };
+    let number: f64 = number
+        .parse()
+        .map_err(|_| "a number with s, m, h or d behind it")?;
+    if !(0.0..1e6).contains(&number) {
+        return Err("not that far back".into());
+    }
+    Ok((number * factor) as i64)
+}
+
+/// Opens a history to read, while a collector may write it.
+///
+/// # Errors
+/// There is none.
+pub fn open(db: &Path) -> Result<Connection, String> {
+    let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
+    let sql = Connection::open_with_flags(db, flags);
+    let sql = sql.and_then(|sql| {
+        sql.busy_timeout(std::time::Duration::from_secs(5))?;
+        sql.query_row("SELECT count(*) FROM machine", [], |_| Ok(()))?;
+        Ok(sql)
+    });
+    sql.map_err(|e| {
+        error(
+            format!("there is no history: {e}"),
+            db.display(),
+            "`heft fleet --db FILE` makes it",
+        )
+    })
+}
+
+/// Writes what is asked for.
+///
+/// # Errors
+/// There is no history.
+pub fn query(args: &QueryArgs, out: &mut impl Write) -> Result<(), String> {
+    let sql = open(&args.db)?;
+    let done = match args.what {
+        What::Alarms => alarms(&sql, args, out),
+        _ => messages(&sql, args, out),
+    };
+    done.map_err(|e| match e {
+        Failed::Sql(e) => error(
+            format!("the history: {e}"),
+            args.db.display(),
+            "a collector of the same version made it?",
+        ),
+        Failed::Io(e) => error(
+            format!("cannot write: {e}"),
+            "standard output",
+            "check where it goes",
+        ),
+    })
+}
+
+enum Failed {
+    Sql(rusqlite::Error),
+    Io(io::Error),
+}
+
+impl From<rusqlite::Error> for Failed {
+    fn from(error: rusqlite::Error) -> Self {
+        Self::Sql(error)
+    }
+}
+
+impl From<io::Error> for Failed {
+    fn from(error: io::Error) -> Self {
+        Self::Io(error)
+    }
+}
+
+fn messages(sql: &Connection, args: &QueryArgs, out: &mut impl Write) -> Result<(), Failed> {
+    let kind = match args.what {
+        What::Loads => "loads/",
+        What::Estimates => "estimate/",
+        What::Health => "health/",
+        What::Events | What::Alarms => "events/",
+    };
+    let mut query = sql.prepare(
+        "SELECT m.site, m.name, s.epoch, s.name, e.wall_ms, e.payload FROM message e JOIN stream s ON s.id = e.stream
+         JOIN machine m ON m.id = s.machine
+         WHERE substr(s.name, 1, length(?1)) = ?1 AND e.wall_ms >= ?2 AND (?3 IS NULL OR m.site = ?3) AND (?4 IS NULL OR m.name = ?4)
+         ORDER BY m.site, m.name, s.epoch, s.name, e.number",
+    )?;
+    let since = wall_ms() as i64 - args.since;
+    let mut rows = query.query(params![kind, since, args.site, args.machine])?;
+    let mut table = Table::new(args.format);
+    while let Some(row) = rows.next()? {
+        let words: [String; 2] = [row.get(0)?, row.get(1)?];
+        let (epoch, stream, wall): (i64, String, i64) = (row.get(2)?, row.get(3)?, row.get(4)?);
+        let Some(message) = decode(&stream, &row.get::<_, Vec<u8>>(5)?) else {
+            continue;
+        };
+        let said = [
+            ("site", json!(words[0])),
+            ("machine", json!(words[1])),
+            ("epoch_ms", json!(epoch)),
+            ("stream", json!(stream)),
+            ("wall_ms", json!(wall)),
+        ];
+        table.row(out, &said, &message)?;
+    }
+    Ok(())
+}
+
+fn alarms(sql: &Connection, args: &QueryArgs, out: &mut impl Write) -> Result<(), Failed> {
+    let mut query = sql.prepare(
+        "SELECT at_ms, site, name, kind, text FROM alarm
+         WHERE at_ms >= ?1 AND (?2 IS NULL OR site = ?2) AND (?3 IS NULL OR name = ?3) ORDER BY at_ms",
+    )?;
+    let since = wall_ms() as i64 - args.since;
+    let mut rows = query.query(params![since, args.site, args.machine])?;
+    if args.format == Format::Csv {
+        writeln!(out, "wall_ms,site,machine,alarm,text")?;
+    }
+    while let Some(row) = rows.next()? {
+        let at: i64 = row.get(0)?;
+        let [site, name, kind, text]: [String; 4] =
+            [row.get(1)?, row.get(2)?, row.get(3)?, row.get(4)?];
+        match args.format {
+            Format::Json => {
+                let object = json!({"wall_ms": at, "site": site, "machine": name, "alarm": kind, "text": text});
+                writeln!(out, "{object}")?;
+            }
+            Format::Csv => writeln!(
+                out,
+                "{at},{site},{name},{kind},\"{}\"",
+                text.replace('"', "\"\"")
+            )?,
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn how_far_back_is_a_number_and_a_unit() {
+        assert_eq!(milliseconds("8h"), Ok(28_800_000));
+        assert_eq!(milliseconds("1.5m"), Ok(90_000));
+        for bad in ["", "8", "h", "-1h", "8 h", "NaNh", "1e9d", "é"] {
+            assert!(milliseconds(bad).is_err(), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,78 @@
+//! Keys: `heft/v1/SITE/MACHINE/KIND/NAME`.
+
+use std::fmt;
+
+/// What every key begins with.
+pub const ROOT: &str = "heft/v1";
+/// All streams of all machines.
+pub const STREAMS: &str = "heft/v1/*/*/*/*";
+/// What all machines say of themselves.
+pub const STATUS: &str = "heft/v1/*/*/status";
+/// The tokens of all machines.
+pub const TOKENS: &str = "heft/v1/*/*/alive";
+
+/// A machine among all: its site and its name there.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct MachineId {
+    /// The site.
+    pub site: String,
+    /// The machine.
+    pub machine: String,
+}
+
+impl MachineId {
+    /// A machine whose names can stand in a key: 1 to 64 of `a-z A-Z 0-9 . _ -` each.
+    #[must_use]
+    pub fn new(site: &str, machine: &str) -> Option<Self> {
+        let is_name = |text: &str| {
+            (1..=64).contains(&text.len())
+                && text
+                    .bytes()
+                    .all(|b| b.is_ascii_alphanumeric() || b"._-".contains(&b))
+        };
+        (is_name(site) && is_name(machine)).then(|| Self {
+            site: site.to_owned(),
+            machine: machine.to_owned(),
+        })
+    }
+
+    /// The key of something of this machine.
+    #[must_use]
+    pub fn key(&self, what: &str) -> String {
+        format!("{ROOT}/{}/{}/{what}", self.site, self.machine)
+    }
+
+    /// The machine that `key` names, and what of it.
+    #[must_use]
+    pub fn of(key: &str) -> Option<(Self, &str)> {
+        let rest = key.strip_prefix(ROOT)?.strip_prefix('/')?;
+        let (site, rest) = rest.split_once('/')?;
+        let (machine, what) = rest.split_once('/')?;
+        Some((Self::new(site, machine)?, what))
+    }
+}
+
+impl fmt::Display for MachineId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}/{}", self.site, self.machine)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_key_names_its_machine_and_nothing_else_passes() {
+        let id = MachineId::new("north", "ex-17").expect("names");
+        let key = id.key("estimate/inertia_ukf");
+        assert_eq!(key, "heft/v1/north/ex-17/estimate/inertia_ukf");
+        assert_eq!(MachineId::of(&key), Some((id, "estimate/inertia_ukf")));
+        for bad in ["heft/v1/a", "heft/v2/a/b/c", "heft/v1/a/*/c", "x"] {
+            assert_eq!(MachineId::of(bad), None, "{bad}");
+        }
+        assert_eq!(MachineId::new("a/b", "c"), None);
+        assert_eq!(MachineId::new("a", ""), None);
+        assert_eq!(MachineId::new("a", &"x".repeat(65)), None);
+    }
+}

@@ -1,0 +1,86 @@
+//! Fleets: what a machine's pipeline finds, carried to a site by Zenoh, kept and shown there.
+//!
+//! The machine's side (`heft-gateway`) reads the channels as the logger does, sends a selection of what they
+//! carry, and answers questions for what did not arrive from the machine's own recording. The site's side
+//! (`heft-fleet`) stores it, asks for what is missing, and shows it.
+//!
+//! | module | what |
+//! |---|---|
+//! | [`key`], [`label`], [`status`] | the words of the protocol: keys, attachments, what a machine says of itself |
+//! | [`schema`] | what the messages mean |
+//! | [`thin`], [`load`] | which messages are sent; the same rule, live and from a recording |
+//! | [`link`] | sessions and routers of Zenoh |
+//! | [`machine`] | the gateway: reading, publishing, answering from the recording |
+//! | [`collector`] | the collector: intake, store, repair, alarms, page, queries |
+
+pub mod collector;
+pub mod key;
+pub mod label;
+pub mod link;
+pub mod load;
+pub mod machine;
+pub mod schema;
+pub mod status;
+pub mod thin;
+mod track;
+
+/// An error in heft's three lines: what, where, what to do.
+#[must_use]
+pub fn error(
+    what: impl std::fmt::Display,
+    place: impl std::fmt::Display,
+    remedy: impl std::fmt::Display,
+) -> String {
+    format!("{what}\n  where: {place}\n  what to do: {remedy}")
+}
+
+/// The wall clock [ms since 1970].
+#[must_use]
+pub fn wall_ms() -> u64 {
+    let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
+    now.map_or(0, |d| d.as_millis() as u64)
+}
+
+/// Warnings go to standard error; `HEFT_LOG` chooses otherwise, in the syntax of `env_logger`.
+pub fn log() {
+    use tracing_subscriber::EnvFilter;
+    let filter = EnvFilter::try_from_env("HEFT_LOG");
+    let filter = filter
+        .unwrap_or_else(|_| EnvFilter::new("error,gateway=info,iceoryx2=off,iceoryx2_log=off"));
+    tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .with_writer(std::io::stderr)
+        .without_time()
+        .with_target(false)
+        .init();
+}
+
+/// Sets `stop` when the process is asked to end.
+///
+/// # Errors
+/// The system refuses.
+pub fn on_signal(stop: &std::sync::Arc<std::sync::atomic::AtomicBool>) -> Result<(), String> {
+    for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
+        let registered = signal_hook::flag::register(signal, std::sync::Arc::clone(stop));
+        registered.map_err(|e| {
+            error(
+                format!("signals cannot be caught: {e}"),
+                "the system",
+                "check its limits",
+            )
+        })?;
+    }
+    Ok(())
+}
+
+/// Tells the error of a program, if any, and how it ends: 2, wrong use or bad input.
+#[must_use]
+pub fn exit(program: &str, result: Result<(), String>) -> std::process::ExitCode {
+    match result {
+        Ok(()) => std::process::ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("{program}: {error}");
+            std::process::ExitCode::from(2)
+        }
+    }
+}

@@ -1,0 +1,104 @@
+//! Sessions of Zenoh: to the endpoints that are named and to nobody else.
+
+use std::path::Path;
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::Duration;
+
+use zenoh::{Config, Session, Wait};
+
+/// Where a site's router listens unless told otherwise: this host only.
+pub const DEFAULT: &str = "tcp/127.0.0.1:7447";
+
+/// How a session reaches its router.
+#[derive(Debug, Clone, clap::Args)]
+pub struct LinkArgs {
+    /// The router
+    #[arg(long, value_name = "tcp/HOST:PORT", default_value = DEFAULT)]
+    pub connect: String,
+    /// Keys and certificates: a configuration file of Zenoh (JSON5)
+    #[arg(long, value_name = "FILE")]
+    pub zenoh_config: Option<std::path::PathBuf>,
+}
+
+/// Opens a session, when the router is there. From then on it connects again by itself.
+///
+/// # Errors
+/// The endpoint or the configuration cannot be understood.
+pub fn client(link: &LinkArgs) -> Result<Session, String> {
+    let mut config = base(link.zenoh_config.as_deref())?;
+    set(&mut config, "mode", "\"client\"")?;
+    set(&mut config, "connect/endpoints", &list(&[&link.connect]))?;
+    set(&mut config, "connect/timeout_ms", "-1")?;
+    set(&mut config, "connect/exit_on_failure", "false")?;
+    set(&mut config, "listen/endpoints", "[]")?;
+    open(config, &link.connect)
+}
+
+/// [`client`], given up when `stops` says so: to open a session takes until the router is there.
+///
+/// # Errors
+/// As [`client`]; `None` where it was given up.
+pub fn client_unless(link: &LinkArgs, stops: impl Fn() -> bool) -> Result<Option<Session>, String> {
+    let (say, opened) = channel();
+    let its = link.clone();
+    std::thread::spawn(move || {
+        // Nobody waits any more: the process ends.
+        let _ = say.send(client(&its));
+    });
+    loop {
+        match opened.recv_timeout(Duration::from_millis(50)) {
+            Ok(session) => return session.map(Some),
+            Err(RecvTimeoutError::Timeout) if !stops() => {}
+            Err(_) => return Ok(None),
+        }
+    }
+}
+
+/// Opens a router in this process: the same code as `zenohd`, without its plug-ins.
+///
+/// # Errors
+/// The address is taken, or the configuration cannot be understood.
+pub fn router(listen: Option<&str>, file: Option<&Path>) -> Result<Session, String> {
+    let mut config = base(file)?;
+    set(&mut config, "mode", "\"router\"")?;
+    if let Some(listen) = listen {
+        set(&mut config, "listen/endpoints", &list(&[listen]))?;
+    }
+    open(config, listen.unwrap_or("its configuration"))
+}
+
+/// A configuration that speaks to nobody but the endpoints named: no multicast, no gossip.
+fn base(file: Option<&Path>) -> Result<Config, String> {
+    let mut config = match file {
+        Some(file) => Config::from_file(file).map_err(|e| {
+            crate::error(
+                format!("this is no configuration of Zenoh: {e}"),
+                file.display(),
+                "see `examples/fleet`, which has one that works",
+            )
+        })?,
+        None => Config::default(),
+    };
+    set(&mut config, "scouting/multicast/enabled", "false")?;
+    set(&mut config, "scouting/gossip/enabled", "false")?;
+    Ok(config)
+}
+
+fn set(config: &mut Config, key: &str, value: &str) -> Result<(), String> {
+    config
+        .insert_json5(key, value)
+        .map_err(|e| refused(&e, value))
+}
+
+fn open(config: Config, place: &str) -> Result<Session, String> {
+    zenoh::open(config).wait().map_err(|e| refused(&e, place))
+}
+
+fn refused(error: &dyn std::fmt::Display, place: &str) -> String {
+    let remedy = "name it as tcp/HOST:PORT or tls/HOST:PORT; another program may have the port";
+    crate::error(format!("Zenoh refuses this: {error}"), place, remedy)
+}
+
+fn list(all: &[&str]) -> String {
+    serde_json::to_string(all).unwrap_or_default()
+}

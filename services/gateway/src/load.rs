@@ -1,0 +1,112 @@
+//! Loads: one message for each swing of an excavator or drive of a loader, as the report counts them, but
+//! while they happen.
+
+use view::estimate::Estimate;
+
+/// A pause shorter than this does not end a stretch of motion [s].
+const PAUSE: f64 = 0.3;
+/// A shorter motion is none [s].
+const SHORTEST: f64 = 1.0;
+
+/// Finds the stretches of motion in a stream of estimates.
+#[derive(Debug)]
+pub struct Loads<E> {
+    open: Option<Stretch<E>>,
+    /// The beginning of this motion was not seen: it is left to the recording.
+    skips: bool,
+}
+
+#[derive(Debug)]
+struct Stretch<E> {
+    start: f64,
+    end: f64,
+    told: E,
+}
+
+impl<E> Default for Loads<E> {
+    fn default() -> Self {
+        Self {
+            open: None,
+            skips: false,
+        }
+    }
+}
+
+impl<E: Estimate> Loads<E> {
+    /// Takes the next estimate. Returns, when a stretch is over, the last estimate in it that was trusted,
+    /// else its last one.
+    pub fn take(&mut self, estimate: &E) -> Option<E> {
+        let time = estimate.stamp().time;
+        let moves = estimate.motion() >= E::MOTION_NAME.1;
+        if self.skips {
+            self.skips = moves;
+            return None;
+        }
+        // Also where the time goes backwards.
+        let is_over = |s: &Stretch<E>| !(0.0..PAUSE).contains(&(time - s.end));
+        let over = self.open.take_if(|s| is_over(s));
+        if moves {
+            match &mut self.open {
+                Some(stretch) => {
+                    stretch.end = time;
+                    if estimate.trusted() || !stretch.told.trusted() {
+                        stretch.told = *estimate;
+                    }
+                }
+                None => {
+                    self.open = Some(Stretch {
+                        start: time,
+                        end: time,
+                        told: *estimate,
+                    });
+                }
+            }
+        }
+        over.filter(|s| s.end - s.start >= SHORTEST).map(|s| s.told)
+    }
+
+    /// Told that estimates were missed.
+    pub fn forget(&mut self) {
+        self.open = None;
+        self.skips = true;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use messages::{ExcavatorEstimate, excavator_bits as x};
+
+    fn estimate(i: u64) -> ExcavatorEstimate {
+        let t = i as f64 * 0.1;
+        let moves = (1.0..2.0).contains(&t) || (2.2..4.0).contains(&t) || (6.0..6.5).contains(&t);
+        let mut estimate = ExcavatorEstimate {
+            velocity: if moves { -0.5 } else { 0.0 },
+            flags: if (2.95..3.05).contains(&t) {
+                x::TRUSTED
+            } else {
+                0
+            },
+            ..Default::default()
+        };
+        (estimate.stamp.time, estimate.stamp.sequence) = (t, i);
+        estimate
+    }
+
+    #[test]
+    fn a_swing_is_told_once_by_its_last_trusted_estimate() {
+        let mut loads = Loads::default();
+        let told: Vec<u64> = (0..80)
+            .filter_map(|i| loads.take(&estimate(i)))
+            .map(|e| e.stamp.sequence)
+            .collect();
+        assert_eq!(told, [30]);
+    }
+
+    #[test]
+    fn a_swing_whose_beginning_was_missed_is_not_told() {
+        let mut loads = Loads::default();
+        loads.forget();
+        assert!((25..80).all(|i| loads.take(&estimate(i)).is_none()));
+    }
+}

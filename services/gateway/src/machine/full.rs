@@ -1,0 +1,120 @@
+//! Every sample of the estimates, on request and for a limited time.
+//!
+//! `heft/v1/SITE/MACHINE/control/full?for=60` asks; the samples come under
+//! `heft/v1/SITE/MACHINE/full/estimate/CHANNEL`, many in one message, each with its length before it (varint).
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+use messages::channels::{Channel, Rate};
+use messages::{Envelope, Message};
+use rtrb::{Consumer, Producer};
+use zenoh::qos::{CongestionControl, Priority};
+use zenoh::{Session, Wait};
+
+use super::Shared;
+
+/// Samples that may wait for Zenoh.
+pub(super) const QUEUE: usize = 16_384;
+/// Longest time that can be asked for [s].
+pub const LONGEST: f64 = 600.0;
+/// Bytes of one message.
+const BATCH: usize = 60_000;
+
+/// A sample and its channel.
+pub(super) type Sample = (&'static Channel, Vec<u8>);
+
+/// Queues a sample of an estimate; what the queue cannot take shows as a gap in its numbers.
+pub(super) fn push<M: Message>(
+    queue: &mut Producer<Sample>,
+    channel: &'static Channel,
+    message: &M,
+) {
+    let is_estimate = matches!(
+        message.envelope(),
+        Envelope::ExcavatorEstimate(_) | Envelope::LoaderEstimate(_)
+    );
+    if is_estimate && channel.rate == Rate::Sensors && queue.slots() > 0 {
+        let mut bytes = Vec::with_capacity(256);
+        recording::payload::encode(message, &mut bytes);
+        let _ = queue.push((channel, bytes));
+    }
+}
+
+/// Sends what waits.
+pub(super) struct Full {
+    session: Session,
+    shared: Arc<Shared>,
+    _control: Box<dyn std::any::Any>,
+}
+
+impl Full {
+    pub(super) fn declare(session: &Session, shared: &Arc<Shared>) -> zenoh::Result<Self> {
+        let its = Arc::clone(shared);
+        let control = session
+            .declare_queryable(shared.id.key("control/full"))
+            .callback(move |query| {
+                let seconds = query
+                    .parameters()
+                    .get("for")
+                    .and_then(|v| v.parse::<f64>().ok());
+                let answer = match seconds.filter(|s| (0.0..=LONGEST).contains(s)) {
+                    Some(seconds) => {
+                        let until = runtime::now_ns() + (seconds * 1e9) as u64;
+                        its.full_until.store(until, Ordering::Relaxed);
+                        query
+                            .reply(query.key_expr().clone(), format!("{seconds}"))
+                            .wait()
+                    }
+                    None => query.reply_err(format!("for: 0 to {LONGEST} s")).wait(),
+                };
+                // Who asked is gone.
+                let _ = answer;
+            })
+            .wait()?;
+        Ok(Self {
+            session: session.clone(),
+            shared: Arc::clone(shared),
+            _control: Box::new(control),
+        })
+    }
+
+    pub(super) fn send(&self, queue: &mut Consumer<Sample>) {
+        let mut batches: BTreeMap<&str, Vec<u8>> = BTreeMap::new();
+        while let Ok((channel, sample)) = queue.pop() {
+            let name = channel.name.rsplit('/').next().unwrap_or_default();
+            let batch = batches.entry(name).or_default();
+            put_length(sample.len(), batch);
+            batch.extend_from_slice(&sample);
+            if batch.len() > BATCH {
+                self.put(name, std::mem::take(batch));
+            }
+        }
+        for (name, batch) in batches {
+            self.put(name, batch);
+        }
+    }
+
+    fn put(&self, name: &str, batch: Vec<u8>) {
+        if batch.is_empty() {
+            return;
+        }
+        let put = self
+            .session
+            .put(self.shared.id.key(&format!("full/estimate/{name}")), batch);
+        let put = put
+            .congestion_control(CongestionControl::Drop)
+            .priority(Priority::DataLow);
+        // A link that is gone shows as a gap in the numbers.
+        let _ = put.attachment(self.shared.id.machine.as_str()).wait();
+    }
+}
+
+fn put_length(mut length: usize, out: &mut Vec<u8>) {
+    while length >= 0x80 {
+        out.push(length as u8 | 0x80);
+        length >>= 7;
+    }
+    out.push(length as u8);
+}

@@ -1,0 +1,237 @@
+//! The gateway: a process beside a pipeline that reads its channels, as the logger does, and sends a selection.
+//!
+//! Three threads. This one drains the channels on a timer and pushes what is selected into a bounded queue;
+//! the second hands it to Zenoh; the third answers from the recording. No estimator waits for any of them:
+//! what the queue cannot take is counted, and asked for again later.
+
+mod full;
+mod plan;
+mod publish;
+mod store;
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+use messages::Message;
+use messages::channels::Channel;
+use rtrb::{Producer, RingBuffer};
+use runtime::{Cleaner, Domain, Ports, Sink, Taps};
+
+use crate::key::MachineId;
+use crate::link::LinkArgs;
+use crate::thin::{Selected, StreamInfo, Thinner};
+use crate::{error, wall_ms};
+pub use full::LONGEST;
+pub use plan::Plan;
+pub use store::{END, Served};
+
+/// Messages that may wait for Zenoh: ten minutes of a machine.
+const QUEUE: usize = 8192;
+/// Longest time between two visits to the channels, and at most so many samples.
+const VISIT: Duration = Duration::from_millis(100);
+const VISIT_SAMPLES: f64 = 128.0;
+/// Time between two looks whether the run goes on.
+const LOOK: Duration = Duration::from_secs(1);
+
+/// What a gateway is told.
+#[derive(Debug, Clone, clap::Args)]
+pub struct GatewayArgs {
+    /// The domain of the run
+    #[arg(long)]
+    pub domain: String,
+    /// The router
+    #[command(flatten)]
+    pub link: LinkArgs,
+    /// The site
+    #[arg(long)]
+    pub site: String,
+    /// Name of the machine, one of its own within the site
+    #[arg(long)]
+    pub machine_id: String,
+    /// Estimates a second, beside those at which the verdict changes
+    #[arg(long, default_value_t = 1.0, value_name = "HZ")]
+    pub rate: f64,
+    /// How long a run that is over goes on answering for what did not arrive [s]
+    #[arg(long, default_value_t = 20.0, value_name = "S")]
+    pub linger: f64,
+}
+
+/// What the threads share.
+#[derive(Debug)]
+struct Shared {
+    id: MachineId,
+    plan: Plan,
+    hz: f64,
+    wall_offset_ns: i64,
+    streams: Vec<StreamInfo>,
+    heads: Vec<AtomicI64>,
+    /// Numbers up to which losses were counted, by stream.
+    counted: Vec<AtomicI64>,
+    since_ms: u64,
+    overwritten: AtomicU64,
+    dropped: AtomicU64,
+    sent: AtomicU64,
+    served: AtomicU64,
+    lost: AtomicU64,
+    /// The run is over; the process ends.
+    ended: AtomicBool,
+    leave: AtomicBool,
+    /// Samples are wanted in full until then [ns of the monotonic clock].
+    full_until: AtomicU64,
+}
+
+impl Shared {
+    fn thinner(&self) -> Thinner {
+        let machine = &self.id.machine;
+        let epoch = self.plan.begun_ms;
+        Thinner::new(
+            self.streams.clone(),
+            machine,
+            epoch,
+            self.hz,
+            self.wall_offset_ns,
+        )
+    }
+}
+
+/// Is the gateway of a run until it ends, or `stop` is set.
+///
+/// # Errors
+/// There is no such run, or an argument cannot be used.
+pub fn run(args: &GatewayArgs, stop: &AtomicBool) -> Result<(), String> {
+    let id = MachineId::new(&args.site, &args.machine_id).ok_or_else(|| {
+        error(
+            format!(
+                "`{}` and `{}` cannot name a site and a machine",
+                args.site, args.machine_id
+            ),
+            "--site, --machine-id",
+            "use 1 to 64 letters, digits, dots, hyphens and underscores",
+        )
+    })?;
+    if !(0.01..=1000.0).contains(&args.rate) {
+        return Err(error(
+            format!("{} estimates a second", args.rate),
+            "--rate",
+            "0.01 to 1000",
+        ));
+    }
+    let domain = Domain::new(&args.domain).map_err(|e| e.to_string())?;
+    let plan = Plan::read(&domain)?;
+    domain.enter().map_err(|e| e.to_string())?;
+    let ports = Ports::new("gateway").map_err(|e| e.to_string())?;
+    let pipeline = plan.pipeline()?;
+    let streams = crate::thin::streams(pipeline, plan.rate, args.rate);
+    let mut channels: Vec<&'static Channel> = Vec::new();
+    for stream in &streams {
+        if !channels.iter().any(|c| c.name == stream.channel.name) {
+            channels.push(stream.channel);
+        }
+    }
+    let monotonic = runtime::now_ns() as i64;
+    let shared = Arc::new(Shared {
+        id,
+        hz: args.rate,
+        wall_offset_ns: wall_ms() as i64 * 1_000_000 - monotonic,
+        heads: streams.iter().map(|_| AtomicI64::new(-1)).collect(),
+        counted: streams.iter().map(|_| AtomicI64::new(-1)).collect(),
+        streams,
+        since_ms: wall_ms(),
+        overwritten: AtomicU64::new(0),
+        dropped: AtomicU64::new(0),
+        sent: AtomicU64::new(0),
+        served: AtomicU64::new(0),
+        lost: AtomicU64::new(0),
+        ended: AtomicBool::new(false),
+        leave: AtomicBool::new(false),
+        full_until: AtomicU64::new(0),
+        plan,
+    });
+    // What a gateway that was killed held in the channels.
+    if !Cleaner::start().clean_up(Duration::from_secs(1)) {
+        tracing::warn!("what the dead held in the channels is not free yet");
+    }
+    // The channels first: what comes while Zenoh connects waits in the queue.
+    let mut taps = Taps::open(&ports, &channels).map_err(|e| e.to_string())?;
+    let (queue, waiting) = RingBuffer::new(QUEUE);
+    let (full, full_waiting) = RingBuffer::new(full::QUEUE);
+    let mut reader = Reader {
+        thinner: shared.thinner(),
+        queue,
+        full,
+        shared: Arc::clone(&shared),
+    };
+    let publisher = publish::start(
+        args.link.clone(),
+        Arc::clone(&shared),
+        waiting,
+        full_waiting,
+    );
+    let visit = VISIT.min(Duration::from_secs_f64(
+        VISIT_SAMPLES / shared.plan.rate.max(1.0),
+    ));
+    let mut looked = Instant::now();
+    let is_over = || stop.load(Ordering::Relaxed) || publisher.is_finished();
+    while !is_over() && domain.plan_file().exists() {
+        let lost = taps.drain(&mut reader).lost;
+        shared.overwritten.fetch_add(lost, Ordering::Relaxed);
+        for (i, head) in shared.heads.iter().enumerate() {
+            head.store(reader.thinner.head(i), Ordering::Relaxed);
+        }
+        if looked.elapsed() >= LOOK {
+            looked = Instant::now();
+            // Left behind by a supervisor that was killed.
+            if !domain.is_alive() {
+                break;
+            }
+        }
+        std::thread::sleep(visit);
+    }
+    drop((taps, ports));
+    shared.ended.store(true, Ordering::Relaxed);
+    let ended = Instant::now();
+    while !is_over() && ended.elapsed().as_secs_f64() < args.linger {
+        std::thread::sleep(VISIT);
+    }
+    shared.leave.store(true, Ordering::Relaxed);
+    publisher.join().map_err(|_| {
+        error(
+            "a thread of the gateway failed",
+            "heft-gateway",
+            "please report this",
+        )
+    })?
+}
+
+/// Takes the messages of the channels.
+struct Reader {
+    thinner: Thinner,
+    queue: Producer<Selected>,
+    full: Producer<full::Sample>,
+    shared: Arc<Shared>,
+}
+
+impl Sink for Reader {
+    fn accept<M: Message>(&mut self, channel: &'static Channel, message: &M) {
+        let (queue, shared) = (&mut self.queue, &self.shared);
+        self.thinner.take(channel, message, &mut |selected| {
+            if queue.push(selected).is_err() {
+                shared.dropped.fetch_add(1, Ordering::Relaxed);
+            }
+        });
+        if self.shared.full_until.load(Ordering::Relaxed) > runtime::now_ns() {
+            full::push(&mut self.full, channel, message);
+        }
+    }
+
+    fn has_room(&self) -> bool {
+        true
+    }
+
+    fn fault(&self) -> u32 {
+        messages::fault::NONE
+    }
+
+    fn drain(&mut self) {}
+}

@@ -1,0 +1,61 @@
+//! What a gateway must know of the run beside it, from the plan that the supervisor wrote.
+
+use std::path::PathBuf;
+
+use messages::Machine;
+use runtime::Domain;
+use serde::Deserialize;
+use steps::stages::Pipeline;
+
+use crate::error;
+
+/// The part of a run's plan that concerns a gateway.
+#[derive(Debug, Clone, Deserialize)]
+pub struct Plan {
+    /// Which machine.
+    pub machine: String,
+    /// Samples a second.
+    pub rate: f64,
+    /// The recording.
+    pub recording: PathBuf,
+    /// When the run began [ms since 1970].
+    pub begun_ms: u64,
+    /// Version of heft.
+    pub version: String,
+}
+
+impl Plan {
+    /// Reads the plan of a domain.
+    ///
+    /// # Errors
+    /// There is none, or it is of another version.
+    pub fn read(domain: &Domain) -> Result<Self, String> {
+        let file = domain.plan_file();
+        let failed = |what: String| {
+            error(
+                what,
+                file.display(),
+                "name the domain of a run of this version of heft; `heft doctor` lists them",
+            )
+        };
+        let text =
+            std::fs::read(&file).map_err(|e| failed(format!("there is no such run: {e}")))?;
+        serde_json::from_slice(&text)
+            .map_err(|e| failed(format!("the plan of the run cannot be read: {e}")))
+    }
+
+    /// The processes of its machine.
+    ///
+    /// # Errors
+    /// This version does not know the machine.
+    pub fn pipeline(&self) -> Result<&'static Pipeline, String> {
+        let machine = Machine::from_name(&self.machine).ok_or_else(|| {
+            error(
+                format!("there is no machine `{}`", self.machine),
+                "the plan of the run",
+                "use the gateway of the same version",
+            )
+        })?;
+        Ok(Pipeline::of(machine))
+    }
+}

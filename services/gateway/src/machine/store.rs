@@ -1,0 +1,169 @@
+//! Store and forward: what did not arrive is selected again from the machine's own recording.
+//!
+//! A question goes to the key of the stream: `?epoch=E;after=A;upto=B` with the last number that the collector
+//! has (its acknowledgement) and the last that it knows of. The answers are the messages as they were sent,
+//! then one that says how far they go. The recording is bounded by `heft run --keep`; what it has dropped is
+//! counted here, and by the collector.
+
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::sync::mpsc::{Receiver, sync_channel};
+
+use messages::Message;
+use messages::channels::{Channel, Visitor};
+use recording::Reader;
+use serde::{Deserialize, Serialize};
+use zenoh::query::Query;
+use zenoh::{Session, Wait};
+
+use super::Shared;
+use crate::label::{lost, lost_behind};
+use crate::thin::Selected;
+
+/// Answers to one question; the rest is asked for again.
+pub const MOST: u64 = 5000;
+/// Questions that may wait.
+const WAITING: usize = 64;
+/// The attachment of the answer that says how far the others go.
+pub const END: &[u8] = b"end";
+
+/// How far the answers to a question go.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Served {
+    /// Everything up to this number that can be had was sent, -1 for nothing.
+    pub upto: i64,
+    /// Messages sent.
+    pub messages: u64,
+    /// Messages that the recording does not hold any more.
+    pub lost: u64,
+}
+
+/// Answers questions until what is returned is dropped.
+pub(super) fn declare(
+    session: &Session,
+    shared: &Arc<Shared>,
+) -> zenoh::Result<impl Sized + use<>> {
+    let (questions, waiting) = sync_channel(WAITING);
+    let its = Arc::clone(shared);
+    std::thread::spawn(move || serve(&its, &waiting));
+    let callback = move |query| {
+        // Beyond the bound the question ends without an answer, and is asked again.
+        let _ = questions.try_send(query);
+    };
+    let key = shared.id.key("*/*");
+    session.declare_queryable(key).callback(callback).wait()
+}
+
+fn serve(shared: &Shared, questions: &Receiver<Query>) {
+    // Off the path in its use of the processor too.
+    let _ = rustix::process::nice(10);
+    for query in questions {
+        let key = query.key_expr().as_str().to_owned();
+        let Some((_, what)) = crate::key::MachineId::of(&key) else {
+            continue;
+        };
+        if let Some(stream) = shared.streams.iter().position(|s| s.name == what) {
+            answer(shared, &query, stream);
+        }
+    }
+}
+
+fn answer(shared: &Shared, query: &Query, stream: usize) {
+    let key = query.key_expr().clone();
+    let parameters = query.parameters();
+    let number = |name: &str| parameters.get(name).and_then(|v| v.parse::<i64>().ok());
+    let (Some(epoch), Some(after), Some(upto)) = (number("epoch"), number("after"), number("upto"))
+    else {
+        let _ = query.reply_err("epoch, after and upto are numbers").wait();
+        return;
+    };
+    if epoch != shared.plan.begun_ms as i64 {
+        let _ = query.reply_err("that was another run").wait();
+        return;
+    }
+    let Ok(reader) = Reader::open(&shared.plan.recording) else {
+        let _ = query.reply_err("the recording cannot be read").wait();
+        return;
+    };
+    let reading = Reading {
+        shared,
+        stream,
+        after,
+        upto,
+        reader: &reader,
+        channel: shared.streams[stream].channel,
+        send: &mut |selected: Selected| {
+            let reply = query.reply(key.clone(), selected.payload);
+            reply.attachment(selected.label.to_string()).wait().is_ok()
+        },
+    };
+    let served = shared.streams[stream].channel.payload.visit(reading);
+    shared.served.fetch_add(served.messages, Ordering::Relaxed);
+    // What another collector asks for again, or the same one after an answer that did not arrive, is lost once.
+    if shared.counted[stream].fetch_max(served.upto, Ordering::Relaxed) <= after {
+        shared.lost.fetch_add(served.lost, Ordering::Relaxed);
+    }
+    let end = serde_json::to_vec(&served).unwrap_or_default();
+    let _ = query.reply(key, end).attachment(END).wait();
+}
+
+/// Selects from the recording what a question asks for.
+struct Reading<'a> {
+    shared: &'a Shared,
+    stream: usize,
+    after: i64,
+    upto: i64,
+    reader: &'a Reader,
+    channel: &'static Channel,
+    send: &'a mut dyn FnMut(Selected) -> bool,
+}
+
+impl Visitor for Reading<'_> {
+    type Output = Served;
+
+    fn visit<M: Message>(self) -> Served {
+        let mut served = Served {
+            upto: self.after,
+            ..Served::default()
+        };
+        let Ok(messages) = self.reader.stream::<M>(self.channel.name) else {
+            return served;
+        };
+        let per_period = self.shared.streams[self.stream].per_period;
+        let mut thinner = self.shared.thinner();
+        let mut last = self.after;
+        let mut is_full = false;
+        for message in messages {
+            thinner.take(self.channel, &message, &mut |selected| {
+                let number = selected.label.number as i64;
+                if selected.stream != self.stream
+                    || number <= self.after
+                    || number > self.upto
+                    || is_full
+                {
+                    return;
+                }
+                let missing = lost(last, &selected.label, per_period);
+                is_full = served.messages == MOST || !(self.send)(selected);
+                if !is_full {
+                    served.messages += 1;
+                    served.lost += missing;
+                    last = number;
+                }
+            });
+            if is_full {
+                break;
+            }
+        }
+        // Behind the last message of a live recording more may be on its way to the disk.
+        let is_whole = !is_full
+            && (thinner.seen(self.stream) >= self.upto
+                || self.shared.ended.load(Ordering::Relaxed));
+        served.upto = last;
+        if is_whole && self.upto > last {
+            served.lost += lost_behind(last, self.upto, per_period);
+            served.upto = self.upto;
+        }
+        served
+    }
+}

@@ -1,0 +1,59 @@
+//! What the messages mean: their protobuf schemas, for programs that know nothing of heft.
+
+use std::collections::BTreeMap;
+
+use messages::channels::{Channel, Visitor};
+use messages::{Machine, Message};
+use steps::stages::Pipeline;
+use zenoh::key_expr::KeyExpr;
+use zenoh::{Session, Wait};
+
+use crate::thin::streams;
+
+struct Describe;
+
+impl Visitor for Describe {
+    type Output = (String, Vec<u8>);
+    fn visit<M: Message>(self) -> Self::Output {
+        (
+            recording::payload::name::<M>(),
+            recording::payload::schema::<M>(),
+        )
+    }
+}
+
+/// Name of the message that a channel carries: `heft.Health`.
+#[must_use]
+pub fn name(channel: &Channel) -> String {
+    channel.payload.visit(Describe).0
+}
+
+/// Answers `PREFIX/schema/NAME`, and wild cards, until what is returned is dropped.
+///
+/// # Errors
+/// Zenoh refuses the key.
+pub fn serve(session: &Session, prefix: &str) -> zenoh::Result<impl Sized + use<>> {
+    let machines = Machine::ALL.into_iter().map(Pipeline::of);
+    let channels = machines
+        .flat_map(|p| streams(p, 1.0, 1.0))
+        .map(|s| s.channel);
+    let all: BTreeMap<String, Vec<u8>> = channels.map(|c| c.payload.visit(Describe)).collect();
+    let own: Vec<(KeyExpr<'static>, Vec<u8>)> = all
+        .into_iter()
+        .filter_map(|(name, bytes)| {
+            Some((KeyExpr::new(format!("{prefix}/schema/{name}")).ok()?, bytes))
+        })
+        .collect();
+    session
+        .declare_queryable(format!("{prefix}/schema/*"))
+        .callback(move |query| {
+            for (key, schema) in own
+                .iter()
+                .filter(|(key, _)| query.key_expr().intersects(key))
+            {
+                // Who asked may be gone.
+                let _ = query.reply(key.clone(), schema.as_slice()).wait();
+            }
+        })
+        .wait()
+}

@@ -1,0 +1,109 @@
+//! What a machine says of itself once a second, under `heft/v1/SITE/MACHINE/status`.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+/// Largest status that is read [bytes].
+pub const LARGEST: usize = 8192;
+/// Most streams of a machine.
+const STREAMS: usize = 64;
+
+/// The machine's own account: JSON, because it is no message of the pipeline.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Status {
+    /// The machine; must be the one that the key names.
+    pub machine: String,
+    /// Kind of machine: excavator, loader.
+    pub kind: String,
+    /// Version of heft on it.
+    pub version: String,
+    /// Start of the run [ms since 1970].
+    pub epoch: u64,
+    /// The machine's wall clock [ms since 1970].
+    pub wall_ms: u64,
+    /// The run is over.
+    pub ended: bool,
+    /// Its streams by `KIND/NAME`.
+    pub streams: BTreeMap<String, Stream>,
+    /// What its gateway counts.
+    pub counts: Counts,
+}
+
+/// How far a stream is.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct Stream {
+    /// Number of the latest message, -1 for none.
+    pub head: i64,
+    /// Samples between two messages, 0 where there is no period.
+    pub per_period: f64,
+}
+
+/// Counts of a gateway since its start.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct Counts {
+    /// Starts of the gateway in this run are told apart by this [ms since 1970].
+    pub since_ms: u64,
+    /// Samples that were overwritten in the channels before the gateway took them.
+    pub overwritten: u64,
+    /// Messages handed to Zenoh.
+    pub sent: u64,
+    /// Messages that found the queue to Zenoh full.
+    pub dropped: u64,
+    /// Messages sent again from the recording.
+    pub served: u64,
+    /// Messages that were asked for and that the recording does not hold any more.
+    pub lost: u64,
+}
+
+impl Status {
+    /// Reads a status; `None` if it is none, or beyond every bound.
+    #[must_use]
+    pub fn parse(bytes: &[u8]) -> Option<Self> {
+        let status: Self = (bytes.len() <= LARGEST)
+            .then(|| serde_json::from_slice(bytes).ok())
+            .flatten()?;
+        let short = |text: &String| text.len() <= 100 && !text.contains(|c: char| c.is_control());
+        let texts = [&status.machine, &status.kind, &status.version];
+        let numbers = [status.epoch, status.wall_ms];
+        (status.streams.len() <= STREAMS
+            && texts.into_iter().chain(status.streams.keys()).all(short)
+            && numbers.iter().all(|n| i64::try_from(*n).is_ok())
+            && status.streams.values().all(|s| {
+                s.head >= -1 && s.per_period.is_finite() && (0.0..1e6).contains(&s.per_period)
+            }))
+        .then_some(status)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_status_reads_back_and_what_is_out_of_bounds_does_not() {
+        let status = Status {
+            machine: "ex-17".into(),
+            ..Default::default()
+        };
+        let bytes = |s: &Status| serde_json::to_vec(s).expect("plain data");
+        assert_eq!(Status::parse(&bytes(&status)), Some(status.clone()));
+        let mut bad = status.clone();
+        bad.version = "x".repeat(101);
+        assert_eq!(Status::parse(&bytes(&bad)), None);
+        bad = status.clone();
+        bad.streams.insert(
+            "a/b".into(),
+            Stream {
+                head: -2,
+                per_period: 0.0,
+            },
+        );
+        assert_eq!(Status::parse(&bytes(&bad)), None);
+        bad = status;
+        bad.epoch = u64::MAX;
+        assert_eq!(Status::parse(&bytes(&bad)), None);
+        assert_eq!(Status::parse(&[b' '; LARGEST + 1]), None);
+        assert_eq!(Status::parse(b"{}"), None);
+    }
+}

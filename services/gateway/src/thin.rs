@@ -1,0 +1,373 @@
+//! Which messages are sent. One rule, applied to the channels by the gateway as it runs, and to the recording
+//! when something is asked for again: so both give the same messages with the same numbers.
+//!
+//! | stream | message |
+//! |---|---|
+//! | `estimate/CHANNEL` | the first estimate of each second, and each at which the verdict changes (ten a second at most) |
+//! | `loads/CHANNEL` | the estimate that a swing or a drive is told by |
+//! | `health/PROCESS` | the first report of each second |
+//! | `events/PROCESS` | the report at which state, fault or restarts differ from the one before |
+
+use messages::channels::{Channel, HEALTH};
+use messages::{Envelope, ExcavatorEstimate, Health, LoaderEstimate, Message};
+use steps::stages::Pipeline;
+use view::estimate::Estimate;
+
+use crate::label::Label;
+use crate::load::Loads;
+use crate::track::{Seen, Track};
+
+/// Reports of health a second.
+const HEALTH_RATE: f64 = 1.0 / 0.3;
+
+/// A stream of messages of one machine.
+#[derive(Debug, Clone)]
+pub struct StreamInfo {
+    /// `KIND/NAME`.
+    pub name: String,
+    /// The channel that it is a selection of.
+    pub channel: &'static Channel,
+    /// Samples between two messages, 0 where there is no period.
+    pub per_period: f64,
+    kind: Kind,
+    /// Position of the process in the table of processes.
+    process: u32,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Estimate,
+    Loads,
+    Health,
+    Events,
+}
+
+/// The streams of a machine whose sensors give `rate` samples a second, when estimates are sent `hz` times a
+/// second.
+#[must_use]
+pub fn streams(pipeline: &Pipeline, rate: f64, hz: f64) -> Vec<StreamInfo> {
+    let last = |channel: &Channel| {
+        channel
+            .name
+            .rsplit('/')
+            .next()
+            .unwrap_or_default()
+            .to_owned()
+    };
+    let of = |kind, word: &str, channel: &'static Channel, name: &str, per_period, process| {
+        let name = format!("{word}/{name}");
+        StreamInfo {
+            name,
+            channel,
+            per_period,
+            kind,
+            process,
+        }
+    };
+    let mut all = Vec::new();
+    for channel in pipeline.estimates() {
+        all.push(of(
+            Kind::Estimate,
+            "estimate",
+            channel,
+            &last(channel),
+            rate / hz,
+            0,
+        ));
+    }
+    if let Some(channel) = pipeline.main_output() {
+        all.push(of(Kind::Loads, "loads", channel, &last(channel), 0.0, 0));
+    }
+    for (process, stage) in (0..).zip(pipeline.stages) {
+        all.push(of(
+            Kind::Health,
+            "health",
+            &HEALTH,
+            stage.name,
+            HEALTH_RATE,
+            process,
+        ));
+        all.push(of(
+            Kind::Events,
+            "events",
+            &HEALTH,
+            stage.name,
+            0.0,
+            process,
+        ));
+    }
+    all
+}
+
+/// A message that is sent.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Selected {
+    /// Position of its stream in [`streams`].
+    pub stream: usize,
+    /// Whose, which.
+    pub label: Label,
+    /// The message as recordings encode it.
+    pub payload: Vec<u8>,
+}
+
+/// Selects messages.
+#[derive(Debug)]
+pub struct Thinner {
+    streams: Vec<StreamInfo>,
+    tracks: Vec<Track>,
+    excavator: Loads<ExcavatorEstimate>,
+    loader: Loads<LoaderEstimate>,
+    machine: String,
+    epoch: u64,
+    hz: f64,
+    /// Wall clock minus monotonic clock [ns].
+    wall_offset_ns: i64,
+}
+
+impl Thinner {
+    /// For the run `epoch` of `machine`, with estimates `hz` times a second.
+    #[must_use]
+    pub fn new(
+        streams: Vec<StreamInfo>,
+        machine: &str,
+        epoch: u64,
+        hz: f64,
+        wall_offset_ns: i64,
+    ) -> Self {
+        Self {
+            tracks: vec![Track::default(); streams.len()],
+            streams,
+            excavator: Loads::default(),
+            loader: Loads::default(),
+            machine: machine.to_owned(),
+            epoch,
+            hz,
+            wall_offset_ns,
+        }
+    }
+
+    /// Takes the next message of a channel and hands on what is to be sent.
+    pub fn take<M: Message>(
+        &mut self,
+        channel: &Channel,
+        message: &M,
+        out: &mut impl FnMut(Selected),
+    ) {
+        match message.envelope() {
+            Envelope::ExcavatorEstimate(e) => {
+                self.estimate(channel, &e, |t| &mut t.excavator, out);
+            }
+            Envelope::LoaderEstimate(e) => self.estimate(channel, &e, |t| &mut t.loader, out),
+            Envelope::Health(health) => self.health(&health, out),
+            _ => {}
+        }
+    }
+
+    /// Number of the latest message of a stream, -1 for none.
+    #[must_use]
+    pub fn head(&self, stream: usize) -> i64 {
+        self.tracks.get(stream).map_or(-1, |t| t.selected)
+    }
+
+    /// Number of the latest sample that a stream was selected from, -1 for none.
+    #[must_use]
+    pub fn seen(&self, stream: usize) -> i64 {
+        self.tracks.get(stream).map_or(-1, |t| t.seen)
+    }
+
+    fn estimate<E: Estimate>(
+        &mut self,
+        channel: &Channel,
+        estimate: &E,
+        loads: impl Fn(&mut Self) -> &mut Loads<E>,
+        out: &mut impl FnMut(Selected),
+    ) {
+        let number = estimate.stamp().sequence;
+        let verdicts = E::PARAMETERS.iter().fold(0, |bits, p| bits | p.trusted);
+        let mark = estimate.flags() & verdicts;
+        // Times are sums of rounded steps: a little early is due.
+        let bucket = (estimate.stamp().time * self.hz + 1e-6).floor() as i64;
+        for i in 0..self.streams.len() {
+            if self.streams[i].channel.name != channel.name {
+                continue;
+            }
+            let seen = self.tracks[i].see(number, false);
+            if seen == Seen::Before {
+                continue;
+            }
+            if self.streams[i].kind == Kind::Estimate {
+                if self.tracks[i].is_due(number, bucket, mark) {
+                    self.send(i, number, estimate, out);
+                }
+                continue;
+            }
+            if seen == Seen::Gap {
+                loads(self).forget();
+            }
+            if let Some(load) = loads(self).take(estimate) {
+                self.send(i, load.stamp().sequence, &load, out);
+            }
+        }
+    }
+
+    fn health(&mut self, health: &Health, out: &mut impl FnMut(Selected)) {
+        let number = health_number(health);
+        let is_first = health.stamp.sequence == 0;
+        let bucket = (health.stamp.time + 1e-6).floor() as i64;
+        for i in 0..self.streams.len() {
+            let (kind, process) = (self.streams[i].kind, self.streams[i].process);
+            let mark = match kind {
+                Kind::Health => 0,
+                Kind::Events => health.state << 8 ^ health.fault ^ health.restarts << 16,
+                _ => continue,
+            };
+            if process != health.process || self.tracks[i].see(number, is_first) == Seen::Before {
+                continue;
+            }
+            let bucket = if kind == Kind::Events { 0 } else { bucket };
+            if self.tracks[i].is_due(number, bucket, mark) {
+                self.send(i, number, health, out);
+            }
+        }
+    }
+
+    fn send<M: Message>(
+        &mut self,
+        stream: usize,
+        number: u64,
+        message: &M,
+        out: &mut impl FnMut(Selected),
+    ) {
+        let mut payload = Vec::with_capacity(256);
+        recording::payload::encode(message, &mut payload);
+        let measured = message.stamp().measured_ns as i64;
+        let wall_ms = measured.saturating_add(self.wall_offset_ns).max(0) as u64 / 1_000_000;
+        let label = Label {
+            machine: self.machine.clone(),
+            epoch: self.epoch,
+            number,
+            after: self.tracks[stream].select(number),
+            wall_ms,
+        };
+        out(Selected {
+            stream,
+            label,
+            payload,
+        });
+    }
+}
+
+/// Number of a report of health in its streams: a process that was started again counts from 0.
+#[must_use]
+pub fn health_number(health: &Health) -> u64 {
+    u64::from(health.restarts & 0xffff) << 40 | health.stamp.sequence & 0xff_ffff_ffff
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use messages::channels::EXCAVATOR_INERTIA_UKF as CHANNEL;
+    use messages::{Machine, excavator_bits as x};
+
+    fn thinner() -> Thinner {
+        let streams = streams(Pipeline::of(Machine::Excavator), 100.0, 1.0);
+        Thinner::new(streams, "ex-17", 7, 1.0, 0)
+    }
+
+    fn estimate(i: u64) -> ExcavatorEstimate {
+        let mut estimate = ExcavatorEstimate {
+            flags: if (150..250).contains(&i) {
+                x::TRUSTED
+            } else {
+                0
+            },
+            ..Default::default()
+        };
+        (estimate.stamp.sequence, estimate.stamp.time) = (i, i as f64 * 0.01);
+        estimate
+    }
+
+    fn selected(
+        thinner: &mut Thinner,
+        numbers: impl Iterator<Item = u64>,
+    ) -> Vec<(u64, Option<i64>)> {
+        let mut found = Vec::new();
+        for i in numbers {
+            thinner.take(&CHANNEL, &estimate(i), &mut |s: Selected| {
+                found.push((s.label.number, s.label.after));
+            });
+        }
+        found
+    }
+
+    #[test]
+    fn each_second_and_each_change_of_verdict_is_sent_and_names_the_one_before() {
+        let found = selected(&mut thinner(), 0..350);
+        let expected = [
+            (0, Some(-1)),
+            (100, Some(0)),
+            (150, Some(100)),
+            (200, Some(150)),
+            (250, Some(200)),
+            (300, Some(250)),
+        ];
+        assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn behind_missed_samples_the_message_before_is_not_known() {
+        let found = selected(&mut thinner(), (0..120).chain(190..320));
+        assert_eq!(found[..3], [(0, Some(-1)), (100, Some(0)), (190, None)]);
+        assert_eq!(found[3], (200, Some(190)));
+        // What the recording would have given is a part of it.
+        let joined = selected(&mut thinner(), 130..320);
+        assert_eq!(
+            joined,
+            [
+                (150, None),
+                (200, Some(150)),
+                (250, Some(200)),
+                (300, Some(250))
+            ]
+        );
+    }
+
+    #[test]
+    fn a_verdict_that_flickers_does_not_flood() {
+        let mut thinner = thinner();
+        let mut sent = 0;
+        for i in 0..1000 {
+            let mut message = estimate(i);
+            message.flags = if i % 2 == 0 { x::TRUSTED } else { 0 };
+            thinner.take(&CHANNEL, &message, &mut |_| sent += 1);
+        }
+        assert!(
+            sent <= 10 * (1 + crate::track::CHANGES as usize + 1),
+            "{sent}"
+        );
+    }
+
+    #[test]
+    fn events_are_changes_and_a_restart_is_one() {
+        let mut thinner = thinner();
+        let mut found = Vec::new();
+        let mut say = |sequence: u64, restarts: u32, state: u32| {
+            let mut health = Health {
+                process: 3,
+                state,
+                restarts,
+                ..Default::default()
+            };
+            (health.stamp.sequence, health.stamp.time) = (sequence, sequence as f64 * 0.3);
+            let names = thinner.streams.clone();
+            thinner.take(&HEALTH, &health, &mut |s: Selected| {
+                if names[s.stream].name == "events/ukf" {
+                    found.push((s.label.number, s.label.after));
+                }
+            });
+        };
+        (0..10).for_each(|i| say(i, 0, u32::from(i > 2)));
+        (0..3).for_each(|i| say(i, 1, 1));
+        assert_eq!(found, [(0, Some(-1)), (3, Some(0)), (1 << 40, Some(3))]);
+    }
+}

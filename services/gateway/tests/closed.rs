@@ -1,0 +1,158 @@
+//! A site that is closed: mutual TLS, and a router that lets a machine write its own keys only, both made by
+//! `examples/fleet`. Needs `openssl` and `python3`.
+
+mod common;
+
+use std::net::TcpListener;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::{Duration, Instant};
+
+use common::{collector, gateway_with, machine, sleep, until};
+use gateway::label::Label;
+use gateway::link::{self, LinkArgs};
+use gateway::wall_ms;
+use messages::{ExcavatorEstimate, Message};
+use zenoh::{Session, Wait};
+
+const UKF: &str = "estimate/inertia_ukf";
+
+fn keys(folder: &Path, listen: &str, days: &str, machines: &[&str]) {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/fleet/keys.sh");
+    let mut command = Command::new(script);
+    command.arg(folder).arg("north").args(machines);
+    let done = command
+        .env("LISTEN", listen)
+        .env("DAYS", days)
+        .output()
+        .expect("it runs");
+    assert!(
+        done.status.success(),
+        "{}",
+        String::from_utf8_lossy(&done.stderr)
+    );
+}
+
+/// A session, if the router lets it in within some seconds.
+fn client(address: &str, config: PathBuf) -> Option<Session> {
+    let link = LinkArgs {
+        connect: address.to_owned(),
+        zenoh_config: Some(config),
+    };
+    let begun = Instant::now();
+    link::client_unless(&link, || begun.elapsed() > Duration::from_secs(8))
+        .expect("its configuration is good")
+}
+
+/// Says for a machine, as whoever the session is, that it has an estimate.
+fn say(session: &Session, machine: &str) {
+    let mut payload = Vec::new();
+    let message = ExcavatorEstimate::default();
+    assert_eq!(message.stamp().sequence, 0);
+    recording::payload::encode(&message, &mut payload);
+    let label = Label {
+        machine: machine.to_owned(),
+        epoch: 1_700_000_000_000,
+        number: 0,
+        after: Some(-1),
+        wall_ms: wall_ms(),
+    };
+    let key = format!("heft/v1/north/{machine}/{UKF}");
+    // Whether it passes is what the collector says.
+    let _ = session
+        .put(key, payload)
+        .attachment(label.to_string())
+        .wait();
+}
+
+#[test]
+fn a_machine_writes_its_own_keys_only_and_one_without_a_valid_certificate_none() {
+    let port = TcpListener::bind("127.0.0.1:0")
+        .and_then(|l| l.local_addr())
+        .expect("a port")
+        .port();
+    let address = format!("tls/127.0.0.1:{port}");
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(format!("{name}.json5"));
+    // Valid for no day: over at once.
+    keys(folder.path(), &address, "30", &["ex-1", "ex-2"]);
+    keys(folder.path(), &address, "0", &["ex-late"]);
+    let _router = link::router(None, Some(&at("router"))).expect("the router starts");
+    let config = at("collector").display().to_string();
+    let centre = collector(
+        &address,
+        &folder.path().join("fleet.sqlite"),
+        &["--zenoh-config", &config],
+    );
+    let one = client(&address, at("ex-1")).expect("it is let in");
+    let late = client(&address, at("ex-late"));
+    assert!(late.is_none(), "its certificate has expired");
+    let bare = client(&address, {
+        let file = at("bare");
+        let ca = folder.path().join("ca.pem");
+        let text = format!("{{transport:{{link:{{tls:{{root_ca_certificate:{ca:?}}}}}}}}}");
+        std::fs::write(&file, text).expect("written");
+        file
+    });
+    assert!(bare.is_none(), "it has no certificate");
+    until("the machine is heard", || {
+        say(&one, "ex-1");
+        centre.numbers("ex-1", UKF) == [0]
+    });
+    for _ in 0..5 {
+        say(&one, "ex-2");
+        sleep(0.2);
+    }
+    sleep(1.0);
+    assert!(
+        centre.numbers("ex-2", UKF).is_empty(),
+        "others spoke in its name"
+    );
+    let two = client(&address, at("ex-2")).expect("it is let in");
+    until("the other is heard when it speaks itself", || {
+        say(&two, "ex-2");
+        centre.numbers("ex-2", UKF) == [0]
+    });
+}
+
+#[test]
+fn a_gateway_sends_answers_and_recovers_behind_such_a_router() {
+    let port = TcpListener::bind("127.0.0.1:0")
+        .and_then(|l| l.local_addr())
+        .expect("a port")
+        .port();
+    let address = format!("tls/127.0.0.1:{port}");
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(format!("{name}.json5"));
+    keys(folder.path(), &address, "30", &["ex-1"]);
+    let router = link::router(None, Some(&at("router"))).expect("the router starts");
+    let config = at("collector").display().to_string();
+    let centre = collector(
+        &address,
+        &folder.path().join("fleet.sqlite"),
+        &["--zenoh-config", &config],
+    );
+    let machine = machine(100.0, 20.0, None);
+    let _gateway = gateway_with(
+        &machine,
+        "ex-1",
+        &address,
+        &["--zenoh-config", &at("ex-1").display().to_string()],
+    );
+    until("it is heard", || centre.numbers("ex-1", UKF).len() > 10);
+    router.close().wait().expect("closed");
+    sleep(6.0);
+    let again = || link::router(None, Some(&at("router"))).ok();
+    let mut router = again();
+    until("the router starts again", || {
+        router = router.take().or_else(again);
+        router.is_some()
+    });
+    machine.process.wait();
+    let whole = common::expected(100, 20);
+    until("the history is whole", || {
+        centre.numbers("ex-1", UKF).len() >= whole.len() && centre.account("ex-1").1 == 0
+    });
+    assert_eq!(centre.numbers("ex-1", UKF), whole);
+    assert_eq!(centre.account("ex-1"), (0, 0));
+}

@@ -1,0 +1,263 @@
+//! Processes of a fleet, for tests: a router in this process, and everything else as it is run.
+
+#![allow(dead_code, reason = "each test uses its part")]
+
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::{TcpListener, TcpStream};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::{Duration, Instant};
+
+use gateway::link;
+use zenoh::{Session, Wait};
+
+/// A process that does not outlive the test.
+pub struct Process(pub Child);
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+impl Process {
+    fn start(command: &mut Command) -> Self {
+        Self(command.spawn().expect("the program is built"))
+    }
+
+    /// Asks it to end, and waits.
+    pub fn end(mut self) {
+        let pid = rustix::process::Pid::from_raw(self.0.id() as i32).expect("a process");
+        let _ = rustix::process::kill_process(pid, rustix::process::Signal::TERM);
+        let _ = self.0.wait();
+    }
+
+    /// Waits for its own end.
+    pub fn wait(mut self) {
+        let _ = self.0.wait();
+    }
+}
+
+/// The router of a test, in this process: the same code as `zenohd`, without its plug-ins.
+pub struct Router {
+    pub address: String,
+    session: Option<Session>,
+}
+
+impl Router {
+    pub fn start() -> Self {
+        let port = TcpListener::bind("127.0.0.1:0")
+            .and_then(|l| l.local_addr())
+            .expect("a port")
+            .port();
+        let mut router = Self {
+            address: format!("tcp/127.0.0.1:{port}"),
+            session: None,
+        };
+        router.up();
+        router
+    }
+
+    pub fn up(&mut self) {
+        let begun = Instant::now();
+        while self.session.is_none() {
+            // The port may be held for a moment.
+            self.session = link::router(Some(&self.address), None).ok();
+            assert!(
+                begun.elapsed() < Duration::from_secs(30),
+                "the router starts"
+            );
+            std::thread::sleep(Duration::from_millis(100));
+        }
+    }
+
+    /// Every connection breaks, and nobody listens.
+    pub fn down(&mut self) {
+        if let Some(session) = self.session.take() {
+            session.close().wait().expect("the router ends");
+        }
+    }
+
+    pub fn client(&self) -> Session {
+        link::client(&link::LinkArgs {
+            connect: self.address.clone(),
+            zenoh_config: None,
+        })
+        .expect("a session")
+    }
+}
+
+/// A machine: the stand-in for its pipeline.
+pub struct Machine {
+    pub domain: String,
+    pub folder: tempfile::TempDir,
+    pub process: Process,
+}
+
+/// `parts`: bytes of a part of the recording, and bytes kept.
+pub fn machine(rate: f64, seconds: f64, parts: Option<(u64, u64)>) -> Machine {
+    static COUNT: AtomicU32 = AtomicU32::new(0);
+    let domain = format!(
+        "fleet-{}-{}",
+        std::process::id(),
+        COUNT.fetch_add(1, Ordering::Relaxed)
+    );
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut command = Command::new(beside("examples/stand_in"));
+    command
+        .arg(&domain)
+        .arg(folder.path())
+        .arg(rate.to_string())
+        .arg(seconds.to_string());
+    if let Some((part, kept)) = parts {
+        command.arg(part.to_string()).arg(kept.to_string());
+    }
+    let mut process = Process::start(command.stdout(Stdio::piped()));
+    let mut line = String::new();
+    let out = process.0.stdout.take().expect("piped");
+    BufReader::new(out).read_line(&mut line).expect("it speaks");
+    assert_eq!(line, "ready\n");
+    Machine {
+        domain,
+        folder,
+        process,
+    }
+}
+
+/// A program that cargo has built beside the tests.
+fn beside(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_BIN_EXE_heft-gateway")).with_file_name(name)
+}
+
+/// A gateway that sends ten estimates a second.
+pub fn gateway(machine: &Machine, id: &str, router: &str) -> Process {
+    gateway_with(machine, id, router, &[])
+}
+
+/// The same with more arguments.
+pub fn gateway_with(machine: &Machine, id: &str, router: &str, more: &[&str]) -> Process {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_heft-gateway"));
+    command
+        .args([
+            "--domain",
+            &machine.domain,
+            "--connect",
+            router,
+            "--site",
+            "north",
+        ])
+        .args(more);
+    Process::start(command.args(["--machine-id", id, "--rate", "10", "--linger", "60"]))
+}
+
+/// A collector.
+pub struct Collector {
+    pub db: PathBuf,
+    pub page: String,
+    pub process: Process,
+}
+
+pub fn collector(router: &str, db: &Path, more: &[&str]) -> Collector {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_heft-fleet"));
+    command
+        .args(["--connect", router, "--page", "127.0.0.1:0", "--db"])
+        .arg(db)
+        .args(more);
+    let mut process = Process::start(command.stderr(Stdio::piped()));
+    let mut lines = BufReader::new(process.0.stderr.take().expect("piped")).lines();
+    let first = lines.next().expect("a line").expect("text");
+    // What it says later must not fill the pipe.
+    std::thread::spawn(move || {
+        lines.for_each(|line| eprintln!("collector: {}", line.unwrap_or_default()))
+    });
+    Collector {
+        db: db.to_owned(),
+        page: first
+            .strip_prefix("fleet: http://")
+            .expect("its address")
+            .to_owned(),
+        process,
+    }
+}
+
+impl Collector {
+    /// A page, with its head.
+    pub fn get(&self, path: &str, host: &str) -> String {
+        let mut stream = TcpStream::connect(&self.page).expect("it listens");
+        write!(
+            stream,
+            "GET {path} HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n"
+        )
+        .expect("sent");
+        let mut page = String::new();
+        stream.read_to_string(&mut page).expect("a page");
+        page
+    }
+
+    /// What `heft fleet query` prints, as JSON.
+    pub fn query(&self, what: &str) -> Vec<serde_json::Value> {
+        query(&self.db, what)
+    }
+
+    /// Numbers of a stream, in order.
+    pub fn numbers(&self, machine: &str, stream: &str) -> Vec<u64> {
+        let kind = if stream.starts_with("estimate") {
+            "estimates"
+        } else {
+            stream.split('/').next().unwrap_or_default()
+        };
+        let all = self.query(kind);
+        let its = all
+            .iter()
+            .filter(|m| m["machine"] == machine && m["stream"] == stream);
+        its.map(|m| m["sequence"].as_u64().expect("a number"))
+            .collect()
+    }
+
+    /// Messages lost and streams with a gap, of a machine.
+    pub fn account(&self, machine: &str) -> (i64, i64) {
+        let sql = gateway::collector::query::open(&self.db).expect("a history");
+        let text = "SELECT coalesce(sum(lost), 0), coalesce(sum(good < head), 0) FROM stream s JOIN machine m ON m.id = s.machine WHERE m.name = ?";
+        sql.query_row(text, [machine], |row| Ok((row.get(0)?, row.get(1)?)))
+            .expect("a sum")
+    }
+}
+
+pub fn query(db: &Path, what: &str) -> Vec<serde_json::Value> {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_heft-fleet"));
+    let out = command
+        .args(["query", "--what", what, "--format", "json", "--db"])
+        .arg(db)
+        .output();
+    let out = out.expect("it runs");
+    assert!(
+        out.status.success(),
+        "{}",
+        String::from_utf8_lossy(&out.stderr)
+    );
+    let text = String::from_utf8(out.stdout).expect("text");
+    text.lines()
+        .map(|line| serde_json::from_str(line).expect("JSON"))
+        .collect()
+}
+
+/// Waits until something holds.
+pub fn until(what: &str, mut holds: impl FnMut() -> bool) {
+    let begun = Instant::now();
+    while !holds() {
+        assert!(begun.elapsed() < Duration::from_secs(120), "{what}");
+        std::thread::sleep(Duration::from_millis(200));
+    }
+}
+
+pub fn sleep(seconds: f64) {
+    std::thread::sleep(Duration::from_secs_f64(seconds));
+}
+
+/// The numbers of the estimates that a stand-in's gateway sends in so many seconds: ten a second. The verdict
+/// changes at multiples of five seconds, which are among them.
+pub fn expected(rate: u64, seconds: u64) -> Vec<u64> {
+    (0..seconds * 10).map(|i| i * rate / 10).collect()
+}

@@ -1,0 +1,158 @@
+//! Fleets: `--fleet` keeps `heft-gateway` running beside a pipeline, and `heft fleet` is `heft-fleet`.
+//!
+//! Both are programs of their own, because who runs one machine does not compile Zenoh. The gateway reads
+//! the channels as any program may; a run neither waits for it nor ends because of it.
+
+use std::os::unix::process::CommandExt;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use clap::Args;
+use runtime::Domain;
+use serde::{Deserialize, Serialize};
+
+use crate::failure::Failure;
+
+/// First pause before a gateway that died is started again; it doubles.
+const FIRST_PAUSE: Duration = Duration::from_millis(500);
+const LONGEST_PAUSE: Duration = Duration::from_secs(30);
+/// One that lived so long died by accident.
+const LONG_LIFE: Duration = Duration::from_secs(10);
+
+/// `heft run ... --fleet`
+#[derive(Debug, Clone, Default, Args)]
+pub struct FleetArgs {
+    /// Send what is found to a fleet, by this router of Zenoh (needs heft-gateway)
+    #[arg(long, value_name = "tcp/HOST:PORT", requires_all = ["site", "machine_id"])]
+    pub fleet: Option<String>,
+    /// The site, for --fleet
+    #[arg(long, requires = "fleet")]
+    pub site: Option<String>,
+    /// Name of the machine within its site, for --fleet
+    #[arg(long, requires = "fleet")]
+    pub machine_id: Option<String>,
+    /// Keys and certificates, for --fleet: a configuration file of Zenoh
+    #[arg(long, requires = "fleet", value_name = "FILE")]
+    pub zenoh_config: Option<PathBuf>,
+}
+
+/// How a machine belongs to a fleet.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Fleet {
+    program: PathBuf,
+    arguments: Vec<String>,
+}
+
+impl Fleet {
+    /// What the arguments ask for.
+    pub fn of(args: &FleetArgs) -> Result<Option<Self>, Failure> {
+        let (Some(connect), Some(site), Some(machine)) =
+            (&args.fleet, &args.site, &args.machine_id)
+        else {
+            return Ok(None);
+        };
+        let mut arguments = vec![
+            "--connect",
+            connect,
+            "--site",
+            site,
+            "--machine-id",
+            machine,
+        ];
+        let file = args.zenoh_config.as_deref().map(std::path::absolute);
+        let file = file.transpose().map_err(Failure::internal)?;
+        let file = file.map(|f| f.display().to_string());
+        if let Some(file) = &file {
+            arguments.extend(["--zenoh-config", file]);
+        }
+        Ok(Some(Self {
+            program: program("heft-gateway", "--fleet")?,
+            arguments: arguments.into_iter().map(str::to_owned).collect(),
+        }))
+    }
+}
+
+/// A program beside this one, or in the search path.
+fn program(name: &str, place: &str) -> Result<PathBuf, Failure> {
+    let beside = std::env::current_exe().ok();
+    let beside = beside.as_deref().and_then(Path::parent).map(Path::to_owned);
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    let mut folders = beside.into_iter().chain(std::env::split_paths(&path));
+    let found = folders.find_map(|f| Some(f.join(name)).filter(|file| file.is_file()));
+    found.ok_or_else(|| {
+        Failure::input(
+            format!("{name} is not installed beside heft, nor in PATH"),
+            place,
+            "build it, `cargo build --release --manifest-path services/gateway/Cargo.toml`, and put it beside heft",
+        )
+    })
+}
+
+/// `heft fleet`: becomes `heft-fleet`.
+pub fn fleet(args: &[String]) -> Result<(), Failure> {
+    let program = program("heft-fleet", "heft fleet")?;
+    let error = Command::new(&program).args(args).exec();
+    Err(Failure::file("start", &program, &error))
+}
+
+/// The gateway of a run, started again when it dies.
+pub struct Gateway {
+    fleet: Fleet,
+    domain: String,
+    child: Option<Child>,
+    started: Instant,
+    pause: Duration,
+}
+
+impl Gateway {
+    /// Starts it.
+    pub fn start(fleet: Fleet, domain: &Domain) -> Self {
+        let mut gateway = Self {
+            fleet,
+            domain: domain.name().to_owned(),
+            child: None,
+            started: Instant::now(),
+            pause: FIRST_PAUSE,
+        };
+        gateway.spawn();
+        gateway
+    }
+
+    fn spawn(&mut self) {
+        self.started = Instant::now();
+        let child = Command::new(&self.fleet.program)
+            .args(["--domain", &self.domain])
+            .args(&self.fleet.arguments)
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            // It ends by itself when the run has ended, and what is missing elsewhere has been asked for.
+            .process_group(0)
+            .env_remove("NOTIFY_SOCKET")
+            .env_remove("WATCHDOG_USEC")
+            .spawn();
+        match child {
+            Ok(child) => self.child = Some(child),
+            Err(error) => tracing::warn!(%error, "the gateway to the fleet cannot be started"),
+        }
+    }
+
+    /// Starts it again if it died, some time later.
+    pub fn keep_alive(&mut self) {
+        if let Some(child) = &mut self.child {
+            let Ok(Some(status)) = child.try_wait() else {
+                return;
+            };
+            self.child = None;
+            self.pause = if self.started.elapsed() > LONG_LIFE {
+                FIRST_PAUSE
+            } else {
+                (self.pause * 2).min(LONGEST_PAUSE)
+            };
+            tracing::warn!(%status, "the gateway to the fleet ended; it is started again");
+            self.started = Instant::now();
+        } else if self.started.elapsed() >= self.pause {
+            self.spawn();
+        }
+    }
+}
