@@ -1,7 +1,7 @@
 //! Builds the FMUs: `cargo run -p heft_fmu [FOLDER]`, by default `target/fmu`.
 //!
-//! One library serves both machines; it is built here in the profile `bindings`, unless one is given.
-//! Further platforms are added in the same way: `--library x86_64-windows=PATH`.
+//! One library serves both machines; it is built here in the profile `bindings`, for this platform and, where its target
+//! and linker are installed, for Windows. Libraries for others, or made elsewhere, are given: `--library PLATFORM=PATH`.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
@@ -10,11 +10,33 @@ use heft_c::{Excavator, Loader};
 use heft_fmu::description::{Words, identifier, xml};
 use heft_fmu::zip::Zip;
 
-/// Platform of FMI, name of the library that cargo makes, ending inside the FMU.
-const HERE: (&str, &str) = if cfg!(target_arch = "aarch64") {
-    ("aarch64-linux", "libheft_fmu.so")
+/// A platform of FMI.
+struct Platform {
+    name: &'static str,
+    /// Name of the library that cargo makes.
+    library: &'static str,
+    /// The target where it is not this machine's own, and its linker.
+    target: Option<(&'static str, &'static str)>,
+}
+
+const HERE: Platform = if cfg!(target_arch = "aarch64") {
+    Platform {
+        name: "aarch64-linux",
+        library: "libheft_fmu.so",
+        target: None,
+    }
 } else {
-    ("x86_64-linux", "libheft_fmu.so")
+    Platform {
+        name: "x86_64-linux",
+        library: "libheft_fmu.so",
+        target: None,
+    }
+};
+
+const WINDOWS: Platform = Platform {
+    name: "x86_64-windows",
+    library: "heft_fmu.dll",
+    target: Some(("x86_64-pc-windows-gnu", "x86_64-w64-mingw32-gcc")),
 };
 
 fn main() -> ExitCode {
@@ -42,8 +64,17 @@ fn build(mut arguments: impl Iterator<Item = String>) -> Result<(), String> {
         }
     }
     let target = target();
-    if !libraries.iter().any(|(platform, _)| platform == HERE.0) {
-        libraries.push((HERE.0.to_owned(), library(&target)?));
+    for platform in [HERE, WINDOWS] {
+        if libraries.iter().any(|(name, _)| name == platform.name) {
+            continue;
+        }
+        match platform.target {
+            Some((name, linker)) if !can_build(name, linker) => eprintln!(
+                "without {}: it takes `rustup target add {name}` and {linker} (Debian: gcc-mingw-w64-x86-64)",
+                platform.name
+            ),
+            _ => libraries.push((platform.name.to_owned(), library(&target, &platform)?)),
+        }
     }
     let folder = folder.unwrap_or_else(|| target.join("fmu"));
     std::fs::create_dir_all(&folder).map_err(|e| told("create", &folder, &e))?;
@@ -61,29 +92,37 @@ fn target() -> PathBuf {
         .to_owned()
 }
 
-/// Builds the library for this platform.
-fn library(target: &Path) -> Result<Vec<u8>, String> {
+/// Whether the core library of a target and its linker are here.
+fn can_build(target: &str, linker: &str) -> bool {
+    let said = Command::new("rustc").args(["--print", "sysroot"]).output();
+    let root = said.ok().and_then(|o| String::from_utf8(o.stdout).ok());
+    let installed = root.is_some_and(|root| {
+        let libraries = Path::new(root.trim()).join("lib/rustlib");
+        libraries.join(target).join("lib").is_dir()
+    });
+    let version = Command::new(linker).arg("--version").output();
+    installed && version.is_ok_and(|o| o.status.success())
+}
+
+/// Builds the library for a platform.
+fn library(folder: &Path, platform: &Platform) -> Result<Vec<u8>, String> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let mut command = Command::new(cargo);
-    command
-        .args([
-            "build",
-            "--profile",
-            "bindings",
-            "-p",
-            "heft_fmu",
-            "--lib",
-            "--target-dir",
-        ])
-        .arg(target)
-        .current_dir(env!("CARGO_MANIFEST_DIR"));
+    let fixed = ["build", "--profile", "bindings", "-p", "heft_fmu", "--lib"];
+    command.args(fixed).arg("--target-dir").arg(folder);
+    let mut made = folder.to_owned();
+    if let Some((target, _)) = platform.target {
+        command.args(["--target", target]);
+        made.push(target);
+    }
     let status = command
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
         .status()
         .map_err(|e| format!("cannot run cargo: {e}"))?;
     if !status.success() {
         return Err("the library does not build; see above".to_owned());
     }
-    read(&target.join("bindings").join(HERE.1))
+    read(&made.join("bindings").join(platform.library))
 }
 
 fn read(path: &Path) -> Result<Vec<u8>, String> {

@@ -161,7 +161,7 @@ pub fn undetermined(model: &Drives, direction: &Direction) -> String {
     } else if has(|r| matches!(r, Role::SpeedDelay)) {
         "record sharp changes of the speed"
     } else if has(|r| matches!(r, Role::SlopeBias | Role::Rolling)) {
-        "drive the same way there and back, over a slope"
+        "record an accelerometer, or drive back in reverse"
     } else {
         "record longer"
     };
