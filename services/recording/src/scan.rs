@@ -58,6 +58,10 @@ pub(crate) struct Scan {
     pub lost_bytes: u64,
     /// The file ends as a finished recording does.
     pub complete: bool,
+    /// Where the index begins, if the end of the file says so.
+    index: Option<u64>,
+    /// The end of the data came.
+    data_ended: bool,
 }
 
 /// What stands at a place.
@@ -75,7 +79,10 @@ impl Scan {
         if magic != MAGIC {
             return None;
         }
-        let mut scan = Self::default();
+        let mut scan = Self {
+            index: index_start(bytes),
+            ..Self::default()
+        };
         let mut at = MAGIC.len() as u64;
         while at < bytes.len {
             match scan.take(bytes, at) {
@@ -88,7 +95,9 @@ impl Scan {
                     break;
                 }
                 Found::Nothing => {
-                    match scan.step_over(bytes, at).or_else(|| scan.search(bytes, at)) {
+                    let found = scan.hidden_chunk(bytes, at);
+                    let found = found.or_else(|| scan.step_over(bytes, at));
+                    match found.or_else(|| scan.search(bytes, at)) {
                         Some(end) => at = end,
                         None => break,
                     }
@@ -138,9 +147,13 @@ impl Scan {
                     Found::Nothing
                 };
             }
-            op::DATA_END => (length == 4).then_some(()),
-            // What is there once, or in the index, which has a check sum of its own.
-            op::HEADER | op::CHUNK_INDEX..=op::SUMMARY_OFFSET => (length < LIMIT).then_some(()),
+            op::DATA_END => (length == 4).then(|| self.data_ended = true),
+            op::HEADER => (at == MAGIC.len() as u64 && length < LIMIT).then_some(()),
+            // The index has a check sum of its own.
+            op::CHUNK_INDEX..=op::SUMMARY_OFFSET => {
+                let is_behind = self.data_ended || self.index.is_some_and(|start| at >= start);
+                (is_behind && length < LIMIT).then_some(())
+            }
             _ => None,
         };
         whole.map_or(Found::Nothing, |()| Found::Next(end))
@@ -174,6 +187,17 @@ impl Scan {
                 what: "a changed word in the metadata",
             });
         }
+    }
+
+    /// A chunk whose record says that it is something else.
+    fn hidden_chunk(&mut self, bytes: &Bytes, at: u64) -> Option<u64> {
+        let end = self.prove_chunk(bytes, at)?;
+        self.damage.push(Damage {
+            at,
+            bytes: 1,
+            what: "a record of a wrong kind",
+        });
+        Some(end)
     }
 
     /// The end of a small record whose content is damaged but whose length is not: another record
@@ -301,6 +325,15 @@ impl Chunk {
 }
 
 /// Opcode and length of the record at `at`.
+/// Where the footer at the end of the file says that the index begins.
+fn index_start(bytes: &Bytes) -> Option<u64> {
+    let end = bytes.len.checked_sub(MAGIC.len() as u64)?;
+    let footer = bytes.range(end.checked_sub(20)?, end)?;
+    record::footer(&footer)
+        .map(|(start, _)| start)
+        .filter(|start| *start > 0)
+}
+
 fn head(bytes: &Bytes, at: u64) -> Option<(u8, u64)> {
     let mut head = [0; HEAD as usize];
     bytes.fill(at, &mut head)?;

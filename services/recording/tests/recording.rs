@@ -226,13 +226,16 @@ fn a_flipped_bit_costs_one_block_at_most_and_is_told() {
     write(&path, 50);
     let whole = std::fs::read(&path).expect("readable");
     let good: Vec<_> = (0..50).map(sample).collect();
-    // The head of every record bit by bit, and a part of everything.
+    // Every bit of the kind of every record, a bit of every byte of its head, and a part of everything.
+    let kinds = boundaries(&whole).into_iter();
+    let kinds = kinds.flat_map(|at| (0..8).map(move |bit| (at, bit)));
     let heads = boundaries(&whole).into_iter().flat_map(|b| b..b + 48);
-    let mut places: Vec<usize> = heads.chain((0..whole.len()).step_by(53)).collect();
-    places.retain(|at| *at < whole.len());
-    for (i, at) in places.into_iter().enumerate() {
+    let bytes = heads.chain((0..whole.len()).step_by(53)).enumerate();
+    let mut places: Vec<(usize, usize)> = kinds.chain(bytes.map(|(i, at)| (at, i % 8))).collect();
+    places.retain(|(at, _)| *at < whole.len());
+    for (i, (at, bit)) in places.into_iter().enumerate() {
         let mut bytes = whole.clone();
-        bytes[at] ^= 1 << (i % 8);
+        bytes[at] ^= 1 << bit;
         std::fs::write(&path, &bytes).expect("writable");
         let Ok(reader) = Reader::open(&path) else {
             assert!(
