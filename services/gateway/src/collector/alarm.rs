@@ -144,7 +144,7 @@ mod tests {
             wall_ms: crate::wall_ms(),
             ..Default::default()
         };
-        fleet.status(&id, Box::new(status));
+        fleet.status(&id, status);
         let kinds: Vec<_> = look(&mut fleet, &args())
             .into_iter()
             .map(|a| (a.kind, a.text))
@@ -165,7 +165,7 @@ mod tests {
             wall_ms: crate::wall_ms(),
             ..Default::default()
         };
-        fleet.status(&id, Box::new(status));
+        fleet.status(&id, status);
         fleet.token(&id, false);
         assert!(look(&mut fleet, &args()).is_empty());
     }

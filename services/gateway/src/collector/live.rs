@@ -108,13 +108,13 @@ impl Fleet {
     }
 
     /// Takes in what a machine says of itself.
-    pub fn status(&mut self, id: &MachineId, status: Box<Status>) {
+    pub fn status(&mut self, id: &MachineId, status: Status) {
         let machine = self.machine(id);
         machine.heard = Some(Instant::now());
         machine.kind.clone_from(&status.kind);
         machine.version.clone_from(&status.version);
         machine.clock_ms = status.wall_ms as i64 - crate::wall_ms() as i64;
-        machine.status = Some(*status);
+        machine.status = Some(status);
     }
 
     /// A token came or went.

@@ -173,7 +173,7 @@ impl Collector<'_> {
                 }
                 Event::Status(id, status) => {
                     self.store.status(&id, &status)?;
-                    fleet.status(&id, status);
+                    fleet.status(&id, *status);
                 }
                 Event::Token(id, is_there) => fleet.token(&id, is_there),
                 Event::Refused(id, why) => fleet.refused(&id, why),
