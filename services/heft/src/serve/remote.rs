@@ -52,31 +52,45 @@ pub struct RemoteShard<'a> {
     rows: &'a Rows,
     input: Mutex<Input>,
     output: Mutex<Output>,
+    /// What the first process writes, until somebody listens. It stands apart from `input`: whoever holds that may wait
+    /// for the process, which may wait for its reader.
+    answers: Mutex<Option<ChildStdout>>,
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-fn start(arguments: &[OsString]) -> Result<(Child, BufWriter<ChildStdin>), Failure> {
+/// A process with both ends of it.
+struct Started {
+    child: Child,
+    pipe: BufWriter<ChildStdin>,
+    answers: ChildStdout,
+}
+
+fn start(arguments: &[OsString]) -> Result<Started, Failure> {
     let heft = std::env::current_exe().map_err(Failure::internal)?;
     let mut command = Command::new(heft);
-    command
-        .args(arguments)
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped());
+    command.args(arguments);
+    command.stdin(Stdio::piped()).stdout(Stdio::piped());
     let mut child = command.spawn().map_err(Failure::internal)?;
-    let pipe = child
-        .stdin
-        .take()
-        .ok_or_else(|| Failure::internal("no pipe"))?;
-    Ok((child, BufWriter::with_capacity(1 << 16, pipe)))
+    let pipes = child.stdin.take().zip(child.stdout.take());
+    let (pipe, answers) = pipes.ok_or_else(|| Failure::internal("no pipe"))?;
+    Ok(Started {
+        child,
+        pipe: BufWriter::with_capacity(1 << 16, pipe),
+        answers,
+    })
 }
 
 impl<'a> RemoteShard<'a> {
     /// Starts the process.
     pub fn start(arguments: &'a [OsString], rows: &'a Rows) -> Result<Self, Failure> {
-        let (child, pipe) = start(arguments)?;
+        let Started {
+            child,
+            pipe,
+            answers,
+        } = start(arguments)?;
         Ok(Self {
             arguments,
             rows,
@@ -90,6 +104,7 @@ impl<'a> RemoteShard<'a> {
                 is_closed: false,
             }),
             output: Mutex::new(Output::default()),
+            answers: Mutex::new(Some(answers)),
         })
     }
 
@@ -136,20 +151,18 @@ impl<'a> RemoteShard<'a> {
     /// Takes its answers in a thread of their own, and replaces it when it dies.
     pub fn listen<'s>(&'a self, scope: &'s Scope<'s, 'a>) {
         scope.spawn(move || {
-            loop {
-                let pipe = lock(&self.input).child.stdout.take();
-                let ended = pipe.is_some_and(|pipe| self.take_answers(pipe));
-                match self.replace(ended) {
-                    Ok(true) => {}
-                    Ok(false) => return,
-                    Err(failure) => {
-                        lock(&self.output).failure = Some(failure.to_string());
-                        lock(&self.input).pipe = None;
-                        return;
-                    }
+            let mut answers = lock(&self.answers).take();
+            while let Some(pipe) = answers {
+                let has_ended = self.take_answers(pipe);
+                answers = self.replace(has_ended).unwrap_or_else(|failure| {
+                    lock(&self.output).failure = Some(failure.to_string());
+                    lock(&self.input).pipe = None;
+                    None
+                });
+                if answers.is_some() {
+                    // What the last process was sent goes to this one while this thread reads its answers.
+                    scope.spawn(move || lock(&self.input).pump(0));
                 }
-                // What it was sent before goes to its successor while this thread reads the answers.
-                scope.spawn(move || lock(&self.input).pump(0));
             }
         });
     }
@@ -200,8 +213,8 @@ impl<'a> RemoteShard<'a> {
         false
     }
 
-    /// After its output ended: another process in its place, true, where there is work left.
-    fn replace(&self, has_ended: bool) -> Result<bool, Failure> {
+    /// After its output ended: another process in its place, and what that writes, where there is work left.
+    fn replace(&self, has_ended: bool) -> Result<Option<ChildStdout>, Failure> {
         let mut input = lock(&self.input);
         if !has_ended {
             input.pipe = None;
@@ -210,11 +223,11 @@ impl<'a> RemoteShard<'a> {
         let ended = input.child.wait().map_err(Failure::internal)?;
         let mut output = lock(&self.output);
         if output.failure.is_some() {
-            return Ok(false);
+            return Ok(None);
         }
         let asked = input.first + input.kept.len() as u64;
         if ended.success() && input.is_closed && output.written == asked {
-            return Ok(false);
+            return Ok(None);
         }
         output.restarts += 1;
         output.deaths += 1;
@@ -225,13 +238,17 @@ impl<'a> RemoteShard<'a> {
         }
         tracing::warn!("a shard ended ({ended}); another goes on with its machines");
         input.forget(output.confirmed);
-        let (child, mut pipe) = start(self.arguments)?;
+        let Started {
+            child,
+            mut pipe,
+            answers,
+        } = start(self.arguments)?;
         if !output.state.is_empty() {
             // If it dies at once, the next one gets it.
             let _ = frames::write(&mut pipe, STATE, &[&output.state]);
         }
         (input.child, input.pipe, input.sent) = (child, Some(pipe), 0);
-        Ok(true)
+        Ok(Some(answers))
     }
 }
 
