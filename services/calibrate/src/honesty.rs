@@ -40,6 +40,22 @@ impl Direction {
         members.sort_by(|a, b| self.shares[*b].abs().total_cmp(&self.shares[*a].abs()));
         members
     }
+
+    /// That it is not determined, and what to record.
+    #[must_use]
+    pub fn undetermined(&self, parameters: &[Parameter], remedy: &str) -> String {
+        let members = self.members();
+        let names: Vec<&str> = members.iter().map(|&i| &*parameters[i].words).collect();
+        let what = match names.as_slice() {
+            [first @ .., last] if !first.is_empty() => format!(
+                "{} and {last} cannot be told apart by these recordings",
+                first.join(", ")
+            ),
+            _ => format!("{} is not determined by these recordings", names.concat()),
+        };
+        let information = self.information;
+        format!("{what} (information {information:.2} of what the description knows); {remedy}")
+    }
 }
 
 /// The directions about which the data say less than what was known, the weakest first. Measured loads

@@ -40,6 +40,35 @@ pub struct Parameter {
 }
 
 impl Parameter {
+    /// What the description says of a key, with its tolerance.
+    pub(crate) fn described(
+        key: &str,
+        words: &str,
+        unit: &'static str,
+        mean: f64,
+        std: f64,
+        range: (f64, f64),
+    ) -> Self {
+        Self {
+            key: key.into(),
+            words: words.into(),
+            unit,
+            mean,
+            std,
+            range,
+            law: Law::Linear,
+            source: Source::Description,
+        }
+    }
+
+    /// A noise, known by a factor: `std` of its logarithm.
+    pub(crate) fn noise(key: &str, words: &str, unit: &'static str, mean: f64, std: f64) -> Self {
+        Self {
+            law: Law::Logarithmic,
+            ..Self::described(key, words, unit, mean, std, (1e-3 * mean, 1e3 * mean))
+        }
+    }
+
     /// The value at `x` standard deviations from what was known, within the range.
     #[must_use]
     pub fn value(&self, x: f64) -> f64 {

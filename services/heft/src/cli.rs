@@ -336,10 +336,10 @@ pub struct EstimateArgs {
 #[derive(Debug, Args)]
 pub struct ManyArgs {
     /// Many inputs: do again what is done already
-    #[arg(long)]
+    #[arg(long, conflicts_with = "output")]
     pub again: bool,
     /// Many inputs: processes at the same time; as many as there are processors if absent
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", conflicts_with = "output")]
     pub jobs: Option<NonZeroUsize>,
 }
 

@@ -216,20 +216,9 @@ fn parameters(
 ) -> Vec<(Role, Parameter)> {
     let posture = series.iter().all(|s| s.has_posture);
     let torque = percentile(series.iter().map(|s| s.torque.size()).collect(), 1.0);
-    let linear = |key: &str, words: &str, unit, mean: f64, std: f64, range| Parameter {
-        key: key.into(),
-        words: words.into(),
-        unit,
-        mean,
-        std,
-        range,
-        law: Law::Linear,
-        source: Source::Description,
-    };
-    let noise = |key: &str, words: &str, unit, mean: f64| Parameter {
-        law: Law::Logarithmic,
-        ..linear(key, words, unit, mean, NOISE_STD, (1e-3 * mean, 1e3 * mean))
-    };
+    let linear = Parameter::described;
+    let noise =
+        |key: &str, words: &str, unit, mean| Parameter::noise(key, words, unit, mean, NOISE_STD);
     let (m, p, s) = (&d.machine, &d.prior, &d.sensors);
     let mut all = vec![
         (

@@ -101,10 +101,6 @@ pub const ONE_LOAD: &str = "all swings carry the same load: torque, damping, fri
 #[must_use]
 pub fn undetermined(swings: &Swings, direction: &Direction) -> String {
     let members = direction.members();
-    let names: Vec<&str> = members
-        .iter()
-        .map(|&i| swings.parameters[i].words.as_str())
-        .collect();
     let has = |role: Role| members.iter().any(|&i| swings.roles[i] == role);
     let remedy =
         if has(Role::Gain) && (has(Role::Links) || has(Role::Inertia) || has(Role::Damping)) {
@@ -127,20 +123,5 @@ pub fn undetermined(swings: &Swings, direction: &Direction) -> String {
         } else {
             "record more swings"
         };
-    let what = match names.as_slice() {
-        [one] => format!("{one} is not determined by these recordings"),
-        _ => format!("{} cannot be told apart by these recordings", join(&names)),
-    };
-    format!(
-        "{what} (information {:.2} of what the description knows); {remedy}",
-        direction.information
-    )
-}
-
-fn join(names: &[&str]) -> String {
-    match names {
-        [] => String::new(),
-        [one] => (*one).to_owned(),
-        [first @ .., last] => format!("{} and {last}", first.join(", ")),
-    }
+    direction.undetermined(&swings.parameters, remedy)
 }

@@ -6,7 +6,7 @@ use estimation::Quantity;
 use super::drive::Drive;
 use super::drives::{Role, Told};
 use super::residuals::{Guess, LONGEST_DELAY, Scatter};
-use crate::parameter::{Law, Parameter, Source};
+use crate::parameter::{Parameter, Source};
 
 /// Tolerances where the description states none, or less than what only a calibration can know.
 const GAIN_STD: f64 = 0.02;
@@ -64,27 +64,9 @@ pub fn described(d: &Description) -> Guess {
 pub fn parameters(drives: &[Drive], loads: &[Told], d: &Description) -> Vec<(Role, Parameter)> {
     let g = described(d);
     let (m, p, s) = (&d.machine, &d.prior, &d.sensors);
-    let linear = |key: &str, words: &str, unit, mean: f64, std: f64, range| Parameter {
-        key: key.into(),
-        words: words.into(),
-        unit,
-        mean,
-        std,
-        range,
-        law: Law::Linear,
-        source: Source::Description,
-    };
-    let noise = |key: &str, words: &str, unit, mean: f64| Parameter {
-        law: Law::Logarithmic,
-        ..linear(
-            key,
-            words,
-            unit,
-            mean,
-            SCATTER_STD,
-            (1e-3 * mean, 1e3 * mean),
-        )
-    };
+    let linear = Parameter::described;
+    let noise =
+        |key: &str, words: &str, unit, mean| Parameter::noise(key, words, unit, mean, SCATTER_STD);
     let radius =
         |key: &str, words: &str, mean| linear(key, words, "", mean, p.radius_std, (-0.2, 0.2));
     let gain_std = s.torque_gain_std.max(GAIN_STD);

@@ -143,10 +143,6 @@ fn share(model: &Drives, direction: &Direction, of: impl Fn(Role) -> bool) -> f6
 #[must_use]
 pub fn undetermined(model: &Drives, direction: &Direction) -> String {
     let members = direction.members();
-    let names: Vec<&str> = members
-        .iter()
-        .map(|&i| model.parameters[i].words.as_str())
-        .collect();
     let has = |of: fn(Role) -> bool| members.iter().any(|&i| of(model.roles[i]));
     let place = |r| matches!(r, Role::Ratio(_) | Role::Reach(_) | Role::Lift(_));
     let tyres = |r| matches!(r, Role::StiffnessRatio | Role::LoadExponent);
@@ -165,20 +161,5 @@ pub fn undetermined(model: &Drives, direction: &Direction) -> String {
     } else {
         "record longer"
     };
-    let what = match names.as_slice() {
-        [one] => format!("{one} is not determined by these recordings"),
-        _ => format!("{} cannot be told apart by these recordings", join(&names)),
-    };
-    format!(
-        "{what} (information {:.2} of what the description knows); {remedy}",
-        direction.information
-    )
-}
-
-fn join(names: &[&str]) -> String {
-    match names {
-        [] => String::new(),
-        [one] => (*one).to_owned(),
-        [first @ .., last] => format!("{} and {last}", first.join(", ")),
-    }
+    direction.undetermined(&model.parameters, remedy)
 }

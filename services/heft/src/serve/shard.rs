@@ -28,7 +28,7 @@ struct Shard<'a, E: Estimate> {
     description: &'a Description,
     method: &'a str,
     every: f64,
-    rows: EstimateRows<E>,
+    rows: &'a EstimateRows<E>,
     members: BTreeMap<u32, Member>,
 }
 
@@ -42,7 +42,7 @@ pub fn serve<S: Message, E: Estimate>(
         description,
         method,
         every,
-        rows: EstimateRows::new(u32::MAX),
+        rows: &EstimateRows::new(u32::MAX),
         members: BTreeMap::new(),
     };
     let mut input = BufReader::with_capacity(1 << 16, stdin().lock());
@@ -96,7 +96,7 @@ impl<E: Estimate> Shard<'_, E> {
         sample: &[u8],
         row: &mut String,
     ) -> Result<(), Failure> {
-        let every = self.every;
+        let (every, rows) = (self.every, self.rows);
         let member = self.member(number)?;
         let mut message: Envelope = frames::unpack::<S>(sample).envelope();
         for (_, step) in &mut member.way {
@@ -113,8 +113,7 @@ impl<E: Estimate> Shard<'_, E> {
         if (member.told..member.told + every).contains(&time) {
             return Ok(());
         }
-        let told = self.rows.put(estimate, row);
-        if told && let Some(member) = self.members.get_mut(&number) {
+        if rows.put(estimate, row) {
             member.told = time;
         }
         Ok(())

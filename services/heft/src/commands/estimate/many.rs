@@ -162,15 +162,15 @@ fn told(quantity: &Value) -> (Option<[f64; 2]>, bool) {
     )
 }
 
+/// What the quantities are called: those of the input that has most.
+fn names<'a>(rows: &'a [Row], key: &str) -> Vec<&'a str> {
+    let most = rows.iter().map(Row::quantities).max_by_key(|q| q.len());
+    let most = most.unwrap_or_default().iter();
+    most.map(|q| text(q, key)).collect()
+}
+
 fn terminal(rows: &[Row]) -> String {
-    let labels: Vec<&str> = rows
-        .iter()
-        .map(Row::quantities)
-        .max_by_key(|q| q.len())
-        .unwrap_or_default()
-        .iter()
-        .map(|q| text(q, "label"))
-        .collect();
+    let labels = names(rows, "label");
     let mut header = vec!["input", "rows"];
     for label in &labels {
         header.extend([*label, "trusted, of the motion"]);
@@ -206,14 +206,7 @@ fn terminal(rows: &[Row]) -> String {
 /// One line an input; a quantity has its value, its standard deviation, whether it ever was trusted, and for how large a share of the
 /// motion.
 fn csv(rows: &[Row]) -> String {
-    let keys: Vec<&str> = rows
-        .iter()
-        .map(Row::quantities)
-        .max_by_key(|q| q.len())
-        .unwrap_or_default()
-        .iter()
-        .map(|q| text(q, "key"))
-        .collect();
+    let keys = names(rows, "key");
     let columns = keys
         .iter()
         .map(|k| format!(",{k},{k}_std,{k}_trusted,{k}_trusted_share_in_motion"));
