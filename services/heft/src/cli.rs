@@ -220,6 +220,13 @@ pub struct RunArgs {
     /// Which estimates, in which frames (TOML); all of the machine's in J1939 proprietary B if absent
     #[arg(long, requires = "output", value_name = "FILE")]
     pub output_map: Option<PathBuf>,
+    /// So many machines in one run, simulated with seeds one apart or those of the recordings in the folder --input: no pipeline
+    /// each, but a process a processor that steps them all, and one table of estimates
+    #[arg(long, value_name = "N", conflicts_with_all = [
+        "output", "rt", "view", "split", "min_free", "fleet", "state", "domain", "require_trust", "no_report", "live_lines",
+        "probe",
+    ])]
+    pub machines: Option<NonZeroUsize>,
     /// The machine's description
     #[command(flatten)]
     pub description: DescriptionArgs,

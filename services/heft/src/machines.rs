@@ -14,7 +14,9 @@ use runtime::{Source, Worker};
 
 use crate::failure::Failure;
 use crate::plan::Plan;
-use crate::{serve, sources};
+use crate::serve::{self, Machines, Out, Played, Rows};
+use crate::signals::Signals;
+use crate::sources;
 
 /// A figure: its name and the SVG.
 pub type Figure = (String, String);
@@ -61,6 +63,20 @@ pub trait Entry: Sync {
         shards: usize,
         arguments: &[OsString],
     ) -> Result<(), Failure>;
+    /// Plays the machines of a run to shards started with these arguments; a table of the estimates goes to `out`.
+    ///
+    /// # Errors
+    /// A source cannot be made, or a shard cannot go on.
+    fn play(
+        &self,
+        machines: &Machines,
+        out: Out,
+        shards: usize,
+        arguments: &[OsString],
+        signals: &Signals,
+    ) -> Result<Played, Failure>;
+    /// Names of the quantities that have a verdict.
+    fn quantities(&self) -> Vec<&'static str>;
     /// Is such a shard.
     ///
     /// # Errors
@@ -88,7 +104,7 @@ trait Typed: Sync {
     /// How its samples are read.
     type Signals: recording::Machine;
     /// What is estimated of it.
-    type Estimate: recording::csv::Estimate;
+    type Estimate: recording::csv::Estimate + view::estimate::Estimate;
     const ABOUT: &'static str;
     const USUAL: &'static str;
     const SHOWN: &'static str;
@@ -102,7 +118,7 @@ trait Typed: Sync {
         impl Source<
             Sensors = <Self::Signals as recording::Machine>::Sensors,
             Truth = <Self::Signals as recording::Machine>::Truth,
-        >,
+        > + 'static,
         Failure,
     >;
     fn evaluate(options: &evaluate::Options) -> Result<evaluate::Report, evaluate::Error>;
@@ -145,6 +161,25 @@ impl<M: Typed> Entry for M {
         serve::route::<M::Signals>(input, map, shards, arguments, &header)
     }
 
+    fn play(
+        &self,
+        machines: &Machines,
+        out: Out,
+        shards: usize,
+        arguments: &[OsString],
+        signals: &Signals,
+    ) -> Result<Played, Failure> {
+        let header = EstimateRows::<M::Estimate>::new(u32::MAX).header();
+        let flags = headlines::<M::Estimate>().map(|p| p.trusted).collect();
+        let rows = Rows::begin(out, &header, flags)?;
+        let make = |plan: &Plan| sources::not_live::<M::Signals, _>(plan, || M::simulator(plan));
+        serve::play::<M::Signals>(machines, make, rows, shards, arguments, signals)
+    }
+
+    fn quantities(&self) -> Vec<&'static str> {
+        headlines::<M::Estimate>().map(|p| p.label).collect()
+    }
+
     fn serve_shard(
         &self,
         description: &Description,
@@ -162,6 +197,12 @@ impl<M: Typed> Entry for M {
     fn figures(&self) -> Result<Vec<Figure>, Failure> {
         M::figures()
     }
+}
+
+/// The parameters of an estimate that have a verdict.
+fn headlines<E: view::estimate::Estimate>()
+-> impl Iterator<Item = &'static view::estimate::Parameter<E, E::Truth>> {
+    E::PARAMETERS.iter().filter(|p| p.headline())
 }
 
 /// The scenarios of a machine, a line each.

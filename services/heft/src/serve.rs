@@ -3,19 +3,23 @@
 //! and every sample since: the estimates are those of a run in which none died, bit for bit.
 
 mod frames;
+mod play;
 mod remote;
+mod rows;
 mod shard;
 
 use std::collections::HashMap;
+use std::ffi::OsString;
 use std::hash::{DefaultHasher, Hash, Hasher};
-use std::io::{BufRead, BufReader, BufWriter, Read, Stdout, Write};
-use std::sync::{Mutex, PoisonError};
-use std::time::Instant;
+use std::io::{BufRead, BufReader, Read};
+use std::time::{Duration, Instant};
 
 use messages::Message;
 use recording::{LineDecoder, MAX_LINE, Machine, Map, NameColumn};
 
+pub use self::play::{Machines, Played, play};
 use self::remote::RemoteShard;
+pub use self::rows::{Out, Rows, is_table};
 pub use self::shard::serve as serve_shard;
 use crate::failure::Failure;
 
@@ -26,27 +30,40 @@ const MOST_MACHINES: usize = 100_000;
 /// Longest name [bytes].
 const LONGEST_NAME: usize = 200;
 
-/// Standard output, and the names that stand before its rows.
-pub struct Rows {
-    out: Mutex<BufWriter<Stdout>>,
-    names: Mutex<Vec<String>>,
+/// What shards did.
+pub struct Served {
+    /// Samples that they answered.
+    pub answered: u64,
+    /// Processes that died and were replaced.
+    pub replaced: u32,
+    /// Their processor time; zero where the system does not tell.
+    pub processor: Duration,
 }
 
-impl Rows {
-    /// A row of a machine; nothing more can be said where nobody reads.
-    fn put(&self, number: u32, row: &str) -> std::io::Result<()> {
-        let names = self.names.lock().unwrap_or_else(PoisonError::into_inner);
-        let name = names.get(number as usize).map_or("", String::as_str);
-        let mut out = self.out.lock().unwrap_or_else(PoisonError::into_inner);
-        writeln!(out, "{name},{row}")
+/// Starts shards, has them fed, and waits until they have answered.
+fn with_shards<T>(
+    count: usize,
+    arguments: &[OsString],
+    rows: &Rows,
+    feed: impl FnOnce(&[RemoteShard]) -> Result<T, Failure>,
+) -> Result<(T, Served), Failure> {
+    let shards = (0..count).map(|_| RemoteShard::start(arguments, rows));
+    let shards = shards.collect::<Result<Vec<_>, _>>()?;
+    let fed = std::thread::scope(|scope| {
+        shards.iter().for_each(|w| w.listen(scope));
+        let fed = feed(&shards);
+        shards.iter().for_each(RemoteShard::close);
+        fed
+    });
+    if let Some(failure) = shards.iter().find_map(RemoteShard::failure) {
+        return Err(failure);
     }
-
-    fn flush(&self) -> std::io::Result<()> {
-        self.out
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .flush()
-    }
+    let served = Served {
+        answered: shards.iter().map(RemoteShard::answered).sum(),
+        replaced: shards.iter().map(RemoteShard::restarts).sum(),
+        processor: shards.iter().map(RemoteShard::processor_time).sum(),
+    };
+    Ok((fed?, served))
 }
 
 /// Reads a table from `input` and writes the estimates to standard output.
@@ -54,34 +71,19 @@ pub fn route<M: Machine>(
     input: impl Read,
     map: Option<&Map>,
     count: usize,
-    arguments: &[std::ffi::OsString],
+    arguments: &[OsString],
     header: &str,
 ) -> Result<(), Failure> {
     let began = Instant::now();
-    println!("{NAME},{header}");
-    let rows = Rows {
-        out: Mutex::new(BufWriter::with_capacity(1 << 16, std::io::stdout())),
-        names: Mutex::new(Vec::new()),
-    };
-    let shards = (0..count).map(|_| RemoteShard::start(arguments, &rows));
-    let shards = shards.collect::<Result<Vec<_>, _>>()?;
-    let routed = std::thread::scope(|scope| {
-        shards.iter().for_each(|w| w.listen(scope));
-        let routed = Router::<M>::new(map, &shards, &rows).take_all(input);
-        shards.iter().for_each(RemoteShard::close);
-        routed
-    });
-    let failed = shards.iter().find_map(RemoteShard::failure);
-    rows.flush().map_err(Failure::internal)?;
-    if let Some(failure) = failed {
-        return Err(failure);
-    }
-    let (samples, refused) = routed?;
-    let machines = rows.names.lock().map_or(0, |n| n.len());
-    let taken_over: u32 = shards.iter().map(RemoteShard::restarts).sum();
+    let rows = Rows::begin(Out::standard(), header, Vec::new())?;
+    let ((samples, refused), served) = with_shards(count, arguments, &rows, |shards| {
+        Router::<M>::new(map, shards, &rows).take_all(input)
+    })?;
+    let machines = rows.finish()?.len();
     let seconds = began.elapsed().as_secs_f64();
     eprintln!(
-        "{machines} machines, {samples} samples in {seconds:.1} s by {count} processes; {refused} lines left out, {taken_over} processes replaced"
+        "{machines} machines, {samples} samples in {seconds:.1} s by {count} processes; {refused} lines left out, {} processes replaced",
+        served.replaced
     );
     Ok(())
 }
@@ -210,12 +212,7 @@ impl<'a, M: Machine> Router<'a, M> {
         name.hash(&mut hasher);
         let shard = (hasher.finish() % self.shards.len() as u64) as usize;
         self.decoders.push((self.decoder()?, shard));
-        let mut names = self
-            .rows
-            .names
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner);
-        names.push(recording::csv::quoted(&name));
+        self.rows.add(&name);
         self.numbers.insert(name, number);
         Ok(number)
     }

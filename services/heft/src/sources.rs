@@ -82,6 +82,29 @@ pub fn map(path: Option<&Path>) -> Result<Option<Map>, Failure> {
     Ok(path.map(Map::read).transpose()?)
 }
 
+/// A source whose kind is put aside.
+pub type AnySource<M> = Box<
+    dyn Source<
+            Sensors = <M as recording::Machine>::Sensors,
+            Truth = <M as recording::Machine>::Truth,
+        >,
+>;
+
+/// The source of a plan that has no live one; `simulate` makes the simulator's.
+pub fn not_live<M, S>(
+    plan: &Plan,
+    simulate: impl FnOnce() -> Result<S, Failure>,
+) -> Result<AnySource<M>, Failure>
+where
+    M: recording::Machine,
+    S: Source<Sensors = M::Sensors, Truth = M::Truth> + 'static,
+{
+    match &plan.input {
+        Some(input) => Ok(Box::new(recorded::<M>(plan, input)?)),
+        None => Ok(Box::new(simulate()?)),
+    }
+}
+
 /// The samples of a recording, read as they are played.
 fn recorded<M: recording::Machine>(
     plan: &Plan,

@@ -114,7 +114,7 @@ fn us(ns: u64) -> f64 {
 }
 
 /// A path as the user would type it.
-fn shown(path: &Path) -> String {
+pub fn shown(path: &Path) -> String {
     let here = std::env::current_dir().unwrap_or_default();
     path.strip_prefix(&here)
         .unwrap_or(path)

@@ -1,4 +1,6 @@
-//! The host's monotonic clock.
+//! The host's monotonic clock, and processor time.
+
+use std::time::Duration;
 
 use rustix::time::{ClockId, Timespec, clock_gettime};
 
@@ -18,4 +20,25 @@ pub fn sleep_until(deadline_ns: u64) {
     };
     // An early return is harmless: every caller looks at the clock again.
     let _ = rustix::thread::clock_nanosleep_absolute(ClockId::Monotonic, &request);
+}
+
+/// Processor time of this process.
+#[must_use]
+pub fn processor_time() -> Duration {
+    let t = clock_gettime(ClockId::ProcessCPUTime);
+    Duration::new(t.tv_sec as u64, t.tv_nsec as u32)
+}
+
+/// Processor time of another process whose only thread is the first, also when it has ended and nobody waited for it yet;
+/// zero where the system does not tell.
+#[must_use]
+pub fn processor_time_of(pid: u32) -> Duration {
+    Duration::from_nanos(thread_ns(&format!("/proc/{pid}")))
+}
+
+/// Processor time of the thread that a folder in `/proc` tells of [ns].
+pub(crate) fn thread_ns(folder: &str) -> u64 {
+    let text = std::fs::read_to_string(format!("{folder}/schedstat")).unwrap_or_default();
+    let first = text.split(' ').next().unwrap_or("");
+    first.parse().unwrap_or(0)
 }

@@ -39,7 +39,7 @@ mod worker;
 
 pub use bell::Bell;
 pub use cleaner::Cleaner;
-pub use clock::{now_ns, sleep_until};
+pub use clock::{now_ns, processor_time, processor_time_of, sleep_until};
 pub use control::{Begin, Control, Heard};
 pub use domain::{Domain, Owner, free_shared_memory};
 pub use error::Error;

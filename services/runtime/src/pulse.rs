@@ -4,6 +4,8 @@
 use std::fs;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use crate::clock::thread_ns;
+
 /// A thread that had less processor time than this between two looks, and wanted more, is held up by
 /// others and does not hang [ns].
 const SHARE: u64 = 100_000_000;
@@ -68,9 +70,7 @@ impl Pulse {
 
     /// Processor time of the thread so far [ns].
     fn processor_ns(&self) -> u64 {
-        let text = fs::read_to_string(format!("{}/schedstat", self.thread)).unwrap_or_default();
-        let first = text.split(' ').next().unwrap_or("");
-        first.parse().unwrap_or(0)
+        thread_ns(&self.thread)
     }
 
     /// Whether it waits for a processor or for the disk.

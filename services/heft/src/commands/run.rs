@@ -1,5 +1,7 @@
 //! `heft run`: a pipeline of processes, from its first sample to its summary.
 
+mod many;
+
 use std::path::{Path, PathBuf};
 
 use config::Description;
@@ -69,8 +71,8 @@ pub fn folder(out: Option<&Path>, machine: &str) -> Result<PathBuf, Failure> {
     Ok(folder)
 }
 
-/// The plan that the arguments describe.
-pub fn plan(args: &RunArgs) -> Result<(Plan, PathBuf), Failure> {
+/// The plan that the arguments describe, without a place for its recording.
+fn plan(args: &RunArgs) -> Result<(Plan, Description), Failure> {
     let machine = args.machine;
     let description = description(machine, &args.description)?;
     let rate = args.rate.unwrap_or(match &description {
@@ -88,7 +90,7 @@ pub fn plan(args: &RunArgs) -> Result<(Plan, PathBuf), Failure> {
     }
     let methods = Pipeline::of(machine).methods(args.method.as_deref())?;
     let scenario = args.scenario.as_deref();
-    let mut plan = Plan {
+    let plan = Plan {
         machine,
         scenario: scenario
             .unwrap_or(machines::entry(machine).usual_scenario())
@@ -117,12 +119,18 @@ pub fn plan(args: &RunArgs) -> Result<(Plan, PathBuf), Failure> {
         probe: args.probe.as_deref().map(absolute).transpose()?,
         probe_listens: args.probe_listens,
     };
+    Ok((plan, description))
+}
+
+/// The plan of a pipeline that can be started, with a place for its recording.
+fn pipeline_plan(args: &RunArgs) -> Result<Plan, Failure> {
+    let (mut plan, description) = plan(args)?;
     check(&plan, &description)?;
     let methods: Vec<&str> = plan.methods.values().map(String::as_str).collect();
     tell_idle_keys(&description, &methods);
-    let folder = absolute(&folder(args.out.as_deref(), machine.name())?)?;
+    let folder = absolute(&folder(args.out.as_deref(), args.machine.name())?)?;
     plan.recording = recording::reserve(&folder)?;
-    Ok((plan, folder))
+    Ok(plan)
 }
 
 /// Opens the memory of earlier runs, and puts what it restores into the plan.
@@ -206,10 +214,13 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
         print!("{}", machines::scenario_lines(&all));
         return Ok(());
     }
+    if let Some(count) = args.machines {
+        return many::run(args, count.get());
+    }
     for name in Domain::remove_leftovers() {
         eprintln!("removed what the killed run `{name}` had left in shared memory");
     }
-    let (mut plan, _) = plan(args)?;
+    let mut plan = pipeline_plan(args)?;
     let _reserved = Reserved(plan.recording.clone());
     let memory = args.state.as_deref();
     let memory = memory.map(|f| remember(f, &mut plan)).transpose()?;

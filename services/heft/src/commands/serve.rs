@@ -5,7 +5,9 @@ use std::fs::File;
 use std::io::{Read, stdin};
 use std::num::NonZeroUsize;
 
-use crate::cli::ServeArgs;
+use messages::Machine;
+
+use crate::cli::{DescriptionArgs, ServeArgs};
 use crate::commands::estimate::{method, way};
 use crate::commands::run::{description, tell_idle_keys};
 use crate::failure::Failure;
@@ -27,27 +29,38 @@ pub fn serve(args: &ServeArgs) -> Result<(), Failure> {
         Some(file) => Box::new(File::open(file).map_err(|e| Failure::file("read", file, &e))?),
         None => Box::new(stdin().lock()),
     };
-    let processors = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
-    let shards = args.shards.map_or(processors, NonZeroUsize::get);
-    entry.route(input, map.as_ref(), shards, &shard_arguments(args, method))
+    let shards = args.shards.map_or_else(usual_shards, NonZeroUsize::get);
+    let arguments = shard_arguments(args.machine, method, &args.description, args.every);
+    entry.route(input, map.as_ref(), shards, &arguments)
 }
 
-fn shard_arguments(args: &ServeArgs, method: &str) -> Vec<OsString> {
+/// What a shard is told.
+pub fn shard_arguments(
+    machine: Machine,
+    method: &str,
+    description: &DescriptionArgs,
+    every: f64,
+) -> Vec<OsString> {
     let fixed = [
         "serve",
-        args.machine.name(),
+        machine.name(),
         "--shard",
         "--method",
         method,
         "--every",
     ];
     let mut all: Vec<OsString> = fixed.map(Into::into).into();
-    all.push(args.every.to_string().into());
-    for set in &args.description.set {
+    all.push(every.to_string().into());
+    for set in &description.set {
         all.extend(["--set".into(), set.into()]);
     }
-    if let Some(config) = &args.description.config {
+    if let Some(config) = &description.config {
         all.extend(["--config".into(), config.into()]);
     }
     all
+}
+
+/// As many shards as there are processors.
+pub fn usual_shards() -> usize {
+    std::thread::available_parallelism().map_or(1, NonZeroUsize::get)
 }

@@ -28,7 +28,8 @@ impl Typed for Excavator {
 
     fn simulator(
         plan: &Plan,
-    ) -> Result<impl Source<Sensors = ExcavatorSensors, Truth = ExcavatorTruth>, Failure> {
+    ) -> Result<impl Source<Sensors = ExcavatorSensors, Truth = ExcavatorTruth> + 'static, Failure>
+    {
         let mut at_work = cases().into_iter();
         if let Some((_, _, effects)) = at_work.find(|c| named::scenario(c.0, c.1) == plan.scenario)
         {

@@ -26,7 +26,7 @@ impl Typed for Loader {
 
     fn simulator(
         plan: &Plan,
-    ) -> Result<impl Source<Sensors = LoaderSensors, Truth = LoaderTruth>, Failure> {
+    ) -> Result<impl Source<Sensors = LoaderSensors, Truth = LoaderTruth> + 'static, Failure> {
         let mut at_work = CASES.iter();
         let mut run = match at_work.find(|c| named::scenario(c.0, c.1) == plan.scenario) {
             Some((_, _, effects)) => Run::at_work(*effects),

@@ -8,7 +8,7 @@ use messages::{Message, NumberType, Value};
 pub const SAMPLE: u8 = b'S';
 /// To a shard: tell your state. From a shard: the state.
 pub const STATE: u8 = b'C';
-/// The row of the estimate of a sample: the machine's number, then text; no text, no row.
+/// The row of the estimate of a sample: the machine's number, the flags of the estimate, text; no text, no row.
 pub const ROW: u8 = b'E';
 /// Why a shard cannot go on.
 pub const FAULT: u8 = b'!';

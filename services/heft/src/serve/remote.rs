@@ -3,9 +3,11 @@
 use std::collections::VecDeque;
 use std::ffi::OsString;
 use std::io::{BufReader, BufWriter, Write};
+use std::os::unix::process::CommandExt;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread::Scope;
+use std::time::Duration;
 
 use super::frames::{self, FAULT, ROW, SAMPLE, STATE};
 use super::{Rows, shard};
@@ -43,6 +45,8 @@ struct Output {
     written: u64,
     deaths: u32,
     restarts: u32,
+    /// Processor time of the processes that ended.
+    processor: Duration,
     failure: Option<String>,
 }
 
@@ -57,7 +61,7 @@ pub struct RemoteShard<'a> {
     answers: Mutex<Option<ChildStdout>>,
 }
 
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -71,7 +75,8 @@ struct Started {
 fn start(arguments: &[OsString]) -> Result<Started, Failure> {
     let heft = std::env::current_exe().map_err(Failure::internal)?;
     let mut command = Command::new(heft);
-    command.args(arguments);
+    // A group of its own: Ctrl-C reaches whoever feeds it, at whose end it ends.
+    command.args(arguments).process_group(0);
     command.stdin(Stdio::piped()).stdout(Stdio::piped());
     let mut child = command.spawn().map_err(Failure::internal)?;
     let pipes = child.stdin.take().zip(child.stdout.take());
@@ -143,6 +148,16 @@ impl<'a> RemoteShard<'a> {
         lock(&self.output).restarts
     }
 
+    /// Samples that it has answered.
+    pub fn answered(&self) -> u64 {
+        lock(&self.output).written
+    }
+
+    /// Processor time of its processes that have ended.
+    pub fn processor_time(&self) -> Duration {
+        lock(&self.output).processor
+    }
+
     /// Why it cannot go on.
     pub fn failure(&self) -> Option<Failure> {
         lock(&self.output).failure.clone().map(Failure::told)
@@ -173,27 +188,31 @@ impl<'a> RemoteShard<'a> {
         let mut bytes = Vec::new();
         let mut count = lock(&self.output).confirmed;
         loop {
-            if pipe.buffer().is_empty() && self.rows.flush().is_err() {
-                return self.fail("nobody reads the estimates");
+            if pipe.buffer().is_empty()
+                && let Err(why) = self.rows.flush()
+            {
+                return self.fail(&why);
             }
             // A frame that is cut off is the end too.
             let Ok(Some(kind)) = frames::read(&mut pipe, &mut bytes) else {
                 return true;
             };
             match (kind, bytes.split_first_chunk()) {
-                (ROW, Some((number, row))) => {
+                (ROW, Some((number, [f0, f1, f2, f3, row @ ..]))) => {
                     count += 1;
                     let mut output = lock(&self.output);
                     let is_new = count > output.written;
                     output.written = output.written.max(count);
                     output.deaths = if is_new { 0 } else { output.deaths };
                     drop(output);
+                    let number = u32::from_le_bytes(*number);
+                    let flags = u32::from_le_bytes([*f0, *f1, *f2, *f3]);
                     let row = String::from_utf8_lossy(row);
                     if is_new
                         && !row.is_empty()
-                        && self.rows.put(u32::from_le_bytes(*number), &row).is_err()
+                        && let Err(why) = self.rows.put(number, flags, &row)
                     {
-                        return self.fail("nobody reads the estimates");
+                        return self.fail(&why);
                     }
                 }
                 (STATE, _) => {
@@ -220,8 +239,10 @@ impl<'a> RemoteShard<'a> {
             input.pipe = None;
             let _ = input.child.kill();
         }
+        let processor = runtime::processor_time_of(input.child.id());
         let ended = input.child.wait().map_err(Failure::internal)?;
         let mut output = lock(&self.output);
+        output.processor += processor;
         if output.failure.is_some() {
             return Ok(None);
         }

@@ -58,9 +58,14 @@ pub fn serve<S: Message, E: Estimate>(
         let done = match (kind, bytes.split_first_chunk()) {
             (SAMPLE, Some((number, sample))) => {
                 row.clear();
-                shard
-                    .answer::<S>(u32::from_le_bytes(*number), sample, &mut row)
-                    .map(|()| frames::write(&mut out, ROW, &[number, row.as_bytes()]))
+                let answer = shard.answer::<S>(u32::from_le_bytes(*number), sample, &mut row);
+                answer.map(|flags| {
+                    frames::write(
+                        &mut out,
+                        ROW,
+                        &[number, &flags.to_le_bytes(), row.as_bytes()],
+                    )
+                })
             }
             (STATE, None) => Ok(frames::write(&mut out, STATE, &[&shard.save()])),
             (STATE, _) => shard.restore(&bytes).map(Ok),
@@ -89,34 +94,34 @@ impl<E: Estimate> Shard<'_, E> {
         }
     }
 
-    /// The row of a sample's estimate; nothing where there is none.
+    /// The row of a sample's estimate and its flags; nothing where there is none.
     fn answer<S: Message>(
         &mut self,
         number: u32,
         sample: &[u8],
         row: &mut String,
-    ) -> Result<(), Failure> {
+    ) -> Result<u32, Failure> {
         let (every, rows) = (self.every, self.rows);
         let member = self.member(number)?;
         let mut message: Envelope = frames::unpack::<S>(sample).envelope();
         for (_, step) in &mut member.way {
             let Some(answer) = step.answer(&message) else {
-                return Ok(());
+                return Ok(0);
             };
             message = answer;
         }
         let Some(estimate) = E::inside(&message) else {
-            return Ok(());
+            return Ok(0);
         };
         let time = estimate.stamp().time;
         // A clock that was set back begins anew.
         if (member.told..member.told + every).contains(&time) {
-            return Ok(());
+            return Ok(0);
         }
         if rows.put(estimate, row) {
             member.told = time;
         }
-        Ok(())
+        Ok(estimate.bits().0)
     }
 
     /// Everything that another shard needs: how many machines; of each its number, the time of its last row, the number of

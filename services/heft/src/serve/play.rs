@@ -1,0 +1,193 @@
+//! Many machines in one run: simulated ones whose seeds follow each other, or one for each recording. A thread feeds each
+//! shard with the samples of its machines in the order of their times.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+use std::ffi::OsString;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use messages::Message;
+use recording::Machine;
+
+use super::remote::RemoteShard;
+use super::rows::{Member, Rows};
+use super::{Served, frames, with_shards};
+use crate::failure::Failure;
+use crate::plan::Plan;
+use crate::signals::Signals;
+use crate::sources::AnySource;
+
+/// Longest sleep at one go, so that a signal is seen in time.
+const NAP: Duration = Duration::from_millis(100);
+
+/// The machines of a run.
+pub struct Machines<'a> {
+    /// What they have in common.
+    pub plan: &'a Plan,
+    /// The recording of each; none if they are simulated.
+    pub inputs: Vec<PathBuf>,
+    /// How many there are.
+    pub count: usize,
+}
+
+impl Machines<'_> {
+    /// The plan of one.
+    pub fn plan(&self, number: usize) -> Plan {
+        Plan {
+            seed: self.plan.seed.wrapping_add(number as u64),
+            input: self.inputs.get(number).cloned(),
+            ..self.plan.clone()
+        }
+    }
+
+    /// What one is called: its recording, or the seed by which it can be run alone.
+    fn name(&self, number: usize) -> String {
+        match self.inputs.get(number) {
+            Some(input) => input.display().to_string(),
+            None => self.plan.seed.wrapping_add(number as u64).to_string(),
+        }
+    }
+}
+
+/// What came of them.
+pub struct Played {
+    /// The machines, in their order.
+    pub members: Vec<Member>,
+    /// Samples that were sent to shards.
+    pub samples: u64,
+    /// Those that were sent later than a period after they were due.
+    pub late: u64,
+    /// What the shards did.
+    pub served: Served,
+    /// Processor time of this process: sources and sending.
+    pub own: Duration,
+    /// How long it took.
+    pub took: Duration,
+}
+
+/// Plays the machines to shards that are started with these arguments, until their sources or the user end it.
+pub fn play<M: Machine>(
+    machines: &Machines,
+    make: impl Fn(&Plan) -> Result<AnySource<M>, Failure> + Sync,
+    rows: Rows,
+    shards: usize,
+    arguments: &[OsString],
+    signals: &Signals,
+) -> Result<Played, Failure> {
+    let (begun, before) = (Instant::now(), runtime::processor_time());
+    (0..machines.count).for_each(|n| rows.add(&machines.name(n)));
+    let failed = AtomicBool::new(false);
+    let feed = |first: usize, shard: &RemoteShard| {
+        let numbers = (first..machines.count).step_by(shards);
+        let players = numbers.map(|n| Player::<M>::new(n, make(&machines.plan(n))?));
+        let players = players.collect::<Result<Vec<_>, _>>();
+        failed.fetch_or(players.is_err(), Ordering::Relaxed);
+        let stops = || signals.came() || failed.load(Ordering::Relaxed);
+        Ok(Feed::new(machines.plan, shard, players?).run(stops))
+    };
+    let ((samples, late), served) = with_shards(shards, arguments, &rows, |all| {
+        std::thread::scope(|scope| {
+            let threads = all.iter().enumerate();
+            let threads = threads.map(|(first, shard)| scope.spawn(move || feed(first, shard)));
+            let threads: Vec<_> = threads.collect();
+            threads
+                .into_iter()
+                .try_fold((0, 0), |sum: (u64, u64), thread| {
+                    let ended = thread
+                        .join()
+                        .map_err(|_| Failure::internal("a source panicked"))?;
+                    ended.map(|fed: (u64, u64)| (sum.0 + fed.0, sum.1 + fed.1))
+                })
+        })
+    })?;
+    Ok(Played {
+        members: rows.finish()?,
+        samples,
+        late,
+        served,
+        own: runtime::processor_time().saturating_sub(before),
+        took: begun.elapsed(),
+    })
+}
+
+/// A machine and its next sample.
+struct Player<M: Machine> {
+    number: u32,
+    source: AnySource<M>,
+    /// Time of its first sample [s].
+    origin: Option<f64>,
+    sample: M::Sensors,
+}
+
+impl<M: Machine> Player<M> {
+    fn new(number: usize, source: AnySource<M>) -> Result<Self, Failure> {
+        Ok(Self {
+            number: number as u32,
+            source,
+            origin: None,
+            sample: M::Sensors::default(),
+        })
+    }
+
+    /// Takes the next sample: when it is due, after the first one.
+    fn advance(&mut self) -> Option<Duration> {
+        let (mut sample, _) = self.source.next()?;
+        sample.stamp_mut().machine = self.number;
+        let time = sample.stamp().time;
+        let since = time - *self.origin.get_or_insert(time);
+        self.sample = sample;
+        // One that goes back in time is due at once.
+        Some(Duration::try_from_secs_f64(since).unwrap_or_default())
+    }
+}
+
+/// Sends the samples of some machines to their shard.
+struct Feed<'a, M: Machine> {
+    shard: &'a RemoteShard<'a>,
+    players: Vec<Player<M>>,
+    /// Who is next, and when.
+    turns: BinaryHeap<Reverse<(Duration, usize)>>,
+    /// Sampling period; none where nobody waits for the clock.
+    period: Option<Duration>,
+}
+
+impl<'a, M: Machine> Feed<'a, M> {
+    fn new(plan: &Plan, shard: &'a RemoteShard<'a>, mut players: Vec<Player<M>>) -> Self {
+        let turns = players.iter_mut().enumerate();
+        let turns = turns.filter_map(|(at, player)| Some(Reverse((player.advance()?, at))));
+        Self {
+            shard,
+            turns: turns.collect(),
+            players,
+            period: (!plan.lossless).then(|| Duration::from_secs_f64(1.0 / plan.rate)),
+        }
+    }
+
+    /// Samples that were sent, and how many of them late.
+    fn run(mut self, stops: impl Fn() -> bool) -> (u64, u64) {
+        let begun = Instant::now();
+        let (mut samples, mut late, mut bytes) = (0, 0, Vec::new());
+        let stops = || stops() || self.shard.failure().is_some();
+        while let Some(Reverse((due, at))) = self.turns.pop() {
+            while self.period.is_some() && begun.elapsed() < due && !stops() {
+                self.shard.flush();
+                std::thread::sleep(due.saturating_sub(begun.elapsed()).min(NAP));
+            }
+            if stops() {
+                break;
+            }
+            let player = &mut self.players[at];
+            frames::pack(&player.sample, &mut bytes);
+            self.shard.send(player.number, &bytes);
+            samples += 1;
+            let is_late = self.period.is_some_and(|p| begun.elapsed() > due + p);
+            late += u64::from(is_late);
+            self.turns
+                .extend(player.advance().map(|due| Reverse((due, at))));
+        }
+        self.shard.flush();
+        (samples, late)
+    }
+}

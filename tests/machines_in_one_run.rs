@@ -1,0 +1,283 @@
+//! `heft run M --machines N`: each machine gets what it would get in a run of its own.
+
+mod common;
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::process::Stdio;
+use std::time::Duration;
+
+use common::{both, golden, heft, kill, processes, run, run_ok, wait_until};
+use messages::{ExcavatorEstimate, LoaderEstimate, Message};
+use recording::Reader;
+use rustix::process::Signal;
+
+/// Rows by machine, the cells of each by the names of their columns.
+type Table = BTreeMap<String, Vec<BTreeMap<String, String>>>;
+
+fn table(file: &Path) -> Table {
+    let text = std::fs::read_to_string(file).expect("a table");
+    let mut lines = text.lines();
+    let names: Vec<&str> = lines.next().expect("a header").split(',').collect();
+    let mut found = Table::new();
+    for line in lines {
+        let cells: BTreeMap<String, String> = names
+            .iter()
+            .zip(line.split(','))
+            .map(|(n, c)| ((*n).into(), c.into()))
+            .collect();
+        found
+            .entry(cells["machine"].clone())
+            .or_default()
+            .push(cells);
+    }
+    found
+}
+
+/// Runs one machine and three, and holds the estimates of the second of those against the recording of the one.
+fn the_second_is_the_one<E: Message>(
+    machine: &str,
+    scenario: &str,
+    channel: &str,
+    fields: &[&str],
+) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = |name: &str| {
+        folder
+            .path()
+            .join(name)
+            .to_str()
+            .expect("a path")
+            .to_owned()
+    };
+    let common = [
+        "run",
+        machine,
+        "--scenario",
+        scenario,
+        "--duration",
+        "12",
+        "--pace",
+        "max",
+        "--quiet",
+        "--out",
+    ];
+    let alone = out("alone");
+    run_ok(&[&common[..], &[&alone, "--no-report", "--seed", "6"]].concat());
+    let three = out("three");
+    let said = run_ok(&[&common[..], &[&three, "--machines", "3", "--seed", "5"]].concat());
+    assert!(said.contains("3 machines by"), "{said}");
+    assert!(
+        said.contains(" 0 refused, 0 not answered, 0 sent later"),
+        "{said}"
+    );
+    let found = table(&Path::new(&three).join("estimates.csv"));
+    let names: Vec<&str> = found.keys().map(String::as_str).collect();
+    assert_eq!(names, ["5", "6", "7"], "machines are called by their seeds");
+    let reader = Reader::open(Path::new(&alone).join("run.mcap")).expect("a recording");
+    let alone: Vec<E> = reader.messages(channel).expect("estimates");
+    assert_eq!(found["6"].len(), alone.len());
+    for (row, estimate) in found["6"].iter().zip(&alone) {
+        for name in fields {
+            let number: f64 = row[*name].parse().expect("a number");
+            let its = estimate
+                .get(E::index(name).expect("a field"))
+                .expect("a value")
+                .as_f64();
+            assert_eq!(number.to_bits(), its.to_bits(), "{name} at {}", row["t"]);
+        }
+    }
+    let last = |machine: &str| found[machine].last().expect("rows")[fields[0]].clone();
+    assert_ne!(last("5"), last("6"), "seeds tell machines apart");
+}
+
+#[test]
+fn a_simulated_excavator_gets_what_a_run_of_its_seed_gives() {
+    let fields = ["inertia", "inertia_std", "velocity"];
+    the_second_is_the_one::<ExcavatorEstimate>(
+        "excavator",
+        "cycle",
+        "excavator/inertia_ukf",
+        &fields,
+    );
+}
+
+#[test]
+fn a_simulated_loader_gets_what_a_run_of_its_seed_gives() {
+    let fields = [
+        "cg_ratio",
+        "cg_ratio_std",
+        "cg_height",
+        "cg_height_std",
+        "speed",
+    ];
+    the_second_is_the_one::<LoaderEstimate>("loader", "work-cycle", "loader/cg_ukf", &fields);
+}
+
+#[test]
+fn recordings_are_a_machine_each() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| {
+        folder
+            .path()
+            .join(name)
+            .to_str()
+            .expect("a path")
+            .to_owned()
+    };
+    let names = ["drop", "two_swings"];
+    for name in names {
+        let input = golden(&format!("excavator_input_{name}.csv"));
+        std::fs::create_dir_all(path("in")).expect("a folder");
+        std::fs::copy(input, path(&format!("in/{name}.csv"))).expect("a copy");
+    }
+    let input = path("in");
+    let run_them = [
+        "run",
+        "excavator",
+        "--input",
+        &input,
+        "--pace",
+        "max",
+        "--quiet",
+    ];
+    run_ok(&[&run_them[..], &["--machines", "2", "--out", &path("out")]].concat());
+    let found = table(&folder.path().join("out/estimates.csv"));
+    for name in names {
+        let (recording, alone) = (
+            path(&format!("in/{name}.csv")),
+            path(&format!("{name}.csv")),
+        );
+        run_ok(&[
+            "estimate",
+            &recording,
+            "--machine",
+            "excavator",
+            "-o",
+            &alone,
+        ]);
+        let text = std::fs::read_to_string(alone).expect("estimates");
+        let names: Vec<&str> = text.lines().next().expect("a header").split(',').collect();
+        let rows: Vec<String> = text.lines().skip(1).map(Into::into).collect();
+        let same = found[&recording].iter().map(|row| {
+            names
+                .iter()
+                .map(|n| row[*n].as_str())
+                .collect::<Vec<_>>()
+                .join(",")
+        });
+        assert_eq!(same.collect::<Vec<_>>(), rows, "{name}");
+    }
+    let output = run(&[&run_them[..], &["--machines", "3"]].concat());
+    assert_eq!(output.status.code(), Some(2));
+    assert!(
+        both(&output).contains("holds 2 recordings, not 3"),
+        "{}",
+        both(&output)
+    );
+}
+
+#[test]
+fn in_real_time_with_a_death_and_an_early_end_nothing_is_lost() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| {
+        folder
+            .path()
+            .join(name)
+            .to_str()
+            .expect("a path")
+            .to_owned()
+    };
+    let args = [
+        "run",
+        "excavator",
+        "--scenario",
+        "cycle",
+        "--machines",
+        "4",
+        "--quiet",
+        "--out",
+    ];
+    let mut child = heft();
+    child.args(args).args([&path("live"), "--duration", "600"]);
+    let child = child
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("heft starts");
+    let shards = || -> Vec<u32> {
+        let of_ours = |pid: &u32| {
+            let stat = std::fs::read_to_string(format!("/proc/{pid}/stat")).unwrap_or_default();
+            let parent = stat
+                .rsplit_once(") ")
+                .and_then(|(_, rest)| rest.split(' ').nth(1)?.parse().ok());
+            parent == Some(child.id())
+        };
+        processes()
+            .into_iter()
+            .map(|(pid, _)| pid)
+            .filter(of_ours)
+            .collect()
+    };
+    wait_until("shards", Duration::from_secs(30), || !shards().is_empty());
+    std::thread::sleep(Duration::from_secs(2));
+    let old = shards();
+    kill(old[0], Signal::KILL);
+    wait_until("a successor", Duration::from_secs(30), || {
+        shards().iter().any(|pid| !old.contains(pid))
+    });
+    std::thread::sleep(Duration::from_secs(1));
+    kill(child.id(), Signal::INT);
+    let output = child.wait_with_output().expect("the end");
+    let said = both(&output);
+    assert!(output.status.success(), "{said}");
+    assert!(
+        said.contains("0 not answered") && said.contains("1 processes replaced"),
+        "{said}"
+    );
+    run_ok(
+        &[
+            &args[..],
+            &[&path("quick"), "--duration", "60", "--pace", "max"],
+        ]
+        .concat(),
+    );
+    let (live, quick) = (
+        table(&folder.path().join("live/estimates.csv")),
+        table(&folder.path().join("quick/estimates.csv")),
+    );
+    assert_eq!(live.len(), 4);
+    for (machine, rows) in live {
+        assert!(rows.len() > 100, "{}", rows.len());
+        assert_eq!(rows[..], quick[&machine][..rows.len()]);
+    }
+}
+
+#[test]
+fn what_makes_no_sense_for_many_machines_is_refused() {
+    for words in [
+        &["--rt"][..],
+        &["--view"],
+        &["--state", "s.toml"],
+        &["--require-trust"],
+        &["--split", "1h"],
+        &["--output", "can:can0"],
+    ] {
+        let output = run(&[&["run", "excavator", "--machines", "2"], words].concat());
+        assert_eq!(output.status.code(), Some(2), "{words:?}");
+        let said = both(&output);
+        assert!(
+            said.contains("cannot be used with") && said.contains("--machines"),
+            "{said}"
+        );
+    }
+    for live in ["can:can0", "-"] {
+        let output = run(&["run", "excavator", "--machines", "2", "--input", live]);
+        assert_eq!(output.status.code(), Some(2), "{live}");
+        assert!(
+            both(&output).contains("is one machine, not 2"),
+            "{}",
+            both(&output)
+        );
+    }
+}
