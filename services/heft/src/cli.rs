@@ -223,7 +223,7 @@ pub struct RunArgs {
     /// So many machines in one run, simulated with seeds one apart or those of the recordings in the folder --input: no pipeline
     /// each, but a process a processor that steps them all, and one table of estimates
     #[arg(long, value_name = "N", conflicts_with_all = [
-        "output", "rt", "view", "split", "min_free", "fleet", "state", "domain", "require_trust", "no_report", "live_lines",
+        "output", "rt", "spin", "view", "split", "min_free", "fleet", "state", "domain", "require_trust", "no_report", "live_lines",
         "probe",
     ])]
     pub machines: Option<NonZeroUsize>,
@@ -260,6 +260,11 @@ pub struct RunArgs {
         value_delimiter = ','
     )]
     pub spread: Vec<usize>,
+    /// These processes look for messages all the time, each on a core of its own (isolated ones first), instead of sleeping until
+    /// they are woken; every step if none is named
+    #[arg(long, value_name = "PROCESS,...", num_args = 0..=1, require_equals = true, default_missing_value = crate::spin::ALL,
+        conflicts_with = "rt")]
+    pub spin: Option<String>,
     /// Show a live page
     #[arg(long, value_name = "ADDR", num_args = 0..=1, default_missing_value = view::live::DEFAULT_ADDRESS)]
     pub view: Option<SocketAddr>,
@@ -471,6 +476,9 @@ pub struct EvaluateArgs {
 /// `heft latency`
 #[derive(Debug, Args)]
 pub struct LatencyArgs {
+    /// The machine whose processes are measured
+    #[arg(value_parser = machine(), default_value = Machine::Excavator.name())]
+    pub machine: Machine,
     /// One sampling rate [Hz]; 100, 1000 and 10000 if absent
     #[arg(long, value_name = "HZ")]
     pub rate: Option<f64>,
@@ -484,6 +492,10 @@ pub struct LatencyArgs {
     /// with --rt only, because nothing is pinned without
     #[arg(long, value_name = "N", default_value_t = 1, requires = "rt")]
     pub cores: usize,
+    /// These processes spin instead of sleeping, as with `heft run --spin`, in turn with the same by bells
+    #[arg(long, value_name = "PROCESS,...", num_args = 0..=1, require_equals = true, default_missing_value = crate::spin::ALL,
+        conflicts_with_all = ["rt", "load"])]
+    pub spin: Option<String>,
     /// Also under a load that occupies every core
     #[arg(long)]
     pub load: bool,

@@ -25,6 +25,7 @@ mod service;
 mod signals;
 mod sources;
 mod spare;
+mod spin;
 mod state;
 mod summary;
 mod supervised;

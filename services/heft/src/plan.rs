@@ -15,6 +15,7 @@ use crate::bounds::LimitArgs;
 use crate::failure::Failure;
 use crate::fleet::Fleet;
 use crate::outputs::CanOutput;
+use crate::spin::Spinners;
 
 /// What a run does. Written to the domain by the supervisor, read by every worker.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -49,6 +50,8 @@ pub struct Plan {
     /// Cores for the stages of this machine under real-time scheduling, taken in turn along the
     /// chain; none: wherever the system puts them.
     pub cores: Vec<usize>,
+    /// Processes that look for messages all the time, with the core of each.
+    pub spinners: Spinners,
     /// What was restored of an earlier run, in words; the description holds it.
     pub restored: Option<String>,
     /// The fleet that it belongs to.

@@ -32,6 +32,7 @@ pub fn serve(name: &str, domain: &str, restarts: u32) -> Result<(), Failure> {
         },
         realtime: (plan.realtime && stage.priority > 0)
             .then(|| (stage.priority, core(&plan, stage))),
+        spins_on: plan.spinners.get(stage.name).copied(),
         period_ns: (1e9 / plan.rate) as u64,
     };
     let worker = Worker::start(setup)?;

@@ -148,7 +148,7 @@ impl Supervisor {
         Ok(())
     }
 
-    /// Gives a worker its own bell and those of the processes that it wakes. One that cannot take
+    /// Gives a worker its own bell and those of the processes that it wakes, who do not spin. One that cannot take
     /// them is dead, or is ended: its death is noticed as any other.
     fn hand_over(&mut self, index: usize) {
         let worker = &self.workers[index];
@@ -157,7 +157,7 @@ impl Supervisor {
             bells.extend(
                 self.workers
                     .iter()
-                    .filter(|w| w.process.name == *name)
+                    .filter(|w| w.process.name == *name && !self.plan.spinners.contains_key(*name))
                     .map(|w| &w.bell),
             );
         }

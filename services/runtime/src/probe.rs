@@ -61,7 +61,7 @@ pub fn run_probe<M: Message>(
     input.connect();
     while !worker.requests.wants_exit() {
         match &listener {
-            None => worker.bell.wait(),
+            None => worker.wait(),
             Some(listener) => listener.wait(LOOK),
         }
         let draining = worker.requests.take_drain();

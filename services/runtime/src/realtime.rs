@@ -19,25 +19,42 @@ pub struct Realtime {
     pub refused: Vec<String>,
 }
 
+impl Realtime {
+    fn pin(&mut self, core: usize) {
+        if let Err(e) = keep_to(&[core]) {
+            self.refused.push(format!(
+                "core {core}: {e}; choose one of the cores that `nproc` and the cpuset of this container allow"
+            ));
+        }
+    }
+
+    fn lock(&mut self) {
+        match mlockall(MlockAllFlags::CURRENT | MlockAllFlags::FUTURE) {
+            Ok(()) => self.locked = true,
+            Err(e) => self.refused.push(format!(
+                "locked memory: {e}; `ulimit -l unlimited`, or LimitMEMLOCK=infinity in the unit"
+            )),
+        }
+    }
+}
+
+/// Puts the calling thread on `core` and locks all memory, for a thread that shares its core with nobody and so needs no
+/// priority. What the system refuses is said.
+pub fn enter_core(core: usize) -> Realtime {
+    let mut result = Realtime::default();
+    result.pin(core);
+    result.lock();
+    result
+}
+
 /// Puts the calling thread under SCHED_FIFO at `priority` (1-99), on `core` if one is given, and
 /// locks all memory. What the system refuses is said, and the thread runs on normally.
 pub fn enter(priority: u8, core: Option<usize>) -> Realtime {
     let mut result = Realtime::default();
     if let Some(core) = core {
-        let mut set = CpuSet::new();
-        set.set(core);
-        if let Err(e) = sched_setaffinity(None, &set) {
-            result.refused.push(format!(
-                "core {core}: {e}; choose one of the cores that `nproc` and the cpuset of this container allow"
-            ));
-        }
+        result.pin(core);
     }
-    match mlockall(MlockAllFlags::CURRENT | MlockAllFlags::FUTURE) {
-        Ok(()) => result.locked = true,
-        Err(e) => result.refused.push(format!(
-            "locked memory: {e}; `ulimit -l unlimited`, or LimitMEMLOCK=infinity in the unit"
-        )),
-    }
+    result.lock();
     let policy = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
     let value = ThreadPriorityValue::try_from(priority).map(ThreadPriority::Crossplatform);
     let set = value.map_err(|e| e.to_string()).and_then(|value| {
@@ -60,6 +77,32 @@ pub fn cores() -> Vec<usize> {
     (0..CpuSet::MAX_CPU).filter(|&c| set.is_set(c)).collect()
 }
 
+/// The cores that the kernel keeps free of everything that is not put there (`isolcpus`), in ascending order.
+#[must_use]
+pub fn isolated_cores() -> Vec<usize> {
+    let list = std::fs::read_to_string("/sys/devices/system/cpu/isolated").unwrap_or_default();
+    core_list(&list)
+}
+
+/// Cores of a list as the kernel writes it: `2-4,7`.
+fn core_list(text: &str) -> Vec<usize> {
+    let range = |part: &str| {
+        let (first, last) = part.split_once('-').unwrap_or((part, part));
+        Some(first.parse().ok()?..=last.parse().ok()?)
+    };
+    text.trim().split(',').filter_map(range).flatten().collect()
+}
+
+/// Keeps the calling thread, and what it starts from now on, to these cores.
+///
+/// # Errors
+/// None of them may be used.
+pub fn keep_to(cores: &[usize]) -> std::io::Result<()> {
+    let mut set = CpuSet::new();
+    cores.iter().for_each(|core| set.set(*core));
+    Ok(sched_setaffinity(None, &set)?)
+}
+
 /// Whether SCHED_FIFO would be permitted; the calling thread stays as it is.
 #[must_use]
 pub fn permitted() -> bool {
@@ -77,4 +120,16 @@ pub fn permitted() -> bool {
     })
     .join()
     .unwrap_or(false)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_list_of_cores_is_read_as_the_kernel_writes_it() {
+        assert_eq!(core_list("2-4,7\n"), [2, 3, 4, 7]);
+        assert_eq!(core_list("3\n"), [3]);
+        assert!(core_list("\n").is_empty());
+    }
 }

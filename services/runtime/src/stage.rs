@@ -1,4 +1,4 @@
-//! Drives a [`Step`]: wait for the bell, answer everything that is there.
+//! Drives a [`Step`]: wait for the bell (or spin), answer everything that is there.
 
 use messages::channels::ChannelOf;
 use messages::{Hop, Message, fault};
@@ -40,7 +40,7 @@ pub fn run_stage<S: Step>(
         keyframes.emit(&step, &before.stamp);
     }
     while !worker.requests.wants_exit() {
-        worker.bell.wait();
+        worker.wait();
         let draining = worker.requests.take_drain();
         let ends = (&mut input, &mut output);
         answer_all(&mut worker, ends, hop, &mut step, &mut keyframes);

@@ -16,6 +16,8 @@ pub struct Setup {
     pub identity: Identity,
     /// SCHED_FIFO priority and core, where real time was asked for.
     pub realtime: Option<(u8, Option<usize>)>,
+    /// The core of its own on which it looks for messages all the time instead of sleeping until its bell is rung.
+    pub spins_on: Option<usize>,
     /// Sampling period [ns]: a sample that is older when it arrives is late.
     pub period_ns: u64,
 }
@@ -79,8 +81,12 @@ impl Worker {
     /// Makes the calling thread a real-time one if asked for, says `ready` and waits for `go`.
     /// Returns where to begin; `None` if the run ended before it began.
     pub(crate) fn begin(&mut self) -> Option<Begin> {
-        if let Some((priority, core)) = self.setup.realtime {
-            let result = realtime::enter(priority, core);
+        let entered = match (self.setup.spins_on, self.setup.realtime) {
+            (Some(core), _) => Some(realtime::enter_core(core)),
+            (None, Some((priority, core))) => Some(realtime::enter(priority, core)),
+            (None, None) => None,
+        };
+        if let Some(result) = entered {
             self.reporter.realtime(result.fifo);
             for refused in &result.refused {
                 tracing::warn!(process = self.setup.identity.name, "real time: {refused}");
@@ -99,6 +105,14 @@ impl Worker {
         // Samples may have come, and rung, while this process still waited for `go`.
         self.bell.ring();
         Some(begin)
+    }
+
+    /// Waits for the bell; a process that spins is back at once, without a system call.
+    pub(crate) fn wait(&self) {
+        match self.setup.spins_on {
+            Some(_) => std::hint::spin_loop(),
+            None => self.bell.wait(),
+        }
     }
 
     /// Rings the bells of all readers, next stage first.

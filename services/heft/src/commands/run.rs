@@ -19,6 +19,7 @@ use crate::parts::Reserved;
 use crate::plan::Plan;
 use crate::signals::Signals;
 use crate::sources::{self, LiveInput};
+use crate::spin::{self, Spinners};
 use crate::state::Memory;
 use crate::summary;
 use crate::supervisor::{End, Supervisor};
@@ -110,6 +111,9 @@ fn plan(args: &RunArgs) -> Result<(Plan, Description), Failure> {
         lossless: args.pace == cli::Pace::Max,
         realtime: args.rt,
         cores: cores(args),
+        spinners: args.spin.as_deref().map_or(Ok(Spinners::new()), |wanted| {
+            spin::spinners(Pipeline::of(machine), wanted, args.probe.is_some())
+        })?,
         restored: None,
         fleet: Fleet::of(&args.fleet)?,
         begun_ms: now_ms(),
@@ -222,6 +226,9 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     }
     let mut plan = pipeline_plan(args)?;
     let _reserved = Reserved(plan.recording.clone());
+    if !plan.spinners.is_empty() {
+        spin::keep_off(&plan.spinners);
+    }
     let memory = args.state.as_deref();
     let memory = memory.map(|f| remember(f, &mut plan)).transpose()?;
     let machine = plan.machine;

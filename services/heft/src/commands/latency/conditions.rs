@@ -4,7 +4,6 @@ use std::process::{Child, Command};
 
 use runtime::realtime;
 
-use super::STAGES;
 use crate::cli::LatencyArgs;
 use crate::failure::Failure;
 
@@ -19,6 +18,8 @@ pub struct Conditions {
     pub pinned: Vec<usize>,
     /// A spinner occupies every core.
     pub loaded: bool,
+    /// Processes that spin instead of sleeping, as `--spin` names them.
+    pub spin: Option<String>,
 }
 
 impl Conditions {
@@ -32,9 +33,13 @@ impl Conditions {
     }
 }
 
-/// Every set of conditions that the arguments ask for, the quiet ones first.
-pub fn conditions(args: &LatencyArgs, permitted: bool) -> Result<Vec<Conditions>, Failure> {
-    let cores = last_cores(args.cores)?;
+/// Every set of conditions that the arguments ask for, the quiet ones first, for a chain of so many processes.
+pub fn conditions(
+    args: &LatencyArgs,
+    permitted: bool,
+    processes: usize,
+) -> Result<Vec<Conditions>, Failure> {
+    let cores = last_cores(args.cores, processes)?;
     let rates = args
         .rate
         .map_or(vec![100.0, 1_000.0, 10_000.0], |rate| vec![rate]);
@@ -42,7 +47,7 @@ pub fn conditions(args: &LatencyArgs, permitted: bool) -> Result<Vec<Conditions>
     for loaded in [false, true] {
         for realtime in [true, false] {
             let wanted = if realtime {
-                permitted
+                permitted && args.spin.is_none()
             } else {
                 !args.rt || !permitted
             };
@@ -52,6 +57,7 @@ pub fn conditions(args: &LatencyArgs, permitted: bool) -> Result<Vec<Conditions>
                     realtime,
                     pinned: if realtime { cores.clone() } else { Vec::new() },
                     loaded,
+                    spin: args.spin.clone(),
                 }));
             }
         }
@@ -60,13 +66,13 @@ pub fn conditions(args: &LatencyArgs, permitted: bool) -> Result<Vec<Conditions>
 }
 
 /// The last `wanted` of the cores that this process may use.
-fn last_cores(wanted: usize) -> Result<Vec<usize>, Failure> {
+fn last_cores(wanted: usize, processes: usize) -> Result<Vec<usize>, Failure> {
     let cores = realtime::cores();
-    let most = cores.len().min(STAGES);
+    let most = cores.len().min(processes);
     if !(1..=most).contains(&wanted) {
         return Err(Failure::input(
             format!(
-                "the {STAGES} processes of the chain can be spread over 1 to {most} cores here, not {wanted}"
+                "the {processes} processes of the chain can be spread over 1 to {most} cores here, not {wanted}"
             ),
             "--cores",
             "`nproc` tells how many cores this program may use",

@@ -7,7 +7,7 @@ use hdrhistogram::Histogram;
 use limits::Primitive;
 use serde_json::{Value, json};
 
-use super::measure::{Measured, max_us, us};
+use super::measure::{Measured, Passage, max_us, us};
 use crate::failure::Failure;
 
 const QUANTILES: [(&str, f64); 3] = [("p50", 0.5), ("p99", 0.99), ("p999", 0.999)];
@@ -30,7 +30,16 @@ pub fn record(m: &Measured) -> Value {
         .map(|(kind, h)| (kind.name().to_owned(), percentiles(h)))
         .collect();
     let futex = m.limit(Primitive::Futex).map(percentiles);
+    let hops = |p: &Passage| p.hops.iter().map(percentiles).collect::<Vec<_>>();
+    let by_bell = m.conditions.spin.as_ref().map(|_| {
+        json!({
+            "e2e_us": percentiles(&m.by_bell.end_to_end),
+            "hops_us": hops(&m.by_bell),
+            "lost": m.by_bell.lost,
+        })
+    });
     let bins: Vec<Value> = m
+        .ours
         .end_to_end
         .iter_log(1_000, 1.25)
         .filter(|bin| bin.count_since_last_iteration() > 0)
@@ -46,15 +55,18 @@ pub fn record(m: &Measured) -> Value {
         "rt": m.conditions.realtime,
         "cores": m.conditions.cores(),
         "load": m.conditions.loaded,
-        "e2e_us": percentiles(&m.end_to_end),
+        "machine": m.chain.machine.name(),
+        "spin": m.conditions.spin,
+        "by_bell": by_bell,
+        "e2e_us": percentiles(&m.ours.end_to_end),
         "last_hop_by_event_us": percentiles(&m.by_event),
-        "hops_us": m.hops.iter().map(percentiles).collect::<Vec<_>>(),
+        "hops_us": hops(&m.ours),
         "limit_us": futex,
         "limits_us": limits,
         "ratio_p50": m.ratio(0.5),
         "ratio_p999": m.ratio(0.999),
-        "lost": m.lost,
-        "samples": m.end_to_end.len(),
+        "lost": m.ours.lost,
+        "samples": m.ours.end_to_end.len(),
         "histogram_us": bins,
     })
 }
@@ -71,8 +83,10 @@ pub fn write(file: &Path, all: &[Value]) -> Result<(), Failure> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::chain::Chain;
     use super::super::conditions::Conditions;
     use super::*;
+    use messages::Machine;
 
     #[test]
     fn a_record_says_what_was_measured_where_and_next_to_what() {
@@ -81,9 +95,11 @@ mod tests {
             realtime: true,
             pinned: vec![0, 1],
             loaded: false,
+            spin: None,
         };
-        let mut measured = Measured::new(conditions).unwrap();
-        measured.end_to_end.record(30_000).unwrap();
+        let chain = Chain::of(Machine::Excavator);
+        let mut measured = Measured::new(&chain, &conditions).unwrap();
+        measured.ours.end_to_end.record(30_000).unwrap();
         let futex = measured
             .limits
             .iter_mut()

@@ -8,42 +8,80 @@ use hdrhistogram::Histogram;
 use limits::{Options, Primitive};
 use runtime::{Arrival, Wake};
 
+use super::ROUNDS;
+use super::chain::Chain;
 use super::conditions::Conditions;
-use super::{ROUNDS, STAGES};
 use crate::failure::Failure;
+use crate::machines;
 
 /// Samples at the start of each round that are left out: connections, caches, page faults.
 const WARM_UP: usize = 20;
+
+/// Latencies of the real chain [ns].
+pub struct Passage {
+    /// From measurement to arrival.
+    pub end_to_end: Histogram<u64>,
+    /// Of each hop.
+    pub hops: Vec<Histogram<u64>>,
+    /// Samples that did not arrive.
+    pub lost: u64,
+}
 
 /// Latencies under one set of conditions [ns].
 pub struct Measured {
     /// Under which.
     pub conditions: Conditions,
-    /// From measurement to arrival.
-    pub end_to_end: Histogram<u64>,
-    /// Sensor to filter, filter to estimator, estimator to user.
-    pub hops: [Histogram<u64>; 3],
+    /// Of which processes.
+    pub chain: Chain,
+    /// As the conditions say.
+    pub ours: Passage,
+    /// The same woken by bells, where the conditions say that processes spin.
+    pub by_bell: Passage,
     /// The last hop, to a user that waits for the iceoryx2 event instead of a bell.
     pub by_event: Histogram<u64>,
     /// The bare chains.
     pub limits: Vec<(Primitive, Histogram<u64>)>,
-    /// Samples that did not arrive.
-    pub lost: u64,
+}
+
+impl Passage {
+    fn new(chain: &Chain) -> Result<Self, Failure> {
+        let hops = chain.hops().into_iter().map(|_| histogram());
+        Ok(Self {
+            end_to_end: histogram()?,
+            hops: hops.collect::<Result<_, _>>()?,
+            lost: 0,
+        })
+    }
+
+    fn add(&mut self, chain: &Chain, text: &str) {
+        let mut expected = 0;
+        for arrival in arrivals(text) {
+            self.lost += arrival.sequence.saturating_sub(expected);
+            expected = arrival.sequence + 1;
+            if arrival.sequence < WARM_UP as u64 {
+                continue;
+            }
+            self.end_to_end.saturating_record(arrival.received_ns);
+            for (histogram, span) in self.hops.iter_mut().zip(chain.spans(&arrival)) {
+                histogram.saturating_record(span);
+            }
+        }
+    }
 }
 
 impl Measured {
     /// Nothing yet.
-    pub fn new(conditions: Conditions) -> Result<Self, Failure> {
+    pub fn new(chain: &Chain, conditions: &Conditions) -> Result<Self, Failure> {
         Ok(Self {
-            conditions,
-            end_to_end: histogram()?,
-            hops: [histogram()?, histogram()?, histogram()?],
+            conditions: conditions.clone(),
+            chain: chain.clone(),
+            ours: Passage::new(chain)?,
+            by_bell: Passage::new(chain)?,
             by_event: histogram()?,
             limits: Primitive::ALL
                 .into_iter()
                 .map(|kind| Ok((kind, histogram()?)))
                 .collect::<Result<_, Failure>>()?,
-            lost: 0,
         })
     }
 
@@ -58,7 +96,7 @@ impl Measured {
     /// Ours over the chain of bare futexes.
     pub fn ratio(&self, quantile: f64) -> Option<f64> {
         let futex = us(self.limit(Primitive::Futex)?, quantile);
-        (futex > 0.0).then(|| us(&self.end_to_end, quantile) / futex)
+        (futex > 0.0).then(|| us(&self.ours.end_to_end, quantile) / futex)
     }
 }
 
@@ -78,18 +116,27 @@ fn histogram() -> Result<Histogram<u64>, Failure> {
 }
 
 /// Measures under some conditions for `duration` [s].
-pub fn measure(conditions: &Conditions, duration: f64) -> Result<Measured, Failure> {
-    let mut result = Measured::new(conditions.clone())?;
+pub fn measure(chain: &Chain, conditions: &Conditions, duration: f64) -> Result<Measured, Failure> {
+    let mut result = Measured::new(chain, conditions)?;
     let seconds = duration / ROUNDS as f64;
+    let by_bells = Conditions {
+        spin: None,
+        ..conditions.clone()
+    };
     for round in 0..ROUNDS {
-        let text = run_pipeline(conditions, seconds, round, Wake::Bell)?;
-        add_arrivals(&mut result, &text);
-        let text = run_pipeline(conditions, seconds, round, Wake::Event)?;
+        let text = run_pipeline(chain, conditions, seconds, round, Wake::Bell)?;
+        result.ours.add(chain, &text);
+        if conditions.spin.is_some() {
+            let text = run_pipeline(chain, &by_bells, seconds, round, Wake::Bell)?;
+            result.by_bell.add(chain, &text);
+        }
+        let text = run_pipeline(chain, &by_bells, seconds, round, Wake::Event)?;
         for arrival in arrivals(&text).skip(WARM_UP) {
-            result.by_event.saturating_record(spans(&arrival)[2]);
+            let last = chain.spans(&arrival).pop();
+            result.by_event.saturating_record(last.unwrap_or(0));
         }
         for (kind, histogram) in &mut result.limits {
-            add_limit(*kind, conditions, seconds, histogram)?;
+            add_limit(*kind, chain, conditions, seconds, histogram)?;
         }
     }
     Ok(result)
@@ -97,6 +144,7 @@ pub fn measure(conditions: &Conditions, duration: f64) -> Result<Measured, Failu
 
 /// One round of the real pipeline, as a run of its own; returns what the probe noted.
 fn run_pipeline(
+    chain: &Chain,
     conditions: &Conditions,
     seconds: f64,
     round: usize,
@@ -110,13 +158,10 @@ fn run_pipeline(
     made.map_err(|e| Failure::file("make the folder", &folder, &e))?;
     let mut command = Command::new(exe);
     command
+        .args(["run", chain.machine.name(), "--quiet", "--no-report"])
         .args([
-            "run",
-            "excavator",
             "--scenario",
-            "cycle",
-            "--quiet",
-            "--no-report",
+            machines::entry(chain.machine).shown_scenario(),
         ])
         .args(["--rate", &conditions.rate.to_string()])
         .args(["--duration", &seconds.to_string()])
@@ -130,6 +175,9 @@ fn run_pipeline(
     if conditions.realtime {
         let cores: Vec<String> = conditions.pinned.iter().map(usize::to_string).collect();
         command.args(["--rt", "--spread", &cores.join(",")]);
+    }
+    if let Some(spinning) = &conditions.spin {
+        command.arg(format!("--spin={spinning}"));
     }
     if wake == Wake::Event {
         command.arg("--probe-listens");
@@ -154,33 +202,10 @@ fn arrivals(text: &str) -> impl Iterator<Item = Arrival> {
     })
 }
 
-/// Times of the three hops [ns].
-fn spans(arrival: &Arrival) -> [u64; 3] {
-    [
-        arrival.filter_ns.saturating_sub(arrival.sensor_ns),
-        arrival.estimate_ns.saturating_sub(arrival.filter_ns),
-        arrival.received_ns.saturating_sub(arrival.estimate_ns),
-    ]
-}
-
-fn add_arrivals(result: &mut Measured, text: &str) {
-    let mut expected = 0;
-    for arrival in arrivals(text) {
-        result.lost += arrival.sequence.saturating_sub(expected);
-        expected = arrival.sequence + 1;
-        if arrival.sequence < WARM_UP as u64 {
-            continue;
-        }
-        result.end_to_end.saturating_record(arrival.received_ns);
-        for (histogram, span) in result.hops.iter_mut().zip(spans(&arrival)) {
-            histogram.saturating_record(span);
-        }
-    }
-}
-
 /// One round of a bare chain.
 fn add_limit(
     kind: Primitive,
+    chain: &Chain,
     conditions: &Conditions,
     seconds: f64,
     histogram: &mut Histogram<u64>,
@@ -189,7 +214,7 @@ fn add_limit(
     let (stages, fifo) = if kind == Primitive::Spin {
         (2, false)
     } else {
-        (STAGES, conditions.realtime)
+        (chain.processes(), conditions.realtime)
     };
     let options = Options {
         stages,

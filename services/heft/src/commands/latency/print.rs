@@ -3,18 +3,21 @@
 use hdrhistogram::Histogram;
 use limits::Primitive;
 
+use super::ROUNDS;
+use super::chain::Chain;
 use super::conditions::Conditions;
-use super::measure::{Measured, max_us, us};
-use super::{ROUNDS, STAGES};
+use super::measure::{Measured, Passage, max_us, us};
 
 /// What was measured on, and how.
-pub fn machine() {
+pub fn machine(chain: &Chain) {
     let system = rustix::system::uname();
     println!(
-        "{} cores, {} {}; µs from measurement to arrival, {STAGES} processes, {ROUNDS} rounds in turn",
+        "{} cores, {} {}; µs from measurement to arrival, {}, {} processes, {ROUNDS} rounds in turn",
         runtime::realtime::cores().len(),
         system.sysname().to_string_lossy(),
-        system.release().to_string_lossy()
+        system.release().to_string_lossy(),
+        chain.machine,
+        chain.processes()
     );
 }
 
@@ -44,14 +47,19 @@ pub fn measured(m: &Measured) {
             h.len()
         );
     };
-    row("heft, sensor to user", &m.end_to_end);
-    for (name, h) in ["  sensor to kalman", "  kalman to rls", "  rls to user"]
-        .iter()
-        .zip(&m.hops)
-    {
-        row(name, h);
+    let hops = m.chain.hops();
+    let passage = |name: &str, passage: &Passage| {
+        row(name, &passage.end_to_end);
+        for (name, h) in hops.iter().zip(&passage.hops) {
+            row(&format!("  {name}"), h);
+        }
+    };
+    passage("heft, sensor to user", &m.ours);
+    if m.conditions.spin.is_some() {
+        passage("the same, by bells", &m.by_bell);
     }
-    row("  rls to user, iceoryx2 event", &m.by_event);
+    let last = hops.last().map_or("", String::as_str);
+    row(&format!("  {last}, iceoryx2 event"), &m.by_event);
     for (kind, h) in m.limits.iter().filter(|(_, h)| !h.is_empty()) {
         let name = if *kind == Primitive::Spin {
             "bare cache line, 1 hop"
@@ -63,12 +71,15 @@ pub fn measured(m: &Measured) {
     if let (Some(p50), Some(p999)) = (m.ratio(0.5), m.ratio(0.999)) {
         println!(
             "heft over bare futex: p50 {p50:.2} x, p99.9 {p999:.2} x; lost {}",
-            m.lost
+            m.ours.lost
         );
     }
 }
 
 fn scheduling(conditions: &Conditions) -> String {
+    if let Some(spinning) = &conditions.spin {
+        return format!("normal scheduling, spinning: {spinning}");
+    }
     let cores: Vec<String> = conditions.pinned.iter().map(usize::to_string).collect();
     match (conditions.realtime, cores.as_slice()) {
         (false, _) => "normal scheduling, free placement".to_owned(),
