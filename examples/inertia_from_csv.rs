@@ -8,7 +8,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         "/tests/golden/excavator_input_base_case2.csv"
     );
     let file = std::env::args().nth(1).unwrap_or_else(|| default.into());
-    let rows = recording::load_excavator(&file, None)?;
+    let rows = recording::load::<messages::ExcavatorSensors>(&file, None)?;
     let columns = rows.first().map_or(Columns::default(), |(first, _)| {
         steps::excavator::columns(first)
     });

@@ -32,7 +32,7 @@ impl Step for Crude {
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let run = sim::excavator::Run::new(sim::excavator::Scenario::Base);
-    let mut machine = sensor::SimulatedExcavator::new(&run)?;
+    let mut machine = sensor::excavator::Simulator::new(&run)?;
     let mut filter = FilterStep::new(&config::Excavator::default())?;
     let mut crude = Crude::default();
     let mut last = None;

@@ -54,22 +54,24 @@ fn processes_agree_with_one_thread(machine: &str, method: &str, input: &Path, ch
     let reader = recording::Reader::open(&recording).expect("a recording");
     if machine == "excavator" {
         let estimates: Vec<ExcavatorEstimate> = reader.messages(channel).expect("estimates");
-        let mut writer = recording::EstimateWriter::excavator(&several).expect("a file");
+        let mut writer =
+            recording::EstimateWriter::<ExcavatorEstimate>::create(&several).expect("a file");
         for estimate in estimates
             .iter()
             .filter(|e| e.flags & messages::excavator_bits::REFUSED == 0)
         {
-            writer.write_excavator(estimate).expect("a row");
+            writer.write(estimate).expect("a row");
         }
         writer.finish().expect("a file");
     } else {
         let estimates: Vec<LoaderEstimate> = reader.messages(channel).expect("estimates");
-        let mut writer = recording::EstimateWriter::loader(&several).expect("a file");
+        let mut writer =
+            recording::EstimateWriter::<LoaderEstimate>::create(&several).expect("a file");
         for estimate in estimates
             .iter()
             .filter(|e| e.flags & messages::loader_bits::REFUSED == 0)
         {
-            writer.write_loader(estimate).expect("a row");
+            writer.write(estimate).expect("a row");
         }
         writer.finish().expect("a file");
     }
@@ -203,7 +205,7 @@ fn the_truth_goes_into_the_recording_and_not_into_the_estimate() {
     ]);
     assert_eq!(rows(&a), rows(&b));
 
-    let rows = recording::load_excavator(&input, None).expect("the input");
+    let rows = recording::load::<messages::ExcavatorSensors>(&input, None).expect("the input");
     let known: Vec<&ExcavatorTruth> = rows.iter().map(|r| &r.1).filter(|t| t.known != 0).collect();
     assert_eq!(known.len(), rows.len());
     assert!(

@@ -11,7 +11,7 @@ use std::time::Duration;
 
 use common::{Running, both, heft, run, run_ok};
 use messages::channels::EXCAVATOR_INERTIA_UKF;
-use messages::{ExcavatorEstimate, Message};
+use messages::{ExcavatorEstimate, Machine, Message};
 use recording::Reader;
 use recording::can::Outgoing;
 use rustix::process::Signal;
@@ -55,7 +55,7 @@ fn the_frames_that_tail_prints_are_those_of_the_estimates() {
     let arguments = ["--format", "candump", "--rate", "20"];
     let (printed, folder) = tailed("frames", &arguments, 3);
     let estimates = recorded(folder.path());
-    let outgoing = Outgoing::new("excavator", None).expect("the usual frames");
+    let outgoing = Outgoing::new(Machine::Excavator, None).expect("the usual frames");
     let printed = String::from_utf8(printed).expect("text");
     for line in printed.lines() {
         let time = line.get(1..).and_then(|l| l.split(')').next());
@@ -159,7 +159,7 @@ fn estimates_are_sent_as_frames_and_a_bus_that_goes_costs_no_estimate() {
         "{said}"
     );
     let heard = heard.stop();
-    let outgoing = Outgoing::new("excavator", None).expect("the usual frames");
+    let outgoing = Outgoing::new(Machine::Excavator, None).expect("the usual frames");
     let estimates = recorded(folder.path());
     let all: std::collections::BTreeSet<String> = estimates
         .values()

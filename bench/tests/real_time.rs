@@ -3,7 +3,7 @@
 use bench::{counts, groups, real};
 use messages::keyframe::LONGEST;
 use runtime::{Source, Step, answer};
-use sensor::{SimulatedExcavator, SimulatedLoader};
+use sensor::{excavator, loader};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::path::Path;
@@ -96,7 +96,7 @@ fn the_excavators_services_answer_without_allocating() {
         duration: 100.0,
         ..sim::excavator::Run::new(sim::excavator::Scenario::Cycle)
     };
-    let samples = sensors(SimulatedExcavator::new(&run).expect("a valid run"));
+    let samples = sensors(excavator::Simulator::new(&run).expect("a valid run"));
     let mut filter = steps::excavator::FilterStep::new(&description).expect("valid settings");
     let motions: Vec<_> = samples.iter().map(|s| answer(&mut filter, s)).collect();
     let filter = steps::excavator::FilterStep::new(&description).expect("valid settings");
@@ -119,7 +119,7 @@ fn the_loaders_services_answer_without_allocating() {
         duration: Some(100.0),
         ..sim::loader::Run::new(sim::loader::Scenario::WorkCycle)
     };
-    let samples = sensors(SimulatedLoader::new(&run).expect("a valid run"));
+    let samples = sensors(loader::Simulator::new(&run).expect("a valid run"));
     for method in messages::LOADER_METHODS {
         let service = steps::loader::EstimatorStep::new(&description, method).expect("a method");
         assert_eq!(allocations(service, &samples), 0, "{method}");

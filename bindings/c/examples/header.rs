@@ -83,7 +83,7 @@ where
     }
     let _ = writeln!(
         out,
-        "\n/* Signals that the machine has, for `columns` of heft_{name}_init; each needs its bit to be used. */"
+        "\n/* Sensors that the machine has, for `columns` of heft_{name}_init; each needs its bit to be used. */"
     );
     for (i, signal) in M::SIGNALS.iter().skip(1).enumerate() {
         let _ = writeln!(

@@ -51,7 +51,7 @@ extern "C" {
 #define HEFT_EXCAVATOR_METHOD_POSTURE 5
 #define HEFT_EXCAVATOR_METHOD_VELOCITY 6
 
-/* Signals that the machine has, for `columns` of heft_excavator_init; each needs its bit to be used. */
+/* Sensors that the machine has, for `columns` of heft_excavator_init; each needs its bit to be used. */
 #define HEFT_EXCAVATOR_COLUMN_SWING_VELOCITY (1u << 0)
 #define HEFT_EXCAVATOR_COLUMN_SWING_ANGLE (1u << 1)
 #define HEFT_EXCAVATOR_COLUMN_SWING_TORQUE (1u << 2)
@@ -274,7 +274,7 @@ const char *heft_excavator_error(const void *memory);
 #define HEFT_LOADER_METHOD_EKF 3
 #define HEFT_LOADER_METHOD_FULL_EKF 4
 
-/* Signals that the machine has, for `columns` of heft_loader_init; each needs its bit to be used. */
+/* Sensors that the machine has, for `columns` of heft_loader_init; each needs its bit to be used. */
 #define HEFT_LOADER_COLUMN_SPEED (1u << 0)
 #define HEFT_LOADER_COLUMN_FRONT_WHEEL_SPEED (1u << 1)
 #define HEFT_LOADER_COLUMN_REAR_WHEEL_SPEED (1u << 2)

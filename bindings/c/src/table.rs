@@ -41,7 +41,7 @@ pub trait Machine: Sized + Clone + 'static {
     type Estimate;
     /// All signals; the first is the time.
     const SIGNALS: &'static [Signal<Self::Sample>];
-    /// Signals that a machine must have at least one of, group by group.
+    /// Sensors that a machine must have at least one of, group by group.
     const REQUIRED: &'static [&'static [&'static str]];
     /// All numbers of an answer; the first is the time.
     const VALUES: &'static [Value<Self::Estimate>];

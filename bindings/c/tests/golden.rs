@@ -148,7 +148,8 @@ fn every_excavator_method_gives_the_bits_of_the_processes() {
         "excavator_input_bad",
         "excavator_input_drop",
     ] {
-        let rows = recording::load_excavator(golden(file), None).expect("golden data");
+        let rows =
+            recording::load::<messages::ExcavatorSensors>(golden(file), None).expect("golden data");
         let rows: Vec<ExcavatorSensors> = rows.into_iter().map(|(sensors, _)| sensors).collect();
         for method in Excavator::METHODS {
             let ours = through_c::<Excavator, _>(&program, method, &rows);
@@ -171,7 +172,8 @@ fn every_loader_method_gives_the_bits_of_the_processes() {
         "loader_input_S6_60s_tierA",
         "loader_input_bad_20s",
     ] {
-        let rows = recording::load_loader(golden(file), None).expect("golden data");
+        let rows =
+            recording::load::<messages::LoaderSensors>(golden(file), None).expect("golden data");
         let rows: Vec<LoaderSensors> = rows.into_iter().map(|(sensors, _)| sensors).collect();
         for method in Loader::METHODS {
             let ours = through_c::<Loader, _>(&program, method, &rows);

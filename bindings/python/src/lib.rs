@@ -2,7 +2,7 @@
 //! columns, the tables of messages. Numbers cross the border as the bytes of their array.
 
 use config::Description;
-use messages::channels::{CHANNELS, Visitor};
+use messages::channels::{self, Visitor};
 use messages::{Envelope, ExcavatorEstimate, NumberType, LoaderEstimate, Machine, Message, Value};
 use pyo3::create_exception;
 use pyo3::exceptions::PyValueError;
@@ -40,7 +40,7 @@ fn machine(name: &str) -> PyResult<Machine> {
 /// Columns that samples of a machine can have.
 #[pyfunction]
 fn signals(machine: &str) -> PyResult<Vec<String>> {
-    Ok(frame::signals_of(self::machine(machine)?.name()).unwrap_or_default())
+    Ok(frame::signals_of(self::machine(machine)?))
 }
 
 /// A description: the text, or the defaults, and then the keys that are set one by one.
@@ -81,14 +81,14 @@ fn estimate<'py>(
     let method = method.or(main).unwrap_or_default();
     let result = py.detach(|| match &description {
         Description::Excavator(d) => {
-            let rows = frame::rows_of_excavator(&columns).map_err(refused)?;
+            let rows = frame::rows::<messages::ExcavatorSensors>(&columns).map_err(refused)?;
             if let Some((first, _)) = rows.first() {
                 steps::excavator::check_columns(d, method, first).map_err(refused)?;
             }
             run::<_, _, ExcavatorEstimate>(&description, method, &rows)
         }
         Description::Loader(_) => {
-            let rows = frame::rows_of_loader(&columns).map_err(refused)?;
+            let rows = frame::rows::<messages::LoaderSensors>(&columns).map_err(refused)?;
             run::<_, _, LoaderEstimate>(&description, method, &rows)
         }
     })?;
@@ -199,7 +199,7 @@ fn schema() -> Vec<(&'static str, Fields)> {
         }
     }
     let mut all: Vec<(&'static str, Fields)> = Vec::new();
-    for channel in CHANNELS {
+    for channel in channels::all() {
         let message = channel.payload.visit(Tell);
         if !all.iter().any(|(name, _)| *name == message.0) {
             all.push(message);

@@ -3,14 +3,16 @@
 use messages::Machine;
 use toml_edit::Document;
 
-use crate::{Error, Errors, Excavator, Loader, Tables, parse};
+use crate::{Error, Errors, Tables, parse};
 
-/// Everything that must be said once per machine.
 macro_rules! descriptions {
-    ($( $(#[$doc:meta])* $name:ident, )*) => {
+    ($( $name:ident, $module:ident, $sensors:ident, $truth:ident, $estimate:ident, $others:tt; )*) => {
+        $( pub use crate::$module::$name; )*
+
         /// A description of any machine.
         #[derive(Debug, Clone, PartialEq)]
-        pub enum Description { $( $(#[$doc])* $name(Box<$name>), )* }
+        #[allow(missing_docs, reason = "each is the machine of its name")]
+        pub enum Description { $( $name(Box<$name>), )* }
 
         impl Description {
             /// Reads a description of whichever machine the text is for: `machine.kind` says so, or
@@ -45,6 +47,14 @@ macro_rules! descriptions {
             pub fn machine(&self) -> Machine {
                 match self {
                     $( Self::$name(_) => $name::MACHINE, )*
+                }
+            }
+
+            /// Rate of the machine's sensors [Hz].
+            #[must_use]
+            pub fn rate(&self) -> f64 {
+                match self {
+                    $( Self::$name(m) => m.sensors.rate, )*
                 }
             }
 
@@ -88,12 +98,7 @@ macro_rules! descriptions {
     };
 }
 
-descriptions! {
-    /// Excavator.
-    Excavator,
-    /// Wheel loader.
-    Loader,
-}
+messages::machines!(descriptions);
 
 impl Description {
     /// Sets one key, as `--set` does.
@@ -106,11 +111,12 @@ impl Description {
 }
 
 fn unclear(file_name: &str) -> Error {
+    let kinds = Machine::ALL.map(|m| format!("kind = \"{m}\"")).join(" or ");
     Error {
         what: "the description does not say which machine it is for".into(),
         file: file_name.into(),
         line: None,
         key: "machine.kind".into(),
-        remedy: "write kind = \"excavator\" or kind = \"loader\" under [machine]".into(),
+        remedy: format!("write {kinds} under [machine]"),
     }
 }

@@ -9,16 +9,17 @@
 
 mod description;
 mod error;
+mod excavator;
+mod loader;
 mod nearest;
 mod parse;
 mod print;
-mod rules;
 mod tables;
 
-pub use description::Description;
+pub use description::*;
 pub use error::{Error, Errors};
-pub use estimation::excavator::keys::{Description as Excavator, Variant};
+pub use estimation::excavator::keys::Variant;
 pub use estimation::keys::{Form, Key, Numbers, Range, Setting, Table, Value};
-pub use estimation::loader::keys::{Description as Loader, Inputs, LoadTransfer, Tuning};
+pub use estimation::loader::keys::{Inputs, LoadTransfer, Tuning};
 pub use nearest::nearest;
 pub use tables::Tables;

@@ -3,7 +3,7 @@
 use estimation::keys::Table;
 use messages::Machine;
 
-use crate::{Error, Errors, Excavator, Loader, parse, print, rules};
+use crate::{Error, Errors, parse, print};
 
 /// A complete description: a machine's tables.
 pub trait Tables: Default + Clone {
@@ -51,30 +51,18 @@ pub trait Tables: Default + Clone {
 /// Gives a machine its tables.
 macro_rules! tables {
     ($name:ident, $machine:expr, $rules:path, [$($table:ident),+]) => {
-        impl Tables for $name {
+        impl $crate::Tables for $name {
             const MACHINE: Machine = $machine;
-            fn tables(&self) -> Vec<&dyn Table> {
+            fn tables(&self) -> Vec<&dyn $crate::Table> {
                 vec![$( &self.$table ),+]
             }
-            fn tables_mut(&mut self) -> Vec<&mut dyn Table> {
+            fn tables_mut(&mut self) -> Vec<&mut dyn $crate::Table> {
                 vec![$( &mut self.$table ),+]
             }
-            fn contradictions(&self) -> Vec<Error> {
+            fn contradictions(&self) -> Vec<$crate::Error> {
                 $rules(self)
             }
         }
     };
 }
-
-tables!(
-    Excavator,
-    Machine::Excavator,
-    rules::excavator,
-    [machine, geometry, sensors, prior, estimator, paper]
-);
-tables!(
-    Loader,
-    Machine::Loader,
-    rules::loader,
-    [machine, sensors, prior, estimator]
-);
+pub(crate) use tables;

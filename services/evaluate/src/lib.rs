@@ -20,19 +20,3 @@ pub mod text;
 pub use error::Error;
 pub use options::{Options, Report};
 pub use parallel::seeds;
-
-/// Evaluates the excavator's estimators.
-///
-/// # Errors
-/// The table is unknown, or the estimators refuse their settings.
-pub fn excavator(options: &Options) -> Result<Report, Error> {
-    excavator::evaluate(options)
-}
-
-/// Evaluates the loader's estimators.
-///
-/// # Errors
-/// The table is unknown, or the estimators refuse their settings.
-pub fn loader(options: &Options) -> Result<Report, Error> {
-    loader::evaluate(options)
-}

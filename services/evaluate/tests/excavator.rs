@@ -12,7 +12,7 @@ fn table(name: &str, seeds: usize) -> Report {
         seeds,
         ..Options::default()
     };
-    evaluate::excavator(&options).expect("a table")
+    evaluate::excavator::evaluate(&options).expect("a table")
 }
 
 fn number(value: &Value, key: &str) -> f64 {
@@ -178,7 +178,7 @@ fn an_unknown_table_is_an_error_that_lists_the_tables() {
         table: Some("table2".into()),
         ..Options::default()
     };
-    let error = evaluate::excavator(&options).expect_err("no such table");
+    let error = evaluate::excavator::evaluate(&options).expect_err("no such table");
     assert!(matches!(error, Error::UnknownTable { .. }));
     assert!(
         error

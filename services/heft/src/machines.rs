@@ -5,15 +5,20 @@ mod loader;
 
 use std::ffi::OsString;
 use std::io::Read;
+use std::path::Path;
 
 use config::Description;
 use messages::Machine;
-use recording::Map;
-use recording::csv::EstimateRows;
+use recording::csv::{self, EstimateRows};
+use recording::{Map, Sensors};
 use runtime::{Source, Worker};
+use view::estimate::Estimate;
 
+use crate::cli::{CalibrateArgs, EstimateArgs};
+use crate::commands::estimate;
 use crate::failure::Failure;
 use crate::plan::Plan;
+use crate::quantity::Quantity;
 use crate::serve::{self, Machines, Out, Played, Rows};
 use crate::signals::Signals;
 use crate::sources;
@@ -24,13 +29,18 @@ pub type Figure = (String, String);
 /// Seed of every run that is drawn.
 const SEED: u64 = 1;
 
-/// Everything that the command line asks of a machine.
-pub fn entry(machine: Machine) -> &'static dyn Entry {
-    match machine {
-        Machine::Excavator => &excavator::Excavator,
-        Machine::Loader => &loader::Loader,
-    }
+macro_rules! entries {
+    ($( $machine:ident, $module:ident, $sensors:ident, $truth:ident, $estimate:ident, $others:tt; )*) => {
+        /// Everything that the command line asks of a machine.
+        pub fn entry(machine: Machine) -> &'static dyn Entry {
+            match machine {
+                $( Machine::$machine => &$module::$machine, )*
+            }
+        }
+    };
 }
+
+messages::machines!(entries);
 
 /// A machine as the command line sees it.
 pub trait Entry: Sync {
@@ -87,6 +97,24 @@ pub trait Entry: Sync {
         method: &str,
         every: f64,
     ) -> Result<(), Failure>;
+    /// What is told of it while it runs.
+    fn told(&self) -> &'static [Quantity];
+    /// `heft estimate` of one input.
+    ///
+    /// # Errors
+    /// The input cannot be read, or the output not written.
+    fn estimate(
+        &self,
+        args: &EstimateArgs,
+        file: &Path,
+        output: &Path,
+        description: &Description,
+    ) -> Result<(), Failure>;
+    /// `heft calibrate`.
+    ///
+    /// # Errors
+    /// The recordings cannot be read, or do not tell the parameters.
+    fn calibrate(&self, args: &CalibrateArgs, description: &Description) -> Result<(), Failure>;
     /// The tables of `heft evaluate`.
     ///
     /// # Errors
@@ -99,15 +127,33 @@ pub trait Entry: Sync {
     fn figures(&self) -> Result<Vec<Figure>, Failure>;
 }
 
+/// Looks at the samples of `heft estimate`, and says at the end what is strange about them.
+pub trait Look<S>: Default {
+    /// Takes a sample.
+    fn add(&mut self, _sample: &S) {}
+    /// Says so.
+    fn tell(&self) {}
+}
+
+/// Nothing is looked for.
+impl<S> Look<S> for () {}
+
+/// Says of the estimate of a row what later rows know.
+type Later<E> = Box<dyn Fn(usize, &mut E)>;
+
 /// A machine with its types: what [`Entry`] is made of.
 trait Typed: Sync {
-    /// How its samples are read.
-    type Signals: recording::Machine;
+    /// What its sensors measure.
+    type Sensors: Sensors;
     /// What is estimated of it.
-    type Estimate: recording::csv::Estimate + view::estimate::Estimate;
+    type Estimate: Estimate + csv::Estimate;
     const ABOUT: &'static str;
     const USUAL: &'static str;
     const SHOWN: &'static str;
+    /// What looks at its samples.
+    type Look: Look<Self::Sensors>;
+    /// What is told of it while it runs, what is told first first.
+    const TOLD: &'static [Quantity];
 
     /// Names and texts of the scenarios.
     fn scenarios() -> Vec<(String, String)>;
@@ -115,12 +161,34 @@ trait Typed: Sync {
     fn simulator(
         plan: &Plan,
     ) -> Result<
-        impl Source<
-            Sensors = <Self::Signals as recording::Machine>::Sensors,
-            Truth = <Self::Signals as recording::Machine>::Truth,
-        > + 'static,
+        impl Source<Sensors = Self::Sensors, Truth = <Self::Sensors as Sensors>::Truth> + 'static,
         Failure,
     >;
+    /// Refuses samples that the method cannot use.
+    fn check(
+        _description: &Description,
+        _method: &str,
+        _first: &Self::Sensors,
+    ) -> Result<(), Failure> {
+        Ok(())
+    }
+    /// What later rows know of each row, where the method can tell.
+    fn past(
+        _description: &Description,
+        _method: &str,
+        _rows: impl Iterator<Item = Self::Sensors>,
+    ) -> Result<Later<Self::Estimate>, Failure> {
+        Err(Failure::input(
+            format!(
+                "the {}'s estimators have no smoother",
+                Self::Sensors::MACHINE
+            ),
+            "--smooth",
+            "leave it out",
+        ))
+    }
+    /// Finds the machine's own parameters in recordings.
+    fn calibrate(args: &CalibrateArgs, description: &Description) -> Result<(), Failure>;
     fn evaluate(options: &evaluate::Options) -> Result<evaluate::Report, evaluate::Error>;
     fn figures() -> Result<Vec<Figure>, Failure>;
 }
@@ -143,11 +211,11 @@ impl<M: Typed> Entry for M {
     }
 
     fn check_source(&self, plan: &Plan) -> Result<(), Failure> {
-        sources::check::<M::Signals, _>(plan, || M::simulator(plan))
+        sources::check::<M::Sensors, _>(plan, || M::simulator(plan))
     }
 
     fn serve_source(&self, worker: Worker, plan: &Plan) -> Result<(), Failure> {
-        sources::serve::<M::Signals, _>(worker, plan, || M::simulator(plan))
+        sources::serve::<M::Sensors, _>(worker, plan, || M::simulator(plan))
     }
 
     fn route(
@@ -158,7 +226,7 @@ impl<M: Typed> Entry for M {
         arguments: &[OsString],
     ) -> Result<(), Failure> {
         let header = EstimateRows::<M::Estimate>::new(u32::MAX).header();
-        serve::route::<M::Signals>(input, map, shards, arguments, &header)
+        serve::route::<M::Sensors>(input, map, shards, arguments, &header)
     }
 
     fn play(
@@ -172,8 +240,8 @@ impl<M: Typed> Entry for M {
         let header = EstimateRows::<M::Estimate>::new(u32::MAX).header();
         let flags = headlines::<M::Estimate>().map(|p| p.trusted).collect();
         let rows = Rows::begin(out, &header, flags)?;
-        let make = |plan: &Plan| sources::not_live::<M::Signals, _>(plan, || M::simulator(plan));
-        serve::play::<M::Signals>(machines, make, rows, shards, arguments, signals)
+        let make = |plan: &Plan| sources::not_live::<M::Sensors, _>(plan, || M::simulator(plan));
+        serve::play::<M::Sensors>(machines, make, rows, shards, arguments, signals)
     }
 
     fn quantities(&self) -> Vec<&'static str> {
@@ -186,8 +254,38 @@ impl<M: Typed> Entry for M {
         method: &str,
         every: f64,
     ) -> Result<(), Failure> {
-        type Sensors<M> = <<M as Typed>::Signals as recording::Machine>::Sensors;
-        serve::serve_shard::<Sensors<M>, M::Estimate>(description, method, every)
+        serve::serve_shard::<M::Sensors, M::Estimate>(description, method, every)
+    }
+
+    fn told(&self) -> &'static [Quantity] {
+        M::TOLD
+    }
+
+    fn estimate(
+        &self,
+        args: &EstimateArgs,
+        file: &Path,
+        output: &Path,
+        description: &Description,
+    ) -> Result<(), Failure> {
+        let map = sources::map(args.map.as_deref())?;
+        let samples = recording::open::<M::Sensors>(file, map.as_ref())?;
+        let method = estimate::method(args.machine, args.method.as_deref());
+        if let Some((first, _)) = samples.rows()?.next() {
+            M::check(description, method, &first)?;
+        }
+        samples.check()?;
+        let look = M::Look::default();
+        if !args.smooth {
+            let put = |_, _: &mut M::Estimate| {};
+            return estimate::run(args, output, description, samples, look, put);
+        }
+        let put = M::past(description, method, samples.rows()?.map(|(row, _)| row))?;
+        estimate::run(args, output, description, samples, look, put)
+    }
+
+    fn calibrate(&self, args: &CalibrateArgs, description: &Description) -> Result<(), Failure> {
+        M::calibrate(args, description)
     }
 
     fn evaluate(&self, options: &evaluate::Options) -> Result<evaluate::Report, evaluate::Error> {

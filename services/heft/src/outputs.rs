@@ -35,6 +35,6 @@ impl CanOutput {
 
     /// The frames.
     pub fn outgoing(&self, machine: Machine) -> Result<Outgoing, Failure> {
-        Ok(Outgoing::new(machine.name(), self.map.as_deref())?)
+        Ok(Outgoing::new(machine, self.map.as_deref())?)
     }
 }

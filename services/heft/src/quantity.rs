@@ -1,7 +1,9 @@
 //! The quantities that heft is about: where they stand in the messages and how people write them.
 
-use messages::{Envelope, Message, Receiver, Value, excavator_bits, loader_bits};
+use messages::{Envelope, Machine, Message, Receiver, Value};
 use view::number;
+
+use crate::machines;
 
 /// An estimated quantity.
 #[derive(Debug)]
@@ -24,53 +26,10 @@ pub struct Quantity {
     pub trusted_bit: u32,
 }
 
-/// All of them.
-pub const QUANTITIES: &[Quantity] = &[
-    inertia("excavator/inertia_ukf"),
-    inertia("excavator/inertia_rls"),
-    ratio("loader/cg_ukf"),
-    height("loader/cg_ukf"),
-    ratio("loader/cg_ekf"),
-    height("loader/cg_ekf"),
-];
-
-const fn inertia(channel: &'static str) -> Quantity {
-    Quantity {
-        channel,
-        label: "swing inertia",
-        symbol: "J",
-        unit: "kg m²",
-        field: "inertia",
-        std_field: "inertia_std",
-        truth_field: "inertia",
-        trusted_bit: excavator_bits::TRUSTED,
-    }
-}
-
-const fn ratio(channel: &'static str) -> Quantity {
-    Quantity {
-        channel,
-        label: "front share of the weight",
-        symbol: "λ",
-        unit: "",
-        field: "cg_ratio",
-        std_field: "cg_ratio_std",
-        truth_field: "cg_ratio",
-        trusted_bit: loader_bits::TRUSTED_RATIO,
-    }
-}
-
-const fn height(channel: &'static str) -> Quantity {
-    Quantity {
-        channel,
-        label: "height of the centre of gravity",
-        symbol: "h",
-        unit: "m",
-        field: "cg_height",
-        std_field: "cg_height_std",
-        truth_field: "cg_height",
-        trusted_bit: loader_bits::TRUSTED_HEIGHT,
-    }
+/// Those of all machines.
+pub fn all() -> impl Iterator<Item = &'static Quantity> {
+    let machines = Machine::ALL.into_iter();
+    machines.flat_map(|machine| machines::entry(machine).told())
 }
 
 impl Quantity {
@@ -109,20 +68,30 @@ impl Receiver for Truth {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use messages::channels;
 
     #[test]
     fn every_quantity_names_fields_that_exist() {
-        use messages::{ExcavatorEstimate, ExcavatorTruth, LoaderEstimate, LoaderTruth};
-        for q in QUANTITIES {
-            let (estimate, truth) = if q.channel.starts_with("excavator") {
-                (ExcavatorEstimate::FIELDS, ExcavatorTruth::FIELDS)
-            } else {
-                (LoaderEstimate::FIELDS, LoaderTruth::FIELDS)
-            };
-            for name in [q.field, q.std_field, "flags"] {
-                assert!(estimate.iter().any(|f| f.name == name), "{name}");
+        struct Names;
+        impl channels::Visitor for Names {
+            type Output = &'static [messages::Field];
+            fn visit<M: Message>(self) -> Self::Output {
+                M::FIELDS
             }
-            assert!(truth.iter().any(|f| f.name == q.truth_field));
+        }
+        for q in all() {
+            let (machine, _) = q.channel.split_once('/').expect("a machine's");
+            let fields = |channel: &str| {
+                channels::find(channel)
+                    .expect("a channel")
+                    .payload
+                    .visit(Names)
+            };
+            let has = |channel: &str, name| fields(channel).iter().any(|f| f.name == name);
+            for name in [q.field, q.std_field, "flags"] {
+                assert!(has(q.channel, name), "{name}");
+            }
+            assert!(has(&format!("{machine}/truth"), q.truth_field));
         }
     }
 
@@ -136,7 +105,12 @@ mod tests {
         };
         truth.known = 1 << 4; // the fifth field is the ratio
         let envelope = truth.envelope();
-        assert_eq!(QUANTITIES[2].truth(&envelope), Some(0.45));
-        assert_eq!(QUANTITIES[3].truth(&envelope), None);
+        let of = |field| {
+            all()
+                .find(|q| q.field == field)
+                .expect("a quantity")
+                .truth(&envelope)
+        };
+        assert_eq!((of("cg_ratio"), of("cg_height")), (Some(0.45), None));
     }
 }

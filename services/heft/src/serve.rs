@@ -14,8 +14,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::{BufRead, BufReader, Read};
 use std::time::{Duration, Instant};
 
-use messages::Message;
-use recording::{LineDecoder, MAX_LINE, Machine, Map, NameColumn};
+use recording::{LineDecoder, MAX_LINE, Map, NameColumn, Sensors};
 
 pub use self::play::{Machines, Played, play};
 use self::remote::RemoteShard;
@@ -67,7 +66,7 @@ fn with_shards<T>(
 }
 
 /// Reads a table from `input` and writes the estimates to standard output.
-pub fn route<M: Machine>(
+pub fn route<S: Sensors>(
     input: impl Read,
     map: Option<&Map>,
     count: usize,
@@ -77,7 +76,7 @@ pub fn route<M: Machine>(
     let began = Instant::now();
     let rows = Rows::begin(Out::standard(), header, Vec::new())?;
     let ((samples, refused), served) = with_shards(count, arguments, &rows, |shards| {
-        Router::<M>::new(map, shards, &rows).take_all(input)
+        Router::<S>::new(map, shards, &rows).take_all(input)
     })?;
     let machines = rows.finish()?.len();
     let seconds = began.elapsed().as_secs_f64();
@@ -94,7 +93,7 @@ fn unreadable(error: &std::io::Error) -> Failure {
 }
 
 /// Sends each row to the shard of its machine.
-struct Router<'a, M: Machine> {
+struct Router<'a, S: Sensors> {
     map: Option<&'a Map>,
     shards: &'a [RemoteShard<'a>],
     rows: &'a Rows,
@@ -102,13 +101,13 @@ struct Router<'a, M: Machine> {
     head: Vec<Vec<u8>>,
     column: Option<NameColumn>,
     numbers: HashMap<String, usize>,
-    decoders: Vec<(LineDecoder<M>, usize)>,
+    decoders: Vec<(LineDecoder<S>, usize)>,
     bytes: Vec<u8>,
     samples: u64,
     refused: u64,
 }
 
-impl<'a, M: Machine> Router<'a, M> {
+impl<'a, S: Sensors> Router<'a, S> {
     fn new(map: Option<&'a Map>, shards: &'a [RemoteShard<'a>], rows: &'a Rows) -> Self {
         Self {
             map,
@@ -190,7 +189,7 @@ impl<'a, M: Machine> Router<'a, M> {
         Ok(())
     }
 
-    fn decoder(&self) -> Result<LineDecoder<M>, Failure> {
+    fn decoder(&self) -> Result<LineDecoder<S>, Failure> {
         let mut decoder = LineDecoder::new(self.map.cloned())?;
         for line in &self.head {
             decoder.take(line, 0)?;

@@ -4,8 +4,7 @@ use std::cmp::Ordering;
 use std::os::fd::OwnedFd;
 use std::path::Path;
 
-use messages::Message;
-use recording::Map;
+use recording::{Map, Sensors};
 use runtime::{Begin, Pace, Source, Worker, now_ns, run_live, run_source};
 
 use crate::failure::Failure;
@@ -57,10 +56,7 @@ pub fn words(plan: &Plan) -> String {
 }
 
 /// The frames of a CAN interface as samples.
-fn can_bus<M: recording::Machine>(
-    plan: &Plan,
-    interface: &str,
-) -> Result<sensor::CanBus<M>, Failure> {
+fn can_bus<M: Sensors>(plan: &Plan, interface: &str) -> Result<sensor::CanBus<M>, Failure> {
     let Some(map) = map(plan.map.as_deref())? else {
         return Err(Failure::input(
             "a CAN bus needs a signal map",
@@ -72,7 +68,7 @@ fn can_bus<M: recording::Machine>(
 }
 
 /// The lines that the run is given on its standard input as samples.
-fn lines<M: recording::Machine>(plan: &Plan, input: OwnedFd) -> Result<sensor::Lines<M>, Failure> {
+fn lines<M: Sensors>(plan: &Plan, input: OwnedFd) -> Result<sensor::Lines<M>, Failure> {
     let map = map(plan.map.as_deref())?;
     Ok(sensor::Lines::new(input, map, !plan.lossless)?)
 }
@@ -83,12 +79,7 @@ pub fn map(path: Option<&Path>) -> Result<Option<Map>, Failure> {
 }
 
 /// A source whose kind is put aside.
-pub type AnySource<M> = Box<
-    dyn Source<
-            Sensors = <M as recording::Machine>::Sensors,
-            Truth = <M as recording::Machine>::Truth,
-        >,
->;
+pub type AnySource<M> = Box<dyn Source<Sensors = M, Truth = <M as Sensors>::Truth>>;
 
 /// The source of a plan that has no live one; `simulate` makes the simulator's.
 pub fn not_live<M, S>(
@@ -96,8 +87,8 @@ pub fn not_live<M, S>(
     simulate: impl FnOnce() -> Result<S, Failure>,
 ) -> Result<AnySource<M>, Failure>
 where
-    M: recording::Machine,
-    S: Source<Sensors = M::Sensors, Truth = M::Truth> + 'static,
+    M: Sensors,
+    S: Source<Sensors = M, Truth = M::Truth> + 'static,
 {
     match &plan.input {
         Some(input) => Ok(Box::new(recorded::<M>(plan, input)?)),
@@ -106,15 +97,15 @@ where
 }
 
 /// The samples of a recording, read as they are played.
-fn recorded<M: recording::Machine>(
+fn recorded<M: Sensors>(
     plan: &Plan,
     input: &Path,
-) -> Result<sensor::Recorded<M::Sensors, M::Truth>, Failure> {
+) -> Result<sensor::Recorded<M, M::Truth>, Failure> {
     let map = map(plan.map.as_deref())?;
     // They are read until the process ends.
     let samples = Box::leak(Box::new(recording::open::<M>(input, map.as_ref())?));
     let (mut end, duration) = (None, plan.duration.unwrap_or(f64::INFINITY));
-    let is_within = move |(sample, _): &(M::Sensors, M::Truth)| {
+    let is_within = move |(sample, _): &(M, M::Truth)| {
         let time = sample.stamp().time;
         let end = *end.get_or_insert(time + duration);
         time.partial_cmp(&end) != Some(Ordering::Greater)
@@ -123,7 +114,7 @@ fn recorded<M: recording::Machine>(
 }
 
 /// Whether a recording can be read to its end.
-fn check_recorded<M: recording::Machine>(plan: &Plan, input: &Path) -> Result<(), Failure> {
+fn check_recorded<M: Sensors>(plan: &Plan, input: &Path) -> Result<(), Failure> {
     let map = map(plan.map.as_deref())?;
     let samples = recording::open::<M>(input, map.as_ref())?;
     samples.rows()?.for_each(drop);
@@ -136,7 +127,7 @@ pub fn live(plan: &Plan) -> Option<LiveInput> {
 }
 
 /// Whether the source of a plan can be made; `simulate` makes the simulator's.
-pub fn check<M: recording::Machine, S>(
+pub fn check<M: Sensors, S>(
     plan: &Plan,
     simulate: impl FnOnce() -> Result<S, Failure>,
 ) -> Result<(), Failure> {
@@ -160,8 +151,8 @@ pub fn serve<M, S>(
     simulate: impl FnOnce() -> Result<S, Failure>,
 ) -> Result<(), Failure>
 where
-    M: recording::Machine,
-    S: Source<Sensors = M::Sensors, Truth = M::Truth>,
+    M: Sensors,
+    S: Source<Sensors = M, Truth = M::Truth>,
 {
     let pace = if plan.lossless {
         Pace::Lossless

@@ -122,17 +122,19 @@ pub fn shown(path: &Path) -> String {
         .to_string()
 }
 
-/// The last estimate of the method that was asked for, with the method's name.
-fn in_words(watch: &Watch) -> String {
-    fn told<E: Estimate>(estimate: &E) -> String {
-        format!("by {}: {}", estimate.method_name(), verdict(estimate))
-    }
-    match watch.latest_told() {
-        Some(Envelope::ExcavatorEstimate(e)) => told(e),
-        Some(Envelope::LoaderEstimate(e)) => told(e),
-        _ => "no estimate was made".into(),
-    }
+macro_rules! in_words {
+    ($( $machine:ident, $module:ident, $sensors:ident, $truth:ident, $estimate:ident, $others:tt; )*) => {
+        /// The last estimate of the method that was asked for, with the method's name.
+        fn in_words(watch: &Watch) -> String {
+            match watch.latest_told() {
+                $( Some(Envelope::$estimate(e)) => format!("by {}: {}", e.method_name(), verdict(e)), )*
+                _ => "no estimate was made".into(),
+            }
+        }
+    };
 }
+
+messages::machines!(in_words);
 
 fn tally_lines(tally: &Tally) -> Vec<String> {
     let q = tally.quantity;

@@ -5,15 +5,15 @@ use std::collections::{BTreeMap, VecDeque};
 use std::io::{IsTerminal, Write};
 use std::time::{Duration, Instant};
 
-use messages::channels::{Channel, Payload};
+use messages::channels::Channel;
 use messages::keyframe::Collector;
-use messages::{Envelope, Health, Machine, Message, Snapshot, Stamp, Value, fault};
+use messages::{Envelope, Health, Machine, Message, Role, Snapshot, Stamp, Value, fault};
 use runtime::Sink;
 use steps::stages::Pipeline;
 use view::live::Feed;
 
 use crate::fault::Fault;
-use crate::quantity::{QUANTITIES, Quantity};
+use crate::quantity::{self, Quantity};
 use crate::state::Memory;
 use crate::tally::Tally;
 
@@ -138,10 +138,10 @@ impl Watch {
     /// Whether it reads a channel. Every reader costs the writer time while the next stage waits, so
     /// what is only passed on to the live page is not read without one.
     pub fn reads(&self, channel: &Channel) -> bool {
-        let passed_on = matches!(
-            channel.payload,
-            Payload::ExcavatorSensors | Payload::LoaderSensors | Payload::SwingMotion
-        );
+        let passed_on = match channel.payload.role() {
+            Role::Sensors | Role::Between => true,
+            Role::Truth | Role::Estimate | Role::Common => false,
+        };
         self.feed.is_some() || !passed_on
     }
 
@@ -367,7 +367,7 @@ impl Watch {
 
     fn note_estimate<M: Message>(&mut self, channel: &'static Channel, message: &M) {
         let sequence = message.stamp().sequence;
-        for quantity in QUANTITIES.iter().filter(|q| q.channel == channel.name) {
+        for quantity in quantity::all().filter(|q| q.channel == channel.name) {
             let number = |name: &str| {
                 M::index(name)
                     .and_then(|i| message.get(i))
@@ -423,26 +423,26 @@ impl Sink for Watch {
         }
         let carried = self.carried.entry(channel.name).or_default();
         carried.add(message.stamp());
-        match &envelope {
-            Envelope::ExcavatorTruth(_) | Envelope::LoaderTruth(_) => {
+        match channel.payload.role() {
+            Role::Truth => {
                 if self.truths.len() == TRUTHS {
                     self.truths.pop_front();
                 }
                 self.truths.push_back((message.stamp().sequence, envelope));
             }
-            Envelope::ExcavatorEstimate(_) | Envelope::LoaderEstimate(_) => {
+            Role::Estimate => {
                 self.note_estimate(channel, message);
                 if let Some(memory) = &mut self.memory {
                     memory.see(channel, message);
                 }
             }
-            Envelope::Health(health) => {
-                let before = self.health.insert(health.process, *health);
-                if let Some(before) = before.filter(|b| b.pid != health.pid) {
-                    self.before.entry(health.process).or_default().add(&before);
-                }
+            Role::Sensors | Role::Between | Role::Common => {}
+        }
+        if let Envelope::Health(health) = &envelope {
+            let before = self.health.insert(health.process, *health);
+            if let Some(before) = before.filter(|b| b.pid != health.pid) {
+                self.before.entry(health.process).or_default().add(&before);
             }
-            _ => {}
         }
         self.latest.insert(channel.name, envelope);
     }

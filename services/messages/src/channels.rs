@@ -1,14 +1,11 @@
-//! The one table of channels: read by the supervisor, who creates them, by every service and by
+//! The channels, those of a machine in its file: read by the supervisor, who creates them, by every service and by
 //! the logger.
 
 use core::marker::PhantomData;
 use core::ops::Deref;
 
 pub use crate::envelope::{Payload, Visitor};
-use crate::{
-    Credit, ExcavatorEstimate, ExcavatorSensors, ExcavatorTruth, Health, Keyframe, LoaderEstimate,
-    LoaderSensors, LoaderTruth, Machine, Message, SwingMotion,
-};
+use crate::{Credit, Health, Keyframe, Machine, Message};
 
 /// Rate of a channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,7 +38,7 @@ pub struct ChannelOf<M> {
 }
 
 impl<M: Message> ChannelOf<M> {
-    const fn new(name: &'static str, depth: usize, rate: Rate) -> Self {
+    pub(crate) const fn new(name: &'static str, depth: usize, rate: Rate) -> Self {
         Self {
             channel: Channel {
                 name,
@@ -70,35 +67,18 @@ impl<M> Deref for ChannelOf<M> {
     }
 }
 
-/// The rows of the table: name, message, name as others see it, depth, rate.
+/// Channels: name, message, name as others see it, depth, rate.
 macro_rules! channels {
     ($( $(#[$doc:meta])* $name:ident: $message:ident = $text:literal, $depth:literal, $rate:expr; )*) => {
         $( $(#[$doc])* pub static $name: ChannelOf<$message> = ChannelOf::new($text, $depth, $rate); )*
 
-        /// All channels.
-        pub static CHANNELS: &[&Channel] = &[$( &$name.channel ),*];
+        /// These channels.
+        pub(crate) const OWN: &[&$crate::channels::Channel] = &[$( $name.any() ),*];
     };
 }
+pub(crate) use channels;
 
 channels! {
-    /// What the excavator's sensors measured.
-    EXCAVATOR_SENSORS: ExcavatorSensors = "excavator/sensors", 512, Rate::Sensors;
-    /// The truth behind them, where there is one.
-    EXCAVATOR_TRUTH: ExcavatorTruth = "excavator/truth", 512, Rate::Sensors;
-    /// Swing motion after the filter stage.
-    EXCAVATOR_MOTION: SwingMotion = "excavator/motion", 512, Rate::Sensors;
-    /// Estimates of the regression.
-    EXCAVATOR_INERTIA_RLS: ExcavatorEstimate = "excavator/inertia_rls", 512, Rate::Sensors;
-    /// Estimates of the state-space filters.
-    EXCAVATOR_INERTIA_UKF: ExcavatorEstimate = "excavator/inertia_ukf", 512, Rate::Sensors;
-    /// What the loader's sensors measured.
-    LOADER_SENSORS: LoaderSensors = "loader/sensors", 512, Rate::Sensors;
-    /// The truth behind them, where there is one.
-    LOADER_TRUTH: LoaderTruth = "loader/truth", 512, Rate::Sensors;
-    /// Estimates of the extended Kalman filter.
-    LOADER_CG_EKF: LoaderEstimate = "loader/cg_ekf", 512, Rate::Sensors;
-    /// Estimates of the square-root unscented Kalman filter.
-    LOADER_CG_UKF: LoaderEstimate = "loader/cg_ukf", 512, Rate::Sensors;
     /// How each process is doing.
     HEALTH: Health = "health", 128, Rate::Hz(3.0);
     /// How far the logger has got.
@@ -107,15 +87,28 @@ channels! {
     KEYFRAME: Keyframe = "keyframe", 512, Rate::Hz(2.0);
 }
 
+macro_rules! channels_of_machines {
+    ($( $machine:ident, $module:ident, $sensors:ident, $truth:ident, $estimate:ident, $others:tt; )*) => {
+        $( pub use crate::$module::channels::*; )*
+
+        /// All channels: those of each machine, then those that all have.
+        pub fn all() -> impl Iterator<Item = &'static Channel> {
+            [$( crate::$module::channels::OWN, )* OWN].into_iter().flatten().copied()
+        }
+    };
+}
+
+crate::machines!(channels_of_machines);
+
 /// The channel called `name`.
 #[must_use]
 pub fn find(name: &str) -> Option<&'static Channel> {
-    CHANNELS.iter().copied().find(|c| c.name == name)
+    all().find(|c| c.name == name)
 }
 
 /// Channels of a machine, those that both have included.
 pub fn of_machine(machine: Machine) -> impl Iterator<Item = &'static Channel> {
-    CHANNELS.iter().copied().filter(move |c| {
+    all().filter(move |c| {
         c.name
             .split_once('/')
             .is_none_or(|(prefix, _)| prefix == machine.name())
@@ -136,7 +129,7 @@ mod tests {
 
     #[test]
     fn every_payload_variant_names_its_own_type() {
-        for channel in CHANNELS {
+        for channel in all() {
             let (name, fields) = channel.payload.visit(Names);
             assert_eq!(name, format!("{:?}", channel.payload));
             assert!(fields > crate::HEAD, "{name} has fields of its own");
@@ -162,7 +155,7 @@ mod tests {
                 assert_eq!(message.get(M::FIELDS.len()), None);
             }
         }
-        for channel in CHANNELS {
+        for channel in all() {
             channel.payload.visit(RoundTrip);
         }
     }

@@ -20,9 +20,33 @@ fn fields<M: Message>(_: &M) -> &'static [Field] {
     M::FIELDS
 }
 
-/// Everything that must be said once per message type.
+/// What a message is to its machine.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    /// What was measured.
+    Sensors,
+    /// The truth behind it.
+    Truth,
+    /// What is estimated from it.
+    Estimate,
+    /// What is between them.
+    Between,
+    /// It is of no machine: every process has it.
+    Common,
+}
+
+/// Everything that must be said once per message type: `payloads!` is called with all of them and their roles.
+macro_rules! payloads_of_machines {
+    ($( $machine:ident, $module:ident, $sensors:ident, $truth:ident, $estimate:ident, [$($other:ident),*]; )*) => {
+        payloads! {
+            $( $sensors: Sensors, $truth: Truth, $( $other: Between, )* $estimate: Estimate, )*
+            Health: Common, Credit: Common, Keyframe: Common,
+        }
+    };
+}
+
 macro_rules! payloads {
-    ($($name:ident),* $(,)?) => {
+    ($( $name:ident: $role:ident, )*) => {
         /// Payload of a channel.
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         pub enum Payload {
@@ -30,6 +54,14 @@ macro_rules! payloads {
         }
 
         impl Payload {
+            /// What it is to its machine.
+            #[must_use]
+            pub const fn role(self) -> Role {
+                match self {
+                    $( Self::$name => Role::$role, )*
+                }
+            }
+
             /// Calls `visitor` with the Rust type of this payload.
             pub fn visit<V: Visitor>(self, visitor: V) -> V::Output {
                 match self {
@@ -88,15 +120,4 @@ macro_rules! payloads {
     };
 }
 
-payloads!(
-    ExcavatorSensors,
-    ExcavatorTruth,
-    SwingMotion,
-    ExcavatorEstimate,
-    LoaderSensors,
-    LoaderTruth,
-    LoaderEstimate,
-    Health,
-    Credit,
-    Keyframe,
-);
+crate::machines!(payloads_of_machines);

@@ -219,3 +219,58 @@ message! {
         reserved_2: u64, "";
     }
 }
+
+/// Reasons of the excavator's estimates by their code, [`ExcavatorEstimate::reason`]: name in the tables, and
+/// words. 0 is no reason.
+pub const EXCAVATOR_REASONS: &[(&str, &str)] = &[
+    ("", ""),
+    ("slope", "the ground seems inclined"),
+    ("losses", "the swing drive seems to lose torque"),
+    ("friction", "the friction differs from the described one"),
+    ("gain", "the torque's gain seems not to be 1"),
+    ("delay", "velocity and torque do not come together"),
+    ("offset", "the torque seems to have an offset"),
+    ("damping", "the damping differs from the described one"),
+    ("unexplained", "the motion does not follow the model"),
+    ("disagreement", "swings disagree by more than they claim"),
+    ("limit", "the estimate is at the end of its range"),
+    ("content", "the bucket's content may have changed"),
+    ("frozen", "a sensor repeats one value"),
+    ("sign", "a sensor seems to have the other sign"),
+    (
+        "method",
+        "this method cannot tell the inertia of a machine that is not calibrated",
+    ),
+    ("restarted", "the service was started again"),
+];
+
+/// Names of the excavator estimation methods on the command line and in every output, indexed by
+/// [`ExcavatorEstimate::method`].
+pub const EXCAVATOR_METHODS: &[&str] = &[
+    "auto",
+    "multi-forgetting-rls",
+    "svf-rls",
+    "posture-torque",
+    "torque",
+    "posture",
+    "velocity",
+];
+
+/// The excavator's channels.
+pub mod channels {
+    use super::{ExcavatorEstimate, ExcavatorSensors, ExcavatorTruth, SwingMotion};
+    use crate::channels::{ChannelOf, Rate, channels};
+
+    channels! {
+        /// What the excavator's sensors measured.
+        EXCAVATOR_SENSORS: ExcavatorSensors = "excavator/sensors", 512, Rate::Sensors;
+        /// The truth behind them, where there is one.
+        EXCAVATOR_TRUTH: ExcavatorTruth = "excavator/truth", 512, Rate::Sensors;
+        /// Swing motion after the filter stage.
+        EXCAVATOR_MOTION: SwingMotion = "excavator/motion", 512, Rate::Sensors;
+        /// Estimates of the regression.
+        EXCAVATOR_INERTIA_RLS: ExcavatorEstimate = "excavator/inertia_rls", 512, Rate::Sensors;
+        /// Estimates of the state-space filters.
+        EXCAVATOR_INERTIA_UKF: ExcavatorEstimate = "excavator/inertia_ukf", 512, Rate::Sensors;
+    }
+}

@@ -224,3 +224,23 @@ pub const LOADER_REASONS: &[(&str, &str)] = &[
     ("limit", "an estimate is at its limit"),
     ("restarted", "the service was started again"),
 ];
+
+/// Names of the loader estimation methods, indexed by [`LoaderEstimate::method`].
+pub const LOADER_METHODS: &[&str] = &["full", "isr-ukf-printed", "isr-ukf", "ekf", "full-ekf"];
+
+/// The loader's channels.
+pub mod channels {
+    use super::{LoaderEstimate, LoaderSensors, LoaderTruth};
+    use crate::channels::{ChannelOf, Rate, channels};
+
+    channels! {
+        /// What the loader's sensors measured.
+        LOADER_SENSORS: LoaderSensors = "loader/sensors", 512, Rate::Sensors;
+        /// The truth behind them, where there is one.
+        LOADER_TRUTH: LoaderTruth = "loader/truth", 512, Rate::Sensors;
+        /// Estimates of the extended Kalman filter.
+        LOADER_CG_EKF: LoaderEstimate = "loader/cg_ekf", 512, Rate::Sensors;
+        /// Estimates of the square-root unscented Kalman filter.
+        LOADER_CG_UKF: LoaderEstimate = "loader/cg_ukf", 512, Rate::Sensors;
+    }
+}

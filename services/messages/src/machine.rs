@@ -1,35 +1,43 @@
-//! The machines that heft knows.
+//! The machines that heft knows: one row each, from which every crate makes its own table.
 
 use core::fmt;
 
-/// Everything that must be said once per machine.
+/// The machines, a row each: name, module of that name in every crate, its messages of sensors, truth and
+/// estimate, and further messages. Calls the macro `$then` with all rows, so that a crate says what it has of a
+/// machine once, in the file of that machine, and a new row asks the compiler for what is missing.
+#[macro_export]
 macro_rules! machines {
-    ($( $(#[$doc:meta])* $name:ident = $text:literal, )*) => {
+    ($then:ident) => {
+        $then! {
+            Excavator, excavator, ExcavatorSensors, ExcavatorTruth, ExcavatorEstimate, [SwingMotion];
+            Loader, loader, LoaderSensors, LoaderTruth, LoaderEstimate, [];
+        }
+    };
+}
+
+macro_rules! names {
+    ($( $machine:ident, $module:ident, $sensors:ident, $truth:ident, $estimate:ident, $others:tt; )*) => {
         /// Which machine.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-        pub enum Machine { $( $(#[$doc])* $name, )* }
+        #[allow(missing_docs, reason = "each is the machine of its name")]
+        pub enum Machine { $( $machine, )* }
 
         impl Machine {
-            /// All of them, in the order of the names on the command line.
-            pub const ALL: [Self; [$( $text ),*].len()] = [$( Self::$name ),*];
+            /// All of them, in the order of the table.
+            pub const ALL: [Self; [$( stringify!($module) ),*].len()] = [$( Self::$machine ),*];
 
             /// Name on the command line, in channels and in `machine.kind`.
             #[must_use]
             pub const fn name(self) -> &'static str {
                 match self {
-                    $( Self::$name => $text, )*
+                    $( Self::$machine => stringify!($module), )*
                 }
             }
         }
     };
 }
 
-machines! {
-    /// Excavator.
-    Excavator = "excavator",
-    /// Wheel loader.
-    Loader = "loader",
-}
+crate::machines!(names);
 
 impl Machine {
     /// The machine called `name`.

@@ -13,7 +13,7 @@ pub(crate) use dialect::{Dialect, separator_line};
 pub use estimate::{Column, Estimate, EstimateRows, EstimateWriter, is_estimates};
 pub use export::export;
 pub(crate) use read::{TableRows, names, numbers};
-pub use read::{read_excavator, read_loader, read_weighings};
+pub use read::{read, read_weighings};
 
 /// A cell of a CSV, in quotes where it must be.
 #[must_use]

@@ -1,41 +1,25 @@
 //! Tables in memory, as other languages have them: rows from columns, and columns from estimates.
 
-use messages::channels::{CHANNELS, Visitor};
-use messages::{ExcavatorSensors, ExcavatorTruth, LoaderSensors, LoaderTruth, Message, Value};
+use messages::channels::{self, Visitor};
+use messages::{Machine, Message, Value};
 
 use crate::csv::{Column, Estimate};
 use crate::schema::RecordedField;
-use crate::signal::{self, Builder, Excavator, Loader, Machine, Row, Signal};
-use crate::{Error, Reader};
+use crate::signal::{self, Builder, Row, Sensors, Signal};
+use crate::{Error, Reader, machines};
 
-/// The samples of an excavator from columns of the names of its CSV; columns of other names are
-/// left out, a value that is not finite is a missing sample.
+/// The samples of a machine from columns of the names of its CSV; columns of other names are left out, a value that
+/// is not finite is a missing sample.
 ///
 /// # Errors
 /// A column that is needed is missing, or the columns differ in length.
-pub fn rows_of_excavator(
-    columns: &[(&str, Vec<f64>)],
-) -> Result<Vec<(ExcavatorSensors, ExcavatorTruth)>, Error> {
-    rows::<Excavator>(columns)
-}
-
-/// The samples of a wheel loader, as [`rows_of_excavator`].
-///
-/// # Errors
-/// As [`rows_of_excavator`].
-pub fn rows_of_loader(
-    columns: &[(&str, Vec<f64>)],
-) -> Result<Vec<(LoaderSensors, LoaderTruth)>, Error> {
-    rows::<Loader>(columns)
-}
-
-fn rows<M: Machine>(columns: &[(&str, Vec<f64>)]) -> Result<Vec<Row<M>>, Error> {
+pub fn rows<S: Sensors>(columns: &[(&str, Vec<f64>)]) -> Result<Vec<Row<S>>, Error> {
     let place = "the table";
     let there = |name: &str| columns.iter().any(|(n, _)| *n == name);
     let time: &[&str] = &["t"];
-    for group in [time].iter().chain(M::REQUIRED) {
+    for group in [time].iter().chain(S::REQUIRED) {
         if !group.iter().any(|name| there(name)) {
-            let what = format!("there is no column {} ({})", group.join(" or "), M::NAME);
+            let what = format!("there is no column {} ({})", group.join(" or "), S::MACHINE);
             let found: Vec<&str> = columns.iter().map(|(name, _)| *name).collect();
             let remedy = format!("rename a column; the table has {}", found.join(", "));
             return Err(Error::new(what, place, remedy));
@@ -46,7 +30,7 @@ fn rows<M: Machine>(columns: &[(&str, Vec<f64>)]) -> Result<Vec<Row<M>>, Error> 
         let what = format!("column {name} has {} values, not {length}", values.len());
         return Err(Error::new(what, place, "give columns of the same length"));
     }
-    let signals = signal::signals::<M>();
+    let signals = signal::signals::<S>();
     let known: Vec<(&Signal, &[f64])> = signals
         .iter()
         .filter_map(|signal| {
@@ -54,7 +38,7 @@ fn rows<M: Machine>(columns: &[(&str, Vec<f64>)]) -> Result<Vec<Row<M>>, Error> 
             Some((signal, column.1.as_slice()))
         })
         .collect();
-    let mut builder = Builder::<M>::new(known.iter().map(|(signal, _)| *signal));
+    let mut builder = Builder::<S>::new(known.iter().map(|(signal, _)| *signal));
     let mut row = vec![0.0; known.len()];
     for i in 0..length {
         for (value, (_, values)) in row.iter_mut().zip(&known) {
@@ -145,23 +129,13 @@ fn column<E: Estimate>(column: Column, estimates: &[&E]) -> NamedColumn {
     }
 }
 
-/// Bit of the sensor signal called `name` in `valid`, of whichever machine; 0 if there is none.
-#[must_use]
-pub fn sensor_bit(name: &str) -> u32 {
-    signal::sensor_bit(name)
-}
-
 /// Names of the columns that samples of the machine can have; nothing for another machine.
 #[must_use]
-pub fn signals_of(machine: &str) -> Option<Vec<String>> {
-    fn names<M: Machine>() -> Vec<String> {
-        signal::signals::<M>().into_iter().map(|s| s.name).collect()
-    }
-    match machine {
-        Excavator::NAME => Some(names::<Excavator>()),
-        Loader::NAME => Some(names::<Loader>()),
-        _ => None,
-    }
+pub fn signals_of(machine: Machine) -> Vec<String> {
+    (machines::of(machine).signals)()
+        .into_iter()
+        .map(|s| s.name)
+        .collect()
 }
 
 /// A recorded field over all messages of its channel.
@@ -186,7 +160,7 @@ pub fn channel(reader: &Reader, channel: &str) -> Result<Vec<RecordedColumn>, Er
     let valid = at("columns").and_then(|_| at("valid"));
     let bits: Vec<u32> = fields
         .iter()
-        .map(|f| valid.map_or(0, |_| signal::sensor_bit(&f.name)))
+        .map(|f| valid.map_or(0, |_| signal::sensor_bit(channel, &f.name)))
         .collect();
     let mut columns: Vec<Vec<Value>> = vec![Vec::new(); fields.len()];
     reader.for_each_value(channel, |_, values| {
@@ -197,7 +171,7 @@ pub fn channel(reader: &Reader, channel: &str) -> Result<Vec<RecordedColumn>, Er
         }
     })?;
     let meaning = |name: &str| {
-        let known = CHANNELS.iter().find(|c| c.name == channel);
+        let known = channels::all().find(|c| c.name == channel);
         known.map_or("", |c| c.payload.visit(Meaning(name)))
     };
     let columns = fields.iter().cloned().zip(columns);

@@ -3,18 +3,21 @@
 //! | from | by |
 //! |---|---|
 //! | a run of heft | [`Writer`], [`Reader`], [`recover()`] |
-//! | a table with a header | [`csv::read_excavator`], [`csv::read_loader`], with a [`Map`] |
-//! | a CAN log | [`load_excavator`], [`load_loader`], with a [`Map`] that names a DBC file |
+//! | a table with a header | [`csv::read`], with a [`Map`] |
+//! | a CAN log | [`load()`], with a [`Map`] that names a DBC file |
 //!
 //! Schemas, columns and signals all come from [`messages::Message::FIELDS`].
 
 pub mod can;
 pub mod csv;
 mod error;
+mod excavator;
 mod file;
 pub mod frame;
 mod line_decoder;
 mod load;
+mod loader;
+mod machines;
 mod map;
 pub mod output;
 mod parts;
@@ -35,13 +38,13 @@ mod writer;
 pub use csv::EstimateWriter;
 pub use error::Error;
 pub use line_decoder::{LineDecoder, MAX_LINE, NameColumn};
-pub use load::{Samples, load_excavator, load_loader, open};
+pub use load::{Samples, load, open};
 pub use map::Map;
 pub use output::Output;
 pub use parts::{files_by_age, is_being_written, next_part, part_number, recordings, reserve};
 pub use reader::{Reader, Stream};
 pub use recover::{Recovered, join, recover};
 pub use schema::RecordedField;
-pub use signal::{Excavator, Loader, Machine, Row};
+pub use signal::{Row, Sensors, measured};
 pub use suggest::suggest;
 pub use writer::{Metadata, Writer, sha256};

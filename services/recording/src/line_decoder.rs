@@ -4,7 +4,7 @@ use crate::Error;
 use crate::can::{Decoder, Line, parse};
 use crate::csv::{Cells, Columns, Dialect, names, separator_line};
 use crate::map::Map;
-use crate::signal::{Machine, Row};
+use crate::signal::{Row, Sensors};
 
 /// Longest line; what is longer is none of ours.
 pub const MAX_LINE: usize = 1 << 16;
@@ -13,9 +13,9 @@ const MOST_REMARKS: u64 = 5;
 
 /// Makes rows of lines. Which kind they are is told by the map (`[can]`) and the first line.
 #[derive(Debug)]
-pub struct LineDecoder<M: Machine> {
+pub struct LineDecoder<S: Sensors> {
     map: Option<Map>,
-    kind: Kind<M>,
+    kind: Kind<S>,
     count: u64,
     refused: u64,
     remarks: Vec<String>,
@@ -24,14 +24,14 @@ pub struct LineDecoder<M: Machine> {
 }
 
 #[derive(Debug)]
-enum Kind<M: Machine> {
-    Frames(Box<Decoder<M>>),
+enum Kind<S: Sensors> {
+    Frames(Box<Decoder<S>>),
     /// A table whose header has not come; the separator, if a line said it.
     Headless(Option<u8>),
-    Table(Box<Columns<M>>, Box<Cells>),
+    Table(Box<Columns<S>>, Box<Cells>),
 }
 
-impl<M: Machine> LineDecoder<M> {
+impl<S: Sensors> LineDecoder<S> {
     /// Lines of candump if the map has a `[can]` table, rows of a table otherwise.
     ///
     /// # Errors
@@ -118,8 +118,7 @@ impl<M: Machine> LineDecoder<M> {
     }
 
     /// The next row, if one is complete. When it was measured on the host's clock is not known.
-    pub fn row(&mut self) -> Option<Row<M>> {
-        use messages::Message;
+    pub fn row(&mut self) -> Option<Row<S>> {
         let (mut sensors, truth) = match &mut self.kind {
             Kind::Frames(decoder) => decoder.row(),
             Kind::Table(columns, _) => columns.row(),

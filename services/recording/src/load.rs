@@ -1,35 +1,18 @@
 use std::cell::RefCell;
 use std::path::Path;
 
-use messages::{ExcavatorSensors, ExcavatorTruth, LoaderSensors, LoaderTruth, Message};
+use messages::Message;
 
-use crate::signal::{Excavator, Loader, Machine};
+use crate::signal::{Row, Sensors};
 use crate::{Error, Map, Reader, can, csv};
 
-/// Reads the samples of an excavator from a table (`.csv`), a recording (`.mcap`) or a CAN log
-/// (`.log`, which needs a map).
+/// Reads the samples of a machine from a table (`.csv`), a recording (`.mcap`) or a CAN log (`.log`, which needs a
+/// map).
 ///
 /// # Errors
 /// The file cannot be read or lacks something; the error says what and where.
-pub fn load_excavator(
-    path: impl AsRef<Path>,
-    map: Option<&Map>,
-) -> Result<Vec<(ExcavatorSensors, ExcavatorTruth)>, Error> {
-    all(&open::<Excavator>(path, map)?)
-}
-
-/// Reads the samples of a wheel loader, as [`load_excavator`] does.
-///
-/// # Errors
-/// As [`load_excavator`].
-pub fn load_loader(
-    path: impl AsRef<Path>,
-    map: Option<&Map>,
-) -> Result<Vec<(LoaderSensors, LoaderTruth)>, Error> {
-    all(&open::<Loader>(path, map)?)
-}
-
-fn all<S: Message, T: Message>(samples: &Samples<S, T>) -> Result<Vec<(S, T)>, Error> {
+pub fn load<S: Sensors>(path: impl AsRef<Path>, map: Option<&Map>) -> Result<Vec<Row<S>>, Error> {
+    let samples = open::<S>(path, map)?;
     let rows = samples.rows()?.collect();
     samples.check()?;
     Ok(rows)
@@ -136,10 +119,10 @@ impl<S: Message, T: Message> Samples<S, T> {
 ///
 /// # Errors
 /// The file cannot be read or lacks something; the error says what and where.
-pub fn open<M: Machine>(
+pub fn open<S: Sensors>(
     path: impl AsRef<Path>,
     map: Option<&Map>,
-) -> Result<Samples<M::Sensors, M::Truth>, Error> {
+) -> Result<Samples<S, S::Truth>, Error> {
     let path = path.as_ref();
     let place = || path.display().to_string();
     let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
@@ -149,9 +132,9 @@ pub fn open<M: Machine>(
         ending
     };
     match (ending.as_deref(), map) {
-        (Some("csv" | "txt"), _) => table::<M>(path, map),
-        (Some("log"), Some(map)) => log::<M>(path, map),
-        (Some("mcap"), None) => recorded::<M>(path),
+        (Some("csv" | "txt"), _) => table::<S>(path, map),
+        (Some("log"), Some(map)) => log::<S>(path, map),
+        (Some("mcap"), None) => recorded::<S>(path),
         (Some("log"), None) => Err(Error::new(
             "a CAN log needs a signal map",
             place(),
@@ -170,29 +153,26 @@ pub fn open<M: Machine>(
     }
 }
 
-fn table<M: Machine>(
-    path: &Path,
-    map: Option<&Map>,
-) -> Result<Samples<M::Sensors, M::Truth>, Error> {
+fn table<S: Sensors>(path: &Path, map: Option<&Map>) -> Result<Samples<S, S::Truth>, Error> {
     let (path, map) = (path.to_owned(), map.cloned());
     let length = length(&path);
     let open = move || {
-        let mut rows = csv::TableRows::<M>::open(&path, map.as_ref())?;
+        let mut rows = csv::TableRows::<S>::open(&path, map.as_ref())?;
         let next = move || Ok(rows.row()?.map(|row| (row, rows.read())));
-        Ok(Box::new(next) as FileRows<M::Sensors, M::Truth>)
+        Ok(Box::new(next) as FileRows<S, S::Truth>)
     };
     // What is wrong with the header is told at once.
     drop(open()?);
     Ok(Samples::of(Source::File(Box::new(open), length)))
 }
 
-fn log<M: Machine>(path: &Path, map: &Map) -> Result<Samples<M::Sensors, M::Truth>, Error> {
+fn log<S: Sensors>(path: &Path, map: &Map) -> Result<Samples<S, S::Truth>, Error> {
     let (path, map) = (path.to_owned(), map.clone());
     let length = length(&path);
     let open = move || {
-        let mut log = can::Log::<M>::open(&path, &map)?;
+        let mut log = can::Log::<S>::open(&path, &map)?;
         let next = move || Ok(log.row()?.map(|row| (row, log.read)));
-        Ok(Box::new(next) as FileRows<M::Sensors, M::Truth>)
+        Ok(Box::new(next) as FileRows<S, S::Truth>)
     };
     drop(open()?);
     Ok(Samples::of(Source::File(Box::new(open), length)))
@@ -203,12 +183,12 @@ fn length(path: &Path) -> u64 {
     std::fs::metadata(path).map_or(0, |m| m.len())
 }
 
-fn recorded<M: Machine>(path: &Path) -> Result<Samples<M::Sensors, M::Truth>, Error> {
+fn recorded<S: Sensors>(path: &Path) -> Result<Samples<S, S::Truth>, Error> {
     let reader = Reader::open(path)?;
-    let names = [M::SENSORS.name, M::TRUTH.name];
-    if reader.stream::<M::Sensors>(names[0])?.next().is_none() {
+    let names = [S::SENSORS.name, S::TRUTH.name];
+    if reader.stream::<S>(names[0])?.next().is_none() {
         return Err(Error::new(
-            format!("the recording has no samples of a {}", M::NAME),
+            format!("the recording has no samples of a {}", S::MACHINE),
             path.display().to_string(),
             format!("it has the channels {}", reader.channels().join(", ")),
         ));

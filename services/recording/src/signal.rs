@@ -2,82 +2,29 @@
 
 use std::collections::VecDeque;
 
-use messages::channels::{
-    ChannelOf, EXCAVATOR_SENSORS, EXCAVATOR_TRUTH, LOADER_SENSORS, LOADER_TRUTH,
-};
-use messages::{
-    ExcavatorSensors, ExcavatorTruth, LoaderSensors, LoaderTruth, Message, NumberType, Value,
-    excavator_bits, loader_bits,
-};
+use messages::channels::ChannelOf;
+use messages::{Machine, Message, NumberType, Value};
 
-/// A machine whose samples can be read.
-pub trait Machine: 'static + Sized + std::fmt::Debug {
-    /// What its sensors measure.
-    type Sensors: Message;
-    /// The truth behind it.
+use crate::machines;
+
+/// The sensors of a machine whose samples can be read.
+pub trait Sensors: Message {
+    /// The truth behind them.
     type Truth: Message;
-    /// Name on the command line.
-    const NAME: &'static str;
+    /// Which machine.
+    const MACHINE: Machine;
     /// Channel of the samples.
-    const SENSORS: &'static ChannelOf<Self::Sensors>;
+    const SENSORS: &'static ChannelOf<Self>;
     /// Channel of the truth.
     const TRUTH: &'static ChannelOf<Self::Truth>;
     /// Of each group, the source must have one.
     const REQUIRED: &'static [&'static [&'static str]];
-    /// Signals that are only a bit of `valid`.
+    /// Sensors that are only a bit of `valid`.
     const FLAGS: &'static [(&'static str, u32)];
-    /// Signals that count as present only if a value comes within the first second.
+    /// Sensors that count as present only if a value comes within the first second.
     const OPTIONAL: u32;
     /// Of these, those of the header count as present where none has an early value.
     const ONE_OF: u32;
-}
-
-/// The excavator.
-#[derive(Debug)]
-pub struct Excavator;
-
-impl Machine for Excavator {
-    type Sensors = ExcavatorSensors;
-    type Truth = ExcavatorTruth;
-    const NAME: &'static str = "excavator";
-    const SENSORS: &'static ChannelOf<Self::Sensors> = &EXCAVATOR_SENSORS;
-    const TRUTH: &'static ChannelOf<Self::Truth> = &EXCAVATOR_TRUTH;
-    const REQUIRED: &'static [&'static [&'static str]] = &[&["swing_velocity", "swing_angle"]];
-    const FLAGS: &'static [(&'static str, u32)] = &[];
-    const ONE_OF: u32 = excavator_bits::SWING_VELOCITY | excavator_bits::SWING_ANGLE;
-    const OPTIONAL: u32 = Self::ONE_OF
-        | excavator_bits::SWING_TORQUE
-        | excavator_bits::BOOM_ANGLE
-        | excavator_bits::ARM_ANGLE
-        | excavator_bits::BUCKET_ANGLE
-        | excavator_bits::PITCH
-        | excavator_bits::ROLL;
-}
-
-/// The wheel loader.
-#[derive(Debug)]
-pub struct Loader;
-
-impl Machine for Loader {
-    type Sensors = LoaderSensors;
-    type Truth = LoaderTruth;
-    const NAME: &'static str = "loader";
-    const SENSORS: &'static ChannelOf<Self::Sensors> = &LOADER_SENSORS;
-    const TRUTH: &'static ChannelOf<Self::Truth> = &LOADER_TRUTH;
-    const REQUIRED: &'static [&'static [&'static str]] = &[
-        &["speed"],
-        &["front_wheel_speed"],
-        &["rear_wheel_speed"],
-        &["front_torque"],
-        &["rear_torque"],
-        &["slope"],
-    ];
-    const FLAGS: &'static [(&'static str, u32)] = &[
-        ("boom_moving", loader_bits::BOOM_MOVING),
-        ("brake", loader_bits::BRAKE),
-    ];
-    const ONE_OF: u32 = 0;
-    const OPTIONAL: u32 = 0;
 }
 
 /// Where a signal goes.
@@ -104,25 +51,25 @@ pub(crate) struct Signal {
 }
 
 /// All signals of a machine, the time first.
-pub(crate) fn signals<M: Machine>() -> Vec<Signal> {
+pub(crate) fn signals<S: Sensors>() -> Vec<Signal> {
     let time = Signal {
         name: "t".into(),
         unit: "s",
         slot: Slot::Time,
     };
-    let sensors = own::<M::Sensors>(M::FLAGS).map(|(index, bit)| Signal {
-        name: M::Sensors::FIELDS[index].name.into(),
-        unit: M::Sensors::FIELDS[index].unit,
+    let sensors = measured::<S>().map(|(index, bit)| Signal {
+        name: S::FIELDS[index].name.into(),
+        unit: S::FIELDS[index].unit,
         slot: Slot::Sensor(index, bit),
     });
-    let flags = M::FLAGS.iter().map(|(name, bit)| Signal {
+    let flags = S::FLAGS.iter().map(|(name, bit)| Signal {
         name: (*name).into(),
         unit: "",
         slot: Slot::Flag(*bit),
     });
-    let truth = own::<M::Truth>(&[]).map(|(index, bit)| Signal {
-        name: format!("true_{}", M::Truth::FIELDS[index].name),
-        unit: M::Truth::FIELDS[index].unit,
+    let truth = own::<S::Truth>(&[]).map(|(index, bit)| Signal {
+        name: format!("true_{}", S::Truth::FIELDS[index].name),
+        unit: S::Truth::FIELDS[index].unit,
         slot: Slot::Truth(index, bit),
     });
     core::iter::once(time)
@@ -143,30 +90,39 @@ fn own<M: Message>(flags: &[(&str, u32)]) -> impl Iterator<Item = (usize, u32)> 
     measured.zip(free).map(|((index, _), bit)| (index, bit))
 }
 
-/// Bit of the sensor signal called `name`, of whichever machine; 0 if there is none.
-pub(crate) fn sensor_bit(name: &str) -> u32 {
-    let all = signals::<Excavator>()
-        .into_iter()
-        .chain(signals::<Loader>());
-    let mut found = all.filter(|s| s.name == name).filter_map(|s| match s.slot {
-        Slot::Sensor(_, bit) => Some(bit),
-        _ => None,
-    });
+/// Index and bit of each measured field of a sensor message.
+pub fn measured<S: Sensors>() -> impl Iterator<Item = (usize, u32)> {
+    own::<S>(S::FLAGS)
+}
+
+/// Bit of the signal called `name` in the samples of a channel; 0 if there is none.
+pub(crate) fn sensor_bit(channel: &str, name: &str) -> u32 {
+    let machine = channel
+        .split_once('/')
+        .and_then(|(machine, _)| Machine::from_name(machine));
+    let signals = machine.map_or_else(Vec::new, |m| (machines::of(m).signals)());
+    let mut found = signals
+        .iter()
+        .filter(|s| s.name == name)
+        .filter_map(|s| match s.slot {
+            Slot::Sensor(_, bit) => Some(bit),
+            Slot::Time | Slot::Flag(_) | Slot::Truth(..) => None,
+        });
     found.next().unwrap_or(0)
 }
 
 /// A row of samples with the truth behind it.
-pub type Row<M> = (<M as Machine>::Sensors, <M as Machine>::Truth);
+pub type Row<S> = (S, <S as Sensors>::Truth);
 
 /// Rows after which the columns are settled even if no time ever passes.
 const MOST_UNSETTLED: usize = 100_000;
 
 /// Makes messages of rows of values.
 #[derive(Debug)]
-pub(crate) struct Builder<M: Machine> {
+pub(crate) struct Builder<S: Sensors> {
     slots: Vec<Slot>,
     /// Rows that nobody took yet.
-    rows: VecDeque<Row<M>>,
+    rows: VecDeque<Row<S>>,
     count: u64,
     /// Bits of the signals that the source has, once that is settled.
     columns: Option<u32>,
@@ -174,7 +130,7 @@ pub(crate) struct Builder<M: Machine> {
     start: Option<f64>,
 }
 
-impl<M: Machine> Builder<M> {
+impl<S: Sensors> Builder<S> {
     /// Rows will have the values of these signals, in this order. Which of them the source has is
     /// settled by the first second.
     pub(crate) fn new<'a>(signals: impl IntoIterator<Item = &'a Signal>) -> Self {
@@ -203,7 +159,7 @@ impl<M: Machine> Builder<M> {
 
     /// Adds a row; a value that is not finite is missing.
     pub(crate) fn push(&mut self, values: &[f64], measured_ns: u64) {
-        let (mut sensors, mut truth) = (M::Sensors::default(), M::Truth::default());
+        let (mut sensors, mut truth) = (S::default(), S::Truth::default());
         let (mut valid, mut known) = (0, 0);
         sensors.stamp_mut().time = f64::NAN;
         for (slot, value) in self.slots.iter().zip(values) {
@@ -235,7 +191,7 @@ impl<M: Machine> Builder<M> {
     }
 
     /// The next row, as soon as its columns are settled.
-    pub(crate) fn next(&mut self) -> Option<Row<M>> {
+    pub(crate) fn next(&mut self) -> Option<Row<S>> {
         self.columns?;
         self.rows.pop_front()
     }
@@ -261,12 +217,12 @@ impl<M: Machine> Builder<M> {
 
     /// The columns are those that had a value so far, and those that need none.
     fn settle_now(&mut self) {
-        let seen = |bits, (sensors, _): &Row<M>| bits | valid(sensors);
+        let seen = |bits, (sensors, _): &Row<S>| bits | valid(sensors);
         let early = self.rows.iter().fold(0, seen);
         let header = self.header();
-        let mut columns = header & (!M::OPTIONAL | early);
-        if columns & M::ONE_OF == 0 {
-            columns |= header & M::ONE_OF;
+        let mut columns = header & (!S::OPTIONAL | early);
+        if columns & S::ONE_OF == 0 {
+            columns |= header & S::ONE_OF;
         }
         self.columns = Some(columns);
         for (sensors, _) in &mut self.rows {
@@ -291,13 +247,14 @@ fn set<M: Message>(message: &mut M, name: &str, bits: u32) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use messages::{ExcavatorSensors, LoaderSensors, excavator_bits, loader_bits};
 
     #[test]
     fn the_bits_are_those_of_the_messages() {
         let bit = |signals: &[Signal], name: &str| {
             signals.iter().find(|s| s.name == name).map(|s| s.slot)
         };
-        let excavator = signals::<Excavator>();
+        let excavator = signals::<ExcavatorSensors>();
         let is = |slot: Option<Slot>, bit: u32| matches!(slot, Some(Slot::Sensor(_, b) | Slot::Flag(b)) if b == bit);
         assert!(is(
             bit(&excavator, "swing_velocity"),
@@ -307,7 +264,7 @@ mod tests {
             bit(&excavator, "bucket_angle"),
             excavator_bits::BUCKET_ANGLE
         ));
-        let loader = signals::<Loader>();
+        let loader = signals::<LoaderSensors>();
         assert!(is(bit(&loader, "slope"), loader_bits::SLOPE));
         assert!(is(
             bit(&loader, "spade_force_z"),

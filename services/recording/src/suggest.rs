@@ -2,16 +2,19 @@
 //! line with its reason. A guess is written as such; what was not found is left to be filled in.
 
 mod names;
-mod table;
+pub(crate) mod table;
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
+use messages::Machine;
+
 use crate::Error;
 use crate::can::dbc::Dbc;
 use crate::can::{Line, parse};
-use crate::signal::{self, Excavator, Loader, Machine};
+use crate::machines;
+use crate::signal::{self, Sensors};
 use names::{Wanted, fitting, wanted};
 
 /// A first map for the table or CAN log `path`; a log needs the DBC files that describe it. Without
@@ -19,39 +22,40 @@ use names::{Wanted, fitting, wanted};
 ///
 /// # Errors
 /// A file cannot be read, or is neither a table nor a log.
-pub fn suggest(path: &Path, dbc: &[PathBuf], machine: Option<&str>) -> Result<String, Error> {
+pub fn suggest(path: &Path, dbc: &[PathBuf], machine: Option<Machine>) -> Result<String, Error> {
     let is_log = path
         .extension()
         .is_some_and(|e| e.eq_ignore_ascii_case("log"));
-    let of = |name: &str| match (name, is_log) {
-        ("excavator", true) => log::<Excavator>(path, dbc),
-        ("excavator", false) => table::suggest::<Excavator>(path),
-        (_, true) => log::<Loader>(path, dbc),
-        (_, false) => table::suggest::<Loader>(path),
+    let of = |machine: Machine| {
+        let entry = machines::of(machine);
+        if is_log {
+            (entry.from_log)(path, dbc)
+        } else {
+            (entry.from_table)(path)
+        }
     };
-    let (_, text) = match machine {
-        Some(name) => of(name)?,
-        None => [of("excavator")?, of("loader")?]
-            .into_iter()
-            .max_by_key(|(found, _)| *found)
-            .unwrap_or_default(),
+    let guesses = match machine {
+        Some(machine) => vec![of(machine)?],
+        None => Machine::ALL.into_iter().map(of).collect::<Result<_, _>>()?,
     };
-    Ok(text)
+    // Of equals the last.
+    let best = guesses.into_iter().max_by_key(|(found, _)| *found);
+    Ok(best.map(|(_, text)| text).unwrap_or_default())
 }
 
 /// The first lines of a map: what it is and how to use it.
-fn opening<M: Machine>(path: &Path) -> String {
+fn opening<S: Sensors>(path: &Path) -> String {
     format!(
         "# A first signal map of {} for the {}, guessed: read every line.\n# Then: heft estimate {} --machine {} --map THIS_FILE -o out.csv\n",
         path.display(),
-        M::NAME,
+        S::MACHINE,
         path.display(),
-        M::NAME
+        S::MACHINE
     )
 }
 
 /// A map for a CAN log, and how many signals were found.
-fn log<M: Machine>(path: &Path, dbc: &[PathBuf]) -> Result<(usize, String), Error> {
+pub(crate) fn log<S: Sensors>(path: &Path, dbc: &[PathBuf]) -> Result<(usize, String), Error> {
     if dbc.is_empty() {
         return Err(Error::new(
             "a CAN log says nothing without the DBC file that describes it",
@@ -88,7 +92,7 @@ fn log<M: Machine>(path: &Path, dbc: &[PathBuf]) -> Result<(usize, String), Erro
             }
         }
     }
-    let mut out = opening::<M>(path);
+    let mut out = opening::<S>(path);
     let files: Vec<String> = dbc
         .iter()
         .map(|f| format!("{:?}", f.display().to_string()))
@@ -105,7 +109,7 @@ fn log<M: Machine>(path: &Path, dbc: &[PathBuf]) -> Result<(usize, String), Erro
     let mut found = 0;
     let names: Vec<&str> = present.iter().map(|(name, ..)| name.as_str()).collect();
     let mut taken = Vec::new();
-    for Wanted { signal, .. } in wanted::<M>().into_iter().filter(|w| w.signal != "t") {
+    for Wanted { signal, .. } in wanted::<S>().into_iter().filter(|w| w.signal != "t") {
         let fit = fitting(&signal, &names, &taken);
         match fit.map(|at| (at, &present[at])) {
             Some((at, (name, unit, count))) => {
@@ -122,7 +126,7 @@ fn log<M: Machine>(path: &Path, dbc: &[PathBuf]) -> Result<(usize, String), Erro
                     "{signal} = {{ message = \"{message}\", signal = \"{own}\" }}  # by its name; {count} frames; {unit}"
                 );
             }
-            None if is_required::<M>(&signal) => {
+            None if is_required::<S>(&signal) => {
                 let _ = writeln!(
                     out,
                     "# {signal} = {{ message = \"...\", signal = \"...\" }}  # needed, and nothing fits by its name"
@@ -136,18 +140,18 @@ fn log<M: Machine>(path: &Path, dbc: &[PathBuf]) -> Result<(usize, String), Erro
     } else {
         format!(": {}", names.join(", "))
     };
-    let _ = writeln!(out, "\n# Signals of the DBC that the log carries{unseen}");
+    let _ = writeln!(out, "\n# Sensors of the DBC that the log carries{unseen}");
     Ok((found, out))
 }
 
 /// Whether the machine needs the signal, alone or in place of another.
-fn is_required<M: Machine>(signal: &str) -> bool {
-    signal == "t" || M::REQUIRED.iter().any(|group| group.contains(&signal))
+fn is_required<S: Sensors>(signal: &str) -> bool {
+    signal == "t" || S::REQUIRED.iter().any(|group| group.contains(&signal))
 }
 
 /// Unit of a signal.
-fn unit_of<M: Machine>(name: &str) -> &'static str {
-    let signals = signal::signals::<M>();
+fn unit_of<S: Sensors>(name: &str) -> &'static str {
+    let signals = signal::signals::<S>();
     signals
         .iter()
         .find(|s| s.name == name)

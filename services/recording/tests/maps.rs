@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use messages::{ExcavatorSensors, excavator_bits as e};
-use recording::csv::read_excavator;
-use recording::{Error, Map, load_excavator, load_loader};
+use messages::{ExcavatorSensors, LoaderSensors, excavator_bits as e};
+use recording::csv::read;
+use recording::{Error, Map, load};
 
 fn map(text: &str) -> Result<Map, Error> {
     Map::parse(text, "map.toml")
@@ -15,7 +15,7 @@ fn through(text: &str, table: &str) -> Result<Vec<ExcavatorSensors>, Error> {
     let dir = tempfile::tempdir().expect("a folder");
     let path = dir.path().join("data.csv");
     std::fs::write(&path, table).expect("writable");
-    let rows = read_excavator(path, Some(&map(text)?))?;
+    let rows = read::<ExcavatorSensors>(path, Some(&map(text)?))?;
     Ok(rows.into_iter().map(|(s, _)| s).collect())
 }
 
@@ -146,7 +146,7 @@ fn log(can: &str, signals: &str, frames: &str) -> Result<Vec<ExcavatorSensors>, 
     std::fs::write(dir.path().join("swing.dbc"), DBC).expect("writable");
     let text = format!("[can]\ndbc = \"swing.dbc\"\n{can}\n[can.signals]\n{signals}");
     let map = Map::parse(&text, dir.path().join("map.toml"))?;
-    Ok(load_excavator(&path, Some(&map))?
+    Ok(load::<ExcavatorSensors>(&path, Some(&map))?
         .into_iter()
         .map(|(s, _)| s)
         .collect())
@@ -223,7 +223,7 @@ fn speed(dbc_unit: &str, entry: &str) -> Result<f64, Error> {
          swing_velocity = {{ message = \"S\", signal = \"v\"{entry} }}\n"
     );
     let map = Map::parse(&text, dir.path().join("map.toml"))?;
-    let rows = load_excavator(&path, Some(&map))?;
+    let rows = load::<ExcavatorSensors>(&path, Some(&map))?;
     Ok(rows.last().expect("a row").0.swing_velocity)
 }
 
@@ -336,7 +336,7 @@ fn of_two_senders_of_a_parameter_group_the_first_counts() {
     };
     let read = |source: &str| -> Vec<(f64, u32)> {
         let map = Map::parse(&text(source), dir.path().join("map.toml")).expect("a map");
-        let rows = load_excavator(&path, Some(&map)).expect("rows");
+        let rows = load::<ExcavatorSensors>(&path, Some(&map)).expect("rows");
         rows.iter()
             .map(|(s, _)| ((s.swing_velocity * 1e3).round(), s.valid))
             .collect()
@@ -354,7 +354,7 @@ fn of_two_senders_of_a_parameter_group_the_first_counts() {
 fn a_wrong_time_makes_no_rows() {
     let Some(data) = data() else { return };
     let map = Map::read(&data.join("faults/rate.toml")).expect("a map");
-    let rows = load_loader(data.join("faults/jump.log"), Some(&map)).expect("rows");
+    let rows = load::<LoaderSensors>(data.join("faults/jump.log"), Some(&map)).expect("rows");
     // Half a second at 100 Hz, and one frame of another century.
     assert!((40..2000).contains(&rows.len()), "{}", rows.len());
     let times = rows
@@ -425,7 +425,8 @@ fn a_trucks_log_decodes_as_published() {
             &format!("master = \"{signal}\""),
         );
         let map = Map::parse(&text, folder.join("truck.toml")).expect("a map");
-        let rows = load_loader(data.join("can/truck_normal_drive.log"), Some(&map)).expect("rows");
+        let rows = load::<LoaderSensors>(data.join("can/truck_normal_drive.log"), Some(&map))
+            .expect("rows");
         let series: Vec<(f64, f64)> = rows.iter().map(|(s, _)| (s.stamp.time, get(s))).collect();
         let mut compared = 0;
         for (time, expected) in published(&data, column) {
@@ -449,7 +450,8 @@ fn a_trucks_log_decodes_as_published() {
 fn the_shipped_maps_read_the_data_of_others() {
     let Some(data) = data() else { return };
     let load = |file: &str, map: &str| {
-        load_excavator(data.join("recorded").join(file), Some(&shipped(map))).expect("rows")
+        load::<ExcavatorSensors>(data.join("recorded").join(file), Some(&shipped(map)))
+            .expect("rows")
     };
     let rows = load("emps_identification.csv", "emps.toml");
     assert_eq!(rows.len(), 24_841);

@@ -117,7 +117,7 @@ fn every_payload_survives_bit_for_bit_with_extreme_values() {
         }
     }
     let dir = folder();
-    for channel in channels::CHANNELS {
+    for channel in channels::all() {
         channel
             .payload
             .visit(RoundTrip(&dir.path().join("run.mcap"), channel));

@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 
 use messages::channels::EXCAVATOR_SENSORS;
 use messages::{
-    ExcavatorEstimate, ExcavatorSensors, ExcavatorTruth, LoaderEstimate, excavator_bits as e,
-    loader_bits as l,
+    ExcavatorEstimate, ExcavatorSensors, ExcavatorTruth, LoaderEstimate, LoaderSensors,
+    excavator_bits as e, loader_bits as l,
 };
-use recording::csv::{EstimateWriter, export, read_excavator, read_loader, read_weighings};
-use recording::{Error, Map, Metadata, Reader, Writer, load_excavator};
+use recording::csv::{EstimateWriter, export, read, read_weighings};
+use recording::{Error, Map, Metadata, Reader, Writer, load};
 
 /// A file with this text in a folder of its own.
 fn file(text: impl AsRef<[u8]>) -> (tempfile::TempDir, PathBuf) {
@@ -20,7 +20,7 @@ fn file(text: impl AsRef<[u8]>) -> (tempfile::TempDir, PathBuf) {
 
 fn excavator(text: &str) -> Result<Vec<ExcavatorSensors>, Error> {
     let (_dir, path) = file(text);
-    read_excavator(path, None).map(|rows| rows.into_iter().map(|(s, _)| s).collect())
+    read::<ExcavatorSensors>(path, None).map(|rows| rows.into_iter().map(|(s, _)| s).collect())
 }
 
 fn golden(name: &str) -> PathBuf {
@@ -29,7 +29,8 @@ fn golden(name: &str) -> PathBuf {
 
 #[test]
 fn a_table_becomes_samples_with_their_bits_and_the_truth() {
-    let rows = read_excavator(golden("excavator_input_base_case2.csv"), None).expect("a table");
+    let rows =
+        read::<ExcavatorSensors>(golden("excavator_input_base_case2.csv"), None).expect("a table");
     assert_eq!(rows.len(), 481);
     let (sensors, truth) = rows[2];
     assert_eq!((sensors.stamp.sequence, sensors.stamp.time), (2, 5.02));
@@ -47,12 +48,13 @@ fn a_table_becomes_samples_with_their_bits_and_the_truth() {
 
 #[test]
 fn the_loaders_table_has_its_optional_columns_as_bits() {
-    let rows = read_loader(golden("loader_input_S4_tierB.csv"), None).expect("a table");
+    let rows = read::<LoaderSensors>(golden("loader_input_S4_tierB.csv"), None).expect("a table");
     let (sensors, truth) = rows[0];
     assert_eq!((sensors.mass, truth.cg_ratio), (4770.5, 0.414194));
     assert_eq!(sensors.columns & l::MASS, l::MASS);
     assert_eq!(sensors.columns & (l::SPADE_FORCE_X | l::BOOM_MOVING), 0);
-    let rows = read_loader(golden("loader_input_S6_60s_tierA.csv"), None).expect("a table");
+    let rows =
+        read::<LoaderSensors>(golden("loader_input_S6_60s_tierA.csv"), None).expect("a table");
     assert_eq!(rows[0].0.columns & l::BOOM_MOVING, l::BOOM_MOVING);
     assert_eq!(
         rows[0].0.valid & l::BOOM_MOVING,
@@ -112,7 +114,7 @@ fn a_missing_column_is_named_with_the_nearest_one() {
     assert!(error.place.ends_with("data.csv:1"));
     assert!(excavator("swing_velocity\n1\n").is_err(), "no time");
     let (_dir, path) = file("t,speed\n0,1\n");
-    let error = read_loader(path, None).expect_err("no wheels");
+    let error = read::<LoaderSensors>(path, None).expect_err("no wheels");
     assert_eq!(error.what, "there is no column front_wheel_speed (loader)");
 }
 
@@ -143,7 +145,7 @@ fn a_table_is_read_as_excel_writes_it() {
     let text = format!("\u{feff}{german}");
     let wide = text.encode_utf16().flat_map(u16::to_le_bytes);
     std::fs::write(&path, wide.collect::<Vec<u8>>()).expect("writable");
-    let rows = read_excavator(&path, None).expect("rows");
+    let rows = read::<ExcavatorSensors>(&path, None).expect("rows");
     assert_eq!(rows.into_iter().map(|(s, _)| s).collect::<Vec<_>>(), plain);
     let error = excavator("sep=;\nt;swing_velocity\n0;x\n").expect_err("text");
     assert!(
@@ -170,10 +172,13 @@ fn files_without_samples_are_refused() {
     ] {
         assert_eq!(excavator(text).expect_err(what).what, what);
     }
-    assert!(read_excavator("/nowhere/data.csv", None).is_err());
-    assert!(read_excavator("/", None).is_err());
+    assert!(read::<ExcavatorSensors>("/nowhere/data.csv", None).is_err());
+    assert!(read::<ExcavatorSensors>("/", None).is_err());
     let (_dir, path) = file([0, 159, 146, 150, 10, 1, 2, 3]);
-    assert!(read_excavator(path, None).is_err(), "no text at all");
+    assert!(
+        read::<ExcavatorSensors>(path, None).is_err(),
+        "no text at all"
+    );
 }
 
 fn estimate(n: u32) -> ExcavatorEstimate {
@@ -194,16 +199,16 @@ fn estimate(n: u32) -> ExcavatorEstimate {
 fn estimates_have_the_columns_of_the_contract() {
     let dir = tempfile::tempdir().expect("a folder");
     let path = dir.path().join("out.csv");
-    let mut writer = EstimateWriter::excavator(&path).expect("a file");
-    writer.write_excavator(&estimate(0)).expect("room");
+    let mut writer = EstimateWriter::<ExcavatorEstimate>::create(&path).expect("a file");
+    writer.write(&estimate(0)).expect("room");
     writer
-        .write_excavator(&ExcavatorEstimate {
+        .write(&ExcavatorEstimate {
             flags: e::REFUSED,
             ..estimate(1)
         })
         .expect("room");
     writer
-        .write_excavator(&ExcavatorEstimate {
+        .write(&ExcavatorEstimate {
             inertia: f64::NAN,
             ..estimate(2)
         })
@@ -235,8 +240,8 @@ fn friction_and_offset_are_added_where_they_are_estimated() {
         estimated: e::FRICTION,
         ..estimate(0)
     };
-    let mut writer = EstimateWriter::excavator(&path).expect("a file");
-    writer.write_excavator(&row).expect("room");
+    let mut writer = EstimateWriter::<ExcavatorEstimate>::create(&path).expect("a file");
+    writer.write(&row).expect("room");
     writer.finish().expect("room");
     let text = std::fs::read_to_string(&path).expect("readable");
     assert!(text.contains(",trusted,friction,friction_std,offset,offset_std,method,reason\n"));
@@ -247,13 +252,13 @@ fn friction_and_offset_are_added_where_they_are_estimated() {
 fn the_loaders_estimates_have_the_columns_of_the_contract() {
     let dir = tempfile::tempdir().expect("a folder");
     let path = dir.path().join("out.csv");
-    let mut writer = EstimateWriter::loader(&path).expect("a file");
+    let mut writer = EstimateWriter::<LoaderEstimate>::create(&path).expect("a file");
     let row = LoaderEstimate {
         cg_ratio: 0.45,
         estimated: l::STATE,
         ..Default::default()
     };
-    writer.write_loader(&row).expect("room");
+    writer.write(&row).expect("room");
     writer.finish().expect("room");
     let text = std::fs::read_to_string(&path).expect("readable");
     assert_eq!(
@@ -270,14 +275,18 @@ fn the_loaders_estimates_have_the_columns_of_the_contract() {
 fn an_unfinished_output_leaves_nothing_behind_and_an_unwritable_one_is_an_error() {
     let dir = tempfile::tempdir().expect("a folder");
     let path = dir.path().join("out.csv");
-    let mut writer = EstimateWriter::excavator(&path).expect("a file");
-    writer.write_excavator(&estimate(0)).expect("room");
+    let mut writer = EstimateWriter::<ExcavatorEstimate>::create(&path).expect("a file");
+    writer.write(&estimate(0)).expect("room");
     drop(writer);
     assert_eq!(std::fs::read_dir(dir.path()).expect("readable").count(), 0);
-    assert!(EstimateWriter::excavator(dir.path()).is_err(), "a folder");
+    assert!(
+        EstimateWriter::<ExcavatorEstimate>::create(dir.path()).is_err(),
+        "a folder"
+    );
     if Path::new("/dev/full").exists() {
-        let mut full = EstimateWriter::excavator("/dev/full").expect("a device");
-        let written = (0..10_000).try_for_each(|n| full.write_excavator(&estimate(n)));
+        let mut full =
+            EstimateWriter::<ExcavatorEstimate>::create("/dev/full".as_ref()).expect("a device");
+        let written = (0..10_000).try_for_each(|n| full.write(&estimate(n)));
         assert!(
             written
                 .and_then(|()| full.finish())
@@ -298,10 +307,10 @@ fn numbers_read_back_to_the_last_bit() {
         123_456_789.123_456_79,
         -0.0,
     ];
-    let mut writer = EstimateWriter::excavator(&path).expect("a file");
+    let mut writer = EstimateWriter::<ExcavatorEstimate>::create(&path).expect("a file");
     for value in values {
         writer
-            .write_excavator(&ExcavatorEstimate {
+            .write(&ExcavatorEstimate {
                 velocity: value,
                 ..estimate(0)
             })
@@ -323,7 +332,8 @@ fn numbers_read_back_to_the_last_bit() {
 fn a_recording_exports_to_tables_and_loads_as_samples() {
     let dir = tempfile::tempdir().expect("a folder");
     let run = dir.path().join("run.mcap");
-    let rows = read_excavator(golden("excavator_input_base_case2.csv"), None).expect("a table");
+    let rows =
+        read::<ExcavatorSensors>(golden("excavator_input_base_case2.csv"), None).expect("a table");
     let mut writer = Writer::create(&run, &Metadata::new()).expect("a file");
     for (sensors, truth) in &rows {
         writer.write(&EXCAVATOR_SENSORS, sensors).expect("room");
@@ -332,10 +342,10 @@ fn a_recording_exports_to_tables_and_loads_as_samples() {
             .expect("room");
     }
     writer.finish().expect("room");
-    assert_eq!(load_excavator(&run, None).as_ref(), Ok(&rows));
+    assert_eq!(load::<ExcavatorSensors>(&run, None).as_ref(), Ok(&rows));
     let reader = Reader::open(&run).expect("a recording");
     let files = export(&reader, dir.path().join("tables")).expect("room");
-    let again = read_excavator(&files[0], None).expect("an exported table is an input");
+    let again = read::<ExcavatorSensors>(&files[0], None).expect("an exported table is an input");
     assert!(files[0].ends_with("excavator_sensors.csv"));
     let values = |row: &(ExcavatorSensors, ExcavatorTruth)| {
         let (s, _) = row;
@@ -350,20 +360,26 @@ fn a_recording_exports_to_tables_and_loads_as_samples() {
         rows.iter().map(values).eq(again.iter().map(values)),
         "missing samples stay missing"
     );
-    assert!(recording::load_loader(&run, None).is_err_and(|e| e.what.contains("loader")));
+    assert!(load::<messages::LoaderSensors>(&run, None).is_err_and(|e| e.what.contains("loader")));
 }
 
 #[test]
 fn the_kind_of_file_is_told_from_its_ending() {
     let (_dir, path) = file("t,swing_velocity\n0,1\n");
-    assert!(load_excavator(&path, None).is_ok());
+    assert!(load::<ExcavatorSensors>(&path, None).is_ok());
     let other = path.with_extension("xlsx");
     std::fs::rename(&path, &other).expect("renamed");
-    let error = load_excavator(&other, None).expect_err("not known");
+    let error = load::<ExcavatorSensors>(&other, None).expect_err("not known");
     assert_eq!(error.remedy, "give a file that ends in .csv, .mcap or .log");
-    assert!(load_excavator("x.log", None).is_err_and(|e| e.what == "a CAN log needs a signal map"));
+    assert!(
+        load::<ExcavatorSensors>("x.log", None)
+            .is_err_and(|e| e.what == "a CAN log needs a signal map")
+    );
     let map = Map::parse("[columns]\nt = \"time\"\n", "m.toml").expect("a map");
-    assert!(load_excavator("x.mcap", Some(&map)).is_err_and(|e| e.remedy == "leave out --map"));
+    assert!(
+        load::<ExcavatorSensors>("x.mcap", Some(&map))
+            .is_err_and(|e| e.remedy == "leave out --map")
+    );
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use recording::can::Decoder;
-use recording::{Error, Machine, Map};
+use recording::{Error, Map, Sensors};
 use runtime::{Live, Polled, now_ns};
 
 use crate::socket::{CanSocket, Heard};
@@ -22,13 +22,13 @@ const STEP: i64 = 10_000_000;
 
 /// The samples of a machine's bus.
 #[derive(Debug)]
-pub struct CanBus<M: Machine> {
+pub struct CanBus<S: Sensors> {
     interface: String,
     socket: Option<CanSocket>,
     tried: Option<Instant>,
     /// Whether the last word was that the interface is gone.
     is_down: bool,
-    decoder: Decoder<M>,
+    decoder: Decoder<S>,
     /// When signals that have not come are told.
     check: Option<Instant>,
     /// Frames that the kernel dropped since that was last asked.
@@ -37,7 +37,7 @@ pub struct CanBus<M: Machine> {
     offset: i64,
 }
 
-impl<M: Machine> CanBus<M> {
+impl<S: Sensors> CanBus<S> {
     /// Frames of `interface`, decoded as the map says. The interface is opened when it is there.
     ///
     /// # Errors
@@ -125,15 +125,15 @@ impl<M: Machine> CanBus<M> {
     }
 }
 
-impl<M: Machine> Live for CanBus<M> {
-    type Sensors = M::Sensors;
-    type Truth = M::Truth;
+impl<S: Sensors> Live for CanBus<S> {
+    type Sensors = S;
+    type Truth = S::Truth;
 
     fn take_lost(&mut self) -> u64 {
         std::mem::take(&mut self.dropped)
     }
 
-    fn poll(&mut self) -> Polled<M::Sensors, M::Truth> {
+    fn poll(&mut self) -> Polled<S, S::Truth> {
         if let Some((sensors, truth)) = self.decoder.row() {
             return Polled::Sample(sensors, truth);
         }

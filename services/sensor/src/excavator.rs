@@ -16,7 +16,7 @@ const ALL_KNOWN: u32 = 0b111_1111;
 
 /// A simulated excavator.
 #[derive(Debug)]
-pub struct SimulatedExcavator {
+pub struct Simulator {
     rows: Rows,
     sequence: u64,
 }
@@ -27,7 +27,7 @@ enum Rows {
     Work(Box<Work>),
 }
 
-impl SimulatedExcavator {
+impl Simulator {
     /// Begins a run of the simulator.
     ///
     /// # Errors
@@ -49,7 +49,7 @@ impl SimulatedExcavator {
     }
 }
 
-impl Source for SimulatedExcavator {
+impl Source for Simulator {
     type Sensors = ExcavatorSensors;
     type Truth = ExcavatorTruth;
 

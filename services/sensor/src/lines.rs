@@ -2,7 +2,7 @@
 
 use std::os::fd::OwnedFd;
 
-use recording::{Error, LineDecoder, MAX_LINE, Machine, Map};
+use recording::{Error, LineDecoder, MAX_LINE, Map, Sensors};
 use runtime::{Live, Polled, now_ns};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
@@ -16,9 +16,9 @@ const UNDER_WAY: i64 = 500_000_000;
 
 /// Samples out of a file descriptor.
 #[derive(Debug)]
-pub struct Lines<M: Machine> {
+pub struct Lines<S: Sensors> {
     input: OwnedFd,
-    stream: LineDecoder<M>,
+    stream: LineDecoder<S>,
     /// What came since the last whole line.
     rest: Vec<u8>,
     /// A line that is too long is dropped to its end.
@@ -32,7 +32,7 @@ pub struct Lines<M: Machine> {
     is_paced: bool,
 }
 
-impl<M: Machine> Lines<M> {
+impl<S: Sensors> Lines<S> {
     /// Reads lines from `input`.
     ///
     /// # Errors
@@ -110,7 +110,7 @@ impl<M: Machine> Lines<M> {
     }
 
     /// The end: one without a sample before it is an error.
-    fn end(&mut self) -> Polled<M::Sensors, M::Truth> {
+    fn end(&mut self) -> Polled<S, S::Truth> {
         if std::mem::replace(&mut self.has_row, true) {
             return Polled::End;
         }
@@ -137,11 +137,11 @@ impl<M: Machine> Lines<M> {
     }
 }
 
-impl<M: Machine> Live for Lines<M> {
-    type Sensors = M::Sensors;
-    type Truth = M::Truth;
+impl<S: Sensors> Live for Lines<S> {
+    type Sensors = S;
+    type Truth = S::Truth;
 
-    fn poll(&mut self) -> Polled<M::Sensors, M::Truth> {
+    fn poll(&mut self) -> Polled<S, S::Truth> {
         if let Some((sensors, truth)) = self.stream.row() {
             return Polled::Sample(sensors, truth);
         }

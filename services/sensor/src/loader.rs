@@ -23,12 +23,12 @@ const ALL_KNOWN: u32 = 0b1111_1111;
 
 /// A simulated wheel loader.
 #[derive(Debug)]
-pub struct SimulatedLoader {
+pub struct Simulator {
     rows: Simulation,
     sequence: u64,
 }
 
-impl SimulatedLoader {
+impl Simulator {
     /// Begins a run of the simulator.
     ///
     /// # Errors
@@ -41,7 +41,7 @@ impl SimulatedLoader {
     }
 }
 
-impl Source for SimulatedLoader {
+impl Source for Simulator {
     type Sensors = LoaderSensors;
     type Truth = LoaderTruth;
 

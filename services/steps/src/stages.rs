@@ -221,16 +221,23 @@ impl Stage {
     }
 }
 
-impl Pipeline {
-    /// The pipeline of a machine.
-    #[must_use]
-    pub fn of(machine: Machine) -> &'static Self {
-        match machine {
-            Machine::Excavator => &crate::excavator::PIPELINE,
-            Machine::Loader => &crate::loader::PIPELINE,
+macro_rules! pipelines {
+    ($( $machine:ident, $module:ident, $sensors:ident, $truth:ident, $estimate:ident, $others:tt; )*) => {
+        impl Pipeline {
+            /// The pipeline of a machine.
+            #[must_use]
+            pub fn of(machine: Machine) -> &'static Self {
+                match machine {
+                    $( Machine::$machine => &crate::$module::PIPELINE, )*
+                }
+            }
         }
-    }
+    };
+}
 
+messages::machines!(pipelines);
+
+impl Pipeline {
     /// The process of that name.
     #[must_use]
     pub fn stage(&self, process: &str) -> Option<&'static Stage> {

@@ -4,7 +4,7 @@
 /// A parameter without verdict, whose errors count while the bit `$excited` is set; `$truth` says where the truth of it stands.
 macro_rules! parameter {
     ($excited:expr, $key:literal, $label:literal, $unit:literal, $possible:expr, $value:ident, $std:expr, $bit:expr, $truth:expr) => {
-        Parameter {
+        $crate::estimate::Parameter {
             key: $key,
             label: $label,
             unit: $unit,
@@ -18,11 +18,12 @@ macro_rules! parameter {
         }
     };
 }
-mod excavator;
-mod loader;
+pub(crate) use parameter;
 
 use messages::{Machine, Message};
 
+use crate::panels::Panel;
+use crate::run::Estimator;
 use crate::words::Judgement;
 
 /// An estimate message of one machine.
@@ -38,6 +39,8 @@ pub trait Estimate: Message {
     /// How its normalised innovations are judged.
     const INNOVATION: InnovationRule;
 
+    /// The conditions of the verdict, by their bits; a name that ends in "trusted" is the verdict.
+    const CONDITIONS: &'static [(&'static str, u32)];
     /// What a stretch of motion is called, and the least speed of one [rad/s, m/s].
     const MOTION_NAME: (&'static str, f64);
     /// Keys of the parameters that are told of each stretch of motion.
@@ -55,6 +58,14 @@ pub trait Estimate: Message {
     fn nis(&self) -> f64;
     /// What heft says of each headline parameter.
     fn judgements(&self) -> Vec<Judgement>;
+    /// Forgetting factors of inertia, damping and torque, where the method has them.
+    fn forgetting(&self) -> Vec<f64> {
+        Vec::new()
+    }
+    /// Panels that only this machine's estimators have.
+    fn own_panels(_: &Estimator<Self>) -> Vec<Panel> {
+        Vec::new()
+    }
 
     /// Name of the method.
     fn method_name(&self) -> &'static str {
@@ -96,10 +107,10 @@ pub struct Parameter<E, T> {
     pub unit: &'static str,
     /// What it can be, in the machine as it is built; a plot's axis goes no further.
     pub possible: (f64, f64),
-    value: fn(&E) -> f64,
-    std: Option<fn(&E) -> f64>,
-    estimated: fn(&E) -> bool,
-    truth: Option<fn(&T) -> Option<f64>>,
+    pub(crate) value: fn(&E) -> f64,
+    pub(crate) std: Option<fn(&E) -> f64>,
+    pub(crate) estimated: fn(&E) -> bool,
+    pub(crate) truth: Option<fn(&T) -> Option<f64>>,
     /// Bit of [`Estimate::flags`] that says that it may be believed; 0 where there is no verdict.
     pub trusted: u32,
     /// Bit that says that the motion informs about it; errors are counted there.
@@ -107,12 +118,12 @@ pub struct Parameter<E, T> {
 }
 
 /// Any number.
-const ANY: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
+pub(crate) const ANY: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
 /// No negative number.
-const POSITIVE: (f64, f64) = (0.0, f64::INFINITY);
+pub(crate) const POSITIVE: (f64, f64) = (0.0, f64::INFINITY);
 
 /// A true value, where its bit of `known` says so.
-fn known(known: u32, bit: u32, value: f64) -> Option<f64> {
+pub(crate) fn known(known: u32, bit: u32, value: f64) -> Option<f64> {
     (known & (1 << bit) != 0).then_some(value)
 }
 

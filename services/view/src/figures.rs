@@ -1,19 +1,11 @@
 //! The papers' figures, drawn from our runs: each function takes plain series and returns the text
 //! of an SVG file that says whose data it shows.
 
-pub mod excavator;
-pub mod loader;
-
 use crate::plot::{Plot, Style};
 
 /// Size of one panel of a figure.
 const WIDTH: u32 = 640;
 const HEIGHT: u32 = 230;
-
-/// The paper on the excavator.
-const EXCAVATOR: &str = "after Oh, Yi, Seo, Kim, Lee 2017";
-/// The paper on the wheel loader.
-const LOADER: &str = "after Yang, Wang, Han 2021";
 
 /// A line of a panel.
 #[derive(Debug, Clone)]
@@ -25,7 +17,7 @@ pub struct Curve<'a> {
 }
 
 /// A figure: caption and panels; "heft" says that the data are ours.
-fn figure(number: &str, paper: &str, what: &str, panels: &[Plot]) -> String {
+pub(crate) fn figure(number: &str, paper: &str, what: &str, panels: &[Plot]) -> String {
     let caption = format!("Fig. {number}: {what}");
     crate::plot::file(
         &caption,
@@ -36,12 +28,17 @@ fn figure(number: &str, paper: &str, what: &str, panels: &[Plot]) -> String {
     )
 }
 
-fn points(t: &[f64], values: &[f64]) -> Vec<(f64, f64)> {
+pub(crate) fn points(t: &[f64], values: &[f64]) -> Vec<(f64, f64)> {
     t.iter().copied().zip(values.iter().copied()).collect()
 }
 
 /// Curves over time, the reference dashed and on top.
-fn panel(title: &str, t: &[f64], reference: Option<&[f64]>, curves: &[Curve<'_>]) -> Plot {
+pub(crate) fn panel(
+    title: &str,
+    t: &[f64],
+    reference: Option<&[f64]>,
+    curves: &[Curve<'_>],
+) -> Plot {
     let mut plot = Plot::new(title, "Time [s]");
     for (i, curve) in curves.iter().enumerate() {
         plot.line(curve.label, Style::Series(i), &points(t, curve.values));
@@ -55,6 +52,8 @@ fn panel(title: &str, t: &[f64], reference: Option<&[f64]>, curves: &[Curve<'_>]
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::excavator::figures as excavator;
+    use crate::loader::figures as loader;
 
     #[test]
     fn every_figure_stands_alone_and_says_whose_data_it_shows() {

@@ -4,15 +4,18 @@
 //! | module | what |
 //! |---|---|
 //! | `report`, [`live`], [`top`], [`figures`] | page of a run, live page, terminal, figures of the papers |
-//! | [`estimate`] | what a machine has to show: parameters, flags, innovation; a file each |
+//! | [`estimate`] | what a machine has to show: parameters, flags, innovation |
+//! | [`excavator`], [`loader`] | that of a machine, with its words, panels and figures |
 //! | `run`, [`monitor`] | a run in memory; the latest of everything |
 //! | [`panels`], [`plot`] | what is plotted, and how |
 //! | [`words`], [`number`] | verdicts in sentences, numbers rounded to their uncertainty |
 //! | [`score`], [`stretches`] | errors against the truth; swings and loads |
 
 pub mod estimate;
+pub mod excavator;
 pub mod figures;
 pub mod live;
+pub mod loader;
 pub mod monitor;
 pub mod number;
 pub mod panels;
@@ -25,4 +28,4 @@ pub mod top;
 pub mod words;
 
 pub use report::{compared, page, picture, report};
-pub use run::{Estimator, Input, MachineRun, Run, lost};
+pub use run::{Estimator, Input, MachineRun, Parts, Run, lost};

@@ -9,6 +9,9 @@ mod connections;
 mod frame;
 mod page;
 mod server;
+
+pub(crate) use frame::{judgements, series_of, truth};
+pub(crate) use page::definition;
 #[cfg(test)]
 mod tests;
 

@@ -6,9 +6,12 @@ use std::collections::{BTreeMap, VecDeque};
 use std::time::{Duration, Instant};
 
 use messages::channels::Channel;
-use messages::{ExcavatorEstimate, ExcavatorTruth, Health, LoaderEstimate, LoaderTruth, Message};
+use messages::{Health, Machine, Message};
+
+use serde_json::Value;
 
 use crate::estimate::Estimate;
+use crate::{live, top};
 
 /// Values that a sparkline shows at most.
 const TREND: usize = 240;
@@ -155,6 +158,80 @@ impl<E: Estimate> MachineState<E> {
     }
 }
 
+macro_rules! machines {
+    ($( $machine:ident, $module:ident, $sensors:ident, $truth:ident, $estimate:ident, $others:tt; )*) => {
+        /// What is known of each machine.
+        #[derive(Debug, Clone, Default)]
+        #[allow(missing_docs, reason = "each is of the machine of its name")]
+        pub struct Machines { $( pub $module: MachineState<messages::$estimate>, )* }
+
+        impl Machines {
+            /// Takes note of an estimate or a truth; tells whether it is an estimate.
+            fn push(&mut self, channel: &Channel, message: &dyn Any, now: Instant) -> bool {
+                $(
+                    if let Some(estimate) = message.downcast_ref() {
+                        self.$module.estimate(channel, estimate, now);
+                        return true;
+                    }
+                    if let Some(truth) = message.downcast_ref() {
+                        self.$module.truth = Some(*truth);
+                    }
+                )*
+                false
+            }
+
+            /// Each, its types put aside.
+            pub(crate) fn all(&self) -> [&dyn Shown; Machine::ALL.len()] {
+                [$( &self.$module ),*]
+            }
+        }
+    };
+}
+
+messages::machines!(machines);
+
+/// What is shown of a machine's part.
+pub(crate) trait Shown {
+    /// Which machine.
+    fn machine(&self) -> Machine;
+    /// For the live page: its parameters, its numbers, its truth, its verdicts.
+    fn definition(&self) -> Value;
+    /// The numbers of its estimators.
+    fn series(&self) -> Vec<Value>;
+    /// The truth of its parameters.
+    fn truth(&self) -> Value;
+    /// Its verdicts in words.
+    fn judgements(&self) -> Vec<Value>;
+    /// For the terminal: its verdicts with their trend.
+    fn verdicts(&self) -> Vec<top::Verdict>;
+}
+
+impl<E: Estimate> Shown for MachineState<E> {
+    fn machine(&self) -> Machine {
+        E::MACHINE
+    }
+
+    fn definition(&self) -> Value {
+        live::definition::<E>()
+    }
+
+    fn series(&self) -> Vec<Value> {
+        live::series_of(self)
+    }
+
+    fn truth(&self) -> Value {
+        live::truth(self)
+    }
+
+    fn judgements(&self) -> Vec<Value> {
+        live::judgements(self)
+    }
+
+    fn verdicts(&self) -> Vec<top::Verdict> {
+        top::verdicts(self)
+    }
+}
+
 /// The latest of everything.
 #[derive(Debug, Clone, Default)]
 pub struct Monitor {
@@ -164,10 +241,8 @@ pub struct Monitor {
     pub channels: BTreeMap<&'static str, ChannelState>,
     /// By their position in the table of processes.
     pub processes: BTreeMap<u32, ProcessState>,
-    /// The excavator's part.
-    pub excavator: MachineState<ExcavatorEstimate>,
-    /// The loader's part.
-    pub loader: MachineState<LoaderEstimate>,
+    /// What concerns each machine.
+    pub machines: Machines,
     /// Time of the newest estimate, as the data tell it [s].
     pub time: f64,
     /// Whether the samples are the simulator's.
@@ -188,19 +263,12 @@ impl Monitor {
     pub fn push<M: Message>(&mut self, channel: &Channel, message: &M, now: Instant) {
         self.count(channel, message, now);
         self.is_simulated |= message.is_simulated();
+        let time = message.stamp().time;
         let message: &dyn Any = message;
-        if let Some(e) = message.downcast_ref::<ExcavatorEstimate>() {
-            self.time = e.stamp.time;
-            self.excavator.estimate(channel, e, now);
-        } else if let Some(e) = message.downcast_ref::<LoaderEstimate>() {
-            self.time = e.stamp.time;
-            self.loader.estimate(channel, e, now);
-        } else if let Some(t) = message.downcast_ref::<ExcavatorTruth>() {
-            self.excavator.truth = Some(*t);
-        } else if let Some(t) = message.downcast_ref::<LoaderTruth>() {
-            self.loader.truth = Some(*t);
-        } else if let Some(h) = message.downcast_ref::<Health>() {
+        if let Some(h) = message.downcast_ref::<Health>() {
             self.process(h, now);
+        } else if self.machines.push(channel, message, now) {
+            self.time = time;
         }
     }
 
@@ -248,7 +316,7 @@ impl Monitor {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use messages::{Stamp, channels};
+    use messages::{ExcavatorEstimate, LoaderEstimate, Stamp, channels};
 
     #[test]
     fn rate_and_loss_come_from_arrivals_and_sequence() {
@@ -316,7 +384,7 @@ mod tests {
             );
         }
         assert_eq!(
-            monitor.excavator.estimators["excavator/inertia_ukf"]
+            monitor.machines.excavator.estimators["excavator/inertia_ukf"]
                 .trend
                 .len(),
             TREND

@@ -29,7 +29,7 @@ impl Panel {
         }
     }
 
-    fn half(plot: Plot, note: impl Into<String>) -> Self {
+    pub(crate) fn half(plot: Plot, note: impl Into<String>) -> Self {
         Self {
             plot,
             wide: false,

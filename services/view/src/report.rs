@@ -5,11 +5,12 @@ mod compared;
 mod header;
 mod html;
 mod one_by_one;
+mod part;
 mod tables;
 
 use std::fmt::Write;
 
-use messages::{Health, Machine};
+use messages::Health;
 
 use crate::estimate::Estimate;
 use crate::panels::{self, Panel};
@@ -36,18 +37,9 @@ struct Page {
 pub fn report(run: &Run) -> String {
     let mut page = Page::default();
     header::write(&mut page.body, run);
-    machine(
-        &mut page,
-        run,
-        &run.excavator,
-        panels::rules::excavator(&run.excavator),
-    );
-    machine(
-        &mut page,
-        run,
-        &run.loader,
-        panels::rules::loader(&run.loader),
-    );
+    for part in part::all(run) {
+        part.sections(&mut page, run);
+    }
     let measured = panels::sensors::panels(&run.inputs);
     page.section("What the sensors measured", measured);
     tables::processes(&mut page.body, run);
@@ -59,10 +51,7 @@ pub fn report(run: &Run) -> String {
 /// trusts: one SVG file that follows the reader's light or dark setting.
 #[must_use]
 pub fn picture(run: &Run) -> String {
-    let excavator = panels::history::panels(&run.excavator);
-    let panels = excavator
-        .into_iter()
-        .chain(panels::history::panels(&run.loader));
+    let panels = part::all(run).into_iter().flat_map(|part| part.history());
     let plots: Vec<Plot> = panels.filter(|p| p.wide).map(|p| p.plot).collect();
     crate::plot::file(
         &header::title(run).replacen("report", "estimates", 1),
@@ -80,24 +69,19 @@ pub fn page(title: &str, body: &str) -> String {
 }
 
 /// All sections of one machine; nothing where the run has none of it.
-fn machine<E: Estimate>(page: &mut Page, run: &Run, part: &MachineRun<E>, rules: Vec<Panel>) {
+fn machine<E: Estimate>(page: &mut Page, run: &Run, part: &MachineRun<E>) {
     if part.estimators.is_empty() {
         return;
     }
     let history = panels::history::panels(part);
     page.section(&format!("What the {} did", E::MACHINE), history);
     one_by_one::write(&mut page.body, part);
-    page.section("Why heft trusts it, or not", rules);
+    page.section("Why heft trusts it, or not", panels::rules::panels(part));
     tables::comparison(&mut page.body, run, part);
     page.section("Errors against the truth", panels::error::panels(part));
-    let motion = if E::MACHINE == Machine::Excavator {
-        run.motion.as_slice()
-    } else {
-        &[]
-    };
     // They are judged by neighbours.
     if run.thinned.is_empty() {
-        page.section("Innovations", panels::innovation::panels(part, motion));
+        page.section("Innovations", panels::innovation::panels(part, &run.motion));
     }
     latency(page, run, part);
 }

@@ -1,11 +1,8 @@
 //! A run in memory: what the report is made of.
 
 use messages::channels::{self, Channel};
-use messages::{
-    ExcavatorEstimate, ExcavatorSensors, Health, LoaderEstimate, LoaderSensors, Message,
-    NumberType, SwingMotion, excavator_bits, loader_bits,
-};
-use recording::Reader;
+use messages::{Health, Message, SwingMotion};
+use recording::{Reader, Sensors};
 use steps::stages::Pipeline;
 
 use crate::estimate::Estimate;
@@ -78,10 +75,8 @@ impl<E: Estimate> MachineRun<E> {
 pub struct Run {
     /// Names and values in the order of the recording: version, configuration, host...
     pub metadata: Vec<(String, String)>,
-    /// The excavator's part, empty for a loader.
-    pub excavator: MachineRun<ExcavatorEstimate>,
-    /// The loader's part, empty for an excavator.
-    pub loader: MachineRun<LoaderEstimate>,
+    /// What concerns each machine.
+    pub parts: Parts,
     /// What the sensors measured.
     pub inputs: Vec<Input>,
     /// The excavator's filter stage.
@@ -136,13 +131,8 @@ impl Run {
         }
         let motions = reader.stream(channels::EXCAVATOR_MOTION.name)?;
         Ok(Self {
-            excavator: machine(reader, &channels::EXCAVATOR_TRUTH, &mut thinned)?,
-            loader: machine(reader, &channels::LOADER_TRUTH, &mut thinned)?,
-            inputs: [
-                inputs::<ExcavatorSensors>(reader, &channels::EXCAVATOR_SENSORS, &EXCAVATOR)?,
-                inputs::<LoaderSensors>(reader, &channels::LOADER_SENSORS, &LOADER)?,
-            ]
-            .concat(),
+            parts: Parts::read(reader, &mut thinned)?,
+            inputs: inputs_of_all(reader)?,
             motion: motions.take(MOTIONS).collect(),
             health: last_health.into_values().collect(),
             thinned,
@@ -184,59 +174,26 @@ pub struct Input {
     pub points: Vec<(f64, f64)>,
 }
 
-/// Bits of the excavator's signals, in the order of the numbers of its message.
-const EXCAVATOR: [u32; 8] = [
-    excavator_bits::SWING_VELOCITY,
-    excavator_bits::SWING_ANGLE,
-    excavator_bits::SWING_TORQUE,
-    excavator_bits::BOOM_ANGLE,
-    excavator_bits::ARM_ANGLE,
-    excavator_bits::BUCKET_ANGLE,
-    excavator_bits::PITCH,
-    excavator_bits::ROLL,
-];
-
-/// The same of the loader.
-const LOADER: [u32; 12] = [
-    loader_bits::SPEED,
-    loader_bits::FRONT_WHEEL_SPEED,
-    loader_bits::REAR_WHEEL_SPEED,
-    loader_bits::FRONT_TORQUE,
-    loader_bits::REAR_TORQUE,
-    loader_bits::SLOPE,
-    loader_bits::ACCELERATION,
-    loader_bits::MASS,
-    loader_bits::SPADE_FORCE_X,
-    loader_bits::SPADE_FORCE_Z,
-    loader_bits::ARTICULATION,
-    loader_bits::YAW_RATE,
-];
-
-/// The signals of a channel of sensors, those without any value left out.
-fn inputs<S: Message>(
-    reader: &Reader,
-    channel: &Channel,
-    bits: &[u32],
-) -> Result<Vec<Input>, recording::Error> {
-    let numbers = S::FIELDS.iter().enumerate().skip(messages::HEAD);
-    let measured: Vec<_> = numbers.filter(|(_, f)| f.kind == NumberType::F64).collect();
+/// The signals of a machine's sensors, those without any value left out.
+fn inputs<S: Sensors>(reader: &Reader) -> Result<Vec<Input>, recording::Error> {
+    let measured: Vec<_> = recording::measured::<S>().collect();
     let valid = S::index("valid");
     let mut inputs: Vec<Input> = measured
         .iter()
-        .map(|(_, field)| Input {
-            name: field.name,
-            unit: field.unit,
+        .map(|(index, _)| Input {
+            name: S::FIELDS[*index].name,
+            unit: S::FIELDS[*index].unit,
             points: Vec::new(),
         })
         .collect();
     let mut every = 1;
-    for (n, sample) in reader.stream::<S>(channel.name)?.enumerate() {
+    for (n, sample) in reader.stream::<S>(S::SENSORS.name)?.enumerate() {
         if n % every != 0 {
             continue;
         }
         let there = valid.and_then(|i| sample.get(i));
         let there = there.map_or(0, |v| v.as_f64() as u32);
-        for ((input, (index, _)), bit) in inputs.iter_mut().zip(&measured).zip(bits) {
+        for (input, (index, bit)) in inputs.iter_mut().zip(&measured) {
             let value = sample.get(*index).filter(|_| there & bit != 0);
             let value = value.map_or(f64::NAN, |v| v.as_f64());
             input.points.push((sample.stamp().time, value));
@@ -255,6 +212,27 @@ fn inputs<S: Message>(
     inputs.retain(|input| input.points.iter().any(|p| p.1.is_finite()));
     Ok(inputs)
 }
+
+macro_rules! parts {
+    ($( $machine:ident, $module:ident, $sensors:ident, $truth:ident, $estimate:ident, $others:tt; )*) => {
+        /// What a run holds of each machine; empty for all but its own.
+        #[derive(Debug, Clone, Default)]
+        #[allow(missing_docs, reason = "each is of the machine of its name")]
+        pub struct Parts { $( pub $module: MachineRun<messages::$estimate>, )* }
+
+        impl Parts {
+            fn read(reader: &Reader, thinned: &mut Vec<Thinned>) -> Result<Self, recording::Error> {
+                Ok(Self { $( $module: machine(reader, messages::$sensors::TRUTH, thinned)?, )* })
+            }
+        }
+
+        fn inputs_of_all(reader: &Reader) -> Result<Vec<Input>, recording::Error> {
+            Ok([$( inputs::<messages::$sensors>(reader)? ),*].concat())
+        }
+    };
+}
+
+messages::machines!(parts);
 
 fn machine<E: Estimate>(
     reader: &Reader,
@@ -370,7 +348,7 @@ impl Lost {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use messages::{ExcavatorTruth, Stamp};
+    use messages::{ExcavatorEstimate, ExcavatorTruth, Stamp};
 
     fn stamp(sequence: u64) -> Stamp {
         Stamp {

@@ -45,8 +45,8 @@ impl TopState {
 /// Draws the dashboard; ages are told up to the present.
 pub fn draw(frame: &mut Frame, state: &TopState) {
     let now = Instant::now().max(state.now);
-    let verdicts = verdicts(&state.monitor.excavator).chain(verdicts(&state.monitor.loader));
-    let verdicts: Vec<_> = verdicts.collect();
+    let machines = state.monitor.machines.all();
+    let verdicts: Vec<_> = machines.iter().flat_map(|m| m.verdicts()).collect();
     let heights = Heights::of(frame.area(), &verdicts, &state.monitor);
     let parts = [1].iter().chain(&heights.verdicts).copied();
     let tables = [heights.processes, heights.channels];
@@ -126,14 +126,14 @@ fn title(frame: &mut Frame, area: Rect, state: &TopState) {
 }
 
 /// One quantity of one estimator.
-struct Verdict {
+pub(crate) struct Verdict {
     source: String,
     judgement: Judgement,
     trend: Vec<u64>,
 }
 
 /// The verdicts of a machine, trend included.
-fn verdicts<E: Estimate>(state: &MachineState<E>) -> impl Iterator<Item = Verdict> {
+pub(crate) fn verdicts<E: Estimate>(state: &MachineState<E>) -> Vec<Verdict> {
     state
         .estimators
         .iter()
@@ -146,6 +146,7 @@ fn verdicts<E: Estimate>(state: &MachineState<E>) -> impl Iterator<Item = Verdic
                 trend: trend(tracked, i),
             })
         })
+        .collect()
 }
 
 /// Headline parameter `index` from its lowest (1) to its highest (100) over the last seconds.

@@ -1,11 +1,6 @@
 //! The verdict in plain words, with numbers rounded to their uncertainty: one wording for the
 //! command line, the report, the live page and the terminal dashboard.
 
-pub(crate) mod excavator;
-pub(crate) mod loader;
-
-use messages::{ExcavatorEstimate, LoaderEstimate};
-
 use crate::estimate::Estimate;
 
 /// What heft says of one quantity.
@@ -36,18 +31,6 @@ impl Judgement {
     pub fn sentence(&self) -> String {
         format!("{}. {}", self.value, self.verdict())
     }
-}
-
-/// The verdict on an excavator estimate.
-#[must_use]
-pub fn excavator_verdict(estimate: &ExcavatorEstimate) -> String {
-    verdict(estimate)
-}
-
-/// The verdict on a loader estimate, position and height.
-#[must_use]
-pub fn loader_verdict(estimate: &LoaderEstimate) -> String {
-    verdict(estimate)
 }
 
 /// The verdict on the estimate of any machine.
@@ -135,7 +118,7 @@ pub fn wrapped(text: &str, width: usize) -> Vec<String> {
 mod tests {
     use super::*;
     use crate::number::GROUP;
-    use messages::{excavator_bits as x, loader_bits as l};
+    use messages::{ExcavatorEstimate, LoaderEstimate, excavator_bits as x, loader_bits as l};
 
     fn plain(text: &str) -> String {
         text.replace(GROUP, " ")
@@ -155,7 +138,7 @@ mod tests {
 
     #[test]
     fn a_trusted_inertia_says_value_interval_and_why() {
-        let text = plain(&excavator_verdict(&inertia(ALL | x::TRUSTED)));
+        let text = plain(&verdict(&inertia(ALL | x::TRUSTED)));
         assert!(text.starts_with("The swing inertia is 5 873 ± 61 kg m² (95 %: 5 753 to 5 993 kg m²). heft trusts it:"), "{text}");
     }
 
@@ -168,26 +151,26 @@ mod tests {
             x::CONVERGED,
             x::IDENTIFIABLE,
         ] {
-            let judgement = excavator::inertia(&inertia(ALL & !bit));
+            let judgement = inertia(ALL & !bit).judgements().swap_remove(0);
             assert!(!judgement.trusted);
             assert_eq!(judgement.reasons.len(), 1, "{judgement:?}");
         }
-        let none = excavator::inertia(&inertia(0));
+        let none = inertia(0).judgements().swap_remove(0);
         let distinct: std::collections::HashSet<_> = none.reasons.iter().collect();
         assert_eq!(distinct.len(), 5);
     }
 
     #[test]
     fn standstill_and_a_changing_payload_are_named() {
-        let held = excavator_verdict(&inertia(ALL & !x::EXCITED | x::HELD));
+        let held = verdict(&inertia(ALL & !x::EXCITED | x::HELD));
         assert!(held.contains("stands still"), "{held}");
-        let changing = excavator_verdict(&inertia(ALL & !x::CONVERGED | x::CHANGING));
+        let changing = verdict(&inertia(ALL & !x::CONVERGED | x::CHANGING));
         assert!(changing.contains("payload is changing"), "{changing}");
     }
 
     #[test]
     fn no_estimate_is_not_an_inertia_of_zero() {
-        let text = excavator_verdict(&ExcavatorEstimate::default());
+        let text = verdict(&ExcavatorEstimate::default());
         assert!(text.starts_with("There is no swing inertia yet"), "{text}");
     }
 
@@ -207,7 +190,7 @@ mod tests {
                 | l::TRUSTED_RATIO,
             ..Default::default()
         };
-        let text = plain(&loader_verdict(&estimate));
+        let text = plain(&verdict(&estimate));
         assert!(
             text.contains("1.624 ± 0.012 m behind the front axle"),
             "{text}"

@@ -6,7 +6,7 @@ use messages::{
     ExcavatorEstimate, ExcavatorTruth, Health, LoaderEstimate, LoaderTruth, Message, NumberType,
     SwingMotion, Value,
 };
-use view::{Estimator, MachineRun, Run, number, report};
+use view::{Estimator, MachineRun, Parts, Run, number, report};
 
 /// A seeded generator of any bits, and of the numbers that break things.
 struct Any(u64);
@@ -119,8 +119,7 @@ fn a_run_of_any_samples_makes_a_report() {
             truth: any.messages::<LoaderTruth>(times),
         };
         let html = report(&Run {
-            excavator,
-            loader,
+            parts: Parts { excavator, loader },
             motion: any.messages::<SwingMotion>(times),
             health: any.messages::<Health>(times),
             ..Default::default()

@@ -150,7 +150,7 @@ fn a_recording_makes_the_same_report_as_the_run_in_memory() {
     common::record(&file, &metadata, &run);
     let read = Run::from_recording(&recording::Reader::open(&file).expect("opened")).expect("read");
     assert_eq!(read.processes, run.processes);
-    assert_eq!(read.excavator.truth, run.excavator.truth);
+    assert_eq!(read.parts.excavator.truth, run.parts.excavator.truth);
     let sorted = Run {
         metadata: read.metadata.clone(),
         ..run

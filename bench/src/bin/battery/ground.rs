@@ -156,7 +156,7 @@ impl Run {
         Ok(())
     }
 
-    /// Signals a service, if it is there.
+    /// Sensors a service, if it is there.
     pub fn signal(&self, name: &str, signal: Signal) {
         if let Some(pid) = self.service(name) {
             send(pid, signal);

@@ -11,7 +11,7 @@ use messages::{
     Value, excavator_bits, loader_bits,
 };
 use runtime::Source;
-use sensor::{SimulatedExcavator, SimulatedLoader};
+use sensor::{excavator, loader};
 use steps::stages::Pipeline;
 
 use crate::attack::{Attack, Outcome, Rng};
@@ -138,13 +138,13 @@ impl Clean {
             Machine::Excavator => {
                 let mut run = sim::excavator::Run::new(sim::excavator::Scenario::Cycle);
                 (run.duration, run.seed) = (DURATION, seed);
-                let source = SimulatedExcavator::new(&run).map_err(|e| e.to_string())?;
+                let source = excavator::Simulator::new(&run).map_err(|e| e.to_string())?;
                 Self::Excavator(all(source))
             }
             Machine::Loader => {
                 let mut run = sim::loader::Run::new(sim::loader::Scenario::WorkCycle);
                 (run.duration, run.seed, run.tier) = (Some(DURATION), seed, sim::loader::Tier::B);
-                let source = SimulatedLoader::new(&run).map_err(|e| e.to_string())?;
+                let source = loader::Simulator::new(&run).map_err(|e| e.to_string())?;
                 Self::Loader(all(source))
             }
         })

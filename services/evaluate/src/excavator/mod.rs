@@ -49,7 +49,10 @@ const TABLES: [(&str, Evaluation); 8] = [
 ];
 
 /// The table asked for, or all of them: then the JSON has one key per table.
-pub(crate) fn evaluate(options: &Options) -> Result<Report, Error> {
+///
+/// # Errors
+/// The table is unknown, or the estimators refuse their settings.
+pub fn evaluate(options: &Options) -> Result<Report, Error> {
     match &options.table {
         Some(name) => named(name)?(options),
         None => everything(options),

@@ -39,7 +39,10 @@ const TABLES: [(&str, Evaluate); 8] = [
 ];
 
 /// One table, whose JSON is that table's; or all of them, whose JSON has one key per table.
-pub(crate) fn evaluate(options: &Options) -> Result<Report, Error> {
+///
+/// # Errors
+/// The table is unknown, or the estimators refuse their settings.
+pub fn evaluate(options: &Options) -> Result<Report, Error> {
     if let Some(name) = &options.table {
         let table = TABLES.iter().find(|table| table.0 == name);
         let known = || TABLES.iter().map(|table| table.0).collect();

@@ -8,7 +8,7 @@ use rusqlite::params;
 use steps::stages::Pipeline;
 use view::estimate::Estimate;
 use view::plot::escape;
-use view::{Estimator, MachineRun, Run};
+use view::{Estimator, MachineRun, Parts, Run};
 
 use super::intake::decode;
 use super::live;
@@ -106,8 +106,10 @@ pub fn page(db: &Path, id: &MachineId, head: &Head) -> Option<String> {
         .filter(|(name, _)| name.starts_with("health/"));
     let run = Run {
         metadata: head.metadata.clone(),
-        excavator: part(&streams),
-        loader: part(&streams),
+        parts: Parts {
+            excavator: part(&streams),
+            loader: part(&streams),
+        },
         health: health
             .filter_map(|(_, all)| messages::Health::inside(all.last()?).copied())
             .collect(),

@@ -8,104 +8,21 @@ use std::sync::atomic::AtomicBool;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use calibrate::Summary;
-use calibrate::excavator::{self as machine, Input};
 use calibrate::fit::Progress;
-use calibrate::loader::Told;
-use config::Description;
 use estimation::Quantity;
 
 use crate::cli::CalibrateArgs;
 use crate::commands::run::description;
-use crate::commands::weigh::{SCALE_STD, reference};
 use crate::failure::Failure;
-use crate::sources;
+use crate::machines;
 
 /// `heft calibrate`
 pub fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {
-    match description(args.machine, &args.description)? {
-        Description::Excavator(d) => excavator(args, &d),
-        Description::Loader(d) => loader(args, &d),
-    }
+    let description = description(args.machine, &args.description)?;
+    machines::entry(args.machine).calibrate(args, &description)
 }
 
-fn excavator(args: &CalibrateArgs, d: &config::Excavator) -> Result<(), Failure> {
-    let map = sources::map(args.map.as_deref())?;
-    let loads = told(args, &args.payload, "--payload")?;
-    let mut inputs = Vec::new();
-    for (file, payload) in args.files.iter().zip(loads) {
-        let rows = recording::load_excavator(file, map_for(file, map.as_ref()))?;
-        inputs.push(Input {
-            name: name(file),
-            samples: rows
-                .iter()
-                .map(|(s, _)| steps::excavator::sample(s))
-                .collect(),
-            payload,
-        });
-    }
-    let stop = interrupt()?;
-    let outcome = machine::calibrate(
-        &inputs,
-        &machine::Options {
-            description: d,
-            free: (!args.free.is_empty()).then_some(args.free.as_slice()),
-            stop: &stop,
-            progress: &tell_progress,
-        },
-    )
-    .map_err(unknown_key)?;
-    let written = outcome.description(d, &origin(args)?).map(|(_, text)| text);
-    finish(args, &outcome.summary(), written)
-}
-
-fn loader(args: &CalibrateArgs, d: &config::Loader) -> Result<(), Failure> {
-    let map = sources::map(args.map.as_deref())?;
-    let masses = told(args, &args.mass, "--mass")?;
-    let scales = weighed(args, d.machine.wheelbase)?;
-    let mut inputs = Vec::new();
-    for (i, (file, mass)) in args.files.iter().zip(masses).enumerate() {
-        let rows = recording::load_loader(file, map_for(file, map.as_ref()))?;
-        inputs.push(calibrate::loader::Input {
-            name: name(file),
-            samples: rows.iter().map(|(s, _)| steps::loader::sample(s)).collect(),
-            told: Told {
-                mass,
-                ..scales[i + 1]
-            },
-        });
-    }
-    let stop = interrupt()?;
-    let outcome = calibrate::loader::calibrate(
-        &inputs,
-        &calibrate::loader::Options {
-            description: d,
-            weighed: scales[0],
-            slices: args.report.is_some(),
-            free: (!args.free.is_empty()).then_some(args.free.as_slice()),
-            stop: &stop,
-            progress: &tell_progress,
-        },
-    )
-    .map_err(unknown_key)?;
-    let written = outcome.description(d, &origin(args)?).map(|(_, text)| text);
-    finish(args, &outcome.summary(), written)
-}
-
-/// What axle scales say of the machine as described, and then of the machine in each file: `SCALES` or `FILE=SCALES`.
-fn weighed(args: &CalibrateArgs, wheelbase: f64) -> Result<Vec<Told>, Failure> {
-    let mut all = vec![Told::default(); args.files.len() + 1];
-    for text in &args.weigh {
-        let (at, scales) = match text.rsplit_once('=') {
-            None => (0, text.as_str()),
-            Some((file, scales)) => (1 + position(args, file, "--weigh", text)?, scales),
-        };
-        let reference = reference(Path::new(scales), wheelbase)?;
-        all[at] = Told::weighed(&reference, SCALE_STD);
-    }
-    Ok(all)
-}
-
-fn unknown_key(e: String) -> Failure {
+pub fn unknown_key(e: String) -> Failure {
     Failure::input(
         e,
         "--free",
@@ -114,7 +31,7 @@ fn unknown_key(e: String) -> Failure {
 }
 
 /// Tells what was found, and writes the description where it may be believed, or the user insists.
-fn finish(
+pub fn finish(
     args: &CalibrateArgs,
     summary: &Summary<'_>,
     written: Option<String>,
@@ -176,7 +93,7 @@ fn text(summary: &Summary<'_>) -> String {
 }
 
 /// The load of each file: `FILE=KG`, `FILE=KG±KG` or `FILE=KG+-KG`.
-fn told(
+pub fn told(
     args: &CalibrateArgs,
     given: &[String],
     option: &str,
@@ -200,7 +117,12 @@ fn told(
 }
 
 /// Which recording is meant.
-fn position(args: &CalibrateArgs, file: &str, option: &str, text: &str) -> Result<usize, Failure> {
+pub fn position(
+    args: &CalibrateArgs,
+    file: &str,
+    option: &str,
+    text: &str,
+) -> Result<usize, Failure> {
     let is_meant = |f: &PathBuf| f == Path::new(file) || name(f) == file;
     args.files.iter().position(is_meant).ok_or_else(|| {
         Failure::input(
@@ -230,18 +152,18 @@ fn quantity(text: &str) -> Option<Quantity> {
 }
 
 /// A recording of heft takes no signal map.
-fn map_for<'a>(file: &Path, map: Option<&'a recording::Map>) -> Option<&'a recording::Map> {
+pub fn map_for<'a>(file: &Path, map: Option<&'a recording::Map>) -> Option<&'a recording::Map> {
     map.filter(|_| file.extension().is_none_or(|e| e != "mcap"))
 }
 
-fn name(file: &Path) -> String {
+pub fn name(file: &Path) -> String {
     file.file_name().map_or_else(
         || file.display().to_string(),
         |n| n.to_string_lossy().into_owned(),
     )
 }
 
-fn interrupt() -> Result<Arc<AtomicBool>, Failure> {
+pub fn interrupt() -> Result<Arc<AtomicBool>, Failure> {
     let stop = Arc::new(AtomicBool::new(false));
     for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
         signal_hook::flag::register(signal, Arc::clone(&stop)).map_err(Failure::internal)?;
@@ -249,7 +171,7 @@ fn interrupt() -> Result<Arc<AtomicBool>, Failure> {
     Ok(stop)
 }
 
-fn tell_progress(progress: Progress) {
+pub fn tell_progress(progress: Progress) {
     use std::io::IsTerminal;
     if std::io::stderr().is_terminal() {
         eprint!("\rstep {:<3} cost {:<16.3}", progress.step, progress.cost);
@@ -257,7 +179,7 @@ fn tell_progress(progress: Progress) {
 }
 
 /// Where the numbers come from: version, date, files with their hashes.
-fn origin(args: &CalibrateArgs) -> Result<Vec<String>, Failure> {
+pub fn origin(args: &CalibrateArgs) -> Result<Vec<String>, Failure> {
     let mut lines = vec![format!(
         "Calibrated by heft {} on {} from",
         env!("CARGO_PKG_VERSION"),

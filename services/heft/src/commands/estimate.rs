@@ -7,9 +7,7 @@ use std::path::{Path, PathBuf};
 
 use config::Description;
 use messages::channels::Channel;
-use messages::{
-    Envelope, ExcavatorEstimate, LoaderEstimate, Machine, Message, Receiver, excavator_bits,
-};
+use messages::{Envelope, Machine, Message, Receiver};
 use recording::{EstimateWriter, Metadata, Reader, Samples, Writer, output};
 use steps::Error;
 use steps::stages::{AnyStep, Pipeline, Role};
@@ -19,7 +17,8 @@ use self::found::Found;
 use crate::cli::EstimateArgs;
 use crate::commands::run::{description, tell_idle_keys};
 use crate::failure::Failure;
-use crate::{page, parts, sources, summary};
+use crate::machines::{self, Look};
+use crate::{page, parts, summary};
 
 /// `heft estimate`
 pub fn estimate(args: &EstimateArgs) -> Result<(), Failure> {
@@ -37,50 +36,8 @@ pub fn estimate(args: &EstimateArgs) -> Result<(), Failure> {
 /// One input in this process.
 fn one(args: &EstimateArgs, file: &Path, output: &Path) -> Result<(), Failure> {
     check_outputs(args, file, output)?;
-    let map = sources::map(args.map.as_deref())?;
     let description = description(args.machine, &args.description)?;
-    match &description {
-        Description::Excavator(d) => {
-            let samples = recording::open::<recording::Excavator>(file, map.as_ref())?;
-            if let Some((first, _)) = samples.rows()?.next() {
-                steps::excavator::check_columns(
-                    d,
-                    method(args.machine, args.method.as_deref()),
-                    &first,
-                )?;
-            }
-            samples.check()?;
-            let past = if args.smooth {
-                let rows = samples.rows()?.map(|(row, _)| row);
-                steps::excavator::past(d, method(args.machine, args.method.as_deref()), rows)?
-            } else {
-                Vec::new()
-            };
-            let put = |row: usize, estimate: &mut ExcavatorEstimate| {
-                if let Some(Some(moment)) = past.get(row) {
-                    moment.put(estimate);
-                }
-            };
-            run(args, output, &description, samples, put)
-        }
-        Description::Loader(_) => {
-            if args.smooth {
-                return Err(Failure::input(
-                    "the loader's estimators have no smoother",
-                    "--smooth",
-                    "leave it out",
-                ));
-            }
-            let samples = recording::open::<recording::Loader>(file, map.as_ref())?;
-            run(
-                args,
-                output,
-                &description,
-                samples,
-                |_, _: &mut LoaderEstimate| {},
-            )
-        }
-    }
+    machines::entry(args.machine).estimate(args, file, output, &description)
 }
 
 /// Refuses to write over what is read, or over something else of value.
@@ -131,50 +88,14 @@ pub fn way(description: &Description, method: &str) -> Result<Way, Error> {
         .collect()
 }
 
-/// Does the boom point into the ground in nearly every sample in which an excavator swings? No machine can.
-#[derive(Default)]
-struct Boom {
-    down: usize,
-    all: usize,
-}
-
-impl Boom {
-    /// Swinging from this velocity on [rad/s].
-    const SWINGS: f64 = 0.1;
-    /// Down from this angle on [rad].
-    const DOWN: f64 = -0.2;
-    /// Fewest samples that tell.
-    const FEWEST: usize = 50;
-
-    fn add(&mut self, sample: &Envelope) {
-        let Envelope::ExcavatorSensors(s) = sample else {
-            return;
-        };
-        let measured = excavator_bits::BOOM_ANGLE | excavator_bits::SWING_VELOCITY;
-        if s.valid & measured == measured && s.swing_velocity.abs() > Self::SWINGS {
-            self.all += 1;
-            self.down += usize::from(s.boom_angle < Self::DOWN);
-        }
-    }
-
-    /// Says so.
-    fn tell(&self) {
-        if self.all >= Self::FEWEST && 10 * self.down > 9 * self.all {
-            println!(
-                "boom_angle seems to have the other sign: the boom points into the ground while the machine swings\n  what to do: \
-                 turn it with `scale = -1` in a signal map (up is positive)"
-            );
-        }
-    }
-}
-
 /// Takes sample after sample through the stages, so that the length of the data does not matter; `put` may say of a
 /// row's estimate what later rows know.
-fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
+pub fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
     args: &EstimateArgs,
     output: &Path,
     description: &Description,
     mut samples: Samples<S, T>,
+    mut look: impl Look<S>,
     put: impl Fn(usize, &mut E),
 ) -> Result<(), Failure> {
     samples.on_progress(parts::progress());
@@ -186,11 +107,10 @@ fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
     let report = args.report.as_deref();
     let mut notes = report.map(|r| Notes::create(r, &metadata)).transpose()?;
     let (mut rows, mut last, mut trusted) = (0, E::default(), None);
-    let mut boom = Boom::default();
     for (sample, truth) in samples.rows()? {
         rows += 1;
         let mut message = sample.envelope();
-        boom.add(&message);
+        look.add(&sample);
         if let Some(notes) = &mut notes {
             notes.add_sample(description, &message, &truth)?;
         }
@@ -227,7 +147,7 @@ fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
         )?;
     }
     tell(args, output, written, rows, &view::words::verdict(&last));
-    boom.tell();
+    look.tell();
     let age = trusted.map(|e| last.stamp().time - e.stamp().time);
     if let Some((trusted, age)) = trusted.zip(age).filter(|(_, age)| *age > 0.0) {
         println!(

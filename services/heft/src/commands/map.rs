@@ -13,7 +13,7 @@ pub fn map(
     machine: Option<Machine>,
     output: Option<&Path>,
 ) -> Result<(), Failure> {
-    let text = recording::suggest(file, dbc, machine.map(Machine::name))?;
+    let text = recording::suggest(file, dbc, machine)?;
     match output {
         None => print!("{text}"),
         Some(path) => {

@@ -76,10 +76,7 @@ pub fn folder(out: Option<&Path>, machine: &str) -> Result<PathBuf, Failure> {
 fn plan(args: &RunArgs) -> Result<(Plan, Description), Failure> {
     let machine = args.machine;
     let description = description(machine, &args.description)?;
-    let rate = args.rate.unwrap_or(match &description {
-        Description::Excavator(d) => d.sensors.rate,
-        Description::Loader(d) => d.sensors.rate,
-    });
+    let rate = args.rate.unwrap_or(description.rate());
     if let Some(duration) = args.duration
         && (duration.is_nan() || duration <= 0.0)
     {

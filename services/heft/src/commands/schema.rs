@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use clap::ValueEnum;
-use messages::channels::{CHANNELS, Visitor};
+use messages::channels::{self, Visitor};
 use messages::{Field, Machine, Message, NumberType};
 use recording::can::Outgoing;
 
@@ -46,7 +46,7 @@ pub fn schema(
 /// The frames of a machine, or of all.
 fn dbc(machine: Option<Machine>, map: Option<&Path>) -> Result<String, Failure> {
     let machines = machine.map_or(Machine::ALL.to_vec(), |m| vec![m]);
-    let all = machines.iter().map(|m| Outgoing::new(m.name(), map));
+    let all = machines.iter().map(|m| Outgoing::new(*m, map));
     Ok(Outgoing::dbc(&all.collect::<Result<Vec<_>, _>>()?))
 }
 
@@ -119,7 +119,7 @@ fn tables() -> Vec<Table> {
         }
     }
     let mut tables: Vec<Table> = Vec::new();
-    for channel in CHANNELS {
+    for channel in channels::all() {
         let table = channel.payload.visit(Describe);
         if tables.iter().all(|t| t.name != table.name) {
             tables.push(table);
@@ -137,7 +137,7 @@ fn channels(head: &str, line: &str, tail: &str) -> String {
         }
     }
     let mut out = format!("\n{head}\n");
-    for channel in CHANNELS {
+    for channel in channels::all() {
         let message = channel.payload.visit(Name);
         let line = line.replace("{c}", channel.name).replace("{m}", message);
         let _ = writeln!(out, "{line}");

@@ -69,7 +69,7 @@ struct Writer {
 pub fn tail(args: &TailArgs) -> Result<(), Failure> {
     let domain = find(args.domain.as_deref())?;
     let machine = Plan::read(&domain)?.machine;
-    let frames = Outgoing::new(machine.name(), args.output_map.as_deref())?;
+    let frames = Outgoing::new(machine, args.output_map.as_deref())?;
     let name = args.channel.as_deref().unwrap_or(frames.channel.name);
     if args.format == Format::Candump && name != frames.channel.name {
         return Err(Failure::input(

@@ -1,25 +1,35 @@
 //! The excavator on the command line.
 
+mod boom;
+mod calibrate;
 mod figures;
 
-use messages::{ExcavatorSensors, ExcavatorTruth};
+use config::Description;
+use messages::{ExcavatorEstimate, ExcavatorSensors, ExcavatorTruth, excavator_bits as bits};
 use runtime::Source;
-use sensor::SimulatedExcavator;
+use sensor::excavator::Simulator;
 use sim::excavator::{Effects, Run, Scenario, Size, Work, cases};
 use sim::named;
 
-use super::{Figure, Typed, all_scenarios, bad_run, no_scenario};
+use super::{Figure, Later, Typed, all_scenarios, bad_run, no_scenario};
+use crate::cli::CalibrateArgs;
 use crate::failure::Failure;
 use crate::plan::Plan;
+use crate::quantity::Quantity;
 
 pub(super) struct Excavator;
 
 impl Typed for Excavator {
-    type Signals = recording::Excavator;
-    type Estimate = messages::ExcavatorEstimate;
+    type Sensors = ExcavatorSensors;
+    type Estimate = ExcavatorEstimate;
+    type Look = boom::Boom;
     const ABOUT: &'static str = "Swing inertia, damping, torque, payload";
     const USUAL: &'static str = "base";
     const SHOWN: &'static str = "cycle";
+    const TOLD: &'static [Quantity] = &[
+        inertia("excavator/inertia_ukf"),
+        inertia("excavator/inertia_rls"),
+    ];
 
     fn scenarios() -> Vec<(String, String)> {
         let cases = cases();
@@ -41,13 +51,42 @@ impl Typed for Excavator {
         (run.payload, run.rate, run.seed) = (plan.payload, plan.rate, plan.seed);
         run.duration = plan.duration.unwrap_or(run.duration);
         Ok(Simulated {
-            rows: SimulatedExcavator::new(&run).map_err(bad_run)?,
+            rows: Simulator::new(&run).map_err(bad_run)?,
             duration: f64::INFINITY,
         })
     }
 
+    fn check(
+        description: &Description,
+        method: &str,
+        first: &ExcavatorSensors,
+    ) -> Result<(), Failure> {
+        Ok(steps::excavator::check_columns(
+            described(description)?,
+            method,
+            first,
+        )?)
+    }
+
+    fn past(
+        description: &Description,
+        method: &str,
+        rows: impl Iterator<Item = ExcavatorSensors>,
+    ) -> Result<Later<ExcavatorEstimate>, Failure> {
+        let past = steps::excavator::past(described(description)?, method, rows)?;
+        Ok(Box::new(move |row, estimate| {
+            if let Some(Some(moment)) = past.get(row) {
+                moment.put(estimate);
+            }
+        }))
+    }
+
+    fn calibrate(args: &CalibrateArgs, description: &Description) -> Result<(), Failure> {
+        calibrate::calibrate(args, described(description)?)
+    }
+
     fn evaluate(options: &evaluate::Options) -> Result<evaluate::Report, evaluate::Error> {
-        evaluate::excavator(options)
+        evaluate::excavator::evaluate(options)
     }
 
     fn figures() -> Result<Vec<Figure>, Failure> {
@@ -71,14 +110,14 @@ fn work(plan: &Plan, effects: Effects) -> Result<Simulated, Failure> {
     }
     let work = Work::new(Size::reference(), effects, plan.seed);
     Ok(Simulated {
-        rows: SimulatedExcavator::at_work(work),
+        rows: Simulator::at_work(work),
         duration: plan.duration.unwrap_or(WORK_DURATION),
     })
 }
 
 /// A simulated machine, for some time.
 struct Simulated {
-    rows: SimulatedExcavator,
+    rows: Simulator,
     duration: f64,
 }
 
@@ -89,5 +128,26 @@ impl Source for Simulated {
     fn next(&mut self) -> Option<(ExcavatorSensors, ExcavatorTruth)> {
         let next = self.rows.next()?;
         (next.0.stamp.time <= self.duration).then_some(next)
+    }
+}
+
+/// The swing inertia in a channel.
+const fn inertia(channel: &'static str) -> Quantity {
+    Quantity {
+        channel,
+        label: "swing inertia",
+        symbol: "J",
+        unit: "kg m²",
+        field: "inertia",
+        std_field: "inertia_std",
+        truth_field: "inertia",
+        trusted_bit: bits::TRUSTED,
+    }
+}
+
+fn described(description: &Description) -> Result<&config::Excavator, Failure> {
+    match description {
+        Description::Excavator(d) => Ok(d),
+        other => Err(steps::Error::OtherMachine(other.machine()).into()),
     }
 }

@@ -1,24 +1,35 @@
 //! The wheel loader on the command line.
 
+mod calibrate;
 mod figures;
 
-use messages::{LoaderSensors, LoaderTruth};
+use config::Description;
+use messages::{LoaderSensors, LoaderTruth, loader_bits as bits};
 use runtime::Source;
 use sim::loader::{CASES, Run, Scenario, Tier};
 use sim::named;
 
 use super::{Figure, Typed, all_scenarios, bad_run, no_scenario};
+use crate::cli::CalibrateArgs;
 use crate::failure::Failure;
 use crate::plan::Plan;
+use crate::quantity::Quantity;
 
 pub(super) struct Loader;
 
 impl Typed for Loader {
-    type Signals = recording::Loader;
+    type Sensors = LoaderSensors;
     type Estimate = messages::LoaderEstimate;
+    type Look = ();
     const ABOUT: &'static str = "Centre of gravity, slip stiffness, digging force";
     const USUAL: &'static str = "work-cycle";
     const SHOWN: &'static str = "work-cycle";
+    const TOLD: &'static [Quantity] = &[
+        ratio("loader/cg_ukf"),
+        height("loader/cg_ukf"),
+        ratio("loader/cg_ekf"),
+        height("loader/cg_ekf"),
+    ];
 
     fn scenarios() -> Vec<(String, String)> {
         all_scenarios(Scenario::ALL, CASES.iter().map(|c| (c.0, c.1)))
@@ -38,14 +49,49 @@ impl Typed for Loader {
         run.payload = plan.payload.or(run.payload);
         (run.rate, run.seed) = (plan.rate, plan.seed);
         (run.tier, run.duration) = (Tier::B, plan.duration);
-        sensor::SimulatedLoader::new(&run).map_err(bad_run)
+        sensor::loader::Simulator::new(&run).map_err(bad_run)
+    }
+
+    fn calibrate(args: &CalibrateArgs, description: &Description) -> Result<(), Failure> {
+        match description {
+            Description::Loader(d) => calibrate::calibrate(args, d),
+            other => Err(steps::Error::OtherMachine(other.machine()).into()),
+        }
     }
 
     fn evaluate(options: &evaluate::Options) -> Result<evaluate::Report, evaluate::Error> {
-        evaluate::loader(options)
+        evaluate::loader::evaluate(options)
     }
 
     fn figures() -> Result<Vec<Figure>, Failure> {
         figures::all()
+    }
+}
+
+/// The position of the centre of gravity in a channel.
+const fn ratio(channel: &'static str) -> Quantity {
+    Quantity {
+        channel,
+        label: "front share of the weight",
+        symbol: "λ",
+        unit: "",
+        field: "cg_ratio",
+        std_field: "cg_ratio_std",
+        truth_field: "cg_ratio",
+        trusted_bit: bits::TRUSTED_RATIO,
+    }
+}
+
+/// Its height in a channel.
+const fn height(channel: &'static str) -> Quantity {
+    Quantity {
+        channel,
+        label: "height of the centre of gravity",
+        symbol: "h",
+        unit: "m",
+        field: "cg_height",
+        std_field: "cg_height_std",
+        truth_field: "cg_height",
+        trusted_bit: bits::TRUSTED_HEIGHT,
     }
 }

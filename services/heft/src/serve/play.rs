@@ -8,8 +8,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use messages::Message;
-use recording::Machine;
+use recording::Sensors;
 
 use super::remote::RemoteShard;
 use super::rows::{Member, Rows};
@@ -68,9 +67,9 @@ pub struct Played {
 }
 
 /// Plays the machines to shards that are started with these arguments, until their sources or the user end it.
-pub fn play<M: Machine>(
+pub fn play<S: Sensors>(
     machines: &Machines,
-    make: impl Fn(&Plan) -> Result<AnySource<M>, Failure> + Sync,
+    make: impl Fn(&Plan) -> Result<AnySource<S>, Failure> + Sync,
     rows: Rows,
     shards: usize,
     arguments: &[OsString],
@@ -81,7 +80,7 @@ pub fn play<M: Machine>(
     let failed = AtomicBool::new(false);
     let feed = |first: usize, shard: &RemoteShard| {
         let numbers = (first..machines.count).step_by(shards);
-        let players = numbers.map(|n| Player::<M>::new(n, make(&machines.plan(n))?));
+        let players = numbers.map(|n| Player::<S>::new(n, make(&machines.plan(n))?));
         let players = players.collect::<Result<Vec<_>, _>>();
         failed.fetch_or(players.is_err(), Ordering::Relaxed);
         let stops = || signals.came() || failed.load(Ordering::Relaxed);
@@ -113,21 +112,21 @@ pub fn play<M: Machine>(
 }
 
 /// A machine and its next sample.
-struct Player<M: Machine> {
+struct Player<S: Sensors> {
     number: u32,
-    source: AnySource<M>,
+    source: AnySource<S>,
     /// Time of its first sample [s].
     origin: Option<f64>,
-    sample: M::Sensors,
+    sample: S,
 }
 
-impl<M: Machine> Player<M> {
-    fn new(number: usize, source: AnySource<M>) -> Result<Self, Failure> {
+impl<S: Sensors> Player<S> {
+    fn new(number: usize, source: AnySource<S>) -> Result<Self, Failure> {
         Ok(Self {
             number: number as u32,
             source,
             origin: None,
-            sample: M::Sensors::default(),
+            sample: S::default(),
         })
     }
 
@@ -144,17 +143,17 @@ impl<M: Machine> Player<M> {
 }
 
 /// Sends the samples of some machines to their shard.
-struct Feed<'a, M: Machine> {
+struct Feed<'a, S: Sensors> {
     shard: &'a RemoteShard<'a>,
-    players: Vec<Player<M>>,
+    players: Vec<Player<S>>,
     /// Who is next, and when.
     turns: BinaryHeap<Reverse<(Duration, usize)>>,
     /// Sampling period; none where nobody waits for the clock.
     period: Option<Duration>,
 }
 
-impl<'a, M: Machine> Feed<'a, M> {
-    fn new(plan: &Plan, shard: &'a RemoteShard<'a>, mut players: Vec<Player<M>>) -> Self {
+impl<'a, S: Sensors> Feed<'a, S> {
+    fn new(plan: &Plan, shard: &'a RemoteShard<'a>, mut players: Vec<Player<S>>) -> Self {
         let turns = players.iter_mut().enumerate();
         let turns = turns.filter_map(|(at, player)| Some(Reverse((player.advance()?, at))));
         Self {

@@ -5,7 +5,7 @@ use super::frame::Frame;
 use crate::Error;
 use crate::map::{Can, CanName, Conversion, Entry, Map, Origin, Rows as When, Term, hint};
 use crate::sampling::{RowTime, Rows, SECOND, Series};
-use crate::signal::{self, Builder, Machine, Row, Signal};
+use crate::signal::{self, Builder, Row, Sensors, Signal};
 
 /// A frame so much earlier than the one before is not merely out of order.
 const DISORDER: i64 = SECOND;
@@ -20,7 +20,7 @@ const MOST_REMARKS: usize = 20;
 
 /// Makes rows of frames. The frames alone decide what the rows are: a bus and its log give the same.
 #[derive(Debug)]
-pub struct Decoder<M: Machine> {
+pub struct Decoder<S: Sensors> {
     lines: Vec<Line>,
     /// The values of the terms that come from the bus.
     series: Vec<Series>,
@@ -28,7 +28,7 @@ pub struct Decoder<M: Machine> {
     rows: Rows,
     /// Position of the master's first term among the series.
     master: Option<usize>,
-    builder: Builder<M>,
+    builder: Builder<S>,
     values: Vec<f64>,
     remarks: Vec<String>,
     map: Map,
@@ -60,7 +60,7 @@ struct Bus {
     has_value: bool,
 }
 
-impl<M: Machine> Decoder<M> {
+impl<S: Sensors> Decoder<S> {
     /// A decoder for the frames that the map names; its DBC files are read.
     ///
     /// # Errors
@@ -73,9 +73,9 @@ impl<M: Machine> Decoder<M> {
                 "name the DBC file and the signals under [can] and [can.signals]",
             ));
         };
-        let signals = signal::signals::<M>();
+        let signals = signal::signals::<S>();
         map.check(&can.signals, &signals)?;
-        require::<M>(can, map)?;
+        require::<S>(can, map)?;
         let mut files = Vec::new();
         for path in &can.dbc {
             files.push(Dbc::open(path)?);
@@ -161,7 +161,7 @@ impl<M: Machine> Decoder<M> {
     }
 
     /// The next row, if one is complete. Its `measured_ns` is its time on the clock of the frames.
-    pub fn row(&mut self) -> Option<Row<M>> {
+    pub fn row(&mut self) -> Option<Row<S>> {
         self.builder.next()
     }
 
@@ -260,13 +260,13 @@ fn remark(remarks: &mut Vec<String>, text: String) {
 }
 
 /// Of each group of signals, the map must have one.
-fn require<M: Machine>(can: &Can, map: &Map) -> Result<(), Error> {
+fn require<S: Sensors>(can: &Can, map: &Map) -> Result<(), Error> {
     let has = |name: &str| {
         can.signals
             .iter()
             .any(|e| e.signal == name && !e.is_nowhere())
     };
-    let missing = M::REQUIRED
+    let missing = S::REQUIRED
         .iter()
         .find(|group| !group.iter().any(|name| has(name)));
     missing.map_or(Ok(()), |group| {
@@ -274,7 +274,7 @@ fn require<M: Machine>(can: &Can, map: &Map) -> Result<(), Error> {
             format!(
                 "the map names no signal for {} ({})",
                 group.join(" or "),
-                M::NAME
+                S::MACHINE
             ),
             map.file(),
             "add it under [can.signals], or say { constant = ... }",

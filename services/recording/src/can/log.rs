@@ -7,13 +7,13 @@ use std::path::{Path, PathBuf};
 use super::{Decoder, Line, parse};
 use crate::Error;
 use crate::map::Map;
-use crate::signal::{Machine, Row};
+use crate::signal::{Row, Sensors};
 
 /// The rows of a log, one after the other.
-pub(crate) struct Log<M: Machine> {
+pub(crate) struct Log<S: Sensors> {
     path: PathBuf,
     file: BufReader<File>,
-    decoder: Decoder<M>,
+    decoder: Decoder<S>,
     line: Vec<u8>,
     number: usize,
     /// Bytes read.
@@ -21,7 +21,7 @@ pub(crate) struct Log<M: Machine> {
     has_ended: bool,
 }
 
-impl<M: Machine> Log<M> {
+impl<S: Sensors> Log<S> {
     /// Opens a log, to be read as the map says.
     pub(crate) fn open(path: &Path, map: &Map) -> Result<Self, Error> {
         let failed = |e| Error::system("read the CAN log", path, &e);
@@ -37,7 +37,7 @@ impl<M: Machine> Log<M> {
     }
 
     /// The next row; nothing at the end.
-    pub(crate) fn row(&mut self) -> Result<Option<Row<M>>, Error> {
+    pub(crate) fn row(&mut self) -> Result<Option<Row<S>>, Error> {
         loop {
             if let Some(row) = self.decoder.row() {
                 return Ok(Some(row));

@@ -8,163 +8,52 @@
 //!
 //! The verdict has two bits a flag, as J1939 does: 0 no, 1 yes.
 
+mod map;
+
 use std::fmt::Write;
 use std::path::Path;
 
-use messages::channels::{Channel, Visitor, find};
-use messages::{Envelope, Message, SIMULATED, excavator_bits as e, loader_bits as l};
-use toml_edit::{Document, TableLike};
+use messages::channels::{Channel, Visitor};
+use messages::{Envelope, Machine, Message};
 
+use self::map::Parser;
 use super::Frame;
-use crate::Error;
-use crate::map::hint;
+use crate::{Error, machines};
 
-/// J1939 proprietary B: parameter groups whose meaning their maker decides.
-const PROPRIETARY_B: std::ops::RangeInclusive<i64> = 0xff00..=0xffff;
 /// "Not available" (J1939-71) in every byte.
 const NOT_AVAILABLE: u32 = u32::MAX;
 /// Largest number that is a value: above are error and "not available".
 const LARGEST: f64 = 0xfaff_ffff_u32 as f64;
 
 /// A quantity with its standard deviation.
-struct Quantity {
-    name: &'static str,
+pub(crate) struct Quantity {
+    pub name: &'static str,
     /// Names of its signals in the DBC and of their fields in the message.
-    field: &'static str,
-    std_field: &'static str,
-    unit: &'static str,
+    pub field: &'static str,
+    pub std_field: &'static str,
+    pub unit: &'static str,
     /// Of one bit.
-    scale: f64,
+    pub scale: f64,
     /// Of the value 0.
-    offset: f64,
-    estimated: u32,
-    trusted: u32,
-    group: u16,
+    pub offset: f64,
+    /// Bits that say that the method estimates it, and that it may be believed.
+    pub estimated: u32,
+    pub trusted: u32,
+    /// Its usual parameter group.
+    pub group: u16,
 }
 
 /// What the frames of one machine are.
-struct Table {
-    machine: &'static str,
+pub(crate) struct FrameTable {
+    pub machine: Machine,
     /// Its channels of estimates, the main one first.
-    channels: [&'static str; 2],
-    quantities: &'static [Quantity],
+    pub channels: &'static [&'static Channel],
+    pub quantities: &'static [Quantity],
     /// Flags of the verdict.
-    flags: &'static [(&'static str, u32)],
-    verdict: u16,
+    pub flags: &'static [(&'static str, u32)],
+    /// Usual parameter group of the verdict.
+    pub verdict: u16,
 }
-
-macro_rules! quantity {
-    ($name:literal, $field:literal, $std:literal, $unit:literal, $scale:literal, $offset:literal, $estimated:expr, $trusted:expr, $group:literal) => {
-        Quantity {
-            name: $name,
-            field: $field,
-            std_field: $std,
-            unit: $unit,
-            scale: $scale,
-            offset: $offset,
-            estimated: $estimated,
-            trusted: $trusted,
-            group: $group,
-        }
-    };
-}
-
-const TABLES: &[Table] = &[
-    Table {
-        machine: "excavator",
-        channels: ["excavator/inertia_ukf", "excavator/inertia_rls"],
-        quantities: &[
-            quantity!(
-                "inertia",
-                "inertia",
-                "inertia_std",
-                "kg m^2",
-                0.1,
-                0.0,
-                e::INERTIA,
-                e::TRUSTED,
-                0xff10
-            ),
-            quantity!(
-                "payload",
-                "payload",
-                "payload_std",
-                "kg",
-                0.01,
-                -1e6,
-                e::PAYLOAD,
-                e::TRUSTED,
-                0xff11
-            ),
-            quantity!(
-                "damping",
-                "damping",
-                "damping_std",
-                "N m s/rad",
-                0.1,
-                0.0,
-                e::DAMPING,
-                e::TRUSTED,
-                0xff12
-            ),
-        ],
-        flags: &[
-            ("trusted", e::TRUSTED),
-            ("excited", e::EXCITED),
-            ("consistent", e::CONSISTENT),
-            ("fresh", e::FRESH),
-            ("converged", e::CONVERGED),
-            ("identifiable", e::IDENTIFIABLE),
-            ("changing", e::CHANGING),
-            ("simulated", SIMULATED),
-        ],
-        verdict: 0xff1f,
-    },
-    Table {
-        machine: "loader",
-        channels: ["loader/cg_ukf", "loader/cg_ekf"],
-        quantities: &[
-            quantity!(
-                "ratio",
-                "cg_ratio",
-                "cg_ratio_std",
-                "",
-                1e-6,
-                0.0,
-                l::STATE,
-                l::TRUSTED_RATIO,
-                0xff20
-            ),
-            quantity!(
-                "height",
-                "cg_height",
-                "cg_height_std",
-                "m",
-                1e-5,
-                0.0,
-                l::STATE,
-                l::TRUSTED_HEIGHT,
-                0xff21
-            ),
-        ],
-        flags: &[
-            ("trusted_ratio", l::TRUSTED_RATIO),
-            ("trusted_height", l::TRUSTED_HEIGHT),
-            ("excited_ratio", l::EXCITED_RATIO),
-            ("excited_height", l::EXCITED_HEIGHT),
-            ("consistent", l::CONSISTENT),
-            ("fresh", l::FRESH),
-            ("converged_ratio", l::CONVERGED_RATIO),
-            ("converged_height", l::CONVERGED_HEIGHT),
-            ("identifiable_ratio", l::IDENTIFIABLE_RATIO),
-            ("identifiable_height", l::IDENTIFIABLE_HEIGHT),
-            ("simulated", SIMULATED),
-        ],
-        verdict: 0xff2f,
-    },
-];
-
-const VERDICT: &str = "verdict";
 
 /// The frames of a machine's estimates, as an output map says.
 ///
@@ -180,7 +69,7 @@ const VERDICT: &str = "verdict";
 /// ```
 #[derive(Debug, Clone)]
 pub struct Outgoing {
-    machine: &'static str,
+    machine: Machine,
     /// The channel that is sent.
     pub channel: &'static Channel,
     /// Least time between two frames of one kind [s].
@@ -231,9 +120,8 @@ impl Outgoing {
     ///
     /// # Errors
     /// The map cannot be read, or names what there is not.
-    pub fn new(machine: &str, map: Option<&Path>) -> Result<Self, Error> {
-        let table = TABLES.iter().find(|t| t.machine == machine);
-        let table = table.unwrap_or(&TABLES[0]);
+    pub fn new(machine: Machine, map: Option<&Path>) -> Result<Self, Error> {
+        let table = machines::of(machine).frames;
         let Some(path) = map else {
             return Parser::new(table, "", Path::new("")).outgoing();
         };
@@ -364,166 +252,32 @@ fn raw(value: f64) -> Option<u32> {
         .then(|| value.round() as u32)
 }
 
-struct Parser<'a> {
-    table: &'static Table,
-    text: &'a str,
-    path: &'a Path,
-}
-
-impl<'a> Parser<'a> {
-    fn new(table: &'static Table, text: &'a str, path: &'a Path) -> Self {
-        Self { table, text, path }
-    }
-
-    fn error(&self, what: impl Into<String>, remedy: impl Into<String>) -> Error {
-        Error::new(what, self.path.display().to_string(), remedy)
-    }
-
-    fn outgoing(&self) -> Result<Outgoing, Error> {
-        let document = Document::parse(self.text.to_owned());
-        let document = document.map_err(|e| {
-            let what = e.message().trim().replace('\n', "; ");
-            self.error(what, "correct the TOML")
-        })?;
-        let can = document.get("can").and_then(|c| c.as_table_like());
-        self.known(document.as_table(), &["can"])?;
-        let get = |key: &str| can.and_then(|c| c.get(key));
-        if let Some(can) = can {
-            self.known(can, &["rate", "source", "priority", "channel", "frames"])?;
-        }
-        let number = |key: &str, default: i64, most: i64| match get(key) {
-            None => Ok(default),
-            Some(item) => item
-                .as_integer()
-                .filter(|n| (0..=most).contains(n))
-                .ok_or_else(|| {
-                    self.error(
-                        format!("can.{key} is no whole number from 0 to {most}"),
-                        "correct it",
-                    )
-                }),
-        };
-        let (source, priority) = (number("source", 0x80, 0xfd)?, number("priority", 6, 7)?);
-        let rate = get("rate").map_or(Some(10.0), |item| {
-            item.as_float()
-                .or_else(|| item.as_integer().map(|n| n as f64))
-        });
-        let rate = rate.filter(|r| (0.01..=1000.0).contains(r));
-        let rate = rate
-            .ok_or_else(|| self.error("can.rate is no number from 0.01 to 1000", "correct it"))?;
-        let name = get("channel").map_or(Some(self.table.channels[0]), |item| item.as_str());
-        let name = name.filter(|n| self.table.channels.contains(n));
-        let channel = name.and_then(find).ok_or_else(|| {
-            let all = self.table.channels.join(", ");
-            self.error(
-                "can.channel is no channel of estimates",
-                format!("one of {all}"),
-            )
-        })?;
-        let base = (priority as u32) << 26 | source as u32;
-        let mut kinds = self.kinds(channel, base);
-        if let Some(frames) = get("frames") {
-            let frames = frames.as_table_like();
-            let frames =
-                frames.ok_or_else(|| self.error("can.frames is no table", "write [can.frames]"))?;
-            let names: Vec<&str> = kinds.iter().map(|k| k.name).collect();
-            self.known(frames, &names)?;
-            kinds.retain(|k| frames.contains_key(k.name));
-            for kind in &mut kinds {
-                (kind.id, kind.extended) = self.identifier(kind.name, frames, base)?;
-            }
-        }
-        for (n, kind) in kinds.iter().enumerate() {
-            let twin = kinds[..n]
-                .iter()
-                .find(|k| (k.id, k.extended) == (kind.id, kind.extended));
-            if let Some(twin) = twin {
-                let what = format!("{} and {} have one identifier", twin.name, kind.name);
-                return Err(self.error(what, "give each its own"));
-            }
-        }
-        Ok(Outgoing {
-            machine: self.table.machine,
-            channel,
-            period: 1.0 / rate,
-            kinds,
-        })
-    }
-
-    /// All frames, with their usual groups.
-    fn kinds(&self, channel: &Channel, base: u32) -> Vec<Kind> {
-        let quantities = self.table.quantities.iter().map(|row| {
-            let at = [row.field, row.std_field].map(|field| position(channel, field));
-            (row.name, row.group, Content::Quantity(at, row))
-        });
-        let verdict = (
-            VERDICT,
-            self.table.verdict,
-            Content::Verdict(self.table.flags),
-        );
-        let all = quantities.chain([verdict]);
-        let kind = |(name, group, content)| Kind {
-            name,
-            id: base | u32::from(group) << 8,
-            extended: true,
-            content,
-        };
-        all.map(kind).collect()
-    }
-
-    fn identifier(
-        &self,
-        name: &str,
-        frames: &dyn TableLike,
-        base: u32,
-    ) -> Result<(u32, bool), Error> {
-        let item = frames.get(name);
-        let group = item.and_then(|i| i.as_integer());
-        if let Some(group) = group.filter(|g| PROPRIETARY_B.contains(g)) {
-            return Ok((base | (group as u32) << 8, true));
-        }
-        let fields = item.and_then(|i| i.as_table_like());
-        let id = fields.and_then(|f| f.get("id")?.as_integer());
-        match id.filter(|id| (0..0x800).contains(id)) {
-            Some(id) => Ok((id as u32, false)),
-            None => Err(self.error(
-                format!("can.frames.{name} names no identifier"),
-                "write a parameter group of proprietary B (0xff00 to 0xffff), or { id = ... } with 11 bits",
-            )),
-        }
-    }
-
-    fn known(&self, table: &dyn TableLike, keys: &[&str]) -> Result<(), Error> {
-        let unknown = table
-            .iter()
-            .map(|(key, _)| key)
-            .find(|key| !keys.contains(key));
-        unknown.map_or(Ok(()), |key| {
-            let remedy = hint(key, keys.iter().copied(), "the keys are");
-            Err(self.error(format!("an output map has no key `{key}`"), remedy))
-        })
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::dbc::{Dbc, Reading};
     use super::*;
-    use messages::channels::{
-        EXCAVATOR_INERTIA_RLS, EXCAVATOR_INERTIA_UKF, LOADER_CG_EKF, LOADER_CG_UKF,
+    use messages::{
+        ExcavatorEstimate, LoaderEstimate, SIMULATED, excavator_bits as e, loader_bits as l,
     };
-    use messages::{ExcavatorEstimate, LoaderEstimate};
 
     #[test]
-    fn every_channel_of_the_tables_exists() {
-        let channels = [
-            EXCAVATOR_INERTIA_UKF.name,
-            EXCAVATOR_INERTIA_RLS.name,
-            LOADER_CG_UKF.name,
-            LOADER_CG_EKF.name,
-        ];
-        let named: Vec<&str> = TABLES.iter().flat_map(|t| t.channels).collect();
-        assert_eq!(named, channels);
+    fn every_quantity_names_fields_of_its_messages() {
+        for table in Machine::ALL.map(|m| machines::of(m).frames) {
+            for (channel, row) in table
+                .channels
+                .iter()
+                .flat_map(|c| table.quantities.iter().map(move |q| (c, q)))
+            {
+                for field in [row.field, row.std_field, "flags", "estimated"] {
+                    assert_ne!(
+                        position(channel, field),
+                        usize::MAX,
+                        "{field} of {}",
+                        channel.name
+                    );
+                }
+            }
+        }
     }
 
     /// What our own reader of DBC files makes of the frames of an estimate.
@@ -553,7 +307,7 @@ mod tests {
 
     #[test]
     fn a_trusted_estimate_is_read_back_within_half_a_bit() {
-        let outgoing = Outgoing::new("excavator", None).expect("the usual frames");
+        let outgoing = Outgoing::new(Machine::Excavator, None).expect("the usual frames");
         for n in 0..200 {
             let x = f64::from(n);
             let estimate = ExcavatorEstimate {
@@ -592,7 +346,7 @@ mod tests {
 
     #[test]
     fn what_is_not_trusted_or_has_no_place_is_not_available() {
-        let outgoing = Outgoing::new("loader", None).expect("the usual frames");
+        let outgoing = Outgoing::new(Machine::Loader, None).expect("the usual frames");
         let mut estimate = LoaderEstimate {
             cg_height: 1.2,
             cg_height_std: 0.1,
@@ -617,7 +371,12 @@ mod tests {
     }
 
     fn with_map(text: &str) -> Result<Outgoing, Error> {
-        Parser::new(&TABLES[0], text, Path::new("out.toml")).outgoing()
+        Parser::new(
+            machines::of(Machine::Excavator).frames,
+            text,
+            Path::new("out.toml"),
+        )
+        .outgoing()
     }
 
     #[test]

@@ -5,8 +5,8 @@ use std::time::{Duration, Instant};
 
 use super::dbc::{Dbc, Reading};
 use super::{Decoder, Line, parse};
-use crate::signal::{Excavator, Loader};
-use crate::{Map, csv, load_excavator, time};
+use crate::{Map, csv, load, time};
+use messages::{ExcavatorSensors, LoaderSensors};
 
 fn folder() -> &'static Path {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/can"))
@@ -125,11 +125,11 @@ fn no_input_is_answered_by_a_panic() {
         }
         let broken = String::from_utf8_lossy(&random.damage(MAP.as_bytes())).into_owned();
         if let Ok(map) = Map::parse(&broken, dir.path().join("m.toml")) {
-            let _ = Decoder::<Excavator>::new(&map);
-            let _ = Decoder::<Loader>::new(&map);
+            let _ = Decoder::<ExcavatorSensors>::new(&map);
+            let _ = Decoder::<LoaderSensors>::new(&map);
         }
         let broken = String::from_utf8_lossy(&random.damage(LOG.as_bytes())).into_owned();
-        let mut decoder = Decoder::<Excavator>::new(&map).expect("a decoder");
+        let mut decoder = Decoder::<ExcavatorSensors>::new(&map).expect("a decoder");
         for line in broken.lines() {
             let _ = time::nanoseconds(line);
             if let Some(Line::Frame { frame, .. }) = parse(line) {
@@ -141,8 +141,8 @@ fn no_input_is_answered_by_a_panic() {
         assert!(rows < 100_000, "{rows} rows of three lines");
         if round % 4 == 0 {
             std::fs::write(&table, random.damage(TABLE.as_bytes())).expect("writable");
-            let _ = csv::read_excavator(&table, None);
-            let _ = csv::read_excavator(&table, Some(&map));
+            let _ = csv::read::<ExcavatorSensors>(&table, None);
+            let _ = csv::read::<ExcavatorSensors>(&table, Some(&map));
             let _ = csv::read_weighings(&table);
         }
         assert!(begun.elapsed() < limit, "{round} rounds took {limit:?}");
@@ -155,7 +155,7 @@ fn two_thousand_random_frames_make_no_row_that_cannot_be() {
     let dir = tempfile::tempdir().expect("a folder");
     std::fs::copy(folder().join("made_up.dbc"), dir.path().join("d.dbc")).expect("a DBC");
     let map = Map::parse(MAP, dir.path().join("m.toml")).expect("a map");
-    let mut decoder = Decoder::<Excavator>::new(&map).expect("a decoder");
+    let mut decoder = Decoder::<ExcavatorSensors>::new(&map).expect("a decoder");
     let mut last = f64::NEG_INFINITY;
     for n in 0..2000 {
         let data: String = (0..random.below(9))
@@ -186,6 +186,6 @@ fn a_file_that_says_it_is_a_log_and_is_not_is_an_error() {
     let map = Map::parse(MAP, dir.path().join("m.toml")).expect("a map");
     let path = dir.path().join("x.log");
     std::fs::write(&path, [0xff; 5000]).expect("writable");
-    let error = load_excavator(&path, Some(&map)).expect_err("no log");
+    let error = load::<ExcavatorSensors>(&path, Some(&map)).expect_err("no log");
     assert!(error.to_string().len() < 1000, "{error}");
 }

@@ -8,7 +8,7 @@ use super::dialect::Dialect;
 use crate::Error;
 use crate::map::{Conversion, Entry, Map, Origin, Timing, hint};
 use crate::sampling::{Rows, Series};
-use crate::signal::{self, Builder, Machine, Row};
+use crate::signal::{self, Builder, Row, Sensors};
 use crate::time;
 
 /// Age limit of a value that is held or interpolated, where the map has none [s].
@@ -16,11 +16,11 @@ const HOLD: f64 = 1.0;
 
 /// Makes rows of the cells of a table.
 #[derive(Debug)]
-pub(crate) struct Columns<M: Machine> {
+pub(crate) struct Columns<S: Sensors> {
     header: Vec<String>,
     dialect: Dialect,
     lines: Vec<Line>,
-    builder: Builder<M>,
+    builder: Builder<S>,
     values: Vec<f64>,
     /// The first date, where the time is one [ns].
     date: Option<i64>,
@@ -50,7 +50,7 @@ pub(crate) struct NoNumber {
     pub column: String,
 }
 
-impl<M: Machine> Columns<M> {
+impl<S: Sensors> Columns<S> {
     /// For each signal that the table or the map has, where it comes from.
     pub(crate) fn choose(
         header: Vec<String>,
@@ -59,7 +59,7 @@ impl<M: Machine> Columns<M> {
         file: &str,
     ) -> Result<Self, Error> {
         let entries = map.map_or(&[][..], |m| &m.columns);
-        let signals = signal::signals::<M>();
+        let signals = signal::signals::<S>();
         if let Some(map) = map {
             map.check(entries, &signals)?;
         }
@@ -89,7 +89,7 @@ impl<M: Machine> Columns<M> {
                 parts,
             });
         }
-        require::<M>(&lines, &used, &header, file)?;
+        require::<S>(&lines, &used, &header, file)?;
         let is_timed = timings.iter().any(|t| *t != Timing::default());
         Ok(Self {
             header,
@@ -158,7 +158,7 @@ impl<M: Machine> Columns<M> {
     }
 
     /// The next row, if one is complete.
-    pub(crate) fn row(&mut self) -> Option<Row<M>> {
+    pub(crate) fn row(&mut self) -> Option<Row<S>> {
         self.builder.next()
     }
 
@@ -261,7 +261,7 @@ fn parts(entry: &Entry, map: &Map, header: &[String], file: &str) -> Result<Vec<
     entry.terms.iter().map(part).collect()
 }
 
-fn require<M: Machine>(
+fn require<S: Sensors>(
     lines: &[Line],
     used: &[&signal::Signal],
     header: &[String],
@@ -269,12 +269,12 @@ fn require<M: Machine>(
 ) -> Result<(), Error> {
     debug_assert_eq!(lines.len(), used.len());
     let time: &[&str] = &["t"];
-    for group in [time].iter().chain(M::REQUIRED) {
+    for group in [time].iter().chain(S::REQUIRED) {
         if !group
             .iter()
             .any(|name| used.iter().any(|s| s.name == *name))
         {
-            return Err(absent(group, M::NAME, header, file));
+            return Err(absent(group, S::MACHINE.name(), header, file));
         }
     }
     Ok(())

@@ -2,10 +2,7 @@ use std::fmt::Write as _;
 use std::marker::PhantomData;
 use std::path::Path;
 
-use messages::{
-    EXCAVATOR_METHODS, EXCAVATOR_REASONS, ExcavatorEstimate, LOADER_METHODS, LOADER_REASONS,
-    LoaderEstimate, Message, Value, excavator_bits as e, loader_bits as l,
-};
+use messages::{Message, Value};
 
 use crate::Error;
 use crate::output::{Output, first_line};
@@ -37,91 +34,6 @@ pub trait Estimate: Message {
     }
     /// Flags, bits of the estimated quantities, index of the method.
     fn bits(&self) -> (u32, u32, u32);
-}
-
-use Column::{Flag, Value as Field};
-
-impl Estimate for ExcavatorEstimate {
-    const COLUMNS: &'static [Column] = &[
-        Field("inertia", e::INERTIA),
-        Field("inertia_std", e::INERTIA),
-        Field("damping", e::DAMPING),
-        Field("damping_std", e::DAMPING),
-        Field("torque", e::TORQUE),
-        Field("torque_std", e::TORQUE),
-        Field("payload", e::PAYLOAD),
-        Field("payload_std", e::PAYLOAD),
-        Field("velocity", 0),
-        Field("acceleration", e::ACCELERATION),
-        Flag("excited", e::EXCITED),
-        Flag("consistent", e::CONSISTENT),
-        Flag("fresh", e::FRESH),
-        Flag("converged", e::CONVERGED),
-        Flag("identifiable", e::IDENTIFIABLE),
-        Flag("held", e::HELD),
-        Flag("changing", e::CHANGING),
-        Flag("reset", e::RESET),
-        Flag("trusted", e::TRUSTED),
-    ];
-    const EXTRA: (&'static [Column], u32) = (
-        &[
-            Field("friction", e::FRICTION),
-            Field("friction_std", e::FRICTION),
-            Field("offset", e::OFFSET),
-            Field("offset_std", e::OFFSET),
-        ],
-        e::FRICTION | e::OFFSET,
-    );
-    const REFUSED: u32 = e::REFUSED;
-    const METHODS: &'static [&'static str] = EXCAVATOR_METHODS;
-    const REASONS: &'static [(&'static str, &'static str)] = EXCAVATOR_REASONS;
-    fn reason(&self) -> u32 {
-        self.reason
-    }
-    fn bits(&self) -> (u32, u32, u32) {
-        (self.flags, self.estimated, self.method)
-    }
-}
-
-impl Estimate for LoaderEstimate {
-    const COLUMNS: &'static [Column] = &[
-        Field("speed", l::STATE),
-        Field("front_wheel_speed", l::STATE),
-        Field("rear_wheel_speed", l::STATE),
-        Field("slip_stiffness", l::STATE),
-        Field("slip_stiffness_std", l::STATE),
-        Field("cg_height", l::STATE),
-        Field("cg_height_std", l::STATE),
-        Field("cg_ratio", l::STATE),
-        Field("cg_ratio_std", l::STATE),
-        Field("cg_distance", l::STATE),
-        Field("spade_force_x", l::ESTIMATED_SPADE_FORCE_X),
-        Field("spade_force_x_std", l::ESTIMATED_SPADE_FORCE_X),
-        Field("slope_bias", l::SLOPE_BIAS),
-        Field("front_radius_scale", l::RADIUS_SCALES),
-        Field("rear_radius_scale", l::RADIUS_SCALES),
-        Field("nis", 0),
-        Flag("excited_ratio", l::EXCITED_RATIO),
-        Flag("excited_height", l::EXCITED_HEIGHT),
-        Flag("consistent", l::CONSISTENT),
-        Flag("fresh", l::FRESH),
-        Flag("converged_ratio", l::CONVERGED_RATIO),
-        Flag("converged_height", l::CONVERGED_HEIGHT),
-        Flag("frozen", l::FROZEN),
-        Flag("reset", l::RESET),
-        Flag("trusted_ratio", l::TRUSTED_RATIO),
-        Flag("trusted_height", l::TRUSTED_HEIGHT),
-    ];
-    const EXTRA: (&'static [Column], u32) = (&[], 0);
-    const REFUSED: u32 = l::REFUSED;
-    const METHODS: &'static [&'static str] = LOADER_METHODS;
-    const REASONS: &'static [(&'static str, &'static str)] = LOADER_REASONS;
-    fn reason(&self) -> u32 {
-        self.reason
-    }
-    fn bits(&self) -> (u32, u32, u32) {
-        (self.flags, self.estimated, self.method)
-    }
 }
 
 /// Estimates as rows of text.
@@ -198,42 +110,6 @@ pub struct EstimateWriter<E: Estimate> {
     rows: Option<EstimateRows<E>>,
     row: String,
     written: usize,
-}
-
-impl EstimateWriter<ExcavatorEstimate> {
-    /// Begins a file of an excavator's estimates.
-    ///
-    /// # Errors
-    /// The file cannot be created.
-    pub fn excavator(path: impl AsRef<Path>) -> Result<Self, Error> {
-        Self::create(path.as_ref())
-    }
-
-    /// Adds an estimate; a refused row is left out.
-    ///
-    /// # Errors
-    /// The file cannot be written.
-    pub fn write_excavator(&mut self, estimate: &ExcavatorEstimate) -> Result<(), Error> {
-        self.write(estimate)
-    }
-}
-
-impl EstimateWriter<LoaderEstimate> {
-    /// Begins a file of a wheel loader's estimates.
-    ///
-    /// # Errors
-    /// The file cannot be created.
-    pub fn loader(path: impl AsRef<Path>) -> Result<Self, Error> {
-        Self::create(path.as_ref())
-    }
-
-    /// Adds an estimate; a refused row is left out.
-    ///
-    /// # Errors
-    /// The file cannot be written.
-    pub fn write_loader(&mut self, estimate: &LoaderEstimate) -> Result<(), Error> {
-        self.write(estimate)
-    }
 }
 
 impl<E: Estimate> EstimateWriter<E> {

@@ -37,7 +37,7 @@ fn one(reader: &Reader, channel: &str, folder: &Path) -> Result<PathBuf, Error> 
     let mut out = Output::create("write the channel", &path, &inputs, is_ours)?;
     out.put(header.as_bytes())?;
     out.put(b"\n")?;
-    let bits = bits(&fields);
+    let bits = bits(channel, &fields);
     let mut row = String::new();
     let mut outcome = Ok(());
     reader.for_each_value(channel, |_, values| {
@@ -67,12 +67,12 @@ struct Bits {
     of: Vec<u32>,
 }
 
-fn bits(fields: &[RecordedField]) -> Bits {
+fn bits(channel: &str, fields: &[RecordedField]) -> Bits {
     let at = |name: &str| fields.iter().position(|f| f.name == name);
     let valid = at("columns").and_then(|_| at("valid"));
     let of = fields
         .iter()
-        .map(|f| valid.map_or(0, |_| sensor_bit(&f.name)));
+        .map(|f| valid.map_or(0, |_| sensor_bit(channel, &f.name)));
     Bits {
         valid,
         of: of.collect(),

@@ -3,37 +3,12 @@ use std::io::{BufReader, Cursor, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use ::csv::{ByteRecord, Reader, ReaderBuilder, Trim};
-use messages::{ExcavatorSensors, ExcavatorTruth, LoaderSensors, LoaderTruth};
 
 use super::columns::{Columns, NoNumber, absent};
 use super::dialect::{self, Dialect};
 use crate::Error;
 use crate::map::Map;
-use crate::signal::{Excavator, Loader, Machine, Row};
-
-/// Reads the samples of an excavator. Columns are those of heft, in SI units, or what the map
-/// makes of others; `true_*` columns become the truth. An empty cell and a number that is not
-/// finite are missing samples. Rows with a wrong time are passed on: the estimator refuses them.
-///
-/// # Errors
-/// The file cannot be read, lacks a column, or has text for a number; the error names line and column.
-pub fn read_excavator(
-    path: impl AsRef<Path>,
-    map: Option<&Map>,
-) -> Result<Vec<(ExcavatorSensors, ExcavatorTruth)>, Error> {
-    read::<Excavator>(path.as_ref(), map)
-}
-
-/// Reads the samples of a wheel loader, as [`read_excavator`] does.
-///
-/// # Errors
-/// As [`read_excavator`].
-pub fn read_loader(
-    path: impl AsRef<Path>,
-    map: Option<&Map>,
-) -> Result<Vec<(LoaderSensors, LoaderTruth)>, Error> {
-    read::<Loader>(path.as_ref(), map)
-}
+use crate::signal::{Row, Sensors};
 
 /// Reads axle weights on level and tilted ground: `pitch` [rad, nose up positive], `front_load`
 /// and `rear_load` [N].
@@ -163,16 +138,16 @@ impl Table {
 }
 
 /// The rows of a table, one after the other.
-pub(crate) struct TableRows<M: Machine> {
+pub(crate) struct TableRows<S: Sensors> {
     table: Table,
     reader: Lines,
-    columns: Columns<M>,
+    columns: Columns<S>,
     record: ByteRecord,
     count: u64,
     has_ended: bool,
 }
 
-impl<M: Machine> TableRows<M> {
+impl<S: Sensors> TableRows<S> {
     /// Opens a table, to be read as the map says.
     pub(crate) fn open(path: &Path, map: Option<&Map>) -> Result<Self, Error> {
         let table = Table::open(path)?;
@@ -193,7 +168,7 @@ impl<M: Machine> TableRows<M> {
     }
 
     /// The next row; nothing at the end.
-    pub(crate) fn row(&mut self) -> Result<Option<Row<M>>, Error> {
+    pub(crate) fn row(&mut self) -> Result<Option<Row<S>>, Error> {
         loop {
             if let Some(row) = self.columns.row() {
                 return Ok(Some(row));
@@ -239,8 +214,12 @@ impl<M: Machine> TableRows<M> {
     }
 }
 
-pub(crate) fn read<M: Machine>(path: &Path, map: Option<&Map>) -> Result<Vec<Row<M>>, Error> {
-    let mut rows = TableRows::<M>::open(path, map)?;
+/// Reads the samples of a machine from a table; a map renames and converts its columns.
+///
+/// # Errors
+/// The file cannot be read, lacks a column, or has a cell that is no number; the error says where.
+pub fn read<S: Sensors>(path: impl AsRef<Path>, map: Option<&Map>) -> Result<Vec<Row<S>>, Error> {
+    let mut rows = TableRows::<S>::open(path.as_ref(), map)?;
     std::iter::from_fn(|| rows.row().transpose()).collect()
 }
 

@@ -1,6 +1,6 @@
 //! What others call heft's signals.
 
-use crate::signal::{self, Machine};
+use crate::signal::{self, Sensors};
 
 /// A signal of heft that a map may name.
 pub(super) struct Wanted {
@@ -8,8 +8,8 @@ pub(super) struct Wanted {
 }
 
 /// The signals of a machine that sensors measure, the time first.
-pub(super) fn wanted<M: Machine>() -> Vec<Wanted> {
-    let signals = signal::signals::<M>().into_iter();
+pub(super) fn wanted<S: Sensors>() -> Vec<Wanted> {
+    let signals = signal::signals::<S>().into_iter();
     let measured = signals.filter(|s| !s.name.starts_with("true_"));
     measured.map(|s| Wanted { signal: s.name }).collect()
 }

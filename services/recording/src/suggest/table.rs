@@ -7,22 +7,22 @@ use super::names::{fitting, wanted};
 use super::{is_required, opening, unit_of};
 use crate::Error;
 use crate::csv::numbers;
-use crate::signal::Machine;
+use crate::signal::Sensors;
 use crate::unit::{self, Unit};
 
 /// Rows that are looked at.
 const LOOK: usize = 20_000;
 
 /// A map for a table, and how many signals were found.
-pub(super) fn suggest<M: Machine>(path: &Path) -> Result<(usize, String), Error> {
+pub(crate) fn suggest<S: Sensors>(path: &Path) -> Result<(usize, String), Error> {
     let (header, columns) = numbers(path, LOOK)?;
     let names: Vec<&str> = header.iter().map(String::as_str).collect();
-    let mut out = opening::<M>(path);
+    let mut out = opening::<S>(path);
     out.push_str("\n[columns]\n");
     let (mut found, mut taken) = (0, Vec::new());
-    for signal in wanted::<M>().into_iter().map(|w| w.signal) {
+    for signal in wanted::<S>().into_iter().map(|w| w.signal) {
         let Some(at) = fitting(&signal, &names, &taken) else {
-            if is_required::<M>(&signal) {
+            if is_required::<S>(&signal) {
                 let _ = writeln!(
                     out,
                     "# {signal} = \"...\"  # needed, and no column fits by its name"
@@ -32,7 +32,7 @@ pub(super) fn suggest<M: Machine>(path: &Path) -> Result<(usize, String), Error>
         };
         taken.push(at);
         found += 1;
-        let guess = unit(&signal, unit_of::<M>(&signal), &header[at], &columns[at]);
+        let guess = unit(&signal, unit_of::<S>(&signal), &header[at], &columns[at]);
         let name = &header[at];
         let reason = guess.reason;
         let _ = match guess.unit {

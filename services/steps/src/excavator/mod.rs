@@ -3,6 +3,7 @@
 mod estimate;
 mod estimator;
 mod filter;
+mod idle;
 mod motion;
 mod pipeline;
 mod regression;
@@ -13,6 +14,7 @@ pub use estimate::message as estimate_message;
 use estimate::tell_restart;
 pub use estimator::EstimatorStep;
 pub use filter::FilterStep;
+pub(crate) use idle::is_idle;
 pub use motion::{message as motion_message, motion};
 pub use pipeline::PIPELINE;
 pub use regression::RegressionStep;

@@ -2,11 +2,13 @@
 
 mod estimate;
 mod estimator;
+mod idle;
 mod pipeline;
 mod sample;
 
 pub use estimate::message as estimate_message;
 pub use estimator::EstimatorStep;
+pub(crate) use idle::is_idle;
 pub use pipeline::PIPELINE;
 pub use sample::sample;
 

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use messages::fault;
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 use crate::estimate::Estimate;
 use crate::monitor::{ChannelState, MachineState, Monitor, ProcessState, Tracked};
@@ -12,25 +12,20 @@ use crate::report::state_name;
 
 /// The numbers of all estimators: `{t, e: [{c, v: [[value, std]...], k: trusted, n: NIS, f: forgetting}], truth}`.
 pub(super) fn series(monitor: &Monitor) -> String {
-    let excavator = estimators(&monitor.excavator, |e| {
-        [
-            e.forgetting_inertia,
-            e.forgetting_damping,
-            e.forgetting_torque,
-        ]
-        .to_vec()
-    });
-    let loader = estimators(&monitor.loader, |_| Vec::new());
-    let all: Vec<_> = excavator.into_iter().chain(loader).collect();
+    let machines = monitor.machines.all();
+    let all: Vec<_> = machines.iter().flat_map(|m| m.series()).collect();
+    let truths = machines
+        .iter()
+        .map(|m| (m.machine().name().to_owned(), m.truth()));
     json!({
         "t": monitor.time,
         "e": all,
-        "truth": {"excavator": truth(&monitor.excavator), "loader": truth(&monitor.loader)},
+        "truth": truths.collect::<Map<_, _>>(),
     })
     .to_string()
 }
 
-fn estimators<E: Estimate>(state: &MachineState<E>, forgetting: fn(&E) -> Vec<f64>) -> Vec<Value> {
+pub(crate) fn series_of<E: Estimate>(state: &MachineState<E>) -> Vec<Value> {
     let one = |(channel, tracked): (&&'static str, &Tracked<E>)| {
         let last = &tracked.last;
         let values = E::PARAMETERS
@@ -44,13 +39,13 @@ fn estimators<E: Estimate>(state: &MachineState<E>, forgetting: fn(&E) -> Vec<f6
             "v": values.collect::<Vec<_>>(),
             "k": trusted.collect::<Vec<_>>(),
             "n": number(tracked.nis_mean),
-            "f": forgetting(last),
+            "f": last.forgetting(),
         })
     };
     state.estimators.iter().map(one).collect()
 }
 
-fn truth<E: Estimate>(state: &MachineState<E>) -> Value {
+pub(crate) fn truth<E: Estimate>(state: &MachineState<E>) -> Value {
     state.truth.as_ref().map_or(Value::Null, |t| {
         E::PARAMETERS.iter().map(|p| number(p.truth(t))).collect()
     })
@@ -68,8 +63,8 @@ fn number(value: f64) -> Value {
 
 /// Verdicts, processes and channels in words.
 pub(super) fn status(monitor: &Monitor, now: Instant, viewers: usize, skipped: u64) -> String {
-    let mut verdicts = judgements(&monitor.excavator);
-    verdicts.extend(judgements(&monitor.loader));
+    let machines = monitor.machines.all();
+    let verdicts: Vec<_> = machines.iter().flat_map(|m| m.judgements()).collect();
     let processes = monitor
         .processes
         .iter()
@@ -89,7 +84,7 @@ pub(super) fn status(monitor: &Monitor, now: Instant, viewers: usize, skipped: u
     .to_string()
 }
 
-fn judgements<E: Estimate>(state: &MachineState<E>) -> Vec<Value> {
+pub(crate) fn judgements<E: Estimate>(state: &MachineState<E>) -> Vec<Value> {
     // The product's filter, ukf, comes before the regression.
     let one = |(channel, tracked): (&&'static str, &Tracked<E>)| {
         let words = tracked.last.judgements().into_iter().map(

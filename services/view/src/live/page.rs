@@ -3,8 +3,8 @@
 use serde_json::{Value, json};
 
 use crate::estimate::Estimate;
+use crate::monitor::Machines;
 use crate::plot;
-use messages::{ExcavatorEstimate, LoaderEstimate};
 use statistics::mean_chi_square_95;
 
 const PAGE: &str = include_str!("../../assets/live.html");
@@ -21,10 +21,11 @@ pub(super) const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline';
 
 /// The page with scripts, styles and the tables of parameters put in.
 pub(super) fn page() -> String {
-    let definitions = json!({
-        "excavator": definition::<ExcavatorEstimate>(),
-        "loader": definition::<LoaderEstimate>(),
-    });
+    let none = Machines::default();
+    let definitions = none
+        .all()
+        .map(|m| (m.machine().name().to_owned(), m.definition()));
+    let definitions = Value::Object(definitions.into_iter().collect());
     PAGE.replace(
         "/*STYLE*/",
         &[plot::STYLE, UPLOT_STYLE, REPORT_STYLE, STYLE].concat(),
@@ -34,7 +35,7 @@ pub(super) fn page() -> String {
     .replace("/*SCRIPT*/", &[COMMON, SCRIPT].concat())
 }
 
-fn definition<E: Estimate>() -> Value {
+pub(crate) fn definition<E: Estimate>() -> Value {
     let rule = E::INNOVATION;
     let (low, high) = mean_chi_square_95(rule.window as f64 * rule.measurements);
     let parameters = E::PARAMETERS

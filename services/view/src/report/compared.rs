@@ -26,20 +26,27 @@ pub fn compared(runs: &[(String, Run)]) -> String {
         let facts = header::facts(run).join(" · ");
         let _ = write!(page.body, "<p class=\"facts\"><b>{name}</b>: {facts}</p>");
     }
-    let (excavators, loaders) = (
-        parts(runs, |run| &run.excavator),
-        parts(runs, |run| &run.loader),
-    );
-    if excavators.len() < 2 && loaders.len() < 2 {
-        page.body
-            .push_str("<p>No two of them hold estimates of the same machine.</p>");
-    }
-    page.body.push_str("</header>");
-    machine(&mut page, &excavators);
-    machine(&mut page, &loaders);
+    sections(&mut page, runs);
     differences(&mut page.body, runs);
     html::page_of_plots(&title, &page.body, &page.plots)
 }
+
+macro_rules! sections {
+    ($( $machine:ident, $module:ident, $sensors:ident, $truth:ident, $estimate:ident, $others:tt; )*) => {
+        /// The rest of the header, and the sections of each machine.
+        fn sections(page: &mut Page, runs: &[(String, Run)]) {
+            $( let $module = parts(runs, |run| &run.parts.$module); )*
+            if [$( $module.len() ),*].iter().all(|n| *n < 2) {
+                page.body
+                    .push_str("<p>No two of them hold estimates of the same machine.</p>");
+            }
+            page.body.push_str("</header>");
+            $( machine(page, &$module); )*
+        }
+    };
+}
+
+messages::machines!(sections);
 
 /// "a and b".
 fn together(runs: &[(String, Run)]) -> String {

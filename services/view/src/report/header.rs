@@ -5,6 +5,7 @@ use std::fmt::Write;
 use messages::Message;
 
 use super::html::text;
+use super::part;
 use crate::estimate::{Estimate, Parameter};
 use crate::number::{grouped, significant};
 use crate::run::{Estimator, MachineRun, Run};
@@ -12,11 +13,8 @@ use crate::words::{RunJudgement, run_judgements};
 
 /// Title of the page.
 pub(super) fn title(run: &Run) -> String {
-    let machines = [
-        (!run.excavator.estimators.is_empty()).then_some("excavator"),
-        (!run.loader.estimators.is_empty()).then_some("wheel loader"),
-    ];
-    let machines: Vec<_> = machines.into_iter().flatten().collect();
+    let parts = part::all(run).into_iter().filter(|part| !part.is_empty());
+    let machines: Vec<_> = parts.map(|part| part.machine().name()).collect();
     if machines.is_empty() {
         return "heft report: no estimates".into();
     }
@@ -34,7 +32,7 @@ pub(super) fn write(body: &mut String, run: &Run) {
     if !line.is_empty() {
         let _ = write!(body, "<p class=\"facts\">{}</p>", line.join(" · "));
     }
-    if run.excavator.estimators.is_empty() && run.loader.estimators.is_empty() {
+    if part::all(run).iter().all(|part| part.is_empty()) {
         body.push_str("<p>This run holds no estimate of a machine.</p>");
     }
     for damage in &run.damage {
@@ -54,18 +52,15 @@ pub(super) fn write(body: &mut String, run: &Run) {
             grouped(thinned.stretch as f64, 0),
         );
     }
-    machine(body, &run.excavator);
-    machine(body, &run.loader);
+    for part in part::all(run) {
+        part.verdicts(body);
+    }
     body.push_str("</header>");
 }
 
 /// Whether the samples are a simulator's: older recordings say so by their scenario only.
 fn is_simulated(run: &Run) -> bool {
-    fn any<E: Estimate>(part: &MachineRun<E>) -> bool {
-        let last = part.estimators.iter().filter_map(|e| e.estimates.last());
-        last.into_iter().any(Message::is_simulated)
-    }
-    run.metadata("scenario").is_some() || any(&run.excavator) || any(&run.loader)
+    run.metadata("scenario").is_some() || part::all(run).iter().any(|part| part.is_simulated())
 }
 
 /// When, where and with what it was made, and how long it is, as HTML.
@@ -91,16 +86,12 @@ pub(super) fn facts(run: &Run) -> Vec<String> {
 
 /// From the first estimate to the last.
 fn duration(run: &Run) -> Option<String> {
-    fn span<E: Estimate>(part: &MachineRun<E>) -> Option<f64> {
-        let estimates = &part.primary()?.estimates;
-        Some(estimates.last()?.stamp().time - estimates.first()?.stamp().time)
-    }
-    let seconds = span(&run.excavator).or(span(&run.loader))?;
+    let seconds = part::all(run).iter().find_map(|part| part.seconds())?;
     Some(format!("{} s long", grouped(seconds, 1)))
 }
 
 /// The verdict of the primary estimator as cards, those of the others as a list.
-fn machine<E: Estimate>(body: &mut String, part: &MachineRun<E>) {
+pub(super) fn verdicts<E: Estimate>(body: &mut String, part: &MachineRun<E>) {
     let Some(primary) = part.primary() else {
         return;
     };

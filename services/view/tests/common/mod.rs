@@ -5,7 +5,7 @@ use messages::{
     ExcavatorEstimate, ExcavatorTruth, Health, Hops, LoaderEstimate, LoaderTruth, Stamp,
     SwingMotion, excavator_bits as x, loader_bits as l,
 };
-use view::{Estimator, MachineRun, Run};
+use view::{Estimator, MachineRun, Parts, Run};
 
 /// Standard normal numbers: the sum of twelve uniform ones of a seeded generator.
 pub struct Noise(pub u64);
@@ -269,7 +269,10 @@ pub fn excavator(seconds: f64, rate: f64, truth: bool) -> Run {
         Vec::new()
     };
     common(Run {
-        excavator: MachineRun { estimators, truth },
+        parts: Parts {
+            excavator: MachineRun { estimators, truth },
+            ..Default::default()
+        },
         motion,
         ..Default::default()
     })
@@ -299,7 +302,10 @@ pub fn loader(seconds: f64, rate: f64, truth: bool) -> Run {
         Vec::new()
     };
     common(Run {
-        loader: MachineRun { estimators, truth },
+        parts: Parts {
+            loader: MachineRun { estimators, truth },
+            ..Default::default()
+        },
         ..Default::default()
     })
 }
@@ -316,20 +322,22 @@ pub fn record(path: &std::path::Path, metadata: &recording::Metadata, run: &Run)
     run.motion
         .iter()
         .for_each(|m| writer.write(&EXCAVATOR_MOTION, m).expect("written"));
-    run.excavator
+    run.parts
+        .excavator
         .truth
         .iter()
         .for_each(|m| writer.write(&EXCAVATOR_TRUTH, m).expect("written"));
-    run.loader
+    run.parts
+        .loader
         .truth
         .iter()
         .for_each(|m| writer.write(&LOADER_TRUTH, m).expect("written"));
-    for e in &run.excavator.estimators {
+    for e in &run.parts.excavator.estimators {
         e.estimates
             .iter()
             .for_each(|m| writer.write(channel(&e.channel), m).expect("written"));
     }
-    for e in &run.loader.estimators {
+    for e in &run.parts.loader.estimators {
         e.estimates
             .iter()
             .for_each(|m| writer.write(channel(&e.channel), m).expect("written"));

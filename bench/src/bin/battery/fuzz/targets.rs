@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use config::Description;
-use messages::channels::{CHANNELS, Channel, Visitor};
+use messages::channels::{self, Channel, Visitor};
 use messages::{Machine, Message, NumberType, Value};
 use recording::{LineDecoder, Map, Metadata, Reader, Writer};
 
@@ -107,8 +107,8 @@ pub const TARGETS: &[Target] = &[
 
 fn csv(input: &[u8]) {
     write("x.csv", input);
-    let _ = recording::load_excavator("x.csv", None);
-    let _ = recording::load_loader("x.csv", None);
+    let _ = recording::load::<messages::ExcavatorSensors>("x.csv", None);
+    let _ = recording::load::<messages::LoaderSensors>("x.csv", None);
 }
 
 fn dbc(input: &[u8]) {
@@ -116,7 +116,7 @@ fn dbc(input: &[u8]) {
     write("truck.toml", TRUCK_MAP.as_bytes());
     write("x.log", &log());
     if let Ok(map) = Map::read(Path::new("truck.toml")) {
-        let _ = recording::load_loader("x.log", Some(&map));
+        let _ = recording::load::<messages::LoaderSensors>("x.log", Some(&map));
     }
 }
 
@@ -129,9 +129,9 @@ fn map(input: &[u8]) {
     );
     let text = String::from_utf8_lossy(input);
     if let Ok(map) = Map::parse(&text, "truck.toml") {
-        let _ = recording::load_loader("x.log", Some(&map));
-        let _ = recording::load_excavator("x.csv", Some(&map));
-        let _ = recording::load_loader("x.csv", Some(&map));
+        let _ = recording::load::<messages::LoaderSensors>("x.log", Some(&map));
+        let _ = recording::load::<messages::ExcavatorSensors>("x.csv", Some(&map));
+        let _ = recording::load::<messages::LoaderSensors>("x.csv", Some(&map));
     }
 }
 
@@ -154,7 +154,7 @@ fn candump(input: &[u8]) {
     let at_a_rate = TRUCK_MAP.replace("master = \"front_wheel_speed\"", "rate = 100");
     for text in [TRUCK_MAP, &at_a_rate] {
         let map = Map::parse(text, "truck.toml").expect("the map of the tests");
-        let _ = recording::load_loader("x.log", Some(&map));
+        let _ = recording::load::<messages::LoaderSensors>("x.log", Some(&map));
     }
 }
 
@@ -162,7 +162,7 @@ fn lines(input: &[u8]) {
     write("truck.dbc", TRUCK_DBC.as_bytes());
     let map = Map::parse(TRUCK_MAP, "truck.toml").expect("the map of the tests");
     for map in [None, Some(map)] {
-        let Ok(mut decoder) = LineDecoder::<recording::Loader>::new(map) else {
+        let Ok(mut decoder) = LineDecoder::<messages::LoaderSensors>::new(map) else {
             continue;
         };
         for (n, line) in (0..).zip(input.split(|b| *b == b'\n')) {
@@ -197,9 +197,7 @@ fn report(input: &[u8]) {
     let _ = fs::remove_file("x.mcap");
     let mut writer = Writer::create("x.mcap", &metadata(machine)).expect("room for a recording");
     for _ in 0..rng.between(0, 40) {
-        for channel in CHANNELS
-            .iter()
-            .filter(|c| c.name.starts_with(machine) || c.name == "health")
+        for channel in channels::all().filter(|c| c.name.starts_with(machine) || c.name == "health")
         {
             channel.payload.visit(Wild {
                 channel,
@@ -279,7 +277,7 @@ fn short_recording() -> Vec<u8> {
     let mut writer = Writer::create(&file, &metadata("excavator")).expect("room for a recording");
     let mut rng = Rng::new(1);
     for n in 0..60 {
-        for channel in CHANNELS {
+        for channel in channels::all() {
             channel.payload.visit(Wild {
                 channel,
                 writer: &mut writer,

@@ -2,7 +2,8 @@
 
 use evaluate::excavator::{Point, table1};
 use sim::excavator::{Attachment, Geometry, Scenario};
-use view::figures::{Curve, excavator};
+use view::excavator::figures as excavator;
+use view::figures::Curve;
 
 use crate::failure::Failure;
 use crate::machines::{Figure, SEED};

@@ -2,9 +2,10 @@
 
 use messages::LoaderEstimate;
 use runtime::{Source, answer};
-use sensor::SimulatedLoader;
+use sensor::loader::Simulator;
 use steps::loader::EstimatorStep;
-use view::figures::{Curve, loader};
+use view::figures::Curve;
+use view::loader::figures as loader;
 
 use crate::failure::Failure;
 use crate::machines::{Figure, SEED};
@@ -40,7 +41,7 @@ fn figure(
         seed: SEED,
         ..sim::loader::Run::new(scenario)
     };
-    let mut source = SimulatedLoader::new(&run).map_err(Failure::internal)?;
+    let mut source = Simulator::new(&run).map_err(Failure::internal)?;
     let rows: Vec<_> = std::iter::from_fn(|| source.next()).collect();
     // The machine of these runs is exactly known: rigid tyres.
     let mut description = config::Loader::default();

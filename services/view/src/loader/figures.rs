@@ -1,6 +1,9 @@
 //! Figures of the wheel loader paper.
 
-use super::{Curve, LOADER, figure, panel};
+use crate::figures::{Curve, figure, panel};
+
+/// The paper.
+const PAPER: &str = "after Yang, Wang, Han 2021";
 use crate::plot::Plot;
 
 /// What the figures show over time, SI units.
@@ -67,7 +70,7 @@ pub fn driving(number: &str, condition: &str, series: &Series<'_>) -> String {
     let [distance, height] = series.centre_of_gravity();
     figure(
         number,
-        LOADER,
+        PAPER,
         condition,
         &[series.speed_panel(), distance, height],
     )
@@ -84,7 +87,7 @@ pub fn experiment(number: &str, condition: &str, series: &Series<'_>) -> String 
     let [distance, height] = series.centre_of_gravity();
     figure(
         number,
-        LOADER,
+        PAPER,
         condition,
         &[torque, series.speed_panel(), distance, height],
     )

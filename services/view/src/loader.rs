@@ -1,14 +1,17 @@
-//! The wheel loader's parameters.
+//! What people see of the wheel loader: its parameters, the words of its own.
+
+pub mod figures;
+mod words;
 
 use messages::{LOADER_METHODS, LoaderEstimate, LoaderTruth, Machine, loader_bits as bits};
 
-use super::{ANY, Estimate, InnovationRule, POSITIVE, Parameter, known};
-use crate::words::{self, Judgement};
+use crate::estimate::{ANY, Estimate, InnovationRule, POSITIVE, Parameter, known};
+use crate::words::Judgement;
 
 type Row = Parameter<LoaderEstimate, LoaderTruth>;
 
 macro_rules! row {
-    ($($what:tt)*) => { parameter!(bits::EXCITED_RATIO, $($what)*) };
+    ($($what:tt)*) => { crate::estimate::parameter!(bits::EXCITED_RATIO, $($what)*) };
 }
 
 impl Estimate for LoaderEstimate {
@@ -110,6 +113,16 @@ impl Estimate for LoaderEstimate {
         ),
     ];
 
+    const CONDITIONS: &'static [(&'static str, u32)] = &[
+        ("consistent", bits::CONSISTENT),
+        ("fresh", bits::FRESH),
+        ("ratio excited", bits::EXCITED_RATIO),
+        ("ratio converged", bits::CONVERGED_RATIO),
+        ("ratio trusted", bits::TRUSTED_RATIO),
+        ("height excited", bits::EXCITED_HEIGHT),
+        ("height converged", bits::CONVERGED_HEIGHT),
+        ("height trusted", bits::TRUSTED_HEIGHT),
+    ];
     const MOTION_NAME: (&'static str, f64) = ("drive", 0.3);
     const STRETCH: &'static [&'static str] = &["cg_ratio", "cg_height"];
     const SUMMED: &'static [&'static str] = &[];
@@ -131,6 +144,6 @@ impl Estimate for LoaderEstimate {
     }
 
     fn judgements(&self) -> Vec<Judgement> {
-        vec![words::loader::position(self), words::loader::height(self)]
+        vec![words::position(self), words::height(self)]
     }
 }

@@ -1,6 +1,9 @@
 //! Figures of the excavator paper.
 
-use super::{Curve, EXCAVATOR, figure, panel, points};
+use crate::figures::{Curve, figure, panel, points};
+
+/// The paper.
+const PAPER: &str = "after Oh, Yi, Seo, Kim, Lee 2017";
 use crate::panels::error::histogram;
 use crate::plot::{Plot, Style};
 
@@ -34,7 +37,7 @@ pub fn attachments(conditions: &[(&str, f64, f64)]) -> String {
     }
     figure(
         "3",
-        EXCAVATOR,
+        PAPER,
         "inertia by posture, attachment and material",
         &[plot],
     )
@@ -87,7 +90,7 @@ pub fn working_angles(
             }],
         ),
     ];
-    figure("8", EXCAVATOR, "working scenario", &panels)
+    figure("8", PAPER, "working scenario", &panels)
 }
 
 /// Fig. 9: the inertia that follows from the geometry, for one or more payloads [kg m²].
@@ -96,7 +99,7 @@ pub fn analytic_inertia(t: &[f64], cases: &[Curve<'_>]) -> String {
     let plot = panel("Swing inertia [kg m²]", t, None, cases);
     figure(
         "9",
-        EXCAVATOR,
+        PAPER,
         "analytic inertia in the working scenario",
         &[plot],
     )
@@ -146,7 +149,7 @@ pub fn results(number: &str, case: &str, r: &Results<'_>) -> String {
     ];
     figure(
         number,
-        EXCAVATOR,
+        PAPER,
         &format!("estimation results, {case}"),
         &panels,
     )
@@ -171,12 +174,7 @@ pub fn updates(
         step("Damping coefficient", nominal),
         step("Forgetting factors", forgetting),
     ];
-    figure(
-        number,
-        EXCAVATOR,
-        &format!("updating rules, {case}"),
-        &panels,
-    )
+    figure(number, PAPER, &format!("updating rules, {case}"), &panels)
 }
 
 /// Figs. 13, 16, 19: distribution of the error of the inertia [%] with its normal fit.
@@ -187,7 +185,7 @@ pub fn error_distribution(number: &str, case: &str, errors: &[f64]) -> String {
     let plot = plot.unwrap_or_else(|| Plot::new(title, "Relative error [%]"));
     figure(
         number,
-        EXCAVATOR,
+        PAPER,
         &format!("error distribution, {case}"),
         &[plot],
     )

@@ -1,16 +1,22 @@
-//! The excavator's parameters.
+//! What people see of the excavator: its parameters, the words and panels of its own.
+
+pub mod figures;
+mod panels;
+mod words;
 
 use messages::{
     EXCAVATOR_METHODS, ExcavatorEstimate, ExcavatorTruth, Machine, excavator_bits as bits,
 };
 
-use super::{ANY, Estimate, InnovationRule, POSITIVE, Parameter, known};
-use crate::words::{self, Judgement};
+use crate::estimate::{ANY, Estimate, InnovationRule, POSITIVE, Parameter, known};
+use crate::panels::Panel;
+use crate::run::Estimator;
+use crate::words::Judgement;
 
 type Row = Parameter<ExcavatorEstimate, ExcavatorTruth>;
 
 macro_rules! row {
-    ($($what:tt)*) => { parameter!(bits::EXCITED, $($what)*) };
+    ($($what:tt)*) => { crate::estimate::parameter!(bits::EXCITED, $($what)*) };
 }
 
 impl Estimate for ExcavatorEstimate {
@@ -108,6 +114,14 @@ impl Estimate for ExcavatorEstimate {
         ),
     ];
 
+    const CONDITIONS: &'static [(&'static str, u32)] = &[
+        ("excited", bits::EXCITED),
+        ("consistent", bits::CONSISTENT),
+        ("fresh", bits::FRESH),
+        ("converged", bits::CONVERGED),
+        ("identifiable", bits::IDENTIFIABLE),
+        ("trusted", bits::TRUSTED),
+    ];
     const MOTION_NAME: (&'static str, f64) = ("swing", 0.05);
     const STRETCH: &'static [&'static str] = &["inertia", "payload"];
     const SUMMED: &'static [&'static str] = &["payload"];
@@ -129,6 +143,22 @@ impl Estimate for ExcavatorEstimate {
     }
 
     fn judgements(&self) -> Vec<Judgement> {
-        vec![words::excavator::inertia(self)]
+        vec![words::inertia(self)]
+    }
+
+    fn forgetting(&self) -> Vec<f64> {
+        [
+            self.forgetting_inertia,
+            self.forgetting_damping,
+            self.forgetting_torque,
+        ]
+        .to_vec()
+    }
+
+    fn own_panels(estimator: &Estimator<Self>) -> Vec<Panel> {
+        panels::forgetting(estimator)
+            .into_iter()
+            .chain(panels::activity(estimator))
+            .collect()
     }
 }

@@ -1,0 +1,55 @@
+//! What a description of a wheel loader says.
+
+pub use estimation::loader::keys::Description as Loader;
+use messages::Machine;
+
+use crate::Error;
+use crate::tables::tables;
+
+tables!(
+    Loader,
+    Machine::Loader,
+    contradictions,
+    [machine, sensors, prior, estimator]
+);
+
+/// A machine as long as a loader weighs at most so much per cube of its wheelbase [kg/m^3]: those of 5 to 50 t have
+/// 350 to 600, so four times that is another unit.
+const HEAVIEST: f64 = 2400.0;
+/// Wheelbase from which on it is a machine and not a model of one [m].
+const MACHINE: f64 = 1.0;
+
+/// What contradicts itself between keys that are each in range.
+fn contradictions(loader: &Loader) -> Vec<Error> {
+    let (e, p, m) = (&loader.estimator, &loader.prior, &loader.machine);
+    let limits = [
+        (
+            "slip_stiffness",
+            e.slip_stiffness_min,
+            p.slip_stiffness,
+            e.slip_stiffness_max,
+        ),
+        ("cg_height", e.cg_height_min, p.cg_height, e.cg_height_max),
+        ("cg_ratio", e.cg_ratio_min, p.cg_ratio, e.cg_ratio_max),
+    ];
+    let mut found: Vec<Error> = limits
+        .into_iter()
+        .filter(|(_, low, prior, high)| !(low < high && low <= prior && prior <= high))
+        .map(|(name, low, prior, high)| {
+            Error::between(
+                format!("prior.{name} ({prior}) lies outside estimator.{name}_min to {name}_max ({low} to {high})"),
+                &format!("prior.{name}"),
+                "give a prior inside the limits, or move the limits",
+            )
+        })
+        .collect();
+    let (mass, wheelbase) = (m.mass, m.wheelbase);
+    if wheelbase >= MACHINE && mass > HEAVIEST * wheelbase * wheelbase * wheelbase {
+        found.push(Error::between(
+            format!("a mass of {mass} kg does not fit a wheelbase of {wheelbase} m: newtons where kilograms belong, or millimetres?"),
+            "machine.mass",
+            "give the mass in kg and the wheelbase in m",
+        ));
+    }
+    found
+}

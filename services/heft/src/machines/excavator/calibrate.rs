@@ -1,0 +1,42 @@
+//! `heft calibrate excavator`.
+
+use calibrate::excavator::{self as machine, Input};
+
+use crate::cli::CalibrateArgs;
+use crate::commands::calibrate::{
+    finish, interrupt, map_for, name, origin, tell_progress, told, unknown_key,
+};
+use crate::failure::Failure;
+use crate::sources;
+
+/// The excavator's own parameters from recordings.
+pub(super) fn calibrate(args: &CalibrateArgs, d: &config::Excavator) -> Result<(), Failure> {
+    let map = sources::map(args.map.as_deref())?;
+    let loads = told(args, &args.payload, "--payload")?;
+    let mut inputs = Vec::new();
+    for (file, payload) in args.files.iter().zip(loads) {
+        let rows =
+            recording::load::<messages::ExcavatorSensors>(file, map_for(file, map.as_ref()))?;
+        inputs.push(Input {
+            name: name(file),
+            samples: rows
+                .iter()
+                .map(|(s, _)| steps::excavator::sample(s))
+                .collect(),
+            payload,
+        });
+    }
+    let stop = interrupt()?;
+    let outcome = machine::calibrate(
+        &inputs,
+        &machine::Options {
+            description: d,
+            free: (!args.free.is_empty()).then_some(args.free.as_slice()),
+            stop: &stop,
+            progress: &tell_progress,
+        },
+    )
+    .map_err(unknown_key)?;
+    let written = outcome.description(d, &origin(args)?).map(|(_, text)| text);
+    finish(args, &outcome.summary(), written)
+}

@@ -1,0 +1,61 @@
+//! `heft calibrate loader`.
+
+use std::path::Path;
+
+use calibrate::loader::{self as machine, Told};
+
+use crate::cli::CalibrateArgs;
+use crate::commands::calibrate::{
+    finish, interrupt, map_for, name, origin, position, tell_progress, told, unknown_key,
+};
+use crate::commands::weigh::{SCALE_STD, reference};
+use crate::failure::Failure;
+use crate::sources;
+
+/// The loader's own parameters from recordings.
+pub(super) fn calibrate(args: &CalibrateArgs, d: &config::Loader) -> Result<(), Failure> {
+    let map = sources::map(args.map.as_deref())?;
+    let masses = told(args, &args.mass, "--mass")?;
+    let scales = weighed(args, d.machine.wheelbase)?;
+    let mut inputs = Vec::new();
+    for (i, (file, mass)) in args.files.iter().zip(masses).enumerate() {
+        let rows = recording::load::<messages::LoaderSensors>(file, map_for(file, map.as_ref()))?;
+        inputs.push(machine::Input {
+            name: name(file),
+            samples: rows.iter().map(|(s, _)| steps::loader::sample(s)).collect(),
+            told: Told {
+                mass,
+                ..scales[i + 1]
+            },
+        });
+    }
+    let stop = interrupt()?;
+    let outcome = machine::calibrate(
+        &inputs,
+        &machine::Options {
+            description: d,
+            weighed: scales[0],
+            slices: args.report.is_some(),
+            free: (!args.free.is_empty()).then_some(args.free.as_slice()),
+            stop: &stop,
+            progress: &tell_progress,
+        },
+    )
+    .map_err(unknown_key)?;
+    let written = outcome.description(d, &origin(args)?).map(|(_, text)| text);
+    finish(args, &outcome.summary(), written)
+}
+
+/// What axle scales say of the machine as described, and then of the machine in each file: `SCALES` or `FILE=SCALES`.
+fn weighed(args: &CalibrateArgs, wheelbase: f64) -> Result<Vec<Told>, Failure> {
+    let mut all = vec![Told::default(); args.files.len() + 1];
+    for text in &args.weigh {
+        let (at, scales) = match text.rsplit_once('=') {
+            None => (0, text.as_str()),
+            Some((file, scales)) => (1 + position(args, file, "--weigh", text)?, scales),
+        };
+        let reference = reference(Path::new(scales), wheelbase)?;
+        all[at] = Told::weighed(&reference, SCALE_STD);
+    }
+    Ok(all)
+}

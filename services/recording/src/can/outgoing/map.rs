@@ -1,0 +1,159 @@
+//! An output map: which frames are sent, and as what.
+
+use std::path::Path;
+
+use messages::channels::Channel;
+use toml_edit::{Document, TableLike};
+
+use super::{Content, FrameTable, Kind, Outgoing, position};
+use crate::Error;
+use crate::map::hint;
+
+/// J1939 proprietary B: parameter groups whose meaning their maker decides.
+const PROPRIETARY_B: std::ops::RangeInclusive<i64> = 0xff00..=0xffff;
+const VERDICT: &str = "verdict";
+
+pub(super) struct Parser<'a> {
+    table: &'static FrameTable,
+    text: &'a str,
+    path: &'a Path,
+}
+
+impl<'a> Parser<'a> {
+    pub(super) fn new(table: &'static FrameTable, text: &'a str, path: &'a Path) -> Self {
+        Self { table, text, path }
+    }
+
+    fn error(&self, what: impl Into<String>, remedy: impl Into<String>) -> Error {
+        Error::new(what, self.path.display().to_string(), remedy)
+    }
+
+    pub(super) fn outgoing(&self) -> Result<Outgoing, Error> {
+        let document = Document::parse(self.text.to_owned());
+        let document = document.map_err(|e| {
+            let what = e.message().trim().replace('\n', "; ");
+            self.error(what, "correct the TOML")
+        })?;
+        let can = document.get("can").and_then(|c| c.as_table_like());
+        self.known(document.as_table(), &["can"])?;
+        let get = |key: &str| can.and_then(|c| c.get(key));
+        if let Some(can) = can {
+            self.known(can, &["rate", "source", "priority", "channel", "frames"])?;
+        }
+        let number = |key: &str, default: i64, most: i64| match get(key) {
+            None => Ok(default),
+            Some(item) => item
+                .as_integer()
+                .filter(|n| (0..=most).contains(n))
+                .ok_or_else(|| {
+                    self.error(
+                        format!("can.{key} is no whole number from 0 to {most}"),
+                        "correct it",
+                    )
+                }),
+        };
+        let (source, priority) = (number("source", 0x80, 0xfd)?, number("priority", 6, 7)?);
+        let rate = get("rate").map_or(Some(10.0), |item| {
+            item.as_float()
+                .or_else(|| item.as_integer().map(|n| n as f64))
+        });
+        let rate = rate.filter(|r| (0.01..=1000.0).contains(r));
+        let rate = rate
+            .ok_or_else(|| self.error("can.rate is no number from 0.01 to 1000", "correct it"))?;
+        let mut channels = self.table.channels.iter().copied();
+        let channel = match get("channel") {
+            None => channels.next(),
+            Some(item) => channels.find(|c| item.as_str() == Some(c.name)),
+        };
+        let channel = channel.ok_or_else(|| {
+            let all: Vec<&str> = self.table.channels.iter().map(|c| c.name).collect();
+            let all = all.join(", ");
+            self.error(
+                "can.channel is no channel of estimates",
+                format!("one of {all}"),
+            )
+        })?;
+        let base = (priority as u32) << 26 | source as u32;
+        let mut kinds = self.kinds(channel, base);
+        if let Some(frames) = get("frames") {
+            let frames = frames.as_table_like();
+            let frames =
+                frames.ok_or_else(|| self.error("can.frames is no table", "write [can.frames]"))?;
+            let names: Vec<&str> = kinds.iter().map(|k| k.name).collect();
+            self.known(frames, &names)?;
+            kinds.retain(|k| frames.contains_key(k.name));
+            for kind in &mut kinds {
+                (kind.id, kind.extended) = self.identifier(kind.name, frames, base)?;
+            }
+        }
+        for (n, kind) in kinds.iter().enumerate() {
+            let twin = kinds[..n]
+                .iter()
+                .find(|k| (k.id, k.extended) == (kind.id, kind.extended));
+            if let Some(twin) = twin {
+                let what = format!("{} and {} have one identifier", twin.name, kind.name);
+                return Err(self.error(what, "give each its own"));
+            }
+        }
+        Ok(Outgoing {
+            machine: self.table.machine,
+            channel,
+            period: 1.0 / rate,
+            kinds,
+        })
+    }
+
+    /// All frames, with their usual groups.
+    fn kinds(&self, channel: &Channel, base: u32) -> Vec<Kind> {
+        let quantities = self.table.quantities.iter().map(|row| {
+            let at = [row.field, row.std_field].map(|field| position(channel, field));
+            (row.name, row.group, Content::Quantity(at, row))
+        });
+        let verdict = (
+            VERDICT,
+            self.table.verdict,
+            Content::Verdict(self.table.flags),
+        );
+        let all = quantities.chain([verdict]);
+        let kind = |(name, group, content)| Kind {
+            name,
+            id: base | u32::from(group) << 8,
+            extended: true,
+            content,
+        };
+        all.map(kind).collect()
+    }
+
+    fn identifier(
+        &self,
+        name: &str,
+        frames: &dyn TableLike,
+        base: u32,
+    ) -> Result<(u32, bool), Error> {
+        let item = frames.get(name);
+        let group = item.and_then(|i| i.as_integer());
+        if let Some(group) = group.filter(|g| PROPRIETARY_B.contains(g)) {
+            return Ok((base | (group as u32) << 8, true));
+        }
+        let fields = item.and_then(|i| i.as_table_like());
+        let id = fields.and_then(|f| f.get("id")?.as_integer());
+        match id.filter(|id| (0..0x800).contains(id)) {
+            Some(id) => Ok((id as u32, false)),
+            None => Err(self.error(
+                format!("can.frames.{name} names no identifier"),
+                "write a parameter group of proprietary B (0xff00 to 0xffff), or { id = ... } with 11 bits",
+            )),
+        }
+    }
+
+    fn known(&self, table: &dyn TableLike, keys: &[&str]) -> Result<(), Error> {
+        let unknown = table
+            .iter()
+            .map(|(key, _)| key)
+            .find(|key| !keys.contains(key));
+        unknown.map_or(Ok(()), |key| {
+            let remedy = hint(key, keys.iter().copied(), "the keys are");
+            Err(self.error(format!("an output map has no key `{key}`"), remedy))
+        })
+    }
+}

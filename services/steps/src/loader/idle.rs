@@ -1,0 +1,14 @@
+//! Which keys do nothing under which method.
+
+use config::Loader;
+use estimation::loader::Settings;
+
+use crate::idle::Change;
+
+/// Whether a changed key leaves the settings of all of `methods` as they are.
+pub(crate) fn is_idle(loader: &Loader, change: &Change, methods: &[&str]) -> bool {
+    let mut without = loader.clone();
+    change.undo(&mut without);
+    let mut methods = methods.iter().filter_map(|m| super::method(m).ok());
+    methods.all(|m| Settings::of(loader, m) == Settings::of(&without, m))
+}
