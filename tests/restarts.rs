@@ -217,3 +217,41 @@ fn what_was_trusted_is_the_prior_of_the_next_run_and_its_replay_knows() {
     let (all, unknown) = replayed(&recording);
     assert!(all > 10_000 && unknown == 0, "{unknown} of {all}");
 }
+
+#[test]
+fn a_service_that_dies_after_an_upgrade_is_the_old_one_again() {
+    let place = tempfile::tempdir().expect("a folder");
+    let copy = place.path().join("heft");
+    std::fs::copy(env!("CARGO_BIN_EXE_heft"), &copy).expect("a copy");
+    let mut heft = std::process::Command::new(&copy);
+    heft.stdin(std::process::Stdio::null());
+    let args = ["excavator", "--scenario", "cycle", "--duration", "60"];
+    let running = Running::start_with(heft, "upgrade", &args);
+    running.wait_for_services();
+    std::thread::sleep(Duration::from_secs(2));
+    // As package managers do it: another file under the same name. This one would end at once.
+    let other = place.path().join("heft.new");
+    std::fs::copy("/bin/false", &other).expect("another program");
+    std::fs::rename(&other, &copy).expect("in its place");
+    kill_and_wait(&running, "kalman");
+    std::thread::sleep(Duration::from_secs(1));
+    std::fs::remove_file(&copy).expect("it is there");
+    kill_and_wait(&running, "ukf");
+    std::thread::sleep(Duration::from_secs(2));
+    running.signal(Signal::TERM);
+    let (output, folder) = running.wait();
+    let text = both(&output);
+    for name in ["kalman", "ukf"] {
+        assert_eq!(text.matches(&format!("{name} died")).count(), 1, "{text}");
+    }
+    let answers: Vec<ExcavatorEstimate> =
+        read(&folder.path().join("run.mcap"), "excavator/inertia_ukf");
+    // The state of another build would have been refused, and it would have begun anew.
+    let first = first_answers(answers.iter().map(|a| a.hops.estimate_restarts));
+    assert_eq!(first.len(), 1, "{text}");
+    assert!(
+        answers[first[0]].flags & excavator_bits::RESTARTED != 0,
+        "it goes on"
+    );
+    assert!(answers.len() > first[0] + 100, "it works again: {text}");
+}

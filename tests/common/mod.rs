@@ -62,9 +62,14 @@ pub struct Running {
 impl Running {
     /// Starts `heft run` with its own domain and folder.
     pub fn start(name: &str, args: &[&str]) -> Self {
+        Self::start_with(heft(), name, args)
+    }
+
+    /// The same with another copy of the binary, or another environment.
+    pub fn start_with(mut heft: Command, name: &str, args: &[&str]) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         let domain = domain(name);
-        let child = heft()
+        let child = heft
             .arg("run")
             .args(args)
             .args(["--quiet", "--no-report", "--domain", &domain, "--out"])

@@ -11,6 +11,7 @@ mod compare;
 mod failure;
 mod fault;
 mod fleet;
+mod image;
 mod live;
 mod machines;
 mod many;
@@ -42,6 +43,8 @@ use failure::Failure;
 fn main() -> ExitCode {
     let cli = Cli::parse();
     log();
+    // Lists of processes would show the name that `image` starts it by.
+    let _ = rustix::thread::set_name(c"heft");
     match dispatch(cli) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {

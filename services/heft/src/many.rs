@@ -5,11 +5,12 @@ use std::ffi::OsString;
 use std::io::{IsTerminal, Read};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::failure::Failure;
+use crate::image;
 
 /// One input.
 pub struct Job {
@@ -169,11 +170,7 @@ pub fn is_newer(result: &Path, sources: &[&Path]) -> bool {
 }
 
 /// Does all jobs; how each ended, in their order.
-///
-/// # Errors
-/// The program does not find itself.
-pub fn run(jobs: &[Job], most: Option<NonZeroUsize>) -> Result<Vec<Ended>, Failure> {
-    let heft = std::env::current_exe().map_err(Failure::internal)?;
+pub fn run(jobs: &[Job], most: Option<NonZeroUsize>) -> Vec<Ended> {
     let processors = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
     let workers = most.map_or(processors, NonZeroUsize::get).min(jobs.len());
     let (next, ended) = (AtomicUsize::new(0), AtomicUsize::new(0));
@@ -183,11 +180,7 @@ pub fn run(jobs: &[Job], most: Option<NonZeroUsize>) -> Result<Vec<Ended>, Failu
             let at = next.fetch_add(1, Ordering::Relaxed);
             jobs.get(at).map(|job| (at, job))
         } {
-            let end = if job.is_done {
-                Ended::Kept
-            } else {
-                one(&heft, job)
-            };
+            let end = if job.is_done { Ended::Kept } else { one(job) };
             if let Ok(mut results) = results.lock() {
                 results[at] = Some(end);
             }
@@ -207,14 +200,14 @@ pub fn run(jobs: &[Job], most: Option<NonZeroUsize>) -> Result<Vec<Ended>, Failu
     }
     let results = results.into_inner().unwrap_or_default();
     let lost = || Ended::Failed("it was not begun".into());
-    Ok(results
+    results
         .into_iter()
         .map(|r| r.unwrap_or_else(lost))
-        .collect())
+        .collect()
 }
 
-fn one(heft: &Path, job: &Job) -> Ended {
-    let mut command = Command::new(heft);
+fn one(job: &Job) -> Ended {
+    let mut command = image::command();
     command.args(&job.arguments);
     command.stdin(Stdio::null()).stdout(Stdio::null());
     match command.output() {

@@ -2,7 +2,7 @@
 
 use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
 use std::os::unix::process::CommandExt;
-use std::process::{Child, Command, ExitStatus, Stdio};
+use std::process::{Child, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
 use messages::{Health, State};
@@ -11,6 +11,7 @@ use rustix::process::{Pid, PidfdFlags, pidfd_open};
 use steps::stages::Stage;
 
 use crate::failure::Failure;
+use crate::image;
 
 /// A worker that lives no longer than this after its start died quickly.
 const QUICK: Duration = Duration::from_millis(300);
@@ -221,8 +222,7 @@ fn end_of(child: &Child) -> Option<OwnedFd> {
 
 fn spawn(process: &Stage, restarts: u32, domain: &Domain) -> Result<(Control, Child), Failure> {
     let (control, theirs): (Control, OwnedFd) = Control::pair()?;
-    let exe = std::env::current_exe().map_err(Failure::internal)?;
-    let child = Command::new(exe)
+    let child = image::command()
         .args(["service", process.name, "--domain", domain.name()])
         .args(["--restarts", &restarts.to_string()])
         .stdin(Stdio::from(theirs))

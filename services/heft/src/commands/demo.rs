@@ -2,7 +2,7 @@
 
 use std::io::{BufRead, BufReader, IsTerminal, Write};
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Stdio};
 use std::sync::mpsc::{Sender, channel};
 use std::time::Instant;
 
@@ -10,6 +10,7 @@ use messages::Machine;
 
 use crate::commands::run::folder;
 use crate::failure::Failure;
+use crate::image;
 use crate::machines;
 use crate::signals::Signals;
 use crate::watch::LIVE;
@@ -70,8 +71,7 @@ fn start(
     index: usize,
     sender: Sender<Line>,
 ) -> Result<Child, Failure> {
-    let exe = std::env::current_exe().map_err(Failure::internal)?;
-    let mut child = Command::new(exe)
+    let mut child = image::command()
         .args([
             "run",
             machine.name(),

@@ -41,7 +41,7 @@ fn each(args: &ReportArgs) -> Result<(), Failure> {
         }
     };
     let jobs: Vec<Job> = inputs.iter().zip(&pages).map(job).collect();
-    let ends = many::run(&jobs, args.many.jobs)?;
+    let ends = many::run(&jobs, args.many.jobs);
     for (page, end) in pages.iter().zip(&ends) {
         println!("{}: {}", page.display(), end.word());
     }

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::ffi::OsString;
 use std::io::{BufReader, BufWriter, Write};
 use std::os::unix::process::CommandExt;
-use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::process::{Child, ChildStdin, ChildStdout, Stdio};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread::Scope;
 use std::time::Duration;
@@ -12,6 +12,7 @@ use std::time::Duration;
 use super::frames::{self, FAULT, ROW, SAMPLE, STATE};
 use super::{Rows, shard};
 use crate::failure::Failure;
+use crate::image;
 
 /// Samples between two states, and more for each machine of the shard: a state is some kB a machine.
 const INTERVAL: (u64, u64) = (4096, 64);
@@ -73,8 +74,7 @@ struct Started {
 }
 
 fn start(arguments: &[OsString]) -> Result<Started, Failure> {
-    let heft = std::env::current_exe().map_err(Failure::internal)?;
-    let mut command = Command::new(heft);
+    let mut command = image::command();
     // A group of its own: Ctrl-C reaches whoever feeds it, at whose end it ends.
     command.args(arguments).process_group(0);
     command.stdin(Stdio::piped()).stdout(Stdio::piped());

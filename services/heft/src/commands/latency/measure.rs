@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::os::unix::fs::DirBuilderExt;
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 
 use hdrhistogram::Histogram;
 use limits::{Options, Primitive};
@@ -12,6 +12,7 @@ use super::ROUNDS;
 use super::chain::Chain;
 use super::conditions::Conditions;
 use crate::failure::Failure;
+use crate::image;
 use crate::machines;
 
 /// Samples at the start of each round that are left out: connections, caches, page faults.
@@ -152,11 +153,10 @@ fn run_pipeline(
 ) -> Result<String, Failure> {
     let folder = std::env::temp_dir().join(format!("heft-latency-{}-{round}", std::process::id()));
     let probe = folder.join("probe.csv");
-    let exe = std::env::current_exe().map_err(Failure::internal)?;
     // A new folder or none: anybody may put a link under this name.
     let made = fs::DirBuilder::new().mode(0o700).create(&folder);
     made.map_err(|e| Failure::file("make the folder", &folder, &e))?;
-    let mut command = Command::new(exe);
+    let mut command = image::command();
     command
         .args(["run", chain.machine.name(), "--quiet", "--no-report"])
         .args([
