@@ -1,4 +1,4 @@
-//! A recording is opened by Python's `mcap` and `mcap-protobuf-support` from PyPI. The packages are
+//! A recording is opened by Python's `mcap` and `mcap-protobuf-support` from PyPI, and frames by `cantools`. The packages are
 //! installed into a virtual environment below the target folder; where that is not possible within
 //! a minute, the test says so and passes.
 
@@ -6,8 +6,12 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use messages::ExcavatorSensors;
 use messages::channels::EXCAVATOR_SENSORS;
+use messages::{
+    Envelope, ExcavatorEstimate, ExcavatorSensors, LoaderEstimate, Message, excavator_bits as e,
+    loader_bits as l,
+};
+use recording::can::Outgoing;
 use recording::{Metadata, Writer};
 
 /// Runs a command for at most a minute; whether it ended well.
@@ -29,16 +33,17 @@ fn works(command: &mut Command) -> bool {
     false
 }
 
-/// A Python that has the packages.
-fn python() -> Option<PathBuf> {
-    let has = |python: &Path| works(Command::new(python).args(["-c", "import mcap_protobuf"]));
-    let venv = Path::new(env!("CARGO_TARGET_TMPDIR")).join("python");
+/// A Python that has the packages, by which `module` can be imported.
+fn python(module: &str, packages: &[&str]) -> Option<PathBuf> {
+    let import = format!("import {module}");
+    let has = |python: &Path| works(Command::new(python).args(["-c", &import]));
+    // One for each: tests run at the same time.
+    let venv = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("python-{module}"));
     let own = venv.join("bin/python");
     if has(&own) {
         return Some(own);
     }
     works(Command::new("python3").args(["-m", "venv"]).arg(&venv));
-    let packages = ["mcap", "mcap-protobuf-support"];
     works(
         Command::new(&own)
             .args(["-m", "pip", "install", "--quiet"])
@@ -46,14 +51,19 @@ fn python() -> Option<PathBuf> {
     );
     let found = has(&own);
     if !found {
-        println!("skipped: python3 with mcap and mcap-protobuf-support cannot be installed here");
+        println!(
+            "skipped: python3 with {} cannot be installed here",
+            packages.join(" and ")
+        );
     }
     found.then_some(own)
 }
 
 #[test]
 fn python_reads_values_units_and_metadata_from_a_recording() {
-    let Some(python) = python() else { return };
+    let Some(python) = python("mcap_protobuf", &["mcap", "mcap-protobuf-support"]) else {
+        return;
+    };
     let dir = tempfile::tempdir().expect("a folder");
     let path = dir.path().join("run.mcap");
     let metadata: Metadata = [("seed".to_owned(), "7".to_owned())].into();
@@ -95,4 +105,171 @@ fn python_reads_values_units_and_metadata_from_a_recording() {
             "no {expected} in:\n{text}\n{errors}"
         );
     }
+}
+
+/// A row for the script: a signal of a frame of `estimate`, and what is to be read there.
+fn row(
+    outgoing: &Outgoing,
+    estimate: &Envelope,
+    kind: usize,
+    signal: &str,
+    wanted: &str,
+) -> String {
+    let frame = outgoing.frames(estimate, 0, "can0").nth(kind);
+    let frame = frame.expect("a frame of each kind");
+    let data: String = frame.data().iter().map(|b| format!("{b:02x}")).collect();
+    format!("{},{data},{signal},{wanted}\n", frame.id)
+}
+
+#[test]
+fn cantools_reads_what_is_trusted_within_half_a_bit_and_nothing_else() {
+    let Some(python) = python("cantools", &["cantools"]) else {
+        return;
+    };
+    let machines = ["excavator", "loader"];
+    let [excavator, loader] = machines.map(|m| Outgoing::new(m, None).expect("the usual frames"));
+    let mut rows = String::new();
+    for n in 0..250 {
+        // Irrational steps over the range of a machine, so that every fraction of a bit occurs.
+        let x = f64::from(n) + (f64::from(n) * 0.618_033_988_749).fract();
+        let trusted = n % 4 != 0;
+        let estimate = ExcavatorEstimate {
+            inertia: 1999.377 * x,
+            inertia_std: 7.77 * x,
+            payload: 31.4159 * x - 500.0,
+            payload_std: 0.123_456 + x,
+            damping: 271.828 * x,
+            damping_std: 1.414 * x,
+            flags: if trusted {
+                e::TRUSTED | e::FRESH
+            } else {
+                e::FRESH
+            },
+            estimated: e::INERTIA | e::PAYLOAD | e::DAMPING,
+            ..ExcavatorEstimate::default()
+        };
+        let message = estimate.envelope();
+        let mut put = |outgoing, message, kind, signal: &str, value: f64, trusted: bool| {
+            let wanted = if trusted {
+                format!("{value:?}")
+            } else {
+                String::new()
+            };
+            rows += &row(outgoing, message, kind, signal, &wanted);
+        };
+        put(
+            &excavator,
+            &message,
+            0,
+            "inertia",
+            estimate.inertia,
+            trusted,
+        );
+        put(
+            &excavator,
+            &message,
+            0,
+            "inertia_std",
+            estimate.inertia_std,
+            trusted,
+        );
+        put(
+            &excavator,
+            &message,
+            1,
+            "payload",
+            estimate.payload,
+            trusted,
+        );
+        put(
+            &excavator,
+            &message,
+            1,
+            "payload_std",
+            estimate.payload_std,
+            trusted,
+        );
+        put(
+            &excavator,
+            &message,
+            2,
+            "damping",
+            estimate.damping,
+            trusted,
+        );
+        put(
+            &excavator,
+            &message,
+            2,
+            "damping_std",
+            estimate.damping_std,
+            trusted,
+        );
+        put(
+            &excavator,
+            &message,
+            3,
+            "trusted",
+            f64::from(u8::from(trusted)),
+            true,
+        );
+        let height = n % 3 == 0;
+        let estimate = LoaderEstimate {
+            cg_ratio: 0.004 * x,
+            cg_ratio_std: 0.000_777 * x,
+            cg_height: 0.0314 * x,
+            cg_height_std: 0.001_41 * x,
+            flags: if trusted { l::TRUSTED_RATIO } else { 0 }
+                | if height { l::TRUSTED_HEIGHT } else { 0 },
+            estimated: l::STATE,
+            ..LoaderEstimate::default()
+        };
+        let message = estimate.envelope();
+        put(&loader, &message, 0, "cg_ratio", estimate.cg_ratio, trusted);
+        put(
+            &loader,
+            &message,
+            0,
+            "cg_ratio_std",
+            estimate.cg_ratio_std,
+            trusted,
+        );
+        put(
+            &loader,
+            &message,
+            1,
+            "cg_height",
+            estimate.cg_height,
+            height,
+        );
+        put(
+            &loader,
+            &message,
+            1,
+            "cg_height_std",
+            estimate.cg_height_std,
+            height,
+        );
+    }
+    let dir = tempfile::tempdir().expect("a folder");
+    let (dbc, frames) = (dir.path().join("heft.dbc"), dir.path().join("frames.csv"));
+    std::fs::write(&dbc, Outgoing::dbc(&[excavator, loader])).expect("writable");
+    std::fs::write(&frames, rows).expect("writable");
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/can/decode.py");
+    let output = Command::new(python)
+        .arg(script)
+        .args([&dbc, &frames])
+        .output()
+        .expect("python runs");
+    let text = String::from_utf8_lossy(&output.stdout);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    let words: Vec<&str> = text.split_whitespace().collect();
+    let [values, "values,", absent, "not", "available,", bits, "bits"] = words[..] else {
+        panic!("{text}\n{errors}");
+    };
+    // 187 of 250 are trusted, of the heights 84; and every verdict is read.
+    assert_eq!((values, absent), ("1914", "836"), "{text}");
+    // And the rounding of a double near the offset of the payload.
+    let bits: f64 = bits.parse().expect("a number");
+    assert!(bits <= 0.500_1, "{text}");
 }
