@@ -47,3 +47,34 @@ fn the_unit_runs_the_source_that_is_written_with_its_options() {
         "heft run excavator --input can:can0 --map /m.toml --split 10min --keep 20GB --config";
     assert!(said.starts_with(start), "{said}");
 }
+
+/// What `systemd-analyze` says of the unit; `None`, with a word, where it is not installed.
+fn analyzed(arguments: &[&str]) -> Option<Output> {
+    let unit = concat!(env!("CARGO_MANIFEST_DIR"), "/services/heft/heft@.service");
+    let mut command = Command::new("systemd-analyze");
+    let output = command.args(arguments).arg(unit).output();
+    if output.is_err() {
+        println!("skipped: systemd-analyze is not installed");
+    }
+    output.ok()
+}
+
+#[test]
+fn systemd_understands_every_line_of_the_unit() {
+    let Some(output) = analyzed(&["verify"]) else {
+        return;
+    };
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && !said.contains("heft@"), "{said}");
+}
+
+#[test]
+fn the_unit_is_exposed_as_little_as_a_pipeline_may_be() {
+    // In tenths: 24 with systemd 252, where 100 is a unit without any protection.
+    let offline = ["security", "--offline=true", "--threshold=30"];
+    let Some(output) = analyzed(&offline) else {
+        return;
+    };
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success(), "{said}");
+}
