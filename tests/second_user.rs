@@ -9,7 +9,10 @@ use std::process::{Command, Output};
 
 use common::both;
 
-/// Runs `script` with a `/dev/shm` of its own, `foe` as a command that runs a line as another user,
+/// The group of an operator's display.
+const GROUP: u32 = 61_234;
+
+/// Runs `script` with a `/dev/shm` of its own, `foe` as a command that runs a line as another user, `friend` as one of [`GROUP`],
 /// and `heft`, `OUT` (a new folder that anybody may use) set. `None`, with a word, where that is not possible.
 fn with_a_foe(script: &str) -> Option<Output> {
     let folder = tempfile::tempdir().expect("a folder");
@@ -23,6 +26,7 @@ fn with_a_foe(script: &str) -> Option<Output> {
          unset XDG_RUNTIME_DIR
          heft={}; OUT={}; cd $OUT
          foe() {{ setpriv --reuid=65534 --regid=65534 --clear-groups sh -c \"$1\"; }}
+         friend() {{ setpriv --reuid=65533 --regid=65533 --groups={GROUP} sh -c \"$1\"; }}
          {script}",
         copy.display(),
         folder.path().display()
@@ -157,4 +161,62 @@ fn what_a_listener_makes_is_closed_to_others_too() {
          test -s rows || {{ echo 'nothing was heard'; cat said; exit 1; }}
          test -z \"$open\" || {{ echo \"open: $open\"; exit 2; }}"
     ));
+}
+
+#[test]
+fn a_group_that_is_named_reads_and_follows_the_run_and_can_do_nothing_else_to_it() {
+    passes(&format!(
+        "mkdir -m 777 theirs
+         $heft {RUN} --duration 14 --split 2s --out out --domain shown --group {GROUP} > said 2>&1 & run=$!
+         sleep 3
+         window=$(echo /dev/shm/heft-0.shown.*.window)
+         test \"$(stat -c '%a %g' $window)\" = '640 {GROUP}' || {{ ls -l /dev/shm; exit 1; }}
+         test \"$(stat -c '%a %g' out)\" = '750 {GROUP}' || exit 2
+         friend \"timeout 3 $heft tail --domain shown --format csv\" > rows 2> whose
+         grep -q 'shown of user 0' whose || {{ cat whose; exit 3; }}
+         test $(wc -l < rows) -gt 150 || {{ cat rows whose; exit 4; }}
+         friend \"$heft top --once\" | grep -q kg || exit 5
+         friend \"$heft export $OUT/out -o $OUT/theirs/csv\" || exit 6
+         test $(wc -l < theirs/csv/excavator_sensors.csv) -gt 300 || {{ ls theirs/csv; exit 7; }}
+         echo 'for f in '$window' out out/*; do
+                 (: >> $f) && echo wrote $f
+                 truncate -s 0 $f && echo shortened $f
+                 rm -r $f && echo removed $f
+               done
+               touch out/new && echo made
+               for f in /dev/shm/heft-0.*; do test $f = '$window' && continue; cat $f && echo read $f; done
+               ls /dev/shm/heft-0 && echo looked
+               for p in $(pgrep -P '$run'); do kill -0 $p && echo signalled; done
+               flock -n '$window' true && echo locked' > attempts
+         friend \". $OUT/attempts\" > done 2> refused
+         test -s done && {{ cat done; exit 8; }}
+         foe \". $OUT/attempts; cat $window out/*; ls out; $heft tail --domain shown\" > done 2> refused
+         test -s done && {{ cat done; exit 9; }}
+         open=$(find /dev/shm -type f -perm /077 ! -name '*.window')
+         test -z \"$open\" || {{ echo $open; exit 10; }}
+         wait $run || {{ cat said; exit 11; }}
+         find out -type f ! -perm 640 -o -perm /007 | grep . && exit 12
+         test ! -e $window || exit 13"
+    ));
+}
+
+#[test]
+fn a_group_is_one_that_exists_and_that_the_user_is_in() {
+    passes(&format!(
+        "$heft {RUN} --duration 1 --out one --group nobody-has-this > said 2>&1; test $? = 2 || exit 1
+         grep -q nobody-has-this said && grep -q 'what to do' said || exit 2
+         foe \"$heft {RUN} --duration 1 --out two --group {GROUP}\" > said 2>&1; test $? = 2 || exit 3
+         grep -q SupplementaryGroups said || {{ cat said; exit 4; }}
+         friend \"cd theirs 2> /dev/null; $heft {RUN} --duration 1 --out $OUT/three --group {GROUP}\" || exit 5"
+    ));
+}
+
+#[test]
+fn a_display_believes_no_window_that_is_not_made_for_its_group() {
+    passes(
+        "foe 'echo heft window 1 excavator > /dev/shm/heft-65534.fake.1.window; chmod 644 /dev/shm/heft-65534.fake.1.window
+              mkfifo -m 644 /dev/shm/heft-65534.pipe.1.window'
+         friend \"timeout 5 $heft tail --domain fake\" > said 2>&1; test $? = 2 || exit 1
+         grep -q 'no pipeline runs' said || { cat said; exit 2; }",
+    );
 }

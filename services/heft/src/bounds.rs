@@ -45,6 +45,7 @@ impl LimitArgs {
             keep_for: time(self.keep),
             keep_bytes: bytes(self.keep),
             min_free: self.min_free,
+            group: None,
         }
     }
 }

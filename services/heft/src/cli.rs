@@ -283,6 +283,9 @@ pub struct RunArgs {
     /// Name of the run's corner of shared memory
     #[arg(long)]
     pub domain: Option<String>,
+    /// Let this group of users read the recording and follow the run (tail, top); nobody else may, and nobody may write
+    #[arg(long, value_name = "NAME")]
+    pub group: Option<String>,
     /// Exit with status 1 if no estimate of the last 30 s is `trusted`
     #[arg(long)]
     pub require_trust: bool,

@@ -3,6 +3,7 @@
 #[macro_use]
 mod out;
 
+mod attached;
 mod bounds;
 mod build;
 mod cli;
@@ -11,6 +12,7 @@ mod compare;
 mod failure;
 mod fault;
 mod fleet;
+mod group;
 mod image;
 mod live;
 mod machines;

@@ -14,6 +14,7 @@ use recording::Reader;
 use rustix::fs::{CWD, RenameFlags, renameat_with};
 
 use crate::failure::Failure;
+use crate::group;
 
 /// Opens a recording or the folder of one, and says what there is to know of its state. It is never
 /// written to.
@@ -114,11 +115,12 @@ impl Drop for Reserved {
 }
 
 /// At the end of a run: joins a recording in parts. What cannot be joined is still read as one.
-pub fn finish(recording: &Path) -> Result<(), Failure> {
+pub fn finish(recording: &Path, group: Option<u32>) -> Result<(), Failure> {
     if fs::metadata(recording).is_ok_and(|m| m.len() == 0) {
         return Ok(());
     }
-    join(recording)
+    join(recording)?;
+    group.map_or(Ok(()), |group| group::share(recording, group))
 }
 
 /// Makes one file of a finished recording whose logger was started again; does nothing where there is

@@ -64,6 +64,8 @@ pub struct Plan {
     pub recording: PathBuf,
     /// Bounds of the recording.
     pub limits: LimitArgs,
+    /// The group of users that may look at the run.
+    pub group: Option<u32>,
     /// Whether a process that only measures the arrival of estimates joins the chain.
     pub probe: Option<PathBuf>,
     /// Whether that process waits for the iceoryx2 event of its channel instead of its bell.

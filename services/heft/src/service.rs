@@ -60,7 +60,10 @@ fn serve_step(worker: Worker, plan: &Plan, stage: &Stage, row: &dyn Row) -> Resu
 
 fn serve_logger(worker: Worker, plan: &Plan) -> Result<(), Failure> {
     let channels: Vec<_> = of_machine(plan.machine).collect();
-    let limits = plan.limits.of_logger();
+    let limits = logger::Limits {
+        group: plan.group,
+        ..plan.limits.of_logger()
+    };
     let logger = logger::Logger::create(&plan.recording, &plan.metadata(), limits)?;
     Ok(run_sink(worker, &channels, plan.lossless, logger)?)
 }

@@ -8,7 +8,7 @@ use std::os::fd::AsFd;
 use std::time::{Duration, Instant};
 
 use messages::channels::{Channel, of_machine};
-use runtime::{Bell, Cleaner, Domain, Heard, Held, Owner, Ports, Taps, now_ns};
+use runtime::{Bell, Cleaner, Domain, Heard, Held, Owner, Ports, Taps, Window, now_ns};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use steps::stages::{Pipeline, Role};
 
@@ -79,7 +79,7 @@ impl Supervisor {
     pub fn start(
         domain: &Domain,
         plan: Plan,
-        watch: Watch,
+        mut watch: Watch,
         signals: Signals,
     ) -> Result<Self, Failure> {
         spare::check_limit()?;
@@ -88,6 +88,9 @@ impl Supervisor {
         owner.domain().enter()?;
         let ports = Ports::new("supervisor")?;
         owner.close_to_others()?;
+        if let Some(group) = plan.group {
+            watch.show_to_group(Window::open(owner.domain(), plan.machine, group)?);
+        }
         let channels: Vec<&'static Channel> = of_machine(plan.machine).collect();
         let held = channels
             .iter()
@@ -204,7 +207,7 @@ impl Supervisor {
 
     /// Joins what several loggers wrote.
     fn finish_recording(&mut self) {
-        if let Err(failure) = parts::finish(&self.plan.recording) {
+        if let Err(failure) = parts::finish(&self.plan.recording, self.plan.group) {
             let why = failure.to_string().replace('\n', ";");
             self.watch.note(Fault::NotJoined { why });
         }

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use messages::channels::Channel;
 use messages::keyframe::Collector;
 use messages::{Envelope, Health, Machine, Message, Role, Snapshot, Stamp, Value, fault};
-use runtime::Sink;
+use runtime::{Sink, Window};
 use steps::stages::Pipeline;
 use view::live::Feed;
 
@@ -90,6 +90,8 @@ pub struct Watch {
     told: Option<&'static Channel>,
     show: Show,
     feed: Option<Feed>,
+    /// For a group of other users.
+    window: Option<Window>,
     carried: BTreeMap<&'static str, Carried>,
     truths: VecDeque<(u64, Envelope)>,
     tallies: Vec<Tally>,
@@ -130,19 +132,24 @@ impl Watch {
         }
     }
 
+    /// Has messages shown to a group of other users.
+    pub fn show_to_group(&mut self, window: Window) {
+        self.window = Some(window);
+    }
+
     /// Has what is trusted remembered.
     pub fn remember(&mut self, memory: Option<Memory>) {
         self.memory = memory;
     }
 
     /// Whether it reads a channel. Every reader costs the writer time while the next stage waits, so
-    /// what is only passed on to the live page is not read without one.
+    /// what is only passed on, to the live page or a group, is not read without one.
     pub fn reads(&self, channel: &Channel) -> bool {
         let passed_on = match channel.payload.role() {
             Role::Sensors | Role::Between => true,
             Role::Truth | Role::Estimate | Role::Common => false,
         };
-        self.feed.is_some() || !passed_on
+        self.feed.is_some() || self.window.is_some() || !passed_on
     }
 
     /// Number after that of the latest sample seen.
@@ -420,6 +427,9 @@ impl Sink for Watch {
         }
         if let Some(feed) = &self.feed {
             feed.push(channel, message);
+        }
+        if let Some(window) = &mut self.window {
+            window.show(channel, message);
         }
         let carried = self.carried.entry(channel.name).or_default();
         carried.add(message.stamp());

@@ -20,6 +20,8 @@ pub struct Limits {
     pub keep_for: Option<Duration>,
     /// Recording stops while the disk has less room than this [bytes].
     pub min_free: Option<u64>,
+    /// A group of users that may read it too.
+    pub group: Option<u32>,
 }
 
 /// A wall clock that is away by more than this from where it was has jumped.
@@ -81,6 +83,14 @@ impl Recorder {
             self.wall_offset_ns.to_string(),
         );
         let mut writer = Writer::create(&self.part, &metadata)?;
+        // Locked before anybody else can open it.
+        let shared = self
+            .limits
+            .group
+            .map(|group| runtime::share(&self.part, group));
+        if let Some(Err(error)) = shared {
+            tracing::warn!(%error, "the recording is not given to the group");
+        }
         writer.set_wall_offset(self.wall_offset_ns);
         self.writer = Some(writer);
         self.begun = Instant::now();
@@ -226,7 +236,9 @@ impl Recorder {
             let too_old =
                 keep_for.is_some_and(|most| changed.elapsed().is_ok_and(|age| age > most));
             let too_much = keep_bytes.is_some_and(|most| total > most);
-            if (too_old || too_much) && !recording::is_being_written(&file) {
+            // Who may read a part may lock it: parts that this recorder has finished are not asked.
+            let is_finished = recording::is_part_of(&self.first, &file);
+            if (too_old || too_much) && (is_finished || !recording::is_being_written(&file)) {
                 match std::fs::remove_file(&file) {
                     Ok(()) => total -= size,
                     Err(e) => tracing::warn!(file = %file.display(), "cannot remove: {e}"),
@@ -282,103 +294,4 @@ fn date_and_time(seconds: u64) -> String {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use messages::ExcavatorSensors;
-    use messages::channels::EXCAVATOR_SENSORS;
-
-    fn record(recorder: &mut Recorder, numbers: std::ops::Range<u64>) {
-        for number in numbers {
-            let mut message = ExcavatorSensors::default();
-            message.stamp.sequence = number;
-            message.stamp.measured_ns = 1 + number;
-            message.swing_velocity = (number as f64).sin();
-            assert_eq!(
-                recorder.write(&EXCAVATOR_SENSORS, &message.envelope()),
-                Ok(true)
-            );
-        }
-        recorder.flush().expect("room");
-    }
-
-    fn numbers(path: &Path) -> Vec<u64> {
-        let reader = recording::Reader::open(path).expect("a recording");
-        assert!(reader.is_complete(), "each part is whole");
-        let messages = reader.stream::<ExcavatorSensors>("excavator/sensors");
-        messages
-            .expect("sensors")
-            .map(|m| m.stamp.sequence)
-            .collect()
-    }
-
-    #[test]
-    fn a_split_recording_is_read_as_one_and_keeps_what_it_may() {
-        let dir = tempfile::tempdir().expect("a folder");
-        let first = dir.path().join("run.mcap");
-        let mut limits = Limits {
-            split_bytes: Some(20_000),
-            ..Limits::default()
-        };
-        let mut recorder = Recorder::create(&first, &Metadata::new(), limits).expect("made");
-        for i in 0..10 {
-            record(&mut recorder, i * 500..(i + 1) * 500);
-        }
-        recorder.finish().expect("room");
-        let files = recording::files_by_age(dir.path()).len();
-        assert!(files > 3, "{files} parts");
-        assert_eq!(numbers(dir.path()), (0..5000).collect::<Vec<_>>());
-
-        // A second run into the folder, which may hold 100 kB.
-        let second = dir.path().join("run-2.mcap");
-        limits.keep_bytes = Some(100_000);
-        std::fs::write(dir.path().join("notes.mcap.txt"), vec![0; 200_000]).expect("writable");
-        let mut recorder = Recorder::create(&second, &Metadata::new(), limits).expect("made");
-        for i in 0..20 {
-            record(&mut recorder, i * 500..(i + 1) * 500);
-        }
-        recorder.finish().expect("room");
-        let total: u64 = recording::files_by_age(dir.path())
-            .iter()
-            .map(|f| f.2)
-            .sum();
-        assert!((40_000..130_000).contains(&total), "{total} bytes are kept");
-        assert!(!first.exists(), "the oldest go first");
-        let kept = numbers(dir.path());
-        assert_eq!(kept.last(), Some(&9999));
-        assert!(kept.windows(2).all(|w| w[0] + 1 == w[1]), "without a gap");
-        assert!(dir.path().join("notes.mcap.txt").exists());
-    }
-
-    #[test]
-    fn a_disk_with_less_room_than_asked_for_stops_the_recording_with_a_whole_part() {
-        let dir = tempfile::tempdir().expect("a folder");
-        let first = dir.path().join("run.mcap");
-        let limits = Limits {
-            min_free: Some(u64::MAX),
-            ..Limits::default()
-        };
-        let mut recorder = Recorder::create(&first, &Metadata::new(), limits).expect("made");
-        let message = ExcavatorSensors::default();
-        assert_eq!(
-            recorder.write(&EXCAVATOR_SENSORS, &message.envelope()),
-            Ok(true)
-        );
-        assert!(
-            recorder
-                .flush()
-                .is_err_and(|e| e.is_disk_full() && e.what.contains("--min-free"))
-        );
-        assert_eq!(
-            recorder.write(&EXCAVATOR_SENSORS, &message.envelope()),
-            Ok(false)
-        );
-        assert_eq!(numbers(&first), [0]);
-    }
-
-    #[test]
-    fn the_day_is_that_of_the_calendar() {
-        assert_eq!(date_and_time(0), "1970-01-01T00:00:00Z");
-        assert_eq!(date_and_time(951_782_399), "2000-02-28T23:59:59Z");
-        assert_eq!(date_and_time(1_709_208_000), "2024-02-29T12:00:00Z");
-    }
-}
+mod tests;

@@ -41,7 +41,9 @@ pub use line_decoder::{LineDecoder, MAX_LINE, NameColumn};
 pub use load::{Samples, load, open};
 pub use map::Map;
 pub use output::Output;
-pub use parts::{files_by_age, is_being_written, next_part, part_number, recordings, reserve};
+pub use parts::{
+    files_by_age, is_being_written, is_part_of, next_part, part_number, recordings, reserve,
+};
 pub use reader::{Reader, Stream};
 pub use recover::{Recovered, join, recover};
 pub use schema::RecordedField;

@@ -76,6 +76,12 @@ pub fn reserve(folder: &Path) -> Result<PathBuf, Error> {
     unreachable!("a folder does not hold so many files")
 }
 
+/// Whether `file` is a part of the recording `first`.
+#[must_use]
+pub fn is_part_of(first: &Path, file: &Path) -> bool {
+    first.parent() == file.parent() && name(first).map(|n| n.0) == name(file).map(|n| n.0)
+}
+
 /// Number of a part, 1 for the first.
 #[must_use]
 pub fn part_number(file: &Path) -> u32 {

@@ -91,7 +91,7 @@ impl Domain {
     }
 
     /// First letters of every shared-memory object of this domain, in all its runs.
-    fn prefix(&self) -> String {
+    pub(crate) fn prefix(&self) -> String {
         format!("heft-{}.{}.", home::user(), self.name)
     }
 
@@ -305,7 +305,7 @@ impl Drop for Owner {
     }
 }
 
-fn is_name(name: &str) -> bool {
+pub(crate) fn is_name(name: &str) -> bool {
     !name.is_empty()
         && name.len() <= 32
         && name.bytes().all(|c| c.is_ascii_alphanumeric() || c == b'-')
@@ -320,7 +320,7 @@ fn options() -> OpenOptions {
 }
 
 /// A file that was not there before.
-fn new_file(path: &Path) -> std::io::Result<File> {
+pub(crate) fn new_file(path: &Path) -> std::io::Result<File> {
     options().create_new(true).open(path)
 }
 
@@ -334,7 +334,7 @@ fn replace(path: &Path) -> std::io::Result<()> {
     fs::rename(&copy, path)
 }
 
-fn random() -> std::io::Result<u64> {
+pub(crate) fn random() -> std::io::Result<u64> {
     let mut bytes = [0; 8];
     File::open("/dev/urandom")?.read_exact(&mut bytes)?;
     Ok(u64::from_ne_bytes(bytes))

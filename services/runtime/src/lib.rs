@@ -13,6 +13,7 @@
 //! | `bell` | wake-ups |
 //! | `worker`, `control` | the life of a process, and how the supervisor speaks to it |
 //! | `domain`, `home`, `cleaner` | where the files of a run are, who owns them, who removes them |
+//! | `window` | what a group of other users may see of a run |
 //! | `telemetry`, `pulse` | counting, and noticing that a step hangs |
 //! | `realtime`, `clock` | scheduling and time |
 
@@ -35,6 +36,7 @@ mod stage;
 mod step;
 mod taps;
 mod telemetry;
+mod window;
 mod worker;
 
 pub use bell::Bell;
@@ -54,4 +56,5 @@ pub use stage::run_stage;
 pub use step::{Source, Step, answer};
 pub use taps::{Taps, Visit};
 pub use telemetry::Identity;
+pub use window::{Shown, Window, share};
 pub use worker::{Setup, Worker};

@@ -13,6 +13,7 @@ use crate::cli::{self, DescriptionArgs, RunArgs};
 use crate::failure::Failure;
 use crate::fault::Fault;
 use crate::fleet::Fleet;
+use crate::group;
 use crate::machines;
 use crate::outputs::CanOutput;
 use crate::parts::Reserved;
@@ -117,6 +118,7 @@ fn plan(args: &RunArgs) -> Result<(Plan, Description), Failure> {
         version: env!("CARGO_PKG_VERSION").to_owned(),
         recording: PathBuf::new(),
         limits: args.limits.clone(),
+        group: args.group.as_deref().map(group::id).transpose()?,
         probe: args.probe.as_deref().map(absolute).transpose()?,
         probe_listens: args.probe_listens,
     };
@@ -130,6 +132,9 @@ fn pipeline_plan(args: &RunArgs) -> Result<Plan, Failure> {
     let methods: Vec<&str> = plan.methods.values().map(String::as_str).collect();
     tell_idle_keys(&description, &methods);
     let folder = absolute(&folder(args.out.as_deref(), args.machine.name())?)?;
+    if let Some(group) = plan.group {
+        group::share(&folder, group)?;
+    }
     plan.recording = recording::reserve(&folder)?;
     Ok(plan)
 }
@@ -244,7 +249,7 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
         show(args),
     );
     watch.remember(memory);
-    let recording = plan.recording.clone();
+    let (recording, group) = (plan.recording.clone(), plan.group);
     if !args.quiet || !sources::is_simulated(&plan) {
         eprintln!("{}", sources::words(&plan));
     }
@@ -261,6 +266,9 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     let report = (!args.no_report)
         .then(|| summary::report(&recording))
         .flatten();
+    if let (Some(report), Some(group)) = (&report, group) {
+        group::share(report, group)?;
+    }
     print!(
         "{}",
         summary::text(machine, &watch, &recording, report.as_deref())

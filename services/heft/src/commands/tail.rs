@@ -9,11 +9,10 @@ use clap::{Args, ValueEnum};
 use messages::channels::{Channel, of_machine};
 use messages::{Field, Message, Value, fault};
 use recording::can::Outgoing;
-use runtime::{Ports, Sink, Taps};
+use runtime::Sink;
 
-use super::top::find;
+use crate::attached::find;
 use crate::failure::Failure;
-use crate::plan::Plan;
 use crate::signals::Signals;
 
 /// Longest wait before the channel is looked at again.
@@ -67,8 +66,8 @@ struct Writer {
 
 /// `heft tail`
 pub fn tail(args: &TailArgs) -> Result<(), Failure> {
-    let domain = find(args.domain.as_deref())?;
-    let machine = Plan::read(&domain)?.machine;
+    let found = find(args.domain.as_deref())?;
+    let machine = found.machine()?;
     let frames = Outgoing::new(machine, args.output_map.as_deref())?;
     let name = args.channel.as_deref().unwrap_or(frames.channel.name);
     if args.format == Format::Candump && name != frames.channel.name {
@@ -86,9 +85,7 @@ pub fn tail(args: &TailArgs) -> Result<(), Failure> {
             format!("one of {}", names.join(", ")),
         ));
     };
-    let plan = domain.plan_file();
-    domain.enter()?;
-    let mut taps = Taps::open(&Ports::new("tail")?, &[channel])?;
+    let mut run = found.attach("tail", &[channel])?;
     let mut writer = Writer {
         format: args.format,
         frames,
@@ -99,8 +96,8 @@ pub fn tail(args: &TailArgs) -> Result<(), Failure> {
         bytes: Vec::new(),
     };
     let stop = Signals::catch()?;
-    while !stop.came() && plan.exists() {
-        taps.drain(&mut writer);
+    while !stop.came() && run.is_alive() {
+        run.drain(&mut writer);
         writer
             .bytes
             .extend(std::mem::take(&mut writer.text).into_bytes());

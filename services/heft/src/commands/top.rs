@@ -5,12 +5,12 @@ use std::time::{Duration, Instant};
 use messages::channels::{Channel, of_machine};
 use messages::{Message, fault};
 use ratatui::crossterm::event::{self, Event, KeyCode, KeyModifiers};
-use runtime::{Domain, Ports, Sink, Taps};
+use runtime::Sink;
 use steps::stages::Pipeline;
 use view::top::{TopState, draw};
 
+use crate::attached::{Attached, find};
 use crate::failure::Failure;
-use crate::plan::Plan;
 
 /// Time between two pictures.
 const PERIOD: Duration = Duration::from_millis(100);
@@ -40,77 +40,28 @@ impl Sink for Seen {
 
 /// `heft top`
 pub fn top(domain: Option<&str>, once: bool) -> Result<(), Failure> {
-    let domain = find(domain)?;
-    let plan = Plan::read(&domain)?;
-    domain.enter()?;
-    let ports = Ports::new("top")?;
-    let channels: Vec<_> = of_machine(plan.machine).collect();
-    let mut taps = Taps::open(&ports, &channels)?;
-    let names = Pipeline::of(plan.machine)
+    let found = find(domain)?;
+    let machine = found.machine()?;
+    let name = found.name().to_owned();
+    let channels: Vec<_> = of_machine(machine).collect();
+    let mut run = found.attach("top", &channels)?;
+    let names = Pipeline::of(machine)
         .stages
         .iter()
         .map(|p| p.name.to_owned())
         .collect();
-    let mut seen = Seen(TopState::new(domain.name(), names));
+    let mut seen = Seen(TopState::new(&name, names));
     if once {
-        print_once(&mut taps, &mut seen)
+        print_once(&mut run, &mut seen)
     } else {
-        show(&domain, &mut taps, &mut seen)
+        show(&name, &mut run, &mut seen)
     }
 }
 
-/// The domain of this name, or the only living one.
-pub fn find(name: Option<&str>) -> Result<Domain, Failure> {
-    if let Some(name) = name {
-        let domain = Domain::new(name)?;
-        return if domain.is_alive() {
-            Ok(domain)
-        } else {
-            Err(not_running(name))
-        };
-    }
-    let mut alive = Domain::all().into_iter().filter(Domain::is_alive);
-    match (alive.next(), alive.next()) {
-        (Some(domain), None) => Ok(domain),
-        (None, _) => Err(Failure::input(
-            "no pipeline is running",
-            "shared memory",
-            "start one with `heft run excavator`",
-        )),
-        (Some(one), Some(two)) => Err(Failure::input(
-            format!(
-                "several pipelines are running: {}, {}, ...",
-                one.name(),
-                two.name()
-            ),
-            "--domain",
-            "name the one to show",
-        )),
-    }
-}
-
-fn not_running(name: &str) -> Failure {
-    let alive: Vec<String> = Domain::all()
-        .into_iter()
-        .filter(Domain::is_alive)
-        .map(|d| d.name().to_owned())
-        .collect();
-    let remedy = if alive.is_empty() {
-        "start one with `heft run excavator`".to_owned()
-    } else {
-        format!("these are: {}", alive.join(", "))
-    };
-    Failure::input(
-        format!("no pipeline runs in the domain `{name}`"),
-        "--domain",
-        remedy,
-    )
-}
-
-fn print_once(taps: &mut Taps<Seen>, seen: &mut Seen) -> Result<(), Failure> {
+fn print_once(run: &mut Attached<Seen>, seen: &mut Seen) -> Result<(), Failure> {
     let begun = Instant::now();
     while begun.elapsed() < ONCE {
-        taps.drain(seen);
+        run.drain(seen);
         std::thread::sleep(Duration::from_millis(10));
     }
     let backend = ratatui::backend::TestBackend::new(ONCE_SIZE.0, ONCE_SIZE.1);
@@ -126,7 +77,7 @@ fn print_once(taps: &mut Taps<Seen>, seen: &mut Seen) -> Result<(), Failure> {
     Ok(())
 }
 
-fn show(domain: &Domain, taps: &mut Taps<Seen>, seen: &mut Seen) -> Result<(), Failure> {
+fn show(name: &str, run: &mut Attached<Seen>, seen: &mut Seen) -> Result<(), Failure> {
     let mut terminal = ratatui::try_init().map_err(|e| {
         Failure::input(
             format!("cannot draw here: {e}"),
@@ -136,13 +87,13 @@ fn show(domain: &Domain, taps: &mut Taps<Seen>, seen: &mut Seen) -> Result<(), F
     })?;
     let mut looked = Instant::now();
     let result = loop {
-        taps.drain(seen);
+        run.drain(seen);
         if let Err(e) = terminal.draw(|frame| draw(frame, &seen.0)) {
             break Err(Failure::internal(e));
         }
         if looked.elapsed() > Duration::from_secs(1) {
             looked = Instant::now();
-            if !domain.is_alive() {
+            if !run.is_alive() {
                 break Ok(());
             }
         }
@@ -151,8 +102,8 @@ fn show(domain: &Domain, taps: &mut Taps<Seen>, seen: &mut Seen) -> Result<(), F
         }
     };
     ratatui::restore();
-    if result.is_ok() && !domain.is_alive() {
-        println!("the run `{}` has ended", domain.name());
+    if result.is_ok() && !run.is_alive() {
+        println!("the run `{name}` has ended");
     }
     result
 }

@@ -1,0 +1,121 @@
+//! Parts, room and clock, by a recorder alone.
+
+use super::*;
+use messages::ExcavatorSensors;
+use messages::channels::EXCAVATOR_SENSORS;
+
+fn record(recorder: &mut Recorder, numbers: std::ops::Range<u64>) {
+    for number in numbers {
+        let mut message = ExcavatorSensors::default();
+        message.stamp.sequence = number;
+        message.stamp.measured_ns = 1 + number;
+        message.swing_velocity = (number as f64).sin();
+        assert_eq!(
+            recorder.write(&EXCAVATOR_SENSORS, &message.envelope()),
+            Ok(true)
+        );
+    }
+    recorder.flush().expect("room");
+}
+
+fn numbers(path: &Path) -> Vec<u64> {
+    let reader = recording::Reader::open(path).expect("a recording");
+    assert!(reader.is_complete(), "each part is whole");
+    let messages = reader.stream::<ExcavatorSensors>("excavator/sensors");
+    messages
+        .expect("sensors")
+        .map(|m| m.stamp.sequence)
+        .collect()
+}
+
+#[test]
+fn a_split_recording_is_read_as_one_and_keeps_what_it_may() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let first = dir.path().join("run.mcap");
+    let mut limits = Limits {
+        split_bytes: Some(20_000),
+        ..Limits::default()
+    };
+    let mut recorder = Recorder::create(&first, &Metadata::new(), limits).expect("made");
+    for i in 0..10 {
+        record(&mut recorder, i * 500..(i + 1) * 500);
+    }
+    recorder.finish().expect("room");
+    let files = recording::files_by_age(dir.path()).len();
+    assert!(files > 3, "{files} parts");
+    assert_eq!(numbers(dir.path()), (0..5000).collect::<Vec<_>>());
+
+    // A second run into the folder, which may hold 100 kB.
+    let second = dir.path().join("run-2.mcap");
+    limits.keep_bytes = Some(100_000);
+    std::fs::write(dir.path().join("notes.mcap.txt"), vec![0; 200_000]).expect("writable");
+    let mut recorder = Recorder::create(&second, &Metadata::new(), limits).expect("made");
+    for i in 0..20 {
+        record(&mut recorder, i * 500..(i + 1) * 500);
+    }
+    recorder.finish().expect("room");
+    let total: u64 = recording::files_by_age(dir.path())
+        .iter()
+        .map(|f| f.2)
+        .sum();
+    assert!((40_000..130_000).contains(&total), "{total} bytes are kept");
+    assert!(!first.exists(), "the oldest go first");
+    let kept = numbers(dir.path());
+    assert_eq!(kept.last(), Some(&9999));
+    assert!(kept.windows(2).all(|w| w[0] + 1 == w[1]), "without a gap");
+    assert!(dir.path().join("notes.mcap.txt").exists());
+}
+
+#[test]
+fn a_disk_with_less_room_than_asked_for_stops_the_recording_with_a_whole_part() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let first = dir.path().join("run.mcap");
+    let limits = Limits {
+        min_free: Some(u64::MAX),
+        ..Limits::default()
+    };
+    let mut recorder = Recorder::create(&first, &Metadata::new(), limits).expect("made");
+    let message = ExcavatorSensors::default();
+    assert_eq!(
+        recorder.write(&EXCAVATOR_SENSORS, &message.envelope()),
+        Ok(true)
+    );
+    assert!(
+        recorder
+            .flush()
+            .is_err_and(|e| e.is_disk_full() && e.what.contains("--min-free"))
+    );
+    assert_eq!(
+        recorder.write(&EXCAVATOR_SENSORS, &message.envelope()),
+        Ok(false)
+    );
+    assert_eq!(numbers(&first), [0]);
+}
+
+#[test]
+fn the_day_is_that_of_the_calendar() {
+    assert_eq!(date_and_time(0), "1970-01-01T00:00:00Z");
+    assert_eq!(date_and_time(951_782_399), "2000-02-28T23:59:59Z");
+    assert_eq!(date_and_time(1_709_208_000), "2024-02-29T12:00:00Z");
+}
+
+#[test]
+fn a_wall_clock_that_jumps_is_said_in_the_recording_which_keeps_its_time() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let first = dir.path().join("run.mcap");
+    let mut recorder = Recorder::create(&first, &Metadata::new(), Limits::default()).expect("made");
+    record(&mut recorder, 0..10);
+    let before = recorder.wall_offset_ns;
+    // As if the clock had been an hour behind until now, then 0.4 s, which is no jump.
+    recorder.wall_offset_ns -= 3_600_000_000_000;
+    record(&mut recorder, 10..20);
+    recorder.wall_offset_ns -= 400_000_000;
+    record(&mut recorder, 20..30);
+    assert!((recorder.wall_offset_ns - before).abs() < 500_000_000);
+    recorder.finish().expect("room");
+    assert_eq!(numbers(&first), (0..30).collect::<Vec<_>>());
+    let reader = recording::Reader::open(&first).expect("a recording");
+    let jumps = reader.metadata().get("wall_clock.jumps").expect("told");
+    assert!(jumps.starts_with("3600.0"), "{jumps}");
+    assert!(!jumps.contains(';'), "one jump: {jumps}");
+}

@@ -1,0 +1,351 @@
+//! What a group of other users may see of a run: its latest messages, in one file that only the supervisor writes.
+//!
+//! A reader of an iceoryx2 channel writes as well: it takes a place in the channel's own tables, makes the
+//! memory of its connection, and gives back what it has read. Who may read there may also stop a run, so that
+//! memory stays closed, and this window is what is open. It is written and read by system calls: nobody waits
+//! for anybody, and whatever a reader does, the run does not notice.
+//!
+//! | bytes | what |
+//! |---|---|
+//! | 0 to 255 | `heft window 1 MACHINE LAYOUT` and a line feed; `LAYOUT` tells versions of the messages apart |
+//! | 8 a channel | how many messages it has carried |
+//! | per channel, [`Channel::depth`] places | 8 bytes each: which message this is, from 1; its fields; a check sum |
+
+use std::fs::{self, File};
+use std::io;
+use std::os::unix::fs::{FileExt, MetadataExt};
+use std::path::{Path, PathBuf};
+
+use messages::channels::{CREDIT, Channel, KEYFRAME, Visitor, of_machine};
+use messages::{Machine, Message, NumberType, Value};
+use rustix::fs::{FallocateFlags, FlockOperation, Gid, Mode, OFlags};
+
+use crate::domain::{is_name, new_file, random};
+use crate::home::{SHARED_MEMORY, user};
+use crate::{Domain, Error, Sink};
+
+const HEAD: u64 = 256;
+const WORD: u64 = 8;
+const MAGIC: &str = "heft window 1";
+const ENDING: &str = ".window";
+
+/// Lets a group read a file of this user, or look into a folder: nobody else, and nobody may write. A folder
+/// that somebody has opened already stays as it is.
+///
+/// # Errors
+/// This user is not in the group, or the file is not this user's.
+pub fn share(path: &Path, group: u32) -> io::Result<()> {
+    let flags = OFlags::RDONLY | OFlags::NOFOLLOW | OFlags::NONBLOCK | OFlags::CLOEXEC;
+    let file = File::from(rustix::fs::open(path, flags, Mode::empty())?);
+    let about = file.metadata()?;
+    if about.is_dir() && about.mode() & 0o077 != 0 {
+        return Ok(());
+    }
+    open_to(&file, group, about.is_dir())
+}
+
+/// First the group, then its rights.
+fn open_to(file: &File, group: u32, is_folder: bool) -> io::Result<()> {
+    let mode = if is_folder { 0o750 } else { 0o640 };
+    rustix::fs::fchown(file, None, Some(Gid::from_raw(group)))?;
+    rustix::fs::fchmod(file, Mode::from_raw_mode(mode))?;
+    Ok(())
+}
+
+/// Where a channel is in the file.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    channel: &'static Channel,
+    /// Of its count.
+    count: u64,
+    /// Of its first message.
+    first: u64,
+    /// Of one message.
+    size: u64,
+}
+
+impl Place {
+    fn at(&self, number: u64) -> u64 {
+        self.first + (number % self.channel.depth as u64) * self.size
+    }
+}
+
+/// The places of a machine's channels, and the length of the file. States of steps are for the run alone.
+fn layout(machine: Machine) -> (Vec<Place>, u64) {
+    let shown = of_machine(machine).filter(|c| c.name != CREDIT.name && c.name != KEYFRAME.name);
+    let shown: Vec<_> = shown.collect();
+    let mut end = HEAD + WORD * shown.len() as u64;
+    let places = (0..).zip(shown).map(|(n, channel)| {
+        let (count, first) = (HEAD + WORD * n, end);
+        let size = WORD * (channel.payload.visit(Fields) + 2);
+        end += size * channel.depth as u64;
+        Place {
+            channel,
+            count,
+            first,
+            size,
+        }
+    });
+    (places.collect(), end)
+}
+
+struct Fields;
+
+impl Visitor for Fields {
+    type Output = u64;
+    fn visit<M: Message>(self) -> u64 {
+        M::FIELDS.len() as u64
+    }
+}
+
+/// The first line: of a reader whose messages are others, it differs.
+fn head(machine: Machine) -> String {
+    struct Names;
+    impl Visitor for Names {
+        type Output = String;
+        fn visit<M: Message>(self) -> String {
+            let names = M::FIELDS
+                .iter()
+                .map(|f| format!("{} {:?} ", f.name, f.kind));
+            names.collect()
+        }
+    }
+    let names = layout(machine).0.into_iter();
+    let names = names.map(|p| format!("{} {} ", p.channel.name, p.channel.payload.visit(Names)));
+    let sum = sum(names.collect::<String>().as_bytes());
+    format!("{MAGIC} {} {sum:016x}\n", machine.name())
+}
+
+/// FNV-1a: a message that is written while it is read does not have it.
+fn sum(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |sum, byte| {
+        (sum ^ u64::from(*byte)).wrapping_mul(0x100_0000_01b3)
+    })
+}
+
+/// The window of a run; it vanishes with it.
+#[derive(Debug)]
+pub struct Window {
+    file: File,
+    path: PathBuf,
+    places: Vec<Place>,
+    /// Messages of each channel so far.
+    counts: Vec<u64>,
+    bytes: Vec<u8>,
+}
+
+impl Window {
+    /// Opens the window of a run to a group. Its name holds a random number, so that nobody can make it first.
+    ///
+    /// # Errors
+    /// This user is not in the group, or shared memory is full.
+    pub fn open(domain: &Domain, machine: Machine, group: u32) -> Result<Self, Error> {
+        let failed = |e: io::Error| {
+            Error::new(
+                format!("cannot show the run to the group {group}: {e}"),
+                SHARED_MEMORY,
+                "name a group that this user is in (usermod -aG; SupplementaryGroups= in a unit), or none",
+            )
+        };
+        let (places, length) = layout(machine);
+        let number = random().map_err(failed)?;
+        let name = format!("{}{number:016x}{ENDING}", domain.prefix());
+        let path = Path::new(SHARED_MEMORY).join(name);
+        let file = new_file(&path).map_err(failed)?;
+        let window = Self {
+            counts: vec![0; places.len()],
+            file,
+            path,
+            places,
+            bytes: Vec::new(),
+        };
+        let made = (|| {
+            rustix::fs::fallocate(&window.file, FallocateFlags::empty(), 0, length)?;
+            window.file.write_all_at(head(machine).as_bytes(), 0)?;
+            // By this a reader knows that the run goes on. Nobody else has it open yet.
+            rustix::fs::flock(&window.file, FlockOperation::NonBlockingLockExclusive)?;
+            open_to(&window.file, group, false)
+        })();
+        made.map(|()| window).map_err(failed)
+    }
+
+    /// Shows a message.
+    pub fn show<M: Message>(&mut self, channel: &Channel, message: &M) {
+        let found = self
+            .places
+            .iter()
+            .position(|p| p.channel.name == channel.name);
+        let Some(i) = found else { return };
+        let (place, count) = (self.places[i], self.counts[i]);
+        self.bytes.clear();
+        self.bytes.extend((count + 1).to_ne_bytes());
+        for field in 0..M::FIELDS.len() {
+            let word = match message.get(field) {
+                Some(Value::U32(v)) => u64::from(v),
+                Some(Value::U64(v)) => v,
+                Some(Value::F64(v)) => v.to_bits(),
+                None => 0,
+            };
+            self.bytes.extend(word.to_ne_bytes());
+        }
+        let sum = sum(&self.bytes);
+        self.bytes.extend(sum.to_ne_bytes());
+        self.counts[i] = count + 1;
+        // The room is there: it was taken at the start.
+        let _ = self.file.write_all_at(&self.bytes, place.at(count));
+        let _ = self
+            .file
+            .write_all_at(&(count + 1).to_ne_bytes(), place.count);
+    }
+}
+
+impl Drop for Window {
+    fn drop(&mut self) {
+        let _ = fs::remove_file(&self.path);
+    }
+}
+
+/// The window of another user's run, as one of the group sees it.
+#[derive(Debug)]
+pub struct Shown {
+    file: File,
+    domain: String,
+    /// Whose run it is.
+    pub user: u32,
+    places: Vec<Place>,
+    /// Next message of each channel.
+    next: Vec<u64>,
+    machine: Machine,
+}
+
+impl Shown {
+    /// The windows that other users open to a group of this one, of runs that go on.
+    #[must_use]
+    pub fn all() -> Vec<Self> {
+        let groups = rustix::process::getgroups().unwrap_or_default();
+        let own = rustix::process::getegid();
+        let groups: Vec<u32> = groups
+            .into_iter()
+            .chain([own])
+            .map(|g| g.as_raw())
+            .collect();
+        let entries = fs::read_dir(SHARED_MEMORY).into_iter().flatten().flatten();
+        let mut all: Vec<Self> = entries
+            .filter_map(|entry| Self::look(&entry.path(), &groups))
+            .collect();
+        all.sort_by(|a, b| (&a.domain, a.user).cmp(&(&b.domain, b.user)));
+        all
+    }
+
+    /// A window is believed where the user in its name made it, for a group that this user was put into:
+    /// others can make neither.
+    fn look(path: &Path, groups: &[u32]) -> Option<Self> {
+        let name = path.file_name()?.to_str()?;
+        let name = name.strip_prefix("heft-")?.strip_suffix(ENDING)?;
+        let mut parts = name.split('.');
+        let owner: u32 = parts.next()?.parse().ok()?;
+        let domain = parts.next().filter(|name| is_name(name))?.to_owned();
+        let flags = OFlags::RDONLY | OFlags::NOFOLLOW | OFlags::NONBLOCK | OFlags::CLOEXEC;
+        let file = File::from(rustix::fs::open(path, flags, Mode::empty()).ok()?);
+        let about = file.metadata().ok()?;
+        let is_meant = about.mode() & 0o7777 == 0o640 && groups.contains(&about.gid());
+        if !about.is_file() || about.uid() != owner || owner == user() || !is_meant {
+            return None;
+        }
+        let mut line = [0; HEAD as usize];
+        file.read_exact_at(&mut line, 0).ok()?;
+        let known = |machine: &Machine| line.starts_with(head(*machine).as_bytes());
+        let machine = Machine::ALL.into_iter().find(known)?;
+        let places = layout(machine).0;
+        let mut shown = Self {
+            next: vec![0; places.len()],
+            user: owner,
+            file,
+            domain,
+            places,
+            machine,
+        };
+        // What comes from now on.
+        shown.next = (0..shown.places.len()).map(|i| shown.count(i)).collect();
+        shown.is_alive().then_some(shown)
+    }
+
+    /// Name of the run's domain.
+    #[must_use]
+    pub fn domain(&self) -> &str {
+        &self.domain
+    }
+
+    /// The machine of the run.
+    #[must_use]
+    pub fn machine(&self) -> Machine {
+        self.machine
+    }
+
+    /// Whether the run goes on.
+    #[must_use]
+    pub fn is_alive(&self) -> bool {
+        let taken = rustix::fs::flock(&self.file, FlockOperation::NonBlockingLockShared);
+        let _ = taken.map(|()| rustix::fs::flock(&self.file, FlockOperation::Unlock));
+        taken.is_err()
+    }
+
+    fn count(&self, i: usize) -> u64 {
+        let mut count = [0; WORD as usize];
+        let read = self.file.read_exact_at(&mut count, self.places[i].count);
+        read.map_or(0, |()| u64::from_ne_bytes(count))
+    }
+
+    /// Hands what is new on `channels` to the sink; what was overwritten before it was looked at is gone.
+    pub fn drain<S: Sink>(&mut self, channels: &[&'static Channel], sink: &mut S) {
+        for i in 0..self.places.len() {
+            let place = self.places[i];
+            let is_wanted = channels.iter().any(|c| c.name == place.channel.name);
+            let count = self.count(i);
+            let oldest = count.saturating_sub(place.channel.depth as u64);
+            for number in self.next[i].max(oldest)..count {
+                if is_wanted && let Some(words) = self.read(place, number) {
+                    place.channel.payload.visit(Hand {
+                        channel: place.channel,
+                        words: &words,
+                        sink,
+                    });
+                }
+            }
+            self.next[i] = count;
+        }
+    }
+
+    /// The fields of a message; none where another is in its place by now.
+    fn read(&self, place: Place, number: u64) -> Option<Vec<u64>> {
+        let mut bytes = vec![0; place.size as usize];
+        self.file.read_exact_at(&mut bytes, place.at(number)).ok()?;
+        let (content, told) = bytes.split_last_chunk()?;
+        let (words, _) = content.as_chunks();
+        let words: Vec<u64> = words.iter().map(|w| u64::from_ne_bytes(*w)).collect();
+        let is_whole = sum(content) == u64::from_ne_bytes(*told) && words[0] == number + 1;
+        is_whole.then(|| words[1..].to_vec())
+    }
+}
+
+struct Hand<'a, S> {
+    channel: &'static Channel,
+    words: &'a [u64],
+    sink: &'a mut S,
+}
+
+impl<S: Sink> Visitor for Hand<'_, S> {
+    type Output = ();
+    fn visit<M: Message>(self) {
+        let mut message = M::default();
+        for (index, (field, word)) in M::FIELDS.iter().zip(self.words).enumerate() {
+            let value = match field.kind {
+                NumberType::U32 => Value::U32(*word as u32),
+                NumberType::U64 => Value::U64(*word),
+                NumberType::F64 => Value::F64(f64::from_bits(*word)),
+            };
+            message.set(index, value);
+        }
+        self.sink.accept(self.channel, &message);
+    }
+}
