@@ -13,6 +13,7 @@ fn every_parser_survives_what_was_found_and_a_second_of_mutations() {
         "lines",
         "mcap",
         "report",
+        "http",
     ];
     for target in targets {
         let folder = tempfile::tempdir().expect("a folder");

@@ -11,6 +11,8 @@ mod floods;
 mod fuzz;
 mod ground;
 mod kills;
+mod parts;
+mod soak;
 mod stops;
 mod storm;
 mod trust;
@@ -27,9 +29,11 @@ const USAGE: &str = "\
 usage: battery [--minutes N] [--seed S] [--only WORD] [--heft PATH]
        battery --fuzz TARGET [--seconds N] [--seed S]
        battery --trust WORD [--seed S]
+       battery --soak MINUTES [--heft PATH]
        N minutes (1) of the attacks whose name holds WORD (all), on the heft at PATH (beside this program);
        the second form is one target of the fuzzer alone, in this folder;
-       the third the cells of the trust matrix whose name holds WORD, as a table";
+       the third the cells of the trust matrix whose name holds WORD, as a table;
+       the fourth both machines in real time, with the slopes of memory, descriptors and disk";
 
 /// The table of attacks: a row more is an attack more.
 fn attacks() -> Vec<Box<dyn Attack>> {
@@ -38,6 +42,7 @@ fn attacks() -> Vec<Box<dyn Attack>> {
     attacks.extend(stops::all());
     attacks.extend(files::all());
     attacks.extend(fuzz::all());
+    attacks.push(Box::new(parts::Parts::default()));
     attacks.push(Box::new(doubled::Doubled));
     attacks.push(Box::new(storm::Storm));
     attacks.push(Box::new(trust::Trust));
@@ -53,6 +58,7 @@ struct Arguments {
     heft: PathBuf,
     fuzz: Option<String>,
     trust: Option<String>,
+    soak: Option<f64>,
     seconds: f64,
 }
 
@@ -65,6 +71,7 @@ fn arguments() -> Option<Arguments> {
         heft: beside,
         fuzz: None,
         trust: None,
+        soak: None,
         seconds: 1.0,
     };
     let mut words = std::env::args().skip(1);
@@ -76,6 +83,7 @@ fn arguments() -> Option<Arguments> {
             "--only" => found.only = value,
             "--fuzz" => found.fuzz = Some(value),
             "--trust" => found.trust = Some(value),
+            "--soak" => found.soak = Some(value.parse().ok()?),
             "--seconds" => found.seconds = value.parse().ok()?,
             "--heft" => found.heft = value.into(),
             _ => return None,
@@ -122,6 +130,15 @@ fn main() -> ExitCode {
             arguments.heft.display()
         );
         return ExitCode::from(2);
+    }
+    if let Some(minutes) = arguments.soak {
+        return match soak::run(&arguments.heft, minutes) {
+            Ok(good) => ExitCode::from(u8::from(!good)),
+            Err(why) => {
+                eprintln!("{why}");
+                ExitCode::FAILURE
+            }
+        };
     }
     let mut rng = Rng::new(arguments.seed);
     let mut rows: Vec<(Box<dyn Attack>, Tally)> = attacks()
