@@ -223,8 +223,8 @@ pub struct RunArgs {
     /// So many machines in one run, simulated with seeds one apart or those of the recordings in the folder --input: no pipeline
     /// each, but a process a processor that steps them all, and one table of estimates
     #[arg(long, value_name = "N", conflicts_with_all = [
-        "output", "rt", "spin", "view", "split", "min_free", "fleet", "state", "domain", "require_trust", "no_report", "live_lines",
-        "probe",
+        "output", "rt", "spin", "view", "split", "min_free", "fleet", "state", "domain", "group", "require_trust", "no_report",
+        "live_lines", "probe",
     ])]
     pub machines: Option<NonZeroUsize>,
     /// The machine's description
