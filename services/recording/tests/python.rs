@@ -8,8 +8,8 @@ use std::time::{Duration, Instant};
 
 use messages::channels::EXCAVATOR_SENSORS;
 use messages::{
-    Envelope, ExcavatorEstimate, ExcavatorSensors, LoaderEstimate, Message, excavator_bits as e,
-    loader_bits as l,
+    Envelope, ExcavatorEstimate, ExcavatorSensors, LoaderEstimate, Machine, Message,
+    excavator_bits as e, loader_bits as l,
 };
 use recording::can::Outgoing;
 use recording::{Metadata, Writer};
@@ -126,7 +126,7 @@ fn cantools_reads_what_is_trusted_within_half_a_bit_and_nothing_else() {
     let Some(python) = python("cantools", &["cantools"]) else {
         return;
     };
-    let machines = ["excavator", "loader"];
+    let machines = [Machine::Excavator, Machine::Loader];
     let [excavator, loader] = machines.map(|m| Outgoing::new(m, None).expect("the usual frames"));
     let mut rows = String::new();
     for n in 0..250 {
