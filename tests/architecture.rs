@@ -68,6 +68,7 @@ const ARROWS: &[(&str, &[&str])] = &[
             "runtime",
             "sensor",
             "sim",
+            "statistics",
             "steps",
             "view",
         ],

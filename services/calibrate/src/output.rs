@@ -9,6 +9,9 @@ use estimation::Quantity;
 use crate::description::{number, set};
 use crate::outcome::Summary;
 
+/// What stands behind a value that was found, before its standard deviation.
+const CALIBRATED: &str = " # calibrated, ± ";
+
 /// Writes the keys of a calibrated description, and remembers what to say of them.
 pub struct Pen<D> {
     /// The description so far.
@@ -33,7 +36,7 @@ impl<D: Tables + Default> Pen<D> {
             let was = was.map_or(String::new(), |w| {
                 format!(", described {}", rounded(w, 0.0))
             });
-            let note = format!("calibrated, ± {:.2e}{was}", q.std);
+            let note = format!("{CALIBRATED}{:.2e}{was}", q.std);
             self.notes.insert(key.into(), note);
         }
     }
@@ -41,7 +44,7 @@ impl<D: Tables + Default> Pen<D> {
     /// A standard deviation.
     pub fn std(&mut self, key: &str, std: f64) {
         if set(&mut self.description, key, rounded(std, std)) {
-            self.notes.insert(key.into(), "calibrated".into());
+            self.notes.insert(key.into(), " # calibrated".into());
         }
     }
 
@@ -81,10 +84,22 @@ pub fn keys(complete: &str, default: &str, notes: &BTreeMap<String, String>) -> 
             let _ = writeln!(text, "{gap}[{in_table}]");
             table = in_table;
         }
-        let note = note.map_or(String::new(), |n| format!(" # {n}"));
+        let note = note.map_or("", String::as_str);
         let _ = writeln!(text, "{name} = {value}{note}");
     }
     text
+}
+
+/// What a calibrated description says was found: keys with their values.
+#[must_use]
+pub fn found(text: &str) -> Vec<(String, Quantity)> {
+    let quantity = |(table, name, value): (String, String, String)| {
+        let (value, note) = value.split_once(CALIBRATED)?;
+        let std = note.split(',').next()?.parse().ok()?;
+        let value = value.parse().ok()?;
+        Some((format!("{table}.{name}"), Quantity { value, std }))
+    };
+    assignments(text).into_iter().filter_map(quantity).collect()
 }
 
 /// Table, key and value of each line that assigns one.
@@ -129,7 +144,10 @@ mod tests {
         let mut d = config::Excavator::default();
         d.machine.nominal_damping = 1492.0;
         d.estimator.constant_inertia = true;
-        let notes = BTreeMap::from([("machine.coulomb_friction".to_owned(), "was 250".to_owned())]);
+        let notes = BTreeMap::from([(
+            "machine.coulomb_friction".to_owned(),
+            " # was 250".to_owned(),
+        )]);
         let text = keys(
             &d.to_toml(),
             &config::Excavator::default().to_toml(),
@@ -140,6 +158,27 @@ mod tests {
             "[machine]\nkind = \"excavator\"\nnominal_damping = 1492.0\ncoulomb_friction = 250.0 # was 250\n\n[estimator]\nconstant_inertia = true\n"
         );
         assert_eq!(config::Excavator::parse(&text, "t"), Ok(d));
+    }
+
+    #[test]
+    fn what_was_found_is_read_again() {
+        let mut pen = Pen::new(config::Excavator::default());
+        let damping = Quantity {
+            value: 1492.125,
+            std: 4.2,
+        };
+        pen.value("machine.nominal_damping", damping);
+        pen.std("machine.nominal_damping_std", 4.2);
+        let complete = pen.description.to_toml();
+        let text = keys(
+            &complete,
+            &config::Excavator::default().to_toml(),
+            &pen.notes,
+        );
+        assert_eq!(
+            found(&text),
+            [("machine.nominal_damping".to_owned(), damping)]
+        );
     }
 
     #[test]

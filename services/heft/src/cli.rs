@@ -414,9 +414,18 @@ pub struct CalibrateArgs {
     /// The machine
     #[arg(value_parser = machine())]
     pub machine: Machine,
-    /// Recordings: .csv, .mcap, or .log (candump)
+    /// Recordings: .csv, .mcap, .log (candump), or folders of runs
     #[arg(required = true)]
     pub files: Vec<PathBuf>,
+    /// Every folder that is named holds the recordings of one machine; calibrated.toml and calibrated.html are written there
+    #[arg(long, conflicts_with_all = ["output", "report"])]
+    pub each: bool,
+    /// With --each: also write the results of all as one table (CSV)
+    #[arg(long, value_name = "FILE", requires = "each")]
+    pub summary: Option<PathBuf>,
+    /// How many machines are treated
+    #[command(flatten)]
+    pub many: ManyArgs,
     /// Load in the bucket in a recording of an excavator, as weighed
     #[arg(long, value_name = "FILE=KG±KG")]
     pub payload: Vec<String>,
@@ -436,8 +445,13 @@ pub struct CalibrateArgs {
     #[command(flatten)]
     pub description: DescriptionArgs,
     /// Description to write (TOML)
-    #[arg(short, long, value_name = "DESCRIPTION")]
-    pub output: PathBuf,
+    #[arg(
+        short,
+        long,
+        value_name = "DESCRIPTION",
+        required_unless_present = "each"
+    )]
+    pub output: Option<PathBuf>,
     /// Also write an HTML report
     #[arg(long, value_name = "R.html")]
     pub report: Option<PathBuf>,

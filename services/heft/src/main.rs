@@ -23,6 +23,7 @@ mod page;
 mod parts;
 mod plan;
 mod quantity;
+mod results;
 mod serve;
 mod service;
 mod signals;

@@ -3,10 +3,11 @@
 use std::path::Path;
 
 use recording::Reader;
-use recording::output::{self, Output};
+use recording::output;
 use view::Run;
 
 use crate::failure::Failure;
+use crate::results;
 
 /// Writes the page of a recording; the picture alone where the name ends in `.svg`.
 pub fn write(reader: &Reader, page: &Path) -> Result<(), Failure> {
@@ -26,9 +27,7 @@ pub fn write(reader: &Reader, page: &Path) -> Result<(), Failure> {
 
 /// Writes the text of a page.
 pub fn put(text: &str, page: &Path, inputs: &[&Path]) -> Result<(), Failure> {
-    let mut out = Output::create("write the page", page, inputs, is_ours)?;
-    out.put(text.as_bytes())?;
-    Ok(out.finish()?)
+    results::text("write the page", page, inputs, is_ours, text)
 }
 
 /// Whether a file that begins like this is a page or a picture of heft.

@@ -126,7 +126,8 @@ pub fn recordings(folder: &Path) -> Vec<PathBuf> {
         if stem.starts_with('.') || stem.ends_with(".recovered") || stem.ends_with(".joined") {
             continue;
         }
-        let about = std::fs::metadata(&file).ok().filter(|m| m.len() > 0);
+        let about = std::fs::metadata(&file);
+        let about = about.ok().filter(|m| m.is_file() && m.len() > 0);
         let Some(changed) = about.and_then(|m| m.modified().ok()) else {
             continue;
         };

@@ -75,6 +75,33 @@ pub fn percentage(values: impl IntoIterator<Item = bool>) -> f64 {
     mean(&hits)
 }
 
+/// How far each of several values, with its standard deviation, stands from their median: the modified z-score of Iglewicz and
+/// Hoaglin (1993), with the value's own uncertainty beside the scatter of all. Several that are off do not hide one another.
+/// None of fewer than four values: there is no telling then which one is the odd one.
+#[must_use]
+pub fn standing(values: &[(f64, f64)]) -> Option<Vec<f64>> {
+    if values.len() < 4 {
+        return None;
+    }
+    let centre = median(&values.iter().map(|v| v.0).collect::<Vec<_>>());
+    let distances: Vec<f64> = values.iter().map(|v| (v.0 - centre).abs()).collect();
+    // 1.4826: the standard deviation of a normal distribution over its median absolute deviation.
+    let scatter = 1.4826 * median(&distances);
+    let score = |&(value, std): &(f64, f64)| {
+        let expected = scatter.hypot(std);
+        let distance = value - centre;
+        if distance == 0.0 {
+            0.0
+        } else {
+            distance / expected
+        }
+    };
+    Some(values.iter().map(score).collect())
+}
+
+/// A value whose [`standing`] is further away than this is not of the same kind as the others (Iglewicz and Hoaglin 1993).
+pub const STANDS_OUT: f64 = 3.5;
+
 /// Count, mean and standard deviation (population) of a sample, and its largest magnitude.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Summary {
@@ -290,5 +317,17 @@ mod tests {
             (2.0, 1.0, 3.0)
         );
         assert_eq!(percentage([true, true, false, false]), 50.0);
+    }
+
+    #[test]
+    fn one_machine_of_five_stands_out_unless_its_interval_says_that_it_may_not() {
+        let others = [(1.0, 0.01), (1.02, 0.01), (0.99, 0.01), (1.01, 0.01)];
+        let with = |odd| [&others[..], &[odd]].concat();
+        let sure = standing(&with((1.3, 0.01))).expect("five");
+        assert!(sure[4] > STANDS_OUT && sure[..4].iter().all(|z| z.abs() < STANDS_OUT));
+        let vague = standing(&with((1.3, 0.2))).expect("five");
+        assert!(vague[4].abs() < STANDS_OUT);
+        assert_eq!(standing(&others[..3]), None);
+        assert_eq!(standing(&[(2.0, 0.0); 4]), Some(vec![0.0; 4]));
     }
 }

@@ -1,9 +1,11 @@
 //! Calibration of a wheel loader from drives with known masses.
 
 mod brakes;
+mod doubts;
 mod drive;
 mod drives;
 mod known;
+mod noise;
 mod residuals;
 mod result;
 mod words;
@@ -16,20 +18,16 @@ use estimation::loader::Sample;
 
 pub use drive::Drive;
 pub use drives::{Drives, Role, Told};
+use noise::Noises;
 
-use crate::fit::{EXACT, Fit, GOOD, Progress, Task};
+use crate::fit::{EXACT, Progress, Task};
 use crate::honesty;
 use crate::model::Model;
 use crate::outcome::{Found, Summary};
-use crate::parameter::Source;
 
 const GRAVITY: f64 = 9.81;
 /// The fit begins with scatters this much larger than usual, in their tolerances.
 const LARGE_SCATTER: f64 = 2.0;
-/// A told mass is wrong where it lies so many standard deviations from what the torques say.
-const DOUBTFUL: f64 = 3.0;
-/// How free a mass is that is asked for, relative.
-const ANY_MASS: f64 = 0.5;
 
 /// A recording and what is known of its load.
 #[derive(Debug, Clone)]
@@ -67,6 +65,8 @@ pub struct Outcome {
     pub fixed: Vec<bool>,
     /// The fit; none if the recordings cannot be fitted at all.
     pub found: Option<Found>,
+    /// Noises of the sensors.
+    pub noises: Vec<(&'static str, Quantity)>,
     /// Why the result must not be believed; empty if nothing speaks against it.
     pub faults: Vec<String>,
     /// What the reader should know.
@@ -122,12 +122,17 @@ pub fn calibrate(inputs: &[Input], options: &Options<'_>) -> Result<Outcome, Str
     let drives = Drives::new(drives, &told, options.weighed, options.description);
     let fixed = held(&drives, options.free)?;
     let faults = words::before(&drives);
+    let noises = match options.free {
+        None => Noises::of(inputs, options.description),
+        Some(_) => Noises::default(),
+    };
     let mut outcome = Outcome {
         drives,
         fixed,
         found: None,
+        noises: noises.found,
         faults,
-        remarks: Vec::new(),
+        remarks: noises.remarks,
     };
     if outcome.faults.is_empty() {
         find(&mut outcome, options);
@@ -204,7 +209,7 @@ fn find(outcome: &mut Outcome, options: &Options<'_>) {
             faults.push(brakes);
         } else {
             faults.extend(words::far(drives, &fit.place, &outcome.fixed));
-            faults.extend(doubts(drives, &task, &fit));
+            faults.extend(doubts::doubts(drives, &task, &fit));
         }
     }
     // What is held has the tolerance of the description, which the others carry.
@@ -219,51 +224,6 @@ fn find(outcome: &mut Outcome, options: &Options<'_>) {
         faults = vec!["the recordings determine nothing".into()];
     }
     outcome.faults = faults;
-}
-
-/// Told masses that torques and motion contradict, each asked for with the torque gains as described.
-fn doubts(drives: &Drives, task: &Task<'_, Drives>, fit: &Fit) -> Vec<String> {
-    let mut sentences = Vec::new();
-    for load in 1..drives.loads.len() {
-        let Some(told) = drives.loads[load].mass else {
-            continue;
-        };
-        let Some(at) = drives.index(Role::Mass(load)) else {
-            continue;
-        };
-        let mut open = drives.clone();
-        open.parameters[at].std = ANY_MASS * told.value;
-        open.parameters[at].source = Source::Description;
-        let mut place = fit.place.clone();
-        place[at] = 0.0;
-        let asked = Task {
-            model: &open,
-            least_gain: GOOD,
-            progress: &|_| {},
-            ..*task
-        };
-        let answer = asked.run(&place);
-        let none = vec![0.0; place.len()];
-        let uncertainty = honesty::uncertainty(&answer, &open.parameters, asked.fixed, &none);
-        let Some(uncertainty) = uncertainty else {
-            continue;
-        };
-        let found = open.parameters[at].value(answer.place[at]);
-        let std = open.parameters[at].value_std(answer.place[at], uncertainty.std(at));
-        if (found - told.value).abs() > DOUBTFUL * std.hypot(told.std) {
-            let recordings = drives.drives.iter().zip(&drives.load_of);
-            let names: Vec<&str> = recordings
-                .filter(|(_, of)| **of == load)
-                .map(|(drive, _)| drive.name.as_str())
-                .collect();
-            sentences.push(format!(
-                "the mass in {} was told as {:.0} kg, but with the torques as described it is {found:.0} ± {std:.0} kg; weigh it again, or check which recording is which",
-                names.join(", "),
-                told.value
-            ));
-        }
-    }
-    sentences
 }
 
 #[cfg(test)]

@@ -327,7 +327,7 @@ pub(super) mod tests {
     }
 
     /// Uniform noise of variance 1 from a linear congruence.
-    fn noise(state: &mut u64) -> f64 {
+    pub fn noise(state: &mut u64) -> f64 {
         *state = state
             .wrapping_mul(6_364_136_223_846_793_005)
             .wrapping_add(1_442_695_040_888_963_407);

@@ -33,6 +33,9 @@ impl Outcome {
                 self.write(&mut pen, *role, q);
             }
         }
+        for &(key, noise) in &self.noises {
+            pen.value(key, noise);
+        }
         let text = pen.text(&self.summary(), origin);
         Some((pen.description, text))
     }

@@ -1,6 +1,8 @@
 //! `heft calibrate`: the machine's own parameters from recordings, with intervals.
 
+mod each;
 mod page;
+pub mod told;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -9,15 +11,20 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use calibrate::Summary;
 use calibrate::fit::Progress;
-use estimation::Quantity;
+use recording::{Reader, output};
 
+use crate::build::IDENTITY;
 use crate::cli::CalibrateArgs;
 use crate::commands::run::description;
 use crate::failure::Failure;
-use crate::machines;
+use crate::{machines, results};
 
 /// `heft calibrate`
 pub fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {
+    if args.each {
+        return each::calibrate(args);
+    }
+    check_outputs(args)?;
     let description = description(args.machine, &args.description)?;
     machines::entry(args.machine).calibrate(args, &description)
 }
@@ -30,6 +37,55 @@ pub fn unknown_key(e: String) -> Failure {
     )
 }
 
+const DOING: &str = "write the description";
+/// How the first line of a calibrated description begins.
+const FIRST_WORDS: &str = "# Calibrated by heft ";
+
+fn is_ours(head: &[u8]) -> bool {
+    head.starts_with(FIRST_WORDS.as_bytes())
+}
+
+fn output_of(args: &CalibrateArgs) -> Result<&Path, Failure> {
+    let missing = || {
+        Failure::input(
+            "no name for the description",
+            "--output",
+            "give one: -o machine.toml",
+        )
+    };
+    args.output.as_deref().ok_or_else(missing)
+}
+
+/// What is read, and must not be written over.
+fn taken(args: &CalibrateArgs) -> Vec<&Path> {
+    let scales = args.weigh.iter().map(|w| told::scales(w).1);
+    let files = args.files.iter().map(PathBuf::as_path);
+    let others = [args.map.as_deref(), args.description.config.as_deref()];
+    files
+        .chain(scales)
+        .chain(others.into_iter().flatten())
+        .collect()
+}
+
+/// Refuses before the work what could not be written after it.
+fn check_outputs(args: &CalibrateArgs) -> Result<(), Failure> {
+    let mut taken = taken(args);
+    let description = output_of(args)?;
+    output::check(description, &taken, is_ours)?;
+    taken.push(description);
+    if let Some(report) = &args.report {
+        output::check(report, &taken, page::is_ours)?;
+        if report == description {
+            return Err(Failure::input(
+                "description and page have the same name",
+                report.display(),
+                "choose another name for one of them",
+            ));
+        }
+    }
+    Ok(())
+}
+
 /// Tells what was found, and writes the description where it may be believed, or the user insists.
 pub fn finish(
     args: &CalibrateArgs,
@@ -37,19 +93,20 @@ pub fn finish(
     written: Option<String>,
 ) -> Result<(), Failure> {
     print!("{}", text(summary));
+    let taken = taken(args);
     if let Some(report) = &args.report {
-        std::fs::write(report, page::page(summary))
-            .map_err(|e| Failure::file("write", report, &e))?;
+        let page = page::page(summary);
+        results::text("write the page", report, &taken, page::is_ours, &page)?;
         println!("report in {}", report.display());
     }
     let sure = summary.faults.is_empty();
     match written {
         Some(text) if sure || args.accept => {
-            std::fs::write(&args.output, text)
-                .map_err(|e| Failure::file("write", &args.output, &e))?;
-            println!("description in {}", args.output.display());
+            let output = output_of(args)?;
+            results::text(DOING, output, &taken, is_ours, &text)?;
+            println!("description in {}", output.display());
         }
-        _ => println!("no description written"),
+        Some(_) | None => println!("no description written"),
     }
     if sure || (args.accept && summary.found.is_some()) {
         return Ok(());
@@ -70,12 +127,18 @@ fn text(summary: &Summary<'_>) -> String {
     let Some(found) = summary.found else {
         return out;
     };
-    for (i, p) in summary.model.parameters().iter().enumerate() {
+    let parameters = summary.model.parameters();
+    let width = parameters
+        .iter()
+        .map(|p| p.words.chars().count())
+        .max()
+        .unwrap_or(0);
+    for (i, p) in parameters.iter().enumerate() {
         let Some(q) = summary.quantity(i) else {
             continue;
         };
         let held = if summary.fixed[i] { "  (held)" } else { "" };
-        out += &format!("{:<44} {}{held}\n", p.words, page::figure(q, p.unit));
+        out += &format!("{:<width$} {}{held}\n", p.words, page::figure(q, p.unit));
     }
     let [before, after] = &found.unseen;
     out += &format!(
@@ -92,75 +155,24 @@ fn text(summary: &Summary<'_>) -> String {
     out
 }
 
-/// The load of each file: `FILE=KG`, `FILE=KG±KG` or `FILE=KG+-KG`.
-pub fn told(
-    args: &CalibrateArgs,
-    given: &[String],
-    option: &str,
-) -> Result<Vec<Option<Quantity>>, Failure> {
-    let mut loads = vec![None; args.files.len()];
-    for text in given {
-        let bad = |what: String| {
-            Failure::input(
-                what,
-                format!("{option} {text}"),
-                format!("write it like {option} loaded.mcap=423±2"),
-            )
-        };
-        let Some((file, load)) = text.rsplit_once('=') else {
-            return Err(bad("no = between file and mass".into()));
-        };
-        let at = position(args, file, option, text)?;
-        loads[at] = Some(quantity(load).ok_or_else(|| bad(format!("{load} is no mass")))?);
-    }
-    Ok(loads)
-}
-
-/// Which recording is meant.
-pub fn position(
-    args: &CalibrateArgs,
-    file: &str,
-    option: &str,
-    text: &str,
-) -> Result<usize, Failure> {
-    let is_meant = |f: &PathBuf| f == Path::new(file) || name(f) == file;
-    args.files.iter().position(is_meant).ok_or_else(|| {
-        Failure::input(
-            format!("{file} is none of the recordings"),
-            format!("{option} {text}"),
-            "name one of them, with or without its folder",
-        )
-    })
-}
-
-/// A mass with its accuracy, both not negative.
-fn quantity(text: &str) -> Option<Quantity> {
-    let (value, std) = text
-        .split_once('±')
-        .or_else(|| text.split_once("+-"))
-        .unwrap_or((text, "0"));
-    let number = |t: &str| {
-        t.trim()
-            .parse::<f64>()
-            .ok()
-            .filter(|v| v.is_finite() && *v >= 0.0)
-    };
-    Some(Quantity {
-        value: number(value)?,
-        std: number(std)?,
-    })
+fn is_recording(file: &Path) -> bool {
+    file.is_dir() || file.extension().is_some_and(|e| e == "mcap")
 }
 
 /// A recording of heft takes no signal map.
 pub fn map_for<'a>(file: &Path, map: Option<&'a recording::Map>) -> Option<&'a recording::Map> {
-    map.filter(|_| file.extension().is_none_or(|e| e != "mcap"))
+    map.filter(|_| !is_recording(file))
 }
 
-pub fn name(file: &Path) -> String {
-    file.file_name().map_or_else(
-        || file.display().to_string(),
-        |n| n.to_string_lossy().into_owned(),
-    )
+/// What the recordings are called in sentences: by their files, by their paths where two have the same name.
+pub fn names(files: &[PathBuf]) -> Vec<String> {
+    let short = |f: &PathBuf| f.file_name().map(|n| n.to_string_lossy().into_owned());
+    let all: Vec<Option<String>> = files.iter().map(short).collect();
+    let distinct: std::collections::BTreeSet<_> = all.iter().flatten().collect();
+    if distinct.len() == files.len() {
+        return all.into_iter().flatten().collect();
+    }
+    files.iter().map(|f| f.display().to_string()).collect()
 }
 
 pub fn interrupt() -> Result<Arc<AtomicBool>, Failure> {
@@ -181,31 +193,57 @@ pub fn tell_progress(progress: Progress) {
 /// Where the numbers come from: version, date, files with their hashes.
 pub fn origin(args: &CalibrateArgs) -> Result<Vec<String>, Failure> {
     let mut lines = vec![format!(
-        "Calibrated by heft {} on {} from",
-        env!("CARGO_PKG_VERSION"),
+        "Calibrated by heft {IDENTITY} on {} from",
         date(SystemTime::now())
     )];
     for file in &args.files {
-        let bytes = std::fs::read(file).map_err(|e| Failure::file("read", file, &e))?;
-        lines.push(format!(
-            "  {}  sha256 {}",
-            file.display(),
-            recording::sha256(&bytes)
-        ));
+        let reader = is_recording(file).then(|| Reader::open(file)).transpose()?;
+        let parts: Vec<&Path> = match &reader {
+            Some(reader) => reader.files().collect(),
+            None => vec![file],
+        };
+        for part in parts {
+            let bytes = std::fs::read(part).map_err(|e| Failure::file("read", part, &e))?;
+            let hash = recording::sha256(&bytes);
+            lines.push(format!("  {}  sha256 {hash}", part.display()));
+        }
     }
-    let loads = args.payload.iter().chain(&args.mass).chain(&args.weigh);
-    lines.extend(loads.map(|l| format!("  told: {}", short(l))));
-    if let Some(config) = &args.description.config {
-        lines.push(format!("  description before: {}", name(config)));
-    }
+    let told = [
+        ("--payload", &args.payload),
+        ("--mass", &args.mass),
+        ("--weigh", &args.weigh),
+    ];
+    let told = told
+        .iter()
+        .flat_map(|(option, given)| given.iter().map(move |g| format!("{option}={g}")));
+    let all: Vec<String> = options(args).into_iter().chain(told).collect();
+    lines.push(asked(&all));
     Ok(lines)
 }
 
-fn short(load: &str) -> String {
-    match load.rsplit_once('=') {
-        Some((file, mass)) => format!("{} = {mass}", name(&PathBuf::from(file))),
-        None => name(&PathBuf::from(load)),
+/// Options that decide what comes out, beside what is told of the recordings.
+fn options(args: &CalibrateArgs) -> Vec<String> {
+    let mut all = Vec::new();
+    let mut option = |name: &str, value: &str| all.push(format!("{name}={value}"));
+    if let Some(map) = &args.map {
+        option("--map", &map.display().to_string());
     }
+    if let Some(config) = &args.description.config {
+        option("--config", &config.display().to_string());
+    }
+    for set in &args.description.set {
+        option("--set", set);
+    }
+    if !args.free.is_empty() {
+        option("--free", &args.free.join(","));
+    }
+    all.extend(args.accept.then(|| "--accept".to_owned()));
+    all
+}
+
+/// A line of the result that says what was asked for.
+fn asked(options: &[String]) -> String {
+    format!("  asked: {}", options.join(" "))
 }
 
 /// The day in UTC, as 2026-11-21 (days to civil, Hinnant 2013).
@@ -232,17 +270,6 @@ fn date(time: SystemTime) -> String {
 mod tests {
     use super::*;
     use std::time::Duration;
-
-    #[test]
-    fn a_load_is_read_in_three_ways() {
-        let load = |value, std| Some(Quantity { value, std });
-        assert_eq!(quantity("423"), load(423.0, 0.0));
-        assert_eq!(quantity("423±2"), load(423.0, 2.0));
-        assert_eq!(quantity("423.5 +- 2"), load(423.5, 2.0));
-        for bad in ["", "x", "-1", "1±x", "nan", "1±-2"] {
-            assert_eq!(quantity(bad), None, "{bad}");
-        }
-    }
 
     #[test]
     fn days_are_those_of_the_calendar() {

@@ -18,6 +18,7 @@ use crate::cli::EstimateArgs;
 use crate::commands::run::{description, tell_idle_keys};
 use crate::failure::Failure;
 use crate::machines::{self, Look};
+use crate::results::is_json_of;
 use crate::{page, parts, summary};
 
 /// `heft estimate`
@@ -45,11 +46,12 @@ fn check_outputs(args: &EstimateArgs, file: &Path, output: &Path) -> Result<(), 
     let config = args.description.config.as_deref();
     let inputs = [Some(file), args.map.as_deref(), config];
     let mut taken: Vec<&Path> = inputs.into_iter().flatten().collect();
-    type IsOurs = fn(&[u8]) -> bool;
+    let is_json = is_json_of("estimate");
+    type IsOurs<'a> = &'a dyn Fn(&[u8]) -> bool;
     let results: [(_, IsOurs); 3] = [
-        (Some(output), recording::csv::is_estimates),
-        (args.report.as_deref(), page::is_ours),
-        (args.json.as_deref(), found::is_ours),
+        (Some(output), &recording::csv::is_estimates),
+        (args.report.as_deref(), &page::is_ours),
+        (args.json.as_deref(), &is_json),
     ];
     for (result, is_ours) in results {
         let Some(result) = result else { continue };

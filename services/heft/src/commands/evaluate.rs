@@ -2,9 +2,11 @@
 
 use std::fs;
 
+use crate::build::IDENTITY;
 use crate::cli::EvaluateArgs;
 use crate::failure::Failure;
 use crate::machines;
+use crate::results;
 
 /// `heft evaluate`
 pub fn evaluate(args: &EvaluateArgs) -> Result<(), Failure> {
@@ -12,10 +14,19 @@ pub fn evaluate(args: &EvaluateArgs) -> Result<(), Failure> {
         fs::create_dir_all(folder).map_err(|e| Failure::file("make the folder", folder, &e))?;
         for (name, svg) in machines::entry(args.machine).figures()? {
             let path = folder.join(format!("{}-{name}.svg", args.machine));
-            fs::write(&path, svg).map_err(|e| Failure::file("write", &path, &e))?;
+            results::text(
+                "write the figure",
+                &path,
+                &[],
+                |head| head.starts_with(b"<svg"),
+                &svg,
+            )?;
             println!("{}", path.display());
         }
         return Ok(());
+    }
+    if let Some(file) = &args.json {
+        recording::output::check(file, &[], results::is_json_of("evaluate"))?;
     }
     let options = evaluate::Options {
         table: args.table.clone(),
@@ -32,8 +43,7 @@ pub fn evaluate(args: &EvaluateArgs) -> Result<(), Failure> {
     })?;
     println!("{}", report.text.trim_end());
     if let Some(file) = &args.json {
-        let text = serde_json::to_string_pretty(&report.json).map_err(Failure::internal)?;
-        fs::write(file, text + "\n").map_err(|e| Failure::file("write", file, &e))?;
+        results::json(file, &[], "evaluate", IDENTITY, &report.json)?;
     }
     if !report.met {
         println!("\nNot every target is met: see the rows marked above.");

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use messages::Machine;
 
 use crate::failure::Failure;
+use crate::results;
 
 /// `heft map`
 pub fn map(
@@ -17,7 +18,8 @@ pub fn map(
     match output {
         None => print!("{text}"),
         Some(path) => {
-            std::fs::write(path, text).map_err(|e| Failure::file("write", path, &e))?;
+            // Somebody may have worked on an earlier one.
+            results::text("write the map", path, &[file], |_| false, &text)?;
             println!(
                 "{}: read every line of it, then give it with --map",
                 path.display()

@@ -7,9 +7,11 @@ use estimation::Quantity;
 use estimation::loader::weigh::{Reading, Reference, Weighing};
 use messages::Machine;
 
+use crate::build::IDENTITY;
 use crate::cli::DescriptionArgs;
 use crate::commands::run::description;
 use crate::failure::Failure;
+use crate::results;
 
 /// Accuracy of a wheel scale, as a share of its reading.
 pub const SCALE_STD: f64 = 0.005;
@@ -22,8 +24,7 @@ pub fn weigh(file: &Path, args: &DescriptionArgs, json: Option<&Path>) -> Result
     let reference = reference(file, loader.machine.wheelbase)?;
     print!("{}", text(&reference));
     if let Some(path) = json {
-        let text = serde_json::to_string_pretty(&to_json(&reference)).map_err(Failure::internal)?;
-        std::fs::write(path, text + "\n").map_err(|e| Failure::file("write", path, &e))?;
+        results::json(path, &[file], "weigh", IDENTITY, &to_json(&reference))?;
     }
     Ok(())
 }

@@ -6,30 +6,25 @@ use std::fmt::Write;
 use calibrate::honesty::Agreement;
 use calibrate::{Found, Summary};
 use estimation::Quantity;
+use view::number;
 use view::plot::{Plot, Style, escape};
 
 /// Bars of the histogram of residuals.
 const BARS: usize = 40;
 
-/// A value with its standard deviation, as many digits as that allows.
+/// A value with its standard deviation.
 pub fn figure(q: Quantity, unit: &str) -> String {
-    let decimals = if q.std > 0.0 && q.std.is_finite() {
-        (1.0 - q.std.log10().floor()).clamp(0.0, 12.0) as usize
-    } else {
-        6
-    };
-    let unit = if unit.is_empty() {
-        String::new()
-    } else {
-        format!(" {unit}")
-    };
-    format!("{:.decimals$} ± {:.decimals$}{unit}", q.value, q.std)
+    number::with_std(q.value, q.std, &number::unit(unit))
+}
+
+/// Whether a file that begins like this is such a page.
+pub fn is_ours(head: &[u8]) -> bool {
+    String::from_utf8_lossy(head).contains("<title>heft calibration")
 }
 
 /// The page of a calibration.
 pub fn page(summary: &Summary<'_>) -> String {
-    let title = format!("Calibration of the {}", summary.machine);
-    let mut body = format!("<h1>{title}</h1>");
+    let mut body = format!("<h1>Calibration of the {}</h1>", summary.machine);
     verdict(&mut body, summary);
     if let Some(found) = summary.found {
         values(&mut body, summary, found);
@@ -39,7 +34,7 @@ pub fn page(summary: &Summary<'_>) -> String {
         correlations(&mut body, summary, found);
         contributions(&mut body, summary, found);
     }
-    view::page(&title, &body)
+    view::page(&format!("heft calibration: {}", summary.machine), &body)
 }
 
 fn verdict(body: &mut String, summary: &Summary<'_>) {

@@ -2,19 +2,11 @@
 
 use std::path::Path;
 
-use recording::Output;
 use serde_json::{Value, json};
 use view::estimate::Estimate;
 
 use crate::failure::Failure;
-
-/// How the value of the first key of a summary begins.
-const MADE_BY: &str = "heft estimate ";
-
-/// Whether a file that begins like this is such a summary.
-pub fn is_ours(head: &[u8]) -> bool {
-    String::from_utf8_lossy(head).contains("\"heft\": \"heft estimate ")
-}
+use crate::results;
 
 /// What is told of one quantity.
 #[derive(Clone, Copy, Default)]
@@ -67,13 +59,10 @@ impl<E: Estimate> Found<E> {
 
     /// Writes the summary. A number that does not exist is null; `made_by` tells another run whether it would say the same.
     pub fn write(&self, path: &Path, refused: usize, made_by: &str) -> Result<(), Failure> {
-        let mut out = Output::create("write the summary", path, &[], is_ours)?;
-        let text = format!("{:#}\n", self.json(refused, made_by));
-        out.put(text.as_bytes())?;
-        Ok(out.finish()?)
+        results::json(path, &[], "estimate", made_by, &self.json(refused))
     }
 
-    fn json(&self, refused: usize, made_by: &str) -> Value {
+    fn json(&self, refused: usize) -> Value {
         let share = |n: usize, of: usize| (of > 0).then(|| n as f64 / of as f64);
         let headlines = E::PARAMETERS.iter().filter(|p| p.headline());
         let quantities = self.told.iter().zip(headlines).map(|(told, p)| {
@@ -88,7 +77,6 @@ impl<E: Estimate> Found<E> {
             })
         });
         json!({
-            "heft": MADE_BY.to_owned() + made_by,
             "machine": E::MACHINE.name(),
             "rows": self.rows,
             "refused": refused,

@@ -1,6 +1,5 @@
 //! The numbers as JSON.
 
-use std::fs;
 use std::path::Path;
 
 use hdrhistogram::Histogram;
@@ -8,7 +7,9 @@ use limits::Primitive;
 use serde_json::{Value, json};
 
 use super::measure::{Measured, Passage, max_us, us};
+use crate::build::IDENTITY;
 use crate::failure::Failure;
+use crate::results;
 
 const QUANTILES: [(&str, f64); 3] = [("p50", 0.5), ("p99", 0.99), ("p999", 0.999)];
 
@@ -77,8 +78,7 @@ pub fn write(file: &Path, all: &[Value]) -> Result<(), Failure> {
     if let Some(object) = top.as_object_mut() {
         object.insert("runs".into(), json!(all));
     }
-    let text = serde_json::to_string_pretty(&top).map_err(Failure::internal)?;
-    fs::write(file, text + "\n").map_err(|e| Failure::file("write", file, &e))
+    results::json(file, &[], "latency", IDENTITY, &top)
 }
 
 #[cfg(test)]

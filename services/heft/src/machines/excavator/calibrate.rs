@@ -4,7 +4,7 @@ use calibrate::excavator::{self as machine, Input};
 
 use crate::cli::CalibrateArgs;
 use crate::commands::calibrate::{
-    finish, interrupt, map_for, name, origin, tell_progress, told, unknown_key,
+    finish, interrupt, map_for, names, origin, tell_progress, told::told, unknown_key,
 };
 use crate::failure::Failure;
 use crate::sources;
@@ -14,11 +14,11 @@ pub(super) fn calibrate(args: &CalibrateArgs, d: &config::Excavator) -> Result<(
     let map = sources::map(args.map.as_deref())?;
     let loads = told(args, &args.payload, "--payload")?;
     let mut inputs = Vec::new();
-    for (file, payload) in args.files.iter().zip(loads) {
+    for ((file, name), payload) in args.files.iter().zip(names(&args.files)).zip(loads) {
         let rows =
             recording::load::<messages::ExcavatorSensors>(file, map_for(file, map.as_ref()))?;
         inputs.push(Input {
-            name: name(file),
+            name,
             samples: rows
                 .iter()
                 .map(|(s, _)| steps::excavator::sample(s))

@@ -1,12 +1,11 @@
 //! `heft calibrate loader`.
 
-use std::path::Path;
-
 use calibrate::loader::{self as machine, Told};
 
 use crate::cli::CalibrateArgs;
+use crate::commands::calibrate::told::{position, scales, told};
 use crate::commands::calibrate::{
-    finish, interrupt, map_for, name, origin, position, tell_progress, told, unknown_key,
+    finish, interrupt, map_for, names, origin, tell_progress, unknown_key,
 };
 use crate::commands::weigh::{SCALE_STD, reference};
 use crate::failure::Failure;
@@ -18,10 +17,11 @@ pub(super) fn calibrate(args: &CalibrateArgs, d: &config::Loader) -> Result<(), 
     let masses = told(args, &args.mass, "--mass")?;
     let scales = weighed(args, d.machine.wheelbase)?;
     let mut inputs = Vec::new();
-    for (i, (file, mass)) in args.files.iter().zip(masses).enumerate() {
+    let files = args.files.iter().zip(names(&args.files)).zip(masses);
+    for (i, ((file, name), mass)) in files.enumerate() {
         let rows = recording::load::<messages::LoaderSensors>(file, map_for(file, map.as_ref()))?;
         inputs.push(machine::Input {
-            name: name(file),
+            name,
             samples: rows.iter().map(|(s, _)| steps::loader::sample(s)).collect(),
             told: Told {
                 mass,
@@ -50,11 +50,12 @@ pub(super) fn calibrate(args: &CalibrateArgs, d: &config::Loader) -> Result<(), 
 fn weighed(args: &CalibrateArgs, wheelbase: f64) -> Result<Vec<Told>, Failure> {
     let mut all = vec![Told::default(); args.files.len() + 1];
     for text in &args.weigh {
-        let (at, scales) = match text.rsplit_once('=') {
-            None => (0, text.as_str()),
-            Some((file, scales)) => (1 + position(args, file, "--weigh", text)?, scales),
+        let (file, scales) = scales(text);
+        let at = match file {
+            None => 0,
+            Some(file) => 1 + position(args, file, "--weigh", text)?,
         };
-        let reference = reference(Path::new(scales), wheelbase)?;
+        let reference = reference(scales, wheelbase)?;
         all[at] = Told::weighed(&reference, SCALE_STD);
     }
     Ok(all)

@@ -1,0 +1,185 @@
+//! Many machines in one command: every folder holds the recordings of one, its result lies beside them, and a table compares them.
+
+use std::collections::BTreeMap;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+use calibrate::output::found;
+use estimation::Quantity;
+use evaluate::text::Table;
+use recording::Output;
+use view::number;
+
+use super::told::scales;
+use crate::build::IDENTITY;
+use crate::cli::CalibrateArgs;
+use crate::failure::Failure;
+use crate::many::{self, Ended, Job};
+
+/// Names of the results in a folder.
+const DESCRIPTION: &str = "calibrated.toml";
+const PAGE: &str = "calibrated.html";
+
+/// Each machine in a process of its own.
+pub fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {
+    if let Some(summary) = &args.summary {
+        recording::output::check(summary, &[], many::is_summary)?;
+    }
+    let folders: Vec<PathBuf> = args.files.clone();
+    let jobs = folders.iter().map(|folder| job(args, folder));
+    let jobs = jobs.collect::<Result<Vec<Job>, Failure>>()?;
+    let ends = many::run(&jobs, args.many.jobs);
+    let machines: Vec<Machine> = folders.iter().zip(&ends).map(Machine::of).collect();
+    print!("{}", terminal(&machines));
+    if let Some(file) = &args.summary {
+        let mut out = Output::create("write the summary", file, &[], many::is_summary)?;
+        out.put(csv(&machines).as_bytes())?;
+        out.finish()?;
+        println!("{} machines in {}", machines.len(), file.display());
+    }
+    many::judge(&ends)
+}
+
+fn job(args: &CalibrateArgs, folder: &Path) -> Result<Job, Failure> {
+    if !folder.is_dir() {
+        return Err(Failure::input(
+            "with --each every machine has a folder, and this is none",
+            folder.display(),
+            "put the recordings of each machine into a folder of its own",
+        ));
+    }
+    let weights: Vec<&Path> = args.weigh.iter().map(|w| scales(w).1).collect();
+    let is_scales = |file: &PathBuf| weights.iter().any(|w| file.ends_with(w));
+    let mut files = many::inputs(&[folder.to_owned()], true)?;
+    files.retain(|file| !is_scales(file));
+    let options = options(args, folder);
+    let description = folder.join(DESCRIPTION);
+    let mut arguments: Vec<OsString> = vec!["calibrate".into(), args.machine.name().into()];
+    arguments.extend(options.iter().map(OsString::from));
+    arguments.extend(["--output".into(), description.clone().into()]);
+    arguments.extend(["--report".into(), folder.join(PAGE).into()]);
+    arguments.push("--".into());
+    arguments.extend(files.iter().map(OsString::from));
+    let others = [args.map.as_deref(), args.description.config.as_deref()];
+    let sources = files.iter().map(PathBuf::as_path).chain(weights);
+    let sources: Vec<&Path> = sources.chain(others.into_iter().flatten()).collect();
+    let is_done = !args.many.again
+        && many::is_newer(&description, &sources)
+        && std::fs::read_to_string(&description)
+            .is_ok_and(|text| text.contains(&super::asked(&options)) && text.contains(IDENTITY));
+    Ok(Job {
+        input: folder.to_owned(),
+        arguments,
+        is_done,
+    })
+}
+
+/// What is asked for a machine. A name with a folder is of that machine only, a bare one of every machine.
+fn options(args: &CalibrateArgs, folder: &Path) -> Vec<String> {
+    let is_here = |text: &&String| {
+        let file = text.rsplit_once('=').map(|(file, _)| Path::new(file));
+        let parent = file.and_then(Path::parent).unwrap_or(Path::new(""));
+        parent == Path::new("") || parent.starts_with(folder)
+    };
+    let mut all = super::options(args);
+    for (name, told) in [("--payload", &args.payload), ("--mass", &args.mass)] {
+        all.extend(told.iter().filter(is_here).map(|t| format!("{name}={t}")));
+    }
+    // Scales of this name in the folder of the machine, or else the file that is named.
+    all.extend(args.weigh.iter().filter(is_here).map(|text| {
+        let (file, named) = scales(text);
+        let own = folder.join(named);
+        let place = if own.exists() { &own } else { named };
+        let file = file.map_or(String::new(), |f| format!("{f}="));
+        format!("--weigh={file}{}", place.display())
+    }));
+    all
+}
+
+/// What came out for a machine.
+struct Machine {
+    folder: PathBuf,
+    end: String,
+    found: BTreeMap<String, Quantity>,
+}
+
+impl Machine {
+    fn of((folder, end): (&PathBuf, &Ended)) -> Self {
+        let text = match end {
+            Ended::Kept | Ended::Made => std::fs::read_to_string(folder.join(DESCRIPTION)).ok(),
+            // What lies there is of an earlier run.
+            Ended::No(_) | Ended::Failed(_) => None,
+        };
+        Self {
+            folder: folder.clone(),
+            end: end.word().into(),
+            found: text.map_or_else(BTreeMap::new, |t| found(&t).into_iter().collect()),
+        }
+    }
+}
+
+fn keys(machines: &[Machine]) -> Vec<&str> {
+    let all = machines.iter().flat_map(|m| m.found.keys());
+    let distinct: std::collections::BTreeSet<&String> = all.collect();
+    distinct.into_iter().map(String::as_str).collect()
+}
+
+/// The result of each machine, then each parameter over all of them, and which machine stands out.
+fn terminal(machines: &[Machine]) -> String {
+    let mut results = Table::new(&["machine", "result"]);
+    for m in machines {
+        results.row([m.folder.display().to_string(), m.end.clone()]);
+    }
+    let mut parameters = Table::new(&["parameter", "smallest", "median", "largest", "stands out"]);
+    for key in keys(machines) {
+        let with = machines.iter().filter_map(|m| Some((m, m.found.get(key)?)));
+        let with: Vec<(&Machine, &Quantity)> = with.collect();
+        let mut values: Vec<f64> = with.iter().map(|(_, q)| q.value).collect();
+        values.sort_by(f64::total_cmp);
+        let stds: Vec<f64> = with.iter().map(|(_, q)| q.std).collect();
+        let places = number::decimals(statistics::median(&stds));
+        let middle = statistics::median(&values);
+        let shown = [values.first(), Some(&middle), values.last()];
+        let shown = shown.map(|v| v.map_or(String::new(), |v| number::grouped(*v, places)));
+        let [smallest, middle, largest] = shown;
+        parameters.row([key.to_owned(), smallest, middle, largest, odd(&with)]);
+    }
+    format!("{results}{parameters}")
+}
+
+/// The machines that are not of a kind with the others.
+fn odd(machines: &[(&Machine, &Quantity)]) -> String {
+    let values: Vec<_> = machines.iter().map(|(_, q)| (q.value, q.std)).collect();
+    let Some(standing) = statistics::standing(&values) else {
+        return String::new();
+    };
+    let out = machines.iter().zip(standing);
+    let out = out.filter(|(_, z)| z.abs() > statistics::STANDS_OUT);
+    let names = out.map(|((m, q), _)| {
+        let value = number::with_std(q.value, q.std, "");
+        format!("{}: {value}", m.folder.display())
+    });
+    names.collect::<Vec<_>>().join(", ")
+}
+
+/// One line a machine; a parameter has its value and its standard deviation.
+fn csv(machines: &[Machine]) -> String {
+    let keys = keys(machines);
+    let columns: Vec<String> = keys.iter().map(|k| format!("{k},{k}_std")).collect();
+    let mut out = format!("{}{}\n", many::SUMMARY, columns.join(","));
+    for m in machines {
+        let mut cells = vec![
+            recording::csv::quoted(&m.folder.display().to_string()),
+            recording::csv::quoted(&m.end),
+        ];
+        for key in &keys {
+            let shown = m
+                .found
+                .get(*key)
+                .map(|q| [q.value, q.std].map(|v| v.to_string()));
+            cells.extend(shown.unwrap_or_default());
+        }
+        out += &(cells.join(",") + "\n");
+    }
+    out
+}

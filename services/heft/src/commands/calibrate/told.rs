@@ -1,0 +1,120 @@
+//! What a user tells of the recordings: masses, and what axle scales said.
+
+use std::path::Path;
+
+use estimation::Quantity;
+
+use crate::cli::CalibrateArgs;
+use crate::failure::Failure;
+
+/// The recording, if one is named, and the file of scales in `[FILE=]SCALES`.
+pub fn scales(text: &str) -> (Option<&str>, &Path) {
+    match text.rsplit_once('=') {
+        None => (None, Path::new(text)),
+        Some((file, scales)) => (Some(file), Path::new(scales)),
+    }
+}
+
+/// The load of each file: `FILE=KG`, `FILE=KG±KG` or `FILE=KG+-KG`.
+pub fn told(
+    args: &CalibrateArgs,
+    given: &[String],
+    option: &str,
+) -> Result<Vec<Option<Quantity>>, Failure> {
+    let mut loads = vec![None; args.files.len()];
+    for text in given {
+        let bad = |what: String| {
+            Failure::input(
+                what,
+                format!("{option} {text}"),
+                format!("write it like {option} loaded.mcap=423±2"),
+            )
+        };
+        let Some((file, load)) = text.rsplit_once('=') else {
+            return Err(bad("no = between file and mass".into()));
+        };
+        let at = position(args, file, option, text)?;
+        loads[at] = Some(quantity(load).ok_or_else(|| bad(format!("{load} is no mass")))?);
+    }
+    Ok(loads)
+}
+
+/// Which recording is meant: by its name, by the end of its path, or by the folder of its run.
+pub fn position(
+    args: &CalibrateArgs,
+    file: &str,
+    option: &str,
+    text: &str,
+) -> Result<usize, Failure> {
+    let bad = |what: &str, remedy| {
+        Failure::input(
+            format!("{file} is {what}"),
+            format!("{option} {text}"),
+            remedy,
+        )
+    };
+    let is_folder = |f: &Path| f.parent().is_some_and(|p| p.ends_with(file));
+    let is_meant = |f: &Path| !file.is_empty() && (f.ends_with(file) || is_folder(f));
+    let mut meant = (0..args.files.len()).filter(|&i| is_meant(&args.files[i]));
+    match (meant.next(), meant.next()) {
+        (Some(at), None) => Ok(at),
+        (None, _) => Err(bad(
+            "none of the recordings",
+            "name one of them, with or without its folder",
+        )),
+        (Some(_), Some(_)) => Err(bad(
+            "more than one of the recordings",
+            "name its folder too",
+        )),
+    }
+}
+
+/// A mass with its accuracy, both not negative.
+fn quantity(text: &str) -> Option<Quantity> {
+    let (value, std) = text
+        .split_once('±')
+        .or_else(|| text.split_once("+-"))
+        .unwrap_or((text, "0"));
+    let number = |t: &str| {
+        t.trim()
+            .parse::<f64>()
+            .ok()
+            .filter(|v| v.is_finite() && *v >= 0.0)
+    };
+    Some(Quantity {
+        value: number(value)?,
+        std: number(std)?,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_recording_is_meant_by_its_name_its_folder_or_both() {
+        use clap::Parser;
+        let words = "heft calibrate excavator runs/empty/run.mcap runs/full/run.mcap b.csv -o x";
+        let cli = crate::cli::Cli::parse_from(words.split(' '));
+        let Some(crate::cli::Command::Calibrate(args)) = cli.command else {
+            panic!("calibrate");
+        };
+        let at = |file: &str| position(&args, file, "--payload", "").ok();
+        assert_eq!(
+            ["b.csv", "empty", "full/run.mcap"].map(at),
+            [Some(2), Some(0), Some(1)]
+        );
+        assert_eq!(["run.mcap", "runs/b.csv", "", "un.mcap"].map(at), [None; 4]);
+    }
+
+    #[test]
+    fn a_load_is_read_in_three_ways() {
+        let load = |value, std| Some(Quantity { value, std });
+        assert_eq!(quantity("423"), load(423.0, 0.0));
+        assert_eq!(quantity("423±2"), load(423.0, 2.0));
+        assert_eq!(quantity("423.5 +- 2"), load(423.5, 2.0));
+        for bad in ["", "x", "-1", "1±x", "nan", "1±-2"] {
+            assert_eq!(quantity(bad), None, "{bad}");
+        }
+    }
+}

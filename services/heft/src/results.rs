@@ -1,0 +1,72 @@
+//! Results that commands write: whole or not at all, and over nothing but an earlier result of the same command.
+
+use std::path::Path;
+
+use recording::Output;
+use serde_json::Value;
+
+use crate::failure::Failure;
+
+/// Writes a text; `is_ours` knows an earlier result by its first bytes, `doing` says what for: "write the page".
+pub fn text(
+    doing: &'static str,
+    path: &Path,
+    inputs: &[&Path],
+    is_ours: impl Fn(&[u8]) -> bool,
+    text: &str,
+) -> Result<(), Failure> {
+    let mut out = Output::create(doing, path, inputs, is_ours)?;
+    out.put(text.as_bytes())?;
+    Ok(out.finish()?)
+}
+
+/// Writes a JSON object. Its first key, `heft`, says which command made it, and `by` what.
+pub fn json(
+    path: &Path,
+    inputs: &[&Path],
+    command: &'static str,
+    by: &str,
+    value: &Value,
+) -> Result<(), Failure> {
+    let whole = signed(command, by, value).map_err(Failure::internal)?;
+    text(
+        "write the result",
+        path,
+        inputs,
+        is_json_of(command),
+        &whole,
+    )
+}
+
+fn signed(command: &str, by: &str, value: &Value) -> serde_json::Result<String> {
+    let made = serde_json::to_string(&format!("heft {command} {by}"))?;
+    let body = serde_json::to_string_pretty(value)?;
+    let rest = body.strip_prefix('{').unwrap_or(&body);
+    let comma = if rest == "}" { "\n" } else { "," };
+    Ok(format!("{{\n  \"heft\": {made}{comma}{rest}\n"))
+}
+
+/// Whether a file that begins like this is JSON that a command of heft made.
+pub fn is_json_of(command: &str) -> impl Fn(&[u8]) -> bool {
+    let first = format!("{{\n  \"heft\": \"heft {command} ");
+    move |head| head.starts_with(first.as_bytes())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn json_says_first_who_made_it() {
+        for value in [json!({"a": 1, "z": [2.5]}), json!({})] {
+            let text = signed("weigh", "0.1 \"dirty\"", &value).unwrap();
+            assert!(is_json_of("weigh")(text.as_bytes()));
+            assert!(!is_json_of("evaluate")(text.as_bytes()));
+            let mut read: Value = serde_json::from_str(&text).unwrap();
+            let made = read.as_object_mut().unwrap().remove("heft");
+            assert_eq!(made, Some(json!("heft weigh 0.1 \"dirty\"")));
+            assert_eq!(read, value);
+        }
+    }
+}
