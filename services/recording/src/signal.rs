@@ -121,6 +121,10 @@ const MOST_UNSETTLED: usize = 100_000;
 #[derive(Debug)]
 pub(crate) struct Builder<S: Sensors> {
     slots: Vec<Slot>,
+    /// Fields of the bits that are set in every row.
+    valid: Option<usize>,
+    known: Option<usize>,
+    has: Option<usize>,
     /// Rows that nobody took yet.
     rows: VecDeque<Row<S>>,
     count: u64,
@@ -136,6 +140,9 @@ impl<S: Sensors> Builder<S> {
     pub(crate) fn new<'a>(signals: impl IntoIterator<Item = &'a Signal>) -> Self {
         Self {
             slots: signals.into_iter().map(|s| s.slot).collect(),
+            valid: S::index("valid"),
+            known: S::Truth::index("known"),
+            has: S::index("columns"),
             rows: VecDeque::new(),
             count: 0,
             columns: None,
@@ -181,11 +188,11 @@ impl<S: Sensors> Builder<S> {
         sensors.stamp_mut().measured_ns = measured_ns;
         self.count += 1;
         *truth.stamp_mut() = *sensors.stamp();
-        set(&mut sensors, "valid", valid);
-        set(&mut truth, "known", known);
+        set(&mut sensors, self.valid, valid);
+        set(&mut truth, self.known, known);
         self.settle(sensors.stamp().time);
         if let Some(columns) = self.columns {
-            set(&mut sensors, "columns", columns);
+            set(&mut sensors, self.has, columns);
         }
         self.rows.push_back((sensors, truth));
     }
@@ -226,7 +233,7 @@ impl<S: Sensors> Builder<S> {
         }
         self.columns = Some(columns);
         for (sensors, _) in &mut self.rows {
-            set(sensors, "columns", columns);
+            set(sensors, self.has, columns);
         }
     }
 }
@@ -238,8 +245,8 @@ fn valid<M: Message>(message: &M) -> u32 {
     }
 }
 
-fn set<M: Message>(message: &mut M, name: &str, bits: u32) {
-    if let Some(index) = M::index(name) {
+fn set<M: Message>(message: &mut M, field: Option<usize>, bits: u32) {
+    if let Some(index) = field {
         message.set(index, Value::U32(bits));
     }
 }

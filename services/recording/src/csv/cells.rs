@@ -1,14 +1,18 @@
-//! The cells of lines that come one by one.
+//! The cells of the lines of a table.
+
+use std::io::{self, BufRead, Read};
 
 use csv::ByteRecord;
 use csv_core::{ReadRecordResult, Reader, ReaderBuilder};
 
 use super::dialect::Dialect;
 
-/// Splits lines of a table. Making a reader costs more than ten lines do, so one is kept.
+/// Splits records into cells, without the blanks around them. Nearly every line has no quotes and is split at its
+/// separators, in a tenth of the time that the library takes for the others.
 #[derive(Debug)]
 pub(crate) struct Cells {
-    reader: Reader,
+    separator: u8,
+    library: Reader,
     bytes: Vec<u8>,
     ends: Vec<usize>,
     record: ByteRecord,
@@ -17,31 +21,53 @@ pub(crate) struct Cells {
 impl Cells {
     pub(crate) fn new(dialect: Dialect) -> Self {
         Self {
-            reader: ReaderBuilder::new().delimiter(dialect.separator).build(),
-            bytes: Vec::new(),
-            ends: Vec::new(),
+            separator: dialect.separator,
+            library: ReaderBuilder::new().delimiter(dialect.separator).build(),
+            bytes: vec![0; 256],
+            ends: vec![0; 32],
             record: ByteRecord::new(),
         }
     }
 
-    /// The cells of one line, without the blanks around them. A line cannot be broken: at worst its quotes are, and then
-    /// a cell is no number.
+    /// The cells of one line. A line cannot be broken: at worst its quotes are, and then a cell is no number.
     pub(crate) fn split(&mut self, line: &[u8]) -> &ByteRecord {
-        // Cells are not longer than the line, nor more than its bytes and one.
-        self.bytes.resize(line.len() + 1, 0);
-        self.ends.resize(line.len() + 2, 0);
-        self.reader.reset();
+        match plain(line) {
+            Some(line) => self.split_plain(line),
+            // Memory can be read.
+            None => self.read(&mut &line[..]).map_or((), drop),
+        }
+        &self.record
+    }
+
+    fn split_plain(&mut self, line: &[u8]) {
         self.record.clear();
-        let (mut input, mut written, mut count) = (line, 0, 0);
+        if line.is_empty() {
+            return;
+        }
+        for cell in line.split(|byte| *byte == self.separator) {
+            self.record.push_field(cell.trim_ascii());
+        }
+    }
+
+    /// Reads one record of any kind; how many bytes it took, nothing at the end.
+    fn read(&mut self, input: &mut impl BufRead) -> io::Result<Option<usize>> {
+        self.library.reset();
+        self.record.clear();
+        let (mut taken, mut written, mut count) = (0, 0, 0);
         loop {
+            let text = input.fill_buf()?;
             let (result, read, bytes, ends) =
-                self.reader
-                    .read_record(input, &mut self.bytes[written..], &mut self.ends[count..]);
-            (written, count) = (written + bytes, count + ends);
-            input = &input[read..];
-            // An empty input is the end of the last cell.
-            if !matches!(result, ReadRecordResult::InputEmpty) {
-                break;
+                self.library
+                    .read_record(text, &mut self.bytes[written..], &mut self.ends[count..]);
+            input.consume(read);
+            (taken, written, count) = (taken + read, written + bytes, count + ends);
+            match result {
+                // An empty text is the end of the last cell.
+                ReadRecordResult::InputEmpty => {}
+                ReadRecordResult::OutputFull => self.bytes.resize(2 * self.bytes.len(), 0),
+                ReadRecordResult::OutputEndsFull => self.ends.resize(2 * self.ends.len(), 0),
+                ReadRecordResult::Record => break,
+                ReadRecordResult::End => return Ok(None),
             }
         }
         let mut start = 0;
@@ -49,13 +75,102 @@ impl Cells {
             self.record.push_field(self.bytes[start..*end].trim_ascii());
             start = *end;
         }
-        &self.record
+        Ok(Some(taken))
+    }
+}
+
+/// A line without its end; nothing where it has quotes or other ends within.
+fn plain(line: &[u8]) -> Option<&[u8]> {
+    let line = line.strip_suffix(b"\n").unwrap_or(line);
+    let line = line.strip_suffix(b"\r").unwrap_or(line);
+    (!line.contains(&b'"') && !line.contains(&b'\r') && !line.contains(&b'\n')).then_some(line)
+}
+
+/// What is read at one go; a longer line is left to the library.
+const LONGEST: u64 = 1 << 16;
+
+/// The records of a table; empty lines are none.
+pub(crate) struct Records<R> {
+    input: R,
+    cells: Cells,
+    /// A line, and how much of it was taken.
+    line: Vec<u8>,
+    at: usize,
+    /// Bytes before the record at hand, and up to its end.
+    start: u64,
+    end: u64,
+}
+
+impl<R: BufRead> Records<R> {
+    pub(crate) fn new(input: R, dialect: Dialect) -> Self {
+        Self {
+            input,
+            cells: Cells::new(dialect),
+            line: Vec::new(),
+            at: 0,
+            start: 0,
+            end: 0,
+        }
+    }
+
+    /// Goes to the next record; false at the end.
+    pub(crate) fn advance(&mut self) -> io::Result<bool> {
+        loop {
+            if self.at == self.line.len() {
+                self.at = 0;
+                self.line.clear();
+                let input = self.input.by_ref();
+                input.take(LONGEST).read_until(b'\n', &mut self.line)?;
+            }
+            let mut text = &self.line[self.at..];
+            let (length, is_cut) = (text.len(), self.line.len() as u64 == LONGEST);
+            self.start = self.end;
+            if length == 0 {
+                return Ok(false);
+            }
+            if let Some(line) = plain(text).filter(|_| !is_cut) {
+                self.cells.split_plain(line);
+                self.end += length as u64;
+                self.at = self.line.len();
+                if !line.is_empty() {
+                    return Ok(true);
+                }
+            } else {
+                let input = self.input.by_ref();
+                let taken = self.cells.read(&mut text.by_ref().chain(input))?;
+                self.at = self.line.len() - text.len();
+                self.end += taken.unwrap_or(0) as u64;
+                return Ok(taken.is_some());
+            }
+        }
+    }
+
+    /// The cells of the record at hand.
+    pub(crate) fn record(&self) -> &ByteRecord {
+        &self.cells.record
+    }
+
+    /// Bytes before the record at hand.
+    pub(crate) fn start(&self) -> u64 {
+        self.start
+    }
+
+    /// Bytes up to its end.
+    pub(crate) fn end(&self) -> u64 {
+        self.end
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn library(text: &[u8]) -> Vec<ByteRecord> {
+        let mut whole = csv::ReaderBuilder::new();
+        whole.has_headers(false).flexible(true).trim(csv::Trim::All);
+        let records = whole.from_reader(text).into_byte_records();
+        records.map(|r| r.expect("a record")).collect()
+    }
 
     #[test]
     fn a_line_has_the_cells_that_the_table_would_have() {
@@ -71,11 +186,40 @@ mod tests {
         ];
         let mut cells = Cells::new(Dialect { separator: b',' });
         for line in lines {
-            let mut whole = csv::ReaderBuilder::new();
-            whole.has_headers(false).flexible(true).trim(csv::Trim::All);
-            let expected = whole.from_reader(line.as_bytes()).byte_records().next();
-            let expected = expected.map_or_else(ByteRecord::new, |r| r.expect("a record"));
+            let expected = library(line.as_bytes()).pop().unwrap_or_default();
             assert_eq!(cells.split(line.as_bytes()), &expected, "{line:?}");
+        }
+    }
+
+    #[test]
+    fn a_table_has_the_records_that_the_library_finds() {
+        let long = format!("1,{}\n", " ".repeat(2 * LONGEST as usize));
+        let tables = [
+            "a,b\n1,2\n3,4",
+            "a,b\r\n\r\n\n1,2\r\n",
+            "a,b\r1,2\r3,4\r",
+            "a,b\r1,2\n\r3,4\r\n",
+            "a,\"b\nc\",d\n1,\"2\r\n\",3\n4,5,6\n",
+            "a,b\n1,5\" pipe\n2,\"open\n3,4\n",
+            "\n\n",
+            "",
+            " \n,\n",
+            &[&long, "2,3\n", &long, "4,\"x\"\n"].concat(),
+        ];
+        for table in tables {
+            // Little at a time, so that every record is cut somewhere.
+            for room in [1, 7, 1 << 16] {
+                let input = io::BufReader::with_capacity(room, table.as_bytes());
+                let mut records = Records::new(input, Dialect { separator: b',' });
+                let mut found = Vec::new();
+                while records.advance().expect("memory") {
+                    found.push(records.record().clone());
+                    let taken = &table.as_bytes()[records.start() as usize..records.end() as usize];
+                    assert_eq!(library(taken).len(), 1, "{taken:?}");
+                }
+                assert_eq!(found, library(table.as_bytes()), "{table:?}");
+                assert_eq!(records.end(), table.len() as u64);
+            }
         }
     }
 }

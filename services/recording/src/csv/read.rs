@@ -2,8 +2,9 @@ use std::fs::File;
 use std::io::{BufReader, Cursor, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
-use ::csv::{ByteRecord, Reader, ReaderBuilder, Trim};
+use ::csv::ByteRecord;
 
+use super::cells::Records;
 use super::columns::{Columns, NoNumber, absent};
 use super::dialect::{self, Dialect};
 use crate::Error;
@@ -18,18 +19,15 @@ use crate::signal::{Row, Sensors};
 pub fn read_weighings(path: impl AsRef<Path>) -> Result<Vec<[f64; 3]>, Error> {
     const NAMES: [&str; 3] = ["pitch", "front_load", "rear_load"];
     let table = Table::open(path.as_ref())?;
-    let (mut reader, header) = table.reader()?;
+    let (mut records, header) = table.records()?;
     let mut at = [0; 3];
     for (at, name) in at.iter_mut().zip(NAMES) {
         let found = header.iter().position(|h| h == name);
         *at = found.ok_or_else(|| absent(&[name], "weighing", &header, &table.file))?;
     }
     let mut rows = Vec::new();
-    let mut record = ByteRecord::new();
-    while reader
-        .read_byte_record(&mut record)
-        .map_err(|e| broken(&e, &table.file))?
-    {
+    while table.advance(&mut records)? {
+        let record = records.record();
         let mut row = [0.0; 3];
         for (value, at) in row.iter_mut().zip(at) {
             let cell = record.get(at).unwrap_or_default();
@@ -37,7 +35,9 @@ pub fn read_weighings(path: impl AsRef<Path>) -> Result<Vec<[f64; 3]>, Error> {
                 .dialect
                 .number(cell)
                 .filter(|x| x.is_finite())
-                .ok_or_else(|| no_number(cell, &header[at], table.line(&record), &table.file))?;
+                .ok_or_else(|| {
+                    no_number(cell, &header[at], table.line(records.start()), &table.file)
+                })?;
         }
         rows.push(row);
     }
@@ -56,7 +56,7 @@ struct Table {
 }
 
 /// The lines below the header.
-type Lines = Reader<Box<dyn Read>>;
+type Lines = Records<BufReader<Box<dyn Read>>>;
 
 /// The header is within so many bytes.
 const HEAD: u64 = 1 << 18;
@@ -112,21 +112,23 @@ impl Table {
         Ok(Box::new(file))
     }
 
-    /// A reader behind the header, and the header.
-    fn reader(&self) -> Result<(Lines, Vec<String>), Error> {
-        let mut builder = ReaderBuilder::new();
-        let mut reader = builder
-            .delimiter(self.dialect.separator)
-            .trim(Trim::All)
-            .flexible(true)
-            .from_reader(self.content(self.preface)?);
-        let header = header(&mut reader, &self.file)?;
-        Ok((reader, header))
+    /// The records, at the header, and the header.
+    fn records(&self) -> Result<(Lines, Vec<String>), Error> {
+        let content = BufReader::with_capacity(1 << 16, self.content(self.preface)?);
+        let mut records = Records::new(content, self.dialect);
+        self.advance(&mut records)?;
+        let header = names(records.record(), &self.file)?;
+        Ok((records, header))
     }
 
-    /// Line of a record, counted from 1; empty lines before it are counted too.
-    fn line(&self, record: &ByteRecord) -> usize {
-        let start = self.preface + record.position().map_or(0, |p| p.byte() as usize);
+    fn advance(&self, records: &mut Lines) -> Result<bool, Error> {
+        let more = records.advance();
+        more.map_err(|e| Error::system("read the data", &self.path, &e))
+    }
+
+    /// Line of the record that begins at this byte, counted from 1; empty lines before it are counted too.
+    fn line(&self, start: u64) -> usize {
+        let start = self.preface + start as usize;
         let content = self
             .content(0)
             .into_iter()
@@ -140,9 +142,8 @@ impl Table {
 /// The rows of a table, one after the other.
 pub(crate) struct TableRows<S: Sensors> {
     table: Table,
-    reader: Lines,
+    records: Lines,
     columns: Columns<S>,
-    record: ByteRecord,
     count: u64,
     has_ended: bool,
 }
@@ -151,12 +152,11 @@ impl<S: Sensors> TableRows<S> {
     /// Opens a table, to be read as the map says.
     pub(crate) fn open(path: &Path, map: Option<&Map>) -> Result<Self, Error> {
         let table = Table::open(path)?;
-        let (reader, header) = table.reader()?;
+        let (records, header) = table.records()?;
         Ok(Self {
             columns: Columns::choose(header, table.dialect, map, &table.file)?,
             table,
-            reader,
-            record: ByteRecord::new(),
+            records,
             count: 0,
             has_ended: false,
         })
@@ -164,7 +164,7 @@ impl<S: Sensors> TableRows<S> {
 
     /// Bytes read.
     pub(crate) fn read(&self) -> u64 {
-        self.reader.position().byte()
+        self.records.end()
     }
 
     /// The next row; nothing at the end.
@@ -182,13 +182,13 @@ impl<S: Sensors> TableRows<S> {
 
     /// Takes a line, or the end.
     fn take(&mut self) -> Result<(), Error> {
-        let (table, record) = (&self.table, &mut self.record);
-        let more = self.reader.read_byte_record(record);
-        if more.map_err(|e| broken(&e, &table.file))? {
+        let table = &self.table;
+        if table.advance(&mut self.records)? {
+            let (record, start) = (self.records.record(), self.records.start());
             check_width(
                 record,
                 self.columns.width(),
-                || table.line(record),
+                || table.line(start),
                 &table.file,
             )?;
             self.count += 1;
@@ -196,7 +196,7 @@ impl<S: Sensors> TableRows<S> {
                 .columns
                 .take(record)
                 .map_err(|NoNumber { text, column }| {
-                    no_number(text.as_bytes(), &column, table.line(record), &table.file)
+                    no_number(text.as_bytes(), &column, table.line(start), &table.file)
                 });
         }
         if self.count == 0 {
@@ -226,27 +226,19 @@ pub fn read<S: Sensors>(path: impl AsRef<Path>, map: Option<&Map>) -> Result<Vec
 /// Header and numbers of the first `most` rows, by column; NaN where a cell holds none.
 pub(crate) fn numbers(path: &Path, most: usize) -> Result<(Vec<String>, Vec<Vec<f64>>), Error> {
     let table = Table::open(path)?;
-    let (mut reader, header) = table.reader()?;
+    let (mut records, header) = table.records()?;
     let mut columns = vec![Vec::new(); header.len()];
-    let mut record = ByteRecord::new();
     for _ in 0..most {
-        if !reader
-            .read_byte_record(&mut record)
-            .map_err(|e| broken(&e, &table.file))?
-        {
+        if !table.advance(&mut records)? {
             break;
         }
+        let record = records.record();
         for (at, column) in columns.iter_mut().enumerate() {
             let number = table.dialect.number(record.get(at).unwrap_or_default());
             column.push(number.unwrap_or(f64::NAN));
         }
     }
     Ok((header, columns))
-}
-
-fn header<R: Read>(reader: &mut Reader<R>, file: &str) -> Result<Vec<String>, Error> {
-    let bytes = reader.byte_headers().map_err(|e| broken(&e, file))?;
-    names(bytes, file)
 }
 
 /// The names in a header: UTF-8, or else Latin-1; none twice.
@@ -290,14 +282,5 @@ fn no_number(cell: &[u8], column: &str, line: usize, file: &str) -> Error {
         format!("\"{}\" is no number", String::from_utf8_lossy(cell)),
         format!("{file}:{line}, column {column}"),
         "write a number, or leave the cell empty where the sample is missing",
-    )
-}
-
-fn broken(error: &::csv::Error, file: &str) -> Error {
-    let line = error.position().map_or(1, ::csv::Position::line);
-    Error::new(
-        format!("this is no CSV: {error}"),
-        format!("{file}:{line}"),
-        "give a CSV file with a header, separated by commas",
     )
 }
