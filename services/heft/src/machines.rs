@@ -187,8 +187,14 @@ trait Typed: Sync {
             "leave it out",
         ))
     }
-    /// Finds the machine's own parameters in recordings.
-    fn calibrate(args: &CalibrateArgs, description: &Description) -> Result<(), Failure>;
+    /// Finds the machine's own parameters in recordings, where heft can.
+    fn calibrate(_args: &CalibrateArgs, _description: &Description) -> Result<(), Failure> {
+        Err(Failure::input(
+            format!("heft cannot calibrate the {}", Self::Sensors::MACHINE),
+            "heft calibrate",
+            "describe the machine by hand",
+        ))
+    }
     fn evaluate(options: &evaluate::Options) -> Result<evaluate::Report, evaluate::Error>;
     fn figures() -> Result<Vec<Figure>, Failure>;
 }

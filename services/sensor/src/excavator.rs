@@ -5,7 +5,7 @@ use messages::excavator_bits::{
 };
 use messages::{ExcavatorSensors, ExcavatorTruth};
 use runtime::Source;
-use sim::excavator::{InvalidRun, Row, Run, Simulation, Truth, Work};
+use sim::excavator::{InvalidRun, Row, Run, Scenario, Simulation, Truth, Work};
 
 use crate::simulated::{Taken, mark};
 
@@ -37,6 +37,16 @@ impl Simulator {
             rows: Rows::Run(Box::new(Simulation::new(run)?)),
             sequence: 0,
         })
+    }
+
+    /// Digs, swings and dumps for so long [s].
+    ///
+    /// # Errors
+    /// The duration is out of its range.
+    pub fn at_usual_work(duration: f64, seed: u64) -> Result<Self, InvalidRun> {
+        let mut run = Run::new(Scenario::Cycle);
+        (run.duration, run.seed) = (duration, seed);
+        Self::new(&run)
     }
 
     /// A machine at work, which does not end by itself.

@@ -6,7 +6,7 @@ use messages::loader_bits::{
 };
 use messages::{LoaderSensors, LoaderTruth};
 use runtime::Source;
-use sim::loader::{InvalidRun, Row, Run, Simulation, Truth};
+use sim::loader::{InvalidRun, Row, Run, Scenario, Simulation, Tier, Truth};
 
 use crate::simulated::{Taken, mark};
 
@@ -38,6 +38,16 @@ impl Simulator {
             rows: Simulation::new(run)?,
             sequence: 0,
         })
+    }
+
+    /// Digs, drives and dumps for so long [s], with the usual sensors.
+    ///
+    /// # Errors
+    /// The duration is out of its range.
+    pub fn at_usual_work(duration: f64, seed: u64) -> Result<Self, InvalidRun> {
+        let mut run = Run::new(Scenario::WorkCycle);
+        (run.duration, run.seed, run.tier) = (Some(duration), seed, Tier::B);
+        Self::new(&run)
     }
 }
 

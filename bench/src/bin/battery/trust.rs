@@ -6,13 +6,11 @@
 //! cells are in [`KNOWN`], with the reason in `docs/reliability.md`; every other has the bound.
 
 use config::Description;
-use messages::{
-    Envelope, ExcavatorSensors, ExcavatorTruth, LoaderSensors, LoaderTruth, Machine, Message,
-    Value, excavator_bits, loader_bits,
-};
+use messages::{Envelope, Machine, Message, Value};
+use recording::Sensors;
 use runtime::Source;
-use sensor::{excavator, loader};
 use steps::stages::Pipeline;
+use view::estimate::{Estimate, Parameter};
 
 use crate::attack::{Attack, Outcome, Rng};
 use crate::ground::Ground;
@@ -56,48 +54,24 @@ const KINDS: [(&str, Kind); 12] = [
     ("unit", Kind::Unit),
 ];
 
-/// A quantity that carries a verdict.
-struct Judged {
-    field: &'static str,
-    std: &'static str,
-    trusted: u32,
-}
-
-const EXCAVATOR: &[Judged] = &[Judged {
-    field: "inertia",
-    std: "inertia_std",
-    trusted: excavator_bits::TRUSTED,
-}];
-const LOADER: &[Judged] = &[
-    Judged {
-        field: "cg_ratio",
-        std: "cg_ratio_std",
-        trusted: loader_bits::TRUSTED_RATIO,
-    },
-    Judged {
-        field: "cg_height",
-        std: "cg_height_std",
-        trusted: loader_bits::TRUSTED_HEIGHT,
-    },
+/// Columns that go wrong, with the factor of a wrong unit.
+const COLUMNS: &[(&str, f64)] = &[
+    ("swing_velocity", 57.3),
+    ("swing_torque", 1e-3),
+    ("boom_angle", 57.3),
+    ("arm_angle", 57.3),
+    ("bucket_angle", 57.3),
+    ("speed", 3.6),
+    ("front_wheel_speed", 9.55),
+    ("rear_wheel_speed", 9.55),
+    ("front_torque", 1e-3),
+    ("rear_torque", 1e-3),
+    ("slope", 57.3),
+    ("acceleration", 0.102),
 ];
 
-/// Columns with their bits, and the factor of a wrong unit.
-const EXCAVATOR_COLUMNS: &[(&str, u32, f64)] = &[
-    ("swing_velocity", excavator_bits::SWING_VELOCITY, 57.3),
-    ("swing_torque", excavator_bits::SWING_TORQUE, 1e-3),
-    ("boom_angle", excavator_bits::BOOM_ANGLE, 57.3),
-    ("arm_angle", excavator_bits::ARM_ANGLE, 57.3),
-    ("bucket_angle", excavator_bits::BUCKET_ANGLE, 57.3),
-];
-const LOADER_COLUMNS: &[(&str, u32, f64)] = &[
-    ("speed", loader_bits::SPEED, 3.6),
-    ("front_wheel_speed", loader_bits::FRONT_WHEEL_SPEED, 9.55),
-    ("rear_wheel_speed", loader_bits::REAR_WHEEL_SPEED, 9.55),
-    ("front_torque", loader_bits::FRONT_TORQUE, 1e-3),
-    ("rear_torque", loader_bits::REAR_TORQUE, 1e-3),
-    ("slope", loader_bits::SLOPE, 57.3),
-    ("acceleration", loader_bits::ACCELERATION, 0.102),
-];
+/// A column of a machine: name, bit, factor of a wrong unit.
+type Column = (&'static str, u32, f64);
 
 /// One cell of the matrix.
 #[derive(Clone, Copy)]
@@ -126,40 +100,39 @@ impl Share {
     }
 }
 
-/// Samples of a machine with their truths, before anything went wrong.
-enum Clean {
-    Excavator(Vec<(ExcavatorSensors, ExcavatorTruth)>),
-    Loader(Vec<(LoaderSensors, LoaderTruth)>),
-}
+/// Runs cells on the samples of a machine, before anything went wrong.
+type Clean = Box<dyn Fn(Cell) -> Result<Share, String>>;
 
-impl Clean {
-    fn of(machine: Machine, seed: u64) -> Result<Self, String> {
-        Ok(match machine {
-            Machine::Excavator => {
-                let mut run = sim::excavator::Run::new(sim::excavator::Scenario::Cycle);
-                (run.duration, run.seed) = (DURATION, seed);
-                let source = excavator::Simulator::new(&run).map_err(|e| e.to_string())?;
-                Self::Excavator(all(source))
+macro_rules! machines {
+    ($( $machine:ident, $module:ident, $sensors:ident, $truth:ident, $estimate:ident, $others:tt; )*) => {
+        /// A machine at its usual work.
+        fn clean(machine: Machine, seed: u64) -> Result<Clean, String> {
+            Ok(match machine {
+                $( Machine::$machine => {
+                    let mut source = sensor::$module::Simulator::at_usual_work(DURATION, seed)
+                        .map_err(|e| e.to_string())?;
+                    let series: Vec<_> = std::iter::from_fn(|| source.next()).collect();
+                    Box::new(move |cell| cell.judge::<_, messages::$estimate>(series.clone()))
+                } )*
+            })
+        }
+
+        fn columns(machine: Machine) -> Vec<Column> {
+            match machine {
+                $( Machine::$machine => columns_of::<messages::$sensors>(), )*
             }
-            Machine::Loader => {
-                let mut run = sim::loader::Run::new(sim::loader::Scenario::WorkCycle);
-                (run.duration, run.seed, run.tier) = (Some(DURATION), seed, sim::loader::Tier::B);
-                let source = loader::Simulator::new(&run).map_err(|e| e.to_string())?;
-                Self::Loader(all(source))
-            }
-        })
-    }
+        }
+    };
 }
 
-fn all<R: Source>(mut source: R) -> Vec<(R::Sensors, R::Truth)> {
-    std::iter::from_fn(|| source.next()).collect()
-}
+messages::machines!(machines);
 
-fn columns(machine: Machine) -> &'static [(&'static str, u32, f64)] {
-    match machine {
-        Machine::Excavator => EXCAVATOR_COLUMNS,
-        Machine::Loader => LOADER_COLUMNS,
-    }
+fn columns_of<S: Sensors>() -> Vec<Column> {
+    let of = |(index, bit): (usize, u32)| {
+        let (name, unit) = COLUMNS.iter().find(|c| c.0 == S::FIELDS[index].name)?;
+        Some((*name, bit, *unit))
+    };
+    recording::measured::<S>().filter_map(of).collect()
 }
 
 /// Every cell.
@@ -202,17 +175,9 @@ impl Cell {
     }
 
     /// Runs the cell.
-    fn run(self, clean: &Clean) -> Result<Share, String> {
-        match clean {
-            Clean::Excavator(series) => self.judge(series.clone(), EXCAVATOR),
-            Clean::Loader(series) => self.judge(series.clone(), LOADER),
-        }
-    }
-
-    fn judge<S: Message, T: Message>(
+    fn judge<S: Message, E: Estimate>(
         self,
-        mut series: Vec<(S, T)>,
-        judged: &[Judged],
+        mut series: Vec<(S, E::Truth)>,
     ) -> Result<Share, String> {
         let (name, bit, unit) = columns(self.machine)[self.column];
         damage(&mut series, name, bit, unit, KINDS[self.kind].1);
@@ -235,7 +200,9 @@ impl Cell {
                 message = step.answer(&message).ok_or("a step of another message")?;
             }
             if sample.stamp().time >= FROM {
-                judged.iter().for_each(|q| share.take(q, &message, truth));
+                let estimate = E::inside(&message).ok_or("no estimate of this machine")?;
+                let judged = E::PARAMETERS.iter().filter(|p| p.headline());
+                judged.for_each(|p| share.take(p, estimate, truth));
             }
         }
         Ok(share)
@@ -243,21 +210,20 @@ impl Cell {
 }
 
 impl Share {
-    fn take<T: Message>(&mut self, judged: &Judged, estimate: &Envelope, truth: &T) {
-        let of = |name: &str| {
-            let at = estimate.fields().iter().position(|f| f.name == name);
-            at.and_then(|at| estimate.get(at))
-                .map_or(0.0, Value::as_f64)
-        };
-        let truth = T::index(judged.field).and_then(|at| truth.get(at));
-        let truth = truth.map_or(0.0, Value::as_f64);
+    fn take<E: Estimate>(
+        &mut self,
+        judged: &Parameter<E, E::Truth>,
+        estimate: &E,
+        truth: &E::Truth,
+    ) {
         self.after += 1;
-        if of("flags") as u32 & judged.trusted == 0 {
+        if estimate.flags() & judged.trusted == 0 {
             return;
         }
         self.trusted += 1;
-        let away = (of(judged.field) - truth).abs();
-        self.wrong += u32::from(away > 3.0 * of(judged.std) && away > 0.04 * truth.abs());
+        let truth = judged.truth(truth);
+        let away = (judged.value(estimate) - truth).abs();
+        self.wrong += u32::from(away > 3.0 * judged.std(estimate) && away > 0.04 * truth.abs());
     }
 }
 
@@ -300,7 +266,7 @@ impl Attack for Trust {
 
     fn attempt(&mut self, rng: &mut Rng, _ground: &Ground) -> Result<Outcome, String> {
         let cell = rng.one(&cells());
-        let share = cell.run(&Clean::of(cell.machine, 1 + rng.between(0, 1000))?)?;
+        let share = clean(cell.machine, 1 + rng.between(0, 1000))?(cell)?;
         if share.wrong() > BOUND && !cell.is_known() {
             let Share { trusted, wrong, .. } = share;
             return Err(format!(
@@ -321,14 +287,12 @@ pub fn print(word: &str, seed: u64) -> Result<bool, String> {
         .collect();
     let mut above = Vec::new();
     let mut last = String::new();
-    let machines = [Machine::Excavator, Machine::Loader];
-    let clean = machines.map(|machine| Clean::of(machine, seed));
+    let runs = Machine::ALL.map(|machine| clean(machine, seed));
     for cell in chosen {
-        let at = machines
-            .iter()
-            .position(|m| *m == cell.machine)
-            .unwrap_or(0);
-        let share = cell.run(clean[at].as_ref().map_err(String::clone)?)?;
+        let run = runs[cell.machine as usize]
+            .as_ref()
+            .map_err(String::clone)?;
+        let share = run(cell)?;
         let row = format!(
             "{} | {} | {}",
             cell.machine,
