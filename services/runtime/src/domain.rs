@@ -24,6 +24,9 @@ const ROOM_BYTES: u64 = 64 << 20;
 const LOOK: Duration = Duration::from_millis(500);
 /// Files of a domain, next to its lock.
 const CONFIG: &str = "iceoryx2.toml";
+/// Writers that died, and whose last messages a reader has not taken yet: as many as a channel has writers. A reader has 4 kB
+/// ready for each.
+const DEAD_WRITERS: usize = 16;
 const PLAN: &str = "plan.json";
 const LOCK: &str = "lock";
 /// Folder in which iceoryx2 keeps its own files.
@@ -120,7 +123,8 @@ impl Domain {
         // Nobody can make an object of this name before the run does.
         let number = random().map_err(|e| failed("choose a name in shared memory", e))?;
         let config = format!(
-            "[global]\nroot-path = \"{}\"\nprefix = \"{}{number:016x}_\"\n",
+            "[global]\nroot-path = \"{}\"\nprefix = \"{}{number:016x}_\"\n\
+             [defaults.publish-subscribe]\nsubscriber-expired-connection-buffer = {DEAD_WRITERS}\n",
             folder.join(ROOT).display(),
             domain.prefix()
         );

@@ -53,7 +53,7 @@ impl Worker {
         } = control.receive_bells()?;
         let ports = Ports::new(setup.identity.name)?;
         let requests = control::listen(Arc::clone(&control), bell.try_clone()?);
-        let reporter = Reporter::start(setup.identity);
+        let reporter = Reporter::start(setup.identity, setup.period_ns);
         Ok(Self {
             setup,
             control,
