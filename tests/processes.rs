@@ -180,7 +180,10 @@ fn workers_end_by_themselves_when_the_supervisor_is_killed_and_the_next_start_is
         &["excavator", "--scenario", "cycle", "--duration", "60"],
     );
     running.wait_for_services();
-    std::thread::sleep(Duration::from_millis(1500));
+    wait_until("it records", Duration::from_secs(30), || {
+        let about = running.recording().metadata();
+        about.is_ok_and(|file| file.len() > 200_000)
+    });
     let domain = running.domain.clone();
     running.signal(Signal::KILL);
     let (_, folder) = running.wait();
