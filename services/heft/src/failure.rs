@@ -46,6 +46,15 @@ impl Failure {
         )
     }
 
+    /// A folder could not be made.
+    pub fn folder(path: &Path, error: &std::io::Error) -> Self {
+        Self::input(
+            format!("cannot make the folder: {error}"),
+            path.display(),
+            "check the path, the permissions and the free space",
+        )
+    }
+
     /// A defect of heft itself.
     pub fn internal(error: impl fmt::Display) -> Self {
         Self::input(

@@ -11,11 +11,26 @@ use std::io::Write;
 pub fn say(text: Arguments) {
     let mut out = std::io::stdout().lock();
     if let Err(error) = out.write_fmt(text).and_then(|()| out.flush()) {
-        complain(format_args!(
-            "heft: cannot write the answer: {error}\n  where: standard output\n  what to do: give it a reader that reads to the end, or a disk with room\n"
-        ));
-        std::process::exit(1);
+        give_up(&error);
     }
+}
+
+/// Passes an answer on that its reader may leave when he has seen enough; whether he goes on.
+pub fn pass(answer: &[u8]) -> bool {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(answer).and_then(|()| out.flush()) {
+        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => false,
+        Err(error) => give_up(&error),
+        Ok(()) => true,
+    }
+}
+
+/// Says that an answer cannot be said, and ends the process.
+fn give_up(error: &std::io::Error) -> ! {
+    complain(format_args!(
+        "heft: cannot write the answer: {error}\n  where: standard output\n  what to do: give it a reader that reads to the end, or a disk with room\n"
+    ));
+    std::process::exit(1);
 }
 
 /// Writes to standard error, if it can.

@@ -11,7 +11,7 @@ use crate::results;
 /// `heft evaluate`
 pub fn evaluate(args: &EvaluateArgs) -> Result<(), Failure> {
     if let Some(folder) = &args.figures {
-        fs::create_dir_all(folder).map_err(|e| Failure::file("make the folder", folder, &e))?;
+        fs::create_dir_all(folder).map_err(|e| Failure::folder(folder, &e))?;
         for (name, svg) in machines::entry(args.machine).figures()? {
             let path = folder.join(format!("{}-{name}.svg", args.machine));
             results::text(

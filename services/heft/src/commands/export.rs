@@ -8,7 +8,7 @@ use crate::parts;
 /// `heft export`
 pub fn export(file: &Path, folder: &Path) -> Result<(), Failure> {
     let reader = parts::open(file)?;
-    std::fs::create_dir_all(folder).map_err(|e| Failure::file("make the folder", folder, &e))?;
+    std::fs::create_dir_all(folder).map_err(|e| Failure::folder(folder, &e))?;
     for written in recording::csv::export(&reader, folder)? {
         println!("{}", written.display());
     }

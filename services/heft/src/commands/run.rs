@@ -69,7 +69,7 @@ fn now_ms() -> u64 {
 /// Makes the folder of a run.
 pub fn folder(out: Option<&Path>, machine: &str) -> Result<PathBuf, Failure> {
     let folder = out.map_or_else(|| default_folder(machine), Path::to_path_buf);
-    std::fs::create_dir_all(&folder).map_err(|e| Failure::file("make the folder", &folder, &e))?;
+    std::fs::create_dir_all(&folder).map_err(|e| Failure::folder(&folder, &e))?;
     Ok(folder)
 }
 

@@ -31,16 +31,12 @@ pub fn schema(
     machine: Option<Machine>,
     output_map: Option<&Path>,
 ) -> Result<(), Failure> {
-    use std::io::Write as _;
     let text = match language {
         Language::Dbc => dbc(machine, output_map)?,
         _ => text(language),
     };
-    match std::io::stdout().write_all(text.as_bytes()) {
-        // A reader that has seen enough.
-        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Err(Failure::internal(e)),
-        _ => Ok(()),
-    }
+    crate::out::pass(text.as_bytes());
+    Ok(())
 }
 
 /// The frames of a machine, or of all.

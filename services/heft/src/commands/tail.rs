@@ -1,7 +1,6 @@
 //! `heft tail`: follows a channel of a running pipeline, a line per sample.
 
 use std::fmt::Write as _;
-use std::io::{ErrorKind, Write as _};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -101,13 +100,10 @@ pub fn tail(args: &TailArgs) -> Result<(), Failure> {
         writer
             .bytes
             .extend(std::mem::take(&mut writer.text).into_bytes());
-        let written = std::io::stdout().lock().write_all(&writer.bytes);
-        match written.and_then(|()| std::io::stdout().flush()) {
-            // A reader that has seen enough.
-            Err(e) if e.kind() == ErrorKind::BrokenPipe => return Ok(()),
-            Err(e) => return Err(Failure::internal(e)),
-            Ok(()) => writer.bytes.clear(),
+        if !crate::out::pass(&writer.bytes) {
+            return Ok(());
         }
+        writer.bytes.clear();
         std::thread::sleep(NAP);
     }
     Ok(())

@@ -155,7 +155,7 @@ fn run_pipeline(
     let probe = folder.join("probe.csv");
     // A new folder or none: anybody may put a link under this name.
     let made = fs::DirBuilder::new().mode(0o700).create(&folder);
-    made.map_err(|e| Failure::file("make the folder", &folder, &e))?;
+    made.map_err(|e| Failure::folder(&folder, &e))?;
     let mut command = image::command();
     command
         .args(["run", chain.machine.name(), "--quiet", "--no-report"])
