@@ -14,6 +14,7 @@ mod loader;
 mod nearest;
 mod parse;
 mod print;
+mod remembered;
 mod tables;
 
 pub use description::*;
@@ -22,4 +23,5 @@ pub use estimation::excavator::keys::Variant;
 pub use estimation::keys::{Form, Key, Numbers, Range, Setting, Table, Value};
 pub use estimation::loader::keys::{Inputs, LoadTransfer, Tuning};
 pub use nearest::nearest;
+pub use remembered::{LEAST_SHARE, widened};
 pub use tables::Tables;

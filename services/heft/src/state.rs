@@ -12,18 +12,13 @@ use std::os::unix::fs::OpenOptionsExt;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
 
-use config::Description;
+use config::{Description, widened};
 use messages::channels::Channel;
 use messages::{Message, excavator_bits, loader_bits};
 use serde::{Deserialize, Serialize};
 
 use crate::failure::Failure;
 
-/// Share of the described prior's standard deviation below which none is restored: tyres are changed,
-/// grease ages, and nobody says so.
-const LEAST_SHARE: f64 = 0.6;
-/// After a pause of this length nothing is left but the value [s]: 30 days.
-const FORGOTTEN: f64 = 30.0 * 86_400.0;
 /// Time between two writes.
 const PERIOD: Duration = Duration::from_secs(60);
 
@@ -294,12 +289,6 @@ fn restore(
     })
 }
 
-/// Standard deviation after a pause [s]: between a share of the prior's and all of it.
-fn widened(std: f64, prior: f64, pause: f64) -> f64 {
-    let grown = std * std + prior * prior * (pause / FORGOTTEN);
-    grown.sqrt().clamp(LEAST_SHARE * prior, prior)
-}
-
 /// A number of a description by its key.
 fn number(description: &Description, key: &str) -> Option<f64> {
     let (table, name) = key.split_once('.')?;
@@ -320,6 +309,7 @@ fn now() -> u64 {
 
 #[cfg(test)]
 mod tests {
+    use config::LEAST_SHARE;
     use messages::channels::LOADER_CG_UKF;
     use messages::{LoaderEstimate, Machine};
 
@@ -411,14 +401,5 @@ mod tests {
             Memory::open(&refused, &mut loader(), &other).is_err(),
             "said before the work"
         );
-    }
-
-    #[test]
-    fn a_pause_widens_up_to_the_prior() {
-        assert_eq!(widened(0.01, 1.0, 0.0), LEAST_SHARE);
-        let week = widened(0.7, 1.0, 7.0 * 86_400.0);
-        assert!(week > 0.7 && week < 1.0, "{week}");
-        assert_eq!(widened(0.01, 1.0, 1e12), 1.0);
-        assert_eq!(widened(5.0, 1.0, 0.0), 1.0);
     }
 }

@@ -45,6 +45,8 @@ pub struct Run {
     pub seed: u64,
     /// Determines the machine instead, so that one machine can do several runs.
     pub machine_seed: Option<u64>,
+    /// Determines a machine whose tyres are on this one: slip stiffness, radii, relaxation.
+    pub tyres_seed: Option<u64>,
     /// The sensors.
     pub grade: Grade,
     /// How well the machine is known.
@@ -69,6 +71,7 @@ impl Run {
             rate: 100.0,
             seed: 0,
             machine_seed: None,
+            tyres_seed: None,
             grade: Grade::Resolver,
             tier: Tier::A,
             size: Size::Reference,
@@ -255,6 +258,14 @@ impl Simulation {
         let mut machine_noise = Noise::channel(of, MACHINE_STREAM);
         let (mut machine, calibration, told) =
             tier::draw(run.size, run.tier, run.grade, &mut machine_noise);
+        if let Some(of) = run.tyres_seed {
+            let noise = &mut Noise::channel(of, MACHINE_STREAM);
+            let (other, ..) = tier::draw(run.size, run.tier, run.grade, noise);
+            machine.slip_stiffness = other.slip_stiffness;
+            machine.front_radius_error = other.front_radius_error;
+            machine.rear_radius_error = other.rear_radius_error;
+            machine.relaxation_length = other.relaxation_length;
+        }
         run.effects.apply(&mut machine);
         let road = Road::new(
             &run.scenario.surface(),

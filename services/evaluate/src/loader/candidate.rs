@@ -160,13 +160,18 @@ impl Candidate {
 
     /// A filter that waits for the first row.
     pub fn estimator(&self, told: &Told, first: &Row) -> Result<CgEstimator, SettingsError> {
+        self.started(&self.settings(told, first), first)
+    }
+
+    /// The same with settings of its own.
+    pub fn started(&self, settings: &Settings, first: &Row) -> Result<CgEstimator, SettingsError> {
         let columns = Columns {
             acceleration: true,
             mass: first.mass.is_some(),
             spade_force: first.spade_force_z.is_some(),
             boom_moving: first.boom_moving.is_some() && !self.weighed,
         };
-        CgEstimator::new(&self.settings(told, first), self.method, columns)
+        CgEstimator::new(settings, self.method, columns)
     }
 
     /// What this filter gets to see of a row.

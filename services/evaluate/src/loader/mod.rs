@@ -8,6 +8,7 @@
 //! | `tiers` | the targets on a known machine (tier A) and on a real one (tier B) |
 //! | `robustness` | bad input, and runs without divergence |
 //! | `honesty` | how much of what is trusted is wrong on machines that are not the reference plant |
+//! | `remembered` | what a run gains by what an earlier one has learnt (`heft run --state`) |
 //! | `calibration` | what `heft calibrate loader` finds, and what the estimator makes of it |
 //! | `observability` | which parameter is weak, along a manoeuvre |
 
@@ -17,6 +18,7 @@ mod conditions;
 mod height;
 mod honesty;
 mod observability;
+mod remembered;
 mod robustness;
 mod score;
 mod sign;
@@ -27,12 +29,13 @@ use crate::{Error, Options, Report};
 
 type Evaluate = fn(&Options) -> Result<Report, Error>;
 
-const TABLES: [(&str, Evaluate); 8] = [
+const TABLES: [(&str, Evaluate); 9] = [
     ("conditions", conditions::evaluate),
     ("sign", sign::evaluate),
     ("height", height::evaluate),
     ("tiers", tiers::evaluate),
     ("robustness", robustness::evaluate),
+    ("remembered", remembered::evaluate),
     ("calibration", calibration::evaluate),
     ("observability", observability::evaluate),
     ("honesty", honesty::evaluate),
@@ -103,6 +106,19 @@ mod tests {
         // Acceptance of the numerical specification; theory gives 0.08 per m/s^2 without lag.
         assert!(shift("printed") > 0.05, "{json}");
         assert!(shift("physical").abs() < 0.01, "{json}");
+    }
+
+    #[test]
+    fn what_was_remembered_helps_on_the_same_tyres_and_its_intervals_hold_on_others() {
+        let json = table("remembered", 16).json;
+        let number = |line: usize, key: &str| json[line]["ratio"][key].as_f64().unwrap();
+        let [cold, remembered, _, others] = [0, 1, 2, 3];
+        assert!(number(remembered, "rms") < number(cold, "rms"), "{json}");
+        for line in [remembered, others] {
+            let height = json[line]["height"]["coverage"].as_f64().unwrap();
+            assert!(number(line, "coverage").min(height) > 0.93, "{json}");
+            assert_eq!(json[line]["diverged"], 0, "{json}");
+        }
     }
 
     #[test]
