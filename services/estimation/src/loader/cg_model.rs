@@ -13,6 +13,7 @@
 //! Parameters are random walks. (15) names L the measurement matrix (it is the noise input) and v_k process noise (it is
 //! the measurement noise); (17) rewrites (15), not (12).
 
+use super::layout::{CG_HEIGHT, CG_RATIO, Layout, REAR_WHEEL, SPEED};
 use super::settings::Integration;
 use super::tangent::Tangent;
 use super::wheel_dynamics::{GRAVITY, Inputs, Motion, Parameters, Road, WheelDynamics};
@@ -39,20 +40,6 @@ impl Loading {
         height: 0.0,
         ratio: 0.0,
     };
-}
-
-/// Whether a filter of so many states has the delay of the speed as its last one.
-pub const fn has_delay(states: usize) -> bool {
-    states % 2 == 1
-}
-
-/// Which states of a filter are the errors of the rolling radii, front and rear.
-pub const fn radius_states(states: usize) -> Option<core::ops::Range<usize>> {
-    match states {
-        10 | 11 => Some(7..9),
-        8 | 9 => Some(6..8),
-        _ => None,
-    }
 }
 
 /// One step of the loader under given inputs.
@@ -131,8 +118,8 @@ impl CgModel {
             tangent = tangent.then(&step(tangent.motion));
         }
         for row in &mut tangent.by {
-            row[4] *= self.loading.share;
-            row[5] *= self.loading.share;
+            row[CG_HEIGHT] *= self.loading.share;
+            row[CG_RATIO] *= self.loading.share;
         }
         (tangent, road)
     }
@@ -160,18 +147,23 @@ impl CgModel {
 
 impl<const N: usize, const M: usize> Model<N, M> for CgModel {
     const DYNAMIC: usize = 3;
-    const DIRECT: usize = if has_delay(N) { 0 } else { 3 };
+    const DIRECT: usize = if Layout::of(N).speed_delay.is_some() {
+        0
+    } else {
+        3
+    };
 
     fn predict<T: Scalar>(&self, state: &[T; N]) -> ([T; N], [T; M]) {
         let (old, (new, road)) = (Motion::of(state), self.advance(state));
         let mut next = *state;
-        (next[0], next[1], next[2]) = (new.speed, new.front_wheel_speed, new.rear_wheel_speed);
+        new.put(&mut next);
         let rate = (new.speed - old.speed) / self.dt;
-        let measurement = core::array::from_fn(|j| match j {
-            0 if has_delay(N) => next[0] - rate * state[N - 1],
-            0..3 => next[j],
-            _ => rate + road.sine * GRAVITY,
-        });
+        let measurement =
+            core::array::from_fn(|j| match (j, const { Layout::of(N) }.speed_delay) {
+                (SPEED, Some(delay)) => next[SPEED] - rate * state[delay],
+                (SPEED..=REAR_WHEEL, _) => next[j],
+                _ => rate + road.sine * GRAVITY,
+            });
         (next, measurement)
     }
 
@@ -182,7 +174,7 @@ impl<const N: usize, const M: usize> Model<N, M> for CgModel {
             row[j] = 1.0;
         }
         for row in coupling.iter_mut().skip(3) {
-            row[0] = 1.0 / self.dt;
+            row[SPEED] = 1.0 / self.dt;
         }
         coupling
     }

@@ -1,8 +1,10 @@
 //! The estimator of the centre of gravity: one row in, one answer out.
 
-use super::cg_model::has_delay;
 use super::estimate::{Estimate, Status};
 use super::filter::{Belief, CgFilter, RowReport};
+use super::layout::{
+    CG_HEIGHT, CG_RATIO, Each, FRONT_WHEEL, Layout, REAR_WHEEL, SLIP_STIFFNESS, SPEED,
+};
 use super::payload::Payload;
 use super::settings::{Settings, SettingsError};
 use super::verdict::{Intervals, with_floors};
@@ -204,83 +206,82 @@ fn report<const N: usize, const M: usize, B: Belief<N, M>>(
 ) -> Estimate {
     let x = filter.state();
     let std: [f64; N] = core::array::from_fn(|i| filter.std(i));
-    let (height, ratio, loaded_std) = loaded(filter, settings, (x[4], x[5]), (std[4], std[5]));
+    let layout = const { Layout::of(N) };
+    let own = |of: &[f64; N]| Each {
+        ratio: of[CG_RATIO],
+        height: of[CG_HEIGHT],
+    };
+    let (centre, loaded_std) = loaded(filter, settings, own(x), own(&std));
     let doubt = filter.doubt();
+    let beyond = doubt.beyond;
     let reported = with_floors(
         settings,
         filter.tuning(),
-        N > 6,
-        (ratio, height),
-        (
-            widened(doubt.birge * loaded_std.1, doubt.beyond[0]),
-            widened(doubt.birge * loaded_std.0, doubt.beyond[1]),
-        ),
+        layout.radii.is_some(),
+        centre,
+        Each {
+            ratio: widened(doubt.birge * loaded_std.ratio, beyond.ratio),
+            height: widened(doubt.birge * loaded_std.height, beyond.height),
+        },
     );
     let intervals = Intervals {
-        filter: (doubt.birge * std[5], doubt.birge * std[4]),
+        filter: Each {
+            ratio: doubt.birge * std[CG_RATIO],
+            height: doubt.birge * std[CG_HEIGHT],
+        },
         reported,
-        ratio,
+        ratio: centre.ratio,
     };
     let verdict = filter
         .evidence
         .verdict(settings, &intervals, &doubt, row.frozen);
     let sound = verdict.consistent && verdict.fresh && !verdict.reset;
-    let radii = match N {
-        10 | 11 => Some((x[7], x[8])),
-        8 | 9 => Some((x[6], x[7])),
-        _ => None,
+    let trusted = |of: fn(Each<bool>) -> bool| {
+        sound && of(verdict.excited) && of(verdict.identifiable) && of(verdict.converged)
     };
-    let delay = has_delay(N).then(|| Quantity {
-        value: x[N - 1],
-        std: std[N - 1],
-    });
+    let quantity = |i: usize| Quantity {
+        value: x[i],
+        std: std[i],
+    };
+    let scale = |wheel: usize| layout.radii.map(|radii| 1.0 + x[radii[wheel]]);
     let used = row.accepted.iter().filter(|a| **a).count().max(1);
     Estimate {
         started: filter.last_time().is_some(),
         time: filter.last_time().unwrap_or(0.0),
-        speed: x[0],
-        front_wheel_speed: x[1],
-        rear_wheel_speed: x[2],
-        slip_stiffness: Quantity {
-            value: x[3],
-            std: std[3],
-        },
+        speed: x[SPEED],
+        front_wheel_speed: x[FRONT_WHEEL],
+        rear_wheel_speed: x[REAR_WHEEL],
+        slip_stiffness: quantity(SLIP_STIFFNESS),
         cg_height: Quantity {
-            value: height,
-            std: reported.1,
+            value: centre.height,
+            std: reported.height,
         },
         cg_ratio: Quantity {
-            value: ratio,
-            std: reported.0,
+            value: centre.ratio,
+            std: reported.ratio,
         },
-        cg_distance: (1.0 - ratio) * settings.machine.wheelbase,
-        spade_force_x: (N >= 10).then(|| Quantity {
-            value: filter.spade_force_x + x[6],
-            std: std[6],
+        cg_distance: (1.0 - centre.ratio) * settings.machine.wheelbase,
+        spade_force_x: layout.spade_force.map(|i| Quantity {
+            value: filter.spade_force_x + x[i],
+            std: std[i],
         }),
-        slope_bias: (N >= 10).then(|| x[9]),
-        front_radius_scale: radii.map(|r| 1.0 + r.0),
-        rear_radius_scale: radii.map(|r| 1.0 + r.1),
-        speed_delay: delay,
+        slope_bias: layout.slope_bias.map(|i| x[i]),
+        front_radius_scale: scale(0),
+        rear_radius_scale: scale(1),
+        speed_delay: layout.speed_delay.map(quantity),
         nis: row.nis / used as f64,
-        excited_ratio: verdict.excited_ratio,
-        excited_height: verdict.excited_height,
+        excited_ratio: verdict.excited.ratio,
+        excited_height: verdict.excited.height,
         consistent: verdict.consistent,
         fresh: verdict.fresh,
-        identifiable_ratio: verdict.identifiable_ratio,
-        identifiable_height: verdict.identifiable_height,
-        converged_ratio: verdict.converged_ratio,
-        converged_height: verdict.converged_height,
+        identifiable_ratio: verdict.identifiable.ratio,
+        identifiable_height: verdict.identifiable.height,
+        converged_ratio: verdict.converged.ratio,
+        converged_height: verdict.converged.height,
         frozen: row.frozen,
         reset: verdict.reset,
-        trusted_ratio: sound
-            && verdict.excited_ratio
-            && verdict.identifiable_ratio
-            && verdict.converged_ratio,
-        trusted_height: sound
-            && verdict.excited_height
-            && verdict.identifiable_height
-            && verdict.converged_height,
+        trusted_ratio: trusted(|of| of.ratio),
+        trusted_height: trusted(|of| of.height),
         reason: verdict.reason,
         status: row.status,
         method,
@@ -298,23 +299,21 @@ fn widened(std: f64, beyond: f64) -> f64 {
     }
 }
 
-/// Height, ratio and their standard deviations (height first) with a known payload added.
+/// Centre of gravity and its standard deviations with a known payload added.
 fn loaded<const N: usize, const M: usize, B: Belief<N, M>>(
     filter: &CgFilter<N, M, B>,
     settings: &Settings,
-    (height, ratio): (f64, f64),
-    std: (f64, f64),
-) -> (f64, f64, (f64, f64)) {
+    empty: Each<f64>,
+    std: Each<f64>,
+) -> (Each<f64>, Each<f64>) {
     let Some(payload) = filter.payload() else {
-        return (height, ratio, std);
+        return (empty, std);
     };
     let (mass, wheelbase) = (settings.machine.mass, settings.machine.wheelbase);
     let loading = payload.loading(mass, wheelbase);
-    let height = loading.share * height + loading.height;
-    let ratio = loading.share * ratio + loading.ratio;
-    (
-        height,
-        ratio,
-        payload.loaded_std(mass, wheelbase, (height, ratio), std),
-    )
+    let centre = Each {
+        ratio: loading.share * empty.ratio + loading.ratio,
+        height: loading.share * empty.height + loading.height,
+    };
+    (centre, payload.loaded_std(mass, wheelbase, centre, std))
 }

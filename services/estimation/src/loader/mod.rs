@@ -12,6 +12,7 @@
 //! | [`axle_loads`] | (6), (7), (10), (11) |
 //! | [`wheel_dynamics`] | (1)-(5), (8), (9), (12)-(14), (18): the process |
 //! | [`cg_model`] | (15)-(17): states and measurements |
+//! | `layout` | where each stands in the state |
 //! | `tangent` | the derivatives of the process |
 //! | `windup` | tyres wind up under a growing torque |
 //! | `load` | a load that is weighed |
@@ -36,6 +37,7 @@ mod estimator;
 mod filter;
 mod inputs;
 pub mod keys;
+mod layout;
 mod legs;
 mod load;
 mod method;

@@ -7,6 +7,7 @@
 //! With it the states h, lam mean the empty machine, so taking up a load does not move them.
 
 use super::cg_model::Loading;
+use super::layout::Each;
 use crate::math::sqrt;
 
 /// A known payload with its standard deviations.
@@ -63,30 +64,30 @@ impl Payload {
         }
     }
 
-    /// Standard deviations of the loaded height and ratio, from those of the empty machine and of the payload.
+    /// Standard deviations of the loaded centre of gravity, from those of the empty machine and of the payload.
     pub(super) fn loaded_std(
         &self,
         empty_mass: f64,
         wheelbase: f64,
-        (height, ratio): (f64, f64),
-        (height_std, ratio_std): (f64, f64),
-    ) -> (f64, f64) {
+        centre: Each<f64>,
+        std: Each<f64>,
+    ) -> Each<f64> {
         let total = empty_mass + self.mass;
         let (share, part) = (empty_mass / total, self.mass / total);
         let arm = (wheelbase + self.overhang) / wheelbase;
         let norm = |a: f64, b: f64, c: f64| sqrt(a * a + b * b + c * c);
         let mass_std = self.mass_std / total;
-        (
-            norm(
-                share * height_std,
-                part * self.height_std,
-                (self.height - height) * mass_std,
-            ),
-            norm(
-                share * ratio_std,
+        Each {
+            ratio: norm(
+                share * std.ratio,
                 part * self.overhang_std / wheelbase,
-                (arm - ratio) * mass_std,
+                (arm - centre.ratio) * mass_std,
             ),
-        )
+            height: norm(
+                share * std.height,
+                part * self.height_std,
+                (self.height - centre.height) * mass_std,
+            ),
+        }
     }
 }

@@ -14,44 +14,21 @@
 
 use super::LoadTransfer;
 use super::axle_loads::{LEAST_LOAD, axle_loads};
+use super::layout::{
+    CG_HEIGHT as H, CG_RATIO as LAM, FRONT_WHEEL, Layout, REAR_WHEEL, SLIP_STIFFNESS as K,
+    SPEED as V,
+};
 use super::wheel_dynamics::{
     GRAVITY, Inputs, Motion, Parameters, ROLLING_WIDTH, Road, WheelDynamics,
 };
 use crate::ekf::add;
 use crate::math::tanh;
 
-/// Speed, front and rear wheel speed, slip stiffness, height and ratio stand here in every state vector.
-const V: usize = 0;
-const W: [usize; 2] = [1, 2];
-const K: usize = 3;
-const H: usize = 4;
-const LAM: usize = 5;
+/// The wheel speeds.
+const W: [usize; 2] = [FRONT_WHEEL, REAR_WHEEL];
 
 /// Use of the friction limit beyond which a tyre is taken to saturate no further.
 const MOST_USED: f64 = 0.995;
-
-/// Where the other parameters of [`Parameters::of`] stand, if at all.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Places {
-    /// Spade force.
-    pub force: Option<usize>,
-    /// Radius errors, front and rear.
-    pub radii: Option<[usize; 2]>,
-    /// Slope bias.
-    pub bias: Option<usize>,
-}
-
-impl Places {
-    /// In a vector of so many states.
-    pub const fn of(states: usize) -> Self {
-        let (force, radii, bias) = match states {
-            10 | 11 => (Some(6), Some([7, 8]), Some(9)),
-            8 | 9 => (None, Some([6, 7]), None),
-            _ => (None, None, None),
-        };
-        Self { force, radii, bias }
-    }
-}
 
 /// The motion after a step, and its derivatives by the state before it.
 #[derive(Clone, Copy, Debug)]
@@ -218,7 +195,7 @@ impl Step<'_> {
     /// The rigid machine.
     #[inline(always)]
     fn start<const N: usize>(&self) -> Stage<N> {
-        let (m, places) = (self.machine, Places::of(N));
+        let (m, layout) = (self.machine, Layout::of(N));
         let errors = [self.p.front_radius_error, self.p.rear_radius_error];
         let torques = [self.u.front_torque, self.u.rear_torque];
         let radii = errors.map(|d| (d + 1.0) * m.wheel_radius);
@@ -228,12 +205,12 @@ impl Step<'_> {
         let per_mass = 1.0 / (spin[0] + spin[1] + m.mass);
         let mut by = [0.0; N];
         by[V] = -self.drag.by_speed * per_mass;
-        at(&mut by, places.force, -per_mass);
-        at(&mut by, places.bias, -self.drag.by_bias * per_mass);
+        at(&mut by, layout.spade_force, -per_mass);
+        at(&mut by, layout.slope_bias, -self.drag.by_bias * per_mass);
         for i in 0..2 {
             let along = 2.0 * acceleration * spin[i] - torques[i] * per_radius[i];
             let radius = m.wheel_radius * per_radius[i] * along * per_mass;
-            at(&mut by, places.radii.map(|place| place[i]), radius);
+            at(&mut by, layout.radii.map(|place| place[i]), radius);
         }
         Stage {
             acceleration,
@@ -353,7 +330,7 @@ impl Step<'_> {
     /// Speeds under the loads and grips of the stage before; the `FIRST` has unit rows.
     #[inline(always)]
     fn pass<const N: usize, const FIRST: bool>(&self, from: &Stage<N>) -> Stage<N> {
-        let (m, dt, places) = (self.machine, self.dt, Places::of(N));
+        let (m, dt, layout) = (self.machine, self.dt, Layout::of(N));
         let (per_mass, per_inertia) = (dt / m.mass, dt / m.axle_inertia);
         let stiffness = self.p.slip_stiffness;
         let radius_by_load = -m.wheel_radius * m.radius_load_sensitivity / (0.5 * m.mass * GRAVITY);
@@ -369,9 +346,13 @@ impl Step<'_> {
 
         let mut speed_by = [0.0; N];
         speed_by[V] = per_resistance * (1.0 - per_mass * self.drag.by_speed);
-        at(&mut speed_by, places.force, -per_mass * per_resistance);
+        at(
+            &mut speed_by,
+            layout.spade_force,
+            -per_mass * per_resistance,
+        );
         let by_bias = -per_mass * per_resistance * self.drag.by_bias;
-        at(&mut speed_by, places.bias, by_bias);
+        at(&mut speed_by, layout.slope_bias, by_bias);
         let (mut by_acceleration, mut by_motion) = (0.0, [0.0; 3]);
         for (i, axle) in axles.iter().enumerate() {
             let Axle { load, radius, .. } = *axle;
@@ -387,8 +368,8 @@ impl Step<'_> {
             speed_by[K] += alpha * axle.conductance / stiffness;
             speed_by[H] += by_load * load.by_height;
             speed_by[LAM] += by_load * load.by_ratio;
-            at(&mut speed_by, places.bias, by_load * load.by_bias);
-            let radius_error = places.radii.map(|place| place[i]);
+            at(&mut speed_by, layout.slope_bias, by_load * load.by_bias);
+            let radius_error = layout.radii.map(|place| place[i]);
             at(&mut speed_by, radius_error, by_radius * m.wheel_radius);
             by_acceleration += alpha * axle.by_acceleration + by_load * load.by_acceleration;
             by_motion[V] += alpha * axle.by_speed;
@@ -412,8 +393,8 @@ impl Step<'_> {
             row[K] = by_conductance * conductance / stiffness;
             row[H] = by_load * axle.load.by_height;
             row[LAM] = by_load * axle.load.by_ratio;
-            at(row, places.bias, by_load * axle.load.by_bias);
-            let radius_error = places.radii.map(|place| place[i]);
+            at(row, layout.slope_bias, by_load * axle.load.by_bias);
+            let radius_error = layout.radii.map(|place| place[i]);
             at(row, radius_error, by_radius * m.wheel_radius);
             let pull = per_inertia * radius * axle.grip;
             let by_acceleration =

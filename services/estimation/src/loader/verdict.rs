@@ -9,6 +9,7 @@
 //! The methods of the paper take the rolling radii as exact. On a real machine that error is larger than all others and
 //! their own interval knows nothing of it, so it is added too: they are honest, and therefore never trusted.
 
+use super::layout::Each;
 use super::reason::Reason;
 use super::sample::{Sample, finite};
 use super::settings::{Settings, Tuning};
@@ -28,18 +29,21 @@ const RADIUS_STD: f64 = 0.003;
 const EXCITATION_TIME: f64 = 5.0;
 /// How long a reset is shown [s].
 const RESET_SHOWN: f64 = 2.0;
-/// Share of the prior's standard deviation below which the data determine the parameter: ratio, height.
-const OBSERVABLE: (f64, f64) = (0.5, 0.36);
+/// Share of the prior's standard deviation below which the data determine the parameter.
+const OBSERVABLE: Each<f64> = Each {
+    ratio: 0.5,
+    height: 0.36,
+};
 
 /// What makes an estimate doubtful beside its own covariance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Doubt {
     /// Birge ratio of the manoeuvres.
     pub birge: f64,
-    /// How far ratio and height lie beyond what the prior lets expect.
-    pub beyond: [f64; 2],
-    /// Ratio and height are at a bound.
-    pub at_limit: [bool; 2],
+    /// How far it lies beyond what the prior lets expect.
+    pub beyond: Each<f64>,
+    /// It is at a bound.
+    pub at_limit: Each<bool>,
     /// The machine is loaded, and nobody would say if the boom lifted the load.
     pub unknown_height: bool,
     /// The first cause.
@@ -52,8 +56,14 @@ impl Doubt {
     /// Nothing is doubtful.
     pub const NONE: Self = Self {
         birge: 1.0,
-        beyond: [0.0; 2],
-        at_limit: [false; 2],
+        beyond: Each {
+            ratio: 0.0,
+            height: 0.0,
+        },
+        at_limit: Each {
+            ratio: false,
+            height: false,
+        },
         unknown_height: false,
         reason: Reason::None,
         acts: Reason::None,
@@ -113,14 +123,11 @@ pub(super) struct Evidence {
 /// Verdict of one row.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Verdict {
-    pub excited_ratio: bool,
-    pub excited_height: bool,
+    pub excited: Each<bool>,
     pub consistent: bool,
     pub fresh: bool,
-    pub identifiable_ratio: bool,
-    pub identifiable_height: bool,
-    pub converged_ratio: bool,
-    pub converged_height: bool,
+    pub identifiable: Each<bool>,
+    pub converged: Each<bool>,
     pub reset: bool,
     pub reason: Reason,
 }
@@ -129,9 +136,9 @@ pub(super) struct Verdict {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Intervals {
     /// Of the filter.
-    pub filter: (f64, f64),
+    pub filter: Each<f64>,
     /// As reported, floors included.
-    pub reported: (f64, f64),
+    pub reported: Each<f64>,
     /// The ratio itself: its limit is relative.
     pub ratio: f64,
 }
@@ -233,22 +240,30 @@ impl Evidence {
         doubt: &Doubt,
         frozen: bool,
     ) -> Verdict {
-        let (ratio_std, height_std) = intervals.filter;
         let limits = &settings.verdict;
         let fresh = self.fresh(limits.fresh);
         let consistent = self.consistency <= limits.consistent_nis && doubt.reason == Reason::None;
         let reset = self.resets > 0 && self.since_reset < RESET_SHOWN;
-        let observable_ratio = ratio_std <= OBSERVABLE.0 * settings.prior.cg_ratio_std;
-        let observable_height = height_std <= OBSERVABLE.1 * settings.prior.cg_height_std;
+        let (known, prior) = (intervals.filter, &settings.prior);
+        let observable = Each {
+            ratio: known.ratio <= OBSERVABLE.ratio * prior.cg_ratio_std,
+            height: known.height <= OBSERVABLE.height * prior.cg_height_std,
+        };
         Verdict {
-            excited_ratio: !frozen && self.torque.std() >= limits.excited_torque,
-            excited_height: !frozen && self.acceleration.std() >= limits.excited_acceleration,
+            excited: Each {
+                ratio: !frozen && self.torque.std() >= limits.excited_torque,
+                height: !frozen && self.acceleration.std() >= limits.excited_acceleration,
+            },
             consistent,
             fresh,
-            identifiable_ratio: observable_ratio && !doubt.at_limit[0],
-            identifiable_height: observable_height && !doubt.at_limit[1] && !doubt.unknown_height,
-            converged_ratio: intervals.reported.0 <= limits.converged_ratio * intervals.ratio.abs(),
-            converged_height: intervals.reported.1 <= limits.converged_height,
+            identifiable: Each {
+                ratio: observable.ratio && !doubt.at_limit.ratio,
+                height: observable.height && !doubt.at_limit.height && !doubt.unknown_height,
+            },
+            converged: Each {
+                ratio: intervals.reported.ratio <= limits.converged_ratio * intervals.ratio.abs(),
+                height: intervals.reported.height <= limits.converged_height,
+            },
             reset,
             reason: self.reason(fresh, consistent, doubt),
         }
@@ -266,14 +281,15 @@ impl Evidence {
     }
 }
 
-/// Standard deviations with the floors, of ratio and height.
+/// Standard deviations with the floors.
 pub(super) fn with_floors(
     settings: &Settings,
     tuning: &Tuning,
     learns_radii: bool,
-    (ratio, height): (f64, f64),
-    (ratio_std, height_std): (f64, f64),
-) -> (f64, f64) {
+    centre: Each<f64>,
+    std: Each<f64>,
+) -> Each<f64> {
+    let Each { ratio, height } = centre;
     let machine = &settings.machine;
     let radius = if learns_radii { 0.0 } else { RADIUS_STD };
     // A tyre modelled as rigid is wrong by the whole load sensitivity, not by its uncertainty.
@@ -295,15 +311,15 @@ pub(super) fn with_floors(
         settings.verdict.cg_ratio_floor,
         RATIO_PER_RADIUS * radius,
     ]);
-    (
-        norm(&[ratio_std, ratio * relative]),
-        norm(&[
-            height_std,
+    Each {
+        ratio: norm(&[std.ratio, ratio * relative]),
+        height: norm(&[
+            std.height,
             settings.verdict.cg_height_floor,
             HEIGHT_PER_RADIUS * radius,
             height * machine.stiffness_load_exponent_std,
         ]),
-    )
+    }
 }
 
 fn norm(parts: &[f64]) -> f64 {

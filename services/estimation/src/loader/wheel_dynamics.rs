@@ -21,6 +21,7 @@
 
 use super::LoadTransfer;
 use super::axle_loads::{axle_loads, unfloored_axle_loads};
+use super::layout::{CG_HEIGHT, CG_RATIO, FRONT_WHEEL, Layout, REAR_WHEEL, SLIP_STIFFNESS, SPEED};
 use crate::scalar::Scalar;
 
 /// Gravity [m/s^2].
@@ -155,31 +156,35 @@ impl<T: Scalar> Motion<T> {
     /// The motion at the head of a state vector.
     pub fn of<const N: usize>(x: &[T; N]) -> Self {
         Self {
-            speed: x[0],
-            front_wheel_speed: x[1],
-            rear_wheel_speed: x[2],
+            speed: x[SPEED],
+            front_wheel_speed: x[FRONT_WHEEL],
+            rear_wheel_speed: x[REAR_WHEEL],
         }
+    }
+
+    /// Puts it at the head of a state vector.
+    pub(super) fn put<const N: usize>(self, x: &mut [T; N]) {
+        x[SPEED] = self.speed;
+        x[FRONT_WHEEL] = self.front_wheel_speed;
+        x[REAR_WHEEL] = self.rear_wheel_speed;
     }
 }
 
 impl<T: Scalar> Parameters<T> {
-    /// The parameters of a state vector of 6 (\[.., K, h, lam\]), 8 (\[.., d_f, d_r\]) or 10 (\[.., F_x, d_f, d_r, b\]) entries,
-    /// or one more.
+    /// The parameters of a state vector; what it does not have is 0.
     pub fn of<const N: usize>(x: &[T; N]) -> Self {
         let zero = T::constant(0.0);
-        let (force, radii, bias) = match N {
-            10 | 11 => (x[6], (x[7], x[8]), x[9]),
-            8 | 9 => (zero, (x[6], x[7]), zero),
-            _ => (zero, (zero, zero), zero),
-        };
+        let layout = const { Layout::of(N) };
+        let at = |state: Option<usize>| state.map_or(zero, |i| x[i]);
+        let [front, rear] = layout.radii.map_or([zero; 2], |radii| radii.map(|i| x[i]));
         Self {
-            slip_stiffness: x[3],
-            cg_height: x[4],
-            cg_ratio: x[5],
-            spade_force_x: force,
-            front_radius_error: radii.0,
-            rear_radius_error: radii.1,
-            slope_bias: bias,
+            slip_stiffness: x[SLIP_STIFFNESS],
+            cg_height: x[CG_HEIGHT],
+            cg_ratio: x[CG_RATIO],
+            spade_force_x: at(layout.spade_force),
+            front_radius_error: front,
+            rear_radius_error: rear,
+            slope_bias: at(layout.slope_bias),
         }
     }
 }

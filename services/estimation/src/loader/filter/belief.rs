@@ -9,8 +9,9 @@ use core::fmt::Debug;
 use core::ops::Range;
 
 use crate::ekf::{Ekf, Expected, carry, combine};
-use crate::loader::cg_model::{CgModel, has_delay};
-use crate::loader::tangent::{Places, Tangent};
+use crate::loader::cg_model::CgModel;
+use crate::loader::layout::{Layout, SPEED};
+use crate::loader::tangent::Tangent;
 use crate::loader::wheel_dynamics::{GRAVITY, Road};
 use crate::math::sqrt;
 use crate::prediction::{Images, Prediction};
@@ -164,7 +165,11 @@ impl<const N: usize, const M: usize> Belief<N, M> for SquareRootUkf<N, M> {
 
 /// The measurements that are states themselves: the wheel speeds, and the speed unless it is late.
 const fn direct(states: usize) -> Range<usize> {
-    if has_delay(states) { 1..3 } else { 0..3 }
+    if Layout::of(states).speed_delay.is_some() {
+        1..3
+    } else {
+        0..3
+    }
 }
 
 /// A measurement that is made of the speed after the step and two states before it, to first order.
@@ -185,20 +190,20 @@ impl Made {
         delay: f64,
         road: &Road<f64>,
     ) -> Option<Self> {
-        match j {
-            0 if has_delay(N) => Some(Self {
+        match (j, const { Layout::of(N) }.speed_delay) {
+            (SPEED, Some(late)) => Some(Self {
                 noise: 1.0,
                 new_speed: 1.0 - delay / dt,
-                old: [(0, delay / dt), (N - 1, -rate)],
+                old: [(SPEED, delay / dt), (late, -rate)],
             }),
-            3 => Some(Self {
+            (3, _) => Some(Self {
                 noise: 1.0 / dt,
                 new_speed: 1.0 / dt,
                 old: [
-                    (0, -1.0 / dt),
-                    Places::of(N)
-                        .bias
-                        .map_or((0, 0.0), |bias| (bias, -GRAVITY * road.cosine)),
+                    (SPEED, -1.0 / dt),
+                    Layout::of(N)
+                        .slope_bias
+                        .map_or((SPEED, 0.0), |bias| (bias, -GRAVITY * road.cosine)),
                 ],
             }),
             _ => None,
@@ -267,9 +272,7 @@ impl<const N: usize, const M: usize> Belief<N, M> for Ekf<N, M> {
     fn ahead(&self, model: &CgModel) -> Self::Ahead {
         let (tangent, road) = model.tangent(&self.state);
         let mut state = self.state;
-        state[0] = tangent.motion.speed;
-        state[1] = tangent.motion.front_wheel_speed;
-        state[2] = tangent.motion.rear_wheel_speed;
+        tangent.motion.put(&mut state);
         Step {
             state,
             tangent,
@@ -292,8 +295,10 @@ impl<const N: usize, const M: usize> Belief<N, M> for Ekf<N, M> {
         let by = &ahead.tangent.by;
         let p = &mut self.covariance;
         let moved = [combine(&by[0], p), combine(&by[1], p), combine(&by[2], p)];
-        let rate = (ahead.state[0] - self.state[0]) / model.dt;
-        let delay = if has_delay(N) { self.state[N - 1] } else { 0.0 };
+        let rate = (ahead.state[SPEED] - self.state[SPEED]) / model.dt;
+        let delay = const { Layout::of(N) }
+            .speed_delay
+            .map_or(0.0, |i| self.state[i]);
         let made = |j: usize| Made::of::<N>(j, model.dt, rate, delay, &ahead.road);
         let mut expected = Expected {
             measurement: [0.0; M],
@@ -303,10 +308,10 @@ impl<const N: usize, const M: usize> Belief<N, M> for Ekf<N, M> {
         for j in 0..M {
             let Some(made) = made(j) else { continue };
             for c in 0..N {
-                expected.cross[j][c] = made.of_columns(moved[0][c], |i| p[i][c]);
+                expected.cross[j][c] = made.of_columns(moved[SPEED][c], |i| p[i][c]);
             }
             expected.measurement[j] = match j {
-                0 => ahead.state[0] - rate * delay,
+                SPEED => ahead.state[SPEED] - rate * delay,
                 _ => rate + ahead.road.sine * GRAVITY,
             };
         }
@@ -315,19 +320,19 @@ impl<const N: usize, const M: usize> Belief<N, M> for Ekf<N, M> {
             let Some(first) = made(j) else { continue };
             let before = expected.cross[j];
             for k in 0..3 {
-                expected.cross[j][k] = first.of_columns(p[0][k], |i| moved[k][i]);
+                expected.cross[j][k] = first.of_columns(p[SPEED][k], |i| moved[k][i]);
             }
             for l in 0..=j {
                 let Some(second) = made(l) else { continue };
-                let own = second.of_columns(expected.cross[j][0], |i| before[i]);
+                let own = second.of_columns(expected.cross[j][SPEED], |i| before[i]);
                 expected.own[j][l] = own;
                 expected.own[l][j] = own;
             }
         }
-        let noise = process_std[0] * process_std[0];
+        let noise = process_std[SPEED] * process_std[SPEED];
         for j in 0..M {
             let Some(first) = made(j) else { continue };
-            expected.cross[j][0] += first.noise * noise;
+            expected.cross[j][SPEED] += first.noise * noise;
             for l in 0..M {
                 let Some(second) = made(l) else { continue };
                 expected.own[j][l] += first.noise * second.noise * noise;

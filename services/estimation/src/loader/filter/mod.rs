@@ -1,11 +1,14 @@
 //! The estimator on a fixed number of states: what happens with one row.
 
 use crate::loader::Method;
-use crate::loader::cg_model::{CgModel, Loading, has_delay};
+use crate::loader::cg_model::{CgModel, Loading};
 use crate::loader::conditions::{Conditions, Monitor};
 use crate::loader::disturbance::{Disturbance, Effect};
 use crate::loader::estimate::Status;
 use crate::loader::inputs::{InputHold, StepInputs};
+use crate::loader::layout::{
+    CG_HEIGHT, CG_RATIO, Each, FRONT_WHEEL, Layout, REAR_WHEEL, SLIP_STIFFNESS, SPEED,
+};
 use crate::loader::legs::{Legs, Slip};
 use crate::loader::load::Load;
 use crate::loader::payload::Payload;
@@ -257,7 +260,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         if self.tuning.load_shift && self.payload.is_none() {
             self.weigh(dt);
         }
-        let at = [self.belief.state()[0], self.belief.state()[3]];
+        let at = [SPEED, SLIP_STIFFNESS].map(|i| self.belief.state()[i]);
         self.effect = self.disturbance.update(&self.dynamics, &step, at, dt);
         let fresh = self.settings.verdict.fresh;
         if dt > self.tuning.gap || self.tuning.screened && self.evidence.torque_lost(fresh) {
@@ -276,7 +279,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     /// The sample with true torques, and where the filter does not learn it, the true slope.
     fn corrected(&self, sample: &Sample) -> Sample {
         let [front, rear] = self.settings.sensors.torque_gains;
-        let bias = if N < 10 {
+        let bias = if const { Layout::of(N) }.slope_bias.is_none() {
             self.settings.prior.slope_bias
         } else {
             0.0
@@ -297,9 +300,9 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let speed = finite(sample.speed).unwrap_or(0.0);
         let rim = speed / self.dynamics.wheel_radius;
         let state = self.belief.state_mut();
-        state[0] = speed;
-        state[1] = finite(sample.front_wheel_speed).unwrap_or(rim);
-        state[2] = finite(sample.rear_wheel_speed).unwrap_or(rim);
+        state[SPEED] = speed;
+        state[FRONT_WHEEL] = finite(sample.front_wheel_speed).unwrap_or(rim);
+        state[REAR_WHEEL] = finite(sample.rear_wheel_speed).unwrap_or(rim);
         RowReport::without_update(Status::First, false)
     }
 
@@ -324,7 +327,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     fn witness(&self, sample: &Sample) -> Witness {
         let (state, sensors) = (self.belief.state(), &self.settings.sensors);
         let radius = self.dynamics.wheel_radius;
-        let speed = finite(sample.speed).unwrap_or(state[0]);
+        let speed = finite(sample.speed).unwrap_or(state[SPEED]);
         let front = finite(sample.front_wheel_speed).unwrap_or(speed / radius);
         let rear = finite(sample.rear_wheel_speed).unwrap_or(speed / radius);
         let fastest = speed.abs().max(radius * front.abs().max(rear.abs()));
@@ -356,7 +359,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let pull = (step.inputs.front_torque + step.inputs.rear_torque) / radius;
         let weight = self.dynamics.mass * GRAVITY;
         let rolling =
-            self.dynamics.rolling_resistance * tanh(self.belief.state()[0] / 0.05) * weight;
+            self.dynamics.rolling_resistance * tanh(self.belief.state()[SPEED] / 0.05) * weight;
         Some(
             (pull - rolling - weight * slope - step.inputs.spade_force_x)
                 / (self.dynamics.mass + spin),
@@ -367,31 +370,34 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     fn update(&mut self, model: &CgModel, sample: &Sample, step: &StepInputs) -> RowReport<M> {
         let mut ahead = self.belief.ahead(model);
         let before = Before {
-            speed: self.belief.state()[0],
-            ratio_variance: self.belief.variance(5),
+            speed: self.belief.state()[SPEED],
+            ratio_variance: self.belief.variance(CG_RATIO),
         };
         let state = *B::state_ahead(&ahead);
-        let unknown_force = if N >= 10 { state[6] } else { 0.0 };
+        let layout = const { Layout::of(N) };
+        let unknown_force = layout.spade_force.map_or(0.0, |i| state[i]);
         let force = step.inputs.spade_force_x + unknown_force;
         let conditions = self
             .monitor
-            .conditions(&self.tuning, state[0], force, model.dt);
+            .conditions(&self.tuning, state[SPEED], force, model.dt);
         let process_std = self.process_std(&conditions, sample.boom_moving, model.dt);
         let measured = measurements::<M>(sample, step.acceleration);
-        self.quantum.see([measured[1], measured[2]]);
+        self.quantum
+            .see([measured[FRONT_WHEEL], measured[REAR_WHEEL]]);
         let effect = self.effect;
         let mut std = self.measurement_std(&state, &conditions, model);
         if self.tuning.screened {
             let slip = sqrt(effect.turn * effect.turn + effect.force * effect.force);
-            let disturbed = slip * state[0].abs() / self.dynamics.wheel_radius;
-            std[1] = sqrt(std[1] * std[1] + disturbed * disturbed);
-            std[2] = sqrt(std[2] * std[2] + disturbed * disturbed);
+            let disturbed = slip * state[SPEED].abs() / self.dynamics.wheel_radius;
+            for i in [FRONT_WHEEL, REAR_WHEEL] {
+                std[i] = sqrt(std[i] * std[i] + disturbed * disturbed);
+            }
         }
         let expected = self.belief.predict(&mut ahead, model, &process_std);
         let predicted = B::measurement(&expected);
         let mut innovation: [f64; M] = core::array::from_fn(|j| measured[j] - predicted[j]);
         if self.tuning.windup {
-            let at = [state[3], state[5]];
+            let at = [state[SLIP_STIFFNESS], state[CG_RATIO]];
             let windup = self.windup.wheel_speeds(
                 self.settings.machine.relaxation_length,
                 &model.dynamics,
@@ -399,8 +405,8 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
                 model.dt,
                 at,
             );
-            innovation[1] -= windup[0];
-            innovation[2] -= windup[1];
+            innovation[FRONT_WHEEL] -= windup[0];
+            innovation[REAR_WHEEL] -= windup[1];
         }
         let (mut accepted, mut deweighted) = ([false; M], [false; M]);
         for j in 0..M {
@@ -414,11 +420,11 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             // A held torque is of another time, and a wheel without its torque tells nothing.
             let torques = [sample.front_torque, sample.rear_torque];
             let driven = torques.iter().all(|torque| finite(*torque).is_some());
-            set_aside = driven && effect.braking && accepted[1] && accepted[2];
-            accepted[1] &= driven && !effect.braking;
-            accepted[2] &= driven && !effect.braking;
+            set_aside = driven && effect.braking && accepted[FRONT_WHEEL] && accepted[REAR_WHEEL];
+            accepted[FRONT_WHEEL] &= driven && !effect.braking;
+            accepted[REAR_WHEEL] &= driven && !effect.braking;
         }
-        let both = accepted[1] && accepted[2] && !conditions.frozen;
+        let both = accepted[FRONT_WHEEL] && accepted[REAR_WHEEL] && !conditions.frozen;
         if self.tuning.screened && both {
             self.compare_legs(&before, &state, &innovation, &std, model);
         }
@@ -427,8 +433,8 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         self.loosened = self.loosening();
         if self.changed == 0.0 {
             let prior = &self.settings.prior;
-            self.loosened[4] = prior.cg_height_std;
-            self.loosened[5] = prior.cg_ratio_std;
+            self.loosened[CG_HEIGHT] = prior.cg_height_std;
+            self.loosened[CG_RATIO] = prior.cg_ratio_std;
         }
         let status = Status::Updated;
         RowReport {
@@ -462,16 +468,19 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     ) {
         let (machine, inputs) = (&self.dynamics, &model.inputs);
         let radius = machine.wheel_radius;
-        let [speed, stiffness, height, ratio] = [state[0], state[3], state[4], state[5]];
-        let acceleration = (state[0] - before.speed) / model.dt;
+        let [speed, stiffness, height, ratio] =
+            [SPEED, SLIP_STIFFNESS, CG_HEIGHT, CG_RATIO].map(|i| state[i]);
+        let acceleration = (speed - before.speed) / model.dt;
         let lift = acceleration + GRAVITY * sin_cos(inputs.slope).0;
         let front = (ratio - height * lift / (GRAVITY * machine.wheelbase)).clamp(0.1, 0.9);
         let per_weight = 1.0 / (radius * stiffness * machine.mass * GRAVITY);
         let slip = |torque: f64, share: f64| torque * per_weight / (share * share);
         let moved = slip(inputs.front_torque, front) + slip(inputs.rear_torque, 1.0 - front);
         let slip = Slip {
-            innovation: radius * (innovation[1] - innovation[2]),
-            variance: radius * radius * (std[1] * std[1] + std[2] * std[2]),
+            innovation: radius * (innovation[FRONT_WHEEL] - innovation[REAR_WHEEL]),
+            variance: radius
+                * radius
+                * (std[FRONT_WHEEL] * std[FRONT_WHEEL] + std[REAR_WHEEL] * std[REAR_WHEEL]),
             by_share: -speed.abs() * moved,
             driving: (inputs.front_torque + inputs.rear_torque) * speed > 0.0,
         };
@@ -486,32 +495,38 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let beyond =
             |value: f64, centre: f64, std: f64| ((value - centre).abs() - EXPECTED * std).max(0.0);
         let empty = self.payload.is_none() && self.load.share() < 0.04;
-        let height = beyond(state[4], prior.cg_height, prior.cg_height_std);
-        let ratio = beyond(state[5], prior.cg_ratio, prior.cg_ratio_std);
-        let stiffness = beyond(state[3], prior.slip_stiffness, prior.slip_stiffness_std);
+        let height = beyond(state[CG_HEIGHT], prior.cg_height, prior.cg_height_std);
+        let ratio = beyond(state[CG_RATIO], prior.cg_ratio, prior.cg_ratio_std);
+        let stiffness = beyond(
+            state[SLIP_STIFFNESS],
+            prior.slip_stiffness,
+            prior.slip_stiffness_std,
+        );
         let limits = self.tuning.clamps;
         let at = |bounds: Option<(f64, f64)>, value: f64| {
             bounds.is_some_and(|(low, high)| value <= 1.02 * low || value >= 0.98 * high)
         };
-        let at_limit = [
-            at(limits.map(|c| c.cg_ratio), state[5]),
-            at(limits.map(|c| c.cg_height), state[4]),
-            at(limits.map(|c| c.slip_stiffness), state[3]),
-        ];
+        let at_limit = Each {
+            ratio: at(limits.map(|c| c.cg_ratio), state[CG_RATIO]),
+            height: at(limits.map(|c| c.cg_height), state[CG_HEIGHT]),
+        };
+        let stiffness_at_limit = at(limits.map(|c| c.slip_stiffness), state[SLIP_STIFFNESS]);
         if !self.tuning.screened {
             return Doubt {
-                at_limit: [at_limit[0], at_limit[1]],
+                at_limit,
                 ..Doubt::NONE
             };
         }
-        let delay = if has_delay(N) { state[N - 1] } else { 0.0 };
+        let delay = const { Layout::of(N) }
+            .speed_delay
+            .map_or(0.0, |i| state[i]);
         let sensors = &self.settings.sensors;
         let late = (delay - sensors.speed_delay).abs() > LATEST * sensors.speed_delay_std;
         let reason = if self.disturbance.torques_misfit() {
             Reason::Torque
         } else if late {
             Reason::Latency
-        } else if at_limit.contains(&true) {
+        } else if at_limit.ratio || at_limit.height || stiffness_at_limit {
             Reason::AtLimit
         } else if stiffness > prior.slip_stiffness_std {
             Reason::Stiffness
@@ -526,8 +541,12 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         };
         Doubt {
             birge: self.legs.ratio(),
-            beyond: if empty { [ratio, height] } else { [0.0; 2] },
-            at_limit: [at_limit[0], at_limit[1]],
+            beyond: if empty {
+                Each { ratio, height }
+            } else {
+                Each::default()
+            },
+            at_limit,
             unknown_height: self.lifts_untold(),
             reason,
             acts: self.acts(),
@@ -536,7 +555,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
 
     /// What acts on the machine that its model does not have.
     fn acts(&self) -> Reason {
-        let slowed = self.disturbance.unexplained * self.belief.state()[0] < 0.0;
+        let slowed = self.disturbance.unexplained * self.belief.state()[SPEED] < 0.0;
         if self.effect.braking || self.effect.force > NOTED_SLIP && slowed {
             Reason::Brakes
         } else if self.effect.turn > NOTED_SLIP {

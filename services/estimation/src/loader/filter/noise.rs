@@ -1,8 +1,11 @@
 //! Prior, process noise and measurement noise of a step, by state and measurement.
 
 use super::{Belief, CgFilter};
-use crate::loader::cg_model::{CgModel, radius_states};
+use crate::loader::cg_model::CgModel;
 use crate::loader::conditions::{Conditions, REFERENCE_STEP, WheelStep};
+use crate::loader::layout::{
+    CG_HEIGHT, CG_RATIO, FRONT_WHEEL, Layout, REAR_WHEEL, SLIP_STIFFNESS, SPEED,
+};
 use crate::loader::load::Centre;
 use crate::loader::wheel_dynamics::GRAVITY;
 use crate::math::sqrt;
@@ -20,35 +23,35 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     ) -> [f64; N] {
         let (noise, prior) = (&self.tuning.noise, &self.settings.prior);
         let scale = sqrt(dt / REFERENCE_STEP);
-        let mut parameters =
-            [noise.slip_stiffness, noise.cg_height, noise.cg_ratio].map(|q| q * scale);
+        let mut std: [f64; N] = ByState {
+            motion: [noise.speed, noise.wheel_speed, noise.wheel_speed],
+            parameters: [noise.slip_stiffness, noise.cg_height, noise.cg_ratio],
+            spade_force: noise.spade_force_x,
+            radius: noise.radius,
+            slope_bias: noise.slope_bias,
+            speed_delay: noise.speed_delay,
+        }
+        .state()
+        .map(|q| q * scale);
         if conditions.frozen {
-            parameters = [0.0; 3];
+            std[SLIP_STIFFNESS..=CG_RATIO].fill(0.0);
         }
         if let (Some(rule), None) = (self.tuning.digging, self.payload) {
             if boom_moving || self.lifts_untold() {
-                parameters[1] = rule.boom_gain * scale * noise.cg_height;
-                parameters[2] = rule.boom_gain * scale * noise.cg_ratio;
+                std[CG_HEIGHT] = rule.boom_gain * scale * noise.cg_height;
+                std[CG_RATIO] = rule.boom_gain * scale * noise.cg_ratio;
             }
             if conditions.reopen && rule.reopen > 0.0 {
-                parameters[1] = rule.reopen * prior.cg_height_std;
-                parameters[2] = rule.reopen * prior.cg_ratio_std;
+                std[CG_HEIGHT] = rule.reopen * prior.cg_height_std;
+                std[CG_RATIO] = rule.reopen * prior.cg_ratio_std;
             }
         }
-        let mut motion = [noise.speed, noise.wheel_speed, noise.wheel_speed].map(|q| q * scale);
-        motion[0] = motion[0].max(GRAVITY * self.settings.sensors.slope_std * dt);
-        let rest = [
-            noise.spade_force_x,
-            noise.radius,
-            noise.slope_bias,
-            noise.speed_delay,
-        ]
-        .map(|q| q * scale);
-        let mut rest = rest;
-        if self.tuning.screened {
-            rest[2] = rest[2].max(self.slope_error.walk(dt));
+        std[SPEED] = std[SPEED].max(GRAVITY * self.settings.sensors.slope_std * dt);
+        if let Some(bias) = const { Layout::of(N) }.slope_bias
+            && self.tuning.screened
+        {
+            std[bias] = std[bias].max(self.slope_error.walk(dt));
         }
-        let mut std: [f64; N] = by_state(motion, parameters, rest);
         for (std, more) in std.iter_mut().zip(self.loosened) {
             // The usual noise keeps its bits.
             if more > 0.0 {
@@ -66,7 +69,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     /// A step of the mass moves the centre of gravity and makes it uncertain.
     pub(super) fn weigh(&mut self, dt: f64) {
         let state = *self.belief.state();
-        let centre = [4, 5].map(|i| (state[i], self.belief.std(i)));
+        let centre = [CG_HEIGHT, CG_RATIO].map(|i| (state[i], self.belief.std(i)));
         let Some(shift) = self.load.weigh(self.hold.mass, centre, dt) else {
             return;
         };
@@ -75,9 +78,10 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             return;
         }
         let reach = self.settings.machine.bucket_reach / self.dynamics.wheelbase;
-        let (ratio, ratio_std) = shift.ratio(state[5], reach);
-        self.belief.state_mut()[5] = ratio;
-        for (i, std) in [(4, shift.height_std(state[4])), (5, ratio_std)] {
+        let (ratio, ratio_std) = shift.ratio(state[CG_RATIO], reach);
+        self.belief.state_mut()[CG_RATIO] = ratio;
+        let height_std = shift.height_std(state[CG_HEIGHT]);
+        for (i, std) in [(CG_HEIGHT, height_std), (CG_RATIO, ratio_std)] {
             let loosened = &mut self.loosened[i];
             *loosened = sqrt(*loosened * *loosened + std * std);
         }
@@ -88,9 +92,9 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     fn restore(&mut self, centre: Centre) {
         let [height, ratio] = centre;
         self.belief
-            .separate(&[(4, height.1), (5, ratio.1)], &[0.0; N]);
+            .separate(&[(CG_HEIGHT, height.1), (CG_RATIO, ratio.1)], &[0.0; N]);
         let state = self.belief.state_mut();
-        (state[4], state[5]) = (height.0, ratio.0);
+        (state[CG_HEIGHT], state[CG_RATIO]) = (height.0, ratio.0);
     }
 
     /// Process noise beyond the usual, for what must be learnt again.
@@ -98,28 +102,32 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let (prior, state) = (&self.settings.prior, self.belief.state());
         let (mut share, mut radius) = (0.0, 0.0);
         if let Some(rule) = &self.tuning.relearning {
-            let ratio_std = self.belief.std(5);
-            share = self
-                .relearning
-                .loosening(rule, prior, [state[3], state[5]], ratio_std);
+            let ratio_std = self.belief.std(CG_RATIO);
+            share = self.relearning.loosening(
+                rule,
+                prior,
+                [state[SLIP_STIFFNESS], state[CG_RATIO]],
+                ratio_std,
+            );
         }
         if self.tuning.load_shift {
             let loading = self.loading();
-            let ratio = loading.share * state[5] + loading.ratio;
+            let ratio = loading.share * state[CG_RATIO] + loading.ratio;
             let sensitivity_std = self.settings.machine.radius_load_sensitivity_std;
             radius = self.relearning.radius_std(sensitivity_std, ratio);
         }
         let learnt = prior.radius_std * share;
-        by_state(
-            [0.0; 3],
-            [
-                prior.slip_stiffness_std,
-                prior.cg_height_std,
-                prior.cg_ratio_std,
-            ]
-            .map(|std| std * share),
-            [0.0, sqrt(learnt * learnt + radius * radius), 0.0, 0.0],
-        )
+        let parameters = [
+            prior.slip_stiffness_std,
+            prior.cg_height_std,
+            prior.cg_ratio_std,
+        ];
+        ByState {
+            parameters: parameters.map(|std| std * share),
+            radius: sqrt(learnt * learnt + radius * radius),
+            ..ByState::default()
+        }
+        .state()
     }
 
     pub(super) fn sensor_std(&self) -> [f64; M] {
@@ -151,67 +159,85 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             weak: conditions.weak_wheels,
             dt: model.dt,
         };
-        [std[1], std[2]] =
-            self.monitor
-                .wheel_std(&self.tuning.inflation, &step, state[0], state[3]);
+        [std[FRONT_WHEEL], std[REAR_WHEEL]] = self.monitor.wheel_std(
+            &self.tuning.inflation,
+            &step,
+            state[SPEED],
+            state[SLIP_STIFFNESS],
+        );
         std
     }
 
     pub(super) fn prior_state(&self) -> [f64; N] {
         let prior = &self.settings.prior;
-        let mut state: [f64; N] = by_state(
-            [0.0; 3],
-            [prior.slip_stiffness, prior.cg_height, prior.cg_ratio],
-            [
-                0.0,
-                0.0,
-                prior.slope_bias,
-                self.settings.sensors.speed_delay,
-            ],
-        );
-        if let Some(radii) = radius_states(N) {
-            state[radii].copy_from_slice(&prior.radius_errors);
+        let mut state: [f64; N] = ByState {
+            parameters: [prior.slip_stiffness, prior.cg_height, prior.cg_ratio],
+            slope_bias: prior.slope_bias,
+            speed_delay: self.settings.sensors.speed_delay,
+            ..ByState::default()
+        }
+        .state();
+        if let Some(radii) = const { Layout::of(N) }.radii {
+            [state[radii[0]], state[radii[1]]] = prior.radius_errors;
         }
         state
     }
 
     pub(super) fn prior_std(&self) -> [f64; N] {
         let prior = &self.settings.prior;
-        by_state(
-            [
+        ByState {
+            motion: [
                 prior.speed_std,
                 prior.wheel_speed_std,
                 prior.wheel_speed_std,
             ],
-            [
+            parameters: [
                 prior.slip_stiffness_std,
                 prior.cg_height_std,
                 prior.cg_ratio_std,
             ],
-            [
-                prior.spade_force_x_std,
-                prior.radius_std,
-                prior.slope_bias_std,
-                self.settings.sensors.speed_delay_std,
-            ],
-        )
+            spade_force: prior.spade_force_x_std,
+            radius: prior.radius_std,
+            slope_bias: prior.slope_bias_std,
+            speed_delay: self.settings.sensors.speed_delay_std,
+        }
+        .state()
     }
 }
 
-/// One value per state from those of motion, parameters, and \[F_x, d, b, tau\].
-fn by_state<const N: usize>(
+/// One value for each state.
+#[derive(Clone, Copy, Debug, Default)]
+struct ByState {
+    /// Of v, w_f, w_r.
     motion: [f64; 3],
+    /// Of K, h, lam.
     parameters: [f64; 3],
-    [force, radius, bias, delay]: [f64; 4],
-) -> [f64; N] {
-    let extra = if N < 10 {
-        [radius, radius, delay, 0.0, 0.0]
-    } else {
-        [force, radius, radius, bias, delay]
-    };
-    core::array::from_fn(|i| match i {
-        0..3 => motion[i],
-        3..6 => parameters[i - 3],
-        _ => extra[i - 6],
-    })
+    spade_force: f64,
+    /// Of both radii.
+    radius: f64,
+    slope_bias: f64,
+    speed_delay: f64,
+}
+
+impl ByState {
+    /// The values where their states stand; what the filter does not have is left out.
+    fn state<const N: usize>(self) -> [f64; N] {
+        let layout = const { Layout::of(N) };
+        let mut all = [0.0; N];
+        all[SPEED..=REAR_WHEEL].copy_from_slice(&self.motion);
+        all[SLIP_STIFFNESS..=CG_RATIO].copy_from_slice(&self.parameters);
+        let [front, rear] = layout.radii.map_or([None; 2], |radii| radii.map(Some));
+        for (place, value) in [
+            (layout.spade_force, self.spade_force),
+            (front, self.radius),
+            (rear, self.radius),
+            (layout.slope_bias, self.slope_bias),
+            (layout.speed_delay, self.speed_delay),
+        ] {
+            if let Some(i) = place {
+                all[i] = value;
+            }
+        }
+        all
+    }
 }

@@ -3,6 +3,7 @@
 use super::{Belief, CgFilter, RowReport};
 use crate::loader::conditions::Conditions;
 use crate::loader::estimate::Status;
+use crate::loader::layout::{CG_HEIGHT, CG_RATIO, REAR_WHEEL, SLIP_STIFFNESS};
 use crate::loader::relearning::Relearning;
 use crate::loader::sample::{Sample, finite};
 use crate::loader::windup::Windup;
@@ -65,7 +66,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         self.belief.separate(&prior, &[0.0; N]);
         self.evidence.restart();
         let state = self.belief.state();
-        self.relearning = Relearning::new([state[3], state[5]]);
+        self.relearning = Relearning::new([state[SLIP_STIFFNESS], state[CG_RATIO]]);
     }
 
     /// The clock was set back: what was measured before is of another time, what was learnt is not.
@@ -105,7 +106,11 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let prior = self.prior_std();
         core::array::from_fn(|i| {
             let room = (prior[i] * prior[i] - self.belief.variance(i)).max(0.0);
-            if i < 3 { 0.0 } else { usual[i].min(sqrt(room)) }
+            if i <= REAR_WHEEL {
+                0.0
+            } else {
+                usual[i].min(sqrt(room))
+            }
         })
     }
 
@@ -125,9 +130,9 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         if let Some(bounds) = self.tuning.clamps {
             let state = self.belief.state_mut();
             for (i, (low, high)) in [
-                (3, bounds.slip_stiffness),
-                (4, bounds.cg_height),
-                (5, bounds.cg_ratio),
+                (SLIP_STIFFNESS, bounds.slip_stiffness),
+                (CG_HEIGHT, bounds.cg_height),
+                (CG_RATIO, bounds.cg_ratio),
             ] {
                 // Not f64::clamp: NaN must pass on to the check for it.
                 state[i] = if state[i] < low {

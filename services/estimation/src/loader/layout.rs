@@ -1,0 +1,66 @@
+//! Where each quantity stands in the state of a filter and among its measurements.
+//!
+//! | states | x |
+//! |---|---|
+//! | all | v, w_f, w_r, K, h, lam |
+//! | 8 | .., d_f, d_r |
+//! | 10 | .., F_x, d_f, d_r, b |
+//! | 9, 11 | those of 8 or 10, tau |
+//!
+//! The measurements are v, w_f, w_r and the specific force: the first three stand where their states do.
+
+/// Speed v [m/s].
+pub(super) const SPEED: usize = 0;
+/// Front wheel speed w_f [rad/s].
+pub(super) const FRONT_WHEEL: usize = 1;
+/// Rear wheel speed w_r [rad/s].
+pub(super) const REAR_WHEEL: usize = 2;
+/// Slip stiffness K.
+pub(super) const SLIP_STIFFNESS: usize = 3;
+/// Height h of the centre of gravity [m].
+pub(super) const CG_HEIGHT: usize = 4;
+/// Share lam of the weight in front.
+pub(super) const CG_RATIO: usize = 5;
+
+/// The states that not every filter has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Layout {
+    /// Spade force F_x beside the measured one [N].
+    pub spade_force: Option<usize>,
+    /// Relative errors d_f, d_r of the rolling radii.
+    pub radii: Option<[usize; 2]>,
+    /// Slope bias b [rad].
+    pub slope_bias: Option<usize>,
+    /// Delay tau of the speed [s].
+    pub speed_delay: Option<usize>,
+}
+
+impl Layout {
+    /// That of a filter with so many states.
+    pub const fn of(states: usize) -> Self {
+        let (spade_force, radii, slope_bias) = match states {
+            10 | 11 => (Some(6), Some([7, 8]), Some(9)),
+            8 | 9 => (None, Some([6, 7]), None),
+            _ => (None, None, None),
+        };
+        Self {
+            spade_force,
+            radii,
+            slope_bias,
+            speed_delay: if states % 2 == 1 {
+                Some(states - 1)
+            } else {
+                None
+            },
+        }
+    }
+}
+
+/// Something of each of the two quantities that carry a verdict.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Each<T> {
+    /// Of the share of the weight in front.
+    pub ratio: T,
+    /// Of the height of the centre of gravity.
+    pub height: T,
+}
