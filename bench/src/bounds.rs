@@ -55,7 +55,7 @@ pub const EXTENDED: Operations = Operations {
 
 /// Nanoseconds of single operations on this machine.
 #[derive(Debug, Clone, Copy)]
-pub struct Machine {
+pub struct Host {
     /// One operation among many independent ones.
     pub throughput: f64,
     /// An addition or multiplication that waits for the one before.
@@ -66,7 +66,7 @@ pub struct Machine {
     pub root: f64,
 }
 
-impl Machine {
+impl Host {
     /// Measures this machine; takes some 20 ms.
     pub fn measure() -> Self {
         let pair = quickest(|x| x * 0.999_999 + 1e-6);

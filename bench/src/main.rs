@@ -1,6 +1,6 @@
 //! `cargo run --release -p bench`: what a step costs, next to the peers and to the limits of the machine.
 
-use bench::bounds::Machine;
+use bench::bounds::Host;
 use bench::{counts, groups, measure, real, report, scale as shards};
 use serde_json::{Map, Value, json};
 use std::process::ExitCode;
@@ -34,7 +34,7 @@ fn main() -> ExitCode {
 }
 
 fn compare(file: Option<&str>) -> ExitCode {
-    let machine = Machine::measure();
+    let machine = Host::measure();
     println!(
         "one operation of many {:.2} ns, waiting for the one before {:.2} ns, division {:.1} ns, root {:.1} ns",
         machine.throughput, machine.arithmetic, machine.division, machine.root
@@ -159,7 +159,7 @@ fn block(key: &str, index: &str, passes: &str) -> ExitCode {
     }
 }
 
-fn describe(machine: &Machine) -> Value {
+fn describe(machine: &Host) -> Value {
     let cpu = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let model = cpu
         .lines()

@@ -1,6 +1,6 @@
 //! The table and the JSON of the comparison.
 
-use crate::bounds::Machine;
+use crate::bounds::Host;
 use crate::groups::{Group, Role};
 use crate::measure::{Tail, Timing, interleaved, tail};
 use serde_json::{Map, Value, json};
@@ -37,7 +37,7 @@ fn quickest(group: &Group, times: &[Timing], role: Role) -> Option<usize> {
 }
 
 /// Prints one group.
-pub fn print(group: &Group, measured: &Measured, machine: &Machine) {
+pub fn print(group: &Group, measured: &Measured, machine: &Host) {
     let ours = measured.times[0].min;
     let best = measured.times[measured.best].min;
     let verdict = if ours / best <= group.target {
@@ -98,7 +98,7 @@ pub fn print(group: &Group, measured: &Measured, machine: &Machine) {
 }
 
 /// One group as JSON.
-pub fn to_json(group: &Group, measured: &Measured, machine: &Machine) -> Value {
+pub fn to_json(group: &Group, measured: &Measured, machine: &Host) -> Value {
     let ours = measured.times[0];
     let best = measured.times[measured.best];
     let all: Map<String, Value> = group

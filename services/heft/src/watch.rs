@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use messages::channels::Channel;
 use messages::keyframe::Collector;
-use messages::{Envelope, Health, Machine, Message, Role, Snapshot, Stamp, Value, fault};
+use messages::{Carries, Envelope, Health, Machine, Message, Snapshot, Stamp, Value, fault};
 use runtime::{Sink, Window};
 use steps::stages::Pipeline;
 use view::live::Feed;
@@ -145,9 +145,9 @@ impl Watch {
     /// Whether it reads a channel. Every reader costs the writer time while the next stage waits, so
     /// what is only passed on, to the live page or a group, is not read without one.
     pub fn reads(&self, channel: &Channel) -> bool {
-        let passed_on = match channel.payload.role() {
-            Role::Sensors | Role::Between => true,
-            Role::Truth | Role::Estimate | Role::Common => false,
+        let passed_on = match channel.payload.carries() {
+            Carries::Sensors | Carries::Between => true,
+            Carries::Truth | Carries::Estimate | Carries::Common => false,
         };
         self.feed.is_some() || self.window.is_some() || !passed_on
     }
@@ -433,20 +433,20 @@ impl Sink for Watch {
         }
         let carried = self.carried.entry(channel.name).or_default();
         carried.add(message.stamp());
-        match channel.payload.role() {
-            Role::Truth => {
+        match channel.payload.carries() {
+            Carries::Truth => {
                 if self.truths.len() == TRUTHS {
                     self.truths.pop_front();
                 }
                 self.truths.push_back((message.stamp().sequence, envelope));
             }
-            Role::Estimate => {
+            Carries::Estimate => {
                 self.note_estimate(channel, message);
                 if let Some(memory) = &mut self.memory {
                     memory.see(channel, message);
                 }
             }
-            Role::Sensors | Role::Between | Role::Common => {}
+            Carries::Sensors | Carries::Between | Carries::Common => {}
         }
         if let Envelope::Health(health) = &envelope {
             let before = self.health.insert(health.process, *health);

@@ -22,7 +22,7 @@ fn fields<M: Message>(_: &M) -> &'static [Field] {
 
 /// What a message is to its machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Role {
+pub enum Carries {
     /// What was measured.
     Sensors,
     /// The truth behind it.
@@ -46,7 +46,7 @@ macro_rules! payloads_of_machines {
 }
 
 macro_rules! payloads {
-    ($( $name:ident: $role:ident, )*) => {
+    ($( $name:ident: $carries:ident, )*) => {
         /// Payload of a channel.
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         pub enum Payload {
@@ -56,9 +56,9 @@ macro_rules! payloads {
         impl Payload {
             /// What it is to its machine.
             #[must_use]
-            pub const fn role(self) -> Role {
+            pub const fn carries(self) -> Carries {
                 match self {
-                    $( Self::$name => Role::$role, )*
+                    $( Self::$name => Carries::$carries, )*
                 }
             }
 

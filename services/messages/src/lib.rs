@@ -25,7 +25,7 @@ mod machine;
 mod message;
 mod stamp;
 
-pub use envelope::{Envelope, Receiver, Role};
+pub use envelope::{Carries, Envelope, Receiver};
 pub use health::{Credit, Health, State, fault};
 pub use keyframe::{Keyframe, Snapshot};
 pub use machine::Machine;
