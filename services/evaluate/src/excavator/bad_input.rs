@@ -52,7 +52,7 @@ struct Trouble {
 /// Evaluates the table.
 ///
 /// # Errors
-/// As [`crate::excavator()`].
+/// As [`super::evaluate`].
 pub fn evaluate(options: &Options) -> Result<Report, Error> {
     let mut table = Table::new(&[
         "input", "mode", "kg", "mean", "std", "max p95", "coverage", "trusted", "wrong", "target",

@@ -87,7 +87,7 @@ struct Outcome {
 /// Evaluates the table.
 ///
 /// # Errors
-/// As [`crate::excavator()`].
+/// As [`super::evaluate`].
 pub fn evaluate(options: &Options) -> Result<Report, Error> {
     let mut table = Table::new(&[
         "event",

@@ -26,7 +26,7 @@ struct Line {
 /// Evaluates the table.
 ///
 /// # Errors
-/// As [`crate::excavator()`].
+/// As [`super::evaluate`].
 pub fn evaluate(options: &Options) -> Result<Report, Error> {
     let mut table = Table::new(&[
         "mode",

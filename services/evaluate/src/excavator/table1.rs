@@ -39,7 +39,7 @@ struct Row {
 /// Evaluates the table.
 ///
 /// # Errors
-/// As [`crate::excavator()`].
+/// As [`super::evaluate`].
 pub fn evaluate(options: &Options) -> Result<Report, Error> {
     let cases = three(Scenario::Paper);
     let mut rows = Vec::new();
@@ -154,7 +154,7 @@ practically held at its initial value: started 20 % too low it stays 20 % too lo
 /// The estimates of the paper's configuration for one case and seed: Figs. 11-19.
 ///
 /// # Errors
-/// As [`crate::excavator()`].
+/// As [`super::evaluate`].
 pub fn series(payload: f64, seed: u64) -> Result<Vec<Point>, Error> {
     let case = Case::new(Scenario::Paper, Some(payload));
     super::series(&case, &Setup::paper(case.truth(WINDOW.from).inertia), seed)
