@@ -48,6 +48,28 @@ fn the_unit_runs_the_source_that_is_written_with_its_options() {
     assert!(said.starts_with(start), "{said}");
 }
 
+#[test]
+fn the_options_of_the_unit_are_options_of_heft_and_give_way_to_those_that_are_written() {
+    let unit = include_str!("../services/heft/heft@.service");
+    let usual = unit
+        .find("Environment=\"OPTIONS=")
+        .expect("options of its own");
+    let written = unit.find("EnvironmentFile=").expect("a file");
+    assert!(usual < written, "what stands later counts");
+    let options = unit[usual..].lines().next().expect("a line");
+    let options = options
+        .strip_prefix("Environment=\"OPTIONS=")
+        .and_then(|o| o.strip_suffix('"'));
+    // Refused for what is missing only, after every option was understood.
+    let output = Command::new(env!("CARGO_BIN_EXE_heft"))
+        .args(["run", "excavator", "--input", "/nowhere.csv"])
+        .args(options.expect("in quotes").split(' '))
+        .output()
+        .expect("heft starts");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(said.contains("/nowhere.csv"), "{said}");
+}
+
 /// What `systemd-analyze` says of the unit; `None`, with a word, where it is not installed.
 fn analyzed(arguments: &[&str]) -> Option<Output> {
     let unit = concat!(env!("CARGO_MANIFEST_DIR"), "/services/heft/heft@.service");
