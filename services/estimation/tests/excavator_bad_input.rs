@@ -345,23 +345,6 @@ fn one_absurd_stamp_costs_no_row_after_it_and_a_clock_set_back_is_followed() {
 }
 
 #[test]
-fn a_long_gap_begins_anew_and_says_so() {
-    let mut estimator = SwingEstimator::new(&golden_settings(), Method::Auto, COLUMNS).unwrap();
-    let mut resets = 0;
-    for mut row in base() {
-        if row.time > 7.0 {
-            row.time += 3.0;
-        }
-        let e = estimator.step(&row);
-        resets += u32::from(e.flags.reset);
-        if e.flags.reset {
-            assert!(!e.flags.trusted());
-        }
-    }
-    assert_eq!(resets, 1);
-}
-
-#[test]
 fn auto_gives_up_a_column_that_never_has_a_value() {
     let mut estimator = SwingEstimator::new(&golden_settings(), Method::Auto, COLUMNS).unwrap();
     assert_eq!(estimator.method(), Method::PostureTorque);

@@ -25,6 +25,7 @@ mod plateaus;
 mod scenario;
 mod sensors;
 mod simulation;
+mod story;
 mod torque;
 mod work;
 
@@ -37,5 +38,6 @@ pub use plateaus::{Plateaus, Targets};
 pub use scenario::Scenario;
 pub use sensors::{CHANNELS, Instruments, Sensors};
 pub use simulation::{InvalidRun, Row, Run, Simulation, Truth};
+pub use story::Story;
 pub use torque::Swing;
 pub use work::{Effects, Size, Work, cases};

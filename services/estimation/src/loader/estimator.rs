@@ -236,9 +236,8 @@ fn report<const N: usize, const M: usize, B: Belief<N, M>>(
         .evidence
         .verdict(settings, &intervals, &doubt, row.frozen);
     let sound = verdict.consistent && verdict.fresh && !verdict.reset;
-    let trusted = |of: fn(Each<bool>) -> bool| {
-        sound && of(verdict.excited) && of(verdict.identifiable) && of(verdict.converged)
-    };
+    let (excited, identifiable, converged) =
+        (verdict.excited, verdict.identifiable, verdict.converged);
     let quantity = |i: usize| Quantity {
         value: x[i],
         std: std[i],
@@ -270,18 +269,18 @@ fn report<const N: usize, const M: usize, B: Belief<N, M>>(
         rear_radius_scale: scale(1),
         speed_delay: layout.speed_delay.map(quantity),
         nis: row.nis / used as f64,
-        excited_ratio: verdict.excited.ratio,
-        excited_height: verdict.excited.height,
+        excited_ratio: excited.ratio,
+        excited_height: excited.height,
         consistent: verdict.consistent,
         fresh: verdict.fresh,
-        identifiable_ratio: verdict.identifiable.ratio,
-        identifiable_height: verdict.identifiable.height,
-        converged_ratio: verdict.converged.ratio,
-        converged_height: verdict.converged.height,
+        identifiable_ratio: identifiable.ratio,
+        identifiable_height: identifiable.height,
+        converged_ratio: converged.ratio,
+        converged_height: converged.height,
         frozen: row.frozen,
         reset: verdict.reset,
-        trusted_ratio: trusted(|of| of.ratio),
-        trusted_height: trusted(|of| of.height),
+        trusted_ratio: sound && excited.ratio && identifiable.ratio && converged.ratio,
+        trusted_height: sound && excited.height && identifiable.height && converged.height,
         reason: verdict.reason,
         status: row.status,
         method,

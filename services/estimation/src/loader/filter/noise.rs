@@ -221,23 +221,16 @@ struct ByState {
 
 impl ByState {
     /// The values where their states stand; what the filter does not have is left out.
+    #[inline(always)]
     fn state<const N: usize>(self) -> [f64; N] {
         let layout = const { Layout::of(N) };
-        let mut all = [0.0; N];
-        all[SPEED..=REAR_WHEEL].copy_from_slice(&self.motion);
-        all[SLIP_STIFFNESS..=CG_RATIO].copy_from_slice(&self.parameters);
-        let [front, rear] = layout.radii.map_or([None; 2], |radii| radii.map(Some));
-        for (place, value) in [
-            (layout.spade_force, self.spade_force),
-            (front, self.radius),
-            (rear, self.radius),
-            (layout.slope_bias, self.slope_bias),
-            (layout.speed_delay, self.speed_delay),
-        ] {
-            if let Some(i) = place {
-                all[i] = value;
-            }
-        }
-        all
+        core::array::from_fn(|i| match i {
+            SPEED..=REAR_WHEEL => self.motion[i],
+            SLIP_STIFFNESS..=CG_RATIO => self.parameters[i - SLIP_STIFFNESS],
+            _ if layout.spade_force == Some(i) => self.spade_force,
+            _ if layout.slope_bias == Some(i) => self.slope_bias,
+            _ if layout.speed_delay == Some(i) => self.speed_delay,
+            _ => self.radius,
+        })
     }
 }

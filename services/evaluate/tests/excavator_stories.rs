@@ -1,0 +1,165 @@
+//! What the excavator's estimators say while something happens: a story each.
+
+use estimation::excavator::{Columns, Estimate, Method, Sample, Settings, SwingEstimator};
+use sim::excavator::{Row, Story};
+use sim::fault::{FaultKind, ROW};
+
+const COLUMNS: Columns = Columns {
+    velocity: true,
+    angle: false,
+    torque: true,
+    posture: true,
+};
+
+/// What a method says of each row of a story.
+fn told(story: &Story, method: Method) -> Vec<(Row, Estimate)> {
+    let settings = Settings::default();
+    let mut estimator = SwingEstimator::new(&settings, method, COLUMNS).expect("an estimator");
+    let told = story.clone().rows().map(|row| {
+        let sample = Sample {
+            time: row.time,
+            velocity: row.swing_velocity,
+            torque: row.swing_torque,
+            posture: row.posture,
+            ..Sample::default()
+        };
+        (row, estimator.step(&sample))
+    });
+    told.collect()
+}
+
+/// Nothing that is trusted lies outside of three standard deviations and more than 4 % off.
+fn assert_honest(told: &[(Row, Estimate)]) {
+    for (row, e) in told.iter().filter(|(_, e)| e.flags.trusted()) {
+        let away = (e.inertia - row.truth.inertia).abs();
+        assert!(
+            away < 3.0 * e.inertia_std || away < 0.04 * row.truth.inertia,
+            "{} s: {} ± {} of {}",
+            row.time,
+            e.inertia,
+            e.inertia_std,
+            row.truth.inertia
+        );
+    }
+}
+
+fn trusted(told: &[(Row, Estimate)]) -> usize {
+    told.iter().filter(|(_, e)| e.flags.trusted()).count()
+}
+
+/// Those that see a load; posture alone is never trusted of one swing.
+const TOLD_BY: [Method; 3] = [Method::PostureTorque, Method::Torque, Method::Posture];
+
+#[test]
+fn one_swing_tells_the_inertia() {
+    for seed in 1..=3 {
+        let told = told(
+            &Story::at_rest().seed(seed).swing_to(1.7),
+            Method::PostureTorque,
+        );
+        assert_honest(&told);
+        assert!(trusted(&told) > 50, "seed {seed}: {}", trusted(&told));
+    }
+}
+
+#[test]
+fn a_machine_that_stands_tells_nothing() {
+    for method in TOLD_BY {
+        let told = told(&Story::at_rest().rest(10.0), method);
+        assert_eq!(trusted(&told), 0, "{method:?}");
+    }
+}
+
+#[test]
+fn a_load_that_was_dumped_is_missing_from_the_next_swing() {
+    let story = Story::at_rest().swing_to(1.7).dump(420.0).swing_to(0.0);
+    for seed in 1..=3 {
+        let told = told(&story.clone().seed(seed), Method::PostureTorque);
+        assert_honest(&told);
+        let of = |from: f64, to: f64| {
+            let rows = told
+                .iter()
+                .filter(|(row, _)| (from..to).contains(&row.time));
+            let loads = rows
+                .filter(|(_, e)| e.flags.trusted())
+                .filter_map(|(_, e)| e.payload);
+            loads.last().expect("a trusted load")
+        };
+        let dumped = told.iter().find(|(row, _)| row.truth.payload < 1.0);
+        let dumped = dumped.expect("it is dumped").0.time;
+        let (before, after) = (of(0.0, dumped - 1.0), of(dumped, f64::INFINITY));
+        assert!(
+            (before.value - 420.0).abs() < 3.0 * before.std,
+            "{before:?}"
+        );
+        assert!(after.value.abs() < 3.0 * after.std, "{after:?}");
+    }
+}
+
+#[test]
+fn a_load_that_was_taken_up_is_in_the_next_swing() {
+    let story = Story::at_rest().swing_to(1.7).take_up(300.0).swing_to(0.0);
+    let told = told(&story, Method::PostureTorque);
+    assert_honest(&told);
+    let trusted = told.iter().filter(|(_, e)| e.flags.trusted());
+    let last = trusted
+        .last()
+        .and_then(|(_, e)| e.payload)
+        .expect("a trusted load");
+    assert!((last.value - 300.0).abs() < 3.0 * last.std, "{last:?}");
+}
+
+#[test]
+fn what_needs_the_torque_is_not_trusted_without_it() {
+    let story = Story::at_rest().lose("swing_torque", 60.0).swing_to(1.7);
+    for method in [Method::PostureTorque, Method::Torque] {
+        assert_eq!(trusted(&told(&story, method)), 0, "{method:?}");
+    }
+    let told = told(&story, Method::Posture);
+    assert_honest(&told);
+}
+
+#[test]
+fn a_sensor_that_is_silent_for_a_while_makes_nothing_wrong() {
+    for channel in ["swing_velocity", "swing_torque", "boom_angle"] {
+        let begin = Story::at_rest().rest(1.0).lose(channel, 2.0);
+        let story = begin.swing_to(1.7).swing_to(0.0);
+        for method in TOLD_BY {
+            let told = told(&story, method);
+            assert_honest(&told);
+            let comes_back = trusted(&told) > 0 || method == Method::Posture;
+            assert!(comes_back, "{channel} {method:?}");
+        }
+    }
+}
+
+#[test]
+fn a_velocity_that_freezes_is_not_trusted() {
+    let begin = Story::at_rest().swing_to(1.7);
+    let story = begin
+        .suffer("swing_velocity", FaultKind::Hold, 60.0)
+        .swing_to(0.0);
+    for method in TOLD_BY {
+        let told = told(&story, method);
+        assert_honest(&told);
+        let moves_again = |row: &Row| row.time > 7.0 && row.truth.velocity < -0.1;
+        let wrong = told
+            .iter()
+            .filter(|(row, e)| moves_again(row) && e.flags.trusted());
+        assert_eq!(wrong.count(), 0, "{method:?}");
+        let before = trusted(&told) > 0 || method == Method::Posture;
+        assert!(before, "{method:?}");
+    }
+}
+
+#[test]
+fn a_long_gap_begins_anew_and_says_so() {
+    let begin = Story::at_rest().swing_to(1.7);
+    let story = begin.lose(ROW, 3.0).rest(3.0).swing_to(0.0);
+    for method in TOLD_BY {
+        let told = told(&story, method);
+        let resets: Vec<_> = told.iter().filter(|(_, e)| e.flags.reset).collect();
+        assert_eq!(resets.len(), 1, "{method:?}");
+        assert!(!resets[0].1.flags.trusted());
+    }
+}
