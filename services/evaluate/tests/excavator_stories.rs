@@ -80,10 +80,10 @@ fn a_load_that_was_dumped_is_missing_from_the_next_swing() {
             let rows = told
                 .iter()
                 .filter(|(row, _)| (from..to).contains(&row.time));
-            let loads = rows
+            let mut loads = rows
                 .filter(|(_, e)| e.flags.trusted())
                 .filter_map(|(_, e)| e.payload);
-            loads.last().expect("a trusted load")
+            loads.next_back().expect("a trusted load")
         };
         let dumped = told.iter().find(|(row, _)| row.truth.payload < 1.0);
         let dumped = dumped.expect("it is dumped").0.time;
@@ -101,9 +101,9 @@ fn a_load_that_was_taken_up_is_in_the_next_swing() {
     let story = Story::at_rest().swing_to(1.7).take_up(300.0).swing_to(0.0);
     let told = told(&story, Method::PostureTorque);
     assert_honest(&told);
-    let trusted = told.iter().filter(|(_, e)| e.flags.trusted());
+    let mut trusted = told.iter().filter(|(_, e)| e.flags.trusted());
     let last = trusted
-        .last()
+        .next_back()
         .and_then(|(_, e)| e.payload)
         .expect("a trusted load");
     assert!((last.value - 300.0).abs() < 3.0 * last.std, "{last:?}");
