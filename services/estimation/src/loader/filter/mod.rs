@@ -7,19 +7,18 @@ use crate::loader::disturbance::{Disturbance, Effect};
 use crate::loader::estimate::Status;
 use crate::loader::inputs::{InputHold, StepInputs};
 use crate::loader::layout::{
-    CG_HEIGHT, CG_RATIO, Each, FRONT_WHEEL, Layout, REAR_WHEEL, SLIP_STIFFNESS, SPEED,
+    CG_HEIGHT, CG_RATIO, FRONT_WHEEL, Layout, REAR_WHEEL, SLIP_STIFFNESS, SPEED,
 };
 use crate::loader::legs::{Legs, Slip};
 use crate::loader::load::Load;
 use crate::loader::payload::Payload;
 use crate::loader::quantum::Quantum;
-use crate::loader::reason::Reason;
 use crate::loader::relearning::Relearning;
 use crate::loader::sample::{Sample, finite};
 use crate::loader::settings::{Settings, Tuning};
 use crate::loader::slope::SlopeError;
 use crate::loader::stuck::{Stuck, Witness};
-use crate::loader::verdict::{Doubt, Evidence};
+use crate::loader::verdict::Evidence;
 use crate::loader::wheel_dynamics::{GRAVITY, Inputs, Tyres, WheelDynamics};
 use crate::loader::windup::Windup;
 use crate::math::{sin_cos, sqrt, tanh};
@@ -27,6 +26,7 @@ use crate::sigma_points::Spread;
 use crate::time_base::{Tick, TimeBase};
 
 mod belief;
+mod doubt;
 mod gate;
 mod noise;
 mod recovery;
@@ -42,19 +42,6 @@ const LONGEST_STEP: f64 = 1.0;
 
 /// Acceleration beyond which the torques do not explain the motion [m/s^2].
 const UNEXPLAINED: f64 = 0.15;
-
-/// Standard deviations of the prior within which an estimate is as expected; twice as far it contradicts it by one more.
-const EXPECTED: f64 = 2.0;
-/// Standard deviations of the prior beyond which the delay of the speed is no sensor's.
-const LATEST: f64 = 4.0;
-/// Birge ratio beyond which the manoeuvres disagree.
-const DISAGREE: f64 = 2.0;
-/// A slip by steering or by unexplained forces that is named as the cause: a tenth of what the wheels do at work.
-const NOTED_SLIP: f64 = 0.005;
-/// An error of the slope beside its bias that is named as the cause [rad].
-const NOTED_SLOPE: f64 = 0.02;
-/// How long a change is shown [s].
-const CHANGE_SHOWN: f64 = 5.0;
 
 /// What held before the row.
 #[derive(Clone, Copy, Debug)]
@@ -486,84 +473,6 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         };
         if self.legs.take(&slip, before.ratio_variance, model.dt) && self.relearning.settled() {
             self.changed = 0.0;
-        }
-    }
-
-    /// What makes the estimate doubtful beside its own covariance.
-    pub(in crate::loader) fn doubt(&self) -> Doubt {
-        let (prior, state) = (&self.settings.prior, self.belief.state());
-        let beyond =
-            |value: f64, centre: f64, std: f64| ((value - centre).abs() - EXPECTED * std).max(0.0);
-        let empty = self.payload.is_none() && self.load.share() < 0.04;
-        let height = beyond(state[CG_HEIGHT], prior.cg_height, prior.cg_height_std);
-        let ratio = beyond(state[CG_RATIO], prior.cg_ratio, prior.cg_ratio_std);
-        let stiffness = beyond(
-            state[SLIP_STIFFNESS],
-            prior.slip_stiffness,
-            prior.slip_stiffness_std,
-        );
-        let limits = self.tuning.clamps;
-        let at = |bounds: Option<(f64, f64)>, value: f64| {
-            bounds.is_some_and(|(low, high)| value <= 1.02 * low || value >= 0.98 * high)
-        };
-        let at_limit = Each {
-            ratio: at(limits.map(|c| c.cg_ratio), state[CG_RATIO]),
-            height: at(limits.map(|c| c.cg_height), state[CG_HEIGHT]),
-        };
-        let stiffness_at_limit = at(limits.map(|c| c.slip_stiffness), state[SLIP_STIFFNESS]);
-        if !self.tuning.screened {
-            return Doubt {
-                at_limit,
-                ..Doubt::NONE
-            };
-        }
-        let delay = const { Layout::of(N) }
-            .speed_delay
-            .map_or(0.0, |i| state[i]);
-        let sensors = &self.settings.sensors;
-        let late = (delay - sensors.speed_delay).abs() > LATEST * sensors.speed_delay_std;
-        let reason = if self.disturbance.torques_misfit() {
-            Reason::Torque
-        } else if late {
-            Reason::Latency
-        } else if at_limit.ratio || at_limit.height || stiffness_at_limit {
-            Reason::AtLimit
-        } else if stiffness > prior.slip_stiffness_std {
-            Reason::Stiffness
-        } else if self.changed < CHANGE_SHOWN {
-            Reason::Load
-        } else if self.legs.ratio() > DISAGREE
-            || empty && (height > prior.cg_height_std || ratio > prior.cg_ratio_std)
-        {
-            Reason::Disagreement
-        } else {
-            Reason::None
-        };
-        Doubt {
-            birge: self.legs.ratio(),
-            beyond: if empty {
-                Each { ratio, height }
-            } else {
-                Each::default()
-            },
-            at_limit,
-            unknown_height: self.lifts_untold(),
-            reason,
-            acts: self.acts(),
-        }
-    }
-
-    /// What acts on the machine that its model does not have.
-    fn acts(&self) -> Reason {
-        let slowed = self.disturbance.unexplained * self.belief.state()[SPEED] < 0.0;
-        if self.effect.braking || self.effect.force > NOTED_SLIP && slowed {
-            Reason::Brakes
-        } else if self.effect.turn > NOTED_SLIP {
-            Reason::Steering
-        } else if self.slope_error.size() > NOTED_SLOPE {
-            Reason::Slope
-        } else {
-            Reason::None
         }
     }
 
