@@ -30,7 +30,14 @@ const ARROWS: &[(&str, &[&str])] = &[
     // A workspace of its own, because of Zenoh.
     (
         "services/gateway",
-        &["messages", "recording", "runtime", "steps", "view"],
+        &[
+            "messages",
+            "recording",
+            "runtime",
+            "statistics",
+            "steps",
+            "view",
+        ],
     ),
     ("bindings/c", &["estimation"]),
     ("bindings/fmu", &["estimation", "messages"]),

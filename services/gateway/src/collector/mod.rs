@@ -10,6 +10,7 @@ mod intake;
 mod live;
 mod machine_page;
 mod page;
+mod parameters;
 pub mod query;
 mod shown;
 mod store;

@@ -23,6 +23,8 @@ pub enum What {
     Events,
     /// What was raised.
     Alarms,
+    /// What the machines have learnt, and who stands out among its like.
+    Parameters,
 }
 
 /// `heft fleet query`
@@ -96,7 +98,11 @@ pub fn query(args: &QueryArgs, out: &mut impl Write) -> Result<(), String> {
     let sql = open(&args.db)?;
     let done = match args.what {
         What::Alarms => alarms(&sql, args, out),
-        _ => messages(&sql, args, out),
+        What::Parameters => parameters(&sql, args, out),
+        What::Loads => messages(&sql, args, "loads/", out),
+        What::Estimates => messages(&sql, args, "estimate/", out),
+        What::Health => messages(&sql, args, "health/", out),
+        What::Events => messages(&sql, args, "events/", out),
     };
     done.map_err(|e| match e {
         Failed::Sql(e) => error(
@@ -129,13 +135,25 @@ impl From<io::Error> for Failed {
     }
 }
 
-fn messages(sql: &Connection, args: &QueryArgs, out: &mut impl Write) -> Result<(), Failed> {
-    let kind = match args.what {
-        What::Loads => "loads/",
-        What::Estimates => "estimate/",
-        What::Health => "health/",
-        What::Events | What::Alarms => "events/",
-    };
+/// All machines are compared, also where only one is shown.
+fn parameters(sql: &Connection, args: &QueryArgs, out: &mut impl Write) -> Result<(), Failed> {
+    let since = wall_ms() as i64 - args.since;
+    let mut compared = super::parameters::compare(sql, since, args.site.as_deref())?;
+    if let Some(name) = &args.machine {
+        for machines in compared.values_mut() {
+            machines.retain(|m| m.names[1] == *name);
+        }
+    }
+    Ok(super::parameters::write(&compared, args.format, out)?)
+}
+
+/// Messages of the streams whose names begin with a kind.
+fn messages(
+    sql: &Connection,
+    args: &QueryArgs,
+    kind: &str,
+    out: &mut impl Write,
+) -> Result<(), Failed> {
     let mut query = sql.prepare(
         "SELECT m.site, m.name, s.epoch, s.name, e.wall_ms, e.payload FROM message e JOIN stream s ON s.id = e.stream
          JOIN machine m ON m.id = s.machine

@@ -164,15 +164,22 @@ pub fn map_for<'a>(file: &Path, map: Option<&'a recording::Map>) -> Option<&'a r
     map.filter(|_| !is_recording(file))
 }
 
-/// What the recordings are called in sentences: by their files, by their paths where two have the same name.
+/// What the recordings are called in sentences: the ends of their paths, as long as it takes to tell them apart.
 pub fn names(files: &[PathBuf]) -> Vec<String> {
-    let short = |f: &PathBuf| f.file_name().map(|n| n.to_string_lossy().into_owned());
-    let all: Vec<Option<String>> = files.iter().map(short).collect();
-    let distinct: std::collections::BTreeSet<_> = all.iter().flatten().collect();
-    if distinct.len() == files.len() {
-        return all.into_iter().flatten().collect();
-    }
-    files.iter().map(|f| f.display().to_string()).collect()
+    let end = |file: &PathBuf, parts: usize| -> String {
+        let all: Vec<_> = file.components().collect();
+        let last: PathBuf = all[all.len().saturating_sub(parts)..].iter().collect();
+        last.display().to_string()
+    };
+    let longest = files.iter().map(|f| f.components().count()).max();
+    let called = |parts| files.iter().map(|f| end(f, parts)).collect::<Vec<_>>();
+    let is_clear = |names: &Vec<String>| {
+        let distinct: std::collections::BTreeSet<_> = names.iter().collect();
+        distinct.len() == names.len()
+    };
+    let longest = longest.unwrap_or(1);
+    let mut tried = (1..longest).map(called);
+    tried.find(is_clear).unwrap_or_else(|| called(longest))
 }
 
 pub fn interrupt() -> Result<Arc<AtomicBool>, Failure> {
@@ -270,6 +277,17 @@ fn date(time: SystemTime) -> String {
 mod tests {
     use super::*;
     use std::time::Duration;
+
+    #[test]
+    fn recordings_are_called_as_shortly_as_tells_them_apart() {
+        let of = |files: &[&str]| names(&files.iter().map(PathBuf::from).collect::<Vec<_>>());
+        assert_eq!(of(&["x/a.csv", "y/b.csv"]), ["a.csv", "b.csv"]);
+        assert_eq!(
+            of(&["s/e/run.mcap", "s/f/run.mcap"]),
+            ["e/run.mcap", "f/run.mcap"]
+        );
+        assert_eq!(of(&["a.csv", "a.csv"]), ["a.csv", "a.csv"]);
+    }
 
     #[test]
     fn days_are_those_of_the_calendar() {

@@ -98,10 +98,10 @@ fn values(body: &mut String, summary: &Summary<'_>, found: &Found) {
             let held = if summary.fixed[i] { " (held)" } else { "" };
             Some(vec![
                 format!("{}{held}", p.words),
-                p.key.clone(),
                 figure(before, p.unit),
                 figure(summary.quantity(i)?, p.unit),
                 format!("{noise:.2e}"),
+                p.key.clone(),
             ])
         })
         .collect();
@@ -109,10 +109,10 @@ fn values(body: &mut String, summary: &Summary<'_>, found: &Found) {
         body,
         "What was found",
         &format!(
-            "± is one standard deviation. The last column is what the noise alone would give; the scatter from {} to {} widened it {:.2} times.",
+            "± is one standard deviation; the noise alone would give a smaller one, the scatter from {} to {} widened it {:.2} times.",
             summary.block, summary.block, found.uncertainty.widened
         ),
-        &["", "key", "before", "found", "noise alone"],
+        &["", "before", "found", "noise alone", "key"],
         &rows,
     );
 }
