@@ -315,6 +315,8 @@ impl Supervisor {
 
     fn is_ready(&mut self, i: usize) {
         self.workers[i].ready = true;
+        self.taps.drain(&mut self.watch);
+        self.watch.is_there(self.workers[i].process.name);
         if self.start_ns != 0 {
             self.say_go(i);
         }

@@ -109,6 +109,8 @@ pub struct Watch {
     is_simulated: bool,
     /// The logger was away while samples came.
     unrecorded: bool,
+    /// The logger died before the first sample, and is not back.
+    logger_is_away: bool,
     shown: Option<Instant>,
     begun: Option<Instant>,
 }
@@ -247,8 +249,22 @@ impl Watch {
     /// Notes what went wrong.
     pub fn note(&mut self, fault: Fault) {
         let logger_is_away = matches!(fault, Fault::Died { service, .. } | Fault::Hung { service, .. } if service == "logger");
-        self.unrecorded |= logger_is_away && self.next_sequence() > 0;
+        self.logger_is_away |= logger_is_away;
+        self.look_for_the_logger();
         self.faults.push(fault);
+    }
+
+    /// Told that a service is there, perhaps again.
+    pub fn is_there(&mut self, service: &str) {
+        if service == "logger" {
+            self.look_for_the_logger();
+            self.logger_is_away = false;
+        }
+    }
+
+    /// What comes while the logger is away is not recorded.
+    fn look_for_the_logger(&mut self) {
+        self.unrecorded |= self.logger_is_away && self.next_sequence() > 0;
     }
 
     /// Everything that went wrong: what was noted, and what the channels and processes tell.
@@ -341,6 +357,7 @@ impl Watch {
 
     /// Ends the live line, and writes what outlives the run.
     pub fn finish(&mut self) {
+        self.look_for_the_logger();
         if let Some(memory) = &mut self.memory {
             memory.save();
         }
@@ -470,4 +487,35 @@ impl Sink for Watch {
     }
 
     fn drain(&mut self) {}
+}
+
+#[cfg(test)]
+mod tests {
+    use messages::ExcavatorTruth;
+    use messages::channels::EXCAVATOR_TRUTH;
+
+    use super::*;
+
+    #[test]
+    fn samples_that_come_while_the_logger_is_away_are_told_even_if_it_died_before_the_first() {
+        let lost = |comes_before: bool, comes_meanwhile: bool| {
+            let mut watch = Watch::new(Machine::Excavator, None, None, Show::Nothing);
+            let come = |watch: &mut Watch, comes: bool| {
+                if comes {
+                    watch.accept(&EXCAVATOR_TRUTH, &ExcavatorTruth::default());
+                }
+            };
+            come(&mut watch, comes_before);
+            let (service, how) = ("logger", "killed".to_owned());
+            watch.note(Fault::Died { service, how });
+            come(&mut watch, comes_meanwhile);
+            watch.is_there("logger");
+            come(&mut watch, true);
+            watch.finish();
+            let faults = watch.faults();
+            faults.iter().any(|f| matches!(f, Fault::Unrecorded { .. }))
+        };
+        assert!(lost(true, false) && lost(false, true) && lost(true, true));
+        assert!(!lost(false, false), "it was back in time");
+    }
 }
