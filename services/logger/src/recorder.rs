@@ -77,7 +77,7 @@ impl Recorder {
         metadata.insert("part".into(), number.to_string());
         let wall = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
         let seconds = wall.map_or(0, |d| d.as_secs());
-        metadata.insert("wall_clock.start".into(), date_and_time(seconds));
+        metadata.insert("wall_clock.start".into(), recording::date_and_time(seconds));
         metadata.insert(
             "wall_clock.minus_monotonic_ns".into(),
             self.wall_offset_ns.to_string(),
@@ -269,28 +269,6 @@ fn wall_offset_ns() -> i64 {
 fn nanoseconds(clock: rustix::time::ClockId) -> i64 {
     let now = rustix::time::clock_gettime(clock);
     now.tv_sec * 1_000_000_000 + now.tv_nsec
-}
-
-/// Seconds since 1970 as date and time, UTC (Hinnant's civil_from_days).
-fn date_and_time(seconds: u64) -> String {
-    let (days, rest) = (seconds / 86_400 + 719_468, seconds % 86_400);
-    let (era, day) = (days / 146_097, days % 146_097);
-    let year = (day - day / 1460 + day / 36_524 - day / 146_096) / 365;
-    let of_year = day - (365 * year + year / 4 - year / 100);
-    let month = (5 * of_year + 2) / 153;
-    let of_month = of_year - (153 * month + 2) / 5 + 1;
-    let (month, next) = if month < 10 {
-        (month + 3, 0)
-    } else {
-        (month - 9, 1)
-    };
-    format!(
-        "{:04}-{month:02}-{of_month:02}T{:02}:{:02}:{:02}Z",
-        era * 400 + year + next,
-        rest / 3600,
-        rest / 60 % 60,
-        rest % 60
-    )
 }
 
 #[cfg(test)]

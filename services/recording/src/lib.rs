@@ -49,4 +49,5 @@ pub use recover::{Recovered, join, recover};
 pub use schema::RecordedField;
 pub use signal::{Row, Sensors, measured};
 pub use suggest::suggest;
+pub use time::date_and_time;
 pub use writer::{Metadata, Writer, sha256};

@@ -91,9 +91,44 @@ fn days(year: i64, month: i64, day: i64) -> Option<i64> {
     Some(era * 146_097 + of_era * 365 + of_era / 4 - of_era / 100 + of_year - 719_468)
 }
 
+/// Seconds since 1970 as date and time: `2026-11-22T04:44:17Z` (the inverse of reading one, after H. Hinnant).
+#[must_use]
+pub fn date_and_time(seconds: u64) -> String {
+    let (days, rest) = (seconds / 86_400 + 719_468, seconds % 86_400);
+    let (era, day) = (days / 146_097, days % 146_097);
+    let year = (day - day / 1460 + day / 36_524 - day / 146_096) / 365;
+    let of_year = day - (365 * year + year / 4 - year / 100);
+    let month = (5 * of_year + 2) / 153;
+    let of_month = of_year - (153 * month + 2) / 5 + 1;
+    let (month, next) = if month < 10 {
+        (month + 3, 0)
+    } else {
+        (month - 9, 1)
+    };
+    format!(
+        "{:04}-{month:02}-{of_month:02}T{:02}:{:02}:{:02}Z",
+        era * 400 + year + next,
+        rest / 3600,
+        rest / 60 % 60,
+        rest % 60
+    )
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_date_that_is_written_is_read_as_the_same_moment() {
+        assert_eq!(date_and_time(0), "1970-01-01T00:00:00Z");
+        assert_eq!(date_and_time(951_782_399), "2000-02-28T23:59:59Z");
+        assert_eq!(date_and_time(1_709_208_000), "2024-02-29T12:00:00Z");
+        for day in (0..100_000_u64).step_by(17) {
+            let seconds = day * 86_400 + 3661;
+            let read = date(&date_and_time(seconds)).map(|ns| ns / 1_000_000_000);
+            assert_eq!(read, Some(seconds as i64));
+        }
+    }
 
     #[test]
     fn the_same_instant_in_every_form() {

@@ -199,9 +199,10 @@ pub fn tell_progress(progress: Progress) {
 
 /// Where the numbers come from: version, date, files with their hashes.
 pub fn origin(args: &CalibrateArgs) -> Result<Vec<String>, Failure> {
+    let now = SystemTime::now().duration_since(UNIX_EPOCH);
     let mut lines = vec![format!(
         "Calibrated by heft {IDENTITY} on {} from",
-        date(SystemTime::now())
+        recording::date_and_time(now.map_or(0, |since| since.as_secs()))
     )];
     for file in &args.files {
         let reader = is_recording(file).then(|| Reader::open(file)).transpose()?;
@@ -253,30 +254,9 @@ fn asked(options: &[String]) -> String {
     format!("  asked: {}", options.join(" "))
 }
 
-/// The day in UTC, as 2026-11-21 (days to civil, Hinnant 2013).
-fn date(time: SystemTime) -> String {
-    let seconds = time.duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs());
-    let days = i64::try_from(seconds / 86_400).unwrap_or(0) + 719_468;
-    let era = days.div_euclid(146_097);
-    let day_of_era = days.rem_euclid(146_097);
-    let year_of_era =
-        (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
-    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
-    let shifted = (5 * day_of_year + 2) / 153;
-    let day = day_of_year - (153 * shifted + 2) / 5 + 1;
-    let month = if shifted < 10 {
-        shifted + 3
-    } else {
-        shifted - 9
-    };
-    let year = year_of_era + era * 400 + i64::from(month <= 2);
-    format!("{year:04}-{month:02}-{day:02}")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::time::Duration;
 
     #[test]
     fn recordings_are_called_as_shortly_as_tells_them_apart() {
@@ -287,19 +267,5 @@ mod tests {
             ["e/run.mcap", "f/run.mcap"]
         );
         assert_eq!(of(&["a.csv", "a.csv"]), ["a.csv", "a.csv"]);
-    }
-
-    #[test]
-    fn days_are_those_of_the_calendar() {
-        for (days, day) in [
-            (0, "1970-01-01"),
-            (11_016, "2000-02-29"),
-            (20_778, "2026-11-21"),
-        ] {
-            assert_eq!(
-                date(UNIX_EPOCH + Duration::from_secs(days * 86_400 + 5)),
-                day
-            );
-        }
     }
 }

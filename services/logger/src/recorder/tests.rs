@@ -93,13 +93,6 @@ fn a_disk_with_less_room_than_asked_for_stops_the_recording_with_a_whole_part() 
 }
 
 #[test]
-fn the_day_is_that_of_the_calendar() {
-    assert_eq!(date_and_time(0), "1970-01-01T00:00:00Z");
-    assert_eq!(date_and_time(951_782_399), "2000-02-28T23:59:59Z");
-    assert_eq!(date_and_time(1_709_208_000), "2024-02-29T12:00:00Z");
-}
-
-#[test]
 fn a_wall_clock_that_jumps_is_said_in_the_recording_which_keeps_its_time() {
     let dir = tempfile::tempdir().expect("a folder");
     let first = dir.path().join("run.mcap");
