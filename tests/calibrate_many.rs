@@ -5,7 +5,7 @@ mod common;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use common::{both, run, run_ok};
+use common::{both, path_in, run, run_ok};
 use config::Tables as _;
 use evaluate::excavator::calibration::Truth;
 
@@ -44,7 +44,7 @@ impl Site {
     }
 
     fn text(&self, name: &str) -> String {
-        self.path(name).to_str().expect("a path").to_owned()
+        path_in(self.0.path(), name)
     }
 
     fn words(&self, more: &[&str]) -> Vec<String> {
@@ -109,14 +109,7 @@ fn each_folder_is_a_machine_and_what_is_done_is_kept_until_something_else_is_ask
 #[test]
 fn nothing_that_was_there_before_is_written_over() {
     let folder = tempfile::tempdir().expect("a folder");
-    let at = |name: &str| {
-        folder
-            .path()
-            .join(name)
-            .to_str()
-            .expect("a path")
-            .to_owned()
-    };
+    let at = |name: &str| path_in(folder.path(), name);
     record(Path::new(&at("empty.csv")), 3, 0.0);
     let scales = "pitch,front_load,rear_load\n0,60000,60000\n0.1,50000,70000\n";
     for (name, text) in [

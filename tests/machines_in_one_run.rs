@@ -7,7 +7,7 @@ use std::path::Path;
 use std::process::Stdio;
 use std::time::Duration;
 
-use common::{both, golden, heft, kill, processes, run, run_ok, wait_until};
+use common::{both, golden, heft, kill, path_in, processes, run, run_ok, wait_until};
 use messages::{ExcavatorEstimate, LoaderEstimate, Message};
 use recording::Reader;
 use rustix::process::Signal;
@@ -117,14 +117,7 @@ fn a_simulated_loader_gets_what_a_run_of_its_seed_gives() {
 #[test]
 fn recordings_are_a_machine_each() {
     let folder = tempfile::tempdir().expect("a folder");
-    let path = |name: &str| {
-        folder
-            .path()
-            .join(name)
-            .to_str()
-            .expect("a path")
-            .to_owned()
-    };
+    let path = |name: &str| path_in(folder.path(), name);
     let names = ["drop", "two_swings"];
     for name in names {
         let input = golden(&format!("excavator_input_{name}.csv"));
@@ -177,17 +170,24 @@ fn recordings_are_a_machine_each() {
     );
 }
 
+/// Rows of the machine that has fewest of so many, in the table that a run has not finished.
+fn fewest(folder: &Path, machines: usize) -> usize {
+    let files = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let texts = files.filter_map(|f| std::fs::read_to_string(f.path()).ok());
+    let text = texts.collect::<String>();
+    let mut rows = BTreeMap::<&str, usize>::new();
+    for line in text.lines().skip(1) {
+        let name = line.split(',').next().unwrap_or_default();
+        *rows.entry(name).or_default() += 1;
+    }
+    let fewest = rows.values().min().filter(|_| rows.len() >= machines);
+    fewest.copied().unwrap_or(0)
+}
+
 #[test]
 fn in_real_time_with_a_death_and_an_early_end_nothing_is_lost() {
     let folder = tempfile::tempdir().expect("a folder");
-    let path = |name: &str| {
-        folder
-            .path()
-            .join(name)
-            .to_str()
-            .expect("a path")
-            .to_owned()
-    };
+    let path = |name: &str| path_in(folder.path(), name);
     let args = [
         "run",
         "excavator",
@@ -220,13 +220,21 @@ fn in_real_time_with_a_death_and_an_early_end_nothing_is_lost() {
             .collect()
     };
     wait_until("shards", Duration::from_secs(30), || !shards().is_empty());
-    std::thread::sleep(Duration::from_secs(2));
+    let some = |count: usize| {
+        wait_until(
+            "estimates of every machine",
+            Duration::from_secs(60),
+            || fewest(&folder.path().join("live"), 4) > count,
+        );
+    };
+    some(100);
     let old = shards();
     kill(old[0], Signal::KILL);
     wait_until("a successor", Duration::from_secs(30), || {
         shards().iter().any(|pid| !old.contains(pid))
     });
-    std::thread::sleep(Duration::from_secs(1));
+    let before = fewest(&folder.path().join("live"), 4);
+    some(before + 50);
     kill(child.id(), Signal::INT);
     let output = child.wait_with_output().expect("the end");
     let said = both(&output);
@@ -248,7 +256,7 @@ fn in_real_time_with_a_death_and_an_early_end_nothing_is_lost() {
     );
     assert_eq!(live.len(), 4);
     for (machine, rows) in live {
-        assert!(!rows.is_empty());
+        assert!(rows.len() > before + 50, "{}", rows.len());
         assert_eq!(rows[..], quick[&machine][..rows.len()]);
     }
 }

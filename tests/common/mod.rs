@@ -31,6 +31,12 @@ pub fn run_ok(args: &[&str]) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
+/// The name of a file in a folder, as an argument.
+pub fn path_in(folder: &Path, name: &str) -> String {
+    let path = folder.join(name);
+    path.to_str().expect("a path").to_owned()
+}
+
 /// Everything that a run printed.
 pub fn both(output: &Output) -> String {
     format!(

@@ -12,7 +12,7 @@ use sim::loader::{Run, Scenario, Simulation, Tier};
 use super::candidate::Candidate;
 use super::score::{Score, Summary};
 use super::trial;
-use crate::text::{Table, plain, verdict};
+use crate::text::{Table, verdict};
 use crate::{Error, Options, Report, seeds};
 
 /// Length of the earlier run [s].
@@ -50,19 +50,10 @@ pub(super) fn evaluate(options: &Options) -> Result<Report, Error> {
         let passed = is_restored.then_some(is_exact && is_covered);
         met &= passed != Some(false);
         let begins = if is_restored { "remembered" } else { "cold" };
-        table.row(vec![
-            tyres.to_owned(),
-            begins.to_owned(),
-            summary.runs.to_string(),
-            ratio.largest(),
-            plain(ratio.rms, 2),
-            plain(100.0 * ratio.coverage, 1),
-            height.largest(),
-            plain(height.rms, 2),
-            plain(100.0 * height.coverage, 1),
-            summary.diverged.to_string(),
-            passed.map(verdict).unwrap_or_default(),
-        ]);
+        let mut row = vec![tyres.to_owned(), begins.to_owned()];
+        row.extend(summary.cells());
+        row.push(passed.map(verdict).unwrap_or_default());
+        table.row(row);
         let mut record = summary.json();
         (record["tyres"], record["prior"]) = (json!(tyres), json!(begins));
         record["met"] = json!(passed);

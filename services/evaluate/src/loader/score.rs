@@ -10,6 +10,8 @@ use sim::loader::Row;
 
 use statistics::{mean, median, p95};
 
+use crate::text::plain;
+
 /// Half width of a 95 % interval in standard deviations.
 const INTERVAL: f64 = estimation::HALF_WIDTH_95;
 
@@ -132,6 +134,16 @@ impl Summary {
             diverged: scores.iter().filter(|s| s.diverged()).count(),
             runs: scores.len(),
         }
+    }
+
+    /// Cells of a table: runs; largest error, rms error and coverage [%] of ratio and height; diverged runs.
+    pub fn cells(&self) -> Vec<String> {
+        let errors = |e: &Errors| [e.largest(), plain(e.rms, 2), plain(100.0 * e.coverage, 1)];
+        let quantities = [&self.ratio, &self.height].into_iter().flat_map(errors);
+        let runs = std::iter::once(self.runs.to_string());
+        runs.chain(quantities)
+            .chain([self.diverged.to_string()])
+            .collect()
     }
 
     pub fn json(&self) -> serde_json::Value {

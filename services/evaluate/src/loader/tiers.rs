@@ -8,7 +8,7 @@ use sim::loader::{Run, Scenario, Tier};
 use super::candidate::Candidate;
 use super::score::{Errors, Summary};
 use super::{fewer, trial};
-use crate::text::{Table, plain, verdict};
+use crate::text::{Table, verdict};
 use crate::{Error, Options, Report, seeds};
 
 /// Upper limits [percent]; what is infinite is no target.
@@ -216,7 +216,6 @@ fn run(options: &Options, group: &[Case]) -> Result<Vec<Summary>, Error> {
 }
 
 fn line(case: &Case, summary: &Summary, passed: Option<bool>) -> Vec<String> {
-    let Summary { ratio, height, .. } = summary;
     let limits = [("ratio", case.ratio.text()), ("height", case.height.text())];
     let mut target: Vec<String> = limits
         .iter()
@@ -226,20 +225,14 @@ fn line(case: &Case, summary: &Summary, passed: Option<bool>) -> Vec<String> {
     if case.coverage > 0.0 {
         target.push(format!("covered {:.0}", 100.0 * case.coverage));
     }
-    vec![
+    let mut row = vec![
         format!("{:?} {}", case.tier, case.scenario.name()),
         case.filter.name.to_owned(),
-        summary.runs.to_string(),
-        ratio.largest(),
-        plain(ratio.rms, 2),
-        plain(100.0 * ratio.coverage, 1),
-        height.largest(),
-        plain(height.rms, 2),
-        plain(100.0 * height.coverage, 1),
-        summary.diverged.to_string(),
-        target.join("; "),
-        passed.map(verdict).unwrap_or_default(),
-    ]
+    ];
+    row.extend(summary.cells());
+    row.push(target.join("; "));
+    row.push(passed.map(verdict).unwrap_or_default());
+    row
 }
 
 fn record(case: &Case, summary: &Summary, passed: Option<bool>) -> Value {

@@ -7,7 +7,6 @@ use std::path::{Path, PathBuf};
 use calibrate::output::found;
 use estimation::Quantity;
 use evaluate::text::Table;
-use recording::Output;
 use view::number;
 
 use super::told::scales;
@@ -15,6 +14,7 @@ use crate::build::IDENTITY;
 use crate::cli::CalibrateArgs;
 use crate::failure::Failure;
 use crate::many::{self, Ended, Job};
+use crate::results;
 
 /// Names of the results in a folder.
 const DESCRIPTION: &str = "calibrated.toml";
@@ -25,16 +25,15 @@ pub fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {
     if let Some(summary) = &args.summary {
         recording::output::check(summary, &[], many::is_summary)?;
     }
-    let folders: Vec<PathBuf> = args.files.clone();
+    let folders = &args.files;
     let jobs = folders.iter().map(|folder| job(args, folder));
     let jobs = jobs.collect::<Result<Vec<Job>, Failure>>()?;
     let ends = many::run(&jobs, args.many.jobs);
     let machines: Vec<Machine> = folders.iter().zip(&ends).map(Machine::of).collect();
     print!("{}", terminal(&machines));
     if let Some(file) = &args.summary {
-        let mut out = Output::create("write the summary", file, &[], many::is_summary)?;
-        out.put(csv(&machines).as_bytes())?;
-        out.finish()?;
+        let table = csv(&machines);
+        results::text("write the summary", file, &[], many::is_summary, &table)?;
         println!("{} machines in {}", machines.len(), file.display());
     }
     many::judge(&ends)

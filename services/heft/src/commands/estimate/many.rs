@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 
 use config::Description;
 use evaluate::text::Table;
-use recording::Output;
 use serde_json::Value;
 use view::number;
 
@@ -13,6 +12,7 @@ use crate::cli::EstimateArgs;
 use crate::commands::run::description;
 use crate::failure::Failure;
 use crate::many::{self, Ended, Job};
+use crate::results;
 
 /// What the result depends on beside the input: program, method, description.
 pub fn identity(args: &EstimateArgs, description: &Description) -> String {
@@ -53,9 +53,8 @@ pub fn estimate(args: &EstimateArgs) -> Result<(), Failure> {
         .collect();
     print!("{}", terminal(&rows));
     if let Some(file) = &args.summary {
-        let mut out = Output::create("write the summary", file, &[], many::is_summary)?;
-        out.put(csv(&rows).as_bytes())?;
-        out.finish()?;
+        let table = csv(&rows);
+        results::text("write the summary", file, &[], many::is_summary, &table)?;
         println!("{} inputs in {}", rows.len(), file.display());
     }
     many::judge(&ends)
