@@ -198,7 +198,8 @@ pub struct Loader<const METHOD: usize> {
 impl<const METHOD: usize> Default for Loader<METHOD> {
     fn default() -> Self {
         let method = loader::Method::ALL[METHOD];
-        let filter = loader::CgEstimator::new(&loader::Settings::default(), method, LOADER_COLUMNS);
+        let settings = loader::Settings::of(&loader::keys::Description::default(), method);
+        let filter = loader::CgEstimator::new(&settings, method, LOADER_COLUMNS);
         Self {
             filter: filter.unwrap_or_else(|error| panic!("defaults are valid: {error}")),
             laps: Laps::NEW,

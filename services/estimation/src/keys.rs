@@ -38,6 +38,8 @@ pub struct Range {
 pub struct Key {
     /// Name within its table.
     pub name: &'static str,
+    /// Name with its table, as `--set` takes it.
+    pub path: &'static str,
     /// SI unit, "" for pure numbers and words.
     pub unit: &'static str,
     /// What it means.
@@ -49,7 +51,7 @@ pub struct Key {
 }
 
 /// A short list of numbers.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Numbers {
     values: [f64; Self::MOST],
@@ -60,9 +62,15 @@ impl Numbers {
     /// It cannot be longer.
     pub const MOST: usize = 8;
 
+    /// No number.
+    pub const EMPTY: Self = Self {
+        values: [0.0; Self::MOST],
+        length: 0,
+    };
+
     /// The numbers as a list; `None` if there are too many.
     pub fn new(numbers: &[f64]) -> Option<Self> {
-        let mut list = Self::default();
+        let mut list = Self::EMPTY;
         list.values
             .get_mut(..numbers.len())?
             .copy_from_slice(numbers);
@@ -186,7 +194,7 @@ impl Setting for Numbers {
 impl<const N: usize> Setting for [f64; N] {
     const FORM: Form = Form::List(N);
     fn to_value(&self) -> Value<'static> {
-        Value::Numbers(Numbers::new(self).unwrap_or_default())
+        Value::Numbers(Numbers::new(self).unwrap_or(Numbers::EMPTY))
     }
     fn from_value(value: &Value) -> Option<Self> {
         match value {
@@ -207,6 +215,15 @@ pub trait Table {
     /// Sets key `index`; false if there is none or the value does not fit its form. The range is
     /// not looked at.
     fn set(&mut self, index: usize, value: &Value) -> bool;
+
+    /// The first number that is NaN or outside the range of its key: the path of that key, the number, the range.
+    fn outside(&self) -> Option<(&'static str, f64, Range)> {
+        let number = |(index, key): (usize, &Key)| {
+            let range = key.range?;
+            Some((key.path, self.get(index)?.outside(range)?, range))
+        };
+        self.keys().iter().enumerate().find_map(number)
+    }
 }
 
 /// Defines a table together with its keys.
@@ -227,9 +244,14 @@ macro_rules! table {
             $( $(#[doc = $field_doc])+ #[doc = $crate::keys::unit!($unit)] pub $field: $type, )*
         }
 
+        impl $name {
+            /// Every key at its default.
+            pub const DEFAULT: Self = Self { $( $field: $default, )* };
+        }
+
         impl Default for $name {
             fn default() -> Self {
-                Self { $( $field: $default, )* }
+                Self::DEFAULT
             }
         }
 
@@ -240,6 +262,7 @@ macro_rules! table {
             fn keys(&self) -> &'static [$crate::keys::Key] {
                 const KEYS: &[$crate::keys::Key] = &[$( $crate::keys::Key {
                     name: stringify!($field),
+                    path: concat!($table, ".", stringify!($field)),
                     unit: $unit,
                     doc: concat!($($field_doc),+),
                     form: <$type as $crate::keys::Setting>::FORM,

@@ -1,7 +1,8 @@
 //! What the loader's estimator does with rows that it should not believe.
 
+use estimation::loader::keys::Description;
 use estimation::loader::{
-    CgEstimator, Columns, Estimate, Machine, Method, Payload, Sample, Settings, Status, Tuning,
+    CgEstimator, Columns, Estimate, Machine, Method, Payload, Sample, Settings, Status,
 };
 
 const COLUMNS: Columns = Columns {
@@ -12,7 +13,12 @@ const COLUMNS: Columns = Columns {
 };
 
 fn estimator(method: Method) -> CgEstimator {
-    CgEstimator::new(&Settings::default(), method, COLUMNS).unwrap()
+    with_columns(method, COLUMNS)
+}
+
+fn with_columns(method: Method, columns: Columns) -> CgEstimator {
+    let settings = Settings::of(&Description::default(), method);
+    CgEstimator::new(&settings, method, columns).unwrap()
 }
 
 /// Steady driving at 2.5 m/s on a level road: torque against the rolling resistance only.
@@ -112,7 +118,7 @@ fn every_answer_is_finite_whatever_the_rows_hold() {
                 acceleration,
                 ..COLUMNS
             };
-            let mut estimator = CgEstimator::new(&Settings::default(), method, columns).unwrap();
+            let mut estimator = with_columns(method, columns);
             for k in 0..3000 {
                 let answer = estimator.step(&nasty(k));
                 let finite = numbers(&answer).iter().all(|x| x.is_finite());
@@ -347,13 +353,6 @@ fn unusable_settings_are_named() {
     refuse(|s| s.sensors.speed_std = -0.1, "sensors.speed_std");
     refuse(|s| s.prior.cg_ratio_std = 0.0, "prior.cg_ratio_std");
     refuse(|s| s.prior.cg_height = f64::NAN, "prior.cg_height");
-    refuse(
-        |s| {
-            s.tuning = Some(Tuning {
-                substeps: 0,
-                ..Tuning::recommended()
-            })
-        },
-        "estimator.substeps",
-    );
+    refuse(|s| s.estimator.substeps = 0, "estimator.substeps");
+    refuse(|s| s.estimator.gate = 30.0, "estimator.gate");
 }

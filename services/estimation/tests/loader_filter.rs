@@ -2,8 +2,8 @@
 
 mod loader_common;
 
-use estimation::loader::settings::{Machine, Prior, Settings};
-use estimation::loader::{CgEstimator, Columns, LoadTransfer, Method, Sample, Status, Tuning};
+use estimation::loader::settings::{Estimator, Machine, Prior, Settings};
+use estimation::loader::{CgEstimator, Columns, LoadTransfer, Method, Sample, Status};
 use loader_common::{golden, matrix, number, numbers, text};
 use serde_json::Value;
 
@@ -49,32 +49,38 @@ fn sample(names: &[&str], line: &str) -> Sample {
     s
 }
 
-/// Method and tuning of a golden run.
-fn configuration(name: &str) -> (Method, Tuning) {
-    let printed_sign = Tuning {
-        load_transfer: LoadTransfer::Printed,
-        ..Tuning::paper()
+/// Method and settings of a golden run.
+fn configuration(name: &str) -> (Method, Settings) {
+    let paper = Settings::PAPER;
+    let printed_sign = Settings {
+        estimator: Estimator {
+            load_transfer: LoadTransfer::Printed,
+            ..paper.estimator
+        },
+        ..paper
+    };
+    let specified = Settings::SPECIFIED;
+    let close_points = Settings {
+        estimator: Estimator {
+            alpha: 0.01,
+            ..specified.estimator
+        },
+        ..specified
     };
     match name {
-        "isr_printed_physical_sign" => (Method::IsrUkfPrinted, Tuning::paper()),
+        "isr_printed_physical_sign" => (Method::IsrUkfPrinted, paper),
         "isr_printed_printed_sign" => (Method::IsrUkfPrinted, printed_sign),
-        "isr_consistent_n6" => (Method::IsrUkf, Tuning::paper()),
-        "ekf_n6" => (Method::Ekf, Tuning::paper()),
-        "tuned_n6" => (Method::IsrUkf, Tuning::tuned()),
-        "recommended_n10" => (Method::Full, Tuning::recommended()),
-        "recommended_n10_alpha001" => (
-            Method::Full,
-            Tuning {
-                spread: 0.01,
-                ..Tuning::recommended()
-            },
-        ),
-        "recommended_n10_ekf" => (Method::FullEkf, Tuning::recommended()),
+        "isr_consistent_n6" => (Method::IsrUkf, paper),
+        "ekf_n6" => (Method::Ekf, paper),
+        "tuned_n6" => (Method::IsrUkf, Settings::TUNED),
+        "recommended_n10" => (Method::Full, specified),
+        "recommended_n10_alpha001" => (Method::Full, close_points),
+        "recommended_n10_ekf" => (Method::FullEkf, specified),
         other => panic!("unknown run {other}"),
     }
 }
 
-fn settings(file: &Value, tuning: Tuning, told_sensitivity: f64) -> Settings {
+fn told(file: &Value, settings: Settings, told_sensitivity: f64) -> Settings {
     let initial = &file["initial_state"];
     Settings {
         machine: Machine {
@@ -90,8 +96,7 @@ fn settings(file: &Value, tuning: Tuning, told_sensitivity: f64) -> Settings {
             cg_ratio_std: 0.05,
             ..Prior::default()
         },
-        tuning: Some(tuning),
-        ..Settings::default()
+        ..settings
     }
 }
 
@@ -136,9 +141,9 @@ fn check_run(
     } else {
         (1e-8, 1e-9)
     };
-    let (method, tuning) = configuration(name);
+    let (method, settings) = configuration(name);
     let mut estimator =
-        CgEstimator::new(&settings(file, tuning, sensitivity), method, columns).unwrap();
+        CgEstimator::new(&told(file, settings, sensitivity), method, columns).unwrap();
     let mut first_rows = run["first_rows"].as_array().unwrap().iter().peekable();
     let mut rows = matrix(&run["rows"]).into_iter().peekable();
     let mut statuses = Vec::new();

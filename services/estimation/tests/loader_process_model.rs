@@ -4,8 +4,7 @@ mod loader_common;
 
 use estimation::dual::Dual;
 use estimation::loader::LoadTransfer;
-use estimation::loader::cg_model::{CgModel, Loading};
-use estimation::loader::settings::Integration;
+use estimation::loader::cg_model::{CgModel, Integration, Loading};
 use estimation::loader::wheel_dynamics::{Inputs, Motion, Parameters, Road, Tyres, WheelDynamics};
 use estimation::model::Model;
 use loader_common::{array, golden, matrix, number, numbers};

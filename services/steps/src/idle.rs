@@ -31,7 +31,7 @@ macro_rules! idle_keys {
                 } )*
             };
             let idle = |change: Change| Idle {
-                key: change.path,
+                key: change.path.to_owned(),
                 methods: methods.join(" and "),
             };
             keys.drain(..).map(idle).collect()
@@ -43,7 +43,7 @@ messages::machines!(idle_keys);
 
 /// A key that differs from its default.
 pub(crate) struct Change {
-    pub path: String,
+    pub path: &'static str,
     table: usize,
     index: usize,
 }
@@ -65,9 +65,8 @@ fn changed<M: Tables>(machine: &M) -> Vec<Change> {
     for (table, (now, then)) in machine.tables().iter().zip(default.tables()).enumerate() {
         let differs = |index: &usize| now.get(*index) != then.get(*index);
         for index in (0..now.keys().len()).filter(differs) {
-            let key = now.keys()[index].name;
             found.push(Change {
-                path: format!("{}.{key}", now.name()),
+                path: now.keys()[index].path,
                 table,
                 index,
             });

@@ -79,15 +79,9 @@ fn an_unknown_method_is_named_with_the_known_ones() {
 
 #[test]
 fn the_default_description_gives_the_default_settings() {
-    use estimation::loader::{Method, Settings, Tuning};
+    use estimation::loader::{Method, Settings};
     let settings = Settings::of(&config::Loader::default(), Method::Full);
-    assert_eq!(
-        settings,
-        Settings {
-            tuning: Some(Tuning::product()),
-            ..Settings::default()
-        }
-    );
+    assert_eq!(settings, Settings::DEFAULT);
     let settings = Settings::of(&config::Loader::default(), Method::Ekf);
-    assert_eq!(settings.tuning, Some(Tuning::paper()));
+    assert_eq!(settings, Settings::PAPER);
 }

@@ -161,7 +161,7 @@ table! {
         convergence_delay: Option<f64> = None, "s", 0.0 to 100.0;
         /// Forgetting per sample, one factor or one per parameter; empty takes each method's own. A list replaces
         /// paper.lambda_normal and paper.lambda_window.
-        forgetting: Numbers = Numbers::default(), "", 0.0001 to 1.0;
+        forgetting: Numbers = Numbers::EMPTY, "", 0.0001 to 1.0;
         /// Nominal rule: distance of the estimated from the nominal damping at which it acts (Eqs. 28-29).
         epsilon: f64 = 27.0, "N m s/rad", 0.0 to 1e9;
         /// svf-rls estimates the viscous damping too.
@@ -247,7 +247,7 @@ table! {
     /// The regression of the paper, method multi-forgetting-rls.
     pub struct Paper, "estimator.paper" {
         /// Known times of torque changes; empty finds them online.
-        change_times: Numbers = Numbers::default(), "s", -1e12 to 1e12;
+        change_times: Numbers = Numbers::EMPTY, "s", -1e12 to 1e12;
         /// Forgetting of inertia, damping and torque outside the change windows.
         lambda_normal: [f64; 3] = [0.99, 0.69, 0.1], "", 0.0001 to 1.0;
         /// Forgetting of the three inside the change windows.
@@ -293,7 +293,7 @@ impl Description {
         preset.prior.inertia = inertia;
         preset.estimator.calibrate_at_rest = false;
         preset.estimator.convergence_delay = Some(0.25);
-        preset.paper.change_times = Numbers::new(&[5.5, 7.5]).unwrap_or_default();
+        preset.paper.change_times = Numbers::new(&[5.5, 7.5]).unwrap_or(Numbers::EMPTY);
         preset.paper.start_time = Some(5.5);
         preset.paper.stop_time = Some(9.3);
         preset

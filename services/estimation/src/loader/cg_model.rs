@@ -14,7 +14,6 @@
 //! the measurement noise); (17) rewrites (15), not (12).
 
 use super::layout::{CG_HEIGHT, CG_RATIO, Layout, REAR_WHEEL, SPEED};
-use super::settings::Integration;
 use super::tangent::Tangent;
 use super::wheel_dynamics::{GRAVITY, Inputs, Motion, Parameters, Road, WheelDynamics};
 use crate::dual::Dual;
@@ -40,6 +39,15 @@ impl Loading {
         height: 0.0,
         ratio: 0.0,
     };
+}
+
+/// How the process model is integrated over a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Integration {
+    /// Linearly implicit: stable at every speed.
+    Implicit,
+    /// Explicit Euler (18): unstable for a real machine. For comparison only.
+    Euler,
 }
 
 /// One step of the loader under given inputs.

@@ -10,7 +10,7 @@
 //! The disturbances are correlated over some 10 ms and more. Sampling faster than that tells nothing new about them, so at
 //! higher rates their standard deviation grows with the root of the rate.
 
-use super::settings::{Digging, Inflation, Tuning};
+use super::settings::{Estimator, Settings};
 use super::wheel_dynamics::{GRAVITY, Inputs, WheelDynamics};
 use crate::math::sqrt;
 
@@ -22,6 +22,9 @@ const RELAXATION_LENGTH: f64 = 0.3;
 
 /// The tyre relaxes at least as if it rolled at this speed [m/s].
 const LEAST_ROLLING_SPEED: f64 = 0.3;
+
+/// Least standard deviation of the wheel speeds while slow or digging [rad/s].
+const WEAK_WHEEL_STD: f64 = 0.3;
 
 /// Load sensitivity below which radius ripple is taken to be this [-].
 const LEAST_SENSITIVITY: f64 = 0.002;
@@ -49,15 +52,17 @@ impl Monitor {
     /// Conditions of a step with this predicted speed and total spade force.
     pub fn conditions(
         &mut self,
-        tuning: &Tuning,
+        settings: &Settings,
         speed: f64,
         spade_force: f64,
         dt: f64,
     ) -> Conditions {
-        let slow = speed.abs() < tuning.freeze_speed;
-        let (digging, reopen) = tuning
-            .digging
-            .map_or((false, false), |rule| self.digging(&rule, spade_force, dt));
+        let slow = speed.abs() < settings.estimator.v_freeze;
+        let (digging, reopen) = if settings.protected() {
+            self.digging(&settings.estimator, spade_force, dt)
+        } else {
+            (false, false)
+        };
         Conditions {
             frozen: slow || digging,
             weak_wheels: slow || digging,
@@ -66,9 +71,9 @@ impl Monitor {
     }
 
     /// Whether the machine digs or did so within the hold time, and whether the hold ends with this row.
-    fn digging(&mut self, rule: &Digging, spade_force: f64, dt: f64) -> (bool, bool) {
-        if spade_force.abs() > rule.force {
-            self.hold = rule.hold;
+    fn digging(&mut self, keys: &Estimator, spade_force: f64, dt: f64) -> (bool, bool) {
+        if spade_force.abs() > keys.dig_force {
+            self.hold = keys.dig_hold;
             return (true, false);
         }
         if self.hold <= 0.0 {
@@ -88,7 +93,7 @@ impl Monitor {
     /// `speed` and `slip_stiffness` are the predicted ones.
     pub fn wheel_std(
         &mut self,
-        rules: &Inflation,
+        keys: &Estimator,
         step: &WheelStep,
         speed: f64,
         slip_stiffness: f64,
@@ -102,19 +107,19 @@ impl Monitor {
             .radius_load_sensitivity
             .abs()
             .max(LEAST_SENSITIVITY);
-        let radius_ripple = rules.radius_ripple * sensitivity * speed / radius;
+        let radius_ripple = keys.c_rho * sensitivity * speed / radius;
         let rate = sqrt((REFERENCE_STEP / step.dt).max(1.0));
         let settle = (step.dt * speed.max(LEAST_ROLLING_SPEED) / RELAXATION_LENGTH).min(1.0);
         core::array::from_fn(|i| {
             let torque = [step.inputs.front_torque, step.inputs.rear_torque][i];
             self.lagged_torque[i] += settle * (torque - self.lagged_torque[i]);
-            let ripple = rules.load_ripple * torque * per_torque;
-            let lag = rules.torque_lag * (torque - self.lagged_torque[i]) * per_torque;
+            let ripple = keys.c_b * torque * per_torque;
+            let lag = keys.c_t * (torque - self.lagged_torque[i]) * per_torque;
             let extra = ripple * ripple + radius_ripple * radius_ripple + lag * lag;
             let sensor = step.sensor_std[i];
             let std = sqrt(sensor * sensor + rate * rate * extra);
             if step.weak {
-                std.max(rate * rules.frozen_wheel_speed_std)
+                std.max(rate * WEAK_WHEEL_STD)
             } else {
                 std
             }

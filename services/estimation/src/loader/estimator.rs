@@ -80,9 +80,8 @@ impl CgEstimator {
         method: Method,
         columns: Columns,
     ) -> Result<Self, SettingsError> {
-        settings.check(method)?;
-        let tuning = settings.tuning(method);
-        let states = match (method, columns.acceleration, tuning.latency) {
+        settings.check()?;
+        let states = match (method, columns.acceleration, settings.at_work()) {
             (Method::IsrUkfPrinted | Method::IsrUkf | Method::Ekf, ..) => 6,
             (_, false, late) => 8 + usize::from(late),
             (_, true, late) => 10 + usize::from(late),
@@ -139,7 +138,7 @@ impl CgEstimator {
             status: Status::Refused,
             ..self.last
         };
-        if f64::from(self.refused_in_a_row) * self.period > self.settings.verdict.fresh {
+        if f64::from(self.refused_in_a_row) * self.period > self.settings.estimator.fresh {
             answer.fresh = false;
             answer.reason = Reason::Missing;
             (answer.trusted_ratio, answer.trusted_height) = (false, false);
@@ -216,7 +215,6 @@ fn report<const N: usize, const M: usize, B: Belief<N, M>>(
     let beyond = doubt.beyond;
     let reported = with_floors(
         settings,
-        filter.tuning(),
         layout.radii.is_some(),
         centre,
         Each {

@@ -61,4 +61,4 @@ pub use method::Method;
 pub use payload::Payload;
 pub use reason::Reason;
 pub use sample::{Columns, Sample};
-pub use settings::{LoadTransfer, Machine, Prior, Sensors, Settings, SettingsError, Tuning};
+pub use settings::{LoadTransfer, Machine, Prior, Sensors, Settings, SettingsError};

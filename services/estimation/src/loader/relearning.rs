@@ -21,7 +21,10 @@
 //! payload, what is not known of the load sensitivity rho moves them by 2 sigma_rho D, in front down and behind up. Radii
 //! that are held fixed turn that into a height that is wrong by a third.
 
-use super::settings::{Prior, Relearning as Rule};
+use super::settings::Prior;
+
+/// The ratio is known when its standard deviation is this share of the prior's.
+const KNOWN: f64 = 0.3;
 
 /// A way of the share below this is noise, of the estimate or of the weighing.
 const LEAST_SHIFT: f64 = 0.02;
@@ -52,18 +55,18 @@ impl Relearning {
     /// Share of the prior's standard deviations by which the parameters are to be loosened with this row; 0 but once.
     pub fn loosening(
         &mut self,
-        rule: &Rule,
+        gain: f64,
         prior: &Prior,
         [stiffness, ratio]: [f64; 2],
         ratio_std: f64,
     ) -> f64 {
-        if self.started_again || ratio_std > rule.known * prior.cg_ratio_std {
+        if self.started_again || ratio_std > KNOWN * prior.cg_ratio_std {
             return 0.0;
         }
         self.started_again = true;
         let stiffness = (stiffness - self.start[0]) / prior.slip_stiffness_std;
         let ratio = (ratio - self.start[1]) / prior.cg_ratio_std;
-        (rule.gain * (stiffness * stiffness + ratio * ratio)).min(1.0)
+        (gain * (stiffness * stiffness + ratio * ratio)).min(1.0)
     }
 
     /// The ratio has been known once.
@@ -93,10 +96,7 @@ impl Relearning {
 mod tests {
     use super::*;
 
-    const RULE: Rule = Rule {
-        known: 0.3,
-        gain: 0.1,
-    };
+    const GAIN: f64 = 0.1;
 
     #[test]
     fn parameters_are_loosened_once_and_by_the_square_of_the_way() {
@@ -107,9 +107,9 @@ mod tests {
                 prior.slip_stiffness,
                 prior.cg_ratio + deviations * prior.cg_ratio_std,
             ];
-            let early = relearning.loosening(&RULE, &prior, now, 0.4 * prior.cg_ratio_std);
-            let then = relearning.loosening(&RULE, &prior, now, 0.2 * prior.cg_ratio_std);
-            let later = relearning.loosening(&RULE, &prior, now, 0.1 * prior.cg_ratio_std);
+            let early = relearning.loosening(GAIN, &prior, now, 0.4 * prior.cg_ratio_std);
+            let then = relearning.loosening(GAIN, &prior, now, 0.2 * prior.cg_ratio_std);
+            let later = relearning.loosening(GAIN, &prior, now, 0.1 * prior.cg_ratio_std);
             assert_eq!((early, later), (0.0, 0.0));
             then
         };
@@ -122,7 +122,7 @@ mod tests {
         let total = |steps: u32| {
             let prior = Prior::default();
             let mut relearning = Relearning::new([19.0, 0.45]);
-            relearning.loosening(&RULE, &prior, [19.0, 0.45], 0.0);
+            relearning.loosening(GAIN, &prior, [19.0, 0.45], 0.0);
             (0..=steps)
                 .map(|k| 0.45 + 0.27 * f64::from(k) / f64::from(steps))
                 .map(|share| relearning.radius_std(0.001, share).powi(2))

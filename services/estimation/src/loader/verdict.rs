@@ -12,7 +12,7 @@
 use super::layout::Each;
 use super::reason::Reason;
 use super::sample::{Sample, finite};
-use super::settings::{Settings, Tuning};
+use super::settings::Settings;
 use super::stuck::WATCHED;
 use crate::math::sqrt;
 
@@ -240,7 +240,7 @@ impl Evidence {
         doubt: &Doubt,
         frozen: bool,
     ) -> Verdict {
-        let limits = &settings.verdict;
+        let limits = &settings.estimator;
         let fresh = self.fresh(limits.fresh);
         let consistent = self.consistency <= limits.consistent_nis && doubt.reason == Reason::None;
         let reset = self.resets > 0 && self.since_reset < RESET_SHOWN;
@@ -284,7 +284,6 @@ impl Evidence {
 /// Standard deviations with the floors.
 pub(super) fn with_floors(
     settings: &Settings,
-    tuning: &Tuning,
     learns_radii: bool,
     centre: Each<f64>,
     std: Each<f64>,
@@ -293,14 +292,14 @@ pub(super) fn with_floors(
     let machine = &settings.machine;
     let radius = if learns_radii { 0.0 } else { RADIUS_STD };
     // A tyre modelled as rigid is wrong by the whole load sensitivity, not by its uncertainty.
-    let unmodelled = if tuning.real_tyre {
+    let unmodelled = if settings.real_tyre() {
         0.0
     } else {
         machine.radius_load_sensitivity
     };
     let stated = machine.radius_load_sensitivity_std;
     let sensitivity = norm(&[
-        stated.max(settings.verdict.load_sensitivity_floor),
+        stated.max(settings.estimator.load_sensitivity_floor),
         unmodelled,
     ]);
     let torque_ratio = core::f64::consts::SQRT_2 * settings.sensors.torque_gain_std;
@@ -308,14 +307,14 @@ pub(super) fn with_floors(
         RATIO_PER_SENSITIVITY * sensitivity,
         (1.0 - ratio) * torque_ratio,
         (1.0 - ratio) * machine.stiffness_ratio_std,
-        settings.verdict.cg_ratio_floor,
+        settings.estimator.cg_ratio_floor,
         RATIO_PER_RADIUS * radius,
     ]);
     Each {
         ratio: norm(&[std.ratio, ratio * relative]),
         height: norm(&[
             std.height,
-            settings.verdict.cg_height_floor,
+            settings.estimator.cg_height_floor,
             HEIGHT_PER_RADIUS * radius,
             height * machine.stiffness_load_exponent_std,
         ]),

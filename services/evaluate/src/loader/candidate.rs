@@ -1,9 +1,9 @@
-//! The filters under comparison: which method, with which tuning, told what.
+//! The filters under comparison: which method, with which settings, told what.
 
-use estimation::loader::settings::{Inflation, ProcessNoise};
+use estimation::loader::settings::Estimator;
 use estimation::loader::{
     CgEstimator, Columns, LoadTransfer, Machine, Method, Payload, Prior, Sample, Sensors, Settings,
-    SettingsError, Tuning,
+    SettingsError,
 };
 use sim::loader::{Grade, Row, Told};
 
@@ -13,8 +13,8 @@ pub(super) struct Candidate {
     /// Name in the tables.
     pub name: &'static str,
     method: Method,
-    tuning: Tuning,
-    prior: Prior,
+    /// Before anything is told of the machine.
+    settings: Settings,
     /// Start from the truth instead of the initial guess.
     start_at_truth: bool,
     /// The wheel speeds are corrected with radii that were calibrated before.
@@ -30,16 +30,15 @@ const PAPER_PRIOR: Prior = Prior {
     slip_stiffness_std: 2.0,
     cg_height_std: 0.10,
     cg_ratio_std: 0.05,
-    ..Prior::TYPICAL
+    ..Prior::DEFAULT
 };
 
 impl Candidate {
-    const fn new(name: &'static str, method: Method, tuning: Tuning) -> Self {
+    const fn new(name: &'static str, method: Method, settings: Settings) -> Self {
         Self {
             name,
             method,
-            tuning,
-            prior: PAPER_PRIOR,
+            settings,
             start_at_truth: false,
             warm: false,
             knows_load_sensitivity: false,
@@ -47,79 +46,76 @@ impl Candidate {
         }
     }
 
-    const fn product(name: &'static str) -> Self {
-        Self {
-            prior: Prior::TYPICAL,
-            ..Self::new(name, Method::Full, Tuning::product())
-        }
+    /// With six states.
+    const fn six(name: &'static str, method: Method, settings: Settings) -> Self {
+        let settings = Settings {
+            prior: PAPER_PRIOR,
+            ..settings
+        };
+        Self::new(name, method, settings)
     }
 
     /// The paper's filter as printed.
-    pub const PRINTED: Self = Self::new("ISR-UKF printed", Method::IsrUkfPrinted, Tuning::paper());
+    pub const PRINTED: Self = Self::six("ISR-UKF printed", Method::IsrUkfPrinted, Settings::PAPER);
     /// The paper's filter with gain and covariance that agree.
-    pub const JOINT: Self = Self::new("ISR-UKF", Method::IsrUkf, Tuning::paper());
+    pub const JOINT: Self = Self::six("ISR-UKF", Method::IsrUkf, Settings::PAPER);
     /// The paper's baseline.
-    pub const EKF: Self = Self::new("EKF", Method::Ekf, Tuning::paper());
+    pub const EKF: Self = Self::six("EKF", Method::Ekf, Settings::PAPER);
     /// Six states with the tuning that suits an exactly known machine.
-    pub const TUNED: Self = Self::new("tuned 6 states", Method::IsrUkf, known_machine_tuning());
+    pub const TUNED: Self = Self::six("tuned 6 states", Method::IsrUkf, KNOWN_MACHINE);
     /// The product, nothing calibrated.
-    pub const COLD: Self = Self::product("full, cold");
+    pub const COLD: Self = Self::new("full, cold", Method::Full, Settings::DEFAULT);
     /// The product by the model's tangent.
-    pub const TANGENT: Self = Self {
-        method: Method::FullEkf,
-        ..Self::product("full-ekf, cold")
-    };
+    pub const TANGENT: Self = Self::new("full-ekf, cold", Method::FullEkf, Settings::DEFAULT);
     /// The product with rolling radii known to 5e-4.
     pub const WARM: Self = Self {
         warm: true,
-        prior: Prior {
-            radius_std: 5e-4,
-            ..Prior::TYPICAL
-        },
-        ..Self::product("full, warm")
+        ..Self::new("full, warm", Method::Full, CALIBRATED_RADII)
     };
     /// The product that is told the one tolerance which it cannot learn and which moves the ratio most.
     pub const CALIBRATED: Self = Self {
         knows_load_sensitivity: true,
-        ..Self::product("full, load sensitivity known")
+        name: "full, load sensitivity known",
+        ..Self::COLD
     };
     /// The product that is told the payload.
     pub const WEIGHED: Self = Self {
         weighed: true,
-        tuning: weighed_tuning(),
-        ..Self::product("full, weighed")
+        ..Self::new("full, weighed", Method::Full, WEIGHED)
     };
 
     /// The filter of the demonstration about the sign of the load transfer: height held, everything else known.
     pub const fn sign(load_transfer: LoadTransfer) -> Self {
-        let tuning = Tuning {
-            load_transfer,
-            noise: ProcessNoise {
-                speed: 1e-3,
-                wheel_speed: 2e-3,
-                slip_stiffness: 1e-4,
-                cg_height: 1e-6,
-                cg_ratio: 1e-3,
-                ..Tuning::tuned().noise
+        let settings = Settings {
+            estimator: Estimator {
+                load_transfer,
+                q_speed: 1e-3,
+                q_wheel_speed: 2e-3,
+                q_slip_stiffness: 1e-4,
+                q_cg_height: 1e-6,
+                q_cg_ratio: 1e-3,
+                // No bounds.
+                slip_stiffness_min: 0.01,
+                slip_stiffness_max: 1e4,
+                cg_height_min: 0.0,
+                cg_height_max: 20.0,
+                cg_ratio_min: 0.0,
+                cg_ratio_max: 1.0,
+                ..Settings::TUNED.estimator
             },
-            inflation: Inflation {
-                radius_ripple: 0.0,
-                ..Tuning::tuned().inflation
+            prior: Prior {
+                cg_height_std: 0.01,
+                ..PAPER_PRIOR
             },
-            clamps: None,
-            ..Tuning::tuned()
+            ..Settings::TUNED
         };
         let name = match load_transfer {
             LoadTransfer::Physical => "physical",
             LoadTransfer::Printed => "printed",
         };
         Self {
-            prior: Prior {
-                cg_height_std: 0.01,
-                ..PAPER_PRIOR
-            },
             start_at_truth: true,
-            ..Self::new(name, Method::IsrUkf, tuning)
+            ..Self::new(name, Method::IsrUkf, settings)
         }
     }
 
@@ -138,7 +134,7 @@ impl Candidate {
             slip_stiffness: told.slip_stiffness,
             cg_height: told.cg_height.max(0.3),
             cg_ratio: told.cg_ratio,
-            ..self.prior
+            ..self.settings.prior
         };
         if self.start_at_truth {
             prior.slip_stiffness = first.truth.slip_stiffness;
@@ -153,8 +149,7 @@ impl Candidate {
             machine,
             sensors: sensors(told.grade),
             prior,
-            tuning: Some(self.tuning),
-            ..Settings::default()
+            ..self.settings
         }
     }
 
@@ -203,34 +198,36 @@ impl Candidate {
     }
 }
 
-/// What is exactly known hardly walks: a third of the process noise of [`Tuning::tuned`], which lets the ratio drift by
+/// What is exactly known hardly walks: a third of the process noise of [`Settings::TUNED`], which lets the ratio drift by
 /// 1 % within a work cycle. Rows with a changing torque count half.
-const fn known_machine_tuning() -> Tuning {
-    let tuned = Tuning::tuned();
-    Tuning {
-        noise: ProcessNoise {
-            slip_stiffness: 1e-4,
-            cg_height: 1e-5,
-            cg_ratio: 1e-5,
-            ..tuned.noise
-        },
-        inflation: Inflation {
-            torque_lag: 1.0,
-            ..tuned.inflation
-        },
-        ..tuned
-    }
-}
+const KNOWN_MACHINE: Settings = Settings {
+    estimator: Estimator {
+        q_slip_stiffness: 1e-4,
+        q_cg_height: 1e-5,
+        q_cg_ratio: 1e-5,
+        c_t: 1.0,
+        ..Settings::TUNED.estimator
+    },
+    ..Settings::TUNED
+};
 
-const fn weighed_tuning() -> Tuning {
-    let mut tuning = Tuning::product();
-    if let Some(digging) = &mut tuning.digging {
-        // A payload that is told moves no state: nothing to reopen.
-        digging.reopen = 0.0;
-        digging.boom_gain = 1.0;
-    }
-    tuning
-}
+const CALIBRATED_RADII: Settings = Settings {
+    prior: Prior {
+        radius_std: 5e-4,
+        ..Prior::DEFAULT
+    },
+    ..Settings::DEFAULT
+};
+
+/// A payload that is told moves no state: nothing to reopen.
+const WEIGHED: Settings = Settings {
+    estimator: Estimator {
+        reopen: 0.0,
+        boom_gain: 1.0,
+        ..Settings::DEFAULT.estimator
+    },
+    ..Settings::DEFAULT
+};
 
 fn machine(told: &Told) -> Machine {
     Machine {

@@ -23,7 +23,7 @@ const CASES: [(Tier, Scenario, &[f64]); 5] = [
     (Tier::B, Scenario::WorkCycle, &[10.0, 30.0, 100.0, 300.0]),
 ];
 /// Standard deviation of the prior [m].
-const PRIOR: f64 = Prior::TYPICAL.cg_height_std;
+const PRIOR: f64 = Prior::DEFAULT.cg_height_std;
 /// Least share of the runs whose interval holds the truth, in every line.
 const COVERED: f64 = 0.93;
 /// Floor of the reported standard deviation: what cannot be learnt on line [m].

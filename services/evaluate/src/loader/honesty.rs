@@ -37,20 +37,15 @@ fn scaled(mut settings: Settings, size: Size) -> Settings {
     let torque = heavy * machine.wheel_radius / reference.wheel_radius;
     settings.machine.relaxation_length = 0.12;
     settings.prior.cg_height_std *= tall;
-    settings.prior.spade_force_x_std *= heavy;
-    settings.verdict.excited_torque *= torque;
-    settings.verdict.cg_height_floor *= tall;
-    settings.verdict.converged_height *= tall;
-    if let Some(tuning) = &mut settings.tuning {
-        tuning.noise.spade_force_x *= heavy;
-        tuning.noise.cg_height *= tall;
-        if let Some(digging) = &mut tuning.digging {
-            digging.force *= heavy;
-        }
-        if let Some(clamps) = &mut tuning.clamps {
-            clamps.cg_height = (clamps.cg_height.0, clamps.cg_height.1 * tall);
-        }
-    }
+    settings.prior.spade_force_std *= heavy;
+    let keys = &mut settings.estimator;
+    keys.excited_torque *= torque;
+    keys.cg_height_floor *= tall;
+    keys.converged_height *= tall;
+    keys.q_spade_force *= heavy;
+    keys.q_cg_height *= tall;
+    keys.dig_force *= heavy;
+    keys.cg_height_max *= tall;
     settings
 }
 

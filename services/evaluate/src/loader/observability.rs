@@ -8,10 +8,9 @@
 //! JSON: `[{"scenario", "time", "parameters": {NAME: std/prior}, "directions": [{"ratio", "along"}]}]`, weakest first.
 
 use estimation::dual::Dual;
-use estimation::loader::cg_model::{CgModel, Loading};
-use estimation::loader::settings::Integration;
+use estimation::loader::cg_model::{CgModel, Integration, Loading};
 use estimation::loader::wheel_dynamics::{Inputs, Tyres, WheelDynamics};
-use estimation::loader::{LoadTransfer, Prior, Tuning};
+use estimation::loader::{LoadTransfer, Prior, Settings};
 use estimation::model::Model;
 use faer::Mat;
 use serde_json::{Value, json};
@@ -164,7 +163,7 @@ fn prior_std() -> [f64; STATES] {
         prior.slip_stiffness_std,
         prior.cg_height_std,
         prior.cg_ratio_std,
-        prior.spade_force_x_std,
+        prior.spade_force_std,
         prior.radius_std,
         prior.radius_std,
         prior.slope_bias_std,
@@ -203,8 +202,8 @@ fn roots(scenario: Scenario, times: &[f64]) -> Result<Vec<(f64, Mat<f64>)>, Erro
 /// The root after a prediction along the truth and an update with all measurements.
 fn step(root: &Mat<f64>, told: &Told, before: &Row, row: &Row) -> Mat<f64> {
     let (states, measurements) = jacobian(told, before, row);
-    let noise = Tuning::recommended().noise;
-    let process = [noise.speed, noise.wheel_speed, noise.wheel_speed];
+    let keys = Settings::SPECIFIED.estimator;
+    let process = [keys.q_speed, keys.q_wheel_speed, keys.q_wheel_speed];
     let grade = told.grade;
     let sensor = [
         grade.speed_std(),
@@ -218,7 +217,7 @@ fn step(root: &Mat<f64>, told: &Told, before: &Row, row: &Row) -> Mat<f64> {
         if i < 3 {
             process[i]
         } else if i == FORCE {
-            noise.spade_force_x
+            keys.q_spade_force
         } else {
             0.0
         }
@@ -308,7 +307,7 @@ fn model(told: &Told, before: &Row, row: &Row) -> CgModel {
             rolling_resistance: told.rolling_resistance,
             friction: told.friction,
             radius_load_sensitivity: told.radius_load_sensitivity,
-            minimum_speed: Tuning::recommended().minimum_speed,
+            minimum_speed: Settings::SPECIFIED.estimator.v_min,
             load_transfer: LoadTransfer::Physical,
             tyres: Tyres::ALIKE,
         },

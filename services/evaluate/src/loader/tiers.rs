@@ -99,7 +99,7 @@ impl Case {
 const INF: f64 = f64::INFINITY;
 
 /// The lines; consecutive ones of the same tier and scenario share their runs.
-const CASES: [Case; 29] = {
+static CASES: [Case; 29] = {
     use Scenario::{AccelDecel, Bumpy, ConstantTorque, Digging, LoadCycle, Spading, WorkCycle};
     use Tier::{A, B};
     [

@@ -7,7 +7,7 @@ use crate::idle::Change;
 
 /// Whether a changed key does nothing under any of `methods`.
 pub(crate) fn is_idle(_: &Excavator, change: &Change, methods: &[&str]) -> bool {
-    !methods.iter().any(|m| acts(&change.path, m))
+    !methods.iter().any(|m| acts(change.path, m))
 }
 
 /// Whether a key may act under a method.

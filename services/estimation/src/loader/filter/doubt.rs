@@ -1,6 +1,7 @@
 //! What makes an estimate doubtful, and which cause is named first.
 
 use super::{Belief, CgFilter};
+use crate::keys::Range;
 use crate::loader::layout::{CG_HEIGHT, CG_RATIO, Each, Layout, SLIP_STIFFNESS, SPEED};
 use crate::loader::reason::Reason;
 use crate::loader::verdict::Doubt;
@@ -32,16 +33,17 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             prior.slip_stiffness,
             prior.slip_stiffness_std,
         );
-        let limits = self.tuning.clamps;
-        let at = |bounds: Option<(f64, f64)>, value: f64| {
-            bounds.is_some_and(|(low, high)| value <= 1.02 * low || value >= 0.98 * high)
+        let bounds = self.settings.bounds();
+        let at = |i: usize| {
+            let Range { low, high } = bounds[i - SLIP_STIFFNESS];
+            state[i] <= 1.02 * low || state[i] >= 0.98 * high
         };
         let at_limit = Each {
-            ratio: at(limits.map(|c| c.cg_ratio), state[CG_RATIO]),
-            height: at(limits.map(|c| c.cg_height), state[CG_HEIGHT]),
+            ratio: at(CG_RATIO),
+            height: at(CG_HEIGHT),
         };
-        let stiffness_at_limit = at(limits.map(|c| c.slip_stiffness), state[SLIP_STIFFNESS]);
-        if !self.tuning.screened {
+        let stiffness_at_limit = at(SLIP_STIFFNESS);
+        if !self.settings.at_work() {
             return Doubt {
                 at_limit,
                 ..Doubt::NONE

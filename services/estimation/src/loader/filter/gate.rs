@@ -1,11 +1,11 @@
 //! Which measurements are used, and how much.
 
-use crate::loader::settings::Gates;
+use crate::loader::settings::Settings;
 use crate::math::sqrt;
 
 /// Whether a measurement is used, and whether it was de-weighted; `std` grows in that case.
 pub(super) fn gate(
-    gates: Option<Gates>,
+    settings: &Settings,
     innovation: f64,
     std: &mut f64,
     predicted_std: impl Fn() -> f64,
@@ -13,17 +13,18 @@ pub(super) fn gate(
     if !innovation.is_finite() {
         return (false, false);
     }
-    let Some(gates) = gates else {
+    if !settings.protected() {
         return (true, false);
-    };
+    }
+    let keys = &settings.estimator;
     let predicted = predicted_std();
     let normalised = innovation.abs() / sqrt(*std * *std + predicted * predicted);
-    if normalised >= gates.hard || normalised.is_nan() {
+    if normalised >= keys.reject || normalised.is_nan() {
         return (false, false);
     }
-    let soft = normalised > gates.soft;
+    let soft = normalised > keys.gate;
     if soft {
-        *std += innovation.abs() / gates.soft;
+        *std += innovation.abs() / keys.gate;
     }
     (true, soft)
 }

@@ -1,7 +1,7 @@
 //! The estimator on a fixed number of states: what happens with one row.
 
 use crate::loader::Method;
-use crate::loader::cg_model::{CgModel, Loading};
+use crate::loader::cg_model::{CgModel, Integration, Loading};
 use crate::loader::conditions::{Conditions, Monitor};
 use crate::loader::disturbance::{Disturbance, Effect};
 use crate::loader::estimate::Status;
@@ -15,7 +15,7 @@ use crate::loader::payload::Payload;
 use crate::loader::quantum::Quantum;
 use crate::loader::relearning::Relearning;
 use crate::loader::sample::{Sample, finite};
-use crate::loader::settings::{Settings, Tuning};
+use crate::loader::settings::{Inputs as Driven, Settings};
 use crate::loader::slope::SlopeError;
 use crate::loader::stuck::{Stuck, Witness};
 use crate::loader::verdict::Evidence;
@@ -37,7 +37,7 @@ use gate::gate;
 /// Measurement noise that stands for "not measured" in the printed form.
 const NOT_MEASURED_STD: f64 = 1e6;
 
-/// A longer step between rows is a jump, whatever the tuning takes for a gap [s].
+/// A longer step between rows is a jump, whatever the settings take for a gap [s].
 const LONGEST_STEP: f64 = 1.0;
 
 /// Acceleration beyond which the torques do not explain the motion [m/s^2].
@@ -87,7 +87,6 @@ impl<const M: usize> RowReport<M> {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct CgFilter<const N: usize, const M: usize, B: Belief<N, M>> {
     settings: Settings,
-    tuning: Tuning,
     printed: bool,
     belief: B,
     dynamics: WheelDynamics,
@@ -121,8 +120,7 @@ pub(super) struct CgFilter<const N: usize, const M: usize, B: Belief<N, M>> {
 impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     /// The filter before its first row; the settings must have been checked.
     pub(in crate::loader) fn new(settings: &Settings, method: Method) -> Self {
-        let tuning = settings.tuning(method);
-        let machine = &settings.machine;
+        let (machine, keys) = (&settings.machine, &settings.estimator);
         let dynamics = WheelDynamics {
             mass: machine.mass,
             wheel_radius: machine.wheel_radius,
@@ -130,28 +128,23 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             wheelbase: machine.wheelbase,
             bucket_reach: machine.bucket_reach,
             rolling_resistance: machine.rolling_resistance,
-            friction: if tuning.real_tyre {
-                machine.friction
-            } else {
-                f64::INFINITY
-            },
-            radius_load_sensitivity: if tuning.real_tyre {
+            friction: settings.friction(),
+            radius_load_sensitivity: if settings.real_tyre() {
                 machine.radius_load_sensitivity
             } else {
                 0.0
             },
-            minimum_speed: tuning.minimum_speed,
-            load_transfer: tuning.load_transfer,
+            minimum_speed: keys.v_min,
+            load_transfer: keys.load_transfer,
             tyres: Tyres::new(machine.stiffness_ratio, machine.stiffness_load_exponent),
         };
         let spread = Spread {
-            alpha: tuning.spread,
-            beta: tuning.beta,
-            kappa: tuning.kappa,
+            alpha: keys.alpha,
+            beta: keys.beta,
+            kappa: keys.kappa,
         };
         let mut new = Self {
             settings: *settings,
-            tuning,
             printed: method == Method::IsrUkfPrinted,
             belief: B::new([0.0; N], &[0.0; N], spread),
             dynamics,
@@ -189,10 +182,6 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         self.belief.std(i)
     }
 
-    pub(in crate::loader) fn tuning(&self) -> &Tuning {
-        &self.tuning
-    }
-
     pub(in crate::loader) fn last_time(&self) -> Option<f64> {
         self.clock.last()
     }
@@ -212,24 +201,23 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     pub fn step(&mut self, sample: &Sample) -> RowReport<M> {
         let machine = &self.settings.machine;
         let sample = &self.corrected(&sample.plausible(machine.mass, machine.wheel_radius));
-        let dt = match self
-            .clock
-            .tick(sample.time, self.tuning.gap.min(LONGEST_STEP))
-        {
+        let gap = self.settings.gap();
+        let dt = match self.clock.tick(sample.time, gap.min(LONGEST_STEP)) {
             Tick::First => return self.first(sample),
             Tick::Later(dt) => dt,
             Tick::Refused => return RowReport::without_update(Status::Refused, self.frozen),
             Tick::SetBack => return self.set_back(sample),
         };
-        let screened = if self.tuning.screened {
+        let at_work = self.settings.at_work();
+        let screened = if at_work {
             let witness = self.witness(sample);
             self.stuck.watch(sample, &witness, dt)
         } else {
             *sample
         };
         let sample = &screened;
-        let (midpoint, anew) = (self.tuning.midpoint_inputs, self.tuning.screened);
-        let step = self.hold.advance(sample, midpoint, anew);
+        let midpoint = self.settings.estimator.inputs != Driven::Hold;
+        let step = self.hold.advance(sample, midpoint, at_work);
         self.spade_force_x = step.inputs.spade_force_x;
         self.dynamics.mass = self
             .payload
@@ -244,14 +232,14 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         self.boom_told |= sample.boom_moving;
         self.changed += dt;
         self.watch_slope(sample, dt);
-        if self.tuning.load_shift && self.payload.is_none() {
+        if at_work && self.payload.is_none() {
             self.weigh(dt);
         }
         let at = [SPEED, SLIP_STIFFNESS].map(|i| self.belief.state()[i]);
         self.effect = self.disturbance.update(&self.dynamics, &step, at, dt);
-        let fresh = self.settings.verdict.fresh;
-        if dt > self.tuning.gap || self.tuning.screened && self.evidence.torque_lost(fresh) {
-            let away = if dt > self.tuning.gap { dt } else { 0.0 };
+        let fresh = self.settings.estimator.fresh;
+        if dt > gap || at_work && self.evidence.torque_lost(fresh) {
+            let away = if dt > gap { dt } else { 0.0 };
             return self.bridge_gap(sample, away);
         }
         let model = self.model(step.inputs, dt);
@@ -265,15 +253,15 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
 
     /// The sample with true torques, and where the filter does not learn it, the true slope.
     fn corrected(&self, sample: &Sample) -> Sample {
-        let [front, rear] = self.settings.sensors.torque_gains;
+        let sensors = &self.settings.sensors;
         let bias = if const { Layout::of(N) }.slope_bias.is_none() {
             self.settings.prior.slope_bias
         } else {
             0.0
         };
         Sample {
-            front_torque: sample.front_torque.map(|t| t / front),
-            rear_torque: sample.rear_torque.map(|t| t / rear),
+            front_torque: sample.front_torque.map(|t| t / sensors.front_torque_gain),
+            rear_torque: sample.rear_torque.map(|t| t / sensors.rear_torque_gain),
             slope: sample.slope.map(|s| s - bias),
             ..*sample
         }
@@ -304,8 +292,8 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             dynamics: self.dynamics,
             inputs,
             dt,
-            integration: self.tuning.integration,
-            substeps: self.tuning.substeps,
+            integration: Integration::Implicit,
+            substeps: u32::try_from(self.settings.estimator.substeps).unwrap_or(u32::MAX),
             loading: self.loading(),
         }
     }
@@ -319,7 +307,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let rear = finite(sample.rear_wheel_speed).unwrap_or(speed / radius);
         let fastest = speed.abs().max(radius * front.abs().max(rear.abs()));
         Witness {
-            moving: fastest > self.tuning.freeze_speed,
+            moving: fastest > self.settings.estimator.v_freeze,
             speeds: [0.5 * radius * (front + rear), rear, front],
             unexplained: self.disturbance.unexplained.abs() > UNEXPLAINED,
             std: [
@@ -331,7 +319,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
                 sensors.slope_std,
                 sensors.acceleration_std,
             ],
-            patience: self.settings.verdict.fresh,
+            patience: self.settings.estimator.fresh,
         }
     }
 
@@ -353,7 +341,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         )
     }
 
-    /// The consistent step with every rule of the tuning.
+    /// The consistent step with every rule.
     fn update(&mut self, model: &CgModel, sample: &Sample, step: &StepInputs) -> RowReport<M> {
         let mut ahead = self.belief.ahead(model);
         let before = Before {
@@ -366,14 +354,15 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let force = step.inputs.spade_force_x + unknown_force;
         let conditions = self
             .monitor
-            .conditions(&self.tuning, state[SPEED], force, model.dt);
+            .conditions(&self.settings, state[SPEED], force, model.dt);
         let process_std = self.process_std(&conditions, sample.boom_moving, model.dt);
         let measured = measurements::<M>(sample, step.acceleration);
         self.quantum
             .see([measured[FRONT_WHEEL], measured[REAR_WHEEL]]);
         let effect = self.effect;
         let mut std = self.measurement_std(&state, &conditions, model);
-        if self.tuning.screened {
+        let at_work = self.settings.at_work();
+        if at_work {
             let slip = sqrt(effect.turn * effect.turn + effect.force * effect.force);
             let disturbed = slip * state[SPEED].abs() / self.dynamics.wheel_radius;
             for i in [FRONT_WHEEL, REAR_WHEEL] {
@@ -383,7 +372,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let expected = self.belief.predict(&mut ahead, model, &process_std);
         let predicted = B::measurement(&expected);
         let mut innovation: [f64; M] = core::array::from_fn(|j| measured[j] - predicted[j]);
-        if self.tuning.windup {
+        if at_work {
             let at = [state[SLIP_STIFFNESS], state[CG_RATIO]];
             let windup = self.windup.wheel_speeds(
                 self.settings.machine.relaxation_length,
@@ -397,13 +386,13 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
         let (mut accepted, mut deweighted) = ([false; M], [false; M]);
         for j in 0..M {
-            let (kept, soft) = gate(self.tuning.gates, innovation[j], &mut std[j], || {
+            let (kept, soft) = gate(&self.settings, innovation[j], &mut std[j], || {
                 B::measurement_std(&expected, j)
             });
             (accepted[j], deweighted[j]) = (kept, soft);
         }
         let mut set_aside = false;
-        if self.tuning.screened {
+        if at_work {
             // A held torque is of another time, and a wheel without its torque tells nothing.
             let torques = [sample.front_torque, sample.rear_torque];
             let driven = torques.iter().all(|torque| finite(*torque).is_some());
@@ -412,7 +401,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             accepted[REAR_WHEEL] &= driven && !effect.braking;
         }
         let both = accepted[FRONT_WHEEL] && accepted[REAR_WHEEL] && !conditions.frozen;
-        if self.tuning.screened && both {
+        if at_work && both {
             self.compare_legs(&before, &state, &innovation, &std, model);
         }
         let nis = self.belief.update(&expected, &innovation, &std, &accepted);

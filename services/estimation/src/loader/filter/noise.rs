@@ -21,34 +21,34 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         boom_moving: bool,
         dt: f64,
     ) -> [f64; N] {
-        let (noise, prior) = (&self.tuning.noise, &self.settings.prior);
+        let (keys, prior) = (&self.settings.estimator, &self.settings.prior);
         let scale = sqrt(dt / REFERENCE_STEP);
         let mut std: [f64; N] = ByState {
-            motion: [noise.speed, noise.wheel_speed, noise.wheel_speed],
-            parameters: [noise.slip_stiffness, noise.cg_height, noise.cg_ratio],
-            spade_force: noise.spade_force_x,
-            radius: noise.radius,
-            slope_bias: noise.slope_bias,
-            speed_delay: noise.speed_delay,
+            motion: [keys.q_speed, keys.q_wheel_speed, keys.q_wheel_speed],
+            parameters: [keys.q_slip_stiffness, keys.q_cg_height, keys.q_cg_ratio],
+            spade_force: keys.q_spade_force,
+            radius: keys.q_radius,
+            slope_bias: keys.q_slope_bias,
+            speed_delay: keys.q_speed_delay,
         }
         .state()
         .map(|q| q * scale);
         if conditions.frozen {
             std[SLIP_STIFFNESS..=CG_RATIO].fill(0.0);
         }
-        if let (Some(rule), None) = (self.tuning.digging, self.payload) {
+        if self.settings.protected() && self.payload.is_none() {
             if boom_moving || self.lifts_untold() {
-                std[CG_HEIGHT] = rule.boom_gain * scale * noise.cg_height;
-                std[CG_RATIO] = rule.boom_gain * scale * noise.cg_ratio;
+                std[CG_HEIGHT] = keys.boom_gain * scale * keys.q_cg_height;
+                std[CG_RATIO] = keys.boom_gain * scale * keys.q_cg_ratio;
             }
-            if conditions.reopen && rule.reopen > 0.0 {
-                std[CG_HEIGHT] = rule.reopen * prior.cg_height_std;
-                std[CG_RATIO] = rule.reopen * prior.cg_ratio_std;
+            if conditions.reopen && keys.reopen > 0.0 {
+                std[CG_HEIGHT] = keys.reopen * prior.cg_height_std;
+                std[CG_RATIO] = keys.reopen * prior.cg_ratio_std;
             }
         }
         std[SPEED] = std[SPEED].max(GRAVITY * self.settings.sensors.slope_std * dt);
         if let Some(bias) = const { Layout::of(N) }.slope_bias
-            && self.tuning.screened
+            && self.settings.at_work()
         {
             std[bias] = std[bias].max(self.slope_error.walk(dt));
         }
@@ -63,7 +63,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
 
     /// The machine is loaded, and nobody would say if the boom moved.
     pub(in crate::loader) fn lifts_untold(&self) -> bool {
-        self.tuning.load_shift && !self.boom_told && self.load.share() > LEAST_LOAD
+        self.settings.at_work() && !self.boom_told && self.load.share() > LEAST_LOAD
     }
 
     /// A step of the mass moves the centre of gravity and makes it uncertain.
@@ -101,16 +101,14 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     pub(super) fn loosening(&mut self) -> [f64; N] {
         let (prior, state) = (&self.settings.prior, self.belief.state());
         let (mut share, mut radius) = (0.0, 0.0);
-        if let Some(rule) = &self.tuning.relearning {
+        if self.settings.at_work() {
             let ratio_std = self.belief.std(CG_RATIO);
             share = self.relearning.loosening(
-                rule,
+                self.settings.estimator.relearn,
                 prior,
                 [state[SLIP_STIFFNESS], state[CG_RATIO]],
                 ratio_std,
             );
-        }
-        if self.tuning.load_shift {
             let loading = self.loading();
             let ratio = loading.share * state[CG_RATIO] + loading.ratio;
             let sensitivity_std = self.settings.machine.radius_load_sensitivity_std;
@@ -151,7 +149,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let step = WheelStep {
             machine: &model.dynamics,
             inputs: &model.inputs,
-            sensor_std: if self.tuning.quantum {
+            sensor_std: if self.settings.at_work() {
                 self.quantum.widen(self.settings.sensors.wheel_speed_std)
             } else {
                 [self.settings.sensors.wheel_speed_std; 2]
@@ -160,7 +158,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             dt: model.dt,
         };
         [std[FRONT_WHEEL], std[REAR_WHEEL]] = self.monitor.wheel_std(
-            &self.tuning.inflation,
+            &self.settings.estimator,
             &step,
             state[SPEED],
             state[SLIP_STIFFNESS],
@@ -178,7 +176,8 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
         .state();
         if let Some(radii) = const { Layout::of(N) }.radii {
-            [state[radii[0]], state[radii[1]]] = prior.radius_errors;
+            [state[radii[0]], state[radii[1]]] =
+                [prior.front_radius_error, prior.rear_radius_error];
         }
         state
     }
@@ -196,7 +195,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
                 prior.cg_height_std,
                 prior.cg_ratio_std,
             ],
-            spade_force: prior.spade_force_x_std,
+            spade_force: prior.spade_force_std,
             radius: prior.radius_std,
             slope_bias: prior.slope_bias_std,
             speed_delay: self.settings.sensors.speed_delay_std,

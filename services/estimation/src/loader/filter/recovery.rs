@@ -3,7 +3,7 @@
 use super::{Belief, CgFilter, RowReport};
 use crate::loader::conditions::Conditions;
 use crate::loader::estimate::Status;
-use crate::loader::layout::{CG_HEIGHT, CG_RATIO, REAR_WHEEL, SLIP_STIFFNESS};
+use crate::loader::layout::{CG_RATIO, REAR_WHEEL, SLIP_STIFFNESS};
 use crate::loader::relearning::Relearning;
 use crate::loader::sample::{Sample, finite};
 use crate::loader::windup::Windup;
@@ -13,6 +13,12 @@ use crate::math::sqrt;
 ///
 /// Rejected rows have no normalised innovation, so the reset rule alone would never see this.
 const LOCKED_OUT: f64 = 1.0;
+
+/// Time constant of the mean that tells a filter which lost its way [s].
+const JUDGED_OVER: f64 = 2.0;
+
+/// Shortest time between the start, or a reset, and the next reset [s].
+const HOLD_OFF: f64 = 3.0;
 
 impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     /// Counts the row, and restarts a filter that lost its way.
@@ -43,12 +49,11 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             return self.bridge_gap(sample, 0.0);
         }
         let used = report.accepted.iter().filter(|a| **a).count();
-        let time_constant = self.tuning.reset.map_or(2.0, |rule| rule.time_constant);
-        let weight = (dt / time_constant).min(1.0);
+        let weight = (dt / JUDGED_OVER).min(1.0);
         self.evidence.judge(report.nis / used.max(1) as f64, weight);
-        if let Some(rule) = self.tuning.reset
-            && self.evidence.consistency > rule.level
-            && self.evidence.since_reset > rule.hold_off
+        if self.settings.protected()
+            && self.evidence.consistency > self.settings.estimator.reset_nis
+            && self.evidence.since_reset > HOLD_OFF
         {
             self.restart(sample);
             report.status = Status::Reset;
@@ -99,7 +104,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
 
     /// Process noise of the parameters over a time without rows, by state.
     fn wandering(&self, away: f64) -> [f64; N] {
-        if away <= 0.0 || !self.tuning.wandering {
+        if away <= 0.0 || !self.settings.at_work() {
             return [0.0; N];
         }
         let usual = self.process_std(&Conditions::default(), false, away);
@@ -127,22 +132,16 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
 
     /// Keeps the means of K, h, lam within their bounds.
     pub(super) fn clamp(&mut self) {
-        if let Some(bounds) = self.tuning.clamps {
-            let state = self.belief.state_mut();
-            for (i, (low, high)) in [
-                (SLIP_STIFFNESS, bounds.slip_stiffness),
-                (CG_HEIGHT, bounds.cg_height),
-                (CG_RATIO, bounds.cg_ratio),
-            ] {
-                // Not f64::clamp: NaN must pass on to the check for it.
-                state[i] = if state[i] < low {
-                    low
-                } else if state[i] > high {
-                    high
-                } else {
-                    state[i]
-                };
-            }
+        let state = self.belief.state_mut();
+        for (i, bounds) in (SLIP_STIFFNESS..=CG_RATIO).zip(self.settings.bounds()) {
+            // Not f64::clamp: NaN must pass on to the check for it.
+            state[i] = if state[i] < bounds.low {
+                bounds.low
+            } else if state[i] > bounds.high {
+                bounds.high
+            } else {
+                state[i]
+            };
         }
     }
 }

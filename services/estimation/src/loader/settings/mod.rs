@@ -1,32 +1,40 @@
-//! What the estimator is told. SI units.
+//! What the estimator is told: the tables of a description, read as they are, and how much of a real machine the filter
+//! reckons with. SI units.
 //!
 //! | file | idea |
 //! |---|---|
-//! | `machine` | the machine, its sensors, the prior |
-//! | `described` | what a description means |
-//! | `tuning`, `presets`, `check` | numerical and statistical choices, by method, and which can be used |
-//! | `verdict` | floors of the reported intervals, limits of the verdict |
+//! | `described` | what a description means for a method |
+//! | `presets` | each filter as a difference to the defaults of the keys |
+//! | `check` | which settings can be used |
 
-use core::fmt;
-
-use super::Method;
+use crate::keys::Range;
 
 mod check;
 mod described;
-mod machine;
 mod presets;
-mod tuning;
-mod verdict;
 
-pub use machine::{Machine, Prior, Sensors};
-pub use tuning::{
-    Clamps, Digging, Gates, Inflation, Integration, LoadTransfer, ProcessNoise, Relearning, Reset,
-    Tuning,
-};
-pub use verdict::Verdict;
+pub use super::keys::{Estimator, Inputs, LoadTransfer, Machine, Prior, Sensors};
+pub use check::{MustBe, SettingsError};
+
+/// How much of a real machine the filter reckons with, each more than the one before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Realism {
+    /// A linear, rigid tyre and parameters without bounds.
+    Paper,
+    /// The friction limit and the load sensitivity of the tyre, bounds of the parameters.
+    Tyre,
+    /// Bad input: gates, digging, gaps, restarts.
+    Protected,
+    /// A machine at work: tyres wind up, wheel speeds come in steps, speeds late, loads shift, what the start taught is
+    /// learnt again, parameters wander in gaps, and inputs are doubted: a value that never changes is missing, wheel
+    /// speeds count only with their torques and without brakes and steering, the slope as far as the motion bears it out,
+    /// and manoeuvres must agree.
+    AtWork,
+}
 
 /// Everything the estimator is told.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Settings {
     /// The machine.
@@ -35,74 +43,63 @@ pub struct Settings {
     pub sensors: Sensors,
     /// The prior.
     pub prior: Prior,
-    /// Floors and limits of the verdict.
-    pub verdict: Verdict,
-    /// Choices other than the method's own; `None` takes [`Tuning::of`].
-    pub tuning: Option<Tuning>,
+    /// Noises, protections, floors and limits of the verdict.
+    pub estimator: Estimator,
+    /// What of them acts.
+    pub realism: Realism,
 }
-
-/// A setting that cannot be used.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SettingsError {
-    /// The key, as in the description file.
-    pub key: &'static str,
-    /// What it must be.
-    pub must_be: &'static str,
-    /// What it is.
-    pub value: f64,
-}
-
-impl fmt::Display for SettingsError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "{} is {}, it must be {}",
-            self.key, self.value, self.must_be
-        )
-    }
-}
-
-impl core::error::Error for SettingsError {}
-
-const POSITIVE: &str = "positive and finite";
-const NOT_NEGATIVE: &str = "zero or positive, and finite";
 
 impl Settings {
-    /// The tuning in effect for a method.
-    pub fn tuning(&self, method: Method) -> Tuning {
-        self.tuning.unwrap_or(Tuning::of(method))
+    /// Whether the tyre is a real one.
+    pub(super) fn real_tyre(&self) -> bool {
+        self.realism >= Realism::Tyre
     }
 
-    pub(super) fn check(&self, method: Method) -> Result<(), SettingsError> {
-        self.machine.check()?;
-        self.sensors.check()?;
-        self.prior.check()?;
-        self.verdict.check()?;
-        self.tuning(method).check()
+    /// Whether bad input is expected.
+    pub(super) fn protected(&self) -> bool {
+        self.realism >= Realism::Protected
     }
-}
 
-fn positive(key: &'static str, value: f64) -> Result<(), SettingsError> {
-    require(key, POSITIVE, value, value > 0.0 && value.is_finite())
-}
+    /// Whether the machine is taken for one at work.
+    pub(super) fn at_work(&self) -> bool {
+        self.realism >= Realism::AtWork
+    }
 
-fn not_negative(key: &'static str, value: f64) -> Result<(), SettingsError> {
-    require(key, NOT_NEGATIVE, value, value >= 0.0 && value.is_finite())
-}
+    /// Friction limit of tyre on ground; infinite for the linear tyre.
+    pub(super) fn friction(&self) -> f64 {
+        if self.real_tyre() && self.machine.friction > 0.0 {
+            self.machine.friction
+        } else {
+            f64::INFINITY
+        }
+    }
 
-fn require(
-    key: &'static str,
-    must_be: &'static str,
-    value: f64,
-    holds: bool,
-) -> Result<(), SettingsError> {
-    if holds {
-        Ok(())
-    } else {
-        Err(SettingsError {
-            key,
-            must_be,
-            value,
+    /// Step between rows after which speeds are taken anew [s].
+    pub(super) fn gap(&self) -> f64 {
+        if self.protected() {
+            self.estimator.gap
+        } else {
+            f64::INFINITY
+        }
+    }
+
+    /// Bounds of K, h, lam.
+    pub(super) fn bounds(&self) -> [Range; 3] {
+        let e = &self.estimator;
+        let bounds = [
+            (e.slip_stiffness_min, e.slip_stiffness_max),
+            (e.cg_height_min, e.cg_height_max),
+            (e.cg_ratio_min, e.cg_ratio_max),
+        ];
+        bounds.map(|(low, high)| {
+            if self.real_tyre() {
+                Range { low, high }
+            } else {
+                Range {
+                    low: f64::NEG_INFINITY,
+                    high: f64::INFINITY,
+                }
+            }
         })
     }
 }
