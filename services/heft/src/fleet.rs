@@ -89,10 +89,18 @@ fn program(name: &str, place: &str) -> Result<PathBuf, Failure> {
     })
 }
 
+/// `heft fleet`
+#[derive(Debug, Args)]
+pub struct PassedArgs {
+    /// `heft fleet --help` tells
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+    pub args: Vec<String>,
+}
+
 /// `heft fleet`: becomes `heft-fleet`.
-pub fn fleet(args: &[String]) -> Result<(), Failure> {
+pub fn fleet(args: &PassedArgs) -> Result<(), Failure> {
     let program = program("heft-fleet", "heft fleet")?;
-    let error = Command::new(&program).args(args).exec();
+    let error = Command::new(&program).args(&args.args).exec();
     Err(Failure::file("start", &program, &error))
 }
 

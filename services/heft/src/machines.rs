@@ -14,8 +14,8 @@ use recording::{Map, Sensors};
 use runtime::{Source, Worker};
 use view::estimate::Estimate;
 
-use crate::cli::{CalibrateArgs, EstimateArgs};
-use crate::commands::estimate;
+use crate::commands::calibrate::CalibrateArgs;
+use crate::commands::estimate::{self, EstimateArgs};
 use crate::failure::Failure;
 use crate::plan::Plan;
 use crate::quantity::Quantity;

@@ -39,8 +39,9 @@ mod watch;
 
 use std::process::ExitCode;
 
-use clap::{CommandFactory, Parser};
-use cli::{Cli, Command};
+use clap::Parser;
+use cli::Cli;
+use commands::Command;
 use failure::Failure;
 
 fn main() -> ExitCode {
@@ -72,62 +73,13 @@ fn log() {
 fn dispatch(cli: Cli) -> Result<(), Failure> {
     if matches!(
         cli.command,
-        None | Some(Command::Run(_) | Command::Service { .. })
+        None | Some(Command::Run(_) | Command::Service(_))
     ) {
         // What a run makes is for its user alone.
         rustix::process::umask(rustix::fs::Mode::RWXG | rustix::fs::Mode::RWXO);
     }
-    let Some(command) = cli.command else {
-        return commands::demo::demo();
-    };
-    match command {
-        Command::Run(args) => commands::run::run(&args),
-        Command::Estimate(args) => commands::estimate::estimate(&args),
-        Command::Serve(args) => commands::serve::serve(&args),
-        Command::Replay(args) => commands::replay::replay(&args),
-        Command::Evaluate(args) => commands::evaluate::evaluate(&args),
-        Command::Calibrate(args) => commands::calibrate::calibrate(&args),
-        Command::Recover { file, output } => commands::recover::recover(&file, output.as_deref()),
-        Command::Report(args) => commands::report::report(&args),
-        Command::Export { file, output } => commands::export::export(&file, &output),
-        Command::Top { domain, once } => commands::top::top(domain.as_deref(), once),
-        Command::Latency(args) => commands::latency::latency(&args),
-        Command::Doctor { clean } => commands::doctor::doctor(clean),
-        Command::Check {
-            file,
-            machine,
-            print,
-        } => commands::check::check(&file, machine, print),
-        Command::Map {
-            file,
-            dbc,
-            machine,
-            output,
-        } => commands::map::map(&file, &dbc, machine, output.as_deref()),
-        Command::Schema {
-            lang,
-            machine,
-            output_map,
-        } => commands::schema::schema(lang, machine, output_map.as_deref()),
-        Command::Tail(args) => commands::tail::tail(&args),
-        Command::Weigh {
-            file,
-            description,
-            json,
-        } => commands::weigh::weigh(&file, &description, json.as_deref()),
-        Command::Fleet { args } => fleet::fleet(&args),
-        Command::Completions { shell } => {
-            let mut script = Vec::new();
-            clap_complete::generate(shell, &mut Cli::command(), "heft", &mut script);
-            print!("{}", String::from_utf8_lossy(&script));
-            Ok(())
-        }
-        Command::Package { folder } => commands::package::package(&folder),
-        Command::Service {
-            name,
-            domain,
-            restarts,
-        } => service::serve(&name, &domain, restarts),
-        Command::LimitsWorker { args } => std::process::exit(limits::worker_main(&args)),
+    match cli.command {
+        None => commands::demo::demo(),
+        Some(command) => command.run(),
     }
 }

@@ -1,5 +1,6 @@
 //! One service of a run, in a process of its own.
 
+use clap::Args;
 use messages::Message;
 use messages::channels::{Channel, Visitor, of_machine};
 use runtime::{Arrival, Domain, Identity, Setup, Wake, Worker, run_probe, run_sink};
@@ -9,13 +10,27 @@ use crate::failure::Failure;
 use crate::machines;
 use crate::plan::{Plan, state_identity};
 
+/// `heft service`
+#[derive(Debug, Args)]
+pub struct ServiceArgs {
+    /// Name in the table of processes
+    pub name: String,
+    /// Domain of the run
+    #[arg(long)]
+    pub domain: String,
+    /// How often it was started before
+    #[arg(long, default_value_t = 0)]
+    pub restarts: u32,
+}
+
 /// Is the service `name` of a run until the run ends.
-pub fn serve(name: &str, domain: &str, restarts: u32) -> Result<(), Failure> {
-    let domain = Domain::new(domain)?;
+pub fn serve(args: &ServiceArgs) -> Result<(), Failure> {
+    let name = &args.name;
+    let domain = Domain::new(&args.domain)?;
     let plan = Plan::read(&domain)?;
     domain.enter()?;
     let stages = plan.pipeline().stages;
-    let Some(index) = stages.iter().position(|p| p.name == name) else {
+    let Some(index) = stages.iter().position(|p| p.name == *name) else {
         let names: Vec<&str> = stages.iter().map(|p| p.name).collect();
         return Err(Failure::input(
             format!("there is no service `{name}`"),
@@ -27,7 +42,7 @@ pub fn serve(name: &str, domain: &str, restarts: u32) -> Result<(), Failure> {
     let setup = Setup {
         identity: Identity {
             process: index as u32,
-            restarts,
+            restarts: args.restarts,
             name: stage.name,
         },
         realtime: (plan.realtime && stage.priority > 0)

@@ -11,13 +11,67 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use calibrate::Summary;
 use calibrate::fit::Progress;
+use clap::Args;
+use messages::Machine;
 use recording::{Reader, output};
 
 use crate::build::IDENTITY;
-use crate::cli::CalibrateArgs;
+use crate::cli::{DescriptionArgs, ManyArgs, machine};
 use crate::commands::run::description;
 use crate::failure::Failure;
 use crate::{machines, results};
+
+/// `heft calibrate`
+#[derive(Debug, Args)]
+pub struct CalibrateArgs {
+    /// The machine
+    #[arg(value_parser = machine())]
+    pub machine: Machine,
+    /// Recordings: .csv, .mcap, .log (candump), or folders of runs
+    #[arg(required = true)]
+    pub files: Vec<PathBuf>,
+    /// Every folder that is named holds the recordings of one machine; calibrated.toml and calibrated.html are written there
+    #[arg(long, conflicts_with_all = ["output", "report"])]
+    pub each: bool,
+    /// With --each: also write the results of all as one table (CSV)
+    #[arg(long, value_name = "FILE", requires = "each")]
+    pub summary: Option<PathBuf>,
+    /// How many machines are treated
+    #[command(flatten)]
+    pub many: ManyArgs,
+    /// Load in the bucket in a recording of an excavator, as weighed
+    #[arg(long, value_name = "FILE=KG±KG")]
+    pub payload: Vec<String>,
+    /// Mass of the whole machine in a recording of a loader, as weighed
+    #[arg(long, value_name = "FILE=KG±KG")]
+    pub mass: Vec<String>,
+    /// Axle scales of a loader (as for heft weigh): of the machine without load, or in a recording
+    #[arg(long, value_name = "[FILE=]SCALES.csv")]
+    pub weigh: Vec<String>,
+    /// Find these keys only
+    #[arg(long, value_name = "KEY,...", value_delimiter = ',')]
+    pub free: Vec<String>,
+    /// Signal map (TOML)
+    #[arg(long)]
+    pub map: Option<PathBuf>,
+    /// The machine's description
+    #[command(flatten)]
+    pub description: DescriptionArgs,
+    /// Description to write (TOML)
+    #[arg(
+        short,
+        long,
+        value_name = "DESCRIPTION",
+        required_unless_present = "each"
+    )]
+    pub output: Option<PathBuf>,
+    /// Also write an HTML report
+    #[arg(long, value_name = "R.html")]
+    pub report: Option<PathBuf>,
+    /// Write the description even if something speaks against it
+    #[arg(long)]
+    pub accept: bool,
+}
 
 /// `heft calibrate`
 pub fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {

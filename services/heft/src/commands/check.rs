@@ -1,17 +1,33 @@
 //! `heft check`: validates a description of a machine.
 
-use std::path::Path;
+use std::path::PathBuf;
 
+use clap::Args;
 use config::Description;
 use messages::Machine;
 
+use crate::cli::machine;
 use crate::failure::Failure;
 
 /// `heft check`
-pub fn check(file: &Path, machine: Option<Machine>, print: bool) -> Result<(), Failure> {
+#[derive(Debug, Args)]
+pub struct CheckArgs {
+    /// The description (TOML)
+    pub file: PathBuf,
+    /// Machine, where the file does not say
+    #[arg(long, value_parser = machine())]
+    pub machine: Option<Machine>,
+    /// Print the complete description, every key with its unit, range and meaning
+    #[arg(long)]
+    pub print: bool,
+}
+
+/// `heft check`
+pub fn check(args: &CheckArgs) -> Result<(), Failure> {
+    let file = &args.file;
     let text = std::fs::read_to_string(file).map_err(|e| Failure::file("read", file, &e))?;
-    let description = Description::parse(&text, &file.display().to_string(), machine)?;
-    if print {
+    let description = Description::parse(&text, &file.display().to_string(), args.machine)?;
+    if args.print {
         print!("{}", description.to_toml());
     } else {
         println!(

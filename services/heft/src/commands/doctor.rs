@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::PathBuf;
 
+use clap::Args;
 use runtime::{Domain, free_shared_memory, realtime};
 use rustix::process::{Resource, getrlimit};
 
@@ -32,8 +33,16 @@ fn bad(what: impl Into<String>, remedy: impl Into<String>) -> Finding {
 }
 
 /// `heft doctor`
-pub fn doctor(clean: bool) -> Result<(), Failure> {
-    if clean {
+#[derive(Debug, Args)]
+pub struct DoctorArgs {
+    /// Remove what killed runs left behind
+    #[arg(long)]
+    pub clean: bool,
+}
+
+/// `heft doctor`
+pub fn doctor(args: &DoctorArgs) -> Result<(), Failure> {
+    if args.clean {
         for name in Domain::remove_leftovers() {
             println!("removed  what the killed run `{name}` had left behind");
         }

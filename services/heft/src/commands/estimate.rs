@@ -5,6 +5,7 @@ mod many;
 
 use std::path::{Path, PathBuf};
 
+use clap::Args;
 use config::Description;
 use messages::channels::Channel;
 use messages::{Envelope, Machine, Message, Receiver};
@@ -14,12 +15,53 @@ use steps::stages::{AnyStep, Pipeline, Role};
 use view::estimate::Estimate;
 
 use self::found::Found;
-use crate::cli::EstimateArgs;
+use crate::cli::{DescriptionArgs, ManyArgs, machine};
 use crate::commands::run::{description, tell_idle_keys};
 use crate::failure::Failure;
 use crate::machines::{self, Look};
 use crate::results::is_json_of;
 use crate::{page, parts, summary};
+
+/// `heft estimate`
+#[derive(Debug, Args)]
+pub struct EstimateArgs {
+    /// Recorded data: .csv, .mcap, or .log (candump); without --output many of them, and folders of them
+    #[arg(required = true)]
+    pub files: Vec<PathBuf>,
+    /// The machine
+    #[arg(long, value_parser = machine())]
+    pub machine: Machine,
+    /// Signal map (TOML)
+    #[arg(long)]
+    pub map: Option<PathBuf>,
+    /// Method; see the README for the list
+    #[arg(long)]
+    pub method: Option<String>,
+    /// The machine's description
+    #[command(flatten)]
+    pub description: DescriptionArgs,
+    /// Estimates, one row per accepted row of the input (CSV); if absent NAME.estimates.csv beside each input, with a summary in NAME.estimates.json
+    #[arg(short, long, value_name = "OUT.csv")]
+    pub output: Option<PathBuf>,
+    /// Also let every later row speak of each moment (excavator, torque and posture)
+    #[arg(long)]
+    pub smooth: bool,
+    /// Also write an HTML report
+    #[arg(long, value_name = "R.html", requires = "output")]
+    pub report: Option<PathBuf>,
+    /// Also write a summary (JSON)
+    #[arg(long, value_name = "FILE", requires = "output")]
+    pub json: Option<PathBuf>,
+    /// Exit with status 1 if no estimate of the last 30 s is `trusted`
+    #[arg(long)]
+    pub require_trust: bool,
+    /// Many inputs: write the table of results here too (CSV)
+    #[arg(long, value_name = "FILE.csv", conflicts_with = "output")]
+    pub summary: Option<PathBuf>,
+    /// How many inputs are treated
+    #[command(flatten)]
+    pub many: ManyArgs,
+}
 
 /// `heft estimate`
 pub fn estimate(args: &EstimateArgs) -> Result<(), Failure> {

@@ -1,12 +1,36 @@
 //! `heft evaluate`: Monte-Carlo evaluation next to the published figures.
 
 use std::fs;
+use std::path::PathBuf;
+
+use clap::Args;
+use messages::Machine;
 
 use crate::build::IDENTITY;
-use crate::cli::EvaluateArgs;
+use crate::cli::machine;
 use crate::failure::Failure;
 use crate::machines;
 use crate::results;
+
+/// `heft evaluate`
+#[derive(Debug, Args)]
+pub struct EvaluateArgs {
+    /// The machine
+    #[arg(value_parser = machine())]
+    pub machine: Machine,
+    /// One table only; an unknown name lists them
+    #[arg(long)]
+    pub table: Option<String>,
+    /// Monte-Carlo runs per case
+    #[arg(long, default_value_t = 100)]
+    pub seeds: usize,
+    /// Write the numbers as JSON
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Draw the papers' figures from our runs as SVG into this folder
+    #[arg(long, value_name = "DIR")]
+    pub figures: Option<PathBuf>,
+}
 
 /// `heft evaluate`
 pub fn evaluate(args: &EvaluateArgs) -> Result<(), Failure> {

@@ -1,13 +1,26 @@
 //! `heft export`: every channel of a recording as CSV.
 
-use std::path::Path;
+use std::path::PathBuf;
+
+use clap::Args;
 
 use crate::failure::Failure;
 use crate::parts;
 
 /// `heft export`
-pub fn export(file: &Path, folder: &Path) -> Result<(), Failure> {
-    let reader = parts::open(file)?;
+#[derive(Debug, Args)]
+pub struct ExportArgs {
+    /// The recording, or its folder
+    pub file: PathBuf,
+    /// Folder to write to
+    #[arg(short, long)]
+    pub output: PathBuf,
+}
+
+/// `heft export`
+pub fn export(args: &ExportArgs) -> Result<(), Failure> {
+    let folder = &args.output;
+    let reader = parts::open(&args.file)?;
     std::fs::create_dir_all(folder).map_err(|e| Failure::folder(folder, &e))?;
     for written in recording::csv::export(&reader, folder)? {
         println!("{}", written.display());

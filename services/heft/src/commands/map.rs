@@ -1,25 +1,38 @@
 //! `heft map`: a first signal map from a file.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
+use clap::Args;
 use messages::Machine;
 
+use crate::cli::machine;
 use crate::failure::Failure;
 use crate::results;
 
 /// `heft map`
-pub fn map(
-    file: &Path,
-    dbc: &[PathBuf],
-    machine: Option<Machine>,
-    output: Option<&Path>,
-) -> Result<(), Failure> {
-    let text = recording::suggest(file, dbc, machine)?;
-    match output {
+#[derive(Debug, Args)]
+pub struct MapArgs {
+    /// The table (.csv) or the CAN log (.log)
+    pub file: PathBuf,
+    /// The DBC files that describe the log
+    #[arg(long, value_name = "FILE")]
+    pub dbc: Vec<PathBuf>,
+    /// The machine; the one that fits best if absent
+    #[arg(long, value_parser = machine())]
+    pub machine: Option<Machine>,
+    /// Map to write; standard output if absent
+    #[arg(short, long, value_name = "MAP.toml")]
+    pub output: Option<PathBuf>,
+}
+
+/// `heft map`
+pub fn map(args: &MapArgs) -> Result<(), Failure> {
+    let text = recording::suggest(&args.file, &args.dbc, args.machine)?;
+    match &args.output {
         None => print!("{text}"),
         Some(path) => {
             // Somebody may have worked on an earlier one.
-            results::text("write the map", path, &[file], |_| false, &text)?;
+            results::text("write the map", path, &[&args.file], |_| false, &text)?;
             println!(
                 "{}: read every line of it, then give it with --map",
                 path.display()

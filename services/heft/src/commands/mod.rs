@@ -1,7 +1,12 @@
-//! One file per command.
+//! Every command: its file, which holds its arguments and what it does, and a row here, which is its help.
+
+use clap::Subcommand;
+
+use crate::failure::Failure;
 
 pub mod calibrate;
 pub mod check;
+pub mod completions;
 pub mod demo;
 pub mod doctor;
 pub mod estimate;
@@ -19,3 +24,76 @@ pub mod serve;
 pub mod tail;
 pub mod top;
 pub mod weigh;
+
+macro_rules! commands {
+    ($( $(#[$help:meta])+ $name:ident($args:ty) => $run:path; )+) => {
+        /// Commands.
+        #[derive(Debug, Subcommand)]
+        pub enum Command {
+            $( $(#[$help])+ $name(Box<$args>), )+
+        }
+
+        impl Command {
+            /// Does it.
+            ///
+            /// # Errors
+            /// Those of the command.
+            pub fn run(&self) -> Result<(), Failure> {
+                match self {
+                    $( Self::$name(args) => $run(args), )+
+                }
+            }
+        }
+    };
+}
+
+commands! {
+    /// Run the pipeline as separate processes, on the simulator or on recorded data
+    Run(run::RunArgs) => run::run;
+    /// Run the same steps in one process on recorded data
+    Estimate(estimate::EstimateArgs) => estimate::estimate;
+    /// Estimate for many machines at once: a table with a column `machine` in, estimates out
+    Serve(serve::ServeArgs) => serve::serve;
+    /// Recompute every estimate of a recording
+    Replay(replay::ReplayArgs) => replay::replay;
+    /// Evaluate the estimators by Monte-Carlo simulation, next to the published figures
+    Evaluate(evaluate::EvaluateArgs) => evaluate::evaluate;
+    /// Find the machine's own parameters from recordings, with intervals
+    Calibrate(calibrate::CalibrateArgs) => calibrate::calibrate;
+    /// Write a whole copy of a recording that was cut off, damaged or left in parts
+    Recover(recover::RecoverArgs) => recover::recover;
+    /// Make one offline HTML page of a recording
+    Report(report::ReportArgs) => report::report;
+    /// Write every channel of a recording as CSV
+    Export(export::ExportArgs) => export::export;
+    /// Dashboard of a running pipeline in the terminal
+    Top(top::TopArgs) => top::top;
+    /// Measure the latency of the real processes next to the machine's own limits
+    Latency(latency::LatencyArgs) => latency::latency;
+    /// Say what this host lacks for real-time work, and what killed runs left behind
+    Doctor(doctor::DoctorArgs) => doctor::doctor;
+    /// Validate a description of a machine
+    Check(check::CheckArgs) => check::check;
+    /// Write a first signal map for a table or a CAN log, each line with its reason
+    Map(map::MapArgs) => map::map;
+    /// Print the messages as types of another language
+    Schema(schema::SchemaArgs) => schema::schema;
+    /// Follow a channel of a running pipeline, a line per sample
+    Tail(tail::TailArgs) => tail::tail;
+    /// Centre of gravity from axle weights on level and tilted ground
+    Weigh(weigh::WeighArgs) => weigh::weigh;
+    /// Keep and show what many machines send (needs heft-fleet)
+    #[command(disable_help_flag = true)]
+    Fleet(crate::fleet::PassedArgs) => crate::fleet::fleet;
+    /// Print a completion script for a shell
+    Completions(completions::CompletionsArgs) => completions::completions;
+    /// Write manual pages and completion scripts into a folder (for packages)
+    #[command(hide = true)]
+    Package(package::PackageArgs) => package::package;
+    /// Be one service of a pipeline (started by the supervisor)
+    #[command(hide = true)]
+    Service(crate::service::ServiceArgs) => crate::service::serve;
+    /// Be one link of a bare chain (started by `heft latency`)
+    #[command(hide = true, name = "limits-worker")]
+    LimitsWorker(latency::worker::WorkerArgs) => latency::worker::worker;
+}

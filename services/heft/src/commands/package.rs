@@ -1,15 +1,23 @@
 //! `heft package`: what a package installs beside the binary.
 
-use std::path::Path;
+use std::path::PathBuf;
 
-use clap::CommandFactory;
+use clap::{Args, CommandFactory};
 use clap_complete::Shell;
 
 use crate::cli::Cli;
 use crate::failure::Failure;
 
+/// `heft package`
+#[derive(Debug, Args)]
+pub struct PackageArgs {
+    /// The folder
+    pub folder: PathBuf,
+}
+
 /// Writes a manual page per command, and completions for three shells.
-pub fn package(folder: &Path) -> Result<(), Failure> {
+pub fn package(args: &PackageArgs) -> Result<(), Failure> {
+    let folder = &args.folder;
     let fail = |e| Failure::file("write", folder, &e);
     std::fs::create_dir_all(folder).map_err(fail)?;
     clap_mangen::generate_to(Cli::command(), folder).map_err(fail)?;

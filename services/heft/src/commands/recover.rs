@@ -1,12 +1,25 @@
 //! `heft recover`: writes a whole copy of a recording that was cut off, damaged or left in parts.
 //! Commands that read a recording read what is whole of it by themselves, and write nothing.
 
-use std::path::Path;
+use std::path::PathBuf;
+
+use clap::Args;
 
 use crate::failure::Failure;
 
 /// `heft recover`
-pub fn recover(file: &Path, output: Option<&Path>) -> Result<(), Failure> {
-    println!("{}: {}", file.display(), recording::recover(file, output)?);
+#[derive(Debug, Args)]
+pub struct RecoverArgs {
+    /// The recording, or its folder; it is not changed
+    pub file: PathBuf,
+    /// Copy to write; RUN.recovered.mcap beside the recording if absent
+    #[arg(short, long)]
+    pub output: Option<PathBuf>,
+}
+
+/// `heft recover`
+pub fn recover(args: &RecoverArgs) -> Result<(), Failure> {
+    let recovered = recording::recover(&args.file, args.output.as_deref())?;
+    println!("{}: {recovered}", args.file.display());
     Ok(())
 }

@@ -1,8 +1,9 @@
 //! `heft replay`: recomputes every estimate of a recording from what its process read, see
 //! [`crate::compare`].
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use clap::Args;
 use config::Description;
 use messages::channels::KEYFRAME;
 use messages::keyframe::Collector;
@@ -11,11 +12,20 @@ use recording::{Metadata, Reader};
 use steps::stages::{AnyStep, Pipeline, Stage};
 
 use crate::build;
-use crate::cli::ReplayArgs;
 use crate::compare::{Compared, Place, Replay, compare};
 use crate::failure::Failure;
 use crate::parts::{self, envelopes};
 use crate::plan::{method_key, state_identity};
+
+/// `heft replay`
+#[derive(Debug, Args)]
+pub struct ReplayArgs {
+    /// The recording, or its folder
+    pub file: PathBuf,
+    /// Compare every estimate bit for bit; exit 1 if one differs
+    #[arg(long)]
+    pub verify: bool,
+}
 
 /// `heft replay`
 pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {

@@ -2,14 +2,32 @@
 
 use std::path::{Path, PathBuf};
 
+use clap::Args;
 use recording::Reader;
 use view::Run;
 
-use crate::cli::ReportArgs;
+use crate::cli::ManyArgs;
 use crate::failure::Failure;
 use crate::many::{self, Job};
 use crate::page::{put, write};
 use crate::parts;
+
+/// `heft report`
+#[derive(Debug, Args)]
+pub struct ReportArgs {
+    /// The recording, or its folder; several of the same machine are compared
+    #[arg(required = true)]
+    pub files: Vec<PathBuf>,
+    /// Page to write; if absent the recording's name with .html, or compared.html beside the first
+    #[arg(short, long)]
+    pub output: Option<PathBuf>,
+    /// A page of its own beside each recording, and beside every recording of a folder
+    #[arg(long, conflicts_with = "output")]
+    pub each: bool,
+    /// How many inputs are treated
+    #[command(flatten)]
+    pub many: ManyArgs,
+}
 
 /// `heft report`
 pub fn report(args: &ReportArgs) -> Result<(), Failure> {

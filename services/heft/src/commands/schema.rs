@@ -1,13 +1,14 @@
 //! `heft schema`: the messages in other languages, from their one table.
 
 use std::fmt::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use clap::ValueEnum;
+use clap::{Args, ValueEnum};
 use messages::channels::{self, Visitor};
 use messages::{Field, Machine, Message, NumberType};
 use recording::can::Outgoing;
 
+use crate::cli::machine;
 use crate::failure::Failure;
 
 /// A language.
@@ -26,14 +27,24 @@ pub enum Language {
 }
 
 /// `heft schema`
-pub fn schema(
-    language: Language,
-    machine: Option<Machine>,
-    output_map: Option<&Path>,
-) -> Result<(), Failure> {
-    let text = match language {
-        Language::Dbc => dbc(machine, output_map)?,
-        _ => text(language),
+#[derive(Debug, Args)]
+pub struct SchemaArgs {
+    /// The language
+    #[arg(long, value_enum)]
+    pub lang: Language,
+    /// With --lang dbc: the machine; every machine if absent
+    #[arg(long, value_parser = machine())]
+    pub machine: Option<Machine>,
+    /// With --lang dbc: the output map of that machine
+    #[arg(long, requires = "machine", value_name = "FILE")]
+    pub output_map: Option<PathBuf>,
+}
+
+/// `heft schema`
+pub fn schema(args: &SchemaArgs) -> Result<(), Failure> {
+    let text = match args.lang {
+        Language::Dbc => dbc(args.machine, args.output_map.as_deref())?,
+        language => text(language),
     };
     crate::out::pass(text.as_bytes());
     Ok(())

@@ -4,14 +4,49 @@ use std::ffi::OsString;
 use std::fs::File;
 use std::io::{Read, stdin};
 use std::num::NonZeroUsize;
+use std::path::PathBuf;
 
+use clap::Args;
 use messages::Machine;
 
-use crate::cli::{DescriptionArgs, ServeArgs};
+use crate::cli::{DescriptionArgs, machine};
 use crate::commands::estimate::{method, way};
 use crate::commands::run::{description, tell_idle_keys};
 use crate::failure::Failure;
 use crate::{machines, sources};
+
+/// `heft serve`
+#[derive(Debug, Args)]
+pub struct ServeArgs {
+    /// The kind of the machines
+    #[arg(value_parser = machine())]
+    pub machine: Machine,
+    /// The table (CSV); standard input if absent
+    pub file: Option<PathBuf>,
+    /// Signal map (TOML)
+    #[arg(long)]
+    pub map: Option<PathBuf>,
+    /// Method; see the README for the list
+    #[arg(long)]
+    pub method: Option<String>,
+    /// The description of all of them
+    #[command(flatten)]
+    pub description: DescriptionArgs,
+    /// At most one row a machine in so much of its time [s]; every row if 0
+    #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = seconds)]
+    pub every: f64,
+    /// Processes that the machines are shared among; as many as there are processors if absent
+    #[arg(long, value_name = "N")]
+    pub shards: Option<NonZeroUsize>,
+    /// Be one of them
+    #[arg(long, hide = true)]
+    pub shard: bool,
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|x| (0.0..=1e9).contains(x));
+    number.ok_or_else(|| "a number of seconds, 0 or more".into())
+}
 
 /// `heft serve`
 pub fn serve(args: &ServeArgs) -> Result<(), Failure> {

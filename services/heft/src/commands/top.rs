@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use clap::Args;
 use messages::channels::{Channel, of_machine};
 use messages::{Message, fault};
 use ratatui::crossterm::event::{self, Event, KeyCode, KeyModifiers};
@@ -39,8 +40,19 @@ impl Sink for Seen {
 }
 
 /// `heft top`
-pub fn top(domain: Option<&str>, once: bool) -> Result<(), Failure> {
-    let found = find(domain)?;
+#[derive(Debug, Args)]
+pub struct TopArgs {
+    /// The domain to attach to; the only one there is if absent
+    #[arg(long)]
+    pub domain: Option<String>,
+    /// Print one picture as text and end
+    #[arg(long)]
+    pub once: bool,
+}
+
+/// `heft top`
+pub fn top(args: &TopArgs) -> Result<(), Failure> {
+    let found = find(args.domain.as_deref())?;
     let machine = found.machine()?;
     let name = found.name().to_owned();
     let channels: Vec<_> = of_machine(machine).collect();
@@ -51,7 +63,7 @@ pub fn top(domain: Option<&str>, once: bool) -> Result<(), Failure> {
         .map(|p| p.name.to_owned())
         .collect();
     let mut seen = Seen(TopState::new(&name, names));
-    if once {
+    if args.once {
         print_once(&mut run, &mut seen)
     } else {
         show(&name, &mut run, &mut seen)

@@ -1,7 +1,8 @@
 //! `heft weigh`: the static reference, from axle weights on level and tilted ground.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use clap::Args;
 use config::Description;
 use estimation::Quantity;
 use estimation::loader::weigh::{Reading, Reference, Weighing};
@@ -17,14 +18,27 @@ use crate::results;
 pub const SCALE_STD: f64 = 0.005;
 
 /// `heft weigh`
-pub fn weigh(file: &Path, args: &DescriptionArgs, json: Option<&Path>) -> Result<(), Failure> {
-    let Description::Loader(loader) = description(Machine::Loader, args)? else {
+#[derive(Debug, Args)]
+pub struct WeighArgs {
+    /// CSV with the columns pitch [rad], front_load [N], rear_load [N]
+    pub file: PathBuf,
+    /// Description of the loader
+    #[command(flatten)]
+    pub description: DescriptionArgs,
+    /// Write the result as JSON
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+}
+
+/// `heft weigh`
+pub fn weigh(args: &WeighArgs) -> Result<(), Failure> {
+    let Description::Loader(loader) = description(Machine::Loader, &args.description)? else {
         return Err(Failure::internal("the loader's description is none"));
     };
-    let reference = reference(file, loader.machine.wheelbase)?;
+    let reference = reference(&args.file, loader.machine.wheelbase)?;
     print!("{}", text(&reference));
-    if let Some(path) = json {
-        results::json(path, &[file], "weigh", IDENTITY, &to_json(&reference))?;
+    if let Some(path) = &args.json {
+        results::json(path, &[&args.file], "weigh", IDENTITY, &to_json(&reference))?;
     }
     Ok(())
 }

@@ -12,7 +12,7 @@ use sim::excavator::{Effects, Run, Scenario, Size, Work, cases};
 use sim::named;
 
 use super::{Figure, Later, Typed, all_scenarios, bad_run, no_scenario};
-use crate::cli::CalibrateArgs;
+use crate::commands::calibrate::CalibrateArgs;
 use crate::failure::Failure;
 use crate::plan::Plan;
 use crate::quantity::Quantity;

@@ -10,7 +10,7 @@ use sim::loader::{CASES, Run, Scenario, Tier};
 use sim::named;
 
 use super::{Figure, Typed, all_scenarios, bad_run, no_scenario};
-use crate::cli::CalibrateArgs;
+use crate::commands::calibrate::CalibrateArgs;
 use crate::failure::Failure;
 use crate::plan::Plan;
 use crate::quantity::Quantity;

@@ -9,9 +9,9 @@ use estimation::Quantity;
 use evaluate::text::Table;
 use view::number;
 
+use super::CalibrateArgs;
 use super::told::scales;
 use crate::build::IDENTITY;
-use crate::cli::CalibrateArgs;
 use crate::failure::Failure;
 use crate::many::{self, Ended, Job};
 use crate::results;

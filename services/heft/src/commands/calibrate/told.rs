@@ -4,7 +4,7 @@ use std::path::Path;
 
 use estimation::Quantity;
 
-use crate::cli::CalibrateArgs;
+use super::CalibrateArgs;
 use crate::failure::Failure;
 
 /// The recording, if one is named, and the file of scales in `[FILE=]SCALES`.
@@ -96,7 +96,7 @@ mod tests {
         use clap::Parser;
         let words = "heft calibrate excavator runs/empty/run.mcap runs/full/run.mcap b.csv -o x";
         let cli = crate::cli::Cli::parse_from(words.split(' '));
-        let Some(crate::cli::Command::Calibrate(args)) = cli.command else {
+        let Some(crate::commands::Command::Calibrate(args)) = cli.command else {
             panic!("calibrate");
         };
         let at = |file: &str| position(&args, file, "--payload", "").ok();

@@ -8,7 +8,7 @@ use evaluate::text::Table;
 use serde_json::Value;
 use view::number;
 
-use crate::cli::EstimateArgs;
+use super::EstimateArgs;
 use crate::commands::run::description;
 use crate::failure::Failure;
 use crate::many::{self, Ended, Job};

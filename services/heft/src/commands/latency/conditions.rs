@@ -4,7 +4,7 @@ use std::process::{Child, Command};
 
 use runtime::realtime;
 
-use crate::cli::LatencyArgs;
+use super::LatencyArgs;
 use crate::failure::Failure;
 
 /// One set of conditions.

@@ -12,8 +12,14 @@ mod conditions;
 mod json;
 mod measure;
 mod print;
+pub mod worker;
 
-use crate::cli::LatencyArgs;
+use std::path::PathBuf;
+
+use clap::Args;
+use messages::Machine;
+
+use crate::cli::machine;
 use crate::failure::Failure;
 use crate::spin;
 use chain::Chain;
@@ -23,6 +29,37 @@ use steps::stages::Pipeline;
 
 /// Rounds per measurement: ours and the limits take turns, so that a noisy minute hits all.
 const ROUNDS: usize = 3;
+
+/// `heft latency`
+#[derive(Debug, Args)]
+pub struct LatencyArgs {
+    /// The machine whose processes are measured
+    #[arg(value_parser = machine(), default_value = Machine::Excavator.name())]
+    pub machine: Machine,
+    /// One sampling rate [Hz]; 100, 1000 and 10000 if absent
+    #[arg(long, value_name = "HZ")]
+    pub rate: Option<f64>,
+    /// Seconds per measurement
+    #[arg(long, default_value_t = 5.0)]
+    pub duration: f64,
+    /// Real-time scheduling only; with and without if absent
+    #[arg(long)]
+    pub rt: bool,
+    /// Spread the processes over the last N cores, in turn along the chain (bare chains alike);
+    /// with --rt only, because nothing is pinned without
+    #[arg(long, value_name = "N", default_value_t = 1, requires = "rt")]
+    pub cores: usize,
+    /// These processes spin instead of sleeping, as with `heft run --spin`, in turn with the same by bells
+    #[arg(long, value_name = "PROCESS,...", num_args = 0..=1, require_equals = true, default_missing_value = crate::spin::ALL,
+        conflicts_with_all = ["rt", "load"])]
+    pub spin: Option<String>,
+    /// Also under a load that occupies every core
+    #[arg(long)]
+    pub load: bool,
+    /// Write the numbers as JSON
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+}
 
 /// `heft latency`
 pub fn latency(args: &LatencyArgs) -> Result<(), Failure> {

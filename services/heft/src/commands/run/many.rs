@@ -6,8 +6,7 @@ use std::time::Duration;
 
 use recording::Output;
 
-use super::{absolute, folder, plan, tell_idle_keys};
-use crate::cli::RunArgs;
+use super::{RunArgs, absolute, folder, plan, tell_idle_keys};
 use crate::commands::estimate::{method, way};
 use crate::commands::serve::{shard_arguments, usual_shards};
 use crate::failure::Failure;

@@ -2,7 +2,7 @@
 
 use calibrate::excavator::{self as machine, Input};
 
-use crate::cli::CalibrateArgs;
+use crate::commands::calibrate::CalibrateArgs;
 use crate::commands::calibrate::{
     finish, interrupt, map_for, names, origin, tell_progress, told::told, unknown_key,
 };

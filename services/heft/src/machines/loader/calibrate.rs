@@ -2,7 +2,7 @@
 
 use calibrate::loader::{self as machine, Told};
 
-use crate::cli::CalibrateArgs;
+use crate::commands::calibrate::CalibrateArgs;
 use crate::commands::calibrate::told::{position, scales, told};
 use crate::commands::calibrate::{
     finish, interrupt, map_for, names, origin, tell_progress, unknown_key,
