@@ -20,7 +20,8 @@ pub fn text(
     Ok(out.finish()?)
 }
 
-/// Writes a JSON object. Its first key, `heft`, says which command made it, and `by` what.
+/// Writes a JSON object. Its first key, `heft`, says which command made it, and `by` what; what is no object stands under
+/// `rows`.
 pub fn json(
     path: &Path,
     inputs: &[&Path],
@@ -40,7 +41,10 @@ pub fn json(
 
 fn signed(command: &str, by: &str, value: &Value) -> serde_json::Result<String> {
     let made = serde_json::to_string(&format!("heft {command} {by}"))?;
-    let body = serde_json::to_string_pretty(value)?;
+    let body = match value {
+        Value::Object(_) => serde_json::to_string_pretty(value)?,
+        rows => serde_json::to_string_pretty(&serde_json::json!({ "rows": rows }))?,
+    };
     let rest = body.strip_prefix('{').unwrap_or(&body);
     let comma = if rest == "}" { "\n" } else { "," };
     Ok(format!("{{\n  \"heft\": {made}{comma}{rest}\n"))
@@ -68,5 +72,8 @@ mod tests {
             assert_eq!(made, Some(json!("heft weigh 0.1 \"dirty\"")));
             assert_eq!(read, value);
         }
+        let text = signed("evaluate", "0.1", &json!([{"a": 1}])).unwrap();
+        let read: Value = serde_json::from_str(&text).unwrap();
+        assert_eq!(read["rows"], json!([{"a": 1}]));
     }
 }
