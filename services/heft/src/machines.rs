@@ -22,6 +22,7 @@ use crate::quantity::Quantity;
 use crate::serve::{self, Machines, Out, Played, Rows};
 use crate::signals::Signals;
 use crate::sources;
+use crate::state::Slow;
 
 /// A figure: its name and the SVG.
 pub type Figure = (String, String);
@@ -99,6 +100,8 @@ pub trait Entry: Sync {
     ) -> Result<(), Failure>;
     /// What is told of it while it runs.
     fn told(&self) -> &'static [Quantity];
+    /// What is remembered of it from run to run.
+    fn slow(&self) -> &'static [Slow];
     /// `heft estimate` of one input.
     ///
     /// # Errors
@@ -154,6 +157,8 @@ trait Typed: Sync {
     type Look: Look<Self::Sensors>;
     /// What is told of it while it runs, what is told first first.
     const TOLD: &'static [Quantity];
+    /// What is remembered of it from run to run.
+    const SLOW: &'static [Slow] = &[];
 
     /// Names and texts of the scenarios.
     fn scenarios() -> Vec<(String, String)>;
@@ -265,6 +270,10 @@ impl<M: Typed> Entry for M {
 
     fn told(&self) -> &'static [Quantity] {
         M::TOLD
+    }
+
+    fn slow(&self) -> &'static [Slow] {
+        M::SLOW
     }
 
     fn estimate(

@@ -13,71 +13,29 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
 
 use config::{Description, widened};
+use messages::Message;
 use messages::channels::Channel;
-use messages::{Message, excavator_bits, loader_bits};
 use serde::{Deserialize, Serialize};
 
 use crate::failure::Failure;
+use crate::machines;
 
 /// Time between two writes.
 const PERIOD: Duration = Duration::from_secs(60);
 
-/// A parameter that is worth remembering: where it is estimated, and which keys restore it.
-struct Slow {
-    channel: &'static str,
-    field: &'static str,
-    std_field: &'static str,
+/// A parameter that is worth remembering: where it is estimated, and which keys restore it. A content of the bucket or a
+/// load is not slow.
+#[derive(Debug)]
+pub struct Slow {
+    /// Where it is estimated.
+    pub channel: &'static str,
+    /// Its field of the message, and that of its standard deviation.
+    pub fields: [&'static str; 2],
     /// Set when it may be remembered.
-    trusted: u32,
-    key: &'static str,
-    std_key: &'static str,
+    pub trusted: u32,
+    /// The key that it restores, and that of its standard deviation.
+    pub keys: [&'static str; 2],
 }
-
-const fn loader(
-    field: &'static str,
-    std_field: &'static str,
-    trusted: u32,
-    keys: [&'static str; 2],
-) -> Slow {
-    Slow {
-        channel: "loader/cg_ukf",
-        field,
-        std_field,
-        trusted,
-        key: keys[0],
-        std_key: keys[1],
-    }
-}
-
-/// All of them. A content of the bucket or a load is not slow.
-const SLOW: &[Slow] = &[
-    loader(
-        "slip_stiffness",
-        "slip_stiffness_std",
-        loader_bits::TRUSTED_RATIO,
-        ["prior.slip_stiffness", "prior.slip_stiffness_std"],
-    ),
-    loader(
-        "cg_ratio",
-        "cg_ratio_std",
-        loader_bits::TRUSTED_RATIO,
-        ["prior.cg_ratio", "prior.cg_ratio_std"],
-    ),
-    loader(
-        "cg_height",
-        "cg_height_std",
-        loader_bits::TRUSTED_HEIGHT,
-        ["prior.cg_height", "prior.cg_height_std"],
-    ),
-    Slow {
-        channel: "excavator/inertia_ukf",
-        field: "damping",
-        std_field: "damping_std",
-        trusted: excavator_bits::TRUSTED,
-        key: "machine.nominal_damping",
-        std_key: "prior.damping_std",
-    },
-];
 
 /// A remembered parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -106,6 +64,8 @@ struct State {
 /// The memory of a run.
 #[derive(Debug)]
 pub struct Memory {
+    /// What is worth it.
+    slow: &'static [Slow],
     file: PathBuf,
     state: State,
     written: Instant,
@@ -155,6 +115,7 @@ impl Memory {
             }
         };
         let memory = Self {
+            slow: machines::entry(description.machine()).slow(),
             file: file.to_owned(),
             state,
             written: Instant::now(),
@@ -167,22 +128,26 @@ impl Memory {
 
     /// Looks at an estimate.
     pub fn see<M: Message>(&mut self, channel: &Channel, message: &M) {
-        for slow in SLOW.iter().filter(|s| s.channel == channel.name) {
+        for slow in self.slow.iter().filter(|s| s.channel == channel.name) {
             let number = |name| {
                 M::index(name)
                     .and_then(|i| message.get(i))
                     .map(messages::Value::as_f64)
             };
-            let (Some(value), Some(std), Some(flags)) =
-                (number(slow.field), number(slow.std_field), number("flags"))
-            else {
+            let (Some(value), Some(std), Some(flags)) = (
+                number(slow.fields[0]),
+                number(slow.fields[1]),
+                number("flags"),
+            ) else {
                 continue;
             };
             if flags as u32 & slow.trusted != 0 && std > 0.0 && value.is_finite() && std.is_finite()
             {
                 let learnt = now();
                 let remembered = Remembered { value, std, learnt };
-                self.state.parameters.insert(slow.key.into(), remembered);
+                self.state
+                    .parameters
+                    .insert(slow.keys[0].into(), remembered);
             }
         }
     }
@@ -260,10 +225,9 @@ fn restore(
     description: &mut Description,
 ) -> Result<String, Failure> {
     let mut said = Vec::new();
-    for slow in SLOW {
-        let (Some(old), Some(prior)) =
-            (parameters.get(slow.key), number(description, slow.std_key))
-        else {
+    for slow in machines::entry(description.machine()).slow() {
+        let [key, std_key] = slow.keys;
+        let (Some(old), Some(prior)) = (parameters.get(key), number(description, std_key)) else {
             continue;
         };
         // 0 says that it is known exactly.
@@ -272,14 +236,11 @@ fn restore(
         }
         let std = widened(old.std, prior, now.saturating_sub(old.learnt) as f64);
         let mut restored = description.clone();
-        let set = [
-            format!("{}={}", slow.key, old.value),
-            format!("{}={}", slow.std_key, std),
-        ];
+        let set = [format!("{key}={}", old.value), format!("{std_key}={std}")];
         // Outside what the description allows: it begins from the prior.
         if restored.set_all(&set).is_ok() {
             *description = restored;
-            said.push(format!("{} {:.4} ± {:.2}", slow.field, old.value, std));
+            said.push(format!("{} {:.4} ± {:.2}", slow.fields[0], old.value, std));
         }
     }
     Ok(if said.is_empty() {
@@ -311,7 +272,7 @@ fn now() -> u64 {
 mod tests {
     use config::LEAST_SHARE;
     use messages::channels::LOADER_CG_UKF;
-    use messages::{LoaderEstimate, Machine};
+    use messages::{LoaderEstimate, Machine, loader_bits};
 
     use super::*;
 

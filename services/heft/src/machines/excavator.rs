@@ -16,6 +16,7 @@ use crate::commands::calibrate::CalibrateArgs;
 use crate::failure::Failure;
 use crate::plan::Plan;
 use crate::quantity::Quantity;
+use crate::state::Slow;
 
 pub(super) struct Excavator;
 
@@ -30,6 +31,12 @@ impl Typed for Excavator {
         inertia("excavator/inertia_ukf"),
         inertia("excavator/inertia_rls"),
     ];
+    const SLOW: &'static [Slow] = &[Slow {
+        channel: "excavator/inertia_ukf",
+        fields: ["damping", "damping_std"],
+        trusted: bits::TRUSTED,
+        keys: ["machine.nominal_damping", "prior.damping_std"],
+    }];
 
     fn scenarios() -> Vec<(String, String)> {
         let cases = cases();

@@ -14,6 +14,7 @@ use crate::commands::calibrate::CalibrateArgs;
 use crate::failure::Failure;
 use crate::plan::Plan;
 use crate::quantity::Quantity;
+use crate::state::Slow;
 
 pub(super) struct Loader;
 
@@ -29,6 +30,23 @@ impl Typed for Loader {
         height("loader/cg_ukf"),
         ratio("loader/cg_ekf"),
         height("loader/cg_ekf"),
+    ];
+    const SLOW: &'static [Slow] = &[
+        slow(
+            ["slip_stiffness", "slip_stiffness_std"],
+            bits::TRUSTED_RATIO,
+            ["prior.slip_stiffness", "prior.slip_stiffness_std"],
+        ),
+        slow(
+            ["cg_ratio", "cg_ratio_std"],
+            bits::TRUSTED_RATIO,
+            ["prior.cg_ratio", "prior.cg_ratio_std"],
+        ),
+        slow(
+            ["cg_height", "cg_height_std"],
+            bits::TRUSTED_HEIGHT,
+            ["prior.cg_height", "prior.cg_height_std"],
+        ),
     ];
 
     fn scenarios() -> Vec<(String, String)> {
@@ -65,6 +83,16 @@ impl Typed for Loader {
 
     fn figures() -> Result<Vec<Figure>, Failure> {
         figures::all()
+    }
+}
+
+/// A parameter that the next run begins with.
+const fn slow(fields: [&'static str; 2], trusted: u32, keys: [&'static str; 2]) -> Slow {
+    Slow {
+        channel: "loader/cg_ukf",
+        fields,
+        trusted,
+        keys,
     }
 }
 
