@@ -5,6 +5,8 @@
 //! boots; where neither is possible the tests on it say so and pass.
 
 mod common;
+#[path = "common/theirs.rs"]
+mod theirs;
 mod vcan;
 
 use std::fmt::Write as _;
@@ -158,7 +160,7 @@ fn lines_of_candump_in_any_form_give_the_bits_of_their_file() {
 
 #[test]
 fn a_trucks_log_on_standard_input_gives_the_bits_of_its_file() {
-    let Some(log) = vcan::data("can/truck_normal_drive.log") else {
+    let Some(log) = theirs::data("can/truck_normal_drive.log") else {
         return;
     };
     let map = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/maps/truck.toml");
@@ -330,7 +332,7 @@ fn a_bus_gives_the_bits_of_its_log() {
 #[test]
 #[ignore = "needs vcan0; run through tests/tools/with-can"]
 fn a_truck_on_the_bus_gives_the_bits_of_its_log() {
-    let Some(truck) = vcan::data("can/truck_normal_drive.log") else {
+    let Some(truck) = theirs::data("can/truck_normal_drive.log") else {
         return;
     };
     let map = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/maps/truck.toml");

@@ -1,27 +1,13 @@
-//! Data recorded by others, where it is present (`HEFT_DATA`, or `../shared/data` beside the
-//! project). It is not ours to ship; without it these tests say so and pass.
+//! Parameters of real axes, from data recorded by others; where it is not here, these tests say so and pass.
 
 mod common;
+#[path = "common/theirs.rs"]
+mod theirs;
 
 use std::path::{Path, PathBuf};
 
 use common::{both, run};
-
-fn data(name: &str) -> Option<PathBuf> {
-    let root = std::env::var_os("HEFT_DATA").map_or_else(
-        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data"),
-        PathBuf::from,
-    );
-    let file = root.join(name);
-    if file.exists() {
-        return Some(file);
-    }
-    println!(
-        "skipped: {} is not here (set HEFT_DATA to the folder of recorded data)",
-        file.display()
-    );
-    None
-}
+use theirs::data;
 
 fn shipped(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))

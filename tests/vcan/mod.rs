@@ -3,7 +3,7 @@
 #![allow(dead_code, reason = "each test uses its own part")]
 
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -13,19 +13,6 @@ use std::time::{Duration, Instant, UNIX_EPOCH};
 use socketcan::{
     CanFdSocket, CanFrame, EmbeddedFrame, ExtendedId, Id, Socket, SocketOptions, StandardId,
 };
-
-/// Data recorded by others, where it is present (`HEFT_DATA`, or `../shared/data`).
-pub fn data(name: &str) -> Option<PathBuf> {
-    let root = std::env::var_os("HEFT_DATA").map_or_else(
-        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data"),
-        PathBuf::from,
-    );
-    let file = root.join(name);
-    if !file.exists() {
-        println!("skipped: {} is not here (set HEFT_DATA)", file.display());
-    }
-    file.exists().then_some(file)
-}
 
 /// Runs the tests of this file that need a bus, on a kernel that has one: where `HEFT_CAN` is set, since they play
 /// in real time and a kernel in user mode keeps it only on a machine that is otherwise quiet.

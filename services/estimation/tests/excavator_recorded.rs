@@ -1,8 +1,8 @@
-//! Parameters of real machines from recordings made by others. The recordings are not part of the
-//! project: they are read from the folder in `HEFT_DATA`, else from a folder `shared/data` beside
-//! the checkout; where they are not, the tests say so and pass.
+//! Parameters of real machines from recordings made by others; where they are not here, the tests say so and pass.
 
 mod excavator_common;
+#[path = "../../../tests/common/theirs.rs"]
+mod theirs;
 
 use estimation::excavator::{
     Columns, Estimate, Method, MotionFilter, Regression, Sample, Settings,
@@ -10,13 +10,7 @@ use estimation::excavator::{
 use excavator_common::Table;
 
 fn recording(name: &str) -> Option<Table> {
-    let root = std::env::var("HEFT_DATA")
-        .unwrap_or_else(|_| format!("{}/../../../shared/data", env!("CARGO_MANIFEST_DIR")));
-    let table = Table::read(&format!("{root}/recorded/{name}"));
-    if table.is_none() {
-        println!("skipped: {name} is not in {root}/recorded (set HEFT_DATA)");
-    }
-    table
+    Table::read(theirs::data(&format!("recorded/{name}"))?.to_str()?)
 }
 
 const ENCODER: Columns = Columns {

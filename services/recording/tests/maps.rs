@@ -1,6 +1,9 @@
 //! Signal maps: foreign names and units, and what is said when a name does not fit.
 
-use std::path::{Path, PathBuf};
+#[path = "../../../tests/common/theirs.rs"]
+mod theirs;
+
+use std::path::Path;
 
 use messages::{ExcavatorSensors, LoaderSensors, excavator_bits as e};
 use recording::csv::read;
@@ -352,7 +355,7 @@ fn of_two_senders_of_a_parameter_group_the_first_counts() {
 
 #[test]
 fn a_wrong_time_makes_no_rows() {
-    let Some(data) = data() else { return };
+    let Some(data) = theirs::data("") else { return };
     let map = Map::read(&data.join("faults/rate.toml")).expect("a map");
     let rows = load::<LoaderSensors>(data.join("faults/jump.log"), Some(&map)).expect("rows");
     // Half a second at 100 Hz, and one frame of another century.
@@ -361,20 +364,6 @@ fn a_wrong_time_makes_no_rows() {
         .windows(2)
         .map(|w| w[1].0.stamp.time - w[0].0.stamp.time);
     assert!(times.fold(0.0, f64::max) < 11.0);
-}
-
-/// The folder with data made by others, if there is one.
-fn data() -> Option<PathBuf> {
-    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data");
-    let folder = std::env::var_os("HEFT_DATA").map_or_else(|| beside.into(), PathBuf::from);
-    let there = folder.join("can").is_dir();
-    if !there {
-        println!(
-            "skipped: no data of others in {} (set HEFT_DATA)",
-            folder.display()
-        );
-    }
-    there.then_some(folder)
 }
 
 fn shipped(name: &str) -> Map {
@@ -407,7 +396,7 @@ fn interpolate(series: &[(f64, f64)], time: f64) -> Option<f64> {
 /// between frames and is printed with six digits, hence the tolerance of 2e-5.
 #[test]
 fn a_trucks_log_decodes_as_published() {
-    let Some(data) = data() else { return };
+    let Some(data) = theirs::data("") else { return };
     type Get = fn(&messages::LoaderSensors) -> f64;
     let signals: [(&str, usize, Get); 4] = [
         ("front_wheel_speed", 1, |s| s.front_wheel_speed * 0.5 * 3.6),
@@ -448,7 +437,7 @@ fn a_trucks_log_decodes_as_published() {
 
 #[test]
 fn the_shipped_maps_read_the_data_of_others() {
-    let Some(data) = data() else { return };
+    let Some(data) = theirs::data("") else { return };
     let load = |file: &str, map: &str| {
         load::<ExcavatorSensors>(data.join("recorded").join(file), Some(&shipped(map)))
             .expect("rows")
