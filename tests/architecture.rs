@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 /// Each crate of ours with the crates of ours that it depends on, no more and no fewer.
 const ARROWS: &[(&str, &[&str])] = &[
@@ -82,6 +83,30 @@ const ARROWS: &[(&str, &[&str])] = &[
     ),
 ];
 
+/// What stands at the top of the repository, no more and no fewer.
+const TOP: &[&str] = &[
+    ".ci",
+    ".dockerignore",
+    ".gitignore",
+    "ARCHITECTURE.md",
+    "CHANGELOG.md",
+    "CONTRIBUTING.md",
+    "Cargo.lock",
+    "Cargo.toml",
+    "LICENSE-APACHE",
+    "LICENSE-MIT",
+    "README.md",
+    "bench",
+    "bindings",
+    "build.rs",
+    "deny.toml",
+    "docs",
+    "examples",
+    "services",
+    "sim",
+    "tests",
+];
+
 fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
 }
@@ -115,6 +140,19 @@ fn crates_import_along_the_arrows_and_every_arrow_exists() {
         let arrows: BTreeSet<String> = arrows.iter().map(|&name| name.to_owned()).collect();
         assert_eq!(found, arrows, "{folder}");
     }
+}
+
+#[test]
+fn the_top_holds_what_it_should_and_nothing_that_a_command_left_there() {
+    let mut git = Command::new("git");
+    let listed = git.arg("ls-files").current_dir(root()).output();
+    let Some(files) = listed.ok().filter(|o| o.status.success()) else {
+        println!("skipped: this is no checkout of git");
+        return;
+    };
+    let files = String::from_utf8(files.stdout).expect("names in UTF-8");
+    let found: BTreeSet<&str> = files.lines().filter_map(|f| f.split('/').next()).collect();
+    assert_eq!(found, TOP.iter().copied().collect());
 }
 
 #[test]
