@@ -1,5 +1,7 @@
 //! A message outside a recording: the same bytes and the same schema, for who sends it elsewhere.
 
+use std::io::{self, BufRead};
+
 use messages::Message;
 
 use crate::{schema, wire};
@@ -21,6 +23,51 @@ pub fn decode<M: Message>(bytes: &[u8]) -> Option<M> {
         }
     })?;
     Some(message)
+}
+
+/// Appends `bytes` with their length before them (varint), as protobuf delimits messages.
+pub fn put_delimited(bytes: &[u8], out: &mut Vec<u8>) {
+    wire::put_varint(bytes.len() as u64, out);
+    out.extend_from_slice(bytes);
+}
+
+/// Takes what [`put_delimited`] has written from the front of `bytes`; `None` where it is not whole.
+pub fn take_delimited<'a>(bytes: &mut &'a [u8]) -> Option<&'a [u8]> {
+    let mut rest = *bytes;
+    let length = usize::try_from(wire::take_varint(&mut rest)?).ok()?;
+    let (taken, rest) = rest.split_at_checked(length)?;
+    *bytes = rest;
+    Some(taken)
+}
+
+/// Reads what [`put_delimited`] has written; false at the end of the input.
+///
+/// # Errors
+/// The input cannot be read, ends within, or holds more than `most` bytes.
+pub fn read_delimited(
+    input: &mut impl BufRead,
+    most: usize,
+    into: &mut Vec<u8>,
+) -> io::Result<bool> {
+    into.clear();
+    if input.fill_buf()?.is_empty() {
+        return Ok(false);
+    }
+    // A length that stops in its midst is none: one byte at a time, ten at most.
+    let length = loop {
+        let mut byte = [0];
+        input.read_exact(&mut byte)?;
+        into.push(byte[0]);
+        if byte[0] & 0x80 == 0 || into.len() == 10 {
+            break wire::take_varint(&mut into.as_slice());
+        }
+    };
+    let length = length.and_then(|n| usize::try_from(n).ok());
+    let length = length.filter(|n| *n <= most);
+    let length = length.ok_or(io::ErrorKind::InvalidData)?;
+    into.resize(length, 0);
+    input.read_exact(into)?;
+    Ok(true)
 }
 
 /// Name of the protobuf message: `heft.Health`.
@@ -59,5 +106,35 @@ mod tests {
             decode::<ExcavatorEstimate>(&[0, 0]),
             Some(Default::default())
         );
+    }
+
+    #[test]
+    fn what_is_delimited_is_taken_back_piece_by_piece() {
+        let (long, mut bytes) = (vec![7; 300], Vec::new());
+        for piece in [b"ex-17".as_slice(), b"", &long] {
+            put_delimited(piece, &mut bytes);
+        }
+        let (mut rest, mut input) = (bytes.as_slice(), bytes.as_slice());
+        let mut got = Vec::new();
+        for piece in [b"ex-17".as_slice(), b"", &long] {
+            assert_eq!(take_delimited(&mut rest), Some(piece));
+            assert!(read_delimited(&mut input, 300, &mut got).expect("memory"));
+            assert_eq!(got, piece);
+        }
+        assert_eq!(take_delimited(&mut rest), None);
+        assert!(!read_delimited(&mut input, 300, &mut got).expect("the end"));
+    }
+
+    #[test]
+    fn what_is_cut_off_or_too_long_is_not_taken() {
+        let (mut bytes, mut got) = (Vec::new(), Vec::new());
+        put_delimited(&[7; 300], &mut bytes);
+        for cut in 1..bytes.len() {
+            assert_eq!(take_delimited(&mut &bytes[..cut]), None, "{cut}");
+            assert!(read_delimited(&mut &bytes[..cut], 300, &mut got).is_err());
+        }
+        assert!(read_delimited(&mut bytes.as_slice(), 299, &mut got).is_err());
+        assert!(read_delimited(&mut [0xff; 20].as_slice(), 300, &mut got).is_err());
+        assert_eq!(take_delimited(&mut [0xff; 20].as_slice()), None);
     }
 }

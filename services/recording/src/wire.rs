@@ -32,7 +32,7 @@ fn put_count(number: u64, value: u64, out: &mut Vec<u8>) {
     }
 }
 
-fn put_varint(mut value: u64, out: &mut Vec<u8>) {
+pub(crate) fn put_varint(mut value: u64, out: &mut Vec<u8>) {
     while value >= 0x80 {
         out.push(value as u8 | 0x80);
         value >>= 7;
@@ -80,7 +80,7 @@ pub(crate) fn decode(mut bytes: &[u8], mut found: impl FnMut(u64, Scalar)) -> Op
     Some(())
 }
 
-fn take_varint(bytes: &mut &[u8]) -> Option<u64> {
+pub(crate) fn take_varint(bytes: &mut &[u8]) -> Option<u64> {
     let mut value = 0;
     for shift in (0..64).step_by(7) {
         let (first, rest) = bytes.split_first()?;

@@ -6,6 +6,7 @@ use std::sync::mpsc::sync_channel;
 use std::time::{Duration, Instant};
 
 use messages::Envelope;
+use recording::payload::take_delimited;
 use serde_json::json;
 use zenoh::Wait;
 
@@ -55,7 +56,7 @@ pub fn full(args: &FullArgs, out: &mut impl Write, stop: &AtomicBool) -> Result<
         )
     })?;
     let stops = || stop.load(Ordering::Relaxed);
-    let Some(session) = client_unless(&args.link, stops)? else {
+    let Some(session) = client_unless(&args.link, &[], stops)? else {
         return Ok(());
     };
     let failed = |e: zenoh::Error| {
@@ -143,26 +144,10 @@ fn ask(session: &zenoh::Session, id: &MachineId, seconds: f64) -> Result<(), Str
 /// The messages of a batch, as far as they are whole.
 fn messages(stream: &str, mut batch: &[u8]) -> Vec<Envelope> {
     let mut found = Vec::new();
-    while let Some(length) = take_length(&mut batch)
-        && let Some((one, rest)) = batch.split_at_checked(length)
-    {
+    while let Some(one) = take_delimited(&mut batch) {
         found.extend(decode(stream, one));
-        batch = rest;
     }
     found
-}
-
-fn take_length(bytes: &mut &[u8]) -> Option<usize> {
-    let mut value = 0;
-    for shift in [0, 7, 14] {
-        let (first, rest) = bytes.split_first()?;
-        *bytes = rest;
-        value |= usize::from(first & 0x7f) << shift;
-        if first & 0x80 == 0 {
-            return Some(value);
-        }
-    }
-    None
 }
 
 #[cfg(test)]

@@ -9,6 +9,7 @@ use std::sync::atomic::Ordering;
 
 use messages::channels::{Channel, Rate};
 use messages::{Envelope, Message};
+use recording::payload::put_delimited;
 use rtrb::{Consumer, Producer};
 use zenoh::qos::{CongestionControl, Priority};
 use zenoh::{Session, Wait};
@@ -85,8 +86,7 @@ impl Full {
         while let Ok((channel, sample)) = queue.pop() {
             let name = channel.name.rsplit('/').next().unwrap_or_default();
             let batch = batches.entry(name).or_default();
-            put_length(sample.len(), batch);
-            batch.extend_from_slice(&sample);
+            put_delimited(&sample, batch);
             if batch.len() > BATCH {
                 self.put(name, std::mem::take(batch));
             }
@@ -109,12 +109,4 @@ impl Full {
         // A link that is gone shows as a gap in the numbers.
         let _ = put.attachment(self.shared.id.machine.as_str()).wait();
     }
-}
-
-fn put_length(mut length: usize, out: &mut Vec<u8>) {
-    while length >= 0x80 {
-        out.push(length as u8 | 0x80);
-        length >>= 7;
-    }
-    out.push(length as u8);
 }
