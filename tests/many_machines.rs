@@ -10,6 +10,9 @@ use std::process::{Child, Stdio};
 use std::time::Duration;
 
 use common::{both, golden, heft, kill, run, run_ok, wait_until};
+use messages::{ExcavatorEstimate, ExcavatorSensors};
+use recording::csv::EstimateRows;
+use recording::payload::{decode, encode, put_delimited, take_delimited};
 use rustix::process::Signal;
 
 const MACHINES: usize = 30;
@@ -186,6 +189,73 @@ fn killed_processes_change_no_bit() {
     let (disturbed, said) = serve(&lines, &[500, 16_000, lines.len() - 50]);
     assert!(said.contains("9 processes replaced"), "{said}");
     assert_eq!(by_machine(&disturbed), by_machine(&undisturbed));
+}
+
+/// What `heft serve --messages` answers to these records, and what it says.
+fn serve_messages(input: Vec<u8>) -> (Vec<u8>, String) {
+    let mut command = heft();
+    command.args(["serve", "excavator", "--messages", "--shards", "2"]);
+    command.args(["--set", "prior.inertia=6000"]);
+    command.stdin(Stdio::piped()).stdout(Stdio::piped());
+    let mut router = command.stderr(Stdio::piped()).spawn().expect("heft starts");
+    let mut pipe = router.stdin.take().expect("a pipe");
+    let writer = std::thread::spawn(move || pipe.write_all(&input).expect("a router"));
+    let output = router.wait_with_output().expect("the end");
+    writer.join().expect("all is written");
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{said}");
+    (output.stdout, said)
+}
+
+#[test]
+fn messages_give_what_a_table_gives_and_a_machine_that_is_forgotten_begins_anew() {
+    let record = |name: &str, message: &[u8], out: &mut Vec<u8>| {
+        put_delimited(name.as_bytes(), out);
+        put_delimited(message, out);
+    };
+    let mut input = Vec::new();
+    for machine in 0..2 {
+        let rows = recording::load::<ExcavatorSensors>(golden(plays(machine)), None);
+        for (sample, _) in rows.expect("a recording") {
+            let mut message = Vec::new();
+            encode(&sample, &mut message);
+            record(&name(machine), &message, &mut input);
+        }
+    }
+    // The first again, as another run; nonsense changes nothing.
+    let (first, _) = recording::load::<ExcavatorSensors>(golden(plays(0)), None)
+        .expect("a recording")
+        .remove(0);
+    record(&name(0), &[], &mut input);
+    record(&name(0), &[0xff; 7], &mut input);
+    record("", &[8, 1], &mut input);
+    let mut nan = first;
+    nan.swing_velocity = f64::NAN;
+    for sample in [nan, first] {
+        let mut message = Vec::new();
+        encode(&sample, &mut message);
+        record(&name(0), &message, &mut input);
+    }
+    let (answers, said) = serve_messages(input);
+    assert!(said.contains("3 messages left out"), "{said}");
+
+    let table = EstimateRows::<ExcavatorEstimate>::new(u32::MAX);
+    let (mut rest, mut found) = (answers.as_slice(), BTreeMap::<String, String>::new());
+    while !rest.is_empty() {
+        let name = take_delimited(&mut rest).expect("a name");
+        let message = take_delimited(&mut rest).expect("an estimate");
+        let estimate = decode(message).expect("an estimate");
+        let row = found
+            .entry(String::from_utf8_lossy(name).into_owned())
+            .or_default();
+        assert!(table.put(&estimate, row), "a refused one is left out");
+        row.push('\n');
+    }
+    let (text, _) = serve(&self::table(), &[]);
+    let expected = by_machine(&text);
+    assert_eq!(found[&name(1)], expected[&name(1)]);
+    let begin = expected[&name(0)].lines().next().expect("a row");
+    assert_eq!(found[&name(0)], format!("{}{begin}\n", expected[&name(0)]));
 }
 
 #[test]

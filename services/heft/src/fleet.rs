@@ -32,6 +32,9 @@ pub struct FleetArgs {
     /// Name of the machine within its site, for --fleet
     #[arg(long, requires = "fleet")]
     pub machine_id: Option<String>,
+    /// Send every sample of the sensors too, for `heft fleet serve` at the site: 10 to 20 kB a second at 100 Hz
+    #[arg(long, requires = "fleet")]
+    pub fleet_samples: bool,
     /// Keys and certificates, for --fleet: a configuration file of Zenoh
     #[arg(long, requires = "fleet", value_name = "FILE")]
     pub zenoh_config: Option<PathBuf>,
@@ -65,6 +68,9 @@ impl Fleet {
         let file = file.map(|f| f.display().to_string());
         if let Some(file) = &file {
             arguments.extend(["--zenoh-config", file]);
+        }
+        if args.fleet_samples {
+            arguments.push("--samples");
         }
         Ok(Some(Self {
             program: program("heft-gateway", "--fleet")?,

@@ -19,7 +19,7 @@ use crate::commands::estimate::{self, EstimateArgs};
 use crate::failure::Failure;
 use crate::plan::Plan;
 use crate::quantity::Quantity;
-use crate::serve::{self, Machines, Out, Played, Rows};
+use crate::serve::{self, Form, Machines, Out, Played, Rows};
 use crate::signals::Signals;
 use crate::sources;
 use crate::state::Slow;
@@ -63,13 +63,14 @@ pub trait Entry: Sync {
     /// # Errors
     /// The source or a channel cannot be opened.
     fn serve_source(&self, worker: Worker, plan: &Plan) -> Result<(), Failure>;
-    /// Shares the rows of a table among shards started with these arguments.
+    /// Shares the samples of many machines among shards started with these arguments.
     ///
     /// # Errors
-    /// The table cannot be read, or a shard cannot go on.
+    /// The input cannot be read, or a shard cannot go on.
     fn route(
         &self,
         input: Box<dyn Read>,
+        form: Form,
         map: Option<&Map>,
         shards: usize,
         arguments: &[OsString],
@@ -97,6 +98,7 @@ pub trait Entry: Sync {
         description: &Description,
         method: &str,
         every: f64,
+        form: Form,
     ) -> Result<(), Failure>;
     /// What is told of it while it runs.
     fn told(&self) -> &'static [Quantity];
@@ -232,12 +234,14 @@ impl<M: Typed> Entry for M {
     fn route(
         &self,
         input: Box<dyn Read>,
+        form: Form,
         map: Option<&Map>,
         shards: usize,
         arguments: &[OsString],
     ) -> Result<(), Failure> {
         let header = EstimateRows::<M::Estimate>::new(u32::MAX).header();
-        serve::route::<M::Sensors>(input, map, shards, arguments, &header)
+        let rows = Rows::begin(Out::standard(), form, &header, Vec::new())?;
+        serve::route::<M::Sensors>(input, form, map, shards, arguments, rows)
     }
 
     fn play(
@@ -250,7 +254,7 @@ impl<M: Typed> Entry for M {
     ) -> Result<Played, Failure> {
         let header = EstimateRows::<M::Estimate>::new(u32::MAX).header();
         let flags = headlines::<M::Estimate>().map(|p| p.trusted).collect();
-        let rows = Rows::begin(out, &header, flags)?;
+        let rows = Rows::begin(out, Form::Table, &header, flags)?;
         let make = |plan: &Plan| sources::not_live::<M::Sensors, _>(plan, || M::simulator(plan));
         serve::play::<M::Sensors>(machines, make, rows, shards, arguments, signals)
     }
@@ -264,8 +268,9 @@ impl<M: Typed> Entry for M {
         description: &Description,
         method: &str,
         every: f64,
+        form: Form,
     ) -> Result<(), Failure> {
-        serve::serve_shard::<M::Sensors, M::Estimate>(description, method, every)
+        serve::serve_shard::<M::Sensors, M::Estimate>(description, method, every, form)
     }
 
     fn told(&self) -> &'static [Quantity] {

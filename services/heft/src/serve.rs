@@ -4,6 +4,7 @@
 
 mod frames;
 mod play;
+mod records;
 mod remote;
 mod rows;
 mod shard;
@@ -17,8 +18,9 @@ use std::time::{Duration, Instant};
 use recording::{LineDecoder, MAX_LINE, Map, NameColumn, Sensors};
 
 pub use self::play::{Machines, Played, play};
+use self::records::Records;
 use self::remote::RemoteShard;
-pub use self::rows::{Out, Rows, is_table};
+pub use self::rows::{Form, Out, Rows, is_table};
 pub use self::shard::serve as serve_shard;
 use crate::failure::Failure;
 
@@ -65,26 +67,46 @@ fn with_shards<T>(
     Ok((fed?, served))
 }
 
-/// Reads a table from `input` and writes the estimates to standard output.
+/// Reads the samples of many machines from `input` and writes their estimates as `rows`.
 pub fn route<S: Sensors>(
     input: impl Read,
+    form: Form,
     map: Option<&Map>,
     count: usize,
     arguments: &[OsString],
-    header: &str,
+    rows: Rows,
 ) -> Result<(), Failure> {
     let began = Instant::now();
-    let rows = Rows::begin(Out::standard(), header, Vec::new())?;
-    let ((samples, refused), served) = with_shards(count, arguments, &rows, |shards| {
-        Router::<S>::new(map, shards, &rows).take_all(input)
+    let ((samples, refused), served) = with_shards(count, arguments, &rows, |shards| match form {
+        Form::Table => Router::<S>::new(map, shards, &rows).take_all(input),
+        Form::Messages => Records::new(shards, &rows).take_all::<S>(input),
     })?;
     let machines = rows.finish()?.len();
     let seconds = began.elapsed().as_secs_f64();
+    let parts = match form {
+        Form::Table => "lines",
+        Form::Messages => "messages",
+    };
     eprintln!(
-        "{machines} machines, {samples} samples in {seconds:.1} s by {count} processes; {refused} lines left out, {} processes replaced",
+        "{machines} machines, {samples} samples in {seconds:.1} s by {count} processes; {refused} {parts} left out, {} processes replaced",
         served.replaced
     );
     Ok(())
+}
+
+/// Which of so many shards a machine belongs to.
+fn shard_of(name: &str, shards: usize) -> usize {
+    let mut hasher = DefaultHasher::new();
+    name.hash(&mut hasher);
+    (hasher.finish() % shards as u64) as usize
+}
+
+fn too_many() -> Failure {
+    Failure::input(
+        format!("the input names more than {MOST_MACHINES} machines"),
+        "standard input",
+        format!("check its column {NAME}, or what names them; more machines take several routers"),
+    )
 }
 
 fn unreadable(error: &std::io::Error) -> Failure {
@@ -201,15 +223,9 @@ impl<'a, S: Sensors> Router<'a, S> {
     fn add(&mut self, name: String) -> Result<usize, Failure> {
         let number = self.decoders.len();
         if number == MOST_MACHINES {
-            return Err(Failure::input(
-                format!("the table names more than {MOST_MACHINES} machines"),
-                "standard input",
-                format!("check its column {NAME}; more machines take several routers"),
-            ));
+            return Err(too_many());
         }
-        let mut hasher = DefaultHasher::new();
-        name.hash(&mut hasher);
-        let shard = (hasher.finish() % self.shards.len() as u64) as usize;
+        let shard = shard_of(&name, self.shards.len());
         self.decoders.push((self.decoder()?, shard));
         self.rows.add(&name);
         self.numbers.insert(name, number);

@@ -13,6 +13,7 @@ use crate::cli::{DescriptionArgs, machine};
 use crate::commands::estimate::{method, way};
 use crate::commands::run::{description, tell_idle_keys};
 use crate::failure::Failure;
+use crate::serve::Form;
 use crate::{machines, sources};
 
 /// `heft serve`
@@ -38,6 +39,9 @@ pub struct ServeArgs {
     /// Processes that the machines are shared among; as many as there are processors if absent
     #[arg(long, value_name = "N")]
     pub shards: Option<NonZeroUsize>,
+    /// Read and write messages as recordings hold them, in place of tables: for programs, such as `heft fleet serve`
+    #[arg(long, conflicts_with = "map")]
+    pub messages: bool,
     /// Be one of them
     #[arg(long, hide = true)]
     pub shard: bool,
@@ -53,8 +57,13 @@ pub fn serve(args: &ServeArgs) -> Result<(), Failure> {
     let description = description(args.machine, &args.description)?;
     let method = method(args.machine, args.method.as_deref());
     let entry = machines::entry(args.machine);
+    let form = if args.messages {
+        Form::Messages
+    } else {
+        Form::Table
+    };
     if args.shard {
-        return entry.serve_shard(&description, method, args.every);
+        return entry.serve_shard(&description, method, args.every, form);
     }
     // What cannot work is said once, here.
     way(&description, method)?;
@@ -65,8 +74,11 @@ pub fn serve(args: &ServeArgs) -> Result<(), Failure> {
         None => Box::new(stdin().lock()),
     };
     let shards = args.shards.map_or_else(usual_shards, NonZeroUsize::get);
-    let arguments = shard_arguments(args.machine, method, &args.description, args.every);
-    entry.route(input, map.as_ref(), shards, &arguments)
+    let mut arguments = shard_arguments(args.machine, method, &args.description, args.every);
+    if args.messages {
+        arguments.push("--messages".into());
+    }
+    entry.route(input, form, map.as_ref(), shards, &arguments)
 }
 
 /// What a shard is told.

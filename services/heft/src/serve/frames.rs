@@ -4,11 +4,11 @@ use std::io::{self, Read, Write};
 
 use messages::{Message, NumberType, Value};
 
-/// A sample of a machine: its number, then the fields of the message.
+/// A sample of a machine: its number, then the fields of the message; none where the machine is to be forgotten.
 pub const SAMPLE: u8 = b'S';
 /// To a shard: tell your state. From a shard: the state.
 pub const STATE: u8 = b'C';
-/// The row of the estimate of a sample: the machine's number, the flags of the estimate, text; no text, no row.
+/// The row of the estimate of a sample: the machine's number, the flags of the estimate, the row; an empty one is none.
 pub const ROW: u8 = b'E';
 /// Why a shard cannot go on.
 pub const FAULT: u8 = b'!';

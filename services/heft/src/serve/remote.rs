@@ -207,10 +207,9 @@ impl<'a> RemoteShard<'a> {
                     drop(output);
                     let number = u32::from_le_bytes(*number);
                     let flags = u32::from_le_bytes([*f0, *f1, *f2, *f3]);
-                    let row = String::from_utf8_lossy(row);
                     if is_new
                         && !row.is_empty()
-                        && let Err(why) = self.rows.put(number, flags, &row)
+                        && let Err(why) = self.rows.put(number, flags, row)
                     {
                         return self.fail(&why);
                     }

@@ -4,6 +4,7 @@ use std::io::{BufWriter, Stdout, Write};
 use std::sync::{Mutex, PoisonError};
 
 use recording::Output;
+use recording::payload::put_delimited;
 
 use super::NAME;
 use super::remote::lock;
@@ -23,12 +24,21 @@ impl Out {
         Self::Standard(BufWriter::with_capacity(1 << 16, std::io::stdout()))
     }
 
-    fn put(&mut self, text: &str) -> Result<(), String> {
+    fn put(&mut self, bytes: &[u8]) -> Result<(), String> {
         match self {
-            Self::Standard(out) => out.write_all(text.as_bytes()).map_err(nobody_reads),
-            Self::File(out) => out.put(text.as_bytes()).map_err(|e| e.to_string()),
+            Self::Standard(out) => out.write_all(bytes).map_err(nobody_reads),
+            Self::File(out) => out.put(bytes).map_err(|e| e.to_string()),
         }
     }
+}
+
+/// What samples and estimates are written as.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Form {
+    /// A table (CSV) with a column that names the machine.
+    Table,
+    /// The machine's name, then the message as recordings hold it (protobuf), each with its length before it (varint).
+    Messages,
 }
 
 fn nobody_reads(_: std::io::Error) -> String {
@@ -38,7 +48,7 @@ fn nobody_reads(_: std::io::Error) -> String {
 /// A machine and what was counted of its rows.
 #[derive(Debug, Clone, Default)]
 pub struct Member {
-    /// Its name, as a cell of a table.
+    /// Its name, as it is written.
     pub name: String,
     /// Rows of it.
     pub rows: u64,
@@ -46,21 +56,30 @@ pub struct Member {
     pub flagged: Vec<u64>,
 }
 
-/// The rows of all machines, below one header.
+/// The rows of all machines; of a table, below one header.
 pub struct Rows {
     out: Mutex<Out>,
+    form: Form,
     members: Mutex<Vec<Member>>,
     /// Flags of an estimate that are counted.
     flags: Vec<u32>,
 }
 
 impl Rows {
-    /// Begins with the header of the columns behind the machine's name.
-    pub fn begin(mut out: Out, columns: &str, flags: Vec<u32>) -> Result<Self, Failure> {
-        out.put(&format!("{NAME},{columns}\n"))
-            .map_err(Failure::told)?;
+    /// Begins; a table with the header of the columns behind the machine's name.
+    pub fn begin(
+        mut out: Out,
+        form: Form,
+        columns: &str,
+        flags: Vec<u32>,
+    ) -> Result<Self, Failure> {
+        if form == Form::Table {
+            let header = format!("{NAME},{columns}\n");
+            out.put(header.as_bytes()).map_err(Failure::told)?;
+        }
         Ok(Self {
             out: Mutex::new(out),
+            form,
             members: Mutex::default(),
             flags,
         })
@@ -69,14 +88,17 @@ impl Rows {
     /// Adds a machine; its number is how many there were.
     pub fn add(&self, name: &str) {
         lock(&self.members).push(Member {
-            name: recording::csv::quoted(name),
+            name: match self.form {
+                Form::Table => recording::csv::quoted(name),
+                Form::Messages => name.to_owned(),
+            },
             rows: 0,
             flagged: vec![0; self.flags.len()],
         });
     }
 
     /// A row of a machine.
-    pub fn put(&self, number: u32, flags: u32, row: &str) -> Result<(), String> {
+    pub fn put(&self, number: u32, flags: u32, row: &[u8]) -> Result<(), String> {
         let mut members = lock(&self.members);
         let Some(member) = members.get_mut(number as usize) else {
             return Err(format!("a row of the unknown machine {number}"));
@@ -86,10 +108,20 @@ impl Rows {
             *count += u64::from(flags & flag != 0);
         }
         let mut out = lock(&self.out);
-        out.put(&member.name)?;
-        out.put(",")?;
-        out.put(row)?;
-        out.put("\n")
+        match self.form {
+            Form::Table => {
+                for part in [member.name.as_bytes(), b",", row, b"\n"] {
+                    out.put(part)?;
+                }
+                Ok(())
+            }
+            Form::Messages => {
+                let mut record = Vec::with_capacity(member.name.len() + row.len() + 8);
+                put_delimited(member.name.as_bytes(), &mut record);
+                put_delimited(row, &mut record);
+                out.put(&record)
+            }
+        }
     }
 
     /// Lets nothing wait in the buffer where somebody reads as it comes.

@@ -8,6 +8,7 @@ use config::Description;
 use messages::{Envelope, Message};
 use recording::csv::{Estimate, EstimateRows};
 
+use super::Form;
 use super::frames::{self, FAULT, ROW, SAMPLE, STATE};
 use crate::commands::estimate::{Way, way};
 use crate::failure::Failure;
@@ -28,6 +29,7 @@ struct Shard<'a, E: Estimate> {
     description: &'a Description,
     method: &'a str,
     every: f64,
+    form: Form,
     rows: &'a EstimateRows<E>,
     members: BTreeMap<u32, Member>,
 }
@@ -37,17 +39,19 @@ pub fn serve<S: Message, E: Estimate>(
     description: &Description,
     method: &str,
     every: f64,
+    form: Form,
 ) -> Result<(), Failure> {
     let mut shard = Shard::<E> {
         description,
         method,
         every,
+        form,
         rows: &EstimateRows::new(u32::MAX),
         members: BTreeMap::new(),
     };
     let mut input = BufReader::with_capacity(1 << 16, stdin().lock());
     let mut out = BufWriter::with_capacity(1 << 16, stdout().lock());
-    let (mut bytes, mut row) = (Vec::new(), String::new());
+    let (mut bytes, mut row) = (Vec::new(), Vec::new());
     loop {
         if input.buffer().is_empty() {
             out.flush().map_err(Failure::internal)?;
@@ -60,11 +64,7 @@ pub fn serve<S: Message, E: Estimate>(
                 row.clear();
                 let answer = shard.answer::<S>(u32::from_le_bytes(*number), sample, &mut row);
                 answer.map(|flags| {
-                    frames::write(
-                        &mut out,
-                        ROW,
-                        &[number, &flags.to_le_bytes(), row.as_bytes()],
-                    )
+                    frames::write(&mut out, ROW, &[number, &flags.to_le_bytes(), &row])
                 })
             }
             (STATE, None) => Ok(frames::write(&mut out, STATE, &[&shard.save()])),
@@ -99,9 +99,13 @@ impl<E: Estimate> Shard<'_, E> {
         &mut self,
         number: u32,
         sample: &[u8],
-        row: &mut String,
+        row: &mut Vec<u8>,
     ) -> Result<u32, Failure> {
-        let (every, rows) = (self.every, self.rows);
+        if sample.is_empty() {
+            self.members.remove(&number);
+            return Ok(0);
+        }
+        let (every, rows, form) = (self.every, self.rows, self.form);
         let member = self.member(number)?;
         let mut message: Envelope = frames::unpack::<S>(sample).envelope();
         for (_, step) in &mut member.way {
@@ -118,10 +122,21 @@ impl<E: Estimate> Shard<'_, E> {
         if (member.told..member.told + every).contains(&time) {
             return Ok(0);
         }
-        if rows.put(estimate, row) {
-            member.told = time;
+        let flags = estimate.bits().0;
+        if flags & E::REFUSED != 0 {
+            return Ok(flags);
         }
-        Ok(estimate.bits().0)
+        member.told = time;
+        match form {
+            Form::Table => {
+                // Empty, so it is text; it keeps its room.
+                let mut text = String::from_utf8(std::mem::take(row)).unwrap_or_default();
+                rows.put(estimate, &mut text);
+                *row = text.into_bytes();
+            }
+            Form::Messages => recording::payload::encode(estimate, row),
+        }
+        Ok(flags)
     }
 
     /// Everything that another shard needs: how many machines; of each its number, the time of its last row, the number of

@@ -1,0 +1,117 @@
+//! Samples as messages: the name of a machine, then a sample of it as recordings hold it (protobuf), each with its length
+//! before it (varint). An empty message says that the machine is gone: what is known of it is forgotten.
+
+use std::collections::HashMap;
+use std::io::{self, BufRead, BufReader, Read};
+
+use messages::{Message, Value};
+use recording::Sensors;
+use recording::payload::{decode, read_delimited};
+
+use super::remote::RemoteShard;
+use super::{LONGEST_NAME, MOST_MACHINES, Rows, frames, shard_of, too_many, unreadable};
+use crate::failure::Failure;
+
+/// Largest sample [bytes].
+const LARGEST: usize = 4096;
+/// Messages that are told of when they are left out; the rest are only counted.
+const TOLD: u64 = 5;
+
+/// Sends each sample to the shard of its machine.
+pub struct Records<'a> {
+    shards: &'a [RemoteShard<'a>],
+    rows: &'a Rows,
+    /// Number and shard of each machine that is here.
+    machines: HashMap<String, (u32, usize)>,
+    /// How many there have been.
+    count: u32,
+    samples: u64,
+    refused: u64,
+}
+
+impl<'a> Records<'a> {
+    pub fn new(shards: &'a [RemoteShard<'a>], rows: &'a Rows) -> Self {
+        Self {
+            shards,
+            rows,
+            machines: HashMap::new(),
+            count: 0,
+            samples: 0,
+            refused: 0,
+        }
+    }
+
+    /// Samples, and messages that were left out.
+    pub fn take_all<S: Sensors>(mut self, input: impl Read) -> Result<(u64, u64), Failure> {
+        let mut input = BufReader::with_capacity(1 << 16, input);
+        let (mut name, mut message, mut packed) = (Vec::new(), Vec::new(), Vec::new());
+        loop {
+            if input.buffer().is_empty() {
+                // What is here goes on its way before anybody waits.
+                self.shards.iter().for_each(RemoteShard::flush);
+                if let Some(failure) = self.shards.iter().find_map(RemoteShard::failure) {
+                    return Err(failure);
+                }
+            }
+            if !record(&mut input, &mut name, &mut message).map_err(|e| unreadable(&e))? {
+                return Ok((self.samples, self.refused));
+            }
+            let Some(name) = std::str::from_utf8(&name).ok().filter(|n| !n.is_empty()) else {
+                self.refuse("names no machine");
+                continue;
+            };
+            if message.is_empty() {
+                if let Some((number, shard)) = self.machines.remove(name) {
+                    self.shards[shard].send(number, &[]);
+                }
+                continue;
+            }
+            let Some(sample) = decode::<S>(&message).filter(is_finite) else {
+                self.refuse("is no sample");
+                continue;
+            };
+            let (number, shard) = self.place(name)?;
+            frames::pack(&sample, &mut packed);
+            self.samples += 1;
+            self.shards[shard].send(number, &packed);
+        }
+    }
+
+    fn place(&mut self, name: &str) -> Result<(u32, usize), Failure> {
+        if let Some(place) = self.machines.get(name) {
+            return Ok(*place);
+        }
+        if self.machines.len() == MOST_MACHINES {
+            return Err(too_many());
+        }
+        let place = (self.count, shard_of(name, self.shards.len()));
+        self.count += 1;
+        self.rows.add(name);
+        self.machines.insert(name.to_owned(), place);
+        Ok(place)
+    }
+
+    fn refuse(&mut self, why: &str) {
+        self.refused += 1;
+        if self.refused <= TOLD {
+            tracing::warn!("a message {why}; left out");
+        }
+    }
+}
+
+/// Reads a name and a message; false at the end.
+fn record(input: &mut impl BufRead, name: &mut Vec<u8>, message: &mut Vec<u8>) -> io::Result<bool> {
+    if !read_delimited(input, LONGEST_NAME, name)? {
+        return Ok(false);
+    }
+    if !read_delimited(input, LARGEST, message)? {
+        return Err(io::ErrorKind::UnexpectedEof.into());
+    }
+    Ok(true)
+}
+
+/// Whether every number in it is one.
+fn is_finite<S: Message>(sample: &S) -> bool {
+    let is_number = |i| !matches!(sample.get(i), Some(Value::F64(x)) if !x.is_finite());
+    (0..S::FIELDS.len()).all(is_number)
+}
