@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Keys for a fleet with mutual TLS: an authority, a router, a collector, machines; and the configuration of each.
+# Keys for a fleet with mutual TLS: an authority, a router, a collector, a server (`heft fleet serve`), machines; and the
+# configuration of each.
 #
 #   keys.sh FOLDER SITE MACHINE...     DAYS=365 ROUTER=localhost
 #
@@ -30,7 +31,8 @@ END
 }
 certificate router "DNS:$router,DNS:localhost,IP:127.0.0.1"
 certificate collector "DNS:collector"
+certificate server "DNS:server"
 for machine in "$@"; do certificate "$machine" "DNS:$machine"; done
-machines=$(ls *.pem | sed 's/\.pem$//' | grep -vxE 'ca|router|collector')
+machines=$(ls *.pem | sed 's/\.pem$//' | grep -vxE 'ca|router|collector|server')
 python3 "$here/router.py" "$PWD" "$site" $machines > router.json5
-echo "router.json5 and one configuration for each of: collector" $machines
+echo "router.json5 and one configuration for each of: collector server" $machines

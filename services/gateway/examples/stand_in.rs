@@ -1,18 +1,30 @@
 //! A stand-in for a pipeline: the channels and the recording of an excavator, with estimates whose number and
 //! verdicts are known. Tests attach a gateway to it, and count.
 //!
-//! `stand_in DOMAIN FOLDER RATE SECONDS [BYTES_A_PART BYTES_KEPT]`
+//! `stand_in DOMAIN FOLDER RATE SECONDS [BYTES_A_PART BYTES_KEPT] [samples=FILE]`: those of a file are sent from the
+//! [`WAIT`]th second on, when whoever listens is there.
 
 use std::time::{Duration, Instant};
 
 use logger::{Limits, Logger};
-use messages::channels::{EXCAVATOR_INERTIA_RLS, EXCAVATOR_INERTIA_UKF, HEALTH, of_machine};
-use messages::{ExcavatorEstimate, Health, Machine, Message, excavator_bits as x};
+use messages::channels::{
+    EXCAVATOR_INERTIA_RLS, EXCAVATOR_INERTIA_UKF, EXCAVATOR_SENSORS, HEALTH, of_machine,
+};
+use messages::{
+    ExcavatorEstimate, ExcavatorSensors, Health, Machine, Message, excavator_bits as x,
+};
 use recording::Metadata;
 use runtime::{Domain, Ports, Sink, now_ns};
 
+/// When samples begin [s].
+const WAIT: f64 = 6.0;
+
 fn main() {
-    let args: Vec<String> = std::env::args().collect();
+    let (named, args): (Vec<String>, Vec<String>) =
+        std::env::args().partition(|a| a.starts_with("samples="));
+    let file = named.first().and_then(|a| a.strip_prefix("samples="));
+    let rows = file.map(|f| recording::load::<ExcavatorSensors>(f, None).expect("samples"));
+    let mut rows = rows.into_iter().flatten();
     let number = |i: usize| args.get(i).and_then(|a| a.parse::<f64>().ok());
     let (rate, seconds) = (number(3).expect("a rate"), number(4).expect("seconds"));
     let owner = Domain::new(&args[1])
@@ -34,6 +46,9 @@ fn main() {
         .expect("a channel");
     let mut rls = ports
         .output::<ExcavatorEstimate>(&EXCAVATOR_INERTIA_RLS)
+        .expect("a channel");
+    let mut sensors = ports
+        .output::<ExcavatorSensors>(&EXCAVATOR_SENSORS)
         .expect("a channel");
     let mut health = ports.output::<Health>(&HEALTH).expect("a channel");
     let limits = Limits {
@@ -57,6 +72,12 @@ fn main() {
         logger.accept(&EXCAVATOR_INERTIA_UKF, &estimate);
         rls.send(&estimate);
         logger.accept(&EXCAVATOR_INERTIA_RLS, &estimate);
+        let is_time = i as f64 >= WAIT * rate;
+        if let Some((mut sample, _)) = is_time.then(|| rows.next()).flatten() {
+            sample.stamp.measured_ns = now_ns();
+            sensors.send(&sample);
+            logger.accept(&EXCAVATOR_SENSORS, &sample);
+        }
         if i % (rate * 0.3).max(1.0) as u64 == 0 {
             let mut message = Health {
                 process: 3,

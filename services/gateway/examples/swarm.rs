@@ -1,19 +1,26 @@
 //! Many machines from one process, to see what a router and a collector can take: estimates with labels, and a
 //! status a second each. Nothing is answered from a recording: what is lost on the way stays a gap.
 //!
-//! `swarm ROUTER MACHINES HZ SECONDS`; then compare what it sent with `heft fleet query`.
+//! `swarm ROUTER MACHINES HZ SECONDS [gateways]`; then compare what it sent with `heft fleet query`. All machines share a
+//! session, and declare two keys each; `gateways`: each has a session, and everything that a gateway declares.
 
+use std::any::Any;
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 use gateway::key::MachineId;
 use gateway::label::Label;
 use gateway::link::{LinkArgs, client};
+use gateway::machine::{publisher, publishes};
 use gateway::status::{Status, Stream};
+use gateway::thin::streams;
 use gateway::wall_ms;
 use messages::{ExcavatorEstimate, excavator_bits as x};
-use zenoh::Wait;
+use steps::stages::Pipeline;
+use zenoh::pubsub::Publisher;
 use zenoh::qos::CongestionControl;
+use zenoh::{Session, Wait};
+use zenoh_ext::AdvancedPublisher;
 
 const STREAM: &str = "estimate/inertia_ukf";
 
@@ -29,28 +36,36 @@ fn main() {
         connect: args[1].clone(),
         zenoh_config: None,
     };
-    let session = client(&link).expect("a session");
+    let alone = args.get(5).is_some_and(|a| a == "gateways");
+    let open = |publishes: &[&str]| client(&link, publishes).expect("a session");
+    let shared = (!alone).then(|| open(&["heft/v1/swarm/**"]));
     std::thread::sleep(Duration::from_secs(1));
-    let declare = |key: String| {
-        let publisher = session.declare_publisher(key);
-        publisher
-            .congestion_control(CongestionControl::Drop)
-            .wait()
-            .expect("a publisher")
-    };
-    let all: Vec<_> = (0..machines)
+    let began = Instant::now();
+    let all: Vec<Machine> = (0..machines)
         .map(|i| {
             let id = MachineId::new("swarm", &format!("m{i:05}")).expect("a name");
-            let (estimates, said) = (declare(id.key(STREAM)), declare(id.key("status")));
-            (id, estimates, said)
+            match &shared {
+                Some(session) => Machine::sharing(session, id),
+                None => Machine::alone(open(&publishes(&id).each_ref().map(String::as_str)), id),
+            }
         })
         .collect();
+    println!("declared in {:.1} s", began.elapsed().as_secs_f64());
     let epoch = wall_ms();
     let (begun, total) = (Instant::now(), (hz * seconds) as u64);
     let step = Duration::from_secs_f64(1.0 / (hz * machines as f64));
     let mut bytes = Vec::new();
     for round in 0..total {
-        for (i, (id, estimates, said)) in all.iter().enumerate() {
+        for (
+            i,
+            Machine {
+                id,
+                estimates,
+                said,
+                ..
+            },
+        ) in all.iter().enumerate()
+        {
             let due = step.mul_f64((round as usize * machines + i) as f64);
             std::thread::sleep(due.saturating_sub(begun.elapsed()));
             let value = (round as f64 * 0.1 + i as f64).sin();
@@ -76,10 +91,16 @@ fn main() {
                 after: Some(round as i64 - 1),
                 wall_ms: wall_ms(),
             };
-            let _ = estimates
-                .put(bytes.as_slice())
-                .attachment(label.to_string())
-                .wait();
+            let _ = match estimates {
+                Estimates::Plain(publisher) => publisher
+                    .put(bytes.as_slice())
+                    .attachment(label.to_string())
+                    .wait(),
+                Estimates::Advanced(publishers) => publishers[0]
+                    .put(bytes.as_slice())
+                    .attachment(label.to_string())
+                    .wait(),
+            };
             if round % (hz.ceil() as u64) == 0 {
                 let head = Stream {
                     head: round as i64,
@@ -106,5 +127,56 @@ fn main() {
         begun.elapsed().as_secs_f64()
     );
     std::thread::sleep(Duration::from_secs(1));
-    let _ = session.close().wait();
+}
+
+/// A machine and what it has declared.
+struct Machine {
+    id: MachineId,
+    estimates: Estimates,
+    said: Publisher<'static>,
+    _more: Option<Box<dyn Any>>,
+}
+
+enum Estimates {
+    Plain(Publisher<'static>),
+    /// Those of all streams, that of the estimates first.
+    Advanced(Vec<AdvancedPublisher<'static>>),
+}
+
+fn plain(session: &Session, key: String) -> Publisher<'static> {
+    let publisher = session.declare_publisher(key);
+    let publisher = publisher.congestion_control(CongestionControl::Drop);
+    publisher.wait().expect("a publisher")
+}
+
+impl Machine {
+    fn sharing(session: &Session, id: MachineId) -> Self {
+        Self {
+            estimates: Estimates::Plain(plain(session, id.key(STREAM))),
+            said: plain(session, id.key("status")),
+            id,
+            _more: None,
+        }
+    }
+
+    fn alone(session: Session, id: MachineId) -> Self {
+        let mut streams = streams(Pipeline::of(messages::Machine::Excavator), 1.0, 1.0);
+        streams.sort_by_key(|s| s.name != STREAM);
+        let publishers = streams.iter();
+        let publishers = publishers.map(|s| publisher(&session, &id, s).expect("a publisher"));
+        let publishers = publishers.collect();
+        let said = plain(&session, id.key("status"));
+        let token = session.liveliness().declare_token(id.key("alive"));
+        let token = token.wait().expect("a token");
+        let answers = ["*/*", "schema/*", "control/full"].map(|keys| {
+            let queryable = session.declare_queryable(id.key(keys)).callback(drop);
+            queryable.wait().expect("a queryable")
+        });
+        Self {
+            id,
+            estimates: Estimates::Advanced(publishers),
+            said,
+            _more: Some(Box::new((session, token, answers))),
+        }
+    }
 }

@@ -8,6 +8,8 @@ pub const ROOT: &str = "heft/v1";
 pub const STREAMS: &str = "heft/v1/*/*/*/*";
 /// What all machines say of themselves.
 pub const STATUS: &str = "heft/v1/*/*/status";
+/// What a site makes of a machine's samples: `SITE_ESTIMATE/CHANNEL`.
+pub const SITE_ESTIMATE: &str = "site";
 /// The tokens of all machines.
 pub const TOKENS: &str = "heft/v1/*/*/alive";
 

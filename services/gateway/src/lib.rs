@@ -11,6 +11,7 @@
 //! | [`thin`], [`load`] | which messages are sent; the same rule, live and from a recording |
 //! | [`link`] | sessions and routers of Zenoh |
 //! | [`machine`] | the gateway: reading, publishing, answering from the recording |
+//! | [`site`] | estimates at the site, of the samples that machines send as they are |
 //! | [`collector`] | the collector: intake, store, repair, alarms, page, queries |
 
 pub mod collector;
@@ -20,6 +21,7 @@ pub mod link;
 pub mod load;
 pub mod machine;
 pub mod schema;
+pub mod site;
 pub mod status;
 pub mod thin;
 mod track;

@@ -20,17 +20,20 @@ pub struct LinkArgs {
     pub zenoh_config: Option<std::path::PathBuf>,
 }
 
-/// Opens a session, when the router is there. From then on it connects again by itself.
+/// Opens a session, when the router is there. From then on it connects again by itself. Everything that it will publish
+/// is below the keys `publishes`: the router is asked once for each of them who listens, not for each publisher, which
+/// costs it time in proportion to the square of their number.
 ///
 /// # Errors
 /// The endpoint or the configuration cannot be understood.
-pub fn client(link: &LinkArgs) -> Result<Session, String> {
+pub fn client(link: &LinkArgs, publishes: &[&str]) -> Result<Session, String> {
     let mut config = base(link.zenoh_config.as_deref())?;
     set(&mut config, "mode", "\"client\"")?;
     set(&mut config, "connect/endpoints", &list(&[&link.connect]))?;
     set(&mut config, "connect/timeout_ms", "-1")?;
     set(&mut config, "connect/exit_on_failure", "false")?;
     set(&mut config, "listen/endpoints", "[]")?;
+    set(&mut config, "aggregation/publishers", &list(publishes))?;
     open(config, &link.connect)
 }
 
@@ -38,12 +41,18 @@ pub fn client(link: &LinkArgs) -> Result<Session, String> {
 ///
 /// # Errors
 /// As [`client`]; `None` where it was given up.
-pub fn client_unless(link: &LinkArgs, stops: impl Fn() -> bool) -> Result<Option<Session>, String> {
+pub fn client_unless(
+    link: &LinkArgs,
+    publishes: &[&str],
+    stops: impl Fn() -> bool,
+) -> Result<Option<Session>, String> {
     let (say, opened) = channel();
     let its = link.clone();
+    let publishes: Vec<String> = publishes.iter().map(|&key| key.to_owned()).collect();
     std::thread::spawn(move || {
+        let publishes: Vec<&str> = publishes.iter().map(String::as_str).collect();
         // Nobody waits any more: the process ends.
-        let _ = say.send(client(&its));
+        let _ = say.send(client(&its, &publishes));
     });
     loop {
         match opened.recv_timeout(Duration::from_millis(50)) {

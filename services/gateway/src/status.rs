@@ -54,6 +54,12 @@ pub struct Counts {
     pub served: u64,
     /// Messages that were asked for and that the recording does not hold any more.
     pub lost: u64,
+    /// Samples of the sensors handed to Zenoh.
+    #[serde(default)]
+    pub samples_sent: u64,
+    /// Samples that did not get that far.
+    #[serde(default)]
+    pub samples_lost: u64,
 }
 
 impl Status {

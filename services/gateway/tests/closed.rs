@@ -40,7 +40,7 @@ fn client(address: &str, config: PathBuf) -> Option<Session> {
         zenoh_config: Some(config),
     };
     let begun = Instant::now();
-    link::client_unless(&link, || begun.elapsed() > Duration::from_secs(8))
+    link::client_unless(&link, &[], || begun.elapsed() > Duration::from_secs(8))
         .expect("its configuration is good")
 }
 

@@ -10,6 +10,7 @@ use gateway::collector::full::FullArgs;
 use gateway::collector::query::QueryArgs;
 use gateway::collector::{CollectorArgs, full, query, run};
 use gateway::link;
+use gateway::site::{self, ServeArgs};
 
 /// Keeps and shows what many machines send.
 ///
@@ -29,6 +30,8 @@ enum Command {
     Query(QueryArgs),
     /// Print every estimate of one machine for a while
     Full(FullArgs),
+    /// Estimate here, by `heft serve`, from the samples that machines send (`heft run ... --fleet-samples`)
+    Serve(ServeArgs),
     /// Be a router of Zenoh, as `zenohd` is, for machines and collectors to meet
     Router {
         /// Where it listens: this host only, unless told otherwise
@@ -50,6 +53,7 @@ fn main() -> ExitCode {
         None => run(&cli.collector, &stop),
         Some(Command::Query(args)) => query::query(args, &mut std::io::stdout().lock()),
         Some(Command::Full(args)) => full::full(args, &mut std::io::stdout().lock(), &stop),
+        Some(Command::Serve(args)) => site::serve(args, &stop),
         Some(Command::Router {
             listen,
             zenoh_config,

@@ -11,7 +11,7 @@ use messages::{Envelope, Machine, Message, Value};
 use steps::stages::Pipeline;
 use zenoh::sample::Sample;
 
-use crate::key::MachineId;
+use crate::key::{MachineId, SITE_ESTIMATE};
 use crate::label::Label;
 use crate::machine::Served;
 use crate::status::Status;
@@ -234,12 +234,24 @@ pub fn is_stream(name: &str) -> bool {
     channel(name).is_some()
 }
 
+/// Whether the machine can be asked for what is missing of a stream: it has no recording of what a site makes.
+pub fn can_be_asked(name: &str) -> bool {
+    name.split('/').next() != Some(SITE_ESTIMATE)
+}
+
 /// The channel that a stream is selected from.
 fn channel(stream: &str) -> Option<&'static Channel> {
     static ALL: LazyLock<HashMap<String, &'static Channel>> = LazyLock::new(|| {
         let machines = Machine::ALL.into_iter().map(Pipeline::of);
-        let streams = machines.flat_map(|pipeline| streams(pipeline, 1.0, 1.0));
-        streams.map(|s| (s.name, s.channel)).collect()
+        let streams = machines.flat_map(|pipeline| {
+            // What a site makes of a machine's samples has the names of what the machine makes itself.
+            let last = |c: &Channel| c.name.rsplit('/').next().unwrap_or_default().to_owned();
+            let site = pipeline.estimates();
+            let site = site.map(move |c| (format!("{SITE_ESTIMATE}/{}", last(c)), c));
+            let own = streams(pipeline, 1.0, 1.0).into_iter();
+            own.map(|s| (s.name, s.channel)).chain(site)
+        });
+        streams.collect()
     });
     ALL.get(stream).copied()
 }

@@ -8,7 +8,7 @@ use messages::Envelope;
 use super::alarm::State;
 use super::intake::Taken;
 use super::shown::{self, Quantity};
-use crate::key::MachineId;
+use crate::key::{MachineId, SITE_ESTIMATE};
 use crate::label::Label;
 use crate::status::Status;
 
@@ -70,10 +70,11 @@ impl Machine {
         self.latest.get(&format!("{kind}/{main}"))
     }
 
-    /// The quantity that it is about, as of its latest estimate.
+    /// The quantity that it is about, as of its latest estimate; of the site's where it sends none itself.
     #[must_use]
     pub fn headline(&self) -> Option<Quantity> {
-        shown::headline(&self.main("estimate")?.1)
+        let estimate = self.main("estimate").or_else(|| self.main(SITE_ESTIMATE));
+        shown::headline(&estimate?.1)
     }
 }
 

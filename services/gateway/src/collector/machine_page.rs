@@ -14,7 +14,7 @@ use super::intake::decode;
 use super::live;
 use super::query::open;
 use super::shown;
-use crate::key::MachineId;
+use crate::key::{MachineId, SITE_ESTIMATE};
 
 /// Messages of a stream that are drawn: an hour at one a second.
 const DRAWN: i64 = 3600;
@@ -42,6 +42,13 @@ impl Head {
                 c.sent, c.dropped, c.overwritten, c.served, c.lost
             );
             metadata.push(("gateway".to_owned(), counts));
+            if c.samples_sent + c.samples_lost > 0 {
+                let samples = format!(
+                    "{} sent, {} lost before Zenoh",
+                    c.samples_sent, c.samples_lost
+                );
+                metadata.push(("samples for the site".to_owned(), samples));
+            }
             let clock = format!("{} ms against the collector's", machine.clock_ms);
             metadata.push(("clock".to_owned(), clock));
         }
@@ -60,14 +67,16 @@ impl Head {
             .values()
             .map(|text| format!("<p class=\"badge\">{}</p>", escape(text)))
             .collect();
-        let words = machine
-            .main("estimate")
-            .map(|(_, e)| shown::verdict(e))
-            .unwrap_or_default();
+        let words = |kind| machine.main(kind).map(|(_, e)| shown::verdict(e));
+        let mut said = words("estimate").unwrap_or_default();
+        if let Some(site) = words(SITE_ESTIMATE) {
+            said += " At the site, from its samples (the last of two lines of one name): ";
+            said += &site;
+        }
+        let here = if machine.is_here() { "here" } else { "away" };
         let html = format!(
-            "<p class=\"facts\"><a href=\"/\">all machines</a> · {}</p>{alarms}<p class=\"other\">{}</p>",
-            if machine.is_here() { "here" } else { "away" },
-            escape(&words)
+            "<p class=\"facts\"><a href=\"/\">all machines</a> · {here}</p>{alarms}<p class=\"other\">{}</p>",
+            escape(&said)
         );
         Self {
             kind: machine.kind.clone(),
@@ -86,7 +95,7 @@ pub fn page(db: &Path, id: &MachineId, head: &Head) -> Option<String> {
             "SELECT name, payload FROM (
                SELECT s.name, e.number, e.payload, row_number() OVER (PARTITION BY s.id ORDER BY e.number DESC) AS place
                FROM machine m JOIN stream s ON s.machine = m.id JOIN message e ON e.stream = s.id
-               WHERE m.site = ?1 AND m.name = ?2 AND (s.name LIKE 'estimate/%' OR s.name LIKE 'health/%')
+               WHERE m.site = ?1 AND m.name = ?2 AND (s.name LIKE 'estimate/%' OR s.name LIKE 'site/%' OR s.name LIKE 'health/%')
                  AND s.epoch = (SELECT max(epoch) FROM stream WHERE machine = m.id))
              WHERE place <= ?3 ORDER BY name, number",
         )
@@ -123,11 +132,13 @@ pub fn page(db: &Path, id: &MachineId, head: &Head) -> Option<String> {
 fn part<E: Estimate>(streams: &BTreeMap<String, Vec<Envelope>>) -> MachineRun<E> {
     let estimator = |(name, all): (&String, &Vec<Envelope>)| {
         let estimates: Vec<E> = all.iter().filter_map(|e| E::inside(e).copied()).collect();
-        let name = name.strip_prefix("estimate/")?;
-        (!estimates.is_empty()).then(|| Estimator {
-            channel: format!("{}/{name}", E::MACHINE),
-            estimates,
-        })
+        let channel = match name.split_once('/')? {
+            ("estimate", name) => format!("{}/{name}", E::MACHINE),
+            // Behind the machine's own.
+            (SITE_ESTIMATE, name) => format!("{}/{name} at the site", E::MACHINE),
+            _ => return None,
+        };
+        (!estimates.is_empty()).then_some(Estimator { channel, estimates })
     };
     MachineRun {
         estimators: streams.iter().filter_map(estimator).collect(),

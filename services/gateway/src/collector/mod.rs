@@ -28,6 +28,7 @@ use zenoh::sample::SampleKind;
 use zenoh_ext::{AdvancedSubscriberBuilderExt, RecoveryConfig};
 
 pub use alarm::AlarmArgs;
+pub(crate) use intake::decode;
 
 use crate::key::{STATUS, STREAMS, TOKENS};
 use crate::link::LinkArgs;
@@ -82,7 +83,7 @@ pub fn run(args: &CollectorArgs, stop: &AtomicBool) -> Result<(), String> {
     let server = page::serve(args.page, Arc::clone(&fleet), args.db.clone())?;
     eprintln!("fleet: http://{}", server.address());
     let stops = || stop.load(Ordering::Relaxed);
-    let Some(session) = crate::link::client_unless(&args.link, stops)? else {
+    let Some(session) = crate::link::client_unless(&args.link, &[], stops)? else {
         return Ok(());
     };
     let (events, waiting) = sync_channel(QUEUE);
@@ -205,6 +206,6 @@ impl Collector<'_> {
         for question in self.store.questions(&here, room) {
             self.asker.ask(question);
         }
-        Ok(())
+        self.store.settle()
     }
 }

@@ -165,7 +165,7 @@ fn body(fleet: &Fleet) -> String {
     let here = fleet.machines.values().filter(|m| m.is_here()).count();
     let alarms: usize = fleet.machines.values().map(|m| m.alarms.on.len()).sum();
     let mut out = format!(
-        "{STYLE}<h1>Fleet</h1><p class=\"facts\">{} machines, {here} here, {alarms} alarms</p>",
+        "{STYLE}<h1>Fleet</h1><p class=\"facts\">{} machines, {here} here; alarms: {alarms}</p>",
         fleet.machines.len()
     );
     let head = [

@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
+use messages::Machine;
 use rusqlite::{Connection, params};
 use serde_json::json;
 
 use super::intake::decode;
-use super::shown::{Quantity, kind_of, main_channel, quantities};
+use super::shown::{Quantity, learnt, main_channel, quantities};
 use super::table::Format;
 
 /// A learnt parameter of a machine: the last that was trusted.
@@ -33,44 +34,67 @@ pub type Compared = BTreeMap<(&'static str, &'static str), Vec<Learnt>>;
 /// # Errors
 /// The history cannot be read.
 pub fn compare(sql: &Connection, since_ms: i64, site: Option<&str>) -> rusqlite::Result<Compared> {
-    let mut query = sql.prepare(
-        "SELECT m.site, m.name, s.name, e.wall_ms, e.payload FROM message e JOIN stream s ON s.id = e.stream
-         JOIN machine m ON m.id = s.machine
-         WHERE s.name = 'estimate/' || ?1 AND m.kind = ?2 AND e.wall_ms >= ?3 AND (?4 IS NULL OR m.site = ?4)
-         ORDER BY m.site, m.name, e.wall_ms DESC",
-    )?;
     let mut all = Compared::new();
-    for machine in messages::Machine::ALL {
-        let Some(main) = main_channel(machine.name()) else {
-            continue;
-        };
-        let mut rows = query.query(params![main, machine.name(), since_ms, site])?;
+    let mut machines = sql.prepare(
+        "SELECT id, site, name FROM machine WHERE kind = ?1 AND (?2 IS NULL OR site = ?2) ORDER BY site, name",
+    )?;
+    for kind in Machine::ALL {
+        let mut rows = machines.query(params![kind.name(), site])?;
         while let Some(row) = rows.next()? {
-            let stream: String = row.get(2)?;
-            let Some(estimate) = decode(&stream, &row.get::<_, Vec<u8>>(4)?) else {
-                continue;
-            };
-            let names = [row.get(0)?, row.get(1)?];
-            for quantity in quantities(&estimate)
-                .into_iter()
-                .filter(|q| q.learnt && q.trusted)
-            {
-                let known = all.entry((kind_of(&estimate), quantity.key)).or_default();
-                // The latest comes first.
-                if known.last().is_none_or(|last| last.names != names) {
-                    known.push(Learnt {
-                        names: names.clone(),
-                        wall_ms: row.get(3)?,
-                        quantity,
-                        machines: 1,
-                        standing: None,
-                    });
-                }
+            let names = [row.get(1)?, row.get(2)?];
+            for (wall_ms, quantity) in latest(sql, row.get(0)?, kind, since_ms)? {
+                let like = all.entry((kind.name(), quantity.key)).or_default();
+                like.push(Learnt {
+                    names: names.clone(),
+                    wall_ms,
+                    quantity,
+                    machines: 1,
+                    standing: None,
+                });
             }
         }
     }
     all.values_mut().for_each(|machines| judge(machines));
     Ok(all)
+}
+
+/// The last trusted value of everything that a machine has learnt, and when it was. Read from the newest estimate
+/// back, as far as is needed.
+fn latest(
+    sql: &Connection,
+    machine: i64,
+    kind: Machine,
+    since_ms: i64,
+) -> rusqlite::Result<Vec<(i64, Quantity)>> {
+    let mut wanted = learnt(kind);
+    let mut found = Vec::new();
+    let Some(stream) = main_channel(kind.name()).map(|main| format!("estimate/{main}")) else {
+        return Ok(found);
+    };
+    let mut runs = sql.prepare_cached(
+        "SELECT id FROM stream WHERE machine = ? AND name = ? ORDER BY epoch DESC",
+    )?;
+    let mut estimates = sql.prepare_cached(
+        "SELECT wall_ms, payload FROM message WHERE stream = ? AND wall_ms >= ? ORDER BY number DESC",
+    )?;
+    let mut runs = runs.query(params![machine, stream])?;
+    while let Some(run) = runs.next()? {
+        let mut rows = estimates.query(params![run.get::<_, i64>(0)?, since_ms])?;
+        while let Some(row) = rows.next()?
+            && !wanted.is_empty()
+        {
+            let Some(estimate) = decode(&stream, &row.get::<_, Vec<u8>>(1)?) else {
+                continue;
+            };
+            for quantity in quantities(&estimate) {
+                if quantity.trusted && wanted.contains(&quantity.key) {
+                    wanted.retain(|key| *key != quantity.key);
+                    found.push((row.get(0)?, quantity));
+                }
+            }
+        }
+    }
+    Ok(found)
 }
 
 fn judge(machines: &mut [Learnt]) {

@@ -17,6 +17,8 @@ pub enum What {
     Loads,
     /// Estimates.
     Estimates,
+    /// Estimates that a site has made of a machine's samples.
+    Site,
     /// How the processes were.
     Health,
     /// Changes of the processes' state.
@@ -101,6 +103,7 @@ pub fn query(args: &QueryArgs, out: &mut impl Write) -> Result<(), String> {
         What::Parameters => parameters(&sql, args, out),
         What::Loads => messages(&sql, args, "loads/", out),
         What::Estimates => messages(&sql, args, "estimate/", out),
+        What::Site => messages(&sql, args, "site/", out),
         What::Health => messages(&sql, args, "health/", out),
         What::Events => messages(&sql, args, "events/", out),
     };

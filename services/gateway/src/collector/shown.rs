@@ -41,6 +41,19 @@ impl Quantity {
 /// What is learnt over days and does not change with a load, by its key.
 const LEARNT: &[&str] = &["damping", "slip_stiffness"];
 
+/// What is learnt of a kind of machine.
+#[must_use]
+pub fn learnt(machine: Machine) -> Vec<&'static str> {
+    fn of<E: Estimate>() -> Vec<&'static str> {
+        let keys = E::PARAMETERS.iter().map(|p| p.key);
+        keys.filter(|key| LEARNT.contains(key)).collect()
+    }
+    match machine {
+        Machine::Excavator => of::<messages::ExcavatorEstimate>(),
+        Machine::Loader => of::<messages::LoaderEstimate>(),
+    }
+}
+
 fn of<E: Estimate>(estimate: &E) -> Vec<Quantity> {
     let one = E::PARAMETERS.iter().map(|p| Quantity {
         key: p.key,

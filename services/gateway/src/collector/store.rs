@@ -1,8 +1,9 @@
 //! The history: SQLite with a write-ahead log, written by one thread, read by page and queries meanwhile.
 //!
-//! A message has its place by machine, run, stream and number: what comes twice is there once. Of each stream
-//! the store knows up to where it is whole (`good`); what lies behind a gap waits there until the machine has
-//! answered, and then what is still missing is counted as lost.
+//! A message has its place by machine, run, stream and number: what comes twice is there once. What is missing:
+//! [`gaps`].
+
+mod gaps;
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
@@ -11,13 +12,13 @@ use std::time::{Duration, Instant};
 use rusqlite::{Connection, OptionalExtension, params};
 
 use super::alarm::Alarm;
-use super::ask::Question;
-use super::intake::{Answer, Taken, decode};
-use super::live::{Account, Fleet};
+use super::intake::{Taken, decode};
+use super::live::Fleet;
 use crate::key::MachineId;
-use crate::label::{Label, lost, lost_behind};
+use crate::label::Label;
 use crate::status::Status;
 use crate::wall_ms;
+use gaps::Stream;
 
 const SCHEMA: &str = "
     PRAGMA journal_mode = WAL;
@@ -38,11 +39,6 @@ const SCHEMA: &str = "
         at_ms INTEGER NOT NULL, site TEXT NOT NULL, name TEXT NOT NULL, kind TEXT NOT NULL, text TEXT NOT NULL);
 ";
 
-/// A gap younger than this may close by itself, from Zenoh's cache.
-const GRACE: Duration = Duration::from_secs(5);
-/// Pause between two questions about the same gap; it doubles up to the longest.
-const PAUSE: Duration = Duration::from_secs(2);
-const LONGEST_PAUSE: Duration = Duration::from_secs(60);
 /// Least time between two new runs of a machine.
 const RUNS: Duration = Duration::from_secs(2);
 
@@ -60,28 +56,6 @@ struct Owner {
     epoch: i64,
     since: Option<Instant>,
     told: (String, String),
-}
-
-/// A stream of one run.
-struct Stream {
-    machine: MachineId,
-    name: String,
-    epoch: i64,
-    /// Everything up to this number is here or counted as lost.
-    good: i64,
-    /// The latest that is known of, here or not.
-    head: i64,
-    /// The latest that is here.
-    newest: i64,
-    lost: i64,
-    per_period: f64,
-    /// Written to the file.
-    is_written: bool,
-    /// Since when something is missing.
-    gap: Option<Instant>,
-    asked: bool,
-    next: Instant,
-    pause: Duration,
 }
 
 fn failed(error: rusqlite::Error) -> String {
@@ -310,28 +284,6 @@ impl Store {
         Ok(changed > 0)
     }
 
-    /// Moves `good` over everything that follows without a gap.
-    fn advance(&mut self, id: i64) -> Result<(), String> {
-        let Some(stream) = self.streams.get_mut(&id) else {
-            return Ok(());
-        };
-        let mut query = self
-            .sql
-            .prepare_cached(
-                "SELECT number, after FROM message WHERE stream = ? AND number > ? ORDER BY number",
-            )
-            .map_err(failed)?;
-        let mut rows = query.query(params![id, stream.good]).map_err(failed)?;
-        while let Some(row) = rows.next().map_err(failed)? {
-            let after: Option<i64> = row.get(1).map_err(failed)?;
-            if after.is_none_or(|after| after > stream.good) {
-                break;
-            }
-            stream.good = row.get(0).map_err(failed)?;
-        }
-        Ok(())
-    }
-
     /// Takes in how far a machine says it is.
     ///
     /// # Errors
@@ -364,94 +316,6 @@ impl Store {
         Ok(())
     }
 
-    /// What to ask the machines that are here: gaps that did not close by themselves.
-    pub fn questions(&mut self, here: &[MachineId], most: usize) -> Vec<Question> {
-        let now = Instant::now();
-        let mut questions = Vec::new();
-        for (id, stream) in &mut self.streams {
-            if stream.good >= stream.head {
-                (stream.gap, stream.pause) = (None, PAUSE);
-                continue;
-            }
-            let since = *stream.gap.get_or_insert(now);
-            let is_due = !stream.asked && now >= stream.next && now.duration_since(since) >= GRACE;
-            if is_due && questions.len() < most && here.binary_search(&stream.machine).is_ok() {
-                stream.asked = true;
-                questions.push(Question {
-                    stream: *id,
-                    id: stream.machine.clone(),
-                    name: stream.name.clone(),
-                    epoch: stream.epoch,
-                    after: stream.good,
-                    upto: stream.head,
-                });
-            }
-        }
-        questions
-    }
-
-    /// Takes in the end of a question: what the machine does not have is lost.
-    ///
-    /// # Errors
-    /// The disk takes no more.
-    pub fn answered(&mut self, id: i64, answer: Answer) -> Result<(), String> {
-        let Some(stream) = self.streams.get_mut(&id) else {
-            return Ok(());
-        };
-        stream.asked = false;
-        let upto = match answer {
-            Answer::Whole(served) => served.upto.min(stream.head),
-            Answer::Over => stream.head,
-            Answer::None => stream.good,
-        };
-        if upto <= stream.good {
-            stream.next = Instant::now() + stream.pause;
-            stream.pause = (stream.pause * 2).min(LONGEST_PAUSE);
-            return Ok(());
-        }
-        stream.pause = PAUSE;
-        stream.is_written = false;
-        let mut query = self
-            .sql
-            .prepare_cached("SELECT number, after FROM message WHERE stream = ? AND number > ? AND number <= ? ORDER BY number")
-            .map_err(failed)?;
-        let mut rows = query
-            .query(params![id, stream.good, upto])
-            .map_err(failed)?;
-        let label = |number: i64, after| Label {
-            machine: String::new(),
-            epoch: 0,
-            number: number as u64,
-            after,
-            wall_ms: 0,
-        };
-        while let Some(row) = rows.next().map_err(failed)? {
-            let number = row.get(0).map_err(failed)?;
-            let next = label(number, row.get(1).map_err(failed)?);
-            stream.lose(lost(stream.good, &next, stream.per_period));
-            stream.good = number;
-        }
-        if upto > stream.good {
-            // The machine spoke of that one, and has it no more.
-            stream.lose(lost_behind(stream.good, upto, stream.per_period));
-            stream.good = upto;
-        }
-        drop(rows);
-        drop(query);
-        self.advance(id)
-    }
-
-    /// What is missing and what is lost, by machine.
-    pub fn account(&self) -> BTreeMap<MachineId, Account> {
-        let mut all: BTreeMap<MachineId, Account> = BTreeMap::new();
-        for stream in self.streams.values() {
-            let account = all.entry(stream.machine.clone()).or_default();
-            account.lost = account.lost.saturating_add(stream.lost);
-            account.gaps += u64::from(stream.good < stream.head);
-        }
-        all
-    }
-
     /// Notes an alarm.
     ///
     /// # Errors
@@ -481,30 +345,5 @@ impl Store {
             self.sql.execute(delete, [limit]).map_err(failed)?;
         }
         Ok(())
-    }
-}
-
-impl Stream {
-    fn new(machine: MachineId, name: String, epoch: i64) -> Self {
-        Self {
-            machine,
-            name,
-            epoch,
-            good: -1,
-            head: -1,
-            newest: -1,
-            lost: 0,
-            per_period: 0.0,
-            is_written: false,
-            gap: None,
-            asked: false,
-            next: Instant::now(),
-            pause: PAUSE,
-        }
-    }
-
-    fn lose(&mut self, messages: u64) {
-        let messages = i64::try_from(messages).unwrap_or(i64::MAX);
-        self.lost = self.lost.saturating_add(messages);
     }
 }

@@ -7,6 +7,7 @@
 mod full;
 mod plan;
 mod publish;
+mod samples;
 mod store;
 
 use std::sync::Arc;
@@ -24,6 +25,7 @@ use crate::thin::{Selected, StreamInfo, Thinner};
 use crate::{error, wall_ms};
 pub use full::LONGEST;
 pub use plan::Plan;
+pub use publish::{publisher, publishes};
 pub use store::{END, Served};
 
 /// Messages that may wait for Zenoh: ten minutes of a machine.
@@ -52,6 +54,9 @@ pub struct GatewayArgs {
     /// Estimates a second, beside those at which the verdict changes
     #[arg(long, default_value_t = 1.0, value_name = "HZ")]
     pub rate: f64,
+    /// Send every sample of the sensors too, for a site that estimates by itself
+    #[arg(long)]
+    pub samples: bool,
     /// How long a run that is over goes on answering for what did not arrive [s]
     #[arg(long, default_value_t = 20.0, value_name = "S")]
     pub linger: f64,
@@ -74,6 +79,9 @@ struct Shared {
     sent: AtomicU64,
     served: AtomicU64,
     lost: AtomicU64,
+    samples_sent: AtomicU64,
+    /// Samples that did not get as far as Zenoh.
+    samples_lost: AtomicU64,
     /// The run is over; the process ends.
     ended: AtomicBool,
     leave: AtomicBool,
@@ -82,6 +90,12 @@ struct Shared {
 }
 
 impl Shared {
+    /// The wall clock at a time of the monotonic one [ms since 1970].
+    fn wall_ms(&self, measured_ns: u64) -> u64 {
+        let wall = (measured_ns as i64).saturating_add(self.wall_offset_ns);
+        wall.max(0) as u64 / 1_000_000
+    }
+
     fn thinner(&self) -> Thinner {
         let machine = &self.id.machine;
         let epoch = self.plan.begun_ms;
@@ -129,6 +143,8 @@ pub fn run(args: &GatewayArgs, stop: &AtomicBool) -> Result<(), String> {
             channels.push(stream.channel);
         }
     }
+    let sensors = args.samples.then(|| plan.sensors()).transpose()?;
+    channels.extend(sensors);
     let monotonic = runtime::now_ns() as i64;
     let shared = Arc::new(Shared {
         id,
@@ -143,6 +159,8 @@ pub fn run(args: &GatewayArgs, stop: &AtomicBool) -> Result<(), String> {
         sent: AtomicU64::new(0),
         served: AtomicU64::new(0),
         lost: AtomicU64::new(0),
+        samples_sent: AtomicU64::new(0),
+        samples_lost: AtomicU64::new(0),
         ended: AtomicBool::new(false),
         leave: AtomicBool::new(false),
         full_until: AtomicU64::new(0),
@@ -156,18 +174,21 @@ pub fn run(args: &GatewayArgs, stop: &AtomicBool) -> Result<(), String> {
     let mut taps = Taps::open(&ports, &channels).map_err(|e| e.to_string())?;
     let (queue, waiting) = RingBuffer::new(QUEUE);
     let (full, full_waiting) = RingBuffer::new(full::QUEUE);
+    let (samples, samples_waiting) = RingBuffer::new(samples::QUEUE);
     let mut reader = Reader {
         thinner: shared.thinner(),
         queue,
         full,
+        sensors,
+        samples,
         shared: Arc::clone(&shared),
     };
-    let publisher = publish::start(
-        args.link.clone(),
-        Arc::clone(&shared),
-        waiting,
-        full_waiting,
-    );
+    let waiting = publish::Waiting {
+        selected: waiting,
+        full: full_waiting,
+        samples: samples_waiting,
+    };
+    let publisher = publish::start(args.link.clone(), Arc::clone(&shared), waiting, sensors);
     let visit = VISIT.min(Duration::from_secs_f64(
         VISIT_SAMPLES / shared.plan.rate.max(1.0),
     ));
@@ -209,11 +230,19 @@ struct Reader {
     thinner: Thinner,
     queue: Producer<Selected>,
     full: Producer<full::Sample>,
+    /// The channel whose samples are sent as they are.
+    sensors: Option<&'static Channel>,
+    samples: Producer<samples::Sample>,
     shared: Arc<Shared>,
 }
 
 impl Sink for Reader {
     fn accept<M: Message>(&mut self, channel: &'static Channel, message: &M) {
+        if self.sensors.is_some_and(|s| s.name == channel.name) {
+            // What finds no place shows as a gap in the numbers.
+            let _ = self.samples.push(samples::Sample::of(message));
+            return;
+        }
         let (queue, shared) = (&mut self.queue, &self.shared);
         self.thinner.take(channel, message, &mut |selected| {
             if queue.push(selected).is_err() {

@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 
 use messages::Machine;
+use messages::channels::Channel;
 use runtime::Domain;
 use serde::Deserialize;
-use steps::stages::Pipeline;
+use steps::stages::{Pipeline, Role};
 
 use crate::error;
 
@@ -42,6 +43,26 @@ impl Plan {
             std::fs::read(&file).map_err(|e| failed(format!("there is no such run: {e}")))?;
         serde_json::from_slice(&text)
             .map_err(|e| failed(format!("the plan of the run cannot be read: {e}")))
+    }
+
+    /// The channel of its sensors.
+    ///
+    /// # Errors
+    /// As [`Plan::pipeline`].
+    pub fn sensors(&self) -> Result<&'static Channel, String> {
+        let source = |role: &Role| match role {
+            Role::Source { sensors, .. } => Some(*sensors),
+            Role::Step(_) | Role::Sink | Role::Probe(_) | Role::Sender => None,
+        };
+        let stages = &mut self.pipeline()?.stages.iter();
+        let sensors = stages.find_map(|s| source(&s.role));
+        sensors.ok_or_else(|| {
+            error(
+                format!("a {} has no sensors", self.machine),
+                "--samples",
+                "leave it out",
+            )
+        })
     }
 
     /// The processes of its machine.

@@ -5,17 +5,20 @@ use std::sync::atomic::Ordering;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use messages::channels::Channel;
 use rtrb::Consumer;
-use zenoh::Wait;
 use zenoh::bytes::Encoding;
 use zenoh::qos::{CongestionControl, Priority};
+use zenoh::{Session, Wait};
 use zenoh_ext::{AdvancedPublisher, AdvancedPublisherBuilderExt, CacheConfig, MissDetectionConfig};
 
+use super::samples::{self, Samples};
 use super::{Shared, full, store};
+use crate::key::MachineId;
 use crate::link::{LinkArgs, client_unless};
 use crate::schema;
 use crate::status::{Counts, Status, Stream};
-use crate::thin::Selected;
+use crate::thin::{Selected, StreamInfo};
 use crate::wall_ms;
 
 /// Messages of a stream that Zenoh keeps to mend a short gap by itself; a longer one is mended from the recording.
@@ -25,22 +28,32 @@ const NAP: Duration = Duration::from_millis(50);
 /// Time between two words on the machine itself.
 const PERIOD: Duration = Duration::from_secs(1);
 
+/// What waits to be handed to Zenoh.
+pub(super) struct Waiting {
+    pub selected: Consumer<Selected>,
+    pub full: Consumer<full::Sample>,
+    pub samples: Consumer<samples::Sample>,
+}
+
 pub(super) fn start(
     link: LinkArgs,
     shared: Arc<Shared>,
-    queue: Consumer<Selected>,
-    samples: Consumer<full::Sample>,
+    waiting: Waiting,
+    sensors: Option<&'static Channel>,
 ) -> JoinHandle<Result<(), String>> {
-    std::thread::spawn(move || publish(&link, &shared, queue, samples))
+    std::thread::spawn(move || publish(&link, &shared, waiting, sensors))
 }
 
 fn publish(
     link: &LinkArgs,
     shared: &Arc<Shared>,
-    mut queue: Consumer<Selected>,
-    mut samples: Consumer<full::Sample>,
+    mut waiting: Waiting,
+    sensors: Option<&'static Channel>,
 ) -> Result<(), String> {
-    let Some(session) = client_unless(link, || shared.leave.load(Ordering::Relaxed))? else {
+    let publishes = publishes(&shared.id);
+    let publishes = publishes.each_ref().map(String::as_str);
+    let leaves = || shared.leave.load(Ordering::Relaxed);
+    let Some(session) = client_unless(link, &publishes, leaves)? else {
         tracing::warn!("the router was never there: everything stays in the recording");
         return Ok(());
     };
@@ -51,20 +64,9 @@ fn publish(
             "please report this",
         )
     };
-    let publishers = shared.streams.iter().map(|stream| {
-        session
-            .declare_publisher(shared.id.key(&stream.name))
-            .encoding(Encoding::APPLICATION_PROTOBUF.with_schema(schema::name(stream.channel)))
-            // A link that is slow or full costs messages, never time.
-            .congestion_control(CongestionControl::Drop)
-            .priority(Priority::Data)
-            .cache(CacheConfig::default().max_samples(CACHE))
-            .sample_miss_detection(MissDetectionConfig::default().sporadic_heartbeat(PERIOD))
-            .publisher_detection()
-            .wait()
-            .map_err(failed)
-    });
-    let publishers: Vec<AdvancedPublisher<'_>> = publishers.collect::<Result<_, _>>()?;
+    let publishers = shared.streams.iter();
+    let publishers = publishers.map(|s| publisher(&session, &shared.id, s).map_err(failed));
+    let publishers: Vec<_> = publishers.collect::<Result<_, _>>()?;
     let said = session
         .declare_publisher(shared.id.key("status"))
         .encoding(Encoding::APPLICATION_JSON)
@@ -78,10 +80,12 @@ fn publish(
     let _schemas =
         schema::serve(&session, shared.id.key("").trim_end_matches('/')).map_err(failed)?;
     let full = full::Full::declare(&session, shared).map_err(failed)?;
+    let samples = sensors.map(|s| Samples::declare(&session, shared, s));
+    let mut samples = samples.transpose().map_err(failed)?;
     let mut told = Instant::now() - PERIOD;
     loop {
         let leaving = shared.leave.load(Ordering::Relaxed);
-        while let Ok(selected) = queue.pop() {
+        while let Ok(selected) = waiting.selected.pop() {
             let put = publishers[selected.stream].put(selected.payload);
             let sent = put.attachment(selected.label.to_string()).wait();
             let count = if sent.is_ok() {
@@ -91,7 +95,10 @@ fn publish(
             };
             count.fetch_add(1, Ordering::Relaxed);
         }
-        full.send(&mut samples);
+        full.send(&mut waiting.full);
+        if let Some(samples) = &mut samples {
+            samples.send(&mut waiting.samples, leaving);
+        }
         if told.elapsed() >= PERIOD || leaving {
             told = Instant::now();
             // Lost with the link, and said again in a second.
@@ -105,6 +112,34 @@ fn publish(
     drop(token);
     let _ = session.close().wait();
     Ok(())
+}
+
+/// The keys below which a machine publishes.
+#[must_use]
+pub fn publishes(id: &MachineId) -> [String; 2] {
+    // Of the keys of advanced publishers a wild card says nothing by itself.
+    ["**", "*/*/@adv/**"].map(|keys| id.key(keys))
+}
+
+/// The publisher of a stream of a machine.
+///
+/// # Errors
+/// Zenoh refuses the key.
+pub fn publisher(
+    session: &Session,
+    id: &MachineId,
+    stream: &StreamInfo,
+) -> zenoh::Result<AdvancedPublisher<'static>> {
+    session
+        .declare_publisher(id.key(&stream.name))
+        .encoding(Encoding::APPLICATION_PROTOBUF.with_schema(schema::name(stream.channel)))
+        // A link that is slow or full costs messages, never time.
+        .congestion_control(CongestionControl::Drop)
+        .priority(Priority::Data)
+        .cache(CacheConfig::default().max_samples(CACHE))
+        .sample_miss_detection(MissDetectionConfig::default().sporadic_heartbeat(PERIOD))
+        .publisher_detection()
+        .wait()
 }
 
 fn status(shared: &Shared) -> Vec<u8> {
@@ -135,6 +170,8 @@ fn status(shared: &Shared) -> Vec<u8> {
             dropped: count(&shared.dropped),
             served: count(&shared.served),
             lost: count(&shared.lost),
+            samples_sent: count(&shared.samples_sent),
+            samples_lost: count(&shared.samples_lost),
         },
     };
     serde_json::to_vec(&status).unwrap_or_default()

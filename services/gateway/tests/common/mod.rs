@@ -83,11 +83,11 @@ impl Router {
     }
 
     pub fn client(&self) -> Session {
-        link::client(&link::LinkArgs {
+        let link = link::LinkArgs {
             connect: self.address.clone(),
             zenoh_config: None,
-        })
-        .expect("a session")
+        };
+        link::client(&link, &[]).expect("a session")
     }
 }
 
@@ -100,6 +100,18 @@ pub struct Machine {
 
 /// `parts`: bytes of a part of the recording, and bytes kept.
 pub fn machine(rate: f64, seconds: f64, parts: Option<(u64, u64)>) -> Machine {
+    let parts = parts.map_or_else(Vec::new, |(part, kept)| {
+        vec![part.to_string(), kept.to_string()]
+    });
+    stand_in(rate, seconds, &parts)
+}
+
+/// A machine that has the samples of a file too.
+pub fn machine_with_samples(rate: f64, seconds: f64, file: &Path) -> Machine {
+    stand_in(rate, seconds, &[format!("samples={}", file.display())])
+}
+
+fn stand_in(rate: f64, seconds: f64, more: &[String]) -> Machine {
     static COUNT: AtomicU32 = AtomicU32::new(0);
     let domain = format!(
         "fleet-{}-{}",
@@ -112,10 +124,8 @@ pub fn machine(rate: f64, seconds: f64, parts: Option<(u64, u64)>) -> Machine {
         .arg(&domain)
         .arg(folder.path())
         .arg(rate.to_string())
-        .arg(seconds.to_string());
-    if let Some((part, kept)) = parts {
-        command.arg(part.to_string()).arg(kept.to_string());
-    }
+        .arg(seconds.to_string())
+        .args(more);
     let mut process = Process::start(command.stdout(Stdio::piped()));
     let mut line = String::new();
     let out = process.0.stdout.take().expect("piped");
@@ -125,6 +135,14 @@ pub fn machine(rate: f64, seconds: f64, parts: Option<(u64, u64)>) -> Machine {
         domain,
         folder,
         process,
+    }
+}
+
+impl Machine {
+    /// Waits for the end of its pipeline; its recording stays.
+    pub fn until_it_ends(mut self) -> Self {
+        let _ = self.process.0.wait();
+        self
     }
 }
 
@@ -256,6 +274,27 @@ pub fn until(what: &str, mut holds: impl FnMut() -> bool) {
 
 pub fn sleep(seconds: f64) {
     std::thread::sleep(Duration::from_secs_f64(seconds));
+}
+
+/// A file of the repository.
+pub fn of_repository(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../..")
+        .join(path)
+}
+
+/// The program heft, from the environment's HEFT or a build of the main workspace. Without one, says so.
+pub fn heft() -> Option<PathBuf> {
+    let own = std::env::var_os("HEFT").map(PathBuf::from);
+    let built = ["target/debug/heft", "target/release/heft"].map(of_repository);
+    let mut all = own.into_iter().chain(built);
+    let heft = all
+        .find(|p| p.is_file())
+        .and_then(|p| p.canonicalize().ok());
+    if heft.is_none() {
+        println!("left out: there is no heft; `cargo build`, or name it as HEFT");
+    }
+    heft
 }
 
 /// The numbers of the estimates that a stand-in's gateway sends in so many seconds: ten a second. The verdict

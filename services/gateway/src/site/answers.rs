@@ -1,0 +1,140 @@
+//! The estimates of `heft serve`, published as those of the site under the key of their machine.
+
+use std::collections::HashMap;
+use std::io::BufRead;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use messages::Stamp;
+use messages::channels::Channel;
+use recording::payload::read_delimited;
+use zenoh::bytes::Encoding;
+use zenoh::pubsub::Publisher;
+use zenoh::qos::{CongestionControl, Priority};
+use zenoh::{Session, Wait};
+
+use super::intake::Intake;
+use super::machine::run_of;
+use crate::collector::decode;
+use crate::error;
+use crate::key::{MachineId, SITE_ESTIMATE};
+use crate::label::Label;
+use crate::schema;
+
+/// Largest estimate, and longest name of a run [bytes].
+const LARGEST: usize = 4096;
+/// Time between two looks for machines that are gone.
+const LOOK: Duration = Duration::from_secs(60);
+
+/// Publishes.
+pub(super) struct Answers {
+    session: Session,
+    site: String,
+    /// `site/CHANNEL`.
+    stream: String,
+    encoding: Encoding,
+    intake: Arc<Intake>,
+    machines: HashMap<String, Told>,
+}
+
+/// What was told of a machine.
+struct Told {
+    publisher: Publisher<'static>,
+    epoch: u64,
+    /// Number of the last estimate, -1 before the first.
+    last: i64,
+}
+
+impl Answers {
+    pub(super) fn new(
+        session: &Session,
+        site: &str,
+        channel: &'static Channel,
+        intake: Arc<Intake>,
+    ) -> Self {
+        let last = channel.name.rsplit('/').next().unwrap_or_default();
+        Self {
+            session: session.clone(),
+            site: site.to_owned(),
+            stream: format!("{SITE_ESTIMATE}/{last}"),
+            encoding: Encoding::APPLICATION_PROTOBUF.with_schema(schema::name(channel)),
+            intake,
+            machines: HashMap::new(),
+        }
+    }
+
+    /// Publishes until the output of `heft serve` ends.
+    pub(super) fn publish(mut self, mut output: impl BufRead) -> Result<(), String> {
+        let (mut name, mut message) = (Vec::new(), Vec::new());
+        let mut looked = Instant::now();
+        let unreadable = |e| {
+            error(
+                e,
+                "the output of `heft serve`",
+                "use heft of the same version",
+            )
+        };
+        while read_delimited(&mut output, LARGEST, &mut name).map_err(unreadable)? {
+            read_delimited(&mut output, LARGEST, &mut message).map_err(unreadable)?;
+            let run = std::str::from_utf8(&name).ok().and_then(run_of);
+            let envelope = decode(&self.stream, &message);
+            if let (Some((machine, epoch)), Some(envelope)) = (run, envelope) {
+                self.put(machine, epoch, envelope.stamp(), &message)?;
+            }
+            if looked.elapsed() >= LOOK {
+                looked = Instant::now();
+                self.machines.retain(|name, _| self.intake.knows(name));
+            }
+        }
+        Ok(())
+    }
+
+    fn put(
+        &mut self,
+        machine: &str,
+        epoch: u64,
+        stamp: &Stamp,
+        message: &[u8],
+    ) -> Result<(), String> {
+        let Some(wall_ms) = self.intake.answered(machine, epoch, stamp.measured_ns) else {
+            return Ok(());
+        };
+        if !self.machines.contains_key(machine) {
+            let publisher = self.declare(machine)?;
+            let told = Told {
+                publisher,
+                epoch,
+                last: -1,
+            };
+            self.machines.insert(machine.to_owned(), told);
+        }
+        let Some(told) = self.machines.get_mut(machine) else {
+            return Ok(());
+        };
+        if told.epoch != epoch {
+            (told.epoch, told.last) = (epoch, -1);
+        }
+        let label = Label {
+            machine: machine.to_owned(),
+            epoch,
+            number: stamp.sequence,
+            after: Some(told.last),
+            wall_ms,
+        };
+        told.last = stamp.sequence as i64;
+        let put = told.publisher.put(message).attachment(label.to_string());
+        // A link that is gone shows as a gap where somebody collects.
+        let _ = put.wait();
+        Ok(())
+    }
+
+    fn declare(&self, machine: &str) -> Result<Publisher<'static>, String> {
+        let id = MachineId::new(&self.site, machine);
+        let id = id.ok_or_else(|| error("no name of a machine", machine, "report this"))?;
+        let publisher = self.session.declare_publisher(id.key(&self.stream));
+        let publisher = publisher.encoding(self.encoding.clone());
+        let publisher = publisher.congestion_control(CongestionControl::Drop);
+        let publisher = publisher.priority(Priority::Data).wait();
+        publisher.map_err(|e| error(format!("Zenoh refuses a key: {e}"), id, "report this"))
+    }
+}

@@ -1,0 +1,76 @@
+//! `heft serve` as a child: what goes in, what comes out.
+
+use std::io::{BufReader, BufWriter, Write};
+use std::os::unix::process::CommandExt;
+use std::path::{Path, PathBuf};
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::sync::mpsc::Receiver;
+
+use super::ServeArgs;
+use crate::error;
+
+/// The process with both its ends.
+type Started = (Child, BufWriter<ChildStdin>, BufReader<ChildStdout>);
+
+/// Starts it.
+pub(super) fn start(args: &ServeArgs) -> Result<Started, String> {
+    let program = args.heft.clone().unwrap_or_else(beside);
+    let mut command = Command::new(&program);
+    command.args(["serve", &args.kind, "--messages", "--every"]);
+    command.arg(args.every.to_string());
+    if let Some(method) = &args.method {
+        command.args(["--method", method]);
+    }
+    // A group of its own: Ctrl-C reaches this process, and then its input ends.
+    command.args(&args.rest).process_group(0);
+    command.stdin(Stdio::piped()).stdout(Stdio::piped());
+    let mut child = command.spawn().map_err(|e| {
+        let remedy = "build heft, and put it beside heft-fleet or name it with --heft";
+        error(format!("cannot start heft: {e}"), program.display(), remedy)
+    })?;
+    let pipes = child.stdin.take().zip(child.stdout.take());
+    let (input, output) = pipes.ok_or_else(|| error("no pipe", "heft serve", "report this"))?;
+    Ok((
+        child,
+        BufWriter::with_capacity(1 << 16, input),
+        BufReader::with_capacity(1 << 16, output),
+    ))
+}
+
+/// heft beside this program, else in the search path.
+fn beside() -> PathBuf {
+    let own = std::env::current_exe().ok();
+    let folder = own.as_deref().and_then(Path::parent);
+    let beside = folder.map(|f| f.join("heft"));
+    beside
+        .filter(|f| f.is_file())
+        .unwrap_or_else(|| "heft".into())
+}
+
+/// Writes what comes until nothing more will, or nobody reads. Nothing waits in the buffer while nothing comes.
+pub(super) fn feed(mut input: BufWriter<ChildStdin>, batches: &Receiver<Vec<u8>>) {
+    while let Ok(first) = batches.recv() {
+        for batch in std::iter::once(first).chain(batches.try_iter()) {
+            // Whoever reads its answers says that it has ended.
+            if input.write_all(&batch).is_err() {
+                return;
+            }
+        }
+        if input.flush().is_err() {
+            return;
+        }
+    }
+}
+
+/// Waits for its end, which its input's end brings.
+pub(super) fn end(mut child: Child) -> Result<(), String> {
+    drop(child.stdin.take());
+    let ended = child
+        .wait()
+        .map_err(|e| error(e, "heft serve", "check the system"))?;
+    if ended.success() {
+        return Ok(());
+    }
+    let what = format!("`heft serve` ended: {ended}");
+    Err(error(what, "heft fleet serve", "see what it said above"))
+}

@@ -1,0 +1,303 @@
+//! What machines send is checked before it goes to `heft serve`: size, rate, that it speaks for the machine that its key
+//! names, that samples go forward. A hostile machine can lie about itself only, and not loudly.
+
+use std::collections::BTreeMap;
+use std::sync::mpsc::{SyncSender, TrySendError};
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use messages::channels::{Channel, Visitor};
+use messages::{Message, Value};
+use recording::payload::{decode, take_delimited};
+use zenoh::sample::Sample;
+
+use super::machine::{Counts, Machine, One, forget, name};
+use crate::key::MachineId;
+use crate::label::Label;
+use crate::wall_ms;
+
+/// Largest message [bytes]: what a gateway sends, with room.
+const LARGEST: usize = 80_000;
+/// Machines at most.
+const MACHINES: usize = 20_000;
+/// A machine that was silent for so long is forgotten.
+const SILENT: Duration = Duration::from_secs(600);
+/// A clock may be ahead by this [ms].
+const AHEAD_MS: u64 = 86_400_000;
+
+/// Checks and hands on.
+pub struct Intake {
+    channel: &'static Channel,
+    batches: Mutex<Option<SyncSender<Vec<u8>>>>,
+    machines: Mutex<BTreeMap<String, Machine>>,
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Intake {
+    pub(super) fn new(channel: &'static Channel, batches: SyncSender<Vec<u8>>) -> Self {
+        Self {
+            channel,
+            batches: Mutex::new(Some(batches)),
+            machines: Mutex::default(),
+        }
+    }
+
+    /// A message under a machine's key.
+    pub(super) fn batch(&self, sample: &Sample) {
+        let Some((id, _)) = MachineId::of(sample.key_expr().as_str()) else {
+            return;
+        };
+        let attachment = sample.attachment().map(|a| a.to_bytes());
+        let label = attachment.and_then(|a| Label::parse(&a));
+        // What is too large is not even copied.
+        let payload = (sample.payload().len() <= LARGEST).then(|| sample.payload().to_bytes());
+        self.take(&id, label, payload.as_deref());
+    }
+
+    fn take(&self, id: &MachineId, label: Option<Label>, payload: Option<&[u8]>) {
+        let ahead = wall_ms() + AHEAD_MS;
+        let label = label.filter(|l| l.machine == id.machine && l.epoch.max(l.wall_ms) <= ahead);
+        let samples = payload.and_then(|p| samples(self.channel, p));
+        let mut machines = lock(&self.machines);
+        if machines.len() >= MACHINES && !machines.contains_key(&id.machine) {
+            return;
+        }
+        let now = Instant::now();
+        let machine = machines.entry(id.machine.clone());
+        let machine = machine.or_insert_with(|| Machine::new(now));
+        let (Some(label), Some(samples)) = (label, samples) else {
+            machine.counts.refused += 1;
+            return;
+        };
+        let mut records = Vec::with_capacity(payload.map_or(0, <[u8]>::len) * 2);
+        let Some(count) = machine.admit(now, &label, &samples, &mut records) else {
+            machine.counts.refused += 1;
+            return;
+        };
+        let sent = lock(&self.batches).as_ref().map(|b| b.try_send(records));
+        match sent {
+            Some(Ok(())) => machine.counts.samples += count,
+            Some(Err(TrySendError::Full(_))) => machine.counts.late += count,
+            Some(Err(TrySendError::Disconnected(_))) | None => {}
+        }
+    }
+
+    /// When an estimate of a run was measured, by the machine's wall clock [ms since 1970]; `None` for a run that is over.
+    pub(super) fn answered(&self, machine: &str, epoch: u64, measured_ns: u64) -> Option<u64> {
+        let mut machines = lock(&self.machines);
+        let machine = machines.get_mut(machine).filter(|m| m.epoch == epoch)?;
+        machine.counts.estimates += 1;
+        let measured_ms = i64::try_from(measured_ns / 1_000_000).ok()?;
+        let wall_ms = measured_ms.saturating_add(machine.wall_offset_ms);
+        Some(u64::try_from(wall_ms).unwrap_or(0))
+    }
+
+    /// Whether a machine is known.
+    pub(super) fn knows(&self, machine: &str) -> bool {
+        lock(&self.machines).contains_key(machine)
+    }
+
+    /// Forgets machines that have been silent for long.
+    pub(super) fn forget_silent(&self) {
+        let mut gone = Vec::new();
+        lock(&self.machines).retain(|machine, m| {
+            let stays = m.heard.elapsed() < SILENT;
+            if !stays && m.is_served {
+                forget(&name(machine, m.epoch), &mut gone);
+            }
+            stays
+        });
+        if let Some(batches) = &*lock(&self.batches)
+            && !gone.is_empty()
+        {
+            // If it finds no place, they stay in memory.
+            let _ = batches.try_send(gone);
+        }
+    }
+
+    /// There will be no more.
+    pub(super) fn close(&self) {
+        lock(&self.batches).take();
+    }
+
+    /// Says what was counted of all machines.
+    pub(super) fn tell(&self) {
+        let machines = lock(&self.machines);
+        let sum = |of: fn(&Counts) -> u64| machines.values().map(|m| of(&m.counts)).sum::<u64>();
+        eprintln!(
+            "serve: {} machines, {} samples, {} estimates; {} samples missing, {} too late for `heft serve`, {} messages refused",
+            machines.len(),
+            sum(|c| c.samples),
+            sum(|c| c.estimates),
+            sum(|c| c.missing),
+            sum(|c| c.late),
+            sum(|c| c.refused)
+        );
+    }
+
+    /// A line for each machine of which something was lost or refused.
+    pub(super) fn losses(&self) -> Vec<String> {
+        let machines = lock(&self.machines);
+        let some = machines.iter().filter(|(_, m)| {
+            let c = m.counts;
+            c.missing + c.late + c.refused > 0
+        });
+        let line = |(name, m): (&String, &Machine)| {
+            let c = m.counts;
+            format!(
+                "serve: {name}: {} samples, {} missing, {} too late, {} messages refused",
+                c.samples, c.missing, c.late, c.refused
+            )
+        };
+        some.map(line).collect()
+    }
+}
+
+/// The samples of a message, if all of it is what the channel carries, and every number in it is one.
+fn samples<'a>(channel: &Channel, mut payload: &'a [u8]) -> Option<Vec<One<'a>>> {
+    struct Look<'a>(&'a [u8]);
+    impl<'a> Visitor for Look<'a> {
+        type Output = Option<One<'a>>;
+        fn visit<M: Message>(self) -> Self::Output {
+            let message = decode::<M>(self.0)?;
+            let is_number = |i| !matches!(message.get(i), Some(Value::F64(x)) if !x.is_finite());
+            let stamp = message.stamp();
+            i64::try_from(stamp.sequence).ok()?;
+            (0..M::FIELDS.len()).all(is_number).then_some(One {
+                number: stamp.sequence,
+                measured_ns: stamp.measured_ns,
+                bytes: self.0,
+            })
+        }
+    }
+    let mut found = Vec::new();
+    while !payload.is_empty() {
+        let bytes = take_delimited(&mut payload).filter(|b| !b.is_empty())?;
+        found.push(channel.payload.visit(Look(bytes))?);
+    }
+    (!found.is_empty()).then_some(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc::{Receiver, sync_channel};
+
+    use messages::ExcavatorSensors;
+    use messages::channels::EXCAVATOR_SENSORS;
+    use recording::payload::put_delimited;
+
+    use super::super::machine::{RUNS, run_of};
+    use super::*;
+
+    fn intake() -> (Intake, Receiver<Vec<u8>>) {
+        let (batches, waiting) = sync_channel(1000);
+        (Intake::new(&EXCAVATOR_SENSORS, batches), waiting)
+    }
+
+    fn batch(numbers: impl IntoIterator<Item = u64>, velocity: f64) -> Vec<u8> {
+        let mut batch = Vec::new();
+        for number in numbers {
+            let mut sample = ExcavatorSensors {
+                swing_velocity: velocity,
+                valid: 1,
+                columns: 1,
+                ..ExcavatorSensors::default()
+            };
+            sample.stamp.sequence = number;
+            let mut bytes = Vec::new();
+            recording::payload::encode(&sample, &mut bytes);
+            put_delimited(&bytes, &mut batch);
+        }
+        batch
+    }
+
+    fn label(machine: &str, epoch: u64) -> Option<Label> {
+        Label::parse(format!("{machine} {epoch} 9 -1 5").as_bytes())
+    }
+
+    fn id() -> MachineId {
+        MachineId::new("north", "ex-1").expect("names")
+    }
+
+    /// Names of the runs in records, in turn; with a minus where one is forgotten.
+    fn names(records: &[u8]) -> Vec<String> {
+        let (mut rest, mut names) = (records, Vec::new());
+        while !rest.is_empty() {
+            let name = take_delimited(&mut rest).expect("a name");
+            let is_empty = take_delimited(&mut rest).expect("a message").is_empty();
+            let sign = if is_empty { "-" } else { "" };
+            names.push(format!("{sign}{}", String::from_utf8_lossy(name)));
+        }
+        names
+    }
+
+    #[test]
+    fn samples_go_on_once_and_what_is_missing_between_them_is_counted() {
+        let (intake, waiting) = intake();
+        for numbers in [4..7, 5..9, 12..13] {
+            intake.take(&id(), label("ex-1", 1), Some(&batch(numbers, 0.1)));
+        }
+        let all: Vec<_> = waiting.try_iter().map(|r| names(&r).len()).collect();
+        assert_eq!(all, [3, 2, 1]);
+        let counts = lock(&intake.machines)["ex-1"].counts;
+        assert_eq!((counts.samples, counts.missing), (6, 3));
+        assert_eq!(intake.losses().len(), 1);
+    }
+
+    #[test]
+    fn a_new_run_is_another_machine_and_an_old_one_is_over() {
+        let (intake, waiting) = intake();
+        intake.take(&id(), label("ex-1", 1), Some(&batch(0..1, 0.1)));
+        intake.take(&id(), label("ex-1", 2), Some(&batch(0..1, 0.1)));
+        let counts = || lock(&intake.machines)["ex-1"].counts;
+        assert_eq!(counts().refused, 1, "so soon");
+        std::thread::sleep(RUNS);
+        intake.take(&id(), label("ex-1", 2), Some(&batch(0..1, 0.1)));
+        intake.take(&id(), label("ex-1", 1), Some(&batch(1..2, 0.1)));
+        assert_eq!(counts().refused, 2, "the old one");
+        let all: Vec<_> = waiting.try_iter().map(|r| names(&r)).collect();
+        assert_eq!(all, [vec!["ex-1 1"], vec!["-ex-1 1", "ex-1 2"]]);
+        assert_eq!(run_of("ex-1 2"), Some(("ex-1", 2)));
+        assert_eq!(intake.answered("ex-1", 1, 0), None);
+        assert_eq!(intake.answered("ex-1", 2, 3_000_000), Some(8));
+    }
+
+    #[test]
+    fn what_is_no_sample_of_the_machine_is_refused_whole() {
+        let (intake, waiting) = intake();
+        let good = batch(0..2, 0.1);
+        let cut = &good[..good.len() - 1];
+        let far = Label::parse(format!("ex-1 {} 9 -1 5", wall_ms() + 2 * AHEAD_MS).as_bytes());
+        let lies: [(Option<Label>, Option<&[u8]>); 7] = [
+            (None, Some(&good)),
+            (label("ex-2", 1), Some(&good)),
+            (far, Some(&good)),
+            (label("ex-1", 1), None),
+            (label("ex-1", 1), Some(cut)),
+            (label("ex-1", 1), Some(&[])),
+            (label("ex-1", 1), Some(&batch(0..1, f64::NAN))),
+        ];
+        let count = lies.len() as u64;
+        for (label, payload) in lies {
+            intake.take(&id(), label, payload);
+        }
+        assert_eq!(lock(&intake.machines)["ex-1"].counts.refused, count);
+        assert!(waiting.try_recv().is_err());
+    }
+
+    #[test]
+    fn a_flood_is_thinned() {
+        let (intake, waiting) = intake();
+        for i in 0..200 {
+            let numbers = i * 100..(i + 1) * 100;
+            intake.take(&id(), label("ex-1", 1), Some(&batch(numbers, 0.1)));
+        }
+        let taken: usize = waiting.try_iter().map(|r| names(&r).len()).sum();
+        assert!((10_000..15_000).contains(&taken), "{taken}");
+        let counts = lock(&intake.machines)["ex-1"].counts;
+        assert_eq!(counts.refused, 200 - taken as u64 / 100);
+    }
+}

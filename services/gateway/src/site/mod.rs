@@ -1,0 +1,155 @@
+//! `heft fleet serve`: estimates at the site, of the samples that machines send as they are.
+//!
+//! ```text
+//! heft/v1/SITE/MACHINE/sample/CHANNEL ──▶ checks ──▶ `heft serve KIND --messages` ──▶ heft/v1/SITE/MACHINE/site/CHANNEL
+//! ```
+//! `heft serve` is a process of its own, which shares the machines among processes, one a core, and replaces one that
+//! dies. What a machine is called there is its name and the start of its run: a new run begins with nothing known.
+//! Live at most once: a sample that is lost on the way is counted here, and the estimators see the time that is missing.
+
+mod answers;
+mod child;
+mod intake;
+mod machine;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::sync_channel;
+use std::time::{Duration, Instant};
+
+use messages::Machine;
+use messages::channels::Channel;
+use steps::stages::{Pipeline, Role};
+use zenoh::Wait;
+
+use crate::error;
+use crate::key::{MachineId, ROOT, SITE_ESTIMATE};
+use crate::link::{LinkArgs, client_unless};
+use answers::Answers;
+use intake::Intake;
+
+/// Batches of samples that may wait for `heft serve`.
+const QUEUE: usize = 4096;
+/// Time between two looks at what was counted.
+const LOOK: Duration = Duration::from_secs(10);
+
+/// `heft fleet serve`
+#[derive(Debug, Clone, clap::Args)]
+pub struct ServeArgs {
+    /// The kind of the machines: excavator, loader
+    pub kind: String,
+    /// The router
+    #[command(flatten)]
+    pub link: LinkArgs,
+    /// The site whose machines are served
+    #[arg(long)]
+    pub site: String,
+    /// Method; that which is told first if absent
+    #[arg(long)]
+    pub method: Option<String>,
+    /// At most one estimate a machine in so much of its time [s]; every one if 0
+    #[arg(long, value_name = "S", default_value_t = 1.0)]
+    pub every: f64,
+    /// The program heft; beside this one, or in the search path, if absent
+    #[arg(long, value_name = "FILE")]
+    pub heft: Option<PathBuf>,
+    /// What else `heft serve` is told, such as --config FILE, --shards N
+    #[arg(last = true)]
+    pub rest: Vec<String>,
+}
+
+/// What is read, and what is made of it.
+struct Way {
+    sensors: &'static Channel,
+    estimate: &'static Channel,
+}
+
+impl Way {
+    fn of(args: &ServeArgs) -> Result<Self, String> {
+        let kinds = Machine::ALL.map(|m| m.name()).join(", ");
+        let machine = Machine::from_name(&args.kind).ok_or_else(|| {
+            let what = format!("there is no machine `{}`", args.kind);
+            error(what, "heft fleet serve", format!("choose one of {kinds}"))
+        })?;
+        let pipeline = Pipeline::of(machine);
+        let stage = match &args.method {
+            Some(method) => pipeline.with_method(method),
+            None => pipeline.stage(pipeline.main),
+        };
+        let estimate = stage.and_then(|s| s.output()).ok_or_else(|| {
+            let what = format!(
+                "there is no method `{}`",
+                args.method.clone().unwrap_or_default()
+            );
+            error(what, "--method", "`heft serve --help` names them")
+        })?;
+        let sensors = pipeline.stages.iter().find_map(|s| match s.role {
+            Role::Source { sensors, .. } => Some(sensors),
+            Role::Step(_) | Role::Sink | Role::Probe(_) | Role::Sender => None,
+        });
+        let sensors =
+            sensors.ok_or_else(|| error("it has no sensors", &args.kind, "report this"))?;
+        Ok(Self { sensors, estimate })
+    }
+}
+
+/// Serves until `stop` is set.
+///
+/// # Errors
+/// An argument cannot be used, or `heft serve` ends by itself.
+pub fn serve(args: &ServeArgs, stop: &AtomicBool) -> Result<(), String> {
+    let way = Way::of(args)?;
+    if MachineId::new(&args.site, "any").is_none() {
+        let remedy = "use 1 to 64 letters, digits, dots, hyphens and underscores";
+        return Err(error("this cannot name a site", "--site", remedy));
+    }
+    let (mut child, input, output) = child::start(args)?;
+    let stops = || stop.load(Ordering::Relaxed);
+    let publishes = format!("{ROOT}/{}/*/{SITE_ESTIMATE}/*", args.site);
+    let Some(session) = client_unless(&args.link, &[&publishes], stops)? else {
+        return child::end(child);
+    };
+    let failed = |e: zenoh::Error| {
+        let what = format!("Zenoh refuses: {e}");
+        error(what, &args.link.connect, "please report this")
+    };
+    let (batches, waiting) = sync_channel(QUEUE);
+    let intake = Arc::new(Intake::new(way.sensors, batches));
+    let key = format!("{ROOT}/{}/*/sample/{}", args.site, way.sensors.name);
+    let its = Arc::clone(&intake);
+    let subscriber = session.declare_subscriber(key);
+    let subscriber = subscriber.callback(move |sample| its.batch(&sample)).wait();
+    let subscriber = subscriber.map_err(failed)?;
+    let writer = std::thread::spawn(move || child::feed(input, &waiting));
+    let answers = Answers::new(&session, &args.site, way.estimate, Arc::clone(&intake));
+    let reader = std::thread::spawn(move || answers.publish(output));
+    let mut looked = Instant::now();
+    while !stops() && !reader.is_finished() && !writer.is_finished() {
+        std::thread::sleep(Duration::from_millis(100));
+        if looked.elapsed() >= LOOK {
+            looked = Instant::now();
+            intake.forget_silent();
+            intake.tell();
+        }
+    }
+    // Nothing more comes in; what is in `heft serve` is answered.
+    let has_ended = !stops() && child.try_wait().is_ok_and(|ended| ended.is_some());
+    let _ = subscriber.undeclare().wait();
+    intake.close();
+    let joined = (writer.join(), reader.join());
+    intake.tell();
+    for line in intake.losses() {
+        eprintln!("{line}");
+    }
+    let _ = session.close().wait();
+    if let (Ok(()), Ok(Err(why))) = joined {
+        tracing::warn!("{why}");
+    }
+    child::end(child)?;
+    if has_ended {
+        let remedy = "see what it said above; start `heft fleet serve` again";
+        return Err(error("`heft serve` has ended", "heft fleet serve", remedy));
+    }
+    Ok(())
+}
