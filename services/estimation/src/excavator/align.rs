@@ -21,14 +21,18 @@ pub(super) fn rest(delays: [f64; 2]) -> f64 {
     (delays[0] - velocity) - (delays[1] - torque)
 }
 
-/// The last ticks, and how long each signal waits.
+/// The last ticks, and how long each signal waits; none where nothing is late.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Align {
+pub(super) struct Align(Option<Waiting>);
+
+#[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct Waiting {
     ring: [Tick; LONGEST + 1],
     count: usize,
-    /// Wait of velocity, torque, posture [s]; none where nothing is late.
-    waits: Option<[f64; 3]>,
+    /// Wait of velocity, torque, posture [s].
+    waits: [f64; 3],
 }
 
 impl Align {
@@ -37,24 +41,32 @@ impl Align {
         let late = ticks(delays);
         let latest = late[0].max(late[1]);
         let wait = |n: usize| n as f64 * PERIOD;
-        Self {
+        Self((latest > 0).then(|| Waiting {
             ring: [Tick::default(); LONGEST + 1],
             count: 0,
-            waits: (latest > 0)
-                .then(|| [wait(latest - late[0]), wait(latest - late[1]), wait(latest)]),
-        }
+            waits: [wait(latest - late[0]), wait(latest - late[1]), wait(latest)],
+        }))
     }
 
     /// Forgets what has been.
     pub(super) fn clear(&mut self) {
-        self.count = 0;
+        if let Some(waiting) = &mut self.0 {
+            waiting.count = 0;
+        }
     }
 
     /// Takes a tick and gives that of the common time, once there is one.
     pub(super) fn pass(&mut self, tick: &Tick) -> Option<Tick> {
-        let Some([velocity, torque, posture]) = self.waits else {
-            return Some(*tick);
-        };
+        match &mut self.0 {
+            Some(waiting) => waiting.pass(tick),
+            None => Some(*tick),
+        }
+    }
+}
+
+impl Waiting {
+    fn pass(&mut self, tick: &Tick) -> Option<Tick> {
+        let [velocity, torque, posture] = self.waits;
         self.ring[self.count % self.ring.len()] = *tick;
         self.count += 1;
         let whole = self.before(tick.time - posture)?;

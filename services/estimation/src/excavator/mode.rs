@@ -24,7 +24,7 @@ use super::state::State;
 use super::torque::TorqueMode;
 use super::velocity::VelocityMode;
 use super::verdict::{Basis, Reasons, Verdict};
-use super::working::Working;
+use super::working::{Trail, Working};
 
 #[derive(Debug, Clone)]
 #[expect(clippy::large_enum_variant, reason = "no allocator; one per process")]
@@ -98,8 +98,14 @@ impl Core {
         }
     }
 
-    /// One tick.
-    pub(super) fn step(&mut self, settings: &Settings, tick: &Tick, method: Method) -> Reading {
+    /// One tick; what the default estimator does goes into the trail, where that is kept.
+    pub(super) fn step(
+        &mut self,
+        settings: &Settings,
+        tick: &Tick,
+        method: Method,
+        trail: &mut Option<Trail>,
+    ) -> Reading {
         let (needs_torque, needs_posture) = needs(method);
         let torque = (needs_torque && tick.torque_age.is_finite()).then_some(tick.torque);
         let mut tick = *tick;
@@ -119,29 +125,28 @@ impl Core {
         let torque_std = settings.sensors.swing_torque_std;
         let drive = self.driver.step(&tick, geometry, torque_std);
         if let Some(onset) = &mut self.onset {
-            event |= onset.step(&drive, phase);
+            event |= onset.step(settings, &drive, phase);
         }
-        let entry = Entry {
-            drive,
-            phase,
-            reopen,
-            flagged: false,
-        };
         let mut held = phase == Phase::Held;
         let constant = settings.estimator.constant_inertia;
         let (mut state, basis) = match &mut self.mode {
-            Mode::PostureTorque(mode) => (mode.step(&drive, phase, reopen), Basis::PostureTorque),
+            Mode::PostureTorque(mode) => {
+                let state = mode.step(settings, &drive, (phase, reopen), trail);
+                (state, Basis::PostureTorque)
+            }
             Mode::Torque(mode) => {
                 let stood = self.standstill.seen();
-                (mode.step(&drive, phase, reopen), Basis::Torque { stood })
+                let state = mode.step(settings, &drive, phase, reopen);
+                (state, Basis::Torque { stood })
             }
             Mode::Posture(mode) => {
-                let state = mode.step(entry, event);
+                let state = mode.step(settings, &drive, (phase, reopen), event);
                 held = mode.held();
                 (state, Basis::Steady(mode.unflagged_for()))
             }
             Mode::Velocity(mode) => {
-                let state = mode.step(entry, event);
+                let entry = Entry::new(&drive, phase, reopen);
+                let state = mode.step(settings, entry, event);
                 held = mode.held();
                 let steady = Basis::Steady(mode.unflagged_for());
                 (state, if constant { steady } else { Basis::Nothing })

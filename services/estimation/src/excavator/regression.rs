@@ -121,6 +121,11 @@ impl Regression {
         })
     }
 
+    /// The settings as given.
+    pub fn described(&self) -> Settings {
+        self.settings
+    }
+
     /// Takes in one motion and always answers.
     pub fn step(&mut self, motion: &Motion) -> Estimate {
         if motion.refused || !motion.time.is_finite() {
@@ -151,8 +156,8 @@ impl Regression {
         }
         match &mut self.kind {
             Kind::Paper(_) => {} // holds what it was given, see above
-            Kind::Single(single) => single.forget(missed, motion.period),
-            Kind::Joint(joint) => joint.forget(missed, motion.period),
+            Kind::Single(single) => single.forget(&self.settings, missed, motion.period),
+            Kind::Joint(joint) => joint.forget(&self.settings, missed, motion.period),
         }
     }
 
@@ -178,10 +183,11 @@ impl Regression {
     }
 
     fn update(&mut self, motion: &Motion, held: bool) -> Fit {
+        let s = &self.settings;
         match &mut self.kind {
-            Kind::Paper(rls) => paper_step(&self.settings, rls, motion, held),
-            Kind::Single(single) => single.step(motion, self.torque_age, held),
-            Kind::Joint(joint) => joint.step(motion, self.torque_age, held),
+            Kind::Paper(rls) => paper_step(s, rls, motion, held),
+            Kind::Single(single) => single.step(s, motion, self.torque_age, held),
+            Kind::Joint(joint) => joint.step(s, motion, self.torque_age, held),
         }
     }
 

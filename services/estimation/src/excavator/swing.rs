@@ -31,9 +31,9 @@ const STALE_POSTURE: f64 = 0.3;
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SwingEstimator {
-    /// As given, and with the measured noise.
-    described: Settings,
+    /// With the measured noise of the velocity; that as described [rad/s].
     settings: Settings,
+    described_std: f64,
     method: Method,
     columns: Columns,
     screen: Screen,
@@ -73,8 +73,8 @@ impl SwingEstimator {
         }
         let e = &settings.estimator;
         Ok(Self {
-            described: *settings,
             settings: *settings,
+            described_std: settings.sensors.swing_velocity_std,
             method,
             columns,
             screen: Screen::new(&settings.sensors),
@@ -99,6 +99,13 @@ impl SwingEstimator {
                 ..Estimate::default()
             },
         })
+    }
+
+    /// The settings as given.
+    pub fn described(&self) -> Settings {
+        let mut described = self.settings;
+        described.sensors.swing_velocity_std = self.described_std;
+        described
     }
 
     /// The method at work; never `Auto`.
@@ -146,7 +153,7 @@ impl SwingEstimator {
         let sample = row.sample;
         let mut reset = row.set_back;
         if row.set_back {
-            self.grid = Grid::new(&self.described, !self.columns.velocity);
+            self.grid = Grid::new(&self.described(), !self.columns.velocity);
             self.align.clear();
             self.restart(false);
         }
@@ -160,11 +167,10 @@ impl SwingEstimator {
                 self.slowness = fill.slowness();
             }
             for tick in fill.ticks() {
-                reset |= self.tick(&tick);
-                if self.trailing
-                    && let Some(trail) = self.core.working().and_then(Working::take_trail)
-                {
-                    see(&trail);
+                let mut trail = None;
+                reset |= self.tick(&tick, &mut trail);
+                if let Some(trail) = &trail {
+                    see(trail);
                 }
             }
         }
@@ -183,14 +189,14 @@ impl SwingEstimator {
     }
 
     /// One tick of the grid; true where the filter was set back to its prior.
-    fn tick(&mut self, tick: &Tick) -> bool {
+    fn tick(&mut self, tick: &Tick, trail: &mut Option<Trail>) -> bool {
         self.elapsed += tick.period;
         let mut reset = self.check_presence();
         let Some(tick) = &self.align.pass(tick) else {
             self.wait(tick);
             return reset;
         };
-        if self.calibrates(tick) {
+        if self.calibrates(tick, trail) {
             self.wait(tick);
             return reset;
         }
@@ -204,11 +210,12 @@ impl SwingEstimator {
             velocity_variance: tick.velocity_variance * self.noise_ratio(),
             ..*tick
         };
-        let reading = self.core.step(&self.settings, &tick, self.method);
+        let reading = self.core.step(&self.settings, &tick, self.method, trail);
         if self.core.is_sound() {
             self.reading = Some(reading);
         } else {
             self.restart(false);
+            *trail = None;
             reset = true;
         }
         reset
@@ -216,13 +223,12 @@ impl SwingEstimator {
 
     /// Measured over described variance of the velocity.
     fn noise_ratio(&self) -> f64 {
-        let ratio =
-            self.settings.sensors.swing_velocity_std / self.described.sensors.swing_velocity_std;
+        let ratio = self.settings.sensors.swing_velocity_std / self.described_std;
         ratio * ratio
     }
 
     /// True while bias and noise are being measured.
-    fn calibrates(&mut self, tick: &Tick) -> bool {
+    fn calibrates(&mut self, tick: &Tick, trail: &mut Option<Trail>) -> bool {
         let Some(calibration) = &mut self.calibration else {
             return false;
         };
@@ -230,7 +236,7 @@ impl SwingEstimator {
             Progress::Measuring => {
                 // The estimate waits, but what the detectors see counts if nothing is measured.
                 if !self.needs().1 || self.grid.has_posture() {
-                    self.core.step(&self.settings, tick, self.method);
+                    self.core.step(&self.settings, tick, self.method, trail);
                 }
                 return true;
             }
@@ -300,7 +306,7 @@ impl SwingEstimator {
     }
 
     fn estimate(&self, sample: &Sample, reset: bool) -> Estimate {
-        let Some(reading) = self.reading else {
+        let Some(reading) = &self.reading else {
             let mut again = self.last;
             again.refused = self.screen.refused();
             again.method = self.method;
@@ -311,7 +317,7 @@ impl SwingEstimator {
             };
             return again;
         };
-        let state = self.at_row(&reading, sample);
+        let state = self.at_row(reading, sample);
         let r = reading.reasons;
         let ahead = sample.time - reading.tick.time;
         let (needs_torque, _) = self.needs();
@@ -320,7 +326,7 @@ impl SwingEstimator {
             inertia_std: state.inertia_std,
             damping: state.damping.filter(|d| d.1 > 0.0).map(quantity),
             torque: if needs_torque {
-                self.measured_torque(&reading)
+                self.measured_torque(reading)
             } else {
                 state.total_torque.map(quantity)
             },
@@ -385,9 +391,9 @@ impl SwingEstimator {
         if let ((_, true), Some((mass, _)), [Some(boom), Some(arm), Some(bucket)]) =
             (self.needs(), state.payload, posture)
         {
-            let now = self.settings.geometry.inertia([boom, arm, bucket]);
-            let before = self.settings.geometry.inertia(reading.tick.posture);
+            let (now, before) = ([boom, arm, bucket], reading.tick.posture);
             if now != before {
+                let [now, before] = [now, before].map(|q| self.settings.geometry.inertia(q));
                 state.inertia = now.with_payload(mass);
                 state.inertia_std *= now.per_payload / before.per_payload;
             }

@@ -15,7 +15,6 @@ use crate::source::SourceWatch;
 /// One state-space method, or the choice among them.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct EstimatorStep {
-    settings: Settings,
     method: Method,
     estimator: SwingEstimator,
     source: SourceWatch,
@@ -33,7 +32,6 @@ impl EstimatorStep {
     pub fn new(description: &Description, name: &str) -> Result<Self, Error> {
         let (method, settings) = (method(name)?, Settings::of(description));
         Ok(Self {
-            settings,
             method,
             estimator: estimator(&settings, method, ALL).map_err(Error::settings)?,
             source: SourceWatch::default(),
@@ -75,7 +73,7 @@ impl Step for EstimatorStep {
 
     fn step(&mut self, input: &ExcavatorSensors) -> ExcavatorEstimate {
         if self.source.is_new(&input.stamp)
-            && let Ok(new) = estimator(&self.settings, self.method, columns(input))
+            && let Ok(new) = estimator(&self.estimator.described(), self.method, columns(input))
         {
             self.estimator = new;
         }

@@ -14,7 +14,6 @@ use crate::source::SourceWatch;
 /// Sensors in, swing motion out.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct FilterStep {
-    settings: Settings,
     filter: MotionFilter,
     source: SourceWatch,
 }
@@ -26,10 +25,9 @@ impl FilterStep {
     /// # Errors
     /// The description has a value that the filter cannot use.
     pub fn new(description: &Description) -> Result<Self, Error> {
-        let settings = Settings::of(description);
         Ok(Self {
-            settings,
-            filter: MotionFilter::new(&settings, VELOCITY).map_err(Error::settings)?,
+            filter: MotionFilter::new(&Settings::of(description), VELOCITY)
+                .map_err(Error::settings)?,
             source: SourceWatch::default(),
         })
     }
@@ -51,7 +49,7 @@ impl Step for FilterStep {
         // The settings have been checked; without velocity and angle the old filter goes on and
         // says that nothing is measured.
         if self.source.is_new(&input.stamp)
-            && let Ok(filter) = MotionFilter::new(&self.settings, columns(input))
+            && let Ok(filter) = MotionFilter::new(&self.filter.described(), columns(input))
         {
             self.filter = filter;
         }

@@ -14,7 +14,6 @@ use crate::source::SourceWatch;
 /// `multi-forgetting-rls` or `svf-rls`: swing motion in, inertia out.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct RegressionStep {
-    settings: Settings,
     method: Method,
     regression: Regression,
     source: SourceWatch,
@@ -31,7 +30,6 @@ impl RegressionStep {
     pub fn new(description: &Description, name: &str) -> Result<Self, Error> {
         let (method, settings) = (method(name)?, Settings::of(description));
         Ok(Self {
-            settings,
             method,
             regression: Regression::new(&settings, method).map_err(Error::settings)?,
             source: SourceWatch::default(),
@@ -48,7 +46,7 @@ impl Step for RegressionStep {
     fn step(&mut self, input: &SwingMotion) -> ExcavatorEstimate {
         // The settings have been checked: this cannot fail.
         if self.source.is_new(&input.stamp)
-            && let Ok(regression) = Regression::new(&self.settings, self.method)
+            && let Ok(regression) = Regression::new(&self.regression.described(), self.method)
         {
             self.regression = regression;
         }

@@ -11,14 +11,35 @@ pub(in crate::excavator) const LATE: usize = 15;
 /// Ticks that stay flagged after a detection (0.25 s).
 const AFTER: u32 = 25;
 
-/// One entry of the line.
+/// One entry of the line: of a drive what does not ask for the torque.
 #[derive(Debug, Clone, Copy, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in crate::excavator) struct Entry {
-    pub(in crate::excavator) drive: Drive,
+    pub(in crate::excavator) period: f64,
+    /// Gated velocity and its variance.
+    pub(in crate::excavator) velocity: Option<f64>,
+    pub(in crate::excavator) variance: f64,
+    /// Inertia over the step and its rate, each without payload and per kilogram of it.
+    pub(in crate::excavator) mean: [f64; 2],
+    pub(in crate::excavator) rate: [f64; 2],
     pub(in crate::excavator) phase: Phase,
     pub(in crate::excavator) reopen: bool,
     pub(in crate::excavator) flagged: bool,
+}
+
+impl Entry {
+    pub(in crate::excavator) fn new(drive: &Drive, phase: Phase, reopen: bool) -> Self {
+        Self {
+            period: drive.period,
+            velocity: drive.velocity,
+            variance: drive.variance,
+            mean: [drive.mean.empty, drive.mean.per_payload],
+            rate: [drive.rate.empty, drive.rate.per_payload],
+            phase,
+            reopen,
+            flagged: false,
+        }
+    }
 }
 
 /// The line.

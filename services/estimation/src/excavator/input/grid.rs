@@ -117,7 +117,11 @@ impl Mean {
     }
 
     fn value(&self) -> Option<f64> {
-        (self.count > 0).then(|| self.sum / f64::from(self.count))
+        match self.count {
+            0 => None,
+            1 => Some(self.sum),
+            count => Some(self.sum / f64::from(count)),
+        }
     }
 }
 

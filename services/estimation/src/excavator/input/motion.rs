@@ -95,7 +95,8 @@ pub struct MotionFilter {
     shape: Shape,
     bank: Option<Bank>,
     input: [f64; 2],
-    aligner: Aligner,
+    /// Of an encoder.
+    aligner: Option<Aligner>,
     grid: Grid,
     detector: ChangeDetector,
     standstill: Standstill,
@@ -131,7 +132,7 @@ impl MotionFilter {
             },
             bank: None,
             input: [0.0; 2],
-            aligner: Aligner::new(settings),
+            aligner: angle.then(|| Aligner::new(settings)),
             grid: Grid::new(settings, angle),
             detector: ChangeDetector::new(e.reject, e.q_c, s.swing_velocity_std),
             standstill: Standstill::new(
@@ -148,6 +149,11 @@ impl MotionFilter {
                 ..Motion::default()
             },
         })
+    }
+
+    /// The settings as given.
+    pub fn described(&self) -> Settings {
+        self.settings
     }
 
     /// Takes in one row and always answers. A row whose time does not increase is refused and
@@ -240,14 +246,13 @@ impl MotionFilter {
             return;
         }
         let [motion, torque] = self.input;
-        let aligned = if self.angle {
-            self.aligner.push(sample.time, motion, torque)
-        } else {
-            Aligned {
+        let aligned = match &mut self.aligner {
+            Some(aligner) => aligner.push(sample.time, motion, torque),
+            None => Aligned {
                 angle: motion,
                 torque,
                 velocity: motion,
-            }
+            },
         };
         let direction = tanh(aligned.velocity / self.settings.estimator.svf_friction_width);
         let start = if self.angle { aligned.angle } else { 0.0 };

@@ -18,7 +18,6 @@ const REFERENCE_INERTIA: f64 = 6500.0;
 pub(in crate::excavator) struct WeakOnset {
     filter: UnknownTorque,
     cusum: Cusum,
-    settings: Settings,
     posture: bool,
     /// Size of the machine's torques against the reference machine's.
     scale: f64,
@@ -36,25 +35,30 @@ impl WeakOnset {
             scale,
             filter: UnknownTorque::start(scale),
             cusum: Cusum::new(0.7, 6.0),
-            settings: *settings,
             posture,
         }
     }
 
     /// Takes in one tick; true where a change is detected.
-    pub(in crate::excavator) fn step(&mut self, drive: &Drive, phase: Phase) -> bool {
+    pub(in crate::excavator) fn step(
+        &mut self,
+        settings: &Settings,
+        drive: &Drive,
+        phase: Phase,
+    ) -> bool {
         let z = if phase == Phase::Moving {
-            let physics = self.physics(drive);
-            self.filter.step(&physics, drive).normalised()
+            let physics = self.physics(settings, drive);
+            self.filter
+                .step(&physics, drive.period, drive.velocity, drive.variance)
+                .normalised()
         } else {
-            self.filter.rest(drive, phase, self.scale);
+            self.filter.rest(drive.variance, phase, self.scale);
             0.0
         };
         self.cusum.push(z)
     }
 
-    fn physics(&self, drive: &Drive) -> Physics {
-        let s = &self.settings;
+    fn physics(&self, s: &Settings, drive: &Drive) -> Physics {
         let (inertia, rate, torque_drift) = if self.posture {
             let payload = s.prior.payload;
             let inertia = drive.mean.with_payload(payload);

@@ -84,19 +84,23 @@ impl Payloads {
 #[derive(Debug, Clone, Copy)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Node {
-    mass: f64,
-    log_weight: f64,
     /// Change of the log weight with the damping, per standard deviation.
     slope: f64,
     weight: f64,
     filter: UnknownTorque,
 }
 
+impl Node {
+    /// A weight of zero has one too.
+    fn log_weight(&self) -> f64 {
+        ln(self.weight + 1e-30)
+    }
+}
+
 /// Mode C.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in crate::excavator) struct PostureMode {
-    settings: Settings,
     damping_std: f64,
     /// Size of the machine's torques against the reference machine's.
     scale: f64,
@@ -119,17 +123,14 @@ impl PostureMode {
         let payloads = Payloads::new(settings);
         let scale = settings.geometry.scale();
         let mut mode = Self {
-            settings: *settings,
             scale,
             payloads,
             damping_std: Doubt::new(settings).damping,
-            nodes: core::array::from_fn(|i| Node {
-                mass: payloads.mass(i),
-                log_weight: 0.0,
+            nodes: [Node {
                 slope: 0.0,
                 weight: 0.0,
                 filter: UnknownTorque::start(scale),
-            }),
+            }; NODES],
             line: DelayLine::new(),
             late: State::default(),
             payload: (0.0, 0.0),
@@ -143,12 +144,19 @@ impl PostureMode {
     }
 
     /// One tick; the reading is that of the tick 0.15 s ago at the posture of now.
-    pub(in crate::excavator) fn step(&mut self, entry: Entry, event: bool) -> State {
-        let now = entry.drive.now;
-        self.opening.step(&entry.drive);
-        self.opened |= self.opening.is_open() && entry.phase == Phase::Moving;
+    pub(in crate::excavator) fn step(
+        &mut self,
+        settings: &Settings,
+        drive: &Drive,
+        (phase, reopen): (Phase, bool),
+        event: bool,
+    ) -> State {
+        let now = drive.now;
+        self.opening.step(drive);
+        self.opened |= self.opening.is_open() && phase == Phase::Moving;
+        let entry = Entry::new(drive, phase, reopen);
         if let Some(late) = self.line.push(entry, event) {
-            self.advance(&late);
+            self.advance(settings, &late);
         }
         let (mass, std) = self.payload;
         State {
@@ -172,51 +180,62 @@ impl PostureMode {
         self.unflagged_for
     }
 
-    fn advance(&mut self, late: &Entry) {
+    fn advance(&mut self, settings: &Settings, late: &Entry) {
         self.held = late.phase == Phase::Held;
         if late.reopen {
             self.opened = false;
             self.restart_weights();
         }
+        let mut logarithms = self.nodes.map(|node| node.log_weight());
+        let mut accelerations = [0.0; NODES];
         let mut nis = 0.0;
         if late.phase == Phase::Moving {
-            nis = self.filter(&late.drive, late.flagged);
-            self.unflagged_for += if late.flagged { 0.0 } else { late.drive.period };
+            nis = self.filter(settings, late, &mut logarithms, &mut accelerations);
+            self.unflagged_for += if late.flagged { 0.0 } else { late.period };
         } else {
             for node in &mut self.nodes {
-                node.filter.rest(&late.drive, late.phase, self.scale);
+                node.filter.rest(late.variance, late.phase, self.scale);
             }
             self.unflagged_for = 0.0;
         }
-        self.normalise();
-        self.read(late, nis);
+        self.normalise(&logarithms);
+        self.read(late, nis, &accelerations);
     }
 
     /// All nodes, one step; returns the normalised innovation squared of the mixture.
-    fn filter(&mut self, drive: &Drive, flagged: bool) -> f64 {
-        let damping = self.settings.nominal_damping;
-        let inertia_min = 0.1 * self.settings.inertia_min;
-        let drift = if flagged {
+    fn filter(
+        &mut self,
+        settings: &Settings,
+        late: &Entry,
+        logarithms: &mut [f64; NODES],
+        accelerations: &mut [f64; NODES],
+    ) -> f64 {
+        let damping = settings.nominal_damping;
+        let inertia_min = 0.1 * settings.inertia_min;
+        let drift = if late.flagged {
             TORQUE_DRIFT_FLAGGED
         } else {
             TORQUE_DRIFT
         };
         let mut nis = 0.0;
-        for node in &mut self.nodes {
+        for (i, node) in self.nodes.iter_mut().enumerate() {
+            let mass = self.payloads.mass(i);
             let physics = Physics {
                 // Only a geometry that is none could come near zero here.
-                inertia: drive.mean.with_payload(node.mass).max(inertia_min),
-                rate: drive.rate.with_payload(node.mass),
+                inertia: (late.mean[0] + mass * late.mean[1]).max(inertia_min),
+                rate: late.rate[0] + mass * late.rate[1],
                 damping,
                 damping_std: self.damping_std,
                 torque_noise: self.scale * TORQUE_NOISE,
                 torque_drift: self.scale * drift,
             };
-            let innovation = node.filter.step(&physics, drive);
-            if drive.velocity.is_some() {
-                node.log_weight -= 0.5 * (innovation.nis() + ln(innovation.variance));
+            accelerations[i] = node.filter.acceleration(&physics);
+            let filter = &mut node.filter;
+            let innovation = filter.step(&physics, late.period, late.velocity, late.variance);
+            if late.velocity.is_some() {
+                logarithms[i] -= 0.5 * (innovation.nis() + ln(innovation.variance));
                 // The error before the correction over S is the one after it over R.
-                node.slope += innovation.value * node.filter.doubt[0] / drive.variance;
+                node.slope += innovation.value * node.filter.doubt[0] / late.variance;
                 nis += node.weight * innovation.nis();
             }
         }
@@ -225,32 +244,33 @@ impl PostureMode {
 
     fn restart_weights(&mut self) {
         for node in &mut self.nodes {
-            node.log_weight = self.payloads.log_prior(node.mass);
             node.slope = 0.0;
         }
-        self.normalise();
+        let payloads = self.payloads;
+        self.normalise(&core::array::from_fn(|i| {
+            payloads.log_prior(payloads.mass(i))
+        }));
     }
 
-    fn normalise(&mut self) {
-        let most = self
-            .nodes
+    /// The weights from their logarithms, and the payload that they give.
+    fn normalise(&mut self, logarithms: &[f64; NODES]) {
+        let payloads = self.payloads;
+        let most = logarithms
             .iter()
-            .fold(f64::NEG_INFINITY, |most, node| most.max(node.log_weight));
+            .fold(f64::NEG_INFINITY, |most, &log| most.max(log));
         let mut sum = 0.0;
-        for node in &mut self.nodes {
-            node.weight = exp(node.log_weight - most);
+        for (node, log) in self.nodes.iter_mut().zip(logarithms) {
+            node.weight = exp(log - most);
             sum += node.weight;
         }
         let mut mean = 0.0;
-        for node in &mut self.nodes {
+        for (i, node) in self.nodes.iter_mut().enumerate() {
             node.weight /= sum;
-            node.log_weight = ln(node.weight + 1e-30);
-            mean += node.weight * node.mass;
+            mean += node.weight * payloads.mass(i);
         }
-        let variance: f64 = self
-            .nodes
-            .iter()
-            .map(|node| node.weight * (node.mass - mean) * (node.mass - mean))
+        let distance = |i: usize| payloads.mass(i) - mean;
+        let variance: f64 = (self.nodes.iter().enumerate())
+            .map(|(i, node)| node.weight * distance(i) * distance(i))
             .sum();
         let doubt = self.doubt();
         let spacing = self.payloads.spacing;
@@ -265,10 +285,11 @@ impl PostureMode {
         let top = (1..NODES - 1)
             .max_by(|&i, &j| self.nodes[i].weight.total_cmp(&self.nodes[j].weight))
             .unwrap_or(1);
-        let [left, middle, right] = [top - 1, top, top + 1].map(|i| &self.nodes[i]);
-        let log = |node: &Node| node.log_weight + self.payloads.unlikeliness(node.mass);
-        let curvature = 2.0 * log(middle) - log(left) - log(right);
-        let tilt = 0.5 * (right.slope - left.slope);
+        let log = |i: usize| {
+            self.nodes[i].log_weight() + self.payloads.unlikeliness(self.payloads.mass(i))
+        };
+        let curvature = 2.0 * log(top) - log(top - 1) - log(top + 1);
+        let tilt = 0.5 * (self.nodes[top + 1].slope - self.nodes[top - 1].slope);
         if curvature > 0.0 {
             self.payloads.spacing * tilt / curvature
         } else {
@@ -276,7 +297,7 @@ impl PostureMode {
         }
     }
 
-    fn read(&mut self, late: &Entry, nis: f64) {
+    fn read(&mut self, late: &Entry, nis: f64, accelerations: &[f64; NODES]) {
         let mean = |of: fn(&UnknownTorque) -> f64| -> f64 {
             self.nodes.iter().map(|n| n.weight * of(&n.filter)).sum()
         };
@@ -292,7 +313,9 @@ impl PostureMode {
         self.late = State {
             total_torque: Some((torque, sqrt(variance.max(0.0)))),
             velocity: mean(|f| f.velocity),
-            acceleration: mean(|f| f.acceleration),
+            acceleration: (self.nodes.iter().zip(accelerations))
+                .map(|(n, acceleration)| n.weight * acceleration)
+                .sum(),
             nis,
             flagged: late.flagged,
             ..State::default()

@@ -8,7 +8,7 @@ use crate::excavator::payload::{Change, Model, Outcome, PayloadFilter};
 use crate::excavator::settings::{Settings, Variant};
 use crate::excavator::standstill::Phase;
 use crate::excavator::state::State;
-use crate::excavator::working::Working;
+use crate::excavator::working::{Trail, Working};
 use crate::math::sqrt;
 
 /// Mode D in any variant.
@@ -40,12 +40,13 @@ impl PostureTorque {
         }
     }
 
-    /// One tick; `reopen` after a long stand.
+    /// One tick; `reopen` after a long stand. What the default estimator does goes into the trail, where that is kept.
     pub(in crate::excavator) fn step(
         &mut self,
+        settings: &Settings,
         drive: &Drive,
-        phase: Phase,
-        reopen: bool,
+        (phase, reopen): (Phase, bool),
+        trail: &mut Option<Trail>,
     ) -> State {
         match self {
             Self::Plain(model, filter) => {
@@ -62,7 +63,7 @@ impl PostureTorque {
             }
             Self::Drop(mixture) => mixture.step(drive, phase, reopen),
             Self::Auto(auto) => auto.step(drive, phase, reopen),
-            Self::Working(working) => working.step(drive, phase),
+            Self::Working(working) => working.step(settings, drive, phase, trail),
         }
     }
 

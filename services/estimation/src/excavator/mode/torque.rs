@@ -31,7 +31,6 @@ use nalgebra::{Matrix4, Vector4};
 pub(in crate::excavator) struct TorqueMode {
     x: Vector4<f64>,
     p: Matrix4<f64>,
-    settings: Settings,
     /// Damping and offset are held fixed.
     fixed: bool,
     /// Errors due to damping, offset and torque gain.
@@ -55,7 +54,6 @@ impl TorqueMode {
         Self {
             x: Vector4::new(0.0, ln(prior.inertia), 0.0, settings.nominal_damping),
             p: Matrix4::from_diagonal(&stds.component_mul(&stds)),
-            settings: *settings,
             fixed,
             doubts: [
                 Consider::state(3, if fixed { doubt.damping } else { 0.0 }),
@@ -69,6 +67,7 @@ impl TorqueMode {
 
     pub(in crate::excavator) fn step(
         &mut self,
+        settings: &Settings,
         drive: &Drive,
         phase: Phase,
         reopen: bool,
@@ -80,20 +79,20 @@ impl TorqueMode {
         }
         let (innovation, acceleration) = match phase {
             Phase::Moving => {
-                let acceleration = self.predict(drive);
-                (self.correct(drive), acceleration)
+                let acceleration = self.predict(settings, drive);
+                (self.correct(settings, drive), acceleration)
             }
             _ => {
-                self.rest(drive, phase);
+                self.rest(settings, drive, phase);
                 (Innovation::default(), 0.0)
             }
         };
-        self.state(innovation, acceleration)
+        self.state(settings, innovation, acceleration)
     }
 
     #[expect(non_snake_case, reason = "the symbols of the model")]
-    fn predict(&mut self, drive: &Drive) -> f64 {
-        let (s, e) = (&self.settings, &self.settings.estimator);
+    fn predict(&mut self, s: &Settings, drive: &Drive) -> f64 {
+        let e = &s.estimator;
         let dt = drive.period;
         let inertia = exp(self.x[1]);
         let w = self.x[0] / inertia;
@@ -120,7 +119,7 @@ impl TorqueMode {
     }
 
     #[expect(non_snake_case, reason = "the symbols of the model")]
-    fn correct(&mut self, drive: &Drive) -> Innovation {
+    fn correct(&mut self, s: &Settings, drive: &Drive) -> Innovation {
         let Some(y) = drive.velocity else {
             return Innovation::default();
         };
@@ -130,19 +129,18 @@ impl TorqueMode {
         let PH = self.p * H;
         let variance = H.dot(&PH) + drive.variance;
         let value = y - h;
-        let gain = PH / gated_variance(value, variance, self.settings.estimator.gate);
+        let gain = PH / gated_variance(value, variance, s.estimator.gate);
         self.x += gain * value;
         self.p -= gain * PH.transpose();
         for doubt in &mut self.doubts {
             doubt.correct(&gain, &H);
         }
         self.p = (self.p + self.p.transpose()) * 0.5;
-        let limits = [self.settings.inertia_min, self.settings.inertia_max];
-        self.x[1] = self.x[1].clamp(ln(limits[0]), ln(limits[1]));
+        self.x[1] = self.x[1].clamp(ln(s.inertia_min), ln(s.inertia_max));
         Innovation { value, variance }
     }
 
-    fn rest(&mut self, drive: &Drive, phase: Phase) {
+    fn rest(&mut self, settings: &Settings, drive: &Drive, phase: Phase) {
         self.clear(0);
         if let Phase::Released(w) = phase {
             let inertia = exp(self.x[1]);
@@ -160,7 +158,7 @@ impl TorqueMode {
             self.x[0] = 0.0;
             self.doubts.iter_mut().for_each(|doubt| doubt.set(0, 0.0));
             self.p[(0, 0)] = 100.0;
-            self.p[(1, 1)] += 0.1 * self.settings.estimator.q_l * drive.period;
+            self.p[(1, 1)] += 0.1 * settings.estimator.q_l * drive.period;
         }
     }
 
@@ -174,8 +172,7 @@ impl TorqueMode {
             && self.p.diagonal().iter().all(|&v| v >= 0.0)
     }
 
-    fn state(&self, innovation: Innovation, acceleration: f64) -> State {
-        let s = &self.settings;
+    fn state(&self, s: &Settings, innovation: Innovation, acceleration: f64) -> State {
         let inertia = exp(self.x[1]).clamp(s.inertia_min, s.inertia_max);
         let factor = if self.fixed {
             s.estimator.interval_factor

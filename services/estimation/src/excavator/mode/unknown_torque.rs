@@ -4,7 +4,6 @@
 //! w' = (u - (b + Jd) w) / J,   u a slow random walk, a fast one while a change is flagged
 //! ```
 
-use crate::excavator::drive::Drive;
 use crate::excavator::standstill::Phase;
 use crate::kalman::Innovation;
 use crate::math::exp;
@@ -19,8 +18,6 @@ pub(in crate::excavator) struct UnknownTorque {
     pub(in crate::excavator) velocity: f64,
     pub(in crate::excavator) torque: f64,
     pub(in crate::excavator) p: [f64; 3],
-    /// Over the last step [rad/s^2].
-    pub(in crate::excavator) acceleration: f64,
     /// Errors of velocity and torque due to the damping.
     pub(in crate::excavator) doubt: [f64; 2],
 }
@@ -49,22 +46,31 @@ impl UnknownTorque {
             velocity: 0.0,
             torque: 0.0,
             p: [1e-6, 0.0, torque_std * torque_std],
-            acceleration: 0.0,
             doubt: [0.0; 2],
         }
     }
 
-    /// Predicts over one step and takes in its velocity.
-    pub(in crate::excavator) fn step(&mut self, physics: &Physics, drive: &Drive) -> Innovation {
-        let dt = drive.period;
+    /// Acceleration over the next step [rad/s^2].
+    pub(in crate::excavator) fn acceleration(&self, physics: &Physics) -> f64 {
+        let damping = physics.damping + physics.rate;
+        (self.torque - damping * self.velocity) / physics.inertia
+    }
+
+    /// Predicts over a step of `dt` and takes in the velocity after it, if there is one, with its variance.
+    pub(in crate::excavator) fn step(
+        &mut self,
+        physics: &Physics,
+        dt: f64,
+        velocity: Option<f64>,
+        variance: f64,
+    ) -> Innovation {
         let beta = dt / physics.inertia;
         let damping = physics.damping + physics.rate;
         let alpha = exp(-beta * damping);
-        let [velocity, torque] = self.doubt;
+        let [doubted, torque] = self.doubt;
         let driven = torque - physics.damping_std * self.velocity;
-        self.doubt[0] = alpha * velocity + beta * driven;
-        self.acceleration = (self.torque - damping * self.velocity) / physics.inertia;
-        self.velocity += dt * self.acceleration;
+        self.doubt[0] = alpha * doubted + beta * driven;
+        self.velocity += dt * self.acceleration(physics);
         let [p00, p01, p11] = self.p;
         let direct = physics.torque_noise * beta;
         let p00 =
@@ -72,10 +78,10 @@ impl UnknownTorque {
         let p01 = alpha * p01 + beta * p11;
         let p11 = p11 + physics.torque_drift * physics.torque_drift * dt;
         self.p = [p00, p01, p11];
-        let Some(y) = drive.velocity else {
+        let Some(y) = velocity else {
             return Innovation::default();
         };
-        let variance = p00 + drive.variance;
+        let variance = p00 + variance;
         let value = y - self.velocity;
         let (k0, k1) = (p00 / variance, p01 / variance);
         self.velocity += k0 * value;
@@ -86,11 +92,11 @@ impl UnknownTorque {
         Innovation { value, variance }
     }
 
-    /// Standing, or setting off.
-    pub(in crate::excavator) fn rest(&mut self, drive: &Drive, phase: Phase, scale: f64) {
+    /// Standing, or setting off with a velocity of this variance.
+    pub(in crate::excavator) fn rest(&mut self, variance: f64, phase: Phase, scale: f64) {
         if let Phase::Released(velocity) = phase {
             self.velocity = velocity;
-            self.p[0] = drive.variance / 4.0 + 0.02 * 0.02;
+            self.p[0] = variance / 4.0 + 0.02 * 0.02;
             self.p[1] = 0.0;
             self.doubt[0] = 0.0;
         } else {

@@ -11,7 +11,6 @@
 
 use crate::excavator::consider::Doubt;
 use crate::excavator::delay::{DelayLine, Entry};
-use crate::excavator::drive::Drive;
 use crate::excavator::settings::Settings;
 use crate::excavator::standstill::Phase;
 use crate::excavator::state::State;
@@ -28,7 +27,6 @@ const TORQUE_DRIFT_FLAGGED: f64 = 15_000.0;
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in crate::excavator) struct VelocityMode {
-    settings: Settings,
     x: Vector3<f64>,
     p: Matrix3<f64>,
     line: DelayLine,
@@ -40,7 +38,6 @@ pub(in crate::excavator) struct VelocityMode {
 impl VelocityMode {
     pub(in crate::excavator) fn new(settings: &Settings) -> Self {
         let mut mode = Self {
-            settings: *settings,
             x: Vector3::new(0.0, settings.nominal_damping / settings.prior.inertia, 0.0),
             p: Matrix3::from_diagonal(&Vector3::new(1e-6, 0.0, ALPHA_VARIANCE)),
             line: DelayLine::new(),
@@ -48,22 +45,20 @@ impl VelocityMode {
             unflagged_for: 0.0,
             held: true,
         };
-        mode.p[(1, 1)] = mode.prior_variance();
-        mode.read(0.0, 0.0, false);
+        mode.p[(1, 1)] = prior_variance(settings);
+        mode.read(settings, 0.0, 0.0, false);
         mode
     }
 
-    /// Relative uncertainty of the prior, carried over to beta.
-    fn prior_variance(&self) -> f64 {
-        let p = &self.settings.prior;
-        let std = p.inertia_std / p.inertia * self.settings.nominal_damping / p.inertia;
-        std * std
-    }
-
     /// One tick; the reading is that of the tick 0.15 s ago.
-    pub(in crate::excavator) fn step(&mut self, entry: Entry, event: bool) -> State {
+    pub(in crate::excavator) fn step(
+        &mut self,
+        settings: &Settings,
+        entry: Entry,
+        event: bool,
+    ) -> State {
         if let Some(late) = self.line.push(entry, event) {
-            self.advance(&late);
+            self.advance(settings, &late);
         }
         self.late
     }
@@ -78,34 +73,38 @@ impl VelocityMode {
         self.unflagged_for
     }
 
-    fn advance(&mut self, late: &Entry) {
+    fn advance(&mut self, settings: &Settings, late: &Entry) {
         self.held = late.phase == Phase::Held;
         if late.reopen {
-            self.p[(1, 1)] = self.p[(1, 1)].max(self.prior_variance());
+            self.p[(1, 1)] = self.p[(1, 1)].max(prior_variance(settings));
         }
         let mut nis = 0.0;
         let mut acceleration = 0.0;
         if late.phase == Phase::Moving {
-            acceleration = self.predict(&late.drive, late.flagged);
-            nis = self.correct(&late.drive).nis();
-            self.unflagged_for += if late.flagged { 0.0 } else { late.drive.period };
+            acceleration = self.predict(settings, late);
+            nis = self.correct(settings, late).nis();
+            self.unflagged_for += if late.flagged { 0.0 } else { late.period };
         } else {
-            self.rest(&late.drive, late.phase);
+            self.rest(late);
             self.unflagged_for = 0.0;
         }
-        self.read(nis, acceleration, late.flagged);
+        self.read(settings, nis, acceleration, late.flagged);
     }
 
     #[expect(non_snake_case, reason = "the symbols of the model")]
-    fn predict(&mut self, drive: &Drive, flagged: bool) -> f64 {
-        let e = &self.settings.estimator;
+    fn predict(&mut self, settings: &Settings, late: &Entry) -> f64 {
+        let e = &settings.estimator;
         let (relative, drift) = if e.constant_inertia {
             (e.velocity_drift_constant, e.velocity_torque_drift_constant)
         } else {
             (e.velocity_drift, e.velocity_torque_drift)
         };
-        let drift = if flagged { TORQUE_DRIFT_FLAGGED } else { drift };
-        let dt = drive.period;
+        let drift = if late.flagged {
+            TORQUE_DRIFT_FLAGGED
+        } else {
+            drift
+        };
+        let dt = late.period;
         let [w, beta, alpha] = [self.x[0], self.x[1], self.x[2]];
         let c = alpha / beta;
         let f = alpha - beta * w;
@@ -121,25 +120,24 @@ impl VelocityMode {
         self.p[(1, 2)] += c * qb;
         self.p[(2, 1)] += c * qb;
         self.p[(2, 2)] += c * c * qb;
-        let torque = drift * beta / self.settings.nominal_damping;
+        let torque = drift * beta / settings.nominal_damping;
         self.p[(2, 2)] += torque * torque * dt;
         self.p[(0, 0)] += 1e-7 * dt;
         f
     }
 
-    fn correct(&mut self, drive: &Drive) -> Innovation {
-        let Some(y) = drive.velocity else {
+    fn correct(&mut self, s: &Settings, late: &Entry) -> Innovation {
+        let Some(y) = late.velocity else {
             return Innovation::default();
         };
         let innovation = Innovation {
             value: y - self.x[0],
-            variance: self.p[(0, 0)] + drive.variance,
+            variance: self.p[(0, 0)] + late.variance,
         };
         let gain = self.p.column(0) / innovation.variance;
         self.x += gain * innovation.value;
         self.p -= gain * self.p.row(0);
         self.p = (self.p + self.p.transpose()) * 0.5;
-        let s = &self.settings;
         self.x[1] = self.x[1].clamp(
             s.nominal_damping / s.inertia_max,
             s.nominal_damping / s.inertia_min,
@@ -147,11 +145,11 @@ impl VelocityMode {
         innovation
     }
 
-    fn rest(&mut self, drive: &Drive, phase: Phase) {
+    fn rest(&mut self, late: &Entry) {
         self.clear(0);
-        if let Phase::Released(velocity) = phase {
+        if let Phase::Released(velocity) = late.phase {
             self.x[0] = velocity;
-            self.p[(0, 0)] = drive.variance / 4.0 + 0.02 * 0.02;
+            self.p[(0, 0)] = late.variance / 4.0 + 0.02 * 0.02;
         } else {
             self.clear(2);
             self.x[0] = 0.0;
@@ -166,8 +164,7 @@ impl VelocityMode {
         self.p.column_mut(i).fill(0.0);
     }
 
-    fn read(&mut self, nis: f64, acceleration: f64, flagged: bool) {
-        let s = &self.settings;
+    fn read(&mut self, s: &Settings, nis: f64, acceleration: f64, flagged: bool) {
         let [w, beta, alpha] = [self.x[0], self.x[1], self.x[2]];
         let inertia = (s.nominal_damping / beta).clamp(s.inertia_min, s.inertia_max);
         // J = b/beta errs with the nominal damping; where J changes, the drift of beta covers that.
@@ -197,4 +194,11 @@ impl VelocityMode {
         self.x.iter().chain(self.p.iter()).all(|v| v.is_finite())
             && self.p.diagonal().iter().all(|&v| v >= 0.0)
     }
+}
+
+/// Relative uncertainty of the prior, carried over to beta.
+fn prior_variance(settings: &Settings) -> f64 {
+    let p = &settings.prior;
+    let std = p.inertia_std / p.inertia * settings.nominal_damping / p.inertia;
+    std * std
 }

@@ -38,7 +38,6 @@ const DIFFUSE: f64 = 3.0;
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in crate::excavator) struct JointRegression {
-    settings: Settings,
     rls: Rls<4>,
     prior: [f64; 4],
     /// Scores with their exponentially weighted past.
@@ -70,7 +69,6 @@ impl JointRegression {
         let noise = settings.sensors.swing_torque_std;
         let variance = prior.map(|std| (DIFFUSE * std / noise) * (DIFFUSE * std / noise));
         Self {
-            settings: *settings,
             rls: Rls::new(start, variance),
             prior,
             past: Vector4::zeros(),
@@ -84,23 +82,24 @@ impl JointRegression {
 
     pub(in crate::excavator) fn step(
         &mut self,
+        settings: &Settings,
         motion: &Motion,
         torque_age: f64,
         held: bool,
     ) -> Fit {
-        let forgetting = self.forgetting(motion.period);
+        let forgetting = forgetting(settings, motion.period);
         // A missing torque or position is held by the filters; nothing is learned from long holds.
-        let fresh = motion.age <= self.settings.estimator.fresh_velocity
-            && torque_age <= self.settings.estimator.fresh_others;
+        let fresh = motion.age <= settings.estimator.fresh_velocity
+            && torque_age <= settings.estimator.fresh_others;
         if !held && fresh {
-            self.learn(motion, forgetting);
+            self.learn(settings, motion, forgetting);
         }
-        self.fit(motion, torque_age, forgetting)
+        self.fit(settings, motion, torque_age, forgetting)
     }
 
     /// Forgets for `missed` [s], at `period` [s] a sample.
-    pub(in crate::excavator) fn forget(&mut self, missed: f64, period: f64) {
-        let kept = exp(ln(self.forgetting(period)) * missed / period.max(1e-9)).max(1e-12);
+    pub(in crate::excavator) fn forget(&mut self, settings: &Settings, missed: f64, period: f64) {
+        let kept = exp(ln(forgetting(settings, period)) * missed / period.max(1e-9)).max(1e-12);
         self.rls.forget(kept);
         self.meat *= kept * kept;
         self.past *= kept;
@@ -109,12 +108,7 @@ impl JointRegression {
         self.weight *= kept;
     }
 
-    fn forgetting(&self, period: f64) -> f64 {
-        let given = self.settings.estimator.forgetting.first().copied();
-        given.unwrap_or_else(|| exp(-period / MEMORY))
-    }
-
-    fn learn(&mut self, motion: &Motion, forgetting: f64) {
+    fn learn(&mut self, settings: &Settings, motion: &Motion, forgetting: f64) {
         let regressor = [
             motion.filtered_acceleration,
             motion.filtered_velocity,
@@ -130,7 +124,7 @@ impl JointRegression {
             return;
         }
         let score = Vector4::from(regressor) * residual;
-        let window = CORRELATION / self.settings.estimator.filter_frequency;
+        let window = CORRELATION / settings.estimator.filter_frequency;
         self.past = self.past * (exp(-motion.period / window) * forgetting) + score;
         let cross = score * self.past.transpose();
         self.meat = self.meat * (forgetting * forgetting) + cross + cross.transpose()
@@ -143,12 +137,11 @@ impl JointRegression {
         self.period = motion.period;
     }
 
-    fn fit(&self, motion: &Motion, torque_age: f64, forgetting: f64) -> Fit {
-        let s = &self.settings;
+    fn fit(&self, s: &Settings, motion: &Motion, torque_age: f64, forgetting: f64) -> Fit {
         let quantity = |i: usize| {
             (self.prior[i] > 0.0).then(|| Quantity {
                 value: self.rls.parameters[i],
-                std: self.std(i),
+                std: self.std(s.estimator.filter_frequency, i),
             })
         };
         let inertia = quantity(0).unwrap_or_default();
@@ -180,10 +173,9 @@ impl JointRegression {
         SKEW * self.period * self.rls.parameters[0] * acceleration / velocity
     }
 
-    /// Standard deviation of a parameter, at most the prior's.
-    fn std(&self, i: usize) -> f64 {
+    /// Standard deviation of a parameter, at most the prior's; `wn` is the frequency of the filters [rad/s].
+    fn std(&self, wn: f64, i: usize) -> f64 {
         let prior = self.prior[i];
-        let wn = self.settings.estimator.filter_frequency;
         if self.weight * self.period < 2.0 / wn {
             return prior;
         }
@@ -201,4 +193,9 @@ impl JointRegression {
         let variance = sandwich.max(plain) + drifting + skew * skew + floor * floor;
         sqrt(variance).min(prior.max(floor.abs()))
     }
+}
+
+fn forgetting(settings: &Settings, period: f64) -> f64 {
+    let given = settings.estimator.forgetting.first().copied();
+    given.unwrap_or_else(|| exp(-period / MEMORY))
 }

@@ -19,7 +19,6 @@ const FLOOR_MOVING: f64 = 0.25;
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in crate::excavator) struct SingleRegression {
-    settings: Settings,
     inertia: f64,
     variance: f64,
     residual_square: f64,
@@ -29,7 +28,6 @@ pub(in crate::excavator) struct SingleRegression {
 impl SingleRegression {
     pub(in crate::excavator) fn new(settings: &Settings) -> Self {
         Self {
-            settings: *settings,
             inertia: settings.prior.inertia,
             variance: settings.estimator.svf_covariance,
             residual_square: 0.0,
@@ -39,25 +37,24 @@ impl SingleRegression {
 
     pub(in crate::excavator) fn step(
         &mut self,
+        settings: &Settings,
         motion: &Motion,
         torque_age: f64,
         held: bool,
     ) -> Fit {
-        let forgetting = self.forgetting(motion.period);
-        if !held
-            && motion.filtered_acceleration.abs() > self.settings.estimator.svf_acceleration_min
-        {
-            self.learn(motion, forgetting);
+        let e = &settings.estimator;
+        let forgetting = forgetting(settings, motion.period);
+        if !held && motion.filtered_acceleration.abs() > e.svf_acceleration_min {
+            self.learn(settings, motion, forgetting);
         }
-        let e = &self.settings.estimator;
         Fit {
             inertia: Quantity {
                 value: self.inertia,
-                std: self.std(forgetting),
+                std: self.std(settings, forgetting),
             },
             torque: torque_age.is_finite().then_some(Quantity {
                 value: motion.filtered_torque,
-                std: self.settings.sensors.swing_torque_std,
+                std: settings.sensors.swing_torque_std,
             }),
             forgetting: [forgetting, 0.0, 0.0],
             identifiable: e.constant_inertia && self.learned_for >= 0.2,
@@ -66,24 +63,13 @@ impl SingleRegression {
     }
 
     /// Forgets for `missed` [s], at `period` [s] a sample: sure of nothing that is older than the memory.
-    pub(in crate::excavator) fn forget(&mut self, missed: f64, period: f64) {
-        let kept = exp(ln(self.forgetting(period)) * missed / period.max(1e-9));
-        self.variance =
-            (self.variance / kept.max(1e-12)).min(self.settings.estimator.svf_covariance);
+    pub(in crate::excavator) fn forget(&mut self, settings: &Settings, missed: f64, period: f64) {
+        let kept = exp(ln(forgetting(settings, period)) * missed / period.max(1e-9));
+        self.variance = (self.variance / kept.max(1e-12)).min(settings.estimator.svf_covariance);
         self.learned_for *= kept;
     }
 
-    fn forgetting(&self, period: f64) -> f64 {
-        self.settings
-            .estimator
-            .forgetting
-            .first()
-            .copied()
-            .unwrap_or_else(|| exp(ln(FORGETTING) * period / 0.01))
-    }
-
-    fn learn(&mut self, motion: &Motion, forgetting: f64) {
-        let s = &self.settings;
+    fn learn(&mut self, s: &Settings, motion: &Motion, forgetting: f64) {
         let a = motion.filtered_acceleration;
         let r = motion.filtered_torque
             - s.coulomb_friction * motion.filtered_direction
@@ -104,12 +90,12 @@ impl SingleRegression {
 
     /// The memory is shorter than the correlation of the filtered residual, so its samples count
     /// as one.
-    fn std(&self, forgetting: f64) -> f64 {
-        let prior = self.settings.prior.inertia_std;
+    fn std(&self, settings: &Settings, forgetting: f64) -> f64 {
+        let prior = settings.prior.inertia_std;
         if self.learned_for < 0.1 {
             return prior;
         }
-        let floor = if self.settings.estimator.constant_inertia {
+        let floor = if settings.estimator.constant_inertia {
             FLOOR_CONSTANT
         } else {
             FLOOR_MOVING
@@ -119,4 +105,9 @@ impl SingleRegression {
         let noise = self.residual_square / learned * self.variance * samples;
         sqrt(noise + floor * floor)
     }
+}
+
+fn forgetting(settings: &Settings, period: f64) -> f64 {
+    let given = settings.estimator.forgetting.first().copied();
+    given.unwrap_or_else(|| exp(ln(FORGETTING) * period / 0.01))
 }

@@ -2,7 +2,6 @@
 
 use super::super::drive::Drive;
 use super::super::opening::Opening;
-use crate::math::exp;
 
 /// Joints that have moved this far since the machine stopped may have changed the content [rad].
 const MOVED: f64 = 0.03;
@@ -10,8 +9,6 @@ const MOVED: f64 = 0.03;
 const EMPTIED: f64 = 1.15;
 /// A standing bucket that has closed this far may have been filled [rad].
 const FILLED: f64 = 0.4;
-/// Time constant of the angles [s].
-const SMOOTHING: f64 = 0.05;
 /// Ticks after an opening in which the last of the material may still leave (0.20 s).
 const SETTLING: u32 = 20;
 
@@ -57,15 +54,14 @@ impl Bucket {
         }
     }
 
-    /// One tick.
-    pub(super) fn step(&mut self, drive: &Drive, standing: bool) -> Content {
+    /// One tick; `share` of new angles in the smoothed ones.
+    pub(super) fn step(&mut self, drive: &Drive, share: f64, standing: bool) -> Content {
         self.rate = self.opening.step(drive);
         self.settling = if self.is_open() {
             SETTLING
         } else {
             self.settling.saturating_sub(1)
         };
-        let share = 1.0 - exp(-drive.period / SMOOTHING);
         let before = self.posture.unwrap_or(drive.posture);
         let now = core::array::from_fn(|i| before[i] + share * (drive.posture[i] - before[i]));
         self.posture = Some(now);

@@ -24,7 +24,7 @@
 
 use super::smoother::Trail;
 use crate::kalman::Innovation;
-use crate::math::{exp, tanh};
+use crate::math::{all_finite, exp, tanh};
 
 /// Number of states.
 pub(super) const N: usize = 11;
@@ -86,9 +86,6 @@ pub(super) struct Filter {
     pub(super) p: [Vector; N],
     /// Acceleration over the last step [rad/s^2].
     pub(super) acceleration: f64,
-    /// What it did in this tick, where that is kept.
-    #[cfg_attr(feature = "serde", serde(skip))]
-    pub(super) trail: Option<Trail>,
 }
 
 impl Filter {
@@ -102,12 +99,17 @@ impl Filter {
             x,
             p,
             acceleration: 0.0,
-            trail: None,
         }
     }
 
     /// Predicts over one step; `width` of the friction's sign [rad/s], least inertia [kg m^2].
-    pub(super) fn predict(&mut self, input: &Input, width: f64, least: f64) {
+    pub(super) fn predict(
+        &mut self,
+        input: &Input,
+        width: f64,
+        least: f64,
+        trail: &mut Option<Trail>,
+    ) {
         let (x, dt) = (&mut self.x, input.period);
         let (w, m) = (x[W], x[M]);
         let inertia = (input.inertia[0] + m * input.inertia[1]).max(least);
@@ -137,7 +139,7 @@ impl Filter {
         row[MOMENT] = step * lean;
         x[W] += dt * f;
         self.acceleration = f;
-        if let Some(trail) = &mut self.trail {
+        if let Some(trail) = trail {
             trail.row(W, &row);
         }
 
@@ -151,14 +153,14 @@ impl Filter {
             self.p[i][W] = covariance;
         }
         self.p[W][W] = variance;
-        self.leave(input);
+        self.leave(input, trail);
     }
 
     /// Part of the payload leaves, and more or less of it than thought.
-    fn leave(&mut self, input: &Input) {
+    fn leave(&mut self, input: &Input, trail: &mut Option<Trail>) {
         if input.leaving > 0.0 {
             let kept = 1.0 - input.leaving;
-            if let Some(trail) = &mut self.trail {
+            if let Some(trail) = trail {
                 let mut row = [0.0; N];
                 row[M] = kept;
                 trail.row(M, &row);
@@ -174,31 +176,44 @@ impl Filter {
 
     /// Takes in a velocity of this variance; innovations beyond `gate` standard deviations are weakened. The
     /// innovation is that before the gate.
-    pub(super) fn correct(&mut self, velocity: f64, variance: f64, gate: f64) -> Innovation {
-        let mut row = [0.0; N];
-        row[W] = 1.0;
-        row[DELAY] = -self.acceleration;
+    pub(super) fn correct(
+        &mut self,
+        velocity: f64,
+        variance: f64,
+        gate: f64,
+        trail: &mut Option<Trail>,
+    ) -> Innovation {
+        let row = [(W, 1.0), (DELAY, -self.acceleration)];
         let value = velocity - self.x[W] + self.x[DELAY] * self.acceleration;
-        self.measure(&row, value, variance, gate)
+        self.measure(row, value, variance, gate, trail)
     }
 
-    /// A scalar measurement of `row x` that differs by `value` from what is expected.
-    pub(super) fn measure(
+    /// A scalar measurement of `row x`, a row of few entries, that differs by `value` from what is expected.
+    pub(super) fn measure<const K: usize>(
         &mut self,
-        row: &Vector,
+        row: [(usize, f64); K],
         value: f64,
         variance: f64,
         gate: f64,
+        trail: &mut Option<Trail>,
     ) -> Innovation {
-        let mut column = [0.0; N];
-        for (c, line) in column.iter_mut().zip(&self.p) {
-            *c = dot(line, row);
-        }
-        let total = dot(&column, row) + variance;
+        let along = |line: &Vector| {
+            let mut sum = 0.0;
+            for (i, entry) in row {
+                sum += line[i] * entry;
+            }
+            sum
+        };
+        let column = self.p.each_ref().map(along);
+        let total = along(&column) + variance;
         let gated = total.max(value * value / (gate * gate));
         let share = 1.0 / gated;
-        if let Some(trail) = &mut self.trail {
-            trail.measured(row, &column.map(|c| c * share), value, gated);
+        if let Some(trail) = trail {
+            let mut whole = [0.0; N];
+            for (i, entry) in row {
+                whole[i] = entry;
+            }
+            trail.measured(&whole, &column.map(|c| c * share), value, gated);
         }
         for i in 0..N {
             let gain = column[i] * share;
@@ -214,8 +229,8 @@ impl Filter {
     }
 
     /// State `i` takes a new value with a variance, independent of all others.
-    pub(super) fn set(&mut self, i: usize, value: f64, variance: f64) {
-        if let Some(trail) = &mut self.trail {
+    pub(super) fn set(&mut self, i: usize, value: f64, variance: f64, trail: &mut Option<Trail>) {
+        if let Some(trail) = trail {
             trail.set(i);
         }
         self.x[i] = value;
@@ -228,8 +243,9 @@ impl Filter {
 
     /// Whether every number is one, and no variance negative.
     pub(super) fn is_sound(&self) -> bool {
-        let finite = |v: &Vector| v.iter().all(|v| v.is_finite());
-        finite(&self.x) && self.p.iter().all(finite) && (0..N).all(|i| self.p[i][i] >= 0.0)
+        all_finite(&self.x)
+            && all_finite(self.p.as_flattened())
+            && (0..N).all(|i| self.p[i][i] >= 0.0)
     }
 }
 

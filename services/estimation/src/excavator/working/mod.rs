@@ -26,7 +26,7 @@ use super::standstill::Phase;
 use super::state::State;
 use crate::consistency::Cusum;
 use crate::kalman::Innovation;
-use crate::math::{sin_cos, sqrt};
+use crate::math::{exp, sin_cos, sqrt};
 
 /// An empty bucket still holds this share of the rated payload, with this standard deviation: material sticks.
 const STICKING: [f64; 2] = [0.025, 0.02];
@@ -44,6 +44,8 @@ const NAMED: f64 = 3.0;
 /// Sum of normalised innovations at which the payload has changed without a word, and from which on it may have.
 const CHANGE: f64 = 10.0;
 const SUSPICIOUS: f64 = 4.0;
+/// Time constant of the smoothed torque and angles [s].
+const SMOOTHING: f64 = 0.05;
 /// Below this velocity a holding brake or stiction may take any part of the torque [rad/s].
 const BRAKED: f64 = 0.04;
 /// No machine swings with its boom further down than this: the angle has the other sign [rad].
@@ -60,9 +62,10 @@ const DISAGREEMENT: f64 = 3.0;
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Working {
-    settings: Settings,
-    doubts: Doubts,
     filter: Filter,
+    /// Of the doubts: what the model leaves out of the torque and of the inertia, as shares.
+    torque_share: f64,
+    inertia_share: f64,
     /// The states as described, and their standard deviations.
     described: Vector,
     stated: Vector,
@@ -110,9 +113,9 @@ impl Working {
             std[i] = deviation;
         }
         Self {
-            settings: *settings,
-            doubts: *doubts,
             filter: Filter::new(x, &std),
+            torque_share: doubts.torque_share,
+            inertia_share: doubts.inertia_share,
             described: x,
             stated: std,
             noise: Noise::new(),
@@ -130,27 +133,42 @@ impl Working {
         }
     }
 
-    /// One tick.
-    pub(super) fn step(&mut self, drive: &Drive, phase: Phase) -> State {
+    /// One tick; what it does goes into the trail, where that is kept.
+    pub(super) fn step(
+        &mut self,
+        settings: &Settings,
+        drive: &Drive,
+        phase: Phase,
+        trail: &mut Option<Trail>,
+    ) -> State {
         let standing = phase == Phase::Held;
         if self.trailing {
-            self.filter.trail = Some(Trail::NOTHING);
+            *trail = Some(Trail::NOTHING);
         }
-        let content = self.bucket.step(drive, standing);
+        let share = 1.0 - exp(-drive.period / SMOOTHING);
+        let content = self.bucket.step(drive, share, standing);
         if content == Content::Unknown {
-            let p = &self.settings.prior;
-            self.filter.set(M, p.payload, p.payload_std * p.payload_std);
+            let p = &settings.prior;
+            let variance = p.payload_std * p.payload_std;
+            self.filter.set(M, p.payload, variance, trail);
         }
         if let (true, Some(inclination)) = (standing, drive.inclination) {
-            self.incline(inclination);
+            self.incline(inclination, trail);
         }
         let innovation = match phase {
-            Phase::Moving => self.moving(drive),
-            Phase::Held => self.rest(0.0, 1e-6),
-            Phase::Released(w) => self.set_off(w, drive),
+            Phase::Moving => self.moving(settings, drive, share, trail),
+            Phase::Held => self.rest(0.0, 1e-6, trail),
+            Phase::Released(w) => self.set_off(w, drive, trail),
         };
-        self.finish_trail(drive);
-        self.state(drive, innovation, standing)
+        let anew = core::mem::take(&mut self.anew);
+        if let Some(trail) = trail {
+            trail.finish(&self.filter.x, &self.filter.p);
+            trail.anew = anew;
+            trail.range = settings.payload_range();
+            trail.described = self.inertia_share * drive.now.empty;
+            trail.disagreement = self.agreement.factor();
+        }
+        self.state(settings, drive, innovation, standing)
     }
 
     /// Keeps from now on what each tick does.
@@ -158,25 +176,8 @@ impl Working {
         self.trailing = true;
     }
 
-    /// What the last tick did, where that is kept.
-    pub(super) fn take_trail(&mut self) -> Option<Trail> {
-        self.filter.trail.take()
-    }
-
-    fn finish_trail(&mut self, drive: &Drive) {
-        let anew = core::mem::take(&mut self.anew);
-        let filter = &mut self.filter;
-        if let Some(trail) = &mut filter.trail {
-            trail.finish(&filter.x, &filter.p);
-            trail.anew = anew;
-            trail.range = self.settings.payload_range();
-            trail.described = self.doubts.inertia_share * drive.now.empty;
-            trail.disagreement = self.agreement.factor();
-        }
-    }
-
-    fn rest(&mut self, velocity: f64, variance: f64) -> Innovation {
-        self.filter.set(W, velocity, variance);
+    fn rest(&mut self, velocity: f64, variance: f64, trail: &mut Option<Trail>) -> Innovation {
+        self.filter.set(W, velocity, variance, trail);
         self.filter.acceleration = 0.0;
         self.noise.rest();
         self.change.clear();
@@ -187,11 +188,11 @@ impl Working {
     }
 
     /// Sets off with a measured velocity, which is late by what the delay makes of the acceleration.
-    fn set_off(&mut self, velocity: f64, drive: &Drive) -> Innovation {
-        let innovation = self.rest(velocity, drive.variance / 4.0 + 0.02 * 0.02);
+    fn set_off(&mut self, velocity: f64, drive: &Drive, trail: &mut Option<Trail>) -> Innovation {
+        let innovation = self.rest(velocity, drive.variance / 4.0 + 0.02 * 0.02, trail);
         let acceleration = drive.torque / drive.now.with_payload(self.filter.x[M]);
         let (x, p) = (&mut self.filter.x, &mut self.filter.p);
-        if let Some(trail) = &mut self.filter.trail {
+        if let Some(trail) = trail {
             let mut row = [0.0; N];
             (row[W], row[DELAY]) = (1.0, acceleration);
             trail.row(W, &row);
@@ -207,13 +208,18 @@ impl Working {
         innovation
     }
 
-    fn moving(&mut self, drive: &Drive) -> Innovation {
-        let s = &self.settings;
-        self.torque +=
-            (1.0 - crate::math::exp(-drive.period / 0.05)) * (drive.torque - self.torque);
+    /// `share` of a new torque in the smoothed one.
+    fn moving(
+        &mut self,
+        s: &Settings,
+        drive: &Drive,
+        share: f64,
+        trail: &mut Option<Trail>,
+    ) -> Innovation {
+        self.torque += share * (drive.torque - self.torque);
         self.largest = self.largest.max(self.torque.abs());
         let sensor = s.sensors.swing_torque_std;
-        let model = self.doubts.torque_share * self.largest;
+        let model = self.torque_share * self.largest;
         let nearly = 1.0 - self.filter.x[W].abs() / BRAKED;
         let braked = nearly.max(0.0) * (drive.torque.abs() + s.coulomb_friction);
         let opening = self.bucket.opening_rate() * drive.period;
@@ -234,15 +240,14 @@ impl Working {
                 + s.estimator.q_m * self.rated * self.rated * 1e-5 * drive.period,
         };
         self.filter.p[GAIN][GAIN] += GAIN_DRIFT * GAIN_DRIFT * drive.period;
-        self.filter
-            .predict(&input, s.estimator.friction_width, s.inertia_min);
+        let width = s.estimator.friction_width;
+        self.filter.predict(&input, width, s.inertia_min, trail);
         self.turn += self.filter.x[W] * drive.period;
         let Some(velocity) = drive.velocity else {
             return Innovation::default();
         };
-        let innovation = self
-            .filter
-            .correct(velocity, drive.variance, s.estimator.gate);
+        let gate = s.estimator.gate;
+        let innovation = self.filter.correct(velocity, drive.variance, gate, trail);
         let z = innovation.normalised();
         self.noise.push(z);
         if self.change.push(z.clamp(-3.0, 3.0)) {
@@ -256,54 +261,56 @@ impl Working {
             let (x, p) = (&self.filter.x, &self.filter.p);
             self.agreement.push(x[M], p[M][M], drive.period);
         }
-        self.tare(&drive.now);
+        self.tare(gate, &drive.now, trail);
         innovation
     }
 
     /// The slope along the axes of the start, from pitch and roll of the standing upper body: accelerations of
     /// the swing would pass for inclinations.
-    fn incline(&mut self, [pitch, roll]: [f64; 2]) {
+    fn incline(&mut self, [pitch, roll]: [f64; 2], trail: &mut Option<Trail>) {
         let (sin, cos) = sin_cos(self.turn);
         let slopes = [roll * cos - pitch * sin, -roll * sin - pitch * cos];
         for (i, slope) in (SLOPE..).zip(slopes) {
             if self.filter.p[i][i] > MOUNTING * MOUNTING {
-                let mut row = [0.0; N];
-                row[i] = 1.0;
                 let value = slope - self.filter.x[i];
                 let variance = INCLINOMETER * INCLINOMETER;
-                self.filter.measure(&row, value, variance, 1e3);
+                self.filter.measure([(i, 1.0)], value, variance, 1e3, trail);
             }
         }
     }
 
     /// An emptied bucket weighs next to nothing: that fixes the gain of the torque.
-    fn tare(&mut self, now: &Inertia) {
+    fn tare(&mut self, gate: f64, now: &Inertia, trail: &mut Option<Trail>) {
         let told = TOLD * self.rated;
         let variance = self.filter.p[M][M];
         if self.tared || !self.bucket.is_emptied() || variance > told * told {
             return;
         }
         let [share, sticking] = STICKING.map(|share| share * self.rated);
-        let described = self.doubts.inertia_share * now.empty / now.per_payload;
+        let described = self.inertia_share * now.empty / now.per_payload;
         let std = sqrt(sticking * sticking + described * described);
         let value = share - self.filter.x[M];
         if value * value < 4.0 * (variance + std * std) {
-            let mut row = [0.0; N];
-            row[M] = 1.0;
             self.filter
-                .measure(&row, value, std * std, self.settings.estimator.gate);
+                .measure([(M, 1.0)], value, std * std, gate, trail);
             self.tared = true;
             self.agreement.interrupt();
         }
     }
 
-    fn state(&self, drive: &Drive, innovation: Innovation, standing: bool) -> State {
+    fn state(
+        &self,
+        settings: &Settings,
+        drive: &Drive,
+        innovation: Innovation,
+        standing: bool,
+    ) -> State {
         let (x, p) = (&self.filter.x, &self.filter.p);
         let std = |i: usize| sqrt(p[i][i].max(0.0));
-        let [least, most] = self.settings.payload_range();
+        let [least, most] = settings.payload_range();
         let payload = x[M].clamp(least, most);
         let at_limit = payload != x[M];
-        let described = self.doubts.inertia_share * drive.now.empty;
+        let described = self.inertia_share * drive.now.empty;
         let down = !standing && drive.posture[0] < DOWN;
         let payload_std = std(M) * sqrt(self.agreement.factor());
         let carried = payload_std * drive.now.per_payload;
@@ -357,9 +364,11 @@ impl Working {
             (DAMPING, Reason::Damping),
         ] {
             let difference = (self.filter.x[i] - self.described[i]).abs();
-            let sizes = difference / sqrt(self.filter.p[i][i].max(1e-300));
-            if sizes > most.0 && difference > MATERIAL * self.stated[i] {
-                most = (sizes, reason);
+            if difference > MATERIAL * self.stated[i] {
+                let sizes = difference / sqrt(self.filter.p[i][i].max(1e-300));
+                if sizes > most.0 {
+                    most = (sizes, reason);
+                }
             }
         }
         most.1

@@ -18,6 +18,7 @@ const RANGE: [f64; 2] = [0.25, 400.0];
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Noise {
     logarithm: f64,
+    scale: f64,
     sum: f64,
     count: u32,
 }
@@ -26,6 +27,7 @@ impl Noise {
     pub(super) fn new() -> Self {
         Self {
             logarithm: 0.0,
+            scale: 1.0,
             sum: 0.0,
             count: 0,
         }
@@ -39,6 +41,7 @@ impl Noise {
             let z = self.sum / sqrt(f64::from(BLOCK));
             let [least, most] = RANGE.map(ln);
             self.logarithm = (self.logarithm + RATE * ((z * z).min(9.0) - 1.0)).clamp(least, most);
+            self.scale = exp(self.logarithm);
             self.rest();
         }
     }
@@ -51,6 +54,6 @@ impl Noise {
 
     /// Factor of the variance.
     pub(super) fn scale(&self) -> f64 {
-        exp(self.logarithm)
+        self.scale
     }
 }

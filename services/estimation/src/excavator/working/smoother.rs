@@ -215,16 +215,14 @@ mod tests {
         let mut std = [0.0; N];
         std[M] = 100.0;
         let mut filter = Filter::new([0.0; N], &std);
-        let mut row = [0.0; N];
-        row[M] = 1.0;
         let trails = [50.0, 80.0].map(|value| {
-            filter.trail = Some(Trail {
+            let mut trail = Some(Trail {
                 range: [-1e9, 1e9],
                 ..Trail::NOTHING
             });
             let innovation = value - filter.x[M];
-            filter.measure(&row, innovation, 100.0, 1e9);
-            let mut trail = filter.trail.take().expect("a trail");
+            filter.measure([(M, 1.0)], innovation, 100.0, 1e9, &mut trail);
+            let mut trail = trail.expect("a trail");
             trail.finish(&filter.x, &filter.p);
             trail
         });
@@ -241,17 +239,13 @@ mod tests {
         let mut std = [0.0; N];
         (std[M], std[OFFSET], std[W]) = (100.0, 10.0, 1.0);
         let mut filter = Filter::new([0.0; N], &std);
-        let mut row = [0.0; N];
-        row[M] = 1.0;
         let mut before = Trail::NOTHING;
         before.range = [-1e9, 1e9];
         before.finish(&filter.x, &filter.p);
-        let mut after = before;
-        after.set(M);
-        filter.set(M, 0.0, 1e4);
-        filter.trail = Some(after);
-        filter.measure(&row, 300.0, 1.0, 1e9);
-        let mut after = filter.trail.take().expect("a trail");
+        let mut after = Some(before);
+        filter.set(M, 0.0, 1e4, &mut after);
+        filter.measure([(M, 1.0)], 300.0, 1.0, 1e9, &mut after);
+        let mut after = after.expect("a trail");
         after.finish(&filter.x, &filter.p);
         let mut smoother = Smoother::default();
         assert!(smoother.back(&after).payload.value > 290.0);
