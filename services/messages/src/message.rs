@@ -292,8 +292,14 @@ macro_rules! message {
                 if index < $crate::message::HEAD {
                     return Some($crate::message::get_head(&self.stamp, &self.hops, index));
                 }
-                let own = [$( $crate::message::FieldType::wrap(self.$field) ),*];
-                own.get(index - $crate::message::HEAD).copied()
+                let mut _at = $crate::message::HEAD;
+                $(
+                    if index == _at {
+                        return Some($crate::message::FieldType::wrap(self.$field));
+                    }
+                    _at += 1;
+                )*
+                None
             }
 
             fn set(&mut self, index: usize, value: $crate::Value) -> bool {

@@ -40,9 +40,9 @@ impl Dialect {
         if cell.is_empty() {
             return Some(f64::NAN);
         }
-        let text = std::str::from_utf8(cell).ok()?;
-        let number = text.parse().ok();
-        number.or_else(|| self.with_decimal_comma(text))
+        // Reads bytes as the standard library reads text, of which a cell need not be.
+        let number = fast_float2::parse(cell).ok();
+        number.or_else(|| self.with_decimal_comma(std::str::from_utf8(cell).ok()?))
     }
 
     fn with_decimal_comma(self, text: &str) -> Option<f64> {
@@ -119,6 +119,70 @@ mod tests {
         assert_eq!(german.number(b"1,234,5"), None);
         assert_eq!(german.number(b"1,234.5"), None);
         assert_eq!(english.number(b"1,5"), None);
+    }
+
+    #[test]
+    fn a_cell_has_the_number_that_the_standard_library_finds_in_it() {
+        let mut cells: Vec<String> = [
+            "1",
+            "-1.5",
+            "+2",
+            "1.",
+            ".5",
+            "-.5e1",
+            "1e5",
+            "1E-5",
+            "1e+400",
+            "1e-400",
+            "5e-324",
+            "-0",
+            "inf",
+            "-Infinity",
+            "+inf",
+            "nan",
+            "NaN",
+            "-nan",
+            ".",
+            "-",
+            "+",
+            "e5",
+            "1e",
+            "1e+",
+            "1_000",
+            "0x10",
+            "1.5.2",
+            "1 2",
+            "--1",
+            "+-1",
+            "1f",
+            "infinit",
+            "12:30",
+            "9007199254740993",
+            "0.1000000000000000055511151231257827021181583404541015625",
+        ]
+        .map(str::to_owned)
+        .to_vec();
+        let mut bits = 0x9e37_79b9_7f4a_7c15_u64;
+        for _ in 0..5000 {
+            bits = bits.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            let any = f64::from_bits(bits);
+            cells.extend([
+                format!("{any:e}"),
+                format!("{}", any.fract()),
+                format!("{any:.3e}"),
+            ]);
+        }
+        let english = Dialect { separator: b',' };
+        for cell in cells {
+            let expected: Option<f64> = cell.parse().ok();
+            let found = english.number(cell.as_bytes());
+            let is_none = |x: Option<f64>| x.is_none_or(f64::is_nan);
+            let same = found.map(f64::to_bits) == expected.map(f64::to_bits);
+            let both_nan =
+                found.is_some() == expected.is_some() && is_none(found) && is_none(expected);
+            assert!(same || both_nan, "{cell}: {found:?} {expected:?}");
+        }
+        assert_eq!(english.number(b"1\xff"), None);
     }
 
     #[test]
