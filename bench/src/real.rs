@@ -164,11 +164,10 @@ pub struct Swing<const METHOD: usize> {
 impl<const METHOD: usize> Default for Swing<METHOD> {
     fn default() -> Self {
         let method = excavator::Method::ALL[METHOD];
-        let filter = excavator::SwingEstimator::new(
-            &excavator::Settings::default(),
-            method,
-            EXCAVATOR_COLUMNS,
-        );
+        // As the product starts: a machine that nobody has calibrated.
+        let description = excavator::keys::Description::default();
+        let settings = excavator::Settings::of(&description);
+        let filter = excavator::SwingEstimator::new(&settings, method, EXCAVATOR_COLUMNS);
         let filter = filter.unwrap_or_else(|error| panic!("defaults are valid: {error}"));
         Self {
             filter,
