@@ -149,7 +149,7 @@ impl Machine for Loader {
 
     fn method(estimate: &Timed) -> usize {
         let method = estimate.estimate.method;
-        Method::ALL.iter().position(|m| *m == method).unwrap_or(0)
+        method.index() as usize
     }
 
     fn reason(estimate: &Timed) -> u32 {

@@ -42,6 +42,7 @@ pub mod kalman;
 pub mod keys;
 pub mod loader;
 pub mod math;
+mod methods;
 pub mod model;
 pub mod pair;
 pub mod prediction;

@@ -2,6 +2,7 @@
 
 use super::reason::Reason;
 use crate::Quantity;
+use crate::methods::methods;
 
 /// One row of sensors; a missing value is `None`, a non-finite one counts as missing.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -76,62 +77,27 @@ impl Flags {
     }
 }
 
-/// Estimation methods, by the names of the command line.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Method {
-    /// By the columns that exist.
-    #[default]
-    Auto,
-    /// The paper: velocity only, multiple forgetting.
-    MultiForgettingRls,
-    /// Measured torque, both sides equally filtered.
-    SvfRls,
-    /// Torque and posture: inertia and payload (D).
-    PostureTorque,
-    /// Torque, momentum form (BM).
-    Torque,
-    /// Posture, torque unknown but constant for a while (C).
-    Posture,
-    /// Velocity and nominal damping only (A).
-    Velocity,
+methods! {
+    /// How the swing inertia is estimated.
+    pub enum Method {
+        /// By the columns that exist.
+        Auto = "auto",
+        /// The paper: velocity only, multiple forgetting.
+        MultiForgettingRls = "multi-forgetting-rls",
+        /// Measured torque, both sides equally filtered.
+        SvfRls = "svf-rls",
+        /// Torque and posture: inertia and payload (D).
+        PostureTorque = "posture-torque",
+        /// Torque, momentum form (BM).
+        Torque = "torque",
+        /// Posture, torque unknown but constant for a while (C).
+        Posture = "posture",
+        /// Velocity and nominal damping only (A).
+        Velocity = "velocity",
+    }
 }
 
 impl Method {
-    /// All methods, in the order of their index in the messages.
-    pub const ALL: [Self; 7] = [
-        Self::Auto,
-        Self::MultiForgettingRls,
-        Self::SvfRls,
-        Self::PostureTorque,
-        Self::Torque,
-        Self::Posture,
-        Self::Velocity,
-    ];
-
-    /// Name on the command line and in every output.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Auto => "auto",
-            Self::MultiForgettingRls => "multi-forgetting-rls",
-            Self::SvfRls => "svf-rls",
-            Self::PostureTorque => "posture-torque",
-            Self::Torque => "torque",
-            Self::Posture => "posture",
-            Self::Velocity => "velocity",
-        }
-    }
-
-    /// The method of this name.
-    pub fn parse(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|method| method.name() == name)
-    }
-
-    /// Position in [`Method::ALL`].
-    pub fn index(self) -> u32 {
-        self as u32
-    }
-
     /// Whether [`super::Regression`] runs it; the others belong to [`super::SwingEstimator`].
     pub fn is_regression(self) -> bool {
         matches!(self, Self::MultiForgettingRls | Self::SvfRls)

@@ -81,13 +81,13 @@ impl CgEstimator {
         columns: Columns,
     ) -> Result<Self, SettingsError> {
         settings.check()?;
-        let states = match (method, columns.acceleration, settings.at_work()) {
-            (Method::IsrUkfPrinted | Method::IsrUkf | Method::Ekf, ..) => 6,
-            (_, false, late) => 8 + usize::from(late),
-            (_, true, late) => 10 + usize::from(late),
+        let late = usize::from(settings.at_work());
+        let states = match (method.has_six_states(), columns.acceleration) {
+            (true, _) => 6,
+            (false, false) => 8 + late,
+            (false, true) => 10 + late,
         };
-        let by_tangent = matches!(method, Method::FullEkf | Method::Ekf);
-        let filter = match (states, by_tangent) {
+        let filter = match (states, method.takes_tangent()) {
             (11, false) => Filter::Eleven(CgFilter::new(settings, method)),
             (10, false) => Filter::Ten(CgFilter::new(settings, method)),
             (9, false) => Filter::Nine(CgFilter::new(settings, method)),

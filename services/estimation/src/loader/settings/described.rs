@@ -9,14 +9,10 @@ impl Settings {
     #[must_use]
     pub fn of(description: &Description, method: Method) -> Self {
         let keys = description.estimator;
-        let (estimator, realism) = match (method, keys.tuning) {
-            (Method::Full | Method::FullEkf, _) => (keys, Realism::AtWork),
-            (Method::IsrUkfPrinted | Method::IsrUkf | Method::Ekf, Tuning::Paper) => {
-                (as_printed(keys), Realism::Paper)
-            }
-            (Method::IsrUkfPrinted | Method::IsrUkf | Method::Ekf, Tuning::Tuned) => {
-                (unprotected(keys), Realism::Tyre)
-            }
+        let (estimator, realism) = match (method.has_six_states(), keys.tuning) {
+            (false, _) => (keys, Realism::AtWork),
+            (true, Tuning::Paper) => (as_printed(keys), Realism::Paper),
+            (true, Tuning::Tuned) => (unprotected(keys), Realism::Tyre),
         };
         let held = match keys.inputs {
             Inputs::Auto => realism == Realism::Paper,

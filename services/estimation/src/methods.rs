@@ -1,0 +1,48 @@
+//! The methods of a machine by the names that the command line and the files use: one table a machine, the default first.
+
+/// Defines `Method`. The order is that of the index in the messages.
+macro_rules! methods {
+    (
+        $(#[doc = $doc:literal])+
+        pub enum Method { $( $(#[doc = $method_doc:literal])+ $method:ident = $name:literal, )+ }
+    ) => {
+        $(#[doc = $doc])+
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+        pub enum Method { $( $(#[doc = $method_doc])+ $method, )+ }
+
+        impl Method {
+            /// Every method, the default first.
+            pub const ALL: [Self; [$($name),+].len()] = [$(Self::$method),+];
+
+            /// The name in files and on the command line.
+            pub const fn name(self) -> &'static str {
+                match self { $( Self::$method => $name, )+ }
+            }
+
+            /// The method of that name.
+            pub fn parse(name: &str) -> Option<Self> {
+                Self::ALL.into_iter().find(|method| method.name() == name)
+            }
+
+            /// Position in [`Method::ALL`].
+            pub const fn index(self) -> u32 {
+                self as u32
+            }
+        }
+
+        impl Default for Method {
+            fn default() -> Self {
+                Self::ALL[0]
+            }
+        }
+
+        impl core::fmt::Display for Method {
+            fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+                f.write_str(self.name())
+            }
+        }
+    };
+}
+
+pub(crate) use methods;
