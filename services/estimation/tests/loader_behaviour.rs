@@ -1,5 +1,7 @@
 //! What the loader's estimator does with rows that it should not believe.
 
+use std::ops::Range;
+
 use estimation::loader::keys::Description;
 use estimation::loader::{
     CgEstimator, Columns, Estimate, Machine, Method, Payload, Sample, Settings, Status,
@@ -41,6 +43,14 @@ fn cruise(time: f64) -> Sample {
         spade_force_z: Some(0.0),
         ..Sample::default()
     }
+}
+
+/// Cruises at 100 Hz through these rows; the last answer.
+fn drive(estimator: &mut CgEstimator, rows: Range<u32>) -> Estimate {
+    for k in rows {
+        estimator.step(&cruise(f64::from(k) * 0.01));
+    }
+    *estimator.last()
 }
 
 fn numbers(e: &Estimate) -> Vec<f64> {
@@ -134,10 +144,7 @@ fn full_finds_back_after_a_broken_bus() {
     for k in 0..500 {
         estimator.step(&nasty(k));
     }
-    let mut last = *estimator.last();
-    for k in 500..1500 {
-        last = estimator.step(&cruise(k as f64 * 0.01));
-    }
+    let last = drive(&mut estimator, 500..1500);
     assert!((last.speed - 2.5).abs() < 0.05, "{}", last.speed);
     assert!(last.fresh && last.consistent, "{last:?}");
 }
@@ -145,9 +152,7 @@ fn full_finds_back_after_a_broken_bus() {
 #[test]
 fn a_refused_time_changes_nothing() {
     let mut a = estimator(Method::Full);
-    for k in 0..100 {
-        a.step(&cruise(k as f64 * 0.01));
-    }
+    drive(&mut a, 0..100);
     let mut b = a;
     for time in [0.99, 0.5, -1.0, f64::NAN, f64::NEG_INFINITY, f64::INFINITY] {
         let answer = b.step(&Sample {
@@ -167,9 +172,7 @@ fn a_refused_time_changes_nothing() {
 #[test]
 fn one_time_far_ahead_costs_no_row_after_it() {
     let mut estimator = estimator(Method::Full);
-    for k in 0..200 {
-        estimator.step(&cruise(k as f64 * 0.01));
-    }
+    drive(&mut estimator, 0..200);
     let ahead = estimator.step(&cruise(1e6));
     assert_eq!(ahead.status, Status::Gap);
     for k in 200..300 {
@@ -183,10 +186,7 @@ fn one_time_far_ahead_costs_no_row_after_it() {
 #[test]
 fn a_clock_set_back_is_followed_after_a_second_and_shown_as_a_reset() {
     let mut estimator = estimator(Method::Full);
-    for k in 0..1000 {
-        estimator.step(&cruise(k as f64 * 0.01));
-    }
-    let before = *estimator.last();
+    let before = drive(&mut estimator, 0..1000);
     let answers: Vec<Estimate> = (0..200)
         .map(|k| estimator.step(&cruise(k as f64 * 0.01)))
         .collect();
@@ -208,9 +208,7 @@ fn a_clock_set_back_is_followed_after_a_second_and_shown_as_a_reset() {
 #[test]
 fn a_clock_that_stands_still_does_not_stay_fresh() {
     let mut estimator = estimator(Method::Full);
-    for k in 0..100 {
-        estimator.step(&cruise(f64::from(k) * 0.01));
-    }
+    drive(&mut estimator, 0..100);
     for k in 0..100 {
         let answer = estimator.step(&cruise(0.5));
         // 0.25 s are 25 rows; times are rounded.
@@ -255,10 +253,7 @@ fn height_is_not_trusted_on_a_cruise() {
 #[test]
 fn lost_signals_are_stale_after_a_quarter_second_and_the_interval_grows() {
     let mut estimator = estimator(Method::Full);
-    let mut before = *estimator.last();
-    for k in 0..500 {
-        before = estimator.step(&cruise(k as f64 * 0.01));
-    }
+    let before = drive(&mut estimator, 0..500);
     assert!(before.fresh);
     let mut after = before;
     for k in 500..550 {
@@ -324,9 +319,7 @@ fn the_interval_does_not_depend_on_the_rate() {
 fn a_told_payload_is_added_to_the_empty_machine() {
     let mut estimator = estimator(Method::Full);
     estimator.set_payload(Some(Payload::new(0.0, 0.0, 0.0)));
-    for k in 0..100 {
-        estimator.step(&cruise(k as f64 * 0.01));
-    }
+    drive(&mut estimator, 0..100);
     estimator.set_payload(Some(Payload::new(1500.0, 1.5, 1.35)));
     let answer = estimator.step(&cruise(1.0));
     let empty = estimator.state();

@@ -1,17 +1,21 @@
 //! What the supervisor sees of a run: tallies every estimate against the truth where there is one,
 //! keeps the latest of everything, shows it on the terminal and hands it to the live page.
 
+mod counts;
+mod line;
+
 use std::collections::{BTreeMap, VecDeque};
-use std::io::{IsTerminal, Write};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use messages::channels::Channel;
 use messages::keyframe::Collector;
-use messages::{Carries, Envelope, Health, Machine, Message, Snapshot, Stamp, Value, fault};
+use messages::{Carries, Envelope, Health, Machine, Message, Snapshot, Value, fault};
 use runtime::{Sink, Window};
 use steps::stages::Pipeline;
 use view::live::Feed;
 
+use self::counts::{Carried, Counts};
+pub use self::line::{LIVE, Show};
 use crate::fault::Fault;
 use crate::quantity::{self, Quantity};
 use crate::state::Memory;
@@ -19,70 +23,6 @@ use crate::tally::Tally;
 
 /// Truths that may wait for their estimates.
 const TRUTHS: usize = 2048;
-const SHOW_PERIOD: Duration = Duration::from_millis(200);
-const PLAIN_PERIOD: Duration = Duration::from_secs(5);
-
-/// Columns where there is no terminal to ask.
-const WIDTH: usize = 80;
-/// Columns that the program which draws the lines puts before them.
-const PREFIX: usize = 10;
-
-/// First word of a live line on standard output.
-pub const LIVE: &str = "live ";
-
-/// Where the live line goes.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum Show {
-    /// Nowhere.
-    #[default]
-    Nothing,
-    /// To the terminal, redrawn in place; a plain line now and then where there is none.
-    Terminal,
-    /// To standard output, a line each, for a program that draws them.
-    Lines,
-}
-
-/// What a channel carried.
-#[derive(Debug, Clone, Copy, Default)]
-struct Carried {
-    /// Number after that of the latest sample.
-    next: u64,
-    /// Time of the latest sample, as the data tell it [s].
-    time: f64,
-    /// Samples.
-    samples: u64,
-    /// Samples that the supervisor, held up itself, did not see.
-    unseen: u64,
-}
-
-impl Carried {
-    fn add(&mut self, stamp: &Stamp) {
-        if stamp.sequence >= self.next {
-            (self.next, self.time) = (stamp.sequence + 1, stamp.time);
-            self.samples += 1;
-        }
-    }
-}
-
-/// What a process counted, before its restarts and since.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Counts {
-    /// Samples handled.
-    pub steps: u64,
-    /// Samples that never arrived.
-    pub lost: u64,
-    /// Samples that came later than a period.
-    pub late: u64,
-}
-
-impl Counts {
-    fn add(&mut self, health: &Health) {
-        self.steps += health.steps;
-        self.lost += health.lost;
-        self.late += health.late;
-    }
-}
-
 /// Everything seen of a run.
 #[derive(Default)]
 pub struct Watch {
@@ -320,39 +260,12 @@ impl Watch {
         pipeline.estimates().filter_map(fault).collect()
     }
 
-    /// Shows the state, not too often.
+    /// Shows the state, and writes what outlives the run, not too often.
     pub fn tick(&mut self) {
         if let Some(memory) = &mut self.memory {
             memory.tick();
         }
-        if self.show == Show::Nothing || self.tallies.is_empty() {
-            return;
-        }
-        let in_place = self.show == Show::Terminal && std::io::stderr().is_terminal();
-        let period = if in_place || self.show == Show::Lines {
-            SHOW_PERIOD
-        } else {
-            PLAIN_PERIOD
-        };
-        if self
-            .shown
-            .or(self.begun)
-            .is_some_and(|t| t.elapsed() < period)
-        {
-            return;
-        }
-        self.shown = Some(Instant::now());
-        let terminal = ratatui::crossterm::terminal::size();
-        let width = terminal.map_or(WIDTH, |(columns, _)| usize::from(columns));
-        let prefix = if self.show == Show::Lines { PREFIX } else { 0 };
-        let line = self.line(width.saturating_sub(prefix + 1));
-        let mut err = std::io::stderr().lock();
-        // A terminal that went away is no reason to end a run.
-        let _ = match self.show {
-            Show::Lines => writeln!(std::io::stdout(), "{LIVE}{line}"),
-            _ if in_place => write!(err, "\r\x1b[2K{line}").and_then(|()| err.flush()),
-            _ => writeln!(err, "{line}"),
-        };
+        self.draw();
     }
 
     /// Ends the live line, and writes what outlives the run.
@@ -361,32 +274,7 @@ impl Watch {
         if let Some(memory) = &mut self.memory {
             memory.save();
         }
-        if self.show == Show::Terminal && self.shown.is_some() && std::io::stderr().is_terminal() {
-            eprintln!();
-        }
-    }
-
-    /// The live line: time, quantities, losses, latency, as far as `width` goes: a line that wraps
-    /// cannot be drawn again in place.
-    fn line(&self, width: usize) -> String {
-        let time = self.told().next().map_or(0.0, |s| s.time);
-        let mut parts = vec![format!("{time:5.1} s")];
-        parts.extend(self.is_simulated.then(|| "simulated".to_owned()));
-        parts.extend(self.told().map(Tally::short));
-        if self.lost() > 0 {
-            parts.push(format!("lost {}", self.lost()));
-        }
-        if let Some(health) = self.pipeline.and_then(|p| self.health(p.main)) {
-            parts.push(format!("p99 {:.0} µs", health.age_p99_ns as f64 / 1e3));
-        }
-        let mut line = String::new();
-        for part in parts {
-            let gap = if line.is_empty() { "" } else { "  " };
-            if line.chars().count() + gap.len() + part.chars().count() <= width {
-                line = line + gap + &part;
-            }
-        }
-        line
+        self.end();
     }
 
     fn note_estimate<M: Message>(&mut self, channel: &'static Channel, message: &M) {

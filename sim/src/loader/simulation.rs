@@ -1,14 +1,13 @@
 //! A run: the plant driven through a scenario and what its sensors report.
 
-use std::fmt;
-
 use super::effects::{self, Effects, Gears, Inclinometer, Late, PayloadTold};
 use super::plant::{GRAVITY, Inputs, Machine, Plant, State};
 use super::road::{Phases, Road};
-use super::scenario::{Driver, Payload, Scenario};
-use super::sensors::Grade;
-use super::tier::{self, Calibration, Size, Tier, Told};
-use crate::fault::{Fault, Injector, InvalidFault};
+use super::row::{Row, Truth};
+use super::run::{InvalidRun, Run};
+use super::scenario::{Driver, Payload};
+use super::tier::{self, Calibration, Tier, Told};
+use crate::fault::Injector;
 use crate::noise::Noise;
 
 /// The channels that a [`Fault`] can name.
@@ -30,172 +29,6 @@ pub const CHANNELS: &[&str] = &[
 const MACHINE_STREAM: u64 = 10;
 const ROAD_STREAM: u64 = 11;
 const DRIVER_STREAM: u64 = 12;
-
-/// What to simulate.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Run {
-    /// The manoeuvre.
-    pub scenario: Scenario,
-    /// Payload that a load cycle picks up and every other scenario carries from the start [kg]; none is
-    /// the scenario's own (1500 kg in a load cycle, otherwise none).
-    pub payload: Option<f64>,
-    /// Samples per second [Hz].
-    pub rate: f64,
-    /// Determines the machine, the road, the driver and the noise.
-    pub seed: u64,
-    /// Determines the machine instead, so that one machine can do several runs.
-    pub machine_seed: Option<u64>,
-    /// Determines a machine whose tyres are on this one: slip stiffness, radii, relaxation.
-    pub tyres_seed: Option<u64>,
-    /// The sensors.
-    pub grade: Grade,
-    /// How well the machine is known.
-    pub tier: Tier,
-    /// The machine's size.
-    pub size: Size,
-    /// What the machine does that the reference plant leaves out.
-    pub effects: Effects,
-    /// What goes wrong.
-    pub faults: Vec<Fault>,
-    /// How long [s]; none is the scenario's own. A longer run goes on as a work cycle (a cruise goes on
-    /// as a cruise).
-    pub duration: Option<f64>,
-}
-
-impl Run {
-    /// A scenario at 100 Hz with resolver-grade sensors on an exactly known machine.
-    pub fn new(scenario: Scenario) -> Self {
-        Self {
-            scenario,
-            payload: None,
-            rate: 100.0,
-            seed: 0,
-            machine_seed: None,
-            tyres_seed: None,
-            grade: Grade::Resolver,
-            tier: Tier::A,
-            size: Size::Reference,
-            effects: Effects::default(),
-            faults: Vec::new(),
-            duration: None,
-        }
-    }
-
-    /// A machine at work with these effects: with loads, where they are not all told.
-    pub fn at_work(effects: Effects) -> Self {
-        let told = effects.payload_told == PayloadTold::All;
-        Self {
-            effects,
-            ..Self::new(if told {
-                Scenario::WorkCycle
-            } else {
-                Scenario::LoadCycle
-            })
-        }
-    }
-
-    fn check(&self) -> Result<(), InvalidRun> {
-        let duration = self.duration.unwrap_or(0.0);
-        let payload = self.payload.unwrap_or(0.0);
-        if !(1.0..=10_000.0).contains(&self.rate) {
-            Err(InvalidRun(format!(
-                "rate {} Hz: expected 1 to 10000",
-                self.rate
-            )))
-        } else if !(0.0..1e9).contains(&duration) {
-            Err(InvalidRun(format!(
-                "duration {duration} s: expected a number that is not negative"
-            )))
-        } else if !(0.0..=0.64 * self.size.machine().mass).contains(&payload) {
-            Err(InvalidRun(format!(
-                "payload {payload} kg: expected 0 to {:.0} (the machine tips beyond)",
-                0.64 * self.size.machine().mass
-            )))
-        } else {
-            Ok(())
-        }
-    }
-}
-
-/// A run that cannot be simulated.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct InvalidRun(String);
-
-impl fmt::Display for InvalidRun {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl std::error::Error for InvalidRun {}
-
-impl From<InvalidFault> for InvalidRun {
-    fn from(fault: InvalidFault) -> Self {
-        Self(fault.to_string())
-    }
-}
-
-/// What is true at the time of a row.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Truth {
-    /// Forward speed [m/s].
-    pub speed: f64,
-    /// Front wheel speed [rad/s].
-    pub front_wheel_speed: f64,
-    /// Rear wheel speed [rad/s].
-    pub rear_wheel_speed: f64,
-    /// Height of the centre of gravity, with payload [m].
-    pub cg_height: f64,
-    /// Share of the static weight on the front axle, with payload.
-    pub cg_ratio: f64,
-    /// Slip stiffness.
-    pub slip_stiffness: f64,
-    /// Horizontal spading force [N].
-    pub spade_force_x: f64,
-    /// Road slope [rad].
-    pub slope: f64,
-    /// Rate of the speed along the road [m/s^2].
-    pub acceleration: f64,
-}
-
-/// One sample. A measurement that is missing is not a number.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Row {
-    /// Time [s].
-    pub time: f64,
-    /// Forward speed [m/s].
-    pub speed: f64,
-    /// Front wheel speed [rad/s].
-    pub front_wheel_speed: f64,
-    /// Rear wheel speed [rad/s].
-    pub rear_wheel_speed: f64,
-    /// Front axle torque at the wheel [N m].
-    pub front_torque: f64,
-    /// Rear axle torque at the wheel [N m].
-    pub rear_torque: f64,
-    /// Road slope [rad].
-    pub slope: f64,
-    /// Specific force along the body axis, dv/dt + g sin(slope) [m/s^2].
-    pub acceleration: f64,
-    /// Mass with payload [kg], where it is not simply the machine's.
-    pub mass: Option<f64>,
-    /// Horizontal spading force [N]; none if it is not measured.
-    pub spade_force_x: Option<f64>,
-    /// Vertical spading force [N].
-    pub spade_force_z: Option<f64>,
-    /// Whether the boom moves the payload.
-    pub boom_moving: Option<bool>,
-    /// Angle between front and rear body, positive turning left [rad]; none if it is not measured.
-    pub articulation: Option<f64>,
-    /// Yaw rate of the rear body, positive turning left [rad/s]; none if it is not measured.
-    pub yaw_rate: Option<f64>,
-    /// Whether friction brakes act; none if nobody says.
-    pub brake: Option<bool>,
-    /// What the weighing system and the boom angles say of the payload.
-    pub payload: Payload,
-    /// The truth.
-    pub truth: Truth,
-}
 
 /// What acts on the plant: the driver's wishes, and what the machine makes of them.
 #[derive(Clone, Debug)]
@@ -450,6 +283,8 @@ impl Iterator for Simulation {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fault::Fault;
+    use crate::loader::Scenario;
 
     fn rows(run: &Run) -> Vec<Row> {
         Simulation::new(run).unwrap().collect()

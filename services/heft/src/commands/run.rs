@@ -1,22 +1,21 @@
 //! `heft run`: a pipeline of processes, from its first sample to its summary.
 
+mod args;
 mod many;
 
-use std::net::SocketAddr;
-use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
 use config::Description;
 use messages::Machine;
 use runtime::{Domain, realtime};
 use steps::stages::Pipeline;
 
-use crate::bounds::LimitArgs;
-use crate::cli::{DescriptionArgs, machine};
+use self::args::Pace;
+pub use self::args::RunArgs;
+use crate::cli::DescriptionArgs;
 use crate::failure::Failure;
 use crate::fault::Fault;
-use crate::fleet::{Fleet, FleetArgs};
+use crate::fleet::Fleet;
 use crate::group;
 use crate::machines;
 use crate::outputs::CanOutput;
@@ -29,126 +28,6 @@ use crate::state::Memory;
 use crate::summary;
 use crate::supervisor::{End, Supervisor};
 use crate::watch::{Show, Watch};
-
-/// How fast a run goes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Pace {
-    /// At the times that the samples tell.
-    Realtime,
-    /// As fast as the processes take it, without losing a sample.
-    Max,
-}
-
-/// `heft run`
-#[derive(Debug, Clone, Args)]
-pub struct RunArgs {
-    /// The machine
-    #[arg(value_parser = machine())]
-    pub machine: Machine,
-    /// Scenario of the simulator; `--scenario list` names them
-    #[arg(long)]
-    pub scenario: Option<String>,
-    /// Payload of the simulator [kg]
-    #[arg(long, value_name = "KG")]
-    pub payload: Option<f64>,
-    /// Take the samples from a recording (.csv, .mcap, .log), a CAN bus (can:can0) or standard input
-    /// (-: lines of candump or CSV) instead of the simulator
-    #[arg(long, value_name = "FILE|can:IF|-", conflicts_with_all = ["scenario", "payload"])]
-    pub input: Option<PathBuf>,
-    /// Signal map of an input with foreign names and units (TOML)
-    #[arg(long, requires = "input")]
-    pub map: Option<PathBuf>,
-    /// Send the estimates to a CAN bus, as `heft schema --lang dbc` describes them
-    #[arg(long, value_name = "can:IF")]
-    pub output: Option<String>,
-    /// Which estimates, in which frames (TOML); all of the machine's in J1939 proprietary B if absent
-    #[arg(long, requires = "output", value_name = "FILE")]
-    pub output_map: Option<PathBuf>,
-    /// So many machines in one run, simulated with seeds one apart or those of the recordings in the folder --input: no pipeline
-    /// each, but a process a processor that steps them all, and one table of estimates
-    #[arg(long, value_name = "N", conflicts_with_all = [
-        "output", "rt", "spin", "view", "split", "min_free", "fleet", "state", "domain", "group", "require_trust", "no_report",
-        "live_lines", "probe",
-    ])]
-    pub machines: Option<NonZeroUsize>,
-    /// The machine's description
-    #[command(flatten)]
-    pub description: DescriptionArgs,
-    /// Method of the ukf process
-    #[arg(long)]
-    pub method: Option<String>,
-    /// Length of the run [s]; until the scenario ends if absent
-    #[arg(long, value_name = "S")]
-    pub duration: Option<f64>,
-    /// Sampling rate of the simulator [Hz]; that of the description if absent
-    #[arg(long, value_name = "HZ")]
-    pub rate: Option<f64>,
-    /// Seed of the simulator
-    #[arg(long, default_value_t = 1)]
-    pub seed: u64,
-    /// Real time, or as fast as it goes without losing a sample
-    #[arg(long, value_enum, default_value = "realtime")]
-    pub pace: Pace,
-    /// Real-time scheduling: SCHED_FIFO by stage, one core, locked memory
-    #[arg(long)]
-    pub rt: bool,
-    /// Core of the stages under --rt; the last one if absent
-    #[arg(long, requires = "rt")]
-    pub core: Option<usize>,
-    /// Cores of the stages under --rt, in turn along the chain (for `latency`)
-    #[arg(
-        long,
-        hide = true,
-        requires = "rt",
-        conflicts_with = "core",
-        value_delimiter = ','
-    )]
-    pub spread: Vec<usize>,
-    /// These processes look for messages all the time, each on a core of its own (isolated ones first), instead of sleeping until
-    /// they are woken; every step if none is named
-    #[arg(long, value_name = "PROCESS,...", num_args = 0..=1, require_equals = true, default_missing_value = crate::spin::ALL,
-        conflicts_with = "rt")]
-    pub spin: Option<String>,
-    /// Show a live page
-    #[arg(long, value_name = "ADDR", num_args = 0..=1, default_missing_value = view::live::DEFAULT_ADDRESS)]
-    pub view: Option<SocketAddr>,
-    /// Folder for the recording and the report
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
-    /// Bounds of the recording
-    #[command(flatten)]
-    pub limits: LimitArgs,
-    /// Where what is found is sent
-    #[command(flatten)]
-    pub fleet: FleetArgs,
-    /// Remember slow parameters from run to run in this file: what was trusted is the prior of the next run
-    #[arg(long, value_name = "FILE")]
-    pub state: Option<PathBuf>,
-    /// Name of the run's corner of shared memory
-    #[arg(long)]
-    pub domain: Option<String>,
-    /// Let this group of users read the recording and follow the run (tail, top); nobody else may, and nobody may write
-    #[arg(long, value_name = "NAME")]
-    pub group: Option<String>,
-    /// Exit with status 1 if no estimate of the last 30 s is `trusted`
-    #[arg(long)]
-    pub require_trust: bool,
-    /// Nothing on the terminal while it runs
-    #[arg(long, short)]
-    pub quiet: bool,
-    /// Write no report
-    #[arg(long)]
-    pub no_report: bool,
-    /// Print the live line to standard output (for the demonstration)
-    #[arg(long, hide = true)]
-    pub live_lines: bool,
-    /// Add a process that notes when estimates arrive, and write its notes here (for `latency`)
-    #[arg(long, hide = true, value_name = "FILE")]
-    pub probe: Option<PathBuf>,
-    /// That process waits for the iceoryx2 event, as a program from outside would
-    #[arg(long, hide = true, requires = "probe")]
-    pub probe_listens: bool,
-}
 
 /// Reads the description that `--config` and `--set` make.
 pub fn description(machine: Machine, args: &DescriptionArgs) -> Result<Description, Failure> {

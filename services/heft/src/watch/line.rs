@@ -1,0 +1,94 @@
+//! The live line of a run.
+
+use std::io::{IsTerminal, Write};
+use std::time::{Duration, Instant};
+
+use super::Watch;
+use crate::tally::Tally;
+
+const SHOW_PERIOD: Duration = Duration::from_millis(200);
+const PLAIN_PERIOD: Duration = Duration::from_secs(5);
+
+/// Columns where there is no terminal to ask.
+const WIDTH: usize = 80;
+/// Columns that the program which draws the lines puts before them.
+const PREFIX: usize = 10;
+
+/// First word of a live line on standard output.
+pub const LIVE: &str = "live ";
+
+/// Where the live line goes.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Show {
+    /// Nowhere.
+    #[default]
+    Nothing,
+    /// To the terminal, redrawn in place; a plain line now and then where there is none.
+    Terminal,
+    /// To standard output, a line each, for a program that draws them.
+    Lines,
+}
+
+impl Watch {
+    /// Draws it, not too often.
+    pub(super) fn draw(&mut self) {
+        if self.show == Show::Nothing || self.tallies.is_empty() {
+            return;
+        }
+        let in_place = self.show == Show::Terminal && std::io::stderr().is_terminal();
+        let period = if in_place || self.show == Show::Lines {
+            SHOW_PERIOD
+        } else {
+            PLAIN_PERIOD
+        };
+        if self
+            .shown
+            .or(self.begun)
+            .is_some_and(|t| t.elapsed() < period)
+        {
+            return;
+        }
+        self.shown = Some(Instant::now());
+        let terminal = ratatui::crossterm::terminal::size();
+        let width = terminal.map_or(WIDTH, |(columns, _)| usize::from(columns));
+        let prefix = if self.show == Show::Lines { PREFIX } else { 0 };
+        let line = self.line(width.saturating_sub(prefix + 1));
+        let mut err = std::io::stderr().lock();
+        // A terminal that went away is no reason to end a run.
+        let _ = match self.show {
+            Show::Lines => writeln!(std::io::stdout(), "{LIVE}{line}"),
+            _ if in_place => write!(err, "\r\x1b[2K{line}").and_then(|()| err.flush()),
+            _ => writeln!(err, "{line}"),
+        };
+    }
+
+    /// Ends it.
+    pub(super) fn end(&self) {
+        if self.show == Show::Terminal && self.shown.is_some() && std::io::stderr().is_terminal() {
+            eprintln!();
+        }
+    }
+
+    /// Time, quantities, losses, latency, as far as `width` goes: a line that wraps
+    /// cannot be drawn again in place.
+    fn line(&self, width: usize) -> String {
+        let time = self.told().next().map_or(0.0, |s| s.time);
+        let mut parts = vec![format!("{time:5.1} s")];
+        parts.extend(self.is_simulated.then(|| "simulated".to_owned()));
+        parts.extend(self.told().map(Tally::short));
+        if self.lost() > 0 {
+            parts.push(format!("lost {}", self.lost()));
+        }
+        if let Some(health) = self.pipeline.and_then(|p| self.health(p.main)) {
+            parts.push(format!("p99 {:.0} µs", health.age_p99_ns as f64 / 1e3));
+        }
+        let mut line = String::new();
+        for part in parts {
+            let gap = if line.is_empty() { "" } else { "  " };
+            if line.chars().count() + gap.len() + part.chars().count() <= width {
+                line = line + gap + &part;
+            }
+        }
+        line
+    }
+}
