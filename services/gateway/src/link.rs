@@ -9,6 +9,9 @@ use zenoh::{Config, Session, Wait};
 /// Where a site's router listens unless told otherwise: this host only.
 pub const DEFAULT: &str = "tcp/127.0.0.1:7447";
 
+/// Machines that a router of ours lets in.
+const SESSIONS: &str = "20000";
+
 /// How a session reaches its router.
 #[derive(Debug, Clone, clap::Args)]
 pub struct LinkArgs {
@@ -70,6 +73,11 @@ pub fn client_unless(
 pub fn router(listen: Option<&str>, file: Option<&Path>) -> Result<Session, String> {
     let mut config = base(file)?;
     set(&mut config, "mode", "\"router\"")?;
+    if file.is_none() {
+        // Zenoh's own limit of 1000 would leave the machine after that without an answer for ever.
+        set(&mut config, "transport/unicast/max_sessions", SESSIONS)?;
+        set(&mut config, "transport/unicast/accept_pending", "1000")?;
+    }
     if let Some(listen) = listen {
         set(&mut config, "listen/endpoints", &list(&[listen]))?;
     }

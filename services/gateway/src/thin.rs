@@ -34,6 +34,14 @@ pub struct StreamInfo {
     process: u32,
 }
 
+impl StreamInfo {
+    /// Whether it is of estimates, each second.
+    #[must_use]
+    pub fn is_estimate(&self) -> bool {
+        self.kind == Kind::Estimate
+    }
+}
+
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Estimate,

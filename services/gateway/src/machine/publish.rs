@@ -121,7 +121,8 @@ pub fn publishes(id: &MachineId) -> [String; 2] {
     ["**", "*/*/@adv/**"].map(|keys| id.key(keys))
 }
 
-/// The publisher of a stream of a machine.
+/// The publisher of a stream of a machine. Short gaps of the estimates are mended by Zenoh, everything else from the
+/// recording: what mends them is a queryable and a token a stream, of which a router tells each machine's session.
 ///
 /// # Errors
 /// Zenoh refuses the key.
@@ -130,12 +131,17 @@ pub fn publisher(
     id: &MachineId,
     stream: &StreamInfo,
 ) -> zenoh::Result<AdvancedPublisher<'static>> {
-    session
+    let publisher = session
         .declare_publisher(id.key(&stream.name))
         .encoding(Encoding::APPLICATION_PROTOBUF.with_schema(schema::name(stream.channel)))
         // A link that is slow or full costs messages, never time.
         .congestion_control(CongestionControl::Drop)
         .priority(Priority::Data)
+        .advanced();
+    if !stream.is_estimate() {
+        return publisher.wait();
+    }
+    publisher
         .cache(CacheConfig::default().max_samples(CACHE))
         .sample_miss_detection(MissDetectionConfig::default().sporadic_heartbeat(PERIOD))
         .publisher_detection()
