@@ -130,15 +130,7 @@ impl Machine for Excavator {
         acceleration = |e| e.started;
     };
 
-    const METHODS: &'static [&'static str] = &[
-        "auto",
-        "multi-forgetting-rls",
-        "svf-rls",
-        "posture-torque",
-        "torque",
-        "posture",
-        "velocity",
-    ];
+    const METHODS: &'static [&'static str] = Method::NAMES;
 
     fn new(description: &Description, method: usize, bits: u32) -> Result<Self, impl fmt::Display> {
         let method = *Method::ALL.get(method).ok_or(Refusal::NoSuchMethod)?;

@@ -117,8 +117,7 @@ impl Machine for Loader {
         speed_delay = |e| e.estimate.started && e.estimate.speed_delay.is_some();
     };
 
-    const METHODS: &'static [&'static str] =
-        &["full", "isr-ukf-printed", "isr-ukf", "ekf", "full-ekf"];
+    const METHODS: &'static [&'static str] = Method::NAMES;
 
     fn new(
         description: &Description,

@@ -13,11 +13,14 @@ macro_rules! methods {
 
         impl Method {
             /// Every method, the default first.
-            pub const ALL: [Self; [$($name),+].len()] = [$(Self::$method),+];
+            pub const ALL: [Self; Self::NAMES.len()] = [$(Self::$method),+];
+
+            /// Their names.
+            pub const NAMES: &[&str] = &[$($name),+];
 
             /// The name in files and on the command line.
             pub const fn name(self) -> &'static str {
-                match self { $( Self::$method => $name, )+ }
+                Self::NAMES[self as usize]
             }
 
             /// The method of that name.

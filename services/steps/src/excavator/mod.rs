@@ -33,6 +33,6 @@ pub fn method(name: &str) -> Result<Method, Error> {
     Method::parse(name).ok_or_else(|| Error::UnknownMethod {
         machine: "excavator",
         name: name.to_owned(),
-        known: Method::ALL.map(Method::name).to_vec(),
+        known: Method::NAMES.to_vec(),
     })
 }
