@@ -45,7 +45,7 @@ fn a_process_that_spins_answers_everything_and_never_sleeps() {
     let before = [sleeps(pid("rls")), sleeps(pid("ukf"))];
     // On a busy host one that is woken may find several samples, and sleeps less often than they come.
     wait_until("ukf has slept", Duration::from_secs(30), || {
-        sleeps(pid("ukf")) - before[1] > 150
+        sleeps(pid("ukf")) - before[1] > 250
     });
     let slept = sleeps(pid("rls")) - before[0];
     assert!(slept < 10, "rls slept {slept} times");
