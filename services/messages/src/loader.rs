@@ -223,6 +223,10 @@ pub const LOADER_REASONS: &[(&str, &str)] = &[
     ),
     ("limit", "an estimate is at its limit"),
     ("restarted", "the service was started again"),
+    (
+        "locked drive",
+        "the axles turn alike: the torques told are not theirs",
+    ),
 ];
 
 /// Names of the loader estimation methods, indexed by [`LoaderEstimate::method`].

@@ -21,6 +21,7 @@
 //! | `quantum` | wheel speeds in steps |
 //! | `stuck` | a sensor whose value never changes |
 //! | `relearning` | what was learnt wrongly: the start, the radii under another load |
+//! | `coupling` | a centre drive that is locked |
 //! | `disturbance` | brakes, steering, forces that nobody measures |
 //! | `inputs`, `conditions` | inputs between rows; freezing and wheel noise |
 //! | `filter`, `estimator` | one row |
@@ -31,6 +32,7 @@
 pub mod axle_loads;
 pub mod cg_model;
 mod conditions;
+mod coupling;
 mod disturbance;
 mod estimate;
 mod estimator;

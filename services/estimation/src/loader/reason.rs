@@ -46,11 +46,13 @@ pub enum Reason {
     AtLimit = 18,
     /// The process was started again: said by those who start it, not by an estimator.
     Restarted = 19,
+    /// The axles turn alike: a locked centre drive, whose axle torques are not those that are told.
+    Locked = 20,
 }
 
 impl Reason {
     /// Names by code.
-    pub const NAMES: [&'static str; 20] = [
+    pub const NAMES: [&'static str; 21] = [
         "",
         "missing",
         "stuck speed",
@@ -71,6 +73,7 @@ impl Reason {
         "disagreement",
         "limit",
         "restarted",
+        "locked drive",
     ];
 
     /// The name in tables; empty for none.

@@ -16,7 +16,11 @@ use super::settings::Settings;
 use super::stuck::WATCHED;
 use crate::math::sqrt;
 
-/// Relative error of the ratio per load sensitivity.
+/// Relative error of the ratio per load sensitivity, on the reference machine: 8 K h/(l lam [1/lam^2 + 1/(1 - lam)^2]).
+///
+/// An acceleration a moves the load m h a/l. That makes the slips differ by (a/(2 g K)) [1/lam^2 + 1/(1 - lam)^2] for a unit of
+/// the share, and the radii by 4 h a/(g l) for a unit of their sensitivity: both go with a, so one looks like the other.
+/// With the K and h of the machine in place of the reference's it was no better: they are estimates too.
 const RATIO_PER_SENSITIVITY: f64 = 16.0;
 /// Relative error of the ratio per relative error of a rolling radius that is taken as exact: 17 % for 0.1 %.
 const RATIO_PER_RADIUS: f64 = 170.0;

@@ -181,6 +181,19 @@ mod tests {
     }
 
     #[test]
+    fn axles_that_are_locked_are_named_and_nothing_is_trusted() {
+        for seed in 1..=3 {
+            let [both, by_tangent] = tally(&work(effects("locked drive", ""), seed)).unwrap();
+            for quantity in both.into_iter().chain(by_tangent) {
+                assert_eq!(quantity.trusted(), 0.0);
+                assert!(quantity.covered() > 0.93, "{}", quantity.covered());
+                let (reason, share) = quantity.reason().unwrap();
+                assert!(reason == "locked drive" && share > 0.8, "{reason} {share}");
+            }
+        }
+    }
+
+    #[test]
     fn a_signal_that_is_lost_or_never_changes_is_named_and_nothing_is_trusted() {
         for (fault, reason) in [
             ("front_torque:missing,from=40,to=50", "missing"),

@@ -64,6 +64,9 @@ pub(in crate::loader) trait Belief<const N: usize, const M: usize>:
     /// Its standard deviation, sensor noise not included.
     fn measurement_std(expected: &Self::Expected, j: usize) -> f64;
 
+    /// Variance of the predicted difference of two measurements that are states, sensor noise not included.
+    fn difference_variance(expected: &Self::Expected, of: [usize; 2]) -> f64;
+
     /// Absorbs the accepted measurements; returns the normalised innovation squared.
     fn update(
         &mut self,
@@ -143,6 +146,11 @@ impl<const N: usize, const M: usize> Belief<N, M> for SquareRootUkf<N, M> {
 
     fn measurement_std(expected: &Self::Expected, j: usize) -> f64 {
         expected.measurement_std(j)
+    }
+
+    fn difference_variance(expected: &Self::Expected, [a, b]: [usize; 2]) -> f64 {
+        let pairs = expected.root[a].iter().zip(&expected.root[b]);
+        pairs.map(|(a, b)| (a - b) * (a - b)).sum()
     }
 
     #[inline(always)]
@@ -349,6 +357,10 @@ impl<const N: usize, const M: usize> Belief<N, M> for Ekf<N, M> {
 
     fn measurement_std(expected: &Self::Expected, j: usize) -> f64 {
         expected.measurement_std(j)
+    }
+
+    fn difference_variance(expected: &Self::Expected, [a, b]: [usize; 2]) -> f64 {
+        expected.own[a][a] + expected.own[b][b] - 2.0 * expected.own[a][b]
     }
 
     #[inline(always)]

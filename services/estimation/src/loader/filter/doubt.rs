@@ -2,9 +2,13 @@
 
 use super::{Belief, CgFilter};
 use crate::keys::Range;
-use crate::loader::layout::{CG_HEIGHT, CG_RATIO, Each, Layout, SLIP_STIFFNESS, SPEED};
+use crate::loader::coupling::Turning;
+use crate::loader::layout::{
+    CG_HEIGHT, CG_RATIO, Each, FRONT_WHEEL, Layout, REAR_WHEEL, SLIP_STIFFNESS, SPEED,
+};
 use crate::loader::reason::Reason;
 use crate::loader::verdict::Doubt;
+use crate::math::sqrt;
 
 /// Standard deviations of the prior within which an estimate is as expected; twice as far it contradicts it by one more.
 const EXPECTED: f64 = 2.0;
@@ -54,7 +58,16 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             .map_or(0.0, |i| state[i]);
         let sensors = &self.settings.sensors;
         let late = (delay - sensors.speed_delay).abs() > LATEST * sensors.speed_delay_std;
-        let reason = if self.disturbance.torques_misfit() {
+        let locked = self.coupling.locked();
+        // Mixture of the estimate and, as far as the axles may be locked, the prior.
+        let mixed = |away: f64, i: usize, centre: f64, std: f64| {
+            let away = if empty { away } else { 0.0 };
+            let moved = state[i] - centre;
+            sqrt(away * away + locked * (moved * moved + std * std))
+        };
+        let reason = if locked > 0.5 {
+            Reason::Locked
+        } else if self.disturbance.torques_misfit() {
             Reason::Torque
         } else if late {
             Reason::Latency
@@ -73,16 +86,37 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         };
         Doubt {
             birge: self.legs.ratio(),
-            beyond: if empty {
-                Each { ratio, height }
-            } else {
-                Each::default()
+            beyond: Each {
+                ratio: mixed(ratio, CG_RATIO, prior.cg_ratio, prior.cg_ratio_std),
+                height: mixed(height, CG_HEIGHT, prior.cg_height, prior.cg_height_std),
             },
             at_limit,
             unknown_height: self.lifts_untold(),
             reason,
             acts: self.acts(),
         }
+    }
+
+    /// Adds a row whose wheels were accepted to what is known of the centre drive; `noise` is that before any gate.
+    pub(super) fn compare_axles(
+        &mut self,
+        measured: &[f64; M],
+        innovation: &[f64; M],
+        expected: &B::Expected,
+        process: &[f64; N],
+        noise: &[f64; M],
+    ) {
+        let [front, rear] = [FRONT_WHEEL, REAR_WHEEL];
+        let squares = |std: &[f64]| std[front] * std[front] + std[rear] * std[rear];
+        let [front_sensor, rear_sensor] = self.wheel_sensor_std();
+        self.coupling.see(&Turning {
+            difference: measured[front] - measured[rear],
+            innovation: innovation[front] - innovation[rear],
+            predicted: B::difference_variance(expected, [front, rear]),
+            process: squares(process),
+            noise: squares(noise),
+            sensors: front_sensor * front_sensor + rear_sensor * rear_sensor,
+        });
     }
 
     /// What acts on the machine that its model does not have.

@@ -3,6 +3,7 @@
 use crate::loader::Method;
 use crate::loader::cg_model::{CgModel, Integration, Loading};
 use crate::loader::conditions::{Conditions, Monitor};
+use crate::loader::coupling::Coupling;
 use crate::loader::disturbance::{Disturbance, Effect};
 use crate::loader::estimate::Status;
 use crate::loader::inputs::{InputHold, StepInputs};
@@ -102,6 +103,7 @@ pub(super) struct CgFilter<const N: usize, const M: usize, B: Belief<N, M>> {
     effect: Effect,
     slope_error: SlopeError,
     legs: Legs,
+    coupling: Coupling,
     /// How long ago something changed that the load may explain [s].
     changed: f64,
     pub(in crate::loader) load: Load,
@@ -159,6 +161,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             effect: Effect::default(),
             slope_error: SlopeError::default(),
             legs: Legs::default(),
+            coupling: Coupling::default(),
             changed: f64::INFINITY,
             load: Load::default(),
             boom_told: false,
@@ -384,6 +387,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             innovation[FRONT_WHEEL] -= windup[0];
             innovation[REAR_WHEEL] -= windup[1];
         }
+        let noise = std;
         let (mut accepted, mut deweighted) = ([false; M], [false; M]);
         for j in 0..M {
             let (kept, soft) = gate(&self.settings, innovation[j], &mut std[j], || {
@@ -403,6 +407,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let both = accepted[FRONT_WHEEL] && accepted[REAR_WHEEL] && !conditions.frozen;
         if at_work && both {
             self.compare_legs(&before, &state, &innovation, &std, model);
+            self.compare_axles(&measured, &innovation, &expected, &process_std, &noise);
         }
         let nis = self.belief.update(&expected, &innovation, &std, &accepted);
         self.clamp();

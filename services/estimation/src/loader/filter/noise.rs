@@ -139,6 +139,16 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         core::array::from_fn(|j| all[j])
     }
 
+    /// Noise of the wheel speed sensors, with that of their steps [rad/s].
+    pub(super) fn wheel_sensor_std(&self) -> [f64; 2] {
+        let stated = self.settings.sensors.wheel_speed_std;
+        if self.settings.at_work() {
+            self.quantum.widen(stated)
+        } else {
+            [stated; 2]
+        }
+    }
+
     pub(super) fn measurement_std(
         &mut self,
         state: &[f64; N],
@@ -149,11 +159,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let step = WheelStep {
             machine: &model.dynamics,
             inputs: &model.inputs,
-            sensor_std: if self.settings.at_work() {
-                self.quantum.widen(self.settings.sensors.wheel_speed_std)
-            } else {
-                [self.settings.sensors.wheel_speed_std; 2]
-            },
+            sensor_std: self.wheel_sensor_std(),
             weak: conditions.weak_wheels,
             dt: model.dt,
         };
