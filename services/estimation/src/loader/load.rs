@@ -101,6 +101,23 @@ impl Load {
         })
     }
 
+    /// Centre of gravity with this load, where nothing but that of the empty machine is known; `reach` in wheelbases.
+    pub fn expected(&self, [height, ratio]: Centre, reach: f64) -> Centre {
+        let share = self.share();
+        let loaded = |(centre, std): (f64, f64), load: f64, load_std: f64| {
+            let (std, load_std) = ((1.0 - share) * std, share * load_std);
+            let variance = std * std + load_std * load_std;
+            (
+                centre + share * (load - centre),
+                crate::math::sqrt(variance),
+            )
+        };
+        [
+            loaded(height, height.0, HEIGHT_SPREAD * height.0),
+            loaded(ratio, 1.0 + ARM.0 * reach, ARM.1 * reach),
+        ]
+    }
+
     /// Share of the mass that is load.
     pub fn share(&self) -> f64 {
         match (self.anchor, self.empty) {

@@ -27,15 +27,21 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     /// What makes the estimate doubtful beside its own covariance.
     pub(in crate::loader) fn doubt(&self) -> Doubt {
         let (prior, state) = (&self.settings.prior, self.belief.state());
-        let beyond =
-            |value: f64, centre: f64, std: f64| ((value - centre).abs() - EXPECTED * std).max(0.0);
-        let empty = self.payload.is_none() && self.load.share() < 0.04;
-        let height = beyond(state[CG_HEIGHT], prior.cg_height, prior.cg_height_std);
-        let ratio = beyond(state[CG_RATIO], prior.cg_ratio, prior.cg_ratio_std);
+        let beyond = |value: f64, (centre, std): (f64, f64)| {
+            ((value - centre).abs() - EXPECTED * std).max(0.0)
+        };
+        let expected = self.expected_centre();
+        // A payload that is told in full may be told wrongly.
+        let [height, ratio] = match self.payload {
+            None => [
+                beyond(state[CG_HEIGHT], expected[0]),
+                beyond(state[CG_RATIO], expected[1]),
+            ],
+            Some(_) => [0.0; 2],
+        };
         let stiffness = beyond(
             state[SLIP_STIFFNESS],
-            prior.slip_stiffness,
-            prior.slip_stiffness_std,
+            (prior.slip_stiffness, prior.slip_stiffness_std),
         );
         let bounds = self.settings.bounds();
         let at = |i: usize| {
@@ -59,12 +65,6 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let sensors = &self.settings.sensors;
         let late = (delay - sensors.speed_delay).abs() > LATEST * sensors.speed_delay_std;
         let locked = self.coupling.locked();
-        // Mixture of the estimate and, as far as the axles may be locked, the prior.
-        let mixed = |away: f64, i: usize, centre: f64, std: f64| {
-            let away = if empty { away } else { 0.0 };
-            let moved = state[i] - centre;
-            sqrt(away * away + locked * (moved * moved + std * std))
-        };
         let reason = if locked > 0.5 {
             Reason::Locked
         } else if self.disturbance.torques_misfit() {
@@ -77,18 +77,25 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             Reason::Stiffness
         } else if self.changed < CHANGE_SHOWN {
             Reason::Load
-        } else if self.legs.ratio() > DISAGREE
-            || empty && (height > prior.cg_height_std || ratio > prior.cg_ratio_std)
-        {
+        } else if self.legs.ratio() > DISAGREE || height > expected[0].1 || ratio > expected[1].1 {
             Reason::Disagreement
         } else {
             Reason::None
         };
+        // Where the model does not hold, nothing is known but what was known before: a mixture of both.
+        let doubted = match reason {
+            Reason::Locked | Reason::Torque | Reason::AtLimit | Reason::Stiffness => 1.0,
+            _ => locked,
+        };
+        let mixed = |away: f64, value: f64, (centre, std): (f64, f64)| {
+            let moved = value - centre;
+            sqrt(away * away + doubted * (moved * moved + std * std))
+        };
         Doubt {
             birge: self.legs.ratio(),
             beyond: Each {
-                ratio: mixed(ratio, CG_RATIO, prior.cg_ratio, prior.cg_ratio_std),
-                height: mixed(height, CG_HEIGHT, prior.cg_height, prior.cg_height_std),
+                ratio: mixed(ratio, state[CG_RATIO], expected[1]),
+                height: mixed(height, state[CG_HEIGHT], expected[0]),
             },
             at_limit,
             unknown_height: self.lifts_untold(),

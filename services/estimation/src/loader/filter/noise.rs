@@ -41,7 +41,19 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
                 std[CG_HEIGHT] = keys.boom_gain * scale * keys.q_cg_height;
                 std[CG_RATIO] = keys.boom_gain * scale * keys.q_cg_ratio;
             }
-            if conditions.reopen && keys.reopen > 0.0 {
+            let weighed = self.load.share() > LEAST_LOAD;
+            if weighed {
+                // However long the boom may have moved, it has not left the machine.
+                for (i, (_, most)) in [CG_HEIGHT, CG_RATIO]
+                    .into_iter()
+                    .zip(self.expected_centre())
+                {
+                    let room = (most * most - self.belief.variance(i)).max(0.0);
+                    std[i] = std[i].min(sqrt(room));
+                }
+            }
+            // What is weighed needs no guess of what the bucket holds.
+            if conditions.reopen && keys.reopen > 0.0 && !weighed {
                 std[CG_HEIGHT] = keys.reopen * prior.cg_height_std;
                 std[CG_RATIO] = keys.reopen * prior.cg_ratio_std;
             }
@@ -59,6 +71,17 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             }
         }
         std
+    }
+
+    /// Height and ratio as they may be under the present load, where the motion has told nothing.
+    pub(super) fn expected_centre(&self) -> Centre {
+        let prior = &self.settings.prior;
+        let empty = [
+            (prior.cg_height, prior.cg_height_std),
+            (prior.cg_ratio, prior.cg_ratio_std),
+        ];
+        let reach = self.settings.machine.bucket_reach / self.dynamics.wheelbase;
+        self.load.expected(empty, reach)
     }
 
     /// The machine is loaded, and nobody would say if the boom moved.
@@ -84,6 +107,15 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         for (i, std) in [(CG_HEIGHT, height_std), (CG_RATIO, ratio_std)] {
             let loosened = &mut self.loosened[i];
             *loosened = sqrt(*loosened * *loosened + std * std);
+        }
+        // The bucket was dug full, and what it holds is weighed: no longer anything.
+        for (i, (_, most)) in [CG_HEIGHT, CG_RATIO]
+            .into_iter()
+            .zip(self.expected_centre())
+        {
+            if self.belief.std(i) > most {
+                self.belief.separate(&[(i, most)], &[0.0; N]);
+            }
         }
         self.clamp();
     }
