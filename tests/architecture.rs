@@ -52,6 +52,7 @@ const ARROWS: &[(&str, &[&str])] = &[
         &[
             "config",
             "estimation",
+            "fuzz",
             "messages",
             "recording",
             "runtime",
@@ -60,6 +61,10 @@ const ARROWS: &[(&str, &[&str])] = &[
             "steps",
             "view",
         ],
+    ),
+    (
+        "bench/fuzz",
+        &["config", "messages", "recording", "steps", "view"],
     ),
     // The root package: the command line, above everything.
     (

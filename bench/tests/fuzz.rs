@@ -1,36 +1,58 @@
 //! A short share of the battery's fuzzing, with everything that was found before: every target returns, within its memory.
+//! The gate asks for a longer one, with another seed each time.
 
+use std::collections::VecDeque;
 use std::process::Command;
+use std::sync::Mutex;
+
+use fuzz::TARGETS;
+
+/// A number from the environment.
+fn asked(name: &str, usual: u64) -> String {
+    let value = std::env::var(name).unwrap_or_else(|_| usual.to_string());
+    assert!(value.parse::<u64>().is_ok(), "{name}={value} is no number");
+    value
+}
+
+/// Runs a target in a process and a folder of its own; what it said and its last input if it did not survive.
+fn attack(target: &str) -> Result<(), String> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let seed = asked("HEFT_FUZZ_SEED", 11);
+    let output = Command::new(env!("CARGO_BIN_EXE_battery"))
+        .args(["--fuzz", target, "--seed", &seed])
+        .args(["--seconds", &asked("HEFT_FUZZ_SECONDS", 1)])
+        .current_dir(folder.path())
+        .output()
+        .expect("the battery starts");
+    let printed = String::from_utf8_lossy(&output.stdout);
+    println!("{target}: {} inputs, seed {seed}", printed.trim());
+    if output.status.success() {
+        return Ok(());
+    }
+    let said = String::from_utf8_lossy(&output.stderr);
+    let input = folder.keep().join("input");
+    Err(format!(
+        "{target}, seed {seed}, input {}: {} {said}",
+        input.display(),
+        output.status
+    ))
+}
 
 #[test]
-fn every_parser_survives_what_was_found_and_a_second_of_mutations() {
-    let targets = [
-        "csv",
-        "dbc",
-        "map",
-        "description",
-        "candump",
-        "lines",
-        "mcap",
-        "report",
-        "http",
-    ];
-    for target in targets {
-        let folder = tempfile::tempdir().expect("a folder");
-        let output = Command::new(env!("CARGO_BIN_EXE_battery"))
-            .args(["--fuzz", target, "--seconds", "1", "--seed", "11"])
-            .current_dir(folder.path())
-            .output()
-            .expect("the battery starts");
-        let said = String::from_utf8_lossy(&output.stderr);
-        let input = std::fs::read(folder.path().join("input")).unwrap_or_default();
-        assert!(
-            output.status.success(),
-            "{target}: {} {said}\ninput: {:?}",
-            output.status,
-            String::from_utf8_lossy(&input)
-        );
-    }
+fn every_parser_survives_what_was_found_and_some_seconds_of_mutations() {
+    let waiting: Mutex<VecDeque<_>> = Mutex::new(TARGETS.iter().map(|t| t.name).collect());
+    let next = || waiting.lock().expect("nobody panics").pop_front();
+    // Two at a time.
+    let some = || -> Vec<_> { std::iter::from_fn(next).map(attack).collect() };
+    let results = std::thread::scope(|scope| {
+        let other = scope.spawn(some);
+        let mut results = some();
+        results.extend(other.join().expect("it ends"));
+        results
+    });
+    assert_eq!(results.len(), TARGETS.len());
+    let failed: Vec<String> = results.into_iter().filter_map(Result::err).collect();
+    assert!(failed.is_empty(), "{}", failed.join("\n"));
 }
 
 #[test]

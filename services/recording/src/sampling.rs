@@ -180,10 +180,9 @@ impl Rows {
 
     /// A value has come at `clock`.
     pub(crate) fn hear(&mut self, clock: i64) {
-        let before = self.heard.replace(self.heard.unwrap_or(clock).max(clock));
-        let Some(silence) = before.map(|before| before + GAP) else {
-            return;
-        };
+        // Before the first value there is silence from 0 on.
+        let silence = self.heard.unwrap_or(0) + GAP;
+        self.heard = Some(self.heard.map_or(clock, |heard| heard.max(clock)));
         if self.empty().is_some_and(|empty| empty > silence) {
             self.resumed = clock;
         }
@@ -363,6 +362,20 @@ mod tests {
             let after = drain(&mut rows, &mut series, false);
             assert!((1..=2).contains(&after.len()), "{after:?}");
         }
+    }
+
+    #[test]
+    fn the_time_before_a_first_value_that_comes_late_is_a_gap() {
+        let (mut rows, mut series) = (Rows::new(Some(100.0)), series(0.0, false, 0.5));
+        let late = 20 * 365 * 86_400 * SECOND;
+        rows.pass(late);
+        let before = drain(&mut rows, &mut series, false);
+        assert!((100..200).contains(&before.len()), "{}", before.len());
+        series.push(late, 1.0);
+        rows.hear(late);
+        rows.pass(late + 15 * MS);
+        let after = drain(&mut rows, &mut series, false);
+        assert!((1..=2).contains(&after.len()), "{after:?}");
     }
 
     #[test]

@@ -6,6 +6,8 @@ pub(crate) mod table;
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
+use std::fs::File;
+use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 
 use messages::Machine;
@@ -43,14 +45,29 @@ pub fn suggest(path: &Path, dbc: &[PathBuf], machine: Option<Machine>) -> Result
     Ok(best.map(|(_, text)| text).unwrap_or_default())
 }
 
+/// A text as a TOML string.
+fn quoted(text: &str) -> String {
+    let mut out = String::from("\"");
+    for c in text.chars() {
+        let _ = match c {
+            '"' | '\\' => write!(out, "\\{c}"),
+            c if c.is_control() => write!(out, "\\u{:04X}", u32::from(c)),
+            c => write!(out, "{c}"),
+        };
+    }
+    out + "\""
+}
+
+/// A text within a comment: what could end the comment, or cannot stand in one, becomes a mark.
+fn shown(text: &str) -> String {
+    text.replace(char::is_control, "\u{fffd}")
+}
+
 /// The first lines of a map: what it is and how to use it.
 fn opening<S: Sensors>(path: &Path) -> String {
+    let (file, machine) = (shown(&path.display().to_string()), S::MACHINE);
     format!(
-        "# A first signal map of {} for the {}, guessed: read every line.\n# Then: heft estimate {} --machine {} --map THIS_FILE -o out.csv\n",
-        path.display(),
-        S::MACHINE,
-        path.display(),
-        S::MACHINE
+        "# A first signal map of {file} for the {machine}, guessed: read every line.\n# Then: heft estimate {file} --machine {machine} --map THIS_FILE -o out.csv\n"
     )
 }
 
@@ -63,11 +80,12 @@ pub(crate) fn log<S: Sensors>(path: &Path, dbc: &[PathBuf]) -> Result<(usize, St
             "give one with --dbc",
         ));
     }
-    let bytes = std::fs::read(path).map_err(|e| Error::system("read the CAN log", path, &e))?;
-    let text = String::from_utf8_lossy(&bytes);
+    let failed = |e| Error::system("read the CAN log", path, &e);
+    let log = BufReader::new(File::open(path).map_err(failed)?);
     let mut counts = BTreeMap::new();
-    for line in text.lines() {
-        if let Some(Line::Frame { frame, .. }) = parse(line) {
+    for line in log.split(b'\n') {
+        let line = line.map_err(failed)?;
+        if let Some(Line::Frame { frame, .. }) = parse(&String::from_utf8_lossy(&line)) {
             *counts.entry((frame.id, frame.extended)).or_insert(0_u32) += 1;
         }
     }
@@ -95,7 +113,7 @@ pub(crate) fn log<S: Sensors>(path: &Path, dbc: &[PathBuf]) -> Result<(usize, St
     let mut out = opening::<S>(path);
     let files: Vec<String> = dbc
         .iter()
-        .map(|f| format!("{:?}", f.display().to_string()))
+        .map(|f| quoted(&f.display().to_string()))
         .collect();
     let _ = writeln!(
         out,
@@ -119,11 +137,12 @@ pub(crate) fn log<S: Sensors>(path: &Path, dbc: &[PathBuf]) -> Result<(usize, St
                 let unit = if unit.is_empty() {
                     "no unit: taken as SI".into()
                 } else {
-                    format!("unit {unit} by the DBC")
+                    format!("unit {} by the DBC", shown(unit))
                 };
+                let (message, own) = (quoted(message), quoted(own));
                 let _ = writeln!(
                     out,
-                    "{signal} = {{ message = \"{message}\", signal = \"{own}\" }}  # by its name; {count} frames; {unit}"
+                    "{signal} = {{ message = {message}, signal = {own} }}  # by its name; {count} frames; {unit}"
                 );
             }
             None if is_required::<S>(&signal) => {
@@ -138,7 +157,7 @@ pub(crate) fn log<S: Sensors>(path: &Path, dbc: &[PathBuf]) -> Result<(usize, St
     let unseen = if present.is_empty() {
         "; no message of the DBC is in the log".to_owned()
     } else {
-        format!(": {}", names.join(", "))
+        format!(": {}", shown(&names.join(", ")))
     };
     let _ = writeln!(out, "\n# Sensors of the DBC that the log carries{unseen}");
     Ok((found, out))
@@ -156,4 +175,26 @@ fn unit_of<S: Sensors>(name: &str) -> &'static str {
         .iter()
         .find(|s| s.name == name)
         .map_or("", |s| s.unit)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_any_kind_make_a_map_that_is_read() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let file = dir.path().join("x.csv");
+        let names = ["slope \"\\\n\0\u{7f}[rad]", "b\r\nrate = 1"];
+        let header = names.map(|n| format!("\"{}\"", n.replace('"', "\"\"")));
+        let text = format!("t,{}\n0,1,2\n", header.join(","));
+        std::fs::write(&file, text).expect("writable");
+        let text = suggest(&file, &[], Some(Machine::Loader)).expect("a table");
+        let map = crate::Map::parse(&text, "m.toml").expect("a map");
+        let slope = map.columns.iter().find(|e| e.signal == "slope");
+        let origin = slope.map(|e| &e.terms[0].origin);
+        let expected = crate::map::Origin::Column(names[0].into());
+        assert_eq!(origin, Some(&expected), "{text}");
+        assert!(!map.has_can(), "{text}");
+    }
 }

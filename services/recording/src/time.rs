@@ -76,7 +76,7 @@ fn zone(clock: &str) -> Option<(&str, i64)> {
     } else {
         digits(minutes)?
     };
-    let minutes = hours * 60 + minutes;
+    let minutes = (hours * 60).checked_add(minutes)?;
     (minutes <= 1440).then_some((clock, if ahead { minutes } else { -minutes }))
 }
 
@@ -163,6 +163,7 @@ mod tests {
             "+1",
             "1e3",
             "99999999999.0",
+            "2014-04-10 21:30:09+019223372036854775807",
             "2014-13-01 00:00",
             "2014-01-01 24:00",
             "2014-01-01 00:61",

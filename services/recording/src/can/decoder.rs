@@ -13,6 +13,8 @@ const DISORDER: i64 = SECOND;
 const JUMP: i64 = 10 * SECOND;
 /// Strange times in a row after which any time is believed.
 const MOST_STRANGE: u32 = 3;
+/// No bus is heard for longer, 73 years: sums of a few times cannot overflow.
+const LONGEST: i64 = i64::MAX / 4;
 /// A sender that was silent for so long has left the signal to another.
 const ABDICATION: i64 = 5 * SECOND;
 /// Remarks that are kept.
@@ -427,10 +429,10 @@ impl Clock {
         self.relative(time)
     }
 
-    /// A time since the first frame [ns].
+    /// A time since the first frame [ns], at most [`LONGEST`] away.
     fn relative(&self, time: i64) -> Option<i64> {
-        let start = self.start?;
-        Some(time.saturating_sub(start).saturating_add(self.shift))
+        let since = time.saturating_sub(self.start?).saturating_add(self.shift);
+        Some(since.clamp(-LONGEST, LONGEST))
     }
 
     /// A time since the first frame on the clock of the frames [ns].
@@ -481,5 +483,7 @@ mod tests {
         let max = i64::MAX as f64 / 1e9;
         let (found, _) = times(&[-max, max, -max, max, 0.0, max, max, -max, -max]);
         assert_eq!(found.len(), 9);
+        let longest = LONGEST as f64 / 1e9;
+        assert!(found.iter().flatten().all(|t| t.abs() <= longest));
     }
 }

@@ -1,13 +1,13 @@
 //! Logs of candump.
 
 use std::fs::File;
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
 use super::{Decoder, Line, parse};
-use crate::Error;
 use crate::map::Map;
 use crate::signal::{Row, Sensors};
+use crate::{Error, MAX_LINE};
 
 /// The rows of a log, one after the other.
 pub(crate) struct Log<S: Sensors> {
@@ -46,7 +46,8 @@ impl<S: Sensors> Log<S> {
                 return Ok(None);
             }
             self.line.clear();
-            let read = self.file.read_until(b'\n', &mut self.line);
+            let mut file = (&mut self.file).take(MAX_LINE as u64);
+            let read = file.read_until(b'\n', &mut self.line);
             let read = read.map_err(|e| Error::system("read the CAN log", &self.path, &e))?;
             self.read += read as u64;
             if read == 0 {
@@ -75,7 +76,7 @@ impl<S: Sensors> Log<S> {
             }
             Some(Line::Nothing) => {}
             // The last line of a log whose writer was switched off.
-            None if !text.ends_with('\n') => {}
+            None if !text.ends_with('\n') && self.line.len() < MAX_LINE => {}
             None => {
                 let shown: String = text.trim().chars().take(80).collect();
                 let remedy = "give a log of candump -L, or of candump -ta with its times";

@@ -55,6 +55,9 @@ impl Cells {
         self.record.clear();
         let (mut taken, mut written, mut count) = (0, 0, 0);
         loop {
+            if taken > MOST {
+                return Err(too_long());
+            }
             let text = input.fill_buf()?;
             let (result, read, bytes, ends) =
                 self.library
@@ -84,6 +87,15 @@ fn plain(line: &[u8]) -> Option<&[u8]> {
     let line = line.strip_suffix(b"\n").unwrap_or(line);
     let line = line.strip_suffix(b"\r").unwrap_or(line);
     (!line.contains(&b'"') && !line.contains(&b'\r') && !line.contains(&b'\n')).then_some(line)
+}
+
+/// No record is longer: one quote that is never closed makes one of all that follows.
+const MOST: usize = 1 << 22;
+
+fn too_long() -> io::Error {
+    let mb = MOST >> 20;
+    let why = format!("a row is longer than {mb} MB; is a quote never closed?");
+    io::Error::new(io::ErrorKind::InvalidData, why)
 }
 
 /// What is read at one go; a longer line is left to the library.
@@ -188,6 +200,18 @@ mod tests {
         for line in lines {
             let expected = library(line.as_bytes()).pop().unwrap_or_default();
             assert_eq!(cells.split(line.as_bytes()), &expected, "{line:?}");
+        }
+    }
+
+    #[test]
+    fn a_quote_that_is_never_closed_does_not_take_all_memory() {
+        for byte in [b'2', b',', b'"'] {
+            let endless = (&b"a,b\n1,\""[..]).chain(io::repeat(byte));
+            let mut records =
+                Records::new(io::BufReader::new(endless), Dialect { separator: b',' });
+            assert!(records.advance().expect("the header"));
+            let error = records.advance().expect_err("no end");
+            assert!(error.to_string().contains("never closed"), "{error}");
         }
     }
 

@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use super::names::{fitting, wanted};
-use super::{is_required, opening, unit_of};
+use super::{is_required, opening, quoted, shown, unit_of};
 use crate::Error;
 use crate::csv::numbers;
 use crate::signal::Sensors;
@@ -33,22 +33,26 @@ pub(crate) fn suggest<S: Sensors>(path: &Path) -> Result<(usize, String), Error>
         taken.push(at);
         found += 1;
         let guess = unit(&signal, unit_of::<S>(&signal), &header[at], &columns[at]);
-        let name = &header[at];
+        let name = quoted(&header[at]);
         let reason = guess.reason;
         let _ = match guess.unit {
             Some(unit) => writeln!(
                 out,
-                "{signal} = {{ column = {name:?}, unit = \"{}\" }}  # {reason}",
+                "{signal} = {{ column = {name}, unit = \"{}\" }}  # {reason}",
                 unit.name
             ),
-            None => writeln!(out, "{signal} = {name:?}  # {reason}"),
+            None => writeln!(out, "{signal} = {name}  # {reason}"),
         };
     }
     let rest: Vec<&str> = (0..names.len())
         .filter(|at| !taken.contains(at))
         .map(|at| names[at])
         .collect();
-    let _ = writeln!(out, "\n# Columns that fit nothing: {}", rest.join(", "));
+    let _ = writeln!(
+        out,
+        "\n# Columns that fit nothing: {}",
+        shown(&rest.join(", "))
+    );
     Ok((found, out))
 }
 

@@ -1,0 +1,102 @@
+//! Descriptions, and what every step makes of them and of samples.
+
+use config::Description;
+use messages::channels::Visitor;
+use messages::{Envelope, Machine, Message, Receiver, channels};
+use steps::stages::{AnyStep, Pipeline, Role};
+
+use crate::recorded::{Wild, assert_finite};
+
+/// What is read prints itself; what its steps take, they work with.
+pub fn description(input: &[u8]) {
+    let text = String::from_utf8_lossy(input);
+    for machine in [None, Some(Machine::Excavator), Some(Machine::Loader)] {
+        let Ok(read) = Description::parse(&text, "input", machine) else {
+            continue;
+        };
+        let printed = read.to_toml();
+        let again =
+            Description::parse(&printed, "printed", None).expect("what it prints, it reads");
+        assert_eq!(again.to_toml(), printed, "printing is a fixed point");
+        answer(&read, &Wild::new(&[0, 5]));
+    }
+}
+
+/// Samples with wild numbers, through every step with every method.
+pub fn estimate(input: &[u8]) {
+    let samples = Wild::new(input);
+    answer(&Description::default_of(samples.machine), &samples);
+}
+
+/// Every number that leaves a step is one.
+fn answer(description: &Description, samples: &Wild) {
+    let pipeline = Pipeline::of(description.machine());
+    let source = pipeline.stages.iter().find_map(|s| match s.role {
+        Role::Source { sensors, .. } => Some(sensors),
+        Role::Step(_) | Role::Sink | Role::Probe(_) | Role::Sender => None,
+    });
+    let place = channels::of_machine(description.machine())
+        .position(|c| source.is_some_and(|s| s.name == c.name))
+        .expect("the channel of the samples");
+    let source = source.expect("a source");
+    let samples: Vec<Envelope> = (0..samples.rows)
+        .map(|row| {
+            source.payload.visit(Make {
+                samples,
+                place,
+                row,
+            })
+        })
+        .collect();
+    for stage in pipeline.stages {
+        for method in stage.methods() {
+            let rows = pipeline.way_to(stage).into_iter();
+            let way: Result<Vec<_>, _> = rows.map(|row| row.start(description, method)).collect();
+            let Ok(mut way) = way else { continue };
+            for sample in &samples {
+                follow(&mut way, *sample);
+            }
+        }
+    }
+}
+
+/// A sample on its way.
+fn follow(way: &mut [Box<dyn AnyStep>], mut message: Envelope) {
+    for step in way {
+        let Some(answer) = step.answer(&message) else {
+            return;
+        };
+        answer.open(Finite);
+        message = answer;
+    }
+}
+
+struct Make<'a> {
+    samples: &'a Wild,
+    place: usize,
+    row: u64,
+}
+
+impl Visitor for Make<'_> {
+    type Output = Envelope;
+
+    fn visit<M: Message>(self) -> Envelope {
+        self.samples.message::<M>(self.place, self.row).envelope()
+    }
+}
+
+struct Finite;
+
+impl Receiver for Finite {
+    type Output = ();
+
+    fn receive<M: Message>(self, message: &M) {
+        assert_finite(message);
+    }
+}
+
+/// Every key of each machine.
+pub fn whole_descriptions() -> Vec<Vec<u8>> {
+    let whole = |machine| Description::default_of(machine).to_toml().into_bytes();
+    Machine::ALL.map(whole).into()
+}
