@@ -19,6 +19,7 @@
 //! ```
 
 mod cases;
+mod chance;
 mod cycle;
 mod effects;
 mod plant;

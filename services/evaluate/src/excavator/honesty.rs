@@ -5,11 +5,11 @@
 //! sheet and the prudent default of everything else ([`estimation::excavator::Doubts`]).
 
 use super::estimators::Setup;
-use super::honesty_lines::{described, effects};
+use super::honesty_lines::{USUAL, described, effects};
 use crate::honesty::{Judged, Line, Tally, json, text};
 use crate::{Error, Options, Report, seeds};
 use estimation::excavator::{Estimate, Method};
-use sim::excavator::{Row, Size, Work};
+use sim::excavator::{Effects, Row, Size, Work};
 
 /// Length of a record: 40 s at 100 Hz.
 const ROWS: usize = 4000;
@@ -53,9 +53,13 @@ fn reason(estimate: &Estimate) -> &'static str {
 pub(super) fn evaluate(options: &Options) -> Result<Report, Error> {
     let sizes = [Size::t13(), Size::t22(), Size::t36(), Size::reference()];
     let mut lines = Vec::new();
-    for (effect, severity, effects, asked) in effects() {
+    let listed =
+        effects().map(|(name, severity, effects, asked)| (name, severity, Some(effects), asked));
+    // Machines that nobody listed.
+    for (effect, severity, effects, asked) in listed.chain([("by chance", "", None, USUAL)]) {
         let found = seeds(options, &format!("{effect} {severity}"), |seed| {
             let size = sizes[(seed as usize - 1) % sizes.len()];
+            let effects = effects.unwrap_or_else(|| Effects::by_chance(seed));
             let work = Work::new(size, effects, seed);
             let rows: Vec<Row> = work.clone().take(ROWS).collect();
             METHODS

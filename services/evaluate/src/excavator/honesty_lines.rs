@@ -29,7 +29,8 @@ const GOOD: Asked = Asked {
     covered: 0.93,
     ..EFFECT
 };
-const USUAL: Asked = Asked {
+/// Everything at once, as on most machines.
+pub const USUAL: Asked = Asked {
     wrong: 0.10,
     ..EFFECT
 };

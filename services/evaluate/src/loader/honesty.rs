@@ -29,6 +29,9 @@ fn asked(effect: &str) -> Asked {
     }
 }
 
+/// Name of the line of machines that nobody listed, and the share of wrong that it may have.
+const BY_CHANCE: (&str, f64) = ("by chance", 0.10);
+
 /// What a competent user states for a machine of that size: the default, scaled.
 fn scaled(mut settings: Settings, size: Size) -> Settings {
     let (machine, reference) = (size.machine(), Size::Reference.machine());
@@ -132,9 +135,13 @@ fn judge(row: &Row, estimate: &Estimate) -> [Judged; 2] {
 /// Every effect at every severity, ratio and height; the sizes take turns with the seeds.
 pub(super) fn evaluate(options: &Options) -> Result<Report, Error> {
     let mut lines = Vec::new();
-    for (effect, severity, effects) in CASES {
+    let listed = CASES.map(|(effect, severity, effects)| (effect, severity, Some(effects)));
+    for (effect, severity, effects) in listed.into_iter().chain([(BY_CHANCE.0, "", None)]) {
         let found = seeds(options, &format!("{effect} {severity}"), |seed| {
-            tally(&work(effects, seed))
+            tally(&work(
+                effects.unwrap_or_else(|| Effects::by_chance(seed)),
+                seed,
+            ))
         })?;
         for (k, method) in METHODS.into_iter().enumerate() {
             for (i, what) in ["ratio", "height"].into_iter().enumerate() {
@@ -146,6 +153,9 @@ pub(super) fn evaluate(options: &Options) -> Result<Report, Error> {
                 };
                 let mut line = Line::new(effect, severity, &what, sum);
                 (line.least_trusted, line.least_covered) = asked(effect);
+                if effect == BY_CHANCE.0 {
+                    line.allowed = BY_CHANCE.1;
+                }
                 lines.push(line);
             }
         }

@@ -5,6 +5,7 @@
 //! integration (semi-implicit Euler at 1 ms, since springs and dry friction are in it).
 
 mod cases;
+mod chance;
 mod duty;
 mod effects;
 mod machine;

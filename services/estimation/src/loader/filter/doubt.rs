@@ -23,6 +23,10 @@ const NOTED_SLOPE: f64 = 0.02;
 /// How long a change is shown [s].
 const CHANGE_SHOWN: f64 = 5.0;
 
+fn norm(a: f64, b: f64) -> f64 {
+    sqrt(a * a + b * b)
+}
+
 impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     /// What makes the estimate doubtful beside its own covariance.
     pub(in crate::loader) fn doubt(&self) -> Doubt {
@@ -87,6 +91,8 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             Reason::Locked | Reason::Torque | Reason::AtLimit | Reason::Stiffness => 1.0,
             _ => locked,
         };
+        // Slips that a stiffness beyond its prior explains are not understood to that share, nor is the height that they tell.
+        let height = norm(height, state[CG_HEIGHT] * stiffness / state[SLIP_STIFFNESS]);
         let mixed = |away: f64, value: f64, (centre, std): (f64, f64)| {
             let moved = value - centre;
             sqrt(away * away + doubted * (moved * moved + std * std))

@@ -1,0 +1,54 @@
+//! A machine that nobody listed: each effect by chance, of a severity by chance up to the largest that the cases have.
+
+use super::cases::CASES;
+use super::effects::{Effects, PayloadTold};
+use crate::noise::Noise;
+
+/// Probability of each effect.
+const EACH: f64 = 0.3;
+/// Probability of a locked centre drive, and that a load is told by its mass alone, or not at all.
+const SELDOM: f64 = 0.1;
+/// Of the channels of a seed this one draws the effects.
+const CHANNEL: u64 = 0x6566;
+
+impl Effects {
+    /// The effects of the machine with this seed.
+    pub fn by_chance(seed: u64) -> Self {
+        let noise = &mut Noise::channel(seed, CHANNEL);
+        let largest = |of: fn(&Self) -> f64| CASES.iter().map(|c| of(&c.2)).fold(0.0, f64::max);
+        let mut some = |of: fn(&Self) -> f64| {
+            let severity = noise.uniform(0.0, largest(of));
+            if noise.chance(EACH) { severity } else { 0.0 }
+        };
+        let (speed_delay, brakes) = (some(|e| e.speed_delay), some(|e| e.brakes));
+        let (steering, hinge) = (some(|e| e.steering), some(|e| e.hinge));
+        let (slope_follows, slope_lag) = (some(|e| e.slope_follows), some(|e| e.slope_lag));
+        let gear_delay = some(|e| e.gear_delay);
+        let stiffness_exponent = some(|e| e.stiffness_exponent);
+        let mut either = |of: fn(&Self) -> f64| some(of) - some(of);
+        let stiffness_difference = either(|e| e.stiffness_difference);
+        let radius_sensitivity = either(|e| e.radius_sensitivity);
+        Self {
+            speed_delay,
+            brakes,
+            brakes_told: !noise.chance(EACH),
+            steering,
+            steering_told: !noise.chance(EACH),
+            hinge,
+            locked_drive: noise.chance(SELDOM),
+            slope_follows,
+            slope_lag,
+            gear_delay,
+            stiffness_difference,
+            stiffness_exponent,
+            radius_sensitivity,
+            payload_told: if noise.chance(SELDOM) {
+                PayloadTold::Nothing
+            } else if noise.chance(SELDOM) {
+                PayloadTold::Mass
+            } else {
+                PayloadTold::All
+            },
+        }
+    }
+}
