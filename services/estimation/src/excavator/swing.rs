@@ -19,6 +19,9 @@ use super::working::{Trail, Working};
 use crate::Quantity;
 use crate::math::sqrt;
 
+/// The velocity alone tells the inertia by its decay, b/J: without damping by nothing [N m s/rad].
+const LEAST_DAMPING: f64 = 1e-3;
+
 /// A column that has no value for this long counts as absent [s].
 const PRESENCE: f64 = 1.0;
 /// Factor of the standard deviation where the torque is unknown and the velocity is differenced from
@@ -67,7 +70,7 @@ impl SwingEstimator {
             method
         };
         check_columns(method, columns)?;
-        if settings.nominal_damping <= 0.0 && method == Method::Velocity {
+        if settings.nominal_damping < LEAST_DAMPING && method == Method::Velocity {
             let (key, value) = ("machine.nominal_damping", settings.nominal_damping);
             return Err(SettingsError::OutOfRange { key, value });
         }
