@@ -4,7 +4,7 @@ use super::{Belief, CgFilter, RowReport};
 use crate::loader::conditions::Conditions;
 use crate::loader::coupling::Coupling;
 use crate::loader::estimate::Status;
-use crate::loader::layout::{CG_RATIO, REAR_WHEEL, SLIP_STIFFNESS};
+use crate::loader::layout::{CG_HEIGHT, CG_RATIO, REAR_WHEEL, SLIP_STIFFNESS};
 use crate::loader::relearning::Relearning;
 use crate::loader::sample::{Sample, finite};
 use crate::loader::windup::Windup;
@@ -21,6 +21,9 @@ const JUDGED_OVER: f64 = 2.0;
 /// Shortest time between the start, or a reset, and the next reset [s].
 const HOLD_OFF: f64 = 3.0;
 
+/// A centre of gravity further away than this has no interval: its square's square is no number. The paper's filters have no bounds.
+const ENDLESS: f64 = 1e50;
+
 impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     /// Counts the row, and restarts a filter that lost its way.
     pub(super) fn finish(
@@ -30,7 +33,9 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         dt: f64,
     ) -> RowReport<M> {
         self.frozen = report.frozen;
-        if !self.belief.is_sound() || !report.nis.is_finite() {
+        let centre = [CG_HEIGHT, CG_RATIO].map(|i| self.belief.state()[i]);
+        let endless = centre.iter().any(|x| x.abs() > ENDLESS);
+        if endless || !self.belief.is_sound() || !report.nis.is_finite() {
             *self.belief.state_mut() = self.prior_state();
             self.restart(sample);
             return RowReport::without_update(Status::Diverged, report.frozen);
