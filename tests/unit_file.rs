@@ -2,8 +2,8 @@
 
 use std::process::{Command, Output};
 
-/// Runs what the unit runs, with `heft` replaced by a program that says its arguments.
-fn started(environment: &[(&str, &str)]) -> Output {
+/// Runs what the unit runs, with `heft` replaced by a program that says its arguments, and the description at `described`.
+fn started(environment: &[(&str, &str)], described: &str) -> Output {
     let unit = include_str!("../services/heft/heft@.service");
     let line = unit
         .lines()
@@ -13,6 +13,7 @@ fn started(environment: &[(&str, &str)]) -> Output {
         .expect("a command in quotes");
     let script = script
         .replace("%i", "excavator")
+        .replace("/etc/heft/excavator.toml", described)
         .replace("exec heft", "echo heft");
     let mut shell = Command::new("/bin/sh");
     shell.args(["-c", &script]).env_clear();
@@ -23,7 +24,7 @@ fn started(environment: &[(&str, &str)]) -> Output {
 #[test]
 fn the_unit_refuses_to_start_without_a_source_and_says_what_to_write() {
     for environment in [&[][..], &[("INPUT", "can:can0")], &[("MAP", "/m.toml")]] {
-        let output = started(environment);
+        let output = started(environment, "/dev/null");
         assert_eq!(output.status.code(), Some(78));
         let said = String::from_utf8_lossy(&output.stderr);
         for word in [
@@ -38,9 +39,31 @@ fn the_unit_refuses_to_start_without_a_source_and_says_what_to_write() {
 }
 
 #[test]
+fn the_unit_refuses_to_start_without_a_description_and_says_what_to_write() {
+    let output = started(
+        &[("INPUT", "can:can0"), ("MAP", "/m.toml")],
+        "/no/where.toml",
+    );
+    assert_eq!(output.status.code(), Some(78));
+    let said = String::from_utf8_lossy(&output.stderr);
+    let command = "heft check /dev/null --machine excavator --print";
+    assert!(
+        said.contains("/no/where.toml") && said.contains(command),
+        "{said}"
+    );
+    let command = command.split(' ').skip(1);
+    let told = Command::new(env!("CARGO_BIN_EXE_heft"))
+        .args(command)
+        .output();
+    let told = told.expect("heft starts");
+    assert!(told.status.success() && told.stdout.starts_with(b"[machine]"));
+}
+
+#[test]
 fn the_unit_runs_the_source_that_is_written_with_its_options() {
     let options = ("OPTIONS", "--split 10min --keep 20GB");
-    let output = started(&[("INPUT", "can:can0"), ("MAP", "/m.toml"), options]);
+    let source = [("INPUT", "can:can0"), ("MAP", "/m.toml"), options];
+    let output = started(&source, "/dev/null");
     let said = String::from_utf8_lossy(&output.stdout);
     assert!(output.status.success());
     let start =

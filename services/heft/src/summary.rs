@@ -113,10 +113,12 @@ fn us(ns: u64) -> f64 {
     ns as f64 / 1e3
 }
 
-/// A path as the user would type it.
+/// A path as the user would type it; whole where that is a service in the root of all files.
 pub fn shown(path: &Path) -> String {
     let here = std::env::current_dir().unwrap_or_default();
-    path.strip_prefix(&here)
+    let below = path.strip_prefix(&here).ok();
+    below
+        .filter(|_| here.parent().is_some())
         .unwrap_or(path)
         .display()
         .to_string()
