@@ -85,7 +85,8 @@ def main():
     node = (iox2.NodeBuilder.new().name(iox2.NodeName.new("subscribe.py"))
             .signal_handling_mode(iox2.SignalHandlingMode.Disabled).create(iox2.ServiceType.Ipc))
     service = node.service_builder(iox2.ServiceName.new(channel)).publish_subscribe(payload).open()
-    subscriber = service.subscriber_builder().create()
+    # Without this word the latest samples of before come first: their writers hold them for a logger that is started again.
+    subscriber = service.subscriber_builder().history_request(0).create()
 
     printed, lost, last, shown = 0, 0, None, 0.0
     try:

@@ -56,7 +56,8 @@ fn main() {
         keep_bytes: number(6).map(|n| n as u64),
         ..Limits::default()
     };
-    let mut logger = Logger::create(&file, &Metadata::new(), limits).expect("a recording");
+    let mark = owner.domain().mark_file();
+    let mut logger = Logger::create(&file, &Metadata::new(), limits, &mark).expect("a recording");
     // Whole before it has its name: a gateway may wait for it.
     let plan_file = owner.domain().plan_file();
     let part = plan_file.with_extension("part");

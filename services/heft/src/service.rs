@@ -54,7 +54,7 @@ pub fn serve(args: &ServiceArgs) -> Result<(), Failure> {
     match &stage.role {
         Role::Source { .. } => machines::entry(plan.machine).serve_source(worker, &plan),
         Role::Step(row) => serve_step(worker, &plan, stage, *row),
-        Role::Sink => serve_logger(worker, &plan),
+        Role::Sink => serve_logger(worker, &plan, &domain),
         Role::Probe(channel) => serve_probe(worker, &plan, channel),
         Role::Sender => serve_sender(worker, &plan),
     }
@@ -73,13 +73,14 @@ fn serve_step(worker: Worker, plan: &Plan, stage: &Stage, row: &dyn Row) -> Resu
     Ok(process(worker)?)
 }
 
-fn serve_logger(worker: Worker, plan: &Plan) -> Result<(), Failure> {
+fn serve_logger(worker: Worker, plan: &Plan, domain: &Domain) -> Result<(), Failure> {
     let channels: Vec<_> = of_machine(plan.machine).collect();
     let limits = logger::Limits {
         group: plan.group,
         ..plan.limits.of_logger()
     };
-    let logger = logger::Logger::create(&plan.recording, &plan.metadata(), limits)?;
+    let (metadata, mark) = (plan.metadata(), domain.mark_file());
+    let logger = logger::Logger::create(&plan.recording, &metadata, limits, &mark)?;
     Ok(run_sink(worker, &channels, plan.lossless, logger)?)
 }
 

@@ -47,9 +47,7 @@ pub struct Watch {
     faults: Vec<Fault>,
     /// The samples are the simulator's.
     is_simulated: bool,
-    /// The logger was away while samples came.
-    unrecorded: bool,
-    /// The logger died before the first sample, and is not back.
+    /// The logger died, and is not back. One that comes back counts what it could not be handed.
     logger_is_away: bool,
     shown: Option<Instant>,
     begun: Option<Instant>,
@@ -190,21 +188,14 @@ impl Watch {
     pub fn note(&mut self, fault: Fault) {
         let logger_is_away = matches!(fault, Fault::Died { service, .. } | Fault::Hung { service, .. } if service == "logger");
         self.logger_is_away |= logger_is_away;
-        self.look_for_the_logger();
         self.faults.push(fault);
     }
 
     /// Told that a service is there, perhaps again.
     pub fn is_there(&mut self, service: &str) {
         if service == "logger" {
-            self.look_for_the_logger();
             self.logger_is_away = false;
         }
-    }
-
-    /// What comes while the logger is away is not recorded.
-    fn look_for_the_logger(&mut self) {
-        self.unrecorded |= self.logger_is_away && self.next_sequence() > 0;
     }
 
     /// Everything that went wrong: what was noted, and what the channels and processes tell.
@@ -223,7 +214,7 @@ impl Watch {
         }
         faults.extend(self.unanswered(sent));
         let logger = self.counts_of("logger");
-        if logger.lost > 0 || self.unrecorded {
+        if logger.lost > 0 || self.logger_is_away && sent.next > 0 {
             faults.push(Fault::Unrecorded {
                 samples: logger.lost,
             });
@@ -270,7 +261,6 @@ impl Watch {
 
     /// Ends the live line, and writes what outlives the run.
     pub fn finish(&mut self) {
-        self.look_for_the_logger();
         if let Some(memory) = &mut self.memory {
             memory.save();
         }
@@ -385,25 +375,23 @@ mod tests {
     use super::*;
 
     #[test]
-    fn samples_that_come_while_the_logger_is_away_are_told_even_if_it_died_before_the_first() {
-        let lost = |comes_before: bool, comes_meanwhile: bool| {
+    fn samples_of_a_run_whose_logger_does_not_come_back_are_told_as_not_recorded() {
+        let lost = |comes: bool, is_back: bool| {
             let mut watch = Watch::new(Machine::Excavator, None, None, Show::Nothing);
-            let come = |watch: &mut Watch, comes: bool| {
-                if comes {
-                    watch.accept(&EXCAVATOR_TRUTH, &ExcavatorTruth::default());
-                }
-            };
-            come(&mut watch, comes_before);
             let (service, how) = ("logger", "killed".to_owned());
             watch.note(Fault::Died { service, how });
-            come(&mut watch, comes_meanwhile);
-            watch.is_there("logger");
-            come(&mut watch, true);
+            if comes {
+                watch.accept(&EXCAVATOR_TRUTH, &ExcavatorTruth::default());
+            }
+            if is_back {
+                watch.is_there("logger");
+            }
             watch.finish();
             let faults = watch.faults();
             faults.iter().any(|f| matches!(f, Fault::Unrecorded { .. }))
         };
-        assert!(lost(true, false) && lost(false, true) && lost(true, true));
-        assert!(!lost(false, false), "it was back in time");
+        assert!(lost(true, false));
+        assert!(!lost(true, true), "it counts by itself what it lacks");
+        assert!(!lost(false, false), "nothing came");
     }
 }

@@ -17,9 +17,11 @@ use rtrb::{Consumer, Producer, RingBuffer};
 use runtime::Sink;
 
 mod bus;
+mod mark;
 mod recorder;
 
 pub use bus::BusWriter;
+use mark::{Mark, Next};
 pub use recorder::Limits;
 use recorder::Recorder;
 
@@ -27,7 +29,8 @@ use recorder::Recorder;
 const RING: usize = 16_384;
 /// Room that one visit to the channels may need.
 const VISIT_ROOM: usize = 64;
-/// A killed run loses at most this much, plus one visit of the logger.
+/// A killed run loses at most this much, plus one visit of the logger. A logger that is killed alone loses nothing: its
+/// successor is handed what the writers of the channels still hold.
 const FLUSH_PERIOD: Duration = Duration::from_millis(500);
 /// How long the end of a run waits for the disk.
 const DRAIN_LIMIT: Duration = Duration::from_secs(10);
@@ -39,6 +42,8 @@ type Record = (&'static Channel, Envelope);
 pub struct Logger {
     // `None` only while dropping: the writer thread ends when this half is gone.
     records: Option<Producer<Record>>,
+    /// What the recording held at the start.
+    recorded: Next,
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
 }
@@ -51,18 +56,26 @@ struct Shared {
 
 impl Logger {
     /// Begins the recording `path`, or its next part where there is something in it already: what a
-    /// logger that was killed has written stays as it is.
+    /// logger that was killed has written stays as it is. In the file `mark` it says how far it is.
     ///
     /// # Errors
     /// The file cannot be made.
-    pub fn create(path: &Path, metadata: &Metadata, limits: Limits) -> Result<Self, Error> {
-        let recorder = Recorder::create(path, metadata, limits)?;
+    pub fn create(
+        path: &Path,
+        metadata: &Metadata,
+        limits: Limits,
+        mark: &Path,
+    ) -> Result<Self, Error> {
+        let mark = Mark::open(mark, path);
+        let recorded = mark.recorded().clone();
+        let recorder = Recorder::create(path, metadata, limits, mark)?;
         let (records, consumer) = RingBuffer::new(RING);
         let shared = Arc::new(Shared::default());
         let its = Arc::clone(&shared);
         let thread = std::thread::spawn(move || write_all(recorder, consumer, &its));
         Ok(Self {
             records: Some(records),
+            recorded,
             shared,
             thread: Some(thread),
         })
@@ -81,6 +94,10 @@ impl Logger {
 }
 
 impl Sink for Logger {
+    fn lacks_from(&self, channel: &Channel) -> Option<u64> {
+        Some(self.recorded.get(channel.name).copied().unwrap_or(0))
+    }
+
     fn accept<M: Message>(&mut self, channel: &'static Channel, message: &M) {
         if let Some(records) = &mut self.records
             && records.push((channel, message.envelope())).is_err()

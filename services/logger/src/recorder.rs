@@ -7,6 +7,8 @@ use messages::channels::Channel;
 use messages::{Envelope, Message, Receiver};
 use recording::{Error, Metadata, Writer};
 
+use crate::mark::Mark;
+
 /// Bounds of a recording without end; none of them by default.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Limits {
@@ -29,6 +31,9 @@ const JUMP_NS: i64 = 500_000_000;
 /// Time between two attempts to go on after the disk was full.
 const RETRY: Duration = Duration::from_secs(5);
 
+/// A chunk is flushed at this length [bytes], before the writer closes it by itself (768 kB): a flush is one chunk.
+const CHUNK: u64 = 512 << 10;
+
 /// Writes messages into the parts of a recording.
 pub struct Recorder {
     first: PathBuf,
@@ -37,23 +42,30 @@ pub struct Recorder {
     /// None while the disk takes no more.
     writer: Option<Writer>,
     part: PathBuf,
+    mark: Mark,
     begun: Instant,
     wall_offset_ns: i64,
     stopped: Instant,
 }
 
 impl Recorder {
-    /// Begins the recording `first`, or its next part where there is something in it already.
+    /// Begins the recording `first`, or its next part where there is something in it already: what, `mark` says.
     ///
     /// # Errors
     /// The file cannot be made.
-    pub fn create(first: &Path, metadata: &Metadata, limits: Limits) -> Result<Self, Error> {
+    pub fn create(
+        first: &Path,
+        metadata: &Metadata,
+        limits: Limits,
+        mark: Mark,
+    ) -> Result<Self, Error> {
         let mut recorder = Self {
             first: first.to_owned(),
             metadata: metadata.clone(),
             limits,
             writer: None,
             part: first.to_owned(),
+            mark,
             begun: Instant::now(),
             wall_offset_ns: 0,
             stopped: Instant::now(),
@@ -108,9 +120,10 @@ impl Recorder {
         if let Err(error) = envelope.open(WriteTo(writer, channel)) {
             return Err(self.stop(error));
         }
+        self.mark.note(channel, envelope.stamp().sequence);
         // However fast messages come, a part becomes at most twice as large as asked.
-        let pending = writer.unflushed();
-        if self.limits.split_bytes.is_some_and(|most| pending >= most) {
+        let most = self.limits.split_bytes.unwrap_or(CHUNK).min(CHUNK);
+        if writer.unflushed() >= most {
             self.flush()?;
         }
         Ok(true)
@@ -124,8 +137,15 @@ impl Recorder {
         let Some(writer) = &mut self.writer else {
             return self.try_again();
         };
-        if let Err(error) = writer.flush() {
-            return Err(self.stop(error));
+        if writer.unflushed() > 0 {
+            // Without a mark a successor may record some samples twice; the recording matters more.
+            if let Err(error) = self.mark.begin_flush(&self.part, writer.size()) {
+                tracing::warn!(%error, "cannot mark what is recorded");
+            }
+            if let Err(error) = writer.flush() {
+                return Err(self.stop(error));
+            }
+            self.mark.end_flush();
         }
         let size = writer.size();
         self.look_at_the_clock()?;

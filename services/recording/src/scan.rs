@@ -5,6 +5,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 use std::io::Read;
+use std::path::Path;
 
 use mcap::MAGIC;
 use mcap::records::op;
@@ -339,6 +340,19 @@ fn head(bytes: &Bytes, at: u64) -> Option<(u8, u64)> {
     bytes.fill(at, &mut head)?;
     let [opcode, length @ ..] = head;
     Some((opcode, u64::from_le_bytes(length)))
+}
+
+/// Whether a whole chunk begins at byte `at` of a file.
+#[must_use]
+pub fn has_chunk_at(file: &Path, at: u64) -> bool {
+    let Ok(bytes) = Bytes::open(file) else {
+        return false;
+    };
+    let is_whole = |(opcode, length): (u8, u64)| {
+        let end = length.checked_add(at + HEAD);
+        opcode == op::CHUNK && end.is_some_and(|end| end <= bytes.len)
+    };
+    head(&bytes, at).is_some_and(is_whole)
 }
 
 /// The chunk at `at`, as its own head tells it.

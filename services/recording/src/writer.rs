@@ -29,6 +29,9 @@ pub(crate) const METADATA_SUM: &str = "metadata.sha256";
 /// By this in the name of the library a reader knows that there must be a check sum.
 pub(crate) const WITH_SUM: &str = ", metadata with check sum";
 
+/// Bytes of a message in a chunk before its content.
+const MESSAGE_HEAD: u64 = 9 + 22;
+
 /// Writes an MCAP recording. Only whole chunks reach the file, so that a process killed at any
 /// moment loses at most what came after the last [`Writer::flush`] and leaves a file that every
 /// reader reads. The file is locked as long as it is written.
@@ -101,7 +104,7 @@ impl Writer {
         let (log_time, publish_time) = times(message.stamp(), message.hops(), self.wall_offset_ns);
         self.bytes.clear();
         wire::encode(message, &mut self.bytes);
-        self.unflushed += self.bytes.len() as u64;
+        self.unflushed += MESSAGE_HEAD + self.bytes.len() as u64;
         let header = MessageHeader {
             channel_id,
             sequence: message.stamp().sequence as u32,
@@ -113,7 +116,7 @@ impl Writer {
             .map_err(|e| failure(&self.path, e))
     }
 
-    /// Notes in words that the wall clock jumped.
+    /// Notes in words that the wall clock jumped, and flushes.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -123,7 +126,8 @@ impl Writer {
             metadata: [(JUMP.to_owned(), text.to_owned())].into(),
         };
         let written = self.inner.write_metadata(&record);
-        written.map_err(|e| failure(&self.path, e))
+        written.map_err(|e| failure(&self.path, e))?;
+        self.flush()
     }
 
     /// Closes the chunk and hands everything to the operating system: it survives the end of this
@@ -136,7 +140,7 @@ impl Writer {
         self.inner.flush().map_err(|e| failure(&self.path, e))
     }
 
-    /// Bytes of messages since the last flush, not yet compressed.
+    /// Bytes of messages with their heads since the last flush, not yet compressed.
     #[must_use]
     pub fn unflushed(&self) -> u64 {
         self.unflushed

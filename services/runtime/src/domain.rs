@@ -28,6 +28,9 @@ const CONFIG: &str = "iceoryx2.toml";
 /// ready for each.
 const DEAD_WRITERS: usize = 16;
 const PLAN: &str = "plan.json";
+/// How far the logger is, and the same before it has its name.
+const MARK: &str = "recorded";
+const NEW_MARK: &str = "recorded.new";
 const LOCK: &str = "lock";
 /// Folder in which iceoryx2 keeps its own files.
 const ROOT: &str = "root";
@@ -91,6 +94,12 @@ impl Domain {
     #[must_use]
     pub fn plan_file(&self) -> PathBuf {
         self.folder().join(PLAN)
+    }
+
+    /// Where the logger marks how far it is, for the one that is started in its place.
+    #[must_use]
+    pub fn mark_file(&self) -> PathBuf {
+        self.folder().join(MARK)
     }
 
     /// First letters of every shared-memory object of this domain, in all its runs.
@@ -202,7 +211,7 @@ impl Domain {
             let _ = fs::remove_file(object);
         }
         let folder = self.folder();
-        for file in [CONFIG, PLAN] {
+        for file in [CONFIG, PLAN, MARK, NEW_MARK] {
             let _ = fs::remove_file(folder.join(file));
         }
         // Follows no link, neither this name nor any below it.

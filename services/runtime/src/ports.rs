@@ -31,6 +31,15 @@ fn max_publishers(channel: &Channel) -> usize {
     }
 }
 
+/// Messages of a channel that its writer still holds after every reader has taken them, for a logger that is
+/// started again. Only those that can be told apart by their numbers are worth it.
+fn held(channel: &Channel) -> usize {
+    match channel.rate {
+        Rate::Sensors => channel.depth,
+        Rate::Hz(_) => 0,
+    }
+}
+
 /// Processes that may have a channel open.
 const MAX_NODES: usize = 40;
 
@@ -97,11 +106,35 @@ impl Ports {
         })
     }
 
-    /// Opens a channel to read, holding at most `depth` samples.
+    /// Opens a channel to read what is sent from now on, holding at most `depth` samples.
     ///
     /// # Errors
     /// The supervisor has not created it, or it has too many readers.
     pub fn input<M: Message>(&self, channel: &Channel, depth: usize) -> Result<Input<M>, Error> {
+        self.subscribe(channel, depth.min(channel.depth), 0)
+    }
+
+    /// Opens a channel to read from sample `first` on: also what was sent before, as far as its writer still
+    /// holds it. It comes with the writer's next message.
+    ///
+    /// # Errors
+    /// As [`Ports::input`].
+    pub(crate) fn input_from<M: Message>(
+        &self,
+        channel: &Channel,
+        first: u64,
+    ) -> Result<Input<M>, Error> {
+        let mut input = self.subscribe(channel, channel.depth, held(channel))?;
+        input.count_from(first);
+        Ok(input)
+    }
+
+    fn subscribe<M: Message>(
+        &self,
+        channel: &Channel,
+        depth: usize,
+        before: usize,
+    ) -> Result<Input<M>, Error> {
         let failed = |e: &dyn std::fmt::Debug| Error::ipc("open to read", channel.name, e);
         let service = self
             .node
@@ -111,7 +144,8 @@ impl Ports {
             .map_err(|e| failed(&e))?;
         let subscriber = service
             .subscriber_builder()
-            .buffer_size(depth.min(channel.depth))
+            .buffer_size(depth)
+            .history_request(before)
             .create()
             .map_err(|e| failed(&e))?;
         Ok(Input {
@@ -174,7 +208,7 @@ impl Visitor for Create<'_> {
             .max_nodes(MAX_NODES)
             .subscriber_max_buffer_size(self.channel.depth)
             .subscriber_max_borrowed_samples(2)
-            .history_size(0)
+            .history_size(held(self.channel))
             .enable_safe_overflow(true)
             .create()
             .map_err(|e| failed(&e))?;

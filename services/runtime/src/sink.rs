@@ -11,6 +11,12 @@ use crate::{Error, Output, Taps, Worker};
 
 /// Takes every message of a machine.
 pub trait Sink {
+    /// Asked when it is started again: the number of the first sample of a channel that it lacks. From there on it is
+    /// handed also what was sent before it came, as far as the writers still hold it, and what they do not hold counts as lost. `None`: it is handed what
+    /// is sent from now on.
+    fn lacks_from(&self, _channel: &Channel) -> Option<u64> {
+        None
+    }
     /// Takes one message.
     fn accept<M: Message>(&mut self, channel: &'static Channel, message: &M);
     /// Told that `samples` of a channel were overwritten before they could be taken, because this
@@ -46,7 +52,10 @@ pub fn run_sink<S: Sink + 'static>(
     lossless: bool,
     mut sink: S,
 ) -> Result<(), Error> {
-    let mut taps = Taps::open(&worker.ports, channels)?;
+    let mut taps = match worker.setup.identity.restarts {
+        0 => Taps::open(&worker.ports, channels)?,
+        _ => Taps::open_for(&worker.ports, channels, &sink)?,
+    };
     let mut credit = worker.ports.output::<Credit>(&CREDIT)?;
     if worker.begin().is_none() {
         return Ok(());

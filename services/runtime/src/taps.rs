@@ -25,6 +25,23 @@ impl<S: Sink + 'static> Taps<S> {
     /// # Errors
     /// A channel does not exist or has too many readers.
     pub fn open(ports: &Ports, channels: &[&'static Channel]) -> Result<Self, Error> {
+        Self::open_from(ports, channels, |_| None)
+    }
+
+    /// The same for a sink that may lack what was sent before, see [`Sink::lacks_from`].
+    pub(crate) fn open_for(
+        ports: &Ports,
+        channels: &[&'static Channel],
+        sink: &S,
+    ) -> Result<Self, Error> {
+        Self::open_from(ports, channels, |channel| sink.lacks_from(channel))
+    }
+
+    fn open_from(
+        ports: &Ports,
+        channels: &[&'static Channel],
+        first: impl Fn(&Channel) -> Option<u64>,
+    ) -> Result<Self, Error> {
         channels
             .iter()
             .filter(|channel| channel.name != CREDIT.name)
@@ -32,6 +49,7 @@ impl<S: Sink + 'static> Taps<S> {
                 channel.payload.visit(Open {
                     ports,
                     channel,
+                    first: first(channel).filter(|_| carries_every_sample(channel)),
                     sink: PhantomData,
                 })
             })
@@ -78,14 +96,14 @@ trait Tap<S: Sink> {
 struct TypedTap<M: Message> {
     channel: &'static Channel,
     input: Input<M>,
+    /// Samples before this one are not lacking.
+    first: u64,
     through: u64,
 }
 
-impl<M: Message> TypedTap<M> {
-    /// Several processes write `health`; their numbers interleave and say nothing of loss.
-    fn carries_every_sample(&self) -> bool {
-        self.channel.rate == Rate::Sensors
-    }
+/// Several processes write `health`; their numbers interleave and say nothing of loss.
+fn carries_every_sample(channel: &Channel) -> bool {
+    channel.rate == Rate::Sensors
 }
 
 impl<M: Message, S: Sink> Tap<S> for TypedTap<M> {
@@ -95,10 +113,20 @@ impl<M: Message, S: Sink> Tap<S> for TypedTap<M> {
             let Some((message, lost)) = self.input.receive() else {
                 break;
             };
-            self.through = self.through.max(message.stamp().sequence + 1);
+            let sequence = message.stamp().sequence;
+            if sequence < self.first {
+                continue;
+            }
+            // A source that is started again may go back; that is new then.
+            self.first = 0;
+            self.through = self.through.max(sequence + 1);
             sink.accept(self.channel, &*message);
             visit.taken += 1;
-            visit.lost += if self.carries_every_sample() { lost } else { 0 };
+            visit.lost += if carries_every_sample(self.channel) {
+                lost
+            } else {
+                0
+            };
         }
         // Only what is in a full buffer is overwritten: before this visit, or while it took the oldest.
         if visit.lost > 0 && visit.taken >= self.channel.depth as u64 {
@@ -108,11 +136,11 @@ impl<M: Message, S: Sink> Tap<S> for TypedTap<M> {
     }
 
     fn through(&self) -> Option<u64> {
-        self.carries_every_sample().then_some(self.through)
+        carries_every_sample(self.channel).then_some(self.through)
     }
 
     fn count_from(&mut self, sequence: u64) {
-        if self.carries_every_sample() {
+        if carries_every_sample(self.channel) {
             self.input.count_from(sequence);
         }
     }
@@ -121,6 +149,7 @@ impl<M: Message, S: Sink> Tap<S> for TypedTap<M> {
 struct Open<'a, S> {
     ports: &'a Ports,
     channel: &'static Channel,
+    first: Option<u64>,
     sink: PhantomData<S>,
 }
 
@@ -128,12 +157,17 @@ impl<S: Sink + 'static> Visitor for Open<'_, S> {
     type Output = Result<Box<dyn Tap<S>>, Error>;
 
     fn visit<M: Message>(self) -> Self::Output {
-        let input = self.ports.input::<M>(self.channel, self.channel.depth)?;
+        let input = match self.first {
+            Some(first) => self.ports.input_from::<M>(self.channel, first)?,
+            None => self.ports.input::<M>(self.channel, self.channel.depth)?,
+        };
         input.connect();
+        let first = self.first.unwrap_or(0);
         Ok(Box::new(TypedTap {
             channel: self.channel,
             input,
-            through: 0,
+            first,
+            through: first,
         }))
     }
 }

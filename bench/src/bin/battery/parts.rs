@@ -1,5 +1,5 @@
-//! `kill -9` of the logger of a split recording, beside the ends of its parts: a death costs the samples of
-//! one flush and of the new logger's start, and what was written before is there, once and in order.
+//! `kill -9` of the logger of a split recording, beside the ends of its parts: a death costs no sample, and each is
+//! there once and in order.
 
 use std::fs;
 use std::path::Path;
@@ -13,8 +13,8 @@ use crate::ground::{Ground, RATE, Run};
 
 /// Kills in one run.
 const KILLS: u64 = 5;
-/// A flush, a visit to the channels, and the start of a logger on a loaded machine [samples].
-const GAP: u64 = 2 * RATE;
+/// One flush [samples], where a logger takes longer to start than the writers of the channels hold.
+const GAP: u64 = RATE / 2;
 
 #[derive(Default)]
 pub struct Parts {

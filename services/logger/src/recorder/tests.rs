@@ -4,7 +4,20 @@ use super::*;
 use messages::ExcavatorSensors;
 use messages::channels::EXCAVATOR_SENSORS;
 
+fn mark(first: &Path) -> Mark {
+    Mark::open(&first.with_extension("mark"), first)
+}
+
+fn begin(first: &Path, limits: Limits) -> Recorder {
+    Recorder::create(first, &Metadata::new(), limits, mark(first)).expect("made")
+}
+
 fn record(recorder: &mut Recorder, numbers: std::ops::Range<u64>) {
+    write(recorder, numbers);
+    recorder.flush().expect("room");
+}
+
+fn write(recorder: &mut Recorder, numbers: std::ops::Range<u64>) {
     for number in numbers {
         let mut message = ExcavatorSensors::default();
         message.stamp.sequence = number;
@@ -15,7 +28,6 @@ fn record(recorder: &mut Recorder, numbers: std::ops::Range<u64>) {
             Ok(true)
         );
     }
-    recorder.flush().expect("room");
 }
 
 fn numbers(path: &Path) -> Vec<u64> {
@@ -36,7 +48,7 @@ fn a_split_recording_is_read_as_one_and_keeps_what_it_may() {
         split_bytes: Some(20_000),
         ..Limits::default()
     };
-    let mut recorder = Recorder::create(&first, &Metadata::new(), limits).expect("made");
+    let mut recorder = begin(&first, limits);
     for i in 0..10 {
         record(&mut recorder, i * 500..(i + 1) * 500);
     }
@@ -49,7 +61,7 @@ fn a_split_recording_is_read_as_one_and_keeps_what_it_may() {
     let second = dir.path().join("run-2.mcap");
     limits.keep_bytes = Some(100_000);
     std::fs::write(dir.path().join("notes.mcap.txt"), vec![0; 200_000]).expect("writable");
-    let mut recorder = Recorder::create(&second, &Metadata::new(), limits).expect("made");
+    let mut recorder = begin(&second, limits);
     for i in 0..20 {
         record(&mut recorder, i * 500..(i + 1) * 500);
     }
@@ -74,7 +86,7 @@ fn a_disk_with_less_room_than_asked_for_stops_the_recording_with_a_whole_part() 
         min_free: Some(u64::MAX),
         ..Limits::default()
     };
-    let mut recorder = Recorder::create(&first, &Metadata::new(), limits).expect("made");
+    let mut recorder = begin(&first, limits);
     let message = ExcavatorSensors::default();
     assert_eq!(
         recorder.write(&EXCAVATOR_SENSORS, &message.envelope()),
@@ -96,7 +108,7 @@ fn a_disk_with_less_room_than_asked_for_stops_the_recording_with_a_whole_part() 
 fn a_wall_clock_that_jumps_is_said_in_the_recording_which_keeps_its_time() {
     let dir = tempfile::tempdir().expect("a folder");
     let first = dir.path().join("run.mcap");
-    let mut recorder = Recorder::create(&first, &Metadata::new(), Limits::default()).expect("made");
+    let mut recorder = begin(&first, Limits::default());
     record(&mut recorder, 0..10);
     let before = recorder.wall_offset_ns;
     // As if the clock had been an hour behind until now, then 0.4 s, which is no jump.
@@ -111,4 +123,31 @@ fn a_wall_clock_that_jumps_is_said_in_the_recording_which_keeps_its_time() {
     let jumps = reader.metadata().get("wall_clock.jumps").expect("told");
     assert!(jumps.starts_with("3600.0"), "{jumps}");
     assert!(!jumps.contains(';'), "one jump: {jumps}");
+}
+
+#[test]
+fn a_successor_knows_what_is_recorded_at_whatever_byte_its_predecessor_died() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let first = dir.path().join("run.mcap");
+    let next = || mark(&first).recorded().get(EXCAVATOR_SENSORS.name).copied();
+    let mut recorder = begin(&first, Limits::default());
+    assert_eq!(next(), None);
+    record(&mut recorder, 0..50);
+    let before = recorder.writer.as_ref().map_or(0, Writer::size);
+    assert_eq!(next(), Some(50));
+    record(&mut recorder, 50..100);
+    write(&mut recorder, 100..150);
+    assert_eq!(next(), Some(100), "what is not flushed is lost with it");
+    let file = std::fs::OpenOptions::new().write(true).open(&first);
+    let file = file.expect("the recording");
+    for cut in (before..file.metadata().expect("a length").len()).rev() {
+        file.set_len(cut).expect("cut");
+        let whole = recording::Reader::open(&first).expect("a recording");
+        let whole: Vec<ExcavatorSensors> = whole.messages(EXCAVATOR_SENSORS.name).expect("some");
+        assert_eq!(next(), Some(whole.len() as u64), "cut at {cut}");
+    }
+    // The next part goes on from there.
+    let mut recorder = begin(&first, Limits::default());
+    record(&mut recorder, 50..60);
+    assert_eq!(next(), Some(60));
 }
