@@ -200,7 +200,7 @@ impl Rover {
 
 impl Model<6, 3> for Rover {
     const DYNAMIC: usize = 3;
-    const DIRECT: usize = 3;
+    const DIRECT: std::ops::Range<usize> = 0..3;
 
     #[inline(always)]
     fn predict<T: Scalar>(&self, state: &[T; 6]) -> ([T; 6], [T; 3]) {

@@ -127,11 +127,11 @@ impl<const N: usize, const M: usize> Ekf<N, M> {
             cross: [[0.0; N]; M],
             own: [[0.0; M]; M],
         };
-        for j in P::DIRECT..M {
+        for j in (0..M).filter(|j| !P::DIRECT.contains(j)) {
             let row = combine(&measured[j].derivative, p);
             expected.measurement[j] = measured[j].value;
             expected.cross[j] = row;
-            for l in P::DIRECT..=j {
+            for l in (0..=j).filter(|l| !P::DIRECT.contains(l)) {
                 expected.own[j][l] = dot(&row, &measured[l].derivative);
                 expected.own[l][j] = expected.own[j][l];
             }
@@ -148,16 +148,16 @@ impl<const N: usize, const M: usize> Ekf<N, M> {
         carry(p, &moved[..P::DYNAMIC], &by[..P::DYNAMIC]);
         // The noise of its own step that a measurement sees.
         let coupling = model.noise_coupling();
-        for j in P::DIRECT..M {
+        for j in (0..M).filter(|j| !P::DIRECT.contains(j)) {
             for i in 0..N {
                 let shared = coupling[j][i] * process_std[i] * process_std[i];
                 expected.cross[j][i] += shared;
-                for l in P::DIRECT..M {
+                for l in (0..M).filter(|l| !P::DIRECT.contains(l)) {
                     expected.own[j][l] += shared * coupling[l][i];
                 }
             }
         }
-        self.complete(&mut expected, process_std, 0..P::DIRECT);
+        self.complete(&mut expected, process_std, P::DIRECT);
         expected
     }
 
@@ -266,7 +266,7 @@ impl<const N: usize, const M: usize> Ekf<N, M> {
             &innovation,
             measurement_std,
             &[true; M],
-            0..P::DIRECT,
+            P::DIRECT,
         )
     }
 }

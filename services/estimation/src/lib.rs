@@ -9,7 +9,7 @@
 //! |---|---|
 //! | [`excavator`], [`loader`] | the machines: samples in, estimates with a verdict out; their settings and keys |
 //! | [`kalman`], [`ekf`], [`srukf`], [`rls`] | the filters, of any size |
-//! | [`model`], [`prediction`], [`sigma_points`], [`root`], [`scalar`], [`batch`] | what they are made of |
+//! | [`model`], [`images`], [`prediction`], [`sigma_points`], [`root`], [`scalar`], [`batch`] | what they are made of |
 //! | [`consistency`] | whether innovations have their predicted size |
 //! | [`dual`] | derivatives beside values |
 //! | [`keys`] | tables of the keys of a description |
@@ -38,6 +38,7 @@ pub mod consistency;
 pub mod dual;
 pub mod ekf;
 pub mod excavator;
+pub mod images;
 pub mod kalman;
 pub mod keys;
 pub mod loader;
@@ -48,6 +49,7 @@ pub mod pair;
 pub mod prediction;
 pub mod rls;
 pub mod root;
+mod rotations;
 pub mod scalar;
 pub mod sigma_points;
 pub mod srukf;

@@ -1,5 +1,7 @@
 //! What a filter asks of a model: one step of the process and the measurement predicted with it.
 
+use core::ops::Range;
+
 use crate::scalar::Scalar;
 
 /// A process with `N` states and `M` measurements, additive noise on both.
@@ -9,17 +11,30 @@ pub trait Model<const N: usize, const M: usize> {
     /// The process changes the first `DYNAMIC` states; the others are random walks, which the filter copies.
     const DYNAMIC: usize = N;
 
-    /// The first `DIRECT` measurements are the first `DIRECT` predicted states themselves.
-    const DIRECT: usize = 0;
+    /// These measurements are the predicted states of the same index themselves.
+    const DIRECT: Range<usize> = 0..0;
+
+    /// The process does not look at the states from `PASSIVE` on, only the measurement does, see [`Model::measure`].
+    const PASSIVE: usize = N;
 
     /// The state one step later, and the measurement made there.
     ///
-    /// Entries of the state from `DYNAMIC` on, and of the measurement before `DIRECT`, are not looked at.
+    /// Entries of the state from `DYNAMIC` on, and of the measurement in `DIRECT`, are not looked at.
     fn predict<T: Scalar>(&self, state: &[T; N]) -> ([T; N], [T; M]);
+
+    /// The same of a state that differs from a predicted one in those from `PASSIVE` on only: `center` is what was predicted there.
+    fn measure<T: Scalar>(
+        &self,
+        state: &[T; N],
+        center: &([f64; N], [f64; M]),
+    ) -> ([T; N], [T; M]) {
+        let _ = center;
+        self.predict(state)
+    }
 
     /// Derivative of each measurement with respect to the process noise of the step (Q_Y = G diag(q)).
     ///
-    /// Rows before `DIRECT` are not looked at. Zero means that the measurement does not see the noise of its own step.
+    /// Rows in `DIRECT` are not looked at. Zero means that the measurement does not see the noise of its own step.
     fn noise_coupling(&self) -> [[f64; N]; M] {
         [[0.0; N]; M]
     }

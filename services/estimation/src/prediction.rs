@@ -22,24 +22,25 @@
 
 #![allow(clippy::needless_range_loop)] // indices as in the formulas
 
+use core::marker::PhantomData;
+
 use crate::math::sqrt;
-use crate::root::{Row, triangularise_rest, triangularise_with};
+use crate::model::Model;
+use crate::rotations::Rotations;
 
 /// A predicted state and measurement with their joint uncertainty, measurement noise not included.
-#[derive(Clone, Copy, Debug)]
-pub struct Prediction<const N: usize, const M: usize> {
+pub struct Prediction<P, const N: usize, const M: usize> {
     /// Predicted state x^-.
     pub state: [f64; N],
     /// Predicted measurement y^.
     pub measurement: [f64; M],
-    /// Lower root S^- of the predicted covariance.
-    pub root: [[f64; N]; N],
-    /// Rows from `direct` on: each measurement in the columns of S^-.
+    /// Columns of the lower root S^- of the predicted covariance.
+    pub columns: [[f64; N]; N],
+    /// The measurements that are no states in the columns of S^-.
     pub coupling: [[f64; N]; M],
-    /// Rows from `direct` on: lower root of the part of the measurements that the states do not explain.
+    /// Lower root of the part of these measurements that the states do not explain.
     pub independent: [[f64; M]; M],
-    /// The first `direct` measurements are the leading states.
-    pub direct: usize,
+    pub(crate) model: PhantomData<fn(&P)>,
 }
 
 /// What an update did.
@@ -64,113 +65,28 @@ impl<const N: usize, const M: usize> Update<N, M> {
     }
 }
 
-/// The Givens rotations that fold the leading entries of one measurement row into its noise.
-#[derive(Clone, Copy)]
-struct Rotations<const K: usize> {
-    cosine: [f64; K],
-    sine: [f64; K],
-    /// Root of the sum of squares: what remains of the row.
-    norm: f64,
-}
-
-impl<const K: usize> Rotations<K> {
-    /// Rotations that change nothing: a measurement that is not used.
-    const NONE: Self = Self {
-        cosine: [1.0; K],
-        sine: [0.0; K],
-        norm: 0.0,
-    };
-
-    /// Folds the row from its last entry to the first, so that rotated rows stay triangular. The partial sums come first:
-    /// the square roots do not wait for each other.
-    #[inline(always)]
-    fn of(row: &[f64; K], std: f64) -> Self {
-        let mut rotations = Self::NONE;
-        let mut sum = std * std;
-        let mut norm = std;
-        for i in (0..K).rev() {
-            sum += row[i] * row[i];
-            let next = sqrt(sum);
-            let reciprocal = 1.0 / next;
-            rotations.cosine[i] = norm * reciprocal;
-            rotations.sine[i] = row[i] * reciprocal;
-            norm = next;
-        }
-        rotations.norm = norm;
-        rotations
+impl<P: Model<N, M>, const N: usize, const M: usize> Prediction<P, N, M> {
+    /// Lower root S^- of the predicted covariance.
+    pub fn root(&self) -> [[f64; N]; N] {
+        rows(&self.columns)
     }
 
-    /// Rotates another row with its entry in the pivot column, and returns that entry.
-    #[inline(always)]
-    fn apply(&self, row: &mut [f64; K], mut pivot: f64) -> f64 {
-        for i in (0..K).rev() {
-            let entry = row[i];
-            row[i] = self.cosine[i] * entry - self.sine[i] * pivot;
-            pivot = self.cosine[i] * pivot + self.sine[i] * entry;
-        }
-        pivot
-    }
-}
-
-/// Means and deviations before they are triangularised.
-///
-/// The process noise comes in only afterwards, so it may depend on the predicted state.
-#[derive(Clone, Copy, Debug)]
-pub struct Images<const N: usize, const M: usize, const B: usize> {
-    /// Predicted state.
-    pub state: [f64; N],
-    /// Predicted measurement.
-    pub measurement: [f64; M],
-    /// Rows of D_X, in `B` blocks: \[C D\] of sigma points, or the derivatives.
-    pub rows: [Row<N, B>; N],
-    /// Rows of D_Y; those before `direct` are not used.
-    pub measured: [Row<N, B>; M],
-    /// Derivative of the measurements by the process noise.
-    pub noise_coupling: [[f64; N]; M],
-    /// The first `direct` measurements are the leading states.
-    pub direct: usize,
-}
-
-impl<const N: usize, const M: usize, const B: usize> Images<N, M, B> {
-    /// Adds the process noise of the step and triangularises.
-    #[inline(always)]
-    pub fn predict(&mut self, process_std: &[f64; N]) -> Prediction<N, M> {
-        let mut prediction = Prediction {
-            state: self.state,
-            measurement: self.measurement,
-            root: [[0.0; N]; N],
-            coupling: [[0.0; N]; M],
-            independent: [[0.0; M]; M],
-            direct: self.direct,
-        };
-        let (root, coupling) = (&mut prediction.root, &mut prediction.coupling);
-        for p in self.direct..M {
-            for i in 0..N {
-                coupling[p][i] = self.noise_coupling[p][i] * process_std[i];
-            }
-        }
-        triangularise_with(
-            &mut self.rows,
-            process_std,
-            &mut self.measured,
-            root,
-            coupling,
-            self.direct,
-        );
-        triangularise_rest(&mut self.measured, &mut prediction.independent, self.direct);
-        prediction
-    }
-}
-
-impl<const N: usize, const M: usize> Prediction<N, M> {
     /// Standard deviation of the predicted measurement j, sensor noise not included.
     pub fn measurement_std(&self, j: usize) -> f64 {
         let norm = |row: &[f64]| row.iter().map(|x| x * x).sum::<f64>();
-        if j < self.direct {
-            sqrt(norm(&self.root[j]))
+        if P::DIRECT.contains(&j) {
+            let row = self.columns[..=j].iter().map(|column| column[j]);
+            sqrt(row.map(|x| x * x).sum())
         } else {
             sqrt(norm(&self.coupling[j]) + norm(&self.independent[j]))
         }
+    }
+
+    /// Variance of the difference of two predicted measurements that are states, sensor noise not included.
+    pub fn difference_variance(&self, [a, b]: [usize; 2]) -> f64 {
+        let entries = self.columns[..=a.max(b)].iter();
+        let differences = entries.map(|column| column[a] - column[b]);
+        differences.map(|x| x * x).sum()
     }
 
     /// Absorbs the accepted measurements.
@@ -185,16 +101,25 @@ impl<const N: usize, const M: usize> Prediction<N, M> {
     ) -> Update<N, M> {
         let mut out = Update {
             state: self.state,
-            root: self.root,
+            root: [[0.0; N]; N],
             innovation_root: [[0.0; M]; M],
             gain_root: [[0.0; M]; N],
             whitened: [0.0; M],
         };
+        let mut columns = self.columns;
         let rotations = self.direct_rotations(innovation, std, accepted, &mut out);
-        self.apply_direct(&rotations, &mut out);
-        if self.direct < M {
-            self.update_indirect(&rotations, innovation, std, accepted, &mut out);
+        self.apply_direct(&rotations, &mut columns, &mut out);
+        if P::DIRECT.len() < M {
+            self.update_indirect(
+                &rotations,
+                innovation,
+                std,
+                accepted,
+                &mut columns,
+                &mut out,
+            );
         }
+        out.root = rows(&columns);
         out
     }
 
@@ -211,14 +136,14 @@ impl<const N: usize, const M: usize> Prediction<N, M> {
         out: &mut Update<N, M>,
     ) -> [Rotations<M>; M] {
         let mut rotations = [Rotations::NONE; M];
-        for j in 0..self.direct {
+        for j in P::DIRECT {
             if !accepted[j] {
                 continue;
             }
             let mut row: [f64; M] =
-                core::array::from_fn(|i| if i <= j { self.root[j][i] } else { 0.0 });
+                core::array::from_fn(|i| if i <= j { self.columns[i][j] } else { 0.0 });
             let mut left = innovation[j];
-            for i in 0..j {
+            for i in P::DIRECT.start..j {
                 let gain = rotations[i].apply(&mut row, 0.0);
                 out.innovation_root[j][i] = gain;
                 left -= gain * out.whitened[i];
@@ -232,14 +157,13 @@ impl<const N: usize, const M: usize> Prediction<N, M> {
 
     /// Rotates the rows of all states at once: lane k is row k, so the work runs side by side.
     #[inline(always)]
-    fn apply_direct(&self, rotations: &[Rotations<M>; M], out: &mut Update<N, M>) {
-        let mut columns = [[0.0; N]; M];
-        for k in 0..N {
-            for (i, column) in columns.iter_mut().enumerate().take(N) {
-                column[k] = self.root[k][i];
-            }
-        }
-        for j in 0..self.direct {
+    fn apply_direct(
+        &self,
+        rotations: &[Rotations<M>; M],
+        columns: &mut [[f64; N]; N],
+        out: &mut Update<N, M>,
+    ) {
+        for j in P::DIRECT {
             let mut pivots = [0.0; N];
             // Row j and the rows before it have no entries beyond column j.
             for i in (0..=j).rev() {
@@ -250,39 +174,39 @@ impl<const N: usize, const M: usize> Prediction<N, M> {
                     pivots[k] = cosine * pivots[k] + sine * entry;
                 }
             }
-            for k in 0..N {
-                out.gain_root[k][j] = pivots[k];
-                out.state[k] += pivots[k] * out.whitened[j];
-            }
-        }
-        for k in 0..N {
-            for (i, column) in columns.iter().enumerate().take(N) {
-                out.root[k][i] = column[k];
-            }
+            gained(j, &pivots, out);
         }
     }
 
     /// The other measurements: first their part that no state explains, then the columns of the states.
+    #[inline(always)]
     fn update_indirect(
         &self,
         direct: &[Rotations<M>; M],
         innovation: &[f64; M],
         std: &[f64; M],
         accepted: &[bool; M],
+        columns: &mut [[f64; N]; N],
         out: &mut Update<N, M>,
     ) {
         let (mut coupling, mut independent) = (self.coupling, self.independent);
         let mut left = *innovation;
-        for p in self.direct..M {
+        for p in 0..M {
+            if P::DIRECT.contains(&p) {
+                continue;
+            }
             let mut head = leading(&coupling[p]);
-            for j in 0..self.direct {
+            for j in P::DIRECT {
                 let gain = direct[j].apply(&mut head, 0.0);
                 out.innovation_root[p][j] = gain;
                 left[p] -= gain * out.whitened[j];
             }
             set_leading(&mut coupling[p], &head);
         }
-        for j in self.direct..M {
+        for j in 0..M {
+            if P::DIRECT.contains(&j) {
+                continue;
+            }
             if !accepted[j] {
                 out.innovation_root[j] = [0.0; M];
                 continue;
@@ -290,21 +214,41 @@ impl<const N: usize, const M: usize> Prediction<N, M> {
             let alone = Rotations::of(&independent[j], std[j]);
             let shared = Rotations::of(&coupling[j], alone.norm);
             out.innovation_root[j][j] = shared.norm;
-            let z = left[j] / shared.norm;
-            out.whitened[j] = z;
-            for k in 0..N {
-                let gain = shared.apply(&mut out.root[k], 0.0);
-                out.gain_root[k][j] = gain;
-                out.state[k] += gain * z;
-            }
+            out.whitened[j] = left[j] / shared.norm;
+            gained(j, &shared.turn(columns), out);
             for p in j + 1..M {
+                if P::DIRECT.contains(&p) {
+                    continue;
+                }
                 let pivot = alone.apply(&mut independent[p], 0.0);
                 let gain = shared.apply(&mut coupling[p], pivot);
                 out.innovation_root[p][j] = gain;
-                left[p] -= gain * z;
+                left[p] -= gain * out.whitened[j];
             }
         }
     }
+}
+
+/// Measurement `j` moves the states by these entries of K_b.
+#[inline(always)]
+fn gained<const N: usize, const M: usize>(j: usize, gains: &[f64; N], out: &mut Update<N, M>) {
+    let z = out.whitened[j];
+    for k in 0..N {
+        out.gain_root[k][j] = gains[k];
+        out.state[k] += gains[k] * z;
+    }
+}
+
+/// The rows of a lower-triangular matrix of these columns.
+#[inline(always)]
+fn rows<const N: usize>(columns: &[[f64; N]; N]) -> [[f64; N]; N] {
+    let mut rows = [[0.0; N]; N];
+    for k in 0..N {
+        for i in 0..=k {
+            rows[k][i] = columns[i][k];
+        }
+    }
+    rows
 }
 
 /// The first `K` entries of a row, or all and zeros.

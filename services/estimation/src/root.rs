@@ -4,7 +4,6 @@
 //! |---|---|---|
 //! | A = \[C D diag(q)\] | `rows`, `diagonal` | one row per state: `B` blocks of `W` columns, then independent noise |
 //! | L | result | lower-triangular root, L L' = C C' + D D' + diag(q)^2 |
-//! | P | `passengers` | further rows that undergo the same rotations: measurements that depend on the same noise |
 //!
 //! A textbook QR of \[C D diag(q)\]' spends most of its work on the zeros of diag(q). Here column i of the diagonal is the
 //! pivot of row i. Nothing has touched it before its turn and nothing needs it afterwards, so a reflection only ever
@@ -14,6 +13,8 @@
 //! What this is not: a rank-revealing factorisation. A row of zeros gives a zero on the diagonal.
 
 #![allow(clippy::needless_range_loop)] // indices as in the formulas
+
+use core::ops::Range;
 
 use crate::math::sqrt;
 
@@ -41,9 +42,12 @@ pub(crate) fn dot<const W: usize, const B: usize>(a: &Row<W, B>, b: &Row<W, B>) 
     even + odd
 }
 
+/// Lanes that are left out together where they hold nothing.
+pub(crate) const BLOCK: usize = 4;
+
 /// A Householder reflection that sends (pivot, row) to (-norm, 0).
 #[derive(Clone, Copy)]
-struct Reflection<const W: usize, const B: usize> {
+pub(crate) struct Reflection<const W: usize, const B: usize> {
     row: Row<W, B>,
     pivot: f64,
     scale: f64,
@@ -52,7 +56,7 @@ struct Reflection<const W: usize, const B: usize> {
 impl<const W: usize, const B: usize> Reflection<W, B> {
     /// The reflection and the norm it leaves.
     #[inline(always)]
-    fn of(row: &Row<W, B>, pivot: f64) -> (Self, f64) {
+    pub fn of(row: &Row<W, B>, pivot: f64) -> (Self, f64) {
         let norm = sqrt(pivot * pivot + dot(row, row));
         let pivot = pivot + norm;
         // A row of zeros needs no reflection: the guard keeps its scale finite.
@@ -69,7 +73,7 @@ impl<const W: usize, const B: usize> Reflection<W, B> {
 
     /// Reflects another row, whose entry in the pivot column is `entry`; returns the new entry, sign turned.
     #[inline(always)]
-    fn apply(&self, row: &mut Row<W, B>, entry: f64) -> f64 {
+    pub fn apply(&self, row: &mut Row<W, B>, entry: f64) -> f64 {
         let along = self.scale * (self.pivot * entry + dot(&self.row, row));
         for (x, v) in row.iter_mut().zip(&self.row) {
             for i in 0..W {
@@ -77,6 +81,39 @@ impl<const W: usize, const B: usize> Reflection<W, B> {
             }
         }
         along * self.pivot - entry
+    }
+}
+
+impl<const N: usize> Reflection<N, 1> {
+    /// Reflects rows `i + 1..` that lie side by side, by their columns, as row `i` ends at column `i`; returns their new entries
+    /// in the pivot column, where they have none before. What other rows hold is of no use afterwards.
+    #[inline(always)]
+    pub fn apply_lanes(&self, columns: &mut [[f64; N]; N], i: usize) -> [f64; N] {
+        const { assert!(N <= 4 * BLOCK) }
+        match (i + 1) / BLOCK {
+            0 => self.apply_from::<0>(columns, i),
+            1 => self.apply_from::<BLOCK>(columns, i),
+            2 => self.apply_from::<{ 2 * BLOCK }>(columns, i),
+            _ => self.apply_from::<{ 3 * BLOCK }>(columns, i),
+        }
+    }
+
+    #[inline(always)]
+    fn apply_from<const FROM: usize>(&self, columns: &mut [[f64; N]; N], i: usize) -> [f64; N] {
+        let [row] = &self.row;
+        let mut along = [0.0; N];
+        for c in 0..=i {
+            for k in FROM..N {
+                along[k] += row[c] * columns[c][k];
+            }
+        }
+        along = along.map(|sum| self.scale * sum);
+        for c in 0..=i {
+            for k in FROM..N {
+                columns[c][k] -= along[k] * row[c];
+            }
+        }
+        along.map(|along| along * self.pivot)
     }
 }
 
@@ -89,47 +126,33 @@ pub fn triangularise<const R: usize, const W: usize, const B: usize>(
     diagonal: &[f64; R],
 ) -> [[f64; R]; R] {
     let mut root = [[0.0; R]; R];
-    triangularise_with(rows, diagonal, &mut [], &mut root, &mut [], 0);
-    root
-}
-
-/// As [`triangularise`], with passengers: rows `first..P` of \[C D G\] undergo the same rotations.
-///
-/// `root` must hold zeros; L is written into it. On entry `coupling` holds G. On return `coupling[p]` holds passenger p in
-/// the columns of L, and `passengers[p]` what is left of it: the part that is independent of every state.
-#[inline(always)]
-pub fn triangularise_with<const R: usize, const P: usize, const W: usize, const B: usize>(
-    rows: &mut [Row<W, B>; R],
-    diagonal: &[f64; R],
-    passengers: &mut [Row<W, B>; P],
-    root: &mut [[f64; R]; R],
-    coupling: &mut [[f64; R]; P],
-    first: usize,
-) {
     for i in 0..R {
         let (reflection, norm) = Reflection::of(&rows[i], diagonal[i]);
         root[i][i] = norm;
         for k in i + 1..R {
             root[k][i] = reflection.apply(&mut rows[k], 0.0);
         }
-        for p in first..P {
-            coupling[p][i] = reflection.apply(&mut passengers[p], coupling[p][i]);
-        }
     }
+    root
 }
 
-/// Lower-triangular root of the rows `first..P`, which have no diagonal, written into `root`, which must hold zeros.
+/// Lower-triangular root of rows that have no diagonal, but for those in `skipped`, written into `root`, which must hold zeros.
 #[inline(always)]
-pub fn triangularise_rest<const P: usize, const W: usize, const B: usize>(
+pub(crate) fn triangularise_rest<const P: usize, const W: usize, const B: usize>(
     rows: &mut [Row<W, B>; P],
     root: &mut [[f64; P]; P],
-    first: usize,
+    skipped: Range<usize>,
 ) {
-    for i in first..P {
+    for i in 0..P {
+        if skipped.contains(&i) {
+            continue;
+        }
         let (reflection, norm) = Reflection::of(&rows[i], 0.0);
         root[i][i] = norm;
         for k in i + 1..P {
-            root[k][i] = reflection.apply(&mut rows[k], 0.0);
+            if !skipped.contains(&k) {
+                root[k][i] = reflection.apply(&mut rows[k], 0.0);
+            }
         }
     }
 }

@@ -16,7 +16,10 @@
 
 use crate::model::Model;
 use crate::pair::Pair;
-use crate::prediction::{Images, Prediction, Update};
+use core::marker::PhantomData;
+
+use crate::images::Images;
+use crate::prediction::{Prediction, Update};
 use crate::root::{Row, solve_lower, solve_lower_transposed, triangularise};
 use crate::scalar::Scalar;
 use crate::sigma_points::{Spread, Weights};
@@ -62,14 +65,12 @@ impl<const N: usize, const M: usize> SquareRootUkf<N, M> {
 
     /// Predicts one step; `process_std` is the additive process noise of the step.
     #[inline]
-    pub fn predict<P: Model<N, M>>(&self, model: &P, process_std: &[f64; N]) -> Prediction<N, M> {
+    pub fn predict<P: Model<N, M>>(
+        &self,
+        model: &P,
+        process_std: &[f64; N],
+    ) -> Prediction<P, N, M> {
         self.images(model).predict(process_std)
-    }
-
-    /// The prediction before the process noise is added.
-    #[inline(always)]
-    pub fn images<P: Model<N, M>>(&self, model: &P) -> Images<N, M, 2> {
-        self.images_with_shift(model).0
     }
 
     /// Takes over the result of an update.
@@ -94,49 +95,62 @@ impl<const N: usize, const M: usize> SquareRootUkf<N, M> {
         update.nis()
     }
 
-    /// Sigma points through the model: rows of \[C D\] in pair form, and how far the means lie from the centre's image.
+    /// Sigma points through the model: the prediction before the process noise is added.
     #[inline(always)]
-    fn images_with_shift<P: Model<N, M>>(&self, model: &P) -> (Images<N, M, 2>, [f64; N]) {
-        let (center, center_measured) = model.predict(&self.state);
+    pub fn images<P: Model<N, M>>(&self, model: &P) -> Images<P, N, M> {
+        let center = model.predict(&self.state);
         let mut images = Images {
             state: self.state,
-            measurement: center_measured,
-            rows: [[[0.0; N]; 2]; N],
+            measurement: center.1,
+            moving: [[[0.0; N]; 2]; N],
+            still: [[0.0; N]; N],
             measured: [[[0.0; N]; 2]; M],
             noise_coupling: model.noise_coupling(),
-            direct: P::DIRECT,
+            shift: [0.0; N],
+            model: PhantomData,
         };
-        for k in P::DYNAMIC..N {
-            images.rows[k][0] = self.root[k];
-        }
-        let (mut shift, mut shift_measured) = ([0.0; N], [0.0; M]);
+        let mut shift_measured = [0.0; M];
+        // Both points of an axis at once, a lane each. Row k of the root ends at column k: the states before i are the centre's.
+        let mut points = self.state.map(Pair::constant);
         for i in 0..N {
-            // Both points of the axis at once, a lane each.
-            let mut points = [Pair::constant(0.0); N];
-            for k in 0..N {
+            for k in i..N {
                 let offset = self.weights.scale * self.root[k][i];
                 points[k] = Pair([self.state[k] + offset, self.state[k] - offset]);
             }
-            let (image, measured) = model.predict(&points);
+            for k in i.max(P::DYNAMIC)..N {
+                images.still[i][k] = self.root[k][i];
+            }
+            let (image, measured) = if i < P::PASSIVE {
+                model.predict(&points)
+            } else {
+                model.measure(&points, &center)
+            };
+            points[i] = Pair::constant(self.state[i]);
             for k in 0..P::DYNAMIC {
                 let Pair([plus, minus]) = image[k];
-                shift[k] += self.pair(&mut images.rows[k], i, plus, minus, center[k]);
+                images.shift[k] += self.pair(&mut images.moving[k], i, plus, minus, center.0[k]);
             }
-            for p in P::DIRECT..M {
+            for p in 0..M {
+                if P::DIRECT.contains(&p) {
+                    continue;
+                }
                 let Pair([plus, minus]) = measured[p];
                 shift_measured[p] +=
-                    self.pair(&mut images.measured[p], i, plus, minus, center_measured[p]);
+                    self.pair(&mut images.measured[p], i, plus, minus, center.1[p]);
             }
         }
         for k in 0..P::DYNAMIC {
-            shift[k] *= self.weights.mean;
-            images.state[k] = center[k] + shift[k];
+            images.shift[k] *= self.weights.mean;
+            images.state[k] = center.0[k] + images.shift[k];
         }
         for p in 0..M {
-            let mean = center_measured[p] + self.weights.mean * shift_measured[p];
-            images.measurement[p] = if p < P::DIRECT { images.state[p] } else { mean };
+            images.measurement[p] = if P::DIRECT.contains(&p) {
+                images.state[p]
+            } else {
+                center.1[p] + self.weights.mean * shift_measured[p]
+            };
         }
-        (images, shift)
+        images
     }
 
     /// Writes column i of C and D of one quantity, and returns how far the pair's mean lies from the centre.
@@ -180,11 +194,18 @@ impl<const N: usize, const M: usize> SquareRootUkf<N, M> {
         measurement_std: &[f64; M],
         innovation: impl Fn(&[f64; M]) -> [f64; M],
     ) -> PrintedStep<N, M> {
-        let (mut images, shift) = self.images_with_shift(model);
-        let measured: [Row<N, 2>; M] = core::array::from_fn(|j| images.rows[j]);
-        let cross_covariance = self.cross_covariance(&images.rows, &measured, &shift);
+        let images = self.images(model);
+        let mut rows: [Row<N, 2>; N] = core::array::from_fn(|k| {
+            if k < P::DYNAMIC {
+                images.moving[k]
+            } else {
+                [self.root[k], [0.0; N]]
+            }
+        });
+        let measured: [Row<N, 2>; M] = core::array::from_fn(|j| rows[j]);
+        let cross_covariance = self.cross_covariance(&rows, &measured, &images.shift);
         let innovation_root = triangularise(&mut measured.clone(), measurement_std); // (26)
-        let predicted_root = triangularise(&mut images.rows, process_std); // (23)
+        let predicted_root = triangularise(&mut rows, process_std); // (23)
         let innovation = innovation(&images.measurement);
 
         let gain = cross_covariance.map(|row| {

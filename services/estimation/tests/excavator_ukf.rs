@@ -3,6 +3,8 @@
 
 mod excavator_common;
 
+use core::ops::Range;
+
 use estimation::excavator::{Inertia, Method, Sample, SwingEstimator, Variant};
 use estimation::model::Model;
 use estimation::scalar::Scalar;
@@ -20,7 +22,7 @@ struct Swing {
 
 impl Model<4, 1> for Swing {
     const DYNAMIC: usize = 1;
-    const DIRECT: usize = 1;
+    const DIRECT: Range<usize> = 0..1;
 
     fn predict<T: Scalar>(&self, state: &[T; 4]) -> ([T; 4], [T; 1]) {
         let [w, m, d, b] = *state;

@@ -1,5 +1,7 @@
 //! The generic filters against textbook algebra: nalgebra's QR of the whole array, and the Kalman filter.
 
+use core::ops::Range;
+
 use estimation::ekf::Ekf;
 use estimation::model::Model;
 use estimation::prediction::Update;
@@ -20,7 +22,7 @@ struct Bent;
 
 impl Model<N, M> for Bent {
     const DYNAMIC: usize = 2;
-    const DIRECT: usize = 1;
+    const DIRECT: Range<usize> = 0..1;
 
     fn predict<T: Scalar>(&self, x: &[T; N]) -> ([T; N], [T; M]) {
         let next = [
@@ -119,8 +121,11 @@ fn structured_step_equals_the_qr_of_the_whole_array() {
         let ukf = SquareRootUkf::<N, M>::with_root(X, S, spread);
         let e = [0.1, -0.2, 0.05];
         let golden = textbook_factor(alpha);
-        for prediction in [ukf.predict(&Bent, &Q), ukf.predict(&Undeclared, &Q)] {
-            let update = prediction.update(&e, &R, &[true; M]);
+        let (declared, undeclared) = (ukf.predict(&Bent, &Q), ukf.predict(&Undeclared, &Q));
+        for (predicted, update) in [
+            (declared.state, declared.update(&e, &R, &[true; M])),
+            (undeclared.state, undeclared.update(&e, &R, &[true; M])),
+        ] {
             // Rounding of two different orders of elimination.
             assert!((factor(&update) - golden).amax() < 1e-14);
             let s_y = golden.fixed_view::<M, M>(0, 0).into_owned();
@@ -130,7 +135,7 @@ fn structured_step_equals_the_qr_of_the_whole_array() {
             }
             let moved = golden.fixed_view::<N, M>(M, 0) * z;
             for k in 0..N {
-                assert!((update.state[k] - prediction.state[k] - moved[k]).abs() < 1e-14);
+                assert!((update.state[k] - predicted[k] - moved[k]).abs() < 1e-14);
             }
         }
     }
@@ -185,7 +190,7 @@ fn triangularise_equals_qr_and_bears_rows_of_zeros() {
 struct Linear;
 
 impl Model<2, 1> for Linear {
-    const DIRECT: usize = 1;
+    const DIRECT: Range<usize> = 0..1;
 
     fn predict<T: Scalar>(&self, x: &[T; 2]) -> ([T; 2], [T; 1]) {
         let next = [x[0] + x[1] * 0.1, x[1] * 0.99];

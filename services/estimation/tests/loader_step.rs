@@ -67,7 +67,7 @@ fn gain<const N: usize, const M: usize>(update: &Update<N, M>) -> [[f64; M]; N] 
 }
 
 fn update<const N: usize, const M: usize>(
-    p: &Prediction<N, M>,
+    p: &Prediction<CgModel, N, M>,
     y: &[f64; M],
     r: &[f64; M],
 ) -> Update<N, M> {
@@ -105,7 +105,7 @@ fn six_states_printed_and_consistent_agree_with_the_reference_step() {
         let mut ukf = SquareRootUkf::<6, 3>::with_root(x, root(&file["S0"]), Spread::PAPER);
         let prediction = ukf.predict(&model, &q);
         assert_row("x^-", &prediction.state, &case["x_pred"], tolerance);
-        assert_matrix("S^-", &prediction.root, &case["S_pred"], tolerance);
+        assert_matrix("S^-", &prediction.root(), &case["S_pred"], tolerance);
         assert_row("y^", &prediction.measurement, &case["y_pred"], tolerance);
         let joint = &case["consistent_joint_qr"];
         let updated = update(&prediction, &y, &r);
@@ -267,7 +267,7 @@ fn check_ekf<const N: usize, const M: usize>(
 }
 
 fn check_joint<const N: usize, const M: usize>(
-    prediction: &Prediction<N, M>,
+    prediction: &Prediction<CgModel, N, M>,
     y: &[f64; M],
     r: &[f64; M],
     golden: &Value,

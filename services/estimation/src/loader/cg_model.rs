@@ -13,6 +13,8 @@
 //! Parameters are random walks. (15) names L the measurement matrix (it is the noise input) and v_k process noise (it is
 //! the measurement noise); (17) rewrites (15), not (12).
 
+use core::ops::Range;
+
 use super::layout::{CG_HEIGHT, CG_RATIO, Layout, REAR_WHEEL, SPEED};
 use super::tangent::Tangent;
 use super::wheel_dynamics::{GRAVITY, Inputs, Motion, Parameters, Road, WheelDynamics};
@@ -155,10 +157,10 @@ impl CgModel {
 
 impl<const N: usize, const M: usize> Model<N, M> for CgModel {
     const DYNAMIC: usize = 3;
-    const DIRECT: usize = if Layout::of(N).speed_delay.is_some() {
-        0
-    } else {
-        3
+    const DIRECT: Range<usize> = Layout::of(N).direct();
+    const PASSIVE: usize = match Layout::of(N).speed_delay {
+        Some(delay) => delay,
+        None => N,
     };
 
     fn predict<T: Scalar>(&self, state: &[T; N]) -> ([T; N], [T; M]) {
@@ -172,6 +174,20 @@ impl<const N: usize, const M: usize> Model<N, M> for CgModel {
                 (SPEED..=REAR_WHEEL, _) => next[j],
                 _ => rate + road.sine * GRAVITY,
             });
+        (next, measurement)
+    }
+
+    /// The delay of the speed moves nothing.
+    fn measure<T: Scalar>(
+        &self,
+        state: &[T; N],
+        center: &([f64; N], [f64; M]),
+    ) -> ([T; N], [T; M]) {
+        let (next, mut measurement) = (center.0.map(T::constant), center.1.map(T::constant));
+        if let Some(delay) = const { Layout::of(N) }.speed_delay {
+            let rate = (next[SPEED] - state[SPEED]) / self.dt;
+            measurement[SPEED] = next[SPEED] - rate * state[delay];
+        }
         (next, measurement)
     }
 

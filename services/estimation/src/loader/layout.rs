@@ -9,6 +9,8 @@
 //!
 //! The measurements are v, w_f, w_r and the specific force: the first three stand where their states do.
 
+use core::ops::Range;
+
 /// Speed v [m/s].
 pub(super) const SPEED: usize = 0;
 /// Front wheel speed w_f [rad/s].
@@ -52,6 +54,15 @@ impl Layout {
             } else {
                 None
             },
+        }
+    }
+
+    /// The measurements that are states themselves: the wheel speeds, and the speed unless it is late.
+    pub const fn direct(self) -> Range<usize> {
+        if self.speed_delay.is_some() {
+            FRONT_WHEEL..REAR_WHEEL + 1
+        } else {
+            SPEED..REAR_WHEEL + 1
         }
     }
 }

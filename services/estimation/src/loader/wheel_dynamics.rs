@@ -189,6 +189,18 @@ impl<T: Scalar> Parameters<T> {
     }
 }
 
+/// One axle in a pass of the implicit step.
+struct Axle<T> {
+    /// 0 in front, 1 behind.
+    axle: usize,
+    torque: f64,
+    /// Relative radius error.
+    error: T,
+    load: T,
+    stiffness: T,
+    acceleration: T,
+}
+
 /// What one wheel contributes to the implicit step.
 pub(super) struct Wheel<T> {
     /// r_i c_i: force per slip speed times radius.
@@ -227,33 +239,19 @@ impl WheelDynamics {
                 road,
             );
             let (w_front, w_rear) = (old.front_wheel_speed, old.rear_wheel_speed);
-            let rim = |d, load| self.radius(d, load);
-            let (r_front, r_rear) = (
-                rim(p.front_radius_error, load_front),
-                rim(p.rear_radius_error, load_rear),
-            );
-            let wheel = |axle: usize, torque, radius: T, load, old_speed, new_speed: T| {
-                let unbent = self.axle_stiffness(axle, p.slip_stiffness, load);
-                let stiffness = self.stiffness(unbent, torque, radius, load, acceleration);
-                let slip_speed = self.slip_denominator(new.speed, radius * new_speed);
-                self.wheel(stiffness * load / slip_speed, torque, radius, old_speed, dt)
+            let axle = |axle, torque, error, load| Axle {
+                axle,
+                torque,
+                error,
+                load,
+                stiffness: p.slip_stiffness,
+                acceleration,
             };
-            let front = wheel(
-                0,
-                u.front_torque,
-                r_front,
-                load_front,
-                w_front,
-                new.front_wheel_speed,
-            );
-            let rear = wheel(
-                1,
-                u.rear_torque,
-                r_rear,
-                load_rear,
-                w_rear,
-                new.rear_wheel_speed,
-            );
+            let (error_front, error_rear) = (p.front_radius_error, p.rear_radius_error);
+            let front = axle(0, u.front_torque, error_front, load_front);
+            let front = self.grip(&front, w_front, [new.speed, new.front_wheel_speed], dt);
+            let rear = axle(1, u.rear_torque, error_rear, load_rear);
+            let rear = self.grip(&rear, w_rear, [new.speed, new.rear_wheel_speed], dt);
             let push = front.grip * front.free_rim_speed + rear.grip * rear.free_rim_speed - drag;
             let speed = (old.speed + push * (dt / self.mass))
                 / ((front.grip + rear.grip) * (dt / self.mass) + 1.0);
@@ -265,6 +263,23 @@ impl WheelDynamics {
             acceleration = (speed - old.speed) / dt;
         }
         new
+    }
+
+    /// What an axle contributes at the speeds of body and wheels of the pass before.
+    #[inline(always)]
+    fn grip<T: Scalar>(
+        &self,
+        axle: &Axle<T>,
+        old_speed: T,
+        [speed, wheel_speed]: [T; 2],
+        dt: f64,
+    ) -> Wheel<T> {
+        let Axle { torque, load, .. } = *axle;
+        let radius = self.radius(axle.error, load);
+        let unbent = self.axle_stiffness(axle.axle, axle.stiffness, load);
+        let stiffness = self.stiffness(unbent, torque, radius, load, axle.acceleration);
+        let slip_speed = self.slip_denominator(speed, radius * wheel_speed);
+        self.wheel(stiffness * load / slip_speed, torque, radius, old_speed, dt)
     }
 
     /// `parts` linearly implicit steps of `dt / parts` with the same inputs.

@@ -6,15 +6,15 @@
 #![allow(clippy::needless_range_loop)] // indices as in the formulas
 
 use core::fmt::Debug;
-use core::ops::Range;
 
-use crate::ekf::{Ekf, Expected, carry, combine};
+use crate::ekf::{Ekf, Expected, add, carry, combine};
+use crate::images::Images;
 use crate::loader::cg_model::CgModel;
 use crate::loader::layout::{Layout, SPEED};
 use crate::loader::tangent::Tangent;
 use crate::loader::wheel_dynamics::{GRAVITY, Road};
 use crate::math::sqrt;
-use crate::prediction::{Images, Prediction};
+use crate::prediction::Prediction;
 use crate::root::triangularise;
 use crate::sigma_points::Spread;
 use crate::srukf::SquareRootUkf;
@@ -86,8 +86,8 @@ pub(in crate::loader) trait Belief<const N: usize, const M: usize>:
 }
 
 impl<const N: usize, const M: usize> Belief<N, M> for SquareRootUkf<N, M> {
-    type Ahead = Images<N, M, 2>;
-    type Expected = Prediction<N, M>;
+    type Ahead = Images<CgModel, N, M>;
+    type Expected = Prediction<CgModel, N, M>;
 
     fn new(state: [f64; N], std: &[f64; N], spread: Spread) -> Self {
         Self::new(state, std, spread)
@@ -102,13 +102,16 @@ impl<const N: usize, const M: usize> Belief<N, M> for SquareRootUkf<N, M> {
     }
 
     fn variance(&self, i: usize) -> f64 {
-        self.root[i].iter().map(|x| x * x).sum()
+        self.root[i][..=i].iter().map(|x| x * x).sum()
     }
 
     fn is_sound(&self) -> bool {
         // A sum of numbers that are finite by far is finite.
-        let sum = |row: &[f64; N]| row.iter().sum::<f64>();
-        (sum(&self.state) + self.root.iter().map(sum).sum::<f64>()).is_finite()
+        let mut sum = self.state;
+        for row in &self.root {
+            add(&mut sum, 1.0, row);
+        }
+        sum.iter().sum::<f64>().is_finite()
     }
 
     fn separate(&mut self, states: &[(usize, f64)], process_std: &[f64; N]) {
@@ -148,9 +151,8 @@ impl<const N: usize, const M: usize> Belief<N, M> for SquareRootUkf<N, M> {
         expected.measurement_std(j)
     }
 
-    fn difference_variance(expected: &Self::Expected, [a, b]: [usize; 2]) -> f64 {
-        let pairs = expected.root[a].iter().zip(&expected.root[b]);
-        pairs.map(|(a, b)| (a - b) * (a - b)).sum()
+    fn difference_variance(expected: &Self::Expected, of: [usize; 2]) -> f64 {
+        expected.difference_variance(of)
     }
 
     #[inline(always)]
@@ -168,15 +170,6 @@ impl<const N: usize, const M: usize> Belief<N, M> for SquareRootUkf<N, M> {
 
     fn sigma_points(&mut self) -> Option<&mut SquareRootUkf<N, M>> {
         Some(self)
-    }
-}
-
-/// The measurements that are states themselves: the wheel speeds, and the speed unless it is late.
-const fn direct(states: usize) -> Range<usize> {
-    if Layout::of(states).speed_delay.is_some() {
-        1..3
-    } else {
-        0..3
     }
 }
 
@@ -347,7 +340,7 @@ impl<const N: usize, const M: usize> Belief<N, M> for Ekf<N, M> {
             }
         }
         self.state = ahead.state;
-        self.complete(&mut expected, process_std, direct(N));
+        self.complete(&mut expected, process_std, Layout::of(N).direct());
         expected
     }
 
@@ -371,7 +364,14 @@ impl<const N: usize, const M: usize> Belief<N, M> for Ekf<N, M> {
         std: &[f64; M],
         accepted: &[bool; M],
     ) -> f64 {
-        Ekf::update(self, expected, innovation, std, accepted, direct(N))
+        Ekf::update(
+            self,
+            expected,
+            innovation,
+            std,
+            accepted,
+            Layout::of(N).direct(),
+        )
     }
 
     fn sigma_points(&mut self) -> Option<&mut SquareRootUkf<N, M>> {

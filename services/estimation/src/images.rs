@@ -1,0 +1,119 @@
+//! Images of sigma points, and how they become a predicted root.
+//!
+//! ```text
+//! [ C  D  Q ]        [ L ]        rows of the states that move
+//! [ S  0  Q ]   =>   [   ]        rows of those that stand still: S is the root before the step, triangular
+//! ```
+//! C and D are odd and even parts of the images ([`crate::sigma_points`]), Q the process noise. A state that stands still has no
+//! even part and keeps its row of the root. So the moving rows come first: a reflection takes D and Q of a row into one number,
+//! which concerns no other row but those that move and the measurements; then rotations fold C in, and leave S triangular.
+//! Behind them row i has i + 1 entries and its noise, which one reflection makes one number. A textbook QR of the whole array
+//! takes more than twice as many operations.
+//!
+//! The rows that stand still lie side by side, column by column, see [`crate::rotations`].
+
+#![allow(clippy::needless_range_loop)] // indices as in the formulas
+
+use core::array::from_mut;
+use core::marker::PhantomData;
+
+use crate::model::Model;
+use crate::prediction::Prediction;
+use crate::root::{Reflection, Row, triangularise_rest};
+use crate::rotations::Rotations;
+
+/// Means and deviations before they are triangularised.
+///
+/// The process noise comes in only afterwards, so it may depend on the predicted state.
+pub struct Images<P, const N: usize, const M: usize> {
+    /// Predicted state.
+    pub state: [f64; N],
+    /// Predicted measurement.
+    pub measurement: [f64; M],
+    /// Rows \[C D\] of the states that move.
+    pub(crate) moving: [Row<N, 2>; N],
+    /// The rows of those that stand still, column by column.
+    pub(crate) still: [[f64; N]; N],
+    /// Rows \[C D\] of the measurements that are no states.
+    pub(crate) measured: [Row<N, 2>; M],
+    /// Derivative of the measurements by the process noise.
+    pub(crate) noise_coupling: [[f64; N]; M],
+    /// How far the means of the states lie from the centre's image.
+    pub(crate) shift: [f64; N],
+    pub(crate) model: PhantomData<fn(&P)>,
+}
+
+impl<P: Model<N, M>, const N: usize, const M: usize> Images<P, N, M> {
+    /// Adds the process noise of the step and triangularises.
+    #[inline(always)]
+    pub fn predict(&mut self, process_std: &[f64; N]) -> Prediction<P, N, M> {
+        let mut prediction = Prediction {
+            state: self.state,
+            measurement: self.measurement,
+            columns: [[0.0; N]; N],
+            coupling: [[0.0; N]; M],
+            independent: [[0.0; M]; M],
+            model: PhantomData,
+        };
+        for p in 0..M {
+            if P::DIRECT.contains(&p) {
+                continue;
+            }
+            for i in 0..N {
+                prediction.coupling[p][i] = self.noise_coupling[p][i] * process_std[i];
+            }
+        }
+        for i in 0..P::DYNAMIC {
+            self.fold_moving(i, process_std[i], &mut prediction);
+        }
+        for i in P::DYNAMIC..N {
+            self.reflect_still(i, process_std[i], &mut prediction);
+        }
+        triangularise_rest(&mut self.measured, &mut prediction.independent, P::DIRECT);
+        prediction
+    }
+
+    /// Column `i` of the predicted root, of a state that moves.
+    #[inline(always)]
+    fn fold_moving(&mut self, i: usize, std: f64, into: &mut Prediction<P, N, M>) {
+        let [odd, even] = self.moving[i];
+        let (reflection, noise) = Reflection::of(&[even], std);
+        let rotations = Rotations::of(&odd, noise);
+        let pivots = rotations.turn(&mut self.still);
+        into.columns[i] = pivots;
+        into.columns[i][..P::DYNAMIC].fill(0.0);
+        into.columns[i][i] = rotations.norm;
+        for k in i + 1..P::DYNAMIC {
+            let [odd, even] = &mut self.moving[k];
+            let entry = reflection.apply(from_mut(even), 0.0);
+            into.columns[i][k] = rotations.apply(odd, entry);
+        }
+        for p in 0..M {
+            if P::DIRECT.contains(&p) {
+                continue;
+            }
+            let [odd, even] = &mut self.measured[p];
+            let entry = reflection.apply(from_mut(even), into.coupling[p][i]);
+            into.coupling[p][i] = rotations.apply(odd, entry);
+        }
+    }
+
+    /// Column `i` of the predicted root, of a state that stands still.
+    #[inline(always)]
+    fn reflect_still(&mut self, i: usize, std: f64, into: &mut Prediction<P, N, M>) {
+        let row: [f64; N] = core::array::from_fn(|c| self.still[c][i]);
+        let (reflection, norm) = Reflection::of(&[row], std);
+        let column = reflection.apply_lanes(&mut self.still, i);
+        into.columns[i][i] = norm;
+        for k in i + 1..N {
+            into.columns[i][k] = column[k];
+        }
+        for p in 0..M {
+            if P::DIRECT.contains(&p) {
+                continue;
+            }
+            let odd = from_mut(&mut self.measured[p][0]);
+            into.coupling[p][i] = reflection.apply(odd, into.coupling[p][i]);
+        }
+    }
+}
