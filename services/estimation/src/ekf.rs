@@ -26,7 +26,7 @@ use core::ops::Range;
 use crate::dual::Dual;
 use crate::math::sqrt;
 use crate::model::Model;
-use crate::root;
+use crate::root::{self, BLOCK};
 
 /// The filter: a state and its covariance.
 #[derive(Clone, Copy, Debug)]
@@ -224,22 +224,21 @@ impl<const N: usize, const M: usize> Ekf<N, M> {
         for j in 0..M {
             add(&mut self.state, whitened[j], &gain[j]);
         }
-        let p = &mut self.covariance;
-        for i in 0..N {
-            let mut row = p[i];
-            for j in 0..M {
-                add(&mut row, -gain[j][i], &gain[j]);
-            }
-            p[i] = row;
-        }
+        let exact = |j: usize| accepted[j] && direct.contains(&j);
+        const { assert!(N <= 4 * BLOCK) }
+        self.reduce::<0>(&gain, exact);
+        self.reduce::<BLOCK>(&gain, exact);
+        self.reduce::<{ 2 * BLOCK }>(&gain, exact);
+        self.reduce::<{ 3 * BLOCK }>(&gain, exact);
         // K' = L'^-1 G, and the exact rows R K'.
+        let p = &mut self.covariance;
         for j in (direct.start..M).rev() {
             let mut row = gain[j];
             for l in j + 1..M {
                 add(&mut row, -root[l][j], &gain[l]);
             }
             gain[j] = row.map(|c| c * per[j]);
-            if accepted[j] && direct.contains(&j) {
+            if exact(j) {
                 let noise = std[j] * std[j];
                 for i in 0..N {
                     p[j][i] = noise * gain[j][i];
@@ -248,6 +247,26 @@ impl<const N: usize, const M: usize> Ekf<N, M> {
             }
         }
         nis
+    }
+
+    /// P - G' G: rows `FROM` to `FROM + BLOCK`, from the diagonal's block on, and what mirrors them; not those that are exact.
+    #[inline(always)]
+    fn reduce<const FROM: usize>(&mut self, gain: &[[f64; N]; M], exact: impl Fn(usize) -> bool) {
+        let p = &mut self.covariance;
+        for i in FROM..N.min(FROM + BLOCK) {
+            if i < M && exact(i) {
+                continue;
+            }
+            for j in 0..M {
+                let factor = -gain[j][i];
+                for c in FROM..N {
+                    p[i][c] += factor * gain[j][c];
+                }
+            }
+            for c in FROM + BLOCK..N {
+                p[c][i] = p[i][c];
+            }
+        }
     }
 
     /// One step with every measurement present; returns the normalised innovation squared.
