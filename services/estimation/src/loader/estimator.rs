@@ -204,13 +204,16 @@ fn report<const N: usize, const M: usize, B: Belief<N, M>>(
     row: &RowReport<M>,
 ) -> Estimate {
     let x = filter.state();
-    let std: [f64; N] = core::array::from_fn(|i| filter.std(i));
     let layout = const { Layout::of(N) };
-    let own = |of: &[f64; N]| Each {
-        ratio: of[CG_RATIO],
-        height: of[CG_HEIGHT],
+    let own = Each {
+        ratio: x[CG_RATIO],
+        height: x[CG_HEIGHT],
     };
-    let (centre, loaded_std) = loaded(filter, settings, own(x), own(&std));
+    let std = Each {
+        ratio: filter.std(CG_RATIO),
+        height: filter.std(CG_HEIGHT),
+    };
+    let (centre, loaded_std) = loaded(filter, settings, own, std);
     let doubt = filter.doubt();
     let beyond = doubt.beyond;
     let reported = with_floors(
@@ -224,8 +227,8 @@ fn report<const N: usize, const M: usize, B: Belief<N, M>>(
     );
     let intervals = Intervals {
         filter: Each {
-            ratio: doubt.birge * std[CG_RATIO],
-            height: doubt.birge * std[CG_HEIGHT],
+            ratio: doubt.birge * std.ratio,
+            height: doubt.birge * std.height,
         },
         reported,
         ratio: centre.ratio,
@@ -238,7 +241,7 @@ fn report<const N: usize, const M: usize, B: Belief<N, M>>(
         (verdict.excited, verdict.identifiable, verdict.converged);
     let quantity = |i: usize| Quantity {
         value: x[i],
-        std: std[i],
+        std: filter.std(i),
     };
     let scale = |wheel: usize| layout.radii.map(|radii| 1.0 + x[radii[wheel]]);
     let used = row.accepted.iter().filter(|a| **a).count().max(1);
@@ -260,7 +263,7 @@ fn report<const N: usize, const M: usize, B: Belief<N, M>>(
         cg_distance: (1.0 - centre.ratio) * settings.machine.wheelbase,
         spade_force_x: layout.spade_force.map(|i| Quantity {
             value: filter.spade_force_x + x[i],
-            std: std[i],
+            std: filter.std(i),
         }),
         slope_bias: layout.slope_bias.map(|i| x[i]),
         front_radius_scale: scale(0),

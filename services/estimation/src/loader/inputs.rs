@@ -2,6 +2,7 @@
 
 use super::sample::{Sample, finite};
 use super::wheel_dynamics::Inputs;
+use crate::math::sin_cos;
 
 /// The last finite input of each kind, the mass, and the last specific force.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,6 +20,8 @@ pub(super) struct InputHold {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct StepInputs {
     pub inputs: Inputs,
+    /// Sine of the measured slope.
+    pub sine: f64,
     /// Mean specific force over the step; missing when either end is.
     pub acceleration: Option<f64>,
     /// Friction brakes act.
@@ -102,6 +105,7 @@ impl InputHold {
         };
         StepInputs {
             inputs,
+            sine: sin_cos(slope).0,
             acceleration: mean,
             brake: sample.brake,
             articulation: finite(sample.articulation),

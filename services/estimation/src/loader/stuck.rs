@@ -61,9 +61,8 @@ pub(super) struct Stuck {
 }
 
 impl Stuck {
-    /// Takes a row `dt` after the one before, and returns it without the values that are stuck.
-    pub fn watch(&mut self, sample: &Sample, witness: &Witness, dt: f64) -> Sample {
-        let mut sample = *sample;
+    /// Takes a row `dt` after the one before, and takes the values that are stuck out of it.
+    pub fn watch(&mut self, sample: &mut Sample, witness: &Witness, dt: f64) {
         let signals = [
             &mut sample.speed,
             &mut sample.front_wheel_speed,
@@ -87,7 +86,6 @@ impl Stuck {
                 *signal = None;
             }
         }
-        sample
     }
 
     /// The first signal that is stuck.
@@ -144,11 +142,11 @@ mod tests {
     fn stuck_after(rows: i32, value: impl Fn(i32) -> f64, speed: impl Fn(i32) -> f64) -> bool {
         let mut stuck = Stuck::default();
         for k in 0..rows {
-            let sample = Sample {
+            let mut sample = Sample {
                 front_wheel_speed: Some(value(k)),
                 ..Sample::default()
             };
-            stuck.watch(&sample, &witness(speed(k)), 0.01);
+            stuck.watch(&mut sample, &witness(speed(k)), 0.01);
         }
         stuck.now[1]
     }

@@ -22,7 +22,7 @@ use crate::loader::stuck::{Stuck, Witness};
 use crate::loader::verdict::Evidence;
 use crate::loader::wheel_dynamics::{GRAVITY, Inputs, Tyres, WheelDynamics};
 use crate::loader::windup::Windup;
-use crate::math::{sin_cos, sqrt, tanh};
+use crate::math::{sqrt, tanh};
 use crate::sigma_points::Spread;
 use crate::time_base::{Tick, TimeBase};
 
@@ -203,22 +203,21 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     /// Takes one row.
     pub fn step(&mut self, sample: &Sample) -> RowReport<M> {
         let machine = &self.settings.machine;
-        let sample = &self.corrected(&sample.plausible(machine.mass, machine.wheel_radius));
+        let mut sample = sample.plausible(machine.mass, machine.wheel_radius);
+        self.correct(&mut sample);
         let gap = self.settings.gap();
         let dt = match self.clock.tick(sample.time, gap.min(LONGEST_STEP)) {
-            Tick::First => return self.first(sample),
+            Tick::First => return self.first(&sample),
             Tick::Later(dt) => dt,
             Tick::Refused => return RowReport::without_update(Status::Refused, self.frozen),
-            Tick::SetBack => return self.set_back(sample),
+            Tick::SetBack => return self.set_back(&sample),
         };
         let at_work = self.settings.at_work();
-        let screened = if at_work {
-            let witness = self.witness(sample);
-            self.stuck.watch(sample, &witness, dt)
-        } else {
-            *sample
-        };
-        let sample = &screened;
+        if at_work {
+            let witness = self.witness(&sample);
+            self.stuck.watch(&mut sample, &witness, dt);
+        }
+        let sample = &sample;
         let midpoint = self.settings.estimator.inputs != Driven::Hold;
         let step = self.hold.advance(sample, midpoint, at_work);
         self.spade_force_x = step.inputs.spade_force_x;
@@ -254,19 +253,13 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         self.finish(report, sample, dt)
     }
 
-    /// The sample with true torques, and where the filter does not learn it, the true slope.
-    fn corrected(&self, sample: &Sample) -> Sample {
+    /// Makes torques true, and where the filter does not learn its bias, the slope.
+    fn correct(&self, sample: &mut Sample) {
         let sensors = &self.settings.sensors;
-        let bias = if const { Layout::of(N) }.slope_bias.is_none() {
-            self.settings.prior.slope_bias
-        } else {
-            0.0
-        };
-        Sample {
-            front_torque: sample.front_torque.map(|t| t / sensors.front_torque_gain),
-            rear_torque: sample.rear_torque.map(|t| t / sensors.rear_torque_gain),
-            slope: sample.slope.map(|s| s - bias),
-            ..*sample
+        sample.front_torque = sample.front_torque.map(|t| t / sensors.front_torque_gain);
+        sample.rear_torque = sample.rear_torque.map(|t| t / sensors.rear_torque_gain);
+        if const { Layout::of(N) }.slope_bias.is_none() {
+            sample.slope = sample.slope.map(|s| s - self.settings.prior.slope_bias);
         }
     }
 
@@ -328,7 +321,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
 
     /// Acceleration along the road, measured, or what the torques would give without slip [m/s^2].
     fn free_acceleration(&self, step: &StepInputs) -> Option<f64> {
-        let slope = sin_cos(step.inputs.slope).0;
+        let slope = step.sine;
         if M > 3 {
             return step.acceleration.map(|a| a - GRAVITY * slope);
         }
@@ -406,7 +399,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
         let both = accepted[FRONT_WHEEL] && accepted[REAR_WHEEL] && !conditions.frozen;
         if at_work && both {
-            self.compare_legs(&before, &state, &innovation, &std, model);
+            self.compare_legs(&before, &state, &innovation, &std, model, step.sine);
             self.compare_axles(&measured, &innovation, &expected, &process_std, &noise);
         }
         let nis = self.belief.update(&expected, &innovation, &std, &accepted);
@@ -446,13 +439,14 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         innovation: &[f64; M],
         std: &[f64; M],
         model: &CgModel,
+        sine: f64,
     ) {
         let (machine, inputs) = (&self.dynamics, &model.inputs);
         let radius = machine.wheel_radius;
         let [speed, stiffness, height, ratio] =
             [SPEED, SLIP_STIFFNESS, CG_HEIGHT, CG_RATIO].map(|i| state[i]);
         let acceleration = (speed - before.speed) / model.dt;
-        let lift = acceleration + GRAVITY * sin_cos(inputs.slope).0;
+        let lift = acceleration + GRAVITY * sine;
         let front = (ratio - height * lift / (GRAVITY * machine.wheelbase)).clamp(0.1, 0.9);
         let per_weight = 1.0 / (radius * stiffness * machine.mass * GRAVITY);
         let slip = |torque: f64, share: f64| torque * per_weight / (share * share);
