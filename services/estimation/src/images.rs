@@ -105,9 +105,7 @@ impl<P: Model<N, M>, const N: usize, const M: usize> Images<P, N, M> {
         let (reflection, norm) = Reflection::of(&[row], std);
         let column = reflection.apply_lanes(&mut self.still, i);
         into.columns[i][i] = norm;
-        for k in i + 1..N {
-            into.columns[i][k] = column[k];
-        }
+        into.columns[i][i + 1..].copy_from_slice(&column[i + 1..]);
         for p in 0..M {
             if P::DIRECT.contains(&p) {
                 continue;

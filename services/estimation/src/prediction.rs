@@ -28,13 +28,14 @@ use crate::math::sqrt;
 use crate::model::Model;
 use crate::rotations::Rotations;
 
-/// A predicted state and measurement with their joint uncertainty, measurement noise not included.
+/// A predicted state and measurement with their joint uncertainty, measurement noise not included; state and root become the
+/// updated ones when the measurements are absorbed.
 pub struct Prediction<P, const N: usize, const M: usize> {
-    /// Predicted state x^-.
+    /// State x^-.
     pub state: [f64; N],
     /// Predicted measurement y^.
     pub measurement: [f64; M],
-    /// Columns of the lower root S^- of the predicted covariance.
+    /// Columns of the lower root S^- of its covariance.
     pub columns: [[f64; N]; N],
     /// The measurements that are no states in the columns of S^-.
     pub coupling: [[f64; N]; M],
@@ -46,10 +47,6 @@ pub struct Prediction<P, const N: usize, const M: usize> {
 /// What an update did.
 #[derive(Clone, Copy, Debug)]
 pub struct Update<const N: usize, const M: usize> {
-    /// Updated state.
-    pub state: [f64; N],
-    /// Updated lower root.
-    pub root: [[f64; N]; N],
     /// Lower root S_y of the innovation covariance; a rejected measurement has a row of zeros.
     pub innovation_root: [[f64; M]; M],
     /// K_b, the gain times S_y.
@@ -66,7 +63,8 @@ impl<const N: usize, const M: usize> Update<N, M> {
 }
 
 impl<P: Model<N, M>, const N: usize, const M: usize> Prediction<P, N, M> {
-    /// Lower root S^- of the predicted covariance.
+    /// Lower root of the covariance.
+    #[inline(always)]
     pub fn root(&self) -> [[f64; N]; N] {
         rows(&self.columns)
     }
@@ -89,37 +87,26 @@ impl<P: Model<N, M>, const N: usize, const M: usize> Prediction<P, N, M> {
         differences.map(|x| x * x).sum()
     }
 
-    /// Absorbs the accepted measurements.
+    /// Absorbs the accepted measurements into state and root.
     ///
     /// `innovation` is y - y^ and `std` the measurement noise, which must be positive where accepted.
     #[inline(always)]
-    pub fn update(
-        &self,
+    pub fn absorb(
+        &mut self,
         innovation: &[f64; M],
         std: &[f64; M],
         accepted: &[bool; M],
     ) -> Update<N, M> {
         let mut out = Update {
-            state: self.state,
-            root: [[0.0; N]; N],
             innovation_root: [[0.0; M]; M],
             gain_root: [[0.0; M]; N],
             whitened: [0.0; M],
         };
-        let mut columns = self.columns;
         let rotations = self.direct_rotations(innovation, std, accepted, &mut out);
-        self.apply_direct(&rotations, &mut columns, &mut out);
+        self.apply_direct(&rotations, &mut out);
         if P::DIRECT.len() < M {
-            self.update_indirect(
-                &rotations,
-                innovation,
-                std,
-                accepted,
-                &mut columns,
-                &mut out,
-            );
+            self.absorb_indirect(&rotations, innovation, std, accepted, &mut out);
         }
-        out.root = rows(&columns);
         out
     }
 
@@ -157,51 +144,54 @@ impl<P: Model<N, M>, const N: usize, const M: usize> Prediction<P, N, M> {
 
     /// Rotates the rows of all states at once: lane k is row k, so the work runs side by side.
     #[inline(always)]
-    fn apply_direct(
-        &self,
-        rotations: &[Rotations<M>; M],
-        columns: &mut [[f64; N]; N],
-        out: &mut Update<N, M>,
-    ) {
+    fn apply_direct(&mut self, rotations: &[Rotations<M>; M], out: &mut Update<N, M>) {
         for j in P::DIRECT {
             let mut pivots = [0.0; N];
             // Row j and the rows before it have no entries beyond column j.
             for i in (0..=j).rev() {
                 let (cosine, sine) = (rotations[j].cosine[i], rotations[j].sine[i]);
                 for k in 0..N {
-                    let entry = columns[i][k];
-                    columns[i][k] = cosine * entry - sine * pivots[k];
+                    let entry = self.columns[i][k];
+                    self.columns[i][k] = cosine * entry - sine * pivots[k];
                     pivots[k] = cosine * pivots[k] + sine * entry;
                 }
             }
-            gained(j, &pivots, out);
+            self.gain(j, &pivots, out);
+        }
+    }
+
+    /// Measurement `j` moves the states by these entries of K_b.
+    #[inline(always)]
+    fn gain(&mut self, j: usize, gains: &[f64; N], out: &mut Update<N, M>) {
+        let z = out.whitened[j];
+        for k in 0..N {
+            out.gain_root[k][j] = gains[k];
+            self.state[k] += gains[k] * z;
         }
     }
 
     /// The other measurements: first their part that no state explains, then the columns of the states.
     #[inline(always)]
-    fn update_indirect(
-        &self,
+    fn absorb_indirect(
+        &mut self,
         direct: &[Rotations<M>; M],
         innovation: &[f64; M],
         std: &[f64; M],
         accepted: &[bool; M],
-        columns: &mut [[f64; N]; N],
         out: &mut Update<N, M>,
     ) {
-        let (mut coupling, mut independent) = (self.coupling, self.independent);
         let mut left = *innovation;
         for p in 0..M {
             if P::DIRECT.contains(&p) {
                 continue;
             }
-            let mut head = leading(&coupling[p]);
+            let mut head = leading(&self.coupling[p]);
             for j in P::DIRECT {
                 let gain = direct[j].apply(&mut head, 0.0);
                 out.innovation_root[p][j] = gain;
                 left[p] -= gain * out.whitened[j];
             }
-            set_leading(&mut coupling[p], &head);
+            set_leading(&mut self.coupling[p], &head);
         }
         for j in 0..M {
             if P::DIRECT.contains(&j) {
@@ -211,31 +201,22 @@ impl<P: Model<N, M>, const N: usize, const M: usize> Prediction<P, N, M> {
                 out.innovation_root[j] = [0.0; M];
                 continue;
             }
-            let alone = Rotations::of(&independent[j], std[j]);
-            let shared = Rotations::of(&coupling[j], alone.norm);
+            let alone = Rotations::of(&self.independent[j], std[j]);
+            let shared = Rotations::of(&self.coupling[j], alone.norm);
             out.innovation_root[j][j] = shared.norm;
             out.whitened[j] = left[j] / shared.norm;
-            gained(j, &shared.turn(columns), out);
+            let gains = shared.turn(&mut self.columns);
+            self.gain(j, &gains, out);
             for p in j + 1..M {
                 if P::DIRECT.contains(&p) {
                     continue;
                 }
-                let pivot = alone.apply(&mut independent[p], 0.0);
-                let gain = shared.apply(&mut coupling[p], pivot);
+                let pivot = alone.apply(&mut self.independent[p], 0.0);
+                let gain = shared.apply(&mut self.coupling[p], pivot);
                 out.innovation_root[p][j] = gain;
                 left[p] -= gain * out.whitened[j];
             }
         }
-    }
-}
-
-/// Measurement `j` moves the states by these entries of K_b.
-#[inline(always)]
-fn gained<const N: usize, const M: usize>(j: usize, gains: &[f64; N], out: &mut Update<N, M>) {
-    let z = out.whitened[j];
-    for k in 0..N {
-        out.gain_root[k][j] = gains[k];
-        out.state[k] += gains[k] * z;
     }
 }
 

@@ -19,7 +19,7 @@ use crate::pair::Pair;
 use core::marker::PhantomData;
 
 use crate::images::Images;
-use crate::prediction::{Prediction, Update};
+use crate::prediction::Prediction;
 use crate::root::{Row, solve_lower, solve_lower_transposed, triangularise};
 use crate::scalar::Scalar;
 use crate::sigma_points::{Spread, Weights};
@@ -73,10 +73,11 @@ impl<const N: usize, const M: usize> SquareRootUkf<N, M> {
         self.images(model).predict(process_std)
     }
 
-    /// Takes over the result of an update.
-    pub fn accept(&mut self, update: &Update<N, M>) {
-        self.state = update.state;
-        self.root = update.root;
+    /// Takes over what absorbed its measurements.
+    #[inline(always)]
+    pub fn accept<P: Model<N, M>>(&mut self, updated: &Prediction<P, N, M>) {
+        self.state = updated.state;
+        self.root = updated.root();
     }
 
     /// One consistent step with every measurement present; returns the normalised innovation squared.
@@ -88,10 +89,10 @@ impl<const N: usize, const M: usize> SquareRootUkf<N, M> {
         measurement: &[f64; M],
         measurement_std: &[f64; M],
     ) -> f64 {
-        let prediction = self.predict(model, process_std);
+        let mut prediction = self.predict(model, process_std);
         let innovation = core::array::from_fn(|j| measurement[j] - prediction.measurement[j]);
-        let update = prediction.update(&innovation, measurement_std, &[true; M]);
-        self.accept(&update);
+        let update = prediction.absorb(&innovation, measurement_std, &[true; M]);
+        self.accept(&prediction);
         update.nis()
     }
 

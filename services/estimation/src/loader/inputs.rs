@@ -1,6 +1,6 @@
 //! Inputs and the specific force between two rows: held where missing, averaged over the step.
 
-use super::sample::{Sample, finite};
+use super::sample::Sample;
 use super::wheel_dynamics::Inputs;
 use crate::math::sin_cos;
 
@@ -52,7 +52,7 @@ impl InputHold {
         }
     }
 
-    /// Takes a row over and returns what acted during the step that it ends.
+    /// Takes a plausible row over and returns what acted during the step that it ends.
     ///
     /// An input that is missing keeps its last finite value; before any it is 0. Mid-point inputs are the mean of the held
     /// value and the new one, otherwise the older one is held over the step as the paper does. Where `anew`, a value that comes
@@ -68,7 +68,7 @@ impl InputHold {
         let mut used = self.held;
         let memory = self.held.iter_mut().zip(&mut self.missing);
         for ((used, (held, missing)), new) in used.iter_mut().zip(memory).zip(row) {
-            if let Some(new) = finite(new) {
+            if let Some(new) = new {
                 *used = match midpoint {
                     true if anew && *missing => new,
                     true => 0.5 * (*held + new),
@@ -80,13 +80,13 @@ impl InputHold {
                 *missing = true;
             }
         }
-        let acceleration = finite(sample.acceleration);
+        let acceleration = sample.acceleration;
         let mean = self
             .acceleration
             .zip(acceleration)
             .map(|(a, b)| 0.5 * (a + b));
         self.acceleration = acceleration;
-        if let Some(mass) = finite(sample.mass).filter(|m| *m > 0.0) {
+        if let Some(mass) = sample.mass {
             self.mass = mass;
         }
         let [
@@ -108,8 +108,8 @@ impl InputHold {
             sine: sin_cos(slope).0,
             acceleration: mean,
             brake: sample.brake,
-            articulation: finite(sample.articulation),
-            yaw_rate: finite(sample.yaw_rate),
+            articulation: sample.articulation,
+            yaw_rate: sample.yaw_rate,
         }
     }
 }

@@ -48,11 +48,6 @@ pub struct Columns {
     pub boom_moving: bool,
 }
 
-/// A present and finite value, or nothing.
-pub(super) fn finite(value: Option<f64>) -> Option<f64> {
-    value.filter(|v| v.is_finite())
-}
-
 /// Beyond this a speed is no measurement [m/s].
 const SPEED_LIMIT: f64 = 200.0;
 /// Beyond this a wheel speed is no measurement [rad/s].
@@ -72,7 +67,7 @@ impl Sample {
     /// The sample without values that no machine of this mass [kg] and wheel radius [m] can have.
     ///
     /// Gates judge a measurement against the prediction; this is for what has no prediction (inputs, first rows,
-    /// restarts) and keeps every later number finite.
+    /// restarts) and keeps every later number finite: what is not a finite number is not plausible either.
     pub(super) fn plausible(&self, mass: f64, radius: f64) -> Self {
         let within = |value: Option<f64>, limit: f64| value.filter(|v| v.abs() <= limit);
         let force = FORCE_LIMIT * mass * super::wheel_dynamics::GRAVITY;

@@ -8,7 +8,7 @@
 //!
 //! A machine at rest may repeat every value, so nothing is stuck below the freezing speed.
 
-use super::sample::{Sample, finite};
+use super::sample::Sample;
 
 /// The signals that are watched, in this order: speed, front and rear wheel speed, front and rear torque, slope,
 /// specific force.
@@ -61,7 +61,7 @@ pub(super) struct Stuck {
 }
 
 impl Stuck {
-    /// Takes a row `dt` after the one before, and takes the values that are stuck out of it.
+    /// Takes a plausible row `dt` after the one before, and takes the values that are stuck out of it.
     pub fn watch(&mut self, sample: &mut Sample, witness: &Witness, dt: f64) {
         let signals = [
             &mut sample.speed,
@@ -73,15 +73,12 @@ impl Stuck {
             &mut sample.acceleration,
         ];
         for (j, signal) in signals.into_iter().enumerate() {
-            let reference = witness.speeds.get(j).copied();
-            self.now[j] = match finite(*signal) {
-                Some(value) => {
-                    self.traces[j].take(value, reference, witness.std[j], dt);
-                    self.traces[j].is_stuck(witness, j)
-                }
-                // A gap neither frees a stuck value nor makes one.
-                None => self.now[j],
-            };
+            // A gap neither frees a stuck value nor makes one.
+            let Some(value) = *signal else { continue };
+            let reference = witness.speeds.get(j).copied().unwrap_or(0.0);
+            let trace = &mut self.traces[j];
+            trace.take(value, reference, witness.std[j], dt);
+            self.now[j] = trace.is_stuck(witness, j);
             if self.now[j] {
                 *signal = None;
             }
@@ -95,15 +92,15 @@ impl Stuck {
 }
 
 impl Trace {
-    fn take(&mut self, value: f64, reference: Option<f64>, std: f64, dt: f64) {
+    fn take(&mut self, value: f64, reference: f64, std: f64, dt: f64) {
         let Some(last) = self.last.replace(value) else {
-            self.reference = reference.unwrap_or(0.0);
+            self.reference = reference;
             return;
         };
         let change = (value - last).abs();
         if change > ROUNDING * value.abs() {
             self.unchanged = 0.0;
-            self.reference = reference.unwrap_or(0.0);
+            self.reference = reference;
             self.step = Some(self.step.map_or(change, |step| step.min(change)));
             self.small = self.small.saturating_add(u32::from(change < std));
         } else {

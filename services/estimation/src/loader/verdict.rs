@@ -14,7 +14,7 @@
 
 use super::layout::Each;
 use super::reason::Reason;
-use super::sample::{Sample, finite};
+use super::sample::Sample;
 use super::settings::Settings;
 use super::stuck::WATCHED;
 use crate::math::sqrt;
@@ -179,7 +179,7 @@ impl Evidence {
         self.since_reset += dt;
     }
 
-    /// The inputs that came with the row.
+    /// The plausible inputs that came with the row.
     pub fn receive(&mut self, sample: &Sample) {
         let inputs = [
             sample.front_torque,
@@ -188,7 +188,7 @@ impl Evidence {
             sample.acceleration,
         ];
         for (age, input) in self.age[3..].iter_mut().zip(inputs) {
-            if finite(input).is_some() {
+            if input.is_some() {
                 *age = 0.0;
             }
         }

@@ -70,7 +70,7 @@ pub(in crate::loader) trait Belief<const N: usize, const M: usize>:
     /// Absorbs the accepted measurements; returns the normalised innovation squared.
     fn update(
         &mut self,
-        expected: &Self::Expected,
+        expected: &mut Self::Expected,
         innovation: &[f64; M],
         std: &[f64; M],
         accepted: &[bool; M],
@@ -158,13 +158,13 @@ impl<const N: usize, const M: usize> Belief<N, M> for SquareRootUkf<N, M> {
     #[inline(always)]
     fn update(
         &mut self,
-        expected: &Self::Expected,
+        expected: &mut Self::Expected,
         innovation: &[f64; M],
         std: &[f64; M],
         accepted: &[bool; M],
     ) -> f64 {
-        let update = expected.update(innovation, std, accepted);
-        self.accept(&update);
+        let update = expected.absorb(innovation, std, accepted);
+        self.accept(expected);
         update.nis()
     }
 
@@ -359,7 +359,7 @@ impl<const N: usize, const M: usize> Belief<N, M> for Ekf<N, M> {
     #[inline(always)]
     fn update(
         &mut self,
-        expected: &Self::Expected,
+        expected: &mut Self::Expected,
         innovation: &[f64; M],
         std: &[f64; M],
         accepted: &[bool; M],

@@ -15,7 +15,7 @@ use crate::loader::load::Load;
 use crate::loader::payload::Payload;
 use crate::loader::quantum::Quantum;
 use crate::loader::relearning::Relearning;
-use crate::loader::sample::{Sample, finite};
+use crate::loader::sample::Sample;
 use crate::loader::settings::{Inputs as Driven, Settings};
 use crate::loader::slope::SlopeError;
 use crate::loader::stuck::{Stuck, Witness};
@@ -267,13 +267,13 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     fn first(&mut self, sample: &Sample) -> RowReport<M> {
         self.hold.advance(sample, false, false);
         self.evidence.receive(sample);
-        self.spade_force_x = finite(sample.spade_force_x).unwrap_or(0.0);
-        let speed = finite(sample.speed).unwrap_or(0.0);
+        self.spade_force_x = sample.spade_force_x.unwrap_or(0.0);
+        let speed = sample.speed.unwrap_or(0.0);
         let rim = speed / self.dynamics.wheel_radius;
         let state = self.belief.state_mut();
         state[SPEED] = speed;
-        state[FRONT_WHEEL] = finite(sample.front_wheel_speed).unwrap_or(rim);
-        state[REAR_WHEEL] = finite(sample.rear_wheel_speed).unwrap_or(rim);
+        state[FRONT_WHEEL] = sample.front_wheel_speed.unwrap_or(rim);
+        state[REAR_WHEEL] = sample.rear_wheel_speed.unwrap_or(rim);
         RowReport::without_update(Status::First, false)
     }
 
@@ -298,9 +298,9 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     fn witness(&self, sample: &Sample) -> Witness {
         let (state, sensors) = (self.belief.state(), &self.settings.sensors);
         let radius = self.dynamics.wheel_radius;
-        let speed = finite(sample.speed).unwrap_or(state[SPEED]);
-        let front = finite(sample.front_wheel_speed).unwrap_or(speed / radius);
-        let rear = finite(sample.rear_wheel_speed).unwrap_or(speed / radius);
+        let speed = sample.speed.unwrap_or(state[SPEED]);
+        let front = sample.front_wheel_speed.unwrap_or(speed / radius);
+        let rear = sample.rear_wheel_speed.unwrap_or(speed / radius);
         let fastest = speed.abs().max(radius * front.abs().max(rear.abs()));
         Witness {
             moving: fastest > self.settings.estimator.v_freeze,
@@ -365,7 +365,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
                 std[i] = sqrt(std[i] * std[i] + disturbed * disturbed);
             }
         }
-        let expected = self.belief.predict(&mut ahead, model, &process_std);
+        let mut expected = self.belief.predict(&mut ahead, model, &process_std);
         let predicted = B::measurement(&expected);
         let mut innovation: [f64; M] = core::array::from_fn(|j| measured[j] - predicted[j]);
         if at_work {
@@ -392,7 +392,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         if at_work {
             // A held torque is of another time, and a wheel without its torque tells nothing.
             let torques = [sample.front_torque, sample.rear_torque];
-            let driven = torques.iter().all(|torque| finite(*torque).is_some());
+            let driven = torques.iter().all(|torque| torque.is_some());
             set_aside = driven && effect.braking && accepted[FRONT_WHEEL] && accepted[REAR_WHEEL];
             accepted[FRONT_WHEEL] &= driven && !effect.braking;
             accepted[REAR_WHEEL] &= driven && !effect.braking;
@@ -402,7 +402,9 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             self.compare_legs(&before, &state, &innovation, &std, model, step.sine);
             self.compare_axles(&measured, &innovation, &expected, &process_std, &noise);
         }
-        let nis = self.belief.update(&expected, &innovation, &std, &accepted);
+        let nis = self
+            .belief
+            .update(&mut expected, &innovation, &std, &accepted);
         self.clamp();
         self.loosened = self.loosening();
         if self.changed == 0.0 {
@@ -423,8 +425,8 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
 
     /// Wheels, specific force and slope of a row show how far the slope is to be believed.
     fn watch_slope(&mut self, sample: &Sample, dt: f64) {
-        let wheels = finite(sample.front_wheel_speed).zip(finite(sample.rear_wheel_speed));
-        let road = finite(sample.acceleration).zip(finite(sample.slope));
+        let wheels = sample.front_wheel_speed.zip(sample.rear_wheel_speed);
+        let road = sample.acceleration.zip(sample.slope);
         if let (Some((front, rear)), Some((acceleration, slope))) = (wheels, road) {
             let rim_speed = 0.5 * self.dynamics.wheel_radius * (front + rear);
             self.slope_error.see(rim_speed, acceleration, slope, dt);
@@ -508,5 +510,5 @@ fn measurements<const M: usize>(sample: &Sample, acceleration: Option<f64>) -> [
         sample.rear_wheel_speed,
         acceleration,
     ];
-    core::array::from_fn(|j| finite(all[j]).unwrap_or(f64::NAN))
+    core::array::from_fn(|j| all[j].unwrap_or(f64::NAN))
 }

@@ -6,7 +6,7 @@ use crate::loader::coupling::Coupling;
 use crate::loader::estimate::Status;
 use crate::loader::layout::{CG_HEIGHT, CG_RATIO, REAR_WHEEL, SLIP_STIFFNESS};
 use crate::loader::relearning::Relearning;
-use crate::loader::sample::{Sample, finite};
+use crate::loader::sample::Sample;
 use crate::loader::windup::Windup;
 use crate::math::sqrt;
 
@@ -133,7 +133,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             sample.rear_wheel_speed,
         ];
         for (state, measured) in self.belief.state_mut().iter_mut().zip(measured) {
-            *state = finite(measured).unwrap_or(*state);
+            *state = measured.unwrap_or(*state);
         }
     }
 
