@@ -340,4 +340,6 @@ fn cores_that_the_chain_cannot_use_are_refused() {
         &["--rt"],
         &output,
     );
+    let run = ["run", "excavator", "--core", "1000", "--out", o];
+    refused(&run, &["core 1000", "--core", "one of 0"], &output);
 }

@@ -1,11 +1,11 @@
-//! What both filters predict, and the measurement update that both share.
+//! What sigma points predict, and how it absorbs what is measured.
 //!
 //! The consistent square-root step triangularises one array,
 //! ```text
 //! [ D_Y  Q_Y  diag(R) ]        [ S_y  0  ]
 //! [ D_X  Q    0       ]   =>   [ K_b  S+ ],   z = S_y^-1 (y - y^),  x = x^- + K_b z,  NIS = z'z
 //! ```
-//! with D_X, D_Y the images of the sigma points (or derivatives), Q the process noise, Q_Y its part in the measurement. The
+//! with D_X, D_Y the images of the sigma points, Q the process noise, Q_Y its part in the measurement. The
 //! factor is unique, so the order of the rotations is free. We take the states first, which gives the predicted root S^-
 //! and expresses each measurement as a row of it, and then absorb the measurements one at a time. A measurement of a
 //! state itself is row j of S^-, with j + 1 entries, and Givens rotations from the last entry to the first keep S
@@ -15,7 +15,7 @@
 //! | symbol | code | meaning |
 //! |---|---|---|
 //! | x^-, y^ | `state`, `measurement` | predicted state and measurement |
-//! | S^- | `root` | lower root of the predicted covariance |
+//! | S^- | `columns` | lower root of the predicted covariance, column by column |
 //! | B | `coupling` | the other measurements in the columns of S^- |
 //! | L_e | `independent` | root of what of them no state explains |
 //! | S_y, K_b | `innovation_root`, `gain_root` | as above; the gain is K = K_b S_y^-1 |

@@ -22,6 +22,8 @@ pub trait Sink {
     /// Told that `samples` of a channel were overwritten before they could be taken, because this
     /// process came too late; counted in sequence numbers, so those that nobody sent are among them.
     fn overwritten(&mut self, _channel: &'static Channel, _samples: u64) {}
+    /// Told that a visit to the channels is over, in which it took something.
+    fn visited(&mut self) {}
     /// Whether it can take more without losing any.
     fn has_room(&self) -> bool;
     /// Its fault, see [`messages::fault`].
@@ -72,6 +74,9 @@ pub fn run_sink<S: Sink + 'static>(
         let begun = now_ns();
         worker.reporter.begin();
         let visit = taps.drain(&mut sink);
+        if visit.taken > 0 {
+            sink.visited();
+        }
         worker.reporter.end();
         let step_ns = (now_ns() - begun) / visit.taken.max(1);
         for i in 0..visit.taken {

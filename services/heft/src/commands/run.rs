@@ -199,6 +199,24 @@ fn cores(args: &RunArgs) -> Vec<usize> {
     cores
 }
 
+/// Keeps this process, and those that it starts, to one core.
+fn keep_to(core: usize) -> Result<(), Failure> {
+    let cores = realtime::cores();
+    let kept = if cores.contains(&core) {
+        realtime::keep_to(&[core]).map_err(|error| error.to_string())
+    } else {
+        Err("this program may not run there".into())
+    };
+    kept.map_err(|error| {
+        let cores: Vec<String> = cores.iter().map(usize::to_string).collect();
+        Failure::input(
+            format!("core {core}: {error}"),
+            "--core",
+            format!("one of {}", cores.join(", ")),
+        )
+    })
+}
+
 /// A domain of this name, or one of this process's own.
 pub fn domain(name: Option<&str>, suffix: &str) -> Result<Domain, Failure> {
     Ok(match name {
@@ -222,6 +240,11 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
         let all = machines::entry(args.machine).scenarios();
         print!("{}", machines::scenario_lines(&all));
         return Ok(());
+    }
+    if !args.rt
+        && let Some(core) = args.core
+    {
+        keep_to(core)?;
     }
     if let Some(count) = args.machines {
         return many::run(args, count.get());

@@ -73,8 +73,8 @@ pub struct RunArgs {
     /// Real-time scheduling: SCHED_FIFO by stage, one core, locked memory
     #[arg(long)]
     pub rt: bool,
-    /// Core of the stages under --rt; the last one if absent
-    #[arg(long, requires = "rt")]
+    /// Core of the run, whose processes wake each other for less then; under --rt that of the stages, the last one if absent
+    #[arg(long, conflicts_with = "spin")]
     pub core: Option<usize>,
     /// Cores of the stages under --rt, in turn along the chain (for `latency`)
     #[arg(
