@@ -124,48 +124,71 @@ pub(crate) fn log<S: Sensors>(path: &Path, dbc: &[PathBuf]) -> Result<(usize, St
         out,
         "rate = 100  # rows a second\nhold = 0.5  # older values are missing [s]\n\n[can.signals]"
     );
-    let mut found = 0;
     let names: Vec<&str> = present.iter().map(|(name, ..)| name.as_str()).collect();
-    let mut taken = Vec::new();
+    let (mut found, mut taken) = (Vec::new(), Vec::new());
     for Wanted { signal, .. } in wanted::<S>().into_iter().filter(|w| w.signal != "t") {
-        let fit = fitting(&signal, &names, &taken);
-        match fit.map(|at| (at, &present[at])) {
-            Some((at, (name, unit, count))) => {
-                taken.push(at);
-                found += 1;
-                let (message, own) = name.split_once('.').unwrap_or((name, ""));
-                let unit = if unit.is_empty() {
-                    "no unit: taken as SI".into()
-                } else {
-                    format!("unit {} by the DBC", shown(unit))
-                };
-                let (message, own) = (quoted(message), quoted(own));
-                let _ = writeln!(
-                    out,
-                    "{signal} = {{ message = {message}, signal = {own} }}  # by its name; {count} frames; {unit}"
-                );
-            }
-            None if is_required::<S>(&signal) => {
-                let _ = writeln!(
-                    out,
-                    "# {signal} = {{ message = \"...\", signal = \"...\" }}  # needed, and nothing fits by its name"
-                );
-            }
-            None => {}
-        }
+        let Some(at) = fitting(&signal, &names, &taken) else {
+            continue;
+        };
+        taken.push(at);
+        let (name, unit, count) = &present[at];
+        let (message, own) = name.split_once('.').unwrap_or((name, ""));
+        let unit = if unit.is_empty() {
+            "no unit: taken as SI".into()
+        } else {
+            format!("unit {} by the DBC", shown(unit))
+        };
+        let (message, own) = (quoted(message), quoted(own));
+        let _ = writeln!(
+            out,
+            "{signal} = {{ message = {message}, signal = {own} }}  # by its name; {count} frames; {unit}"
+        );
+        found.push(signal);
     }
+    out += &lacking::<S>(&found, "{ message = \"...\", signal = \"...\" }");
     let unseen = if present.is_empty() {
         "; no message of the DBC is in the log".to_owned()
     } else {
         format!(": {}", shown(&names.join(", ")))
     };
     let _ = writeln!(out, "\n# Sensors of the DBC that the log carries{unseen}");
-    Ok((found, out))
+    Ok((found.len(), out))
 }
 
-/// Whether the machine needs the signal, alone or in place of another.
-fn is_required<S: Sensors>(signal: &str) -> bool {
-    signal == "t" || S::REQUIRED.iter().any(|group| group.contains(&signal))
+/// What was not found: lines to be filled in for what the machine needs, `blank` behind each name, and the rest by name.
+fn lacking<S: Sensors>(found: &[String], blank: &str) -> String {
+    let is_found = |signal: &str| found.iter().any(|f| f == signal);
+    let mut out = String::new();
+    let groups = S::REQUIRED.iter();
+    for group in groups.filter(|group| !group.iter().any(|s| is_found(s))) {
+        let one = if group.len() > 1 {
+            "one of these is "
+        } else {
+            ""
+        };
+        for signal in *group {
+            let _ = writeln!(
+                out,
+                "# {signal} = {blank}  # {one}needed, and nothing fits by its name"
+            );
+        }
+    }
+    let is_required = |signal: &str| S::REQUIRED.iter().any(|group| group.contains(&signal));
+    let more = wanted::<S>().into_iter().map(|w| w.signal);
+    let more = more.filter(|s| s != "t" && !is_found(s) && !is_required(s));
+    let more = more.map(|s| match unit_of::<S>(&s) {
+        "" => s,
+        unit => format!("{s} [{unit}]"),
+    });
+    let more: Vec<String> = more.collect();
+    if !more.is_empty() {
+        let more = more.join(", ");
+        let _ = writeln!(
+            out,
+            "# Nothing fits these by its name, and each that is measured helps: {more}"
+        );
+    }
+    out
 }
 
 /// Unit of a signal.
@@ -196,5 +219,32 @@ mod tests {
         let expected = crate::map::Origin::Column(names[0].into());
         assert_eq!(origin, Some(&expected), "{text}");
         assert!(!map.has_can(), "{text}");
+    }
+
+    #[test]
+    fn what_nothing_fits_is_named_and_asked_for_only_where_the_machine_needs_it() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let of = |header: &str, machine| {
+            let file = dir.path().join("x.csv");
+            std::fs::write(&file, format!("{header}\n0,1,2\n")).expect("writable");
+            suggest(&file, &[], Some(machine)).expect("a table")
+        };
+        let text = of("t,swing_rate,torque", Machine::Excavator);
+        assert!(!text.contains("swing_angle"), "the rate will do: {text}");
+        assert!(
+            text.contains("helps: swing_torque [N m], boom_angle [rad]"),
+            "{text}"
+        );
+        let text = of("t,x,y", Machine::Excavator);
+        for signal in ["swing_velocity", "swing_angle"] {
+            let line = format!("# {signal} = \"...\"  # one of these is needed");
+            assert!(text.contains(&line), "{text}");
+        }
+        let text = of("t,speed,slope", Machine::Loader);
+        assert!(
+            text.contains("# front_torque = \"...\"  # needed"),
+            "{text}"
+        );
+        assert!(!text.contains("# slope"), "{text}");
     }
 }

@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use super::names::{fitting, wanted};
-use super::{is_required, opening, quoted, shown, unit_of};
+use super::{lacking, opening, quoted, shown, unit_of};
 use crate::Error;
 use crate::csv::numbers;
 use crate::signal::Sensors;
@@ -19,19 +19,15 @@ pub(crate) fn suggest<S: Sensors>(path: &Path) -> Result<(usize, String), Error>
     let names: Vec<&str> = header.iter().map(String::as_str).collect();
     let mut out = opening::<S>(path);
     out.push_str("\n[columns]\n");
-    let (mut found, mut taken) = (0, Vec::new());
+    let (mut found, mut taken) = (Vec::new(), Vec::new());
     for signal in wanted::<S>().into_iter().map(|w| w.signal) {
         let Some(at) = fitting(&signal, &names, &taken) else {
-            if is_required::<S>(&signal) {
-                let _ = writeln!(
-                    out,
-                    "# {signal} = \"...\"  # needed, and no column fits by its name"
-                );
+            if signal == "t" {
+                out.push_str("# t = \"...\"  # needed, and no column fits by its name\n");
             }
             continue;
         };
         taken.push(at);
-        found += 1;
         let guess = unit(&signal, unit_of::<S>(&signal), &header[at], &columns[at]);
         let name = quoted(&header[at]);
         let reason = guess.reason;
@@ -43,7 +39,9 @@ pub(crate) fn suggest<S: Sensors>(path: &Path) -> Result<(usize, String), Error>
             ),
             None => writeln!(out, "{signal} = {name}  # {reason}"),
         };
+        found.push(signal);
     }
+    out += &lacking::<S>(&found, "\"...\"");
     let rest: Vec<&str> = (0..names.len())
         .filter(|at| !taken.contains(at))
         .map(|at| names[at])
@@ -53,7 +51,7 @@ pub(crate) fn suggest<S: Sensors>(path: &Path) -> Result<(usize, String), Error>
         "\n# Columns that fit nothing: {}",
         shown(&rest.join(", "))
     );
-    Ok((found, out))
+    Ok((found.len(), out))
 }
 
 /// A unit and why.
