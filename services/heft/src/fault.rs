@@ -105,7 +105,7 @@ impl Fault {
                 of,
             } => format!("{samples} of {of} samples were not answered by {service}"),
             Self::Unrecorded { samples: 0 } => {
-                "the recording has a gap: the logger was away".into()
+                "the recording may have a gap: the logger was away".into()
             }
             Self::Unrecorded { samples } => {
                 format!("the recording has gaps of {samples} messages")

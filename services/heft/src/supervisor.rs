@@ -83,6 +83,9 @@ impl Supervisor {
         signals: Signals,
     ) -> Result<Self, Failure> {
         spare::check_limit()?;
+        if plan.lossless {
+            watch.unpaced();
+        }
         let owner = domain.take()?;
         plan.write(owner.domain())?;
         owner.domain().enter()?;

@@ -47,8 +47,14 @@ pub struct Watch {
     faults: Vec<Fault>,
     /// The samples are the simulator's.
     is_simulated: bool,
+    /// The source is as fast as its readers: no sample is due at any time, and none is late.
+    is_unpaced: bool,
     /// The logger died, and is not back. One that comes back counts what it could not be handed.
     logger_is_away: bool,
+    /// It has told its counts since it came.
+    logger_is_heard: bool,
+    /// A logger died before it told its counts.
+    may_lack: bool,
     shown: Option<Instant>,
     begun: Option<Instant>,
 }
@@ -75,6 +81,11 @@ impl Watch {
     /// Has messages shown to a group of other users.
     pub fn show_to_group(&mut self, window: Window) {
         self.window = Some(window);
+    }
+
+    /// Told that the source is as fast as its readers.
+    pub fn unpaced(&mut self) {
+        self.is_unpaced = true;
     }
 
     /// Has what is trusted remembered.
@@ -164,6 +175,7 @@ impl Watch {
         self.health.iter().filter_map(|(index, health)| {
             let mut counts = self.before.get(index).copied().unwrap_or_default();
             counts.add(health);
+            counts.late = if self.is_unpaced { 0 } else { counts.late };
             Some((self.pipeline?.process_name(*index), counts))
         })
     }
@@ -187,14 +199,18 @@ impl Watch {
     /// Notes what went wrong.
     pub fn note(&mut self, fault: Fault) {
         let logger_is_away = matches!(fault, Fault::Died { service, .. } | Fault::Hung { service, .. } if service == "logger");
-        self.logger_is_away |= logger_is_away;
+        if logger_is_away {
+            let was_there = !self.logger_is_away && self.next_sequence() > 0;
+            self.may_lack |= was_there && !self.logger_is_heard;
+            self.logger_is_away = true;
+        }
         self.faults.push(fault);
     }
 
     /// Told that a service is there, perhaps again.
     pub fn is_there(&mut self, service: &str) {
         if service == "logger" {
-            self.logger_is_away = false;
+            (self.logger_is_away, self.logger_is_heard) = (false, false);
         }
     }
 
@@ -214,7 +230,8 @@ impl Watch {
         }
         faults.extend(self.unanswered(sent));
         let logger = self.counts_of("logger");
-        if logger.lost > 0 || self.logger_is_away && sent.next > 0 {
+        let may_lack = self.may_lack || self.logger_is_away && sent.next > 0;
+        if logger.lost > 0 || may_lack {
             faults.push(Fault::Unrecorded {
                 samples: logger.lost,
             });
@@ -344,6 +361,8 @@ impl Sink for Watch {
             Carries::Sensors | Carries::Between | Carries::Common => {}
         }
         if let Envelope::Health(health) = &envelope {
+            let process = self.pipeline.map(|p| p.process_name(health.process));
+            self.logger_is_heard |= process == Some("logger") && health.steps > 0;
             let before = self.health.insert(health.process, *health);
             if let Some(before) = before.filter(|b| b.pid != health.pid) {
                 self.before.entry(health.process).or_default().add(&before);
@@ -370,28 +389,61 @@ impl Sink for Watch {
 #[cfg(test)]
 mod tests {
     use messages::ExcavatorTruth;
-    use messages::channels::EXCAVATOR_TRUTH;
+    use messages::channels::{EXCAVATOR_TRUTH, HEALTH};
 
     use super::*;
 
     #[test]
-    fn samples_of_a_run_whose_logger_does_not_come_back_are_told_as_not_recorded() {
-        let lost = |comes: bool, is_back: bool| {
+    fn what_may_lack_in_the_recording_is_told_unless_the_logger_has_counted_it() {
+        let (dies, comes, is_back, tells) = (1, 2, 3, 4);
+        let lost = |story: &[u32]| {
             let mut watch = Watch::new(Machine::Excavator, None, None, Show::Nothing);
-            let (service, how) = ("logger", "killed".to_owned());
-            watch.note(Fault::Died { service, how });
-            if comes {
-                watch.accept(&EXCAVATOR_TRUTH, &ExcavatorTruth::default());
-            }
-            if is_back {
-                watch.is_there("logger");
+            for &event in story {
+                if event == dies {
+                    let (service, how) = ("logger", "killed".to_owned());
+                    watch.note(Fault::Died { service, how });
+                } else if event == comes {
+                    watch.accept(&EXCAVATOR_TRUTH, &ExcavatorTruth::default());
+                } else if event == is_back {
+                    watch.is_there("logger");
+                } else {
+                    let names = Pipeline::of(Machine::Excavator);
+                    let process = (0..).find(|i| names.process_name(*i) == "logger");
+                    let mut health = Health::default();
+                    (health.process, health.steps) = (process.expect("a row"), 1);
+                    watch.accept(&HEALTH, &health);
+                }
             }
             watch.finish();
             let faults = watch.faults();
             faults.iter().any(|f| matches!(f, Fault::Unrecorded { .. }))
         };
-        assert!(lost(true, false));
-        assert!(!lost(true, true), "it counts by itself what it lacks");
-        assert!(!lost(false, false), "nothing came");
+        assert!(lost(&[is_back, comes, tells, dies, comes]));
+        assert!(!lost(&[is_back, dies]), "nothing came");
+        let whole = [is_back, comes, tells, dies, comes, is_back, comes];
+        assert!(!lost(&whole), "it counts by itself what it lacks");
+        let unheard = [&whole[..], &[dies, is_back, tells]].concat();
+        assert!(lost(&unheard), "what the second one lacked is not known");
+        let heard = [&whole[..], &[tells, dies, is_back, tells]].concat();
+        assert!(!lost(&heard));
+    }
+
+    #[test]
+    fn a_sample_is_late_only_where_it_was_due_at_a_time() {
+        let mut watch = Watch::new(Machine::Excavator, None, None, Show::Nothing);
+        let health = Health {
+            late: 3,
+            ..Health::default()
+        };
+        watch.accept(&HEALTH, &health);
+        let late = |watch: &Watch| {
+            watch
+                .faults()
+                .iter()
+                .any(|f| matches!(f, Fault::Late { .. }))
+        };
+        assert!(late(&watch));
+        watch.unpaced();
+        assert!(!late(&watch));
     }
 }

@@ -46,6 +46,8 @@ pub struct Logger {
     records: Option<Producer<Record>>,
     /// What the recording held at the start.
     recorded: Next,
+    /// The first visit to the channels is over: its messages are written at once.
+    has_visited: bool,
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
 }
@@ -78,6 +80,7 @@ impl Logger {
         Ok(Self {
             records: Some(records),
             recorded,
+            has_visited: false,
             shared,
             thread: Some(thread),
         })
@@ -110,7 +113,8 @@ impl Sink for Logger {
     }
 
     fn visited(&mut self) {
-        if RING - self.room() >= WAKE {
+        let is_first = !std::mem::replace(&mut self.has_visited, true);
+        if is_first || RING - self.room() >= WAKE {
             self.wake();
         }
     }
@@ -149,17 +153,20 @@ impl Drop for Logger {
 /// Writes until the process has let go of its end of the ring and nothing is left in it. While the
 /// disk takes nothing it goes on emptying the ring, so that the process never waits for a dead disk.
 fn write_all(mut recorder: Recorder, mut records: Consumer<Record>, shared: &Shared) {
-    let mut flushed = Instant::now();
+    // What comes first is flushed at once: it may be what a predecessor took along.
+    let mut flushed = None::<Instant>;
     loop {
         let ending = records.is_abandoned();
+        let mut is_empty = true;
         while let Ok((channel, envelope)) = records.pop() {
+            is_empty = false;
             let written = recorder.write(channel, &envelope);
             if !written.unwrap_or_else(|error| tell(shared, &error)) {
                 shared.unwritten.fetch_add(1, Ordering::Relaxed);
             }
         }
-        if flushed.elapsed() >= FLUSH_PERIOD {
-            flushed = Instant::now();
+        if flushed.map_or(!is_empty, |at| at.elapsed() >= FLUSH_PERIOD) {
+            flushed = Some(Instant::now());
             if let Err(error) = recorder.flush() {
                 tell(shared, &error);
             }
@@ -167,7 +174,8 @@ fn write_all(mut recorder: Recorder, mut records: Consumer<Record>, shared: &Sha
         if ending {
             break;
         }
-        std::thread::park_timeout(FLUSH_PERIOD.saturating_sub(flushed.elapsed()));
+        let since = flushed.map_or(Duration::ZERO, |at| at.elapsed());
+        std::thread::park_timeout(FLUSH_PERIOD.saturating_sub(since));
     }
     if let Err(error) = recorder.finish() {
         tell(shared, &error);

@@ -254,7 +254,7 @@ impl Remains {
         let told = [
             "were not answered",
             "were not measured",
-            "has a gap",
+            "may have a gap",
             "has gaps",
             "died",
             "hung",
