@@ -287,14 +287,16 @@ fn on_a_real_bus() {
     vcan::run_ignored_tests();
 }
 
-/// A run on vcan0 that listens: the kernel has its socket in the list of those who get every frame.
+/// A run on vcan0 that listens: the kernel has its socket in the list of those who get every frame; and that
+/// has come to rest after its start.
 fn on_bus(name: &str, machine: &str, map: &Path) -> Running {
     let run = Running::start(name, &[machine, "--input", "can:vcan0", "--map", text(map)]);
-    common::wait_until("the bus is listened to", Duration::from_secs(60), || {
+    common::wait_until("the bus is listened to", Duration::from_secs(120), || {
         let list = std::fs::read_to_string("/proc/net/can/rcvlist_all").unwrap_or_default();
         let line = |l: &str| l.trim().starts_with("vcan0") && l.trim().ends_with("raw");
         list.lines().any(line)
     });
+    std::thread::sleep(Duration::from_secs(3));
     run
 }
 
