@@ -37,6 +37,10 @@ pub enum Role {
     Rolling,
     /// Zero of the slope.
     SlopeBias,
+    /// Delay of the slope.
+    SlopeDelay,
+    /// Share of the acceleration that the slope sensor follows.
+    SlopeFollows,
     /// Delay of the speed.
     SpeedDelay,
     /// Delay of the torques.
@@ -227,6 +231,8 @@ impl Drives {
                 Role::Friction => g.friction = value,
                 Role::Rolling => g.rolling_resistance = value,
                 Role::SlopeBias => g.slope_bias = value,
+                Role::SlopeDelay => g.slope_delay = value,
+                Role::SlopeFollows => g.slope_follows = value,
                 Role::SpeedDelay => g.speed_delay = value,
                 Role::TorqueDelay => g.torque_delay = value,
                 Role::Relaxation => g.relaxation_length = value,

@@ -51,6 +51,9 @@ pub fn described(d: &Description) -> Guess {
         torque_gains: [d.sensors.front_torque_gain, d.sensors.rear_torque_gain],
         rolling_resistance: m.rolling_resistance,
         slope_bias: d.prior.slope_bias,
+        slope_delay: d.sensors.slope_delay,
+        slope_follows: d.sensors.slope_follows,
+        slope_std: d.sensors.slope_std,
         speed_delay: d.sensors.speed_delay,
         torque_delay: 0.0,
         relaxation_length: m.relaxation_length,
@@ -175,6 +178,17 @@ pub fn parameters(drives: &[Drive], loads: &[Told], d: &Description) -> Vec<(Rol
             ),
         ),
         (
+            Role::SlopeDelay,
+            linear(
+                "sensors.slope_delay",
+                "the delay of the slope",
+                "s",
+                s.slope_delay,
+                s.slope_delay_std,
+                (-0.2, 5.0),
+            ),
+        ),
+        (
             Role::SpeedDelay,
             linear(
                 "sensors.speed_delay",
@@ -243,6 +257,15 @@ pub fn parameters(drives: &[Drive], loads: &[Told], d: &Description) -> Vec<(Rol
             SCATTER.force,
         );
         all.push((Role::ForceScatter, parameter));
+        let parameter = linear(
+            "sensors.slope_follows",
+            "the share of the acceleration that the slope sensor follows",
+            "",
+            s.slope_follows,
+            s.slope_follows_std,
+            (-0.3, 0.9),
+        );
+        all.push((Role::SlopeFollows, parameter));
     }
     if m.friction > 0.0 {
         let parameter = linear(

@@ -20,6 +20,7 @@ pub use drive::Drive;
 pub use drives::{Drives, Role, Told};
 use noise::Noises;
 
+use crate::description::set;
 use crate::fit::{EXACT, Progress, Task};
 use crate::honesty;
 use crate::model::Model;
@@ -119,13 +120,17 @@ pub fn calibrate(inputs: &[Input], options: &Options<'_>) -> Result<Outcome, Str
         .map(|i| Drive::new(&i.name, &i.samples, weight, machine.wheelbase))
         .collect();
     let told: Vec<Told> = inputs.iter().map(|i| i.told).collect();
-    let drives = Drives::new(drives, &told, options.weighed, options.description);
-    let fixed = held(&drives, options.free)?;
-    let faults = words::before(&drives);
     let noises = match options.free {
         None => Noises::of(inputs, options.description),
         Some(_) => Noises::default(),
     };
+    let mut description = options.description.clone();
+    for (key, noise) in &noises.found {
+        set(&mut description, key, noise.value);
+    }
+    let drives = Drives::new(drives, &told, options.weighed, &description);
+    let fixed = held(&drives, options.free)?;
+    let faults = words::before(&drives);
     let mut outcome = Outcome {
         drives,
         fixed,
@@ -288,6 +293,8 @@ mod tests {
             (Role::RearRadius, truth.radius_errors[1], 5e-4),
             (Role::SpeedDelay, truth.speed_delay, 3e-3),
             (Role::SlopeBias, truth.slope_bias, 5e-4),
+            (Role::SlopeDelay, truth.slope_delay, 0.01),
+            (Role::SlopeFollows, truth.slope_follows, 0.01),
             (Role::FrontGain, truth.torque_gains[0], 0.01),
             (Role::StiffnessRatio, truth.stiffness_ratio, 0.03),
         ] {

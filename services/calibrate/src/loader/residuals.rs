@@ -6,15 +6,17 @@
 //! F_zf = m g lam - m h a/l,  F_zr = m g (1 - lam) + m h a/l
 //! r_i = r (1 + d_i) (1 - rho (F_zi/F_0 - 1)),  K_i = K q_i (F_zi/F_0)^-p,  F_0 = m g/2
 //! u_i = (r_i w_i - L s_i') (1 - |s_i|) where the wheel drives, over (1 - |s_i|) where it brakes
+//! s + tau_s s' = b + th + kappa (a/g - th)
 //! ```
-//! with the specific force a of the accelerometer, or of the torques without one. A bin has four residuals:
+//! with the specific force a of the accelerometer, or of the torques without one, and what the slope sensor shows, s. A bin has
+//! four residuals:
 //!
 //! | residual | tells |
 //! |---|---|
 //! | u_f - u_r, mean | radii, their load sensitivity, stiffness of the axles, loads |
 //! | speed - u(t - tau), mean | radii, stiffness, delay of the speed |
 //! | accelerometer - balance of force, mean | torque gains against the mass, rolling resistance |
-//! | change of u - integral of a - g sin(slope - b) | zero of the slope |
+//! | change of u - integral of a - g sin th | zero of the slope sensor, its delay, what it follows of the acceleration |
 //!
 //! The body pitches and heaves, axle loads and tyres follow with a lag, and bumps make all of it noise of a few hertz: a filter
 //! that takes every row for white noise around this model is sure of what is wrong. Means over half a second of everything alike
@@ -62,6 +64,12 @@ pub struct Guess {
     pub rolling_resistance: f64,
     /// Slope measured where there is none [rad].
     pub slope_bias: f64,
+    /// How late the slope comes [s].
+    pub slope_delay: f64,
+    /// Share of the acceleration that the slope sensor follows.
+    pub slope_follows: f64,
+    /// White noise of the slope [rad].
+    pub slope_std: f64,
     /// How late the speed comes [s].
     pub speed_delay: f64,
     /// How late the torques come [s].
@@ -74,6 +82,23 @@ pub struct Guess {
     pub wheelbase: f64,
     /// Scatter of a bin: between the wheels and of the speed [m/s], of the balance of force [m/s^2], of the motion [m/s].
     pub scatter: Scatter,
+}
+
+impl Guess {
+    /// Slope of the road by what an inclinometer without delay shows, and the specific force.
+    fn prompt_slope(&self, shown: f64, force: f64) -> f64 {
+        let level = shown - self.slope_bias;
+        if force.is_finite() {
+            (level - self.slope_follows * force / GRAVITY) / (1.0 - self.slope_follows)
+        } else {
+            level
+        }
+    }
+
+    /// What the delay of the slope adds to the integral of gravity along the road, per radian of change [m/s].
+    fn delayed(&self) -> f64 {
+        GRAVITY * self.slope_delay / (1.0 - self.slope_follows)
+    }
 }
 
 /// Standard deviations of the residuals of a bin.
@@ -106,7 +131,7 @@ impl Acting {
         Self {
             torque: [0, 1].map(|i| mixed(&drive.torques[i]) / g.torque_gains[i]),
             torque_rate: [0, 1].map(|i| mixed(&drive.torque_rates[i]) / g.torque_gains[i]),
-            along: GRAVITY * (drive.slope[k] - g.slope_bias).sin(),
+            along: GRAVITY * g.prompt_slope(drive.slope[k], drive.acceleration[k]).sin(),
         }
     }
 }
@@ -191,8 +216,14 @@ pub fn residuals(
                 0.5 * step * (shown[k - first].rate + shown[k + 1 - first].rate)
             })
             .sum();
+        // The integral of the slope's rate is its change, with the noise of its two ends.
+        let lost = g.delayed() * (drive.slope[end] - drive.slope[begin]);
+        let noise = g.delayed() * g.slope_std * (2.0 / drive.averaged as f64).sqrt();
         let change = shown[end - first].speed() - shown[begin - first].speed();
-        out.push(residual(change - gained, g.scatter.motion));
+        out.push(residual(
+            change - gained + lost,
+            g.scatter.motion.hypot(noise),
+        ));
     }
 }
 
@@ -312,6 +343,9 @@ pub(super) mod tests {
             torque_gains: [1.01, 0.99],
             rolling_resistance: 0.02,
             slope_bias: 0.005,
+            slope_delay: 0.2,
+            slope_follows: 0.3,
+            slope_std: 5e-4,
             speed_delay: 0.03,
             torque_delay: 0.01,
             relaxation_length: 0.1,
@@ -334,17 +368,19 @@ pub(super) mod tests {
         ((*state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5) * 12.0_f64.sqrt()
     }
 
-    /// A machine that goes faster and slower for 60 s, as the model has it; `split` shifts the torque to and fro.
+    /// A machine that goes faster and slower over waves of the ground for 60 s, as the model has it; `split` shifts the torque to and fro.
     pub fn samples(g: &Guess, split: f64, seed: u64) -> Vec<Sample> {
-        let mut state = seed;
+        let (mut state, mut shown) = (seed, 0.0);
+        let ground = |t: f64| 0.02 * (1.3 * t).sin();
         let speed = |t: f64| 3.0 + 1.2 * (0.9 * t).sin() + 0.4 * (2.1 * t).sin();
         let rate = |t: f64| 1.08 * (0.9 * t).cos() + 0.84 * (2.1 * t).cos();
+        let force = |t: f64| rate(t) + GRAVITY * ground(t).sin();
         let torque = |t: f64| {
             let share = [0.5 + split * (0.7 * t).sin(), 0.5 - split * (0.7 * t).sin()];
             let spin = 2.0 * g.axle_inertia / (g.radius * g.radius);
-            let force = rate(t) * (g.mass + spin) + g.rolling_resistance * g.mass * GRAVITY;
-            let radii = [0, 1].map(|i| radius(g, i, load(g, i, rate(t))));
-            [0, 1].map(|i| share[i] * force * radii[i])
+            let pull = (force(t) + g.rolling_resistance * GRAVITY) * g.mass + spin * rate(t);
+            let radii = [0, 1].map(|i| radius(g, i, load(g, i, force(t))));
+            [0, 1].map(|i| share[i] * pull * radii[i])
         };
         (0..3000)
             .map(|k| {
@@ -352,13 +388,16 @@ pub(super) mod tests {
                 let acting = Acting {
                     torque: torque(t),
                     torque_rate: [0, 1].map(|i| (torque(t + 0.01)[i] - torque(t - 0.01)[i]) / 0.02),
-                    along: 0.0,
+                    along: force(t) - rate(t),
                 };
                 let wheels = [0, 1].map(|i| {
-                    let axle = slipping(g, i, &acting, 1.0, rate(t));
+                    let axle = slipping(g, i, &acting, 1.0, force(t));
                     (speed(t) * axle.faster + axle.wound) / axle.radius
                 });
                 let late = torque(t - g.torque_delay);
+                let seen = ground(t) + g.slope_follows * rate(t) / GRAVITY;
+                let weight = 0.02 / (0.02 + g.slope_delay);
+                shown += weight * (seen + g.slope_bias - shown);
                 Sample {
                     time: t,
                     speed: Some(speed(t - g.speed_delay) + 0.02 * noise(&mut state)),
@@ -366,8 +405,8 @@ pub(super) mod tests {
                     rear_wheel_speed: Some(wheels[1] + 0.002 * noise(&mut state)),
                     front_torque: Some(g.torque_gains[0] * late[0]),
                     rear_torque: Some(g.torque_gains[1] * late[1]),
-                    slope: Some(g.slope_bias),
-                    acceleration: Some(rate(t) + 0.05 * noise(&mut state)),
+                    slope: Some(shown + g.slope_std * noise(&mut state)),
+                    acceleration: Some(force(t) + 0.05 * noise(&mut state)),
                     ..Sample::default()
                 }
             })
@@ -410,6 +449,14 @@ pub(super) mod tests {
             },
             Guess {
                 slope_bias: 0.008,
+                ..g
+            },
+            Guess {
+                slope_delay: 0.1,
+                ..g
+            },
+            Guess {
+                slope_follows: 0.25,
                 ..g
             },
         ] {

@@ -101,6 +101,14 @@ impl Outcome {
                 pen.value(&key, q);
                 pen.std("prior.slope_bias_std", q.std.max(SLOPE_BIAS_STD));
             }
+            Role::SlopeDelay => {
+                pen.value(&key, q);
+                pen.std("sensors.slope_delay_std", q.std.max(DELAY_STD));
+            }
+            Role::SlopeFollows => {
+                pen.value(&key, q);
+                pen.std("sensors.slope_follows_std", q.std);
+            }
             Role::SpeedDelay => {
                 pen.value(&key, q);
                 pen.std("sensors.speed_delay_std", q.std.max(DELAY_STD));

@@ -156,6 +156,10 @@ pub fn undetermined(model: &Drives, direction: &Direction) -> String {
         "record hard acceleration and braking"
     } else if has(|r| matches!(r, Role::SpeedDelay)) {
         "record sharp changes of the speed"
+    } else if has(|r| matches!(r, Role::SlopeDelay)) {
+        "drive over humps and changes of the slope"
+    } else if has(|r| matches!(r, Role::SlopeFollows)) {
+        "accelerate and brake harder"
     } else if has(|r| matches!(r, Role::SlopeBias | Role::Rolling)) {
         "record an accelerometer, or drive back in reverse"
     } else {

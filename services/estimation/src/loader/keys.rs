@@ -94,6 +94,14 @@ table! {
         speed_delay: f64 = 0.0, "s", 0.0 to 1.0;
         /// Its standard deviation before the first row.
         speed_delay_std: f64 = 0.08, "s", 1e-6 to 1.0;
+        /// Delay of the slope against the other signals: the time constant of an inclinometer, as calibrated.
+        slope_delay: f64 = 0.0, "s", 0.0 to 10.0;
+        /// Its standard deviation, from which a calibration starts; on line the errors of the slope show in the motion.
+        slope_delay_std: f64 = 0.3, "s", 1e-6 to 10.0;
+        /// Share of the acceleration that the slope sensor takes for a slope, as calibrated; acts where an accelerometer tells it.
+        slope_follows: f64 = 0.0, "", 0.0 to 0.9;
+        /// Its standard deviation, from which a calibration starts.
+        slope_follows_std: f64 = 0.2, "", 1e-6 to 1.0;
     }
 }
 

@@ -16,6 +16,7 @@
 //! | `tangent` | the derivatives of the process |
 //! | `windup` | tyres wind up under a growing torque |
 //! | `load` | a load that is weighed |
+//! | `inclinometer` | a slope sensor that is late and follows the acceleration |
 //! | `slope` | how far the slope sensor is to be believed |
 //! | `legs` | independent manoeuvres must agree |
 //! | `quantum` | wheel speeds in steps |
@@ -37,6 +38,7 @@ mod disturbance;
 mod estimate;
 mod estimator;
 mod filter;
+mod inclinometer;
 mod inputs;
 pub mod keys;
 mod layout;

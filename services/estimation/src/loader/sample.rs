@@ -57,7 +57,7 @@ const ACCELERATION_LIMIT: f64 = 1000.0;
 /// Beyond this a yaw rate is no measurement [rad/s].
 const YAW_LIMIT: f64 = 10.0;
 /// Beyond this a slope is no measurement [rad].
-const SLOPE_LIMIT: f64 = 1.5;
+pub(super) const SLOPE_LIMIT: f64 = 1.5;
 /// Beyond this multiple of the weight a force on wheels or bucket is no measurement.
 const FORCE_LIMIT: f64 = 10.0;
 /// Beyond this factor of the machine's mass a mass is no measurement.

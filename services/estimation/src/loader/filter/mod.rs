@@ -6,6 +6,7 @@ use crate::loader::conditions::{Conditions, Monitor};
 use crate::loader::coupling::Coupling;
 use crate::loader::disturbance::{Disturbance, Effect};
 use crate::loader::estimate::Status;
+use crate::loader::inclinometer::Inclinometer;
 use crate::loader::inputs::{InputHold, StepInputs};
 use crate::loader::layout::{
     CG_HEIGHT, CG_RATIO, FRONT_WHEEL, Layout, REAR_WHEEL, SLIP_STIFFNESS, SPEED,
@@ -101,6 +102,7 @@ pub(super) struct CgFilter<const N: usize, const M: usize, B: Belief<N, M>> {
     disturbance: Disturbance,
     /// What it does to the wheels in this row.
     effect: Effect,
+    inclinometer: Inclinometer,
     slope_error: SlopeError,
     legs: Legs,
     coupling: Coupling,
@@ -159,6 +161,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             stuck: Stuck::default(),
             disturbance: Disturbance::default(),
             effect: Effect::default(),
+            inclinometer: Inclinometer::default(),
             slope_error: SlopeError::default(),
             legs: Legs::default(),
             coupling: Coupling::default(),
@@ -207,7 +210,10 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         self.correct(&mut sample);
         let gap = self.settings.gap();
         let dt = match self.clock.tick(sample.time, gap.min(LONGEST_STEP)) {
-            Tick::First => return self.first(&sample),
+            Tick::First => {
+                self.level(&mut sample, 0.0);
+                return self.first(&sample);
+            }
             Tick::Later(dt) => dt,
             Tick::Refused => return RowReport::without_update(Status::Refused, self.frozen),
             Tick::SetBack => return self.set_back(&sample),
@@ -217,6 +223,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             let witness = self.witness(&sample);
             self.stuck.watch(&mut sample, &witness, dt);
         }
+        self.level(&mut sample, dt);
         let sample = &sample;
         let midpoint = self.settings.estimator.inputs != Driven::Hold;
         let step = self.hold.advance(sample, midpoint, at_work);
@@ -261,6 +268,16 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         if const { Layout::of(N) }.slope_bias.is_none() {
             sample.slope = sample.slope.map(|s| s - self.settings.prior.slope_bias);
         }
+    }
+
+    /// Makes the slope that of the road, a bias that the filter learns left in it.
+    fn level(&mut self, sample: &mut Sample, dt: f64) {
+        let bias = const { Layout::of(N) }
+            .slope_bias
+            .map_or(0.0, |_| self.settings.prior.slope_bias);
+        sample.slope = self
+            .inclinometer
+            .road(&self.settings.sensors, bias, sample, dt);
     }
 
     /// The first row with a time starts the filter.
