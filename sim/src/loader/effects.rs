@@ -235,12 +235,8 @@ impl Inclinometer {
     pub fn show(&mut self, effects: &Effects, slope: f64, acceleration: f64, dt: f64) -> f64 {
         let seen = slope + effects.slope_follows * acceleration / GRAVITY;
         let shown = self.shown.get_or_insert(seen);
-        let weight = if effects.slope_lag > 0.0 {
-            (dt / effects.slope_lag).min(1.0)
-        } else {
-            1.0
-        };
-        *shown += weight * (seen - *shown);
+        // A ramp comes late by exactly the time constant, however long the steps are.
+        *shown += dt / (dt + effects.slope_lag) * (seen - *shown);
         *shown
     }
 }

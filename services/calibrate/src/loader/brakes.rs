@@ -9,6 +9,7 @@
 use faer::Mat;
 
 use super::drives::Drives;
+use super::residuals::pairs;
 use crate::algebra;
 use crate::fit::values;
 use crate::model::Model;
@@ -44,7 +45,8 @@ pub fn differ(model: &Drives, place: &[f64]) -> Option<String> {
     })
 }
 
-/// Specific force by the torques, and the residual of the balance [m/s^2], of every bin.
+/// Specific force by the torques, and the residual of the balance [m/s^2], of every bin; without an accelerometer it is in the motion
+/// of every pair of windows.
 fn points(model: &Drives, place: &[f64]) -> Vec<(f64, f64)> {
     let values = values(model, place);
     let mut points = Vec::new();
@@ -54,22 +56,28 @@ fn points(model: &Drives, place: &[f64]) -> Vec<(f64, f64)> {
         let drive = &model.drives[model.recording(block)];
         let stretch = model.stretch(block);
         let bins = drive.bins(stretch);
-        let each = innovations.len() / bins.len().max(1);
-        for (i, bin) in bins.into_iter().enumerate() {
-            let count = bin.len().max(1) as f64;
-            let torque: f64 = bin
-                .clone()
-                .map(|k| drive.torques[0][k] + drive.torques[1][k])
-                .sum();
-            let forward = drive.wheels[0][bin.start].signum();
-            let pull = super::GRAVITY * forward * torque / count / model.torque_of_weight();
-            // With an accelerometer the force is the third residual of four, without one it is in the motion, the last.
-            let residual = match each {
-                4 => innovations[4 * i + 2].value,
-                _ => innovations[each * i + each - 1].value / super::residuals::BIN,
-            };
+        let mut add = |rows: &[(usize, f64)], residual: f64| {
+            let weight: f64 = rows.iter().map(|(_, w)| w).sum();
+            let torque = |k: usize| drive.torques[0][k] + drive.torques[1][k];
+            let torque: f64 = rows.iter().map(|(k, w)| w * torque(*k)).sum();
+            let forward = drive.wheels[0][rows[0].0].signum();
+            let pull = super::GRAVITY * forward * torque / weight / model.torque_of_weight();
             if pull.is_finite() {
                 points.push((pull, forward * residual));
+            }
+        };
+        if drive.has_acceleration {
+            for (bin, of) in bins.into_iter().zip(innovations.chunks(3)) {
+                let rows: Vec<_> = bin.map(|k| (k, 1.0)).collect();
+                add(&rows, of[2].value);
+            }
+        } else {
+            let motion = &innovations[2 * bins.len()..];
+            for (pair, of) in pairs(drive, stretch).iter().zip(motion) {
+                let rows: Vec<_> = pair.steps().collect();
+                let time =
+                    |(k, weight): &(usize, f64)| weight * (drive.time[k + 1] - drive.time[*k]);
+                add(&rows, of.value / rows.iter().map(time).sum::<f64>());
             }
         }
     }

@@ -53,7 +53,6 @@ pub fn described(d: &Description) -> Guess {
         slope_bias: d.prior.slope_bias,
         slope_delay: d.sensors.slope_delay,
         slope_follows: d.sensors.slope_follows,
-        slope_std: d.sensors.slope_std,
         speed_delay: d.sensors.speed_delay,
         torque_delay: 0.0,
         relaxation_length: m.relaxation_length,

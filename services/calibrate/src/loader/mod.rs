@@ -20,7 +20,6 @@ pub use drive::Drive;
 pub use drives::{Drives, Role, Told};
 use noise::Noises;
 
-use crate::description::set;
 use crate::fit::{EXACT, Progress, Task};
 use crate::honesty;
 use crate::model::Model;
@@ -120,17 +119,13 @@ pub fn calibrate(inputs: &[Input], options: &Options<'_>) -> Result<Outcome, Str
         .map(|i| Drive::new(&i.name, &i.samples, weight, machine.wheelbase))
         .collect();
     let told: Vec<Told> = inputs.iter().map(|i| i.told).collect();
+    let drives = Drives::new(drives, &told, options.weighed, options.description);
+    let fixed = held(&drives, options.free)?;
+    let faults = words::before(&drives);
     let noises = match options.free {
         None => Noises::of(inputs, options.description),
         Some(_) => Noises::default(),
     };
-    let mut description = options.description.clone();
-    for (key, noise) in &noises.found {
-        set(&mut description, key, noise.value);
-    }
-    let drives = Drives::new(drives, &told, options.weighed, &description);
-    let fixed = held(&drives, options.free)?;
-    let faults = words::before(&drives);
     let mut outcome = Outcome {
         drives,
         fixed,

@@ -9,18 +9,20 @@
 //! s + tau_s s' = b + th + kappa (a/g - th)
 //! ```
 //! with the specific force a of the accelerometer, or of the torques without one, and what the slope sensor shows, s. A bin has
-//! four residuals:
+//! the first three residuals, two seconds have the last:
 //!
 //! | residual | tells |
 //! |---|---|
 //! | u_f - u_r, mean | radii, their load sensitivity, stiffness of the axles, loads |
 //! | speed - u(t - tau), mean | radii, stiffness, delay of the speed |
 //! | accelerometer - balance of force, mean | torque gains against the mass, rolling resistance |
-//! | change of u - integral of a - g sin th | zero of the slope sensor, its delay, what it follows of the acceleration |
+//! | change of u from second to second - integral of a - g sin th | zero of the slope sensor, its delay, what it follows of the acceleration |
 //!
 //! The body pitches and heaves, axle loads and tyres follow with a lag, and bumps make all of it noise of a few hertz: a filter
 //! that takes every row for white noise around this model is sure of what is wrong. Means over half a second of everything alike
 //! hold nearly without these lags, no regressor is noisy, and what scatter is left shows between the stretches.
+
+use std::ops::Range;
 
 use super::drive::Drive;
 use crate::model::Innovation;
@@ -32,6 +34,9 @@ const LEAST_LOAD: f64 = 0.02;
 const MOST_FRICTION: f64 = 0.98;
 /// Length of a bin [s].
 pub const BIN: f64 = 0.5;
+/// So many bins make a window over which motion and slope are averaged: the change of the slope must stand out of its noise, which
+/// otherwise hides a part of its delay.
+const WINDOW: usize = 2;
 /// Longest delay of the speed: so much of the beginning of a stretch has none to compare with [s].
 pub const LONGEST_DELAY: f64 = 0.45;
 
@@ -68,8 +73,6 @@ pub struct Guess {
     pub slope_delay: f64,
     /// Share of the acceleration that the slope sensor follows.
     pub slope_follows: f64,
-    /// White noise of the slope [rad].
-    pub slope_std: f64,
     /// How late the speed comes [s].
     pub speed_delay: f64,
     /// How late the torques come [s].
@@ -110,7 +113,7 @@ pub struct Scatter {
     pub speed: f64,
     /// Between accelerometer and torques [m/s^2].
     pub force: f64,
-    /// Between the change of the wheels' speed and the specific force along the slope [m/s].
+    /// Between the change of the wheels' speed from window to window and the specific force along the slope [m/s].
     pub motion: f64,
 }
 
@@ -177,12 +180,7 @@ impl Shown {
 }
 
 /// Appends the residuals of a stretch, equally many at any guess.
-pub fn residuals(
-    drive: &Drive,
-    block: &std::ops::Range<usize>,
-    g: &Guess,
-    out: &mut Vec<Innovation>,
-) {
+pub fn residuals(drive: &Drive, block: &Range<usize>, g: &Guess, out: &mut Vec<Innovation>) {
     let first = block.start;
     let shown: Vec<Shown> = block.clone().map(|k| Shown::of(drive, g, k)).collect();
     for bin in drive.bins(block) {
@@ -209,22 +207,63 @@ pub fn residuals(
             let force = mean(&|k| drive.acceleration[k] - shown[k - first].balance);
             out.push(residual(force, g.scatter.force));
         }
-        let (begin, end) = (bin.start, bin.end.min(block.end - 1));
-        let gained: f64 = (begin..end)
-            .map(|k| {
-                let step = drive.time[k + 1] - drive.time[k];
-                0.5 * step * (shown[k - first].rate + shown[k + 1 - first].rate)
-            })
-            .sum();
-        // The integral of the slope's rate is its change, with the noise of its two ends.
-        let lost = g.delayed() * (drive.slope[end] - drive.slope[begin]);
-        let noise = g.delayed() * g.slope_std * (2.0 / drive.averaged as f64).sqrt();
-        let change = shown[end - first].speed() - shown[begin - first].speed();
-        out.push(residual(
-            change - gained + lost,
-            g.scatter.motion.hypot(noise),
-        ));
     }
+    for pair in pairs(drive, block) {
+        let at = |k: usize| &shown[k - first];
+        let difference = |of: &dyn Fn(usize) -> f64| {
+            let [before, after] = [&pair.before, &pair.after].map(|window| {
+                let sum: f64 = window.clone().map(of).sum();
+                sum / window.len() as f64
+            });
+            after - before
+        };
+        let gained = pair.steps().map(|(k, weight)| {
+            let step = drive.time[k + 1] - drive.time[k];
+            weight * 0.5 * step * (at(k).rate + at(k + 1).rate)
+        });
+        let change = difference(&|k| at(k).speed()) - gained.sum::<f64>();
+        // The integral of the slope's rate is its change.
+        let late = g.delayed() * difference(&|k| drive.slope[k]);
+        out.push(residual(change + late, g.scatter.motion));
+    }
+}
+
+/// Two windows that follow one another: the difference of the means of a signal is its rate, weighted by a triangle over both.
+pub struct Pair {
+    before: Range<usize>,
+    after: Range<usize>,
+}
+
+impl Pair {
+    /// Each step from a row to the next, by its first row, with its weight.
+    pub fn steps(&self) -> impl Iterator<Item = (usize, f64)> {
+        let (middle, end) = (self.after.start, self.after.end);
+        let (up, down) = (self.before.len() as f64, self.after.len() as f64);
+        (self.before.start..end - 1).map(move |k| {
+            let weight = if k < middle {
+                (k + 1 - self.before.start) as f64 / up
+            } else {
+                (end - 1 - k) as f64 / down
+            };
+            (k, weight)
+        })
+    }
+}
+
+/// The pairs of windows of a stretch, each of [`WINDOW`] bins.
+pub fn pairs(drive: &Drive, block: &Range<usize>) -> Vec<Pair> {
+    let bins = drive.bins(block);
+    let windows: Vec<Range<usize>> = bins
+        .chunks_exact(WINDOW)
+        .map(|bins| bins[0].start..bins[WINDOW - 1].end)
+        .collect();
+    windows
+        .windows(2)
+        .map(|two| Pair {
+            before: two[0].clone(),
+            after: two[1].clone(),
+        })
+        .collect()
 }
 
 /// Mean of the finite ones of some values; NaN where they are not even half.
@@ -345,7 +384,6 @@ pub(super) mod tests {
             slope_bias: 0.005,
             slope_delay: 0.2,
             slope_follows: 0.3,
-            slope_std: 5e-4,
             speed_delay: 0.03,
             torque_delay: 0.01,
             relaxation_length: 0.1,
@@ -405,7 +443,7 @@ pub(super) mod tests {
                     rear_wheel_speed: Some(wheels[1] + 0.002 * noise(&mut state)),
                     front_torque: Some(g.torque_gains[0] * late[0]),
                     rear_torque: Some(g.torque_gains[1] * late[1]),
-                    slope: Some(shown + g.slope_std * noise(&mut state)),
+                    slope: Some(shown + 5e-4 * noise(&mut state)),
                     acceleration: Some(force(t) + 0.05 * noise(&mut state)),
                     ..Sample::default()
                 }

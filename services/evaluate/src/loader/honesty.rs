@@ -32,6 +32,9 @@ fn asked(effect: &str) -> Asked {
 /// Name of the line of machines that nobody listed, and the share of wrong that it may have.
 const BY_CHANCE: (&str, f64) = ("by chance", 0.10);
 
+/// Name of the line of a slope sensor whose delay, and what it follows of the acceleration, are told.
+const CALIBRATED: &str = "slope sensor, calibrated";
+
 /// What a competent user states for a machine of that size: the default, scaled.
 fn scaled(mut settings: Settings, size: Size) -> Settings {
     let (machine, reference) = (size.machine(), Size::Reference.machine());
@@ -70,13 +73,21 @@ fn work(effects: Effects, seed: u64) -> Run {
 const METHODS: [Method; 2] = [Method::Full, Method::FullEkf];
 
 /// Drives the product through a run; `look` sees each answer, with the index of its method.
-fn drive(run: &Run, mut look: impl FnMut(usize, &Row, &Estimate)) -> Result<(), Error> {
+fn drive(
+    run: &Run,
+    calibrated: bool,
+    mut look: impl FnMut(usize, &Row, &Estimate),
+) -> Result<(), Error> {
     let mut simulation = Simulation::new(run).map_err(Error::refused)?;
     let (told, candidate) = (*simulation.told(), Candidate::COLD);
     let Some(first) = simulation.next() else {
         return Ok(());
     };
-    let settings = scaled(candidate.settings(&told, &first), run.size);
+    let mut settings = scaled(candidate.settings(&told, &first), run.size);
+    if calibrated {
+        settings.sensors.slope_delay = run.effects.slope_lag;
+        settings.sensors.slope_follows = run.effects.slope_follows;
+    }
     let columns = Columns {
         acceleration: true,
         ..Columns::default()
@@ -97,9 +108,9 @@ fn drive(run: &Run, mut look: impl FnMut(usize, &Row, &Estimate)) -> Result<(), 
 }
 
 /// Ratio and height of each method.
-fn tally(run: &Run) -> Result<[[Tally; 2]; 2], Error> {
+fn tally(run: &Run, calibrated: bool) -> Result<[[Tally; 2]; 2], Error> {
     let mut tallies: [[Tally; 2]; 2] = Default::default();
-    drive(run, |k, row, estimate| {
+    drive(run, calibrated, |k, row, estimate| {
         for (tally, judged) in tallies[k].iter_mut().zip(judge(row, estimate)) {
             tally.push(&judged);
         }
@@ -136,12 +147,13 @@ fn judge(row: &Row, estimate: &Estimate) -> [Judged; 2] {
 pub(super) fn evaluate(options: &Options) -> Result<Report, Error> {
     let mut lines = Vec::new();
     let listed = CASES.map(|(effect, severity, effects)| (effect, severity, Some(effects)));
-    for (effect, severity, effects) in listed.into_iter().chain([(BY_CHANCE.0, "", None)]) {
+    let slope = listed.iter().find(|line| line.0 == "slope sensor follows");
+    let calibrated = slope.map(|&(_, severity, effects)| (CALIBRATED, severity, effects));
+    let more = calibrated.into_iter().chain([(BY_CHANCE.0, "", None)]);
+    for (effect, severity, effects) in listed.into_iter().chain(more) {
         let found = seeds(options, &format!("{effect} {severity}"), |seed| {
-            tally(&work(
-                effects.unwrap_or_else(|| Effects::by_chance(seed)),
-                seed,
-            ))
+            let effects = effects.unwrap_or_else(|| Effects::by_chance(seed));
+            tally(&work(effects, seed), effect == CALIBRATED)
         })?;
         for (k, method) in METHODS.into_iter().enumerate() {
             for (i, what) in ["ratio", "height"].into_iter().enumerate() {
@@ -183,7 +195,7 @@ mod tests {
 
     #[test]
     fn a_late_speed_is_learnt_and_nothing_wrong_is_trusted() {
-        for [ratio, height] in tally(&work(effects("late speed", "100 ms"), 1)).unwrap() {
+        for [ratio, height] in tally(&work(effects("late speed", "100 ms"), 1), false).unwrap() {
             assert!(ratio.trusted() > 0.5, "{}", ratio.trusted());
             assert!(ratio.wrong() <= 0.05, "{}", ratio.wrong());
             assert!(ratio.covered() > 0.93 && height.covered() > 0.93);
@@ -191,9 +203,24 @@ mod tests {
     }
 
     #[test]
+    fn a_slope_sensor_whose_errors_are_told_is_as_good_as_one_without() {
+        let run = work(effects("slope sensor follows", "30 %, 0.2 s"), 1);
+        let trusted = |calibrated| {
+            let [both, by_tangent] = tally(&run, calibrated).unwrap();
+            for quantity in both.iter().chain(&by_tangent) {
+                assert!(quantity.wrong() <= 0.05 && quantity.covered() > 0.93);
+            }
+            both[0].trusted()
+        };
+        let (untold, told) = (trusted(false), trusted(true));
+        assert!(told > 0.8 && told > untold, "{untold} {told}");
+    }
+
+    #[test]
     fn axles_that_are_locked_are_named_and_nothing_is_trusted() {
         for seed in 1..=3 {
-            let [both, by_tangent] = tally(&work(effects("locked drive", ""), seed)).unwrap();
+            let [both, by_tangent] =
+                tally(&work(effects("locked drive", ""), seed), false).unwrap();
             for quantity in both.into_iter().chain(by_tangent) {
                 assert_eq!(quantity.trusted(), 0.0);
                 assert!(quantity.covered() > 0.93, "{}", quantity.covered());
@@ -221,7 +248,7 @@ mod tests {
                 ..work(effects("none", ""), 2)
             };
             let (mut named, mut wrong) = (0, 0);
-            drive(&run, |_, row, estimate| {
+            drive(&run, false, |_, row, estimate| {
                 let gone = (40.6..49.9).contains(&row.time) && row.truth.speed > 1.0;
                 if gone {
                     assert!(!estimate.fresh, "{fault} at {}", row.time);
