@@ -106,3 +106,21 @@ fn what_is_trusted_on_other_machines_is_right_and_the_interval_holds_all_the_tim
     }
     assert!(failed.is_empty(), "{failed:#?}");
 }
+
+#[test]
+fn a_slope_sensor_that_was_calibrated_is_believed_in_every_moment() {
+    let text = std::fs::read_to_string(folder().join("loader.json")).expect("the settings");
+    let recordings: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    let name = "loader_6_20t_slope";
+    let ratio = |delay: f64, follows: f64| {
+        let mut sets = recordings[name]["sets"].clone();
+        sets["sensors.slope_delay"] = delay.into();
+        sets["sensors.slope_follows"] = follows.into();
+        let [ratio, _] = tallies(name, &sets, Method::Full);
+        assert!(ratio.wrong() <= 0.05 && ratio.covered() >= 0.93);
+        (ratio.trusted(), ratio.rms())
+    };
+    let (as_described, calibrated) = (ratio(0.0, 0.0), ratio(0.2, 0.4));
+    println!("as described {as_described:?}, calibrated {calibrated:?}");
+    assert!(calibrated.0 >= as_described.0 && calibrated.1 <= as_described.1);
+}

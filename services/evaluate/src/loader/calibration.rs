@@ -262,12 +262,6 @@ fn one(seed: u64) -> Result<Option<Found>, Error> {
         Role::Height(_) => machine.cg_height,
         _ => 0.0,
     };
-    if let Ok(q) = outcome.quantity(Role::SlopeDelay).ok_or(()) {
-        let m = outcome.quantity(Role::MotionScatter).unwrap();
-        eprintln!(
-            truth.effects.slope_lag, q.value, q.std, truth.effects.slope_follows, m.value
-        );
-    }
     let Some(parameters) = errors(&outcome, true_value) else {
         return Ok(None);
     };
