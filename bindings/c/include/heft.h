@@ -390,6 +390,10 @@ typedef struct {
     double torque_gain_std; /* Standard deviation of each axle's torque gain; widens the reported interval of the ratio. */
     double speed_delay; /* Delay of the speed against the other signals (satellite receivers, radars); `full` learns it. [s] */
     double speed_delay_std; /* Its standard deviation before the first row. [s] */
+    double slope_delay; /* Delay of the slope against the other signals: the time constant of an inclinometer, as calibrated. [s] */
+    double slope_delay_std; /* Its standard deviation, from which a calibration starts; on line the errors of the slope show in the motion. [s] */
+    double slope_follows; /* Share of the acceleration that the slope sensor takes for a slope, as calibrated; acts where an accelerometer tells it. */
+    double slope_follows_std; /* Its standard deviation, from which a calibration starts. */
   } sensors;
   struct {
     double slip_stiffness; /* Slip stiffness (K). */

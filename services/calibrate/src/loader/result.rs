@@ -11,6 +11,8 @@ use crate::parameter::Source;
 const RADIUS_STD: f64 = 5e-4;
 const SLOPE_BIAS_STD: f64 = 2e-3;
 const DELAY_STD: f64 = 2e-3;
+/// Gain of an accelerometer, which cannot be told from what the slope sensor follows.
+const FOLLOWS_STD: f64 = 0.01;
 /// The slip stiffness differs from ground to ground by this share.
 const GROUND: f64 = 0.05;
 /// What keeps more than this share of its tolerance stays as described.
@@ -107,7 +109,7 @@ impl Outcome {
             }
             Role::SlopeFollows => {
                 pen.value(&key, q);
-                pen.std("sensors.slope_follows_std", q.std);
+                pen.std("sensors.slope_follows_std", q.std.max(FOLLOWS_STD));
             }
             Role::SpeedDelay => {
                 pen.value(&key, q);
