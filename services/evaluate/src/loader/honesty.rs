@@ -203,20 +203,6 @@ mod tests {
     }
 
     #[test]
-    fn a_slope_sensor_whose_errors_are_told_is_as_good_as_one_without() {
-        let run = work(effects("slope sensor follows", "30 %, 0.2 s"), 1);
-        let trusted = |calibrated| {
-            let [both, by_tangent] = tally(&run, calibrated).unwrap();
-            for quantity in both.iter().chain(&by_tangent) {
-                assert!(quantity.wrong() <= 0.05 && quantity.covered() > 0.93);
-            }
-            both[0].trusted()
-        };
-        let (untold, told) = (trusted(false), trusted(true));
-        assert!(told > 0.8 && told > untold, "{untold} {told}");
-    }
-
-    #[test]
     fn axles_that_are_locked_are_named_and_nothing_is_trusted() {
         for seed in 1..=3 {
             let [both, by_tangent] =
