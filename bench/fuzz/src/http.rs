@@ -5,40 +5,67 @@ use std::net::{Shutdown, TcpStream};
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
+/// How long a client looks at what is streamed, and how long the page may take to answer.
+const LOOK: Duration = Duration::from_millis(100);
+const PATIENCE: Duration = Duration::from_secs(10);
+
 /// Whatever comes, the page answers the next one, and who went leaves no seat taken.
 pub fn http(input: &[u8]) {
-    const LOOK: Duration = Duration::from_millis(100);
-    const PATIENCE: Duration = Duration::from_secs(10);
     static SERVER: OnceLock<view::live::Server> = OnceLock::new();
     let server = SERVER.get_or_init(|| {
         let feed = view::live::Feed::new(Vec::new());
         let any = ([127, 0, 0, 1], 0).into();
         view::live::serve(any, feed).expect("a port")
     });
-    let ask = |request: &[u8], limit: Duration, patience: Duration, stays: bool| {
-        let mut stream = TcpStream::connect(server.address()).expect("it listens");
-        stream.set_read_timeout(Some(patience)).expect("a limit");
-        // It may close before everything was said.
-        let _ = stream.write_all(request);
-        if !stays {
-            let _ = stream.shutdown(Shutdown::Write);
-        }
-        let (begun, mut answer) = (Instant::now(), [0; 4096]);
-        let head = stream.read(&mut answer).map_or(0, |n| n);
-        let mut rest = [0; 4096];
-        while begun.elapsed() < limit && stream.read(&mut rest).is_ok_and(|n| n > 0) {}
-        answer[..head].to_vec()
-    };
+    let connect = || TcpStream::connect(server.address()).expect("the page lets a client in");
     // One in eight waits for more: it is left after a moment, what is streamed after a look.
-    ask(input, LOOK, LOOK / 5, input.len().is_multiple_of(8));
-    let request = b"GET /nothing HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
-    let answer = ask(request, PATIENCE, PATIENCE, true);
-    assert!(answer.starts_with(b"HTTP/1.1 404"), "it does not answer");
+    look(connect(), input, input.len().is_multiple_of(8));
+    let begun = Instant::now();
+    let (answer, ended) = answer(connect());
+    assert!(
+        answer.starts_with(b"HTTP/1.1 404"),
+        "the next client is not answered: {} bytes came, then {ended} after {:?}; {} viewers; they begin {:?}",
+        answer.len(),
+        begun.elapsed(),
+        server.viewers(),
+        String::from_utf8_lossy(&answer[..answer.len().min(80)]),
+    );
     let begun = Instant::now();
     while server.viewers() > view::live::MAX_VIEWERS / 2 {
-        assert!(begun.elapsed() < PATIENCE, "seats stay taken");
+        assert!(
+            begun.elapsed() < PATIENCE,
+            "{} seats are still taken {PATIENCE:?} after their clients went",
+            server.viewers()
+        );
         std::thread::sleep(Duration::from_millis(1));
     }
+}
+
+/// Says the input, looks at what comes for a while, goes. What fails is the client's affair: the page may close before
+/// everything was said.
+fn look(mut stream: TcpStream, input: &[u8], stays: bool) {
+    stream.set_read_timeout(Some(LOOK / 5)).expect("a limit");
+    let _ = stream.write_all(input);
+    if !stays {
+        let _ = stream.shutdown(Shutdown::Write);
+    }
+    let (begun, mut some) = (Instant::now(), [0; 4096]);
+    while stream.read(&mut some).is_ok_and(|n| n > 0) && begun.elapsed() < LOOK {}
+}
+
+/// Asks for a page that is not there: what comes until the connection ends, and how it ended.
+fn answer(mut stream: TcpStream) -> (Vec<u8>, String) {
+    let request = b"GET /nothing HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
+    stream.set_read_timeout(Some(PATIENCE)).expect("a limit");
+    let mut answer = Vec::new();
+    if let Err(e) = stream.write_all(request) {
+        return (answer, format!("the request could not be sent: {e}"));
+    }
+    let ended = match stream.read_to_end(&mut answer) {
+        Ok(_) => "the end".into(),
+        Err(e) => e.to_string(),
+    };
+    (answer, ended)
 }
 
 /// What browsers ask, and what they do not, one after the other on a connection.

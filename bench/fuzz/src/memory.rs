@@ -1,6 +1,7 @@
 //! A limit of memory: what asks for more than an input may cost gets none, and ends.
 
 use std::alloc::{GlobalAlloc, Layout, System};
+use std::io::Write as _;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::time::{Duration, Instant};
 
@@ -28,6 +29,9 @@ unsafe impl GlobalAlloc for Limited {
             > MOST.load(Relaxed)
         {
             USED.fetch_sub(layout.size(), Relaxed);
+            // Allocates nothing; what is asked for is said by whoever gets none.
+            let _ = std::io::stderr()
+                .write_all(b"an input costs more than 256 MB, all threads together\n");
             return std::ptr::null_mut();
         }
         // SAFETY: the caller's promises about `layout` are passed on.
@@ -56,7 +60,9 @@ pub fn limited(work: impl FnOnce()) -> Result<(), String> {
         std::thread::sleep(Duration::from_millis(1));
     }
     match kept_since(before) {
-        kept if kept > KEPT => Err(format!("{kept} bytes are not given back")),
+        kept if kept > KEPT => Err(format!(
+            "{kept} bytes are not given back after {PATIENCE:?}"
+        )),
         _ => Ok(()),
     }
 }

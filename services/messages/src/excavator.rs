@@ -242,6 +242,14 @@ pub const EXCAVATOR_REASONS: &[(&str, &str)] = &[
         "this method cannot tell the inertia of a machine that is not calibrated",
     ),
     ("restarted", "the service was started again"),
+    (
+        "jump",
+        "a joint angle has jumped further than a joint moves",
+    ),
+    (
+        "contradiction",
+        "an emptied bucket or the friction contradicts what a sensor says",
+    ),
 ];
 
 /// Names of the excavator estimation methods on the command line and in every output, indexed by

@@ -28,11 +28,11 @@ use ground::Ground;
 const USAGE: &str = "\
 usage: battery [--minutes N] [--seed S] [--only WORD] [--heft PATH]
        battery --fuzz TARGET [--seconds N] [--seed S]
-       battery --trust WORD [--seed S]
+       battery --trust WORD [--seed S] [--from SECONDS]
        battery --soak MINUTES [--heft PATH]
        N minutes (1) of the attacks whose name holds WORD (all), on the heft at PATH (beside this program);
        the second form is one target of the fuzzer alone, in this folder;
-       the third the cells of the trust matrix whose name holds WORD, as a table;
+       the third the cells of the trust matrix whose name holds WORD, as a table, with the fault from SECONDS (25) on;
        the fourth both machines in real time, with the slopes of memory, descriptors and disk";
 
 /// The table of attacks: a row more is an attack more.
@@ -60,6 +60,7 @@ struct Arguments {
     trust: Option<String>,
     soak: Option<f64>,
     seconds: f64,
+    from: f64,
 }
 
 fn arguments() -> Option<Arguments> {
@@ -73,6 +74,7 @@ fn arguments() -> Option<Arguments> {
         trust: None,
         soak: None,
         seconds: 1.0,
+        from: trust::FROM,
     };
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
@@ -84,6 +86,7 @@ fn arguments() -> Option<Arguments> {
             "--fuzz" => found.fuzz = Some(value),
             "--trust" => found.trust = Some(value),
             "--soak" => found.soak = Some(value.parse().ok()?),
+            "--from" => found.from = value.parse().ok()?,
             "--seconds" => found.seconds = value.parse().ok()?,
             "--heft" => found.heft = value.into(),
             _ => return None,
@@ -116,7 +119,7 @@ fn main() -> ExitCode {
         };
     }
     if let Some(word) = &arguments.trust {
-        return match trust::print(word, arguments.seed) {
+        return match trust::print(word, arguments.seed, arguments.from) {
             Ok(good) => ExitCode::from(u8::from(!good)),
             Err(why) => {
                 eprintln!("{why}");

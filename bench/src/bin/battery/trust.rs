@@ -19,9 +19,10 @@ use crate::ground::Ground;
 const BOUND: f64 = 0.05;
 /// Fewer trusted samples than these have no share [samples].
 const LEAST: u32 = 20;
-/// Length of a run, and when the fault begins [s].
+/// Length of a run, when the fault begins, and how long a drift takes [s].
 const DURATION: f64 = 60.0;
-const FROM: f64 = 25.0;
+pub const FROM: f64 = 25.0;
+const DRIFT: f64 = 10.0;
 
 /// A fault of one column.
 #[derive(Clone, Copy, PartialEq)]
@@ -34,12 +35,15 @@ pub enum Kind {
     Gain(f64),
     /// In root mean squares of the column.
     Offset(f64),
+    /// The same, little by little.
+    Drift(f64),
+    GainDrift(f64),
     /// Written in another unit.
     Unit,
 }
 
 /// The kinds, by their names.
-const KINDS: [(&str, Kind); 12] = [
+const KINDS: [(&str, Kind); 14] = [
     ("missing", Kind::Missing),
     ("frozen", Kind::Frozen),
     ("zero", Kind::Zero),
@@ -52,6 +56,8 @@ const KINDS: [(&str, Kind); 12] = [
     ("sign", Kind::Gain(-1.0)),
     ("offset", Kind::Offset(0.3)),
     ("unit", Kind::Unit),
+    ("drift", Kind::Drift(0.3)),
+    ("drift of the gain", Kind::GainDrift(0.8)),
 ];
 
 /// Columns that go wrong, with the factor of a wrong unit.
@@ -100,8 +106,8 @@ impl Share {
     }
 }
 
-/// Runs cells on the samples of a machine, before anything went wrong.
-type Clean = Box<dyn Fn(Cell) -> Result<Share, String>>;
+/// Runs cells on the samples of a machine, before anything went wrong, with the time of the fault.
+type Clean = Box<dyn Fn(Cell, f64) -> Result<Share, String>>;
 
 macro_rules! machines {
     ($( $machine:ident, $module:ident, $sensors:ident, $truth:ident, $estimate:ident, $others:tt; )*) => {
@@ -112,7 +118,9 @@ macro_rules! machines {
                     let mut source = sensor::$module::Simulator::at_usual_work(DURATION, seed)
                         .map_err(|e| e.to_string())?;
                     let series: Vec<_> = std::iter::from_fn(|| source.next()).collect();
-                    Box::new(move |cell| cell.judge::<_, messages::$estimate>(series.clone()))
+                    Box::new(move |cell, from| {
+                        cell.judge::<_, messages::$estimate>(series.clone(), from)
+                    })
                 } )*
             })
         }
@@ -178,9 +186,10 @@ impl Cell {
     fn judge<S: Message, E: Estimate>(
         self,
         mut series: Vec<(S, E::Truth)>,
+        from: f64,
     ) -> Result<Share, String> {
         let (name, bit, unit) = columns(self.machine)[self.column];
-        damage(&mut series, name, bit, unit, KINDS[self.kind].1);
+        damage(&mut series, (name, bit, unit), KINDS[self.kind].1, from);
         let description = Description::default_of(self.machine);
         let pipeline = Pipeline::of(self.machine);
         let stage = pipeline.with_method(self.method).ok_or("no such method")?;
@@ -199,7 +208,7 @@ impl Cell {
             for step in &mut way {
                 message = step.answer(&message).ok_or("a step of another message")?;
             }
-            if sample.stamp().time >= FROM {
+            if sample.stamp().time >= from {
                 let estimate = E::inside(&message).ok_or("no estimate of this machine")?;
                 let judged = E::PARAMETERS.iter().filter(|p| p.headline());
                 judged.for_each(|p| share.take(p, estimate, truth));
@@ -227,17 +236,18 @@ impl Share {
     }
 }
 
-/// Damages a column from [`FROM`] on.
-fn damage<S: Message, T>(series: &mut [(S, T)], name: &str, bit: u32, unit: f64, kind: Kind) {
+/// Damages a column from this time on.
+fn damage<S: Message, T>(series: &mut [(S, T)], (name, bit, unit): Column, kind: Kind, begin: f64) {
     let (Some(at), Some(valid)) = (S::index(name), S::index("valid")) else {
         return;
     };
     let value = |sample: &S| sample.get(at).map_or(0.0, Value::as_f64);
     let clean: Vec<f64> = series.iter().map(|(sample, _)| value(sample)).collect();
     let square = clean.iter().map(|v| v * v).sum::<f64>() / clean.len().max(1) as f64;
-    let from = series.iter().position(|(s, _)| s.stamp().time >= FROM);
+    let from = series.iter().position(|(s, _)| s.stamp().time >= begin);
     let from = from.unwrap_or(series.len());
     for (n, (sample, _)) in series.iter_mut().enumerate().skip(from) {
+        let part = ((sample.stamp().time - begin) / DRIFT).min(1.0);
         let new = match kind {
             Kind::Missing => {
                 if let Some(Value::U32(bits)) = sample.get(valid) {
@@ -250,6 +260,8 @@ fn damage<S: Message, T>(series: &mut [(S, T)], name: &str, bit: u32, unit: f64,
             Kind::Late(samples) => clean[n.saturating_sub(samples)],
             Kind::Gain(gain) => gain * clean[n],
             Kind::Offset(share) => clean[n] + share * square.sqrt(),
+            Kind::Drift(share) => clean[n] + part * share * square.sqrt(),
+            Kind::GainDrift(gain) => clean[n] * (1.0 + part * (gain - 1.0)),
             Kind::Unit => unit * clean[n],
         };
         sample.set(at, Value::F64(new));
@@ -266,7 +278,8 @@ impl Attack for Trust {
 
     fn attempt(&mut self, rng: &mut Rng, _ground: &Ground) -> Result<Outcome, String> {
         let cell = rng.one(&cells());
-        let share = clean(cell.machine, 1 + rng.between(0, 1000))?(cell)?;
+        let from = 20.0 + rng.between(0, 15) as f64;
+        let share = clean(cell.machine, 1 + rng.between(0, 1000))?(cell, from)?;
         if share.wrong() > BOUND && !cell.is_known() {
             let Share { trusted, wrong, .. } = share;
             return Err(format!(
@@ -280,7 +293,7 @@ impl Attack for Trust {
 
 /// The whole matrix as a table for people: per method, column and kind, trusted and wrong of it; what is
 /// above the bound and not known is named last. Whether there is none.
-pub fn print(word: &str, seed: u64) -> Result<bool, String> {
+pub fn print(word: &str, seed: u64, from: f64) -> Result<bool, String> {
     let chosen: Vec<Cell> = cells()
         .into_iter()
         .filter(|c| c.name().contains(word))
@@ -292,7 +305,7 @@ pub fn print(word: &str, seed: u64) -> Result<bool, String> {
         let run = runs[cell.machine as usize]
             .as_ref()
             .map_err(String::clone)?;
-        let share = run(cell)?;
+        let share = run(cell, from)?;
         let row = format!(
             "{} | {} | {}",
             cell.machine,
@@ -319,20 +332,17 @@ pub fn print(word: &str, seed: u64) -> Result<bool, String> {
 
 /// Cells above the bound that are known, `*` for every kind.
 const KNOWN: &[(&str, &str, &str, &str)] = &[
-    ("excavator", "auto", "swing_velocity", "gain 0.8"),
-    ("excavator", "auto", "swing_torque", "gain 0.8"),
-    ("excavator", "auto", "swing_torque", "gain 2"),
-    ("excavator", "auto", "boom_angle", "offset"),
-    ("excavator", "auto", "arm_angle", "gain 2"),
-    ("excavator", "auto", "arm_angle", "sign"),
-    ("excavator", "auto", "arm_angle", "offset"),
-    ("excavator", "auto", "bucket_angle", "sign"),
-    ("excavator", "posture-torque", "swing_velocity", "gain 0.8"),
-    ("excavator", "posture-torque", "swing_torque", "gain 0.8"),
-    ("excavator", "posture-torque", "swing_torque", "gain 2"),
-    ("excavator", "posture-torque", "boom_angle", "offset"),
-    ("excavator", "posture-torque", "arm_angle", "gain 2"),
-    ("excavator", "posture-torque", "arm_angle", "sign"),
-    ("excavator", "posture-torque", "arm_angle", "offset"),
-    ("excavator", "posture-torque", "bucket_angle", "sign"),
+    ("excavator", "auto", "swing_velocity", "*"),
+    ("excavator", "auto", "swing_torque", "*"),
+    ("excavator", "auto", "arm_angle", "late 500 ms"),
+    ("excavator", "auto", "arm_angle", "drift of the gain"),
+    ("excavator", "posture-torque", "swing_velocity", "*"),
+    ("excavator", "posture-torque", "swing_torque", "*"),
+    ("excavator", "posture-torque", "arm_angle", "late 500 ms"),
+    (
+        "excavator",
+        "posture-torque",
+        "arm_angle",
+        "drift of the gain",
+    ),
 ];

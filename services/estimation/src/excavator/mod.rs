@@ -12,7 +12,7 @@
 //! | file | idea |
 //! |---|---|
 //! | `estimate`, `settings`, [`keys`] | what goes in and comes out; the keys of a description |
-//! | `input` | rows on a grid, missing and late values, an encoder, a frozen sensor, standstill |
+//! | `input` | rows on a grid, missing and late values, an encoder, a sensor that is frozen or jumps, standstill |
 //! | `align`, `consider` | told delays taken out; what is taken as known and is not |
 //! | `regression` | the paper's way: motion in, inertia out, by recursive least squares |
 //! | `swing`, `mode` | the state-space way: one step for all; the modes by the columns that exist |
@@ -36,7 +36,7 @@ mod swing;
 mod verdict;
 mod working;
 
-use input::{calibration, delay, encoder, frozen, grid, motion, screen, standstill};
+use input::{calibration, delay, encoder, frozen, grid, jump, motion, screen, standstill};
 use mode::{drive, onset, posture, posture_torque, state, torque, unknown_torque, velocity};
 use payload::{change, changing_payload, drop_mixture, opening};
 use regression::{joint, single, svf};

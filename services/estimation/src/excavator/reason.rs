@@ -37,11 +37,15 @@ pub enum Reason {
     Method,
     /// The process was started again: said by those who start it, not by an estimator.
     Restarted,
+    /// A joint angle has jumped further than a joint moves.
+    Jump,
+    /// Damping, friction or an emptied bucket speak of another torque, velocity or posture than is measured.
+    Contradiction,
 }
 
 impl Reason {
     /// All, in the order of their codes.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 18] = [
         Self::None,
         Self::Slope,
         Self::Loss,
@@ -58,6 +62,8 @@ impl Reason {
         Self::Sign,
         Self::Method,
         Self::Restarted,
+        Self::Jump,
+        Self::Contradiction,
     ];
 
     /// Code in the messages.
@@ -89,6 +95,8 @@ impl Reason {
             Self::Sign => "sign",
             Self::Method => "method",
             Self::Restarted => "restarted",
+            Self::Jump => "jump",
+            Self::Contradiction => "contradiction",
         }
     }
 
@@ -113,6 +121,10 @@ impl Reason {
                 "this method cannot tell the inertia of a machine that is not calibrated"
             }
             Self::Restarted => "the service was started again",
+            Self::Jump => "a joint angle has jumped further than a joint moves",
+            Self::Contradiction => {
+                "an emptied bucket or the friction contradicts what a sensor says"
+            }
         }
     }
 }

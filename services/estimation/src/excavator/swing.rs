@@ -358,6 +358,8 @@ impl SwingEstimator {
             refused: self.screen.refused(),
             reason: if self.screen.is_frozen() {
                 Reason::Frozen
+            } else if self.screen.has_jumped() {
+                Reason::Jump
             } else {
                 state.reason
             },

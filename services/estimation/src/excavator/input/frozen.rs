@@ -8,6 +8,9 @@
 const REPEATS: u32 = 50;
 /// Share of increments of alternating sign above which a signal is noisy; white noise has two thirds.
 const NOISY: f64 = 0.45;
+/// A signal that has changed so often and never repeated a value for so long is noisy too, however it moves [samples].
+const CHANGES: u32 = 500;
+const LONGEST: u32 = 5;
 /// Share of one sample in that mean.
 const MEMORY: f64 = 0.02;
 
@@ -20,6 +23,9 @@ pub(in crate::excavator) struct Repetition {
     /// Share of increments that alternate.
     alternating: f64,
     repeats: u32,
+    /// Most repeats so far, but for a frozen sensor's, and changes.
+    longest: u32,
+    changes: u32,
 }
 
 impl Repetition {
@@ -30,6 +36,10 @@ impl Repetition {
         if increment == 0.0 {
             self.repeats = self.repeats.saturating_add(1);
         } else {
+            if !self.is_frozen() {
+                self.longest = self.longest.max(self.repeats);
+            }
+            self.changes = self.changes.saturating_add(1);
             let alternates = increment * self.increment < 0.0;
             self.alternating += MEMORY * (f64::from(u8::from(alternates)) - self.alternating);
             self.increment = increment;
@@ -43,6 +53,33 @@ impl Repetition {
 
     /// Whether it repeats one value against its own noise.
     pub(in crate::excavator) fn is_frozen(&self) -> bool {
-        self.repeats >= REPEATS && self.alternating > NOISY
+        let always = self.changes >= CHANGES && self.longest < LONGEST;
+        self.repeats >= REPEATS && (self.alternating > NOISY || always)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whether a joint is frozen that moves by this much a sample, then repeats one value, and how it says its angle.
+    fn frozen(moves: f64, said: impl Fn(f64) -> f64) -> bool {
+        let mut sensor = Repetition::default();
+        for k in 0..2000 {
+            let noise = 0.001 * f64::from(k * 7919 % 13 - 6) / 6.0;
+            sensor.pass(Some(said(moves * f64::from(k) + noise)));
+        }
+        let last = sensor.last;
+        (0..60).for_each(|_| drop(sensor.pass(last)));
+        sensor.is_frozen()
+    }
+
+    #[test]
+    fn a_sensor_that_never_repeated_a_value_is_frozen_when_it_does_even_where_motion_hides_its_noise()
+     {
+        assert!(frozen(0.0, |angle| angle));
+        assert!(frozen(0.01, |angle| angle));
+        // A coarse one repeats its values anyway.
+        assert!(!frozen(0.001, |angle| (angle / 0.02).round() * 0.02));
     }
 }

@@ -1,10 +1,11 @@
-//! What comes in: rows on a grid, missing and late values, an encoder, a frozen sensor, rest.
+//! What comes in: rows on a grid, missing and late values, an encoder, a sensor that is frozen or jumps, rest.
 
 pub(in crate::excavator) mod calibration;
 pub(in crate::excavator) mod delay;
 pub(in crate::excavator) mod encoder;
 pub(in crate::excavator) mod frozen;
 pub(in crate::excavator) mod grid;
+pub(in crate::excavator) mod jump;
 pub(in crate::excavator) mod motion;
 pub(in crate::excavator) mod screen;
 pub(in crate::excavator) mod standstill;

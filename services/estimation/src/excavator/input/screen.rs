@@ -4,6 +4,7 @@
 use crate::excavator::estimate::Sample;
 use crate::excavator::frozen::Repetition;
 use crate::excavator::grid::LONG_GAP;
+use crate::excavator::jump::Jump;
 use crate::excavator::settings::Sensors;
 use crate::time_base::{Tick, TimeBase};
 
@@ -34,6 +35,7 @@ pub(in crate::excavator) struct Screen {
     refused: u64,
     /// Velocity, torque, boom, arm, bucket.
     repetitions: [Repetition; 5],
+    jumps: [Jump; 3],
 }
 
 impl Screen {
@@ -47,6 +49,7 @@ impl Screen {
             torque_offset: sensors.swing_torque_offset,
             refused: 0,
             repetitions: [Repetition::default(); 5],
+            jumps: [Jump::default(); 3],
         }
     }
 
@@ -62,7 +65,7 @@ impl Screen {
             }
         };
         Some(Accepted {
-            sample: self.clean(sample),
+            sample: self.clean(sample, period),
             period,
             set_back: last.is_some_and(|last| sample.time < last),
         })
@@ -78,18 +81,23 @@ impl Screen {
         self.repetitions.iter().any(Repetition::is_frozen)
     }
 
-    fn clean(&mut self, sample: &Sample) -> Sample {
+    /// Whether a joint angle has jumped further than a joint moves.
+    pub(in crate::excavator) fn has_jumped(&self) -> bool {
+        self.jumps.iter().any(Jump::has_jumped)
+    }
+
+    fn clean(&mut self, sample: &Sample, period: f64) -> Sample {
         // A sensor at the end of its range says only "at least this much": missing.
         let within = |value: Option<f64>, limit: f64| value.filter(|v| v.abs() < limit);
         let [velocity, torque, joints @ ..] = &mut self.repetitions;
         let mut posture = sample.posture;
-        for (repetition, joint) in joints.iter_mut().zip(&mut posture) {
-            *joint = repetition.pass(*joint);
+        for ((joint, repetition), jump) in posture.iter_mut().zip(joints).zip(&mut self.jumps) {
+            *joint = within(repetition.pass(*joint), self.angle_limit);
+            *joint = jump.pass(*joint, period);
         }
         let sample = Sample {
             velocity: velocity.pass(sample.velocity),
             torque: torque.pass(sample.torque),
-            posture,
             ..*sample
         };
         Sample {
@@ -98,7 +106,7 @@ impl Screen {
             angle: within(sample.angle, f64::MAX),
             torque: within(sample.torque, 1e12)
                 .map(|t| (t - self.torque_offset) / self.torque_gain),
-            posture: sample.posture.map(|q| within(q, self.angle_limit)),
+            posture,
             inclination: sample.inclination.map(|q| within(q, INCLINATION_LIMIT)),
         }
     }

@@ -2,20 +2,24 @@
 //!
 //! One filter carries everything that the machine may differ by ([`filter`]); what no state explains raises
 //! the noise of the torque until the innovations are white again ([`noise`]); what the bucket holds is
-//! unknown as soon as it could have changed ([`bucket`]).
+//! unknown as soon as it could have changed ([`bucket`]). Sensors that go wrong are contradicted ([`contradiction`], [`rival`]).
 
 mod agreement;
 mod bucket;
+mod contradiction;
 mod filter;
 mod noise;
+mod rival;
 mod smoother;
 
 use self::agreement::Agreement;
 use self::bucket::{Bucket, Content};
+use self::contradiction::Contradiction;
 use self::filter::{
     DAMPING, DELAY, FRICTION, Filter, GAIN, Input, LOSS, M, MOMENT, N, OFFSET, SLOPE, Vector, W,
 };
 use self::noise::Noise;
+use self::rival::Rival;
 pub use self::smoother::{Smoothed, Smoother, Trail};
 use super::doubts::Doubts;
 use super::drive::Drive;
@@ -54,7 +58,12 @@ const DOWN: f64 = -0.25;
 const MATERIAL: f64 = 0.33;
 /// Factor of the torque's noise variance above which the motion does not follow the model.
 const UNEXPLAINED: f64 = 30.0;
-
+/// A weight is told closely within this share of the empty machine's inertia.
+const CLOSE: f64 = 0.03;
+/// Gain and offset this many stated standard deviations from the described ones are faults.
+const BEYOND: f64 = 3.5;
+/// No machine has less than this share of the described friction and damping.
+const LEAST: f64 = 0.25;
 /// Mean ratio at which stretches of the swings disagree.
 const DISAGREEMENT: f64 = 3.0;
 
@@ -85,6 +94,9 @@ pub(super) struct Working {
     changed: bool,
     /// The empty bucket of this swing has been used as a weight of zero.
     tared: bool,
+    /// Sensors that are wrong by a factor since the machine stood, weighed against those that are not.
+    rival: Rival,
+    contradiction: Contradiction,
     /// What each tick does is kept; the next one is the first.
     trailing: bool,
     anew: bool,
@@ -128,6 +140,8 @@ impl Working {
             change: Cusum::new(0.5, CHANGE),
             changed: false,
             tared: false,
+            rival: Rival::default(),
+            contradiction: Contradiction::new(),
             trailing: false,
             anew: true,
         }
@@ -182,6 +196,9 @@ impl Working {
         self.noise.rest();
         self.change.clear();
         self.changed = false;
+        if self.rival.is_over() {
+            self.contradiction.swung(self.agreement.factor());
+        }
         self.agreement.interrupt();
         self.tared = false;
         Innovation::default()
@@ -240,20 +257,38 @@ impl Working {
                 + s.estimator.q_m * self.rated * self.rated * 1e-5 * drive.period,
         };
         self.filter.p[GAIN][GAIN] += GAIN_DRIFT * GAIN_DRIFT * drive.period;
-        let width = s.estimator.friction_width;
+        let (width, gate) = (s.estimator.friction_width, s.estimator.gate);
+        self.rival.set_off(&self.filter);
         self.filter.predict(&input, width, s.inertia_min, trail);
         self.turn += self.filter.x[W] * drive.period;
-        let Some(velocity) = drive.velocity else {
-            return Innovation::default();
-        };
-        let gate = s.estimator.gate;
-        let innovation = self.filter.correct(velocity, drive.variance, gate, trail);
+        let mut innovation = Innovation::default();
+        if let Some(velocity) = drive.velocity {
+            innovation = self.filter.correct(velocity, drive.variance, gate, trail);
+        }
+        let measured = drive.velocity.map(|velocity| (velocity, drive.variance));
+        let shape = (width, s.inertia_min);
+        if let Some(rival) = self.rival.step(
+            &input,
+            shape,
+            measured,
+            gate,
+            innovation,
+            self.contradiction.usual(),
+        ) {
+            self.filter = rival;
+            self.anew = true;
+            self.contradiction.outright();
+        }
+        if measured.is_none() {
+            return innovation;
+        }
         let z = innovation.normalised();
         self.noise.push(z);
         if self.change.push(z.clamp(-3.0, 3.0)) {
             self.filter.p[M][M] += 0.25 * self.rated * self.rated;
             self.agreement.contradict();
             self.changed = true;
+            self.contradiction.changed();
         }
         if self.bucket.is_open() {
             self.agreement.interrupt();
@@ -283,17 +318,24 @@ impl Working {
     fn tare(&mut self, gate: f64, now: &Inertia, trail: &mut Option<Trail>) {
         let told = TOLD * self.rated;
         let variance = self.filter.p[M][M];
-        if self.tared || !self.bucket.is_emptied() || variance > told * told {
+        let claimed = variance * self.contradiction.usual();
+        if !self.bucket.is_emptied() || variance > told * told {
             return;
         }
         let [share, sticking] = STICKING.map(|share| share * self.rated);
         let described = self.inertia_share * now.empty / now.per_payload;
         let std = sqrt(sticking * sticking + described * described);
         let value = share - self.filter.x[M];
-        if value * value < 4.0 * (variance + std * std) {
+        if value * value > 9.0 * (claimed + std * std) {
+            self.contradiction.outright();
+        } else if !self.tared && value * value < 4.0 * (variance + std * std) {
             self.filter
                 .measure([(M, 1.0)], value, std * std, gate, trail);
             self.tared = true;
+            let close = sqrt(variance) * now.per_payload < CLOSE * now.empty;
+            if !self.changed {
+                self.contradiction.agreed(close);
+            }
             self.agreement.interrupt();
         }
     }
@@ -312,7 +354,8 @@ impl Working {
         let at_limit = payload != x[M];
         let described = self.inertia_share * drive.now.empty;
         let down = !standing && drive.posture[0] < DOWN;
-        let payload_std = std(M) * sqrt(self.agreement.factor());
+        let variance = p[M][M].max(0.0) * self.agreement.factor();
+        let payload_std = sqrt(variance + self.rival.variance(payload));
         let carried = payload_std * drive.now.per_payload;
         State {
             inertia: drive.now.with_payload(payload),
@@ -327,6 +370,8 @@ impl Working {
             unsettled: at_limit
                 || down
                 || self.bucket.is_settling()
+                || self.contradiction.is_open()
+                || self.is_beyond()
                 || self.change.level() > SUSPICIOUS,
             opening: self.bucket.is_open(),
             reason: if down {
@@ -345,6 +390,9 @@ impl Working {
         }
         if at_limit {
             return Reason::Limit;
+        }
+        if self.contradiction.is_open() || self.is_beyond() {
+            return Reason::Contradiction;
         }
         if self.noise.scale() > UNEXPLAINED {
             return Reason::Unexplained;
@@ -374,8 +422,19 @@ impl Working {
         most.1
     }
 
+    /// Whether a constant is not what the description allows for, or none that a machine has: next to no friction.
+    fn is_beyond(&self) -> bool {
+        let (x, p) = (&self.filter.x, &self.filter.p);
+        let apart = |i: usize| (x[i] - self.described[i]).abs() > BEYOND * self.stated[i];
+        let absent = |i: usize| {
+            let lack = LEAST * self.described[i] - x[i];
+            lack > 0.0 && lack * lack > 9.0 * p[i][i]
+        };
+        [GAIN, OFFSET].into_iter().any(apart) || [FRICTION, DAMPING].into_iter().any(absent)
+    }
+
     pub(super) fn is_sound(&self) -> bool {
-        self.filter.is_sound()
+        self.filter.is_sound() && self.rival.is_sound()
     }
 }
 

@@ -1,0 +1,152 @@
+//! A joint angle that jumps further than a joint can move.
+//!
+//! A joint moves on by its rate; what steps further between two values, and does not step back, is not the joint:
+//! a slipped or exchanged encoder, another zero, unit, sign or range. Where the joint really is cannot be told then.
+
+use core::f64::consts::{PI, TAU};
+
+use crate::math::sqrt;
+
+/// No joint is faster [rad/s].
+const RATE: f64 = 4.0;
+/// Coarse sensors step by this much [rad].
+const COARSE: f64 = 0.03;
+/// Steps of so many standard deviations of the sensor's noise are noise.
+const NOISE: f64 = 9.0;
+/// Share of one value in the mean square of the noise.
+const MEMORY: f64 = 0.02;
+/// A value that repeats may be held while the joint moves on as before, for so long [s], or sets off, for so long [s]
+/// and so fast [rad/s^2].
+const HELD: f64 = 2.0;
+const SET_OFF: f64 = 0.25;
+const ACCELERATION: f64 = 3.0;
+
+/// One angle.
+#[derive(Debug, Clone, Copy, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(in crate::excavator) struct Jump {
+    last: Option<f64>,
+    /// The last change, and its rate; none at first.
+    step: f64,
+    rate: Option<f64>,
+    /// Time since a value came, and since then for which it has repeated [s].
+    gap: f64,
+    held: f64,
+    /// Mean square of the second differences, six times the variance of the noise [rad^2].
+    rough: f64,
+    /// Sum of the steps that no joint makes [rad].
+    displaced: f64,
+}
+
+impl Jump {
+    /// The value as it counts: missing while the sensor is displaced.
+    pub(in crate::excavator) fn pass(&mut self, value: Option<f64>, period: f64) -> Option<f64> {
+        self.gap += period;
+        let value = value?;
+        let step = turned(value - self.last.replace(value).unwrap_or(value));
+        if step == 0.0 {
+            self.held += self.gap;
+        } else {
+            self.change(step);
+            self.held = 0.0;
+        }
+        self.gap = 0.0;
+        (!self.has_jumped()).then_some(value)
+    }
+
+    fn change(&mut self, step: f64) {
+        let off = self.held.min(SET_OFF);
+        let moved = RATE * self.gap
+            + 2.0 * self.rate.unwrap_or(RATE).min(RATE) * self.held.min(HELD)
+            + 0.5 * ACCELERATION * off * off;
+        let possible = moved + COARSE + NOISE * sqrt(self.rough / 6.0);
+        if step.abs() <= possible {
+            let bend = step - self.step;
+            self.rough += MEMORY * (bend * bend - self.rough);
+            self.step = step;
+            self.rate = Some(step.abs() / (self.held + self.gap));
+            return;
+        }
+        self.displaced = turned(self.displaced + step);
+        if self.displaced.abs() <= possible {
+            self.displaced = 0.0;
+        }
+    }
+
+    /// Whether it says something else than the joint.
+    pub(in crate::excavator) fn has_jumped(&self) -> bool {
+        self.displaced != 0.0
+    }
+}
+
+/// The same angle within half a turn.
+fn turned(angle: f64) -> f64 {
+    let angle = angle % TAU;
+    if angle > PI {
+        angle - TAU
+    } else if angle < -PI {
+        angle + TAU
+    } else {
+        angle
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Values at 100 Hz of a joint that moves by `rate`, changed by `wrong`; how many pass, and whether it has jumped.
+    fn passed(rate: f64, wrong: impl Fn(u32, f64) -> Option<f64>) -> (usize, bool) {
+        let mut jump = Jump::default();
+        let values = (0..400).map(|k| wrong(k, rate * 0.01 * f64::from(k)));
+        let passed = values.filter_map(|v| jump.pass(v, 0.01)).count();
+        (passed, jump.has_jumped())
+    }
+
+    #[test]
+    fn a_step_that_stays_is_a_fault_and_one_that_comes_back_is_not() {
+        for rate in [-1.0, 0.0, 0.3, 2.0] {
+            let sound = passed(rate, |_, angle| Some(angle));
+            assert_eq!(sound, (400, false), "{rate}");
+            let held = passed(rate, |k, angle| {
+                Some(if (100..150).contains(&k) { rate } else { angle })
+            });
+            assert_eq!(held, (400, false), "{rate}: held and free again");
+        }
+        for rate in [-1.0, 0.3, 2.0] {
+            let stays = passed(rate, |k, angle| {
+                Some(angle + if k < 200 { 0.0 } else { 0.15 })
+            });
+            assert_eq!(stays, (200, true), "{rate}");
+            let back = passed(rate, |k, angle| {
+                Some(angle + if (200..230).contains(&k) { 0.15 } else { 0.0 })
+            });
+            assert_eq!(back, (370, false), "{rate}");
+            let spikes = passed(rate, |k, angle| {
+                Some(angle + if k % 20 == 19 { 0.5 } else { 0.0 })
+            });
+            assert_eq!(spikes, (380, true), "{rate}: the last one is a spike");
+        }
+    }
+
+    #[test]
+    fn noise_a_coarse_sensor_a_turn_and_a_gap_are_no_jumps() {
+        let noise = |k: u32| 0.01 * f64::from(k * 7919 % 13) / 6.0 - 0.01;
+        for (what, (count, jumped)) in [
+            ("noise", passed(1.0, |k, a| Some(a + noise(k)))),
+            (
+                "coarse",
+                passed(1.0, |_, a| Some((a / 0.02).round() * 0.02)),
+            ),
+            (
+                "turn",
+                passed(1.0, |_, a| Some((a + 2.0 + PI).rem_euclid(TAU) - PI)),
+            ),
+            ("rare", passed(1.0, |k, _| Some(f64::from(k / 10) * 0.1))),
+        ] {
+            assert!(count == 400 && !jumped, "{what}");
+        }
+        let gap = passed(1.0, |k, a| (!(150..300).contains(&k)).then_some(a));
+        assert_eq!(gap, (250, false));
+    }
+}

@@ -1,0 +1,93 @@
+//! Does what is measured contradict what is known?
+//!
+//! Sensors break while the machine works, and the filter takes a wrong torque, velocity or angle for another payload.
+//! Three things speak against that: an emptied bucket that weighs more or less than nothing, a payload that changes though no
+//! joint moves it, and a rival filter that wins ([`super::rival`]). None says which sensor it is. What is contradicted is not
+//! believed until emptied buckets weigh nothing again, in swings without another contradiction.
+
+/// Emptied buckets that must weigh nothing after an outright contradiction.
+const REGAINED: u8 = 2;
+/// A change without a word is a contradiction where manoeuvres usually disagree by less (ratio of variances).
+const USUAL: f64 = 1.5;
+/// Share of one swing in what is usual.
+const SWING: f64 = 0.15;
+
+/// What was contradicted, and how far manoeuvres usually disagree.
+#[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Contradiction {
+    /// So many emptied buckets must weigh nothing.
+    level: u8,
+    usual: f64,
+}
+
+impl Contradiction {
+    pub(super) fn new() -> Self {
+        Self {
+            level: 0,
+            usual: 1.0,
+        }
+    }
+
+    /// A swing is over in which manoeuvres disagreed by this ratio.
+    pub(super) fn swung(&mut self, disagreement: f64) {
+        self.usual += SWING * (disagreement - self.usual);
+    }
+
+    /// Usual ratio of the variance to what the filter claims, at least 1.
+    pub(super) fn usual(&self) -> f64 {
+        self.usual.max(1.0)
+    }
+
+    /// The payload has changed without a word.
+    pub(super) fn changed(&mut self) {
+        if self.usual < USUAL {
+            self.level = self.level.max(1);
+        }
+    }
+
+    /// It cannot be as it is measured.
+    pub(super) fn outright(&mut self) {
+        self.level = REGAINED;
+    }
+
+    /// An emptied bucket weighs nothing, as told closely or not.
+    pub(super) fn agreed(&mut self, closely: bool) {
+        if self.level == 1 || closely {
+            self.level = self.level.saturating_sub(1);
+        }
+    }
+
+    /// Whether something is contradicted.
+    pub(super) fn is_open(&self) -> bool {
+        self.level > 0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_contradicted_outright_is_believed_after_two_close_agreements() {
+        let mut contradiction = Contradiction::new();
+        contradiction.outright();
+        contradiction.agreed(false);
+        assert!(contradiction.is_open());
+        contradiction.agreed(true);
+        assert!(contradiction.is_open());
+        contradiction.agreed(false);
+        assert!(!contradiction.is_open());
+    }
+
+    #[test]
+    fn a_change_without_a_word_is_nothing_new_where_manoeuvres_always_disagree() {
+        let mut contradiction = Contradiction::new();
+        contradiction.changed();
+        assert!(contradiction.is_open());
+        contradiction.agreed(false);
+        (0..4).for_each(|_| contradiction.swung(3.0));
+        contradiction.changed();
+        assert!(!contradiction.is_open());
+    }
+}

@@ -1,0 +1,101 @@
+//! A sensor of an excavator breaks in the middle of the work, for good: what it says is not trusted, and why not is said.
+
+use estimation::excavator::{Columns, Estimate, Method, Reason, Sample, SwingEstimator};
+use evaluate::excavator::honesty_lines::described;
+use sim::excavator::{Effects, Row, Size, Work};
+
+/// The fault begins [s]; the work ends [row].
+const FROM: f64 = 28.0;
+const ROWS: usize = 6000;
+
+const COLUMNS: Columns = Columns {
+    velocity: true,
+    angle: false,
+    torque: true,
+    posture: true,
+};
+
+/// What is said of each row of a machine whose rows are changed from the fault on.
+fn told(seed: u64, wrong: impl Fn(&mut Row)) -> Vec<(Row, Estimate)> {
+    let sizes = [Size::t13(), Size::t22(), Size::t36(), Size::reference()];
+    let work = Work::new(sizes[seed as usize % 4], Effects::default(), seed);
+    let settings = described(&work);
+    let mut estimator =
+        SwingEstimator::new(&settings, Method::Auto, COLUMNS).expect("an estimator");
+    let told = work.take(ROWS).map(|mut row| {
+        if row.time >= FROM {
+            wrong(&mut row);
+        }
+        let sample = Sample {
+            time: row.time,
+            velocity: row.swing_velocity,
+            torque: row.swing_torque,
+            posture: row.posture,
+            ..Sample::default()
+        };
+        (row, estimator.step(&sample))
+    });
+    told.collect()
+}
+
+#[test]
+fn a_joint_that_jumps_is_not_believed_any_more_and_named() {
+    for seed in 0..4 {
+        for joint in 0..3 {
+            for offset in [-0.4, 0.15] {
+                let told = told(seed, |row| {
+                    row.posture[joint] = row.posture[joint].map(|angle| angle + offset);
+                });
+                for (row, e) in told.iter().filter(|(row, _)| row.time > FROM + 0.25) {
+                    let said = !e.flags.trusted() && e.reason == Reason::Jump;
+                    assert!(said, "seed {seed}, joint {joint}, {} s: {e:?}", row.time);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_torque_or_velocity_that_is_wrong_by_a_factor_is_contradicted_within_a_cycle() {
+    for seed in 0..4 {
+        for gain in [0.5, 0.8, 2.0] {
+            for velocity in [false, true] {
+                let told = told(seed, |row| {
+                    let wrong = |value: Option<f64>| value.map(|v| gain * v);
+                    if velocity {
+                        row.swing_velocity = wrong(row.swing_velocity);
+                    } else {
+                        row.swing_torque = wrong(row.swing_torque);
+                    }
+                });
+                let later = told.iter().filter(|(row, _)| row.time > FROM + 14.0);
+                for (row, e) in later.filter(|(_, e)| e.flags.trusted()) {
+                    let away = (e.inertia - row.truth.inertia).abs();
+                    assert!(
+                        away < 3.0 * e.inertia_std || away < 0.04 * row.truth.inertia,
+                        "seed {seed}, gain {gain}, velocity {velocity}, {} s: {e:?}",
+                        row.time
+                    );
+                }
+                let said = |e: &Estimate| e.reason == Reason::Contradiction;
+                assert!(
+                    told.iter().any(|(_, e)| said(e)),
+                    "seed {seed}, gain {gain}, velocity {velocity}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn nothing_contradicts_a_sound_machine() {
+    for seed in 0..4 {
+        let told = told(seed, |_| {});
+        let against = [Reason::Jump, Reason::Contradiction];
+        assert!(told.iter().all(|(_, e)| !against.contains(&e.reason)));
+        let moving = |row: &Row| row.truth.velocity.abs() > 0.05;
+        let moves = told.iter().filter(|(row, _)| moving(row)).count();
+        let trusted = told.iter().filter(|(_, e)| e.flags.trusted()).count();
+        assert!(trusted * 10 > moves * 7, "{trusted} of {moves}");
+    }
+}
