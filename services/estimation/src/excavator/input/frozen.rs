@@ -70,7 +70,9 @@ mod tests {
             sensor.pass(Some(said(moves * f64::from(k) + noise)));
         }
         let last = sensor.last;
-        (0..60).for_each(|_| drop(sensor.pass(last)));
+        for _ in 0..60 {
+            sensor.pass(last);
+        }
         sensor.is_frozen()
     }
 

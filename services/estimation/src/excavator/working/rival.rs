@@ -17,6 +17,8 @@ const BEFOREHAND: f64 = 0.001;
 const EVIDENCE: f64 = 12.0;
 
 /// The second filter.
+// One of them is made per machine, in place: there is no allocator to box it with.
+#[expect(clippy::large_enum_variant)]
 #[derive(Debug, Clone, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) enum Rival {
