@@ -139,6 +139,9 @@ fn share(model: &Drives, direction: &Direction, of: impl Fn(Role) -> bool) -> f6
     chosen.map(|(_, share)| share * share).sum()
 }
 
+/// What tells the torque gains apart.
+const EACH_AXLE: &str = "drive for a while with the torque on one axle, and then on the other";
+
 /// A direction that the data do not determine, and what to record.
 #[must_use]
 pub fn undetermined(model: &Drives, direction: &Direction) -> String {
@@ -146,10 +149,14 @@ pub fn undetermined(model: &Drives, direction: &Direction) -> String {
     let has = |of: fn(Role) -> bool| members.iter().any(|&i| of(model.roles[i]));
     let place = |r| matches!(r, Role::Ratio(_) | Role::Reach(_) | Role::Lift(_));
     let tyres = |r| matches!(r, Role::StiffnessRatio | Role::LoadExponent);
-    let remedy = if has(place) && has(tyres) {
+    let gain = |r| matches!(r, Role::FrontGain | Role::RearGain);
+    // What leads a direction is what it is about.
+    let remedy = if members.first().is_some_and(|&i| gain(model.roles[i])) {
+        EACH_AXLE
+    } else if has(place) && has(tyres) {
         "weigh both axles, empty and loaded: --weigh scales.csv --weigh FILE=scales.csv"
-    } else if has(|r| matches!(r, Role::FrontGain | Role::RearGain)) {
-        "drive for a while with the torque on one axle, and then on the other"
+    } else if has(gain) {
+        EACH_AXLE
     } else if has(|r| matches!(r, Role::LoadSensitivity | Role::Mass(_))) {
         "record a run with a heavier weighed load"
     } else if has(|r| matches!(r, Role::Height(_) | Role::LoadExponent)) {
