@@ -262,7 +262,7 @@ pub fn steps() -> Vec<(&'static str, Contender)> {
         ),
         (
             "loader_full_11",
-            contender::<Loader<0>, _, 2>("loader, full, 11 states", work.clone()),
+            contender::<Loader<0>, _, 2>("loader, full, 12 states", work.clone()),
         ),
         (
             "loader_isr_ukf_printed_6",
@@ -278,7 +278,7 @@ pub fn steps() -> Vec<(&'static str, Contender)> {
         ),
         (
             "loader_full_ekf_11",
-            contender::<Loader<4>, _, 2>("loader, full-ekf, 11 states", work),
+            contender::<Loader<4>, _, 2>("loader, full-ekf, 12 states", work),
         ),
     ]
 }

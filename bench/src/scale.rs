@@ -69,8 +69,8 @@ pub fn run() -> std::io::Result<(Value, String)> {
     let curves = [
         shard::<real::Swing<3>, _, 1>("excavator, posture-torque", rows),
         shard::<real::Loader<2>, _, 2>("loader, isr-ukf, 6 states", work.clone()),
-        shard::<real::Loader<0>, _, 2>("loader, full, 11 states", work.clone()),
-        shard::<real::Loader<4>, _, 2>("loader, full-ekf, 11 states", work),
+        shard::<real::Loader<0>, _, 2>("loader, full, 12 states", work.clone()),
+        shard::<real::Loader<4>, _, 2>("loader, full-ekf, 12 states", work),
     ];
     print(&curves);
     let pipelines = pipelines()?;

@@ -3,7 +3,7 @@
 use config::Description;
 use messages::channels::Visitor;
 use messages::{Envelope, Machine, Message, Receiver, channels};
-use steps::stages::{AnyStep, Pipeline, Role};
+use steps::stages::{AnyStep, Pipeline};
 
 use crate::recorded::{Wild, assert_finite};
 
@@ -31,14 +31,10 @@ pub fn estimate(input: &[u8]) {
 /// Every number that leaves a step is one.
 fn answer(description: &Description, samples: &Wild) {
     let pipeline = Pipeline::of(description.machine());
-    let source = pipeline.stages.iter().find_map(|s| match s.role {
-        Role::Source { sensors, .. } => Some(sensors),
-        Role::Step(_) | Role::Sink | Role::Probe(_) | Role::Sender => None,
-    });
+    let source = pipeline.sensors().expect("a source");
     let place = channels::of_machine(description.machine())
-        .position(|c| source.is_some_and(|s| s.name == c.name))
+        .position(|c| c.name == source.name)
         .expect("the channel of the samples");
-    let source = source.expect("a source");
     let samples: Vec<Envelope> = (0..samples.rows)
         .map(|row| {
             source.payload.visit(Make {

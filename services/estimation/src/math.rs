@@ -31,6 +31,12 @@ pub fn sqrt(x: f64) -> f64 {
     ComplexField::sqrt(x)
 }
 
+/// Euclidean norm; the standard deviation of a sum of independent parts.
+#[inline]
+pub fn norm(parts: &[f64]) -> f64 {
+    sqrt(parts.iter().map(|x| x * x).sum::<f64>())
+}
+
 /// Up to this angle [rad], a steep road, the Taylor series of sine and cosine are exact to rounding.
 pub(crate) const SHORT_SINE: f64 = 0.15;
 

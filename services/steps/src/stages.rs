@@ -250,6 +250,15 @@ impl Pipeline {
         self.stages.iter().find(|s| s.methods().contains(&method))
     }
 
+    /// The channel of its sensors.
+    #[must_use]
+    pub fn sensors(&self) -> Option<&'static Channel> {
+        self.stages.iter().find_map(|s| match s.role {
+            Role::Source { sensors, .. } => Some(sensors),
+            Role::Step(_) | Role::Sink | Role::Probe(_) | Role::Sender => None,
+        })
+    }
+
     /// The process that writes this channel.
     #[must_use]
     pub fn writer(&self, channel: &Channel) -> Option<&'static Stage> {

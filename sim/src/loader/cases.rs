@@ -16,6 +16,17 @@ const NONE: Effects = Effects {
     stiffness_difference: 0.0,
     stiffness_exponent: 0.0,
     radius_sensitivity: 0.0,
+    braking_stiffness: 0.0,
+    roughness: 0.0,
+    rolling_resistance: 0.0,
+    reverses: false,
+    torque_gain: 0.0,
+    torque_delay: 0.0,
+    slope_bias: 0.0,
+    speed_period: 0.0,
+    jitter: 0.0,
+    mass_error: 0.0,
+    radius_error: 0.0,
     payload_told: PayloadTold::All,
 };
 
@@ -51,7 +62,7 @@ const fn payload(payload_told: PayloadTold) -> Effects {
 
 /// What machines at work do that their description does not say: name, severity in words, effects. The first does
 /// nothing of the kind.
-pub const CASES: [(&str, &str, Effects); 17] = [
+pub const CASES: [(&str, &str, Effects); 34] = [
     ("none", "", NONE),
     ("late speed", "30 ms", late(0.03)),
     ("late speed", "100 ms", late(0.1)),
@@ -106,6 +117,143 @@ pub const CASES: [(&str, &str, Effects); 17] = [
         "+.005",
         Effects {
             radius_sensitivity: 0.005,
+            ..NONE
+        },
+    ),
+    (
+        "braking stiffness",
+        "-10 %",
+        Effects {
+            braking_stiffness: -0.1,
+            ..NONE
+        },
+    ),
+    (
+        "braking stiffness",
+        "+10 %",
+        Effects {
+            braking_stiffness: 0.1,
+            ..NONE
+        },
+    ),
+    (
+        "rough road",
+        "ISO 8608 C",
+        Effects {
+            roughness: 256e-6,
+            ..NONE
+        },
+    ),
+    (
+        "rough road",
+        "ISO 8608 D",
+        Effects {
+            roughness: 1024e-6,
+            ..NONE
+        },
+    ),
+    (
+        "rolling resistance",
+        "+.03 in patches",
+        Effects {
+            rolling_resistance: 0.03,
+            ..NONE
+        },
+    ),
+    (
+        "reversing",
+        "",
+        Effects {
+            reverses: true,
+            ..NONE
+        },
+    ),
+    (
+        "torque gain",
+        "+6 %",
+        Effects {
+            torque_gain: 0.06,
+            ..NONE
+        },
+    ),
+    (
+        "torque gain",
+        "-6 %",
+        Effects {
+            torque_gain: -0.06,
+            ..NONE
+        },
+    ),
+    (
+        "late torque",
+        "20 ms",
+        Effects {
+            torque_delay: 0.02,
+            ..NONE
+        },
+    ),
+    (
+        "slope bias",
+        "4 deg",
+        Effects {
+            slope_bias: 0.07,
+            ..NONE
+        },
+    ),
+    (
+        "speed every",
+        "200 ms",
+        Effects {
+            speed_period: 0.2,
+            ..NONE
+        },
+    ),
+    (
+        "jitter",
+        "10 ms",
+        Effects {
+            jitter: 0.01,
+            ..NONE
+        },
+    ),
+    (
+        "mass",
+        "+20 %",
+        Effects {
+            mass_error: 0.2,
+            ..NONE
+        },
+    ),
+    (
+        "mass",
+        "-20 %",
+        Effects {
+            mass_error: -0.2,
+            ..NONE
+        },
+    ),
+    (
+        "radius",
+        "+2 %",
+        Effects {
+            radius_error: 0.02,
+            ..NONE
+        },
+    ),
+    (
+        "radius",
+        "-2 %",
+        Effects {
+            radius_error: -0.02,
+            ..NONE
+        },
+    ),
+    (
+        "reversing",
+        "radius sensitivity -.005",
+        Effects {
+            reverses: true,
+            radius_sensitivity: -0.005,
             ..NONE
         },
     ),

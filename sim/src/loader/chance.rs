@@ -28,6 +28,17 @@ impl Effects {
         let mut either = |of: fn(&Self) -> f64| some(of) - some(of);
         let stiffness_difference = either(|e| e.stiffness_difference);
         let radius_sensitivity = either(|e| e.radius_sensitivity);
+        let braking_stiffness = either(|e| e.braking_stiffness);
+        let (torque_gain, slope_bias) = (either(|e| e.torque_gain), either(|e| e.slope_bias));
+        let (mass_error, radius_error) = (either(|e| e.mass_error), either(|e| e.radius_error));
+        let mut some = |of: fn(&Self) -> f64| {
+            let severity = noise.uniform(0.0, largest(of));
+            if noise.chance(EACH) { severity } else { 0.0 }
+        };
+        let (roughness, rolling_resistance) =
+            (some(|e| e.roughness), some(|e| e.rolling_resistance));
+        let (torque_delay, speed_period) = (some(|e| e.torque_delay), some(|e| e.speed_period));
+        let jitter = some(|e| e.jitter);
         Self {
             speed_delay,
             brakes,
@@ -49,6 +60,17 @@ impl Effects {
             } else {
                 PayloadTold::All
             },
+            braking_stiffness,
+            roughness,
+            rolling_resistance,
+            reverses: noise.chance(EACH),
+            torque_gain,
+            torque_delay,
+            slope_bias,
+            speed_period,
+            jitter,
+            mass_error,
+            radius_error,
         }
     }
 }

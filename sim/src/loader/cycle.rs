@@ -20,6 +20,9 @@ pub(super) struct WorkCycle {
     speed: f64,
     planned: bool,
     faster: Option<bool>,
+    /// Every other run is driven backwards; this one is.
+    reverses: bool,
+    backwards: bool,
     /// Rolling begins at this time, before the next leg.
     roll_from: Option<f64>,
 }
@@ -42,8 +45,20 @@ impl WorkCycle {
             speed: 0.0,
             planned,
             faster: planned.then_some(true),
+            reverses: false,
+            backwards: false,
             roll_from: None,
         }
+    }
+
+    /// Drives every other run backwards.
+    pub fn reversing(self, reverses: bool) -> Self {
+        Self { reverses, ..self }
+    }
+
+    /// Whether the present run is driven backwards.
+    pub fn backwards(&self) -> bool {
+        self.backwards
     }
 
     /// The time of a change that is due at `t` and the acceleration from then on [m/s^2]; `speed` is the
@@ -65,11 +80,15 @@ impl WorkCycle {
         let faster = self.faster.unwrap_or(actual < 3.0);
         let noise = &mut self.noise;
         let a = noise.uniform(0.5, 1.1) * if faster { 1.0 } else { -1.0 };
-        let target = if faster {
-            noise.uniform(3.5, 5.5)
-        } else {
-            noise.uniform(0.8, 1.5)
+        let target = match (faster, self.reverses) {
+            (true, false) => noise.uniform(3.5, 5.5),
+            (false, false) => noise.uniform(0.8, 1.5),
+            (true, true) => noise.uniform(2.0, 4.5),
+            (false, true) => 0.0,
         };
+        if self.reverses && faster {
+            self.backwards = !self.backwards;
+        }
         let duration = ((target - start) / a).max(0.8);
         self.next += duration;
         self.speed = start + a * duration;

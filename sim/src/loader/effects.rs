@@ -8,7 +8,11 @@
 //! | locked drive | the centre drive is locked: both axles turn alike, and the torques are not those of the split |
 //! | slope sensor | an inclinometer follows the acceleration by a share of a/g, and lags |
 //! | gear changes | the torque breaks in for 0.3 s at every change of gear, and is reported later than it acts |
-//! | tyres | the stiffness of the axles differs; it falls with the load as (F_z/F_0)^-p; the radius gives more than is told |
+//! | tyres | the stiffness of the axles differs, and that of braking from that of driving; it falls with the load as (F_z/F_0)^-p; the radius gives more than is told |
+//! | ground | the road is rougher; every other 15 m roll harder |
+//! | reversing | every other run is driven backwards, as a loader does |
+//! | sensors | torques with a gain, or late; a bias of the slope; a speed that comes seldom; time stamps that jitter |
+//! | data sheet | the mass, the radii |
 //! | payload | the mass is told and the boom is not, or neither |
 
 use std::collections::VecDeque;
@@ -69,6 +73,28 @@ pub struct Effects {
     pub stiffness_exponent: f64,
     /// Load sensitivity of the radius beyond the told one.
     pub radius_sensitivity: f64,
+    /// Slip stiffness in braking over that in driving, less one.
+    pub braking_stiffness: f64,
+    /// Unevenness of the road at 0.1 periods per metre, G_d(n_0) of ISO 8608 [m^3]; 0 is the scenario's own.
+    pub roughness: f64,
+    /// Rolling resistance of every other 15 m beyond that of the rest.
+    pub rolling_resistance: f64,
+    /// Every other run is driven backwards.
+    pub reverses: bool,
+    /// Measured over true torque, less one.
+    pub torque_gain: f64,
+    /// Delay of the torques [s].
+    pub torque_delay: f64,
+    /// The slope sensor shows so much too much [rad].
+    pub slope_bias: f64,
+    /// The speed comes only so often [s]; 0 with every row.
+    pub speed_period: f64,
+    /// Standard deviation of the time stamps [s].
+    pub jitter: f64,
+    /// Told over true mass, less one.
+    pub mass_error: f64,
+    /// Told over true rolling radius of both axles, less one.
+    pub radius_error: f64,
     /// What is told of a payload.
     pub payload_told: PayloadTold,
 }
@@ -88,6 +114,8 @@ impl Effects {
         machine.stiffness_difference = self.stiffness_difference;
         machine.stiffness_exponent = self.stiffness_exponent;
         machine.radius_load_sensitivity += self.radius_sensitivity;
+        machine.braking_stiffness = self.braking_stiffness;
+        machine.rough_rolling = self.rolling_resistance;
         machine.locked_drive = self.locked_drive;
         machine.hinge = self.hinge;
     }

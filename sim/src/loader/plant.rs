@@ -21,6 +21,8 @@ pub const GRAVITY: f64 = 9.81;
 const STEP: f64 = 5e-4;
 /// Inputs are tabulated at this interval and linear in between [s].
 const INPUT_INTERVAL: f64 = 1e-3;
+/// The ground changes every so often [m].
+const STRETCH: f64 = 15.0;
 /// Speed below which the rolling resistance fades out [m/s].
 const ROLLING_FADE: f64 = 0.05;
 /// Smallest speed that turns slip into distance, so that slip relaxes at standstill too [m/s].
@@ -71,6 +73,10 @@ pub struct Machine {
     pub stiffness_difference: f64,
     /// Exponent p of a slip stiffness that falls with the load, (F_z/F_0)^-p.
     pub stiffness_exponent: f64,
+    /// Slip stiffness in braking over that in driving, less one.
+    pub braking_stiffness: f64,
+    /// Rolling resistance of every other stretch of [`STRETCH`] beyond that of the rest.
+    pub rough_rolling: f64,
     /// The centre drive is locked: both axles turn alike.
     pub locked_drive: bool,
     /// Way from the middle of the wheelbase to the hinge of the steering, in wheelbases, forward positive.
@@ -101,6 +107,8 @@ impl Machine {
         radius_load_sensitivity: 0.0,
         stiffness_difference: 0.0,
         stiffness_exponent: 0.0,
+        braking_stiffness: 0.0,
+        rough_rolling: 0.0,
         locked_drive: false,
         hinge: 0.0,
     };
@@ -327,7 +335,9 @@ fn motion(vehicle: &Vehicle, road: &Road, state: &State, u: &Inputs) -> Motion {
         spin = [0.5 * (spin[0] + spin[1]); 2];
     }
     let normal = loads[0] + loads[1];
-    let rolling = machine.rolling_resistance * normal * tanh(v * (1.0 / ROLLING_FADE));
+    let soft = machine.rough_rolling != 0.0 && (x / STRETCH).floor().rem_euclid(2.0) != 0.0;
+    let resistance = machine.rolling_resistance + if soft { machine.rough_rolling } else { 0.0 };
+    let rolling = resistance * normal * tanh(v * (1.0 / ROLLING_FADE));
     let traction = front.force + rear.force - rolling;
     let pitch_moment = loads[0] * front_arm - loads[1] * rear_arm + u.cg_height * traction
         - u.spade_force_z * (front_arm + machine.bucket_reach)
@@ -404,6 +414,9 @@ fn axle(
     let carcass_slip = slip + machine.carcass_time * slip_rate;
     if machine.stiffness_exponent != 0.0 {
         stiffness *= relative.max(0.05).powf(-machine.stiffness_exponent);
+    }
+    if machine.braking_stiffness != 0.0 && carcass_slip * v < 0.0 {
+        stiffness *= 1.0 + machine.braking_stiffness;
     }
     let force = machine.friction * tanh(stiffness * carcass_slip) * load;
     Axle {

@@ -322,6 +322,12 @@ impl Driver {
         }
     }
 
+    /// Drives every other run backwards.
+    pub fn reversing(self, reverses: bool) -> Self {
+        let cycle = self.cycle.reversing(reverses);
+        Self { cycle, ..self }
+    }
+
     /// The payload at time `t`.
     pub fn payload(&self, t: f64) -> Payload {
         Payload {
@@ -339,8 +345,11 @@ impl Driver {
     /// What acts at time `t`, to be asked in the order of time; `speed` is the machine's just before.
     pub fn inputs(&mut self, t: f64, speed: f64) -> Inputs {
         let (mass, cg_height, cg_ratio) = loaded(&self.machine, &self.payload(t));
-        if let Some((time, a)) = self.cycle.next_leg(t, speed) {
-            self.motor.push(time, motor_torque(&self.machine, mass, a));
+        let way = if self.cycle.backwards() { -1.0 } else { 1.0 };
+        if let Some((time, a)) = self.cycle.next_leg(t, way * speed) {
+            let way = if self.cycle.backwards() { -1.0 } else { 1.0 };
+            let torque = way * motor_torque(&self.machine, mass, a);
+            self.motor.push(time, torque);
         }
         let torque = self.machine.gear_ratio * self.motor.at(t);
         let share = if self.scenario == Scenario::Dither {

@@ -29,6 +29,9 @@ pub const CHANNELS: &[&str] = &[
 const MACHINE_STREAM: u64 = 10;
 const ROAD_STREAM: u64 = 11;
 const DRIVER_STREAM: u64 = 12;
+const JITTER_STREAM: u64 = 13;
+/// Time stamps that jitter are at least this far apart [s].
+const SHORTEST_ROW: f64 = 1e-4;
 
 /// What acts on the plant: the driver's wishes, and what the machine makes of them.
 #[derive(Clone, Debug)]
@@ -67,6 +70,12 @@ pub struct Simulation {
     driver: Driver,
     acts: Acts,
     late_speed: Late,
+    late_torques: [Late; 2],
+    jitter: Noise,
+    /// Time stamp of the last row [s].
+    stamp: f64,
+    /// When the speed comes next [s].
+    next_speed: f64,
     inclinometer: Inclinometer,
     machine: Machine,
     calibration: Calibration,
@@ -89,7 +98,7 @@ impl Simulation {
         let stream = |channel| Noise::channel(run.seed, channel);
         let of = run.machine_seed.unwrap_or(run.seed);
         let mut machine_noise = Noise::channel(of, MACHINE_STREAM);
-        let (mut machine, calibration, told) =
+        let (mut machine, mut calibration, mut told) =
             tier::draw(run.size, run.tier, run.grade, &mut machine_noise);
         if let Some(of) = run.tyres_seed {
             let noise = &mut Noise::channel(of, MACHINE_STREAM);
@@ -100,11 +109,23 @@ impl Simulation {
             machine.relaxation_length = other.relaxation_length;
         }
         run.effects.apply(&mut machine);
-        let road = Road::new(
-            &run.scenario.surface(),
-            &Phases::draw(&mut stream(ROAD_STREAM)),
-        );
-        let mut driver = Driver::new(run.scenario, run.payload, &machine, stream(DRIVER_STREAM));
+        calibration.slope_bias += run.effects.slope_bias;
+        for gain in [
+            &mut calibration.front_torque_gain,
+            &mut calibration.rear_torque_gain,
+        ] {
+            *gain *= 1.0 + run.effects.torque_gain;
+        }
+        calibration.mass_gain *= 1.0 + run.effects.mass_error;
+        told.mass *= 1.0 + run.effects.mass_error;
+        told.wheel_radius *= 1.0 + run.effects.radius_error;
+        let mut surface = run.scenario.surface();
+        if run.effects.roughness > 0.0 {
+            surface.roughness = run.effects.roughness;
+        }
+        let road = Road::new(&surface, &Phases::draw(&mut stream(ROAD_STREAM)));
+        let mut driver = Driver::new(run.scenario, run.payload, &machine, stream(DRIVER_STREAM))
+            .reversing(run.effects.reverses);
         let mut acts = Acts {
             effects: run.effects,
             machine,
@@ -119,6 +140,10 @@ impl Simulation {
             driver,
             acts,
             late_speed: Late::default(),
+            late_torques: Default::default(),
+            jitter: stream(JITTER_STREAM),
+            stamp: 0.0,
+            next_speed: 0.0,
             inclinometer: Inclinometer::default(),
             machine,
             calibration,
@@ -177,21 +202,31 @@ impl Simulation {
         let tells_mass = self.tells_mass && effects.payload_told != PayloadTold::Nothing;
         let tells_boom = effects.payload_told == PayloadTold::All;
         let specific_force = acceleration + GRAVITY * motion.slope.sin();
+        let [front_torque, rear_torque] = [inputs.front_torque, inputs.rear_torque];
+        let front_torque = self.late_torques[0].pass(time, front_torque, effects.torque_delay);
+        let rear_torque = self.late_torques[1].pass(time, rear_torque, effects.torque_delay);
+        let speed_comes = time >= self.next_speed - 0.5 * step;
+        if speed_comes {
+            self.next_speed += effects.speed_period;
+        }
+        let shown_speed = if speed_comes || effects.speed_period <= 0.0 {
+            shown_speed + grade.speed_std() * noise[0]
+        } else {
+            f64::NAN
+        };
+        if effects.jitter > 0.0 {
+            let late = effects.jitter * self.jitter.normal();
+            self.stamp = (time + late).max(self.stamp + SHORTEST_ROW);
+        } else {
+            self.stamp = time;
+        }
         Row {
-            time,
-            speed: shown_speed + grade.speed_std() * noise[0],
+            time: self.stamp,
+            speed: shown_speed,
             front_wheel_speed: front_wheel_speed + grade.wheel_speed_std() * noise[1],
             rear_wheel_speed: rear_wheel_speed + grade.wheel_speed_std() * noise[2],
-            front_torque: torque(
-                inputs.front_torque * reported,
-                known.front_torque_gain,
-                noise[3],
-            ),
-            rear_torque: torque(
-                inputs.rear_torque * reported,
-                known.rear_torque_gain,
-                noise[4],
-            ),
+            front_torque: torque(front_torque * reported, known.front_torque_gain, noise[3]),
+            rear_torque: torque(rear_torque * reported, known.rear_torque_gain, noise[4]),
             slope: slope + known.slope_bias + grade.slope_std() * noise[5],
             acceleration: specific_force + grade.acceleration_std() * noise[6],
             mass: tells_mass.then_some(inputs.mass * known.mass_gain),

@@ -6,10 +6,14 @@
 //! | 8 | .., d_f, d_r | no accelerometer |
 //! | 10 | .., F_x, d_f, d_r, b | recommended |
 //! | 9, 11 | those of 8 or 10, tau | the speed comes late |
+//! | 12 | those of 10, e, tau | the radii give with the load, by more or less than is told |
 //!
 //! Measurements are v, w_f, w_r and, with four, the specific force a_x = (v+ - v)/dt + g sin th along the body axis.
 //! A late speed is measured as v - tau dv/dt: satellite receivers and radars filter, and at 1 m/s^2 a delay of 30 ms is
 //! twice the slip speed.
+//! The load that an acceleration moves changes the radii with the acceleration, as the slips change that tell the ratio: driving
+//! forward, e and lam look alike. Driving backward the slips change their sign against the acceleration, and the radii do not:
+//! then both are known. So e is a state, for both to be as uncertain as they are.
 //! Parameters are random walks. (15) names L the measurement matrix (it is the noise input) and v_k process noise (it is
 //! the measurement noise); (17) rewrites (15), not (12).
 

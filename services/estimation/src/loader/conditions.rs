@@ -10,6 +10,7 @@
 //! The disturbances are correlated over some 10 ms and more. Sampling faster than that tells nothing new about them, so at
 //! higher rates their standard deviation grows with the root of the rate.
 
+use super::ripple::{Ripple, Wavering};
 use super::settings::{Estimator, Settings};
 use super::wheel_dynamics::{GRAVITY, Inputs, WheelDynamics};
 use crate::math::sqrt;
@@ -46,6 +47,9 @@ pub(super) struct Conditions {
 pub(super) struct Monitor {
     hold: f64,
     lagged_torque: [f64; 2],
+    ripple: Ripple,
+    /// Of the present row.
+    wavering: [Wavering; 2],
 }
 
 impl Monitor {
@@ -110,20 +114,47 @@ impl Monitor {
         let radius_ripple = keys.c_rho * sensitivity * speed / radius;
         let rate = sqrt((REFERENCE_STEP / step.dt).max(1.0));
         let settle = (step.dt * speed.max(LEAST_ROLLING_SPEED) / RELAXATION_LENGTH).min(1.0);
+        let share = if step.learns_ripple {
+            self.ripple.share(keys.c_b)
+        } else {
+            keys.c_b
+        };
         core::array::from_fn(|i| {
             let torque = [step.inputs.front_torque, step.inputs.rear_torque][i];
             self.lagged_torque[i] += settle * (torque - self.lagged_torque[i]);
-            let ripple = keys.c_b * torque * per_torque;
+            let by_slip = rate * torque * per_torque;
             let lag = keys.c_t * (torque - self.lagged_torque[i]) * per_torque;
-            let extra = ripple * ripple + radius_ripple * radius_ripple + lag * lag;
+            let extra = radius_ripple * radius_ripple + lag * lag;
             let sensor = step.sensor_std[i];
-            let std = sqrt(sensor * sensor + rate * rate * extra);
+            let variance = sensor * sensor + rate * rate * extra;
+            self.wavering[i] = Wavering { by_slip, variance };
+            let std = sqrt(variance + share * share * by_slip * by_slip);
             if step.weak {
                 std.max(rate * WEAK_WHEEL_STD)
             } else {
                 std
             }
         })
+    }
+}
+
+impl Monitor {
+    /// By what share slips that waver more than usual are larger in the mean.
+    pub fn wavering(&self, keys: &Estimator) -> f64 {
+        let share = self.ripple.share(keys.c_b);
+        share * share - keys.c_b * keys.c_b
+    }
+
+    /// Innovations of both wheels that were accepted, with the standard deviations of their predictions, `dt` after the last [rad/s].
+    pub fn see(&mut self, keys: &Estimator, wheels: [(f64, f64); 2], dt: f64) {
+        self.ripple.forget(dt);
+        for ((innovation, predicted), row) in wheels.into_iter().zip(self.wavering) {
+            let row = Wavering {
+                variance: row.variance + predicted * predicted,
+                ..row
+            };
+            self.ripple.see(innovation, &row, keys.c_b);
+        }
     }
 }
 
@@ -134,5 +165,7 @@ pub(super) struct WheelStep<'a> {
     pub inputs: &'a Inputs,
     pub sensor_std: [f64; 2],
     pub weak: bool,
+    /// How much the slips waver is found in the innovations.
+    pub learns_ripple: bool,
     pub dt: f64,
 }

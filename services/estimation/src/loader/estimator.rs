@@ -7,11 +7,11 @@ use super::layout::{
 };
 use super::payload::Payload;
 use super::settings::{Settings, SettingsError};
-use super::verdict::{Intervals, with_floors};
+use super::verdict::{Intervals, Learns, with_floors};
 use super::{Columns, Method, Reason, Sample};
 use crate::Quantity;
 use crate::ekf::Ekf;
-use crate::math::sqrt;
+use crate::math::norm;
 use crate::srukf::SquareRootUkf;
 
 /// The filter that a method runs on.
@@ -23,12 +23,12 @@ enum Filter {
     Eight(CgFilter<8, 3, SquareRootUkf<8, 3>>),
     Nine(CgFilter<9, 3, SquareRootUkf<9, 3>>),
     Ten(CgFilter<10, 4, SquareRootUkf<10, 4>>),
-    Eleven(CgFilter<11, 4, SquareRootUkf<11, 4>>),
+    Twelve(CgFilter<12, 4, SquareRootUkf<12, 4>>),
     SixByTangent(CgFilter<6, 3, Ekf<6, 3>>),
     EightByTangent(CgFilter<8, 3, Ekf<8, 3>>),
     NineByTangent(CgFilter<9, 3, Ekf<9, 3>>),
     TenByTangent(CgFilter<10, 4, Ekf<10, 4>>),
-    ElevenByTangent(CgFilter<11, 4, Ekf<11, 4>>),
+    TwelveByTangent(CgFilter<12, 4, Ekf<12, 4>>),
 }
 
 /// The same with whichever filter it is.
@@ -39,12 +39,12 @@ macro_rules! each {
             Filter::Eight($f) => $then,
             Filter::Nine($f) => $then,
             Filter::Ten($f) => $then,
-            Filter::Eleven($f) => $then,
+            Filter::Twelve($f) => $then,
             Filter::SixByTangent($f) => $then,
             Filter::EightByTangent($f) => $then,
             Filter::NineByTangent($f) => $then,
             Filter::TenByTangent($f) => $then,
-            Filter::ElevenByTangent($f) => $then,
+            Filter::TwelveByTangent($f) => $then,
         }
     };
 }
@@ -88,12 +88,12 @@ impl CgEstimator {
             (false, true) => 10 + late,
         };
         let filter = match (states, method.takes_tangent()) {
-            (11, false) => Filter::Eleven(CgFilter::new(settings, method)),
+            (11, false) => Filter::Twelve(CgFilter::new(settings, method)),
             (10, false) => Filter::Ten(CgFilter::new(settings, method)),
             (9, false) => Filter::Nine(CgFilter::new(settings, method)),
             (8, false) => Filter::Eight(CgFilter::new(settings, method)),
             (_, false) => Filter::Six(CgFilter::new(settings, method)),
-            (11, true) => Filter::ElevenByTangent(CgFilter::new(settings, method)),
+            (11, true) => Filter::TwelveByTangent(CgFilter::new(settings, method)),
             (10, true) => Filter::TenByTangent(CgFilter::new(settings, method)),
             (9, true) => Filter::NineByTangent(CgFilter::new(settings, method)),
             (8, true) => Filter::EightByTangent(CgFilter::new(settings, method)),
@@ -218,11 +218,22 @@ fn report<const N: usize, const M: usize, B: Belief<N, M>>(
     let beyond = doubt.beyond;
     let reported = with_floors(
         settings,
-        layout.radii.is_some(),
+        Learns {
+            radii: layout.radii.is_some(),
+            load_sensitivity: filter.learns_sensitivity(),
+        },
         centre,
         Each {
-            ratio: widened(doubt.birge * loaded_std.ratio, beyond.ratio),
-            height: widened(doubt.birge * loaded_std.height, beyond.height),
+            ratio: norm(&[
+                doubt.birge * loaded_std.ratio,
+                beyond.ratio,
+                doubt.wavering * centre.ratio,
+            ]),
+            height: norm(&[
+                doubt.birge * loaded_std.height,
+                beyond.height,
+                doubt.wavering * centre.height,
+            ]),
         },
     );
     let intervals = Intervals {
@@ -287,15 +298,6 @@ fn report<const N: usize, const M: usize, B: Belief<N, M>>(
         method,
         resets: filter.evidence.resets,
         refused: 0,
-    }
-}
-
-/// The norm of two standard deviations; exactly the first where the second is zero.
-fn widened(std: f64, beyond: f64) -> f64 {
-    if beyond > 0.0 {
-        sqrt(std * std + beyond * beyond)
-    } else {
-        std
     }
 }
 

@@ -6,6 +6,7 @@
 //! | 8 | .., d_f, d_r |
 //! | 10 | .., F_x, d_f, d_r, b |
 //! | 9, 11 | those of 8 or 10, tau |
+//! | 12 | those of 10, e, tau |
 //!
 //! The measurements are v, w_f, w_r and the specific force: the first three stand where their states do.
 
@@ -35,13 +36,15 @@ pub(super) struct Layout {
     pub slope_bias: Option<usize>,
     /// Delay tau of the speed [s].
     pub speed_delay: Option<usize>,
+    /// Error e of the load sensitivity of the rolling radii.
+    pub load_sensitivity: Option<usize>,
 }
 
 impl Layout {
     /// That of a filter with so many states.
     pub const fn of(states: usize) -> Self {
         let (spade_force, radii, slope_bias) = match states {
-            10 | 11 => (Some(6), Some([7, 8]), Some(9)),
+            10..=12 => (Some(6), Some([7, 8]), Some(9)),
             8 | 9 => (None, Some([6, 7]), None),
             _ => (None, None, None),
         };
@@ -49,11 +52,13 @@ impl Layout {
             spade_force,
             radii,
             slope_bias,
-            speed_delay: if states % 2 == 1 {
-                Some(states - 1)
-            } else {
-                None
+            speed_delay: match states {
+                9 => Some(8),
+                11 => Some(10),
+                12 => Some(11),
+                _ => None,
             },
+            load_sensitivity: if states == 12 { Some(10) } else { None },
         }
     }
 

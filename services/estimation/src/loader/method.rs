@@ -5,7 +5,7 @@ use crate::methods::methods;
 methods! {
     /// How the centre of gravity is estimated.
     pub enum Method {
-        /// 11 states with rolling radii, unknown spade force, slope bias and delay of the speed (9 without an accelerometer),
+        /// 12 states with rolling radii, their load sensitivity, unknown spade force, slope bias and delay of the speed (9 without an accelerometer),
         /// protected against bad input, by sigma points: the product.
         Full = "full",
         /// The improved square-root UKF with 6 states exactly as Yang, Wang, Han 2021 print it.

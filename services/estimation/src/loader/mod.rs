@@ -20,9 +20,11 @@
 //! | `slope` | how far the slope sensor is to be believed |
 //! | `legs` | independent manoeuvres must agree |
 //! | `quantum` | wheel speeds in steps |
+//! | `ripple` | slips that waver: rough roads, time stamps that jitter |
 //! | `stuck` | a sensor whose value never changes |
 //! | `relearning` | what was learnt wrongly: the start, the radii under another load |
 //! | `coupling` | a centre drive that is locked |
+//! | `directions` | whether the load sensitivity of the radii can be learnt |
 //! | `disturbance` | brakes, steering, forces that nobody measures |
 //! | `inputs`, `conditions` | inputs between rows; freezing and wheel noise |
 //! | `filter`, `estimator` | one row |
@@ -34,6 +36,7 @@ pub mod axle_loads;
 pub mod cg_model;
 mod conditions;
 mod coupling;
+mod directions;
 mod disturbance;
 mod estimate;
 mod estimator;
@@ -49,6 +52,7 @@ pub mod payload;
 mod quantum;
 mod reason;
 mod relearning;
+mod ripple;
 mod sample;
 pub mod settings;
 mod slope;

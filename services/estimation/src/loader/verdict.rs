@@ -17,14 +17,14 @@ use super::reason::Reason;
 use super::sample::Sample;
 use super::settings::Settings;
 use super::stuck::WATCHED;
-use crate::math::sqrt;
+use crate::math::{norm, sqrt};
 
 /// Relative error of the ratio per load sensitivity, on the reference machine: 8 K h/(l lam [1/lam^2 + 1/(1 - lam)^2]).
 ///
 /// An acceleration a moves the load m h a/l. That makes the slips differ by (a/(2 g K)) [1/lam^2 + 1/(1 - lam)^2] for a unit of
 /// the share, and the radii by 4 h a/(g l) for a unit of their sensitivity: both go with a, so one looks like the other.
 /// With the K and h of the machine in place of the reference's it was no better: they are estimates too.
-const RATIO_PER_SENSITIVITY: f64 = 16.0;
+pub(super) const RATIO_PER_SENSITIVITY: f64 = 16.0;
 /// Relative error of the ratio per relative error of a rolling radius that is taken as exact: 17 % for 0.1 %.
 const RATIO_PER_RADIUS: f64 = 170.0;
 /// Error of the height per the same: 0.1 % drives it to its bound [m].
@@ -47,6 +47,8 @@ const OBSERVABLE: Each<f64> = Each {
 pub(super) struct Doubt {
     /// Birge ratio of the manoeuvres.
     pub birge: f64,
+    /// What slips that waver may do to their mean, as a share of it.
+    pub wavering: f64,
     /// How far it lies beyond what the prior lets expect.
     pub beyond: Each<f64>,
     /// It is at a bound.
@@ -63,6 +65,7 @@ impl Doubt {
     /// Nothing is doubtful.
     pub const NONE: Self = Self {
         birge: 1.0,
+        wavering: 0.0,
         beyond: Each {
             ratio: 0.0,
             height: 0.0,
@@ -288,27 +291,36 @@ impl Evidence {
     }
 }
 
+/// What a filter estimates, so that its covariance holds it and no floor need.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Learns {
+    /// The rolling radii.
+    pub radii: bool,
+    /// Their load sensitivity.
+    pub load_sensitivity: bool,
+}
+
 /// Standard deviations with the floors.
 pub(super) fn with_floors(
     settings: &Settings,
-    learns_radii: bool,
+    learns: Learns,
     centre: Each<f64>,
     std: Each<f64>,
 ) -> Each<f64> {
     let Each { ratio, height } = centre;
     let machine = &settings.machine;
-    let radius = if learns_radii { 0.0 } else { RADIUS_STD };
+    let radius = if learns.radii { 0.0 } else { RADIUS_STD };
     // A tyre modelled as rigid is wrong by the whole load sensitivity, not by its uncertainty.
     let unmodelled = if settings.real_tyre() {
         0.0
     } else {
         machine.radius_load_sensitivity
     };
-    let stated = machine.radius_load_sensitivity_std;
-    let sensitivity = norm(&[
-        stated.max(settings.estimator.load_sensitivity_floor),
-        unmodelled,
-    ]);
+    let sensitivity = if learns.load_sensitivity {
+        0.0
+    } else {
+        norm(&[settings.load_sensitivity_std(), unmodelled])
+    };
     let torque_ratio = core::f64::consts::SQRT_2 * settings.sensors.torque_gain_std;
     let relative = norm(&[
         RATIO_PER_SENSITIVITY * sensitivity,
@@ -326,8 +338,4 @@ pub(super) fn with_floors(
             height * machine.stiffness_load_exponent_std,
         ]),
     }
-}
-
-fn norm(parts: &[f64]) -> f64 {
-    sqrt(parts.iter().map(|x| x * x).sum::<f64>())
 }

@@ -133,6 +133,8 @@ pub struct Parameters<T> {
     pub rear_radius_error: T,
     /// Slope bias, true slope = measured - bias [rad].
     pub slope_bias: T,
+    /// Error of the load sensitivity of the rolling radii: true = told + error.
+    pub load_sensitivity_error: T,
 }
 
 /// Sine and cosine of the true slope.
@@ -185,6 +187,7 @@ impl<T: Scalar> Parameters<T> {
             front_radius_error: front,
             rear_radius_error: rear,
             slope_bias: at(layout.slope_bias),
+            load_sensitivity_error: at(layout.load_sensitivity),
         }
     }
 }
@@ -196,6 +199,8 @@ struct Axle<T> {
     torque: f64,
     /// Relative radius error.
     error: T,
+    /// Error of the load sensitivity of the radius.
+    sensitivity_error: T,
     load: T,
     stiffness: T,
     acceleration: T,
@@ -243,6 +248,7 @@ impl WheelDynamics {
                 axle,
                 torque,
                 error,
+                sensitivity_error: p.load_sensitivity_error,
                 load,
                 stiffness: p.slip_stiffness,
                 acceleration,
@@ -275,7 +281,7 @@ impl WheelDynamics {
         dt: f64,
     ) -> Wheel<T> {
         let Axle { torque, load, .. } = *axle;
-        let radius = self.radius(axle.error, load);
+        let radius = self.radius(axle.error, axle.sensitivity_error, load);
         let unbent = self.axle_stiffness(axle.axle, axle.stiffness, load);
         let stiffness = self.stiffness(unbent, torque, radius, load, axle.acceleration);
         let slip_speed = self.slip_denominator(speed, radius * wheel_speed);
@@ -326,11 +332,17 @@ impl WheelDynamics {
         fade * load * self.rolling_resistance + road.sine * (self.mass * GRAVITY)
     }
 
-    /// Rolling radius under load [m].
+    /// Rolling radius under load [m], from its own error and that of the load sensitivity.
     #[inline(always)]
-    pub(super) fn radius<T: Scalar>(&self, error: T, load: T) -> T {
-        let excess = load / (0.5 * self.mass * GRAVITY) - 1.0;
-        (error - excess * self.radius_load_sensitivity + 1.0) * self.wheel_radius
+    pub(super) fn radius<T: Scalar>(&self, error: T, sensitivity_error: T, load: T) -> T {
+        let sensitivity = sensitivity_error + self.radius_load_sensitivity;
+        (error - self.excess(load) * sensitivity + 1.0) * self.wheel_radius
+    }
+
+    /// An axle's load over half the weight, less one.
+    #[inline(always)]
+    pub(super) fn excess<T: Scalar>(&self, load: T) -> T {
+        load / (0.5 * self.mass * GRAVITY) - 1.0
     }
 
     /// Slip stiffness of an axle under its load, before it saturates.

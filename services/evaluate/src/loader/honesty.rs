@@ -203,6 +203,26 @@ mod tests {
     }
 
     #[test]
+    fn a_loader_that_reverses_learns_how_its_radii_give_and_stays_honest() {
+        for seed in 1..=3 {
+            let run = work(effects("reversing", "radius sensitivity -.005"), seed);
+            for [ratio, height] in tally(&run, false).unwrap() {
+                assert!(ratio.trusted() > 0.4, "{seed}: {}", ratio.trusted());
+                assert!(ratio.wrong() <= 0.05, "{seed}: {}", ratio.wrong());
+                assert!(ratio.covered() > 0.93, "{seed}: {}", ratio.covered());
+                assert_eq!(height.trusted(), 0.0, "{seed}");
+            }
+        }
+    }
+
+    #[test]
+    fn slips_that_waver_on_rough_ground_make_nothing_wrong_trusted() {
+        for [ratio, _] in tally(&work(effects("rough road", "ISO 8608 D"), 4), false).unwrap() {
+            assert!(ratio.wrong() <= 0.05, "{}", ratio.wrong());
+        }
+    }
+
+    #[test]
     fn axles_that_are_locked_are_named_and_nothing_is_trusted() {
         for seed in 1..=3 {
             let [both, by_tangent] =

@@ -6,7 +6,7 @@ use messages::Machine;
 use messages::channels::Channel;
 use runtime::Domain;
 use serde::Deserialize;
-use steps::stages::{Pipeline, Role};
+use steps::stages::Pipeline;
 
 use crate::error;
 
@@ -50,13 +50,7 @@ impl Plan {
     /// # Errors
     /// As [`Plan::pipeline`].
     pub fn sensors(&self) -> Result<&'static Channel, String> {
-        let source = |role: &Role| match role {
-            Role::Source { sensors, .. } => Some(*sensors),
-            Role::Step(_) | Role::Sink | Role::Probe(_) | Role::Sender => None,
-        };
-        let stages = &mut self.pipeline()?.stages.iter();
-        let sensors = stages.find_map(|s| source(&s.role));
-        sensors.ok_or_else(|| {
+        self.pipeline()?.sensors().ok_or_else(|| {
             error(
                 format!("a {} has no sensors", self.machine),
                 "--samples",

@@ -20,7 +20,7 @@ use std::time::{Duration, Instant};
 
 use messages::Machine;
 use messages::channels::Channel;
-use steps::stages::{Pipeline, Role};
+use steps::stages::Pipeline;
 use zenoh::Wait;
 
 use crate::error;
@@ -84,12 +84,9 @@ impl Way {
             );
             error(what, "--method", "`heft serve --help` names them")
         })?;
-        let sensors = pipeline.stages.iter().find_map(|s| match s.role {
-            Role::Source { sensors, .. } => Some(sensors),
-            Role::Step(_) | Role::Sink | Role::Probe(_) | Role::Sender => None,
-        });
-        let sensors =
-            sensors.ok_or_else(|| error("it has no sensors", &args.kind, "report this"))?;
+        let sensors = pipeline
+            .sensors()
+            .ok_or_else(|| error("it has no sensors", &args.kind, "report this"))?;
         Ok(Self { sensors, estimate })
     }
 }

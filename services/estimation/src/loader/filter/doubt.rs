@@ -8,7 +8,7 @@ use crate::loader::layout::{
 };
 use crate::loader::reason::Reason;
 use crate::loader::verdict::Doubt;
-use crate::math::sqrt;
+use crate::math::{norm, sqrt};
 
 /// Standard deviations of the prior within which an estimate is as expected; twice as far it contradicts it by one more.
 const EXPECTED: f64 = 2.0;
@@ -22,10 +22,6 @@ const NOTED_SLIP: f64 = 0.005;
 const NOTED_SLOPE: f64 = 0.02;
 /// How long a change is shown [s].
 const CHANGE_SHOWN: f64 = 5.0;
-
-fn norm(a: f64, b: f64) -> f64 {
-    sqrt(a * a + b * b)
-}
 
 impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     /// What makes the estimate doubtful beside its own covariance.
@@ -69,6 +65,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let sensors = &self.settings.sensors;
         let late = (delay - sensors.speed_delay).abs() > LATEST * sensors.speed_delay_std;
         let locked = self.coupling.locked();
+        let contradicted = height > expected[0].1 || ratio > expected[1].1;
         let reason = if locked > 0.5 {
             Reason::Locked
         } else if self.disturbance.torques_misfit() {
@@ -81,7 +78,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             Reason::Stiffness
         } else if self.changed < CHANGE_SHOWN {
             Reason::Load
-        } else if self.legs.ratio() > DISAGREE || height > expected[0].1 || ratio > expected[1].1 {
+        } else if self.legs.ratio() > DISAGREE || contradicted {
             Reason::Disagreement
         } else {
             Reason::None
@@ -89,16 +86,19 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         // Where the model does not hold, nothing is known but what was known before: a mixture of both.
         let doubted = match reason {
             Reason::Locked | Reason::Torque | Reason::AtLimit | Reason::Stiffness => 1.0,
+            _ if contradicted => 1.0,
             _ => locked,
         };
         // Slips that a stiffness beyond its prior explains are not understood to that share, nor is the height that they tell.
-        let height = norm(height, state[CG_HEIGHT] * stiffness / state[SLIP_STIFFNESS]);
+        let unknown_slip = stiffness / state[SLIP_STIFFNESS];
+        let height = norm(&[height, state[CG_HEIGHT] * unknown_slip]);
         let mixed = |away: f64, value: f64, (centre, std): (f64, f64)| {
             let moved = value - centre;
             sqrt(away * away + doubted * (moved * moved + std * std))
         };
         Doubt {
             birge: self.legs.ratio(),
+            wavering: self.monitor.wavering(&self.settings.estimator),
             beyond: Each {
                 ratio: mixed(ratio, state[CG_RATIO], expected[1]),
                 height: mixed(height, state[CG_HEIGHT], expected[0]),

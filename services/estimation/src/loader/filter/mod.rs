@@ -4,6 +4,7 @@ use crate::loader::Method;
 use crate::loader::cg_model::{CgModel, Integration, Loading};
 use crate::loader::conditions::{Conditions, Monitor};
 use crate::loader::coupling::Coupling;
+use crate::loader::directions::{Both, Directions};
 use crate::loader::disturbance::{Disturbance, Effect};
 use crate::loader::estimate::Status;
 use crate::loader::inclinometer::Inclinometer;
@@ -20,7 +21,7 @@ use crate::loader::sample::Sample;
 use crate::loader::settings::{Inputs as Driven, Settings};
 use crate::loader::slope::SlopeError;
 use crate::loader::stuck::{Stuck, Witness};
-use crate::loader::verdict::Evidence;
+use crate::loader::verdict::{Evidence, RATIO_PER_SENSITIVITY};
 use crate::loader::wheel_dynamics::{GRAVITY, Inputs, Tyres, WheelDynamics};
 use crate::loader::windup::Windup;
 use crate::math::{sqrt, tanh};
@@ -42,6 +43,9 @@ const NOT_MEASURED_STD: f64 = 1e6;
 /// A longer step between rows is a jump, whatever the settings take for a gap [s].
 const LONGEST_STEP: f64 = 1.0;
 
+/// A load sensitivity that is learnt may differ by this many times what counts where it is not: a guess costs nothing then.
+const WIDER: f64 = 2.5;
+
 /// Acceleration beyond which the torques do not explain the motion [m/s^2].
 const UNEXPLAINED: f64 = 0.15;
 
@@ -51,6 +55,8 @@ struct Before {
     speed: f64,
     /// Variance of the ratio.
     ratio_variance: f64,
+    /// Error of the load sensitivity, and its variance.
+    sensitivity: (f64, f64),
 }
 
 /// What a row did.
@@ -106,6 +112,7 @@ pub(super) struct CgFilter<const N: usize, const M: usize, B: Belief<N, M>> {
     slope_error: SlopeError,
     legs: Legs,
     coupling: Coupling,
+    directions: Directions,
     /// How long ago something changed that the load may explain [s].
     changed: f64,
     pub(in crate::loader) load: Load,
@@ -165,6 +172,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             slope_error: SlopeError::default(),
             legs: Legs::default(),
             coupling: Coupling::default(),
+            directions: Directions::default(),
             changed: f64::INFINITY,
             load: Load::default(),
             boom_told: false,
@@ -356,13 +364,16 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
 
     /// The consistent step with every rule.
     fn update(&mut self, model: &CgModel, sample: &Sample, step: &StepInputs) -> RowReport<M> {
+        let layout = const { Layout::of(N) };
         let mut ahead = self.belief.ahead(model);
         let before = Before {
             speed: self.belief.state()[SPEED],
             ratio_variance: self.belief.variance(CG_RATIO),
+            sensitivity: layout.load_sensitivity.map_or((0.0, 0.0), |i| {
+                (self.belief.state()[i], self.belief.variance(i))
+            }),
         };
         let state = *B::state_ahead(&ahead);
-        let layout = const { Layout::of(N) };
         let unknown_force = layout.spade_force.map_or(0.0, |i| state[i]);
         let force = step.inputs.spade_force_x + unknown_force;
         let conditions = self
@@ -416,6 +427,9 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
         let both = accepted[FRONT_WHEEL] && accepted[REAR_WHEEL] && !conditions.frozen;
         if at_work && both {
+            let wheel = |i: usize| (innovation[i], B::measurement_std(&expected, i));
+            let wheels = [wheel(FRONT_WHEEL), wheel(REAR_WHEEL)];
+            self.monitor.see(&self.settings.estimator, wheels, model.dt);
             self.compare_legs(&before, &state, &innovation, &std, model, step.sine);
             self.compare_axles(&measured, &innovation, &expected, &process_std, &noise);
         }
@@ -424,6 +438,17 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             .update(&mut expected, &innovation, &std, &accepted);
         self.clamp();
         self.loosened = self.loosening();
+        let slowest = self.settings.estimator.v_freeze;
+        let driven = self.directions.drive(state[SPEED], slowest, model.dt);
+        if let Some(i) = layout.load_sensitivity {
+            match driven {
+                Both::Never | Both::Formerly => {
+                    self.consider(i, before.sensitivity, process_std[i])
+                }
+                Both::First => self.open_sensitivity(i),
+                Both::Still => {}
+            }
+        }
         if self.changed == 0.0 {
             let prior = &self.settings.prior;
             self.loosened[CG_HEIGHT] = prior.cg_height_std;
@@ -438,6 +463,30 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             frozen: conditions.frozen,
             set_aside,
         }
+    }
+
+    /// State `i` keeps its value and its variance of before the row, with its process noise; what the row would have told of it
+    /// comes back with the next step's. What the row tells of the others takes its variance into account.
+    fn consider(&mut self, i: usize, (value, variance): (f64, f64), process_std: f64) {
+        self.belief.state_mut()[i] = value;
+        let lost = variance + process_std * process_std - self.belief.variance(i);
+        self.loosened[i] = sqrt(lost.max(0.0));
+    }
+
+    /// The load sensitivity can be learnt from now on: it may be what tyres are, the ratio what goes with it, and the height, whose
+    /// product with it moves the radii, what it was before.
+    fn open_sensitivity(&mut self, i: usize) {
+        let std = WIDER * self.settings.load_sensitivity_std();
+        let ratio = RATIO_PER_SENSITIVITY * std * self.belief.state()[CG_RATIO];
+        let height = self.settings.prior.cg_height_std;
+        for (i, std) in [(i, std), (CG_RATIO, ratio), (CG_HEIGHT, height)] {
+            self.loosened[i] = sqrt(self.loosened[i] * self.loosened[i] + std * std);
+        }
+    }
+
+    /// The load sensitivity is a part of what is estimated.
+    pub(in crate::loader) fn learns_sensitivity(&self) -> bool {
+        const { Layout::of(N) }.load_sensitivity.is_some() && self.directions.known()
     }
 
     /// Wheels, specific force and slope of a row show how far the slope is to be believed.

@@ -10,6 +10,9 @@ use crate::loader::load::Centre;
 use crate::loader::wheel_dynamics::GRAVITY;
 use crate::math::sqrt;
 
+/// Standard deviation of a state that is not estimated yet: next to nothing, and not nothing, which no covariance root has.
+const UNOPENED: f64 = 1e-9;
+
 /// Share of the mass from which on the machine is loaded.
 const LEAST_LOAD: f64 = 0.04;
 
@@ -30,6 +33,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             radius: keys.q_radius,
             slope_bias: keys.q_slope_bias,
             speed_delay: keys.q_speed_delay,
+            load_sensitivity: 0.0,
         }
         .state()
         .map(|q| q * scale);
@@ -193,6 +197,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             inputs: &model.inputs,
             sensor_std: self.wheel_sensor_std(),
             weak: conditions.weak_wheels,
+            learns_ripple: self.settings.at_work(),
             dt: model.dt,
         };
         [std[FRONT_WHEEL], std[REAR_WHEEL]] = self.monitor.wheel_std(
@@ -237,6 +242,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             radius: prior.radius_std,
             slope_bias: prior.slope_bias_std,
             speed_delay: self.settings.sensors.speed_delay_std,
+            load_sensitivity: UNOPENED,
         }
         .state()
     }
@@ -254,6 +260,7 @@ struct ByState {
     radius: f64,
     slope_bias: f64,
     speed_delay: f64,
+    load_sensitivity: f64,
 }
 
 impl ByState {
@@ -267,6 +274,7 @@ impl ByState {
             _ if layout.spade_force == Some(i) => self.spade_force,
             _ if layout.slope_bias == Some(i) => self.slope_bias,
             _ if layout.speed_delay == Some(i) => self.speed_delay,
+            _ if layout.load_sensitivity == Some(i) => self.load_sensitivity,
             _ => self.radius,
         })
     }

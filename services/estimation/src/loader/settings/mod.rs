@@ -55,6 +55,12 @@ impl Settings {
         self.realism >= Realism::Tyre
     }
 
+    /// Standard deviation of the load sensitivity of the rolling radii, however sure the description is.
+    pub(super) fn load_sensitivity_std(&self) -> f64 {
+        let stated = self.machine.radius_load_sensitivity_std;
+        stated.max(self.estimator.load_sensitivity_floor)
+    }
+
     /// Whether bad input is expected.
     pub(super) fn protected(&self) -> bool {
         self.realism >= Realism::Protected

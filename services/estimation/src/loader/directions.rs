@@ -1,0 +1,87 @@
+//! Whether the load sensitivity of the rolling radii can be learnt: only a machine that drives both ways tells it.
+//!
+//! An acceleration a moves the load m h a/l from axle to axle, and with it the radii, in proportion to a. The slips, which tell
+//! the ratio, go with a as well, but change their sign against it when the machine drives backward. Driven one way only, ratio
+//! and sensitivity are told apart by nothing but terms of second order, which brakes, uneven axles and pitching blur: a filter
+//! that takes them at their word is wrong and sure. So the sensitivity is what the description says until the machine has been driven
+//! both ways, and the interval carries its tolerance; then it is a state that is estimated. After a long drive one way it is considered
+//! and not estimated: its variance counts in everything, and neither it nor its value changes (S. F. Schmidt, "Application of
+//! state-space methods to navigation problems", 1966).
+
+/// How far back a drive counts [s]: a loader at work turns round more than once in it.
+const MEMORY: f64 = 60.0;
+/// So long a drive in each direction tells the sensitivity [s].
+const TELLS: f64 = 1.0;
+
+/// Whether the machine has been driven both ways.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Both {
+    /// Not yet.
+    Never,
+    /// With this row.
+    First,
+    /// And of late.
+    Still,
+    /// But not of late.
+    Formerly,
+}
+
+/// How long the machine has been driven forward and backward, of late [s].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Directions {
+    forward: f64,
+    backward: f64,
+    known: bool,
+}
+
+impl Directions {
+    /// Adds `dt` [s] at a speed [m/s]; slower than `slowest` counts as standing.
+    pub fn drive(&mut self, speed: f64, slowest: f64, dt: f64) -> Both {
+        let kept = 1.0 - (dt / MEMORY).min(1.0);
+        self.forward *= kept;
+        self.backward *= kept;
+        if speed > slowest {
+            self.forward += dt;
+        } else if speed < -slowest {
+            self.backward += dt;
+        }
+        let both = self.forward.min(self.backward) > TELLS;
+        let before = self.known;
+        self.known |= both;
+        match (before, both) {
+            (false, false) => Both::Never,
+            (false, true) => Both::First,
+            (true, true) => Both::Still,
+            (true, false) => Both::Formerly,
+        }
+    }
+
+    /// The machine has been driven both ways.
+    pub fn known(&self) -> bool {
+        self.known
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use std::vec::Vec;
+
+    #[test]
+    fn only_a_machine_that_has_driven_both_ways_of_late_tells() {
+        let mut driven = Directions::default();
+        let mut drive = |speed: f64, time: f64| -> Vec<Both> {
+            let rows = 0..(time * 100.0) as u32;
+            rows.map(|_| driven.drive(speed, 0.5, 0.01)).collect()
+        };
+        assert!(drive(3.0, 600.0).iter().all(|b| *b == Both::Never));
+        assert!(drive(-3.0, 0.9).iter().all(|b| *b == Both::Never));
+        let turned = drive(-3.0, 2.0);
+        assert_eq!(turned.iter().filter(|b| **b == Both::First).count(), 1);
+        assert!(drive(0.0, 10.0).iter().all(|b| *b == Both::Still));
+        assert_eq!(drive(3.0, 200.0).last(), Some(&Both::Formerly));
+        assert_eq!(drive(-3.0, 4.0).last(), Some(&Both::Still));
+    }
+}

@@ -1,0 +1,98 @@
+//! How much the slips of the wheels waver, found in the innovations of their speeds.
+//!
+//! | symbol | code | meaning |
+//! |---|---|---|
+//! | w | `by_slip` | wheel speed that the slip of the torque makes up [rad/s] |
+//! | V | `variance` | variance of the innovation without wavering: sensor, radius, relaxation, prediction |
+//! | c | `share` | standard deviation of the slip, as a share of it |
+//! | nu | `innovation` | innovation of the wheel speed [rad/s] |
+//!
+//! On a rough road axle loads, and with them the slips, waver by far more than on asphalt; time stamps that jitter make noise that
+//! goes with the acceleration, as the slips do. E nu^2 = V + c^2 w^2, so c^2 is the weighted mean of (nu^2 - V)/w^2 over the last
+//! rows, never below what the settings say, which count as much as a second of rows. The weights, w^4/(V + c_b^2 w^2)^2, are those of
+//! least squares where c is what the settings say.
+//!
+//! Under loads that waver by c the mean slip is larger by c^2, E 1/(1 + e) = 1 + c^2 + .., and nobody says on which axle: the interval
+//! of what the slips tell carries it.
+
+/// How far back rows count [s].
+const MEMORY: f64 = 20.0;
+/// The settings' share counts as so many rows that only waver.
+const PRIOR_ROWS: f64 = 100.0;
+/// An innovation of more standard deviations than this counts as this many: an outlier is no road.
+const MOST: f64 = 5.0;
+
+/// The wavering of the slips.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Ripple {
+    /// Weighted sum of c^2, and sum of the weights, in c_b^4.
+    sums: [f64; 2],
+}
+
+/// What a row says of one wheel.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Wavering {
+    pub by_slip: f64,
+    pub variance: f64,
+}
+
+impl Ripple {
+    /// c, at least `usual` (c_b).
+    pub fn share(&self, usual: f64) -> f64 {
+        let [sum, weight] = self.sums;
+        let least = usual * usual;
+        crate::math::sqrt(((sum + PRIOR_ROWS * least) / (weight + PRIOR_ROWS)).max(least))
+    }
+
+    /// Takes a row's innovation of a wheel [rad/s].
+    pub fn see(&mut self, innovation: f64, row: &Wavering, usual: f64) {
+        let slip = row.by_slip * row.by_slip;
+        let usually = row.variance + usual * usual * slip;
+        let now = self.share(usual);
+        let most = MOST * MOST * (row.variance + now * now * slip);
+        let expected = usual * usual * slip / usually;
+        let weight = expected * expected;
+        let excess = (innovation * innovation).min(most) - row.variance;
+        if weight > 0.0 {
+            self.sums[0] += weight * excess / slip;
+            self.sums[1] += weight;
+        }
+    }
+
+    /// Forgets over `dt` [s].
+    pub fn forget(&mut self, dt: f64) {
+        let kept = 1.0 - (dt / MEMORY).min(1.0);
+        self.sums = self.sums.map(|sum| kept * sum);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// c after a minute of rows whose innovations alternate between plus and minus their standard deviation.
+    fn found(share: f64, slip: f64) -> f64 {
+        let mut ripple = Ripple::default();
+        let row = Wavering {
+            by_slip: slip,
+            variance: 4e-6,
+        };
+        for k in 0..6000 {
+            let size = (row.variance + (share * slip).powi(2)).sqrt();
+            let innovation = if k % 2 == 0 { size } else { -size };
+            ripple.forget(0.01);
+            ripple.see(innovation, &row, 0.05);
+        }
+        ripple.share(0.05)
+    }
+
+    #[test]
+    fn slips_that_waver_are_found_and_no_less_than_usual_is_believed() {
+        // 740 of 840 rows are the new ones.
+        assert!((found(0.3, 0.05) / 0.3 - 1.0).abs() < 0.1);
+        assert_eq!(found(0.02, 0.05), 0.05);
+        assert_eq!(found(0.3, 0.0), 0.05);
+    }
+}
