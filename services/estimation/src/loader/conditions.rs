@@ -30,6 +30,9 @@ const WEAK_WHEEL_STD: f64 = 0.3;
 /// Load sensitivity below which radius ripple is taken to be this [-].
 const LEAST_SENSITIVITY: f64 = 0.002;
 
+/// Rows in which slips that waver more than usual do so together: waves of a few hertz last some 0.2 s.
+const TOGETHER: f64 = 20.0;
+
 /// What holds during one step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Conditions {
@@ -119,6 +122,8 @@ impl Monitor {
         } else {
             keys.c_b
         };
+        let usual = keys.c_b * keys.c_b;
+        let weight = usual + TOGETHER * (share * share - usual);
         core::array::from_fn(|i| {
             let torque = [step.inputs.front_torque, step.inputs.rear_torque][i];
             self.lagged_torque[i] += settle * (torque - self.lagged_torque[i]);
@@ -128,7 +133,7 @@ impl Monitor {
             let sensor = step.sensor_std[i];
             let variance = sensor * sensor + rate * rate * extra;
             self.wavering[i] = Wavering { by_slip, variance };
-            let std = sqrt(variance + share * share * by_slip * by_slip);
+            let std = sqrt(variance + weight * by_slip * by_slip);
             if step.weak {
                 std.max(rate * WEAK_WHEEL_STD)
             } else {

@@ -12,7 +12,8 @@
 //! rows, never below what the settings say, which count as much as a second of rows. The weights, w^4/(V + c_b^2 w^2)^2, are those of
 //! least squares where c is what the settings say.
 //!
-//! Under loads that waver by c the mean slip is larger by c^2, E 1/(1 + e) = 1 + c^2 + .., and nobody says on which axle: the interval
+//! Waves of a few hertz last many rows, which then tell the same: what c^2 has more than usual counts as often
+//! (`conditions`, `TOGETHER`). Under loads that waver by c the mean slip is larger by c^2, E 1/(1 + e) = 1 + c^2 + .., and nobody says on which axle: the interval
 //! of what the slips tell carries it.
 
 /// How far back rows count [s].
