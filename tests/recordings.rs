@@ -85,8 +85,12 @@ fn the_recording_of_a_running_pipeline_can_be_read_and_is_complete_in_the_end() 
     );
     running.wait_for_services();
     let recording = running.recording();
-    wait_until("something is recorded", Duration::from_secs(20), || {
-        Reader::open(&recording).is_ok_and(|r| !r.channels().is_empty())
+    let estimates = ["excavator/inertia_rls", "excavator/inertia_ukf"];
+    wait_until("estimates are recorded", Duration::from_secs(20), || {
+        Reader::open(&recording).is_ok_and(|r| {
+            let counts = r.counts();
+            estimates.iter().all(|e| counts.get(*e) > Some(&0))
+        })
     });
     let out = tempfile::tempdir().expect("a folder");
     let (page, tables) = (out.path().join("r.html"), out.path().join("tables"));
