@@ -261,7 +261,7 @@ pub fn steps() -> Vec<(&'static str, Contender)> {
             contender::<Swing<6>, _, 1>("excavator, velocity", rows),
         ),
         (
-            "loader_full_11",
+            "loader_full_12",
             contender::<Loader<0>, _, 2>("loader, full, 12 states", work.clone()),
         ),
         (
@@ -277,7 +277,7 @@ pub fn steps() -> Vec<(&'static str, Contender)> {
             contender::<Loader<3>, _, 2>("loader, ekf, 6 states", work.clone()),
         ),
         (
-            "loader_full_ekf_11",
+            "loader_full_ekf_12",
             contender::<Loader<4>, _, 2>("loader, full-ekf, 12 states", work),
         ),
     ]

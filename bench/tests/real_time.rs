@@ -162,7 +162,7 @@ fn steps_make_no_system_calls() {
         return;
     }
     // Thousands of steps more, and not one call more: start-up and end are all there is.
-    for key in ["srukf_6_3", "excavator_posture_torque", "loader_full_11"] {
+    for key in ["srukf_6_3", "excavator_posture_torque", "loader_full_12"] {
         let (few, many) = (system_calls(key, 1), system_calls(key, 2));
         assert!(few > 10, "{key}: valgrind reports calls at all");
         assert_eq!(many, few, "{key}");
