@@ -30,8 +30,8 @@ const WEAK_WHEEL_STD: f64 = 0.3;
 /// Load sensitivity below which radius ripple is taken to be this [-].
 const LEAST_SENSITIVITY: f64 = 0.002;
 
-/// Rows in which slips that waver more than usual do so together: waves of a few hertz last some 0.2 s.
-const TOGETHER: f64 = 20.0;
+/// How long slips that waver more than usual do so together, and rows tell the same: a wave of a few hertz [s].
+const TOGETHER: f64 = 0.2;
 
 /// What holds during one step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -123,7 +123,8 @@ impl Monitor {
             keys.c_b
         };
         let usual = keys.c_b * keys.c_b;
-        let weight = usual + TOGETHER * (share * share - usual);
+        let together = (TOGETHER / step.dt.max(REFERENCE_STEP)).max(1.0);
+        let weight = usual + together * (share * share - usual);
         core::array::from_fn(|i| {
             let torque = [step.inputs.front_torque, step.inputs.rear_torque][i];
             self.lagged_torque[i] += settle * (torque - self.lagged_torque[i]);
