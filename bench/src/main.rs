@@ -26,6 +26,7 @@ fn main() -> ExitCode {
         ["scale", "--plot", plot] => scale(None, Some(plot)),
         ["scale", "--json", file, "--plot", plot] => scale(Some(file), Some(plot)),
         [counts::SUBCOMMAND, key, index, passes] => block(key, index, passes),
+        [limits::SUBCOMMAND, ..] => worker(&args[1..]),
         _ => {
             eprintln!("{USAGE}");
             ExitCode::from(2)
@@ -157,6 +158,11 @@ fn block(key: &str, index: &str, passes: &str) -> ExitCode {
     } else {
         ExitCode::from(2)
     }
+}
+
+/// A process of the bare chain beside the pipelines.
+fn worker(args: &[String]) -> ExitCode {
+    ExitCode::from(u8::try_from(limits::worker_main(args)).unwrap_or(2))
 }
 
 fn describe(machine: &Host) -> Value {

@@ -2,7 +2,11 @@
 //!
 //! Each machine is what `heft run` starts: sensor, kalman, rls, ukf, logger and their supervisor. Starting costs more than running, so
 //! every count is made twice, over a short and a long run, and the difference is taken.
+//!
+//! What of it is the system's is shown by as many bare chains ([`limits`]): of four processes each, as a machine has that wake with every
+//! sample, which do nothing but sleep and wake the next by a futex.
 
+use limits::{Options, Primitive};
 use rustix::param::clock_ticks_per_second;
 use std::collections::BTreeSet;
 use std::io;
@@ -24,6 +28,8 @@ pub struct Cost {
     pub machines: usize,
     /// Processor time a machine and sample, all processes together [ns].
     pub sample_ns: f64,
+    /// The same of bare chains of four processes [ns].
+    pub bare_ns: f64,
     /// Memory a machine, shared pages counted in parts [bytes].
     pub bytes: f64,
     /// Samples that some process did not see.
@@ -38,10 +44,13 @@ pub fn measure(heft: &Path, machines: usize) -> io::Result<Cost> {
     let [short, long] = LENGTHS;
     let (start, _, _) = run(heft, machines, short)?;
     let (all, bytes, lost) = run(heft, machines, long)?;
+    let bare = bare(machines, long)? - bare(machines, short)?;
     let samples = ((long - short) * RATE) as f64 * machines as f64;
+    let per_sample = |seconds: f64| seconds.max(0.0) * 1e9 / samples;
     Ok(Cost {
         machines,
-        sample_ns: (all - start).max(0.0) * 1e9 / samples,
+        sample_ns: per_sample(all - start),
+        bare_ns: per_sample(bare),
         bytes,
         lost,
     })
@@ -61,6 +70,26 @@ fn run(heft: &Path, machines: usize, seconds: u64) -> io::Result<(f64, f64, u64)
     let _ = std::fs::remove_dir_all(&folder);
     let lost = ended.into_iter().sum::<io::Result<u64>>()?;
     Ok((time_of_children()? - before, bytes, lost))
+}
+
+/// Processor time of bare chains [s].
+fn bare(machines: usize, seconds: u64) -> io::Result<f64> {
+    let options = Options {
+        rate_hz: RATE as f64,
+        samples: (seconds * RATE) as usize,
+        ..Options::default()
+    };
+    let before = time_of_children()?;
+    std::thread::scope(|scope| {
+        let chains: Vec<_> = (0..machines)
+            .map(|_| scope.spawn(|| limits::chain(Primitive::Futex, &options)))
+            .collect();
+        let gone = |_| Err(io::Error::other("a thread of a bare chain panicked"));
+        chains
+            .into_iter()
+            .try_for_each(|chain| chain.join().unwrap_or_else(gone).map(drop))
+    })?;
+    Ok(time_of_children()? - before)
 }
 
 /// Waits for a pipeline; returns the samples it lost.

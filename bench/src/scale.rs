@@ -129,8 +129,13 @@ fn pipelines() -> std::io::Result<Vec<Cost>> {
     let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     println!("\nheft run, excavator at 100 Hz, six processes a machine, on {cores} cores");
     println!(
-        "{:>9} {:>22} {:>18} {:>18} {:>6}",
-        "machines", "us of processor/sample", "machines per core", "MB a machine", "lost"
+        "{:>9} {:>22} {:>18} {:>18} {:>18} {:>6}",
+        "machines",
+        "us of processor/sample",
+        "bare futexes",
+        "machines per core",
+        "MB a machine",
+        "lost"
     );
     let measured = |machines| match pipelines::measure(&heft, machines) {
         Ok(cost) => {
@@ -150,9 +155,10 @@ fn pipelines() -> std::io::Result<Vec<Cost>> {
 
 fn print_cost(cost: &Cost) {
     println!(
-        "{:9} {:22.0} {:18.0} {:18.1} {:6}",
+        "{:9} {:22.0} {:18.0} {:18.0} {:18.1} {:6}",
         cost.machines,
         cost.sample_ns / 1e3,
+        cost.bare_ns / 1e3,
         PERIOD_NS / cost.sample_ns,
         cost.bytes / 1e6,
         cost.lost
@@ -162,7 +168,7 @@ fn print_cost(cost: &Cost) {
 fn to_json(pipelines: &[Cost]) -> Value {
     pipelines
         .iter()
-        .map(|cost| json!({ "machines": cost.machines, "ns": cost.sample_ns, "machines_per_core": PERIOD_NS / cost.sample_ns, "bytes": cost.bytes, "lost": cost.lost }))
+        .map(|cost| json!({ "machines": cost.machines, "ns": cost.sample_ns, "bare_ns": cost.bare_ns, "machines_per_core": PERIOD_NS / cost.sample_ns, "bytes": cost.bytes, "lost": cost.lost }))
         .collect()
 }
 

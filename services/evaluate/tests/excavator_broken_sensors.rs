@@ -1,6 +1,8 @@
 //! A sensor of an excavator breaks in the middle of the work, for good: what it says is not trusted, and why not is said.
 
-use estimation::excavator::{Columns, Estimate, Method, Reason, Sample, SwingEstimator};
+mod told;
+
+use estimation::excavator::{Estimate, Method, Reason};
 use evaluate::excavator::honesty_lines::described;
 use sim::excavator::{Effects, Row, Size, Work};
 
@@ -8,34 +10,18 @@ use sim::excavator::{Effects, Row, Size, Work};
 const FROM: f64 = 28.0;
 const ROWS: usize = 6000;
 
-const COLUMNS: Columns = Columns {
-    velocity: true,
-    angle: false,
-    torque: true,
-    posture: true,
-};
-
 /// What is said of each row of a machine whose rows are changed from the fault on.
 fn told(seed: u64, wrong: impl Fn(&mut Row)) -> Vec<(Row, Estimate)> {
     let sizes = [Size::t13(), Size::t22(), Size::t36(), Size::reference()];
     let work = Work::new(sizes[seed as usize % 4], Effects::default(), seed);
     let settings = described(&work);
-    let mut estimator =
-        SwingEstimator::new(&settings, Method::Auto, COLUMNS).expect("an estimator");
-    let told = work.take(ROWS).map(|mut row| {
+    let rows = work.take(ROWS).map(|mut row| {
         if row.time >= FROM {
             wrong(&mut row);
         }
-        let sample = Sample {
-            time: row.time,
-            velocity: row.swing_velocity,
-            torque: row.swing_torque,
-            posture: row.posture,
-            ..Sample::default()
-        };
-        (row, estimator.step(&sample))
+        row
     });
-    told.collect()
+    told::told(rows, &settings, Method::Auto)
 }
 
 #[test]

@@ -1,31 +1,14 @@
 //! What the excavator's estimators say while something happens: a story each.
 
-use estimation::excavator::{Columns, Estimate, Method, Sample, Settings, SwingEstimator};
+mod told;
+
+use estimation::excavator::{Estimate, Method, Settings};
 use sim::excavator::{Row, Story};
 use sim::fault::{FaultKind, ROW};
 
-const COLUMNS: Columns = Columns {
-    velocity: true,
-    angle: false,
-    torque: true,
-    posture: true,
-};
-
 /// What a method says of each row of a story.
 fn told(story: &Story, method: Method) -> Vec<(Row, Estimate)> {
-    let settings = Settings::default();
-    let mut estimator = SwingEstimator::new(&settings, method, COLUMNS).expect("an estimator");
-    let told = story.clone().rows().map(|row| {
-        let sample = Sample {
-            time: row.time,
-            velocity: row.swing_velocity,
-            torque: row.swing_torque,
-            posture: row.posture,
-            ..Sample::default()
-        };
-        (row, estimator.step(&sample))
-    });
-    told.collect()
+    told::told(story.clone().rows(), &Settings::default(), method)
 }
 
 /// Nothing that is trusted lies outside of three standard deviations and more than 4 % off.

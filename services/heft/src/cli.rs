@@ -44,6 +44,20 @@ pub struct DescriptionArgs {
     pub set: Vec<String>,
 }
 
+/// What estimates are made with.
+#[derive(Debug, Args)]
+pub struct EstimationArgs {
+    /// Signal map (TOML)
+    #[arg(long)]
+    pub map: Option<PathBuf>,
+    /// Method; see the README for the list
+    #[arg(long)]
+    pub method: Option<String>,
+    /// The machine's description
+    #[command(flatten)]
+    pub description: DescriptionArgs,
+}
+
 /// Many inputs in one command.
 #[derive(Debug, Args)]
 pub struct ManyArgs {

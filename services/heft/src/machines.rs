@@ -288,9 +288,9 @@ impl<M: Typed> Entry for M {
         output: &Path,
         description: &Description,
     ) -> Result<(), Failure> {
-        let map = sources::map(args.map.as_deref())?;
+        let map = sources::map(args.with.map.as_deref())?;
         let samples = recording::open::<M::Sensors>(file, map.as_ref())?;
-        let method = estimate::method(args.machine, args.method.as_deref());
+        let method = estimate::method(args.machine, args.with.method.as_deref());
         if let Some((first, _)) = samples.rows()?.next() {
             M::check(description, method, &first)?;
         }

@@ -14,31 +14,26 @@ const CHANNEL: u64 = 0x6566;
 impl Effects {
     /// The effects of the machine with this seed.
     pub fn by_chance(seed: u64) -> Self {
-        let noise = &mut Noise::channel(seed, CHANNEL);
-        let largest = |of: fn(&Self) -> f64| CASES.iter().map(|c| of(&c.2)).fold(0.0, f64::max);
-        let mut some = |of: fn(&Self) -> f64| {
-            let severity = noise.uniform(0.0, largest(of));
-            if noise.chance(EACH) { severity } else { 0.0 }
-        };
-        let (speed_delay, brakes) = (some(|e| e.speed_delay), some(|e| e.brakes));
-        let (steering, hinge) = (some(|e| e.steering), some(|e| e.hinge));
-        let (slope_follows, slope_lag) = (some(|e| e.slope_follows), some(|e| e.slope_lag));
-        let gear_delay = some(|e| e.gear_delay);
-        let stiffness_exponent = some(|e| e.stiffness_exponent);
-        let mut either = |of: fn(&Self) -> f64| some(of) - some(of);
-        let stiffness_difference = either(|e| e.stiffness_difference);
-        let radius_sensitivity = either(|e| e.radius_sensitivity);
-        let braking_stiffness = either(|e| e.braking_stiffness);
-        let (torque_gain, slope_bias) = (either(|e| e.torque_gain), either(|e| e.slope_bias));
-        let (mass_error, radius_error) = (either(|e| e.mass_error), either(|e| e.radius_error));
-        let mut some = |of: fn(&Self) -> f64| {
-            let severity = noise.uniform(0.0, largest(of));
-            if noise.chance(EACH) { severity } else { 0.0 }
-        };
-        let (roughness, rolling_resistance) =
-            (some(|e| e.roughness), some(|e| e.rolling_resistance));
-        let (torque_delay, speed_period) = (some(|e| e.torque_delay), some(|e| e.speed_period));
-        let jitter = some(|e| e.jitter);
+        let mut draw = Draw(Noise::channel(seed, CHANNEL));
+        let (speed_delay, brakes) = (draw.some(|e| e.speed_delay), draw.some(|e| e.brakes));
+        let (steering, hinge) = (draw.some(|e| e.steering), draw.some(|e| e.hinge));
+        let slope_follows = draw.some(|e| e.slope_follows);
+        let slope_lag = draw.some(|e| e.slope_lag);
+        let gear_delay = draw.some(|e| e.gear_delay);
+        let stiffness_exponent = draw.some(|e| e.stiffness_exponent);
+        let stiffness_difference = draw.either(|e| e.stiffness_difference);
+        let radius_sensitivity = draw.either(|e| e.radius_sensitivity);
+        let braking_stiffness = draw.either(|e| e.braking_stiffness);
+        let torque_gain = draw.either(|e| e.torque_gain);
+        let slope_bias = draw.either(|e| e.slope_bias);
+        let mass_error = draw.either(|e| e.mass_error);
+        let radius_error = draw.either(|e| e.radius_error);
+        let roughness = draw.some(|e| e.roughness);
+        let rolling_resistance = draw.some(|e| e.rolling_resistance);
+        let torque_delay = draw.some(|e| e.torque_delay);
+        let speed_period = draw.some(|e| e.speed_period);
+        let jitter = draw.some(|e| e.jitter);
+        let Draw(mut noise) = draw;
         Self {
             speed_delay,
             brakes,
@@ -72,5 +67,22 @@ impl Effects {
             mass_error,
             radius_error,
         }
+    }
+}
+
+/// Draws severities.
+struct Draw(Noise);
+
+impl Draw {
+    /// Of an effect that is there or not.
+    fn some(&mut self, of: fn(&Effects) -> f64) -> f64 {
+        let largest = CASES.iter().map(|c| of(&c.2)).fold(0.0, f64::max);
+        let severity = self.0.uniform(0.0, largest);
+        if self.0.chance(EACH) { severity } else { 0.0 }
+    }
+
+    /// Of one that goes either way.
+    fn either(&mut self, of: fn(&Effects) -> f64) -> f64 {
+        self.some(of) - self.some(of)
     }
 }

@@ -117,14 +117,14 @@ impl Monitor {
         let radius_ripple = keys.c_rho * sensitivity * speed / radius;
         let rate = sqrt((REFERENCE_STEP / step.dt).max(1.0));
         let settle = (step.dt * speed.max(LEAST_ROLLING_SPEED) / RELAXATION_LENGTH).min(1.0);
-        let share = if step.learns_ripple {
-            self.ripple.share(keys.c_b)
-        } else {
-            keys.c_b
-        };
         let usual = keys.c_b * keys.c_b;
+        let square = if step.learns_ripple {
+            self.ripple.square(usual)
+        } else {
+            usual
+        };
         let together = (TOGETHER / step.dt.max(REFERENCE_STEP)).max(1.0);
-        let weight = usual + together * (share * share - usual);
+        let weight = usual + together * (square - usual);
         core::array::from_fn(|i| {
             let torque = [step.inputs.front_torque, step.inputs.rear_torque][i];
             self.lagged_torque[i] += settle * (torque - self.lagged_torque[i]);
@@ -142,13 +142,11 @@ impl Monitor {
             }
         })
     }
-}
 
-impl Monitor {
     /// By what share slips that waver more than usual are larger in the mean.
     pub fn wavering(&self, keys: &Estimator) -> f64 {
-        let share = self.ripple.share(keys.c_b);
-        share * share - keys.c_b * keys.c_b
+        let usual = keys.c_b * keys.c_b;
+        self.ripple.square(usual) - usual
     }
 
     /// Innovations of both wheels that were accepted, with the standard deviations of their predictions, `dt` after the last [rad/s].

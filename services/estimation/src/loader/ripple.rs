@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | w | `by_slip` | wheel speed that the slip of the torque makes up [rad/s] |
 //! | V | `variance` | variance of the innovation without wavering: sensor, radius, relaxation, prediction |
-//! | c | `share` | standard deviation of the slip, as a share of it |
+//! | c^2 | `square` | variance of the slip, as a share of its square |
 //! | nu | `innovation` | innovation of the wheel speed [rad/s] |
 //!
 //! On a rough road axle loads, and with them the slips, waver by far more than on asphalt; time stamps that jitter make noise that
@@ -40,19 +40,17 @@ pub(super) struct Wavering {
 }
 
 impl Ripple {
-    /// c, at least `usual` (c_b).
-    pub fn share(&self, usual: f64) -> f64 {
+    /// c^2, at least `usual` (c_b^2).
+    pub fn square(&self, usual: f64) -> f64 {
         let [sum, weight] = self.sums;
-        let least = usual * usual;
-        crate::math::sqrt(((sum + PRIOR_ROWS * least) / (weight + PRIOR_ROWS)).max(least))
+        ((sum + PRIOR_ROWS * usual) / (weight + PRIOR_ROWS)).max(usual)
     }
 
     /// Takes a row's innovation of a wheel [rad/s].
     pub fn see(&mut self, innovation: f64, row: &Wavering, usual: f64) {
         let slip = row.by_slip * row.by_slip;
         let usually = row.variance + usual * usual * slip;
-        let now = self.share(usual);
-        let most = MOST * MOST * (row.variance + now * now * slip);
+        let most = MOST * MOST * (row.variance + self.square(usual * usual) * slip);
         let expected = usual * usual * slip / usually;
         let weight = expected * expected;
         let excess = (innovation * innovation).min(most) - row.variance;
@@ -86,14 +84,14 @@ mod tests {
             ripple.forget(0.01);
             ripple.see(innovation, &row, 0.05);
         }
-        ripple.share(0.05)
+        ripple.square(0.05 * 0.05).sqrt()
     }
 
     #[test]
     fn slips_that_waver_are_found_and_no_less_than_usual_is_believed() {
         // 740 of 840 rows are the new ones.
         assert!((found(0.3, 0.05) / 0.3 - 1.0).abs() < 0.1);
-        assert_eq!(found(0.02, 0.05), 0.05);
-        assert_eq!(found(0.3, 0.0), 0.05);
+        assert!((found(0.02, 0.05) - 0.05).abs() < 1e-12);
+        assert!((found(0.3, 0.0) - 0.05).abs() < 1e-12);
     }
 }

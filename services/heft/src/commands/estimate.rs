@@ -15,7 +15,7 @@ use steps::stages::{AnyStep, Pipeline, Role};
 use view::estimate::Estimate;
 
 use self::found::Found;
-use crate::cli::{DescriptionArgs, ManyArgs, machine};
+use crate::cli::{EstimationArgs, ManyArgs, machine};
 use crate::commands::run::{description, tell_idle_keys};
 use crate::failure::Failure;
 use crate::machines::{self, Look};
@@ -31,15 +31,9 @@ pub struct EstimateArgs {
     /// The machine
     #[arg(long, value_parser = machine())]
     pub machine: Machine,
-    /// Signal map (TOML)
-    #[arg(long)]
-    pub map: Option<PathBuf>,
-    /// Method; see the README for the list
-    #[arg(long)]
-    pub method: Option<String>,
-    /// The machine's description
+    /// What they are made with
     #[command(flatten)]
-    pub description: DescriptionArgs,
+    pub with: EstimationArgs,
     /// Estimates, one row per accepted row of the input (CSV); if absent NAME.estimates.csv beside each input, with a summary in NAME.estimates.json
     #[arg(short, long, value_name = "OUT.csv")]
     pub output: Option<PathBuf>,
@@ -79,14 +73,14 @@ pub fn estimate(args: &EstimateArgs) -> Result<(), Failure> {
 /// One input in this process.
 fn one(args: &EstimateArgs, file: &Path, output: &Path) -> Result<(), Failure> {
     check_outputs(args, file, output)?;
-    let description = description(args.machine, &args.description)?;
+    let description = description(args.machine, &args.with.description)?;
     machines::entry(args.machine).estimate(args, file, output, &description)
 }
 
 /// Refuses to write over what is read, or over something else of value.
 fn check_outputs(args: &EstimateArgs, file: &Path, output: &Path) -> Result<(), Failure> {
-    let config = args.description.config.as_deref();
-    let inputs = [Some(file), args.map.as_deref(), config];
+    let config = args.with.description.config.as_deref();
+    let inputs = [Some(file), args.with.map.as_deref(), config];
     let mut taken: Vec<&Path> = inputs.into_iter().flatten().collect();
     let is_json = is_json_of("estimate");
     type IsOurs<'a> = &'a dyn Fn(&[u8]) -> bool;
@@ -143,8 +137,14 @@ pub fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
     put: impl Fn(usize, &mut E),
 ) -> Result<(), Failure> {
     samples.on_progress(parts::progress());
-    let mut way = way(description, method(args.machine, args.method.as_deref()))?;
-    tell_idle_keys(description, &[method(args.machine, args.method.as_deref())]);
+    let mut way = way(
+        description,
+        method(args.machine, args.with.method.as_deref()),
+    )?;
+    tell_idle_keys(
+        description,
+        &[method(args.machine, args.with.method.as_deref())],
+    );
     let mut writer = EstimateWriter::<E>::create(output)?;
     let metadata = metadata(args, description);
     let mut found = Found::<E>::new();
@@ -238,7 +238,7 @@ fn metadata(args: &EstimateArgs, description: &Description) -> Metadata {
         ("input", names.collect::<Vec<_>>().join(", ")),
         (
             "method",
-            method(args.machine, args.method.as_deref()).to_owned(),
+            method(args.machine, args.with.method.as_deref()).to_owned(),
         ),
         ("description.sha256", recording::sha256(&text)),
         ("description", text),

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use clap::Args;
 use messages::Machine;
 
-use crate::cli::{DescriptionArgs, machine};
+use crate::cli::{DescriptionArgs, EstimationArgs, machine};
 use crate::commands::estimate::{method, way};
 use crate::commands::run::{description, tell_idle_keys};
 use crate::failure::Failure;
@@ -24,15 +24,9 @@ pub struct ServeArgs {
     pub machine: Machine,
     /// The table (CSV); standard input if absent
     pub file: Option<PathBuf>,
-    /// Signal map (TOML)
-    #[arg(long)]
-    pub map: Option<PathBuf>,
-    /// Method; see the README for the list
-    #[arg(long)]
-    pub method: Option<String>,
-    /// The description of all of them
+    /// What they are made with
     #[command(flatten)]
-    pub description: DescriptionArgs,
+    pub with: EstimationArgs,
     /// At most one row a machine in so much of its time [s]; every row if 0
     #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = seconds)]
     pub every: f64,
@@ -54,8 +48,8 @@ fn seconds(text: &str) -> Result<f64, String> {
 
 /// `heft serve`
 pub fn serve(args: &ServeArgs) -> Result<(), Failure> {
-    let description = description(args.machine, &args.description)?;
-    let method = method(args.machine, args.method.as_deref());
+    let description = description(args.machine, &args.with.description)?;
+    let method = method(args.machine, args.with.method.as_deref());
     let entry = machines::entry(args.machine);
     let form = if args.messages {
         Form::Messages
@@ -68,13 +62,13 @@ pub fn serve(args: &ServeArgs) -> Result<(), Failure> {
     // What cannot work is said once, here.
     way(&description, method)?;
     tell_idle_keys(&description, &[method]);
-    let map = sources::map(args.map.as_deref())?;
+    let map = sources::map(args.with.map.as_deref())?;
     let input: Box<dyn Read> = match &args.file {
         Some(file) => Box::new(File::open(file).map_err(|e| Failure::file("read", file, &e))?),
         None => Box::new(stdin().lock()),
     };
     let shards = args.shards.map_or_else(usual_shards, NonZeroUsize::get);
-    let mut arguments = shard_arguments(args.machine, method, &args.description, args.every);
+    let mut arguments = shard_arguments(args.machine, method, &args.with.description, args.every);
     if args.messages {
         arguments.push("--messages".into());
     }

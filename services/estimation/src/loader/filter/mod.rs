@@ -473,12 +473,17 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         self.loosened[i] = sqrt(lost.max(0.0));
     }
 
-    /// The load sensitivity can be learnt from now on: it may be what tyres are, the ratio what goes with it, and the height, whose
-    /// product with it moves the radii, what it was before.
+    /// The load sensitivity can be learnt from now on: it may be what tyres are, the ratio what goes with it, and the height what
+    /// leaves its product with the sensitivity, which moves the radii, as it is. One that is known exactly opens nothing.
     fn open_sensitivity(&mut self, i: usize) {
         let std = WIDER * self.settings.load_sensitivity_std();
-        let ratio = RATIO_PER_SENSITIVITY * std * self.belief.state()[CG_RATIO];
-        let height = self.settings.prior.cg_height_std;
+        if std == 0.0 {
+            return;
+        }
+        let state = self.belief.state();
+        let ratio = RATIO_PER_SENSITIVITY * std * state[CG_RATIO];
+        let height = (state[CG_HEIGHT] * std / state[i]).abs();
+        let height = self.settings.prior.cg_height_std.min(height);
         for (i, std) in [(i, std), (CG_RATIO, ratio), (CG_HEIGHT, height)] {
             self.loosened[i] = sqrt(self.loosened[i] * self.loosened[i] + std * std);
         }

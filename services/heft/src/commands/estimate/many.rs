@@ -20,17 +20,17 @@ pub fn identity(args: &EstimateArgs, description: &Description) -> String {
     format!(
         "{} --method {}{smooth}, description {}",
         crate::build::IDENTITY,
-        super::method(args.machine, args.method.as_deref()),
+        super::method(args.machine, args.with.method.as_deref()),
         recording::sha256(description.to_toml())
     )
 }
 
 /// Each input in a process of its own.
 pub fn estimate(args: &EstimateArgs) -> Result<(), Failure> {
-    let description = description(args.machine, &args.description)?;
+    let description = description(args.machine, &args.with.description)?;
     super::way(
         &description,
-        super::method(args.machine, args.method.as_deref()),
+        super::method(args.machine, args.with.method.as_deref()),
     )?;
     if let Some(summary) = &args.summary {
         recording::output::check(summary, &[], many::is_summary)?;
@@ -66,7 +66,7 @@ fn is_done(args: &EstimateArgs, input: &Path, table: &Path, summary: &Path, same
         .filter(|_| is_recording(input));
     let mut sources: Vec<&Path> = parts.iter().flat_map(|r| r.files()).collect();
     sources.push(input);
-    sources.extend(args.map.as_deref());
+    sources.extend(args.with.map.as_deref());
     let made_by = read(summary).and_then(|s| Some(s.get("heft")?.as_str()?.ends_with(same)));
     many::is_newer(table, &sources) && many::is_newer(summary, &sources) && made_by == Some(true)
 }
@@ -84,18 +84,19 @@ fn arguments(args: &EstimateArgs, input: &Path, table: &Path, summary: &Path) ->
     let mut option = |name: &str, value: &Path| all.extend([name.into(), value.into()]);
     option("--output", table);
     option("--json", summary);
-    if let Some(map) = args.map.as_deref().filter(|_| !is_recording(input)) {
+    if let Some(map) = args.with.map.as_deref().filter(|_| !is_recording(input)) {
         option("--map", map);
     }
-    if let Some(config) = &args.description.config {
+    if let Some(config) = &args.with.description.config {
         option("--config", config);
     }
     for (name, value) in args
+        .with
         .description
         .set
         .iter()
         .map(|s| ("--set", s))
-        .chain(args.method.iter().map(|m| ("--method", m)))
+        .chain(args.with.method.iter().map(|m| ("--method", m)))
     {
         all.extend([name.into(), value.into()]);
     }
