@@ -72,10 +72,10 @@ fn work(effects: Effects, seed: u64) -> Run {
 /// The methods that are judged, on the same rows.
 const METHODS: [Method; 2] = [Method::Full, Method::FullEkf];
 
-/// Drives the product through a run; `look` sees each answer, with the index of its method.
+/// Drives the product through a run; `tell` says more of the machine, `look` sees each answer, with the index of its method.
 fn drive(
     run: &Run,
-    calibrated: bool,
+    tell: impl Fn(&mut Settings),
     mut look: impl FnMut(usize, &Row, &Estimate),
 ) -> Result<(), Error> {
     let mut simulation = Simulation::new(run).map_err(Error::refused)?;
@@ -84,10 +84,7 @@ fn drive(
         return Ok(());
     };
     let mut settings = scaled(candidate.settings(&told, &first), run.size);
-    if calibrated {
-        settings.sensors.slope_delay = run.effects.slope_lag;
-        settings.sensors.slope_follows = run.effects.slope_follows;
-    }
+    tell(&mut settings);
     let columns = Columns {
         acceleration: true,
         ..Columns::default()
@@ -110,7 +107,13 @@ fn drive(
 /// Ratio and height of each method.
 fn tally(run: &Run, calibrated: bool) -> Result<[[Tally; 2]; 2], Error> {
     let mut tallies: [[Tally; 2]; 2] = Default::default();
-    drive(run, calibrated, |k, row, estimate| {
+    let tell = |settings: &mut Settings| {
+        if calibrated {
+            settings.sensors.slope_delay = run.effects.slope_lag;
+            settings.sensors.slope_follows = run.effects.slope_follows;
+        }
+    };
+    drive(run, tell, |k, row, estimate| {
         for (tally, judged) in tallies[k].iter_mut().zip(judge(row, estimate)) {
             tally.push(&judged);
         }
@@ -216,6 +219,33 @@ mod tests {
     }
 
     #[test]
+    fn a_load_sensitivity_that_is_known_exactly_opens_nothing_when_the_loader_reverses() {
+        let run = work(effects("reversing", "radius sensitivity -.005"), 1);
+        // Largest growth of the height's standard deviation from row to row, about when the loader has been driven both ways [m].
+        let growth = |tell: fn(&mut Settings)| {
+            let (mut last, mut most, mut ways) = ([f64::INFINITY; 2], 0.0, [0; 2]);
+            drive(&run, tell, |k, row, estimate| {
+                if row.truth.speed.abs() > 0.5 {
+                    ways[usize::from(row.truth.speed > 0.0)] += 1;
+                }
+                let (std, rows) = (estimate.cg_height.std, ways[0].min(ways[1]) / METHODS.len());
+                if (50..200).contains(&rows) {
+                    most = f64::max(most, std - last[k]);
+                }
+                last[k] = std;
+            })
+            .unwrap();
+            most
+        };
+        let known = growth(|settings| {
+            settings.machine.radius_load_sensitivity_std = 0.0;
+            settings.estimator.load_sensitivity_floor = 0.0;
+        });
+        let unknown = growth(|_| ());
+        assert!(unknown > 0.03 && known < 0.003, "{unknown} {known}");
+    }
+
+    #[test]
     fn slips_that_waver_make_nothing_wrong_trusted() {
         for (effect, severity) in [("rough road", "ISO 8608 D"), ("jitter", "10 ms")] {
             let run = work(effects(effect, severity), 4);
@@ -258,16 +288,20 @@ mod tests {
                 ..work(effects("none", ""), 2)
             };
             let (mut named, mut wrong) = (0, 0);
-            drive(&run, false, |_, row, estimate| {
-                let gone = (40.6..49.9).contains(&row.time) && row.truth.speed > 1.0;
-                if gone {
-                    assert!(!estimate.fresh, "{fault} at {}", row.time);
-                    assert!(!estimate.trusted_ratio && !estimate.trusted_height);
-                    named += u32::from(estimate.reason.name() == reason);
-                }
-                let away = (estimate.cg_ratio.value / row.truth.cg_ratio - 1.0).abs();
-                wrong += u32::from(estimate.trusted_ratio && away > 0.1);
-            })
+            drive(
+                &run,
+                |_| (),
+                |_, row, estimate| {
+                    let gone = (40.6..49.9).contains(&row.time) && row.truth.speed > 1.0;
+                    if gone {
+                        assert!(!estimate.fresh, "{fault} at {}", row.time);
+                        assert!(!estimate.trusted_ratio && !estimate.trusted_height);
+                        named += u32::from(estimate.reason.name() == reason);
+                    }
+                    let away = (estimate.cg_ratio.value / row.truth.cg_ratio - 1.0).abs();
+                    wrong += u32::from(estimate.trusted_ratio && away > 0.1);
+                },
+            )
             .unwrap();
             assert!(named > 1000 && wrong == 0, "{fault}: {named}, {wrong}");
         }
