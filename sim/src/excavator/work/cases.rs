@@ -157,6 +157,14 @@ pub fn cases() -> Vec<(&'static str, &'static str, Effects)> {
             },
         ),
         (
+            "jitter",
+            "10 ms",
+            Effects {
+                jitter: 0.01,
+                ..none
+            },
+        ),
+        (
             "relief valve",
             "30 %",
             Effects {

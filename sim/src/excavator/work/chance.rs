@@ -41,7 +41,7 @@ impl Effects {
             mass_error: some(none.mass_error, 0.0, 0.03),
             length_error: some(none.length_error, 0.0, 0.015),
             angle_error: some(none.angle_error, 0.0, 1f64.to_radians()),
-            jitter: some(none.jitter, 0.0, 0.005),
+            jitter: some(none.jitter, 0.0, 0.01),
             relief: some(none.relief, 0.0, 0.2),
             dumps_swinging: noise.chance(EACH),
             inclinometer: noise.chance(2.0 * EACH),

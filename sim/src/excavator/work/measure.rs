@@ -124,7 +124,7 @@ impl Work {
 
     fn measure(&mut self) -> Row {
         let time = self.sample as f64 * f64::from(STEPS) * STEP;
-        let late = (self.effects.jitter * self.normal(2)).clamp(-0.004, 0.004);
+        let late = self.effects.jitter * self.normal(2);
         self.stamp = if self.sample == 0 {
             0.0
         } else {

@@ -3,7 +3,8 @@
 //! Sensors break while the machine works, and the filter takes a wrong torque, velocity or angle for another payload.
 //! Three things speak against that: an emptied bucket that weighs more or less than nothing, a payload that changes though no
 //! joint moves it, and a rival filter that wins ([`super::rival`]). None says which sensor it is. What is contradicted is not
-//! believed until emptied buckets weigh nothing again, in swings without another contradiction.
+//! believed until emptied buckets weigh nothing again, in swings without another contradiction; until then the interval says
+//! that the bucket may hold anything.
 
 /// Emptied buckets that must weigh nothing after an outright contradiction.
 const REGAINED: u8 = 2;

@@ -355,7 +355,15 @@ impl Working {
         let described = self.inertia_share * drive.now.empty;
         let down = !standing && drive.posture[0] < DOWN;
         let variance = p[M][M].max(0.0) * self.agreement.factor();
-        let payload_std = sqrt(variance + self.rival.variance(payload));
+        let contradicted = self.contradiction.is_open() || self.is_beyond();
+        let anything = if contradicted {
+            // Uniform in its range, about the estimate.
+            let (width, middle) = (most - least, 0.5 * (most + least));
+            width * width / 12.0 + (payload - middle) * (payload - middle)
+        } else {
+            0.0
+        };
+        let payload_std = sqrt(variance + self.rival.variance(payload) + anything);
         let carried = payload_std * drive.now.per_payload;
         State {
             inertia: drive.now.with_payload(payload),
@@ -370,8 +378,7 @@ impl Working {
             unsettled: at_limit
                 || down
                 || self.bucket.is_settling()
-                || self.contradiction.is_open()
-                || self.is_beyond()
+                || contradicted
                 || self.change.level() > SUSPICIOUS,
             opening: self.bucket.is_open(),
             reason: if down {
