@@ -20,7 +20,8 @@
 //! | tau | [`DELAY`] | how much later the velocity comes than the torque | s |
 //!
 //! All but w and m are constants of the machine and its place. Only row W of the transition differs from the
-//! identity, so a step costs two passes over the covariance.
+//! identity, so a step costs two passes over the covariance. It lies column by column: the sums along all its rows run side by
+//! side, each in its order.
 
 use super::smoother::Trail;
 use crate::kalman::Innovation;
@@ -83,6 +84,7 @@ pub(super) struct Input {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Filter {
     pub(super) x: Vector,
+    /// Covariance, column by column; symmetric but for rounding.
     pub(super) p: [Vector; N],
     /// Acceleration over the last step [rad/s^2].
     pub(super) acceleration: f64,
@@ -143,10 +145,7 @@ impl Filter {
             trail.row(W, &row);
         }
 
-        let mut column = [0.0; N];
-        for (c, line) in column.iter_mut().zip(&self.p) {
-            *c = dot(line, &row);
-        }
+        let column = self.along(row.into_iter().enumerate());
         let variance = dot(&column, &row) + input.torque_variance * step * step;
         for (i, &covariance) in column.iter().enumerate() {
             self.p[W][i] = covariance;
@@ -197,35 +196,47 @@ impl Filter {
         gate: f64,
         trail: &mut Option<Trail>,
     ) -> Innovation {
-        let along = |line: &Vector| {
-            let mut sum = 0.0;
-            for (i, entry) in row {
-                sum += line[i] * entry;
-            }
-            sum
-        };
-        let column = self.p.each_ref().map(along);
-        let total = along(&column) + variance;
+        let column = self.along(row.into_iter());
+        let total = row.iter().fold(0.0, |sum, (i, entry)| sum + column[*i] * entry) + variance;
         let gated = total.max(value * value / (gate * gate));
         let share = 1.0 / gated;
+        let gain = column.map(|c| c * share);
         if let Some(trail) = trail {
             let mut whole = [0.0; N];
             for (i, entry) in row {
                 whole[i] = entry;
             }
-            trail.measured(&whole, &column.map(|c| c * share), value, gated);
+            trail.measured(&whole, &gain, value, gated);
         }
         for i in 0..N {
-            let gain = column[i] * share;
-            self.x[i] += gain * value;
-            for (p, c) in self.p[i].iter_mut().zip(&column) {
-                *p -= gain * c;
+            self.x[i] += gain[i] * value;
+        }
+        for (p, c) in self.p.iter_mut().zip(&column) {
+            for i in 0..N {
+                p[i] -= gain[i] * c;
             }
         }
         Innovation {
             value,
             variance: total,
         }
+    }
+
+    /// Covariance of every state with a combination of some of them.
+    #[inline(always)]
+    fn along(&self, entries: impl Iterator<Item = (usize, f64)>) -> Vector {
+        let mut sums = [0.0; N];
+        for (j, entry) in entries {
+            for (sum, covariance) in sums.iter_mut().zip(&self.p[j]) {
+                *sum += covariance * entry;
+            }
+        }
+        sums
+    }
+
+    /// Row `i` of the covariance.
+    pub(super) fn row(&self, i: usize) -> Vector {
+        self.p.map(|column| column[i])
     }
 
     /// State `i` takes a new value with a variance, independent of all others.

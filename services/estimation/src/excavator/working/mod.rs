@@ -176,7 +176,7 @@ impl Working {
         };
         let anew = core::mem::take(&mut self.anew);
         if let Some(trail) = trail {
-            trail.finish(&self.filter.x, &self.filter.p);
+            trail.finish(&self.filter);
             trail.anew = anew;
             trail.range = settings.payload_range();
             trail.described = self.inertia_share * drive.now.empty;
@@ -208,6 +208,7 @@ impl Working {
     fn set_off(&mut self, velocity: f64, drive: &Drive, trail: &mut Option<Trail>) -> Innovation {
         let innovation = self.rest(velocity, drive.variance / 4.0 + 0.02 * 0.02, trail);
         let acceleration = drive.torque / drive.now.with_payload(self.filter.x[M]);
+        let of_delay = self.filter.row(DELAY);
         let (x, p) = (&mut self.filter.x, &mut self.filter.p);
         if let Some(trail) = trail {
             let mut row = [0.0; N];
@@ -215,7 +216,6 @@ impl Working {
             trail.row(W, &row);
         }
         x[W] += x[DELAY] * acceleration;
-        let of_delay = p[DELAY];
         let variance = p[W][W];
         for (i, covariance) in of_delay.iter().enumerate() {
             p[W][i] = acceleration * covariance;

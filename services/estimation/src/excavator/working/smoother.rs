@@ -11,7 +11,7 @@
 //! Nothing is inverted, so states that are known exactly do no harm, and a state that is set anew is a transition with a row of
 //! zeros: what comes after it says nothing of before. The model is the filter's, linearised where the filter went.
 
-use super::filter::{M, N, Vector, dot};
+use super::filter::{Filter, M, N, Vector, dot};
 use crate::Quantity;
 use crate::math::sqrt;
 
@@ -91,9 +91,9 @@ impl Trail {
     }
 
     /// The state after the tick.
-    pub(super) fn finish(&mut self, x: &Vector, p: &[Vector; N]) {
-        self.payload = x[M];
-        self.covariance = p[M];
+    pub(super) fn finish(&mut self, filter: &Filter) {
+        self.payload = filter.x[M];
+        self.covariance = filter.row(M);
     }
 }
 
@@ -208,7 +208,7 @@ impl Smoother {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::excavator::working::filter::{Filter, OFFSET, W};
+    use crate::excavator::working::filter::{OFFSET, W};
 
     #[test]
     fn a_constant_that_was_measured_twice_is_the_same_at_both_times() {
@@ -223,7 +223,7 @@ mod tests {
             let innovation = value - filter.x[M];
             filter.measure([(M, 1.0)], innovation, 100.0, 1e9, &mut trail);
             let mut trail = trail.expect("a trail");
-            trail.finish(&filter.x, &filter.p);
+            trail.finish(&filter);
             trail
         });
         let mut smoother = Smoother::default();
@@ -241,12 +241,12 @@ mod tests {
         let mut filter = Filter::new([0.0; N], &std);
         let mut before = Trail::NOTHING;
         before.range = [-1e9, 1e9];
-        before.finish(&filter.x, &filter.p);
+        before.finish(&filter);
         let mut after = Some(before);
         filter.set(M, 0.0, 1e4, &mut after);
         filter.measure([(M, 1.0)], 300.0, 1.0, 1e9, &mut after);
         let mut after = after.expect("a trail");
-        after.finish(&filter.x, &filter.p);
+        after.finish(&filter);
         let mut smoother = Smoother::default();
         assert!(smoother.back(&after).payload.value > 290.0);
         let old = smoother.back(&before).payload;
