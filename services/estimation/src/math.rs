@@ -126,20 +126,6 @@ fn horner<T: Scalar, const K: usize>(x: T, coefficients: [f64; K]) -> T {
     sum
 }
 
-/// Whether every number is one.
-pub(crate) fn all_finite(values: &[f64]) -> bool {
-    // A sum is a number only if all its terms are; one of very large numbers may be none all the same.
-    let mut lanes = [0.0; 4];
-    let (chunks, rest) = values.as_chunks::<4>();
-    for chunk in chunks {
-        for (lane, value) in lanes.iter_mut().zip(chunk) {
-            *lane += value;
-        }
-    }
-    let sum: f64 = rest.iter().chain(&lanes).sum();
-    sum.is_finite() || values.iter().all(|value| value.is_finite())
-}
-
 /// Nearest integer, halves away from zero.
 #[inline]
 pub fn round(x: f64) -> f64 {
@@ -149,19 +135,6 @@ pub fn round(x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn one_that_is_no_number_is_found_anywhere() {
-        let numbers = [-0.0, 1e308, -1e308, f64::MIN_POSITIVE, 5.0, 6.0, 7.0];
-        assert!(all_finite(&numbers) && all_finite(&[]));
-        for other in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-            for i in 0..numbers.len() {
-                let mut numbers = numbers;
-                numbers[i] = other;
-                assert!(!all_finite(&numbers), "{other} at {i}");
-            }
-        }
-    }
 
     #[test]
     fn the_short_forms_are_the_functions() {

@@ -177,8 +177,9 @@ impl SwingEstimator {
                 }
             }
         }
-        self.last = self.estimate(&sample, reset);
-        self.last
+        let answer = self.estimate(&sample, reset);
+        self.last = answer;
+        answer
     }
 
     /// Keeps what each tick does for [`Self::step_with`]; false where this method has nothing to keep.
@@ -213,10 +214,8 @@ impl SwingEstimator {
             velocity_variance: tick.velocity_variance * self.noise_ratio(),
             ..*tick
         };
-        let reading = self.core.step(&self.settings, &tick, self.method, trail);
-        if self.core.is_sound() {
-            self.reading = Some(reading);
-        } else {
+        self.reading = Some(self.core.step(&self.settings, &tick, self.method, trail));
+        if !self.core.is_sound() {
             self.restart(false);
             *trail = None;
             reset = true;

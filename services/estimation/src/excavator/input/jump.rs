@@ -81,6 +81,9 @@ impl Jump {
 
 /// The same angle within half a turn.
 fn turned(angle: f64) -> f64 {
+    if angle.abs() <= PI {
+        return angle;
+    }
     let angle = angle % TAU;
     if angle > PI {
         angle - TAU
