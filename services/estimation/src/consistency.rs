@@ -13,6 +13,7 @@ pub struct NisWindow<const N: usize> {
     next: usize,
     filled: usize,
     limit: f64,
+    mean: f64,
 }
 
 impl<const N: usize> NisWindow<N> {
@@ -23,6 +24,7 @@ impl<const N: usize> NisWindow<N> {
             next: 0,
             filled: 0,
             limit,
+            mean: 1.0,
         }
     }
 
@@ -31,14 +33,12 @@ impl<const N: usize> NisWindow<N> {
         self.values[self.next] = nis.min(self.limit);
         self.next = (self.next + 1) % N;
         self.filled = (self.filled + 1).min(N);
+        self.mean = self.values[..self.filled].iter().sum::<f64>() / self.filled as f64;
     }
 
     /// Mean of what is in the window; 1, the expected value, while it is empty.
     pub fn mean(&self) -> f64 {
-        if self.filled == 0 {
-            return 1.0;
-        }
-        self.values[..self.filled].iter().sum::<f64>() / self.filled as f64
+        self.mean
     }
 }
 
