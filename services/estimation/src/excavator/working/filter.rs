@@ -197,7 +197,10 @@ impl Filter {
         trail: &mut Option<Trail>,
     ) -> Innovation {
         let column = self.along(row.into_iter());
-        let total = row.iter().fold(0.0, |sum, (i, entry)| sum + column[*i] * entry) + variance;
+        let total = row
+            .iter()
+            .fold(0.0, |sum, (i, entry)| sum + column[*i] * entry)
+            + variance;
         let gated = total.max(value * value / (gate * gate));
         let share = 1.0 / gated;
         let gain = column.map(|c| c * share);
