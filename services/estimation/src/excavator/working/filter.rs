@@ -211,12 +211,12 @@ impl Filter {
             }
             trail.measured(&whole, &gain, value, gated);
         }
-        for i in 0..N {
-            self.x[i] += gain[i] * value;
+        for (x, g) in self.x.iter_mut().zip(&gain) {
+            *x += g * value;
         }
-        for (p, c) in self.p.iter_mut().zip(&column) {
-            for i in 0..N {
-                p[i] -= gain[i] * c;
+        for (column, c) in self.p.iter_mut().zip(&column) {
+            for (p, g) in column.iter_mut().zip(&gain) {
+                *p -= g * c;
             }
         }
         Innovation {
