@@ -23,6 +23,7 @@ const NONE: Effects = Effects {
     torque_gain: 0.0,
     torque_delay: 0.0,
     slope_bias: 0.0,
+    acceleration_offset: 0.0,
     speed_period: 0.0,
     jitter: 0.0,
     mass_error: 0.0,

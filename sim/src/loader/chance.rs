@@ -62,6 +62,7 @@ impl Effects {
             torque_gain,
             torque_delay,
             slope_bias,
+            acceleration_offset: 0.0,
             speed_period,
             jitter,
             mass_error,

@@ -11,7 +11,7 @@
 //! | tyres | the stiffness of the axles differs, and that of braking from that of driving; it falls with the load as (F_z/F_0)^-p; the radius gives more than is told |
 //! | ground | the road is rougher; every other 15 m roll harder |
 //! | reversing | every other run is driven backwards, as a loader does |
-//! | sensors | torques with a gain, or late; a bias of the slope; a speed that comes seldom; time stamps that jitter |
+//! | sensors | torques with a gain, or late; a bias of the slope, a zero of the accelerometer; a speed that comes seldom; time stamps that jitter |
 //! | data sheet | the mass, the radii |
 //! | payload | the mass is told and the boom is not, or neither |
 
@@ -87,6 +87,8 @@ pub struct Effects {
     pub torque_delay: f64,
     /// The slope sensor shows so much too much [rad].
     pub slope_bias: f64,
+    /// The accelerometer shows so much too much [m/s^2].
+    pub acceleration_offset: f64,
     /// The speed comes only so often [s]; 0 with every row.
     pub speed_period: f64,
     /// Standard deviation of the time stamps [s].

@@ -55,6 +55,8 @@ pub struct Road {
     slope: Vec<f64>,
     /// Height [m] and its derivative along the road.
     profile: Vec<[f64; 2]>,
+    /// Where a machine that drives the other way round sets out [m].
+    turned_at: Option<f64>,
 }
 
 impl Road {
@@ -69,18 +71,42 @@ impl Road {
         Self {
             slope: slopes(surface, &phases.slope),
             profile,
+            turned_at: None,
         }
+    }
+
+    /// The same road for a machine that sets out so far along it and drives back [m].
+    #[must_use]
+    pub fn turned(self, turned_at: Option<f64>) -> Self {
+        Self { turned_at, ..self }
     }
 
     /// Slope at distance `x`, positive uphill [rad].
     pub fn slope(&self, x: f64) -> f64 {
+        match self.turned_at {
+            None => self.slope_there(x),
+            Some(at) => -self.slope_there(at - x),
+        }
+    }
+
+    /// Height above the smooth road [m] and its derivative along the road, at distance `x`.
+    pub fn profile(&self, x: f64) -> [f64; 2] {
+        match self.turned_at {
+            None => self.profile_there(x),
+            Some(at) => {
+                let [height, derivative] = self.profile_there(at - x);
+                [height, -derivative]
+            }
+        }
+    }
+
+    fn slope_there(&self, x: f64) -> f64 {
         let (k, share) = cell(x);
         let k = k.rem_euclid(SLOPE_PERIOD as i64) as usize;
         self.slope[k] + share * (self.slope[k + 1] - self.slope[k])
     }
 
-    /// Height above the smooth road [m] and its derivative along the road, at distance `x`.
-    pub fn profile(&self, x: f64) -> [f64; 2] {
+    fn profile_there(&self, x: f64) -> [f64; 2] {
         let (k, share) = cell(x);
         if k < 0 {
             return self.profile[0];
@@ -189,6 +215,17 @@ mod tests {
                 (road.slope(x - 0.01) - road.slope(x + 0.01)).abs() < 1e-3,
                 "{x}"
             );
+        }
+    }
+
+    #[test]
+    fn driven_back_the_road_goes_down_where_it_went_up() {
+        let there = Road::new(&SURFACE, &Phases::draw(&mut Noise::new(4)));
+        let back = there.clone().turned(Some(200.0));
+        for x in [5.0, 60.0, 195.5] {
+            assert_eq!(back.slope(x), -there.slope(200.0 - x));
+            let ([h, d], [height, derivative]) = (back.profile(x), there.profile(200.0 - x));
+            assert_eq!([h, -d], [height, derivative]);
         }
     }
 

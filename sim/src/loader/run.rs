@@ -24,6 +24,10 @@ pub struct Run {
     pub machine_seed: Option<u64>,
     /// Determines a machine whose tyres are on this one: slip stiffness, radii, relaxation.
     pub tyres_seed: Option<u64>,
+    /// Determines the road instead, so that several runs go the same way.
+    pub road_seed: Option<u64>,
+    /// So far along the road the machine is turned round and drives back [m]; none drives there.
+    pub turned_at: Option<f64>,
     /// The sensors.
     pub grade: Grade,
     /// How well the machine is known.
@@ -49,6 +53,8 @@ impl Run {
             seed: 0,
             machine_seed: None,
             tyres_seed: None,
+            road_seed: None,
+            turned_at: None,
             grade: Grade::Resolver,
             tier: Tier::A,
             size: Size::Reference,

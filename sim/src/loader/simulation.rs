@@ -123,7 +123,9 @@ impl Simulation {
         if run.effects.roughness > 0.0 {
             surface.roughness = run.effects.roughness;
         }
-        let road = Road::new(&surface, &Phases::draw(&mut stream(ROAD_STREAM)));
+        let ground = run.road_seed.unwrap_or(run.seed);
+        let phases = Phases::draw(&mut Noise::channel(ground, ROAD_STREAM));
+        let road = Road::new(&surface, &phases).turned(run.turned_at);
         let mut driver = Driver::new(run.scenario, run.payload, &machine, stream(DRIVER_STREAM))
             .reversing(run.effects.reverses);
         let mut acts = Acts {
@@ -228,7 +230,9 @@ impl Simulation {
             front_torque: torque(front_torque * reported, known.front_torque_gain, noise[3]),
             rear_torque: torque(rear_torque * reported, known.rear_torque_gain, noise[4]),
             slope: slope + known.slope_bias + grade.slope_std() * noise[5],
-            acceleration: specific_force + grade.acceleration_std() * noise[6],
+            acceleration: specific_force
+                + effects.acceleration_offset
+                + grade.acceleration_std() * noise[6],
             mass: tells_mass.then_some(inputs.mass * known.mass_gain),
             spade_force_x: known.spade_force_x_known.then_some(inputs.spade_force_x),
             spade_force_z: Some(inputs.spade_force_z * known.spade_force_z_gain),
