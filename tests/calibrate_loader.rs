@@ -8,14 +8,15 @@ use std::process::Output;
 
 use common::{both, run, run_ok};
 use config::Tables as _;
-use sim::loader::{Effects, Machine, Run, Scenario, Simulation, Tier};
+use sim::loader::{Effects, Machine, Row, Run, Scenario, Simulation, Tier};
 
 const MACHINE: u64 = 7;
 const LOAD: f64 = 1500.0;
+const OFFSET: f64 = 0.05;
 
-/// A machine with tyres of its own and a late speed.
-fn drive(scenario: Scenario, course: u64, payload: Option<f64>) -> Simulation {
-    let run = Run {
+/// A machine with tyres of its own, a late speed and an accelerometer that is askew.
+fn run_of(scenario: Scenario, course: u64, payload: Option<f64>) -> Run {
+    Run {
         seed: 1000 * MACHINE + course,
         machine_seed: Some(MACHINE),
         tier: Tier::B,
@@ -24,30 +25,62 @@ fn drive(scenario: Scenario, course: u64, payload: Option<f64>) -> Simulation {
             stiffness_difference: 0.06,
             stiffness_exponent: 0.1,
             radius_sensitivity: 0.003,
+            acceleration_offset: OFFSET,
             ..Effects::default()
         },
         payload,
         duration: Some(100.0),
         ..Run::new(scenario)
+    }
+}
+
+fn drive(run: &Run) -> Simulation {
+    Simulation::new(run).expect("a run")
+}
+
+/// The way back from where a drive ended, as long as it was.
+fn back(there: &Run) -> Vec<Row> {
+    let way = |rows: &[Row]| -> f64 {
+        let steps = rows.windows(2);
+        steps
+            .map(|r| (r[1].time - r[0].time) * r[1].truth.speed)
+            .sum()
     };
-    Simulation::new(&run).expect("a run")
+    let length = way(&drive(there).collect::<Vec<_>>());
+    let run = Run {
+        road_seed: Some(there.seed),
+        turned_at: Some(length + 1.5),
+        duration: Some(200.0),
+        ..run_of(Scenario::Dither, 2, None)
+    };
+    let mut rows: Vec<Row> = drive(&run).collect();
+    while way(&rows) > length {
+        rows.truncate(rows.len() - 100);
+    }
+    rows
 }
 
 struct Recordings {
     folder: tempfile::TempDir,
     machine: Machine,
+    slope_bias: f64,
 }
 
 impl Recordings {
     fn new() -> Self {
+        let flat = run_of(Scenario::WorkCycle, 1, None);
         let recordings = Self {
             folder: tempfile::tempdir().expect("a folder"),
-            machine: *drive(Scenario::WorkCycle, 1, None).machine(),
+            machine: *drive(&flat).machine(),
+            slope_bias: drive(&flat).slope_bias(),
         };
-        recordings.write("flat.csv", drive(Scenario::WorkCycle, 1, None));
-        recordings.write("back.csv", drive(Scenario::Dither, 2, None));
-        recordings.write("loaded.csv", drive(Scenario::Dither, 3, Some(LOAD)));
-        recordings.write("still.csv", drive(Scenario::WorkCycle, 4, None).take(40));
+        recordings.write("flat.csv", drive(&flat));
+        recordings.write("back.csv", back(&flat).into_iter());
+        recordings.write(
+            "loaded.csv",
+            drive(&run_of(Scenario::Dither, 3, Some(LOAD))),
+        );
+        recordings.write("still.csv", drive(&flat).take(40));
         let mut scales = "pitch,front_load,rear_load\n".to_owned();
         let m = &recordings.machine;
         for pitch in [0.0, 0.0, 0.12, -0.12] {
@@ -107,7 +140,19 @@ fn three_drives_and_axle_scales_find_the_machine_within_its_intervals() {
     let scales = scales.to_str().expect("a path");
     let (result, output) = recordings.calibrate(
         &["flat.csv", "back.csv", "loaded.csv"],
-        &["--mass", "loaded.csv=6200±30", "--weigh", scales],
+        &[
+            "--mass",
+            "loaded.csv=6200±30",
+            "--weigh",
+            scales,
+            "--there-and-back",
+            "flat.csv,back.csv",
+        ],
+    );
+    assert!(
+        both(&result).contains("go the same way"),
+        "{}",
+        both(&result)
     );
     assert!(result.status.success(), "{}", both(&result));
     run_ok(&["check", output.to_str().expect("a path")]);
@@ -143,6 +188,28 @@ fn three_drives_and_axle_scales_find_the_machine_within_its_intervals() {
             d.sensors.speed_delay_std,
             0.05,
             5e-3,
+        ),
+        (
+            "zero of the accelerometer",
+            d.sensors.acceleration_offset,
+            d.sensors.acceleration_offset_std,
+            OFFSET,
+            0.02,
+        ),
+        (
+            "zero of the slope",
+            d.prior.slope_bias,
+            d.prior.slope_bias_std,
+            recordings.slope_bias,
+            3e-3,
+        ),
+        (
+            "rolling resistance",
+            d.machine.rolling_resistance,
+            // Stated as a comment.
+            1e-4,
+            m.rolling_resistance,
+            2e-4,
         ),
         (
             "front radius",

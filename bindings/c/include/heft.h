@@ -385,6 +385,8 @@ typedef struct {
     double wheel_speed_std; /* Noise of the wheel speeds. [rad/s] */
     double slope_std; /* Noise of the slope. [rad] */
     double acceleration_std; /* Noise of the specific force. [m/s^2] */
+    double acceleration_offset; /* Specific force that the accelerometer shows where there is none (its zero, and gravity where it is mounted askew), as calibrated. [m/s^2] */
+    double acceleration_offset_std; /* Its standard deviation; widens the reported interval of the ratio. [m/s^2] */
     double front_torque_gain; /* Measured over true torque of the front axle, as calibrated. */
     double rear_torque_gain; /* Measured over true torque of the rear axle, as calibrated. */
     double torque_gain_std; /* Standard deviation of each axle's torque gain; widens the reported interval of the ratio. */

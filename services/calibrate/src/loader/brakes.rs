@@ -50,11 +50,9 @@ pub fn differ(model: &Drives, place: &[f64]) -> Option<String> {
 fn points(model: &Drives, place: &[f64]) -> Vec<(f64, f64)> {
     let values = values(model, place);
     let mut points = Vec::new();
-    for block in 0..model.blocks() {
+    for (block, drive, stretch) in model.stretches() {
         let mut innovations = Vec::new();
         model.innovations(block, &values, &mut innovations);
-        let drive = &model.drives[model.recording(block)];
-        let stretch = model.stretch(block);
         let bins = drive.bins(stretch);
         let mut add = |rows: &[(usize, f64)], residual: f64| {
             let weight: f64 = rows.iter().map(|(_, w)| w).sum();

@@ -13,7 +13,7 @@ const SLOWEST: f64 = 0.7;
 const PERIOD: f64 = 0.05;
 /// Half the window that smooths torques and slope [s].
 const WINDOW: f64 = 0.011;
-/// Half the time over which a torque is differentiated [s].
+/// Half the time over which torque and slope are differentiated [s].
 const RATE: f64 = 0.051;
 /// Half the window that smooths the speed to find stretches [s].
 const SPEED_WINDOW: f64 = 0.1;
@@ -46,6 +46,8 @@ pub struct Drive {
     pub torque_rates: [Vec<f64>; 2],
     /// Slope as measured, smoothed, without holes [rad].
     pub slope: Vec<f64>,
+    /// Its rate [rad/s].
+    pub slope_rates: Vec<f64>,
     /// Specific force [m/s^2].
     pub acceleration: Vec<f64>,
     /// Mass as measured, in the middle; none without a column [kg].
@@ -104,6 +106,7 @@ impl Drive {
             ],
             torques: [front, rear],
             torque_rates,
+            slope_rates: rates(&time, &slope),
             slope,
             speed,
             mass: (!masses.is_empty()).then(|| percentile(masses, 0.5)),

@@ -7,8 +7,10 @@ use estimation::Quantity;
 use estimation::loader::weigh::Reference;
 
 use super::drive::Drive;
-use super::known::{MASS_STD, described, parameters};
-use super::residuals::{self, Guess};
+use super::guess::Guess;
+use super::known::{MASS_STD, described, mark, parameters, way_scatter};
+use super::residuals;
+use super::way::Way;
 use crate::model::{Innovation, Model};
 use crate::parameter::Parameter;
 
@@ -37,6 +39,8 @@ pub enum Role {
     Rolling,
     /// Zero of the slope.
     SlopeBias,
+    /// Zero of the accelerometer.
+    AccelerationOffset,
     /// Delay of the slope.
     SlopeDelay,
     /// Share of the acceleration that the slope sensor follows.
@@ -55,6 +59,10 @@ pub enum Role {
     ForceScatter,
     /// Scatter of the motion.
     MotionScatter,
+    /// Scatter of the slopes there and back.
+    WayScatter,
+    /// What is left of the shift between the marks of a way.
+    Mark(usize),
     /// Mass with a load.
     Mass(usize),
     /// Share in front with a load.
@@ -84,21 +92,30 @@ impl Role {
     /// Whether it is only about noise.
     #[must_use]
     pub fn is_noise(self) -> bool {
-        use Role::{ForceScatter, MotionScatter, SpeedScatter, WheelScatter};
+        use Role::{ForceScatter, MotionScatter, SpeedScatter, WayScatter, WheelScatter};
         matches!(
             self,
-            WheelScatter | SpeedScatter | ForceScatter | MotionScatter
+            WheelScatter | SpeedScatter | ForceScatter | MotionScatter | WayScatter
+        )
+    }
+
+    /// Whether it is about what the slope sensor shows.
+    fn is_of_slope(self) -> bool {
+        use Role::{AccelerationOffset, SlopeBias, SlopeDelay, SlopeFollows, WayScatter};
+        matches!(
+            self,
+            AccelerationOffset | SlopeBias | SlopeDelay | SlopeFollows | WayScatter
         )
     }
 
     /// Whether it only takes part with what is known of it, so that its tolerance counts in the others: lags and limits that
-    /// means over half a second hardly show, and where the load lies.
+    /// means over half a second hardly show, where the load lies, and the marks of a way.
     #[must_use]
     pub fn is_nuisance(self) -> bool {
-        use Role::{Friction, Lift, Reach, Relaxation, TorqueDelay};
+        use Role::{Friction, Lift, Mark, Reach, Relaxation, TorqueDelay};
         matches!(
             self,
-            Friction | Relaxation | TorqueDelay | Reach(_) | Lift(_)
+            Friction | Relaxation | TorqueDelay | Mark(_) | Reach(_) | Lift(_)
         ) || self.is_noise()
     }
 }
@@ -131,6 +148,15 @@ impl Told {
     }
 }
 
+/// A piece of the recordings with residuals of its own.
+#[derive(Debug, Clone, Copy)]
+enum Block {
+    /// Recording and number of a stretch of driving.
+    Stretch(usize, usize),
+    /// Number of a way there and back and of its section.
+    Section(usize, usize),
+}
+
 /// Drives of one machine.
 #[derive(Debug, Clone)]
 pub struct Drives {
@@ -144,8 +170,10 @@ pub struct Drives {
     pub roles: Vec<Role>,
     /// The parameters.
     pub parameters: Vec<Parameter>,
-    /// Recording and number of each block's stretch.
-    blocks: Vec<(usize, usize)>,
+    /// The ways that were driven there and back.
+    pub ways: Vec<Way>,
+    /// Stretches, and behind them sections of ways.
+    blocks: Vec<Block>,
     /// What no parameter changes.
     fixed: Guess,
 }
@@ -161,7 +189,7 @@ impl Drives {
         let (roles, parameters) = parameters(&drives, &loads, d).into_iter().unzip();
         let numbered = drives.iter().enumerate();
         let blocks = numbered
-            .flat_map(|(r, drive)| (0..drive.blocks.len()).map(move |k| (r, k)))
+            .flat_map(|(r, drive)| (0..drive.blocks.len()).map(move |k| Block::Stretch(r, k)))
             .collect();
         Self {
             drives,
@@ -169,6 +197,7 @@ impl Drives {
             loads,
             roles,
             parameters,
+            ways: Vec::new(),
             blocks,
             fixed: described(d),
         }
@@ -180,11 +209,39 @@ impl Drives {
         self.roles.iter().position(|r| *r == role)
     }
 
-    /// The rows of a block.
-    #[must_use]
-    pub fn stretch(&self, block: usize) -> &Range<usize> {
-        let (recording, number) = self.blocks[block];
-        &self.drives[recording].blocks[number]
+    /// The stretches of driving: the block, the recording, its rows.
+    pub fn stretches(&self) -> impl Iterator<Item = (usize, &Drive, &Range<usize>)> {
+        let blocks = self.blocks.iter().enumerate();
+        blocks.filter_map(|(block, of)| match *of {
+            Block::Stretch(recording, number) => {
+                let drive = &self.drives[recording];
+                Some((block, drive, &drive.blocks[number]))
+            }
+            Block::Section(..) => None,
+        })
+    }
+
+    /// Matches two recordings of the same way at values of the parameters; their sections are blocks from then on, and their scatter and
+    /// the shift of the marks are parameters.
+    ///
+    /// # Errors
+    /// Says why they are not the same way there and back.
+    pub fn join(&mut self, recordings: [usize; 2], values: &[f64]) -> Result<&Way, String> {
+        let guess = self.guess(recordings[0], values);
+        let way = Way::new(&self.drives, recordings, &guess)?;
+        let number = self.ways.len();
+        let sections = 0..way.sections.len();
+        self.blocks
+            .extend(sections.map(|k| Block::Section(number, k)));
+        if self.index(Role::WayScatter).is_none() {
+            self.roles.push(Role::WayScatter);
+            self.parameters.push(way_scatter());
+        }
+        let [there, back] = recordings.map(|r| self.drives[r].name.as_str());
+        self.parameters.push(mark(there, back));
+        self.roles.push(Role::Mark(number));
+        self.ways.push(way);
+        Ok(&self.ways[number])
     }
 
     /// Time of driving with a load [s].
@@ -231,6 +288,7 @@ impl Drives {
                 Role::Friction => g.friction = value,
                 Role::Rolling => g.rolling_resistance = value,
                 Role::SlopeBias => g.slope_bias = value,
+                Role::AccelerationOffset => g.acceleration_offset = value,
                 Role::SlopeDelay => g.slope_delay = value,
                 Role::SlopeFollows => g.slope_follows = value,
                 Role::SpeedDelay => g.speed_delay = value,
@@ -240,6 +298,7 @@ impl Drives {
                 Role::SpeedScatter => g.scatter.speed = value,
                 Role::ForceScatter => g.scatter.force = value,
                 Role::MotionScatter => g.scatter.motion = value,
+                Role::WayScatter => g.scatter.way = value,
                 Role::Mass(l) if *l == load => g.mass = value,
                 Role::Ratio(l) if *l == load => g.ratio = value,
                 Role::Height(l) if *l == load => g.height = value,
@@ -262,20 +321,38 @@ impl Model for Drives {
     }
 
     fn recording(&self, block: usize) -> usize {
-        self.blocks[block].0
+        match self.blocks[block] {
+            Block::Stretch(recording, _) => recording,
+            Block::Section(way, _) => self.ways[way].recordings[0],
+        }
     }
 
     fn acts(&self, parameter: usize, block: usize) -> bool {
-        let load = self.load_of[self.recording(block)];
-        let of = self.roles[parameter].load();
-        of.is_none_or(|l| l == load || l == 0)
+        let role = self.roles[parameter];
+        match self.blocks[block] {
+            Block::Section(way, _) => role.is_of_slope() || role == Role::Mark(way),
+            Block::Stretch(recording, _) => {
+                let load = self.load_of[recording];
+                let of_way = matches!(role, Role::WayScatter | Role::Mark(_));
+                !of_way && role.load().is_none_or(|l| l == load || l == 0)
+            }
+        }
     }
 
     fn innovations(&self, block: usize, values: &[f64], out: &mut Vec<Innovation>) {
-        let (recording, number) = self.blocks[block];
-        let drive = &self.drives[recording];
-        let guess = self.guess(recording, values);
-        residuals::residuals(drive, &drive.blocks[number], &guess, out);
+        match self.blocks[block] {
+            Block::Stretch(recording, number) => {
+                let drive = &self.drives[recording];
+                let guess = self.guess(recording, values);
+                residuals::residuals(drive, &drive.blocks[number], &guess, out);
+            }
+            Block::Section(way, number) => {
+                let ahead = self.index(Role::Mark(way)).map_or(0.0, |i| values[i]);
+                let way = &self.ways[way];
+                let guesses = way.recordings.map(|r| self.guess(r, values));
+                out.push(way.residual(&self.drives, number, &guesses, ahead));
+            }
+        }
     }
 }
 

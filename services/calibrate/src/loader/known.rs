@@ -5,7 +5,8 @@ use estimation::Quantity;
 
 use super::drive::Drive;
 use super::drives::{Role, Told};
-use super::residuals::{Guess, LONGEST_DELAY, Scatter};
+use super::guess::{Guess, Scatter};
+use super::residuals::LONGEST_DELAY;
 use crate::parameter::{Parameter, Source};
 
 /// Tolerances where the description states none, or less than what only a calibration can know.
@@ -21,6 +22,8 @@ pub const MASS_STD: f64 = 0.02;
 /// the empty machine's centre of gravity: value and tolerance.
 const REACH: (f64, f64) = (0.75, 0.2);
 const LIFT: (f64, f64) = (0.8, 0.5);
+/// Of the shift at which two drives fit best [m].
+const MARK_STD: f64 = 0.5;
 /// Scatter within a factor of e^1.5 or so, and usual values.
 const SCATTER_STD: f64 = 1.5;
 const SCATTER: Scatter = Scatter {
@@ -28,6 +31,7 @@ const SCATTER: Scatter = Scatter {
     speed: 3e-3,
     force: 0.01,
     motion: 5e-3,
+    way: 1e-3,
 };
 
 /// What no recording changes, and where the guesses begin.
@@ -51,6 +55,7 @@ pub fn described(d: &Description) -> Guess {
         torque_gains: [d.sensors.front_torque_gain, d.sensors.rear_torque_gain],
         rolling_resistance: m.rolling_resistance,
         slope_bias: d.prior.slope_bias,
+        acceleration_offset: d.sensors.acceleration_offset,
         slope_delay: d.sensors.slope_delay,
         slope_follows: d.sensors.slope_follows,
         speed_delay: d.sensors.speed_delay,
@@ -60,6 +65,29 @@ pub fn described(d: &Description) -> Guess {
         wheelbase: m.wheelbase,
         scatter: SCATTER,
     }
+}
+
+/// Scatter of the slopes there and back.
+pub fn way_scatter() -> Parameter {
+    Parameter::noise(
+        "scatter of the way",
+        "the scatter of the slopes there and back",
+        "rad",
+        SCATTER.way,
+        SCATTER_STD,
+    )
+}
+
+/// What is left of the shift between the marks of a way.
+pub fn mark(there: &str, back: &str) -> Parameter {
+    Parameter::described(
+        &format!("mark, {back}"),
+        &format!("how far {back} set out from the mark of {there}"),
+        "m",
+        0.0,
+        MARK_STD,
+        (-10.0 * MARK_STD, 10.0 * MARK_STD),
+    )
 }
 
 /// The parameters of recordings with these loads: what each is, and what is known of it.
@@ -265,6 +293,15 @@ pub fn parameters(drives: &[Drive], loads: &[Told], d: &Description) -> Vec<(Rol
             (-0.3, 0.9),
         );
         all.push((Role::SlopeFollows, parameter));
+        let parameter = linear(
+            "sensors.acceleration_offset",
+            "the zero of the accelerometer",
+            "m/s^2",
+            s.acceleration_offset,
+            s.acceleration_offset_std,
+            (-2.0, 2.0),
+        );
+        all.push((Role::AccelerationOffset, parameter));
     }
     if m.friction > 0.0 {
         let parameter = linear(

@@ -4,10 +4,17 @@ mod brakes;
 mod doubts;
 mod drive;
 mod drives;
+mod guess;
 mod known;
+#[cfg(test)]
+mod made;
 mod noise;
 mod residuals;
 mod result;
+#[cfg(test)]
+mod tests;
+mod way;
+mod wheels;
 mod words;
 
 use std::sync::atomic::AtomicBool;
@@ -20,7 +27,7 @@ pub use drive::Drive;
 pub use drives::{Drives, Role, Told};
 use noise::Noises;
 
-use crate::fit::{EXACT, Progress, Task};
+use crate::fit::{EXACT, Progress, Task, values};
 use crate::honesty;
 use crate::model::Model;
 use crate::outcome::{Found, Summary};
@@ -46,6 +53,8 @@ pub struct Options<'a> {
     pub description: &'a Description,
     /// What axle scales say of the machine as described.
     pub weighed: Told,
+    /// Recordings of the same way, there and back with the machine turned round.
+    pub ways: &'a [[usize; 2]],
     /// Whether slices of the likelihood are wanted; they take as long as the rest.
     pub slices: bool,
     /// Keys to find; the usual ones if none.
@@ -140,16 +149,13 @@ pub fn calibrate(inputs: &[Input], options: &Options<'_>) -> Result<Outcome, Str
     Ok(outcome)
 }
 
-/// Which parameters stay as described.
+/// Which parameters stay as described: of those that are not asked for all but the noises. A nuisance would take up what errors of
+/// the others do, as far as it goes; held, its tolerance counts as theirs do.
 fn held(drives: &Drives, free: Option<&[String]>) -> Result<Vec<bool>, String> {
     let Some(free) = free else {
         return Ok(vec![false; drives.roles.len()]);
     };
-    let mut fixed: Vec<bool> = drives
-        .roles
-        .iter()
-        .map(|r| r.load().is_none() && !r.is_nuisance())
-        .collect();
+    let mut fixed: Vec<bool> = drives.roles.iter().map(|r| !r.is_noise()).collect();
     for key in free {
         let at = drives.parameters.iter().position(|p| p.key == *key);
         let Some(at) = at else {
@@ -164,6 +170,48 @@ fn held(drives: &Drives, free: Option<&[String]>) -> Result<Vec<bool>, String> {
     Ok(fixed)
 }
 
+fn all(drives: &Drives) -> Vec<usize> {
+    (0..drives.blocks()).collect()
+}
+
+/// The fit to all blocks.
+fn whole<'a>(
+    model: &'a Drives,
+    blocks: &'a [usize],
+    fixed: &'a [bool],
+    options: &Options<'a>,
+) -> Task<'a, Drives> {
+    Task {
+        model,
+        blocks,
+        fixed,
+        least_gain: EXACT,
+        stop: options.stop,
+        progress: options.progress,
+    }
+}
+
+/// Matches the ways that were told, and says what came of it; whether there is one.
+fn join(outcome: &mut Outcome, place: &[f64], ways: &[[usize; 2]]) -> bool {
+    let drives = &mut outcome.drives;
+    let values = values(drives, place);
+    for &recordings in ways {
+        let [there, back] = recordings.map(|r| drives.drives[r].name.clone());
+        outcome.remarks.push(match drives.join(recordings, &values) {
+            Ok(way) => format!(
+                "{there} and {back} go the same way: over {:.0} m their slopes mirror each other (correlation {:.2})",
+                way.length(),
+                way.correlation
+            ),
+            Err(why) => format!(
+                "{there} and {back} were told as the same way there and back, but are not used as such: {why}"
+            ),
+        });
+    }
+    outcome.fixed.resize(drives.roles.len(), false);
+    !drives.ways.is_empty()
+}
+
 fn find(outcome: &mut Outcome, options: &Options<'_>) {
     let drives = &outcome.drives;
     let roles = drives.roles.iter().zip(&outcome.fixed);
@@ -172,18 +220,22 @@ fn find(outcome: &mut Outcome, options: &Options<'_>) {
         .map(|(r, _)| *r)
         .collect();
     let mut faults = words::alike(drives, &free);
-    let all: Vec<usize> = (0..drives.blocks()).collect();
-    let task = Task {
-        model: drives,
-        blocks: &all,
-        fixed: &outcome.fixed,
-        least_gain: EXACT,
-        stop: options.stop,
-        progress: options.progress,
-    };
     // Residuals that seem far too large for their scatter would all be weakened as outliers.
-    let begin = |role: &Role| f64::from(role.is_noise()) * LARGE_SCATTER;
-    let fit = task.run(&drives.roles.iter().map(begin).collect::<Vec<_>>());
+    let large = |role: &Role| f64::from(role.is_noise()) * LARGE_SCATTER;
+    let begin: Vec<f64> = drives.roles.iter().map(large).collect();
+    let first = whole(drives, &all(drives), &outcome.fixed, options).run(&begin);
+    // What the slope sensor follows must be known before its slopes are compared.
+    let joined = join(outcome, &first.place, options.ways);
+    let drives = &outcome.drives;
+    let all = all(drives);
+    let task = whole(drives, &all, &outcome.fixed, options);
+    let fit = if joined {
+        let mut begin = first.place;
+        begin.extend(drives.roles[begin.len()..].iter().map(large));
+        task.run(&begin)
+    } else {
+        first
+    };
     if fit.interrupted {
         outcome
             .remarks
@@ -209,6 +261,13 @@ fn find(outcome: &mut Outcome, options: &Options<'_>) {
             faults.push(brakes);
         } else {
             faults.extend(words::far(drives, &fit.place, &outcome.fixed));
+            for (sentence, is_written) in words::at_limit(drives, &fit.place, &outcome.fixed) {
+                if is_written {
+                    faults.push(sentence);
+                } else {
+                    outcome.remarks.push(sentence);
+                }
+            }
             faults.extend(doubts::doubts(drives, &task, &fit));
         }
     }
@@ -224,174 +283,4 @@ fn find(outcome: &mut Outcome, options: &Options<'_>) {
         faults = vec!["the recordings determine nothing".into()];
     }
     outcome.faults = faults;
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use config::Tables;
-    use residuals::tests::{guess, samples};
-
-    fn run(inputs: &[Input], weighed: Told) -> Outcome {
-        let options = Options {
-            description: &Description::default(),
-            weighed,
-            slices: false,
-            free: None,
-            stop: &AtomicBool::new(false),
-            progress: &|_| {},
-        };
-        calibrate(inputs, &options).expect("keys")
-    }
-
-    fn quantity(value: f64, std: f64) -> Option<Quantity> {
-        Some(Quantity { value, std })
-    }
-
-    fn inputs(told: f64) -> [Input; 2] {
-        let empty = guess();
-        let loaded = residuals::Guess {
-            mass: 6200.0,
-            ratio: 0.7,
-            ..empty
-        };
-        let input = |name: &str, g, mass| Input {
-            name: name.into(),
-            samples: samples(g, 0.2, 7),
-            told: Told {
-                mass,
-                ..Told::default()
-            },
-        };
-        [
-            input("flat", &empty, None),
-            input("loaded", &loaded, quantity(told, 30.0)),
-        ]
-    }
-
-    const SCALES: Told = Told {
-        mass: None,
-        ratio: Some(Quantity {
-            value: 0.45,
-            std: 0.001,
-        }),
-        height: None,
-    };
-
-    #[test]
-    fn a_machine_that_differs_from_its_description_is_found() {
-        let outcome = run(&inputs(6200.0), SCALES);
-        let truth = guess();
-        for (role, value, within) in [
-            (Role::LoadSensitivity, truth.load_sensitivity, 1e-3),
-            (Role::FrontRadius, truth.radius_errors[0], 5e-4),
-            (Role::RearRadius, truth.radius_errors[1], 5e-4),
-            (Role::SpeedDelay, truth.speed_delay, 3e-3),
-            (Role::SlopeBias, truth.slope_bias, 5e-4),
-            (Role::SlopeDelay, truth.slope_delay, 0.01),
-            (Role::SlopeFollows, truth.slope_follows, 0.01),
-            (Role::FrontGain, truth.torque_gains[0], 0.01),
-            (Role::StiffnessRatio, truth.stiffness_ratio, 0.03),
-        ] {
-            let found = outcome.quantity(role).expect("a fit");
-            let error = (found.value - value).abs();
-            assert!(
-                error < f64::max(within, 3.0 * found.std) && error < 3.0 * within,
-                "{role:?}: {found:?} {value}"
-            );
-        }
-        let (description, text) = outcome
-            .description(&Description::default(), &[])
-            .expect("a fit");
-        assert_eq!(Description::parse(&text, "t"), Ok(description));
-    }
-
-    /// The sentences of a run from changed recordings.
-    fn faults(change: impl Fn(&mut Sample), told: f64, weighed: Told) -> String {
-        let mut inputs = inputs(told);
-        for input in &mut inputs {
-            input.samples.iter_mut().for_each(&change);
-        }
-        run(&inputs, weighed).faults.join("\n")
-    }
-
-    #[test]
-    fn what_cannot_be_believed_is_said() {
-        let wrong = faults(|_| {}, 5450.0, SCALES);
-        assert!(wrong.contains("was told as 5450 kg"), "{wrong}");
-        let [flat, _] = inputs(6200.0);
-        let one = run(&[flat], SCALES).faults.join("\n");
-        assert!(one.contains("the same load"), "{one}");
-        let still = faults(|s| s.speed = Some(0.01), 6200.0, SCALES);
-        assert!(still.contains("stands still"), "{still}");
-        let coasting = |s: &mut Sample| {
-            if s.front_torque.is_some_and(|t| t < 0.0) {
-                s.brake = true;
-            }
-        };
-        let one_way = faults(coasting, 6200.0, SCALES);
-        assert!(one_way.contains("never brakes"), "{one_way}");
-        let gentle = |s: &mut Sample| {
-            s.front_torque = s.front_torque.map(|t| 0.02 * t);
-            s.rear_torque = s.rear_torque.map(|t| 0.02 * t);
-        };
-        let rolling = faults(gentle, 6200.0, SCALES);
-        assert!(rolling.contains("rolls without pulling"), "{rolling}");
-        let slow_wheel = |s: &mut Sample| {
-            s.front_wheel_speed = s.front_wheel_speed.map(|w| 0.9 * w);
-        };
-        let far = faults(slow_wheel, 6200.0, SCALES);
-        assert!(far.contains("was expected"), "{far}");
-    }
-
-    #[test]
-    fn equal_torques_leave_the_gains_untold_and_as_described() {
-        let mut inputs = inputs(6200.0);
-        let empty = guess();
-        let loaded = residuals::Guess {
-            mass: 6200.0,
-            ratio: 0.7,
-            ..empty
-        };
-        for (input, g) in inputs.iter_mut().zip([empty, loaded]) {
-            input.samples = samples(&g, 0.0, 7);
-        }
-        let outcome = run(&inputs, SCALES);
-        let said = [&outcome.faults[..], &outcome.remarks[..]]
-            .concat()
-            .join("\n");
-        assert!(said.contains("torque on one axle"), "{said}");
-        let before = Description::default();
-        let (after, _) = outcome.description(&before, &[]).expect("a fit");
-        let wide = |role: Role| {
-            let i = outcome.drives.index(role).expect("a parameter");
-            let std = outcome.quantity(role).expect("a fit").std;
-            std > result::NARROWED * outcome.drives.parameters[i].std
-        };
-        assert_eq!(
-            wide(Role::FrontGain),
-            after.sensors.front_torque_gain == before.sensors.front_torque_gain
-        );
-        assert!(!wide(Role::FrontRadius) && after.prior.front_radius_error != 0.0);
-    }
-
-    #[test]
-    fn what_is_held_with_a_tolerance_widens_what_is_found() {
-        let free = ["prior.front_radius_error", "prior.rear_radius_error"].map(String::from);
-        let options = Options {
-            description: &Description::default(),
-            weighed: SCALES,
-            slices: false,
-            free: Some(&free),
-            stop: &AtomicBool::new(false),
-            progress: &|_| {},
-        };
-        let few = calibrate(&inputs(6200.0), &options).expect("keys");
-        let all = run(&inputs(6200.0), SCALES);
-        let std = |o: &Outcome| o.quantity(Role::FrontRadius).expect("a fit").std;
-        assert!(std(&few) > 5.0 * std(&all), "{} {}", std(&few), std(&all));
-        let error =
-            few.quantity(Role::FrontRadius).expect("a fit").value - guess().radius_errors[0];
-        assert!(error.abs() < 3.0 * std(&few), "{error} {}", std(&few));
-    }
 }

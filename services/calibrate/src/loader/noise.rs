@@ -128,7 +128,7 @@ fn noise(sizes: &[f64]) -> Option<Quantity> {
 mod tests {
     use super::*;
     use crate::loader::Told;
-    use crate::loader::residuals::tests::noise as uniform;
+    use crate::loader::made::noise as uniform;
 
     fn inputs(noise: impl Fn(&mut u64) -> f64) -> [Input; 1] {
         let mut state = 5;

@@ -1,22 +1,22 @@
 //! The residuals of one stretch of driving, in bins of half a second.
 //!
-//! What a wheel turns tells the speed once its slip is known, and the slip follows from the torque:
+//! What a wheel turns tells the speed once its slip s_i is known, and the slip follows from the torque ([`super::wheels`]):
 //! ```text
-//! s_i = mu/K_i atanh(F_i/(mu F_zi)),  F_i = (T_i/g_i - I v'/r)/r
-//! F_zf = m g lam - m h a/l,  F_zr = m g (1 - lam) + m h a/l
-//! r_i = r (1 + d_i) (1 - rho (F_zi/F_0 - 1)),  K_i = K q_i (F_zi/F_0)^-p,  F_0 = m g/2
 //! u_i = (r_i w_i - L s_i') (1 - |s_i|) where the wheel drives, over (1 - |s_i|) where it brakes
 //! s + tau_s s' = b + th + kappa (a/g - th)
 //! ```
-//! with the specific force a of the accelerometer, or of the torques without one, and what the slope sensor shows, s. A bin has
+//! with the specific force a of the accelerometer less its zero z, or of the torques without one, and what the slope sensor shows, s. A bin has
 //! the first three residuals, two seconds have the last:
 //!
 //! | residual | tells |
 //! |---|---|
 //! | u_f - u_r, mean | radii, their load sensitivity, stiffness of the axles, loads |
 //! | speed - u(t - tau), mean | radii, stiffness, delay of the speed |
-//! | accelerometer - balance of force, mean | torque gains against the mass, rolling resistance |
-//! | change of u from second to second - integral of a - g sin th | zero of the slope sensor, its delay, what it follows of the acceleration |
+//! | accelerometer - balance of force, mean | torque gains against the mass, z + c g forward and z - c g backward |
+//! | change of u from second to second - integral of a - g sin th | z - g b, delay of the slope sensor, what it follows of the acceleration |
+//!
+//! So driving forward alone leaves one sum of the zeros z and b and of the rolling resistance c open. It has the width of what is known
+//! of them, unless the machine drives in reverse too, or the same way there and back ([`super::way`]).
 //!
 //! The body pitches and heaves, axle loads and tyres follow with a lag, and bumps make all of it noise of a few hertz: a filter
 //! that takes every row for white noise around this model is sure of what is wrong. Means over half a second of everything alike
@@ -25,13 +25,10 @@
 use std::ops::Range;
 
 use super::drive::Drive;
+use super::guess::Guess;
+use super::wheels::{Acting, Slipping, balance, slipping};
 use crate::model::Innovation;
 
-const GRAVITY: f64 = 9.81;
-/// An axle carries at least this share of the weight.
-const LEAST_LOAD: f64 = 0.02;
-/// A tyre uses at most this share of its friction.
-const MOST_FRICTION: f64 = 0.98;
 /// Length of a bin [s].
 pub const BIN: f64 = 0.5;
 /// So many bins make a window over which motion and slope are averaged: the change of the slope must stand out of its noise, which
@@ -39,105 +36,6 @@ pub const BIN: f64 = 0.5;
 const WINDOW: usize = 2;
 /// Longest delay of the speed: so much of the beginning of a stretch has none to compare with [s].
 pub const LONGEST_DELAY: f64 = 0.45;
-
-/// The machine, its sensors and the load, as one guess.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Guess {
-    /// Mass with load [kg].
-    pub mass: f64,
-    /// Share of the static weight in front.
-    pub ratio: f64,
-    /// Height of the centre of gravity [m].
-    pub height: f64,
-    /// Nominal rolling radius [m].
-    pub radius: f64,
-    /// Relative errors of the radii.
-    pub radius_errors: [f64; 2],
-    /// Load sensitivity of the radii.
-    pub load_sensitivity: f64,
-    /// Slip stiffness.
-    pub stiffness: f64,
-    /// Stiffness in front over that behind.
-    pub stiffness_ratio: f64,
-    /// How the stiffness falls with the load.
-    pub load_exponent: f64,
-    /// Limit of friction.
-    pub friction: f64,
-    /// Measured over true torque, per axle.
-    pub torque_gains: [f64; 2],
-    /// Rolling resistance.
-    pub rolling_resistance: f64,
-    /// Slope measured where there is none [rad].
-    pub slope_bias: f64,
-    /// How late the slope comes [s].
-    pub slope_delay: f64,
-    /// Share of the acceleration that the slope sensor follows.
-    pub slope_follows: f64,
-    /// How late the speed comes [s].
-    pub speed_delay: f64,
-    /// How late the torques come [s].
-    pub torque_delay: f64,
-    /// Relaxation length of the tyres [m].
-    pub relaxation_length: f64,
-    /// Moment of inertia of an axle [kg m^2].
-    pub axle_inertia: f64,
-    /// Distance of the axles [m].
-    pub wheelbase: f64,
-    /// Scatter of a bin: between the wheels and of the speed [m/s], of the balance of force [m/s^2], of the motion [m/s].
-    pub scatter: Scatter,
-}
-
-impl Guess {
-    /// Slope of the road by what an inclinometer without delay shows, and the specific force.
-    fn prompt_slope(&self, shown: f64, force: f64) -> f64 {
-        let level = shown - self.slope_bias;
-        if force.is_finite() {
-            (level - self.slope_follows * force / GRAVITY) / (1.0 - self.slope_follows)
-        } else {
-            level
-        }
-    }
-
-    /// What the delay of the slope adds to the integral of gravity along the road, per radian of change [m/s].
-    fn delayed(&self) -> f64 {
-        GRAVITY * self.slope_delay / (1.0 - self.slope_follows)
-    }
-}
-
-/// Standard deviations of the residuals of a bin.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Scatter {
-    /// Between the speeds that the wheels show [m/s].
-    pub wheels: f64,
-    /// Between them and the measured speed [m/s].
-    pub speed: f64,
-    /// Between accelerometer and torques [m/s^2].
-    pub force: f64,
-    /// Between the change of the wheels' speed from window to window and the specific force along the slope [m/s].
-    pub motion: f64,
-}
-
-/// What acts at one time.
-#[derive(Clone, Copy)]
-struct Acting {
-    /// True torques [N m] and their rates [N m/s].
-    torque: [f64; 2],
-    torque_rate: [f64; 2],
-    /// Gravity along the road [m/s^2].
-    along: f64,
-}
-
-impl Acting {
-    fn at(drive: &Drive, g: &Guess, k: usize) -> Self {
-        let (row, share) = drive.place(k, g.torque_delay);
-        let mixed = |column: &[f64]| column[row] + share * (column[row + 1] - column[row]);
-        Self {
-            torque: [0, 1].map(|i| mixed(&drive.torques[i]) / g.torque_gains[i]),
-            torque_rate: [0, 1].map(|i| mixed(&drive.torque_rates[i]) / g.torque_gains[i]),
-            along: GRAVITY * g.prompt_slope(drive.slope[k], drive.acceleration[k]).sin(),
-        }
-    }
-}
 
 /// What a row shows under a guess; NaN where a signal is missing.
 struct Shown {
@@ -154,7 +52,7 @@ impl Shown {
         let acting = Acting::at(drive, g, k);
         let wheels = [drive.wheels[0][k], drive.wheels[1][k]];
         let forward = (wheels[0] + wheels[1]).signum();
-        let measured = drive.acceleration[k];
+        let measured = g.force(drive, k);
         let a = if measured.is_finite() {
             measured
         } else {
@@ -204,7 +102,7 @@ pub fn residuals(drive: &Drive, block: &Range<usize>, g: &Guess, out: &mut Vec<I
             g.scatter.speed,
         ));
         if drive.has_acceleration {
-            let force = mean(&|k| drive.acceleration[k] - shown[k - first].balance);
+            let force = mean(&|k| g.force(drive, k) - shown[k - first].balance);
             out.push(residual(force, g.scatter.force));
         }
     }
@@ -294,162 +192,10 @@ fn residual(value: f64, std: f64) -> Innovation {
     }
 }
 
-/// Load of an axle [N] under a specific force.
-fn load(g: &Guess, i: usize, a: f64) -> f64 {
-    let weight = g.mass * GRAVITY;
-    let transfer = g.mass * g.height * a / g.wheelbase;
-    let load = if i == 0 {
-        weight * g.ratio - transfer
-    } else {
-        weight * (1.0 - g.ratio) + transfer
-    };
-    load.max(LEAST_LOAD * weight)
-}
-
-/// Rolling radius of an axle under its load [m].
-fn radius(g: &Guess, i: usize, load: f64) -> f64 {
-    let excess = load / (0.5 * g.mass * GRAVITY) - 1.0;
-    g.radius * (1.0 + g.radius_errors[i]) * (1.0 - g.load_sensitivity * excess)
-}
-
-/// The specific force that the torques make [m/s^2].
-fn balance(g: &Guess, acting: &Acting, forward: f64, a: f64) -> f64 {
-    let spin = 2.0 * g.axle_inertia / (g.radius * g.radius);
-    let pull: f64 = (0..2)
-        .map(|i| acting.torque[i] / radius(g, i, load(g, i, a)))
-        .sum();
-    let rolling = g.rolling_resistance * g.mass * GRAVITY * forward;
-    (pull - rolling + spin * acting.along) / (g.mass + spin)
-}
-
-/// An axle under its torque.
-struct Slipping {
-    /// Rolling radius [m].
-    radius: f64,
-    /// Rim speed over road speed.
-    faster: f64,
-    /// Rim speed that winds the tyre up [m/s].
-    wound: f64,
-}
-
-fn slipping(g: &Guess, i: usize, acting: &Acting, forward: f64, a: f64) -> Slipping {
-    let load = load(g, i, a);
-    let relative = load / (0.5 * g.mass * GRAVITY);
-    let radius = radius(g, i, load);
-    let gain = g.stiffness_ratio.sqrt();
-    let stiffness = g.stiffness
-        * if i == 0 { gain } else { 1.0 / gain }
-        * (-g.load_exponent * relative.ln()).exp();
-    let pull = (acting.torque[i] - g.axle_inertia * (a - acting.along) / radius) / radius;
-    let used = pull / (g.friction * load);
-    let slip = if g.friction.is_finite() {
-        let used = used.clamp(-MOST_FRICTION, MOST_FRICTION);
-        0.5 * g.friction / stiffness * ((1.0 + used) / (1.0 - used)).ln()
-    } else {
-        pull / (stiffness * load)
-    };
-    let slip = slip.clamp(-0.5, 0.5);
-    Slipping {
-        radius,
-        // Relative to the faster of wheel and road: the wheel where it drives, the road where it brakes.
-        faster: if slip * forward >= 0.0 {
-            1.0 / (1.0 - slip.abs())
-        } else {
-            1.0 - slip.abs()
-        },
-        wound: g.relaxation_length * acting.torque_rate[i] / (radius * stiffness * load),
-    }
-}
-
 #[cfg(test)]
-pub(super) mod tests {
-    use estimation::loader::Sample;
-
+mod tests {
     use super::*;
-
-    pub fn guess() -> Guess {
-        Guess {
-            mass: 4700.0,
-            ratio: 0.45,
-            height: 0.9,
-            radius: 0.55,
-            radius_errors: [0.002, -0.001],
-            load_sensitivity: 0.01,
-            stiffness: 19.0,
-            stiffness_ratio: 1.05,
-            load_exponent: 0.1,
-            friction: 0.8,
-            torque_gains: [1.01, 0.99],
-            rolling_resistance: 0.02,
-            slope_bias: 0.005,
-            slope_delay: 0.2,
-            slope_follows: 0.3,
-            speed_delay: 0.03,
-            torque_delay: 0.01,
-            relaxation_length: 0.1,
-            axle_inertia: 3.3,
-            wheelbase: 2.3,
-            scatter: Scatter {
-                wheels: 5e-4,
-                speed: 4e-3,
-                force: 0.01,
-                motion: 5e-3,
-            },
-        }
-    }
-
-    /// Uniform noise of variance 1 from a linear congruence.
-    pub fn noise(state: &mut u64) -> f64 {
-        *state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        ((*state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5) * 12.0_f64.sqrt()
-    }
-
-    /// A machine that goes faster and slower over waves of the ground for 60 s, as the model has it; `split` shifts the torque to and fro.
-    pub fn samples(g: &Guess, split: f64, seed: u64) -> Vec<Sample> {
-        let (mut state, mut shown) = (seed, 0.0);
-        let ground = |t: f64| 0.02 * (1.3 * t).sin();
-        let speed = |t: f64| 3.0 + 1.2 * (0.9 * t).sin() + 0.4 * (2.1 * t).sin();
-        let rate = |t: f64| 1.08 * (0.9 * t).cos() + 0.84 * (2.1 * t).cos();
-        let force = |t: f64| rate(t) + GRAVITY * ground(t).sin();
-        let torque = |t: f64| {
-            let share = [0.5 + split * (0.7 * t).sin(), 0.5 - split * (0.7 * t).sin()];
-            let spin = 2.0 * g.axle_inertia / (g.radius * g.radius);
-            let pull = (force(t) + g.rolling_resistance * GRAVITY) * g.mass + spin * rate(t);
-            let radii = [0, 1].map(|i| radius(g, i, load(g, i, force(t))));
-            [0, 1].map(|i| share[i] * pull * radii[i])
-        };
-        (0..3000)
-            .map(|k| {
-                let t = f64::from(k) * 0.02;
-                let acting = Acting {
-                    torque: torque(t),
-                    torque_rate: [0, 1].map(|i| (torque(t + 0.01)[i] - torque(t - 0.01)[i]) / 0.02),
-                    along: force(t) - rate(t),
-                };
-                let wheels = [0, 1].map(|i| {
-                    let axle = slipping(g, i, &acting, 1.0, force(t));
-                    (speed(t) * axle.faster + axle.wound) / axle.radius
-                });
-                let late = torque(t - g.torque_delay);
-                let seen = ground(t) + g.slope_follows * rate(t) / GRAVITY;
-                let weight = 0.02 / (0.02 + g.slope_delay);
-                shown += weight * (seen + g.slope_bias - shown);
-                Sample {
-                    time: t,
-                    speed: Some(speed(t - g.speed_delay) + 0.02 * noise(&mut state)),
-                    front_wheel_speed: Some(wheels[0] + 0.002 * noise(&mut state)),
-                    rear_wheel_speed: Some(wheels[1] + 0.002 * noise(&mut state)),
-                    front_torque: Some(g.torque_gains[0] * late[0]),
-                    rear_torque: Some(g.torque_gains[1] * late[1]),
-                    slope: Some(shown + 5e-4 * noise(&mut state)),
-                    acceleration: Some(force(t) + 0.05 * noise(&mut state)),
-                    ..Sample::default()
-                }
-            })
-            .collect()
-    }
+    use crate::loader::made::{guess, samples};
 
     /// Mean of the squares over their expectation.
     fn agreement(drive: &Drive, g: &Guess) -> f64 {

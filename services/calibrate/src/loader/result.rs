@@ -10,6 +10,7 @@ use crate::parameter::Source;
 /// What is found once does not stay so well for ever: tyres wear and lose pressure, sensors warm up.
 const RADIUS_STD: f64 = 5e-4;
 const SLOPE_BIAS_STD: f64 = 2e-3;
+const OFFSET_STD: f64 = 0.01;
 const DELAY_STD: f64 = 2e-3;
 /// Gain of an accelerometer, which cannot be told from what the slope sensor follows.
 const FOLLOWS_STD: f64 = 0.01;
@@ -102,6 +103,10 @@ impl Outcome {
             Role::SlopeBias => {
                 pen.value(&key, q);
                 pen.std("prior.slope_bias_std", q.std.max(SLOPE_BIAS_STD));
+            }
+            Role::AccelerationOffset => {
+                pen.value(&key, q);
+                pen.std("sensors.acceleration_offset_std", q.std.max(OFFSET_STD));
             }
             Role::SlopeDelay => {
                 pen.value(&key, q);

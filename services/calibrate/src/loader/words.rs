@@ -90,6 +90,26 @@ pub fn far(model: &Drives, place: &[f64], fixed: &[bool]) -> Vec<String> {
         .collect()
 }
 
+/// What was found at the limit of its range, and whether it is written: there its interval means nothing.
+#[must_use]
+pub fn at_limit(model: &Drives, place: &[f64], fixed: &[bool]) -> Vec<(String, bool)> {
+    let found = (0..place.len()).filter(|&i| !fixed[i]);
+    found
+        .filter_map(|i| {
+            let (p, role) = (&model.parameters[i], model.roles[i]);
+            let value = p.value(place[i]);
+            (value <= p.range.0 || value >= p.range.1).then(|| {
+                let sentence = format!(
+                    "{} is at the limit of what is possible, {value}: its interval means nothing, and what it should explain is something else",
+                    p.words
+                );
+                let is_written = !role.is_nuisance() && role.load().is_none_or(|load| load == 0);
+                (sentence, is_written)
+            })
+        })
+        .collect()
+}
+
 /// All recordings carry the same load.
 pub const ONE_LOAD: &str = "all recordings carry the same load: rolling radii and their load sensitivity, torque gains and masses look alike; record one run with the bucket empty and one with a weighed load, and tell it: --mass FILE=KG±KG";
 
@@ -151,7 +171,15 @@ pub fn undetermined(model: &Drives, direction: &Direction) -> String {
     let tyres = |r| matches!(r, Role::StiffnessRatio | Role::LoadExponent);
     let gain = |r| matches!(r, Role::FrontGain | Role::RearGain);
     // What leads a direction is what it is about.
-    let remedy = if members.first().is_some_and(|&i| gain(model.roles[i])) {
+    let zero = |r| {
+        matches!(
+            r,
+            Role::SlopeBias | Role::AccelerationOffset | Role::Rolling
+        )
+    };
+    let remedy = if members.first().is_some_and(|&i| zero(model.roles[i])) {
+        "drive the same way there and back, the machine turned round (--there-and-back FILE,FILE), or some of it in reverse"
+    } else if members.first().is_some_and(|&i| gain(model.roles[i])) {
         EACH_AXLE
     } else if has(place) && has(tyres) {
         "weigh both axles, empty and loaded: --weigh scales.csv --weigh FILE=scales.csv"
@@ -167,8 +195,6 @@ pub fn undetermined(model: &Drives, direction: &Direction) -> String {
         "drive over humps and changes of the slope"
     } else if has(|r| matches!(r, Role::SlopeFollows)) {
         "accelerate and brake harder"
-    } else if has(|r| matches!(r, Role::SlopeBias | Role::Rolling)) {
-        "record an accelerometer, or drive back in reverse"
     } else {
         "record longer"
     };

@@ -221,6 +221,7 @@ fn report<const N: usize, const M: usize, B: Belief<N, M>>(
         Learns {
             radii: layout.radii.is_some(),
             load_sensitivity: filter.learns_sensitivity(),
+            acceleration: M > 3,
         },
         centre,
         Each {

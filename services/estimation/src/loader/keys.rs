@@ -84,6 +84,10 @@ table! {
         slope_std: f64 = 0.002, "rad", 1e-9 to 1.0;
         /// Noise of the specific force.
         acceleration_std: f64 = 0.05, "m/s^2", 1e-9 to 10.0;
+        /// Specific force that the accelerometer shows where there is none (its zero, and gravity where it is mounted askew), as calibrated.
+        acceleration_offset: f64 = 0.0, "m/s^2", -2.0 to 2.0;
+        /// Its standard deviation; widens the reported interval of the ratio.
+        acceleration_offset_std: f64 = 0.05, "m/s^2", 1e-9 to 10.0;
         /// Measured over true torque of the front axle, as calibrated.
         front_torque_gain: f64 = 1.0, "", 0.1 to 10.0;
         /// Measured over true torque of the rear axle, as calibrated.

@@ -3,10 +3,10 @@
 //! Errors that cannot be learnt on line (load sensitivity of the radius, torque ratio, what the model leaves out) are added
 //! to the variance in the report only, never in the filter:
 //! ```text
-//! sd_lam,rep^2 = sd_lam^2 + lam^2 [(16 sigma_rho)^2 + ((1 - lam) sigma_Tratio)^2 + ((1 - lam) sigma_Kratio)^2 + 0.011^2]
+//! sd_lam,rep^2 = sd_lam^2 + lam^2 [(16 sigma_rho)^2 + ((1 - lam) sigma_Tratio)^2 + ((1 - lam) sigma_Kratio)^2 + 0.011^2] + (h sigma_z/(g l))^2
 //! sd_h,rep^2   = sd_h^2 + (0.04 m)^2 + (h sigma_p)^2
 //! ```
-//! p: the slip stiffness falls with the load as F_z^-p. Of the ratio that is a difference of the axles' stiffnesses, which
+//! z: the zero of the accelerometer, which is taken for a load that is always shifted. p: the slip stiffness falls with the load as F_z^-p. Of the ratio that is a difference of the axles' stiffnesses, which
 //! sigma_Kratio holds already.
 //!
 //! The methods of the paper take the rolling radii as exact. On a real machine that error is larger than all others and
@@ -17,6 +17,7 @@ use super::reason::Reason;
 use super::sample::Sample;
 use super::settings::Settings;
 use super::stuck::WATCHED;
+use super::wheel_dynamics::GRAVITY;
 use crate::math::{norm, sqrt};
 
 /// Relative error of the ratio per load sensitivity, on the reference machine: 8 K h/(l lam [1/lam^2 + 1/(1 - lam)^2]).
@@ -298,6 +299,8 @@ pub(super) struct Learns {
     pub radii: bool,
     /// Their load sensitivity.
     pub load_sensitivity: bool,
+    /// What moves load between the axles, by an accelerometer.
+    pub acceleration: bool,
 }
 
 /// Standard deviations with the floors.
@@ -329,8 +332,13 @@ pub(super) fn with_floors(
         settings.estimator.cg_ratio_floor,
         RATIO_PER_RADIUS * radius,
     ]);
+    let shifted = if learns.acceleration {
+        height * settings.sensors.acceleration_offset_std / (GRAVITY * machine.wheelbase)
+    } else {
+        0.0
+    };
     Each {
-        ratio: norm(&[std.ratio, ratio * relative]),
+        ratio: norm(&[std.ratio, ratio * relative, shifted]),
         height: norm(&[
             std.height,
             settings.estimator.cg_height_floor,

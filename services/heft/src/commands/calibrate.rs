@@ -48,6 +48,9 @@ pub struct CalibrateArgs {
     /// Axle scales of a loader (as for heft weigh): of the machine without load, or in a recording
     #[arg(long, value_name = "[FILE=]SCALES.csv")]
     pub weigh: Vec<String>,
+    /// Two recordings of a loader go the same way, the second back with the machine turned round
+    #[arg(long, value_name = "FILE,FILE")]
+    pub there_and_back: Vec<String>,
     /// Find these keys only
     #[arg(long, value_name = "KEY,...", value_delimiter = ',')]
     pub free: Vec<String>,
@@ -274,6 +277,7 @@ pub fn origin(args: &CalibrateArgs) -> Result<Vec<String>, Failure> {
         ("--payload", &args.payload),
         ("--mass", &args.mass),
         ("--weigh", &args.weigh),
+        ("--there-and-back", &args.there_and_back),
     ];
     let told = told
         .iter()

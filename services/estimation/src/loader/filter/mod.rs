@@ -268,11 +268,13 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         self.finish(report, sample, dt)
     }
 
-    /// Makes torques true, and where the filter does not learn its bias, the slope.
+    /// Makes torques and specific force true, and where the filter does not learn its bias, the slope.
     fn correct(&self, sample: &mut Sample) {
         let sensors = &self.settings.sensors;
         sample.front_torque = sample.front_torque.map(|t| t / sensors.front_torque_gain);
         sample.rear_torque = sample.rear_torque.map(|t| t / sensors.rear_torque_gain);
+        let offset = sensors.acceleration_offset;
+        sample.acceleration = sample.acceleration.map(|a| a - offset);
         if const { Layout::of(N) }.slope_bias.is_none() {
             sample.slope = sample.slope.map(|s| s - self.settings.prior.slope_bias);
         }

@@ -75,15 +75,18 @@ fn job(args: &CalibrateArgs, folder: &Path) -> Result<Job, Failure> {
 
 /// What is asked for a machine. A name with a folder is of that machine only, a bare one of every machine.
 fn options(args: &CalibrateArgs, folder: &Path) -> Vec<String> {
-    let is_here = |text: &&String| {
-        let file = text.rsplit_once('=').map(|(file, _)| Path::new(file));
-        let parent = file.and_then(Path::parent).unwrap_or(Path::new(""));
+    let is_meant = |file: &str| {
+        let parent = Path::new(file).parent().unwrap_or(Path::new(""));
         parent == Path::new("") || parent.starts_with(folder)
     };
+    let is_here = |text: &&String| is_meant(text.rsplit_once('=').map_or("", |(file, _)| file));
     let mut all = super::options(args);
     for (name, told) in [("--payload", &args.payload), ("--mass", &args.mass)] {
         all.extend(told.iter().filter(is_here).map(|t| format!("{name}={t}")));
     }
+    let ways = args.there_and_back.iter();
+    let own_ways = ways.filter(|text| text.split(',').all(is_meant));
+    all.extend(own_ways.map(|text| format!("--there-and-back={text}")));
     // Scales of this name in the folder of the machine, or else the file that is named.
     all.extend(args.weigh.iter().filter(is_here).map(|text| {
         let (file, named) = scales(text);

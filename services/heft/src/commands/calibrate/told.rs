@@ -39,6 +39,30 @@ pub fn told(
     Ok(loads)
 }
 
+/// The recordings of each way there and back: `FILE,FILE`.
+pub fn ways(args: &CalibrateArgs) -> Result<Vec<[usize; 2]>, Failure> {
+    const OPTION: &str = "--there-and-back";
+    let pair = |text: &String| {
+        let bad = |what| {
+            Failure::input(
+                what,
+                format!("{OPTION} {text}"),
+                format!("write it like {OPTION} flat.mcap,back.mcap"),
+            )
+        };
+        let (there, back) = text
+            .split_once(',')
+            .ok_or_else(|| bad("no comma between two recordings"))?;
+        let there = position(args, there, OPTION, text)?;
+        let back = position(args, back, OPTION, text)?;
+        if there == back {
+            return Err(bad("the same recording twice"));
+        }
+        Ok([there, back])
+    };
+    args.there_and_back.iter().map(pair).collect()
+}
+
 /// Which recording is meant: by its name, by the end of its path, or by the folder of its run.
 pub fn position(
     args: &CalibrateArgs,

@@ -3,7 +3,7 @@
 use calibrate::loader::{self as machine, Told};
 
 use crate::commands::calibrate::CalibrateArgs;
-use crate::commands::calibrate::told::{position, scales, told};
+use crate::commands::calibrate::told::{position, scales, told, ways};
 use crate::commands::calibrate::{
     finish, interrupt, map_for, names, origin, tell_progress, unknown_key,
 };
@@ -35,6 +35,7 @@ pub(super) fn calibrate(args: &CalibrateArgs, d: &config::Loader) -> Result<(), 
         &machine::Options {
             description: d,
             weighed: scales[0],
+            ways: &ways(args)?,
             slices: args.report.is_some(),
             free: (!args.free.is_empty()).then_some(args.free.as_slice()),
             stop: &stop,

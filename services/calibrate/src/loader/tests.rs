@@ -1,0 +1,275 @@
+//! Calibration of recordings that are exactly as the model has them, and of bad ones.
+
+use super::*;
+use config::Tables;
+use made::{guess, samples};
+
+fn run(inputs: &[Input], weighed: Told) -> Outcome {
+    let options = Options {
+        description: &Description::default(),
+        weighed,
+        ways: &[],
+        slices: false,
+        free: None,
+        stop: &AtomicBool::new(false),
+        progress: &|_| {},
+    };
+    calibrate(inputs, &options).expect("keys")
+}
+
+fn quantity(value: f64, std: f64) -> Option<Quantity> {
+    Some(Quantity { value, std })
+}
+
+fn inputs(told: f64) -> [Input; 2] {
+    let empty = guess();
+    let loaded = guess::Guess {
+        mass: 6200.0,
+        ratio: 0.7,
+        ..empty
+    };
+    let input = |name: &str, g, mass| Input {
+        name: name.into(),
+        samples: samples(g, 0.2, 7),
+        told: Told {
+            mass,
+            ..Told::default()
+        },
+    };
+    [
+        input("flat", &empty, None),
+        input("loaded", &loaded, quantity(told, 30.0)),
+    ]
+}
+
+const SCALES: Told = Told {
+    mass: None,
+    ratio: Some(Quantity {
+        value: 0.45,
+        std: 0.001,
+    }),
+    height: None,
+};
+
+#[test]
+fn a_machine_that_differs_from_its_description_is_found() {
+    let outcome = run(&inputs(6200.0), SCALES);
+    let truth = guess();
+    for (role, value, within) in [
+        (Role::LoadSensitivity, truth.load_sensitivity, 1e-3),
+        (Role::FrontRadius, truth.radius_errors[0], 5e-4),
+        (Role::RearRadius, truth.radius_errors[1], 5e-4),
+        (Role::SpeedDelay, truth.speed_delay, 3e-3),
+        (Role::SlopeBias, truth.slope_bias, 5e-4),
+        (Role::SlopeDelay, truth.slope_delay, 0.01),
+        (Role::SlopeFollows, truth.slope_follows, 0.01),
+        (Role::FrontGain, truth.torque_gains[0], 0.01),
+        (Role::StiffnessRatio, truth.stiffness_ratio, 0.03),
+    ] {
+        let found = outcome.quantity(role).expect("a fit");
+        let error = (found.value - value).abs();
+        assert!(
+            error < f64::max(within, 3.0 * found.std) && error < 3.0 * within,
+            "{role:?}: {found:?} {value}"
+        );
+    }
+    let (description, text) = outcome
+        .description(&Description::default(), &[])
+        .expect("a fit");
+    assert_eq!(Description::parse(&text, "t"), Ok(description));
+}
+
+/// The sentences of a run from changed recordings.
+fn faults(change: impl Fn(&mut Sample), told: f64, weighed: Told) -> String {
+    let mut inputs = inputs(told);
+    for input in &mut inputs {
+        input.samples.iter_mut().for_each(&change);
+    }
+    run(&inputs, weighed).faults.join("\n")
+}
+
+#[test]
+fn what_cannot_be_believed_is_said() {
+    let wrong = faults(|_| {}, 5450.0, SCALES);
+    assert!(wrong.contains("was told as 5450 kg"), "{wrong}");
+    let [flat, _] = inputs(6200.0);
+    let one = run(&[flat], SCALES).faults.join("\n");
+    assert!(one.contains("the same load"), "{one}");
+    let still = faults(|s| s.speed = Some(0.01), 6200.0, SCALES);
+    assert!(still.contains("stands still"), "{still}");
+    let coasting = |s: &mut Sample| {
+        if s.front_torque.is_some_and(|t| t < 0.0) {
+            s.brake = true;
+        }
+    };
+    let one_way = faults(coasting, 6200.0, SCALES);
+    assert!(one_way.contains("never brakes"), "{one_way}");
+    let gentle = |s: &mut Sample| {
+        s.front_torque = s.front_torque.map(|t| 0.02 * t);
+        s.rear_torque = s.rear_torque.map(|t| 0.02 * t);
+    };
+    let rolling = faults(gentle, 6200.0, SCALES);
+    assert!(rolling.contains("rolls without pulling"), "{rolling}");
+    let slow_wheel = |s: &mut Sample| {
+        s.front_wheel_speed = s.front_wheel_speed.map(|w| 0.9 * w);
+    };
+    let far = faults(slow_wheel, 6200.0, SCALES);
+    assert!(far.contains("was expected"), "{far}");
+}
+
+#[test]
+fn equal_torques_leave_the_gains_untold_and_as_described() {
+    let mut inputs = inputs(6200.0);
+    let empty = guess();
+    let loaded = guess::Guess {
+        mass: 6200.0,
+        ratio: 0.7,
+        ..empty
+    };
+    for (input, g) in inputs.iter_mut().zip([empty, loaded]) {
+        input.samples = samples(&g, 0.0, 7);
+    }
+    let outcome = run(&inputs, SCALES);
+    let said = [&outcome.faults[..], &outcome.remarks[..]]
+        .concat()
+        .join("\n");
+    assert!(said.contains("torque on one axle"), "{said}");
+    let before = Description::default();
+    let (after, _) = outcome.description(&before, &[]).expect("a fit");
+    let wide = |role: Role| {
+        let i = outcome.drives.index(role).expect("a parameter");
+        let std = outcome.quantity(role).expect("a fit").std;
+        std > result::NARROWED * outcome.drives.parameters[i].std
+    };
+    assert_eq!(
+        wide(Role::FrontGain),
+        after.sensors.front_torque_gain == before.sensors.front_torque_gain
+    );
+    assert!(!wide(Role::FrontRadius) && after.prior.front_radius_error != 0.0);
+}
+
+/// An accelerometer whose zero is off by as much as usual ones are.
+fn askew() -> guess::Guess {
+    guess::Guess {
+        acceleration_offset: 0.05,
+        ..guess()
+    }
+}
+
+/// Two recordings of the empty machine, the second set out on `turned` [m] along the way, and one with a load.
+fn there_and_back(g: guess::Guess, turned: Option<f64>) -> [Input; 3] {
+    let loaded = guess::Guess {
+        mass: 6200.0,
+        ratio: 0.7,
+        ..g
+    };
+    let input = |name: &str, samples, mass| Input {
+        name: name.into(),
+        samples,
+        told: Told {
+            mass,
+            ..Told::default()
+        },
+    };
+    [
+        input("flat", samples(&g, 0.2, 7), None),
+        input("back", made::turned(&g, 0.0, 8, turned), None),
+        input("loaded", samples(&loaded, 0.2, 9), quantity(6200.0, 30.0)),
+    ]
+}
+
+fn run_with_way(inputs: &[Input]) -> Outcome {
+    let options = Options {
+        description: &Description::default(),
+        weighed: SCALES,
+        ways: &[[0, 1]],
+        slices: false,
+        free: None,
+        stop: &AtomicBool::new(false),
+        progress: &|_| {},
+    };
+    calibrate(inputs, &options).expect("keys")
+}
+
+/// Zeros of slope sensor and accelerometer and the rolling resistance: each inside its interval; their standard deviations.
+fn zeros(outcome: &Outcome, g: &guess::Guess) -> [f64; 3] {
+    [
+        (Role::SlopeBias, g.slope_bias),
+        (Role::AccelerationOffset, g.acceleration_offset),
+        (Role::Rolling, g.rolling_resistance),
+    ]
+    .map(|(role, truth)| {
+        let found = outcome.quantity(role).expect("a fit");
+        let error = (found.value - truth).abs();
+        assert!(error < 2.0 * found.std, "{role:?}: {found:?} {truth}");
+        found.std
+    })
+}
+
+#[test]
+fn driving_forward_alone_leaves_the_zeros_open_and_says_so() {
+    let g = askew();
+    let outcome = run(&there_and_back(g, None), SCALES);
+    let [slope, acceleration, rolling] = zeros(&outcome, &g);
+    // What the tolerances of 10 mrad, 0.05 m/s^2 and 0.006 leave of their sum.
+    assert!(slope > 3e-3 && acceleration > 0.03 && rolling > 3e-3);
+    let said = outcome.remarks.join("\n");
+    assert!(said.contains("the same way there and back"), "{said}");
+    assert_eq!(outcome.faults, [""; 0]);
+}
+
+#[test]
+fn the_same_way_there_and_back_tells_the_zeros() {
+    let g = askew();
+    let outcome = run_with_way(&there_and_back(g, Some(181.0)));
+    let [slope, acceleration, rolling] = zeros(&outcome, &g);
+    assert!(slope < 3e-4 && acceleration < 3e-3 && rolling < 3e-4);
+    let said = outcome.remarks.join("\n");
+    assert!(said.contains("mirror each other (correlation"), "{said}");
+    assert!(!said.contains("told apart"), "{said}");
+    let (after, _) = outcome
+        .description(&Description::default(), &[])
+        .expect("a fit");
+    let sensors = &after.sensors;
+    assert!((sensors.acceleration_offset - 0.05).abs() < 3e-3);
+    assert_eq!(sensors.acceleration_offset_std, 0.01);
+}
+
+#[test]
+fn another_way_told_as_the_same_is_not_used() {
+    let g = askew();
+    // The same way in the same direction, another one, and one that is half as long.
+    let mut short = there_and_back(g, Some(181.0));
+    short[1].samples.truncate(1500);
+    for (inputs, why) in [
+        (there_and_back(g, None), "do not mirror each other"),
+        (there_and_back(g, Some(500.0)), "do not mirror each other"),
+        (short, "back 9"),
+    ] {
+        let outcome = run_with_way(&inputs);
+        let said = outcome.remarks.join("\n");
+        assert!(said.contains(why), "{said}");
+        let [slope, ..] = zeros(&outcome, &g);
+        assert!(slope > 3e-3, "{slope}");
+    }
+}
+
+#[test]
+fn what_is_held_with_a_tolerance_widens_what_is_found() {
+    let free = ["prior.front_radius_error", "prior.rear_radius_error"].map(String::from);
+    let options = Options {
+        description: &Description::default(),
+        weighed: SCALES,
+        ways: &[],
+        slices: false,
+        free: Some(&free),
+        stop: &AtomicBool::new(false),
+        progress: &|_| {},
+    };
+    let few = calibrate(&inputs(6200.0), &options).expect("keys");
+    let all = run(&inputs(6200.0), SCALES);
+    let std = |o: &Outcome| o.quantity(Role::FrontRadius).expect("a fit").std;
+    assert!(std(&few) > 5.0 * std(&all), "{} {}", std(&few), std(&all));
+    let error = few.quantity(Role::FrontRadius).expect("a fit").value - guess().radius_errors[0];
+    assert!(error.abs() < 3.0 * std(&few), "{error} {}", std(&few));
+}

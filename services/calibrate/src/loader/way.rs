@@ -1,0 +1,228 @@
+//! The same way there and back: places that the machine passes in both directions.
+//!
+//! Turned round it stands on every place the other way: what went up goes down, and the zero of the slope sensor stays,
+//! ```text
+//! th_there(x) + th_back(x) = 0,   th = (s + tau_s s' - b - kappa (a/g))/(1 - kappa)
+//! ```
+//! So the mean over a section of the way tells the zero b, whatever the road is like; the motion then tells that of the accelerometer,
+//! and the balance of force the rolling resistance. Places are matched by the distance that the wheels roll. The tracks are not
+//! the same ones exactly, and the marks are met within some metres: the shift is the one at which the slopes mirror each other best, and
+//! where they do not, it is not the same way. What is left of the shift looks like a delay of the sensor (0.1 m at 3 m/s is 17 ms), so it
+//! is a parameter too.
+
+use std::collections::BTreeMap;
+
+use super::drive::Drive;
+use super::guess::Guess;
+use crate::model::Innovation;
+
+/// Length of a cell, over which slopes are compared, and the step of the shift [m].
+const CELL: f64 = 2.0;
+const STEP: f64 = 0.5;
+/// So many cells make a section.
+const CELLS: i64 = 5;
+/// Marks are met within this [m], and distances agree within it or this share.
+const MARK: f64 = 10.0;
+const SHARE: f64 = 0.05;
+/// Fewer cells that both drives pass say nothing.
+const FEWEST: usize = 50;
+/// Correlation of the slopes from which on it is the same way.
+const SAME: f64 = 0.9;
+
+/// Rows of a drive with their weights, which sum up to 1.
+type Rows = Vec<(usize, f64)>;
+
+/// A piece of the way.
+#[derive(Debug, Clone)]
+pub struct Section {
+    /// Its rows, there and back.
+    rows: [Rows; 2],
+    /// Change of the slope there per distance [rad/m].
+    gradient: f64,
+}
+
+/// Two recordings of the same way.
+#[derive(Debug, Clone)]
+pub struct Way {
+    /// There and back.
+    pub recordings: [usize; 2],
+    /// Its sections.
+    pub sections: Vec<Section>,
+    /// Correlation of the slope there with the opposite of that back.
+    pub correlation: f64,
+}
+
+impl Way {
+    /// Two drives matched under a guess of the sensors.
+    ///
+    /// # Errors
+    /// Says why they are not the same way there and back.
+    pub fn new(drives: &[Drive], recordings: [usize; 2], g: &Guess) -> Result<Self, String> {
+        let [there, back] = recordings.map(|r| &drives[r]);
+        let [out, home] = [there, back].map(|drive| distances(drive, g.radius));
+        let [far, near] = [&out, &home].map(|way| way.last().copied().unwrap_or(0.0));
+        if far * near < 0.0 {
+            return Err("the machine was not turned round but drove back in reverse, where the slope keeps its sign".into());
+        }
+        if (far.abs() - near.abs()).abs() > MARK.max(SHARE * far.abs()) {
+            return Err(format!(
+                "there it goes {:.0} m and back {:.0} m",
+                far.abs(),
+                near.abs()
+            ));
+        }
+        let cells_there = cells(there, &out, |x| x);
+        let slopes_there = slopes(there, &cells_there, g);
+        let steps = (MARK / STEP) as i32;
+        let (mut best, mut same, mut most) = (0.0, -1.0, 0);
+        for k in -steps..=steps {
+            let end = 0.5 * (far + near) + STEP * f64::from(k);
+            let slopes_back = slopes(back, &cells(back, &home, |x| end - x), g);
+            let (correlation, count) = mirrored(&slopes_there, &slopes_back);
+            most = most.max(count);
+            if count >= FEWEST && correlation > same {
+                (best, same) = (end, correlation);
+            }
+        }
+        if most < FEWEST {
+            return Err(format!(
+                "they have only {:.0} m of straight driving in common",
+                CELL * most as f64
+            ));
+        }
+        if same < SAME {
+            return Err(format!(
+                "the slopes there and back do not mirror each other (correlation {same:.2}, of the same way {SAME} or more): it is another way, or one too even to tell"
+            ));
+        }
+        let cells_back = cells(back, &home, |x| best - x);
+        Ok(Self {
+            recordings,
+            sections: sections(&cells_there, &cells_back, &slopes_there),
+            correlation: same,
+        })
+    }
+
+    /// The residual of a section under the guesses of both drives, the second set out this far `ahead` of what was matched [m].
+    pub fn residual(
+        &self,
+        drives: &[Drive],
+        section: usize,
+        guesses: &[Guess; 2],
+        ahead: f64,
+    ) -> Innovation {
+        let section = &self.sections[section];
+        let mean = |i: usize| -> f64 {
+            let drive = &drives[self.recordings[i]];
+            let rows = section.rows[i].iter();
+            rows.map(|&(k, weight)| weight * slope(drive, &guesses[i], k))
+                .sum()
+        };
+        let std = guesses[0].scatter.way;
+        Innovation {
+            value: mean(0) + mean(1) + section.gradient * ahead,
+            variance: std * std,
+        }
+    }
+
+    /// Length of what both drives pass [m].
+    pub fn length(&self) -> f64 {
+        CELL * CELLS as f64 * self.sections.len() as f64
+    }
+}
+
+/// Slope of the road by the sensor in a row.
+fn slope(drive: &Drive, g: &Guess, k: usize) -> f64 {
+    let prompt = drive.slope[k] + g.slope_delay * drive.slope_rates[k];
+    g.prompt_slope(prompt, g.force(drive, k))
+}
+
+/// How far the wheels have rolled at each row, forward positive [m].
+fn distances(drive: &Drive, radius: f64) -> Vec<f64> {
+    let (mut way, mut speed) = (0.0, 0.0);
+    let mut last = drive.time.first().copied().unwrap_or(0.0);
+    let rows = drive.time.iter().enumerate();
+    rows.map(|(k, &time)| {
+        let rim = 0.5 * radius * (drive.wheels[0][k] + drive.wheels[1][k]);
+        let now = if rim.is_finite() { rim } else { speed };
+        way += 0.5 * (speed + now) * (time - last);
+        (speed, last) = (now, time);
+        way
+    })
+    .collect()
+}
+
+/// The rows of straight driving in each cell of the way.
+fn cells(drive: &Drive, way: &[f64], place: impl Fn(f64) -> f64) -> BTreeMap<i64, Vec<usize>> {
+    let mut cells: BTreeMap<i64, Vec<usize>> = BTreeMap::new();
+    let is_whole = |k: &usize| !drive.has_acceleration || drive.acceleration[*k].is_finite();
+    for k in drive.blocks.iter().flat_map(Clone::clone).filter(is_whole) {
+        let cell = (place(way[k]) / CELL).floor() as i64;
+        cells.entry(cell).or_default().push(k);
+    }
+    cells
+}
+
+/// Mean slope in each cell.
+fn slopes(drive: &Drive, cells: &BTreeMap<i64, Vec<usize>>, g: &Guess) -> BTreeMap<i64, f64> {
+    let mean = |rows: &Vec<usize>| {
+        rows.iter().map(|&k| slope(drive, g, k)).sum::<f64>() / rows.len() as f64
+    };
+    cells
+        .iter()
+        .map(|(cell, rows)| (*cell, mean(rows)))
+        .collect()
+}
+
+/// Correlation of slopes with the opposite of others in the cells that both have, and their number.
+fn mirrored(there: &BTreeMap<i64, f64>, back: &BTreeMap<i64, f64>) -> (f64, usize) {
+    let both: Vec<(f64, f64)> = there
+        .iter()
+        .filter_map(|(cell, a)| Some((*a, -back.get(cell)?)))
+        .collect();
+    let count = both.len().max(1) as f64;
+    let mean = |of: fn(&(f64, f64)) -> f64| both.iter().map(of).sum::<f64>() / count;
+    let middle = (mean(|p| p.0), mean(|p| p.1));
+    let moment = |of: fn(f64, f64) -> f64| -> f64 {
+        let away = both.iter().map(|p| (p.0 - middle.0, p.1 - middle.1));
+        away.map(|(a, b)| of(a, b)).sum()
+    };
+    let size = (moment(|a, _| a * a) * moment(|_, b| b * b)).sqrt();
+    let correlation = if size > 0.0 {
+        moment(|a, b| a * b) / size
+    } else {
+        0.0
+    };
+    (correlation, both.len())
+}
+
+/// The rows of sections of which both drives pass every cell.
+fn sections(
+    there: &BTreeMap<i64, Vec<usize>>,
+    back: &BTreeMap<i64, Vec<usize>>,
+    slopes: &BTreeMap<i64, f64>,
+) -> Vec<Section> {
+    let mut sections: BTreeMap<i64, (i64, [Rows; 2])> = BTreeMap::new();
+    for (cell, rows) in there {
+        let Some(others) = back.get(cell) else {
+            continue;
+        };
+        let (count, section) = sections.entry(cell.div_euclid(CELLS)).or_default();
+        *count += 1;
+        for (side, rows) in section.iter_mut().zip([rows, others]) {
+            let weight = 1.0 / (CELLS as f64 * rows.len() as f64);
+            side.extend(rows.iter().map(|&k| (k, weight)));
+        }
+    }
+    let whole = sections.into_iter().filter(|(_, of)| of.0 == CELLS);
+    whole
+        .map(|(number, (_, rows))| {
+            let (first, last) = (CELLS * number, CELLS * (number + 1) - 1);
+            let rise = slopes[&last] - slopes[&first];
+            Section {
+                rows,
+                gradient: rise / (CELL * (CELLS - 1) as f64),
+            }
+        })
+        .collect()
+}

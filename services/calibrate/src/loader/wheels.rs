@@ -1,0 +1,107 @@
+//! Axle loads, radii, slips and the balance of force under a guess:
+//! ```text
+//! s_i = mu/K_i atanh(F_i/(mu F_zi)),  F_i = (T_i/g_i - I v'/r)/r
+//! F_zf = m g lam - m h a/l,  F_zr = m g (1 - lam) + m h a/l
+//! r_i = r (1 + d_i) (1 - rho (F_zi/F_0 - 1)),  K_i = K q_i (F_zi/F_0)^-p,  F_0 = m g/2
+//! m a = F_f + F_r - c m g sign(v)
+//! ```
+
+use super::GRAVITY;
+use super::drive::Drive;
+use super::guess::Guess;
+
+/// An axle carries at least this share of the weight.
+const LEAST_LOAD: f64 = 0.02;
+/// A tyre uses at most this share of its friction.
+const MOST_FRICTION: f64 = 0.98;
+
+/// What acts at one time.
+#[derive(Clone, Copy)]
+pub struct Acting {
+    /// True torques [N m] and their rates [N m/s].
+    pub torque: [f64; 2],
+    pub torque_rate: [f64; 2],
+    /// Gravity along the road [m/s^2].
+    pub along: f64,
+}
+
+impl Acting {
+    /// In row `k`.
+    pub fn at(drive: &Drive, g: &Guess, k: usize) -> Self {
+        let (row, share) = drive.place(k, g.torque_delay);
+        let mixed = |column: &[f64]| column[row] + share * (column[row + 1] - column[row]);
+        Self {
+            torque: [0, 1].map(|i| mixed(&drive.torques[i]) / g.torque_gains[i]),
+            torque_rate: [0, 1].map(|i| mixed(&drive.torque_rates[i]) / g.torque_gains[i]),
+            along: GRAVITY * g.prompt_slope(drive.slope[k], g.force(drive, k)).sin(),
+        }
+    }
+}
+
+/// Load of an axle [N] under a specific force.
+pub fn load(g: &Guess, i: usize, a: f64) -> f64 {
+    let weight = g.mass * GRAVITY;
+    let transfer = g.mass * g.height * a / g.wheelbase;
+    let load = if i == 0 {
+        weight * g.ratio - transfer
+    } else {
+        weight * (1.0 - g.ratio) + transfer
+    };
+    load.max(LEAST_LOAD * weight)
+}
+
+/// Rolling radius of an axle under its load [m].
+pub fn radius(g: &Guess, i: usize, load: f64) -> f64 {
+    let excess = load / (0.5 * g.mass * GRAVITY) - 1.0;
+    g.radius * (1.0 + g.radius_errors[i]) * (1.0 - g.load_sensitivity * excess)
+}
+
+/// The specific force that the torques make [m/s^2].
+pub fn balance(g: &Guess, acting: &Acting, forward: f64, a: f64) -> f64 {
+    let spin = 2.0 * g.axle_inertia / (g.radius * g.radius);
+    let pull: f64 = (0..2)
+        .map(|i| acting.torque[i] / radius(g, i, load(g, i, a)))
+        .sum();
+    let rolling = g.rolling_resistance * g.mass * GRAVITY * forward;
+    (pull - rolling + spin * acting.along) / (g.mass + spin)
+}
+
+/// An axle under its torque.
+pub struct Slipping {
+    /// Rolling radius [m].
+    pub radius: f64,
+    /// Rim speed over road speed.
+    pub faster: f64,
+    /// Rim speed that winds the tyre up [m/s].
+    pub wound: f64,
+}
+
+/// Under what acts at one time and a specific force.
+pub fn slipping(g: &Guess, i: usize, acting: &Acting, forward: f64, a: f64) -> Slipping {
+    let load = load(g, i, a);
+    let relative = load / (0.5 * g.mass * GRAVITY);
+    let radius = radius(g, i, load);
+    let gain = g.stiffness_ratio.sqrt();
+    let stiffness = g.stiffness
+        * if i == 0 { gain } else { 1.0 / gain }
+        * (-g.load_exponent * relative.ln()).exp();
+    let pull = (acting.torque[i] - g.axle_inertia * (a - acting.along) / radius) / radius;
+    let used = pull / (g.friction * load);
+    let slip = if g.friction.is_finite() {
+        let used = used.clamp(-MOST_FRICTION, MOST_FRICTION);
+        0.5 * g.friction / stiffness * ((1.0 + used) / (1.0 - used)).ln()
+    } else {
+        pull / (stiffness * load)
+    };
+    let slip = slip.clamp(-0.5, 0.5);
+    Slipping {
+        radius,
+        // Relative to the faster of wheel and road: the wheel where it drives, the road where it brakes.
+        faster: if slip * forward >= 0.0 {
+            1.0 / (1.0 - slip.abs())
+        } else {
+            1.0 - slip.abs()
+        },
+        wound: g.relaxation_length * acting.torque_rate[i] / (radius * stiffness * load),
+    }
+}
