@@ -34,6 +34,7 @@
 #![no_std]
 
 pub mod batch;
+mod cadence;
 pub mod consistency;
 pub mod dual;
 pub mod ekf;

@@ -3,6 +3,10 @@
 //! Rows must increase in time. Two lies would cost all rows that follow, and are found out:
 //! - one stamp far ahead: when the next row continues where the rows before it ended, the stamp was wrong, not the row;
 //! - a clock that was set back: when refused rows have increased among themselves for a while, theirs is the time.
+//!
+//! Stamps that jitter about a steady period are not times either ([`crate::cadence`]).
+
+use crate::cadence::Cadence;
 
 /// For so long refused rows must increase among themselves until they are believed [s].
 const CONVINCING: f64 = 1.0;
@@ -12,7 +16,7 @@ const CONVINCING: f64 = 1.0;
 pub(crate) enum Tick {
     /// The first row with a time.
     First,
-    /// So much later than the row before [s].
+    /// Measured so much later than the row before [s].
     Later(f64),
     /// Not later, or no time at all.
     Refused,
@@ -25,6 +29,7 @@ pub(crate) enum Tick {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct TimeBase {
     last: Option<f64>,
+    cadence: Cadence,
     /// The time before the last row, if that row jumped.
     before_jump: Option<f64>,
     /// The last refused row, and for how long refused rows have increased among themselves.
@@ -32,9 +37,14 @@ pub(crate) struct TimeBase {
 }
 
 impl TimeBase {
-    /// Time of the last accepted row [s].
+    /// Time stamp of the last accepted row [s].
     pub fn last(&self) -> Option<f64> {
         self.last
+    }
+
+    /// When the last accepted row was measured [s].
+    pub fn time(&self) -> f64 {
+        self.cadence.time()
     }
 
     /// Takes the time of a row; a step longer than `gap` is a jump.
@@ -43,24 +53,26 @@ impl TimeBase {
             return Tick::Refused;
         }
         let Some(last) = self.last else {
-            self.last = Some(time);
+            *self = Self::beginning(time);
             return Tick::First;
         };
         // The difference of two finite times may be infinite.
         let continues = |from: f64| time > from && time - from <= gap;
         if time > last && (time - last).is_finite() {
-            *self = Self {
-                last: Some(time),
-                before_jump: (time - last > gap).then_some(last),
-                refused: None,
-            };
-            return Tick::Later(time - last);
+            if time - last > gap {
+                *self = Self {
+                    before_jump: Some(last),
+                    ..Self::beginning(time)
+                };
+                return Tick::Later(time - last);
+            }
+            let before = self.cadence.time();
+            self.last = Some(time);
+            (self.before_jump, self.refused) = (None, None);
+            return Tick::Later(self.cadence.next(time) - before);
         }
         if let Some(before) = self.before_jump.filter(|t| time < last && continues(*t)) {
-            *self = Self {
-                last: Some(time),
-                ..Self::default()
-            };
+            *self = Self::beginning(time);
             return Tick::Later(time - before);
         }
         let agreed = match self.refused {
@@ -71,11 +83,16 @@ impl TimeBase {
             self.refused = Some((time, agreed));
             return Tick::Refused;
         }
-        *self = Self {
-            last: Some(time),
-            ..Self::default()
-        };
+        *self = Self::beginning(time);
         Tick::SetBack
+    }
+
+    fn beginning(time: f64) -> Self {
+        Self {
+            last: Some(time),
+            cadence: Cadence::starting(time),
+            ..Self::default()
+        }
     }
 }
 

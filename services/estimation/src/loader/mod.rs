@@ -20,7 +20,7 @@
 //! | `slope` | how far the slope sensor is to be believed |
 //! | `legs` | independent manoeuvres must agree |
 //! | `quantum` | wheel speeds in steps |
-//! | `ripple` | slips that waver: rough roads, time stamps that jitter |
+//! | `ripple` | slips that waver: rough roads |
 //! | `stuck` | a sensor whose value never changes |
 //! | `relearning` | what was learnt wrongly: the start, the radii under another load |
 //! | `coupling` | a centre drive that is locked |

@@ -7,8 +7,7 @@
 //! | c^2 | `square` | variance of the slip, as a share of its square |
 //! | nu | `innovation` | innovation of the wheel speed [rad/s] |
 //!
-//! On a rough road axle loads, and with them the slips, waver by far more than on asphalt; time stamps that jitter make noise that
-//! goes with the acceleration, as the slips do. E nu^2 = V + c^2 w^2, so c^2 is the weighted mean of (nu^2 - V)/w^2 over the last
+//! On a rough road axle loads, and with them the slips, waver by far more than on asphalt. E nu^2 = V + c^2 w^2, so c^2 is the weighted mean of (nu^2 - V)/w^2 over the last
 //! rows, never below what the settings say, which count as much as a second of rows. The weights, w^4/(V + c_b^2 w^2)^2, are those of
 //! least squares where c is what the settings say.
 //!

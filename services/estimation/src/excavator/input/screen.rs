@@ -1,4 +1,4 @@
-//! First look at a row: is its time usable, which of its values count? The torque's calibrated gain and
+//! First look at a row: is its time usable, when was it measured, and which of its values count? The torque's calibrated gain and
 //! offset are taken out here, so that all behind it see the true torque.
 
 use crate::excavator::estimate::Sample;
@@ -64,8 +64,12 @@ impl Screen {
                 return None;
             }
         };
+        let measured = Sample {
+            time: self.clock.time(),
+            ..*sample
+        };
         Some(Accepted {
-            sample: self.clean(sample, period),
+            sample: self.clean(&measured, period),
             period,
             set_back: last.is_some_and(|last| sample.time < last),
         })
