@@ -274,3 +274,32 @@ pub(super) fn dot(a: &Vector, b: &Vector) -> f64 {
     }
     sum
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_covariance_that_is_no_number_anywhere_shows_with_the_next_motion() {
+        let input = Input {
+            period: 0.01,
+            torque: 2000.0,
+            inertia: [6000.0, 9.0],
+            ..Input::default()
+        };
+        let moved = |i: usize, j: usize, covariance: f64| {
+            let mut filter = Filter::new([1.0; N], &[1.0; N]);
+            filter.p[i][j] = covariance;
+            filter.predict(&input, 0.01, 1000.0, &mut None);
+            filter
+        };
+        for i in 0..N {
+            for j in (0..N).filter(|j| *j != i) {
+                assert!(moved(i, j, 0.1).is_sound());
+                for none in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+                    assert!(!moved(i, j, none).is_sound(), "{none} at {i}, {j}");
+                }
+            }
+        }
+    }
+}
