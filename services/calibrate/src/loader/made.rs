@@ -49,24 +49,33 @@ pub fn noise(state: &mut u64) -> f64 {
 
 /// A machine that goes faster and slower over waves of the ground for 60 s, as the model has it; `split` shifts the torque to and fro.
 pub fn samples(g: &Guess, split: f64, seed: u64) -> Vec<Sample> {
-    turned(g, split, seed, None)
+    driven(g, split, seed, None, 1.0)
+}
+
+/// The same backwards, from the same mark away.
+pub fn reversed(g: &Guess, split: f64, seed: u64) -> Vec<Sample> {
+    driven(g, split, seed, None, -1.0)
 }
 
 /// The same, or `turned` round so far along the way [m], and driving back.
 pub fn turned(g: &Guess, split: f64, seed: u64, turned: Option<f64>) -> Vec<Sample> {
+    driven(g, split, seed, turned, 1.0)
+}
+
+fn driven(g: &Guess, split: f64, seed: u64, turned: Option<f64>, gear: f64) -> Vec<Sample> {
     let (mut state, mut shown) = (seed, 0.0);
     let hills = |x: f64| 0.01 + 0.012 * (0.43 * x).sin() + 0.012 * (0.27 * x + 1.0).sin();
     let way = |t: f64| {
-        3.0 * t + 1.2 / 0.9 * (1.0 - (0.9 * t).cos()) + 0.4 / 2.1 * (1.0 - (2.1 * t).cos())
+        gear * (3.0 * t + 1.2 / 0.9 * (1.0 - (0.9 * t).cos()) + 0.4 / 2.1 * (1.0 - (2.1 * t).cos()))
     };
     let ground = |t: f64| turned.map_or_else(|| hills(way(t)), |at| -hills(at - way(t)));
-    let speed = |t: f64| 3.0 + 1.2 * (0.9 * t).sin() + 0.4 * (2.1 * t).sin();
-    let rate = |t: f64| 1.08 * (0.9 * t).cos() + 0.84 * (2.1 * t).cos();
+    let speed = |t: f64| gear * (3.0 + 1.2 * (0.9 * t).sin() + 0.4 * (2.1 * t).sin());
+    let rate = |t: f64| gear * (1.08 * (0.9 * t).cos() + 0.84 * (2.1 * t).cos());
     let force = |t: f64| rate(t) + GRAVITY * ground(t).sin();
     let torque = |t: f64| {
         let share = [0.5 + split * (0.7 * t).sin(), 0.5 - split * (0.7 * t).sin()];
         let spin = 2.0 * g.axle_inertia / (g.radius * g.radius);
-        let pull = (force(t) + g.rolling_resistance * GRAVITY) * g.mass + spin * rate(t);
+        let pull = (force(t) + gear * g.rolling_resistance * GRAVITY) * g.mass + spin * rate(t);
         let radii = [0, 1].map(|i| radius(g, i, load(g, i, force(t))));
         [0, 1].map(|i| share[i] * pull * radii[i])
     };
@@ -79,7 +88,7 @@ pub fn turned(g: &Guess, split: f64, seed: u64, turned: Option<f64>) -> Vec<Samp
                 along: force(t) - rate(t),
             };
             let wheels = [0, 1].map(|i| {
-                let axle = slipping(g, i, &acting, 1.0, force(t));
+                let axle = slipping(g, i, &acting, gear, force(t));
                 (speed(t) * axle.faster + axle.wound) / axle.radius
             });
             let late = torque(t - g.torque_delay);

@@ -236,6 +236,33 @@ fn the_same_way_there_and_back_tells_the_zeros() {
 }
 
 #[test]
+fn a_limit_that_is_reached_is_said() {
+    // Tyres that grow under their load.
+    let g = guess::Guess {
+        load_sensitivity: -0.002,
+        ..guess()
+    };
+    let said = run(&there_and_back(g, None), SCALES).faults.join("\n");
+    assert!(
+        said.contains("the load sensitivity of the rolling radius is at the limit"),
+        "{said}"
+    );
+}
+
+#[test]
+fn driving_in_reverse_tells_the_zeros_too() {
+    let g = askew();
+    let mut inputs = there_and_back(g, None);
+    inputs[1].samples = made::reversed(&g, 0.0, 8);
+    let outcome = run_with_way(&inputs);
+    let [slope, acceleration, rolling] = zeros(&outcome, &g);
+    assert!(slope < 3e-4 && acceleration < 3e-3 && rolling < 3e-4);
+    let said = outcome.remarks.join("\n");
+    assert!(said.contains("drove back in reverse"), "{said}");
+    assert!(!said.contains("told apart"), "{said}");
+}
+
+#[test]
 fn another_way_told_as_the_same_is_not_used() {
     let g = askew();
     // The same way in the same direction, another one, and one that is half as long.

@@ -11,18 +11,21 @@
 //!
 //! JSON: `{"load_sensitivity":{"median":..,"p95":..,"covered":..},..,"after":[{"line","ratio","height",..}],"machines":n,"refused":n}`:
 //! errors in percent (radii of the radius, slope in mrad, delay in ms), coverage of the 95 % intervals in percent; `after` has the
-//! largest errors of the estimator, median and p95 over the machines (`after_prompt` and `after_late` by slope sensor): as described; as calibrated, which leaves room for other ground and
-//! worn tyres; and with what may be stated on the ground of the recordings on the same day ([`same_ground`]).
+//! largest errors of the estimator, median and p95 over the machines (`after_prompt` and `after_late` by slope sensor): as described; as
+//! calibrated, which leaves room for other ground and worn tyres; and with what may be stated on the ground of the recordings on the same day ([`same_ground`]).
+
+mod machine;
 
 use std::sync::atomic::AtomicBool;
 
-use calibrate::loader::{self as calibration, Input, Outcome, Role, Told};
-use estimation::loader::weigh::{Reading, Weighing};
+use calibrate::loader::{self as calibration, Outcome, Role, Told};
 use estimation::loader::{CgEstimator, Columns, Method, Settings};
 use estimation::{HALF_WIDTH_95, Quantity};
 use serde_json::{Map, Value, json};
-use sim::loader::{Effects, Machine, Row, Run, Scenario, Simulation, Tier};
+use sim::loader::{Row, Run, Scenario, Simulation};
 use sim::noise::Noise;
+
+use machine::{Truth, described, input, way, weighed};
 
 use super::candidate::sample;
 use super::score::{Score, Summary};
@@ -36,13 +39,8 @@ const WORK: f64 = 160.0;
 /// The weighed load and the accuracy of its scale [kg].
 const LOAD: f64 = 1500.0;
 const LOAD_STD: f64 = 30.0;
-/// Zero of an accelerometer [m/s^2]: of the sensor, and of a mounting that is askew by a quarter of a degree.
-const ZERO_STD: f64 = 0.04;
 /// How far from the mark the machine sets out on its way back [m].
 const MARK_STD: f64 = 1.0;
-/// Accuracy of axle scales, relative, and how the machine stands on them [rad].
-const SCALE_STD: f64 = 0.005;
-const TILTS: [f64; 4] = [0.0, 0.0, 0.12, -0.12];
 
 /// What is judged: name, role, factor from the value to the printed unit; relative to the true value where the factor is negative.
 const JUDGED: [(&str, Role, f64); 16] = [
@@ -91,127 +89,6 @@ fn same_ground(calibrated: &config::Loader) -> config::Loader {
     d.prior.slip_stiffness_std = SAME_GROUND.0 * d.prior.slip_stiffness;
     d.prior.radius_std = SAME_GROUND.1;
     d
-}
-
-/// A machine that differs from its description.
-#[derive(Clone, Copy, Debug)]
-struct Truth {
-    seed: u64,
-    effects: Effects,
-    torque_delay: f64,
-}
-
-impl Truth {
-    fn new(seed: u64) -> Self {
-        let mut noise = Noise::channel(seed, 100);
-        let mut truth = Self {
-            seed,
-            effects: Effects {
-                speed_delay: noise.uniform(0.0, 0.08),
-                stiffness_difference: noise.uniform(-0.08, 0.08),
-                stiffness_exponent: noise.uniform(0.0, 0.15),
-                radius_sensitivity: (0.002 * noise.normal()).max(-0.008),
-                ..Effects::default()
-            },
-            torque_delay: noise.uniform(0.0, 0.02),
-        };
-        let sensor = (noise.uniform(0.0, 0.5), noise.uniform(0.0, 0.4));
-        if truth.slope_lags() {
-            (truth.effects.slope_lag, truth.effects.slope_follows) = sensor;
-        }
-        truth.effects.acceleration_offset = ZERO_STD * noise.normal();
-        truth
-    }
-
-    /// Whether its slope sensor has errors beside its zero.
-    fn slope_lags(&self) -> bool {
-        self.seed.is_multiple_of(2)
-    }
-
-    /// A run of this machine with a course of its own.
-    fn run(&self, scenario: Scenario, course: u64, payload: Option<f64>, duration: f64) -> Run {
-        Run {
-            seed: 100 * self.seed + course,
-            machine_seed: Some(self.seed),
-            tier: Tier::B,
-            effects: self.effects,
-            payload,
-            duration: Some(duration),
-            ..Run::new(scenario)
-        }
-    }
-
-    /// What its sensors show in a run.
-    fn rows(&self, run: &Run) -> Result<Vec<Row>, Error> {
-        let rows: Vec<Row> = Simulation::new(run).map_err(Error::refused)?.collect();
-        let late = self.torque_delay * run.rate;
-        let (whole, part) = (late.floor() as usize, late.fract());
-        let earlier = |k: usize, by: usize| &rows[k.saturating_sub(by)];
-        let mixed = |k: usize, of: fn(&Row) -> f64| {
-            (1.0 - part) * of(earlier(k, whole)) + part * of(earlier(k, whole + 1))
-        };
-        let delayed = (0..rows.len()).map(|k| Row {
-            front_torque: mixed(k, |row| row.front_torque),
-            rear_torque: mixed(k, |row| row.rear_torque),
-            ..rows[k]
-        });
-        Ok(delayed.collect())
-    }
-}
-
-/// How far the machine is at each row [m].
-fn way(rows: &[Row]) -> impl Iterator<Item = f64> {
-    let pairs = rows.windows(2);
-    pairs.scan(0.0, |way, pair| {
-        *way += (pair[1].time - pair[0].time) * pair[1].truth.speed;
-        Some(*way)
-    })
-}
-
-fn input(name: &str, rows: &[Row], told: Told) -> Input {
-    Input {
-        name: name.into(),
-        samples: rows.iter().map(sample).collect(),
-        told,
-    }
-}
-
-/// What a competent user states of the machine before.
-fn described(told: &sim::loader::Told) -> config::Loader {
-    let mut d = config::Loader::default();
-    d.machine.mass = told.mass;
-    d.machine.wheel_radius = told.wheel_radius;
-    d.machine.axle_inertia = told.axle_inertia;
-    d.machine.wheelbase = told.wheelbase;
-    d.machine.bucket_reach = told.bucket_reach;
-    d.machine.rolling_resistance = told.rolling_resistance;
-    d.machine.friction = told.friction;
-    d.machine.radius_load_sensitivity = told.radius_load_sensitivity;
-    d.prior.slip_stiffness = told.slip_stiffness;
-    d.prior.cg_height = told.cg_height.max(0.3);
-    d.prior.cg_ratio = told.cg_ratio;
-    d.sensors.speed_std = told.grade.speed_std();
-    d.sensors.wheel_speed_std = told.grade.wheel_speed_std();
-    d.sensors.slope_std = told.grade.slope_std();
-    d.sensors.acceleration_std = told.grade.acceleration_std();
-    d
-}
-
-/// The empty machine on axle scales.
-fn weighed(machine: &Machine, noise: &mut Noise) -> Result<Told, Error> {
-    let mut weighing = Weighing::new(machine.wheelbase, SCALE_STD).map_err(Error::refused)?;
-    for pitch in TILTS {
-        let share = machine.cg_ratio - machine.cg_height / machine.wheelbase * pitch.tan();
-        let mut shown = |part: f64| part * machine.mass * (1.0 + SCALE_STD * noise.normal());
-        let reading = Reading {
-            pitch,
-            front_load: shown(share),
-            rear_load: shown(1.0 - share),
-        };
-        weighing.add(&reading).map_err(Error::refused)?;
-    }
-    let reference = weighing.reference().map_err(Error::refused)?;
-    Ok(Told::weighed(&reference, SCALE_STD))
 }
 
 /// What one machine gave.
