@@ -12,6 +12,7 @@
 //! | [`model`] | blocks of recordings that give innovations |
 //! | [`fit`] | the maximum, by scoring steps with the damping of Levenberg and Marquardt |
 //! | [`honesty`] | what the data do not determine, the scatter between blocks, profiles, hold-out |
+//! | [`agreement`] | whether parts of the recordings tell the same machine |
 //! | [`outcome`] | what came out, for any machine |
 //! | [`excavator`] | swings of an excavator |
 //! | [`loader`] | drives of a loader |
@@ -19,6 +20,7 @@
 //! | [`algebra`] | faer |
 //! | [`description`] | keys by name |
 
+pub mod agreement;
 pub mod algebra;
 pub mod description;
 pub mod excavator;

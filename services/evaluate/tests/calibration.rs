@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 use calibrate::excavator::{Input, Options, Outcome, Role, calibrate};
 use config::Tables;
 use estimation::Quantity;
-use estimation::excavator::Sample;
+use estimation::excavator::{Doubts, Geometry, Sample};
 use evaluate::excavator::calibration::Truth;
 use sim::excavator::Path;
 
@@ -141,4 +141,103 @@ fn a_key_that_no_recording_can_tell_is_refused_with_those_that_can() {
     };
     let error = calibrate(&inputs, &options).expect_err("no such parameter");
     assert!(error.contains("machine.nominal_damping"), "{error}");
+}
+
+/// The same recording on ground inclined by these angles across and along the machine at its beginning: the drive,
+/// which loses nothing, holds against the slope.
+fn on_slope(truth: &Truth, mut samples: Vec<Sample>, load: f64, slope: [f64; 2]) -> Vec<Sample> {
+    let geometry = Geometry::default();
+    let (upper, _) = Doubts::default().upper_moment(&geometry);
+    let (mut angle, mut last) = (0.0, 0.0);
+    for sample in &mut samples {
+        angle += sample.velocity.expect("measured") * (sample.time - last);
+        last = sample.time;
+        let inertia = geometry.inertia(sample.posture.map(|q| q.expect("measured")));
+        let moment = upper + truth.links * inertia.moment + load * inertia.radius;
+        let (sin, cos) = f64::sin_cos(angle);
+        let pull = 9.80665 * moment * (slope[0] * cos + slope[1] * sin);
+        sample.torque = sample.torque.map(|t| t - truth.gain * pull);
+    }
+    samples
+}
+
+#[test]
+fn a_slope_of_the_ground_is_taken_out_and_told() {
+    let truth = Truth {
+        efficiency: 1.0,
+        ..Truth::new(3)
+    };
+    let slope = [0.03, -0.02];
+    let record = |load, seed| on_slope(&truth, truth.record(load, seed), load, slope);
+    let outcome = run(
+        &[
+            input("empty", record(0.0, 1), 0.0),
+            input("loaded", record(423.0, 2), 423.0),
+        ],
+        None,
+    );
+    assert_eq!(outcome.faults, Vec::<String>::new());
+    for (role, true_value) in [
+        (Role::Gain, truth.gain),
+        (Role::Damping, truth.damping),
+        (Role::Friction, truth.friction),
+        (Role::Offset, truth.offset),
+        (Role::Across(0), slope[0]),
+        (Role::Along(1), slope[1]),
+    ] {
+        let q = outcome.quantity(role).expect("a value");
+        let error = (q.value - true_value).abs();
+        assert!(error < 4.0 * q.std, "{role:?} {q:?} {true_value}");
+    }
+    let tells = |r: &String| r.contains("empty: the ground is inclined, by 2.");
+    assert!(outcome.remarks.iter().any(tells), "{:?}", outcome.remarks);
+}
+
+#[test]
+fn lengths_within_their_tolerance_leave_the_gain_inside_its_interval() {
+    let truth = Truth::new(3);
+    let mut description = config::Excavator::default();
+    let g = &mut description.geometry;
+    for length in [&mut g.boom_length, &mut g.arm_length, &mut g.payload_centre] {
+        *length *= 1.008;
+    }
+    let inputs = [
+        input("empty", truth.record(0.0, 1), 0.0),
+        input("loaded", truth.record(423.0, 2), 423.0),
+    ];
+    let gain = |tolerance| {
+        let mut description = description.clone();
+        description.machine.geometry_tolerance = tolerance;
+        let options = Options {
+            description: &description,
+            free: None,
+            stop: &AtomicBool::new(false),
+            progress: &|_| {},
+        };
+        let outcome = calibrate(&inputs, &options).expect("known keys");
+        assert_eq!(outcome.faults, Vec::<String>::new());
+        let q = outcome.quantity(Role::Gain).expect("a value");
+        (q.value - truth.gain).abs() / q.std
+    };
+    let (honest, sure) = (gain(0.008), gain(0.0));
+    assert!(honest < 2.0 && sure > 3.0, "{honest} {sure}");
+}
+
+#[test]
+fn recordings_of_two_machines_do_not_fit_together() {
+    let (one, other) = (
+        Truth::new(3),
+        Truth {
+            damping: 1.4 * Truth::new(3).damping,
+            ..Truth::new(3)
+        },
+    );
+    let outcome = run(
+        &[
+            input("empty", one.record(0.0, 1), 0.0),
+            input("loaded", other.record(423.0, 2), 423.0),
+        ],
+        None,
+    );
+    says(&outcome, "does not fit the rest: the viscous damping");
 }

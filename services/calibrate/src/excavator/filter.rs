@@ -3,10 +3,12 @@
 //! The state is the angle, the momentum p = J w, and the noise n of the last torque sample, which enters
 //! two steps by half. With the trapezoidal rule, exact for a momentum that posture changes without force:
 //! ```text
-//! p (1 + b dt/2J) = p_ (1 - b dt/2J_) + (eta I_d + I_b/eta - o ...)/gain - T_f s dt + k (n_ + n)
+//! p (1 + b dt/2J) = p_ (1 - b dt/2J_) + (eta I_d + I_b/eta - o ...)/gain - T_f s dt
+//!                   + g S (c cos psi + l sin psi) dt + k (n_ + n)
 //! angle = angle_ + dt/2 (p_/J_ + p/J);   y = p/J + v   or   y = angle + v
 //! ```
-//! I_d and I_b are the torque's integrals while driving and braking ([`super::torque`]). The regressors'
+//! The slope of the ground, across (c, left side low) and along the machine (l, nose up) where it stood at psi = 0,
+//! pulls at the first moment S of upper body, attachment and load. I_d and I_b are the torque's integrals while driving and braking ([`super::torque`]). The regressors'
 //! noise is in the model, as that of the torque in n and that of the velocity in v; that is why this
 //! likelihood has no bias where least squares has 2 %.
 //!
@@ -44,7 +46,16 @@ pub struct Guess {
     pub torque_std: f64,
     /// Load of the recording [kg].
     pub payload: f64,
+    /// Inertia of a load against the one that its place in the bucket, as described, gives it.
+    pub lever: f64,
+    /// First moment of the upper body [kg m].
+    pub upper_moment: f64,
+    /// Slope of the ground across and along the machine at the beginning of the recording [rad].
+    pub slope: [f64; 2],
 }
+
+/// Standard gravity [m/s^2].
+const GRAVITY: f64 = 9.806_65;
 
 /// State and covariance, written out: angle a, momentum p, noise n of the last torque sample.
 #[derive(Debug, Clone, Copy, Default)]
@@ -72,7 +83,15 @@ impl Inertias<'_> {
     fn row(&self, k: usize) -> f64 {
         let s = self.series;
         let g = self.guess;
-        g.upper_inertia + g.link_scale * s.links[k] + self.payload * s.leverage[k]
+        g.upper_inertia + g.link_scale * s.links[k] + g.lever * self.payload * s.leverage[k]
+    }
+
+    /// What a slope of the ground makes of the weight [N m].
+    fn pull(&self, k: usize) -> f64 {
+        let (s, g) = (self.series, self.guess);
+        let moment = g.upper_moment + g.link_scale * s.moment[k] + self.payload * s.radius[k];
+        let [cos, sin] = s.heading[k];
+        GRAVITY * moment * (g.slope[0] * cos + g.slope[1] * sin)
     }
 
     /// At the time that the velocity of row `k` tells of.
@@ -122,7 +141,8 @@ pub fn innovations(series: &Series, swing: &Swing, guess: &Guess, out: &mut Vec<
         let impulse = series
             .torque
             .until(series.time[k] - guess.delay, &mut cursor);
-        let force = force(guess, &impulse.since(&until)) - guess.friction * swing.direction * dt;
+        let outside = inertia.pull(k) - guess.friction * swing.direction;
+        let force = force(guess, &impulse.since(&until)) + outside * dt;
         state.predict(guess, force, [j_last, j], dt);
         (until, j_last) = (impulse, j);
         if series.value[k].is_finite() {

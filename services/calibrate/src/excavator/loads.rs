@@ -2,10 +2,12 @@
 //! fit together.
 
 use estimation::Quantity;
+use faer::Mat;
 
 use super::filter;
 use super::series::{Load, percentile};
 use super::swings::{Role, Swings};
+use crate::algebra;
 use crate::fit::{Task, values};
 use crate::model::Model;
 
@@ -24,11 +26,7 @@ pub fn sort(swings: &mut Swings, place: &[f64]) -> Option<String> {
         let Some(told) = swings.told[recording].filter(|t| t.value > 0.0) else {
             continue;
         };
-        let found: Vec<Quantity> = swings
-            .blocks_of(recording)
-            .into_iter()
-            .map(|block| weigh(swings, block, &values, told.value))
-            .collect();
+        let found = weigh(swings, recording, &values, told.value);
         let large = percentile(found.iter().map(|m| m.value).collect(), 0.9);
         let loaded = found.iter().filter(|m| m.value > 0.5 * large);
         let load = percentile(loaded.map(|m| m.value).collect(), 0.5);
@@ -66,40 +64,102 @@ pub fn sort(swings: &mut Swings, place: &[f64]) -> Option<String> {
     None
 }
 
-/// The load of one swing, everything else given, from a guess.
-fn weigh(swings: &Swings, block: usize, values: &[f64], guess: f64) -> Quantity {
-    const STEP: f64 = 1.0;
-    let (series, swing) = swings.swing(block);
-    let mut load = guess;
-    let mut information = 0.0;
+/// The load of each swing of a recording, from a guess: each swing has its own, and the ground one slope, which its
+/// prior leaves open. Each step is Gauss and Newton's with the loads eliminated.
+fn weigh(swings: &Swings, recording: usize, values: &[f64], guess: f64) -> Vec<Quantity> {
+    let slopes = [Role::Across(recording), Role::Along(recording)];
+    let slopes = slopes.map(|role| swings.index(role));
+    let mut values = values.to_vec();
+    let blocks = swings.blocks_of(recording);
+    let mut loads = vec![guess; blocks.len()];
+    let mut stds = vec![f64::INFINITY; blocks.len()];
     for _ in 0..3 {
-        let at = |payload: f64| {
-            let guess = filter::Guess {
-                payload,
-                ..swings.guess(swings.recording(block), values)
-            };
-            let mut innovations = Vec::new();
-            filter::innovations(series, swing, &guess, &mut innovations);
-            innovations
-        };
-        let (here, there) = (at(load), at(load + STEP));
-        let mut gradient = 0.0;
-        information = 0.0;
-        for (a, b) in here.iter().zip(&there) {
-            let slope = (b.value - a.value) / STEP;
-            gradient += slope * a.value / a.variance;
-            information += slope * slope / a.variance;
+        let each = blocks.iter().zip(&loads);
+        let told: Vec<[[f64; 4]; 3]> = each
+            .map(|(&block, &load)| products(swings, block, &values, load, slopes))
+            .collect();
+        // The slope, in standard deviations of what was known of it.
+        let place = slopes.map(|s| s.map_or(0.0, |s| swings.parameters[s].place(values[s])));
+        let mut matrix = Mat::<f64>::identity(2, 2);
+        let mut right = Mat::from_fn(2, 1, |i, _| -place[i]);
+        for p in told.iter().filter(|p| p[0][0] > 0.0) {
+            for i in 0..2 {
+                let share = p[0][i + 1] / p[0][0];
+                right[(i, 0)] -= p[i + 1][3] - share * p[0][3];
+                for j in 0..2 {
+                    matrix[(i, j)] += p[i + 1][j + 1] - share * p[0][j + 1];
+                }
+            }
         }
-        if information > 0.0 {
-            load -= gradient / information;
+        let Some(covariance) = algebra::inverse(&matrix) else {
+            break;
+        };
+        let step = &covariance * &right;
+        for ((load, std), p) in loads.iter_mut().zip(&mut stds).zip(&told) {
+            if p[0][0] > 0.0 {
+                let across = Mat::from_fn(2, 1, |i, _| p[0][i + 1] / p[0][0]);
+                let moved = (across.transpose() * &step)[(0, 0)];
+                let doubt = (across.transpose() * &covariance * &across)[(0, 0)];
+                *load -= p[0][3] / p[0][0] + moved;
+                *std = (1.0 / p[0][0] + doubt).sqrt();
+            }
+        }
+        for (i, slope) in slopes.into_iter().enumerate() {
+            if let Some(s) = slope {
+                values[s] = swings.parameters[s].value(place[i] + step[(i, 0)]);
+            }
         }
     }
-    let std = if information > 0.0 {
-        information.sqrt().recip()
-    } else {
-        f64::INFINITY
+    let found = loads.into_iter().zip(stds);
+    found.map(|(value, std)| Quantity { value, std }).collect()
+}
+
+/// Products of the derivatives of a swing's innovations by load and slope, one with the other and with the innovations.
+fn products(
+    swings: &Swings,
+    block: usize,
+    values: &[f64],
+    load: f64,
+    slopes: [Option<usize>; 2],
+) -> [[f64; 4]; 3] {
+    const STEPS: [f64; 3] = [1.0, 1e-2, 1e-2];
+    let (series, swing) = swings.swing(block);
+    let at = |moved: Option<usize>| {
+        let mut values = values.to_vec();
+        let mut payload = load;
+        match moved {
+            Some(0) => payload += STEPS[0],
+            Some(i) => {
+                if let Some(s) = slopes[i - 1] {
+                    values[s] += STEPS[i] * swings.parameters[s].std;
+                }
+            }
+            None => {}
+        }
+        let guess = filter::Guess {
+            payload,
+            ..swings.guess(swings.recording(block), &values)
+        };
+        let mut innovations = Vec::new();
+        filter::innovations(series, swing, &guess, &mut innovations);
+        innovations
     };
-    Quantity { value: load, std }
+    let (here, there) = (at(None), [0, 1, 2].map(|i| at(Some(i))));
+    let mut sums = [[0.0; 4]; 3];
+    for (k, a) in here.iter().enumerate() {
+        let mut row = [0.0, 0.0, 0.0, a.value];
+        for i in 0..3 {
+            row[i] = there[i]
+                .get(k)
+                .map_or(0.0, |b| (b.value - a.value) / STEPS[i]);
+        }
+        for i in 0..3 {
+            for j in 0..4 {
+                sums[i][j] += row[i] * row[j] / a.variance;
+            }
+        }
+    }
+    sums
 }
 
 /// The loads that swings carry, of which at least two differ if they fix the scale [kg].

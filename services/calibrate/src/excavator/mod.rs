@@ -25,6 +25,7 @@ use crate::fit::{EXACT, Progress, Task};
 use crate::honesty;
 use crate::model::Model;
 use crate::outcome::{Found, Summary};
+use crate::parameter::Parameter;
 
 /// A recording and what is known of it.
 #[derive(Debug, Clone)]
@@ -134,23 +135,30 @@ pub fn calibrate(inputs: &[Input], options: &Options<'_>) -> Result<Outcome, Str
 /// Which parameters stay as described.
 fn held(swings: &Swings, free: Option<&[String]>) -> Result<Vec<bool>, String> {
     let Some(free) = free else {
-        return Ok(vec![false; swings.roles.len()]);
+        let is_lever = |role: &Role| *role == Role::Lever;
+        return Ok(swings.roles.iter().map(is_lever).collect());
     };
+    let of_the_machine =
+        |role: &Role| !role.is_load() && !role.is_nuisance() && *role != Role::Lever;
     let mut fixed: Vec<bool> = swings
         .roles
         .iter()
-        .map(|role| !matches!(role, Role::Payload(_)))
+        .map(|role| of_the_machine(role) || *role == Role::Lever)
+        .collect();
+    let all = swings.roles.iter().zip(&swings.parameters).enumerate();
+    let named: Vec<(usize, &str)> = all
+        .filter(|(_, (role, _))| of_the_machine(role))
+        .map(|(i, (_, p))| (i, p.key.as_str()))
         .collect();
     for key in free {
-        let at = swings.parameters.iter().position(|p| answers(&p.key, key));
-        let Some(at) = at else {
-            let known: Vec<&str> = swings.parameters.iter().map(|p| p.key.as_str()).collect();
+        let Some((at, _)) = named.iter().find(|(_, own)| answers(own, key)) else {
+            let known: Vec<&str> = named.iter().map(|(_, own)| *own).collect();
             return Err(format!(
                 "{key} cannot be found from recordings; these can: {}",
                 known.join(", ")
             ));
         };
-        fixed[at] = false;
+        fixed[*at] = false;
     }
     Ok(fixed)
 }
@@ -200,7 +208,9 @@ fn find(outcome: &mut Outcome, free: &[Role], options: &Options<'_>) {
             .remarks
             .push("stopped before its end: the best so far".into());
     }
-    let directions = honesty::undetermined(&fit.information, &swings.parameters, &outcome.fixed);
+    let mut directions =
+        honesty::undetermined(&fit.information, &swings.parameters, &outcome.fixed);
+    directions.retain(|d| !words::is_nuisance(swings, d));
     // What has been said need not be said again in the words of algebra.
     let mut faults = told.clone();
     if told.is_empty() {
@@ -224,15 +234,21 @@ fn find(outcome: &mut Outcome, free: &[Role], options: &Options<'_>) {
             matches!(
                 role,
                 Role::Payload(_) | Role::MotionNoise | Role::TorqueNoise
-            )
+            ) || role.is_nuisance()
         })
         .collect();
     let Some(found) = Found::of(&whole, fit, &held, &minor) else {
         outcome.faults = vec!["the recordings determine nothing".into()];
         return;
     };
+    let (others, hints) = words::disagreement(swings, &found, &outcome.fixed);
+    if faults.is_empty() {
+        faults.extend(others);
+    }
     outcome.faults = faults;
     outcome.found = Some(found);
+    outcome.remarks.extend(hints);
+    outcome.remarks.extend(words::ground(outcome));
 }
 
 /// A first fit of the recordings with nothing in the bucket tells which swings of the others are loaded. It is
@@ -261,12 +277,15 @@ fn sort_loads(swings: &mut Swings, fixed: &[bool]) -> Option<String> {
 /// What the description itself leaves open of a parameter that is held: only what it states.
 fn tolerances(swings: &Swings, options: &Options<'_>) -> Vec<f64> {
     let d = options.description;
-    let stated = |role: &Role| match role {
+    let stated = |role: &Role, p: &Parameter| match role {
+        Role::Lever => p.std,
         Role::Damping => d.prior.damping_std,
         Role::Offset => d.prior.torque_offset_std,
         Role::Gain => number(d, "sensors.swing_torque_gain_std").unwrap_or(0.0),
         _ => 0.0,
     };
     let parameters = swings.roles.iter().zip(&swings.parameters);
-    parameters.map(|(role, p)| stated(role) / p.std).collect()
+    parameters
+        .map(|(role, p)| stated(role, p) / p.std)
+        .collect()
 }

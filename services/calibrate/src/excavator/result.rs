@@ -117,7 +117,8 @@ impl Outcome {
                     pen.value(&key, q);
                 }
             }
-            Role::Payload(_) => {}
+            Role::Payload(_) | Role::Lever => {}
+            Role::UpperMoment | Role::Across(_) | Role::Along(_) => {}
         }
     }
 

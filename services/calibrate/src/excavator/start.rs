@@ -45,7 +45,7 @@ pub fn start(swings: &Swings, blocks: &[usize], fixed: &[bool]) -> Vec<f64> {
         .collect()
 }
 
-/// Sum of squares and values of the parameters with one delay.
+/// Sum of squares, what was known included, and values of the parameters with one delay.
 fn solve(
     swings: &Swings,
     blocks: &[usize],
@@ -97,6 +97,8 @@ fn solve(
             (right[i] - fitted).powi(2).min(100.0)
         })
         .sum();
+    // All torques and masses near zero fit any motion: what is known counts, too.
+    let distance: f64 = found.iter().map(|x| x * x).sum();
     let at = |j: usize| known[j].0 + known[j].1 * found[j];
     let mut values = mean.to_vec();
     for (j, role) in roles.iter().enumerate() {
@@ -118,7 +120,7 @@ fn solve(
         );
     }
     set(swings, &mut values, Role::Delay, delay);
-    Some((residual, values))
+    Some((residual + distance, values))
 }
 
 fn set(swings: &Swings, values: &mut [f64], role: Role, value: f64) {

@@ -2,6 +2,7 @@
 
 use config::Excavator as Description;
 use estimation::Quantity;
+use estimation::excavator::{Doubts, Geometry};
 
 use super::filter::{self, Guess};
 use super::series::{Load, Measured, Series, Swing, percentile};
@@ -34,13 +35,33 @@ pub enum Role {
     TorqueNoise,
     /// Load of a recording.
     Payload(usize),
+    /// Inertia of a load of known mass against the described one: lengths off, held within their tolerance.
+    Lever,
+    /// First moment of the upper body.
+    UpperMoment,
+    /// Slope of the ground in a recording, across the machine at its beginning.
+    Across(usize),
+    /// The same along the machine.
+    Along(usize),
 }
 
 impl Role {
     /// Whether it is of a recording rather than of the machine.
     #[must_use]
     pub fn is_load(&self) -> bool {
-        matches!(self, Self::Payload(_))
+        matches!(self, Self::Payload(_) | Self::Across(_) | Self::Along(_))
+    }
+
+    /// Whether it is a noise, or held as one knows lengths.
+    #[must_use]
+    pub fn is_noise(&self) -> bool {
+        matches!(self, Self::MotionNoise | Self::TorqueNoise | Self::Lever)
+    }
+
+    /// Whether it has no use beyond the fit: nobody must know it, and it is never held.
+    #[must_use]
+    pub fn is_nuisance(&self) -> bool {
+        matches!(self, Self::UpperMoment | Self::Across(_) | Self::Along(_))
     }
 }
 
@@ -145,6 +166,9 @@ impl Swings {
             motion_std: 1.0,
             torque_std: 1.0,
             payload: self.told[recording].map_or(0.0, |q| q.value),
+            lever: 1.0,
+            upper_moment: 0.0,
+            slope: [0.0; 2],
         };
         for (role, &value) in self.roles.iter().zip(values) {
             match role {
@@ -158,8 +182,12 @@ impl Swings {
                 Role::Delay => guess.delay = value,
                 Role::MotionNoise => guess.motion_std = value,
                 Role::TorqueNoise => guess.torque_std = value,
+                Role::Lever => guess.lever = value,
+                Role::UpperMoment => guess.upper_moment = value,
                 Role::Payload(r) if *r == recording => guess.payload = value,
-                Role::Payload(_) => {}
+                Role::Across(r) if *r == recording => guess.slope[0] = value,
+                Role::Along(r) if *r == recording => guess.slope[1] = value,
+                Role::Payload(_) | Role::Across(_) | Role::Along(_) => {}
             }
         }
         guess
@@ -181,8 +209,11 @@ impl Model for Swings {
 
     fn acts(&self, parameter: usize, block: usize) -> bool {
         let (recording, number) = self.blocks[block];
+        let is_told = self.series[recording].swings[number].load == Load::Told;
         match self.roles[parameter] {
-            Role::Payload(r) => r == recording && self.series[r].swings[number].load == Load::Told,
+            Role::Payload(r) => r == recording && is_told,
+            Role::Across(r) | Role::Along(r) => r == recording,
+            Role::Lever => is_told,
             _ => true,
         }
     }
@@ -352,12 +383,45 @@ fn parameters(
         ),
     ));
     if posture {
+        all.extend(ground(series, d));
+        let lever = 2.0 * m.geometry_tolerance;
+        if lever > 0.0 {
+            let words = "the inertia of a load, by its place";
+            let lever = linear("load inertia", words, "", 1.0, lever, (0.1, 10.0));
+            all.push((Role::Lever, lever));
+        }
         let loads = series.iter().zip(told).enumerate();
         all.extend(loads.filter_map(|(r, (series, told))| {
             let payload = payload(&series.name, *told, d)?;
             Some((Role::Payload(r), payload))
         }));
     }
+    all
+}
+
+/// Slopes of the ground, and the moment that they pull at.
+fn ground(series: &[Series], d: &Description) -> Vec<(Role, Parameter)> {
+    let std = d.machine.slope_std;
+    if std <= 0.0 {
+        return Vec::new();
+    }
+    let (moment, moment_std) = Doubts::of(d).upper_moment(&Geometry::of(d));
+    let linear = Parameter::described;
+    let mut all = Vec::new();
+    for (r, series) in series.iter().enumerate() {
+        for (role, way) in [(Role::Across(r), "across"), (Role::Along(r), "along")] {
+            let words = format!(
+                "the slope of the ground {way} the machine in {}",
+                series.name
+            );
+            let key = format!("slope {way} in {}", series.name);
+            all.push((role, linear(&key, &words, "rad", 0.0, std, (-0.5, 0.5))));
+        }
+    }
+    let words = "the first moment of the upper body";
+    let (key, range) = ("machine.upper_first_moment", (-1e7, 1e7));
+    let moment = linear(key, words, "kg m", moment, moment_std.max(1.0), range);
+    all.push((Role::UpperMoment, moment));
     all
 }
 

@@ -1,8 +1,15 @@
 //! What is wrong with recordings, in sentences that say what to record.
 
+use estimation::Quantity;
+
+use super::Outcome;
+use super::series::Series;
 use super::swings::{Role, Swings};
+use crate::agreement::{Difference, differences};
 use crate::honesty::Direction;
 use crate::model::Model;
+use crate::outcome::Found;
+use crate::output::rounded;
 
 /// Least time of motion for a calibration [s].
 const LEAST_MOTION: f64 = 8.0;
@@ -10,6 +17,12 @@ const LEAST_MOTION: f64 = 8.0;
 const LEAST_SHARE: f64 = 0.1;
 /// The inertia of the attachment varies at least by this share of the whole.
 const LEAST_POSTURE: f64 = 0.04;
+/// A difference between recordings is clear beyond so many standard deviations, and matters beyond this share of what the
+/// description leaves open.
+const CLEARLY: f64 = 4.0;
+const MATERIAL: f64 = 0.5;
+/// A smaller slope needs no word [rad].
+const CLEAR_SLOPE: f64 = 0.01;
 
 /// What a recording lacks before any fit.
 #[must_use]
@@ -94,8 +107,92 @@ fn still_posture(swings: &Swings) -> bool {
     high - low < LEAST_POSTURE * (upper + high)
 }
 
+/// Halves of recordings that tell another machine than all together: a fault where the difference is large against
+/// what the description leaves open, a remark where it is only clear.
+#[must_use]
+pub fn disagreement(
+    swings: &Swings,
+    found: &Found,
+    fixed: &[bool],
+) -> (Option<String>, Option<String>) {
+    let mut parts = Vec::new();
+    let mut names = Vec::new();
+    for (r, series) in swings.series.iter().enumerate() {
+        let blocks = swings.blocks_of(r);
+        let (first, second) = blocks.split_at(blocks.len() / 2);
+        for (part, name) in [
+            (&blocks[..], String::new()),
+            (first, "the first half of ".into()),
+            (second, "the second half of ".into()),
+        ] {
+            parts.push(part.to_vec());
+            names.push(format!("{name}{}", series.name));
+        }
+    }
+    let of_the_machine = |role: &Role| !role.is_load() && !role.is_nuisance() && !role.is_noise();
+    let asked: Vec<usize> = (0..fixed.len())
+        .filter(|&i| of_the_machine(&swings.roles[i]))
+        .collect();
+    let all = differences(&found.fit, &found.uncertainty, fixed, &parts, &asked);
+    let clear = |d: &&Difference| d.sizes.abs() > CLEARLY;
+    let Some(worst) = all.iter().find(clear) else {
+        return (None, None);
+    };
+    let say = |d: &Difference| {
+        let p = &swings.parameters[d.parameter];
+        let x = found.fit.place[d.parameter];
+        let std = p.value_std(x, found.uncertainty.std(d.parameter));
+        let [here, all] = [x + d.by, x].map(|x| rounded(p.value(x), 100.0 * std));
+        format!(
+            "{} does not fit the rest: {} would be {here} there, not {all} {}",
+            names[d.part], p.words, p.unit
+        )
+    };
+    match all.iter().filter(clear).find(|d| d.by.abs() > MATERIAL) {
+        Some(d) => (Some(format!("{}; {OTHERWISE}", say(d))), None),
+        None => (
+            None,
+            Some(format!(
+                "{}; the intervals may be too narrow: {OTHERWISE}",
+                say(worst)
+            )),
+        ),
+    }
+}
+
+/// Why recordings disagree, and what to do.
+const OTHERWISE: &str = "another machine, oil that was cold, a load that spills or was told wrong; record both on the same day with the machine warm";
+
+/// Ground that is inclined, which is taken out.
+#[must_use]
+pub fn ground(outcome: &Outcome) -> Vec<String> {
+    let inclined = |(r, series): (usize, &Series)| {
+        let [across, along] = [Role::Across(r), Role::Along(r)].map(|role| outcome.quantity(role));
+        let slopes = [across?, along?];
+        let is_clear = |q: &Quantity| q.value.abs() > CLEAR_SLOPE.max(4.0 * q.std);
+        let [across, along] = slopes.map(|q| q.value.to_degrees());
+        slopes.iter().any(is_clear).then(|| {
+            format!(
+                "{}: the ground is inclined, by {:.1} degrees; this is taken out, but level ground is better",
+                series.name,
+                across.hypot(along)
+            )
+        })
+    };
+    let series = outcome.swings.series.iter().enumerate();
+    series.filter_map(inclined).collect()
+}
+
 /// One load only.
 pub const ONE_LOAD: &str = "all swings carry the same load: torque, damping, friction and masses can all be larger by one factor; only something of known mass fixes it. Record one run with an empty bucket and one with a weighed load, and tell both: --payload FILE=0 --payload FILE=KG±KG";
+
+/// Whether a direction is about what has no use beyond the fit.
+#[must_use]
+pub fn is_nuisance(swings: &Swings, direction: &Direction) -> bool {
+    let shares = swings.roles.iter().zip(&direction.shares);
+    let nuisance = shares.filter(|(role, _)| role.is_nuisance());
+    nuisance.map(|(_, share)| share * share).sum::<f64>() > 0.5
+}
 
 /// A direction that the data do not determine, and what to record.
 #[must_use]

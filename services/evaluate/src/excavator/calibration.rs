@@ -13,7 +13,7 @@ use std::sync::atomic::AtomicBool;
 
 use calibrate::excavator::{self as calibration, Input, Role};
 use estimation::Quantity;
-use estimation::excavator::{Columns, Method, Sample, Settings, SwingEstimator};
+use estimation::excavator::{Columns, Doubts, Geometry, Method, Sample, Settings, SwingEstimator};
 use serde_json::{Map, Value, json};
 use sim::excavator::{
     Course, Dynamics, Exact, Joint, Load, Machine, Path, Plant, Plateaus, Scenario, Targets,
@@ -36,9 +36,10 @@ const LOAD: Quantity = Quantity {
 /// The load afterwards, which nobody tells [kg]; motion begins at this velocity [rad/s].
 const AFTER: f64 = 288.0;
 const MOVING: f64 = 0.10;
-/// Noise of velocity [rad/s] and torque [N m].
+/// Noise of velocity [rad/s], torque [N m] and joint angles [rad].
 const VELOCITY_STD: f64 = 0.005;
 const TORQUE_STD: f64 = 100.0;
+const ANGLE_STD: f64 = 0.001;
 /// Median errors allowed: percent, percent, percent, percent, percent, N m, ms.
 const TARGETS: [(&str, Role, f64); 4] = [
     ("gain", Role::Gain, 0.3),
@@ -100,7 +101,9 @@ impl Truth {
             Role::Inertia => Scenario::Base.plant(None).machine.geometry.upper_inertia,
             Role::MotionNoise => VELOCITY_STD,
             Role::TorqueNoise => TORQUE_STD,
-            Role::Payload(_) => 0.0,
+            Role::Payload(_) | Role::Across(_) | Role::Along(_) => 0.0,
+            Role::Lever => 1.0,
+            Role::UpperMoment => Doubts::default().upper_moment(&Geometry::default()).0,
         }
     }
 
@@ -158,7 +161,7 @@ impl Truth {
 
     /// What its sensors show.
     fn measure(&self, exact: &[Exact], seed: u64) -> Vec<Sample> {
-        let mut noises = [Noise::channel(seed, 0), Noise::channel(seed, 1)];
+        let mut noises = [0, 1, 2].map(|channel| Noise::channel(seed, channel));
         let velocity = |time: f64| at(exact, time, |e| e.truth.velocity);
         let torque = |time: f64| at(exact, time, |e| self.drive_torque(e));
         let (velocity_late, torque_late) = (self.delay.max(0.0), (-self.delay).max(0.0));
@@ -174,7 +177,8 @@ impl Truth {
                         + self.offset
                         + TORQUE_STD * noises[1].normal(),
                 ),
-                posture: [3, 4, 5].map(|channel| Some(e.values[channel])),
+                posture: [3, 4, 5]
+                    .map(|channel| Some(e.values[channel] + ANGLE_STD * noises[2].normal())),
                 ..Sample::default()
             })
             .collect()
@@ -359,7 +363,9 @@ fn one(seed: u64) -> Result<Option<Found>, Error> {
             payload: Some(told),
         },
     ];
-    let description = config::Excavator::default();
+    // Lengths are as drawn.
+    let mut description = config::Excavator::default();
+    description.machine.geometry_tolerance = 0.0;
     let outcome = calibration::calibrate(
         &inputs,
         &calibration::Options {

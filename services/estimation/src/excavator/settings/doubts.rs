@@ -1,5 +1,7 @@
 //! What a description of a working machine leaves open, and how far.
 
+use crate::excavator::geometry::Geometry;
+
 /// Standard deviations of what a described machine may differ by. Each enters the default estimator as a
 /// state, so that its interval carries the doubt and the motion can remove it; 0 says that it is exactly so.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,6 +30,18 @@ pub struct Doubts {
     pub torque_share: f64,
     /// Relative standard deviation of the described inertia of the empty machine.
     pub inertia_share: f64,
+}
+
+impl Doubts {
+    /// First moment of the upper body and its standard deviation [kg m].
+    #[must_use]
+    pub fn upper_moment(&self, geometry: &Geometry) -> (f64, f64) {
+        let balanced = -geometry.folded_moment();
+        match (self.upper_first_moment, self.upper_first_moment_std) {
+            (Some(moment), std) => (moment, std.unwrap_or(0.03 * moment.abs())),
+            (None, std) => (balanced, std.unwrap_or(0.3 * balanced.abs())),
+        }
+    }
 }
 
 impl Default for Doubts {

@@ -105,7 +105,7 @@ pub(super) struct Working {
 impl Working {
     pub(super) fn new(settings: &Settings, doubts: &Doubts) -> Self {
         let (p, s) = (&settings.prior, settings);
-        let (moment, moment_std) = upper_moment(settings, doubts);
+        let (moment, moment_std) = doubts.upper_moment(&settings.geometry);
         let mut x = [0.0; N];
         let mut std = [0.0; N];
         for (i, value, deviation) in [
@@ -442,14 +442,5 @@ impl Working {
 
     pub(super) fn is_sound(&self) -> bool {
         self.filter.is_sound() && self.rival.is_sound()
-    }
-}
-
-/// First moment of the upper body and its standard deviation [kg m].
-fn upper_moment(settings: &Settings, doubts: &Doubts) -> (f64, f64) {
-    let balanced = -settings.geometry.folded_moment();
-    match (doubts.upper_first_moment, doubts.upper_first_moment_std) {
-        (Some(moment), std) => (moment, std.unwrap_or(0.03 * moment.abs())),
-        (None, std) => (balanced, std.unwrap_or(0.3 * balanced.abs())),
     }
 }

@@ -1,0 +1,118 @@
+//! Whether parts of the recordings tell the same machine.
+//!
+//! A score test (Rao 1948): with gradient rows J and right side r at the maximum, the information C of everything and
+//! J_p, r_p of a part, parameter i of that part alone would differ from the common one by
+//! ```text
+//! d = -j' r_p / V,   j = column i of J_p,   V = j'j - j'J_p C^-1 J_p'j,   variance 1/V
+//! ```
+//! Swings scatter by more than noise: z = d sqrt(V) is divided by the factor of the jackknife.
+
+use faer::Mat;
+
+use crate::algebra;
+use crate::fit::Fit;
+use crate::honesty::Uncertainty;
+
+/// A parameter that one part of the recordings has otherwise.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Difference {
+    /// Number of the part.
+    pub part: usize,
+    /// The parameter.
+    pub parameter: usize,
+    /// From the common value, in standard deviations of what was known.
+    pub by: f64,
+    /// The same in standard deviations of its own.
+    pub sizes: f64,
+}
+
+/// How each of these parameters differs in each part, the clearest first. A part is a set of blocks.
+#[must_use]
+pub fn differences(
+    fit: &Fit,
+    uncertainty: &Uncertainty,
+    fixed: &[bool],
+    parts: &[Vec<usize>],
+    asked: &[usize],
+) -> Vec<Difference> {
+    let n = fixed.len();
+    let free: Vec<usize> = (0..n).filter(|&i| !fixed[i]).collect();
+    let whole = algebra::stacked(&fit.information.iter().collect::<Vec<_>>());
+    let product = |rows: &Mat<f64>, i: usize, j: usize| -> f64 {
+        (0..rows.nrows()).map(|k| rows[(k, i)] * rows[(k, j)]).sum()
+    };
+    let curvature = Mat::from_fn(free.len(), free.len(), |a, b| {
+        product(&whole, free[a], free[b]) + f64::from(a == b)
+    });
+    let Some(covariance) = algebra::inverse(&curvature) else {
+        return Vec::new();
+    };
+    let mut found = Vec::new();
+    for (part, blocks) in parts.iter().enumerate() {
+        if blocks.is_empty() {
+            continue;
+        }
+        let rows: Vec<_> = blocks.iter().map(|&b| &fit.information[b]).collect();
+        let rows = algebra::triangle(&algebra::stacked(&rows));
+        for &i in asked.iter().filter(|&&i| !fixed[i]) {
+            let across = Mat::from_fn(free.len(), 1, |a, _| product(&rows, i, free[a]));
+            let shared = (across.transpose() * &covariance * &across)[(0, 0)];
+            let own = product(&rows, i, i);
+            let variance = own - shared;
+            // What only this part tells has no other to disagree with.
+            if variance > 1e-6 * own {
+                let by = -product(&rows, i, n) / variance;
+                let sizes = by * variance.sqrt() / uncertainty.widened;
+                found.push(Difference {
+                    part,
+                    parameter: i,
+                    by,
+                    sizes,
+                });
+            }
+        }
+    }
+    found.sort_by(|a, b| b.sizes.abs().total_cmp(&a.sizes.abs()));
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Blocks that each measure one parameter once, with this error in their noise.
+    fn fit(errors: &[f64]) -> Fit {
+        let block = |e: &f64| algebra::triangle(&Mat::from_fn(1, 2, |_, j| [10.0, *e][j]));
+        Fit {
+            place: vec![0.0],
+            cost: 0.0,
+            information: errors.iter().map(block).collect(),
+            interrupted: false,
+        }
+    }
+
+    fn clearest(errors: &[f64]) -> Option<Difference> {
+        let fit = fit(errors);
+        let exact = Uncertainty {
+            covariance: Mat::zeros(1, 1),
+            noise: vec![0.0],
+            widened: 1.0,
+        };
+        let parts = [vec![0, 1, 2, 3], vec![4, 5, 6, 7]];
+        let found = differences(&fit, &exact, &[false], &parts, &[0]);
+        found.first().copied()
+    }
+
+    #[test]
+    fn halves_that_tell_another_value_are_told_apart_and_equal_ones_are_not() {
+        let same = clearest(&[1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0]).expect("two parts");
+        assert!(same.sizes.abs() < 1e-9, "{same:?}");
+        // Four residuals of 3 each way: means that differ by 6 noises of 0.1, each known to 0.05.
+        let other = clearest(&[3.0, 3.0, 3.0, 3.0, -3.0, -3.0, -3.0, -3.0]).expect("two parts");
+        assert!((other.by.abs() - 0.6).abs() < 0.01, "{other:?}");
+        assert!(
+            (other.sizes.abs() - 0.6 / 0.1 * 2.0_f64.sqrt()).abs() < 0.1,
+            "{other:?}"
+        );
+    }
+}
