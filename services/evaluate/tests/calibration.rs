@@ -241,3 +241,52 @@ fn recordings_of_two_machines_do_not_fit_together() {
     );
     says(&outcome, "does not fit the rest: the viscous damping");
 }
+
+#[test]
+fn what_a_user_mixed_up_is_said_in_the_words_of_the_user() {
+    let truth = Truth::new(3);
+    let (empty, loaded) = (truth.record(0.0, 1), truth.record(423.0, 2));
+    let changed = |samples: &[Sample], change: fn(&mut Sample)| {
+        let mut samples = samples.to_vec();
+        samples.iter_mut().for_each(change);
+        samples
+    };
+    let judge = |empty: &[Sample], loaded: &[Sample], loads: [f64; 2], words: &str| {
+        let inputs = [
+            input("empty", empty.to_vec(), loads[0]),
+            input("loaded", loaded.to_vec(), loads[1]),
+        ];
+        says(&run(&inputs, None), words);
+    };
+    judge(&empty, &empty, [0.0, 423.0], "loaded was told as 423 kg");
+    judge(&empty, &loaded, [423.0, 0.0], "empty was told as 423 kg");
+    let kilo: fn(&mut Sample) = |s| s.torque = s.torque.map(|t| 1e-3 * t);
+    let [e, l] = [&empty, &loaded].map(|s| changed(s, kilo));
+    judge(
+        &e,
+        &l,
+        [0.0, 423.0],
+        "was expected: a column of another unit",
+    );
+    let blind = changed(&loaded, |s| s.velocity = None);
+    judge(
+        &empty,
+        &blind,
+        [0.0, 423.0],
+        "neither swing velocity nor angle",
+    );
+    let folded = changed(&loaded, |s| s.posture[0] = None);
+    judge(
+        &empty,
+        &folded,
+        [0.0, 423.0],
+        "the three joint angles are not",
+    );
+    let backward: Vec<Sample> = loaded.iter().rev().copied().collect();
+    judge(
+        &empty,
+        &backward,
+        [0.0, 423.0],
+        "the time does not increase",
+    );
+}

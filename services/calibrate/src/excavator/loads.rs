@@ -199,7 +199,7 @@ impl Doubt {
 }
 
 /// The told load that the description contradicts most, if it does clearly.
-pub fn doubt(task: &Task<'_, Swings>, place: &[f64]) -> Option<Doubt> {
+pub fn doubt(task: &Task<'_, Swings>) -> Option<Doubt> {
     let swings = task.model;
     let heaviest = swings
         .told
@@ -212,7 +212,7 @@ pub fn doubt(task: &Task<'_, Swings>, place: &[f64]) -> Option<Doubt> {
         if told.value <= 0.0 {
             continue;
         }
-        let Some(found) = weigh_by_description(task, place, recording, told, heaviest) else {
+        let Some(found) = weigh_by_description(task, recording, told, heaviest) else {
             continue;
         };
         doubts.push(Doubt {
@@ -229,7 +229,6 @@ pub fn doubt(task: &Task<'_, Swings>, place: &[f64]) -> Option<Doubt> {
 
 fn weigh_by_description(
     task: &Task<'_, Swings>,
-    place: &[f64],
     recording: usize,
     told: Quantity,
     heaviest: f64,
@@ -237,24 +236,16 @@ fn weigh_by_description(
     let mut open = task.model.clone();
     let wide = Quantity {
         value: told.value,
-        std: heaviest.max(told.value),
+        std: heaviest.max(told.value).max(task.model.full_bucket),
     };
     let at = open.release(recording, wide);
     let mut fixed = task.fixed.to_vec();
-    let mut start = place.to_vec();
     if at == fixed.len() {
         fixed.push(false);
-        start.push(0.0);
-    } else {
-        start[at] = 0.0;
     }
     fixed[at] = false;
-    // From the description: gain and masses near what it says, the load wherever that leads.
-    for (x, role) in start.iter_mut().zip(&open.roles) {
-        if matches!(role, Role::Gain | Role::Links | Role::Inertia) {
-            *x = 0.0;
-        }
-    }
+    // From the description, and not from where a wrong load has led.
+    let start = vec![0.0; fixed.len()];
     let released = Task {
         model: &open,
         blocks: task.blocks,

@@ -214,14 +214,17 @@ fn find(outcome: &mut Outcome, free: &[Role], options: &Options<'_>) {
     // What has been said need not be said again in the words of algebra.
     let mut faults = told.clone();
     if told.is_empty() {
+        faults = words::far(swings, &fit.place, &outcome.fixed);
+    }
+    if faults.is_empty() {
         faults.extend(directions.iter().map(|d| words::undetermined(swings, d)));
     }
     if free.contains(&Role::Gain)
         && told.is_empty()
         && !fit.interrupted
-        && let Some(d) = loads::doubt(&whole, &fit.place)
+        && let Some(d) = loads::doubt(&whole)
     {
-        faults.push(format!(
+        faults.insert(0, format!(
             "the load of {} was told as {:.0} kg, but with the masses and the torque gain of the description it weighs {:.0} ± {:.0} kg; weigh it again, or check which recording is which",
             d.name, d.told.value, d.found.value, d.found.std
         ));
@@ -248,7 +251,9 @@ fn find(outcome: &mut Outcome, free: &[Role], options: &Options<'_>) {
     outcome.faults = faults;
     outcome.found = Some(found);
     outcome.remarks.extend(hints);
-    outcome.remarks.extend(words::ground(outcome));
+    if outcome.faults.is_empty() {
+        outcome.remarks.extend(words::ground(outcome));
+    }
 }
 
 /// A first fit of the recordings with nothing in the bucket tells which swings of the others are loaded. It is

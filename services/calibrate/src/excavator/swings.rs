@@ -76,6 +76,8 @@ pub struct Swings {
     pub roles: Vec<Role>,
     /// The parameters.
     pub parameters: Vec<Parameter>,
+    /// A load that the described machine may well carry [kg].
+    pub full_bucket: f64,
     /// Recording and number of each block's swing.
     blocks: Vec<(usize, usize)>,
 }
@@ -94,6 +96,7 @@ impl Swings {
             told,
             roles,
             parameters,
+            full_bucket: description.prior.payload + description.prior.payload_std,
             blocks: Vec::new(),
         };
         swings.count_blocks();

@@ -17,6 +17,10 @@ const LEAST_MOTION: f64 = 8.0;
 const LEAST_SHARE: f64 = 0.1;
 /// The inertia of the attachment varies at least by this share of the whole.
 const LEAST_POSTURE: f64 = 0.04;
+/// A share of rows out of order that is no accident.
+const MANY_REFUSED: f64 = 0.1;
+/// What is found so many of its tolerances away from the description is another thing than what is described.
+const FAR: f64 = 4.0;
 /// A difference between recordings is clear beyond so many standard deviations, and matters beyond this share of what the
 /// description leaves open.
 const CLEARLY: f64 = 4.0;
@@ -28,13 +32,20 @@ const CLEAR_SLOPE: f64 = 0.01;
 #[must_use]
 pub fn before(swings: &Swings) -> (Vec<String>, Vec<String>) {
     let (mut faults, mut remarks) = (Vec::new(), Vec::new());
+    let any_posture = swings.series.iter().any(|s| s.has_posture);
     for series in &swings.series {
-        if series.torque.size() <= 0.0 {
-            faults.push(format!(
-                "{}: no swing torque is measured; without it nothing but ratios can be found",
-                series.name
-            ));
-        }
+        let fault = if series.refused > MANY_REFUSED {
+            "the time does not increase from row to row; check its column, and sort the rows"
+        } else if !series.value.iter().any(|v| v.is_finite()) {
+            "neither swing velocity nor angle is measured; check that the right columns are mapped"
+        } else if series.torque.size() <= 0.0 {
+            "no swing torque is measured; without it nothing but ratios can be found"
+        } else if any_posture && !series.has_posture {
+            "the three joint angles are not measured, as they are in another recording; check that the right columns are mapped"
+        } else {
+            continue;
+        };
+        faults.push(format!("{}: {fault}", series.name));
     }
     if !faults.is_empty() {
         return (faults, remarks);
@@ -105,6 +116,23 @@ fn still_posture(swings: &Swings) -> bool {
         .index(Role::Inertia)
         .map_or(0.0, |i| swings.parameters[i].mean);
     high - low < LEAST_POSTURE * (upper + high)
+}
+
+/// What was found far from what the description lets expect.
+#[must_use]
+pub fn far(swings: &Swings, place: &[f64], fixed: &[bool]) -> Vec<String> {
+    let is_far = |&i: &usize| {
+        let role = swings.roles[i];
+        !fixed[i] && !role.is_load() && !role.is_noise() && place[i].abs() > FAR
+    };
+    let all = (0..place.len()).filter(is_far).map(|i| {
+        let p = &swings.parameters[i];
+        format!(
+            "{} would be {:.4}, but {:.4} ± {:.4} {unit} was expected: a column of another unit or sign, recordings of another machine or another load than told, or the description is wrong",
+            p.words, p.value(place[i]), p.mean, p.std, unit = p.unit
+        )
+    });
+    all.collect()
 }
 
 /// Halves of recordings that tell another machine than all together: a fault where the difference is large against
