@@ -290,3 +290,23 @@ fn what_a_user_mixed_up_is_said_in_the_words_of_the_user() {
         "the time does not increase",
     );
 }
+
+#[test]
+fn a_fit_that_is_stopped_blames_no_recording() {
+    let truth = Truth::new(3);
+    let stop = AtomicBool::new(false);
+    let options = Options {
+        description: &config::Excavator::default(),
+        free: None,
+        stop: &stop,
+        progress: &|_| stop.store(true, std::sync::atomic::Ordering::Relaxed),
+    };
+    let inputs = [
+        input("empty", truth.record(0.0, 1), 0.0),
+        input("loaded", truth.record(423.0, 2), 423.0),
+    ];
+    let outcome = calibrate(&inputs, &options).expect("known keys");
+    let blames = |f: &String| f.contains("does not fit");
+    assert!(!outcome.faults.iter().any(blames), "{:?}", outcome.faults);
+    assert!(outcome.found.is_some_and(|f| f.fit.interrupted));
+}

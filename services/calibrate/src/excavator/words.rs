@@ -143,6 +143,10 @@ pub fn disagreement(
     found: &Found,
     fixed: &[bool],
 ) -> (Option<String>, Option<String>) {
+    if found.fit.interrupted {
+        // The test holds at the maximum only.
+        return (None, None);
+    }
     let mut parts = Vec::new();
     let mut names = Vec::new();
     for (r, series) in swings.series.iter().enumerate() {
@@ -169,11 +173,16 @@ pub fn disagreement(
     let say = |d: &Difference| {
         let p = &swings.parameters[d.parameter];
         let x = found.fit.place[d.parameter];
+        let unit = if p.unit.is_empty() {
+            String::new()
+        } else {
+            format!(" {}", p.unit)
+        };
         let std = p.value_std(x, found.uncertainty.std(d.parameter));
         let [here, all] = [x + d.by, x].map(|x| rounded(p.value(x), 100.0 * std));
         format!(
-            "{} does not fit the rest: {} would be {here} there, not {all} {}",
-            names[d.part], p.words, p.unit
+            "{} does not fit the rest: {} would be {here} there, not {all}{}",
+            names[d.part], p.words, unit
         )
     };
     match all.iter().filter(clear).find(|d| d.by.abs() > MATERIAL) {
