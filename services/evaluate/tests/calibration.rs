@@ -310,3 +310,16 @@ fn a_fit_that_is_stopped_blames_no_recording() {
     assert!(!outcome.faults.iter().any(blames), "{:?}", outcome.faults);
     assert!(outcome.found.is_some_and(|f| f.fit.interrupted));
 }
+
+#[test]
+fn what_is_calibrated_is_trusted_on_another_load_though_it_stays_when_the_bucket_opens() {
+    let options = evaluate::Options {
+        seeds: 2,
+        ..evaluate::Options::default()
+    };
+    let report = evaluate::excavator::calibration::evaluate(&options).expect("a table");
+    let after = &report.json["after"];
+    let share = |name: &str| after[name].as_f64().expect("a number");
+    assert!(share("trusted") > 70.0, "{after}");
+    assert!(share("rms") < 1.0 && share("outside") < 7.0, "{after}");
+}

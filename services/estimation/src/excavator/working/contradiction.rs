@@ -1,7 +1,7 @@
 //! Does what is measured contradict what is known?
 //!
 //! Sensors break while the machine works, and the filter takes a wrong torque, velocity or angle for another payload.
-//! Three things speak against that: an emptied bucket that weighs more or less than nothing, a payload that changes though no
+//! Three things speak against that: an emptied bucket that weighs neither nothing nor what it did before, a payload that changes though no
 //! joint moves it, and a rival filter that wins ([`super::rival`]). None says which sensor it is. What is contradicted is not
 //! believed until emptied buckets weigh nothing again, in swings without another contradiction; until then the interval says
 //! that the bucket may hold anything.

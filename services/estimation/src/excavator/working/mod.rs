@@ -30,13 +30,18 @@ use super::standstill::Phase;
 use super::state::State;
 use crate::consistency::Cusum;
 use crate::kalman::Innovation;
-use crate::math::{exp, sin_cos, sqrt};
+use crate::math::{exp, ln, sin_cos, sqrt};
+use core::f64::consts::TAU;
 
 /// An empty bucket still holds this share of the rated payload, with this standard deviation: material sticks.
 const STICKING: [f64; 2] = [0.025, 0.02];
 /// Standard deviation of the payload, as a share of the rated one, below which the motion has said enough to
 /// tell an empty bucket from a loaded one.
 const TOLD: f64 = 0.12;
+/// What stays in an emptied bucket weighs the same in two swings, with this standard deviation as a share of the rated payload.
+const KEPT: f64 = 0.05;
+/// A load that stays (a hook, a clamp, clay) is so many times as frequent as a sensor that breaks.
+const STAYS: f64 = 100.0;
 
 /// Random walk of the torque's gain: weights of zero all err alike, and must not add up [1/sqrt(s)].
 const GAIN_DRIFT: f64 = 0.004;
@@ -94,6 +99,8 @@ pub(super) struct Working {
     changed: bool,
     /// The empty bucket of this swing has been used as a weight of zero.
     tared: bool,
+    /// What the bucket weighed before it was emptied [kg].
+    carried: Option<f64>,
     /// Sensors that are wrong by a factor since the machine stood, weighed against those that are not.
     rival: Rival,
     contradiction: Contradiction,
@@ -140,6 +147,7 @@ impl Working {
             change: Cusum::new(0.5, CHANGE),
             changed: false,
             tared: false,
+            carried: None,
             rival: Rival::default(),
             contradiction: Contradiction::new(),
             trailing: false,
@@ -319,7 +327,13 @@ impl Working {
         let told = TOLD * self.rated;
         let variance = self.filter.p[M][M];
         let claimed = variance * self.contradiction.usual();
-        if !self.bucket.is_emptied() || variance > told * told {
+        if variance > told * told {
+            return;
+        }
+        if !self.bucket.is_emptied() {
+            if !self.bucket.is_open() && !self.bucket.is_settling() {
+                self.carried = Some(self.filter.x[M]);
+            }
             return;
         }
         let [share, sticking] = STICKING.map(|share| share * self.rated);
@@ -327,7 +341,9 @@ impl Working {
         let std = sqrt(sticking * sticking + described * described);
         let value = share - self.filter.x[M];
         if value * value > 9.0 * (claimed + std * std) {
-            self.contradiction.outright();
+            if !self.is_kept(variance) {
+                self.contradiction.outright();
+            }
         } else if !self.tared && value * value < 4.0 * (variance + std * std) {
             self.filter
                 .measure([(M, 1.0)], value, std * std, gate, trail);
@@ -338,6 +354,18 @@ impl Working {
             }
             self.agreement.interrupt();
         }
+    }
+
+    /// Whether an emptied bucket has rather kept what it carried, as a hook or a clamp does: then it weighs as before. With a sensor that
+    /// broke it weighs less by what left it, which may be any share of the rated payload: the likelihoods, and how frequent either is, decide.
+    fn is_kept(&self, variance: f64) -> bool {
+        let stays = KEPT * self.rated;
+        let spread = variance + stays * stays;
+        let odds = STAYS * STAYS * self.rated * self.rated / (TAU * spread);
+        self.carried.is_some_and(|before| {
+            let left = before - self.filter.x[M];
+            left * left < spread * ln(odds.max(1.0))
+        })
     }
 
     fn state(
