@@ -53,6 +53,7 @@ const ARROWS: &[(&str, &[&str])] = &[
             "config",
             "estimation",
             "fuzz",
+            "limits",
             "messages",
             "recording",
             "runtime",
