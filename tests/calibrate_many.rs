@@ -54,6 +54,9 @@ impl Site {
             "--each",
             "--payload",
             "empty.csv=0",
+            // Their lengths are as drawn.
+            "--set",
+            "machine.geometry_tolerance=0",
         ]
         .map(String::from)
         .into();
