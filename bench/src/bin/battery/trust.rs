@@ -336,5 +336,6 @@ const KNOWN: &[(&str, &str)] = &[
     ("swing_torque", "drift"),
     ("swing_torque", "drift of the gain"),
     ("arm_angle", "late 500 ms"),
+    ("arm_angle", "drift"),
     ("arm_angle", "drift of the gain"),
 ];
