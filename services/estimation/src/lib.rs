@@ -12,6 +12,7 @@
 //! | [`model`], [`images`], [`prediction`], [`sigma_points`], [`root`], [`scalar`], [`batch`] | what they are made of |
 //! | [`consistency`] | whether innovations have their predicted size |
 //! | [`dual`] | derivatives beside values |
+//! | [`loads`] | estimates in; loads, trucks and days out |
 //! | [`keys`] | tables of the keys of a description |
 //! | [`math`] | roots, sines, exponentials: the same bits everywhere |
 //!
@@ -43,6 +44,7 @@ pub mod images;
 pub mod kalman;
 pub mod keys;
 pub mod loader;
+pub mod loads;
 pub mod math;
 mod methods;
 pub mod model;

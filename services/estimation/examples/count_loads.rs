@@ -1,0 +1,81 @@
+//! Counts the loads in estimates that `heft estimate` wrote:
+//! `cargo run -p estimation --example count_loads -- ESTIMATES.csv RATED_KG`.
+
+use std::error::Error;
+
+use estimation::Quantity;
+use estimation::loads::{Ledger, Load, Row, Settings, Stage};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut arguments = std::env::args().skip(1);
+    let (Some(file), Some(rated)) = (arguments.next(), arguments.next()) else {
+        return Err("give a file and a rated payload".into());
+    };
+    let text = std::fs::read_to_string(file)?;
+    let mut lines = text.lines();
+    let header: Vec<&str> = lines.next().unwrap_or_default().split(',').collect();
+    let mut ledger = Ledger::new(Settings::with_rated(rated.parse()?));
+    let tell = |load: Option<Load>| {
+        if let Some(load) = load.filter(|l| l.stage == Stage::Settled) {
+            print(&load);
+        }
+    };
+    for line in lines {
+        let cells: Vec<&str> = line.split(',').collect();
+        let number = |name: &str| -> Option<f64> {
+            let at = header.iter().position(|h| *h == name)?;
+            cells.get(at)?.parse().ok()
+        };
+        let is_set = |name: &str| number(name) == Some(1.0);
+        let payload = number("payload").zip(number("payload_std"));
+        let events = ledger.step(&Row {
+            time: number("t").unwrap_or(f64::NAN),
+            payload: payload.map(|(value, std)| Quantity { value, std }),
+            speed: number("velocity").unwrap_or(0.0),
+            changing: is_set("changing"),
+            trusted: is_set("trusted"),
+            ..Row::default()
+        });
+        tell(events.load);
+        if std::env::var("NOW").is_ok() {
+            let now = ledger.now();
+            println!("now {} {} {}", number("t").unwrap_or(0.0), now.kg, now.std);
+        }
+        if std::env::var("ALL").is_ok()
+            && let Some(load) = events.load
+        {
+            println!("{:8.2} {}", number("t").unwrap_or(0.0), line_of(&load));
+        }
+    }
+    tell(ledger.finish().load);
+    if let Some(load) = ledger.carried() {
+        println!("in the bucket: {}", line_of(&load));
+    }
+    let all = ledger.all();
+    println!(
+        "{} loads, {:.0} +- {:.0} kg",
+        all.loads,
+        all.kg,
+        1.96 * all.std()
+    );
+    Ok(())
+}
+
+fn line_of(load: &Load) -> String {
+    format!(
+        "{} {} filled {:.2} dumped {:.2} kg {:.1} std {:.1} rest {:.1} std {:.1} trusted {}",
+        load.number,
+        load.stage.name(),
+        load.filled,
+        load.dumped.unwrap_or(f64::NAN),
+        load.weight.kg,
+        load.weight.std,
+        load.carry_back.kg,
+        load.carry_back.std,
+        load.trusted
+    )
+}
+
+fn print(load: &Load) {
+    println!("{}", line_of(load));
+}

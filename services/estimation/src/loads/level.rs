@@ -1,0 +1,83 @@
+//! A content of the bucket that stays for a while, and the best estimate of it.
+
+use super::load::Weight;
+use super::row::{Row, Witness};
+use crate::Quantity;
+
+/// Two values further apart than this are two contents, in standard deviations of the less certain one. Rows of one
+/// filter share their errors, so the larger deviation bounds their difference.
+const APART: f64 = 3.0;
+
+/// A row replaces what is known of its content if its deviation is below this share of the known one.
+const MORE_CERTAIN: f64 = 0.99;
+/// Equally certain rows are averaged over this time: the first rows of a dump move the mean little [s].
+const MEAN: f64 = 1.0;
+
+/// A content that stays.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Level {
+    /// Best estimate: that of the row with the smallest standard deviation, trusted rows first.
+    pub(super) weight: Weight,
+    pub(super) trusted: bool,
+    pub(super) why: u32,
+    pub(super) witness: Witness,
+    /// Its first row: a content that creeps away from it is another.
+    pub(super) first: Quantity,
+    /// Time over which equally certain rows have been averaged [s].
+    pub(super) mean_of: f64,
+    /// First and last row [s].
+    pub(super) from: f64,
+    pub(super) to: f64,
+    /// When the content before it was left [s].
+    pub(super) left: f64,
+}
+
+impl Level {
+    /// A level of one row.
+    pub(super) fn new(row: &Row, value: Quantity, common: f64, left: f64) -> Self {
+        Self {
+            weight: Weight::new(value, common),
+            trusted: row.trusted,
+            why: row.why,
+            witness: row.witness,
+            first: value,
+            mean_of: 0.0,
+            from: row.time,
+            to: row.time,
+            left,
+        }
+    }
+
+    /// Takes one more row of it: a more certain one replaces what is known, an equally certain one joins the mean.
+    pub(super) fn join(&mut self, row: &Row, value: Quantity, common: f64) {
+        let dt = row.time - self.to;
+        self.to = row.time;
+        if row.trusted < self.trusted {
+            return;
+        }
+        if row.trusted > self.trusted || value.std < MORE_CERTAIN * self.weight.std {
+            self.weight = Weight::new(value, common);
+            (self.trusted, self.why, self.witness) = (row.trusted, row.why, row.witness);
+            self.mean_of = 0.0;
+        } else if value.std * MORE_CERTAIN <= self.weight.std {
+            self.mean_of += dt;
+            let share = dt / self.mean_of.min(MEAN).max(2.0 * dt);
+            self.weight.kg += share * (value.value - self.weight.kg);
+        }
+    }
+
+    /// Whether a value may be one of this content; differences up to `floor` are none.
+    pub(super) fn holds(&self, value: Quantity, floor: f64) -> bool {
+        let near = |kg: f64, std: f64| {
+            let apart = APART * value.std.max(std);
+            (value.value - kg).abs() <= apart.max(floor)
+        };
+        near(self.weight.kg, self.weight.std) && near(self.first.value, self.first.std)
+    }
+
+    /// How long it has been seen [s].
+    pub(super) fn age(&self) -> f64 {
+        self.to - self.from
+    }
+}

@@ -1,0 +1,73 @@
+//! What the ledger reads: one estimate of any machine.
+
+use crate::Quantity;
+
+/// What the payload was told by.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Witness {
+    /// How the machine accelerates.
+    #[default]
+    Motion,
+    /// Cylinder pressures.
+    Pressure,
+    /// Both, in one state.
+    Both,
+    /// A scale on the machine: its mass is measured.
+    Scale,
+}
+
+impl Witness {
+    /// All of them, in the order of their codes.
+    pub const ALL: [Self; 4] = [Self::Motion, Self::Pressure, Self::Both, Self::Scale];
+
+    /// Name in tables.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Motion => "motion",
+            Self::Pressure => "pressure",
+            Self::Both => "motion and pressure",
+            Self::Scale => "scale",
+        }
+    }
+
+    /// Code in messages.
+    pub const fn code(self) -> u32 {
+        self as u32
+    }
+}
+
+/// One estimate.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Row {
+    /// Time of the measurement [s]; rows must increase.
+    pub time: f64,
+    /// Payload with its standard deviation; `None` where nothing is estimated [kg].
+    pub payload: Option<Quantity>,
+    /// Standard deviation of those errors of the payload that all loads share (span, zero, gain, description); `None`
+    /// where the estimator does not tell them apart [kg].
+    pub common_std: Option<f64>,
+    /// Swing rate [rad/s] or driving speed [m/s], of any sign.
+    pub speed: f64,
+    /// The content is changing.
+    pub changing: bool,
+    /// The estimate may be believed.
+    pub trusted: bool,
+    /// Why not, in a code of whoever hands the row in; carried along.
+    pub why: u32,
+    /// What told it.
+    pub witness: Witness,
+    /// Which truck is loaded: another value begins another truck.
+    pub truck: Option<f64>,
+}
+
+/// Beyond this a payload is no payload [kg].
+const LIMIT: f64 = 1e7;
+
+impl Row {
+    /// The payload, where it is a number with a standard deviation.
+    pub(super) fn weighed(&self) -> Option<Quantity> {
+        self.payload
+            .filter(|p| p.value.abs() < LIMIT && p.std > 0.0 && p.std < LIMIT)
+    }
+}

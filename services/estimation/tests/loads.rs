@@ -1,0 +1,343 @@
+//! What counts as a load, and what trucks add up to.
+
+use estimation::Quantity;
+use estimation::loads::{Events, Ledger, Load, Row, Settings, Stage, Truck};
+
+const RATED: f64 = 1000.0;
+const DT: f64 = 0.01;
+/// Mean and standard deviation of an estimator that knows nothing.
+const PRIOR: (f64, f64) = (500.0, 400.0);
+
+/// A ledger with a clock, and what it has said.
+struct Site {
+    ledger: Ledger,
+    time: f64,
+    said: Vec<Load>,
+    trucks: Vec<Truck>,
+    truck: Option<f64>,
+}
+
+impl Site {
+    fn new(target: Option<f64>) -> Self {
+        let settings = Settings {
+            target,
+            ..Settings::with_rated(RATED)
+        };
+        Self {
+            ledger: Ledger::new(settings),
+            time: 0.0,
+            said: Vec::new(),
+            trucks: Vec::new(),
+            truck: None,
+        }
+    }
+
+    fn note(&mut self, events: Events) {
+        self.said.extend(events.load);
+        self.trucks.extend(events.truck);
+    }
+
+    fn row(&mut self, (value, std): (f64, f64), speed: f64, changing: bool) {
+        self.time += DT;
+        let row = Row {
+            time: self.time,
+            payload: Some(Quantity { value, std }),
+            speed,
+            changing,
+            trusted: std < 100.0,
+            truck: self.truck,
+            ..Row::default()
+        };
+        let events = self.ledger.step(&row);
+        self.note(events);
+    }
+
+    /// Stands for some time with this estimate.
+    fn stand(&mut self, seconds: f64, estimate: (f64, f64)) {
+        for _ in 0..(seconds / DT) as u32 {
+            self.row(estimate, 0.0, false);
+        }
+    }
+
+    /// Swings with this content, which the estimator learns within a second.
+    fn swing(&mut self, kg: f64) {
+        for i in 0..300 {
+            let share = (-f64::from(i) * DT / 0.3).exp();
+            self.row(
+                (kg + share * (PRIOR.0 - kg), 30.0 + share * 370.0),
+                0.5,
+                false,
+            );
+        }
+    }
+
+    /// Opens the bucket.
+    fn open(&mut self) {
+        for _ in 0..60 {
+            self.row(PRIOR, 0.0, true);
+        }
+    }
+
+    /// Digs, swings, dumps, swings back.
+    fn cycle(&mut self, kg: f64, rest: f64) {
+        self.stand(3.0, PRIOR);
+        self.swing(kg);
+        self.open();
+        self.stand(0.5, PRIOR);
+        self.swing(rest);
+    }
+
+    fn loads(&mut self) -> Vec<Load> {
+        let events = self.ledger.finish();
+        self.note(events);
+        let settled = self.said.iter().filter(|l| l.stage == Stage::Settled);
+        settled.copied().collect()
+    }
+}
+
+#[test]
+fn each_dig_swing_dump_and_return_is_one_load_with_what_stays_behind() {
+    let mut site = Site::new(None);
+    for kg in [900.0, 650.0, 700.0] {
+        site.cycle(kg, 40.0);
+    }
+    let loads = site.loads();
+    assert_eq!(loads.len(), 3);
+    for (load, kg) in loads.iter().zip([900.0, 650.0, 700.0]) {
+        assert!(load.trusted && load.weight.quantity().holds(kg), "{load:?}");
+        assert!(
+            load.carry_back_weighed && load.carry_back.quantity().holds(40.0),
+            "{load:?}"
+        );
+        assert!(load.dumped.is_some_and(|t| t > load.filled + 2.5));
+    }
+    assert_eq!(
+        loads.iter().map(|l| l.number).collect::<Vec<_>>(),
+        [1, 2, 3]
+    );
+}
+
+#[test]
+fn a_load_is_told_within_a_second_of_the_swing_and_final_at_the_dump() {
+    let mut site = Site::new(None);
+    site.stand(3.0, PRIOR);
+    let begun = site.time;
+    site.swing(800.0);
+    let told = site.said.first().copied().expect("a load");
+    assert_eq!(told.stage, Stage::Carried);
+    assert!(
+        told.filled - begun < 0.1,
+        "it was full when the swing began"
+    );
+    let opened = site.time;
+    site.open();
+    let dumped = site.said.last().copied().expect("a load");
+    assert_eq!(dumped.stage, Stage::Dumped);
+    assert!(dumped.dumped.is_some_and(|t| (t - opened).abs() < 0.1));
+    assert!((dumped.weight.kg - 800.0).abs() < 60.0);
+}
+
+#[test]
+fn a_bucket_that_opens_and_keeps_its_load_counts_once() {
+    let mut site = Site::new(None);
+    site.stand(3.0, PRIOR);
+    site.swing(800.0);
+    site.open();
+    site.stand(0.5, (800.0, 40.0));
+    site.swing(800.0);
+    site.open();
+    site.swing(20.0);
+    assert_eq!(site.loads().len(), 1);
+}
+
+#[test]
+fn a_load_that_is_dumped_and_replaced_unseen_counts_twice() {
+    let mut site = Site::new(None);
+    site.stand(3.0, PRIOR);
+    site.swing(800.0);
+    site.open();
+    for _ in 0..300 {
+        site.row(PRIOR, -0.5, false);
+    }
+    site.stand(3.0, PRIOR);
+    site.swing(800.0);
+    site.open();
+    site.swing(20.0);
+    let loads = site.loads();
+    assert_eq!(loads.len(), 2, "{loads:?}");
+    assert!(!loads[0].carry_back_weighed && loads[1].carry_back_weighed);
+}
+
+#[test]
+fn a_scale_that_rises_slowly_fills_one_load_and_scoops_add_to_it() {
+    let mut site = Site::new(None);
+    site.stand(2.0, (0.0, 15.0));
+    for i in 0..1000 {
+        site.row((0.6 * f64::from(i), 15.0), 0.2, false);
+    }
+    site.stand(2.0, (600.0, 15.0));
+    site.stand(2.0, (900.0, 15.0));
+    for i in 0..100 {
+        site.row((900.0 - 9.0 * f64::from(i), 15.0), 0.2, false);
+    }
+    site.stand(2.0, (5.0, 15.0));
+    let loads = site.loads();
+    assert_eq!(loads.len(), 1, "{loads:?}");
+    assert!(loads[0].weight.quantity().holds(900.0));
+}
+
+#[test]
+fn a_load_dumped_in_two_halves_is_two_loads_that_add_up() {
+    let mut site = Site::new(None);
+    for kg in [0.0, 900.0, 450.0, 0.0] {
+        site.stand(2.0, (kg, 15.0));
+    }
+    assert_eq!(site.loads().len(), 2);
+    assert!((site.ledger.all().kg - 900.0).abs() < 1.0);
+}
+
+#[test]
+fn ten_loads_are_not_ten_times_as_certain() {
+    let mut site = Site::new(None);
+    for _ in 0..10 {
+        site.cycle(800.0, 20.0);
+    }
+    let one = site.loads()[0].delivered().std;
+    let all = site.ledger.all();
+    assert_eq!(all.loads, 10);
+    assert!(
+        all.std() > 0.8 * 10.0 * one,
+        "shared errors add up: {} {one}",
+        all.std()
+    );
+    assert!(all.std() < 10.0 * one, "those of each load average out");
+}
+
+#[test]
+fn trucks_begin_by_key_signal_or_pause() {
+    let mut site = Site::new(Some(2400.0));
+    site.truck = Some(7.0);
+    site.cycle(900.0, 20.0);
+    site.cycle(900.0, 20.0);
+    let missing = site.ledger.truck().remaining().expect("a target");
+    assert!((missing - 640.0).abs() < 80.0, "{missing}");
+    let events = site.ledger.next_truck();
+    site.note(events);
+    assert!(
+        site.ledger.next_truck().is_empty(),
+        "an empty truck is none"
+    );
+    site.cycle(500.0, 20.0);
+    site.truck = Some(8.0);
+    site.cycle(600.0, 20.0);
+    site.time += 400.0;
+    site.cycle(700.0, 20.0);
+    site.loads();
+    let counts: Vec<_> = site
+        .trucks
+        .iter()
+        .map(|t| (t.number, t.total.loads))
+        .collect();
+    assert_eq!(counts, [(1, 2), (2, 1), (3, 1), (4, 1)]);
+    assert_eq!(site.ledger.day().trucks, 4);
+}
+
+#[test]
+fn days_end_at_midnight() {
+    let mut site = Site::new(None);
+    site.time = 86_380.0;
+    site.cycle(900.0, 20.0);
+    site.time += 10.0;
+    site.cycle(800.0, 20.0);
+    let days: Vec<i64> = site.loads().iter().map(|l| l.day).collect();
+    assert_eq!(days, [0, 1]);
+}
+
+#[test]
+fn a_controller_gets_a_value_always_and_never_the_prior_again() {
+    let mut site = Site::new(None);
+    assert!(site.ledger.now().std > 0.0, "before any row");
+    site.swing(800.0);
+    let swung = site.ledger.now();
+    assert!((swung.kg - 800.0).abs() < 40.0 && swung.age.is_some_and(|a| a < 0.1));
+    site.stand(5.0, PRIOR);
+    let stood = site.ledger.now();
+    assert_eq!(stood.kg, swung.kg, "the last known value");
+    assert!(stood.age.is_some_and(|a| (a - 5.0).abs() < 0.1));
+    assert!(1.96 * stood.std > stood.kg, "it may have been emptied");
+    site.swing(30.0);
+    assert!(
+        (site.ledger.now().kg - 30.0).abs() < 60.0,
+        "{:?}",
+        site.ledger.now()
+    );
+    let before = site.ledger.now();
+    site.time += 3.0;
+    let nothing = Row {
+        time: site.time,
+        ..Row::default()
+    };
+    site.ledger.step(&nothing);
+    let after = site.ledger.now();
+    assert!(after.kg == before.kg && after.std > 3.0 * before.std);
+}
+
+#[test]
+fn nothing_that_comes_in_lets_a_number_out_that_is_none() {
+    let bad = [
+        f64::NAN,
+        f64::INFINITY,
+        -f64::INFINITY,
+        1e300,
+        -1e300,
+        0.0,
+        -1.0,
+    ];
+    for rated in [RATED, 0.0, f64::NAN] {
+        let mut ledger = Ledger::new(Settings::with_rated(rated));
+        let mut seed = 1_u64;
+        let mut time = 0.0;
+        for i in 0..20_000 {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            let pick = (seed >> 33) as usize;
+            let any = |k: usize, good: f64| {
+                if (pick >> k) % 5 == 0 {
+                    bad[(pick >> 3) % bad.len()]
+                } else {
+                    good
+                }
+            };
+            time += any(2, 0.01);
+            if !time.is_finite() || time.abs() > 1e12 {
+                time = f64::from(i);
+            }
+            let row = Row {
+                time,
+                payload: Some(Quantity {
+                    value: any(4, 900.0 * f64::from((i / 500) % 2)),
+                    std: any(6, 20.0),
+                }),
+                common_std: Some(any(8, 10.0)),
+                speed: any(10, 0.3),
+                changing: pick % 7 == 0,
+                truck: Some(any(12, 1.0)),
+                ..Row::default()
+            };
+            let events = ledger.step(&row);
+            let (now, truck) = (ledger.now(), ledger.truck());
+            assert!(
+                now.kg.is_finite() && now.std.is_finite() && now.std >= 0.0,
+                "{row:?} {now:?} {ledger:?}"
+            );
+            assert!(
+                truck.total.kg.is_finite() && truck.total.std().is_finite(),
+                "{row:?}"
+            );
+            if let Some(load) = events.load {
+                assert!(load.weight.kg.is_finite() && load.weight.std.is_finite());
+                assert!(load.filled.is_finite() && load.dumped.is_none_or(f64::is_finite));
+                assert!(load.dumped.is_none_or(|t| t >= load.filled), "{load:?}");
+            }
+        }
+    }
+}
