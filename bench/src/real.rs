@@ -46,6 +46,7 @@ pub fn excavator_rows() -> Vec<excavator::Sample> {
             torque: row.swing_torque,
             posture: row.posture,
             inclination: row.inclination,
+            ..excavator::Sample::default()
         })
         .collect()
 }

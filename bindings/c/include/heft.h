@@ -60,6 +60,11 @@ extern "C" {
 #define HEFT_EXCAVATOR_COLUMN_BUCKET_ANGLE (1u << 5)
 #define HEFT_EXCAVATOR_COLUMN_PITCH (1u << 6)
 #define HEFT_EXCAVATOR_COLUMN_ROLL (1u << 7)
+#define HEFT_EXCAVATOR_COLUMN_BOOM_HEAD_PRESSURE (1u << 8)
+#define HEFT_EXCAVATOR_COLUMN_BOOM_ROD_PRESSURE (1u << 9)
+#define HEFT_EXCAVATOR_COLUMN_ARM_HEAD_PRESSURE (1u << 10)
+#define HEFT_EXCAVATOR_COLUMN_ARM_ROD_PRESSURE (1u << 11)
+#define HEFT_EXCAVATOR_COLUMN_TRUCK (1u << 12)
 
 /* Bits of `flags` of an estimate. */
 #define HEFT_EXCAVATOR_FLAG_EXCITED (1u << 0)
@@ -95,6 +100,11 @@ typedef struct {
   double bucket_angle; /* Bucket angle relative to the arm. [rad] */
   double pitch; /* Pitch of the upper body, nose up positive. [rad] */
   double roll; /* Roll of the upper body, left side low positive. [rad] */
+  double boom_head_pressure; /* Pressure at the head side of the boom cylinders, their mean. [Pa] */
+  double boom_rod_pressure; /* Pressure at the rod side of the boom cylinders, their mean. [Pa] */
+  double arm_head_pressure; /* Pressure at the head side of the arm cylinder. [Pa] */
+  double arm_rod_pressure; /* Pressure at the rod side of the arm cylinder. [Pa] */
+  double truck; /* Number of the truck that is loaded; another number begins the next truck. */
 } heft_excavator_sample;
 
 /* The answer to a row. */
@@ -289,6 +299,11 @@ const char *heft_excavator_error(const void *memory);
 #define HEFT_LOADER_COLUMN_ARTICULATION (1u << 11)
 #define HEFT_LOADER_COLUMN_YAW_RATE (1u << 12)
 #define HEFT_LOADER_COLUMN_BRAKE (1u << 13)
+#define HEFT_LOADER_COLUMN_LIFT_ANGLE (1u << 14)
+#define HEFT_LOADER_COLUMN_TILT_ANGLE (1u << 15)
+#define HEFT_LOADER_COLUMN_LIFT_HEAD_PRESSURE (1u << 16)
+#define HEFT_LOADER_COLUMN_LIFT_ROD_PRESSURE (1u << 17)
+#define HEFT_LOADER_COLUMN_TRUCK (1u << 18)
 
 /* Bits of `flags` of an estimate. */
 #define HEFT_LOADER_FLAG_EXCITED_RATIO (1u << 0)
@@ -330,6 +345,11 @@ typedef struct {
   double articulation; /* Angle between front and rear body, positive when the machine turns left. [rad] */
   double yaw_rate; /* Yaw rate of the rear body, positive anticlockwise from above. [rad/s] */
   double brake; /* Above 0 while friction brakes act; 0 or NAN: they do not. */
+  double lift_angle; /* Angle of the lift arm to the horizontal, up positive. [rad] */
+  double tilt_angle; /* Angle of the bucket relative to the lift arm, tip up positive. [rad] */
+  double lift_head_pressure; /* Pressure at the head side of the lift cylinders, their mean. [Pa] */
+  double lift_rod_pressure; /* Pressure at the rod side of the lift cylinders, their mean. [Pa] */
+  double truck; /* Number of the truck that is loaded; another number begins the next truck. */
 } heft_loader_sample;
 
 /* The answer to a row. */

@@ -79,6 +79,11 @@ impl Machine for Excavator {
         bucket_angle = |s, x| s.posture[2] = present(x);
         pitch = |s, x| s.inclination[0] = present(x);
         roll = |s, x| s.inclination[1] = present(x);
+        boom_head_pressure = |s, x| s.boom_head_pressure = present(x);
+        boom_rod_pressure = |s, x| s.boom_rod_pressure = present(x);
+        arm_head_pressure = |s, x| s.arm_head_pressure = present(x);
+        arm_rod_pressure = |s, x| s.arm_rod_pressure = present(x);
+        truck = |s, x| s.truck = present(x);
     };
 
     const REQUIRED: &'static [&'static [&'static str]] = &[&["swing_velocity", "swing_angle"]];

@@ -59,6 +59,11 @@ impl Machine for Loader {
         articulation = |s, x| s.articulation = present(x);
         yaw_rate = |s, x| s.yaw_rate = present(x);
         brake = |s, x| s.brake = x > 0.0;
+        lift_angle = |s, x| s.lift_angle = present(x);
+        tilt_angle = |s, x| s.tilt_angle = present(x);
+        lift_head_pressure = |s, x| s.lift_head_pressure = present(x);
+        lift_rod_pressure = |s, x| s.lift_rod_pressure = present(x);
+        truck = |s, x| s.truck = present(x);
     };
 
     const REQUIRED: &'static [&'static [&'static str]] = &[

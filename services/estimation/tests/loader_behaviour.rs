@@ -117,6 +117,11 @@ fn nasty(k: u64) -> Sample {
         articulation: cell(),
         yaw_rate: cell(),
         brake: k.is_multiple_of(7),
+        lift_angle: cell(),
+        tilt_angle: cell(),
+        lift_head_pressure: cell(),
+        lift_rod_pressure: cell(),
+        truck: cell(),
     }
 }
 

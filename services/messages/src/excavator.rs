@@ -23,6 +23,16 @@ pub mod excavator_bits {
     pub const PITCH: u32 = 1 << 6;
     /// Roll of the upper body.
     pub const ROLL: u32 = 1 << 7;
+    /// Pressure at the head side of the boom cylinders.
+    pub const BOOM_HEAD_PRESSURE: u32 = 1 << 8;
+    /// Pressure at the rod side of the boom cylinders.
+    pub const BOOM_ROD_PRESSURE: u32 = 1 << 9;
+    /// Pressure at the head side of the arm cylinder.
+    pub const ARM_HEAD_PRESSURE: u32 = 1 << 10;
+    /// Pressure at the rod side of the arm cylinder.
+    pub const ARM_ROD_PRESSURE: u32 = 1 << 11;
+    /// Number of the truck that is loaded.
+    pub const TRUCK: u32 = 1 << 12;
 
     // Flags: `ExcavatorEstimate::flags`.
     /// The motion carries information about the inertia.
@@ -77,7 +87,7 @@ pub mod excavator_bits {
 
 message! {
     /// What the excavator's sensors measured; a signal without its bit in `valid` is 0 and means nothing.
-    pub struct ExcavatorSensors, "ExcavatorSensors", size 136, marked in columns {
+    pub struct ExcavatorSensors, "ExcavatorSensors", size 176, marked in columns {
         /// Swing rate, positive anticlockwise from above.
         swing_velocity: f64, "rad/s";
         /// Swing angle, same sign.
@@ -98,6 +108,16 @@ message! {
         pitch: f64, "rad";
         /// Roll of the upper body, left side low positive.
         roll: f64, "rad";
+        /// Pressure at the head side of the boom cylinders, their mean.
+        boom_head_pressure: f64, "Pa";
+        /// Pressure at the rod side of the boom cylinders, their mean.
+        boom_rod_pressure: f64, "Pa";
+        /// Pressure at the head side of the arm cylinder.
+        arm_head_pressure: f64, "Pa";
+        /// Pressure at the rod side of the arm cylinder.
+        arm_rod_pressure: f64, "Pa";
+        /// Number of the truck that is loaded; another number begins the next truck.
+        truck: f64, "";
     }
 }
 

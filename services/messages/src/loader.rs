@@ -35,6 +35,16 @@ pub mod loader_bits {
     pub const YAW_RATE: u32 = 1 << 12;
     /// In `valid`: friction brakes act. In `columns`: the source has that signal.
     pub const BRAKE: u32 = 1 << 13;
+    /// Angle of the lift arm.
+    pub const LIFT_ANGLE: u32 = 1 << 14;
+    /// Angle of the bucket.
+    pub const TILT_ANGLE: u32 = 1 << 15;
+    /// Pressure at the head side of the lift cylinders.
+    pub const LIFT_HEAD_PRESSURE: u32 = 1 << 16;
+    /// Pressure at the rod side of the lift cylinders.
+    pub const LIFT_ROD_PRESSURE: u32 = 1 << 17;
+    /// Number of the truck that is loaded.
+    pub const TRUCK: u32 = 1 << 18;
 
     // Flags: `LoaderEstimate::flags`.
     /// The motion carries information about the ratio.
@@ -84,7 +94,7 @@ pub mod loader_bits {
 
 message! {
     /// What the loader's sensors measured; a signal without its bit in `valid` is 0 and means nothing.
-    pub struct LoaderSensors, "LoaderSensors", size 168, marked in columns {
+    pub struct LoaderSensors, "LoaderSensors", size 208, marked in columns {
         /// Forward speed of the body.
         speed: f64, "m/s";
         /// Speed of the front wheels.
@@ -113,6 +123,16 @@ message! {
         valid: u32, "";
         /// Bits of the signals that the source has at all.
         columns: u32, "";
+        /// Angle of the lift arm to the horizontal, up positive.
+        lift_angle: f64, "rad";
+        /// Angle of the bucket relative to the lift arm, tip up positive.
+        tilt_angle: f64, "rad";
+        /// Pressure at the head side of the lift cylinders, their mean.
+        lift_head_pressure: f64, "Pa";
+        /// Pressure at the rod side of the lift cylinders, their mean.
+        lift_rod_pressure: f64, "Pa";
+        /// Number of the truck that is loaded; another number begins the next truck.
+        truck: f64, "";
     }
 }
 

@@ -27,7 +27,11 @@ impl Sensors for ExcavatorSensors {
         | bits::ARM_ANGLE
         | bits::BUCKET_ANGLE
         | bits::PITCH
-        | bits::ROLL;
+        | bits::ROLL
+        | bits::BOOM_HEAD_PRESSURE
+        | bits::BOOM_ROD_PRESSURE
+        | bits::ARM_HEAD_PRESSURE
+        | bits::ARM_ROD_PRESSURE;
 }
 
 impl Estimate for ExcavatorEstimate {

@@ -223,6 +223,11 @@ fn averaged(rows: &[Sample]) -> (Vec<Sample>, usize) {
         articulation: mean(chunk, |s| s.articulation),
         yaw_rate: mean(chunk, |s| s.yaw_rate),
         brake: chunk.iter().any(|s| s.brake),
+        lift_angle: mean(chunk, |s| s.lift_angle),
+        tilt_angle: mean(chunk, |s| s.tilt_angle),
+        lift_head_pressure: mean(chunk, |s| s.lift_head_pressure),
+        lift_rod_pressure: mean(chunk, |s| s.lift_rod_pressure),
+        truck: chunk[0].truck,
     });
     (means.collect(), count)
 }

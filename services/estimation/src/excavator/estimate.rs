@@ -20,6 +20,16 @@ pub struct Sample {
     pub posture: [Option<f64>; 3],
     /// Pitch (nose up positive) and roll (left side low positive) of the upper body [rad].
     pub inclination: [Option<f64>; 2],
+    /// Pressure at the head side of the boom cylinders, their mean [Pa].
+    pub boom_head_pressure: Option<f64>,
+    /// Pressure at the rod side of the boom cylinders, their mean [Pa].
+    pub boom_rod_pressure: Option<f64>,
+    /// Pressure at the head side of the arm cylinder [Pa].
+    pub arm_head_pressure: Option<f64>,
+    /// Pressure at the rod side of the arm cylinder [Pa].
+    pub arm_rod_pressure: Option<f64>,
+    /// Number of the truck that is loaded; another number begins the next truck.
+    pub truck: Option<f64>,
 }
 
 /// Which columns the source has at all.

@@ -33,6 +33,16 @@ pub struct Sample {
     pub yaw_rate: Option<f64>,
     /// Friction brakes act.
     pub brake: bool,
+    /// Angle of the lift arm to the horizontal, up positive [rad].
+    pub lift_angle: Option<f64>,
+    /// Angle of the bucket relative to the lift arm, tip up positive [rad].
+    pub tilt_angle: Option<f64>,
+    /// Pressure at the head side of the lift cylinders, their mean [Pa].
+    pub lift_head_pressure: Option<f64>,
+    /// Pressure at the rod side of the lift cylinders, their mean [Pa].
+    pub lift_rod_pressure: Option<f64>,
+    /// Number of the truck that is loaded; another number begins the next truck.
+    pub truck: Option<f64>,
 }
 
 /// The optional signals that the source has.
@@ -58,6 +68,10 @@ const ACCELERATION_LIMIT: f64 = 1000.0;
 const YAW_LIMIT: f64 = 10.0;
 /// Beyond this a slope is no measurement [rad].
 pub(super) const SLOPE_LIMIT: f64 = 1.5;
+/// Beyond this the angle of a joint is no measurement [rad]: a full turn.
+const ANGLE_LIMIT: f64 = core::f64::consts::TAU;
+/// Beyond this a pressure is no measurement [Pa]: five times that of mobile hydraulics (40 MPa).
+const PRESSURE_LIMIT: f64 = 2e8;
 /// Beyond this multiple of the weight a force on wheels or bucket is no measurement.
 const FORCE_LIMIT: f64 = 10.0;
 /// Beyond this factor of the machine's mass a mass is no measurement.
@@ -88,6 +102,11 @@ impl Sample {
             articulation: within(self.articulation, SLOPE_LIMIT),
             yaw_rate: within(self.yaw_rate, YAW_LIMIT),
             brake: self.brake,
+            lift_angle: within(self.lift_angle, ANGLE_LIMIT),
+            tilt_angle: within(self.tilt_angle, ANGLE_LIMIT),
+            lift_head_pressure: within(self.lift_head_pressure, PRESSURE_LIMIT),
+            lift_rod_pressure: within(self.lift_rod_pressure, PRESSURE_LIMIT),
+            truck: within(self.truck, f64::MAX),
         }
     }
 }

@@ -59,6 +59,7 @@ pub fn samples(table: &Table) -> Vec<Sample> {
             torque: table.get(i, "swing_torque"),
             posture: ["boom_angle", "arm_angle", "bucket_angle"].map(|name| table.get(i, name)),
             inclination: [None; 2],
+            ..Sample::default()
         })
         .collect()
 }

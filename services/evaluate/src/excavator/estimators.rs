@@ -177,6 +177,7 @@ impl Setup {
             torque: row.swing_torque.filter(|_| torque),
             posture: row.posture.map(|joint| joint.filter(|_| posture)),
             inclination: row.inclination,
+            ..Sample::default()
         }
     }
 

@@ -271,5 +271,6 @@ pub(super) fn sample(row: &Row) -> Sample {
         articulation: row.articulation,
         yaw_rate: row.yaw_rate,
         brake: row.brake.unwrap_or(false),
+        ..Sample::default()
     }
 }

@@ -123,6 +123,35 @@ const WORDS: &[(&str, &[&[&str]])] = &[
     ("articulation", &[&["articul"], &["steer", "angle"]]),
     ("yaw_rate", &[&["yaw", "rate"], &["gyro", "z"]]),
     ("brake", &[&["brake"]]),
+    (
+        "boom_head_pressure",
+        &[
+            &["boom", "head", "press"],
+            &["boom", "bottom", "press"],
+            &["boom", "bore", "press"],
+        ],
+    ),
+    ("boom_rod_pressure", &[&["boom", "rod", "press"]]),
+    (
+        "arm_head_pressure",
+        &[
+            &["arm", "head", "press"],
+            &["stick", "head", "press"],
+            &["arm", "bottom", "press"],
+        ],
+    ),
+    (
+        "arm_rod_pressure",
+        &[&["arm", "rod", "press"], &["stick", "rod", "press"]],
+    ),
+    ("lift_angle", &[&["lift", "angle"], &["lift", "arm"]]),
+    ("tilt_angle", &[&["tilt", "angle"], &["bucket", "angle"]]),
+    (
+        "lift_head_pressure",
+        &[&["lift", "head", "press"], &["lift", "bottom", "press"]],
+    ),
+    ("lift_rod_pressure", &[&["lift", "rod", "press"]]),
+    ("truck", &[&["truck", "number"], &["truck", "id"]]),
 ];
 
 /// Position of the name that fits a signal best and is not taken: heft's own name, else the first
@@ -138,7 +167,11 @@ pub(super) fn fitting(signal: &str, names: &[&str], taken: &[usize]) -> Option<u
     }
     let (_, alternatives) = WORDS.iter().find(|(name, _)| *name == signal)?;
     alternatives.iter().find_map(|words| {
-        let fits = |n: &String| words.iter().all(|w| n.contains(w));
+        // `boom_head_pressure` is no angle of the boom.
+        let is_pressure = |n: &str| n.contains("press");
+        let fits = |n: &String| {
+            words.iter().all(|w| n.contains(w)) && is_pressure(n) == is_pressure(signal)
+        };
         (0..lower.len()).filter(free).find(|at| fits(&lower[*at]))
     })
 }

@@ -22,6 +22,11 @@ pub fn sample(m: &ExcavatorSensors) -> Sample {
             valid(bits::BUCKET_ANGLE, m.bucket_angle),
         ],
         inclination: [valid(bits::PITCH, m.pitch), valid(bits::ROLL, m.roll)],
+        boom_head_pressure: valid(bits::BOOM_HEAD_PRESSURE, m.boom_head_pressure),
+        boom_rod_pressure: valid(bits::BOOM_ROD_PRESSURE, m.boom_rod_pressure),
+        arm_head_pressure: valid(bits::ARM_HEAD_PRESSURE, m.arm_head_pressure),
+        arm_rod_pressure: valid(bits::ARM_ROD_PRESSURE, m.arm_rod_pressure),
+        truck: valid(bits::TRUCK, m.truck),
     }
 }
 

@@ -23,5 +23,10 @@ pub fn sample(m: &LoaderSensors) -> Sample {
         articulation: valid(bits::ARTICULATION, m.articulation),
         yaw_rate: valid(bits::YAW_RATE, m.yaw_rate),
         brake: m.valid & bits::BRAKE != 0,
+        lift_angle: valid(bits::LIFT_ANGLE, m.lift_angle),
+        tilt_angle: valid(bits::TILT_ANGLE, m.tilt_angle),
+        lift_head_pressure: valid(bits::LIFT_HEAD_PRESSURE, m.lift_head_pressure),
+        lift_rod_pressure: valid(bits::LIFT_ROD_PRESSURE, m.lift_rod_pressure),
+        truck: valid(bits::TRUCK, m.truck),
     }
 }

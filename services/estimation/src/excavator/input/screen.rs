@@ -10,6 +10,8 @@ use crate::time_base::{Tick, TimeBase};
 
 /// No machine works on a steeper slope [rad].
 const INCLINATION_LIMIT: f64 = 0.8;
+/// Beyond this a pressure is no measurement [Pa]: five times that of mobile hydraulics (40 MPa).
+const PRESSURE_LIMIT: f64 = 2e8;
 
 /// A row that counts.
 #[derive(Debug, Clone, Copy)]
@@ -112,6 +114,11 @@ impl Screen {
                 .map(|t| (t - self.torque_offset) / self.torque_gain),
             posture,
             inclination: sample.inclination.map(|q| within(q, INCLINATION_LIMIT)),
+            boom_head_pressure: within(sample.boom_head_pressure, PRESSURE_LIMIT),
+            boom_rod_pressure: within(sample.boom_rod_pressure, PRESSURE_LIMIT),
+            arm_head_pressure: within(sample.arm_head_pressure, PRESSURE_LIMIT),
+            arm_rod_pressure: within(sample.arm_rod_pressure, PRESSURE_LIMIT),
+            truck: within(sample.truck, f64::MAX),
         }
     }
 }
