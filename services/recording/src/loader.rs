@@ -27,10 +27,8 @@ impl Sensors for LoaderSensors {
     const FLAGS: &'static [(&'static str, u32)] =
         &[("boom_moving", bits::BOOM_MOVING), ("brake", bits::BRAKE)];
     const ONE_OF: u32 = 0;
-    const OPTIONAL: u32 = bits::LIFT_ANGLE
-        | bits::TILT_ANGLE
-        | bits::LIFT_HEAD_PRESSURE
-        | bits::LIFT_ROD_PRESSURE;
+    const OPTIONAL: u32 =
+        bits::LIFT_ANGLE | bits::TILT_ANGLE | bits::LIFT_HEAD_PRESSURE | bits::LIFT_ROD_PRESSURE;
 }
 
 impl Estimate for LoaderEstimate {
