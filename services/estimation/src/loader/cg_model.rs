@@ -29,6 +29,7 @@ use crate::scalar::Scalar;
 
 /// Loaded centre of gravity as a function of the empty machine's: h = share h_0 + `height`, lam = share lam_0 + `ratio`.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Loading {
     /// Empty mass over total mass.
     pub share: f64,

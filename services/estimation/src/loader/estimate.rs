@@ -50,6 +50,10 @@ pub struct Estimate {
     pub cg_distance: f64,
     /// Force on the bucket tip, measured plus unknown part, positive backward [N].
     pub spade_force_x: Option<Quantity>,
+    /// What the bucket holds, weighed by the lift pressure [kg].
+    pub payload: Option<Quantity>,
+    /// The payload may be believed: the bucket neither turns nor touches the ground, and the interval is narrow.
+    pub trusted_payload: bool,
     /// Bias of the slope sensor, true slope = measured - bias [rad].
     pub slope_bias: Option<f64>,
     /// Rolling radius of the front wheels over its nominal value, 1 + d_f.

@@ -1,13 +1,16 @@
 //! The estimator of the centre of gravity: one row in, one answer out.
 
+use super::cg_model::Loading;
 use super::estimate::{Estimate, Status};
 use super::filter::{Belief, CgFilter, RowReport};
 use super::layout::{
     CG_HEIGHT, CG_RATIO, Each, FRONT_WHEEL, Layout, REAR_WHEEL, SLIP_STIFFNESS, SPEED,
 };
+use super::lift_arm::{LiftWitness, Weighed};
 use super::payload::Payload;
 use super::settings::{Settings, SettingsError};
 use super::verdict::{Intervals, Learns, with_floors};
+use super::witnesses::Witnesses;
 use super::{Columns, Method, Reason, Sample};
 use crate::Quantity;
 use crate::ekf::Ekf;
@@ -65,6 +68,9 @@ pub struct CgEstimator {
     /// Rows refused since the last accepted one.
     refused_in_a_row: u32,
     last: Estimate,
+    /// The lift arm, where it is described and the method is one for machines at work.
+    lift: Option<LiftWitness>,
+    witnesses: Witnesses,
 }
 
 impl CgEstimator {
@@ -108,11 +114,24 @@ impl CgEstimator {
             period: 0.0,
             refused_in_a_row: 0,
             last,
+            lift: if settings.at_work() {
+                LiftWitness::new(
+                    &settings.lift_arm,
+                    &settings.lift_cylinder,
+                    &settings.machine,
+                    &settings.sensors,
+                    &settings.prior,
+                )
+            } else {
+                None
+            },
+            witnesses: Witnesses::default(),
         })
     }
 
     /// Takes one row and answers.
     pub fn step(&mut self, sample: &Sample) -> Estimate {
+        let weighed = self.weigh(sample);
         let (settings, method) = (&self.settings, self.method);
         let mut answer = each!(&mut self.filter, f => step(f, settings, method, sample));
         if answer.status == Status::Refused {
@@ -126,10 +145,25 @@ impl CgEstimator {
                 self.period = period;
             }
             self.refused_in_a_row = 0;
+            if let Some(weighed) = weighed {
+                self.witnesses
+                    .judge(&self.settings, &mut answer, &weighed, period);
+            }
         }
         answer.refused = self.refused;
         self.last = answer;
         answer
+    }
+
+    /// What the lift pressure says of a row that the clock will take.
+    fn weigh(&mut self, sample: &Sample) -> Option<Weighed> {
+        let lift = self.lift.as_mut()?;
+        let machine = &self.settings.machine;
+        let sample = sample.plausible(machine.mass, machine.wheel_radius);
+        let weighed = lift.step(&sample);
+        let empty = lift.empty();
+        each!(&mut self.filter, f => f.set_weighed(weighed, empty));
+        weighed
     }
 
     /// The last answer to a row that was refused; believed only as long as inputs count as fresh.
@@ -277,6 +311,8 @@ fn report<const N: usize, const M: usize, B: Belief<N, M>>(
             value: filter.spade_force_x + x[i],
             std: filter.std(i),
         }),
+        payload: None,
+        trusted_payload: false,
         slope_bias: layout.slope_bias.map(|i| x[i]),
         front_radius_scale: scale(0),
         rear_radius_scale: scale(1),
@@ -309,6 +345,22 @@ fn loaded<const N: usize, const M: usize, B: Belief<N, M>>(
     empty: Each<f64>,
     std: Each<f64>,
 ) -> (Each<f64>, Each<f64>) {
+    if let Some(weighed) = filter.weighed() {
+        let Loading {
+            share,
+            height,
+            ratio,
+        } = weighed.loading;
+        let centre = Each {
+            ratio: share * empty.ratio + ratio,
+            height: share * empty.height + height,
+        };
+        let std = Each {
+            ratio: norm(&[share * std.ratio, weighed.ratio.std]),
+            height: norm(&[share * std.height, weighed.height.std]),
+        };
+        return (centre, std);
+    }
     let Some(payload) = filter.payload() else {
         return (empty, std);
     };

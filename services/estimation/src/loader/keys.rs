@@ -72,6 +72,89 @@ table! {
 }
 
 table! {
+    /// The lift arm, which a cylinder pressure weighs. Lengths from its pivot; a standard deviation of 0 is that of a drawing: 1 % of a
+    /// length, 5 % of the arm's mass, 20 % of the bucket's, 10 % of the load's distance.
+    pub struct LiftArm, "machine.lift_arm" {
+        /// Pivot of the arm to the bucket's pin; 0 where no arm is described, and pressures are not used.
+        length: f64 = 0.0, "m", 0.0 to 30.0;
+        /// Its standard deviation.
+        length_std: f64 = 0.0, "m", 0.0 to 5.0;
+        /// Pivot ahead of the front axle, negative behind it.
+        pivot_x: f64 = 0.0, "m", -20.0 to 20.0;
+        /// Its standard deviation.
+        pivot_x_std: f64 = 0.0, "m", 0.0 to 5.0;
+        /// Pivot above the ground.
+        pivot_z: f64 = 0.0, "m", 0.0 to 20.0;
+        /// Its standard deviation.
+        pivot_z_std: f64 = 0.0, "m", 0.0 to 5.0;
+        /// Mass of the arm.
+        mass: f64 = 0.0, "kg", 0.0 to 1e6;
+        /// Its standard deviation.
+        mass_std: f64 = 0.0, "kg", 0.0 to 1e6;
+        /// Pivot to the arm's centre of mass.
+        mass_distance: f64 = 0.0, "m", 0.0 to 30.0;
+        /// Its standard deviation.
+        mass_distance_std: f64 = 0.0, "m", 0.0 to 5.0;
+        /// Mass of the empty bucket.
+        bucket_mass: f64 = 0.0, "kg", 0.0 to 1e6;
+        /// Its standard deviation.
+        bucket_mass_std: f64 = 0.0, "kg", 0.0 to 1e6;
+        /// Bucket's pin to the centre of the load, and of the bucket.
+        payload_distance: f64 = 0.0, "m", 0.0 to 10.0;
+        /// Its standard deviation.
+        payload_distance_std: f64 = 0.0, "m", 0.0 to 5.0;
+        /// Arm angle at which the empty machine's centre of gravity is told, up from the horizontal.
+        reference_angle: f64 = 0.0, "rad", -1.6 to 1.6;
+        /// Tilt angle at which it is told, bucket to arm.
+        reference_tilt: f64 = 0.0, "rad", -3.2 to 3.2;
+        /// Mass of the empty machine; 0 for `machine.mass`.
+        empty_mass: f64 = 0.0, "kg", 0.0 to 1e6;
+        /// Its standard deviation; 0 for 2 % of it.
+        empty_mass_std: f64 = 0.0, "kg", 0.0 to 1e6;
+        /// Share of its weight on the front axle; 0 for `prior.cg_ratio`.
+        empty_ratio: f64 = 0.0, "", 0.0 to 0.99;
+        /// Its standard deviation; 0 for `prior.cg_ratio_std`.
+        empty_ratio_std: f64 = 0.0, "", 0.0 to 1.0;
+        /// Height of its centre of gravity; 0 for `prior.cg_height`.
+        empty_height: f64 = 0.0, "m", 0.0 to 20.0;
+        /// Its standard deviation; 0 for `prior.cg_height_std`.
+        empty_height_std: f64 = 0.0, "m", 0.0 to 10.0;
+    }
+}
+
+table! {
+    /// The cylinders that lift the arm. A standard deviation of 0 is that of a drawing: 1 % of an area or a length, half of the friction.
+    pub struct LiftCylinder, "machine.lift_arm.cylinder" {
+        /// How many.
+        count: f64 = 2.0, "", 1.0 to 8.0;
+        /// Area of the head side of one.
+        head_area: f64 = 0.0, "m^2", 0.0 to 1.0;
+        /// Its standard deviation.
+        head_area_std: f64 = 0.0, "m^2", 0.0 to 1.0;
+        /// Area of the rod side of one.
+        rod_area: f64 = 0.0, "m^2", 0.0 to 1.0;
+        /// Its standard deviation.
+        rod_area_std: f64 = 0.0, "m^2", 0.0 to 1.0;
+        /// Base of the cylinder to the arm's pivot.
+        base_distance: f64 = 0.0, "m", 0.0 to 10.0;
+        /// Its standard deviation.
+        base_distance_std: f64 = 0.0, "m", 0.0 to 5.0;
+        /// Arm's pivot to the eye of the rod.
+        rod_distance: f64 = 0.0, "m", 0.0 to 10.0;
+        /// Its standard deviation.
+        rod_distance_std: f64 = 0.0, "m", 0.0 to 5.0;
+        /// Angle between both at arm angle 0.
+        angle: f64 = 1.3, "rad", -3.2 to 3.2;
+        /// Its standard deviation.
+        angle_std: f64 = 0.01, "rad", 0.0 to 1.0;
+        /// Friction of the seals, as a share of the force of 20 MPa on the head side.
+        friction: f64 = 0.03, "", 0.0 to 0.5;
+        /// Its standard deviation.
+        friction_std: f64 = 0.0, "", 0.0 to 0.5;
+    }
+}
+
+table! {
     /// The sensors.
     pub struct Sensors, "sensors" {
         /// Samples per second.
@@ -106,6 +189,12 @@ table! {
         slope_follows: f64 = 0.0, "", 0.0 to 0.9;
         /// Its standard deviation, from which a calibration starts.
         slope_follows_std: f64 = 0.2, "", 1e-6 to 1.0;
+        /// Noise of the cylinder pressures.
+        pressure_std: f64 = 5e4, "Pa", 1.0 to 1e8;
+        /// Standard deviation of the zero of each pressure sensor.
+        pressure_offset_std: f64 = 1e5, "Pa", 0.0 to 1e8;
+        /// Standard deviation of the zeros of lift and tilt angle; 0.009 (half a degree) where somebody set them.
+        angle_offset_std: f64 = 0.035, "rad", 0.0 to 1.0;
     }
 }
 
@@ -246,6 +335,10 @@ table! {
 pub struct Description {
     /// `[machine]`
     pub machine: Machine,
+    /// `[machine.lift_arm]`
+    pub lift_arm: LiftArm,
+    /// `[machine.lift_arm.cylinder]`
+    pub lift_cylinder: LiftCylinder,
     /// `[sensors]`
     pub sensors: Sensors,
     /// `[prior]`

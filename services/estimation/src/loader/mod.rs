@@ -26,6 +26,8 @@
 //! | `coupling` | a centre drive that is locked |
 //! | `directions` | whether the load sensitivity of the radii can be learnt |
 //! | `disturbance` | brakes, steering, forces that nobody measures |
+//! | `lift_arm` | the second witness: lift pressure and arm geometry |
+//! | `witnesses` | slips and weight: the sharper answers, the other checks it |
 //! | `inputs`, `conditions` | inputs between rows; freezing and wheel noise |
 //! | `filter`, `estimator` | one row |
 //! | `verdict`, `reason` | whether to believe it, and why not |
@@ -46,6 +48,7 @@ mod inputs;
 pub mod keys;
 mod layout;
 mod legs;
+mod lift_arm;
 mod load;
 mod method;
 pub mod payload;
@@ -62,6 +65,7 @@ mod verdict;
 pub mod weigh;
 pub mod wheel_dynamics;
 mod windup;
+mod witnesses;
 
 pub use estimate::{Estimate, Status};
 pub use estimator::CgEstimator;

@@ -32,12 +32,13 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         };
         let expected = self.expected_centre();
         // A payload that is told in full may be told wrongly.
-        let [height, ratio] = match self.payload {
-            None => [
+        let [height, ratio] = if self.is_told_its_load() {
+            [0.0; 2]
+        } else {
+            [
                 beyond(state[CG_HEIGHT], expected[0]),
                 beyond(state[CG_RATIO], expected[1]),
-            ],
-            Some(_) => [0.0; 2],
+            ]
         };
         let stiffness = beyond(
             state[SLIP_STIFFNESS],

@@ -10,9 +10,10 @@ use crate::loader::estimate::Status;
 use crate::loader::inclinometer::Inclinometer;
 use crate::loader::inputs::{InputHold, StepInputs};
 use crate::loader::layout::{
-    CG_HEIGHT, CG_RATIO, FRONT_WHEEL, Layout, REAR_WHEEL, SLIP_STIFFNESS, SPEED,
+    CG_HEIGHT, CG_RATIO, Each, FRONT_WHEEL, Layout, REAR_WHEEL, SLIP_STIFFNESS, SPEED,
 };
 use crate::loader::legs::{Legs, Slip};
+use crate::loader::lift_arm::Weighed;
 use crate::loader::load::Load;
 use crate::loader::payload::Payload;
 use crate::loader::quantum::Quantum;
@@ -125,6 +126,8 @@ pub(super) struct CgFilter<const N: usize, const M: usize, B: Belief<N, M>> {
     /// Force on the bucket tip measured over the last step [N].
     pub(in crate::loader) spade_force_x: f64,
     payload: Option<Payload>,
+    /// What the lift pressure says of this row.
+    weighed: Option<Weighed>,
     frozen: bool,
 }
 
@@ -180,6 +183,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             loosened: [0.0; N],
             spade_force_x: 0.0,
             payload: None,
+            weighed: None,
             frozen: false,
         };
         new.belief = B::new(new.prior_state(), &new.prior_std(), spread);
@@ -211,6 +215,37 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
     }
 
+    pub(in crate::loader) fn weighed(&self) -> Option<&Weighed> {
+        self.weighed.as_ref()
+    }
+
+    /// Tells what the lift pressure says of the next row. Where it begins to, or ceases, height and ratio mean another machine:
+    /// with its load or without.
+    pub(in crate::loader) fn set_weighed(
+        &mut self,
+        weighed: Option<Weighed>,
+        empty: Each<(f64, f64)>,
+    ) {
+        if weighed.is_some() != self.weighed.is_some() {
+            let prior = &self.settings.prior;
+            let centre = if weighed.is_some() {
+                let height = empty.height.0;
+                let usual = prior.cg_height_std / prior.cg_height * height;
+                [
+                    (height, empty.height.1.max(usual)),
+                    (empty.ratio.0, empty.ratio.1.max(prior.cg_ratio_std)),
+                ]
+            } else {
+                [
+                    (prior.cg_height, prior.cg_height_std),
+                    (prior.cg_ratio, prior.cg_ratio_std),
+                ]
+            };
+            self.restore(centre);
+        }
+        self.weighed = weighed;
+    }
+
     /// Takes one row.
     pub fn step(&mut self, sample: &Sample) -> RowReport<M> {
         let machine = &self.settings.machine;
@@ -236,9 +271,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let midpoint = self.settings.estimator.inputs != Driven::Hold;
         let step = self.hold.advance(sample, midpoint, at_work);
         self.spade_force_x = step.inputs.spade_force_x;
-        self.dynamics.mass = self
-            .payload
-            .map_or(self.hold.mass, |p| self.settings.machine.mass + p.mass);
+        self.dynamics.mass = self.mass();
         self.evidence.advance(
             dt,
             step.inputs.front_torque + step.inputs.rear_torque,
@@ -249,7 +282,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         self.boom_told |= sample.boom_moving;
         self.changed += dt;
         self.watch_slope(sample, dt);
-        if at_work && self.payload.is_none() {
+        if at_work && !self.is_told_its_load() {
             self.weigh(dt);
         }
         let at = [SPEED, SLIP_STIFFNESS].map(|i| self.belief.state()[i]);
@@ -306,8 +339,21 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
 
     fn loading(&self) -> Loading {
         let (mass, wheelbase) = (self.settings.machine.mass, self.dynamics.wheelbase);
-        self.payload
-            .map_or(Loading::NONE, |p| p.loading(mass, wheelbase))
+        let told = self.payload.map(|p| p.loading(mass, wheelbase));
+        let weighed = self.weighed.map(|w| w.loading);
+        told.or(weighed).unwrap_or(Loading::NONE)
+    }
+
+    /// Mass with its load [kg].
+    fn mass(&self) -> f64 {
+        let told = self.payload.map(|p| self.settings.machine.mass + p.mass);
+        let weighed = self.weighed.map(|w| w.mass);
+        told.or(weighed).unwrap_or(self.hold.mass)
+    }
+
+    /// Height and ratio are those of the empty machine: what it carries is told or weighed.
+    pub(in crate::loader) fn is_told_its_load(&self) -> bool {
+        self.payload.is_some() || self.weighed.is_some()
     }
 
     fn model(&self, inputs: Inputs, dt: f64) -> CgModel {
@@ -378,9 +424,13 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let state = *B::state_ahead(&ahead);
         let unknown_force = layout.spade_force.map_or(0.0, |i| state[i]);
         let force = step.inputs.spade_force_x + unknown_force;
-        let conditions = self
+        let mut conditions = self
             .monitor
             .conditions(&self.settings, state[SPEED], force, model.dt);
+        if self.weighed.is_some_and(|w| w.open) {
+            // Neither the mass nor where it sits is known.
+            (conditions.frozen, conditions.weak_wheels) = (true, true);
+        }
         let process_std = self.process_std(&conditions, sample.boom_moving, model.dt);
         let measured = measurements::<M>(sample, step.acceleration);
         self.quantum

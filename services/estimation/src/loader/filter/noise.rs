@@ -40,7 +40,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         if conditions.frozen {
             std[SLIP_STIFFNESS..=CG_RATIO].fill(0.0);
         }
-        if self.settings.protected() && self.payload.is_none() {
+        if self.settings.protected() && !self.is_told_its_load() {
             if boom_moving || self.lifts_untold() {
                 std[CG_HEIGHT] = keys.boom_gain * scale * keys.q_cg_height;
                 std[CG_RATIO] = keys.boom_gain * scale * keys.q_cg_ratio;
@@ -125,7 +125,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     }
 
     /// Height and ratio are again what they were; of their correlation with other states nothing is kept.
-    fn restore(&mut self, centre: Centre) {
+    pub(super) fn restore(&mut self, centre: Centre) {
         let [height, ratio] = centre;
         self.belief
             .separate(&[(CG_HEIGHT, height.1), (CG_RATIO, ratio.1)], &[0.0; N]);

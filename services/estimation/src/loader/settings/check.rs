@@ -39,7 +39,14 @@ impl core::error::Error for SettingsError {}
 
 impl Settings {
     pub(in crate::loader) fn check(&self) -> Result<(), SettingsError> {
-        let tables: [&dyn Table; 4] = [&self.machine, &self.sensors, &self.prior, &self.estimator];
+        let tables: [&dyn Table; 6] = [
+            &self.machine,
+            &self.lift_arm,
+            &self.lift_cylinder,
+            &self.sensors,
+            &self.prior,
+            &self.estimator,
+        ];
         let outside = tables.into_iter().find_map(|table| table.outside());
         if let Some((key, value, range)) = outside {
             return Err(SettingsError {

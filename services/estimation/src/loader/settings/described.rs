@@ -21,6 +21,8 @@ impl Settings {
         };
         Self {
             machine: description.machine,
+            lift_arm: description.lift_arm,
+            lift_cylinder: description.lift_cylinder,
             sensors: description.sensors,
             prior: description.prior,
             estimator: Estimator {

@@ -13,7 +13,9 @@ mod check;
 mod described;
 mod presets;
 
-pub use super::keys::{Estimator, Inputs, LoadTransfer, Machine, Prior, Sensors};
+pub use super::keys::{
+    Estimator, Inputs, LiftArm, LiftCylinder, LoadTransfer, Machine, Prior, Sensors,
+};
 pub use check::{MustBe, SettingsError};
 
 /// How much of a real machine the filter reckons with, each more than the one before.
@@ -39,6 +41,10 @@ pub enum Realism {
 pub struct Settings {
     /// The machine.
     pub machine: Machine,
+    /// Its lift arm.
+    pub lift_arm: LiftArm,
+    /// The cylinders of the arm.
+    pub lift_cylinder: LiftCylinder,
     /// Its sensors.
     pub sensors: Sensors,
     /// The prior.

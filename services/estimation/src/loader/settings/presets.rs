@@ -5,7 +5,7 @@
 //! time and does not average out. Sigma points lie closer (alpha 0.3): at a full standard deviation of the prior the model
 //! is so curved that the height of a work cycle ends 3.7 % off (rms) instead of 3.1 %.
 
-use super::{Estimator, Inputs, Machine, Prior, Realism, Sensors, Settings};
+use super::{Estimator, Inputs, LiftArm, LiftCylinder, Machine, Prior, Realism, Sensors, Settings};
 
 impl Estimator {
     /// The protected filter as specified, the reference for `full`.
@@ -48,6 +48,8 @@ impl Settings {
     /// What `full` and `full-ekf` run on: the defaults of the keys.
     pub const DEFAULT: Self = Self {
         machine: Machine::DEFAULT,
+        lift_arm: LiftArm::DEFAULT,
+        lift_cylinder: LiftCylinder::DEFAULT,
         sensors: Sensors::DEFAULT,
         prior: Prior::DEFAULT,
         estimator: Estimator {

@@ -1,0 +1,264 @@
+//! The described arm, bucket, cylinder and empty machine, each number with its doubt, and what follows by geometry.
+
+use super::super::keys::{LiftArm, LiftCylinder, Machine, Prior, Sensors};
+use super::super::layout::Each;
+use super::super::wheel_dynamics::GRAVITY;
+use crate::math::{sin_cos, sqrt};
+
+/// Numbers of the drawing, in this order.
+pub(super) const LENGTH: usize = 0;
+pub(super) const MASS: usize = 1;
+pub(super) const MASS_DISTANCE: usize = 2;
+pub(super) const BUCKET: usize = 3;
+pub(super) const LOAD_DISTANCE: usize = 4;
+pub(super) const HEAD_AREA: usize = 5;
+pub(super) const ROD_AREA: usize = 6;
+pub(super) const BASE: usize = 7;
+pub(super) const EYE: usize = 8;
+pub(super) const CYLINDER_ANGLE: usize = 9;
+pub(super) const PIVOT_X: usize = 10;
+pub(super) const PIVOT_Z: usize = 11;
+pub(super) const EMPTY_MASS: usize = 12;
+pub(super) const EMPTY_RATIO: usize = 13;
+pub(super) const EMPTY_HEIGHT: usize = 14;
+pub(super) const FRICTION: usize = 15;
+pub(super) const HEAD_ZERO: usize = 16;
+pub(super) const ROD_ZERO: usize = 17;
+pub(super) const LIFT_ZERO: usize = 18;
+pub(super) const TILT_ZERO: usize = 19;
+/// How many there are.
+pub(super) const NUMBERS: usize = 20;
+
+/// The pressure at which a cylinder's largest force, and so its friction, is stated [Pa].
+const FULL_PRESSURE: f64 = 20e6;
+/// Pressure on the rod side where nobody measures it [Pa], and its standard deviation.
+pub(super) const USUAL_ROD_PRESSURE: f64 = 0.6e6;
+/// Angle of the bucket where nobody measures it: level, and anything between dumped and curled.
+const UNKNOWN_BUCKET: f64 = 0.4;
+/// Least lever of the load, as a share of the arm's length: an arm that stands upright weighs nothing.
+const LEAST_LEVER: f64 = 0.2;
+/// The ground can carry the bucket while its pin is below this share of the arm's length.
+const LOW: f64 = 0.4;
+
+/// The described numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Drawing {
+    pub values: [f64; NUMBERS],
+    /// Their standard deviations.
+    pub std: [f64; NUMBERS],
+    count: f64,
+    wheelbase: f64,
+    /// Angle of the arm, and of the bucket to the horizontal, at which the empty machine is told [rad].
+    reference: [f64; 2],
+    pub pressure_std: f64,
+}
+
+/// Arm, bucket and what is measured in a row.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Posture {
+    /// Angle of the arm from the horizontal [rad].
+    pub lift: f64,
+    /// Angle of the bucket, pin to load, from the horizontal [rad].
+    pub bucket: f64,
+    /// Pressures [Pa].
+    pub head: f64,
+    pub rod: f64,
+    /// g cos(slope), and the specific force along the body [m/s^2].
+    pub gravity: f64,
+    pub acceleration: f64,
+    /// Friction as a share of its size, positive while the rod goes out.
+    pub seals: f64,
+    /// Friction beside it, as a share of the full force.
+    pub rest: f64,
+}
+
+/// Places of the masses from the pivot [m].
+struct Places {
+    arm: [f64; 2],
+    load: [f64; 2],
+}
+
+impl Drawing {
+    /// None where the arm or its cylinder is not described.
+    pub fn of(
+        arm: &LiftArm,
+        cylinder: &LiftCylinder,
+        machine: &Machine,
+        sensors: &Sensors,
+        prior: &Prior,
+    ) -> Option<Self> {
+        let described = [
+            arm.length,
+            cylinder.head_area,
+            cylinder.base_distance,
+            cylinder.rod_distance,
+        ];
+        if described.iter().any(|x| *x <= 0.0) {
+            return None;
+        }
+        let or = |told: f64, usual: f64| if told > 0.0 { told } else { usual };
+        let empty_mass = or(arm.empty_mass, machine.mass);
+        let by = |value: f64, std: f64, share: f64| (value, or(std, share * value.abs()));
+        let both = [
+            by(arm.length, arm.length_std, 0.01),
+            by(arm.mass, arm.mass_std, 0.05),
+            by(arm.mass_distance, arm.mass_distance_std, 0.05),
+            by(arm.bucket_mass, arm.bucket_mass_std, 0.2),
+            by(arm.payload_distance, arm.payload_distance_std, 0.1),
+            by(cylinder.head_area, cylinder.head_area_std, 0.01),
+            by(cylinder.rod_area, cylinder.rod_area_std, 0.01),
+            by(cylinder.base_distance, cylinder.base_distance_std, 0.01),
+            by(cylinder.rod_distance, cylinder.rod_distance_std, 0.01),
+            (cylinder.angle, cylinder.angle_std),
+            (arm.pivot_x, or(arm.pivot_x_std, 0.01 * arm.length)),
+            (arm.pivot_z, or(arm.pivot_z_std, 0.01 * arm.length)),
+            by(empty_mass, arm.empty_mass_std, 0.02),
+            (
+                or(arm.empty_ratio, prior.cg_ratio),
+                or(arm.empty_ratio_std, prior.cg_ratio_std),
+            ),
+            (
+                or(arm.empty_height, prior.cg_height),
+                or(arm.empty_height_std, prior.cg_height_std),
+            ),
+            by(cylinder.friction, cylinder.friction_std, 0.5),
+            (0.0, sensors.pressure_offset_std),
+            (0.0, sensors.pressure_offset_std),
+            (0.0, sensors.angle_offset_std),
+            (0.0, sensors.angle_offset_std),
+        ];
+        Some(Self {
+            values: both.map(|(value, _)| value),
+            std: both.map(|(_, std)| std),
+            count: cylinder.count,
+            wheelbase: machine.wheelbase,
+            reference: [
+                arm.reference_angle,
+                arm.reference_angle + arm.reference_tilt,
+            ],
+            pressure_std: sensors.pressure_std,
+        })
+    }
+
+    /// Ratio and height of the empty machine, with standard deviations.
+    pub fn empty(&self) -> Each<(f64, f64)> {
+        let of = |i: usize| (self.values[i], self.std[i]);
+        Each {
+            ratio: of(EMPTY_RATIO),
+            height: of(EMPTY_HEIGHT),
+        }
+    }
+
+    /// g cos(slope) [m/s^2].
+    pub fn gravity(&self, slope: f64) -> f64 {
+        GRAVITY * sin_cos(slope).1
+    }
+
+    /// Angle of the bucket from the horizontal [rad].
+    pub fn bucket_angle(&self, lift: f64, tilt: Option<f64>) -> f64 {
+        tilt.map_or(UNKNOWN_BUCKET, |tilt| lift + tilt)
+    }
+
+    /// The ground may carry the bucket.
+    pub fn is_low(&self, lift: f64) -> bool {
+        self.values[PIVOT_Z] + self.values[LENGTH] * sin_cos(lift).0 < LOW * self.values[LENGTH]
+    }
+
+    /// The payload whose weight the cylinders hold with a level arm at full pressure [kg].
+    pub fn capacity(&self) -> f64 {
+        let v = &self.values;
+        let (base, eye) = (v[BASE], v[EYE]);
+        let lever = base * eye / sqrt(base * base + eye * eye);
+        self.full_force(v) * lever / ((v[LENGTH] + v[LOAD_DISTANCE]) * GRAVITY)
+    }
+
+    /// Force of the cylinders at full pressure [N].
+    pub fn full_force(&self, v: &[f64; NUMBERS]) -> f64 {
+        self.count * v[HEAD_AREA] * FULL_PRESSURE
+    }
+
+    /// Standard deviation of the cylinders' force by the noise of the pressures [N].
+    pub fn force_std(&self) -> f64 {
+        let (head, rod) = (self.values[HEAD_AREA], self.values[ROD_AREA]);
+        self.count * self.pressure_std * sqrt(head * head + rod * rod)
+    }
+
+    /// Length of the cylinder at an arm angle [m].
+    pub fn rod_length(&self, lift: f64) -> f64 {
+        self.cylinder(&self.values, lift).0
+    }
+
+    /// Length of the cylinder and its lever [m].
+    fn cylinder(&self, v: &[f64; NUMBERS], lift: f64) -> (f64, f64) {
+        let (sine, cosine) = sin_cos(lift + v[LIFT_ZERO] + v[CYLINDER_ANGLE]);
+        let (base, eye) = (v[BASE], v[EYE]);
+        let square = base * base + eye * eye - 2.0 * base * eye * cosine;
+        let length = sqrt(square.max(1e-6));
+        (length, base * eye * sine / length)
+    }
+
+    /// Lever of the cylinder [m].
+    pub fn lever(&self, lift: f64) -> f64 {
+        self.cylinder(&self.values, lift).1
+    }
+
+    fn places(v: &[f64; NUMBERS], lift: f64, bucket: f64) -> Places {
+        let arm = sin_cos(lift + v[LIFT_ZERO]);
+        let load = sin_cos(bucket + v[LIFT_ZERO] + v[TILT_ZERO]);
+        Places {
+            arm: [v[MASS_DISTANCE] * arm.1, v[MASS_DISTANCE] * arm.0],
+            load: [
+                v[LENGTH] * arm.1 + v[LOAD_DISTANCE] * load.1,
+                v[LENGTH] * arm.0 + v[LOAD_DISTANCE] * load.0,
+            ],
+        }
+    }
+
+    /// Moment of the empty arm and bucket, and that of a kilogram of load [N m], [N m/kg].
+    pub fn moments(&self, v: &[f64; NUMBERS], posture: &Posture) -> (f64, f64) {
+        let places = Self::places(v, posture.lift, posture.bucket);
+        let of = |[x, z]: [f64; 2]| x * posture.gravity - z * posture.acceleration;
+        let per_load = of(places.load).max(LEAST_LEVER * v[LENGTH] * GRAVITY);
+        (
+            v[MASS] * of(places.arm) + v[BUCKET] * of(places.load),
+            per_load,
+        )
+    }
+
+    /// Moment of the cylinders less their friction [N m].
+    pub fn lifting(&self, v: &[f64; NUMBERS], posture: &Posture) -> f64 {
+        let (_, lever) = self.cylinder(v, posture.lift);
+        let head = v[HEAD_AREA] * (posture.head - v[HEAD_ZERO]);
+        let rod = v[ROD_AREA] * (posture.rod - v[ROD_ZERO]);
+        let friction = (posture.seals * v[FRICTION] + posture.rest) * self.full_force(v);
+        lever * (self.count * (head - rod) - friction)
+    }
+
+    /// The payload that the pressures of this row show [kg].
+    pub fn payload(&self, v: &[f64; NUMBERS], posture: &Posture) -> f64 {
+        let (empty, per_load) = self.moments(v, posture);
+        (self.lifting(v, posture) - empty) / per_load
+    }
+
+    /// Centre of gravity of the machine with this payload.
+    pub fn centre(&self, v: &[f64; NUMBERS], posture: &Posture, payload: f64) -> Each<f64> {
+        let now = Self::places(v, posture.lift, posture.bucket);
+        // The reference is where the arm truly stood.
+        let mut told = *v;
+        (told[LIFT_ZERO], told[TILT_ZERO]) = (0.0, 0.0);
+        let then = Self::places(&told, self.reference[0], self.reference[1]);
+        let moved = |axis: usize| {
+            v[MASS] * (now.arm[axis] - then.arm[axis])
+                + v[BUCKET] * (now.load[axis] - then.load[axis])
+        };
+        let mass = v[EMPTY_MASS] + payload;
+        let ahead = self.wheelbase + v[PIVOT_X] + now.load[0];
+        let forward = moved(0) + payload * ahead;
+        let up = moved(1) + payload * (v[PIVOT_Z] + now.load[1]);
+        Each {
+            ratio: (v[EMPTY_MASS] * v[EMPTY_RATIO] + forward / self.wheelbase) / mass,
+            height: (v[EMPTY_MASS] * v[EMPTY_HEIGHT] + up) / mass,
+        }
+    }
+}

@@ -1,0 +1,259 @@
+//! The second witness: pressure of the lift cylinders and the arm's geometry tell the load by gravity alone, moving or standing,
+//! and with it the machine's mass and its centre of gravity. It shares no assumption with the slips but the empty machine.
+//!
+//! | file | idea |
+//! |---|---|
+//! | `drawing` | the described numbers, each with its doubt; moment, payload and centre of gravity by geometry |
+//! | `seals` | friction of the seals remembers which way the rod moved last |
+//! | `content` | when the bucket's content may change, and when the ground carries it |
+//! | `scale` | payload and rest of friction from row to row |
+//! | `doubt` | what the drawing's doubts do to the answer, one of them a row |
+//!
+//! ```text
+//! tau = r(th) [n (A_h p_h - A_r p_r) - F]  =  m_a (x_a g' - z_a a) + (m_b + m_p)(x_b g' - z_b a)        about the pivot
+//! m = m_0 + m_p,   lam = [m_0 lam_0 + moved + m_p (l + x_f)/l]/m,   h = [m_0 h_0 + raised + m_p (pivot_z + z_b)]/m
+//! ```
+//! | symbol | meaning | unit |
+//! |---|---|---|
+//! | th, beta | angle of the arm, of the bucket (pin to load) from the horizontal | rad |
+//! | x, z | centre of mass from the pivot, forward and up, of arm a, bucket and load b | m |
+//! | r | lever of the cylinder, dl/dth | m |
+//! | F | friction of the seals | N |
+//! | g', a | g cos(slope), specific force along the body | m/s^2 |
+//! | x_f | load ahead of the front axle, pivot_x + x_b | m |
+//! | lam_0, h_0 | empty machine with its arm at the reference; moved, raised: arm and bucket away from there | -, m |
+
+mod content;
+mod doubt;
+mod drawing;
+mod scale;
+mod seals;
+
+use super::cg_model::Loading;
+use super::keys::{LiftArm, LiftCylinder, Machine, Prior, Sensors};
+use super::layout::Each;
+use super::sample::Sample;
+use crate::Quantity;
+use content::Content;
+use doubt::Doubts;
+use drawing::{Drawing, Posture};
+use scale::Scale;
+use seals::Seals;
+
+/// Arm signals older than this say nothing [s].
+const FRESH: f64 = 0.5;
+/// A pressure or angle that never changes for so long while the machine moves is none [s].
+const STUCK: f64 = 3.0;
+/// Smoothing of the angles [s].
+const SMOOTH: f64 = 0.12;
+/// Faster than this the machine shakes its sensors [m/s].
+const DRIVING: f64 = 0.5;
+
+/// The lift arm as far as it has been described and measured.
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct LiftWitness {
+    drawing: Drawing,
+    /// Smoothed angles of arm and bucket, and their rates [rad], [rad/s].
+    angles: Option<[f64; 2]>,
+    rates: [f64; 2],
+    last_time: f64,
+    /// The last head pressure and lift angle, and how long they have stood still while the machine moved [s].
+    held: [f64; 2],
+    still: [f64; 2],
+    /// Rod pressure and specific force, held.
+    rod: f64,
+    seals: Seals,
+    content: Content,
+    scale: Scale,
+    doubts: Doubts,
+    answer: Option<Weighed>,
+}
+
+/// What the pressures say of a row.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Weighed {
+    /// What the bucket holds [kg].
+    pub payload: Quantity,
+    /// Mass of the machine with it [kg].
+    pub mass: f64,
+    /// Share of the weight in front.
+    pub ratio: Quantity,
+    /// Height of the centre of gravity [m].
+    pub height: Quantity,
+    /// What load and arm add to the empty machine.
+    pub loading: Loading,
+    /// The content may be changing, or the ground carries a part of it.
+    pub open: bool,
+}
+
+impl LiftWitness {
+    /// The witness that a description allows; none where no arm is described.
+    pub fn new(
+        arm: &LiftArm,
+        cylinder: &LiftCylinder,
+        machine: &Machine,
+        sensors: &Sensors,
+        prior: &Prior,
+    ) -> Option<Self> {
+        let drawing = Drawing::of(arm, cylinder, machine, sensors, prior)?;
+        Some(Self {
+            scale: Scale::new(&drawing),
+            drawing,
+            angles: None,
+            rates: [0.0; 2],
+            last_time: 0.0,
+            held: [f64::NAN; 2],
+            still: [0.0; 2],
+            rod: drawing::USUAL_ROD_PRESSURE,
+            seals: Seals::default(),
+            content: Content::default(),
+            doubts: Doubts::default(),
+            answer: None,
+        })
+    }
+
+    /// Centre of gravity of the empty machine, its arm at the reference, with standard deviations.
+    pub fn empty(&self) -> Each<(f64, f64)> {
+        self.drawing.empty()
+    }
+
+    /// Takes a plausible row that was accepted; what is known after it, if the arm's signals are fresh.
+    pub fn step(&mut self, sample: &Sample) -> Option<Weighed> {
+        let (Some(lift), Some(head)) = (sample.lift_angle, sample.lift_head_pressure) else {
+            return self.answer_at(sample.time);
+        };
+        let dt = sample.time - self.last_time;
+        self.watch([head, lift], sample, dt);
+        if self.still.iter().any(|time| *time > STUCK) {
+            self.answer = None;
+            return None;
+        }
+        self.rod = sample.lift_rod_pressure.unwrap_or(self.rod);
+        let bucket = self.drawing.bucket_angle(lift, sample.tilt_angle);
+        let old = self.angles.filter(|_| dt > 0.0 && dt < FRESH);
+        if old.is_none() {
+            // The first row, after a gap, or after a clock that was set: nothing is known of what was done meanwhile.
+            self.scale.forget(&self.drawing);
+            self.content = Content::default();
+            self.seals.forget();
+            self.angles = Some([lift, bucket]);
+            self.rates = [0.0; 2];
+            self.last_time = sample.time;
+            return None;
+        }
+        self.last_time = sample.time;
+        self.follow([lift, bucket], dt);
+        let posture = self.posture(head, sample);
+        Some(self.weigh(&posture, sample.acceleration.is_some(), dt))
+    }
+
+    /// The last answer while it is fresh.
+    fn answer_at(&self, time: f64) -> Option<Weighed> {
+        let age = time - self.last_time;
+        self.answer.filter(|_| (0.0..FRESH).contains(&age))
+    }
+
+    /// Counts how long signals stand still while the machine moves.
+    fn watch(&mut self, now: [f64; 2], sample: &Sample, dt: f64) {
+        let driving = sample.speed.is_some_and(|v| v.abs() > DRIVING);
+        for ((still, held), new) in self.still.iter_mut().zip(&mut self.held).zip(now) {
+            // The same bits: a sensor that lives has noise, or a machine that shakes it.
+            if *held != new {
+                *still = 0.0;
+            } else if driving && dt > 0.0 {
+                *still += dt;
+            }
+            *held = new;
+        }
+    }
+
+    fn follow(&mut self, angles: [f64; 2], dt: f64) {
+        let weight = (dt / SMOOTH).min(1.0);
+        let Some(smooth) = &mut self.angles else {
+            return;
+        };
+        for ((smooth, rate), new) in smooth.iter_mut().zip(&mut self.rates).zip(angles) {
+            let away = new - *smooth;
+            *rate = away / SMOOTH.max(dt);
+            *smooth += weight * away;
+        }
+    }
+
+    fn posture(&mut self, head: f64, sample: &Sample) -> Posture {
+        let [lift, bucket] = self.angles.unwrap_or_default();
+        Posture {
+            lift,
+            bucket,
+            head,
+            rod: self.rod,
+            gravity: self.drawing.gravity(sample.slope.unwrap_or(0.0)),
+            acceleration: sample.acceleration.unwrap_or(0.0),
+            seals: 0.0,
+            rest: 0.0,
+        }
+    }
+
+    fn weigh(&mut self, posture: &Posture, accelerated: bool, dt: f64) -> Weighed {
+        let rod_length = self.drawing.rod_length(posture.lift);
+        self.seals.take(rod_length, dt);
+        let low = self.drawing.is_low(posture.lift);
+        let motion = self.content.motion(self.rates, low, dt);
+        let posture = Posture {
+            seals: self.seals.share(),
+            ..*posture
+        };
+        let seals = &self.seals;
+        self.scale
+            .step(&self.drawing, &posture, seals, &motion, accelerated, dt);
+        if self.scale.jumped() {
+            self.content.touch();
+        }
+        let posture = Posture {
+            rest: self.scale.rest(),
+            ..posture
+        };
+        let payload = self.scale.payload();
+        self.doubts.see(&self.drawing, &posture, payload.value);
+        let answer = self.answer(&posture, payload, motion.open);
+        self.answer = Some(answer);
+        answer
+    }
+
+    /// The centre of gravity with this payload, with all doubts.
+    fn answer(&self, posture: &Posture, payload: Quantity, open: bool) -> Weighed {
+        let drawing = &self.drawing;
+        let centre = drawing.centre(&drawing.values, posture, payload.value);
+        let more = drawing.centre(&drawing.values, posture, payload.value + payload.std);
+        let doubts = self.doubts.std();
+        let std = |by_load: f64, doubt: f64| crate::math::norm(&[by_load, doubt]);
+        let mass = drawing.values[drawing::EMPTY_MASS] + payload.value;
+        let share = drawing.values[drawing::EMPTY_MASS] / mass;
+        let empty = self.empty();
+        Weighed {
+            payload: Quantity {
+                value: payload.value,
+                std: std(payload.std, doubts.payload),
+            },
+            mass,
+            ratio: Quantity {
+                value: centre.ratio,
+                std: std(more.ratio - centre.ratio, doubts.centre.ratio),
+            },
+            height: Quantity {
+                value: centre.height,
+                std: std(more.height - centre.height, doubts.centre.height),
+            },
+            loading: Loading {
+                share,
+                height: centre.height - share * empty.height.0,
+                ratio: centre.ratio - share * empty.ratio.0,
+            },
+            open,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

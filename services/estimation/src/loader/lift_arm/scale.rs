@@ -1,0 +1,223 @@
+//! The payload from row to row: a Kalman filter of payload m_p and rest of friction e.
+//!
+//! ```text
+//! tau_row = empty + m_p k + r F (s f + e) + noise         k: moment of a kilogram; F: full force; f, s: friction and its direction
+//! ```
+//! While the bucket turns, m_p walks by as much as the bucket holds; else it stays. e fades to what the seals leave unknown.
+//! The noise is that of the pressures and of the load that heaves while the machine drives: found in the innovations, as a
+//! share of the moment. Heaving goes on for some tenths of a second, in which rows tell the same.
+//! Doubts of the drawing are no noise: they are added to the answer (`doubt`).
+
+use super::content::Motion;
+use super::drawing::{Drawing, Posture};
+use super::seals::Seals;
+use crate::Quantity;
+use crate::math::sqrt;
+
+/// How long heaving, lifting and settling contents do the same to the moment, and rows tell the same [s].
+const TOGETHER: f64 = 0.3;
+/// Smoothing of the innovation that shows a jump [s].
+const FAST: f64 = 0.3;
+/// Averaging time of the heaving [s].
+const MEMORY: f64 = 3.0;
+/// Heaving at the start and at least, as a share of the moment.
+const HEAVING: (f64, f64) = (0.02, 0.004);
+/// What an accelerated arm adds, and what a moving content does, as shares of the moment.
+const LIFTING: f64 = 0.08;
+const SETTLING: f64 = 0.15;
+/// What a missing accelerometer adds, as a share of the moment.
+const ACCELERATED: f64 = 0.05;
+/// Share of the capacity by which the content walks in a second, turning and carried.
+const TURNING_WALK: f64 = 0.8;
+const CARRIED_WALK: f64 = 3e-4;
+/// What the ground may have put into the bucket meanwhile, as a share of the capacity: per root second and at most.
+const DUG_WALK: f64 = 0.7;
+const DUG: f64 = 0.45;
+/// A jump of the moment opens the content by this share of the capacity.
+const JUMP: f64 = 0.25;
+/// Standard deviations of the smoothed innovation that are a jump.
+const JUMPS: f64 = 3.5;
+/// What drawing and friction leave unexplained in a smoothed innovation, as a share of the moment.
+const UNEXPLAINED: f64 = 0.015;
+/// The rest of friction is another one after so long while the rod moves, and while it stands [s].
+const REST_MOVING: f64 = 0.3;
+const REST_STILL: f64 = 3.0;
+
+/// Memory of the scale.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Scale {
+    /// Payload [kg], and rest of friction as a share of the full force.
+    state: [f64; 2],
+    covariance: [[f64; 2]; 2],
+    /// Smoothed innovation, and variance of what heaves, as shares of the moment.
+    fast: f64,
+    heaving: f64,
+    jumped: bool,
+}
+
+impl Scale {
+    /// A bucket that holds anything.
+    pub fn new(drawing: &Drawing) -> Self {
+        let capacity = drawing.capacity();
+        let friction = 1.5 * drawing.values[super::drawing::FRICTION];
+        Self {
+            state: [JUMP * capacity, 0.0],
+            covariance: [[capacity * capacity, 0.0], [0.0, friction * friction]],
+            fast: 0.0,
+            heaving: HEAVING.0 * HEAVING.0,
+            jumped: false,
+        }
+    }
+
+    /// The bucket may hold anything; the noise stays.
+    pub fn forget(&mut self, drawing: &Drawing) {
+        let heaving = self.heaving;
+        *self = Self {
+            heaving,
+            ..Self::new(drawing)
+        };
+    }
+
+    /// Takes a row.
+    pub fn step(
+        &mut self,
+        drawing: &Drawing,
+        posture: &Posture,
+        seals: &Seals,
+        motion: &Motion,
+        accelerated: bool,
+        dt: f64,
+    ) {
+        self.walk(drawing, seals, motion, dt);
+        let (empty, per_load) = drawing.moments(&drawing.values, posture);
+        let lever = drawing.lever(posture.lift).abs();
+        let full = lever * drawing.full_force(&drawing.values);
+        // The friction that is expected is in the moment already, its rest is a state.
+        let shown = drawing.lifting(&drawing.values, posture);
+        let by = [per_load, full];
+        let innovation = shown - empty - per_load * self.state[0] - full * self.state[1];
+        let carried = shown.abs() + 0.03 * full;
+        let predicted = self.variance(by);
+        let noise = lever * drawing.force_std();
+        self.listen(innovation / carried, motion, dt);
+        self.jumped = !motion.settling
+            && !motion.lifting
+            && self.is_jump([carried, predicted, noise])
+            && !motion.held;
+        if self.jumped {
+            let open = JUMP * drawing.capacity();
+            self.covariance[0][0] += open * open;
+            self.fast = 0.0;
+        }
+        if motion.held || self.jumped {
+            self.dig(drawing, dt);
+            return;
+        }
+        let mut share = self.heaving.max(HEAVING.1 * HEAVING.1);
+        for (acts, std) in [
+            (motion.lifting, LIFTING),
+            (motion.settling, SETTLING),
+            (!accelerated, ACCELERATED),
+        ] {
+            if acts {
+                share += std * std;
+            }
+        }
+        let together = (TOGETHER / dt).max(1.0);
+        let variance = noise * noise + together * share * carried * carried;
+        self.correct(by, innovation, variance);
+    }
+
+    /// Time passes over payload and rest of friction.
+    fn walk(&mut self, drawing: &Drawing, seals: &Seals, motion: &Motion, dt: f64) {
+        let walk = if motion.turning {
+            TURNING_WALK
+        } else {
+            CARRIED_WALK
+        };
+        let walk = walk * drawing.capacity();
+        self.covariance[0][0] += walk * walk * dt;
+        let unknown = seals.unknown() * drawing.values[super::drawing::FRICTION];
+        let time = if motion.lifting {
+            REST_MOVING
+        } else {
+            REST_STILL
+        };
+        let kept = 1.0 - (dt / time).min(1.0);
+        self.state[1] *= kept;
+        self.covariance[0][1] *= kept;
+        self.covariance[1][0] *= kept;
+        self.covariance[1][1] =
+            kept * kept * self.covariance[1][1] + (1.0 - kept * kept) * unknown * unknown;
+    }
+
+    fn variance(&self, [a, b]: [f64; 2]) -> f64 {
+        let p = &self.covariance;
+        a * a * p[0][0] + 2.0 * a * b * p[0][1] + b * b * p[1][1]
+    }
+
+    /// Follows the innovation, as a share of the moment.
+    fn listen(&mut self, innovation: f64, motion: &Motion, dt: f64) {
+        let innovation = innovation.clamp(-1.0, 1.0);
+        self.fast += (dt / FAST).min(1.0) * (innovation - self.fast);
+        if !motion.settling && !motion.lifting && !motion.held {
+            let away = innovation - self.fast;
+            let square = (away * away).min(0.04);
+            self.heaving += (dt / MEMORY).min(1.0) * (square - self.heaving);
+        }
+    }
+
+    fn is_jump(&self, [carried, predicted, noise]: [f64; 3]) -> bool {
+        let square = carried * carried;
+        let usual =
+            0.6 * self.heaving * square + 0.04 * noise * noise + UNEXPLAINED * UNEXPLAINED * square;
+        self.fast.abs() * carried > JUMPS * sqrt(predicted + usual)
+    }
+
+    /// The ground carries a part: the content may become anything.
+    fn dig(&mut self, drawing: &Drawing, dt: f64) {
+        let capacity = drawing.capacity();
+        let (walk, most) = (DUG_WALK * capacity, DUG * capacity);
+        let variance = &mut self.covariance[0][0];
+        if *variance < most * most {
+            *variance = (*variance + walk * walk * dt).min(most * most);
+        }
+    }
+
+    fn correct(&mut self, by: [f64; 2], innovation: f64, variance: f64) {
+        let p = self.covariance;
+        let cross = [
+            p[0][0] * by[0] + p[0][1] * by[1],
+            p[1][0] * by[0] + p[1][1] * by[1],
+        ];
+        let total = by[0] * cross[0] + by[1] * cross[1] + variance;
+        if !(total > 0.0) || !innovation.is_finite() {
+            return;
+        }
+        for i in 0..2 {
+            self.state[i] += cross[i] / total * innovation;
+            for j in 0..2 {
+                self.covariance[i][j] = p[i][j] - cross[i] * cross[j] / total;
+            }
+        }
+    }
+
+    /// What the bucket holds, as far as the rows tell [kg].
+    pub fn payload(&self) -> Quantity {
+        Quantity {
+            value: self.state[0],
+            std: sqrt(self.covariance[0][0].max(0.0)),
+        }
+    }
+
+    /// Rest of friction, as a share of the full force.
+    pub fn rest(&self) -> f64 {
+        self.state[1]
+    }
+
+    /// The moment jumped in this row, and no bucket turned.
+    pub fn jumped(&self) -> bool {
+        self.jumped
+    }
+}

@@ -1,0 +1,146 @@
+extern crate std;
+use super::*;
+use crate::loader::Settings;
+use std::vec::Vec;
+
+/// A 12 t loader, its pressures made by the statics of its own drawing.
+fn settings() -> Settings {
+    let mut settings = Settings::DEFAULT;
+    settings.machine.mass = 12_500.0;
+    settings.machine.wheelbase = 3.0;
+    settings.lift_arm = LiftArm {
+        length: 2.68,
+        pivot_x: -1.05,
+        pivot_z: 1.32,
+        mass: 690.0,
+        mass_distance: 1.47,
+        bucket_mass: 560.0,
+        payload_distance: 0.59,
+        reference_angle: -0.4,
+        reference_tilt: 1.05,
+        empty_ratio: 0.47,
+        empty_ratio_std: 0.006,
+        empty_height: 1.25,
+        empty_height_std: 0.06,
+        ..LiftArm::DEFAULT
+    };
+    settings.lift_cylinder = LiftCylinder {
+        head_area: 4.33e-3,
+        rod_area: 2.38e-3,
+        base_distance: 0.91,
+        rod_distance: 1.39,
+        angle: 1.31,
+        friction: 0.03,
+        ..LiftCylinder::DEFAULT
+    };
+    settings
+}
+
+fn witness(settings: &Settings) -> Option<LiftWitness> {
+    LiftWitness::new(
+        &settings.lift_arm,
+        &settings.lift_cylinder,
+        &settings.machine,
+        &settings.sensors,
+        &settings.prior,
+    )
+}
+
+/// One second of work: angles of arm and bucket at its end, payload, and friction's direction.
+struct Second(f64, f64, f64, f64);
+
+/// What the witness says at the end of each second.
+fn run(seconds: &[Second]) -> Vec<Option<Weighed>> {
+    let settings = settings();
+    let mut witness = witness(&settings).expect("a described arm");
+    let drawing = witness.drawing;
+    let (mut lift, mut bucket, mut time) = (seconds[0].0, seconds[0].1, 0.0);
+    let mut said = Vec::new();
+    for second in seconds {
+        let (from, turned) = (lift, bucket);
+        for k in 1..=100 {
+            let part = f64::from(k) / 100.0;
+            (lift, bucket) = (
+                from + part * (second.0 - from),
+                turned + part * (second.1 - turned),
+            );
+            time += 0.01;
+            let posture = Posture {
+                lift,
+                bucket,
+                head: 0.0,
+                rod: 0.7e6,
+                gravity: 9.81,
+                acceleration: 0.0,
+                seals: second.3,
+                rest: 0.0,
+            };
+            let (empty, per_load) = drawing.moments(&drawing.values, &posture);
+            let missing = empty + second.2 * per_load - drawing.lifting(&drawing.values, &posture);
+            let per_pascal = drawing.lever(lift) * 2.0 * 4.33e-3;
+            said.push(witness.step(&Sample {
+                time,
+                lift_angle: Some(lift),
+                tilt_angle: Some(bucket - lift),
+                lift_head_pressure: Some(missing / per_pascal),
+                lift_rod_pressure: Some(0.7e6),
+                acceleration: Some(0.0),
+                ..Sample::default()
+            }));
+        }
+    }
+    said.into_iter().skip(99).step_by(100).collect()
+}
+
+#[test]
+fn an_arm_that_is_not_described_weighs_nothing() {
+    assert!(witness(&Settings::DEFAULT).is_none());
+}
+
+#[test]
+fn a_load_is_weighed_where_it_is_carried_and_known_to_be_unknown_where_it_is_dug() {
+    let mut work: Vec<Second> = Vec::new();
+    // Empty and low, lowered last; digs and curls; carries; lifts; stands; dumps; stands.
+    work.extend((0..6).map(|k| Second(-0.5 - 0.03 * f64::from(k.min(4)), 0.0, 0.0, -1.0)));
+    work.push(Second(-0.6, 0.4, 2000.0, 1.0));
+    work.push(Second(-0.5, 0.75, 3600.0, 1.0));
+    work.extend((0..6).map(|_| Second(-0.5, 0.75, 3600.0, 1.0)));
+    work.extend((1..=4).map(|k| Second(-0.5 + 0.25 * f64::from(k), 0.75, 3600.0, 1.0)));
+    work.extend((0..4).map(|_| Second(0.5, 0.75, 3600.0, 1.0)));
+    work.push(Second(0.5, -0.75, 0.0, 1.0));
+    work.extend((0..4).map(|_| Second(0.5, -0.75, 0.0, 1.0)));
+    let said = run(&work);
+    let at = |second: usize| said[second].expect("fresh");
+    assert!(at(7).open && at(7).payload.std > 1000.0);
+    for (second, payload) in [(5, 0.0), (13, 3600.0), (21, 3600.0), (26, 0.0)] {
+        let found = at(second);
+        let error = (found.payload.value - payload).abs();
+        assert!(!found.open, "{second}");
+        assert!(
+            error < 40.0 && error < 1.96 * found.payload.std,
+            "{second}: {found:?}"
+        );
+    }
+    // The load goes up by 2 m: 3600 of 16 100 kg of it.
+    let raised = at(21).height.value - at(13).height.value;
+    assert!((0.5..0.9).contains(&raised), "{raised}");
+    assert!(at(13).ratio.value - at(5).ratio.value > 0.2);
+}
+
+#[test]
+fn a_pressure_that_stands_still_while_the_machine_drives_says_nothing() {
+    let mut witness = witness(&settings()).expect("a described arm");
+    let mut said = None;
+    for k in 0..600 {
+        said = witness.step(&Sample {
+            time: 0.01 * f64::from(k),
+            speed: Some(2.0),
+            lift_angle: Some(-0.5 + 1e-4 * f64::from(k % 7)),
+            tilt_angle: Some(1.2),
+            lift_head_pressure: Some(14e6),
+            lift_rod_pressure: Some(1e6),
+            ..Sample::default()
+        });
+    }
+    assert_eq!(said, None);
+}
