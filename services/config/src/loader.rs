@@ -10,14 +10,7 @@ tables!(
     Loader,
     Machine::Loader,
     contradictions,
-    [
-        machine,
-        lift_arm,
-        lift_cylinder,
-        sensors,
-        prior,
-        estimator
-    ]
+    [machine, lift_arm, lift_cylinder, sensors, prior, estimator]
 );
 
 /// A machine as long as a loader weighs at most so much per cube of its wheelbase [kg/m^3]: those of 5 to 50 t have
