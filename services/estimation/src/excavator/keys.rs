@@ -38,8 +38,12 @@ table! {
         upper_first_moment_std: Option<f64> = None, "kg m", 0.0 to 1e7;
         /// Standard deviation of the slope of the ground along each of two axes.
         slope_std: f64 = 0.03, "rad", 0.0 to 0.5;
-        /// Relative standard deviation of the described masses and inertias.
+        /// Relative standard deviation of the described masses and inertias of boom and arm.
         mass_tolerance: f64 = 0.018, "", 0.0 to 0.5;
+        /// The same of the upper body's inertia: counterweight, tank, options; "none" takes 5.5 times mass_tolerance (0.1).
+        upper_tolerance: Option<f64> = None, "", 0.0 to 1.0;
+        /// The same of the bucket's mass: attachments are changed; "none" takes 11 times mass_tolerance (0.2).
+        bucket_tolerance: Option<f64> = None, "", 0.0 to 1.0;
         /// Relative standard deviation of the described lengths.
         geometry_tolerance: f64 = 0.008, "", 0.0 to 0.2;
         /// Inertia of the upper body without boom, arm and bucket, about the swing axis (J_u).

@@ -398,7 +398,7 @@ impl SwingEstimator {
             let (now, before) = ([boom, arm, bucket], reading.tick.posture);
             if now != before {
                 let [now, before] = [now, before].map(|q| self.settings.geometry.inertia(q));
-                state.inertia = now.with_payload(mass);
+                state.inertia += now.with_payload(mass) - before.with_payload(mass);
                 state.inertia_std *= now.per_payload / before.per_payload;
             }
         }

@@ -2,7 +2,7 @@
 
 use config::Excavator as Description;
 use estimation::excavator::{Settings, Smoothed, Smoother, SwingEstimator, Trail};
-use estimation::{HALF_WIDTH_95, Quantity, excavator::Geometry};
+use estimation::{HALF_WIDTH_95, Quantity};
 use messages::{ExcavatorEstimate, ExcavatorSensors, excavator_bits as bits};
 
 use super::{columns, method, sample};
@@ -80,14 +80,15 @@ pub fn past(
 }
 
 fn at(settings: &Settings, moment: &Smoothed, posture: [f64; 3]) -> Past {
-    let geometry: &Geometry = &settings.geometry;
-    let inertia = geometry.inertia(posture);
-    let carried = moment.payload.std * inertia.per_payload;
+    // The tick may be older than the row.
+    let payload = moment.payload.value;
+    let [now, then] = [posture, moment.posture].map(|q| settings.geometry.inertia(q));
+    let moved = now.with_payload(payload) - then.with_payload(payload);
     Past {
         payload: moment.payload,
         inertia: Quantity {
-            value: inertia.with_payload(moment.payload.value),
-            std: carried.hypot(moment.described),
+            value: moment.inertia.value + moved,
+            std: moment.inertia.std,
         },
         converged: settings.estimator.converged_share,
     }

@@ -65,6 +65,11 @@ fn gain_std(d: &Description) -> f64 {
     }
 }
 
+/// Where nothing is stated, upper body and bucket are so many times as uncertain as boom and arm: counterweights, tanks and
+/// options differ by 10 %, buckets by 20 %.
+const UPPER: f64 = 5.5;
+const BUCKET: f64 = 11.0;
+
 impl Doubts {
     /// What a description leaves open of a machine that is not calibrated.
     #[must_use]
@@ -82,7 +87,10 @@ impl Doubts {
             delay: align::rest([s.swing_velocity_delay, s.swing_torque_delay]),
             delay_std: both(s.swing_velocity_delay_std, s.swing_torque_delay_std),
             torque_share: d.estimator.torque_noise_share,
-            inertia_share: both(m.mass_tolerance, 2.0 * m.geometry_tolerance),
+            links_share: both(m.mass_tolerance, 2.0 * m.geometry_tolerance),
+            upper_share: m.upper_tolerance.unwrap_or(UPPER * m.mass_tolerance),
+            bucket_share: m.bucket_tolerance.unwrap_or(BUCKET * m.mass_tolerance),
+            form_share: 2.0 * m.geometry_tolerance,
         }
     }
 }
@@ -95,7 +103,10 @@ impl Doubts {
             self.slope_std,
             self.delay_std,
             self.torque_share,
-            self.inertia_share,
+            self.links_share,
+            self.upper_share,
+            self.bucket_share,
+            self.form_share,
         ];
         stds.iter().any(|std| *std > 0.0)
     }

@@ -28,8 +28,16 @@ pub struct Doubts {
     pub delay_std: f64,
     /// What the model of the torque leaves out, per 0.01 s, as a share of the largest torque seen.
     pub torque_share: f64,
-    /// Relative standard deviation of the described inertia of the empty machine.
-    pub inertia_share: f64,
+    /// Relative standard deviation of the described masses and inertias of boom and arm, with what their lengths
+    /// do to them.
+    pub links_share: f64,
+    /// The same of the upper body's inertia.
+    pub upper_share: f64,
+    /// The same of the bucket's mass.
+    pub bucket_share: f64,
+    /// What the drawing misses of the inertia at each posture, as a share of boom, arm and bucket: lengths, and
+    /// centres beside the lines of the pins.
+    pub form_share: f64,
 }
 
 impl Doubts {
@@ -58,7 +66,10 @@ impl Default for Doubts {
             delay: 0.0,
             delay_std: 0.02,
             torque_share: 0.10,
-            inertia_share: 0.024,
+            links_share: 0.024,
+            upper_share: 0.1,
+            bucket_share: 0.2,
+            form_share: 0.016,
         }
     }
 }

@@ -54,12 +54,36 @@ pub struct Inertia {
     pub moment: f64,
     /// The same per kilogram of payload: its radius [m].
     pub radius: f64,
+    /// Part of boom and arm in the inertia [kg m^2], and in the first moment [kg m].
+    pub links: f64,
+    /// The same of the first moment.
+    pub links_moment: f64,
+    /// Inertia per kilogram of the bucket [m^2], and its radius [m].
+    pub per_bucket: f64,
+    /// Radius of the bucket's centre of mass [m].
+    pub bucket_radius: f64,
 }
 
 impl Inertia {
     /// Inertia with a payload of `mass` kilograms [kg m^2].
     pub fn with_payload(&self, mass: f64) -> f64 {
         self.empty + mass * self.per_payload
+    }
+
+    /// `a self + b other`, part by part.
+    #[must_use]
+    pub fn combined(&self, a: f64, other: &Self, b: f64) -> Self {
+        let sum = |of: fn(&Self) -> f64| a * of(self) + b * of(other);
+        Self {
+            empty: sum(|i| i.empty),
+            per_payload: sum(|i| i.per_payload),
+            moment: sum(|i| i.moment),
+            radius: sum(|i| i.radius),
+            links: sum(|i| i.links),
+            links_moment: sum(|i| i.links_moment),
+            per_bucket: sum(|i| i.per_bucket),
+            bucket_radius: sum(|i| i.bucket_radius),
+        }
     }
 }
 
@@ -105,20 +129,23 @@ impl Geometry {
             arm_pin + self.centres[1] * cos2,
             bucket_pin + self.centres[2] * cos3,
         ];
-        let links: f64 = (0..3)
-            .map(|i| {
-                let (sin, cos) = turns[i];
-                self.masses[i] * radii[i] * radii[i]
-                    + self.inertias[i] * cos * cos
-                    + self.axial_inertias[i] * sin * sin
-            })
-            .sum();
+        let turned = |i: usize| {
+            let (sin, cos) = turns[i];
+            self.inertias[i] * cos * cos + self.axial_inertias[i] * sin * sin
+        };
+        let of = |i: usize| self.masses[i] * radii[i] * radii[i] + turned(i);
+        let own = turned(2) / self.masses[2].max(f64::MIN_POSITIVE);
+        let links = of(0) + of(1);
         let payload = bucket_pin + self.payload_centre * cos3;
         Inertia {
-            empty: self.upper_inertia + links,
+            empty: self.upper_inertia + links + of(2),
             per_payload: payload * payload + self.payload_gyration * self.payload_gyration,
             moment: (0..3).map(|i| self.masses[i] * radii[i]).sum(),
             radius: payload,
+            links,
+            links_moment: self.masses[0] * radii[0] + self.masses[1] * radii[1],
+            per_bucket: radii[2] * radii[2] + if own.is_finite() { own } else { 0.0 },
+            bucket_radius: radii[2],
         }
     }
 }

@@ -5,6 +5,9 @@
 //! contradict each other, whatever the cause; the interval then widens by the root of the mean ratio (Birge
 //! 1932). This also catches what no state of the model names.
 
+use super::super::geometry::Inertia;
+use super::filter::{Filter, inertia_row};
+
 /// Length of a stretch [s].
 const STRETCH: f64 = 0.4;
 /// A stretch that takes less than this share of the variance says nothing.
@@ -19,7 +22,8 @@ const OUTRIGHT: f64 = 18.0;
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Agreement {
-    start: Option<(f64, f64)>,
+    /// Inertia at the posture in which a stretch began: how it depends on the states, value and variance.
+    start: Option<([(usize, f64); 4], f64, f64)>,
     elapsed: f64,
     ratio: f64,
 }
@@ -33,23 +37,29 @@ impl Agreement {
         }
     }
 
-    /// A value with its variance after a tick of motion in which only the motion informed.
-    pub(super) fn push(&mut self, value: f64, variance: f64, period: f64) {
-        let Some((before, variance_before)) = self.start else {
-            self.start = Some((value, variance));
-            self.elapsed = 0.0;
+    /// The filter after a tick of motion in which only the motion informed.
+    pub(super) fn push(&mut self, filter: &Filter, now: &Inertia, period: f64) {
+        let Some((row, before, variance_before)) = self.start else {
+            self.begin(filter, now);
             return;
         };
         self.elapsed += period;
         if self.elapsed < STRETCH {
             return;
         }
+        let (value, variance) = filter.combination(&row);
         let taken = variance_before - variance;
         if taken > INFORMATIVE * variance_before {
             let moved = value - before;
             self.ratio += MEMORY * ((moved * moved / taken).min(LARGEST) - self.ratio);
         }
-        self.start = Some((value, variance));
+        self.begin(filter, now);
+    }
+
+    fn begin(&mut self, filter: &Filter, now: &Inertia) {
+        let row = inertia_row(now);
+        let (value, variance) = filter.combination(&row);
+        self.start = Some((row, value, variance));
         self.elapsed = 0.0;
     }
 

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! J w' = T (1 + k) - l |T| th - T_f th + d - (b + Jd) w + g0 M (p cos psi - q sin psi)
-//! J = J_e(q) + m g(q),  th = tanh(w / width),  M = S + sum m_i r_i + m r_p
+//! J = J_e(q) + dJ_u + dm_b g_b(q) + e J_l(q) + m g(q),  th = tanh(w / width),  M = S + sum m_i r_i + m r_p + ...
 //! measured velocity: y(t) = w(t - tau) = w - tau w'
 //! ```
 //!
@@ -18,17 +18,21 @@
 //! | p, q | [`SLOPE`], [`SLOPE`] + 1 | slope of the ground, sin(beta) times sine and cosine of its direction | - |
 //! | S | [`MOMENT`] | first moment of the upper body | kg m |
 //! | tau | [`DELAY`] | how much later the velocity comes than the torque | s |
+//! | dJ_u | [`UPPER`] | inertia of the upper body beyond the described one | kg m^2 |
+//! | dm_b | [`BUCKET`] | mass of the bucket beyond the described one | kg |
+//! | e | [`LINKS`] | boom and arm over their description, minus 1 | - |
 //!
 //! All but w and m are constants of the machine and its place. Only row W of the transition differs from the
 //! identity, so a step costs two passes over the covariance. It lies column by column: the sums along all its rows run side by
 //! side, each in its order.
 
+use super::super::geometry::Inertia;
 use super::smoother::Trail;
 use crate::kalman::Innovation;
 use crate::math::{exp, tanh};
 
 /// Number of states.
-pub(super) const N: usize = 11;
+pub(super) const N: usize = 14;
 /// Swing velocity.
 pub(super) const W: usize = 0;
 /// Payload.
@@ -50,6 +54,13 @@ pub(super) const MOMENT: usize = 9;
 /// Delay of the velocity.
 pub(super) const DELAY: usize = 10;
 
+/// Inertia of the upper body beyond the described one [kg m^2].
+pub(super) const UPPER: usize = 11;
+/// Mass of the bucket beyond the described one [kg].
+pub(super) const BUCKET: usize = 12;
+/// Masses of boom and arm over the described ones, minus 1.
+pub(super) const LINKS: usize = 13;
+
 /// Standard gravity [m/s^2].
 const GRAVITY: f64 = 9.806_65;
 
@@ -63,12 +74,11 @@ pub(super) struct Input {
     pub(super) period: f64,
     /// Measured torque, mean over the step [N m].
     pub(super) torque: f64,
-    /// Inertia without payload and per kilogram of it, mean over the step.
-    pub(super) inertia: [f64; 2],
-    /// Their rates.
-    pub(super) rate: [f64; 2],
-    /// First moment of the attachment [kg m], and per kilogram of payload [m].
-    pub(super) moment: [f64; 2],
+    /// Inertia, mean over the step, and its rate.
+    pub(super) inertia: Inertia,
+    pub(super) rate: Inertia,
+    /// Now: the first moments count.
+    pub(super) now: Inertia,
     /// Sine and cosine of the swing angle.
     pub(super) turn: (f64, f64),
     /// Variance of the torque that the model leaves out [(N m)^2].
@@ -114,13 +124,21 @@ impl Filter {
     ) {
         let (x, dt) = (&mut self.x, input.period);
         let (w, m) = (x[W], x[M]);
-        let inertia = (input.inertia[0] + m * input.inertia[1]).max(least);
-        let rate = input.rate[0] + m * input.rate[1];
+        let parts = |of: &Inertia| {
+            of.with_payload(m) + x[UPPER] + x[BUCKET] * of.per_bucket + x[LINKS] * of.links
+        };
+        let inertia = parts(&input.inertia).max(least);
+        let rate = parts(&input.rate) - x[UPPER];
         let direction = tanh(w / width);
         let size = input.torque.abs();
         let (sin, cos) = input.turn;
         let lean = GRAVITY * (x[SLOPE] * cos - x[SLOPE + 1] * sin);
-        let moment = x[MOMENT] + input.moment[0] + m * input.moment[1];
+        let now = &input.now;
+        let moment = x[MOMENT]
+            + now.moment
+            + m * now.radius
+            + x[BUCKET] * now.bucket_radius
+            + x[LINKS] * now.links_moment;
         let dissipated = x[FRICTION] + x[LOSS] * size;
         let torque =
             input.torque * (1.0 + x[GAIN]) + x[OFFSET] - dissipated * direction + lean * moment;
@@ -130,7 +148,12 @@ impl Filter {
         let step = dt / inertia;
         let mut row = [0.0; N];
         row[W] = exp(-step * (x[DAMPING] + rate + steep));
-        row[M] = step * (lean * input.moment[1] - input.rate[1] * w - f * input.inertia[1]);
+        let heavier = |radius, rate, inertia| step * (lean * radius - rate * w - f * inertia);
+        let (of, rates) = (&input.inertia, &input.rate);
+        row[M] = heavier(now.radius, rates.per_payload, of.per_payload);
+        row[BUCKET] = heavier(now.bucket_radius, rates.per_bucket, of.per_bucket);
+        row[LINKS] = heavier(now.links_moment, rates.links, of.links);
+        row[UPPER] = -step * f;
         row[OFFSET] = step;
         row[DAMPING] = -step * w;
         row[GAIN] = step * input.torque;
@@ -227,7 +250,7 @@ impl Filter {
 
     /// Covariance of every state with a combination of some of them.
     #[inline(always)]
-    fn along(&self, entries: impl Iterator<Item = (usize, f64)>) -> Vector {
+    pub(super) fn along(&self, entries: impl Iterator<Item = (usize, f64)>) -> Vector {
         let mut sums = [0.0; N];
         for (j, entry) in entries {
             for (sum, covariance) in sums.iter_mut().zip(&self.p[j]) {
@@ -235,6 +258,25 @@ impl Filter {
             }
         }
         sums
+    }
+
+    /// What the states make of the inertia at a posture, with that of a payload [kg m^2].
+    pub(super) fn inertia(&self, now: &Inertia, payload: f64) -> f64 {
+        let x = &self.x;
+        let beside = x[UPPER] + x[BUCKET] * now.per_bucket + x[LINKS] * now.links;
+        now.with_payload(payload) + beside
+    }
+
+    /// Value and variance of a combination of few states.
+    pub(super) fn combination<const K: usize>(&self, row: &[(usize, f64); K]) -> (f64, f64) {
+        let (mut value, mut variance) = (0.0, 0.0);
+        for &(i, a) in row {
+            value += a * self.x[i];
+            for &(j, b) in row {
+                variance += a * b * self.p[i][j];
+            }
+        }
+        (value, variance.max(0.0))
     }
 
     /// Row `i` of the covariance.
@@ -267,6 +309,16 @@ impl Filter {
     }
 }
 
+/// How the inertia at a posture depends on the states.
+pub(super) fn inertia_row(now: &Inertia) -> [(usize, f64); 4] {
+    [
+        (M, now.per_payload),
+        (UPPER, 1.0),
+        (BUCKET, now.per_bucket),
+        (LINKS, now.links),
+    ]
+}
+
 pub(super) fn dot(a: &Vector, b: &Vector) -> f64 {
     let mut sum = 0.0;
     for i in 0..N {
@@ -284,7 +336,11 @@ mod tests {
         let input = Input {
             period: 0.01,
             torque: 2000.0,
-            inertia: [6000.0, 9.0],
+            inertia: Inertia {
+                empty: 6000.0,
+                per_payload: 9.0,
+                ..Inertia::default()
+            },
             ..Input::default()
         };
         let moved = |i: usize, j: usize, covariance: f64| {

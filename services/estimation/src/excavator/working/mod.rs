@@ -16,7 +16,8 @@ use self::agreement::Agreement;
 use self::bucket::{Bucket, Content};
 use self::contradiction::Contradiction;
 use self::filter::{
-    DAMPING, DELAY, FRICTION, Filter, GAIN, Input, LOSS, M, MOMENT, N, OFFSET, SLOPE, Vector, W,
+    BUCKET, DAMPING, DELAY, FRICTION, Filter, GAIN, Input, LINKS, LOSS, M, MOMENT, N, OFFSET,
+    SLOPE, UPPER, Vector, W, inertia_row,
 };
 use self::noise::Noise;
 use self::rival::Rival;
@@ -33,11 +34,12 @@ use crate::kalman::Innovation;
 use crate::math::{exp, ln, sin_cos, sqrt};
 use core::f64::consts::TAU;
 
-/// An empty bucket still holds this share of the rated payload, with this standard deviation: material sticks.
-const STICKING: [f64; 2] = [0.025, 0.02];
+/// An emptied bucket still holds this share of the rated payload, with this standard deviation: soil sticks, from nothing to 15 %, and
+/// mostly little of it (an exponential distribution has both alike).
+const STICKING: [f64; 2] = [0.035, 0.04];
 /// Standard deviation of the payload, as a share of the rated one, below which the motion has said enough to
 /// tell an empty bucket from a loaded one.
-const TOLD: f64 = 0.12;
+const TOLD: f64 = 0.25;
 /// What stays in an emptied bucket weighs the same in two swings, with this standard deviation as a share of the rated payload.
 const KEPT: f64 = 0.05;
 /// A load that stays (a hook, a clamp, clay) is so many times as frequent as a sensor that breaks.
@@ -79,7 +81,9 @@ pub(super) struct Working {
     filter: Filter,
     /// Of the doubts: what the model leaves out of the torque and of the inertia, as shares.
     torque_share: f64,
-    inertia_share: f64,
+    form_share: f64,
+    /// Mass of the bucket, as described [kg].
+    described_bucket: f64,
     /// The states as described, and their standard deviations.
     described: Vector,
     stated: Vector,
@@ -99,6 +103,8 @@ pub(super) struct Working {
     changed: bool,
     /// The empty bucket of this swing has been used as a weight of zero.
     tared: bool,
+    /// Swings in which it has been: what sticks is the same in all of them, so that they are worth little more than one.
+    tares: f64,
     /// What the bucket weighed before it was emptied [kg].
     carried: Option<f64>,
     /// Sensors that are wrong by a factor since the machine stood, weighed against those that are not.
@@ -127,6 +133,9 @@ impl Working {
             (SLOPE + 1, 0.0, doubts.slope_std),
             (MOMENT, moment, moment_std),
             (DELAY, doubts.delay, doubts.delay_std),
+            (UPPER, 0.0, doubts.upper_share * settings.geometry.upper_inertia),
+            (BUCKET, 0.0, doubts.bucket_share * settings.geometry.masses[2]),
+            (LINKS, 0.0, doubts.links_share),
         ] {
             x[i] = value;
             std[i] = deviation;
@@ -134,7 +143,8 @@ impl Working {
         Self {
             filter: Filter::new(x, &std),
             torque_share: doubts.torque_share,
-            inertia_share: doubts.inertia_share,
+            form_share: doubts.form_share,
+            described_bucket: settings.geometry.masses[2],
             described: x,
             stated: std,
             noise: Noise::new(),
@@ -147,6 +157,7 @@ impl Working {
             change: Cusum::new(0.5, CHANGE),
             changed: false,
             tared: false,
+            tares: 0.0,
             carried: None,
             rival: Rival::default(),
             contradiction: Contradiction::new(),
@@ -184,10 +195,10 @@ impl Working {
         };
         let anew = core::mem::take(&mut self.anew);
         if let Some(trail) = trail {
-            trail.finish(&self.filter);
+            trail.finish(&self.filter, &drive.now, drive.posture);
             trail.anew = anew;
             trail.range = settings.payload_range();
-            trail.described = self.inertia_share * drive.now.empty;
+            trail.form = self.form(&drive.now);
             trail.disagreement = self.agreement.factor();
         }
         self.state(settings, drive, innovation, standing)
@@ -252,9 +263,9 @@ impl Working {
         let input = Input {
             period: drive.period,
             torque: drive.torque,
-            inertia: [drive.mean.empty, drive.mean.per_payload],
-            rate: [drive.rate.empty, drive.rate.per_payload],
-            moment: [drive.now.moment, drive.now.radius],
+            inertia: drive.mean,
+            rate: drive.rate,
+            now: drive.now,
             turn: sin_cos(self.turn),
             torque_variance: model * model * self.noise.scale() * 0.01 / drive.period
                 + sensor * sensor * drive.share
@@ -301,8 +312,7 @@ impl Working {
         if self.bucket.is_open() {
             self.agreement.interrupt();
         } else {
-            let (x, p) = (&self.filter.x, &self.filter.p);
-            self.agreement.push(x[M], p[M][M], drive.period);
+            self.agreement.push(&self.filter, &drive.now, drive.period);
         }
         self.tare(gate, &drive.now, trail);
         innovation
@@ -337,18 +347,19 @@ impl Working {
             return;
         }
         let [share, sticking] = STICKING.map(|share| share * self.rated);
-        let described = self.inertia_share * now.empty / now.per_payload;
-        let std = sqrt(sticking * sticking + described * described);
+        let std = sticking * sqrt(1.0 + self.tares);
         let value = share - self.filter.x[M];
         if value * value > 9.0 * (claimed + std * std) {
             if !self.is_kept(variance) {
                 self.contradiction.outright();
             }
         } else if !self.tared && value * value < 4.0 * (variance + std * std) {
+            let (_, before) = self.filter.combination(&inertia_row(now));
             self.filter
                 .measure([(M, 1.0)], value, std * std, gate, trail);
             self.tared = true;
-            let close = sqrt(variance) * now.per_payload < CLOSE * now.empty;
+            self.tares += 1.0;
+            let close = sqrt(before) < CLOSE * now.empty;
             if !self.changed {
                 self.contradiction.agreed(close);
             }
@@ -380,9 +391,9 @@ impl Working {
         let [least, most] = settings.payload_range();
         let payload = x[M].clamp(least, most);
         let at_limit = payload != x[M];
-        let described = self.inertia_share * drive.now.empty;
         let down = !standing && drive.posture[0] < DOWN;
-        let variance = p[M][M].max(0.0) * self.agreement.factor();
+        let factor = self.agreement.factor();
+        let (_, inertia_variance) = self.filter.combination(&inertia_row(&drive.now));
         let contradicted = self.contradiction.is_open() || self.is_beyond();
         let anything = if contradicted {
             // Uniform in its range, about the estimate.
@@ -391,11 +402,13 @@ impl Working {
         } else {
             0.0
         };
-        let payload_std = sqrt(variance + self.rival.variance(payload) + anything);
-        let carried = payload_std * drive.now.per_payload;
+        let unsure = self.rival.variance(payload) + anything;
+        let payload_std = sqrt(p[M][M].max(0.0) * factor + unsure);
+        let form = self.form(&drive.now);
+        let g = drive.now.per_payload;
         State {
-            inertia: drive.now.with_payload(payload),
-            inertia_std: sqrt(carried * carried + described * described),
+            inertia: self.filter.inertia(&drive.now, payload),
+            inertia_std: sqrt(inertia_variance * factor + unsure * g * g + form * form),
             payload: Some((payload, payload_std)),
             damping: Some((x[DAMPING], std(DAMPING))),
             offset: Some((x[OFFSET], std(OFFSET))),
@@ -416,6 +429,11 @@ impl Working {
             },
             ..State::default()
         }
+    }
+
+    /// Standard deviation of what the drawing misses of the inertia at this posture [kg m^2].
+    fn form(&self, now: &Inertia) -> f64 {
+        self.form_share * (now.links + self.described_bucket * now.per_bucket)
     }
 
     /// What differs most from its description, in its own standard deviations.

@@ -11,7 +11,8 @@
 //! Nothing is inverted, so states that are known exactly do no harm, and a state that is set anew is a transition with a row of
 //! zeros: what comes after it says nothing of before. The model is the filter's, linearised where the filter went.
 
-use super::filter::{Filter, M, N, Vector, dot};
+use super::super::geometry::Inertia;
+use super::filter::{Filter, M, N, Vector, dot, inertia_row};
 use crate::Quantity;
 use crate::math::sqrt;
 
@@ -40,12 +41,17 @@ pub struct Trail {
     /// Payload, and its row of the covariance.
     payload: f64,
     covariance: Vector,
+    /// Inertia at this posture, its covariance with the states, and its variance.
+    posture: [f64; 3],
+    inertia: f64,
+    along: Vector,
+    variance: f64,
     /// The filter is a new one: of what was before it knows nothing.
     pub(super) anew: bool,
     /// Smallest and largest payload.
     pub(super) range: [f64; 2],
-    /// Standard deviation of the described inertia [kg m^2].
-    pub(super) described: f64,
+    /// Standard deviation of what the drawing misses of the inertia [kg m^2].
+    pub(super) form: f64,
     /// Factor of the variance by which stretches of the swings disagree.
     pub(super) disagreement: f64,
 }
@@ -57,9 +63,13 @@ impl Trail {
         count: 0,
         payload: 0.0,
         covariance: [0.0; N],
+        posture: [0.0; 3],
+        inertia: 0.0,
+        along: [0.0; N],
+        variance: 0.0,
         anew: false,
         range: [0.0; 2],
-        described: 0.0,
+        form: 0.0,
         disagreement: 1.0,
     };
 
@@ -91,9 +101,14 @@ impl Trail {
     }
 
     /// The state after the tick.
-    pub(super) fn finish(&mut self, filter: &Filter) {
+    pub(super) fn finish(&mut self, filter: &Filter, now: &Inertia, posture: [f64; 3]) {
         self.payload = filter.x[M];
         self.covariance = filter.row(M);
+        let row = inertia_row(now);
+        self.posture = posture;
+        self.inertia = filter.inertia(now, filter.x[M]);
+        self.along = filter.along(row.into_iter());
+        self.variance = filter.combination(&row).1;
     }
 }
 
@@ -102,8 +117,10 @@ impl Trail {
 pub struct Smoothed {
     /// Payload and standard deviation [kg].
     pub payload: Quantity,
-    /// Standard deviation of the described inertia without payload [kg m^2].
-    pub described: f64,
+    /// Inertia and standard deviation, at the posture of its tick [kg m^2].
+    pub inertia: Quantity,
+    /// That posture [rad].
+    pub posture: [f64; 3],
 }
 
 /// Goes back along a trail.
@@ -146,22 +163,34 @@ impl Smoother {
     }
 
     fn state(&mut self, trail: &Trail) -> Smoothed {
-        let c = &trail.covariance;
-        let mut weighted = 0.0;
-        for (ci, line) in c.iter().zip(&self.curvature) {
-            weighted += ci * dot(line, c);
-        }
+        let (shift, known) = self.said(&trail.covariance);
         let [least, most] = trail.range;
-        let payload = (trail.payload - dot(c, &self.lambda)).clamp(least, most);
-        let variance = (c[M] - weighted).clamp(0.0, c[M].max(0.0));
+        let payload = (trail.payload - shift).clamp(least, most);
+        let own = trail.covariance[M];
         self.disagreement = self.disagreement.max(trail.disagreement);
+        let left = |own: f64, known: f64| (own - known).clamp(0.0, own.max(0.0));
+        let (moved, told) = self.said(&trail.along);
+        let variance = left(trail.variance, told) * self.disagreement;
         Smoothed {
             payload: Quantity {
                 value: payload,
-                std: sqrt(variance * self.disagreement),
+                std: sqrt(left(own, known) * self.disagreement),
             },
-            described: trail.described,
+            inertia: Quantity {
+                value: trail.inertia - moved,
+                std: sqrt(variance + trail.form * trail.form),
+            },
+            posture: trail.posture,
         }
+    }
+
+    /// What later rows say of a quantity with this covariance: its shift, and what they take from its variance.
+    fn said(&self, c: &Vector) -> (f64, f64) {
+        let mut taken = 0.0;
+        for (ci, line) in c.iter().zip(&self.curvature) {
+            taken += ci * dot(line, c);
+        }
+        (dot(c, &self.lambda), taken)
     }
 
     /// State `i` had been made of all: x_i = row x.
@@ -223,7 +252,7 @@ mod tests {
             let innovation = value - filter.x[M];
             filter.measure([(M, 1.0)], innovation, 100.0, 1e9, &mut trail);
             let mut trail = trail.expect("a trail");
-            trail.finish(&filter);
+            trail.finish(&filter, &Inertia::default(), [0.0; 3]);
             trail
         });
         let mut smoother = Smoother::default();
@@ -241,12 +270,12 @@ mod tests {
         let mut filter = Filter::new([0.0; N], &std);
         let mut before = Trail::NOTHING;
         before.range = [-1e9, 1e9];
-        before.finish(&filter);
+        before.finish(&filter, &Inertia::default(), [0.0; 3]);
         let mut after = Some(before);
         filter.set(M, 0.0, 1e4, &mut after);
         filter.measure([(M, 1.0)], 300.0, 1.0, 1e9, &mut after);
         let mut after = after.expect("a trail");
-        after.finish(&filter);
+        after.finish(&filter, &Inertia::default(), [0.0; 3]);
         let mut smoother = Smoother::default();
         assert!(smoother.back(&after).payload.value > 290.0);
         let old = smoother.back(&before).payload;
