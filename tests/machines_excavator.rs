@@ -138,9 +138,12 @@ fn smoothed(name: &str, sets: &serde_json::Value) -> Vec<[[f64; 2]; 2]> {
         .into_iter()
         .filter(|(end, ..)| *end > 0)
         .map(|(end, online, truth, posture)| {
-            let (moment, geometry) = (&moments[end - 1], settings.geometry.inertia(posture));
-            let value = geometry.with_payload(moment.payload.value);
-            let std = (moment.payload.std * geometry.per_payload).hypot(moment.described);
+            let moment = &moments[end - 1];
+            let of_posture = |q| settings.geometry.inertia(q);
+            let payload = moment.payload.value;
+            let moved = of_posture(posture).with_payload(payload)
+                - of_posture(moment.posture).with_payload(payload);
+            let (value, std) = (moment.inertia.value + moved, moment.inertia.std);
             let of = |value: f64, std: f64| [(value - truth) / std, (value - truth) / truth];
             [of(online.inertia, online.inertia_std), of(value, std)]
         })

@@ -10,7 +10,16 @@ tables!(
     Excavator,
     Machine::Excavator,
     contradictions,
-    [machine, geometry, sensors, prior, estimator, paper]
+    [
+        machine,
+        geometry,
+        boom_cylinder,
+        arm_cylinder,
+        sensors,
+        prior,
+        estimator,
+        paper
+    ]
 );
 
 /// What contradicts itself between keys that are each in range.

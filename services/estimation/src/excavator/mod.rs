@@ -20,6 +20,7 @@
 //! | `mode::{unknown_torque, onset, drive, state}` | what they share |
 //! | `payload` | mode D of a calibrated machine: a payload that may change, drops, opening buckets |
 //! | `working` | mode D of a machine that nobody has calibrated, the default: all that may differ as states |
+//! | `measurements` | the moment of the boom's cylinders, and when the ground carries part of it |
 //! | `verdict`, `reason` | whether to believe it, and why not |
 
 mod align;
@@ -27,6 +28,7 @@ mod consider;
 mod estimate;
 mod input;
 pub mod keys;
+mod measurements;
 mod mode;
 mod payload;
 mod reason;
@@ -40,9 +42,10 @@ use input::{calibration, delay, encoder, frozen, grid, jump, motion, screen, sta
 use mode::{drive, onset, posture, posture_torque, state, torque, unknown_torque, velocity};
 use payload::{change, changing_payload, drop_mixture, opening};
 use regression::{joint, single, svf};
-use settings::{doubts, geometry, settings_error};
+use settings::{cylinder, doubts, geometry, settings_error};
 
 pub use crate::Quantity;
+pub use cylinder::Cylinder;
 pub use doubts::Doubts;
 pub use estimate::{Columns, Estimate, Flags, Method, Sample};
 pub use geometry::{Geometry, Inertia};

@@ -1,5 +1,6 @@
 //! Settings of every excavator estimator; the default is the reference machine.
 
+pub(in crate::excavator) mod cylinder;
 pub(in crate::excavator) mod described;
 pub(in crate::excavator) mod doubts;
 pub(in crate::excavator) mod geometry;
@@ -7,6 +8,7 @@ pub(in crate::excavator) mod settings_error;
 
 use crate::math::sqrt;
 
+use super::cylinder::Cylinder;
 use super::doubts::Doubts;
 use super::geometry::Geometry;
 use super::keys::Description;
@@ -61,6 +63,8 @@ pub struct Settings {
     pub estimator: Estimator,
     /// The paper's regression.
     pub paper: Paper,
+    /// The cylinders that carry the boom, where they are described.
+    pub boom: Option<Cylinder>,
     /// What a working machine may differ by; `None` for a calibrated one.
     pub doubts: Option<Doubts>,
 }

@@ -77,7 +77,8 @@ impl Verdict {
             self.nis.push(state.nis);
         }
         let counts = basis != Basis::Torque { stood: false };
-        if counts && state.velocity.abs() >= settings.estimator.excited_velocity {
+        let excited = state.weighed || state.velocity.abs() >= settings.estimator.excited_velocity;
+        if counts && excited {
             self.excited_for += tick.period;
         }
     }
@@ -96,7 +97,7 @@ impl Verdict {
         let converged =
             crate::HALF_WIDTH_95 * state.inertia_std < e.converged_share * state.inertia;
         Reasons {
-            excited: state.velocity.abs() >= e.excited_velocity,
+            excited: state.weighed || state.velocity.abs() >= e.excited_velocity,
             consistent: self.nis.mean() <= e.consistent_nis,
             fresh: self.velocity_age <= e.fresh_velocity
                 && (!torque || tick.torque_age <= e.fresh_others)

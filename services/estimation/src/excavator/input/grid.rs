@@ -44,6 +44,8 @@ pub(in crate::excavator) struct Tick {
     pub(in crate::excavator) posture_age: f64,
     /// Pitch and roll, where both are measured.
     pub(in crate::excavator) inclination: Option<[f64; 2]>,
+    /// Head and rod pressure of the boom's cylinders, where they are measured [Pa].
+    pub(in crate::excavator) boom_pressure: Option<[f64; 2]>,
 }
 
 /// What one row set off: some prediction-only ticks and a tick with data.
@@ -95,6 +97,7 @@ impl Fill {
                 torque_age: from.torque_age + h * i as f64,
                 posture_age: from.posture_age + h * i as f64,
                 inclination: None,
+                boom_pressure: None,
             }
         })
     }
@@ -133,6 +136,7 @@ struct Block {
     torque: Mean,
     posture: [Mean; 3],
     inclination: [Mean; 2],
+    pressure: [Mean; 2],
 }
 
 /// Averages and fills.
@@ -150,6 +154,8 @@ pub(in crate::excavator) struct Grid {
     last_angle: Option<(f64, f64)>,
     torque: Option<f64>,
     posture: [Option<f64>; 3],
+    /// The pressure of the rod side has been seen.
+    rod: bool,
 }
 
 impl Grid {
@@ -167,6 +173,7 @@ impl Grid {
             last_angle: None,
             torque: None,
             posture: [None; 3],
+            rod: false,
         }
     }
 
@@ -187,6 +194,10 @@ impl Grid {
         }
         for (mean, angle) in block.inclination.iter_mut().zip(sample.inclination) {
             mean.push(angle);
+        }
+        let pressures = [sample.boom_head_pressure, sample.boom_rod_pressure];
+        for (mean, pressure) in block.pressure.iter_mut().zip(pressures) {
+            mean.push(pressure);
         }
         let single = block.rows == 1 && self.since > SINGLE;
         let complete = single || self.since > BLOCK || self.last.is_none();
@@ -236,6 +247,7 @@ impl Grid {
                 [Some(pitch), Some(roll)] => Some([pitch, roll]),
                 _ => None,
             },
+            boom_pressure: self.pressures(&block),
         };
         let from = self.last.unwrap_or(to);
         let restart = self.last.is_some() && period > LONG_GAP;
@@ -260,6 +272,13 @@ impl Grid {
             inserted,
             restart,
         }
+    }
+
+    /// Both sides; a source that has never had the second tells a force or a difference by the first.
+    fn pressures(&mut self, block: &Block) -> Option<[f64; 2]> {
+        let [head, rod] = block.pressure.map(|mean| mean.value());
+        self.rod |= rod.is_some();
+        Some([head?, if self.rod { rod? } else { 0.0 }])
     }
 
     fn velocity(&mut self, block: &Block, time: f64, share: f64) -> (Option<f64>, f64) {

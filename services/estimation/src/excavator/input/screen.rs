@@ -37,6 +37,8 @@ pub(in crate::excavator) struct Screen {
     refused: u64,
     /// Velocity, torque, boom, arm, bucket.
     repetitions: [Repetition; 5],
+    /// Head and rod pressure of the boom.
+    pressures: [Repetition; 2],
     jumps: [Jump; 3],
 }
 
@@ -51,6 +53,7 @@ impl Screen {
             torque_offset: sensors.swing_torque_offset,
             refused: 0,
             repetitions: [Repetition::default(); 5],
+            pressures: [Repetition::default(); 2],
             jumps: [Jump::default(); 3],
         }
     }
@@ -84,7 +87,8 @@ impl Screen {
 
     /// Whether a sensor repeats one value against its own noise.
     pub(in crate::excavator) fn is_frozen(&self) -> bool {
-        self.repetitions.iter().any(Repetition::is_frozen)
+        let mut all = self.repetitions.iter().chain(&self.pressures);
+        all.any(Repetition::is_frozen)
     }
 
     /// Whether a joint angle has jumped further than a joint moves.
@@ -101,7 +105,10 @@ impl Screen {
             *joint = within(repetition.pass(*joint), self.angle_limit);
             *joint = jump.pass(*joint, period);
         }
+        let [head, rod] = &mut self.pressures;
         let sample = Sample {
+            boom_head_pressure: head.pass(sample.boom_head_pressure),
+            boom_rod_pressure: rod.pass(sample.boom_rod_pressure),
             velocity: velocity.pass(sample.velocity),
             torque: torque.pass(sample.torque),
             ..*sample

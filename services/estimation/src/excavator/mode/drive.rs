@@ -22,6 +22,8 @@ pub(in crate::excavator) struct Drive {
     pub(in crate::excavator) posture: [f64; 3],
     /// Pitch and roll of the upper body [rad].
     pub(in crate::excavator) inclination: Option<[f64; 2]>,
+    /// Head and rod pressure of the boom's cylinders [Pa].
+    pub(in crate::excavator) boom_pressure: Option<[f64; 2]>,
     /// Share of a row's noise variance that is left after averaging.
     pub(in crate::excavator) share: f64,
     /// Variance of the torque beyond its noise, where it has been missing for long [(N m)^2].
@@ -63,10 +65,11 @@ impl Driver {
             variance: tick.velocity_variance,
             torque: 0.5 * (tick.torque + torque),
             now,
-            mean: now.combined(0.5, &before, 0.5),
-            rate: now.combined(1.0 / h, &before, -1.0 / h),
+            mean: now.with(&before, |a, b| 0.5 * (a + b)),
+            rate: now.with(&before, |a, b| (a - b) / h),
             posture: tick.posture,
             inclination: tick.inclination,
+            boom_pressure: tick.boom_pressure,
             share: tick.share,
             stale_torque: if tick.torque_age > TORQUE_HOLD {
                 (UNKNOWN_TORQUE * torque_std) * (UNKNOWN_TORQUE * torque_std)

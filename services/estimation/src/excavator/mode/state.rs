@@ -23,6 +23,8 @@ pub(in crate::excavator) struct State {
     /// The value may not be what it seems: the payload is perhaps changing, or the estimate is at the
     /// end of its range.
     pub(in crate::excavator) unsettled: bool,
+    /// The load has been weighed just now: standing rows tell the inertia too.
+    pub(in crate::excavator) weighed: bool,
     pub(in crate::excavator) reason: Reason,
     pub(in crate::excavator) change_mode: bool,
     pub(in crate::excavator) opening: bool,

@@ -1,6 +1,7 @@
 //! From the description of an excavator to the settings of its estimators.
 
 use crate::excavator::align;
+use crate::excavator::cylinder::Cylinder;
 use crate::excavator::doubts::Doubts;
 use crate::excavator::geometry::Geometry;
 use crate::excavator::keys::{Description, Paper, Variant};
@@ -21,6 +22,7 @@ impl Settings {
             prior: d.prior,
             estimator: d.estimator,
             paper: paper(d),
+            boom: Cylinder::of_boom(d),
             doubts: (d.estimator.variant == Variant::Auto)
                 .then(|| Doubts::of(d))
                 .filter(Doubts::are_any),
@@ -66,8 +68,8 @@ fn gain_std(d: &Description) -> f64 {
 }
 
 /// Where nothing is stated, upper body and bucket are so many times as uncertain as boom and arm: counterweights, tanks and
-/// options differ by 10 %, buckets by 20 %.
-const UPPER: f64 = 5.5;
+/// options differ by 10 to 15 %, buckets by 20 %.
+const UPPER: f64 = 7.0;
 const BUCKET: f64 = 11.0;
 
 impl Doubts {

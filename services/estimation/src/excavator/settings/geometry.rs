@@ -70,10 +70,10 @@ impl Inertia {
         self.empty + mass * self.per_payload
     }
 
-    /// `a self + b other`, part by part.
+    /// A function of this one and another, part by part.
     #[must_use]
-    pub fn combined(&self, a: f64, other: &Self, b: f64) -> Self {
-        let sum = |of: fn(&Self) -> f64| a * of(self) + b * of(other);
+    pub fn with(&self, other: &Self, f: impl Fn(f64, f64) -> f64) -> Self {
+        let sum = |of: fn(&Self) -> f64| f(of(self), of(other));
         Self {
             empty: sum(|i| i.empty),
             per_payload: sum(|i| i.per_payload),
@@ -138,7 +138,7 @@ impl Geometry {
         let links = of(0) + of(1);
         let payload = bucket_pin + self.payload_centre * cos3;
         Inertia {
-            empty: self.upper_inertia + links + of(2),
+            empty: self.upper_inertia + (links + of(2)),
             per_payload: payload * payload + self.payload_gyration * self.payload_gyration,
             moment: (0..3).map(|i| self.masses[i] * radii[i]).sum(),
             radius: payload,

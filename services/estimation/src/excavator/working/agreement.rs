@@ -18,12 +18,15 @@ const LARGEST: f64 = 36.0;
 /// Ratio that an outright contradiction counts as.
 const OUTRIGHT: f64 = 18.0;
 
+/// Where a stretch began: how the inertia depends on the states, its value and its variance.
+type Start = ([(usize, f64); 4], f64, f64);
+
 /// Mean ratio of what stretches moved to what they may move.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Agreement {
-    /// Inertia at the posture in which a stretch began: how it depends on the states, value and variance.
-    start: Option<([(usize, f64); 4], f64, f64)>,
+    /// The posture stays that in which the stretch began.
+    start: Option<Start>,
     elapsed: f64,
     ratio: f64,
 }

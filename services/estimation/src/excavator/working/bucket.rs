@@ -2,6 +2,7 @@
 
 use super::super::drive::Drive;
 use super::super::opening::Opening;
+use super::weigh::Weigh;
 
 /// Joints that have moved this far since the machine stopped may have changed the content [rad].
 const MOVED: f64 = 0.03;
@@ -18,6 +19,8 @@ const SETTLING: u32 = 20;
 pub(super) enum Content {
     /// As before.
     Unchanged,
+    /// What sticks in a bucket that has just been opened wide.
+    Emptied,
     /// Anything from empty to full.
     Unknown,
 }
@@ -54,9 +57,17 @@ impl Bucket {
         }
     }
 
-    /// One tick; `share` of new angles in the smoothed ones.
-    pub(super) fn step(&mut self, drive: &Drive, share: f64, standing: bool) -> Content {
+    /// One tick; `share` of new angles in the smoothed ones. Where the load is weighed, it changes only where the ground may touch
+    /// the bucket, or the bucket opens.
+    pub(super) fn step(
+        &mut self,
+        drive: &Drive,
+        share: f64,
+        standing: bool,
+        weigh: Option<&Weigh>,
+    ) -> Content {
         self.rate = self.opening.step(drive);
+        let was_settling = self.settling > 0;
         self.settling = if self.is_open() {
             SETTLING
         } else {
@@ -73,7 +84,11 @@ impl Bucket {
         }
         let stopped = *self.stopped.get_or_insert(now);
         self.unlocked |= (0..3).any(|i| (now[i] - stopped[i]).abs() > MOVED);
-        if self.unlocked {
+        let weighed = weigh.filter(|weigh| weigh.is_there());
+        let fixed = weighed.is_some_and(|weigh| !weigh.digs() && self.settling == 0);
+        if fixed && was_settling && self.emptied {
+            Content::Emptied
+        } else if self.unlocked && !fixed {
             Content::Unknown
         } else {
             Content::Unchanged

@@ -21,6 +21,7 @@
 //! | dJ_u | [`UPPER`] | inertia of the upper body beyond the described one | kg m^2 |
 //! | dm_b | [`BUCKET`] | mass of the bucket beyond the described one | kg |
 //! | e | [`LINKS`] | boom and arm over their description, minus 1 | - |
+//! | s, z, f | [`SPAN`], [`ZERO`], [`REST`] | of the boom's moment: [`super::super::measurements::boom_moment`] | -, N, N |
 //!
 //! All but w and m are constants of the machine and its place. Only row W of the transition differs from the
 //! identity, so a step costs two passes over the covariance. It lies column by column: the sums along all its rows run side by
@@ -32,7 +33,7 @@ use crate::kalman::Innovation;
 use crate::math::{exp, tanh};
 
 /// Number of states.
-pub(super) const N: usize = 14;
+pub(super) const N: usize = 17;
 /// Swing velocity.
 pub(super) const W: usize = 0;
 /// Payload.
@@ -60,6 +61,13 @@ pub(super) const UPPER: usize = 11;
 pub(super) const BUCKET: usize = 12;
 /// Masses of boom and arm over the described ones, minus 1.
 pub(super) const LINKS: usize = 13;
+
+/// Span of the boom's moment over the described one, minus 1.
+pub(super) const SPAN: usize = 14;
+/// Zero of the force of the boom's cylinders [N].
+pub(super) const ZERO: usize = 15;
+/// What is left of their friction, and of the drawing's moment [N].
+pub(super) const REST: usize = 16;
 
 /// Standard gravity [m/s^2].
 const GRAVITY: f64 = 9.806_65;
@@ -194,6 +202,24 @@ impl Filter {
             }
         }
         self.p[M][M] += input.payload_variance;
+    }
+
+    /// A velocity that was measured while it grew with this acceleration is late by the delay.
+    pub(super) fn lag(&mut self, acceleration: f64, trail: &mut Option<Trail>) {
+        let of_delay = self.row(DELAY);
+        let (x, p) = (&mut self.x, &mut self.p);
+        if let Some(trail) = trail {
+            let mut row = [0.0; N];
+            (row[W], row[DELAY]) = (1.0, acceleration);
+            trail.row(W, &row);
+        }
+        x[W] += x[DELAY] * acceleration;
+        let variance = p[W][W];
+        for (i, covariance) in of_delay.iter().enumerate() {
+            p[W][i] = acceleration * covariance;
+            p[i][W] = p[W][i];
+        }
+        p[W][W] = variance + acceleration * acceleration * of_delay[DELAY];
     }
 
     /// Takes in a velocity of this variance; innovations beyond `gate` standard deviations are weakened. The

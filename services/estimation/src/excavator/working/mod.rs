@@ -11,6 +11,7 @@ mod filter;
 mod noise;
 mod rival;
 mod smoother;
+mod weigh;
 
 use self::agreement::Agreement;
 use self::bucket::{Bucket, Content};
@@ -22,6 +23,7 @@ use self::filter::{
 use self::noise::Noise;
 use self::rival::Rival;
 pub use self::smoother::{Smoothed, Smoother, Trail};
+use self::weigh::Weigh;
 use super::doubts::Doubts;
 use super::drive::Drive;
 use super::geometry::Inertia;
@@ -39,14 +41,14 @@ use core::f64::consts::TAU;
 const STICKING: [f64; 2] = [0.035, 0.04];
 /// Standard deviation of the payload, as a share of the rated one, below which the motion has said enough to
 /// tell an empty bucket from a loaded one.
-const TOLD: f64 = 0.25;
+const TOLD: f64 = 0.15;
 /// What stays in an emptied bucket weighs the same in two swings, with this standard deviation as a share of the rated payload.
 const KEPT: f64 = 0.05;
 /// A load that stays (a hook, a clamp, clay) is so many times as frequent as a sensor that breaks.
 const STAYS: f64 = 100.0;
 
 /// Random walk of the torque's gain: weights of zero all err alike, and must not add up [1/sqrt(s)].
-const GAIN_DRIFT: f64 = 0.004;
+const GAIN_DRIFT: f64 = 0.001;
 /// Noise of a sample of the inclinometer, and its mounting error [rad].
 const INCLINOMETER: f64 = 0.03;
 const MOUNTING: f64 = 0.004;
@@ -57,6 +59,9 @@ const CHANGE: f64 = 10.0;
 const SUSPICIOUS: f64 = 4.0;
 /// Time constant of the smoothed torque and angles [s].
 const SMOOTHING: f64 = 0.05;
+/// An upper body slower than this for so long may be digging [rad/s, s].
+const CREEPING: f64 = 0.05;
+const CREPT: f64 = 0.3;
 /// Below this velocity a holding brake or stiction may take any part of the torque [rad/s].
 const BRAKED: f64 = 0.04;
 /// No machine swings with its boom further down than this: the angle has the other sign [rad].
@@ -67,8 +72,8 @@ const MATERIAL: f64 = 0.33;
 const UNEXPLAINED: f64 = 30.0;
 /// A weight is told closely within this share of the empty machine's inertia.
 const CLOSE: f64 = 0.03;
-/// Gain and offset this many stated standard deviations from the described ones are faults.
-const BEYOND: f64 = 3.5;
+/// Gain and offset so many stated standard deviations from the described ones are faults.
+const BEYOND: [(usize, f64); 2] = [(GAIN, 2.5), (OFFSET, 3.5)];
 /// No machine has less than this share of the described friction and damping.
 const LEAST: f64 = 0.25;
 /// Mean ratio at which stretches of the swings disagree.
@@ -101,15 +106,21 @@ pub(super) struct Working {
     change: Cusum,
     /// They have reached their limit in this swing: its value is not believed any more.
     changed: bool,
-    /// The empty bucket of this swing has been used as a weight of zero.
+    /// An emptied bucket has weighed nothing in this swing.
+    weighed_nothing: bool,
+    /// The emptied bucket has been used as a weight of nearly nothing.
     tared: bool,
-    /// Swings in which it has been: what sticks is the same in all of them, so that they are worth little more than one.
+    /// How often it has been: what sticks is the same in all of them, so that they are worth little more than one.
     tares: f64,
     /// What the bucket weighed before it was emptied [kg].
     carried: Option<f64>,
     /// Sensors that are wrong by a factor since the machine stood, weighed against those that are not.
     rival: Rival,
     contradiction: Contradiction,
+    /// The boom's cylinders, where they are described.
+    weigh: Option<Weigh>,
+    /// The upper body hardly moves for this time [s].
+    slow_for: f64,
     /// What each tick does is kept; the next one is the first.
     trailing: bool,
     anew: bool,
@@ -133,15 +144,25 @@ impl Working {
             (SLOPE + 1, 0.0, doubts.slope_std),
             (MOMENT, moment, moment_std),
             (DELAY, doubts.delay, doubts.delay_std),
-            (UPPER, 0.0, doubts.upper_share * settings.geometry.upper_inertia),
-            (BUCKET, 0.0, doubts.bucket_share * settings.geometry.masses[2]),
+            (
+                UPPER,
+                0.0,
+                doubts.upper_share * settings.geometry.upper_inertia,
+            ),
+            (
+                BUCKET,
+                0.0,
+                doubts.bucket_share * settings.geometry.masses[2],
+            ),
             (LINKS, 0.0, doubts.links_share),
         ] {
             x[i] = value;
             std[i] = deviation;
         }
+        let filter = Filter::new(x, &std);
         Self {
-            filter: Filter::new(x, &std),
+            rival: Rival::new(&filter),
+            filter,
             torque_share: doubts.torque_share,
             form_share: doubts.form_share,
             described_bucket: settings.geometry.masses[2],
@@ -156,11 +177,13 @@ impl Working {
             largest: 0.0,
             change: Cusum::new(0.5, CHANGE),
             changed: false,
+            weighed_nothing: false,
             tared: false,
             tares: 0.0,
             carried: None,
-            rival: Rival::default(),
             contradiction: Contradiction::new(),
+            weigh: settings.boom.map(Weigh::new),
+            slow_for: 0.0,
             trailing: false,
             anew: true,
         }
@@ -179,11 +202,31 @@ impl Working {
             *trail = Some(Trail::NOTHING);
         }
         let share = 1.0 - exp(-drive.period / SMOOTHING);
-        let content = self.bucket.step(drive, share, standing);
-        if content == Content::Unknown {
-            let p = &settings.prior;
-            let variance = p.payload_std * p.payload_std;
-            self.filter.set(M, p.payload, variance, trail);
+        let reached = self.filter.x[W].abs() + CREPT * self.filter.acceleration.abs();
+        self.slow_for = if standing || reached < CREEPING {
+            self.slow_for + drive.period
+        } else {
+            0.0
+        };
+        // Who digs is pushed by the ground, and creeps.
+        let stands = standing || self.slow_for > CREPT;
+        let content = self.bucket.step(drive, share, stands, self.weigh.as_ref());
+        self.hold(settings, content, trail);
+        if let Some(weigh) = &mut self.weigh {
+            let motion = (self.turn, self.filter.x[W]);
+            let opens = self.bucket.is_open() || self.bucket.is_settling();
+            let doing = (content, opens);
+            let moment = weigh.step(settings, drive, motion, doing);
+            let rival = &mut self.rival.filter;
+            weigh.begin(drive, [&mut self.filter, rival], trail);
+            if let Some(moment) = moment {
+                let said = weigh.measure(settings, &moment, &mut self.filter, trail);
+                let other = weigh.measure(settings, &moment, rival, &mut None);
+                let gate = settings.estimator.gate;
+                self.rival
+                    .weigh([said, other], gate, self.contradiction.usual());
+                weigh.fits(said);
+            }
         }
         if let (true, Some(inclination)) = (standing, drive.inclination) {
             self.incline(inclination, trail);
@@ -204,6 +247,26 @@ impl Working {
         self.state(settings, drive, innovation, standing)
     }
 
+    /// What the bucket holds from now on.
+    fn hold(&mut self, settings: &Settings, content: Content, trail: &mut Option<Trail>) {
+        let p = &settings.prior;
+        let (value, std) = match content {
+            Content::Unchanged => return,
+            Content::Emptied => self.sticking(),
+            Content::Unknown => (p.payload, p.payload_std),
+        };
+        self.filter.set(M, value, std * std, trail);
+        self.rival.filter.set(M, value, std * std, &mut None);
+        self.tared = content == Content::Emptied;
+        self.tares += f64::from(u8::from(self.tared));
+    }
+
+    /// What an emptied bucket still holds, and its standard deviation [kg].
+    fn sticking(&self) -> (f64, f64) {
+        let [share, sticking] = STICKING.map(|share| share * self.rated);
+        (share, sticking * sqrt(1.0 + self.tares))
+    }
+
     /// Keeps from now on what each tick does.
     pub(super) fn keep_trail(&mut self) {
         self.trailing = true;
@@ -211,6 +274,7 @@ impl Working {
 
     fn rest(&mut self, velocity: f64, variance: f64, trail: &mut Option<Trail>) -> Innovation {
         self.filter.set(W, velocity, variance, trail);
+        self.rival.filter.set(W, velocity, variance, &mut None);
         self.filter.acceleration = 0.0;
         self.noise.rest();
         self.change.clear();
@@ -219,7 +283,7 @@ impl Working {
             self.contradiction.swung(self.agreement.factor());
         }
         self.agreement.interrupt();
-        self.tared = false;
+        self.weighed_nothing = false;
         Innovation::default()
     }
 
@@ -227,20 +291,8 @@ impl Working {
     fn set_off(&mut self, velocity: f64, drive: &Drive, trail: &mut Option<Trail>) -> Innovation {
         let innovation = self.rest(velocity, drive.variance / 4.0 + 0.02 * 0.02, trail);
         let acceleration = drive.torque / drive.now.with_payload(self.filter.x[M]);
-        let of_delay = self.filter.row(DELAY);
-        let (x, p) = (&mut self.filter.x, &mut self.filter.p);
-        if let Some(trail) = trail {
-            let mut row = [0.0; N];
-            (row[W], row[DELAY]) = (1.0, acceleration);
-            trail.row(W, &row);
-        }
-        x[W] += x[DELAY] * acceleration;
-        let variance = p[W][W];
-        for (i, covariance) in of_delay.iter().enumerate() {
-            p[W][i] = acceleration * covariance;
-            p[i][W] = p[W][i];
-        }
-        p[W][W] = variance + acceleration * acceleration * of_delay[DELAY];
+        self.filter.lag(acceleration, trail);
+        self.rival.filter.lag(acceleration, &mut None);
         innovation
     }
 
@@ -258,6 +310,12 @@ impl Working {
         let model = self.torque_share * self.largest;
         let nearly = 1.0 - self.filter.x[W].abs() / BRAKED;
         let braked = nearly.max(0.0) * (drive.torque.abs() + s.coulomb_friction);
+        // What the ground does to a bucket that digs lasts, unlike noise.
+        let pushed = if self.slow_for > CREPT {
+            self.largest
+        } else {
+            0.0
+        };
         let opening = self.bucket.opening_rate() * drive.period;
         let m = self.filter.x[M].max(0.0);
         let input = Input {
@@ -270,12 +328,15 @@ impl Working {
             torque_variance: model * model * self.noise.scale() * 0.01 / drive.period
                 + sensor * sensor * drive.share
                 + braked * braked
+                + pushed * pushed * CREPT / drive.period
                 + drive.stale_torque,
             leaving: (s.estimator.opening_decay * opening).min(0.5),
             payload_variance: 0.5 * m * m * opening
                 + s.estimator.q_m * self.rated * self.rated * 1e-5 * drive.period,
         };
-        self.filter.p[GAIN][GAIN] += GAIN_DRIFT * GAIN_DRIFT * drive.period;
+        for filter in [&mut self.filter, &mut self.rival.filter] {
+            filter.p[GAIN][GAIN] += GAIN_DRIFT * GAIN_DRIFT * drive.period;
+        }
         let (width, gate) = (s.estimator.friction_width, s.estimator.gate);
         self.rival.set_off(&self.filter);
         self.filter.predict(&input, width, s.inertia_min, trail);
@@ -286,15 +347,10 @@ impl Working {
         }
         let measured = drive.velocity.map(|velocity| (velocity, drive.variance));
         let shape = (width, s.inertia_min);
-        if let Some(rival) = self.rival.step(
-            &input,
-            shape,
-            measured,
-            gate,
-            innovation,
-            self.contradiction.usual(),
-        ) {
-            self.filter = rival;
+        let usual = self.contradiction.usual();
+        self.rival
+            .step(&input, shape, measured, gate, innovation, usual);
+        if self.rival.overtakes(&mut self.filter) {
             self.anew = true;
             self.contradiction.outright();
         }
@@ -304,7 +360,9 @@ impl Working {
         let z = innovation.normalised();
         self.noise.push(z);
         if self.change.push(z.clamp(-3.0, 3.0)) {
-            self.filter.p[M][M] += 0.25 * self.rated * self.rated;
+            for filter in [&mut self.filter, &mut self.rival.filter] {
+                filter.p[M][M] += 0.25 * self.rated * self.rated;
+            }
             self.agreement.contradict();
             self.changed = true;
             self.contradiction.changed();
@@ -328,6 +386,9 @@ impl Working {
                 let value = slope - self.filter.x[i];
                 let variance = INCLINOMETER * INCLINOMETER;
                 self.filter.measure([(i, 1.0)], value, variance, 1e3, trail);
+                let rival = &mut self.rival.filter;
+                let value = slope - rival.x[i];
+                rival.measure([(i, 1.0)], value, variance, 1e3, &mut None);
             }
         }
     }
@@ -346,23 +407,29 @@ impl Working {
             }
             return;
         }
-        let [share, sticking] = STICKING.map(|share| share * self.rated);
-        let std = sticking * sqrt(1.0 + self.tares);
-        let value = share - self.filter.x[M];
-        if value * value > 9.0 * (claimed + std * std) {
+        let (empty, std) = self.sticking();
+        let rival = &self.rival.filter;
+        let [value, other] = [empty - self.filter.x[M], empty - rival.x[M]];
+        let apart = value * value > 9.0 * (claimed + std * std);
+        let explained = other * other < 4.0 * (rival.p[M][M] + std * std);
+        if apart && !explained {
             if !self.is_kept(variance) {
                 self.contradiction.outright();
             }
-        } else if !self.tared && value * value < 4.0 * (variance + std * std) {
+            return;
+        }
+        if !apart && !core::mem::replace(&mut self.weighed_nothing, true) && !self.changed {
             let (_, before) = self.filter.combination(&inertia_row(now));
-            self.filter
-                .measure([(M, 1.0)], value, std * std, gate, trail);
-            self.tared = true;
+            self.contradiction.agreed(sqrt(before) < CLOSE * now.empty);
+        }
+        if !core::mem::replace(&mut self.tared, true) {
+            let row = [(M, 1.0)];
+            let said = self.filter.measure(row, value, std * std, gate, trail);
+            let rival = &mut self.rival.filter;
+            let other = rival.measure(row, other, std * std, gate, &mut None);
+            self.rival
+                .weigh([said, other], gate, self.contradiction.usual());
             self.tares += 1.0;
-            let close = sqrt(before) < CLOSE * now.empty;
-            if !self.changed {
-                self.contradiction.agreed(close);
-            }
             self.agreement.interrupt();
         }
     }
@@ -402,13 +469,16 @@ impl Working {
         } else {
             0.0
         };
-        let unsure = self.rival.variance(payload) + anything;
-        let payload_std = sqrt(p[M][M].max(0.0) * factor + unsure);
+        let inertia = self.filter.inertia(&drive.now, payload);
+        let rival = self.rival.variances(payload, inertia, &drive.now);
+        let payload_std = sqrt(p[M][M].max(0.0) * factor + rival[0] + anything);
         let form = self.form(&drive.now);
         let g = drive.now.per_payload;
         State {
-            inertia: self.filter.inertia(&drive.now, payload),
-            inertia_std: sqrt(inertia_variance * factor + unsure * g * g + form * form),
+            inertia,
+            inertia_std: sqrt(
+                inertia_variance * factor + rival[1] + anything * g * g + form * form,
+            ),
             payload: Some((payload, payload_std)),
             damping: Some((x[DAMPING], std(DAMPING))),
             offset: Some((x[OFFSET], std(OFFSET))),
@@ -416,6 +486,7 @@ impl Working {
             acceleration: self.filter.acceleration,
             nis: innovation.nis(),
             changing: self.bucket.is_open() || self.changed,
+            weighed: self.weigh.as_ref().is_some_and(Weigh::is_fresh),
             unsettled: at_limit
                 || down
                 || self.bucket.is_settling()
@@ -478,12 +549,13 @@ impl Working {
     /// Whether a constant is not what the description allows for, or none that a machine has: next to no friction.
     fn is_beyond(&self) -> bool {
         let (x, p) = (&self.filter.x, &self.filter.p);
-        let apart = |i: usize| (x[i] - self.described[i]).abs() > BEYOND * self.stated[i];
+        let apart =
+            |(i, most): (usize, f64)| (x[i] - self.described[i]).abs() > most * self.stated[i];
         let absent = |i: usize| {
             let lack = LEAST * self.described[i] - x[i];
             lack > 0.0 && lack * lack > 9.0 * p[i][i]
         };
-        [GAIN, OFFSET].into_iter().any(apart) || [FRICTION, DAMPING].into_iter().any(absent)
+        BEYOND.into_iter().any(apart) || [FRICTION, DAMPING].into_iter().any(absent)
     }
 
     pub(super) fn is_sound(&self) -> bool {

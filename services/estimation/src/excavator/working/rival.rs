@@ -1,53 +1,59 @@
-//! Are torque and velocity still measured as they were before the machine stood?
+//! Is the torque's gain another one than stated?
 //!
-//! A torque that is wrong by a factor, and a velocity that is by its inverse, look like another inertia, and what the bucket
-//! holds is not known. But damping and friction are known from before, and do not change. So a second filter goes along
-//! from each standstill on, with the gain of the torque reopened, and the likelihoods of the innovations tell the two
-//! apart (a generalised likelihood ratio; Willsky and Jones 1976).
+//! A torque that is wrong by a factor, and a velocity that is by its inverse, look like another inertia: what the bucket holds is
+//! not known, and neither are upper body and bucket exactly. So a second filter goes along with the gain opened, does all that the
+//! first does, and the likelihoods of the innovations of both tell them apart (Bayes; a generalised likelihood ratio: Willsky,
+//! Jones 1976). It begins anew with each swing, as improbable as a sensor that has just broken. The interval is that of the
+//! mixture, and the filter that is far more probable is the estimate.
 
+use super::super::geometry::Inertia;
 use super::filter::{Filter, GAIN, Input, M};
 use crate::kalman::Innovation;
 use crate::math::{exp, ln};
 
 /// Standard deviation of the factor by which a sensor may be wrong.
 const FACTOR: f64 = 0.3;
-/// Probability that one has broken since the last swing.
-const BEFOREHAND: f64 = 0.001;
-/// Logarithm of the likelihood ratio that says it has: odds of 160 to 1.
-const EVIDENCE: f64 = 12.0;
+/// Logarithm of the odds that a sensor has broken since the last swing.
+const BEFOREHAND: f64 = -7.0;
+/// Logarithm of the odds at which it is the estimate: what the model leaves out makes the innovations say more than they know.
+const EVIDENCE: f64 = 5.0;
+/// One measurement says no more than this.
+const MOST: f64 = 8.0;
 
 /// The second filter.
-// One of them is made per machine, in place: there is no allocator to box it with.
-#[expect(clippy::large_enum_variant)]
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) enum Rival {
-    /// The machine stands: what was known of the sensors may have changed.
-    #[default]
-    Resting,
-    /// It goes along; the logarithm of its likelihood over the filter's.
-    Going(Filter, f64),
-    /// It has won in this swing.
-    Won,
+pub(super) struct Rival {
+    pub(super) filter: Filter,
+    /// Logarithm of its probability over the other's.
+    odds: f64,
+    resting: bool,
 }
 
 impl Rival {
-    /// Goes along from here on, if the machine stood.
+    /// At the start.
+    pub(super) fn new(filter: &Filter) -> Self {
+        Self {
+            filter: opened(filter),
+            odds: BEFOREHAND,
+            resting: true,
+        }
+    }
+
+    /// The machine moves: what was known of the sensors may have changed while it stood.
     pub(super) fn set_off(&mut self, filter: &Filter) {
-        if let Self::Resting = self {
-            let mut rival = filter.clone();
-            rival.p[GAIN][GAIN] += FACTOR * FACTOR;
-            *self = Self::Going(rival, 0.0);
+        if core::mem::take(&mut self.resting) {
+            self.filter = opened(filter);
+            self.odds = BEFOREHAND;
         }
     }
 
     /// The machine stands; whether it did not before.
     pub(super) fn is_over(&mut self) -> bool {
-        !matches!(core::mem::take(self), Self::Resting)
+        !core::mem::replace(&mut self.resting, true)
     }
 
-    /// One tick: what drives both, the velocity with its variance, and the innovation of the filter. The rival itself where
-    /// it has won.
+    /// One tick of motion, and the velocity with its variance; `innovation` is that of the other filter.
     pub(super) fn step(
         &mut self,
         input: &Input,
@@ -56,40 +62,62 @@ impl Rival {
         gate: f64,
         innovation: Innovation,
         disagreement: f64,
-    ) -> Option<Filter> {
-        let Self::Going(rival, evidence) = self else {
-            return None;
-        };
-        rival.predict(input, width, least, &mut None);
-        let (velocity, variance) = measured?;
-        let other = rival.correct(velocity, variance, gate, &mut None);
-        let squares = [innovation, other].map(|i| i.nis().min(gate * gate));
-        let volumes = ln(innovation.variance / other.variance);
-        *evidence += 0.5 * (squares[0] - squares[1] + volumes) / disagreement;
-        if *evidence < EVIDENCE {
-            return None;
-        }
-        match core::mem::replace(self, Self::Won) {
-            Self::Going(rival, _) => Some(rival),
-            _ => None,
+    ) {
+        self.filter.predict(input, width, least, &mut None);
+        if let Some((velocity, variance)) = measured {
+            let other = self.filter.correct(velocity, variance, gate, &mut None);
+            self.weigh([innovation, other], gate, disagreement);
         }
     }
 
-    /// Mean square by which a payload is off that the filter gives, as far as the rival may be right [kg^2].
-    pub(super) fn variance(&self, payload: f64) -> f64 {
-        let Self::Going(rival, evidence) = self else {
-            return 0.0;
-        };
-        let odds = BEFOREHAND * exp(evidence.min(EVIDENCE));
-        let difference = rival.x[M] - payload;
-        odds / (1.0 + odds) * (rival.p[M][M].max(0.0) + difference * difference)
+    /// Innovations of both filters to one measurement, as variances disagree by a factor.
+    pub(super) fn weigh(&mut self, both: [Innovation; 2], gate: f64, disagreement: f64) {
+        if both.iter().any(|i| i.variance <= 0.0) {
+            return;
+        }
+        let squares = both.map(|i| i.nis().min(gate * gate));
+        let volumes = ln(both[0].variance / both[1].variance);
+        let said = 0.5 * (squares[0] - squares[1] + volumes) / disagreement;
+        self.odds = (self.odds + said.clamp(-MOST, MOST)).clamp(-50.0, 50.0);
+    }
+
+    /// Changes places with the other filter where it is the more probable one.
+    pub(super) fn overtakes(&mut self, filter: &mut Filter) -> bool {
+        let won = self.odds > EVIDENCE;
+        if won {
+            core::mem::swap(&mut self.filter, filter);
+            self.odds = -self.odds;
+        }
+        won
+    }
+
+    fn probability(&self) -> f64 {
+        let odds = exp(self.odds.min(EVIDENCE));
+        odds / (1.0 + odds)
+    }
+
+    /// Variances that the mixture has beside those of the other filter: of payload [kg^2] and inertia [(kg m^2)^2].
+    pub(super) fn variances(&self, payload: f64, inertia: f64, now: &Inertia) -> [f64; 2] {
+        let x = &self.filter.x;
+        let apart = x[M] - payload;
+        let heavier = self.filter.inertia(now, x[M]) - inertia;
+        let row = super::filter::inertia_row(now);
+        let (_, own) = self.filter.combination(&row);
+        let p = self.probability();
+        [
+            p * (self.filter.p[M][M].max(0.0) + apart * apart),
+            p * (own + heavier * heavier),
+        ]
     }
 
     /// Whether its numbers are sound.
     pub(super) fn is_sound(&self) -> bool {
-        match self {
-            Self::Going(rival, evidence) => rival.is_sound() && evidence.is_finite(),
-            _ => true,
-        }
+        self.filter.is_sound() && self.odds.is_finite()
     }
+}
+
+fn opened(filter: &Filter) -> Filter {
+    let mut rival = filter.clone();
+    rival.p[GAIN][GAIN] += FACTOR * FACTOR;
+    rival
 }

@@ -1,0 +1,288 @@
+//! The moment about the boom foot that the boom's cylinders carry.
+//!
+//! ```text
+//! tau = sum_i m_i [x_i (g + z_i'') - z_i (x_i'' + g pitch - w^2 (x_0 + x_i))]
+//!       + sum_i [I_i alpha_i'' + w^2 (I_i - I_axial,i) sin(alpha_i) cos(alpha_i)]          i = boom, arm, bucket, payload
+//! r F = (1 + s) tau + r (z + f + F_c d)        F = n (A_h p_h - A_r p_r)
+//! ```
+//!
+//! | symbol | meaning | unit |
+//! |---|---|---|
+//! | x_i, z_i | centre of mass from the boom foot, forward and up | m |
+//! | alpha_i | angle of the link to the horizontal | rad |
+//! | r | lever of the cylinders ([`super::super::cylinder`]) | m |
+//! | s, z | span and zero of the moment: areas, lengths, zeros of the pressures; slow states | -, N |
+//! | f | rest of the friction, of the drawing and of the load's centre; a state of some seconds | N |
+//! | F_c, d | friction of the seals, and its direction: Dahl's model over the travel of the cylinder | N, - |
+//!
+//! Second derivatives need smooth angles: everything is averaged over blocks of 0.2 s, and three blocks make one measurement of the
+//! middle one. The mean of three blocks in the proportion 1 : 4 : 1 is smoothed as their second difference is (a quadratic
+//! spline).
+
+use super::super::cylinder::Cylinder;
+use super::super::drive::Drive;
+use super::super::geometry::Geometry;
+use crate::math::{exp, sin_cos};
+
+/// Standard gravity [m/s^2].
+const GRAVITY: f64 = 9.806_65;
+/// Length of a block [s], and the least part of it in which the pressures must be there.
+const BLOCK: f64 = 0.2;
+const PRESENT: f64 = 0.3;
+/// Travel within which the seals' friction follows the motion (Dahl) [m].
+const TRAVEL: f64 = 0.5e-3;
+/// Less travel than this in a block is noise of the angle [m].
+const STILL: f64 = 1e-3;
+/// Share of the friction's direction that is left from block to block where the cylinder stands.
+const LEFT: f64 = 0.6;
+/// Error of the mean acceleration of a link [rad/s^2], and the share of the dynamic part that three blocks miss.
+const ACCELERATION: f64 = 0.02;
+const MISSED: f64 = 0.15;
+
+/// Boom, arm, bucket, payload.
+const BODIES: usize = 4;
+
+/// Sums, then means, over a block.
+#[derive(Debug, Clone, Copy, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct Block {
+    time: f64,
+    x: [f64; BODIES],
+    z: [f64; BODIES],
+    alpha: [f64; 3],
+    moment: f64,
+    lever: f64,
+    length: f64,
+    spin: f64,
+    turn: [f64; 2],
+    free: bool,
+}
+
+/// The moment of a block with what it depends on.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(in crate::excavator) struct Moment {
+    /// Lever times force [N m].
+    pub(in crate::excavator) measured: f64,
+    /// Of the described empty machine on level ground [N m].
+    pub(in crate::excavator) empty: f64,
+    /// Part of boom and arm in it [N m].
+    pub(in crate::excavator) links: f64,
+    /// Per kilogram of payload, of bucket [N m/kg].
+    pub(in crate::excavator) per_payload: f64,
+    pub(in crate::excavator) per_bucket: f64,
+    /// Change of the three with the pitch [N m/rad, N m/(kg rad)].
+    pub(in crate::excavator) tilt: f64,
+    pub(in crate::excavator) tilt_payload: f64,
+    /// Lever [m].
+    pub(in crate::excavator) lever: f64,
+    /// Force of the seals in the direction of the motion, as far as it is known [N].
+    pub(in crate::excavator) friction: f64,
+    /// The cylinder moves.
+    pub(in crate::excavator) moves: bool,
+    /// Sine and cosine of the swing angle.
+    pub(in crate::excavator) turn: [f64; 2],
+    /// Variance of what the accelerations miss [(N m)^2].
+    pub(in crate::excavator) variance: f64,
+    /// Time since the measurement before [s].
+    pub(in crate::excavator) period: f64,
+}
+
+/// Collects blocks.
+#[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(in crate::excavator) struct BoomMoment {
+    block: Block,
+    elapsed: f64,
+    last: [Option<Block>; 2],
+    direction: f64,
+    since: f64,
+}
+
+impl BoomMoment {
+    pub(in crate::excavator) fn new() -> Self {
+        Self {
+            block: Block::default(),
+            elapsed: 0.0,
+            last: [None; 2],
+            direction: 0.0,
+            since: 0.0,
+        }
+    }
+
+    /// One tick: swing velocity, sine and cosine of the swing angle; whether the bucket is free and its content constant. The
+    /// moment of the block before the last, where three are there.
+    pub(in crate::excavator) fn step(
+        &mut self,
+        geometry: &Geometry,
+        cylinder: &Cylinder,
+        drive: &Drive,
+        velocity: f64,
+        turn: (f64, f64),
+        free: bool,
+    ) -> Option<Moment> {
+        let dt = drive.period;
+        self.block.free = free && (self.elapsed == 0.0 || self.block.free);
+        self.elapsed += dt;
+        if let Some(pressures) = drive.boom_pressure {
+            let force = cylinder.force(pressures);
+            self.block
+                .add(geometry, cylinder, drive, force, velocity, turn);
+        }
+        if self.elapsed < BLOCK - 0.5 * dt {
+            return None;
+        }
+        let block = core::mem::take(&mut self.block);
+        let whole = core::mem::take(&mut self.elapsed);
+        self.since += whole;
+        if block.time < PRESENT * whole || whole > 1.5 * BLOCK {
+            self.last = [None; 2];
+            return None;
+        }
+        self.next(geometry, cylinder, block.mean())
+    }
+
+    fn next(&mut self, geometry: &Geometry, cylinder: &Cylinder, newest: Block) -> Option<Moment> {
+        let [oldest, middle] = self.last;
+        self.last = [middle, Some(newest)];
+        let middle = middle?;
+        let travel = newest.length - middle.length;
+        let sign = travel.signum();
+        let follows = 1.0 - exp(-(travel.abs() - 0.5 * STILL).max(0.0) / TRAVEL);
+        // Of the middle block: half of the way there.
+        let before = self.direction;
+        self.direction += follows * (sign - self.direction);
+        let moves = travel.abs() > STILL;
+        if !moves {
+            self.direction *= LEFT;
+        }
+        let direction = 0.5 * (before + self.direction);
+        let oldest = oldest?;
+        if !(oldest.free && middle.free && newest.free) {
+            return None;
+        }
+        let blocks = [&oldest, &middle, &newest];
+        let moment = moment(geometry, cylinder, blocks, direction, moves, self.since);
+        self.since = 0.0;
+        Some(moment)
+    }
+}
+
+impl Block {
+    fn add(
+        &mut self,
+        g: &Geometry,
+        cylinder: &Cylinder,
+        drive: &Drive,
+        force: f64,
+        velocity: f64,
+        turn: (f64, f64),
+    ) {
+        let dt = drive.period;
+        let q = drive.posture;
+        let alpha = [q[0], q[0] + q[1], q[0] + q[1] + q[2]];
+        let turns = alpha.map(sin_cos);
+        let along = |distances: [f64; 3]| {
+            let mut place = (0.0, 0.0);
+            for (distance, (sin, cos)) in distances.iter().zip(turns) {
+                place.0 += distance * cos;
+                place.1 += distance * sin;
+            }
+            place
+        };
+        let [l1, l2] = g.lengths;
+        let [c1, c2, c3] = g.centres;
+        let bodies = [
+            along([c1, 0.0, 0.0]),
+            along([l1, c2, 0.0]),
+            along([l1, l2, c3]),
+            along([l1, l2, g.payload_centre]),
+        ];
+        for (i, (x, z)) in bodies.into_iter().enumerate() {
+            self.x[i] += dt * x;
+            self.z[i] += dt * z;
+        }
+        for (sum, angle) in self.alpha.iter_mut().zip(alpha) {
+            *sum += dt * angle;
+        }
+        let (length, lever) = cylinder.lever(q[0]);
+        self.time += dt;
+        self.moment += dt * lever * force;
+        self.lever += dt * lever;
+        self.length += dt * length;
+        self.spin += dt * velocity * velocity;
+        self.turn[0] += dt * turn.0;
+        self.turn[1] += dt * turn.1;
+    }
+
+    fn mean(mut self) -> Self {
+        let share = 1.0 / self.time;
+        let all = self.x.iter_mut().chain(&mut self.z).chain(&mut self.alpha);
+        all.chain(&mut self.turn).for_each(|sum| *sum *= share);
+        for sum in [
+            &mut self.moment,
+            &mut self.lever,
+            &mut self.length,
+            &mut self.spin,
+        ] {
+            *sum *= share;
+        }
+        self
+    }
+}
+
+/// The moment of the middle one of three blocks.
+fn moment(
+    g: &Geometry,
+    cylinder: &Cylinder,
+    blocks: [&Block; 3],
+    direction: f64,
+    moves: bool,
+    period: f64,
+) -> Moment {
+    let smooth =
+        |of: &dyn Fn(&Block) -> f64| (of(blocks[0]) + 4.0 * of(blocks[1]) + of(blocks[2])) / 6.0;
+    let bent = |of: &dyn Fn(&Block) -> f64| {
+        (of(blocks[0]) - 2.0 * of(blocks[1]) + of(blocks[2])) / (BLOCK * BLOCK)
+    };
+    let spin = smooth(&|b| b.spin);
+    let mut per_mass = [0.0; BODIES];
+    let mut tilt = [0.0; BODIES];
+    let mut dynamic = [0.0; BODIES];
+    for i in 0..BODIES {
+        let (x, z) = (smooth(&|b| b.x[i]), smooth(&|b| b.z[i]));
+        let (ax, az) = (bent(&|b| b.x[i]), bent(&|b| b.z[i]));
+        dynamic[i] = x * az - z * ax;
+        per_mass[i] = x * GRAVITY + dynamic[i] + z * spin * (g.boom_pin + x);
+        tilt[i] = -z * GRAVITY;
+    }
+    let (mut links, mut empty, mut moving, mut swinging) = (0.0, 0.0, 0.0, 0.0);
+    for i in 0..3 {
+        let (sin, cos) = sin_cos(smooth(&|b| b.alpha[i]));
+        let turning = g.inertias[i] * bent(&|b| b.alpha[i]);
+        let spread = spin * (g.inertias[i] - g.axial_inertias[i]) * sin * cos;
+        let own = g.masses[i] * per_mass[i] + turning + spread;
+        empty += own;
+        links += if i < 2 { own } else { 0.0 };
+        moving += g.masses[i] * dynamic[i] + turning;
+        let (x, z) = (smooth(&|b| b.x[i]), smooth(&|b| b.z[i]));
+        swinging += g.masses[i] * (x * x + z * z) + g.inertias[i];
+    }
+    let missed = MISSED * moving;
+    let noise = ACCELERATION * swinging;
+    let empties = (0..3).map(|i| g.masses[i] * tilt[i]).sum();
+    Moment {
+        measured: smooth(&|b| b.moment),
+        empty,
+        links,
+        per_payload: per_mass[3],
+        per_bucket: per_mass[2],
+        tilt: empties,
+        tilt_payload: tilt[3],
+        lever: smooth(&|b| b.lever),
+        friction: cylinder.friction[0] * direction,
+        moves,
+        turn: [smooth(&|b| b.turn[0]), smooth(&|b| b.turn[1])],
+        variance: missed * missed + noise * noise,
+        period,
+    }
+}

@@ -1,0 +1,5 @@
+//! What else tells the load: the moment that the boom's cylinders carry ([`boom_moment`]), while the ground carries no part of
+//! it ([`ground`]).
+
+pub(super) mod boom_moment;
+pub(super) mod ground;

@@ -1,0 +1,79 @@
+//! A hydraulic cylinder about a pin: its length, its lever, its force.
+//!
+//! ```text
+//! l^2 = a^2 + c^2 - 2 a c cos(q + delta)        r = dl/dq = a c sin(q + delta)/l        F = n (A_h p_h - A_r p_r)
+//! ```
+
+use crate::excavator::keys::Description;
+use crate::math::{sin_cos, sqrt};
+
+/// Pressure at which the friction of the seals is told as a share of the piston's force [Pa].
+const FULL_PRESSURE: f64 = 20e6;
+/// Where nothing is stated, areas and lengths are known to these shares.
+const AREA: f64 = 0.005;
+const LENGTH: f64 = 0.004;
+
+/// Cylinders side by side.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Cylinder {
+    /// Areas of head and rod side of all of them together (n A) [m^2].
+    pub areas: [f64; 2],
+    /// Base to pin (a), pin to rod eye (c) [m].
+    pub distances: [f64; 2],
+    /// Between the two at joint angle 0 (delta) [rad].
+    pub angle: f64,
+    /// Friction of the seals, and its standard deviation [N].
+    pub friction: [f64; 2],
+    /// Relative standard deviation of the moment: areas, lengths, angle.
+    pub span_std: f64,
+    /// Standard deviation of the force by the zeros of the two pressures [N].
+    pub zero_std: f64,
+}
+
+impl Cylinder {
+    /// The boom's; `None` where its areas or lengths are not described.
+    #[must_use]
+    pub fn of_boom(d: &Description) -> Option<Self> {
+        let c = &d.boom_cylinder;
+        let needed = [c.head_area, c.base_distance, c.rod_distance];
+        if needed.iter().any(|value| *value <= 0.0) {
+            return None;
+        }
+        let areas = [c.count * c.head_area, c.count * c.rod_area];
+        let full = areas[0] * FULL_PRESSURE;
+        let share = |std: Option<f64>, value: f64, of: f64| std.map_or(of, |std| std / value);
+        let doubts = [
+            share(c.head_area_std, c.head_area, AREA),
+            share(c.base_distance_std, c.base_distance, LENGTH),
+            share(c.rod_distance_std, c.rod_distance, LENGTH),
+            // The lever changes by its cotangent, a half on the mean over the boom's travel.
+            0.5 * (c.angle_std + d.sensors.angle_offset_std),
+        ];
+        Some(Self {
+            areas,
+            distances: [c.base_distance, c.rod_distance],
+            angle: c.angle,
+            friction: [c.friction * full, c.friction_std * full],
+            span_std: sqrt(doubts.iter().map(|doubt| doubt * doubt).sum()),
+            zero_std: d.sensors.pressure_offset_std
+                * sqrt(areas.iter().map(|area| area * area).sum()),
+        })
+    }
+
+    /// Length and lever at a joint angle [m].
+    #[must_use]
+    pub fn lever(&self, angle: f64) -> (f64, f64) {
+        let [a, c] = self.distances;
+        let (sin, cos) = sin_cos(angle + self.angle);
+        let square = a * a + c * c - 2.0 * a * c * cos;
+        let length = sqrt(square.max(1e-6 * (a * a + c * c)));
+        (length, a * c * sin / length)
+    }
+
+    /// Force of these pressures of head and rod side [N].
+    #[must_use]
+    pub fn force(&self, [head, rod]: [f64; 2]) -> f64 {
+        self.areas[0] * head - self.areas[1] * rod
+    }
+}

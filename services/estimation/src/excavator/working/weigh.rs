@@ -1,0 +1,191 @@
+//! The moment of the boom's cylinders as a measurement of the filter.
+//!
+//! Its model is that of [`super::super::measurements::boom_moment`]; here stand what its states are at first, how the rest of the friction
+//! wanders, and what does not fit.
+
+use super::super::cylinder::Cylinder;
+use super::super::drive::Drive;
+use super::super::measurements::boom_moment::{BoomMoment, Moment};
+use super::super::measurements::ground::Ground;
+use super::super::settings::Settings;
+use super::bucket::Content;
+use super::filter::{BUCKET, Filter, LINKS, M, N, REST, SLOPE, SPAN, ZERO};
+use super::smoother::Trail;
+use crate::kalman::Innovation;
+use crate::math::{exp, sin_cos};
+
+/// Share of the seals' friction that nobody can tell, while the cylinder moves and while it stands.
+const UNTOLD: [f64; 2] = [0.15, 0.5];
+/// Share of the moment that the drawing misses at each posture: centres of mass beside the lines of the pins.
+const DRAWN: f64 = 0.01;
+/// Standard deviation of the load's centre, as a share of its distance from the pin.
+const CENTRE: f64 = 0.12;
+/// The rest is another one after this time [s].
+const FADING: f64 = 3.0;
+/// A zero and a span wander by their standard deviations in this time [s].
+const LASTING: f64 = 3600.0;
+/// Innovations beyond this many standard deviations are no load.
+const GATE: f64 = 4.0;
+/// What a measurement says holds for so long [s].
+const HOLDS: f64 = 1.0;
+
+/// The second witness.
+#[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Weigh {
+    cylinder: Cylinder,
+    ground: Ground,
+    moments: BoomMoment,
+    /// The states hold what the description says.
+    begun: bool,
+    /// Time since the last measurement that fitted [s].
+    age: f64,
+}
+
+impl Weigh {
+    pub(super) fn new(cylinder: Cylinder) -> Self {
+        Self {
+            cylinder,
+            ground: Ground::new(),
+            moments: BoomMoment::new(),
+            begun: false,
+            age: f64::INFINITY,
+        }
+    }
+
+    /// A source that has the pressures.
+    pub(super) fn is_there(&self) -> bool {
+        self.begun
+    }
+
+    /// The load has been weighed just now.
+    pub(super) fn is_fresh(&self) -> bool {
+        self.age < HOLDS
+    }
+
+    /// The bucket may be filling.
+    pub(super) fn digs(&self) -> bool {
+        self.ground.digs()
+    }
+
+    /// The states of the filters are as the description says, where the pressures begin.
+    pub(super) fn begin(
+        &mut self,
+        drive: &Drive,
+        filters: [&mut Filter; 2],
+        trail: &mut Option<Trail>,
+    ) {
+        if self.begun || drive.boom_pressure.is_none() {
+            return;
+        }
+        self.begun = true;
+        let c = &self.cylinder;
+        let [one, other] = filters;
+        for (i, std) in [
+            (SPAN, c.span_std),
+            (ZERO, c.zero_std),
+            (REST, c.friction[0]),
+        ] {
+            one.set(i, 0.0, std * std, trail);
+            other.set(i, 0.0, std * std, &mut None);
+        }
+    }
+
+    /// One tick; swing angle and velocity; what becomes of the bucket's content, and whether the bucket opens.
+    pub(super) fn step(
+        &mut self,
+        settings: &Settings,
+        drive: &Drive,
+        (turn, velocity): (f64, f64),
+        (content, opens): (Content, bool),
+    ) -> Option<Moment> {
+        if !self.begun {
+            return None;
+        }
+        self.age += drive.period;
+        let g = &settings.geometry;
+        self.ground
+            .step(drive.posture, g.lengths, velocity, drive.period);
+        if opens {
+            self.ground.opens();
+        }
+        let free = content == Content::Unchanged && !opens && !self.ground.may_touch();
+        let turn = sin_cos(turn);
+        self.moments
+            .step(g, &self.cylinder, drive, velocity, turn, free)
+    }
+
+    /// What the rest of the friction may be, and what it keeps of what it was.
+    fn wander(&self, m: &Moment, filter: &mut Filter, settings: &Settings) {
+        let c = &self.cylinder;
+        let untold = UNTOLD[usize::from(!m.moves)] * c.friction[0];
+        let doubt = if m.moves {
+            c.friction[1]
+        } else {
+            0.5 * c.friction[1]
+        };
+        let drawn = DRAWN * m.measured / m.lever;
+        let load = filter.x[M].max(0.0) * m.per_payload / m.lever;
+        let centre =
+            CENTRE * settings.geometry.payload_centre / settings.geometry.lengths[0] * load;
+        let variance = untold * untold + doubt * doubt + drawn * drawn + centre * centre;
+        let kept = exp(-m.period / FADING);
+        filter.x[REST] *= kept;
+        for i in 0..N {
+            filter.p[REST][i] *= kept;
+            filter.p[i][REST] *= kept;
+        }
+        filter.p[REST][REST] += (1.0 - kept * kept) * variance;
+        let lost = m.period / LASTING;
+        filter.p[ZERO][ZERO] += lost * c.zero_std * c.zero_std;
+        filter.p[SPAN][SPAN] += lost * c.span_std * c.span_std;
+    }
+
+    /// A filter takes in a moment, unless it is too far from what it expects; the innovation.
+    pub(super) fn measure(
+        &self,
+        settings: &Settings,
+        m: &Moment,
+        filter: &mut Filter,
+        trail: &mut Option<Trail>,
+    ) -> Innovation {
+        self.wander(m, filter, settings);
+        let x = &filter.x;
+        let [sin, cos] = m.turn;
+        // Pitch of the upper body, by the slope of the ground in the axes of the start.
+        let pitch = -(x[SLOPE] * sin + x[SLOPE + 1] * cos);
+        let tilt = m.tilt + x[M] * m.tilt_payload;
+        let load = m.per_payload + pitch * m.tilt_payload;
+        let tau =
+            m.empty + x[LINKS] * m.links + x[BUCKET] * m.per_bucket + x[M] * load + pitch * m.tilt;
+        let span = 1.0 + x[SPAN];
+        let expected = span * tau + m.lever * (x[ZERO] + x[REST] + m.friction);
+        let row = [
+            (M, span * load),
+            (BUCKET, span * m.per_bucket),
+            (LINKS, span * m.links),
+            (SPAN, tau),
+            (ZERO, m.lever),
+            (REST, m.lever),
+            (SLOPE, -span * tilt * sin),
+            (SLOPE + 1, -span * tilt * cos),
+        ];
+        let value = m.measured - expected;
+        let total = filter.combination(&row).1 + m.variance;
+        let innovation = Innovation {
+            value,
+            variance: total,
+        };
+        if innovation.nis() < GATE * GATE {
+            filter.measure(row, value, m.variance, GATE, trail);
+        }
+        innovation
+    }
+
+    /// The innovation of a measurement.
+    pub(super) fn fits(&mut self, innovation: Innovation) {
+        if innovation.nis() < GATE * GATE {
+            self.age = 0.0;
+        }
+    }
+}
