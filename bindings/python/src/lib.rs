@@ -1,17 +1,23 @@
 //! The native part of the Python package `heft`: the steps of the pipeline on columns, recordings as
 //! columns, the tables of messages. Numbers cross the border as the bytes of their array.
 
+mod estimator;
+mod kind;
+
+use std::path::Path;
+
 use config::Description;
 use messages::channels::{self, Visitor};
-use messages::{Envelope, ExcavatorEstimate, NumberType, LoaderEstimate, Machine, Message, Value};
+use messages::{Machine, Message, NumberType, Value};
 use pyo3::create_exception;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyList, PyTuple};
-use recording::Reader;
-use recording::csv::Estimate;
-use recording::frame::{self, NamedColumn, Values};
+use recording::frame::{self, Values};
+use recording::{Map, Reader};
 use steps::stages::Pipeline;
+
+use crate::kind::{Found, kind};
 
 create_exception!(_heft, HeftError, PyValueError, "What is wrong, where, and what to do about it.");
 
@@ -24,7 +30,13 @@ fn _heft(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add("__version__", env!("CARGO_PKG_VERSION"))?;
     m.add("HeftError", m.py().get_type::<HeftError>())?;
     m.add_function(wrap_pyfunction!(signals, m)?)?;
+    m.add_class::<estimator::Estimator>()?;
     m.add_function(wrap_pyfunction!(estimate, m)?)?;
+    m.add_function(wrap_pyfunction!(estimate_file, m)?)?;
+    m.add_function(wrap_pyfunction!(header, m)?)?;
+    m.add_function(wrap_pyfunction!(methods, m)?)?;
+    m.add_function(wrap_pyfunction!(nearest, m)?)?;
+    m.add_function(wrap_pyfunction!(reasons, m)?)?;
     m.add_function(wrap_pyfunction!(description, m)?)?;
     m.add_function(wrap_pyfunction!(read, m)?)?;
     m.add_function(wrap_pyfunction!(schema, m)?)
@@ -62,6 +74,9 @@ fn description(machine: &str, text: Option<&str>, settings: Vec<String>) -> PyRe
     Ok(described(self::machine(machine)?, text, &settings)?.to_toml())
 }
 
+/// Columns of the estimates, the places of the rows that were refused, and the number of rows.
+type Estimated<'py> = (Bound<'py, PyList>, Vec<u32>, usize);
+
 #[pyfunction]
 fn estimate<'py>(
     py: Python<'py>,
@@ -70,54 +85,46 @@ fn estimate<'py>(
     text: Option<&str>,
     settings: Vec<String>,
     method: Option<&str>,
-) -> PyResult<Bound<'py, PyList>> {
+) -> PyResult<Estimated<'py>> {
     let description = described(self::machine(machine)?, text, &settings)?;
     let columns: Vec<(&str, Vec<f64>)> = columns
         .iter()
         .map(|(name, bytes)| (name.as_str(), numbers(bytes.as_bytes())))
         .collect();
-    let pipeline = Pipeline::of(description.machine());
-    let main = pipeline.stage(pipeline.main).and_then(|s| s.methods().first().copied());
-    let method = method.or(main).unwrap_or_default();
-    let result = py.detach(|| match &description {
-        Description::Excavator(d) => {
-            let rows = frame::rows::<messages::ExcavatorSensors>(&columns).map_err(refused)?;
-            if let Some((first, _)) = rows.first() {
-                steps::excavator::check_columns(d, method, first).map_err(refused)?;
-            }
-            run::<_, _, ExcavatorEstimate>(&description, method, &rows)
-        }
-        Description::Loader(_) => {
-            let rows = frame::rows::<messages::LoaderSensors>(&columns).map_err(refused)?;
-            run::<_, _, LoaderEstimate>(&description, method, &rows)
-        }
-    })?;
-    let columns = result.into_iter().map(|(name, unit, values)| to_python(py, name, unit, "", values));
-    PyList::new(py, columns.collect::<PyResult<Vec<_>>>()?)
+    let length = columns.first().map_or(0, |(_, values)| values.len());
+    let result = py.detach(|| kind(&description).of_columns(&description, method, &columns, length));
+    estimated(py, result?)
+}
+
+/// The estimates of a file: a table, a recording, or a CAN log with its map.
+#[pyfunction]
+fn estimate_file<'py>(
+    py: Python<'py>,
+    machine: &str,
+    path: &str,
+    map: Option<&str>,
+    text: Option<&str>,
+    settings: Vec<String>,
+    method: Option<&str>,
+) -> PyResult<Estimated<'py>> {
+    let description = described(self::machine(machine)?, text, &settings)?;
+    let result = py.detach(|| {
+        let map = map.map(|map| Map::read(Path::new(map))).transpose().map_err(refused)?;
+        kind(&description).of_file(&description, method, Path::new(path), map.as_ref())
+    });
+    estimated(py, result?)
+}
+
+fn estimated(py: Python<'_>, (columns, refused, rows): Found) -> PyResult<Estimated<'_>> {
+    let columns = columns.into_iter().map(|(name, unit, values)| to_python(py, name, unit, "", values));
+    let columns = PyList::new(py, columns.collect::<PyResult<Vec<_>>>()?)?;
+    Ok((columns, refused, rows))
 }
 
 /// The doubles of an array.
 fn numbers(bytes: &[u8]) -> Vec<f64> {
     let words = bytes.chunks_exact(8).map(|b| <[u8; 8]>::try_from(b).unwrap_or_default());
     words.map(f64::from_le_bytes).collect()
-}
-
-/// The stages that lead to a method's estimate, as `heft estimate` runs them.
-fn run<S: Message, T, E: Estimate>(
-    description: &Description,
-    method: &str,
-    rows: &[(S, T)],
-) -> PyResult<Vec<NamedColumn>> {
-    let pipeline = Pipeline::of(description.machine());
-    let stage = pipeline.with_method(method);
-    let stage = stage.ok_or_else(|| refused(pipeline.unknown(method)))?;
-    let mut messages: Vec<Envelope> = rows.iter().map(|(s, _)| s.envelope()).collect();
-    for row in pipeline.way_to(stage) {
-        let mut step = row.start(description, method).map_err(refused)?;
-        messages = messages.iter().filter_map(|m| step.answer(m)).collect();
-    }
-    let estimates: Vec<E> = messages.iter().filter_map(E::inside).copied().collect();
-    Ok(frame::columns_of(&estimates))
 }
 
 /// `(name, unit, meaning, (kind, content))`.
@@ -128,13 +135,52 @@ fn to_python<'py>(
     meaning: &str,
     values: Values,
 ) -> PyResult<Bound<'py, PyTuple>> {
-    let bytes = |bytes: Vec<u8>| PyBytes::new(py, &bytes).into_any();
-    let (kind, content) = match values {
-        Values::Numbers(x) => ("numbers", bytes(x.iter().flat_map(|x| x.to_le_bytes()).collect())),
-        Values::Flags(x) => ("flags", bytes(x.into_iter().map(u8::from).collect())),
-        Values::Words(x) => ("words", PyList::new(py, x)?.into_any()),
+    let bytes = |bytes: &[u8]| PyBytes::new(py, bytes);
+    let content = match values {
+        Values::Numbers(x) => {
+            let x: Vec<u8> = x.iter().flat_map(|x| x.to_le_bytes()).collect();
+            ("numbers", bytes(&x)).into_pyobject(py)?
+        }
+        Values::Flags(x) => {
+            let x: Vec<u8> = x.into_iter().map(u8::from).collect();
+            ("flags", bytes(&x)).into_pyobject(py)?
+        }
+        Values::Words(codes, words) => ("words", (bytes(&codes), words)).into_pyobject(py)?,
     };
-    (name, unit, meaning, (kind, content)).into_pyobject(py)
+    (name, unit, meaning, content).into_pyobject(py)
+}
+
+/// The columns of a machine's estimates: name, unit, what they hold.
+#[pyfunction]
+fn header(machine: &str) -> PyResult<Vec<(&'static str, &'static str, &'static str)>> {
+    let description = Description::default_of(self::machine(machine)?);
+    let header = kind(&description).header();
+    let word = |kind| match kind {
+        frame::Kind::Number => "float",
+        frame::Kind::Flag => "bool",
+        frame::Kind::Method => "method",
+        frame::Kind::Reason => "reason",
+    };
+    Ok(header.into_iter().map(|(name, unit, kind)| (name, unit, word(kind))).collect())
+}
+
+/// Names and words of a machine's reasons.
+#[pyfunction]
+fn reasons(machine: &str) -> PyResult<Vec<(&'static str, &'static str)>> {
+    Ok(kind(&Description::default_of(self::machine(machine)?)).reasons().to_vec())
+}
+
+/// The methods of a machine.
+#[pyfunction]
+fn methods(machine: &str) -> PyResult<Vec<&'static str>> {
+    let pipeline = Pipeline::of(self::machine(machine)?);
+    Ok(pipeline.stages.iter().flat_map(|s| s.methods()).copied().collect())
+}
+
+/// The name among these that is nearest to a word, if one is near.
+#[pyfunction]
+fn nearest(word: &str, names: Vec<String>) -> Option<String> {
+    config::nearest(word, names.iter().map(String::as_str)).map(str::to_owned)
 }
 
 /// One channel as columns.

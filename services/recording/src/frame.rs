@@ -1,34 +1,34 @@
 //! Tables in memory, as other languages have them: rows from columns, and columns from estimates.
 
+use std::marker::PhantomData;
+
 use messages::channels::{self, Visitor};
 use messages::{Machine, Message, Value};
 
 use crate::csv::{Column, Estimate};
+use crate::map::hint;
 use crate::schema::RecordedField;
 use crate::signal::{self, Builder, Row, Sensors, Signal};
 use crate::{Error, Reader, machines};
 
-/// The samples of a machine from columns of the names of its CSV; columns of other names are left out, a value that
-/// is not finite is a missing sample.
+/// The samples of a machine from columns of the names of its CSV, one after the other; columns of other names are
+/// left out, a value that is not finite is a missing sample.
 ///
 /// # Errors
 /// A column that is needed is missing, or the columns differ in length.
-pub fn rows<S: Sensors>(columns: &[(&str, Vec<f64>)]) -> Result<Vec<Row<S>>, Error> {
-    let place = "the table";
-    let there = |name: &str| columns.iter().any(|(n, _)| *n == name);
-    let time: &[&str] = &["t"];
-    for group in [time].iter().chain(S::REQUIRED) {
-        if !group.iter().any(|name| there(name)) {
-            let what = format!("there is no column {} ({})", group.join(" or "), S::MACHINE);
-            let found: Vec<&str> = columns.iter().map(|(name, _)| *name).collect();
-            let remedy = format!("rename a column; the table has {}", found.join(", "));
-            return Err(Error::new(what, place, remedy));
-        }
-    }
+pub fn rows<'a, S: Sensors>(
+    columns: &'a [(&str, Vec<f64>)],
+) -> Result<impl Iterator<Item = Row<S>> + 'a, Error> {
+    let names: Vec<&str> = columns.iter().map(|(name, _)| *name).collect();
+    check_required::<S>(&names)?;
     let length = columns.first().map_or(0, |(_, values)| values.len());
     if let Some((name, values)) = columns.iter().find(|(_, v)| v.len() != length) {
         let what = format!("column {name} has {} values, not {length}", values.len());
-        return Err(Error::new(what, place, "give columns of the same length"));
+        return Err(Error::new(
+            what,
+            TABLE,
+            "give columns of the same length",
+        ));
     }
     let signals = signal::signals::<S>();
     let known: Vec<(&Signal, &[f64])> = signals
@@ -39,15 +39,90 @@ pub fn rows<S: Sensors>(columns: &[(&str, Vec<f64>)]) -> Result<Vec<Row<S>>, Err
         })
         .collect();
     let mut builder = Builder::<S>::new(known.iter().map(|(signal, _)| *signal));
-    let mut row = vec![0.0; known.len()];
-    for i in 0..length {
-        for (value, (_, values)) in row.iter_mut().zip(&known) {
-            *value = values[i];
+    let values: Vec<&[f64]> = known.into_iter().map(|(_, values)| values).collect();
+    let mut row = vec![0.0; values.len()];
+    let mut at = 0;
+    Ok(std::iter::from_fn(move || {
+        loop {
+            if let Some(next) = builder.next() {
+                return Some(next);
+            }
+            if at == length {
+                builder.finish();
+                return builder.next();
+            }
+            for (value, values) in row.iter_mut().zip(&values) {
+                *value = values[at];
+            }
+            builder.push(&row, 0);
+            at += 1;
         }
-        builder.push(&row, 0);
+    }))
+}
+
+const TABLE: &str = "the table";
+
+/// Refuses signals among which one that the machine needs is missing.
+fn check_required<S: Sensors>(names: &[&str]) -> Result<(), Error> {
+    let time: &[&str] = &["t"];
+    let mut groups = [time].into_iter().chain(S::REQUIRED.iter().copied());
+    let missing = groups.find(|group| !group.iter().any(|name| names.contains(name)));
+    missing.map_or(Ok(()), |group| {
+        let what = format!("there is no column {} ({})", group.join(" or "), S::MACHINE);
+        let remedy = format!("rename a column; the table has {}", names.join(", "));
+        Err(Error::new(what, TABLE, remedy))
+    })
+}
+
+/// Makes samples one by one, as they come; the source has all signals that were named, be they silent at first.
+#[derive(Debug)]
+pub struct Feed<S: Sensors> {
+    builder: Builder<S>,
+}
+
+impl<S: Sensors> Feed<S> {
+    /// Rows will have the values of these signals, in this order; the time is one of them.
+    ///
+    /// # Errors
+    /// A signal is not known or named twice, or one that is needed is missing.
+    pub fn new(names: &[&str]) -> Result<Self, Error> {
+        let all = signal::signals::<S>();
+        let known = |name: &str| all.iter().find(|s| s.name == name);
+        for (i, name) in names.iter().enumerate() {
+            if known(name).is_none() {
+                let known = all.iter().map(|s| s.name.as_str());
+                let what = format!("a {} has no signal {name}", S::MACHINE);
+                let remedy = hint(name, known, "the signals are");
+                return Err(Error::new(what, "the signals", remedy));
+            }
+            if names[..i].contains(name) {
+                let what = format!("{name} is named twice");
+                return Err(Error::new(what, "the signals", "name each signal once"));
+            }
+        }
+        check_required::<S>(names)?;
+        let signals = names.iter().filter_map(|name| known(name));
+        Ok(Self {
+            builder: Builder::with_all(signals),
+        })
     }
-    builder.finish();
-    Ok(std::iter::from_fn(|| builder.next()).collect())
+
+    /// The next sample; a value that is not finite is missing.
+    pub fn sample(&mut self, values: &[f64]) -> S {
+        self.builder.push(values, 0);
+        self.builder.next().map_or_else(S::default, |(sample, _)| sample)
+    }
+
+    /// How many samples were made.
+    #[must_use]
+    pub fn count(&self) -> u64 {
+        self.builder.count()
+    }
+
+    /// Goes on counting from here.
+    pub fn go_on_from(&mut self, count: u64) {
+        self.builder.go_on_from(count);
+    }
 }
 
 /// One column of estimates.
@@ -57,75 +132,196 @@ pub enum Values {
     Numbers(Vec<f64>),
     /// Flags.
     Flags(Vec<bool>),
-    /// Words.
-    Words(Vec<&'static str>),
+    /// Words by their code, which is their place in the list.
+    Words(Vec<u8>, Vec<&'static str>),
 }
 
 /// A column: name, SI unit, values.
 pub type NamedColumn = (&'static str, &'static str, Values);
 
-/// The columns that `heft estimate` writes, without the rows that were refused.
-#[must_use]
-pub fn columns_of<E: Estimate>(estimates: &[E]) -> Vec<NamedColumn> {
-    let accepted: Vec<&E> = estimates
-        .iter()
-        .filter(|e| e.bits().0 & E::REFUSED == 0)
-        .collect();
-    let estimated = accepted.first().map_or(0, |e| e.bits().1);
-    let extra: &[Column] = if estimated & E::EXTRA.1 == 0 {
-        &[]
-    } else {
-        E::EXTRA.0
-    };
-    let times = accepted.iter().map(|e| e.stamp().time).collect();
-    let mut columns = vec![("t", "s", Values::Numbers(times))];
-    columns.extend(
-        E::COLUMNS
-            .iter()
-            .chain(extra)
-            .map(|c| column(*c, &accepted)),
-    );
-    let method = |e: &&E| {
-        E::METHODS
-            .get(e.bits().2 as usize)
-            .copied()
-            .unwrap_or_default()
-    };
-    columns.push((
-        "method",
-        "",
-        Values::Words(accepted.iter().map(method).collect()),
-    ));
-    if !E::REASONS.is_empty() {
-        let reason = |e: &&E| {
-            let known = E::REASONS.get(e.reason() as usize);
-            known.map_or("", |(name, _)| *name)
-        };
-        let reasons = accepted.iter().map(reason).collect();
-        columns.push(("reason", "", Values::Words(reasons)));
-    }
-    columns
+/// Estimates in columns, as `heft estimate` writes them, without the rows that were refused.
+#[derive(Debug)]
+pub struct Table<E: Estimate> {
+    times: Vec<f64>,
+    columns: Vec<(Column, Option<usize>, Filled)>,
+    /// Whether the method has the quantities that few methods have.
+    has_extra: Option<bool>,
+    methods: Vec<u8>,
+    reasons: Vec<u8>,
+    rows: u32,
+    /// Places of the rows that were refused.
+    refused: Vec<u32>,
+    estimates: PhantomData<E>,
 }
 
-fn column<E: Estimate>(column: Column, estimates: &[&E]) -> NamedColumn {
-    match column {
-        Column::Flag(name, bit) => {
-            let flags = estimates.iter().map(|e| e.bits().0 & bit != 0).collect();
-            (name, "", Values::Flags(flags))
+#[derive(Debug)]
+enum Filled {
+    Numbers(Vec<f64>),
+    Flags(Vec<bool>),
+}
+
+impl<E: Estimate> Table<E> {
+    /// An empty table with room for so many rows.
+    #[must_use]
+    pub fn with_capacity(rows: usize) -> Self {
+        let column = |c: &Column| match *c {
+            Column::Flag(..) => (*c, None, Filled::Flags(Vec::with_capacity(rows))),
+            Column::Value(name, _) => (*c, E::index(name), Filled::Numbers(Vec::with_capacity(rows))),
+        };
+        Self {
+            times: Vec::with_capacity(rows),
+            has_extra: None,
+            columns: E::COLUMNS.iter().chain(E::EXTRA.0).map(column).collect(),
+            methods: Vec::with_capacity(rows),
+            reasons: Vec::with_capacity(rows),
+            rows: 0,
+            refused: Vec::new(),
+            estimates: PhantomData,
         }
-        Column::Value(name, bits) => {
-            let index = E::index(name);
-            let number = |e: &&E| match index.and_then(|i| e.get(i)) {
-                Some(Value::F64(x)) if e.bits().1 & bits == bits => x,
-                _ => f64::NAN,
-            };
+    }
+
+    /// Adds a row; one that was refused is noted as such.
+    pub fn push(&mut self, estimate: &E) {
+        let (flags, estimated, method) = estimate.bits();
+        self.rows += 1;
+        if flags & E::REFUSED != 0 {
+            self.refused.push(self.rows - 1);
+            return;
+        }
+        self.has_extra.get_or_insert(estimated & E::EXTRA.1 != 0);
+        self.times.push(estimate.stamp().time);
+        for (column, index, cells) in &mut self.columns {
+            match (cells, *column) {
+                (Filled::Flags(cells), Column::Flag(_, bit)) => cells.push(flags & bit != 0),
+                (Filled::Numbers(cells), Column::Value(_, bits)) => {
+                    cells.push(number(estimate, *index, estimated & bits == bits));
+                }
+                _ => {}
+            }
+        }
+        self.methods.push(u8::try_from(method).unwrap_or(u8::MAX));
+        self.reasons.push(u8::try_from(estimate.reason()).unwrap_or(u8::MAX));
+    }
+
+    /// Places of the rows that were refused.
+    #[must_use]
+    pub fn refused(&self) -> &[u32] {
+        &self.refused
+    }
+
+    /// The columns; those of quantities that few methods have, only where this one has them.
+    #[must_use]
+    pub fn finish(self) -> Vec<NamedColumn> {
+        let mut columns = vec![("t", "s", Values::Numbers(self.times))];
+        for (i, (column, index, cells)) in self.columns.into_iter().enumerate() {
+            let (Column::Flag(name, _) | Column::Value(name, _)) = column;
             let unit = index.map_or("", |i| E::FIELDS[i].unit);
-            (
-                name,
-                unit,
-                Values::Numbers(estimates.iter().map(number).collect()),
-            )
+            if i >= E::COLUMNS.len() && self.has_extra != Some(true) {
+                break;
+            }
+            let values = match cells {
+                Filled::Numbers(cells) => Values::Numbers(cells),
+                Filled::Flags(cells) => Values::Flags(cells),
+            };
+            columns.push((name, unit, values));
         }
+        columns.push(("method", "", Values::Words(self.methods, E::METHODS.to_vec())));
+        if !E::REASONS.is_empty() {
+            let names = E::REASONS.iter().map(|(name, _)| *name);
+            columns.push(("reason", "", Values::Words(self.reasons, names.collect())));
+        }
+        columns
+    }
+}
+
+/// A field of an estimate; NaN where it is not estimated.
+fn number<E: Estimate>(estimate: &E, index: Option<usize>, is_estimated: bool) -> f64 {
+    match index.and_then(|i| estimate.get(i)) {
+        Some(Value::F64(x)) if is_estimated => x,
+        _ => f64::NAN,
+    }
+}
+
+/// A cell of an estimate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Cell {
+    /// A number; NaN where the method does not estimate the quantity.
+    Number(f64),
+    /// A flag.
+    Flag(bool),
+    /// A word.
+    Word(&'static str),
+}
+
+/// Name, unit and meaning of every column that an estimate of this kind can have: time, quantities, flags, whether
+/// the row was refused, method and reason.
+#[must_use]
+pub fn header<E: Estimate>() -> Vec<(&'static str, &'static str, Kind)> {
+    let column = |c: &Column| match *c {
+        Column::Flag(name, _) => (name, "", Kind::Flag),
+        Column::Value(name, _) => {
+            let unit = E::index(name).map_or("", |i| E::FIELDS[i].unit);
+            (name, unit, Kind::Number)
+        }
+    };
+    let mut all = vec![("t", "s", Kind::Number)];
+    all.extend(E::COLUMNS.iter().chain(E::EXTRA.0).map(column));
+    all.extend([("refused", "", Kind::Flag), ("method", "", Kind::Method)]);
+    all.push(("reason", "", Kind::Reason));
+    all
+}
+
+/// What a column holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// Numbers.
+    Number,
+    /// Flags.
+    Flag,
+    /// Names of methods.
+    Method,
+    /// Names of reasons.
+    Reason,
+}
+
+/// Takes estimates apart into the cells of [`header`].
+#[derive(Debug)]
+pub struct Cells<E: Estimate> {
+    columns: Vec<(Column, Option<usize>)>,
+    estimates: PhantomData<E>,
+}
+
+impl<E: Estimate> Default for Cells<E> {
+    fn default() -> Self {
+        let column = |c: &Column| match *c {
+            Column::Flag(..) => (*c, None),
+            Column::Value(name, _) => (*c, E::index(name)),
+        };
+        Self {
+            columns: E::COLUMNS.iter().chain(E::EXTRA.0).map(column).collect(),
+            estimates: PhantomData,
+        }
+    }
+}
+
+impl<E: Estimate> Cells<E> {
+    /// Calls `put` with the cells of an estimate in the order of [`header`].
+    pub fn of(&self, estimate: &E, put: &mut dyn FnMut(Cell)) {
+        let (flags, estimated, method) = estimate.bits();
+        put(Cell::Number(estimate.stamp().time));
+        for (column, index) in &self.columns {
+            put(match *column {
+                Column::Flag(_, bit) => Cell::Flag(flags & bit != 0),
+                Column::Value(_, bits) => {
+                    Cell::Number(number(estimate, *index, estimated & bits == bits))
+                }
+            });
+        }
+        put(Cell::Flag(flags & E::REFUSED != 0));
+        let method = E::METHODS.get(method as usize);
+        put(Cell::Word(method.copied().unwrap_or_default()));
+        let reason = E::REASONS.get(estimate.reason() as usize);
+        put(Cell::Word(reason.map_or("", |(name, _)| *name)));
     }
 }
 

@@ -5,6 +5,7 @@
 //! | a run of heft | [`Writer`], [`Reader`], [`recover()`] |
 //! | a table with a header | [`csv::read`], with a [`Map`] |
 //! | a CAN log | [`load()`], with a [`Map`] that names a DBC file |
+//! | an MCAP file of others | [`load()`], with a [`Map`] that names topics and fields |
 //!
 //! Schemas, columns and signals all come from [`messages::Message::FIELDS`].
 
@@ -31,6 +32,7 @@ mod schema;
 mod signal;
 mod suggest;
 mod time;
+mod topics;
 mod unit;
 mod wire;
 mod writer;

@@ -4,6 +4,7 @@ use std::path::Path;
 use messages::Message;
 
 use crate::signal::{Row, Sensors};
+use crate::topics::TopicRows;
 use crate::{Error, Map, Reader, can, csv};
 
 /// Reads the samples of a machine from a table (`.csv`), a recording (`.mcap`) or a CAN log (`.log`, which needs a
@@ -140,10 +141,11 @@ pub fn open<S: Sensors>(
             place(),
             "give one with --map; it names the DBC file and the signals",
         )),
+        (Some("mcap"), Some(map)) if map.has_topics() => topics::<S>(path, map),
         (Some("mcap"), Some(_)) => Err(Error::new(
-            "a recording of heft takes no signal map",
+            "the signal map names no topics",
             place(),
-            "leave out --map",
+            "leave out --map for a recording of heft; name topics under [topics.signals] for one of others",
         )),
         _ => Err(Error::new(
             "the kind of file cannot be told from its name",
@@ -162,6 +164,18 @@ fn table<S: Sensors>(path: &Path, map: Option<&Map>) -> Result<Samples<S, S::Tru
         Ok(Box::new(next) as FileRows<S, S::Truth>)
     };
     // What is wrong with the header is told at once.
+    drop(open()?);
+    Ok(Samples::of(Source::File(Box::new(open), length)))
+}
+
+fn topics<S: Sensors>(path: &Path, map: &Map) -> Result<Samples<S, S::Truth>, Error> {
+    let (path, map) = (path.to_owned(), map.clone());
+    let length = length(&path);
+    let open = move || {
+        let mut rows = TopicRows::<S>::open(&path, &map)?;
+        let next = move || Ok(rows.row().map(|row| (row, length)));
+        Ok(Box::new(next) as FileRows<S, S::Truth>)
+    };
     drop(open()?);
     Ok(Samples::of(Source::File(Box::new(open), length)))
 }
@@ -190,7 +204,11 @@ fn recorded<S: Sensors>(path: &Path) -> Result<Samples<S, S::Truth>, Error> {
         return Err(Error::new(
             format!("the recording has no samples of a {}", S::MACHINE),
             path.display().to_string(),
-            format!("it has the channels {}", reader.channels().join(", ")),
+            format!(
+                "it has {}; name topics and fields of it in a map: heft map {} > map.toml",
+                reader.channels().join(", "),
+                path.display()
+            ),
         ));
     }
     Ok(Samples::of(Source::Recording(Box::new(reader), names)))

@@ -24,6 +24,17 @@
 //! speed = { message = "CCVS1", signal = "WheelBasedVehicleSpeed", source = 0x00, delay = 0.02 }
 //! ```
 //!
+//! An MCAP file of others is read by topic and field:
+//!
+//! ```toml
+//! [topics]
+//! rate = 100                                            # or master = "a signal"
+//! time = "header"                                       # or "log" (by default), "publish"
+//! [topics.signals]
+//! swing_velocity = { topic = "/joint_states", field = "velocity", name = "swing_joint" }
+//! swing_torque = { topic = "/drive", field = "wrench.torque.z" }
+//! ```
+//!
 //! A value becomes `sign * scale * (value in SI units) + offset`; terms are added before that. The
 //! unit of a CAN signal is the DBC's; a map that names another contradicts it, and that is an
 //! error. A unit of another dimension than the signal's needs a `scale`, which then says how much of
@@ -49,6 +60,7 @@ pub struct Map {
     file: PathBuf,
     pub(crate) columns: Vec<Entry>,
     pub(crate) can: Option<Can>,
+    pub(crate) topics: Option<Topics>,
 }
 
 /// A signal of heft in a map.
@@ -84,6 +96,39 @@ pub(crate) enum Origin {
     Nowhere,
     /// A CAN signal.
     Can(CanName),
+    /// A number in the messages of a topic.
+    Topic(TopicName),
+}
+
+/// Name of a number in an MCAP file of others.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct TopicName {
+    pub topic: String,
+    /// Path of its field.
+    pub field: String,
+    /// The number is that of this name in a list.
+    pub name: Option<String>,
+}
+
+/// Which time of a message counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum TopicTime {
+    /// When it was recorded.
+    Log,
+    /// When it was published.
+    Publish,
+    /// What its own header says.
+    Header,
+}
+
+/// The part of a map that is about an MCAP file of others.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Topics {
+    pub rows: Rows,
+    pub time: TopicTime,
+    /// Age at which a held value becomes missing [s].
+    pub hold: f64,
+    pub signals: Vec<Entry>,
 }
 
 /// Name of a CAN signal.
@@ -209,6 +254,31 @@ impl Map {
     #[must_use]
     pub fn has_can(&self) -> bool {
         self.can.is_some()
+    }
+
+    /// Whether the map names topics of an MCAP file of others.
+    #[must_use]
+    pub fn has_topics(&self) -> bool {
+        self.topics.is_some()
+    }
+
+    /// Of each group of signals that a machine needs, the entries must have one.
+    pub(crate) fn require<S: crate::Sensors>(
+        &self,
+        entries: &[Entry],
+        table: &str,
+    ) -> Result<(), Error> {
+        let has = |name: &str| entries.iter().any(|e| e.signal == name && !e.is_nowhere());
+        let mut groups = S::REQUIRED.iter();
+        let missing = groups.find(|group| !group.iter().any(|name| has(name)));
+        missing.map_or(Ok(()), |group| {
+            let names = group.join(" or ");
+            Err(Error::new(
+                format!("the map names no signal for {names} ({})", S::MACHINE),
+                self.file(),
+                format!("add it under {table}, or say {{ constant = ... }}"),
+            ))
+        })
     }
 
     /// Where an entry stands.

@@ -43,16 +43,24 @@ pub(crate) struct ChunkHead {
     pub unpacked: u64,
     /// Check sum of the unpacked bytes, 0 for none.
     pub crc: u32,
-    /// Packed by LZ4, or not at all.
-    pub is_lz4: bool,
+    /// How the records are packed.
+    pub packing: Packing,
     /// Bytes in the file.
     pub packed: u64,
     /// Bytes of the record before them.
     pub length: u64,
 }
 
+/// How a chunk is packed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Packing {
+    None,
+    Lz4,
+    Zstd,
+}
+
 /// Most bytes that the head of a chunk has.
-pub(crate) const CHUNK_HEAD: usize = 8 + 8 + 8 + 4 + 4 + 3 + 8;
+pub(crate) const CHUNK_HEAD: usize = 8 + 8 + 8 + 4 + 4 + 4 + 8;
 
 pub(crate) fn schema(mut body: &[u8]) -> Option<Schema> {
     let b = &mut body;
@@ -99,9 +107,10 @@ pub(crate) fn chunk_head(body: &[u8]) -> Option<ChunkHead> {
     let b = &mut rest;
     let (start_time, _) = (u64(b)?, u64(b)?);
     let (unpacked, crc) = (u64(b)?, u32(b)?);
-    let is_lz4 = match block(b)? {
-        b"lz4" => true,
-        b"" => false,
+    let packing = match block(b)? {
+        b"lz4" => Packing::Lz4,
+        b"zstd" => Packing::Zstd,
+        b"" => Packing::None,
         _ => return None,
     };
     let packed = u64(b)?;
@@ -109,7 +118,7 @@ pub(crate) fn chunk_head(body: &[u8]) -> Option<ChunkHead> {
         start_time,
         unpacked,
         crc,
-        is_lz4,
+        packing,
         packed,
         length: (body.len() - rest.len()) as u64,
     })

@@ -84,6 +84,14 @@ pub fn recover(path: impl AsRef<Path>, output: Option<&Path>) -> Result<Recovere
         lost_bytes: reader.lost_bytes(),
         damage: reader.damage(),
     };
+    let is_lost = recovered.lost_bytes > 0 || !recovered.damage.is_empty();
+    if messages == 0 && is_lost && reader.metadata().is_empty() {
+        return Err(Error::new(
+            "no message of this file can be read: a copy would be empty",
+            path.display().to_string(),
+            "look whether it is packed or encoded in a way that heft does not know",
+        ));
+    }
     if !reader.is_complete() || recovered.parts > 1 || !recovered.damage.is_empty() {
         let file = match output {
             Some(file) => file.to_owned(),
@@ -240,6 +248,14 @@ pub(crate) fn copy(
                 let what = "a damaged message in the block";
                 let damage = chunk.damage();
                 reader.note(i, Damage { what, ..damage });
+            }
+        }
+        for (start, end) in &part.scan.loose {
+            let body = part.bytes.range(*start, *end);
+            let message = body.as_deref().and_then(record::message);
+            if let Some((head, data)) = message.filter(|(head, data)| part.is_whole(head, data)) {
+                take(i, &head, data)?;
+                messages += 1;
             }
         }
     }

@@ -11,7 +11,7 @@ use mcap::MAGIC;
 use mcap::records::op;
 
 use crate::file::{Bytes, LIMIT};
-use crate::record::{self, CHUNK_HEAD, Channel, ChunkHead, HEAD, Schema};
+use crate::record::{self, CHUNK_HEAD, Channel, ChunkHead, HEAD, Packing, Schema};
 use crate::writer::{CLOCK, JUMP, METADATA_SUM, Metadata, RECORD, WITH_SUM, sum_of};
 
 /// A stretch of a file that holds nothing whole.
@@ -51,6 +51,8 @@ pub(crate) struct Scan {
     pub schemas: BTreeMap<u16, Schema>,
     pub channels: BTreeMap<u16, Channel>,
     pub chunks: Vec<Chunk>,
+    /// Messages outside of chunks, which heft never writes: where their bodies begin and end.
+    pub loose: Vec<(u64, u64)>,
     /// Stretches between whole records that are damaged, and chunks found to be.
     pub damage: Vec<Damage>,
     /// Jumps of the wall clock, in words.
@@ -136,6 +138,11 @@ impl Scan {
             op::CHANNEL => body()
                 .and_then(|body| record::channel(&body))
                 .map(|channel| drop(self.channels.insert(channel.id, channel))),
+            op::MESSAGE => self.is_loose(bytes, start, end).then(|| {
+                self.loose.push((start, end));
+            }),
+            // No signals, whatever their length.
+            op::ATTACHMENT => (!self.is_ours(bytes)).then_some(()),
             op::MESSAGE_INDEX => {
                 let mut head = [0; 6];
                 let read = bytes.fill(start, &mut head);
@@ -158,6 +165,22 @@ impl Scan {
             _ => None,
         };
         whole.map_or(Found::Nothing, |()| Found::Next(end))
+    }
+
+    /// A message outside of chunks, of a channel that was defined there too.
+    fn is_loose(&self, bytes: &Bytes, start: u64, end: u64) -> bool {
+        let mut id = [0; 2];
+        bytes.fill(start, &mut id).is_some()
+            && end - start <= LIMIT
+            && self.channels.contains_key(&u16::from_le_bytes(id))
+            && !self.is_ours(bytes)
+    }
+
+    /// Whether heft wrote the file.
+    fn is_ours(&self, bytes: &Bytes) -> bool {
+        // The profile, the first text of the header.
+        bytes.range(MAGIC.len() as u64 + HEAD, MAGIC.len() as u64 + HEAD + 8)
+            .is_some_and(|head| head == *b"\x04\0\0\0heft")
     }
 
     fn add_metadata(&mut self, name: &str, mut pairs: Metadata) {
@@ -385,13 +408,19 @@ impl Unpacked {
         self.bytes.clear();
         self.at = 0;
         let packed = file.range(chunk.start, chunk.end)?;
-        if chunk.head.is_lz4 {
-            // The limit comes first: a damaged file may say any size.
-            let decoder = lz4::Decoder::new(packed.as_slice()).ok()?;
-            let mut limited = decoder.take(LIMIT);
-            limited.read_to_end(&mut self.bytes).ok()?;
-        } else {
-            self.bytes = packed;
+        // The limit comes first: a damaged file may say any size.
+        match chunk.head.packing {
+            Packing::None => self.bytes = packed,
+            Packing::Lz4 => {
+                let decoder = lz4::Decoder::new(packed.as_slice()).ok()?;
+                let mut limited = decoder.take(LIMIT);
+                limited.read_to_end(&mut self.bytes).ok()?;
+            }
+            Packing::Zstd => {
+                let decoder = ruzstd::decoding::StreamingDecoder::new(packed.as_slice()).ok()?;
+                let mut limited = decoder.take(LIMIT);
+                limited.read_to_end(&mut self.bytes).ok()?;
+            }
         }
         let crc = chunk.head.crc;
         let whole = match crc {

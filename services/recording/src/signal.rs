@@ -157,6 +157,16 @@ impl<S: Sensors> Builder<S> {
         builder
     }
 
+    /// Rows so far.
+    pub(crate) fn count(&self) -> u64 {
+        self.count
+    }
+
+    /// Goes on counting rows from here.
+    pub(crate) fn go_on_from(&mut self, count: u64) {
+        self.count = count;
+    }
+
     fn header(&self) -> u32 {
         self.slots.iter().fold(0, |bits, slot| match slot {
             Slot::Sensor(_, bit) | Slot::Flag(bit) => bits | bit,

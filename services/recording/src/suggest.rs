@@ -19,7 +19,7 @@ use crate::machines;
 use crate::signal::{self, Sensors};
 use names::{Wanted, fitting, wanted};
 
-/// A first map for the table or CAN log `path`; a log needs the DBC files that describe it. Without
+/// A first map for the table, CAN log or MCAP file of others `path`; a log needs the DBC files that describe it. Without
 /// a machine, the one whose signals fit best.
 ///
 /// # Errors
@@ -28,6 +28,9 @@ pub fn suggest(path: &Path, dbc: &[PathBuf], machine: Option<Machine>) -> Result
     let is_log = path
         .extension()
         .is_some_and(|e| e.eq_ignore_ascii_case("log"));
+    if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("mcap")) {
+        return crate::topics::list::map(path, machine.unwrap_or(Machine::Excavator));
+    }
     let of = |machine: Machine| {
         let entry = machines::of(machine);
         if is_log {

@@ -91,7 +91,7 @@ pub trait Row: Sync + std::fmt::Debug {
 pub type Process = Box<dyn FnOnce(Worker) -> Result<(), runtime::Error>>;
 
 /// A step whose types are put aside, for those who run one on recorded data.
-pub trait AnyStep {
+pub trait AnyStep: Send + Sync {
     /// The answer with the identity of the input; `None` to a message of another type.
     fn answer(&mut self, input: &Envelope) -> Option<Envelope>;
     /// Writes its complete state and returns how many bytes that took, see [`Step::save`].
@@ -102,7 +102,7 @@ pub trait AnyStep {
     fn fork(&self) -> Box<dyn AnyStep>;
 }
 
-impl<S: Step + Clone + 'static> AnyStep for S {
+impl<S: Step + Clone + Send + Sync + 'static> AnyStep for S {
     fn answer(&mut self, input: &Envelope) -> Option<Envelope> {
         S::Input::inside(input).map(|message| answer(self, message).envelope())
     }
@@ -149,7 +149,7 @@ pub struct RowOf<S: Step> {
     pub new: fn(&Description, &str) -> Result<S, Error>,
 }
 
-impl<S: Step + Clone + std::fmt::Debug + 'static> Row for RowOf<S> {
+impl<S: Step + Clone + Send + Sync + std::fmt::Debug + 'static> Row for RowOf<S> {
     fn input(&self) -> &'static Channel {
         self.input
     }

@@ -18,27 +18,83 @@ import sys
 import sysconfig
 import tempfile
 from pathlib import Path
-from typing import Any, Dict, Iterable, Iterator, Mapping, Optional, Union
+import warnings
+from typing import TYPE_CHECKING, Any, Dict, Iterable, Iterator, Literal, Mapping, Optional, Union, overload
 
 import numpy as np
 
 from . import _heft
+from ._calibration import Calibration
+from ._estimator import Estimator, ExcavatorEstimate, LoaderEstimate
 from ._heft import HeftError
 
+if TYPE_CHECKING:
+    import pandas
+    import polars
+
+    from ._estimator import ExcavatorMethod, LoaderMethod
+
 __version__: str = _heft.__version__
-__all__ = ["HeftError", "calibrate", "command", "estimate", "read", "schema", "subscribe"]
+__all__ = [
+    "Calibration",
+    "Estimator",
+    "ExcavatorEstimate",
+    "HeftError",
+    "HeftWarning",
+    "LoaderEstimate",
+    "calibrate",
+    "command",
+    "estimate",
+    "read",
+    "schema",
+    "subscribe",
+]
+
+
+class HeftWarning(UserWarning):
+    """What was left out, or looks like a mistake."""
+
 
 PathLike = Union[str, "os.PathLike[str]"]
 Config = Union[None, PathLike, Mapping[str, Any]]
+Machine = Literal["excavator", "loader"]
+Method = Union["ExcavatorMethod", "LoaderMethod"]
 
 
-def estimate(data: Any, machine: str, config: Config = None, method: Optional[str] = None) -> Any:
+@overload
+def estimate(
+    data: "Union[polars.DataFrame, polars.LazyFrame]",
+    machine: Machine,
+    config: Config = None,
+    method: Optional[Method] = None,
+    map: None = None,
+) -> "polars.DataFrame": ...
+
+
+@overload
+def estimate(
+    data: "Union[pandas.DataFrame, Mapping[str, Any], np.ndarray, PathLike]",
+    machine: Machine,
+    config: Config = None,
+    method: Optional[Method] = None,
+    map: Optional[PathLike] = None,
+) -> "pandas.DataFrame": ...
+
+
+def estimate(
+    data: Any,
+    machine: Machine,
+    config: Config = None,
+    method: Optional[Method] = None,
+    map: Optional[PathLike] = None,
+) -> Any:
     """Estimates of one method, one row per row of ``data`` with a valid, increasing time.
 
     data
-        A pandas or polars frame, or a mapping of names to arrays. Columns have the names and SI
-        units of the CSV (``heft.schema()``), ``t`` in seconds; other columns are left out; NaN, null
-        and None are missing samples.
+        A pandas or polars frame (lazy ones are collected), a mapping of names to arrays, an array with
+        named fields, or the path of a file that ``heft estimate`` reads. Columns have the names and SI
+        units of the CSV (``heft.schema()``), ``t`` in seconds; other columns are left out; NaN, null,
+        None and masked values are missing samples.
     machine
         ``"excavator"`` or ``"loader"``.
     config
@@ -46,17 +102,29 @@ def estimate(data: Any, machine: str, config: Config = None, method: Optional[st
         ``{"sensors.swing_velocity_std": 0.008}``. Without it, the reference machine.
     method
         As ``--method`` of the command line; without it, by the columns that there are.
+    map
+        Path of a signal map, where ``data`` is a file whose columns or CAN signals have other names.
 
-    Returns a frame of the same kind (of pandas for a mapping, if it is installed, else a dictionary
-    of arrays). A quantity that the method does not estimate is NaN (null in polars).
+    Returns a frame of the same kind (of pandas for others, if it is installed, else a dictionary of
+    arrays). A quantity that the method does not estimate is NaN (null in polars). A frame of pandas
+    keeps the index of the rows. Rows that are refused are left out, with a HeftWarning.
 
     Raises HeftError where the data or the description cannot be used; it says what to do.
     """
-    names = set(_heft.signals(machine))
-    columns = [(name, _numbers(name, data[name])) for name in _names(data) if name in names]
     text, settings = _description(config)
+    if isinstance(data, (str, os.PathLike)):
+        place = None if map is None else os.fspath(map)
+        result = _heft.estimate_file(machine, os.fspath(data), place, text, settings, method)
+        return _estimates(result, "pandas", None)
+    if map is not None:
+        raise HeftError("map is for files; rename the columns of a frame")
+    known = _heft.signals(machine)
+    data = _table(data, known)
+    names = _names(data)
+    _hint_at_names(names, known)
+    columns = [(name, _numbers(name, data[name])) for name in names if name in known]
     result = _heft.estimate(machine, columns, text, settings, method)
-    return _frame(result, _library(data))
+    return _estimates(result, _library(data), getattr(data, "index", None))
 
 
 def read(recording: PathLike) -> Dict[str, Any]:
@@ -78,7 +146,7 @@ def schema() -> Dict[str, Dict[str, Dict[str, str]]]:
 
 
 def calibrate(
-    machine: str,
+    machine: Machine,
     recordings: Iterable[PathLike],
     output: PathLike,
     *,
@@ -87,19 +155,21 @@ def calibrate(
     config: Config = None,
     free: Optional[Iterable[str]] = None,
     report: Optional[PathLike] = None,
-) -> str:
+) -> Calibration:
     """The machine's own parameters from recordings, written as a description to ``output``.
 
-    ``payload`` and ``mass`` say what was weighed, such as ``{"full.csv": "400±5"}``. Returns what
-    ``heft calibrate`` printed.
+    ``payload`` and ``mass`` say what was weighed, such as ``{"full.csv": "400±5"}``. Returns the parameters
+    that were found, by their key; ``str()`` of it is what ``heft calibrate`` printed.
 
     Raises HeftError, and writes nothing, where the recordings do not determine the parameters; it says
     what is missing.
     """
-    arguments = ["calibrate", machine, *(os.fspath(file) for file in recordings)]
+    if isinstance(recordings, (str, os.PathLike)):
+        recordings = [recordings]
+    arguments = ["calibrate", machine, *(_path(file) for file in recordings)]
     for option, known in (("--payload", payload), ("--mass", mass)):
         for file, weight in (known or {}).items():
-            arguments += [option, f"{os.fspath(file)}={weight}"]
+            arguments += [option, f"{_path(file)}={weight}"]
     if free is not None:
         arguments += ["--free", ",".join(free)]
     if report is not None:
@@ -110,7 +180,7 @@ def calibrate(
             described = Path(folder) / "description.toml"
             described.write_text(_heft.description(machine, text, settings), encoding="utf-8")
             arguments += ["--config", str(described)]
-        return _run([*arguments, "-o", os.fspath(output)])
+        return Calibration(_run([*arguments, "-o", os.fspath(output)]), Path(output))
 
 
 def subscribe(channel: str, domain: Optional[str] = None) -> Iterator[Dict[str, Any]]:
@@ -119,9 +189,10 @@ def subscribe(channel: str, domain: Optional[str] = None) -> Iterator[Dict[str, 
     Ends with the pipeline. Closing the iterator ends the subscription. Raises HeftError where no
     pipeline runs, or it has no such channel.
     """
-    arguments = [command(), "tail", channel, "--format", "json"]
+    arguments = [command(), "tail", "--format", "json"]
     if domain is not None:
-        arguments += ["--domain", domain]
+        arguments += [f"--domain={domain}"]
+    arguments += ["--", channel]  # a name is never an option
     with subprocess.Popen(arguments, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None and process.stderr is not None
         try:
@@ -142,6 +213,12 @@ def command() -> str:
         if path.exists():
             return str(path)
     return name
+
+
+def _path(file: PathLike) -> str:
+    """A path that the command cannot take for an option."""
+    path = os.fspath(file)
+    return os.path.join(".", path) if path.startswith("-") else path
 
 
 def _run(arguments: Iterable[str]) -> str:
@@ -170,8 +247,38 @@ def _value(value: Any) -> str:
     return repr(float(value))
 
 
+def _table(data: Any, known: list[str]) -> Any:
+    """What has names and columns."""
+    library = _library(data)
+    if library == "polars" and hasattr(data, "collect"):
+        names = data.collect_schema().names()
+        return data.select([name for name in names if name in known]).collect()
+    if isinstance(data, np.ndarray):
+        if data.dtype.names is None:
+            raise HeftError("an array has no names of columns; give {'t': ..., 'swing_velocity': ...} or a frame")
+        return {name: data[name] for name in data.dtype.names}
+    if library == "pandas" and hasattr(data, "columns"):
+        if "t" not in data.columns and (data.index.name == "t" or data.index.dtype.kind in "Mm"):
+            return data.assign(t=data.index)
+        return data
+    if isinstance(data, Mapping) or hasattr(data, "columns"):
+        return data
+    raise HeftError(
+        f"{type(data).__name__} is no table; give a frame of pandas or polars, a mapping of names to arrays, or a path"
+    )
+
+
 def _names(data: Any) -> list[str]:
     return [str(name) for name in (data.keys() if isinstance(data, Mapping) else data.columns)]
+
+
+def _hint_at_names(names: list[str], known: list[str]) -> None:
+    """Warns of a column that is left out and is probably a signal misspelt."""
+    absent = [name for name in known if name not in names]
+    for name in names:
+        near = None if name in known else _heft.nearest(name, absent)
+        if near is not None:
+            warnings.warn(f"the column {name} is not used; did you mean {near}?", HeftWarning, stacklevel=3)
 
 
 def _library(data: Any) -> str:
@@ -184,10 +291,22 @@ def _numbers(name: str, column: Any) -> bytes:
         if _library(column) == "polars":
             array = column.to_numpy()
         elif _library(column) == "pandas" and column.dtype.kind not in "Mm":
+            if column.dtype.kind == "c":
+                raise TypeError("complex numbers")
             array = column.to_numpy(dtype="float64", na_value=float("nan"))
+        elif isinstance(column, np.ma.MaskedArray):
+            if column.dtype.kind not in "biuf":
+                raise TypeError(f"masked values of type {column.dtype}")
+            array = column.astype("float64").filled(np.nan)
         else:
             aware = getattr(column.dtype, "tz", None) is not None if hasattr(column, "dtype") else False
             array = np.asarray(column, dtype="datetime64[ns]" if aware else None)
+        if array.dtype.kind in "Mm" and name != "t":
+            raise TypeError("times")
+        if array.dtype.kind == "c":
+            raise TypeError("complex numbers")
+        if array.ndim != 1:
+            raise TypeError(f"an array of {array.ndim} dimensions")
         if array.dtype.kind == "M":
             array = array - np.nanmin(array)
         if array.dtype.kind == "m":
@@ -200,23 +319,46 @@ def _numbers(name: str, column: Any) -> bytes:
 def _array(values: Any) -> np.ndarray:
     kind, content = values
     if kind == "words":
-        return np.array(content, dtype=object)
+        codes, words = content
+        return np.array(words, dtype=object)[np.frombuffer(codes, dtype="u1")]
     # A copy, because what stands on bytes cannot be written to.
     return np.frombuffer(content, dtype={"numbers": "<f8", "flags": "?", "u4": "<u4", "u8": "<u8"}[kind]).copy()
 
 
+def _estimates(result: Any, library: str, index: Any) -> Any:
+    """The frame of estimates; its rows keep their index, and those that were refused are spoken of."""
+    columns, refused, rows = result
+    if refused:
+        warnings.warn(
+            f"{len(refused)} of {rows} rows are left out: their time is missing or does not increase"
+            f" (the first is row {refused[0]})",
+            HeftWarning,
+            stacklevel=3,
+        )
+    frame = _frame(columns, library)
+    if library == "pandas" and index is not None and not isinstance(frame, dict):
+        frame.index = np.delete(np.arange(rows), refused) if len(index) != rows else index.delete(refused)
+    return frame
+
+
 def _frame(columns: list[tuple[str, str, str, Any]], library: str) -> Any:
-    arrays = {name: _array(values) for name, _, _, values in columns}
     if library == "polars":
         import polars
 
-        frame = polars.DataFrame(arrays)
+        frame = polars.DataFrame({name: _array(values) for name, _, _, values in columns})
         return frame.with_columns(polars.col(polars.Float64).fill_nan(None))
     try:
         import pandas
     except ImportError:
-        return arrays
-    frame = pandas.DataFrame(arrays)
+        return {name: _array(values) for name, _, _, values in columns}
+
+    def series(values: Any) -> Any:
+        if values[0] != "words":
+            return _array(values)
+        codes, words = values[1]
+        return pandas.Categorical.from_codes(np.frombuffer(codes, dtype="u1"), words)
+
+    frame = pandas.DataFrame({name: series(values) for name, _, _, values in columns})
     frame.attrs["units"] = {name: unit for name, unit, _, _ in columns}
     frame.attrs["meanings"] = {name: meaning for name, _, meaning, _ in columns if meaning}
     return frame

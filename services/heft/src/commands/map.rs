@@ -12,7 +12,7 @@ use crate::results;
 /// `heft map`
 #[derive(Debug, Args)]
 pub struct MapArgs {
-    /// The table (.csv) or the CAN log (.log)
+    /// The table (.csv), the CAN log (.log), or an MCAP file of others (.mcap), whose topics and numbers are listed
     pub file: PathBuf,
     /// The DBC files that describe the log
     #[arg(long, value_name = "FILE")]

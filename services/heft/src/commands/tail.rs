@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
-use std::time::Duration;
+use std::time::{Duration, SystemTime};
 
 use clap::{Args, ValueEnum};
 use messages::channels::{Channel, of_machine};
@@ -28,7 +28,7 @@ pub enum Format {
     Candump,
     /// The bytes of the structure that `heft schema --lang c` declares, one after the other.
     Binary,
-    /// InfluxDB's line protocol; the time is the host's monotonic clock [ns].
+    /// InfluxDB's line protocol: tags machine (its kind), unit (its number), domain and channel; times are Unix times [ns].
     Influx,
 }
 
@@ -55,6 +55,8 @@ pub struct TailArgs {
 struct Writer {
     format: Format,
     frames: Outgoing,
+    /// Begin of a line of InfluxDB after the name of the measurement: what is the same in all lines.
+    tags: String,
     /// Least time between two samples [s], and that of the last.
     period: f64,
     last: f64,
@@ -87,6 +89,11 @@ pub fn tail(args: &TailArgs) -> Result<(), Failure> {
     let mut run = found.attach("tail", &[channel])?;
     let mut writer = Writer {
         format: args.format,
+        tags: format!(
+            ",machine={},domain={}",
+            machine.name(),
+            tag(found.name())
+        ),
         frames,
         period: args.rate.filter(|r| *r > 0.0).map_or(0.0, |r| 1.0 / r),
         last: f64::NEG_INFINITY,
@@ -155,7 +162,12 @@ impl Sink for Writer {
                 }
             }
             Format::Influx => {
-                let _ = write!(out, "{} ", channel.name.replace('/', "_"));
+                let stamp = message.stamp();
+                let name = channel.name.rsplit('/').next().unwrap_or(channel.name);
+                let measurement = channel.name.replace('/', "_");
+                let _ = write!(out, "{measurement}{}", self.tags);
+                let _ = write!(out, ",channel={name},unit={} ", stamp.machine);
+                let fields = fields.filter(|(field, _)| field.name != "machine");
                 join(out, fields, ",", |out, field, value| {
                     let _ = write!(out, "{}=", field.name);
                     put(out, value);
@@ -165,7 +177,7 @@ impl Sink for Writer {
                         "u"
                     });
                 });
-                let _ = writeln!(out, " {}", message.stamp().measured_ns);
+                let _ = writeln!(out, " {}", unix_ns(stamp.measured_ns));
             }
         }
     }
@@ -193,6 +205,25 @@ fn join(
     }
 }
 
+/// The Unix time [ns] of a time of the host's monotonic clock.
+fn unix_ns(monotonic: u64) -> u64 {
+    let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
+    let now = now.map_or(0, |now| u64::try_from(now.as_nanos()).unwrap_or(0));
+    now.saturating_sub(runtime::now_ns().saturating_sub(monotonic))
+}
+
+/// A text as the value of a tag.
+fn tag(text: &str) -> String {
+    let mut out = String::new();
+    for c in text.chars().filter(|c| !c.is_control()) {
+        if matches!(c, ',' | '=' | ' ' | '\\') {
+            out.push('\\');
+        }
+        out.push(c);
+    }
+    out
+}
+
 /// A number with all its digits.
 fn put(out: &mut String, value: Value) {
     let _ = match value {
@@ -200,4 +231,22 @@ fn put(out: &mut String, value: Value) {
         Value::U64(v) => write!(out, "{v}"),
         Value::F64(v) => write!(out, "{v}"),
     };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tag_says_its_text_and_nothing_else() {
+        assert_eq!(tag("a b,c=d\n"), "a\\ b\\,c\\=d");
+    }
+
+    #[test]
+    fn a_monotonic_time_becomes_the_wall_clocks() {
+        let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
+        let now = now.map_or(0, |now| now.as_nanos() as u64);
+        let before = unix_ns(runtime::now_ns().saturating_sub(1_000_000_000));
+        assert!(now.abs_diff(before).abs_diff(1_000_000_000) < 100_000_000);
+    }
 }

@@ -77,7 +77,7 @@ impl<S: Sensors> Decoder<S> {
         };
         let signals = signal::signals::<S>();
         map.check(&can.signals, &signals)?;
-        require::<S>(can, map)?;
+        map.require::<S>(&can.signals, "[can.signals]")?;
         let mut files = Vec::new();
         for path in &can.dbc {
             files.push(Dbc::open(path)?);
@@ -261,29 +261,6 @@ fn remark(remarks: &mut Vec<String>, text: String) {
     }
 }
 
-/// Of each group of signals, the map must have one.
-fn require<S: Sensors>(can: &Can, map: &Map) -> Result<(), Error> {
-    let has = |name: &str| {
-        can.signals
-            .iter()
-            .any(|e| e.signal == name && !e.is_nowhere())
-    };
-    let missing = S::REQUIRED
-        .iter()
-        .find(|group| !group.iter().any(|name| has(name)));
-    missing.map_or(Ok(()), |group| {
-        Err(Error::new(
-            format!(
-                "the map names no signal for {} ({})",
-                group.join(" or "),
-                S::MACHINE
-            ),
-            map.file(),
-            "add it under [can.signals], or say { constant = ... }",
-        ))
-    })
-}
-
 /// The series whose frames make rows.
 fn master(name: &str, lines: &[Line], map: &Map) -> Result<usize, Error> {
     let line = lines.iter().find(|l| l.entry.signal == name);
@@ -320,7 +297,7 @@ impl Resolver<'_> {
         let name = match &term.origin {
             Origin::Can(name) => name,
             Origin::Constant(value) => return Ok(Source::Constant(*value)),
-            Origin::Column(_) | Origin::Nowhere => return Ok(Source::Constant(f64::NAN)),
+            Origin::Column(_) | Origin::Topic(_) | Origin::Nowhere => return Ok(Source::Constant(f64::NAN)),
         };
         let all = || self.files.iter().flat_map(|f| &f.messages);
         let message = self.files.iter().find_map(|f| f.find(&name.message));

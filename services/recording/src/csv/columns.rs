@@ -256,7 +256,7 @@ fn parts(entry: &Entry, map: &Map, header: &[String], file: &str) -> Result<Vec<
                 conversion: term.conversion,
             })
         }
-        Origin::Can(_) | Origin::Nowhere => Ok(Part::Constant(f64::NAN)),
+        Origin::Can(_) | Origin::Topic(_) | Origin::Nowhere => Ok(Part::Constant(f64::NAN)),
     };
     entry.terms.iter().map(part).collect()
 }

@@ -2,7 +2,9 @@ use std::path::Path;
 
 use toml_edit::{Document, Item, TableLike};
 
-use super::{Can, CanName, Conversion, Entry, Map, Origin, Rows, Term, Timing, hint};
+use super::{
+    Can, CanName, Conversion, Entry, Map, Origin, Rows, Term, Timing, TopicName, TopicTime, Topics, hint,
+};
 use crate::unit::Unit;
 use crate::{Error, unit};
 
@@ -19,6 +21,14 @@ struct Parser<'a> {
     path: &'a Path,
 }
 
+/// Where the entries of a table come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum From {
+    Columns,
+    Can,
+    Topics,
+}
+
 const TERM_KEYS: &[&str] = &[
     "column",
     "constant",
@@ -26,6 +36,9 @@ const TERM_KEYS: &[&str] = &[
     "signal",
     "source",
     "interface",
+    "topic",
+    "field",
+    "name",
     "unit",
     "scale",
     "offset",
@@ -46,38 +59,40 @@ impl Parser<'_> {
             file: self.path.to_owned(),
             columns: Vec::new(),
             can: None,
+            topics: None,
         };
         for (name, item) in document.iter() {
             let line = self.line(document.as_table(), name);
             match (name, item.as_table_like()) {
-                ("columns", Some(table)) => map.columns = self.entries(table, false)?,
+                ("columns", Some(table)) => map.columns = self.entries(table, From::Columns)?,
                 ("can", Some(table)) => map.can = Some(self.can(table, line)?),
+                ("topics", Some(table)) => map.topics = Some(self.topics(table, line)?),
                 _ => {
-                    let remedy = hint(name, ["columns", "can"].into_iter(), "the tables are");
+                    let remedy = hint(name, ["columns", "can", "topics"].into_iter(), "the tables are");
                     return Err(self.error(line, format!("a map has no table [{name}]"), remedy));
                 }
             }
         }
-        if map.columns.is_empty() && map.can.is_none() {
+        if map.columns.is_empty() && map.can.is_none() && map.topics.is_none() {
             return Err(self.error(
                 1,
                 "the map is empty",
-                "name signals under [columns] or [can.signals]",
+                "name signals under [columns], [can.signals] or [topics.signals]",
             ));
         }
         Ok(map)
     }
 
-    fn entries(&self, table: &dyn TableLike, can: bool) -> Result<Vec<Entry>, Error> {
+    fn entries(&self, table: &dyn TableLike, from: From) -> Result<Vec<Entry>, Error> {
         let entries = table.iter().map(|(signal, item)| {
             let line = self.line(table, signal);
             match (item.as_str(), item.as_table_like()) {
                 (Some("none"), _) => Ok(Entry::plain(signal, Origin::Nowhere, line)),
-                (Some(column), _) if !can => {
+                (Some(column), _) if from == From::Columns => {
                     Ok(Entry::plain(signal, Origin::Column(column.into()), line))
                 }
-                (_, Some(fields)) => self.entry(signal, fields, can, line),
-                _ => Err(self.no_entry(signal, can, line)),
+                (_, Some(fields)) => self.entry(signal, fields, from, line),
+                _ => Err(self.no_entry(signal, from, line)),
             }
         });
         entries.collect()
@@ -87,11 +102,11 @@ impl Parser<'_> {
         &self,
         signal: &str,
         fields: &dyn TableLike,
-        can: bool,
+        from: From,
         line: usize,
     ) -> Result<Entry, Error> {
         let Some(item) = fields.get("terms") else {
-            let terms = vec![self.term(fields, can, line)?];
+            let terms = vec![self.term(fields, from, line)?];
             return Ok(Entry {
                 signal: signal.into(),
                 terms,
@@ -107,13 +122,13 @@ impl Parser<'_> {
         };
         let terms: Vec<Term> = match item {
             Item::ArrayOfTables(tables) => {
-                let terms = tables.iter().map(|t| self.term(t, can, line));
+                let terms = tables.iter().map(|t| self.term(t, from, line));
                 terms.collect::<Result<_, _>>()?
             }
             Item::Value(toml_edit::Value::Array(array)) => {
                 let terms = array.iter().map(|value| {
                     let table = value.as_inline_table().ok_or_else(none)?;
-                    self.term(table, can, line)
+                    self.term(table, from, line)
                 });
                 terms.collect::<Result<_, _>>()?
             }
@@ -130,10 +145,10 @@ impl Parser<'_> {
         })
     }
 
-    fn term(&self, fields: &dyn TableLike, can: bool, line: usize) -> Result<Term, Error> {
+    fn term(&self, fields: &dyn TableLike, from: From, line: usize) -> Result<Term, Error> {
         self.known(fields, TERM_KEYS)?;
         Ok(Term {
-            origin: self.origin(fields, can, line)?,
+            origin: self.origin(fields, from, line)?,
             conversion: self.conversion(fields)?,
             timing: Timing {
                 delay: self.within(fields, "delay", 0.0, 10.0)?.unwrap_or(0.0),
@@ -143,25 +158,33 @@ impl Parser<'_> {
         })
     }
 
-    fn no_entry(&self, signal: &str, can: bool, line: usize) -> Error {
-        let example = if can {
-            "{ message = \"...\", signal = \"...\" }"
-        } else {
-            "\"name of the column\" or { column = \"...\", unit = \"...\" }"
+    fn no_entry(&self, signal: &str, from: From, line: usize) -> Error {
+        let example = match from {
+            From::Can => "{ message = \"...\", signal = \"...\" }",
+            From::Topics => "{ topic = \"...\", field = \"...\" }",
+            From::Columns => "\"name of the column\" or { column = \"...\", unit = \"...\" }",
         };
         let what = format!("{signal} does not say where it comes from");
         self.error(line, what, format!("write {signal} = {example}"))
     }
 
-    fn origin(&self, fields: &dyn TableLike, can: bool, line: usize) -> Result<Origin, Error> {
+    fn origin(&self, fields: &dyn TableLike, from: From, line: usize) -> Result<Origin, Error> {
         if let Some(value) = self.number(fields, "constant")? {
             return Ok(Origin::Constant(value));
         }
-        if !can {
+        if from == From::Columns {
             let column = self.word(fields, "column")?;
             return column
                 .map(Origin::Column)
-                .ok_or_else(|| self.no_entry("the entry", can, line));
+                .ok_or_else(|| self.no_entry("the entry", from, line));
+        }
+        if from == From::Topics {
+            let (topic, field) = (self.word(fields, "topic")?, self.word(fields, "field")?);
+            let (topic, field) = topic
+                .zip(field)
+                .ok_or_else(|| self.no_entry("the entry", from, line))?;
+            let name = self.word(fields, "name")?;
+            return Ok(Origin::Topic(TopicName { topic, field, name }));
         }
         match (self.word(fields, "message")?, self.word(fields, "signal")?) {
             (Some(message), Some(signal)) => Ok(Origin::Can(CanName {
@@ -170,7 +193,7 @@ impl Parser<'_> {
                 source: self.within(fields, "source", 0.0, 255.0)?.map(|x| x as u8),
                 interface: self.word(fields, "interface")?,
             })),
-            _ => Err(self.no_entry("the entry", can, line)),
+            _ => Err(self.no_entry("the entry", from, line)),
         }
     }
 
@@ -226,19 +249,9 @@ impl Parser<'_> {
                 "write dbc = [\"name.dbc\"]",
             ));
         }
-        let rate = self.within(table, "rate", 0.1, MAX_RATE)?;
-        let rows = match (self.word(table, "master")?, rate) {
-            (Some(master), None) => Rows::Master(master),
-            (None, Some(rate)) => Rows::Rate(rate),
-            _ => {
-                let what = "[can] does not say when there is a row";
-                let remedy =
-                    "write master = \"a signal\" (a row for each of its frames) or rate = 100 (Hz)";
-                return Err(self.error(line, what, remedy));
-            }
-        };
+        let rows = self.rows(table, "[can]", line)?;
         let signals = match table.get("signals").and_then(Item::as_table_like) {
-            Some(signals) => self.entries(signals, true)?,
+            Some(signals) => self.entries(signals, From::Can)?,
             None => {
                 return Err(self.error(
                     line,
@@ -256,6 +269,46 @@ impl Parser<'_> {
             rows,
             hold: self.within(table, "hold", 0.0, 60.0)?.unwrap_or(1.0),
             signals,
+        })
+    }
+
+    /// When there is a row.
+    fn rows(&self, table: &dyn TableLike, name: &str, line: usize) -> Result<Rows, Error> {
+        let rate = self.within(table, "rate", 0.1, MAX_RATE)?;
+        match (self.word(table, "master")?, rate) {
+            (Some(master), None) => Ok(Rows::Master(master)),
+            (None, Some(rate)) => Ok(Rows::Rate(rate)),
+            _ => {
+                let what = format!("{name} does not say when there is a row");
+                let remedy =
+                    "write master = \"a signal\" (a row for each of its values) or rate = 100 (Hz)";
+                Err(self.error(line, what, remedy))
+            }
+        }
+    }
+
+    fn topics(&self, table: &dyn TableLike, line: usize) -> Result<Topics, Error> {
+        self.known(table, &["master", "rate", "hold", "time", "signals"])?;
+        let signals = table.get("signals").and_then(Item::as_table_like);
+        let signals = signals.ok_or_else(|| {
+            let remedy = "add them under [topics.signals]";
+            self.error(line, "[topics] names no signals", remedy)
+        })?;
+        let time = match self.word(table, "time")?.as_deref() {
+            None | Some("log") => TopicTime::Log,
+            Some("publish") => TopicTime::Publish,
+            Some("header") => TopicTime::Header,
+            Some(other) => {
+                let remedy = "write \"log\", \"publish\" or \"header\"";
+                let line = self.line(table, "time");
+                return Err(self.error(line, format!("no message has a time {other}"), remedy));
+            }
+        };
+        Ok(Topics {
+            rows: self.rows(table, "[topics]", line)?,
+            time,
+            hold: self.within(table, "hold", 0.0, 60.0)?.unwrap_or(1.0),
+            signals: self.entries(signals, From::Topics)?,
         })
     }
 

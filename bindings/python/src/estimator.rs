@@ -1,0 +1,215 @@
+//! One estimator that is fed sample by sample.
+
+use std::sync::{Mutex, PoisonError};
+
+use config::Description;
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict, PyString, PyTuple};
+use recording::frame::Cell;
+
+use crate::kind::{AnyFeed, Way, answer, kind, method, way};
+use crate::{described, machine, refused};
+
+/// Steps through samples as they come; `heft.Estimator` stands before it.
+#[pyclass(module = "heft._heft", frozen)]
+pub struct Estimator {
+    description: Description,
+    method: String,
+    /// The time first.
+    signals: Vec<Py<PyString>>,
+    state: Mutex<State>,
+}
+
+struct State {
+    feed: Box<dyn AnyFeed>,
+    way: Way,
+    values: Vec<f64>,
+}
+
+/// How a state begins: what wrote it.
+const HEAD: &str = concat!("heft state ", env!("HEFT_SOURCES"), "\n");
+/// Most bytes that the state of a stage may have.
+const MOST: usize = 1 << 20;
+
+#[pymethods]
+impl Estimator {
+    #[new]
+    fn new(
+        py: Python<'_>,
+        kind_of: &str,
+        text: Option<&str>,
+        settings: Vec<String>,
+        signals: Vec<String>,
+        asked: Option<&str>,
+    ) -> PyResult<Self> {
+        let description = described(machine(kind_of)?, text, &settings)?;
+        let method = method(&description, asked).to_owned();
+        let mut names = vec!["t"];
+        names.extend(signals.iter().map(String::as_str).filter(|name| *name != "t"));
+        let feed = kind(&description).feed(&names)?;
+        let way = way(&description, &method)?;
+        feed.check(&description, &method)?;
+        Ok(Self {
+            signals: names.iter().map(|name| PyString::intern(py, name).unbind()).collect(),
+            state: Mutex::new(State {
+                feed,
+                way,
+                values: vec![f64::NAN; names.len()],
+            }),
+            description,
+            method,
+        })
+    }
+
+    /// The cells of the estimate that a sample gives, in the order of `header`.
+    fn step<'py>(
+        &self,
+        py: Python<'py>,
+        t: f64,
+        values: &Bound<'py, PyDict>,
+    ) -> PyResult<Bound<'py, PyTuple>> {
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        let State { feed, way, values: row } = &mut *state;
+        let mut taken = 0;
+        row[0] = t;
+        for (place, name) in row.iter_mut().zip(&self.signals).skip(1) {
+            *place = match values.get_item(name)? {
+                None => f64::NAN,
+                Some(value) => {
+                    taken += 1;
+                    if value.is_none() { f64::NAN } else { value.extract()? }
+                }
+            };
+        }
+        if taken != values.len() {
+            return Err(self.unknown(py, values));
+        }
+        let estimate = answer(way, feed.sample(row));
+        let estimate = estimate.ok_or_else(|| refused("the sample has no answer; please report this"))?;
+        let mut cells: Vec<Bound<'py, PyAny>> = Vec::with_capacity(32);
+        feed.cells(&estimate, &mut |cell| {
+            cells.push(match cell {
+                Cell::Number(x) => pyo3::types::PyFloat::new(py, x).into_any(),
+                Cell::Flag(x) => pyo3::types::PyBool::new(py, x).to_owned().into_any(),
+                Cell::Word(x) => PyString::intern(py, x).into_any(),
+            });
+        });
+        PyTuple::new(py, cells)
+    }
+
+    /// The complete state, with what it is a state of.
+    fn state<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut bytes = HEAD.as_bytes().to_vec();
+        let names: Vec<String> = self.signals.iter().map(|s| s.to_string()).collect();
+        let machine = self.description.machine().name();
+        for text in [machine, &self.method, &names.join(","), &self.description.to_toml()] {
+            put(&mut bytes, text.as_bytes());
+        }
+        bytes.extend(state.feed.count().to_le_bytes());
+        for step in &state.way {
+            put(&mut bytes, &saved(step.as_ref())?);
+        }
+        let sum = sum_of(&bytes).to_le_bytes();
+        bytes.extend(sum);
+        Ok(PyBytes::new(py, &bytes))
+    }
+
+    /// The estimator that wrote this state.
+    #[staticmethod]
+    fn from_state(py: Python<'_>, state: &[u8]) -> PyResult<Self> {
+        let foreign = || refused("these bytes are no state of this version of heft, or damaged; begin anew");
+        let (rest, sum) = state.split_last_chunk::<8>().ok_or_else(foreign)?;
+        let mut rest = rest.strip_prefix(HEAD.as_bytes()).ok_or_else(foreign)?;
+        if *sum != sum_of(&state[..state.len() - 8]).to_le_bytes() {
+            return Err(foreign());
+        }
+        let mut text = || {
+            let text = take(&mut rest).and_then(|bytes| std::str::from_utf8(bytes).ok());
+            text.map(str::to_owned).ok_or_else(foreign)
+        };
+        let (machine, method, signals, description) = (text()?, text()?, text()?, text()?);
+        let signals = signals.split(',').map(str::to_owned).collect();
+        let new = Self::new(py, &machine, Some(&description), Vec::new(), signals, Some(&method))?;
+        let (count, mut rest) = rest.split_first_chunk::<8>().ok_or_else(foreign)?;
+        {
+            let mut state = new.state.lock().unwrap_or_else(PoisonError::into_inner);
+            state.feed.go_on_from(u64::from_le_bytes(*count));
+            for step in &mut state.way {
+                let bytes = take(&mut rest).ok_or_else(foreign)?;
+                if !step.restore(bytes) {
+                    return Err(foreign());
+                }
+            }
+        }
+        Ok(new)
+    }
+
+    #[getter]
+    fn machine(&self) -> &'static str {
+        self.description.machine().name()
+    }
+
+    #[getter]
+    fn method(&self) -> &str {
+        &self.method
+    }
+
+    #[getter]
+    fn signals(&self, py: Python<'_>) -> Vec<Py<PyString>> {
+        self.signals[1..].iter().map(|s| s.clone_ref(py)).collect()
+    }
+
+    #[getter]
+    fn description(&self) -> String {
+        self.description.to_toml()
+    }
+}
+
+impl Estimator {
+    /// The error that names a value which is none of the signals.
+    fn unknown(&self, _py: Python<'_>, values: &Bound<'_, PyDict>) -> PyErr {
+        let known: Vec<String> = self.signals[1..].iter().map(|s| s.to_string()).collect();
+        let given = values.keys().iter().map(|k| k.to_string()).collect::<Vec<_>>();
+        let other = given.iter().find(|name| !known.contains(name));
+        let other = other.map_or("", String::as_str);
+        refused(format!(
+            "{other} is none of the signals of this estimator ({}); name it in signals=[...]",
+            known.join(", ")
+        ))
+    }
+}
+
+fn saved(step: &dyn steps::stages::AnyStep) -> PyResult<Vec<u8>> {
+    let mut room = vec![0; 1 << 13];
+    loop {
+        if let Some(length) = step.save(&mut room) {
+            room.truncate(length);
+            return Ok(room);
+        }
+        if room.len() >= MOST {
+            return Err(refused("this method has no state that can be saved"));
+        }
+        room.resize(2 * room.len(), 0);
+    }
+}
+
+/// Appends bytes after their length.
+fn put(into: &mut Vec<u8>, bytes: &[u8]) {
+    into.extend((bytes.len() as u64).to_le_bytes());
+    into.extend(bytes);
+}
+
+/// Takes bytes that follow their length.
+fn take<'a>(from: &mut &'a [u8]) -> Option<&'a [u8]> {
+    let (length, rest) = from.split_first_chunk::<8>()?;
+    let (bytes, rest) = rest.split_at_checked(usize::try_from(u64::from_le_bytes(*length)).ok()?)?;
+    *from = rest;
+    Some(bytes)
+}
+
+/// Sum of bytes that tells damage (FNV-1a, 64 bits).
+fn sum_of(bytes: &[u8]) -> u64 {
+    let step = |sum: u64, byte: &u8| (sum ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, step)
+}

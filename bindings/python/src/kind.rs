@@ -1,0 +1,196 @@
+//! What this crate does with a machine, its types put aside.
+
+use std::path::Path;
+
+use config::Description;
+use messages::{Envelope, Message};
+use pyo3::PyResult;
+use recording::Map;
+use recording::csv::Estimate;
+use recording::frame::{self, Cell, Cells, Feed, NamedColumn, Table};
+use recording::Sensors;
+use steps::stages::{AnyStep, Pipeline};
+
+use crate::refused;
+
+/// Columns, places of the rows that were refused, number of rows.
+pub type Found = (Vec<NamedColumn>, Vec<u32>, usize);
+
+/// The stages that lead to an estimate.
+pub type Way = Vec<Box<dyn AnyStep>>;
+
+/// A machine.
+pub trait Kind: Sync {
+    fn header(&self) -> Vec<(&'static str, &'static str, frame::Kind)>;
+    fn reasons(&self) -> &'static [(&'static str, &'static str)];
+    fn of_columns(
+        &self,
+        description: &Description,
+        method: Option<&str>,
+        columns: &[(&str, Vec<f64>)],
+        length: usize,
+    ) -> PyResult<Found>;
+    fn of_file(
+        &self,
+        description: &Description,
+        method: Option<&str>,
+        path: &Path,
+        map: Option<&Map>,
+    ) -> PyResult<Found>;
+    fn feed(&self, signals: &[&str]) -> PyResult<Box<dyn AnyFeed>>;
+}
+
+/// Makes samples of numbers, and cells of estimates.
+pub trait AnyFeed: Send {
+    /// Refuses signals that the method cannot use.
+    fn check(&self, description: &Description, method: &str) -> PyResult<()>;
+    fn sample(&mut self, values: &[f64]) -> Envelope;
+    fn count(&self) -> u64;
+    fn go_on_from(&mut self, count: u64);
+    fn cells(&self, estimate: &Envelope, put: &mut dyn FnMut(Cell));
+}
+
+struct Of<S, E>(std::marker::PhantomData<fn() -> (S, E)>);
+
+struct FeedOf<S: Sensors, E: Estimate> {
+    feed: Feed<S>,
+    names: Vec<String>,
+    cells: Cells<E>,
+}
+
+macro_rules! kinds {
+    ($( $machine:ident, $module:ident, $sensors:ident, $truth:ident, $estimate:ident, $others:tt; )*) => {
+        /// The machine of a description.
+        pub fn kind(description: &Description) -> &'static dyn Kind {
+            match description.machine() {
+                $( messages::Machine::$machine =>
+                    &Of::<messages::$sensors, messages::$estimate>(std::marker::PhantomData), )*
+            }
+        }
+    };
+}
+
+messages::machines!(kinds);
+
+/// The method that was asked for, or the usual one.
+pub fn method<'a>(description: &Description, asked: Option<&'a str>) -> &'a str {
+    let pipeline = Pipeline::of(description.machine());
+    let main = pipeline.stage(pipeline.main).and_then(|s| s.methods().first().copied());
+    asked.or(main).unwrap_or_default()
+}
+
+/// The way to the estimate of a method.
+pub fn way(description: &Description, method: &str) -> PyResult<Way> {
+    let pipeline = Pipeline::of(description.machine());
+    let stage = pipeline.with_method(method);
+    let stage = stage.ok_or_else(|| refused(pipeline.unknown(method)))?;
+    let rows = pipeline.way_to(stage).into_iter();
+    rows.map(|row| row.start(description, method).map_err(refused)).collect()
+}
+
+/// The answer at the end of the way.
+pub fn answer(way: &mut Way, sample: Envelope) -> Option<Envelope> {
+    way.iter_mut().try_fold(sample, |message, step| step.answer(&message))
+}
+
+/// Refuses samples that the method cannot use.
+fn check<S: Message>(description: &Description, method: &str, first: &S) -> PyResult<()> {
+    match (description, &first.envelope()) {
+        (Description::Excavator(d), Envelope::ExcavatorSensors(first)) => {
+            steps::excavator::check_columns(d, method, first).map_err(refused)
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Takes row after row through the stages, as `heft estimate` does.
+fn run<S: Message, T, E: Estimate>(
+    description: &Description,
+    asked: Option<&str>,
+    rows: impl Iterator<Item = (S, T)>,
+    room: usize,
+) -> PyResult<Found> {
+    let method = method(description, asked);
+    let mut way = way(description, method)?;
+    let mut table = Table::<E>::with_capacity(room);
+    let mut count = 0;
+    for (sample, _) in rows {
+        if count == 0 {
+            check(description, method, &sample)?;
+        }
+        count += 1;
+        if let Some(estimate) = answer(&mut way, sample.envelope()).as_ref().and_then(E::inside) {
+            table.push(estimate);
+        }
+    }
+    let refused = table.refused().to_vec();
+    Ok((table.finish(), refused, count))
+}
+
+impl<S: Sensors, E: Estimate> Kind for Of<S, E> {
+    fn header(&self) -> Vec<(&'static str, &'static str, frame::Kind)> {
+        frame::header::<E>()
+    }
+
+    fn reasons(&self) -> &'static [(&'static str, &'static str)] {
+        E::REASONS
+    }
+
+    fn of_columns(
+        &self,
+        description: &Description,
+        method: Option<&str>,
+        columns: &[(&str, Vec<f64>)],
+        length: usize,
+    ) -> PyResult<Found> {
+        let rows = frame::rows::<S>(columns).map_err(refused)?;
+        run::<_, _, E>(description, method, rows, length)
+    }
+
+    fn of_file(
+        &self,
+        description: &Description,
+        method: Option<&str>,
+        path: &Path,
+        map: Option<&Map>,
+    ) -> PyResult<Found> {
+        let samples = recording::open::<S>(path, map).map_err(refused)?;
+        let found = run::<_, _, E>(description, method, samples.rows().map_err(refused)?, 0)?;
+        samples.check().map_err(refused)?;
+        Ok(found)
+    }
+
+    fn feed(&self, signals: &[&str]) -> PyResult<Box<dyn AnyFeed>> {
+        Ok(Box::new(FeedOf::<S, E> {
+            feed: Feed::new(signals).map_err(refused)?,
+            names: signals.iter().map(|&name| name.to_owned()).collect(),
+            cells: Cells::default(),
+        }))
+    }
+}
+
+impl<S: Sensors, E: Estimate> AnyFeed for FeedOf<S, E> {
+    fn check(&self, description: &Description, method: &str) -> PyResult<()> {
+        let names: Vec<&str> = self.names.iter().map(String::as_str).collect();
+        let mut feed = Feed::<S>::new(&names).map_err(refused)?;
+        check(description, method, &feed.sample(&vec![0.0; names.len()]))
+    }
+
+    fn sample(&mut self, values: &[f64]) -> Envelope {
+        self.feed.sample(values).envelope()
+    }
+
+    fn count(&self) -> u64 {
+        self.feed.count()
+    }
+
+    fn go_on_from(&mut self, count: u64) {
+        self.feed.go_on_from(count);
+    }
+
+    fn cells(&self, estimate: &Envelope, put: &mut dyn FnMut(Cell)) {
+        if let Some(estimate) = E::inside(estimate) {
+            self.cells.of(estimate, put);
+        }
+    }
+}

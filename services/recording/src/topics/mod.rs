@@ -1,0 +1,335 @@
+//! MCAP files of others (ROS 2, Foxglove, own loggers): numbers by topic and field, as a map says.
+
+pub(crate) mod codec;
+pub(crate) mod list;
+pub(crate) mod node;
+mod proto;
+mod ros;
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use mcap::records::op;
+
+use self::codec::Codec;
+use self::node::{Step, path};
+use crate::map::{Entry, Map, Origin, Rows as When, TopicName, TopicTime, Topics, hint};
+use crate::reader::{Part, Reader};
+use crate::record;
+use crate::sampling::{RowTime, Rows, Series};
+use crate::scan::Unpacked;
+use crate::signal::{self, Builder, Row, Sensors};
+use crate::Error;
+
+/// The rows of a file of others.
+pub(crate) struct TopicRows<S: Sensors> {
+    lines: Vec<Line>,
+    series: Vec<Series>,
+    rows: Rows,
+    master: Option<usize>,
+    builder: Builder<S>,
+    /// What was read, latest first: time since the first [ns], series, value.
+    waiting: Vec<(i64, usize, f64)>,
+    /// Time of the first value [ns].
+    start: i64,
+    has_ended: bool,
+}
+
+struct Line {
+    entry: Entry,
+    terms: Vec<Source>,
+}
+
+enum Source {
+    Constant(f64),
+    Topic(usize),
+}
+
+/// A number that is looked for in the messages of a topic.
+struct Wanted<'a> {
+    entry: &'a Entry,
+    name: &'a TopicName,
+    path: Vec<Step>,
+    found: bool,
+}
+
+impl<S: Sensors> TopicRows<S> {
+    /// Reads the values that the map names.
+    pub(crate) fn open(file: &Path, map: &Map) -> Result<Self, Error> {
+        let Some(topics) = &map.topics else {
+            return Err(Error::new(
+                "the signal map has no [topics] table",
+                map.file(),
+                "name topic and field of each signal under [topics.signals]; heft map lists them",
+            ));
+        };
+        let signals = signal::signals::<S>();
+        map.check(&topics.signals, &signals)?;
+        map.require::<S>(&topics.signals, "[topics.signals]")?;
+        let (mut lines, mut series, mut wanted) = (Vec::new(), Vec::new(), Vec::new());
+        for entry in topics.signals.iter().filter(|e| !e.is_nowhere()) {
+            let mut terms = Vec::new();
+            for term in &entry.terms {
+                terms.push(match &term.origin {
+                    Origin::Constant(value) => Source::Constant(*value),
+                    Origin::Topic(name) => {
+                        series.push(Series::new(&term.timing, topics.hold));
+                        wanted.push(wanted_of(map, entry, name)?);
+                        Source::Topic(series.len() - 1)
+                    }
+                    Origin::Column(_) | Origin::Can(_) | Origin::Nowhere => {
+                        Source::Constant(f64::NAN)
+                    }
+                });
+            }
+            lines.push(Line {
+                entry: entry.clone(),
+                terms,
+            });
+        }
+        let mut waiting = values(file, map, topics, &mut wanted)?;
+        waiting.sort_by_key(|(time, ..)| *time); // stable
+        let start = waiting.first().map_or(0, |(time, ..)| *time);
+        for (time, ..) in &mut waiting {
+            *time -= start;
+        }
+        waiting.reverse();
+        let (rate, master) = match &topics.rows {
+            When::Rate(rate) => (Some(*rate), None),
+            When::Master(name) => (None, Some(master(name, &lines, map)?)),
+        };
+        let used = lines
+            .iter()
+            .filter_map(|l| signals.iter().find(|s| s.name == l.entry.signal));
+        Ok(Self {
+            builder: Builder::with_all(signals.iter().take(1).chain(used)),
+            lines,
+            series,
+            rows: Rows::new(rate),
+            master,
+            waiting,
+            start,
+            has_ended: false,
+        })
+    }
+
+    /// The next row; nothing at the end.
+    pub(crate) fn row(&mut self) -> Option<Row<S>> {
+        loop {
+            if let Some(row) = self.builder.next() {
+                return Some(row);
+            }
+            if self.has_ended {
+                return None;
+            }
+            match self.waiting.pop() {
+                Some((time, series, value)) => self.take(time, series, value),
+                None => {
+                    self.has_ended = true;
+                    self.build(true);
+                    self.builder.finish();
+                }
+            }
+        }
+    }
+
+    fn take(&mut self, time: i64, series: usize, value: f64) {
+        self.rows.pass(time);
+        self.build(false);
+        self.series[series].push(time, value);
+        if self.master == Some(series) {
+            self.rows.add(self.series[series].measured(time));
+        }
+        self.rows.hear(time);
+        // What comes at the same time belongs to the same row.
+        if self.waiting.last().is_none_or(|next| next.0 > time) {
+            self.build(false);
+        }
+    }
+
+    fn build(&mut self, at_end: bool) {
+        while let Some(RowTime { ns, seconds }) = self.rows.next(&mut self.series, at_end) {
+            let mut values = vec![seconds];
+            values.extend(self.lines.iter().map(|line| {
+                let terms = line.entry.terms.iter().zip(&line.terms);
+                line.entry.combine(terms.map(|(term, source)| match source {
+                    Source::Constant(value) => *value,
+                    Source::Topic(at) => term.conversion.apply(self.series[*at].at(ns)),
+                }))
+            }));
+            let measured = u64::try_from(self.start.saturating_add(ns));
+            self.builder.push(&values, measured.unwrap_or(0));
+        }
+    }
+}
+
+fn wanted_of<'a>(map: &Map, entry: &'a Entry, name: &'a TopicName) -> Result<Wanted<'a>, Error> {
+    let path = path(&name.field).ok_or_else(|| {
+        Error::new(
+            format!("{} is no path of fields", name.field),
+            map.place(entry),
+            "write field = \"twist.angular.z\", or field = \"axes[2]\"",
+        )
+    })?;
+    Ok(Wanted {
+        entry,
+        name,
+        path,
+        found: false,
+    })
+}
+
+/// The series whose messages make rows.
+fn master(name: &str, lines: &[Line], map: &Map) -> Result<usize, Error> {
+    let line = lines.iter().find(|l| l.entry.signal == name);
+    let mut series = line.iter().flat_map(|l| &l.terms).filter_map(|s| match s {
+        Source::Topic(series) => Some(*series),
+        Source::Constant(_) => None,
+    });
+    series.next().ok_or_else(|| {
+        let names = lines.iter().map(|l| l.entry.signal.as_str());
+        Error::new(
+            format!("the master {name} is no signal of the map that comes from a topic"),
+            map.file(),
+            hint(name, names, "its signals are"),
+        )
+    })
+}
+
+/// Every value that is wanted: time [ns], which, value.
+fn values(
+    file: &Path,
+    map: &Map,
+    topics: &Topics,
+    wanted: &mut [Wanted<'_>],
+) -> Result<Vec<(i64, usize, f64)>, Error> {
+    let reader = Reader::open(file)?;
+    check_topics(&reader, map, wanted)?;
+    let mut values = Vec::new();
+    for part in &reader.parts {
+        let codecs = codecs(part, map, wanted)?;
+        for_each_message(part, &mut |head, data| {
+            let Some(codec) = codecs.get(&head.channel) else {
+                return;
+            };
+            let topic = &part.scan.channels[&head.channel].topic;
+            let Some(node) = codec.decode(data) else {
+                return;
+            };
+            let time = match topics.time {
+                TopicTime::Log => Some(head.log_time as i64),
+                TopicTime::Publish => Some(head.publish_time as i64),
+                TopicTime::Header => node.stamp(),
+            };
+            let Some(time) = time else { return };
+            for (i, w) in wanted.iter_mut().enumerate() {
+                if w.name.topic == *topic
+                    && let Some(value) = node.number(&w.path, w.name.name.as_deref())
+                {
+                    w.found = true;
+                    values.push((time, i, value));
+                }
+            }
+        });
+    }
+    for damage in reader.damage() {
+        tracing::warn!("{damage}");
+    }
+    check_found(&reader, map, topics, wanted)?;
+    Ok(values)
+}
+
+fn check_topics(reader: &Reader, map: &Map, wanted: &[Wanted<'_>]) -> Result<(), Error> {
+    let names = reader.channels();
+    let absent = wanted
+        .iter()
+        .find(|w| !names.contains(&w.name.topic.as_str()));
+    absent.map_or(Ok(()), |w| {
+        Err(Error::new(
+            format!("the file has no topic {}", w.name.topic),
+            map.place(w.entry),
+            hint(&w.name.topic, names.iter().copied(), "its topics are"),
+        ))
+    })
+}
+
+fn check_found(
+    reader: &Reader,
+    map: &Map,
+    topics: &Topics,
+    wanted: &[Wanted<'_>],
+) -> Result<(), Error> {
+    let absent = wanted.iter().find(|w| !w.found);
+    absent.map_or(Ok(()), |w| {
+        let what = match &w.name.name {
+            Some(name) => format!("{} of {name} in {}", w.name.field, w.name.topic),
+            None => format!("{} in {}", w.name.field, w.name.topic),
+        };
+        let stamp = match topics.time {
+            TopicTime::Header => " with a time in its header",
+            TopicTime::Log | TopicTime::Publish => "",
+        };
+        let fields = list::fields_of(reader, &w.name.topic);
+        let remedy = if fields.is_empty() {
+            "check the topic: none of its messages could be read".into()
+        } else {
+            hint(
+                &w.name.field,
+                fields.iter().map(String::as_str),
+                "its numbers are",
+            )
+        };
+        Err(Error::new(
+            format!("no message has a number {what}{stamp}"),
+            map.place(w.entry),
+            remedy,
+        ))
+    })
+}
+
+/// The codecs of the channels that are wanted.
+fn codecs(
+    part: &Part,
+    map: &Map,
+    wanted: &[Wanted<'_>],
+) -> Result<BTreeMap<u16, Codec>, Error> {
+    let mut codecs = BTreeMap::new();
+    for channel in part.scan.channels.values() {
+        if let Some(w) = wanted.iter().find(|w| w.name.topic == channel.topic) {
+            let schema = part.scan.schemas.get(&channel.schema_id);
+            let codec = Codec::of(channel, schema).map_err(|what| {
+                Error::new(
+                    what,
+                    map.place(w.entry),
+                    "record the topic in one of these, or convert the file",
+                )
+            })?;
+            codecs.insert(channel.id, codec);
+        }
+    }
+    Ok(codecs)
+}
+
+/// Calls `found` with each whole message of a file, in the order of the file.
+pub(crate) fn for_each_message(part: &Part, found: &mut dyn FnMut(&record::Message, &[u8])) {
+    let mut unpacked = Unpacked::default();
+    for chunk in &part.scan.chunks {
+        if unpacked.load(chunk, &part.bytes).is_none() {
+            tracing::warn!("{}: {}", part.path.display(), chunk.damage());
+            continue;
+        }
+        while let Some((opcode, body)) = unpacked.next() {
+            if opcode == op::MESSAGE
+                && let Some((head, data)) = record::message(body)
+            {
+                found(&head, data);
+            }
+        }
+    }
+    for (start, end) in &part.scan.loose {
+        let body = part.bytes.range(*start, *end);
+        if let Some((head, data)) = body.as_deref().and_then(record::message) {
+            found(&head, data);
+        }
+    }
+}

@@ -1,0 +1,146 @@
+//! MCAP files of others, made by their own libraries (`tests/others/make.py`): numbers by topic and field.
+
+use std::path::{Path, PathBuf};
+
+use messages::{ExcavatorSensors, Machine};
+use recording::{Map, load, recover, suggest};
+
+fn file(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/others").join(name)
+}
+
+fn rows(name: &str, map: &str) -> Result<Vec<ExcavatorSensors>, recording::Error> {
+    let map = Map::parse(map, "map.toml")?;
+    let rows = load::<ExcavatorSensors>(file(name), Some(&map))?;
+    Ok(rows.into_iter().map(|(sensors, _)| sensors).collect())
+}
+
+/// The rows must be those of `make.py`: velocity 0.5 sin t, torque 1000 cos t, 100 a second for 4 s.
+fn assert_is_the_swing(rows: &[ExcavatorSensors], single: bool) {
+    assert_eq!(rows.len(), 400);
+    let near = if single { 1e-6 } else { 1e-9 };
+    for (i, row) in rows.iter().enumerate() {
+        let t = i as f64 / 100.0;
+        assert!((row.stamp.time - t).abs() < 1e-9, "{i}: {}", row.stamp.time);
+        assert!((row.swing_velocity - 0.5 * t.sin()).abs() < near, "{row:?}");
+        assert!((row.swing_torque - 1000.0 * t.cos()).abs() < 1e-6, "{row:?}");
+    }
+}
+
+const ROS: &str = r#"
+[topics]
+master = "swing_velocity"
+[topics.signals]
+swing_velocity = { topic = "/joint_states", field = "velocity", name = "swing_joint" }
+swing_torque = { topic = "/swing/pressure", field = "fluid_pressure", unit = "Pa", scale = 0.01 }
+"#;
+
+#[test]
+fn ros_2_with_zstd_is_read_by_joint_and_by_field() {
+    assert_is_the_swing(&rows("ros2.zstd.mcap", ROS).expect("readable"), false);
+}
+
+#[test]
+fn the_time_of_a_header_is_that_of_the_measurement() {
+    let header = ROS.replace("[topics]\n", "[topics]\ntime = \"header\"\n");
+    let rows = rows("ros2.zstd.mcap", &header).expect("readable");
+    assert_is_the_swing(&rows, false);
+    assert_eq!(rows[0].stamp.measured_ns, 1_700_000_000_000_000_000);
+    let log = self::rows("ros2.zstd.mcap", ROS).expect("readable");
+    assert_eq!(log[0].stamp.measured_ns, 1_700_000_000_020_000_000);
+}
+
+#[test]
+fn json_with_lz4_is_read_in_its_units() {
+    let map = r#"
+[topics]
+master = "swing_velocity"
+[topics.signals]
+swing_velocity = { topic = "/drive", field = "swing.rate_deg", unit = "deg/s" }
+swing_torque = { topic = "/drive", field = "swing.torques[1]" }
+"#;
+    assert_is_the_swing(&rows("json.lz4.mcap", map).expect("readable"), false);
+}
+
+#[test]
+fn protobuf_outside_of_chunks_is_read_by_its_descriptors() {
+    let map = r#"
+[topics]
+rate = 100
+[topics.signals]
+swing_velocity = { topic = "/drive", field = "rate" }
+swing_torque = { topic = "/drive", field = "torque.z" }
+"#;
+    assert_is_the_swing(&rows("protobuf.plain.mcap", map).expect("readable"), true);
+}
+
+#[test]
+fn what_is_not_there_is_named_with_what_is() {
+    let told = |from: &str, to: &str| {
+        let error = rows("ros2.zstd.mcap", &ROS.replace(from, to)).expect_err(to);
+        error.to_string()
+    };
+    let topic = told("/joint_states", "/joint_state");
+    assert!(topic.contains("/joint_states") && topic.contains("map.toml:5"), "{topic}");
+    let joint = told("swing_joint", "arm_joint");
+    assert!(joint.contains("arm_joint"), "{joint}");
+    let field = told("fluid_pressure", "fluid_presure");
+    assert!(field.contains("did you mean fluid_pressure?"), "{field}");
+    assert!(told("field = \"velocity\"", "field = \"velo..city\"").contains("no path"));
+    let none = rows("ros2.zstd.mcap", "[columns]\nt = \"x\"\n").expect_err("no topics");
+    assert!(none.to_string().contains("[topics.signals]"), "{none}");
+    let without = load::<ExcavatorSensors>(file("ros2.zstd.mcap"), None).expect_err("no map");
+    assert!(without.to_string().contains("heft map"), "{without}");
+}
+
+#[test]
+fn the_first_map_lists_topics_numbers_and_joints() {
+    let text = suggest(&file("ros2.zstd.mcap"), &[], Some(Machine::Excavator)).expect("readable");
+    for line in [
+        "# /joint_states  sensor_msgs/msg/JointState, cdr  400 messages",
+        "#     velocity[1] = 0",
+        "#     names of places: boom, swing_joint",
+        "#     fluid_pressure = 100000",
+        "# swing_velocity = { topic = \"/...\", field = \"...\" }  # [rad/s]; other units by unit = ...",
+    ] {
+        assert!(text.contains(line), "{line} in\n{text}");
+    }
+}
+
+#[test]
+fn a_cut_file_gives_what_is_whole_and_recovers_that() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let bytes = std::fs::read(file("ros2.zstd.mcap")).expect("there");
+    let cut = folder.path().join("cut.mcap");
+    std::fs::write(&cut, &bytes[..bytes.len() / 2]).expect("writable");
+    let map = Map::parse(ROS, "map.toml").expect("a map");
+    let rows = load::<ExcavatorSensors>(&cut, Some(&map)).expect("readable");
+    assert!((50..400).contains(&rows.len()), "{}", rows.len());
+    let out = folder.path().join("mended.mcap");
+    let recovered = recover(&cut, Some(&out)).expect("recoverable");
+    assert!(recovered.messages > 100, "{recovered}");
+    let again = load::<ExcavatorSensors>(&out, Some(&map)).expect("readable");
+    assert_eq!(again.len(), rows.len());
+}
+
+#[test]
+fn no_byte_of_a_foreign_file_makes_a_panic() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let damaged = folder.path().join("damaged.mcap");
+    let map = Map::parse(ROS, "map.toml").expect("a map");
+    let bytes = std::fs::read(file("ros2.zstd.mcap")).expect("there");
+    let mut seed = 0x9e37_79b9_7f4a_7c15_u64;
+    for _ in 0..60 {
+        let mut bytes = bytes.clone();
+        for _ in 0..4 {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            let at = (seed >> 33) as usize % bytes.len();
+            bytes[at] ^= (seed >> 8) as u8 | 1;
+        }
+        std::fs::write(&damaged, &bytes).expect("writable");
+        // Whatever is read is finite.
+        for (row, _) in load::<ExcavatorSensors>(&damaged, Some(&map)).unwrap_or_default() {
+            assert!(row.swing_velocity.is_finite() && row.swing_torque.is_finite());
+        }
+    }
+}
