@@ -1,13 +1,17 @@
-//! Estimates onto a CAN bus. A bus that is away or full costs frames, never an estimate.
+//! Estimates onto a CAN bus, as a node of J1939: an address is claimed, defended, and given up. A bus that is away or
+//! full costs frames, never an estimate.
 
 use std::io;
 use std::time::{Duration, Instant};
 
 use messages::channels::Channel;
-use messages::{Message, fault};
+use messages::{Envelope, Message, fault};
+use recording::can::node::{HEARS, Node};
 use recording::can::{Frame, Outgoing};
-use runtime::Sink;
-use socketcan::{CanFrame, CanSocket, EmbeddedFrame, ExtendedId, Id, Socket, StandardId};
+use runtime::{Sink, now_ns};
+use socketcan::{
+    CanFilter, CanFrame, CanSocket, EmbeddedFrame, ExtendedId, Id, Socket, SocketOptions, StandardId,
+};
 
 /// From one attempt to open the interface to the next.
 const RETRY: Duration = Duration::from_millis(200);
@@ -25,14 +29,33 @@ pub struct BusWriter {
     last: f64,
     /// Whether the last attempt failed: told once.
     has_failed: bool,
+    /// The node; none where no frame is J1939's.
+    node: Option<Node>,
+    /// The address that it was last told to have.
+    address: Option<u8>,
+    /// The frames from that address.
+    addressed: Outgoing,
+    /// The last estimate, for those who ask.
+    latest: Option<Envelope>,
+    /// Whether it was told that there is no address.
+    has_lost: bool,
 }
+
+/// Frames of others that are taken in one visit: a bus that floods the node does not hold up the estimates.
+const MOST_HEARD: usize = 64;
 
 impl BusWriter {
     /// Sends `outgoing` on `interface`, which is opened when it is there.
     #[must_use]
     pub fn new(interface: &str, outgoing: Outgoing) -> Self {
+        let node = outgoing.node(identity());
         Self {
             interface: interface.to_owned(),
+            addressed: outgoing.clone(),
+            node,
+            address: None,
+            latest: None,
+            has_lost: false,
             outgoing,
             socket: None,
             tried: None,
@@ -49,11 +72,85 @@ impl BusWriter {
             self.tried = Some(Instant::now());
             let socket = CanSocket::open(&self.interface)?;
             socket.set_nonblocking(true)?;
+            match &mut self.node {
+                None => socket.set_filter_drop_all()?,
+                Some(node) => {
+                    let only = HEARS.map(|(id, mask)| {
+                        CanFilter::new(id | EXTENDED, mask | EXTENDED | REMOTE)
+                    });
+                    socket.set_filters(&only)?;
+                    // Who is on the bus may have changed while it was away.
+                    node.begin(now_ns());
+                }
+            }
             self.socket = Some(socket);
         }
         self.socket
             .as_ref()
             .ok_or_else(|| io::ErrorKind::NotConnected.into())
+    }
+
+    /// Hears what other nodes claim and ask, and says what the node has to say.
+    fn talk(&mut self) -> io::Result<()> {
+        self.open()?;
+        let (Some(node), Some(socket)) = (&mut self.node, &self.socket) else {
+            return Ok(());
+        };
+        for _ in 0..MOST_HEARD {
+            match socket.read_frame() {
+                Ok(CanFrame::Data(frame)) => {
+                    if let Id::Extended(id) = frame.id() {
+                        node.take(id.as_raw(), frame.data(), now_ns());
+                    }
+                }
+                Ok(_) => {}
+                Err(error) if error.kind() == io::ErrorKind::WouldBlock => break,
+                Err(error) => return Err(error),
+            }
+        }
+        while let Some(said) = node.say(now_ns()) {
+            let id = ExtendedId::new(said.id);
+            if let Some(frame) = id.and_then(|id| CanFrame::new(id, &said.data)) {
+                socket.write_frame(&frame)?;
+            }
+        }
+        let address = node.address(now_ns());
+        if address != self.address {
+            self.address = address;
+            if let Some(address) = address {
+                self.addressed = self.outgoing.from(address);
+                tracing::info!(interface = self.interface, address, "address claimed");
+            }
+        }
+        if node.has_lost() != self.has_lost {
+            self.has_lost = node.has_lost();
+            if self.has_lost {
+                tracing::warn!(
+                    "{}: no address: another node has it, by its NAME; nothing is sent",
+                    self.interface
+                );
+            }
+        }
+        let asked = node.take_asked();
+        if !asked.is_empty()
+            && let Some(latest) = self.latest
+        {
+            let frames = self.addressed.frames(&latest, 0, "");
+            let asked: Vec<CanFrame> = frames
+                .filter(|f| f.extended && asked.contains(&(f.id >> 8 & 0x3_ffff)))
+                .filter_map(|f| out(&f))
+                .collect();
+            self.send(&asked)?;
+        }
+        Ok(())
+    }
+
+    /// The frames of an estimate that may be sent now: those of J1939 need an address.
+    fn frames(&self, estimate: &Envelope) -> Vec<CanFrame> {
+        let has_address = self.address.is_some();
+        let frames = self.addressed.frames(estimate, 0, "");
+        let frames = frames.filter(|f| has_address || !f.extended);
+        frames.filter_map(|f| out(&f)).collect()
     }
 
     fn send(&mut self, frames: &[CanFrame]) -> io::Result<()> {
@@ -80,9 +177,23 @@ impl BusWriter {
             e.kind() == io::ErrorKind::WouldBlock || e.raw_os_error() == Some(NO_BUFFERS)
         };
         if sent.as_ref().is_err_and(|e| !is_full(e)) {
-            self.socket = None;
+            (self.socket, self.address) = (None, None);
         }
     }
+}
+
+/// Flags beside an identifier.
+const EXTENDED: u32 = 1 << 31;
+const REMOTE: u32 = 1 << 30;
+
+/// A number that another computer hardly has: of the name of this one (FNV-1a), 21 bits.
+fn identity() -> u32 {
+    let name = rustix::system::uname();
+    let bytes = name.nodename().to_bytes().iter();
+    let hash = bytes.fold(0x811c_9dc5_u32, |hash, byte| {
+        (hash ^ u32::from(*byte)).wrapping_mul(0x0100_0193)
+    });
+    (hash ^ hash >> 21) & 0x1f_ffff
 }
 
 /// ENOBUFS: the interface's queue is full.
@@ -108,10 +219,21 @@ impl Sink for BusWriter {
         }
         self.last = time;
         let envelope = message.envelope();
-        let frames = self.outgoing.frames(&envelope, 0, "");
-        let frames: Vec<CanFrame> = frames.filter_map(|f| out(&f)).collect();
-        let sent = self.send(&frames);
+        self.latest = Some(envelope);
+        let sent = self.talk().and_then(|()| {
+            let frames = self.frames(&envelope);
+            self.send(&frames)
+        });
         self.tell(&sent);
+    }
+
+    fn look(&mut self) {
+        if self.node.is_some() {
+            let said = self.talk();
+            if said.is_err() {
+                self.tell(&said);
+            }
+        }
     }
 
     fn has_room(&self) -> bool {

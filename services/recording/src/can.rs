@@ -5,6 +5,7 @@ mod decoder;
 mod frame;
 pub(crate) mod layout;
 mod log;
+pub mod node;
 mod outgoing;
 #[cfg(test)]
 mod tests;

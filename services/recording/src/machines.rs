@@ -20,6 +20,8 @@ pub(crate) struct Entry {
     pub from_table: fn(&Path) -> Guess,
     /// Its estimates as CAN frames.
     pub frames: &'static FrameTable,
+    /// Names and words of the reasons of its estimates.
+    pub reasons: &'static [(&'static str, &'static str)],
 }
 
 macro_rules! entries {
@@ -32,6 +34,7 @@ macro_rules! entries {
                     from_log: suggest::log::<messages::$sensors>,
                     from_table: suggest::table::suggest::<messages::$sensors>,
                     frames: &crate::$module::FRAMES,
+                    reasons: <messages::$estimate as crate::csv::Estimate>::REASONS,
                 }, )*
             }
         }

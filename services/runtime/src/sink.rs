@@ -24,6 +24,8 @@ pub trait Sink {
     fn overwritten(&mut self, _channel: &'static Channel, _samples: u64) {}
     /// Told that a visit to the channels is over, in which it took something.
     fn visited(&mut self) {}
+    /// Told at every visit, whether there was something to take or not.
+    fn look(&mut self) {}
     /// Whether it can take more without losing any.
     fn has_room(&self) -> bool;
     /// Its fault, see [`messages::fault`].
@@ -77,6 +79,7 @@ pub fn run_sink<S: Sink + 'static>(
         if visit.taken > 0 {
             sink.visited();
         }
+        sink.look();
         worker.reporter.end();
         let step_ns = (now_ns() - begun) / visit.taken.max(1);
         for i in 0..visit.taken {

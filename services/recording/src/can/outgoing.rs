@@ -6,7 +6,7 @@
 //! | 0-3 | value, 32 bits, least significant byte first, in the resolution of the table |
 //! | 4-7 | its standard deviation, alike, without an offset |
 //!
-//! The verdict has two bits a flag, as J1939 does: 0 no, 1 yes.
+//! The verdict has two bits a flag, as J1939 does: 0 no, 1 yes; its last byte is the code of the reason.
 
 mod map;
 
@@ -18,6 +18,7 @@ use messages::{Envelope, Machine, Message};
 
 use self::map::Parser;
 use super::Frame;
+use super::node::{Name, Node};
 use crate::{Error, machines};
 
 /// "Not available" (J1939-71) in every byte.
@@ -60,12 +61,14 @@ pub(crate) struct FrameTable {
 /// ```toml
 /// [can]
 /// rate = 10         # of each frame a second, at most
-/// source = 0x80     # J1939 source address
+/// source = 0x80     # J1939 source address that is claimed
 /// priority = 6
 /// channel = "excavator/inertia_ukf"
 /// [can.frames]      # those to send, each with its parameter group (proprietary B) ...
 /// inertia = 0xff10
 /// verdict = { id = 0x321 }   # ... or with an identifier of 11 bits
+/// [can.name]        # the NAME with which the address is claimed
+/// identity = 1234
 /// ```
 #[derive(Debug, Clone)]
 pub struct Outgoing {
@@ -74,6 +77,10 @@ pub struct Outgoing {
     pub channel: &'static Channel,
     /// Least time between two frames of one kind [s].
     pub period: f64,
+    /// The address that is claimed.
+    source: u8,
+    /// The NAME; without an identity where the map says none.
+    name: (Name, Option<u32>),
     kinds: Vec<Kind>,
 }
 
@@ -90,7 +97,8 @@ struct Kind {
 enum Content {
     /// Positions of value and standard deviation among the fields, and the row of the table.
     Quantity([usize; 2], &'static Quantity),
-    Verdict(&'static [(&'static str, u32)]),
+    /// Flags, and position of the code of the reason.
+    Verdict(&'static [(&'static str, u32)], usize),
 }
 
 impl std::fmt::Debug for Quantity {
@@ -153,13 +161,16 @@ impl Outgoing {
                     let (value, std) = both.unwrap_or((NOT_AVAILABLE, NOT_AVAILABLE));
                     u64::from(value) | u64::from(std) << 32
                 }
-                Content::Verdict(all) => {
+                Content::Verdict(all, reason) => {
                     let used = all.len() * 2;
                     let bits = all
                         .iter()
                         .enumerate()
                         .map(|(i, (_, flag))| u64::from(flags & flag != 0) << (2 * i));
-                    bits.sum::<u64>() | u64::MAX << used
+                    let reason = estimate.get(*reason).map(|v| v.as_f64() as u64);
+                    let reason = reason.filter(|r| *r <= MOST_REASON).unwrap_or(0xff);
+                    let free = u64::MAX << used & u64::MAX >> 8;
+                    bits.sum::<u64>() | free | reason << REASON_AT
                 }
             };
             Frame::new(
@@ -170,6 +181,27 @@ impl Outgoing {
                 &data.to_le_bytes(),
             )
         })
+    }
+
+    /// The node of J1939 that sends these frames; none if all have identifiers of 11 bits. `identity` where the map
+    /// says none.
+    #[must_use]
+    pub fn node(&self, identity: u32) -> Option<Node> {
+        let (name, own) = self.name;
+        let identity = own.unwrap_or(identity);
+        let groups: Vec<u32> = self.kinds.iter().filter_map(Kind::group).collect();
+        let is_node = !groups.is_empty();
+        is_node.then(|| Node::new(Name { identity, ..name }, self.source, groups))
+    }
+
+    /// The same frames from another source address.
+    #[must_use]
+    pub fn from(&self, source: u8) -> Self {
+        let mut other = self.clone();
+        for kind in other.kinds.iter_mut().filter(|k| k.extended) {
+            kind.id = kind.id & !0xff | u32::from(source);
+        }
+        other
     }
 
     /// The DBC of the frames of one machine, or of several.
@@ -190,12 +222,25 @@ impl Outgoing {
             let format = if kind.extended { 3 } else { 0 };
             let _ = writeln!(out, "BA_ \"VFrameFormat\" BO_ {} {format};", kind.dbc_id());
         }
-        for (_, kind) in kinds() {
-            if let Content::Verdict(flags) = &kind.content {
-                for (flag, _) in *flags {
-                    let _ = writeln!(out, "VAL_ {} {flag} {WORDS} ;", kind.dbc_id());
-                }
+        for outgoing in all {
+            let cycle = (outgoing.period * 1000.0).round().max(1.0);
+            for kind in &outgoing.kinds {
+                let id = kind.dbc_id();
+                let _ = writeln!(out, "BA_ \"GenMsgCycleTime\" BO_ {id} {cycle};");
             }
+        }
+        if let Some(first) = all.first() {
+            let _ = writeln!(
+                out,
+                "BA_ \"NmStationAddress\" BU_ heft {};",
+                first.source
+            );
+        }
+        for (machine, kind) in kinds() {
+            kind.comments(machine, &mut out);
+        }
+        for (machine, kind) in kinds() {
+            kind.words(machine, &mut out);
         }
         out
     }
@@ -205,10 +250,18 @@ impl Outgoing {
 const ATTRIBUTES: &str = r#"
 BA_DEF_ "ProtocolType" STRING ;
 BA_DEF_ BO_ "VFrameFormat" ENUM "StandardCAN","ExtendedCAN","reserved","J1939PG";
+BA_DEF_ BO_ "GenMsgCycleTime" INT 0 65535;
+BA_DEF_ BU_ "NmStationAddress" INT 0 253;
+BA_DEF_DEF_ "GenMsgCycleTime" 0;
+BA_DEF_DEF_ "NmStationAddress" 128;
 BA_DEF_DEF_ "ProtocolType" "";
 BA_DEF_DEF_ "VFrameFormat" "J1939PG";
 BA_ "ProtocolType" "J1939";
 "#;
+/// First bit of the reason in the verdict.
+const REASON_AT: usize = 56;
+/// Largest code of a reason that a byte of J1939 can carry.
+const MOST_REASON: u64 = 0xfa;
 /// The two bits of a flag.
 const WORDS: &str = r#"0 "no" 1 "yes" 2 "error" 3 "not available""#;
 
@@ -216,6 +269,55 @@ impl Kind {
     /// A DBC marks identifiers of 29 bits with the topmost one.
     fn dbc_id(&self) -> u32 {
         self.id | if self.extended { 1 << 31 } else { 0 }
+    }
+
+    /// Its parameter group, if it has one.
+    fn group(&self) -> Option<u32> {
+        self.extended.then_some(self.id >> 8 & 0x3_ffff)
+    }
+
+    /// What frame and signals mean.
+    fn comments(&self, machine: Machine, out: &mut String) {
+        let id = self.dbc_id();
+        match &self.content {
+            Content::Quantity(_, row) => {
+                let _ = writeln!(
+                    out,
+                    "CM_ BO_ {id} \"{} of the {machine}; not available unless trusted\";",
+                    row.name
+                );
+                let std = "standard deviation; the 95 % interval is the value +- 1.96 of it";
+                let _ = writeln!(out, "CM_ SG_ {id} {} \"{std}\";", row.std_field);
+            }
+            Content::Verdict(..) => {
+                let what = "whether the estimates may be believed, and why not";
+                let _ = writeln!(out, "CM_ BO_ {id} \"{what} ({machine})\";");
+            }
+        }
+    }
+
+    /// What single values mean.
+    fn words(&self, machine: Machine, out: &mut String) {
+        let id = self.dbc_id();
+        match &self.content {
+            Content::Quantity(_, row) => {
+                for signal in [row.field, row.std_field] {
+                    let _ = writeln!(out, "VAL_ {id} {signal} {NOT_AVAILABLE} \"not available\" ;");
+                }
+            }
+            Content::Verdict(flags, _) => {
+                for (flag, _) in *flags {
+                    let _ = writeln!(out, "VAL_ {id} {flag} {WORDS} ;");
+                }
+                let _ = write!(out, "VAL_ {id} reason");
+                let reasons = machines::of(machine).reasons.iter().enumerate();
+                for (code, (name, _)) in reasons.filter(|(code, _)| *code as u64 <= MOST_REASON) {
+                    let name = if name.is_empty() { "none" } else { name };
+                    let _ = write!(out, " {code} \"{name}\"");
+                }
+                out.push_str(" 255 \"not available\" ;\n");
+            }
+        }
     }
 
     fn signals(&self, out: &mut String) {
@@ -232,7 +334,11 @@ impl Kind {
                     );
                 }
             }
-            Content::Verdict(flags) => {
+            Content::Verdict(flags, _) => {
+                let _ = writeln!(
+                    out,
+                    " SG_ reason : {REASON_AT}|8@1+ (1,0) [0|{MOST_REASON}] \"\" Vector__XXX"
+                );
                 for (i, (flag, _)) in flags.iter().enumerate() {
                     let start = 2 * i;
                     let _ = writeln!(

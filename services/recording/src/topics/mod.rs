@@ -122,8 +122,8 @@ impl<S: Sensors> TopicRows<S> {
             if self.has_ended {
                 return None;
             }
-            match self.waiting.pop() {
-                Some((time, series, value)) => self.take(time, series, value),
+            match self.waiting.last().map(|next| next.0) {
+                Some(time) => self.take(time),
                 None => {
                     self.has_ended = true;
                     self.build(true);
@@ -133,18 +133,19 @@ impl<S: Sensors> TopicRows<S> {
         }
     }
 
-    fn take(&mut self, time: i64, series: usize, value: f64) {
+    /// Takes all that comes at one time: it belongs to the same row.
+    fn take(&mut self, time: i64) {
         self.rows.pass(time);
+        // What was complete before is not its business.
         self.build(false);
-        self.series[series].push(time, value);
-        if self.master == Some(series) {
-            self.rows.add(self.series[series].measured(time));
+        while let Some((_, series, value)) = self.waiting.pop_if(|next| next.0 == time) {
+            self.series[series].push(time, value);
+            if self.master == Some(series) {
+                self.rows.add(self.series[series].measured(time));
+            }
         }
         self.rows.hear(time);
-        // What comes at the same time belongs to the same row.
-        if self.waiting.last().is_none_or(|next| next.0 > time) {
-            self.build(false);
-        }
+        self.build(false);
     }
 
     fn build(&mut self, at_end: bool) {

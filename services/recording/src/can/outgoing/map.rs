@@ -7,11 +7,24 @@ use toml_edit::{Document, TableLike};
 
 use super::{Content, FrameTable, Kind, Outgoing, position};
 use crate::Error;
+use crate::can::node::Name;
 use crate::map::hint;
 
 /// J1939 proprietary B: parameter groups whose meaning their maker decides.
 const PROPRIETARY_B: std::ops::RangeInclusive<i64> = 0xff00..=0xffff;
 const VERDICT: &str = "verdict";
+/// The fields of a NAME.
+const NAME_KEYS: &[&str] = &[
+    "identity",
+    "manufacturer",
+    "ecu_instance",
+    "function_instance",
+    "function",
+    "vehicle_system",
+    "vehicle_system_instance",
+    "industry_group",
+    "arbitrary_address",
+];
 
 pub(super) struct Parser<'a> {
     table: &'static FrameTable,
@@ -38,7 +51,7 @@ impl<'a> Parser<'a> {
         self.known(document.as_table(), &["can"])?;
         let get = |key: &str| can.and_then(|c| c.get(key));
         if let Some(can) = can {
-            self.known(can, &["rate", "source", "priority", "channel", "frames"])?;
+            self.known(can, &["rate", "source", "priority", "channel", "frames", "name"])?;
         }
         let number = |key: &str, default: i64, most: i64| match get(key) {
             None => Ok(default),
@@ -99,8 +112,53 @@ impl<'a> Parser<'a> {
             machine: self.table.machine,
             channel,
             period: 1.0 / rate,
+            source: source as u8,
+            name: self.name(get("name"))?,
             kinds,
         })
+    }
+
+    /// The NAME of J1939, and its identity where the map says one.
+    fn name(&self, item: Option<&toml_edit::Item>) -> Result<(Name, Option<u32>), Error> {
+        let mut name = Name::default();
+        let Some(item) = item else {
+            return Ok((name, None));
+        };
+        let table = item.as_table_like();
+        let table = table.ok_or_else(|| self.error("can.name is no table", "write [can.name]"))?;
+        let mut identity = None;
+        for (key, value) in table.iter() {
+            if key == "arbitrary_address" {
+                let flag = value.as_bool().ok_or_else(|| {
+                    let what = "can.name.arbitrary_address is neither true nor false";
+                    self.error(what, "write true or false")
+                })?;
+                name.arbitrary_address = flag;
+                continue;
+            }
+            let (place, bits) = match key {
+                "identity" => (identity.insert(0), 21),
+                "manufacturer" => (&mut name.manufacturer, 11),
+                "ecu_instance" => (&mut name.ecu_instance, 3),
+                "function_instance" => (&mut name.function_instance, 5),
+                "function" => (&mut name.function, 8),
+                "vehicle_system" => (&mut name.vehicle_system, 7),
+                "vehicle_system_instance" => (&mut name.vehicle_system_instance, 4),
+                "industry_group" => (&mut name.industry_group, 3),
+                _ => {
+                    let remedy = hint(key, NAME_KEYS.iter().copied(), "the keys are");
+                    let what = format!("a NAME has no field {key}");
+                    return Err(self.error(what, remedy));
+                }
+            };
+            let most = (1_i64 << bits) - 1;
+            let number = value.as_integer().filter(|n| (0..=most).contains(n));
+            *place = number.ok_or_else(|| {
+                let what = format!("can.name.{key} is no whole number from 0 to {most}");
+                self.error(what, "correct it")
+            })? as u32;
+        }
+        Ok((name, identity))
     }
 
     /// All frames, with their usual groups.
@@ -109,10 +167,11 @@ impl<'a> Parser<'a> {
             let at = [row.field, row.std_field].map(|field| position(channel, field));
             (row.name, row.group, Content::Quantity(at, row))
         });
+        let reason = position(channel, "reason");
         let verdict = (
             VERDICT,
             self.table.verdict,
-            Content::Verdict(self.table.flags),
+            Content::Verdict(self.table.flags, reason),
         );
         let all = quantities.chain([verdict]);
         let kind = |(name, group, content)| Kind {
