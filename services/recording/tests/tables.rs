@@ -378,7 +378,7 @@ fn the_kind_of_file_is_told_from_its_ending() {
     let map = Map::parse("[columns]\nt = \"time\"\n", "m.toml").expect("a map");
     assert!(
         load::<ExcavatorSensors>("x.mcap", Some(&map))
-            .is_err_and(|e| e.remedy == "leave out --map")
+            .is_err_and(|e| e.remedy.starts_with("leave out --map"))
     );
 }
 
