@@ -10,7 +10,8 @@ use recording::can::node::{HEARS, Node};
 use recording::can::{Frame, Outgoing};
 use runtime::{Sink, now_ns};
 use socketcan::{
-    CanFilter, CanFrame, CanSocket, EmbeddedFrame, ExtendedId, Id, Socket, SocketOptions, StandardId,
+    CanFilter, CanFrame, CanSocket, EmbeddedFrame, ExtendedId, Id, Socket, SocketOptions,
+    StandardId,
 };
 
 /// From one attempt to open the interface to the next.
@@ -75,9 +76,8 @@ impl BusWriter {
             match &mut self.node {
                 None => socket.set_filter_drop_all()?,
                 Some(node) => {
-                    let only = HEARS.map(|(id, mask)| {
-                        CanFilter::new(id | EXTENDED, mask | EXTENDED | REMOTE)
-                    });
+                    let only = HEARS
+                        .map(|(id, mask)| CanFilter::new(id | EXTENDED, mask | EXTENDED | REMOTE));
                     socket.set_filters(&only)?;
                     // Who is on the bus may have changed while it was away.
                     node.begin(now_ns());

@@ -24,11 +24,7 @@ pub fn rows<'a, S: Sensors>(
     let length = columns.first().map_or(0, |(_, values)| values.len());
     if let Some((name, values)) = columns.iter().find(|(_, v)| v.len() != length) {
         let what = format!("column {name} has {} values, not {length}", values.len());
-        return Err(Error::new(
-            what,
-            TABLE,
-            "give columns of the same length",
-        ));
+        return Err(Error::new(what, TABLE, "give columns of the same length"));
     }
     let signals = signal::signals::<S>();
     let known: Vec<(&Signal, &[f64])> = signals
@@ -110,7 +106,9 @@ impl<S: Sensors> Feed<S> {
     /// The next sample; a value that is not finite is missing.
     pub fn sample(&mut self, values: &[f64]) -> S {
         self.builder.push(values, 0);
-        self.builder.next().map_or_else(S::default, |(sample, _)| sample)
+        self.builder
+            .next()
+            .map_or_else(S::default, |(sample, _)| sample)
     }
 
     /// How many samples were made.
@@ -166,7 +164,11 @@ impl<E: Estimate> Table<E> {
     pub fn with_capacity(rows: usize) -> Self {
         let column = |c: &Column| match *c {
             Column::Flag(..) => (*c, None, Filled::Flags(Vec::with_capacity(rows))),
-            Column::Value(name, _) => (*c, E::index(name), Filled::Numbers(Vec::with_capacity(rows))),
+            Column::Value(name, _) => (
+                *c,
+                E::index(name),
+                Filled::Numbers(Vec::with_capacity(rows)),
+            ),
         };
         Self {
             times: Vec::with_capacity(rows),
@@ -200,7 +202,8 @@ impl<E: Estimate> Table<E> {
             }
         }
         self.methods.push(u8::try_from(method).unwrap_or(u8::MAX));
-        self.reasons.push(u8::try_from(estimate.reason()).unwrap_or(u8::MAX));
+        self.reasons
+            .push(u8::try_from(estimate.reason()).unwrap_or(u8::MAX));
     }
 
     /// Places of the rows that were refused.
@@ -225,7 +228,11 @@ impl<E: Estimate> Table<E> {
             };
             columns.push((name, unit, values));
         }
-        columns.push(("method", "", Values::Words(self.methods, E::METHODS.to_vec())));
+        columns.push((
+            "method",
+            "",
+            Values::Words(self.methods, E::METHODS.to_vec()),
+        ));
         if !E::REASONS.is_empty() {
             let names = E::REASONS.iter().map(|(name, _)| *name);
             columns.push(("reason", "", Values::Words(self.reasons, names.collect())));

@@ -179,7 +179,8 @@ impl Scan {
     /// Whether heft wrote the file.
     fn is_ours(&self, bytes: &Bytes) -> bool {
         // The profile, the first text of the header.
-        bytes.range(MAGIC.len() as u64 + HEAD, MAGIC.len() as u64 + HEAD + 8)
+        bytes
+            .range(MAGIC.len() as u64 + HEAD, MAGIC.len() as u64 + HEAD + 8)
             .is_some_and(|head| head == *b"\x04\0\0\0heft")
     }
 

@@ -28,7 +28,10 @@ pub fn suggest(path: &Path, dbc: &[PathBuf], machine: Option<Machine>) -> Result
     let is_log = path
         .extension()
         .is_some_and(|e| e.eq_ignore_ascii_case("log"));
-    if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("mcap")) {
+    if path
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("mcap"))
+    {
         return crate::topics::list::map(path, machine.unwrap_or(Machine::Excavator));
     }
     let of = |machine: Machine| {

@@ -6,7 +6,9 @@ use messages::{ExcavatorSensors, Machine};
 use recording::{Map, load, recover, suggest};
 
 fn file(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/others").join(name)
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("tests/others")
+        .join(name)
 }
 
 fn rows(name: &str, map: &str) -> Result<Vec<ExcavatorSensors>, recording::Error> {
@@ -24,7 +26,10 @@ fn assert_is_the_swing(rows: &[ExcavatorSensors], single: bool) {
         let t = i as f64 / 100.0;
         assert!((row.stamp.time - t).abs() < 1e-9, "{i}: {}", row.stamp.time);
         assert!((row.swing_velocity - 0.5 * t.sin()).abs() < near, "{row:?}");
-        assert!((row.swing_torque - 1000.0 * t.cos()).abs() < 1e-6, "{row:?}");
+        assert!(
+            (row.swing_torque - 1000.0 * t.cos()).abs() < 1e-6,
+            "{row:?}"
+        );
     }
 }
 
@@ -82,7 +87,10 @@ fn what_is_not_there_is_named_with_what_is() {
         error.to_string()
     };
     let topic = told("/joint_states", "/joint_state");
-    assert!(topic.contains("/joint_states") && topic.contains("map.toml:5"), "{topic}");
+    assert!(
+        topic.contains("/joint_states") && topic.contains("map.toml:5"),
+        "{topic}"
+    );
     let joint = told("swing_joint", "arm_joint");
     assert!(joint.contains("arm_joint"), "{joint}");
     let field = told("fluid_pressure", "fluid_presure");

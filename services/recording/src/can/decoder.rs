@@ -297,7 +297,9 @@ impl Resolver<'_> {
         let name = match &term.origin {
             Origin::Can(name) => name,
             Origin::Constant(value) => return Ok(Source::Constant(*value)),
-            Origin::Column(_) | Origin::Topic(_) | Origin::Nowhere => return Ok(Source::Constant(f64::NAN)),
+            Origin::Column(_) | Origin::Topic(_) | Origin::Nowhere => {
+                return Ok(Source::Constant(f64::NAN));
+            }
         };
         let all = || self.files.iter().flat_map(|f| &f.messages);
         let message = self.files.iter().find_map(|f| f.find(&name.message));

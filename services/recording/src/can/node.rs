@@ -302,7 +302,9 @@ mod tests {
     }
 
     fn said(node: &mut Node, now: u64) -> Vec<(u32, [u8; 8])> {
-        std::iter::from_fn(|| node.say(now)).map(|s| (s.id, s.data)).collect()
+        std::iter::from_fn(|| node.say(now))
+            .map(|s| (s.id, s.data))
+            .collect()
     }
 
     #[test]
@@ -326,7 +328,10 @@ mod tests {
     #[test]
     fn an_address_is_used_a_quarter_of_a_second_after_its_claim() {
         let mut node = node(true);
-        assert_eq!(said(&mut node, 0), [(CLAIM_OF_80, NAME.bits().to_le_bytes())]);
+        assert_eq!(
+            said(&mut node, 0),
+            [(CLAIM_OF_80, NAME.bits().to_le_bytes())]
+        );
         assert_eq!(node.address(WAIT - 1), None);
         assert_eq!(node.address(WAIT), Some(0x80));
     }
@@ -390,7 +395,10 @@ mod tests {
         assert_eq!(said(&mut node, WAIT), [(0x18e8_ff80, refusal)]);
         node.take(0x18ea_ff01, &[0xeb, 0xfe, 0x00], WAIT);
         node.take(0x18ea_8101, &[0x00, 0xee, 0x00], WAIT);
-        assert!(said(&mut node, WAIT).is_empty(), "asked of all, or of another");
+        assert!(
+            said(&mut node, WAIT).is_empty(),
+            "asked of all, or of another"
+        );
     }
 
     #[test]

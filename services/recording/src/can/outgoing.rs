@@ -230,11 +230,7 @@ impl Outgoing {
             }
         }
         if let Some(first) = all.first() {
-            let _ = writeln!(
-                out,
-                "BA_ \"NmStationAddress\" BU_ heft {};",
-                first.source
-            );
+            let _ = writeln!(out, "BA_ \"NmStationAddress\" BU_ heft {};", first.source);
         }
         for (machine, kind) in kinds() {
             kind.comments(machine, &mut out);
@@ -302,7 +298,10 @@ impl Kind {
         match &self.content {
             Content::Quantity(_, row) => {
                 for signal in [row.field, row.std_field] {
-                    let _ = writeln!(out, "VAL_ {id} {signal} {NOT_AVAILABLE} \"not available\" ;");
+                    let _ = writeln!(
+                        out,
+                        "VAL_ {id} {signal} {NOT_AVAILABLE} \"not available\" ;"
+                    );
                 }
             }
             Content::Verdict(flags, _) => {

@@ -3,7 +3,8 @@ use std::path::Path;
 use toml_edit::{Document, Item, TableLike};
 
 use super::{
-    Can, CanName, Conversion, Entry, Map, Origin, Rows, Term, Timing, TopicName, TopicTime, Topics, hint,
+    Can, CanName, Conversion, Entry, Map, Origin, Rows, Term, Timing, TopicName, TopicTime, Topics,
+    hint,
 };
 use crate::unit::Unit;
 use crate::{Error, unit};
@@ -68,7 +69,11 @@ impl Parser<'_> {
                 ("can", Some(table)) => map.can = Some(self.can(table, line)?),
                 ("topics", Some(table)) => map.topics = Some(self.topics(table, line)?),
                 _ => {
-                    let remedy = hint(name, ["columns", "can", "topics"].into_iter(), "the tables are");
+                    let remedy = hint(
+                        name,
+                        ["columns", "can", "topics"].into_iter(),
+                        "the tables are",
+                    );
                     return Err(self.error(line, format!("a map has no table [{name}]"), remedy));
                 }
             }

@@ -7,8 +7,8 @@ use std::path::Path;
 use messages::Machine;
 
 use super::codec::Codec;
-use super::node::Node;
 use super::for_each_message;
+use super::node::Node;
 use crate::reader::Reader;
 use crate::{Error, machines};
 
@@ -37,14 +37,21 @@ pub(crate) fn fields_of(reader: &Reader, topic: &str) -> Vec<String> {
 /// The beginning of a map for a file of others: its topics and numbers as comments, and lines to fill in.
 pub(crate) fn map(path: &Path, machine: Machine) -> Result<String, Error> {
     let reader = Reader::open(path)?;
-    let file = path.display().to_string().replace(char::is_control, "\u{fffd}");
+    let file = path
+        .display()
+        .to_string()
+        .replace(char::is_control, "\u{fffd}");
     let mut text = format!(
         "# Topics and numbers of {file}: fill in topic and field of each signal of the {machine}.\n\
          # Then: heft estimate {file} --machine {machine} --map THIS_FILE -o out.csv\n#\n"
     );
     for (name, topic) in topics(&reader) {
         let name = name.replace(char::is_control, "\u{fffd}");
-        let _ = writeln!(text, "# {name}  {}  {} messages", topic.kind, topic.messages);
+        let _ = writeln!(
+            text,
+            "# {name}  {}  {} messages",
+            topic.kind, topic.messages
+        );
         match topic.numbers {
             Err(why) => {
                 let _ = writeln!(text, "#     cannot be read: {why}");
@@ -108,11 +115,14 @@ fn topics(reader: &Reader) -> BTreeMap<String, Topic> {
                 return;
             };
             topic.messages += 1;
-            if let (Ok(numbers), Some(Some(codec))) = (&mut topic.numbers, codecs.get(&head.channel))
+            if let (Ok(numbers), Some(Some(codec))) =
+                (&mut topic.numbers, codecs.get(&head.channel))
                 && numbers.is_empty()
                 && let Some(node) = codec.decode(data)
             {
-                node.numbers("", &mut |path, value| numbers.push((path.to_owned(), value)));
+                node.numbers("", &mut |path, value| {
+                    numbers.push((path.to_owned(), value))
+                });
                 topic.names = names(&node);
             }
         });

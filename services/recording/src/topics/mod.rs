@@ -13,13 +13,13 @@ use mcap::records::op;
 
 use self::codec::Codec;
 use self::node::{Step, path};
+use crate::Error;
 use crate::map::{Entry, Map, Origin, Rows as When, TopicName, TopicTime, Topics, hint};
 use crate::reader::{Part, Reader};
 use crate::record;
 use crate::sampling::{RowTime, Rows, Series};
 use crate::scan::Unpacked;
 use crate::signal::{self, Builder, Row, Sensors};
-use crate::Error;
 
 /// The rows of a file of others.
 pub(crate) struct TopicRows<S: Sensors> {
@@ -289,11 +289,7 @@ fn check_found(
 }
 
 /// The codecs of the channels that are wanted.
-fn codecs(
-    part: &Part,
-    map: &Map,
-    wanted: &[Wanted<'_>],
-) -> Result<BTreeMap<u16, Codec>, Error> {
+fn codecs(part: &Part, map: &Map, wanted: &[Wanted<'_>]) -> Result<BTreeMap<u16, Codec>, Error> {
     let mut codecs = BTreeMap::new();
     for channel in part.scan.channels.values() {
         if let Some(w) = wanted.iter().find(|w| w.name.topic == channel.topic) {

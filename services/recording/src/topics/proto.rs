@@ -46,7 +46,9 @@ impl Descriptors {
             }
         }
         let main = format!(".{}", name.trim_start_matches('.'));
-        messages.contains_key(&main).then_some(Self { messages, main })
+        messages
+            .contains_key(&main)
+            .then_some(Self { messages, main })
     }
 
     /// A message; `None` if it is none.

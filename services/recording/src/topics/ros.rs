@@ -282,7 +282,11 @@ mod tests {
             let mut bytes = vec![0, u8::from(little), 0, 0];
             for i in 0..6 {
                 let x = f64::from(i);
-                bytes.extend(if little { x.to_le_bytes() } else { x.to_be_bytes() });
+                bytes.extend(if little {
+                    x.to_le_bytes()
+                } else {
+                    x.to_be_bytes()
+                });
             }
             let node = types.cdr(&bytes).expect("whole");
             let z = path("angular.z").expect("a path");
@@ -313,6 +317,8 @@ mod tests {
     #[test]
     fn what_is_not_defined_is_refused() {
         assert!(Definitions::parse("a/B", "other/Type x").is_none());
-        assert!(Definitions::parse("a/B", "B itself").is_some_and(|d| d.cdr(&[0, 1, 0, 0]).is_none()));
+        assert!(
+            Definitions::parse("a/B", "B itself").is_some_and(|d| d.cdr(&[0, 1, 0, 0]).is_none())
+        );
     }
 }

@@ -51,7 +51,10 @@ impl<'a> Parser<'a> {
         self.known(document.as_table(), &["can"])?;
         let get = |key: &str| can.and_then(|c| c.get(key));
         if let Some(can) = can {
-            self.known(can, &["rate", "source", "priority", "channel", "frames", "name"])?;
+            self.known(
+                can,
+                &["rate", "source", "priority", "channel", "frames", "name"],
+            )?;
         }
         let number = |key: &str, default: i64, most: i64| match get(key) {
             None => Ok(default),
