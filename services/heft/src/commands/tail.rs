@@ -86,10 +86,11 @@ pub fn tail(args: &TailArgs) -> Result<(), Failure> {
             format!("one of {}", names.join(", ")),
         ));
     };
+    let tags = format!(",machine={},domain={}", machine.name(), tag(found.name()));
     let mut run = found.attach("tail", &[channel])?;
     let mut writer = Writer {
         format: args.format,
-        tags: format!(",machine={},domain={}", machine.name(), tag(found.name())),
+        tags,
         frames,
         period: args.rate.filter(|r| *r > 0.0).map_or(0.0, |r| 1.0 / r),
         last: f64::NEG_INFINITY,
