@@ -39,6 +39,13 @@ impl Failure {
 
     /// A file could not be used.
     pub fn file(action: &str, path: &Path, error: &std::io::Error) -> Self {
+        if error.kind() == std::io::ErrorKind::NotFound {
+            return Self::input(
+                format!("cannot {action} the file: no such file or folder"),
+                path.display(),
+                "check the name and the folder",
+            );
+        }
         Self::input(
             format!("cannot {action} the file: {error}"),
             path.display(),

@@ -60,11 +60,14 @@ pub fn judge(ends: &[Ended]) -> Result<(), Failure> {
             "{no} of {} inputs: no",
             ends.len()
         ))),
-        (failed, _) => Err(Failure::input(
-            format!("{failed} of {} inputs were not treated", ends.len()),
-            "the table above",
-            "mend or leave out what it names; what is done is not done again",
-        )),
+        (failed, _) => match ends {
+            [Ended::Failed(why)] => Err(Failure::told(why.clone())),
+            ends => Err(Failure::input(
+                format!("{failed} of {} inputs failed", ends.len()),
+                "the table above",
+                "fix or remove them and run again; finished inputs are skipped",
+            )),
+        },
     }
 }
 

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use messages::channels::{Channel, Visitor};
-use messages::{Envelope, Message};
+use messages::{Carries, Envelope, Message};
 use recording::Reader;
 use rustix::fs::{CWD, RenameFlags, renameat_with};
 
@@ -99,6 +99,22 @@ pub fn tell_damage(reader: &Reader) -> Result<(), Failure> {
     Err(Failure::answer_is_no(format!(
         "the recording is damaged; everything else in it was read\n  where: {}\n  what to do: `heft recover` writes a copy of what is whole",
         damage.join("\n         ")
+    )))
+}
+
+/// A recording without samples and estimates has nothing to show: an error that says so.
+pub fn has_content(reader: &Reader) -> Result<(), Failure> {
+    let common = |c: &Channel| matches!(c.payload.carries(), Carries::Common);
+    for channel in messages::channels::all().filter(|c| !common(c)) {
+        if reader.channels().contains(&channel.name)
+            && envelopes(reader, channel)?.next().is_some()
+        {
+            return Ok(());
+        }
+    }
+    Err(Failure::answer_is_no(format!(
+        "the recording holds no samples and no estimates\n  where: {}\n  what to do: look at the summary of the run that made it, or record again",
+        reader.files().next().map_or(String::new(), |f| f.display().to_string())
     )))
 }
 

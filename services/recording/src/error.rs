@@ -42,8 +42,12 @@ impl Error {
             Kind::IsADirectory => "give a file, not a folder",
             _ => "check the file and the disk",
         };
+        let what = match error.kind() {
+            Kind::NotFound => format!("cannot {doing}: no such file or folder"),
+            _ => format!("cannot {doing}: {error}"),
+        };
         Self {
-            what: format!("cannot {doing}: {error}"),
+            what,
             place: path.display().to_string(),
             remedy: remedy.into(),
             io: Some(error.kind()),

@@ -202,7 +202,20 @@ pub fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
     if args.require_trust {
         summary::require_trust(age)?;
     }
+    most_rows_were_taken(written, rows)?;
     samples.recording().map_or(Ok(()), parts::tell_damage)
+}
+
+/// A table in which most rows were refused is no result: its times run backwards, or another column is the time.
+fn most_rows_were_taken(written: usize, rows: usize) -> Result<(), Failure> {
+    if 2 * written >= rows.max(1) {
+        return Ok(());
+    }
+    Err(Failure::answer_is_no(format!(
+        "{} of {rows} rows were refused: their time is missing or does not increase\n  where: the time `t`\n  \
+         what to do: sort the rows by time, or map `t` to the column that increases",
+        rows - written
+    )))
 }
 
 /// Whether a truth says anything.

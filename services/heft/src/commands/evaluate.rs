@@ -59,11 +59,14 @@ pub fn evaluate(args: &EvaluateArgs) -> Result<(), Failure> {
     };
     let report = machines::entry(args.machine).evaluate(&options);
     let report = report.map_err(|e| {
-        Failure::input(
-            e,
-            "--table",
-            "choose one of the tables above, or none for all",
-        )
+        let hint = match &e {
+            evaluate::Error::UnknownTable { name, known } => {
+                config::nearest(name, known.iter().copied()).map(|n| format!("did you mean `{n}`?"))
+            }
+            _ => None,
+        };
+        let remedy = hint.unwrap_or("choose one of the tables above, or none for all".into());
+        Failure::input(e, "--table", remedy)
     })?;
     println!("{}", report.text.trim_end());
     if let Some(file) = &args.json {

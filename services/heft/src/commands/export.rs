@@ -21,6 +21,7 @@ pub struct ExportArgs {
 pub fn export(args: &ExportArgs) -> Result<(), Failure> {
     let folder = &args.output;
     let reader = parts::open(&args.file)?;
+    parts::has_content(&reader)?;
     std::fs::create_dir_all(folder).map_err(|e| Failure::folder(folder, &e))?;
     for written in recording::csv::export(&reader, folder)? {
         println!("{}", written.display());

@@ -21,5 +21,11 @@ pub struct RecoverArgs {
 pub fn recover(args: &RecoverArgs) -> Result<(), Failure> {
     let recovered = recording::recover(&args.file, args.output.as_deref())?;
     println!("{}: {recovered}", args.file.display());
+    if recovered.messages == 0 {
+        return Err(Failure::answer_is_no(format!(
+            "nothing was recovered\n  where: {}\n  what to do: look for another copy of the recording",
+            args.file.display()
+        )));
+    }
     Ok(())
 }

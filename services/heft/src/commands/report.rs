@@ -68,6 +68,7 @@ fn each(args: &ReportArgs) -> Result<(), Failure> {
 
 fn one(file: &Path, output: Option<&Path>) -> Result<(), Failure> {
     let reader = parts::open(file)?;
+    parts::has_content(&reader)?;
     let first = reader.files().next().unwrap_or(file);
     let page = output.map_or_else(|| first.with_extension("html"), PathBuf::from);
     write(&reader, &page)?;
@@ -79,6 +80,7 @@ fn one(file: &Path, output: Option<&Path>) -> Result<(), Failure> {
 fn side_by_side(files: &[PathBuf], output: Option<&Path>) -> Result<(), Failure> {
     let readers = files.iter().map(|file| parts::open(file));
     let readers = readers.collect::<Result<Vec<_>, _>>()?;
+    readers.iter().try_for_each(parts::has_content)?;
     let mut runs = Vec::new();
     for (name, reader) in names(files).into_iter().zip(&readers) {
         runs.push((name, Run::from_recording(reader)?));

@@ -296,7 +296,10 @@ impl Resolver<'_> {
     ) -> Result<Source, Error> {
         let name = match &term.origin {
             Origin::Can(name) => name,
-            Origin::Constant(value) => return Ok(Source::Constant(*value)),
+            Origin::Constant(value) => {
+                self.map.check_unit(entry, term.conversion, target)?;
+                return Ok(Source::Constant(term.conversion.apply(*value)));
+            }
             Origin::Column(_) | Origin::Topic(_) | Origin::Nowhere => {
                 return Ok(Source::Constant(f64::NAN));
             }

@@ -239,7 +239,7 @@ impl Sampler {
 
 fn parts(entry: &Entry, map: &Map, header: &[String], file: &str) -> Result<Vec<Part>, Error> {
     let part = |term: &crate::map::Term| match &term.origin {
-        Origin::Constant(value) => Ok(Part::Constant(*value)),
+        Origin::Constant(value) => Ok(Part::Constant(term.conversion.apply(*value))),
         Origin::Column(name) => {
             let at = header.iter().position(|h| h == name).ok_or_else(|| {
                 Error::new(

@@ -83,7 +83,7 @@ fn reasons_against(e: &ExcavatorEstimate) -> Vec<String> {
         reasons.push(why.into());
     }
     if !has(bits::FRESH) {
-        reasons.push("measurements are missing or too old".into());
+        reasons.push("measurements are missing, rejected or too old".into());
     }
     if !has(bits::CONSISTENT) {
         reasons.push("the measurements disagree with the model by more than their noise".into());

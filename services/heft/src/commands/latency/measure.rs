@@ -116,6 +116,12 @@ fn histogram() -> Result<Histogram<u64>, Failure> {
     Histogram::new_with_bounds(1, 100_000_000_000, 3).map_err(Failure::internal)
 }
 
+/// Time that [`measure`] takes, without the starts of the processes [s].
+pub fn expected(duration: f64, spins: bool) -> f64 {
+    let chains = 2 + usize::from(spins) + Primitive::ALL.len();
+    duration * chains as f64
+}
+
 /// Measures under some conditions for `duration` [s].
 pub fn measure(chain: &Chain, conditions: &Conditions, duration: f64) -> Result<Measured, Failure> {
     let mut result = Measured::new(chain, conditions)?;

@@ -85,7 +85,18 @@ pub fn latency(args: &LatencyArgs) -> Result<(), Failure> {
     let conditions = conditions(args, permitted, chain.processes())?;
     print::machine(&chain);
     let mut all = Vec::new();
-    for conditions in conditions {
+    let runs = conditions.len();
+    eprintln!(
+        "{runs} measurements of some {:.0} s each",
+        measure::expected(args.duration, args.spin.is_some())
+    );
+    for (done, conditions) in conditions.into_iter().enumerate() {
+        eprintln!(
+            "measurement {} of {runs}: {:.0} Hz, {} scheduling",
+            done + 1,
+            conditions.rate,
+            if conditions.realtime { "real-time" } else { "normal" }
+        );
         let _load = conditions.loaded.then(Load::start).transpose()?;
         let measured = measure(&chain, &conditions, args.duration)?;
         print::measured(&measured);

@@ -33,7 +33,7 @@ impl Look<ExcavatorSensors> for Boom {
         if self.all >= Self::FEWEST && 10 * self.down > 9 * self.all {
             println!(
                 "boom_angle seems to have the other sign: the boom points into the ground while the machine swings\n  what to do: \
-                 turn it with `scale = -1` in a signal map (up is positive)"
+                 turn it with `sign = -1` in a signal map (up is positive)"
             );
         }
     }
