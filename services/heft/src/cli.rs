@@ -23,6 +23,9 @@ pub struct Cli {
     /// What to do; the demonstration if absent.
     #[command(subcommand)]
     pub command: Option<Command>,
+    /// The demonstration: process statistics too
+    #[arg(long)]
+    pub verbose: bool,
 }
 
 /// The machines by their names.

@@ -31,6 +31,7 @@ mod sources;
 mod spare;
 mod spin;
 mod state;
+mod story;
 mod summary;
 mod supervised;
 mod supervisor;
@@ -79,7 +80,7 @@ fn dispatch(cli: Cli) -> Result<(), Failure> {
         rustix::process::umask(rustix::fs::Mode::RWXG | rustix::fs::Mode::RWXO);
     }
     match cli.command {
-        None => commands::demo::demo(),
+        None => commands::demo::demo(cli.verbose),
         Some(command) => command.run(),
     }
 }

@@ -61,7 +61,11 @@ pub fn judge(ends: &[Ended]) -> Result<(), Failure> {
             ends.len()
         ))),
         (failed, _) => match ends {
-            [Ended::Failed(why)] => Err(Failure::told(why.clone())),
+            [Ended::Failed(why)] => Err(Failure::input(
+                format!("there is no result: {why}"),
+                "the table above",
+                "fix what it names and run again",
+            )),
             ends => Err(Failure::input(
                 format!("{failed} of {} inputs failed", ends.len()),
                 "the table above",

@@ -35,8 +35,23 @@ pub fn report(recording: &Path) -> Option<PathBuf> {
     }
 }
 
-/// The verdict per quantity, the latency, the losses, and where everything is.
-pub fn text(machine: Machine, watch: &Watch, recording: &Path, report: Option<&Path>) -> String {
+/// How much is said.
+#[derive(Debug, Clone, Copy)]
+pub struct Told {
+    /// Swings or drives in a table, instead of the quantities one by one.
+    pub is_story: bool,
+    /// Statistics of the processes too.
+    pub is_verbose: bool,
+}
+
+/// What is known at the end, each quantity, the losses, and where everything is.
+pub fn text(
+    machine: Machine,
+    watch: &Watch,
+    recording: &Path,
+    report: Option<&Path>,
+    told: Told,
+) -> String {
     let simulated = if watch.is_simulated() {
         " (simulated)"
     } else {
@@ -44,17 +59,54 @@ pub fn text(machine: Machine, watch: &Watch, recording: &Path, report: Option<&P
     };
     let mut out = format!("\n{machine}{simulated}\n");
     let mut line = |text: String| {
+        if text.starts_with("  ") {
+            // A row of a table.
+            let _ = writeln!(out, "{text}");
+            return;
+        }
         for (i, part) in wrapped(&text, WIDTH - 6).iter().enumerate() {
             let indent = if i == 0 { "  " } else { "      " };
             let _ = writeln!(out, "{indent}{part}");
         }
     };
-    for tally in watch.tallies() {
-        for text in tally_lines(tally) {
+    if told.is_story {
+        tell_story(watch, &mut line);
+    } else {
+        line(format!("at the end, {}", in_words(watch)));
+        for text in watch.tallies().iter().flat_map(tally_lines) {
             line(text);
         }
     }
-    line(format!("at the end, {}", in_words(watch)));
+    if told.is_verbose {
+        tell_processes(watch, &mut line);
+    }
+    for fault in watch.faults() {
+        line(fault.words());
+    }
+    // Paths are not broken: they are copied.
+    let _ = writeln!(out, "  recording  {}", shown(recording));
+    if let Some(report) = report {
+        let _ = writeln!(out, "  report     {}", shown(report));
+    }
+    out
+}
+
+/// The table of swings or drives, and what would bring trust.
+fn tell_story(watch: &Watch, line: &mut impl FnMut(String)) {
+    let Some(story) = watch.story() else { return };
+    let table = story.table();
+    let mut rows = table.lines();
+    line(rows.next().unwrap_or_default().into());
+    for row in rows {
+        line(format!("  {row}"));
+    }
+    if let Some(advice) = story.advice() {
+        line(format!("To be trusted: {advice}."));
+    }
+}
+
+/// Latencies and losses of each process.
+fn tell_processes(watch: &Watch, line: &mut impl FnMut(String)) {
     for (name, health) in watch.all_health().filter(|(_, h)| h.age_max_ns > 0) {
         if name == "sensor" {
             continue;
@@ -72,15 +124,6 @@ pub fn text(machine: Machine, watch: &Watch, recording: &Path, report: Option<&P
             counts.late
         ));
     }
-    for fault in watch.faults() {
-        line(fault.words());
-    }
-    // Paths are not broken: they are copied.
-    let _ = writeln!(out, "  recording  {}", shown(recording));
-    if let Some(report) = report {
-        let _ = writeln!(out, "  report     {}", shown(report));
-    }
-    out
 }
 
 /// Age of the last trusted estimate, the largest over the quantities that are told first; `None` where one of

@@ -15,10 +15,11 @@ use steps::stages::Pipeline;
 use view::live::Feed;
 
 use self::counts::{Carried, Counts};
-pub use self::line::{LIVE, Show};
+pub use self::line::{LIVE, STORY, Show};
 use crate::fault::Fault;
 use crate::quantity::{self, Quantity};
 use crate::state::Memory;
+use crate::story::Story;
 use crate::tally::Tally;
 
 /// Truths that may wait for their estimates.
@@ -29,6 +30,8 @@ pub struct Watch {
     pipeline: Option<&'static Pipeline>,
     told: Option<&'static Channel>,
     show: Show,
+    /// Swings or drives of the method that is told first.
+    story: Option<Story>,
     feed: Option<Feed>,
     /// For a group of other users.
     window: Option<Window>,
@@ -72,6 +75,7 @@ impl Watch {
             pipeline: Some(Pipeline::of(machine)),
             told,
             show,
+            story: Some(Story::new(machine)),
             feed,
             begun: Some(Instant::now()),
             ..Self::default()
@@ -130,6 +134,11 @@ impl Watch {
         let told = self.told.map(|channel| channel.name);
         let tallies = self.tallies.iter();
         tallies.filter(move |s| Some(s.quantity.channel) == told)
+    }
+
+    /// Swings or drives so far.
+    pub fn story(&self) -> Option<&Story> {
+        self.story.as_ref()
     }
 
     /// Latest estimate that is told first.
@@ -281,7 +290,20 @@ impl Watch {
         if let Some(memory) = &mut self.memory {
             memory.save();
         }
+        let line = self.story.as_mut().and_then(Story::finish);
+        self.show_story(line);
         self.end();
+    }
+
+    /// Takes an estimate of the method that is told first into the story.
+    fn note_story(&mut self, channel: &'static Channel, sequence: u64, estimate: &Envelope) {
+        if self.told.map(|c| c.name) != Some(channel.name) {
+            return;
+        }
+        let truth = self.truths.binary_search_by_key(&sequence, |t| t.0).ok();
+        let truth = truth.map(|at| &self.truths[at].1);
+        let line = self.story.as_mut().and_then(|s| s.add(estimate, truth));
+        self.show_story(line);
     }
 
     fn note_estimate<M: Message>(&mut self, channel: &'static Channel, message: &M) {
@@ -354,6 +376,7 @@ impl Sink for Watch {
             }
             Carries::Estimate => {
                 self.note_estimate(channel, message);
+                self.note_story(channel, message.stamp().sequence, &envelope);
                 if let Some(memory) = &mut self.memory {
                     memory.see(channel, message);
                 }

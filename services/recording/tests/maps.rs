@@ -29,7 +29,7 @@ t = { column = "ms", unit = "ms" }
 swing_velocity = { column = "n", unit = "rpm", sign = -1 }
 swing_torque = { column = "dp", unit = "bar", scale = 2e-3 }
 boom_angle = { column = "boom", unit = "deg", offset = 0.5 }
-arm_angle = { constant = -2.0 }
+arm_angle = { constant = -90.0, unit = "deg" }
 bucket_angle = "none"
 "#;
     let rows = through(text, "ms,n,dp,boom,bucket_angle\n500,60,100,90,1\n").expect("rows");
@@ -38,7 +38,7 @@ bucket_angle = "none"
     assert_eq!(row.swing_velocity, -core::f64::consts::TAU);
     assert_eq!(row.swing_torque, 20_000.0); // 100 bar = 1e7 Pa, times 2e-3 N m/Pa
     assert_eq!(row.boom_angle, core::f64::consts::FRAC_PI_2 + 0.5);
-    assert_eq!(row.arm_angle, -2.0);
+    assert_eq!(row.arm_angle, -core::f64::consts::FRAC_PI_2);
     assert_eq!(row.columns & e::BUCKET_ANGLE, 0);
 }
 

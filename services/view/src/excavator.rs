@@ -4,6 +4,8 @@ pub mod figures;
 mod panels;
 mod words;
 
+pub(crate) use words::advice;
+
 use messages::{
     EXCAVATOR_METHODS, ExcavatorEstimate, ExcavatorTruth, Machine, excavator_bits as bits,
 };

@@ -3,6 +3,8 @@
 pub mod figures;
 mod words;
 
+pub(crate) use words::advice;
+
 use messages::{LOADER_METHODS, LoaderEstimate, LoaderTruth, Machine, loader_bits as bits};
 
 use crate::estimate::{ANY, Estimate, InnovationRule, POSITIVE, Parameter, known};

@@ -44,6 +44,16 @@ pub fn verdict<E: Estimate>(estimate: &E) -> String {
     sentences.join(" ")
 }
 
+/// What would bring trust, in a few words; `None` of a message that is no estimate.
+#[must_use]
+pub fn advice(message: &messages::Envelope) -> Option<&'static str> {
+    match message {
+        messages::Envelope::ExcavatorEstimate(e) => Some(crate::excavator::advice(e)),
+        messages::Envelope::LoaderEstimate(e) => Some(crate::loader::advice(e)),
+        _ => None,
+    }
+}
+
 /// A headline quantity over a whole run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunJudgement {

@@ -4,7 +4,7 @@ use std::io::{BufRead, BufReader, IsTerminal, Write};
 use std::path::Path;
 use std::process::{Child, Stdio};
 use std::sync::mpsc::{Sender, channel};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use messages::Machine;
 
@@ -13,21 +13,22 @@ use crate::failure::Failure;
 use crate::image;
 use crate::machines;
 use crate::signals::Signals;
-use crate::watch::LIVE;
+use crate::watch::{LIVE, STORY};
 
 /// Length of the demonstration [s].
 const DURATION: &str = "26";
+/// Pause between two drawings of the live lines.
+const REDRAWN: Duration = Duration::from_millis(250);
 
 /// A line of one of the two runs; `None` at its end.
 type Line = (usize, Option<String>);
 
 /// `heft`
-pub fn demo() -> Result<(), Failure> {
+pub fn demo(is_verbose: bool) -> Result<(), Failure> {
     println!(
         "heft {}: an excavator and a wheel loader at work, simulated in real time for {DURATION} s.\n\
-         Each machine is five processes (sensor, kalman, rls or ukf, logger) that exchange samples\n\
-         through shared memory; the estimators never see the truth printed beside them.\n\
-         ✓: heft trusts its estimate. ?: it does not, yet.\n",
+         heft sees the sensors only. It says what it finds with a 95 % interval (±), and whether\n\
+         the number can be trusted. The true value stands beside it for comparison.\n",
         env!("CARGO_PKG_VERSION")
     );
     // Ctrl-C reaches both runs as well: they end in order, and this process waits for them.
@@ -36,16 +37,17 @@ pub fn demo() -> Result<(), Failure> {
     let (sender, lines) = channel::<Line>();
     let mut runs = Vec::new();
     for (index, machine) in Machine::ALL.into_iter().enumerate() {
-        runs.push(start(machine, &folder, index, sender.clone())?);
+        runs.push(start(machine, &folder, index, is_verbose, sender.clone())?);
     }
     drop(sender);
     let mut screen = Screen::default();
     let mut summaries = Machine::ALL.map(|_| String::new());
     for (index, line) in lines {
         match line {
-            Some(line) => match line.strip_prefix(LIVE) {
-                Some(live) => screen.show(index, live),
-                None => summaries[index] += &(line + "\n"),
+            Some(line) => match (line.strip_prefix(LIVE), line.strip_prefix(STORY)) {
+                (Some(live), _) => screen.show(index, live),
+                (_, Some(event)) => screen.tell(index, event),
+                _ => summaries[index] += &(line + "\n"),
             },
             None => screen.ended += 1,
         }
@@ -61,7 +63,12 @@ pub fn demo() -> Result<(), Failure> {
             "a pipeline of the demonstration failed; see above",
         ));
     }
-    println!("\nOpen the reports in a browser, or go on with `heft run --help`.");
+    println!(
+        "\nOpen the reports in a browser. With your own data:\n  \
+         heft map data.csv -o map.toml                  a first signal map: check it\n  \
+         heft estimate data.csv --machine excavator --map map.toml -o out.csv --report out.html\n\
+         docs/sensors.md says which sensors, docs/your-data.md how to map them."
+    );
     Ok(())
 }
 
@@ -69,6 +76,7 @@ fn start(
     machine: Machine,
     folder: &Path,
     index: usize,
+    is_verbose: bool,
     sender: Sender<Line>,
 ) -> Result<Child, Failure> {
     let mut child = image::command()
@@ -80,6 +88,7 @@ fn start(
             "--duration",
             DURATION,
         ])
+        .args(is_verbose.then_some("--verbose"))
         .args(["--live-lines", "--out"])
         .arg(folder.join(machine.name()))
         .stdin(Stdio::null())
@@ -100,7 +109,7 @@ fn start(
     Ok(child)
 }
 
-/// The live lines, one per machine: redrawn in place on a terminal, every five seconds elsewhere.
+/// What was told for good, and below it on a terminal a live line per machine, redrawn in place.
 #[derive(Default)]
 struct Screen {
     lines: [String; Machine::ALL.len()],
@@ -111,33 +120,53 @@ struct Screen {
 
 impl Screen {
     fn show(&mut self, index: usize, live: &str) {
-        self.lines[index] = format!("{:<9} {live}", Machine::ALL[index].name());
-        let terminal = std::io::stdout().is_terminal();
-        let pause = if terminal { 0.1 } else { 5.0 };
-        if self
-            .shown
-            .is_some_and(|t| t.elapsed().as_secs_f64() < pause)
-            || self.lines.iter().any(String::is_empty)
-        {
-            return;
+        self.lines[index] = named(index, live);
+        let is_due = self.shown.is_none_or(|t| t.elapsed() >= REDRAWN);
+        if is_due && std::io::stdout().is_terminal() {
+            self.draw("");
         }
-        self.shown = Some(Instant::now());
-        let mut out = std::io::stdout().lock();
-        let clear = if terminal { "\x1b[2K" } else { "" };
-        let mut text = if terminal && self.drawn {
-            format!("\x1b[{}A", self.lines.len())
+    }
+
+    /// A line that stays.
+    fn tell(&mut self, index: usize, event: &str) {
+        let event = named(index, event) + "\n";
+        if std::io::stdout().is_terminal() {
+            self.draw(&event);
         } else {
-            String::new()
-        };
-        for line in &self.lines {
-            text += &format!("{clear}{line}\n");
+            print!("{event}");
+            let _ = std::io::stdout().flush();
         }
+    }
+
+    /// Draws the live lines again, with `above` before them.
+    fn draw(&mut self, above: &str) {
+        self.shown = Some(Instant::now());
+        let mut text = self.erased();
+        text += above;
+        for line in &self.lines {
+            text += &format!("\x1b[2K{line}\n");
+        }
+        let mut out = std::io::stdout().lock();
         let _ = out.write_all(text.as_bytes());
         let _ = out.flush();
         self.drawn = true;
     }
 
+    /// What takes the live lines away.
+    fn erased(&self) -> String {
+        if self.drawn {
+            format!("\x1b[{}A\x1b[J", self.lines.len())
+        } else {
+            String::new()
+        }
+    }
+
     fn finish(&mut self) {
+        print!("{}", self.erased());
         let _ = std::io::stdout().flush();
     }
+}
+
+fn named(index: usize, text: &str) -> String {
+    format!("{:<9} {text}", Machine::ALL[index].name())
 }

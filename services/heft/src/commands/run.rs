@@ -276,7 +276,7 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     );
     watch.remember(memory);
     let (recording, group) = (plan.recording.clone(), plan.group);
-    if !args.quiet || !sources::is_simulated(&plan) {
+    if !(args.quiet || args.live_lines) || !sources::is_simulated(&plan) {
         eprintln!("{}", sources::words(&plan));
     }
     let supervisor = Supervisor::start(
@@ -295,9 +295,13 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     if let (Some(report), Some(group)) = (&report, group) {
         group::share(report, group)?;
     }
+    let told = summary::Told {
+        is_story: args.live_lines,
+        is_verbose: args.verbose,
+    };
     print!(
         "{}",
-        summary::text(machine, &watch, &recording, report.as_deref())
+        summary::text(machine, &watch, &recording, report.as_deref(), told)
     );
     verdict(&end, &watch, args.require_trust)
 }

@@ -17,6 +17,9 @@ const PREFIX: usize = 10;
 /// First word of a live line on standard output.
 pub const LIVE: &str = "live ";
 
+/// First word of a line that is told for good.
+pub const STORY: &str = "story ";
+
 /// Where the live line goes.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Show {
@@ -52,7 +55,12 @@ impl Watch {
         let terminal = ratatui::crossterm::terminal::size();
         let width = terminal.map_or(WIDTH, |(columns, _)| usize::from(columns));
         let prefix = if self.show == Show::Lines { PREFIX } else { 0 };
-        let line = self.line(width.saturating_sub(prefix + 1));
+        let width = width.saturating_sub(prefix + 1);
+        let line = match (self.show, self.story.as_ref()) {
+            (Show::Lines, Some(story)) => story.now().unwrap_or_default(),
+            _ => self.line(width),
+        };
+        let line: String = line.chars().take(width).collect();
         let mut err = std::io::stderr().lock();
         // A terminal that went away is no reason to end a run.
         let _ = match self.show {
@@ -60,6 +68,13 @@ impl Watch {
             _ if in_place => write!(err, "\r\x1b[2K{line}").and_then(|()| err.flush()),
             _ => writeln!(err, "{line}"),
         };
+    }
+
+    /// Shows that a swing or drive has ended, where a program tells the story.
+    pub(super) fn show_story(&self, line: Option<String>) {
+        if let (Show::Lines, Some(line)) = (self.show, line) {
+            let _ = writeln!(std::io::stdout(), "{STORY}{line}");
+        }
     }
 
     /// Ends it.

@@ -105,3 +105,23 @@ fn cause(e: &ExcavatorEstimate) -> Option<String> {
     let (_, words) = EXCAVATOR_REASONS.get(e.reason as usize)?;
     (!words.is_empty()).then(|| (*words).to_owned())
 }
+
+/// What would bring trust: the first thing that is missing, and what to do about it.
+pub(crate) fn advice(e: &ExcavatorEstimate) -> &'static str {
+    let has = |bit| e.flags & bit != 0;
+    if !has(bits::FRESH) {
+        "check the sensors and the map: an input is missing, rejected or old"
+    } else if !has(bits::EXCITED) {
+        "swing at more than 0.1 rad/s"
+    } else if !has(bits::IDENTIFIABLE) {
+        "swing on; torque and three joint angles are needed"
+    } else if !has(bits::CONSISTENT) {
+        "look up the reason in docs/reasons.md"
+    } else if has(bits::CHANGING) {
+        "keep the bucket still while swinging"
+    } else if !has(bits::CONVERGED) {
+        "one more swing, best with an empty bucket; or calibrate"
+    } else {
+        "look up the reason in docs/reasons.md"
+    }
+}

@@ -139,3 +139,21 @@ fn reasons_against(e: &LoaderEstimate, part: &Part, width: &str) -> Vec<String> 
     }
     reasons
 }
+
+/// What would bring trust in the front-axle load: the first thing that is missing, and what to do about it.
+pub(crate) fn advice(e: &LoaderEstimate) -> &'static str {
+    let has = |bit| e.flags & bit != 0;
+    if !has(bits::FRESH) {
+        "check the sensors and the map: an input is missing, rejected or old"
+    } else if has(bits::FROZEN) {
+        "drive faster than walking speed, without digging"
+    } else if !has(bits::EXCITED_RATIO) {
+        "accelerate and brake with the drive"
+    } else if !has(bits::CONSISTENT) {
+        "look up the reason in docs/reasons.md"
+    } else if !has(bits::IDENTIFIABLE_RATIO) || !has(bits::CONVERGED_RATIO) {
+        "some more accelerations; or calibrate"
+    } else {
+        "look up the reason in docs/reasons.md"
+    }
+}

@@ -120,6 +120,9 @@ pub struct RunArgs {
     /// Write no report
     #[arg(long)]
     pub no_report: bool,
+    /// At the end, statistics of each process too
+    #[arg(long)]
+    pub verbose: bool,
     /// Print the live line to standard output (for the demonstration)
     #[arg(long, hide = true)]
     pub live_lines: bool,
