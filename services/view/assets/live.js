@@ -3,7 +3,10 @@
 const KEEP = 1800;
 const frames = [];          // one object a frame: {t, e: {channel: estimate}, truth}
 const charts = new Map();   // title of the plot -> {plot, columns}
-let paused = false, dirty = false, layout = "";
+let paused = false, dirty = false, layout = "", allMethods = false;
+
+/** What speaks of a fault; everything else that is not trusted only waits for motion or time. */
+const FAULT = /missing|rejected|repeats|contradict|other sign|jumped|disagree|does not follow|diverged|never changes|do not fit|does not fit|alike/;
 
 // ---- frames
 
@@ -25,7 +28,9 @@ function wanted() {
   const last = frames[frames.length - 1];
   const plots = [];
   for (const [machine, definition] of Object.entries(DEFINITIONS)) {
-    const channels = Object.keys(last.e).filter((c) => c.startsWith(machine + "/")).sort();
+    const every = Object.keys(last.e).filter((c) => c.startsWith(machine + "/")).sort();
+    // The default method is the last by name; the others on demand.
+    const channels = allMethods ? every : every.slice(-1);
     if (!channels.length) continue;
     let headline = -1;
     definition.parameters.forEach((parameter, i) => {
@@ -82,7 +87,7 @@ function data(columns) {
   return out;
 }
 
-/** Lines and bands whole, but for the widest tenth of each band: a filter that has seen nothing
+/** Lines and bands whole, but for the widest quarter of each band: a filter that has seen nothing
  *  would flatten everything else. */
 function range(columns, shown) {
   let low = Infinity, high = -Infinity;
@@ -93,7 +98,7 @@ function range(columns, shown) {
       see(c.get(f));
       if (c.band) { const a = c.band[0](f), b = c.band[1](f); if (a !== null && b !== null) widths.push([b - a, a, b]); }
     }
-    widths.sort((a, b) => a[0] - b[0]).slice(0, Math.ceil(widths.length * 0.9)).forEach((w) => { see(w[1]); see(w[2]); });
+    widths.sort((a, b) => a[0] - b[0]).slice(0, Math.ceil(widths.length * 0.75)).forEach((w) => { see(w[1]); see(w[2]); });
   }
   if (!(low <= high)) return [0, 1];
   const room = 0.05 * (high - low) || 0.05 * Math.abs(high) || 1;
@@ -185,17 +190,36 @@ function draw() {
 
 // ---- words
 
+/** Since when the newest verdict on a headline quantity of a channel holds [s]; null without frames. */
+function since(channel, place) {
+  const state = (f) => (f && f.e[channel] ? f.e[channel].k[place] : null);
+  let i = frames.length - 1;
+  if (i < 0 || state(frames[i]) === null) return null;
+  while (i > 0 && state(frames[i - 1]) === state(frames[frames.length - 1])) i--;
+  return frames[i].t;
+}
+
+function card(v, j, place) {
+  const doubt = j.trusted ? "trusted" : FAULT.test(j.verdict) ? "doubted fault" : "doubted";
+  const card = element("article", undefined, "verdict " + doubt);
+  const number = j.value.match(/(?:is|lies) (.+?)(?: \(| behind| above|$)/);
+  if (number) card.append(element("p", number[1], "number"));
+  const from = since(v.channel, place);
+  const time = from === null ? "" : " since " + from.toFixed(1) + " s";
+  card.append(element("p", (j.trusted ? "trusted" : "not trusted") + time, "badge"));
+  card.append(element("p", j.value + ".", "value"), element("p", j.verdict));
+  card.append(element("p", v.channel + ", method " + v.method + ", t = " + v.time.toFixed(1) + " s", "when"));
+  return card;
+}
+
 function verdicts(list) {
   const cards = [];
+  const machines = new Set();
   for (const v of list) {
-    for (const j of v.judgements) {
-      const card = element("article", undefined, "verdict " + (j.trusted ? "trusted" : "doubted"));
-      card.append(element("p", j.value + ".", "value"));
-      const why = element("p");
-      why.append(element("span", j.trusted ? "trusted" : "not trusted", "badge"), " " + j.verdict);
-      card.append(why, element("p", v.channel + ", method " + v.method + ", t = " + v.time.toFixed(1) + " s", "when"));
-      cards.push(card);
-    }
+    // The product's method comes first; the others on demand.
+    if (machines.has(v.machine) && !allMethods) continue;
+    machines.add(v.machine);
+    v.judgements.forEach((j, place) => cards.push(card(v, j, place)));
   }
   if (cards.length) byId("verdicts").replaceChildren(...cards);
 }
@@ -225,6 +249,7 @@ source.addEventListener("series", (e) => add(JSON.parse(e.data)));
 source.addEventListener("status", (e) => status(JSON.parse(e.data)));
 source.onerror = () => { byId("link").textContent = "the run has ended or cannot be reached; trying again …"; };
 byId("pause").addEventListener("click", (e) => { paused = !paused; e.target.textContent = paused ? "Follow" : "Pause"; dirty = true; });
+byId("methods").addEventListener("click", (e) => { allMethods = !allMethods; e.target.textContent = allMethods ? "Default method" : "All methods"; layout = ""; dirty = true; });
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { layout = ""; dirty = true; });
 addEventListener("resize", () => { for (const { plot, figure, wish } of charts.values()) plot.setSize({ width: figure.clientWidth, height: wish.wide ? 250 : 190 }); });
 requestAnimationFrame(draw);

@@ -1,0 +1,224 @@
+//! README and docs: their sentences are short, their links lead somewhere, and their commands exist.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+const LONGEST_SENTENCE: usize = 30;
+const LONGEST_IN_README: usize = 25;
+
+/// README and every page of docs but the journals in `docs/measurements`.
+fn pages() -> Vec<PathBuf> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut pages = vec![root.join("README.md")];
+    for folder in ["docs", "docs/theory"] {
+        let entries = std::fs::read_dir(root.join(folder)).expect("a folder");
+        let paths = entries.map(|e| e.expect("an entry").path());
+        pages.extend(paths.filter(|p| p.extension().is_some_and(|e| e == "md")));
+    }
+    pages.sort();
+    pages
+}
+
+/// The text without what stands between fences, and what does.
+fn split(text: &str) -> (Vec<&str>, Vec<&str>) {
+    let (mut words, mut fenced, mut inside) = (Vec::new(), Vec::new(), false);
+    for line in text.lines() {
+        if line.trim_start().starts_with("```") {
+            inside = !inside;
+            words.push("");
+        } else if inside {
+            fenced.push(line);
+        } else {
+            words.push(line);
+        }
+    }
+    (words, fenced)
+}
+
+/// What is read in one breath: paragraphs, points of lists and cells of tables.
+fn pieces(lines: &[&str]) -> Vec<String> {
+    let mut all = vec![String::new()];
+    for line in lines.iter().map(|l| l.trim()) {
+        let is_point = line.starts_with("* ")
+            || line.starts_with("- ")
+            || line.split_once(". ").is_some_and(|(n, _)| n.parse::<u32>().is_ok());
+        if line.starts_with('|') {
+            all.extend(line.split('|').map(str::to_owned));
+            all.push(String::new());
+        } else if line.is_empty() || line.starts_with('#') || line.starts_with('<') {
+            all.push(String::new());
+        } else {
+            if is_point {
+                all.push(String::new());
+            }
+            let last = all.last_mut().expect("never empty");
+            last.push(' ');
+            last.push_str(line);
+        }
+    }
+    all
+}
+
+/// Text between back quotes counts as one word, an address of a link as none.
+fn without_code(text: &str) -> String {
+    let quoted = text.split('`').enumerate();
+    let text: String = quoted
+        .map(|(i, part)| if i % 2 == 1 { "X" } else { part })
+        .collect();
+    let mut parts = text.split("](");
+    let first = parts.next().unwrap_or_default().to_owned();
+    let rest = parts.map(|p| p.split_once(')').map_or(p, |(_, after)| after));
+    first + &rest.collect::<String>()
+}
+
+fn sentences(piece: &str) -> Vec<String> {
+    let mut all = vec![String::new()];
+    for word in without_code(piece).split_whitespace() {
+        let last = all.last_mut().expect("never empty");
+        last.push(' ');
+        last.push_str(word);
+        if word.ends_with(['.', ':', ';', '?', '!']) {
+            all.push(String::new());
+        }
+    }
+    all
+}
+
+fn length(sentence: &str) -> usize {
+    let words = sentence.split_whitespace();
+    words.filter(|w| w.chars().any(char::is_alphanumeric)).count()
+}
+
+#[test]
+fn no_sentence_is_too_long_to_read() {
+    let mut long = Vec::new();
+    for page in pages() {
+        let most = if page.ends_with("README.md") && !page.ends_with("docs/README.md") {
+            LONGEST_IN_README
+        } else {
+            LONGEST_SENTENCE
+        };
+        let text = std::fs::read_to_string(&page).expect("a page");
+        let all = pieces(&split(&text).0);
+        let all = all.iter().flat_map(|p| sentences(p));
+        long.extend(
+            all.filter(|s| length(s) > most)
+                .map(|s| format!("{}: {} words:{s}", page.display(), length(&s))),
+        );
+    }
+    assert!(long.is_empty(), "{}", long.join("\n"));
+}
+
+#[test]
+fn a_long_sentence_is_found_and_code_is_one_word() {
+    let words = "word ".repeat(31);
+    assert_eq!(length(&sentences(&words)[0]), 31);
+    assert_eq!(length(&sentences("run `heft a b c` now.")[0]), 3);
+    assert_eq!(length(&sentences("see [a page](with/a/path.md) here")[0]), 4);
+}
+
+#[test]
+fn every_link_of_a_page_leads_to_a_file() {
+    let mut broken = Vec::new();
+    for page in pages() {
+        let text = std::fs::read_to_string(&page).expect("a page");
+        for target in text.split("](").skip(1).filter_map(|t| t.split(')').next()) {
+            let file = target.split('#').next().unwrap_or_default();
+            let is_outside = target.starts_with("http") || file.is_empty();
+            if !is_outside && !page.parent().expect("a folder").join(file).exists() {
+                broken.push(format!("{}: {target}", page.display()));
+            }
+        }
+    }
+    assert!(broken.is_empty(), "{}", broken.join("\n"));
+}
+
+fn heft(arguments: &[&str]) -> std::process::Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_heft"));
+    command.args(arguments).output().expect("heft runs")
+}
+
+/// Commands of heft in a text: from the word `heft` to the end of the line, of the quotation or of the pipe.
+fn commands(text: &str) -> Vec<Vec<String>> {
+    let (lines, fenced) = split(text);
+    let joined = fenced.join("\n").replace("\\\n", " ");
+    let fenced = joined.lines().map(str::to_owned);
+    let quoted = lines.iter().flat_map(|line| line.split('`').skip(1).step_by(2));
+    let all = fenced.chain(quoted.map(str::to_owned));
+    let mut found = Vec::new();
+    for line in all {
+        let words: Vec<String> = line
+            .split('#')
+            .next()
+            .unwrap_or_default()
+            .split_whitespace()
+            .map(|w| w.trim_end_matches([';', '&', ',']).to_owned())
+            .collect();
+        for (i, _) in words.iter().enumerate().filter(|(_, w)| *w == "heft") {
+            let until = |w: &&String| !["|", ">", "<", "&", ""].contains(&w.as_str());
+            found.push(words[i + 1..].iter().take_while(until).cloned().collect());
+        }
+    }
+    found
+}
+
+/// Of the commands in README and docs: the subcommand exists, and so does every option. They are not run here, because
+/// they need data, a bus or minutes; those that need nothing run in the next test.
+#[test]
+fn every_command_of_the_pages_exists_with_its_options() {
+    let mut helps: BTreeMap<String, String> = BTreeMap::new();
+    let (mut wrong, mut seen) = (Vec::new(), 0);
+    for page in pages() {
+        let text = std::fs::read_to_string(&page).expect("a page");
+        for words in commands(&text) {
+            // `heft fleet` is a program of its own build; capitals and dots stand for something.
+            let Some(name) = words.first().filter(|w| w.chars().all(|c| c.is_ascii_lowercase()))
+            else {
+                continue;
+            };
+            let known = heft(&[name, "--help"]);
+            let is_prose = words.len() == 1 && !known.status.success();
+            if name == "fleet" || is_prose {
+                continue;
+            }
+            seen += 1;
+            let help = helps
+                .entry(name.clone())
+                .or_insert_with(|| String::from_utf8_lossy(&known.stdout).into_owned());
+            for option in words.iter().filter(|w| w.starts_with("--") && w.len() > 2) {
+                let option = option.split('=').next().unwrap_or_default();
+                let option = option.trim_end_matches(|c: char| !c.is_ascii_alphanumeric());
+                let option = option.split('[').next().unwrap_or_default();
+                if !help.contains(option) {
+                    wrong.push(format!("{}: heft {}: {option}", page.display(), words.join(" ")));
+                }
+            }
+            if !known.status.success() {
+                wrong.push(format!("{}: heft {}", page.display(), words.join(" ")));
+            }
+        }
+    }
+    assert!(seen > 30, "{seen} commands found");
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn commands_that_need_nothing_run() {
+    for arguments in [
+        "check /dev/null --machine excavator --print",
+        "check /dev/null --machine loader --print",
+        "schema --lang dbc",
+        "schema --lang c",
+        "schema --lang python",
+        "schema --lang proto",
+        "schema --lang json",
+        "run excavator --scenario list",
+        "run loader --scenario list",
+    ] {
+        let words: Vec<&str> = arguments.split(' ').collect();
+        let output = heft(&words);
+        assert!(output.status.success(), "heft {arguments}");
+        assert!(output.stdout.len() > 100, "heft {arguments}");
+    }
+}
