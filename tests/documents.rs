@@ -42,7 +42,9 @@ fn pieces(lines: &[&str]) -> Vec<String> {
     for line in lines.iter().map(|l| l.trim()) {
         let is_point = line.starts_with("* ")
             || line.starts_with("- ")
-            || line.split_once(". ").is_some_and(|(n, _)| n.parse::<u32>().is_ok());
+            || line
+                .split_once(". ")
+                .is_some_and(|(n, _)| n.parse::<u32>().is_ok());
         if line.starts_with('|') {
             all.extend(line.split('|').map(str::to_owned));
             all.push(String::new());
@@ -87,7 +89,9 @@ fn sentences(piece: &str) -> Vec<String> {
 
 fn length(sentence: &str) -> usize {
     let words = sentence.split_whitespace();
-    words.filter(|w| w.chars().any(char::is_alphanumeric)).count()
+    words
+        .filter(|w| w.chars().any(char::is_alphanumeric))
+        .count()
 }
 
 #[test]
@@ -115,7 +119,10 @@ fn a_long_sentence_is_found_and_code_is_one_word() {
     let words = "word ".repeat(31);
     assert_eq!(length(&sentences(&words)[0]), 31);
     assert_eq!(length(&sentences("run `heft a b c` now.")[0]), 3);
-    assert_eq!(length(&sentences("see [a page](with/a/path.md) here")[0]), 4);
+    assert_eq!(
+        length(&sentences("see [a page](with/a/path.md) here")[0]),
+        4
+    );
 }
 
 #[test]
@@ -144,7 +151,9 @@ fn commands(text: &str) -> Vec<Vec<String>> {
     let (lines, fenced) = split(text);
     let joined = fenced.join("\n").replace("\\\n", " ");
     let fenced = joined.lines().map(str::to_owned);
-    let quoted = lines.iter().flat_map(|line| line.split('`').skip(1).step_by(2));
+    let quoted = lines
+        .iter()
+        .flat_map(|line| line.split('`').skip(1).step_by(2));
     let all = fenced.chain(quoted.map(str::to_owned));
     let mut found = Vec::new();
     for line in all {
@@ -173,7 +182,9 @@ fn every_command_of_the_pages_exists_with_its_options() {
         let text = std::fs::read_to_string(&page).expect("a page");
         for words in commands(&text) {
             // `heft fleet` is a program of its own build; capitals and dots stand for something.
-            let Some(name) = words.first().filter(|w| w.chars().all(|c| c.is_ascii_lowercase()))
+            let Some(name) = words
+                .first()
+                .filter(|w| w.chars().all(|c| c.is_ascii_lowercase()))
             else {
                 continue;
             };
@@ -191,7 +202,11 @@ fn every_command_of_the_pages_exists_with_its_options() {
                 let option = option.trim_end_matches(|c: char| !c.is_ascii_alphanumeric());
                 let option = option.split('[').next().unwrap_or_default();
                 if !help.contains(option) {
-                    wrong.push(format!("{}: heft {}: {option}", page.display(), words.join(" ")));
+                    wrong.push(format!(
+                        "{}: heft {}: {option}",
+                        page.display(),
+                        words.join(" ")
+                    ));
                 }
             }
             if !known.status.success() {

@@ -106,15 +106,17 @@ pub fn tell_damage(reader: &Reader) -> Result<(), Failure> {
 pub fn has_content(reader: &Reader) -> Result<(), Failure> {
     let common = |c: &Channel| matches!(c.payload.carries(), Carries::Common);
     for channel in messages::channels::all().filter(|c| !common(c)) {
-        if reader.channels().contains(&channel.name)
-            && envelopes(reader, channel)?.next().is_some()
+        if reader.channels().contains(&channel.name) && envelopes(reader, channel)?.next().is_some()
         {
             return Ok(());
         }
     }
     Err(Failure::answer_is_no(format!(
         "the recording holds no samples and no estimates\n  where: {}\n  what to do: look at the summary of the run that made it, or record again",
-        reader.files().next().map_or(String::new(), |f| f.display().to_string())
+        reader
+            .files()
+            .next()
+            .map_or(String::new(), |f| f.display().to_string())
     )))
 }
 

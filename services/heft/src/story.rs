@@ -212,7 +212,12 @@ impl Story {
         let mut out = String::new();
         let all = self.ended.len();
         let trusted: Vec<&Stretch> = self.ended.iter().filter(|s| s.told.trusted).collect();
-        let _ = write!(out, "{} of {all} {}s trusted", trusted.len(), subject.stretch);
+        let _ = write!(
+            out,
+            "{} of {all} {}s trusted",
+            trusted.len(),
+            subject.stretch
+        );
         if trusted.iter().any(|s| s.told.truth.is_some()) {
             let held = trusted.iter().filter(|s| s.told.holds() == Some(true));
             let held = held.count();
@@ -316,7 +321,10 @@ mod tests {
     #[test]
     fn the_table_says_how_many_intervals_hold_the_truth() {
         let held = tell(Some(423.0)).0.table();
-        assert!(held.contains("truth lies inside 1 of 1 intervals"), "{held}");
+        assert!(
+            held.contains("truth lies inside 1 of 1 intervals"),
+            "{held}"
+        );
         assert!(held.contains("396 to 478 kg") && held.contains("423 kg"));
         let missed = tell(Some(300.0)).0.table();
         assert!(missed.contains("truth lies inside 0 of 1"), "{missed}");

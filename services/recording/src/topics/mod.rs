@@ -71,9 +71,7 @@ impl<S: Sensors> TopicRows<S> {
             let mut terms = Vec::new();
             for term in &entry.terms {
                 terms.push(match &term.origin {
-                    Origin::Constant(value) => {
-                        Source::Constant(term.conversion.apply(*value))
-                    }
+                    Origin::Constant(value) => Source::Constant(term.conversion.apply(*value)),
                     Origin::Topic(name) => {
                         series.push(Series::new(&term.timing, topics.hold));
                         wanted.push(wanted_of(map, entry, name)?);

@@ -95,7 +95,11 @@ pub fn latency(args: &LatencyArgs) -> Result<(), Failure> {
             "measurement {} of {runs}: {:.0} Hz, {} scheduling",
             done + 1,
             conditions.rate,
-            if conditions.realtime { "real-time" } else { "normal" }
+            if conditions.realtime {
+                "real-time"
+            } else {
+                "normal"
+            }
         );
         let _load = conditions.loaded.then(Load::start).transpose()?;
         let measured = measure(&chain, &conditions, args.duration)?;
