@@ -270,6 +270,8 @@ pub const EXCAVATOR_REASONS: &[(&str, &str)] = &[
         "contradiction",
         "an emptied bucket or the friction contradicts what a sensor says",
     ),
+    ("hanging", "the load hangs or swings"),
+    ("attachment", "the bucket weighs otherwise than described"),
 ];
 
 /// Names of the excavator estimation methods on the command line and in every output, indexed by

@@ -127,6 +127,16 @@ impl Core {
         if let Some(onset) = &mut self.onset {
             event |= onset.step(settings, &drive, phase);
         }
+        // With the load weighed, posture alone is a scale: the default filter, whose torque is unknown.
+        let weighs = method == Method::Posture && settings.boom.is_some();
+        if weighs
+            && settings.doubts.is_some()
+            && drive.boom_pressure.is_some()
+            && matches!(self.mode, Mode::Posture(_))
+        {
+            self.mode = Mode::PostureTorque(PostureTorque::new(settings));
+        }
+        let scale = weighs && matches!(self.mode, Mode::PostureTorque(_));
         let mut held = phase == Phase::Held;
         let constant = settings.estimator.constant_inertia;
         let (mut state, basis) = match &mut self.mode {
@@ -154,7 +164,7 @@ impl Core {
         };
         // Without torque or without posture, what a working machine does beside its description, and an arm
         // that moves, cannot be told from its inertia.
-        let told = needs_torque && needs_posture || settings.tells_by_half();
+        let told = needs_torque && needs_posture || scale || settings.tells_by_half();
         let basis = if told { basis } else { Basis::Nothing };
         if !told {
             state.reason = Reason::Method;

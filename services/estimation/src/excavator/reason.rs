@@ -41,11 +41,15 @@ pub enum Reason {
     Jump,
     /// Damping, friction or an emptied bucket speak of another torque, velocity or posture than is measured.
     Contradiction,
+    /// The moment of the boom wavers while it stands: the load hangs on a rope, or sloshes.
+    Hanging,
+    /// The bucket weighs more, or less, than the described one.
+    Attachment,
 }
 
 impl Reason {
     /// All, in the order of their codes.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 20] = [
         Self::None,
         Self::Slope,
         Self::Loss,
@@ -64,6 +68,8 @@ impl Reason {
         Self::Restarted,
         Self::Jump,
         Self::Contradiction,
+        Self::Hanging,
+        Self::Attachment,
     ];
 
     /// Code in the messages.
@@ -97,6 +103,8 @@ impl Reason {
             Self::Restarted => "restarted",
             Self::Jump => "jump",
             Self::Contradiction => "contradiction",
+            Self::Hanging => "hanging",
+            Self::Attachment => "attachment",
         }
     }
 
@@ -125,6 +133,8 @@ impl Reason {
             Self::Contradiction => {
                 "an emptied bucket or the friction contradicts what a sensor says"
             }
+            Self::Hanging => "the load hangs or swings",
+            Self::Attachment => "the bucket weighs otherwise than described",
         }
     }
 }

@@ -26,6 +26,8 @@ pub(in crate::excavator) struct Drive {
     pub(in crate::excavator) boom_pressure: Option<[f64; 2]>,
     /// Share of a row's noise variance that is left after averaging.
     pub(in crate::excavator) share: f64,
+    /// A torque has been measured.
+    pub(in crate::excavator) driven: bool,
     /// Variance of the torque beyond its noise, where it has been missing for long [(N m)^2].
     pub(in crate::excavator) stale_torque: f64,
 }
@@ -71,6 +73,7 @@ impl Driver {
             inclination: tick.inclination,
             boom_pressure: tick.boom_pressure,
             share: tick.share,
+            driven: tick.torque_age.is_finite(),
             stale_torque: if tick.torque_age > TORQUE_HOLD {
                 (UNKNOWN_TORQUE * torque_std) * (UNKNOWN_TORQUE * torque_std)
             } else {

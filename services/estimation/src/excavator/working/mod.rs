@@ -225,7 +225,11 @@ impl Working {
                 let gate = settings.estimator.gate;
                 self.rival
                     .weigh([said, other], gate, self.contradiction.usual());
-                weigh.fits(said);
+                weigh.watch(&moment, said);
+                if weigh.renews(said) {
+                    self.hold(settings, Content::Unknown, trail);
+                    self.agreement.interrupt();
+                }
             }
         }
         if let (true, Some(inclination)) = (standing, drive.inclination) {
@@ -304,6 +308,9 @@ impl Working {
         share: f64,
         trail: &mut Option<Trail>,
     ) -> Innovation {
+        if !drive.driven {
+            return self.drifting(s, drive, trail);
+        }
         self.torque += share * (drive.torque - self.torque);
         self.largest = self.largest.max(self.torque.abs());
         let sensor = s.sensors.swing_torque_std;
@@ -374,6 +381,19 @@ impl Working {
         }
         self.tare(gate, &drive.now, trail);
         innovation
+    }
+
+    /// Nobody knows what drives the swing: its velocity says where the machine is, and nothing of the load.
+    fn drifting(&mut self, s: &Settings, drive: &Drive, trail: &mut Option<Trail>) -> Innovation {
+        if let Some(velocity) = drive.velocity {
+            self.filter.set(W, velocity, drive.variance, trail);
+            self.rival
+                .filter
+                .set(W, velocity, drive.variance, &mut None);
+        }
+        self.turn += self.filter.x[W] * drive.period;
+        self.tare(s.estimator.gate, &drive.now, trail);
+        Innovation::default()
     }
 
     /// The slope along the axes of the start, from pitch and roll of the standing upper body: accelerations of
@@ -491,6 +511,7 @@ impl Working {
                 || down
                 || self.bucket.is_settling()
                 || contradicted
+                || self.weigh.as_ref().is_some_and(Weigh::swings)
                 || self.change.level() > SUSPICIOUS,
             opening: self.bucket.is_open(),
             reason: if down {
@@ -515,6 +536,9 @@ impl Working {
         if at_limit {
             return Reason::Limit;
         }
+        if self.weigh.as_ref().is_some_and(Weigh::swings) {
+            return Reason::Hanging;
+        }
         if self.contradiction.is_open() || self.is_beyond() {
             return Reason::Contradiction;
         }
@@ -534,6 +558,7 @@ impl Working {
             (DELAY, Reason::Delay),
             (OFFSET, Reason::Offset),
             (DAMPING, Reason::Damping),
+            (BUCKET, Reason::Attachment),
         ] {
             let difference = (self.filter.x[i] - self.described[i]).abs();
             if difference > MATERIAL * self.stated[i] {

@@ -24,10 +24,15 @@ const CENTRE: f64 = 0.12;
 const FADING: f64 = 3.0;
 /// A zero and a span wander by their standard deviations in this time [s].
 const LASTING: f64 = 3600.0;
-/// Innovations beyond this many standard deviations are no load.
+/// Innovations beyond this many standard deviations are no load; so many in a row are another one, however it came: a hook takes it
+/// without a joint that digs.
 const GATE: f64 = 4.0;
+const LASTS: u32 = 5;
 /// What a measurement says holds for so long [s].
 const HOLDS: f64 = 1.0;
+/// A moment that wavers by this share while the boom stands is that of a load that swings; time over which it is looked at [s].
+const WAVERING: f64 = 0.02;
+const WATCHED: f64 = 2.5;
 
 /// The second witness.
 #[derive(Debug, Clone)]
@@ -38,6 +43,11 @@ pub(super) struct Weigh {
     moments: BoomMoment,
     /// The states hold what the description says.
     begun: bool,
+    /// Mean of the innovations while the boom stands, and mean square about it, as shares of the moment.
+    mean: f64,
+    wavering: f64,
+    /// Innovations beyond the gate in a row.
+    strange: u32,
     /// Time since the last measurement that fitted [s].
     age: f64,
 }
@@ -49,6 +59,9 @@ impl Weigh {
             ground: Ground::new(),
             moments: BoomMoment::new(),
             begun: false,
+            mean: 0.0,
+            wavering: 0.0,
+            strange: 0,
             age: f64::INFINITY,
         }
     }
@@ -182,10 +195,37 @@ impl Weigh {
         innovation
     }
 
-    /// The innovation of a measurement.
-    pub(super) fn fits(&mut self, innovation: Innovation) {
+    /// A load that hangs or sloshes swings on while the boom stands; friction and drawing do not waver.
+    pub(super) fn watch(&mut self, m: &Moment, innovation: Innovation) {
+        let share = (m.period / WATCHED).min(1.0);
+        if m.moves {
+            self.wavering *= 1.0 - 0.2 * share;
+            return;
+        }
+        let off = innovation.value / m.measured.abs().max(f64::MIN_POSITIVE);
+        // The first one after a motion is the friction's.
+        if m.period > 2.0 * HOLDS || (off - self.mean).abs() > 0.1 {
+            self.mean = off;
+        }
+        let apart = off - self.mean;
+        self.mean += share * apart;
+        self.wavering += share * (apart * apart - self.wavering);
+    }
+
+    /// The load hangs, or swings otherwise.
+    pub(super) fn swings(&self) -> bool {
+        self.wavering > WAVERING * WAVERING
+    }
+
+    /// The innovation of a measurement; whether the load must be another one.
+    pub(super) fn renews(&mut self, innovation: Innovation) -> bool {
         if innovation.nis() < GATE * GATE {
             self.age = 0.0;
+            self.strange = 0;
+        } else {
+            self.strange = (self.strange + 1) % LASTS;
+            return self.strange == 0;
         }
+        false
     }
 }
