@@ -8,12 +8,13 @@ use std::io::Read;
 use std::path::Path;
 
 use config::Description;
-use messages::Machine;
+use messages::{Envelope, Machine, Message};
 use recording::csv::{self, EstimateRows};
 use recording::{Map, Sensors};
 use runtime::{Source, Worker};
 use view::estimate::Estimate;
 
+use crate::cli::EstimationArgs;
 use crate::commands::calibrate::CalibrateArgs;
 use crate::commands::estimate::{self, EstimateArgs};
 use crate::failure::Failure;
@@ -114,6 +115,17 @@ pub trait Entry: Sync {
         file: &Path,
         output: &Path,
         description: &Description,
+    ) -> Result<(), Failure>;
+    /// Takes an input through the steps of a method, and shows each sample and its estimate.
+    ///
+    /// # Errors
+    /// The input cannot be read, or does not fit the method.
+    fn follow(
+        &self,
+        with: &EstimationArgs,
+        file: &Path,
+        description: &Description,
+        see: &mut dyn FnMut(&Envelope),
     ) -> Result<(), Failure>;
     /// `heft calibrate`.
     ///
@@ -302,6 +314,37 @@ impl<M: Typed> Entry for M {
         }
         let put = M::past(description, method, samples.rows()?.map(|(row, _)| row))?;
         estimate::run(args, output, description, samples, look, put)
+    }
+
+    fn follow(
+        &self,
+        with: &EstimationArgs,
+        file: &Path,
+        description: &Description,
+        see: &mut dyn FnMut(&Envelope),
+    ) -> Result<(), Failure> {
+        let map = sources::map(with.map.as_deref())?;
+        let samples = recording::open::<M::Sensors>(file, map.as_ref())?;
+        let method = estimate::method(description.machine(), with.method.as_deref());
+        if let Some((first, _)) = samples.rows()?.next() {
+            M::check(description, method, &first)?;
+        }
+        let mut way = estimate::way(description, method)?;
+        for (sample, _) in samples.rows()? {
+            let sample = sample.envelope();
+            see(&sample);
+            let mut message = Some(sample);
+            for (_, step) in &mut way {
+                message = message.and_then(|m| step.answer(&m));
+            }
+            if let Some(estimate) = message {
+                see(&estimate);
+            }
+        }
+        samples.check()?;
+        samples
+            .recording()
+            .map_or(Ok(()), crate::parts::tell_damage)
     }
 
     fn calibrate(&self, args: &CalibrateArgs, description: &Description) -> Result<(), Failure> {

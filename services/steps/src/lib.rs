@@ -8,6 +8,7 @@
 //! | `motion` | swing motion to message and back (excavator) |
 //! | `estimate` | estimate to message |
 //! | `filter`, `regression`, `estimator` | the steps of the processes |
+//! | [`loads`] | estimates to loads, of every machine |
 //! | `pipeline` | the machine's processes: its rows of the table in [`stages`] |
 
 mod bits;
@@ -16,6 +17,7 @@ pub mod excavator;
 mod idle;
 mod kept;
 pub mod loader;
+pub mod loads;
 mod source;
 pub mod stages;
 

@@ -6,6 +6,7 @@
 //! | `report`, [`live`], [`top`], [`figures`] | page of a run, live page, terminal, figures of the papers |
 //! | [`estimate`] | what a machine has to show: parameters, flags, innovation |
 //! | [`excavator`], [`loader`] | that of a machine, with its words, panels and figures |
+//! | [`loads`] | loads and trucks: table, JSON, a page to print |
 //! | `run`, [`monitor`] | a run in memory; the latest of everything |
 //! | [`panels`], [`plot`] | what is plotted, and how |
 //! | [`words`], [`number`] | verdicts in sentences, numbers rounded to their uncertainty |
@@ -16,6 +17,7 @@ pub mod excavator;
 pub mod figures;
 pub mod live;
 pub mod loader;
+pub mod loads;
 pub mod monitor;
 pub mod number;
 pub mod panels;

@@ -13,6 +13,7 @@ pub mod estimate;
 pub mod evaluate;
 pub mod export;
 pub mod latency;
+pub mod loads;
 pub mod map;
 pub mod package;
 pub mod recover;
@@ -58,6 +59,8 @@ commands! {
     Replay(replay::ReplayArgs) => replay::replay;
     /// Evaluate the estimators by Monte-Carlo simulation, next to the published figures
     Evaluate(evaluate::EvaluateArgs) => evaluate::evaluate;
+    /// Count loads, trucks and days in recordings: kilograms with intervals, one row a load
+    Loads(loads::LoadsArgs) => loads::loads;
     /// Find the machine's own parameters from recordings, with intervals
     Calibrate(calibrate::CalibrateArgs) => calibrate::calibrate;
     /// Write a whole copy of a recording that was cut off, damaged or left in parts

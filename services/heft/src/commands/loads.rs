@@ -1,0 +1,232 @@
+//! `heft loads`: recordings as people count them, one row a load.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use config::Description;
+use evaluate::text::Table;
+use messages::Machine;
+use recording::{Reader, output};
+use serde_json::json;
+use steps::loads::{LoadCounter, Options, why_words};
+use view::loads::{self, Account};
+use view::number::{interval_95, value_and_std};
+
+use crate::cli::{EstimationArgs, machine};
+use crate::commands::run::description;
+use crate::failure::Failure;
+use crate::{machines, many, page, results};
+
+/// `heft loads`
+#[derive(Debug, Args)]
+#[command(after_help = "\
+A load is what was in the bucket between filling and dumping; `kg` has a 95 % interval. `stays` is what was weighed in
+the bucket after the dump (carry-back); a truck gets the difference. Errors that all loads share add up in a truck's
+interval, those of each load average out. A truck ends where the signal `truck` changes, or after --pause.
+Times are those of the recording [s].")]
+pub struct LoadsArgs {
+    /// Recordings (.mcap), tables (.csv), CAN logs (.log), or folders of them
+    #[arg(required = true)]
+    pub files: Vec<PathBuf>,
+    /// The machine; a recording of heft says it itself
+    #[arg(long, value_parser = machine())]
+    pub machine: Option<Machine>,
+    /// What estimates are made with; a recording of heft brings its description
+    #[command(flatten)]
+    pub with: EstimationArgs,
+    /// What a truck shall hold [kg]
+    #[arg(long, value_name = "KG", value_parser = positive)]
+    pub target: Option<f64>,
+    /// A load this long after the one before goes to another truck [s]; 0: never
+    #[arg(long, value_name = "S", default_value = "300", value_parser = not_negative)]
+    pub pause: f64,
+    /// One line a load (CSV)
+    #[arg(short, long, value_name = "LOADS.csv")]
+    pub output: Option<PathBuf>,
+    /// Loads, trucks and sums (JSON)
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// A page to print: a table a truck (HTML)
+    #[arg(long, value_name = "R.html")]
+    pub report: Option<PathBuf>,
+}
+
+fn number(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|n| n.is_finite());
+    number.ok_or_else(|| "this is no number".to_owned())
+}
+
+/// A number above 0.
+///
+/// # Errors
+/// It is none.
+pub fn positive(text: &str) -> Result<f64, String> {
+    let found = number(text)?;
+    (found > 0.0)
+        .then_some(found)
+        .ok_or_else(|| "it is above 0".to_owned())
+}
+
+/// A number that is 0 or above.
+///
+/// # Errors
+/// It is none.
+pub fn not_negative(text: &str) -> Result<f64, String> {
+    let found = number(text)?;
+    (found >= 0.0)
+        .then_some(found)
+        .ok_or_else(|| "it is 0 or above".to_owned())
+}
+
+/// `heft loads`
+pub fn loads(args: &LoadsArgs) -> Result<(), Failure> {
+    let inputs = many::inputs(&args.files, true)?;
+    check_outputs(args, &inputs)?;
+    let mut accounts = Vec::new();
+    for input in &inputs {
+        let account = count(args, input)?;
+        print(&account);
+        accounts.push(account);
+    }
+    write(args, &accounts)
+}
+
+/// The machine of an input and its description.
+fn described(args: &LoadsArgs, input: &Path) -> Result<Description, Failure> {
+    let is_recording = input
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("mcap"));
+    if is_recording && args.with.description.config.is_none() {
+        let reader = Reader::open(input)?;
+        let metadata = reader.metadata();
+        let name = metadata.get("machine").map(String::as_str);
+        let known = args.machine.or_else(|| name.and_then(Machine::from_name));
+        if let Some(text) = metadata.get("description") {
+            let mut found = Description::parse(text, "the description in the recording", known)?;
+            found.set_all(&args.with.description.set)?;
+            return Ok(found);
+        }
+        if let Some(known) = known {
+            return description(known, &args.with.description);
+        }
+    }
+    let machine = args.machine.ok_or_else(|| {
+        Failure::input(
+            "the machine is not known",
+            input.display(),
+            "add --machine excavator or --machine loader",
+        )
+    })?;
+    description(machine, &args.with.description)
+}
+
+fn count(args: &LoadsArgs, input: &Path) -> Result<Account, Failure> {
+    let description = described(args, input)?;
+    let options = Options {
+        target: args.target,
+        pause: args.pause,
+    };
+    let mut counter = LoadCounter::new(&description, options);
+    let mut trucks = Vec::new();
+    let entry = machines::entry(description.machine());
+    entry.follow(&args.with, input, &description, &mut |message| {
+        trucks.extend(counter.see(message).truck);
+    })?;
+    trucks.extend(counter.finish().truck);
+    let name = input.display().to_string();
+    Ok(Account::of(&name, &counter, trucks))
+}
+
+fn print(account: &Account) {
+    println!("{}", account.name);
+    let header = [
+        "load",
+        "filled",
+        "dumped",
+        "kg",
+        "95 %",
+        "stays",
+        "delivered",
+        "truck",
+        "by",
+        "trusted",
+    ];
+    let mut table = Table::new(&header);
+    for load in &account.loads {
+        let (kg, _) = value_and_std(load.weight.kg, load.weight.std);
+        let (rest, _) = value_and_std(load.carry_back.kg, load.carry_back.std);
+        let delivered = load.delivered();
+        let (got, _) = value_and_std(delivered.kg, delivered.std);
+        let unweighed = if load.carry_back_weighed { "" } else { "?" };
+        table.row(vec![
+            load.number.to_string(),
+            loads::clock(load.filled),
+            load.dumped.map_or(String::new(), loads::clock),
+            kg,
+            interval_95(load.weight.kg, load.weight.std),
+            format!("{rest}{unweighed}"),
+            got,
+            load.truck.to_string(),
+            load.witness.name().to_owned(),
+            match load.trusted {
+                true => "yes".to_owned(),
+                false => format!("no: {}", why_words(account.machine, load)),
+            },
+        ]);
+    }
+    if account.loads.is_empty() {
+        println!("no load was carried and dumped, or none could be weighed");
+    } else {
+        print!("{table}");
+    }
+    if let Some(load) = &account.carried {
+        println!(
+            "in the bucket at the end: {}",
+            loads::line(account.machine, load)
+        );
+    }
+    for truck in &account.trucks {
+        println!("{}", loads::truck_line(truck));
+    }
+    if account.trucks.len() != 1 {
+        println!("all: {}", loads::total_words(&account.all));
+    }
+}
+
+fn check_outputs(args: &LoadsArgs, inputs: &[PathBuf]) -> Result<(), Failure> {
+    let mut taken: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
+    taken.extend(args.with.map.as_deref());
+    taken.extend(args.with.description.config.as_deref());
+    type IsOurs<'a> = &'a dyn Fn(&[u8]) -> bool;
+    let is_json = results::is_json_of("loads");
+    let wanted: [(Option<&PathBuf>, IsOurs); 3] = [
+        (args.output.as_ref(), &loads::is_csv),
+        (args.json.as_ref(), &is_json),
+        (args.report.as_ref(), &page::is_ours),
+    ];
+    for (file, is_ours) in wanted {
+        let Some(file) = file else { continue };
+        output::check(file, &taken, is_ours)?;
+        taken.push(file);
+    }
+    Ok(())
+}
+
+fn write(args: &LoadsArgs, accounts: &[Account]) -> Result<(), Failure> {
+    if let Some(file) = &args.output {
+        let text = loads::csv(accounts);
+        results::text("write the loads", file, &[], loads::is_csv, &text)?;
+        println!("loads in {}", file.display());
+    }
+    if let Some(file) = &args.json {
+        let all: Vec<_> = accounts.iter().map(loads::json).collect();
+        let by = crate::build::IDENTITY;
+        results::json(file, &[], "loads", by, &json!({ "recordings": all }))?;
+        println!("summary in {}", file.display());
+    }
+    if let Some(file) = &args.report {
+        page::put(&loads::page(accounts), file, &[])?;
+        println!("page in {}", file.display());
+    }
+    Ok(())
+}

@@ -1,0 +1,367 @@
+//! Messages in, loads out: the ledger of any machine, live and on recordings.
+//!
+//! Reads the estimates of one process and, beside them, what the sensors say of the truck and of the machine's mass.
+
+use std::collections::VecDeque;
+
+use config::Description;
+use estimation::Quantity;
+use estimation::loads::{Events, Ledger, Load, Row, Settings, Stage, Witness};
+use estimation::math::norm;
+use messages::{
+    EXCAVATOR_REASONS, Envelope, ExcavatorEstimate, ExcavatorSensors, LOADER_REASONS,
+    LoaderEstimate, LoaderSensors, Machine, excavator_bits, loader_bits,
+};
+
+/// Loads that are remembered; sums know all.
+const REMEMBERED: usize = 1000;
+/// Payload of a full bucket: prior mean plus so many prior standard deviations, as the estimator means it.
+const RATED_STDS: f64 = 1.25;
+/// Rated payload of a wheel loader in machine masses: .29 to .33 for machines of 5 to 25 t (makers' sheets).
+const RATED_SHARE: f64 = 0.32;
+
+/// What the counter is told beside the description.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Options {
+    /// What a truck shall hold [kg].
+    pub target: Option<f64>,
+    /// A load this long after the one before goes to another truck; 0 never [s].
+    pub pause: f64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        let settings = Settings::with_rated(1.0);
+        Self {
+            target: settings.target,
+            pause: settings.pause,
+        }
+    }
+}
+
+/// Counts the loads of one machine.
+#[derive(Debug, Clone)]
+pub struct LoadCounter {
+    machine: Machine,
+    ledger: Ledger,
+    scale: Scale,
+    truck: Option<f64>,
+    mass: Option<f64>,
+    has_pressure: bool,
+    loads: VecDeque<Load>,
+}
+
+impl LoadCounter {
+    /// A counter for the machine of a description.
+    #[must_use]
+    pub fn new(description: &Description, options: Options) -> Self {
+        let (rated, empty) = match description {
+            Description::Excavator(d) => {
+                let prior = &d.prior;
+                (prior.payload + RATED_STDS * prior.payload_std, 0.0)
+            }
+            Description::Loader(d) => (RATED_SHARE * d.machine.mass, d.machine.mass),
+        };
+        let settings = Settings {
+            target: options.target,
+            pause: options.pause,
+            ..Settings::with_rated(rated)
+        };
+        Self {
+            machine: description.machine(),
+            ledger: Ledger::new(settings),
+            scale: Scale::new(empty),
+            truck: None,
+            mass: None,
+            has_pressure: false,
+            loads: VecDeque::new(),
+        }
+    }
+
+    /// The machine.
+    #[must_use]
+    pub fn machine(&self) -> Machine {
+        self.machine
+    }
+
+    /// The ledger: what the bucket, the truck and the day hold.
+    #[must_use]
+    pub fn ledger(&self) -> &Ledger {
+        &self.ledger
+    }
+
+    /// The latest loads, the first one first.
+    pub fn loads(&self) -> impl DoubleEndedIterator<Item = &Load> {
+        self.loads.iter()
+    }
+
+    /// Begins another truck.
+    pub fn next_truck(&mut self) -> Events {
+        let events = self.ledger.next_truck();
+        self.note(events)
+    }
+
+    /// Says what each truck shall hold from now on [kg].
+    pub fn set_target(&mut self, target: Option<f64>) {
+        self.ledger.set_target(target);
+    }
+
+    /// The recording is over.
+    pub fn finish(&mut self) -> Events {
+        let events = self.ledger.finish();
+        self.note(events)
+    }
+
+    /// Takes a message: samples of the sensors, and estimates of the one process that tells the payload.
+    pub fn see(&mut self, message: &Envelope) -> Events {
+        match message {
+            Envelope::ExcavatorSensors(m) => self.excavator_sensors(m),
+            Envelope::LoaderSensors(m) => self.loader_sensors(m),
+            Envelope::ExcavatorEstimate(m) => return self.excavator(m),
+            Envelope::LoaderEstimate(m) => return self.loader(m),
+            _ => {}
+        }
+        Events::default()
+    }
+
+    fn excavator_sensors(&mut self, _sample: &ExcavatorSensors) {}
+
+    fn loader_sensors(&mut self, sample: &LoaderSensors) {
+        self.mass = (sample.valid & loader_bits::MASS != 0).then_some(sample.mass);
+    }
+
+    fn excavator(&mut self, m: &ExcavatorEstimate) -> Events {
+        let flag = |bit: u32| m.flags & bit != 0;
+        if flag(excavator_bits::REFUSED) {
+            return Events::default();
+        }
+        let payload = Quantity {
+            value: m.payload,
+            std: m.payload_std,
+        };
+        let trusted = flag(excavator_bits::TRUSTED);
+        self.row(&Row {
+            time: m.stamp.time,
+            payload: (m.estimated & excavator_bits::PAYLOAD != 0).then_some(payload),
+            common_std: None,
+            speed: m.velocity,
+            changing: flag(excavator_bits::CHANGING),
+            trusted,
+            why: why(m.reason, m.flags, trusted),
+            witness: if self.has_pressure {
+                Witness::Both
+            } else {
+                Witness::Motion
+            },
+            truck: self.truck,
+        })
+    }
+
+    fn loader(&mut self, m: &LoaderEstimate) -> Events {
+        if m.flags & loader_bits::REFUSED != 0 {
+            return Events::default();
+        }
+        let payload = self
+            .mass
+            .and_then(|mass| self.scale.step(mass, m.stamp.time));
+        self.row(&Row {
+            time: m.stamp.time,
+            payload: payload.map(|(payload, _)| payload),
+            common_std: payload.map(|(_, common)| common),
+            speed: m.speed,
+            changing: false,
+            trusted: payload.is_some(),
+            why: why(m.reason, m.flags, payload.is_some()),
+            witness: Witness::Scale,
+            truck: self.truck,
+        })
+    }
+
+    fn row(&mut self, row: &Row) -> Events {
+        let events = self.ledger.step(row);
+        self.note(events)
+    }
+
+    /// Remembers what is told of a load.
+    fn note(&mut self, events: Events) -> Events {
+        if let Some(load) = events.load {
+            self.loads.retain(|known| known.number != load.number);
+            if load.stage != Stage::Withdrawn {
+                self.loads.push_back(load);
+            }
+            if self.loads.len() > REMEMBERED {
+                self.loads.pop_front();
+            }
+        }
+        events
+    }
+}
+
+/// Reason and flags in one number.
+fn why(reason: u32, flags: u32, trusted: bool) -> u32 {
+    if trusted {
+        0
+    } else {
+        reason.min(0xff) | flags << 8
+    }
+}
+
+/// Why a load is not trusted, in words; empty where it is.
+#[must_use]
+pub fn why_words(machine: Machine, load: &Load) -> &'static str {
+    if load.trusted {
+        return "";
+    }
+    let (reason, flags) = (load.why & 0xff, load.why >> 8);
+    let reasons = match machine {
+        Machine::Excavator => EXCAVATOR_REASONS,
+        Machine::Loader => LOADER_REASONS,
+    };
+    if let Some((_, words)) = reasons.get(reason as usize).filter(|_| reason != 0) {
+        return words;
+    }
+    let missing = match machine {
+        Machine::Excavator => [
+            (excavator_bits::FRESH, "an input is missing or too old"),
+            (
+                excavator_bits::IDENTIFIABLE,
+                "the motion does not determine it yet",
+            ),
+            (
+                excavator_bits::CONSISTENT,
+                "the measurements do not agree with the model",
+            ),
+            (excavator_bits::EXCITED, "the machine did not swing"),
+            (excavator_bits::CONVERGED, "the interval is still wide"),
+        ],
+        Machine::Loader => [(loader_bits::FRESH, "an input is missing or too old"); 5],
+    };
+    let found = missing.iter().find(|(bit, _)| flags & bit == 0);
+    found.map_or("nothing confirms it", |(_, words)| words)
+}
+
+/// The machine's mass is measured: its payload is what it has more than empty.
+///
+/// Nobody states what such a scale is worth: half a percent of the machine, two percent of the load.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Scale {
+    /// Described mass of the empty machine [kg].
+    described: f64,
+    /// Least mass that has held [kg].
+    empty: Option<f64>,
+    /// Mass that holds, and since when [kg], [s].
+    anchor: Option<(f64, f64)>,
+}
+
+/// Standard deviation of a mass, in masses, and of a load, in loads.
+const SCALE_STD: [f64; 2] = [0.005, 0.02];
+/// A mass holds that has stayed within this share for this long [s].
+const HOLDS: (f64, f64) = (0.01, 1.0);
+/// A mass further below the described one is not that of this machine, in masses.
+const BELOW: f64 = 0.2;
+/// The empty machine weighs at most so much more than described, in masses.
+const EMPTY: f64 = 0.05;
+
+impl Scale {
+    fn new(described: f64) -> Self {
+        Self {
+            described,
+            empty: None,
+            anchor: None,
+        }
+    }
+
+    /// Payload of this mass, and the standard deviation of what all loads share.
+    fn step(&mut self, mass: f64, time: f64) -> Option<(Quantity, f64)> {
+        if !(mass.is_finite() && mass > (1.0 - BELOW) * self.described) {
+            return None;
+        }
+        match self.anchor {
+            Some((anchor, since)) if (mass - anchor).abs() < HOLDS.0 * anchor => {
+                if time - since >= HOLDS.1 {
+                    self.empty = Some(self.empty.map_or(anchor, |e| e.min(anchor)));
+                }
+            }
+            _ => self.anchor = Some((mass, time)),
+        }
+        // Until it has been about as light as described, the machine that began may have been loaded already.
+        let learnt = self.empty.filter(|e| *e < (1.0 + EMPTY) * self.described);
+        let zero = if learnt.is_some() {
+            0.0
+        } else {
+            EMPTY * self.described
+        };
+        let value = mass - learnt.unwrap_or(self.described);
+        let common = norm(&[SCALE_STD[1] * value, zero]);
+        let std = norm(&[SCALE_STD[0] * mass, common]);
+        Some((Quantity { value, std }, common))
+    }
+}
+
+/// Whether a process tells a payload to count: the one whose estimate is told first.
+#[must_use]
+pub fn counts(machine: Machine, channel: &str) -> bool {
+    let pipeline = crate::stages::Pipeline::of(machine);
+    let main = pipeline.stage(pipeline.main);
+    main.and_then(crate::stages::Stage::output)
+        .is_some_and(|c| c.name == channel)
+}
+
+const _: () = {
+    // Reason and flags fit in one number.
+    assert!(EXCAVATOR_REASONS.len() < 0xff && LOADER_REASONS.len() < 0xff);
+    assert!(excavator_bits::RESTARTED < 1 << 24 && loader_bits::RESTARTED < 1 << 24);
+};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use messages::{Message, Stamp};
+
+    fn description(text: &str) -> Description {
+        Description::parse(text, "test", None).expect("a description")
+    }
+
+    #[test]
+    fn a_loader_with_a_scale_has_loads_whatever_its_described_mass() {
+        for described in ["12500.0", "11500.0"] {
+            let text = format!("[machine]\nkind = \"loader\"\nmass = {described}\n");
+            let mut counter = LoadCounter::new(&description(&text), Options::default());
+            let mut said = Vec::new();
+            for i in 0..9000 {
+                let phase = i % 3000;
+                let load = if (1000..2500).contains(&phase) {
+                    3000.0
+                } else {
+                    0.0
+                };
+                let time = f64::from(i) * 0.01;
+                let stamp = Stamp {
+                    time,
+                    ..Stamp::default()
+                };
+                let sensors = LoaderSensors {
+                    stamp,
+                    mass: 12_000.0 + load,
+                    valid: loader_bits::MASS,
+                    ..LoaderSensors::default()
+                };
+                counter.see(&sensors.envelope());
+                let estimate = LoaderEstimate {
+                    stamp,
+                    ..LoaderEstimate::default()
+                };
+                said.extend(counter.see(&estimate.envelope()).load);
+            }
+            said.extend(counter.finish().load);
+            let all: Vec<_> = counter.loads().collect();
+            assert_eq!(all.len(), 3, "{described}: {all:?}");
+            for load in all {
+                assert!(load.weight.quantity().holds(3000.0), "{load:?}");
+                assert!(load.delivered().quantity().holds(3000.0));
+                assert_eq!(load.witness, Witness::Scale);
+            }
+            assert!(said.iter().any(|l| l.stage == Stage::Carried));
+        }
+    }
+}

@@ -1,0 +1,415 @@
+//! Loads for people and programs: a table, JSON, a page that a foreman prints.
+
+use std::fmt::Write;
+
+use estimation::HALF_WIDTH_95;
+use estimation::loads::{Load, Now, Total, Truck, Weight};
+use messages::Machine;
+use serde_json::{Value, json};
+use steps::loads::{LoadCounter, why_words};
+
+use crate::number::{grouped, interval_95, value_and_std};
+
+/// What one recording, or a run so far, adds up to.
+#[derive(Debug, Clone)]
+pub struct Account {
+    /// Where it comes from.
+    pub name: String,
+    /// The machine.
+    pub machine: Machine,
+    /// Loads, the first one first.
+    pub loads: Vec<Load>,
+    /// What is in the bucket at the end.
+    pub carried: Option<Load>,
+    /// Trucks, the first one first.
+    pub trucks: Vec<Truck>,
+    /// Everything.
+    pub all: Total,
+}
+
+impl Account {
+    /// An account of what a counter has seen; `trucks`: those that are complete.
+    #[must_use]
+    pub fn of(name: &str, counter: &LoadCounter, trucks: Vec<Truck>) -> Self {
+        Self {
+            name: name.to_owned(),
+            machine: counter.machine(),
+            loads: counter
+                .loads()
+                .copied()
+                .filter(|l| l.dumped.is_some())
+                .collect(),
+            carried: counter.ledger().carried(),
+            trucks,
+            all: counter.ledger().all(),
+        }
+    }
+}
+
+/// First columns of a table of loads.
+pub const FIRST: &str = "recording,load,truck,day,";
+
+/// Header of the table.
+pub const HEADER: &str = "recording,load,truck,day,filled,dumped,kg,kg_std,kg_low,kg_high,carry_back,carry_back_std,\
+    carry_back_weighed,delivered,delivered_std,common_std,witness,trusted,reason,stage";
+
+/// A line of the table.
+#[must_use]
+pub fn csv_line(name: &str, machine: Machine, load: &Load) -> String {
+    let [low, high] = load.weight.interval();
+    let delivered = load.delivered();
+    let dumped = load.dumped.map_or(String::new(), |t| format!("{t:.2}"));
+    format!(
+        "{},{},{},{},{:.2},{dumped},{:.1},{:.1},{low:.1},{high:.1},{:.1},{:.1},{},{:.1},{:.1},{:.1},{},{},{},{}",
+        recording::csv::quoted(name),
+        load.number,
+        load.truck,
+        load.day,
+        load.filled,
+        load.weight.kg,
+        load.weight.std,
+        load.carry_back.kg,
+        load.carry_back.std,
+        u8::from(load.carry_back_weighed),
+        delivered.kg,
+        delivered.std,
+        load.weight.common_std,
+        load.witness.name(),
+        u8::from(load.trusted),
+        recording::csv::quoted(why_words(machine, load)),
+        load.stage.name(),
+    )
+}
+
+/// The table of all accounts.
+#[must_use]
+pub fn csv(accounts: &[Account]) -> String {
+    let mut out = format!("{HEADER}\n");
+    for account in accounts {
+        let all = account.loads.iter().chain(&account.carried);
+        for load in all {
+            out += &csv_line(&account.name, account.machine, load);
+            out.push('\n');
+        }
+    }
+    out
+}
+
+/// Whether a file that begins like this is such a table.
+#[must_use]
+pub fn is_csv(head: &[u8]) -> bool {
+    head.starts_with(FIRST.as_bytes())
+}
+
+fn weight_json(weight: &Weight) -> Value {
+    let [low, high] = weight.interval();
+    json!({"kg": weight.kg, "std": weight.std, "common_std": weight.common_std, "low": low, "high": high})
+}
+
+/// A load as JSON.
+#[must_use]
+pub fn load_json(machine: Machine, load: &Load) -> Value {
+    json!({
+        "load": load.number, "truck": load.truck, "day": load.day, "stage": load.stage.name(),
+        "filled": load.filled, "dumped": load.dumped,
+        "in_bucket": weight_json(&load.weight),
+        "carry_back": weight_json(&load.carry_back), "carry_back_weighed": load.carry_back_weighed,
+        "delivered": weight_json(&load.delivered()),
+        "witness": load.witness.name(), "trusted": load.trusted, "reason": why_words(machine, load),
+    })
+}
+
+/// A sum as JSON.
+#[must_use]
+pub fn total_json(total: &Total) -> Value {
+    let half = HALF_WIDTH_95 * total.std();
+    json!({
+        "loads": total.loads, "untrusted": total.untrusted, "kg": total.kg, "std": total.std(),
+        "own_std": total.own_variance.sqrt(), "common_std": total.common_std,
+        "low": total.kg - half, "high": total.kg + half,
+    })
+}
+
+/// A truck as JSON.
+#[must_use]
+pub fn truck_json(truck: &Truck) -> Value {
+    json!({
+        "truck": truck.number, "signal": truck.signal, "day": truck.day, "from": truck.from, "to": truck.to,
+        "total": total_json(&truck.total), "target": truck.target, "remaining": truck.remaining(),
+    })
+}
+
+/// What the bucket holds now, as JSON.
+#[must_use]
+pub fn now_json(now: &Now) -> Value {
+    let half = HALF_WIDTH_95 * now.std;
+    json!({"kg": now.kg, "std": now.std, "low": now.kg - half, "high": now.kg + half, "age": now.age})
+}
+
+/// An account as JSON.
+#[must_use]
+pub fn json(account: &Account) -> Value {
+    let load = |load: &Load| load_json(account.machine, load);
+    json!({
+        "recording": account.name, "machine": account.machine.name(),
+        "loads": account.loads.iter().map(load).collect::<Vec<_>>(),
+        "in_the_bucket_at_the_end": account.carried.as_ref().map(load),
+        "trucks": account.trucks.iter().map(truck_json).collect::<Vec<_>>(),
+        "total": total_json(&account.all),
+    })
+}
+
+/// A run so far, as the live page shows it.
+#[must_use]
+pub fn live_json(counter: &LoadCounter) -> Value {
+    let machine = counter.machine();
+    let load = |load: &Load| load_json(machine, load);
+    let ledger = counter.ledger();
+    json!({
+        "machine": machine.name(),
+        "now": now_json(&ledger.now()),
+        "carried": ledger.carried().as_ref().map(load),
+        "truck": truck_json(&ledger.truck()),
+        "day": json!({"day": ledger.day().number, "trucks": ledger.day().trucks, "total": total_json(&ledger.day().total)}),
+        "loads": counter.loads().rev().take(LATEST).map(load).collect::<Vec<_>>(),
+    })
+}
+
+/// So many loads are on the live page.
+const LATEST: usize = 12;
+
+/// "1 121 kg, 95 %: 872 to 1 370".
+#[must_use]
+pub fn weight_words(weight: &Weight) -> String {
+    let (kg, _) = value_and_std(weight.kg, weight.std);
+    format!("{kg} kg, 95 %: {}", interval_95(weight.kg, weight.std))
+}
+
+/// A load in a line.
+#[must_use]
+pub fn line(machine: Machine, load: &Load) -> String {
+    let why = why_words(machine, load);
+    let doubt = if load.trusted {
+        String::new()
+    } else {
+        format!(", not trusted: {why}")
+    };
+    let rest = if load.carry_back_weighed {
+        let (kg, _) = value_and_std(load.carry_back.kg, load.carry_back.std);
+        format!(", {kg} kg stay in the bucket")
+    } else {
+        String::new()
+    };
+    format!(
+        "load {} {}: {} (by {}){rest}{doubt}",
+        load.number,
+        load.stage.name(),
+        weight_words(&load.weight),
+        load.witness.name(),
+    )
+}
+
+/// A truck in a line.
+#[must_use]
+pub fn truck_line(truck: &Truck) -> String {
+    let total = &truck.total;
+    let mut text = format!("truck {}: {}", truck.number, total_words(total));
+    if let Some(missing) = truck.remaining() {
+        let amount = grouped(missing.abs(), 0);
+        let what = if missing >= 0.0 {
+            "missing"
+        } else {
+            "too much"
+        };
+        let _ = write!(text, "; {amount} kg {what}");
+    }
+    text
+}
+
+/// A sum in words.
+#[must_use]
+pub fn total_words(total: &Total) -> String {
+    let (kg, _) = value_and_std(total.kg, total.std().max(1.0));
+    let plural = if total.loads == 1 { "" } else { "s" };
+    let doubt = match total.untrusted {
+        0 => String::new(),
+        n => format!(", {n} of them not trusted"),
+    };
+    format!(
+        "{kg} kg, 95 %: {}, in {} load{plural}{doubt}",
+        interval_95(total.kg, total.std().max(1.0)),
+        total.loads
+    )
+}
+
+/// The printable page: what each truck got, load by load, and the sum of the day.
+#[must_use]
+pub fn page(accounts: &[Account]) -> String {
+    let mut body = String::from("<main><h1>Loads</h1>");
+    for account in accounts {
+        let _ = write!(
+            body,
+            "<h2>{}</h2><p class=\"facts\">{}, {}</p>",
+            escape(&account.name),
+            account.machine,
+            escape(&total_words(&account.all))
+        );
+        for truck in &account.trucks {
+            truck_table(&mut body, account, truck);
+        }
+        if let Some(load) = &account.carried {
+            let line = escape(&line(account.machine, load));
+            let _ = write!(body, "<p>In the bucket at the end: {line}</p>");
+        }
+    }
+    body += "<p class=\"note\">Delivered is what was in the bucket less what stayed in it. Errors that all loads share \
+        (span, zero, gain, description) add up; those of each load average out. Times are those of the recording.</p></main>";
+    crate::page("heft report: loads", &body)
+}
+
+fn truck_table(body: &mut String, account: &Account, truck: &Truck) {
+    let _ = write!(
+        body,
+        "<h3>{}</h3><div class=\"scroll\"><table><thead><tr><th>load</th><th>filled</th><th>dumped</th>\
+         <th>in the bucket, kg</th><th>95 %</th><th>stays, kg</th><th>delivered, kg</th><th>by</th><th>trusted</th></tr></thead><tbody>",
+        escape(&truck_line(truck))
+    );
+    for load in account.loads.iter().filter(|l| l.truck == truck.number) {
+        let (kg, _) = value_and_std(load.weight.kg, load.weight.std);
+        let (rest, _) = value_and_std(load.carry_back.kg, load.carry_back.std);
+        let delivered = load.delivered();
+        let (got, _) = value_and_std(delivered.kg, delivered.std);
+        let trusted = if load.trusted {
+            "yes"
+        } else {
+            why_words(account.machine, load)
+        };
+        let _ = write!(
+            body,
+            "<tr><td>{}</td><td>{}</td><td>{}</td><td>{kg}</td><td>{}</td><td>{rest}</td><td>{got}</td><td>{}</td><td>{}</td></tr>",
+            load.number,
+            clock(load.filled),
+            load.dumped.map_or(String::new(), clock),
+            interval_95(load.weight.kg, load.weight.std),
+            load.witness.name(),
+            escape(trusted),
+        );
+    }
+    body.push_str("</tbody></table></div>");
+}
+
+/// Seconds of a recording as people read them: "1:02:03", or the time of day in UTC where they count from 1970.
+#[must_use]
+pub fn clock(time: f64) -> String {
+    const DAY: f64 = 86_400.0;
+    const SINCE_1970: f64 = 1e9;
+    let shown = if time >= SINCE_1970 {
+        time.rem_euclid(DAY)
+    } else {
+        time
+    };
+    let tenths = (shown * 10.0).round() as i64;
+    let (seconds, tenths) = (tenths.div_euclid(10), tenths.rem_euclid(10));
+    let (hours, minutes, seconds) = (seconds / 3600, seconds / 60 % 60, seconds % 60);
+    if time >= SINCE_1970 {
+        format!("{hours:02}:{minutes:02}:{seconds:02} UTC")
+    } else if hours > 0 {
+        format!("{hours}:{minutes:02}:{seconds:02}")
+    } else {
+        format!("{minutes}:{seconds:02}.{tenths}")
+    }
+}
+
+fn escape(text: &str) -> String {
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use estimation::loads::Stage;
+
+    fn account() -> Account {
+        let weight = |kg, std| Weight {
+            kg,
+            std,
+            common_std: 0.8 * std,
+        };
+        let load = Load {
+            number: 1,
+            truck: 1,
+            stage: Stage::Settled,
+            filled: 8.5,
+            dumped: Some(12.7),
+            weight: weight(1139.0, 60.0),
+            carry_back: weight(45.0, 20.0),
+            carry_back_weighed: true,
+            trusted: false,
+            why: 11,
+            ..Load::default()
+        };
+        let total = Total::default().with(Some(&load));
+        let truck = Truck {
+            number: 1,
+            total,
+            target: Some(24_000.0),
+            ..Truck::default()
+        };
+        Account {
+            name: "a,b <i>.csv".to_owned(),
+            machine: Machine::Excavator,
+            loads: vec![load],
+            carried: None,
+            trucks: vec![truck],
+            all: total,
+        }
+    }
+
+    #[test]
+    fn each_line_of_the_table_has_the_columns_of_its_header() {
+        let text = csv(&[account()]);
+        assert!(is_csv(text.as_bytes()));
+        let mut lines = text.lines();
+        let columns = lines.next().map(|h| h.split(',').count());
+        let line = lines.next().expect("a load");
+        let rest = line.strip_prefix("\"a,b <i>.csv\"").expect("a quoted name");
+        assert_eq!(Some(rest.split(',').count()), columns);
+        assert!(
+            line.contains("the bucket's content may have changed"),
+            "{line}"
+        );
+    }
+
+    #[test]
+    fn the_page_says_what_the_truck_got_and_what_is_missing_and_lets_no_name_in_as_markup() {
+        let text = page(&[account()]);
+        assert!(crate::loads::escape("<") == "&lt;" && !text.contains("<i>"));
+        for part in ["22\u{202f}906 kg missing", "22 906 kg missing"] {
+            let plain = text.replace(['\u{a0}', '\u{202f}'], " ");
+            assert!(plain.contains(&part.replace('\u{202f}', " ")), "{plain}");
+        }
+        assert!(text.contains("12.7"));
+    }
+
+    #[test]
+    fn json_has_both_kinds_of_errors() {
+        let value = json(&account());
+        let total = &value["total"];
+        let number = |key: &str| total[key].as_f64().expect("a number");
+        let both = number("own_std").hypot(number("common_std"));
+        assert!((both - number("std")).abs() < 1e-9);
+        assert_eq!(
+            value["loads"][0]["reason"],
+            "the bucket's content may have changed"
+        );
+    }
+
+    #[test]
+    fn times_are_read_as_minutes_hours_or_time_of_day() {
+        assert_eq!(clock(62.34), "1:02.3");
+        assert_eq!(clock(3723.0), "1:02:03");
+        assert_eq!(clock(1_700_000_000.0), "22:13:20 UTC");
+    }
+}
