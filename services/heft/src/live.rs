@@ -4,18 +4,22 @@ use std::net::SocketAddr;
 
 use messages::Machine;
 use steps::stages::Pipeline;
-use view::live::{Feed, Server, serve};
+use view::live::{Feed, Server, SharedLoads, serve};
 
 use crate::failure::Failure;
 
 /// Serves the page; it is there until the server is dropped.
-pub fn start(address: SocketAddr, machine: Machine) -> Result<(Feed, Server), Failure> {
+pub fn start(
+    address: SocketAddr,
+    machine: Machine,
+    loads: SharedLoads,
+) -> Result<(Feed, Server), Failure> {
     let names = Pipeline::of(machine)
         .stages
         .iter()
         .map(|p| p.name.to_owned())
         .collect();
-    let feed = Feed::new(names);
+    let feed = Feed::new(names).with_loads(loads);
     let server = serve(address, feed.clone()).map_err(|e| {
         Failure::input(
             format!("cannot show the live page: {e}"),
@@ -23,6 +27,9 @@ pub fn start(address: SocketAddr, machine: Machine) -> Result<(Feed, Server), Fa
             "choose another address or port, such as --view 127.0.0.1:8441",
         )
     })?;
-    eprintln!("live page: http://{}", server.address());
+    eprintln!(
+        "live page: http://{0}, loads: http://{0}/loads",
+        server.address()
+    );
     Ok((feed, server))
 }

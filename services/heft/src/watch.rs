@@ -7,12 +7,13 @@ mod line;
 use std::collections::{BTreeMap, VecDeque};
 use std::time::Instant;
 
+use estimation::loads::Stage;
 use messages::channels::Channel;
 use messages::keyframe::Collector;
 use messages::{Carries, Envelope, Health, Machine, Message, Snapshot, Value, fault};
 use runtime::{Sink, Window};
 use steps::stages::Pipeline;
-use view::live::Feed;
+use view::live::{Feed, SharedLoads};
 
 use self::counts::{Carried, Counts};
 pub use self::line::{LIVE, STORY, Show};
@@ -47,6 +48,10 @@ pub struct Watch {
     states: BTreeMap<u32, Snapshot>,
     /// What outlives the run.
     memory: Option<Memory>,
+    /// Counts loads.
+    loads: Option<SharedLoads>,
+    /// The sensors are read for them: they tell the truck, and a loader's mass.
+    counts_sensors: bool,
     faults: Vec<Fault>,
     /// The samples are the simulator's.
     is_simulated: bool,
@@ -92,6 +97,11 @@ impl Watch {
         self.is_unpaced = true;
     }
 
+    /// Has the loads counted, told as they come; with what the sensors tell of truck and mass if `sensors`.
+    pub fn count_loads(&mut self, loads: SharedLoads, sensors: bool) {
+        (self.loads, self.counts_sensors) = (Some(loads), sensors);
+    }
+
     /// Has what is trusted remembered.
     pub fn remember(&mut self, memory: Option<Memory>) {
         self.memory = memory;
@@ -104,7 +114,8 @@ impl Watch {
             Carries::Sensors | Carries::Between => true,
             Carries::Truth | Carries::Estimate | Carries::Common => false,
         };
-        self.feed.is_some() || self.window.is_some() || !passed_on
+        let counted = self.counts_sensors && channel.payload.carries() == Carries::Sensors;
+        self.feed.is_some() || self.window.is_some() || counted || !passed_on
     }
 
     /// Number after that of the latest sample seen.
@@ -339,6 +350,29 @@ impl Watch {
         }
     }
 
+    /// Counts loads of the estimates that are told first, and says what happens to them.
+    fn count(&mut self, channel: &Channel, envelope: &Envelope) {
+        let Some(loads) = &self.loads else { return };
+        let is_told = match channel.payload.carries() {
+            Carries::Sensors => true,
+            Carries::Estimate => self.told.is_some_and(|told| told.name == channel.name),
+            Carries::Truth | Carries::Between | Carries::Common => false,
+        };
+        if !is_told {
+            return;
+        }
+        let mut counter = loads.lock();
+        let machine = counter.machine();
+        let events = counter.see(envelope);
+        drop(counter);
+        let told = events
+            .load
+            .filter(|l| matches!(l.stage, Stage::Carried | Stage::Dumped));
+        if let Some(load) = told {
+            self.say(&view::loads::line(machine, &load));
+        }
+    }
+
     fn truth(&self, sequence: u64, quantity: &Quantity) -> Option<f64> {
         let at = self
             .truths
@@ -365,6 +399,7 @@ impl Sink for Watch {
         if let Some(window) = &mut self.window {
             window.show(channel, message);
         }
+        self.count(channel, &envelope);
         let carried = self.carried.entry(channel.name).or_default();
         carried.add(message.stamp());
         match channel.payload.carries() {

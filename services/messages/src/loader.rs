@@ -78,6 +78,8 @@ pub mod loader_bits {
 
     /// The service was started again and has not been trusted since.
     pub const RESTARTED: u32 = 1 << 14;
+    /// The payload may be believed.
+    pub const TRUSTED_PAYLOAD: u32 = 1 << 15;
 
     // Quantities: `LoaderEstimate::estimated`.
     /// Speed, wheel speeds, slip stiffness, height, ratio (0 until the first accepted row).
@@ -90,6 +92,8 @@ pub mod loader_bits {
     pub const RADIUS_SCALES: u32 = 1 << 3;
     /// Delay of the speed.
     pub const SPEED_DELAY: u32 = 1 << 4;
+    /// Payload.
+    pub const PAYLOAD: u32 = 1 << 5;
 }
 
 message! {
@@ -164,7 +168,7 @@ message! {
 
 message! {
     /// Estimated centre of gravity with its verdict.
-    pub struct LoaderEstimate, "LoaderEstimate", size 240, marked in flags {
+    pub struct LoaderEstimate, "LoaderEstimate", size 256, marked in flags {
         /// Forward speed.
         speed: f64, "m/s";
         /// Speed of the front wheels.
@@ -215,6 +219,10 @@ message! {
         reason: u32, "";
         /// Reserved, 0.
         reserved: u32, "";
+        /// Payload.
+        payload: f64, "kg";
+        /// Standard deviation of the payload.
+        payload_std: f64, "kg";
     }
 }
 

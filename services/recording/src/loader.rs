@@ -60,7 +60,13 @@ impl Estimate for LoaderEstimate {
         Flag("trusted_ratio", bits::TRUSTED_RATIO),
         Flag("trusted_height", bits::TRUSTED_HEIGHT),
     ];
-    const EXTRA: (&'static [Column], u32) = (&[], 0);
+    const EXTRA: (&'static [Column], u32) = (
+        &[
+            Field("payload", bits::PAYLOAD),
+            Field("payload_std", bits::PAYLOAD),
+        ],
+        bits::PAYLOAD,
+    );
     const REFUSED: u32 = bits::REFUSED;
     const METHODS: &'static [&'static str] = LOADER_METHODS;
     const REASONS: &'static [(&'static str, &'static str)] = LOADER_REASONS;

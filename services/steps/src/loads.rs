@@ -6,6 +6,7 @@ use std::collections::VecDeque;
 
 use config::Description;
 use estimation::Quantity;
+use estimation::loader::Reason;
 use estimation::loads::{Events, Ledger, Load, Row, Settings, Stage, Witness};
 use estimation::math::norm;
 use messages::{
@@ -62,13 +63,19 @@ impl LoadCounter {
             }
             Description::Loader(d) => (RATED_SHARE * d.machine.mass, d.machine.mass),
         };
+        Self::rated(description.machine(), rated, empty, options)
+    }
+
+    /// A counter for a machine of which only the payload of a full bucket and the empty mass are known [kg].
+    #[must_use]
+    pub fn rated(machine: Machine, rated: f64, empty: f64, options: Options) -> Self {
         let settings = Settings {
             target: options.target,
             pause: options.pause,
             ..Settings::with_rated(rated)
         };
         Self {
-            machine: description.machine(),
+            machine,
             ledger: Ledger::new(settings),
             scale: Scale::new(empty),
             truck: None,
@@ -124,10 +131,20 @@ impl LoadCounter {
         Events::default()
     }
 
-    fn excavator_sensors(&mut self, _sample: &ExcavatorSensors) {}
+    fn excavator_sensors(&mut self, sample: &ExcavatorSensors) {
+        let has = |bit: u32| sample.valid & bit != 0;
+        self.has_pressure = has(excavator_bits::BOOM_HEAD_PRESSURE);
+        self.truck = has(excavator_bits::TRUCK)
+            .then_some(sample.truck)
+            .or(self.truck);
+    }
 
     fn loader_sensors(&mut self, sample: &LoaderSensors) {
-        self.mass = (sample.valid & loader_bits::MASS != 0).then_some(sample.mass);
+        let has = |bit: u32| sample.valid & bit != 0;
+        self.mass = has(loader_bits::MASS).then_some(sample.mass);
+        self.truck = has(loader_bits::TRUCK)
+            .then_some(sample.truck)
+            .or(self.truck);
     }
 
     fn excavator(&mut self, m: &ExcavatorEstimate) -> Events {
@@ -161,18 +178,33 @@ impl LoadCounter {
         if m.flags & loader_bits::REFUSED != 0 {
             return Events::default();
         }
-        let payload = self
+        let weighed = (m.estimated & loader_bits::PAYLOAD != 0).then_some(Quantity {
+            value: m.payload,
+            std: m.payload_std,
+        });
+        let scale = self
             .mass
             .and_then(|mass| self.scale.step(mass, m.stamp.time));
+        // The lift pressures know their tolerances; of a scale nobody states any.
+        let trusted = match weighed {
+            Some(_) => m.flags & loader_bits::TRUSTED_PAYLOAD != 0,
+            None => scale.is_some(),
+        };
         self.row(&Row {
             time: m.stamp.time,
-            payload: payload.map(|(payload, _)| payload),
-            common_std: payload.map(|(_, common)| common),
+            payload: weighed.or(scale.map(|(payload, _)| payload)),
+            common_std: scale
+                .filter(|_| weighed.is_none())
+                .map(|(_, common)| common),
             speed: m.speed,
-            changing: false,
-            trusted: payload.is_some(),
-            why: why(m.reason, m.flags, payload.is_some()),
-            witness: Witness::Scale,
+            changing: weighed.is_some() && m.reason == Reason::Load as u32,
+            trusted,
+            why: why(m.reason, m.flags, trusted),
+            witness: if weighed.is_some() {
+                Witness::Pressure
+            } else {
+                Witness::Scale
+            },
             truck: self.truck,
         })
     }

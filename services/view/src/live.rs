@@ -7,6 +7,7 @@
 
 mod connections;
 mod frame;
+mod loads;
 mod page;
 mod server;
 
@@ -23,6 +24,7 @@ use messages::channels::Channel;
 
 use crate::monitor::Monitor;
 
+pub use loads::SharedLoads;
 pub use server::{MAX_VIEWERS, Server, serve};
 
 /// Where `--view` listens unless told otherwise: this host only.
@@ -32,6 +34,7 @@ pub const DEFAULT_ADDRESS: &str = "127.0.0.1:8440";
 #[derive(Debug, Clone, Default)]
 pub struct Feed {
     monitor: Arc<Mutex<Monitor>>,
+    loads: Option<SharedLoads>,
 }
 
 impl Feed {
@@ -40,6 +43,16 @@ impl Feed {
     pub fn new(names: Vec<String>) -> Self {
         Self {
             monitor: Arc::new(Mutex::new(Monitor::new(names))),
+            loads: None,
+        }
+    }
+
+    /// The same with the loads of the run, which somebody else counts.
+    #[must_use]
+    pub fn with_loads(self, loads: SharedLoads) -> Self {
+        Self {
+            loads: Some(loads),
+            ..self
         }
     }
 

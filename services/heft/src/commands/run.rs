@@ -8,7 +8,9 @@ use std::path::{Path, PathBuf};
 use config::Description;
 use messages::Machine;
 use runtime::{Domain, realtime};
+use steps::loads::{LoadCounter, Options};
 use steps::stages::Pipeline;
+use view::live::SharedLoads;
 
 use self::args::Pace;
 pub use self::args::RunArgs;
@@ -260,9 +262,16 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     let memory = args.state.as_deref();
     let memory = memory.map(|f| remember(f, &mut plan)).transpose()?;
     let machine = plan.machine;
+    let loads = SharedLoads::new(LoadCounter::new(
+        &plan.description()?,
+        Options {
+            target: args.target,
+            ..Options::default()
+        },
+    ));
     let page = args
         .view
-        .map(|addr| crate::live::start(addr, machine))
+        .map(|addr| crate::live::start(addr, machine, loads.clone()))
         .transpose()?;
     // What the user asked for is told first, whichever process makes it.
     let pipeline = Pipeline::of(machine);
@@ -275,6 +284,7 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
         show(args),
     );
     watch.remember(memory);
+    watch.count_loads(loads.clone(), args.target.is_some() || args.input.is_some());
     let (recording, group) = (plan.recording.clone(), plan.group);
     if !(args.quiet || args.live_lines) || !sources::is_simulated(&plan) {
         eprintln!("{}", sources::words(&plan));
@@ -303,7 +313,24 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
         "{}",
         summary::text(machine, &watch, &recording, report.as_deref(), told)
     );
+    tell_loads(&loads);
     verdict(&end, &watch, args.require_trust)
+}
+
+/// What was carried, where anything was.
+fn tell_loads(loads: &SharedLoads) {
+    let mut counter = loads.lock();
+    let last = counter.finish().truck;
+    let (machine, all) = (counter.machine(), counter.ledger().all());
+    if all.loads == 0 {
+        return;
+    }
+    for load in counter.loads() {
+        println!("{}", view::loads::line(machine, load));
+    }
+    if let Some(truck) = last {
+        println!("{}", view::loads::truck_line(&truck));
+    }
 }
 
 fn verdict(end: &End, watch: &Watch, require_trust: bool) -> Result<(), Failure> {

@@ -77,6 +77,19 @@ impl Watch {
         }
     }
 
+    /// Says something once, above the live line.
+    pub(super) fn say(&self, text: &str) {
+        if self.show != Show::Terminal {
+            return;
+        }
+        let clear = if std::io::stderr().is_terminal() {
+            "\r\x1b[2K"
+        } else {
+            ""
+        };
+        let _ = writeln!(std::io::stderr(), "{clear}{text}");
+    }
+
     /// Ends it.
     pub(super) fn end(&self) {
         if self.show == Show::Terminal && self.shown.is_some() && std::io::stderr().is_terminal() {

@@ -34,6 +34,8 @@ pub fn message(e: &Estimate) -> LoaderEstimate {
         resets: e.resets,
         refused: e.refused,
         reason: e.reason as u32,
+        payload: e.payload.unwrap_or_default().value,
+        payload_std: e.payload.unwrap_or_default().std,
         ..LoaderEstimate::default()
     }
 }
@@ -52,6 +54,7 @@ fn flags(e: &Estimate) -> u32 {
         (bits::RESET, e.reset),
         (bits::TRUSTED_RATIO, e.trusted_ratio),
         (bits::TRUSTED_HEIGHT, e.trusted_height),
+        (bits::TRUSTED_PAYLOAD, e.trusted_payload),
         (bits::REFUSED, e.status == Status::Refused),
         (bits::DIVERGED, e.status == Status::Diverged),
     ])
@@ -70,6 +73,7 @@ fn estimated(e: &Estimate) -> u32 {
             e.started && e.front_radius_scale.is_some(),
         ),
         (bits::SPEED_DELAY, e.started && e.speed_delay.is_some()),
+        (bits::PAYLOAD, e.started && e.payload.is_some()),
     ])
 }
 

@@ -14,14 +14,14 @@ use axum::extract::State;
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::sse::{Event, KeepAlive, Sse};
 use axum::response::{Html, IntoResponse, Response};
-use axum::routing::get;
+use axum::routing::{get, post};
 use futures_util::stream::{self, Stream, StreamExt};
 use tokio::net::{TcpListener, TcpSocket};
 use tokio::sync::broadcast::{self, error::RecvError};
 use tokio::sync::{Notify, oneshot};
 
 use super::connections::Door;
-use super::{Feed, frame, page};
+use super::{Feed, frame, loads, page};
 
 /// Viewers at a time; the next one is told to wait.
 pub const MAX_VIEWERS: usize = 16;
@@ -165,6 +165,9 @@ async fn run(listener: TcpListener, shared: Arc<Shared>, stopped: oneshot::Recei
     let router = Router::new()
         .route("/", get(show))
         .route("/events", get(events))
+        .route("/loads", get(show_loads))
+        .route("/loads.json", get(state_of_loads))
+        .route("/next-truck", post(next_truck))
         .with_state(shared);
     let serving = Box::pin(async move { axum::serve(Door::new(listener), router).await });
     futures_util::future::select(serving, stopped).await;
@@ -253,6 +256,27 @@ async fn show(State(shared): State<Arc<Shared>>, headers: HeaderMap) -> Response
         (header::CACHE_CONTROL, "no-store"),
     ];
     (policy, Html(page::page())).into_response()
+}
+
+async fn show_loads(State(shared): State<Arc<Shared>>, headers: HeaderMap) -> Response {
+    if !shared.admits(&headers) {
+        return StatusCode::FORBIDDEN.into_response();
+    }
+    loads::panel()
+}
+
+async fn state_of_loads(State(shared): State<Arc<Shared>>, headers: HeaderMap) -> Response {
+    if !shared.admits(&headers) {
+        return StatusCode::FORBIDDEN.into_response();
+    }
+    loads::state(shared.feed.loads.as_ref())
+}
+
+async fn next_truck(State(shared): State<Arc<Shared>>, headers: HeaderMap) -> Response {
+    if !shared.admits(&headers) {
+        return StatusCode::FORBIDDEN.into_response();
+    }
+    loads::next_truck(shared.feed.loads.as_ref(), &headers)
 }
 
 async fn events(State(shared): State<Arc<Shared>>, headers: HeaderMap) -> Response {

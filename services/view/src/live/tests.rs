@@ -226,3 +226,53 @@ fn read_to_end(mut stream: TcpStream) -> String {
     }
     String::from_utf8_lossy(&all).into_owned()
 }
+
+#[test]
+fn the_loads_panel_shows_a_load_and_a_button_of_another_site_moves_no_truck() {
+    use messages::{ExcavatorEstimate, excavator_bits};
+    use steps::loads::{LoadCounter, Options};
+
+    use super::SharedLoads;
+
+    let options = Options {
+        target: Some(5000.0),
+        ..Options::default()
+    };
+    let counter = LoadCounter::rated(messages::Machine::Excavator, 1000.0, 0.0, options);
+    let loads = SharedLoads::new(counter);
+    for i in 0..900u32 {
+        let estimate = ExcavatorEstimate {
+            stamp: Stamp {
+                time: f64::from(i) * 0.01,
+                ..Stamp::default()
+            },
+            payload: if (200..600).contains(&i) { 900.0 } else { 10.0 },
+            payload_std: 20.0,
+            estimated: excavator_bits::PAYLOAD,
+            flags: excavator_bits::TRUSTED,
+            ..ExcavatorEstimate::default()
+        };
+        loads.lock().see(&messages::Message::envelope(&estimate));
+    }
+    let server = serve(any_port(), Feed::default().with_loads(loads)).expect("a page");
+    let mut json = request(&server, "/loads.json", "localhost");
+    let text = read_until(&mut json, &["remaining"]);
+    assert!(
+        text.contains("\"target\":5000.0") && text.contains("\"loads\":1"),
+        "{text}"
+    );
+    let mut page = request(&server, "/loads", "localhost");
+    read_until(&mut page, &["Next truck"]);
+    let press = |with: &str| {
+        let mut stream = TcpStream::connect(server.address()).expect("the server listens");
+        stream
+            .set_read_timeout(Some(Duration::from_secs(5)))
+            .expect("a timeout");
+        let head = "POST /next-truck HTTP/1.1\r\nHost: localhost\r\nContent-Length: 0\r\n";
+        write!(stream, "{head}{with}\r\n").expect("sent");
+        stream
+    };
+    read_until(&mut press(""), &["403"]);
+    let text = read_until(&mut press("x-heft: next-truck\r\n"), &["remaining"]);
+    assert!(text.contains("\"truck\":2"), "{text}");
+}

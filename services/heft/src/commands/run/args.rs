@@ -52,6 +52,9 @@ pub struct RunArgs {
         "live_lines", "probe",
     ])]
     pub machines: Option<NonZeroUsize>,
+    /// What a truck shall hold [kg]: loads are counted, told as they come, and shown at `/loads` of the live page
+    #[arg(long, value_name = "KG", value_parser = crate::commands::loads::positive)]
+    pub target: Option<f64>,
     /// The machine's description
     #[command(flatten)]
     pub description: DescriptionArgs,

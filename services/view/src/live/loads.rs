@@ -1,0 +1,66 @@
+//! Loads on the live page: what is in the bucket now, what the truck holds, what is missing; a button for the next truck.
+//!
+//! One panel that needs nothing but `/loads.json`: `/loads` shows it alone, another page can put it into a frame.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use axum::http::{HeaderMap, StatusCode, header};
+use axum::response::{Html, IntoResponse, Response};
+use steps::loads::LoadCounter;
+
+use super::page::POLICY;
+
+/// The counter of a run, shared by who feeds it and who shows it.
+#[derive(Debug, Clone)]
+pub struct SharedLoads(Arc<Mutex<LoadCounter>>);
+
+impl SharedLoads {
+    /// Shares a counter.
+    #[must_use]
+    pub fn new(counter: LoadCounter) -> Self {
+        Self(Arc::new(Mutex::new(counter)))
+    }
+
+    /// The counter.
+    pub fn lock(&self) -> MutexGuard<'_, LoadCounter> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// A request that changes something carries this header: a page of another site cannot send it unasked.
+const ASKED: &str = "x-heft";
+
+/// What is counted so far.
+pub(super) fn state(loads: Option<&SharedLoads>) -> Response {
+    let Some(loads) = loads else {
+        return (StatusCode::NOT_FOUND, "this run counts no loads").into_response();
+    };
+    let text = crate::loads::live_json(&loads.lock()).to_string();
+    let kind = [
+        (header::CONTENT_TYPE, "application/json"),
+        (header::CACHE_CONTROL, "no-store"),
+    ];
+    (kind, text).into_response()
+}
+
+/// Begins another truck.
+pub(super) fn next_truck(loads: Option<&SharedLoads>, headers: &HeaderMap) -> Response {
+    if !headers.contains_key(ASKED) {
+        return (StatusCode::FORBIDDEN, "the header x-heft is missing").into_response();
+    }
+    if let Some(loads) = loads {
+        loads.lock().next_truck();
+    }
+    state(loads)
+}
+
+/// The panel by itself.
+pub(super) fn panel() -> Response {
+    let policy = [
+        (header::CONTENT_SECURITY_POLICY, POLICY),
+        (header::CACHE_CONTROL, "no-store"),
+    ];
+    (policy, Html(PANEL)).into_response()
+}
+
+const PANEL: &str = include_str!("../../assets/loads.html");
