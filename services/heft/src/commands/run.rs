@@ -313,7 +313,9 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
         "{}",
         summary::text(machine, &watch, &recording, report.as_deref(), told)
     );
-    tell_loads(&loads);
+    if !args.live_lines {
+        tell_loads(&loads);
+    }
     verdict(&end, &watch, args.require_trust)
 }
 
