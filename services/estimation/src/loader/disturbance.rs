@@ -12,6 +12,7 @@
 //! last, so they do not average out and count more than noise of their size. They count for 0.25 s longer, because
 //! tyres and body settle.
 
+use super::accelerometer::Shaking;
 use super::inputs::StepInputs;
 use super::wheel_dynamics::{GRAVITY, WheelDynamics};
 use crate::math::tanh;
@@ -30,6 +31,8 @@ const TURN_WEIGHT: f64 = 1.0;
 const GAIN_MEMORY: f64 = 10.0;
 /// A force per mass beyond this is none of a drive [m/s^2].
 const LARGEST: f64 = 5.0;
+/// Slower than this, stiction and the ground act [m/s].
+const LEAST_SPEED: f64 = 0.5;
 /// A gain beyond these is no tolerance of mass and torque.
 const GAIN_RANGE: (f64, f64) = (0.75, 1.33);
 
@@ -62,6 +65,8 @@ pub(super) struct Disturbance {
     fast: f64,
     /// Sums of the gain: force times pull, pull squared, per mass squared.
     sums: [f64; 2],
+    /// What the accelerometer shows beside it.
+    pub shaking: Shaking,
     /// Smoothed specific force that the torques do not explain, forward positive [m/s^2].
     pub unexplained: f64,
 }
@@ -86,6 +91,7 @@ impl Default for Disturbance {
             force: Peak::default(),
             fast: 0.0,
             sums: [0.1 * GAIN_MEMORY; 2],
+            shaking: Shaking::default(),
             unexplained: 0.0,
         }
     }
@@ -146,6 +152,8 @@ impl Disturbance {
             self.sums[1] = forget * self.sums[1] + pull * pull * dt;
         }
         let residual = needed - self.gain() * pull;
+        let free = u.spade_force_x == 0.0 && !step.brake && speed.abs() > LEAST_SPEED;
+        self.shaking.see(residual, free, dt);
         self.fast += (dt / TIME).min(1.0) * (residual - self.fast);
         self.unexplained += (dt / HOLD).min(1.0) * (residual - self.unexplained);
     }

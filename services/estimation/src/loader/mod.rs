@@ -21,6 +21,7 @@
 //! | `legs` | independent manoeuvres must agree |
 //! | `quantum` | wheel speeds in steps |
 //! | `ripple` | slips that waver: rough roads |
+//! | `accelerometer` | its noise where it is mounted |
 //! | `stuck` | a sensor whose value never changes |
 //! | `relearning` | what was learnt wrongly: the start, the radii under another load |
 //! | `coupling` | a centre drive that is locked |
@@ -34,6 +35,7 @@
 //! | [`payload`] | a load that is known |
 //! | [`weigh`] | the static reference |
 
+mod accelerometer;
 pub mod axle_loads;
 pub mod cg_model;
 mod conditions;

@@ -166,11 +166,16 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
 
     pub(super) fn sensor_std(&self) -> [f64; M] {
         let sensors = &self.settings.sensors;
+        let acceleration_std = if self.settings.at_work() {
+            self.disturbance.shaking.std(sensors.acceleration_std)
+        } else {
+            sensors.acceleration_std
+        };
         let all = [
             sensors.speed_std,
             sensors.wheel_speed_std,
             sensors.wheel_speed_std,
-            sensors.acceleration_std,
+            acceleration_std,
         ];
         core::array::from_fn(|j| all[j])
     }
