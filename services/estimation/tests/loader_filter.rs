@@ -85,6 +85,7 @@ fn told(file: &Value, settings: Settings, told_sensitivity: f64) -> Settings {
     Settings {
         machine: Machine {
             radius_load_sensitivity: told_sensitivity,
+            radius_load_sensitivity_std: 0.001,
             ..Machine::default()
         },
         prior: Prior {

@@ -96,7 +96,13 @@ mod tests {
         let pitching = found(|k| 0.12 * f64::sin(core::f64::consts::TAU * 0.025 * f64::from(k)));
         assert!((0.2..0.6).contains(&pitching), "{pitching}");
         // White: +-0.05 by a shift register.
-        let white = found(|k| if k.wrapping_mul(2_654_435_761) >> 31 == 0 { 0.05 } else { -0.05 });
+        let white = found(|k| {
+            if k.wrapping_mul(2_654_435_761) >> 31 == 0 {
+                0.05
+            } else {
+                -0.05
+            }
+        });
         assert_eq!(white, 0.05);
         // A slope that is off does not pitch.
         assert_eq!(found(|_| 0.3), 0.05);

@@ -13,6 +13,7 @@
 //! tyres and body settle.
 
 use super::accelerometer::Shaking;
+use super::inertia::Inertia;
 use super::inputs::StepInputs;
 use super::wheel_dynamics::{GRAVITY, WheelDynamics};
 use crate::math::tanh;
@@ -33,6 +34,8 @@ const GAIN_MEMORY: f64 = 10.0;
 const LARGEST: f64 = 5.0;
 /// Slower than this, stiction and the ground act [m/s].
 const LEAST_SPEED: f64 = 0.5;
+/// A machine that turns more drags its wheels [rad].
+const STRAIGHT: f64 = 0.1;
 /// A gain beyond these is no tolerance of mass and torque.
 const GAIN_RANGE: (f64, f64) = (0.75, 1.33);
 
@@ -65,6 +68,8 @@ pub(super) struct Disturbance {
     fast: f64,
     /// Sums of the gain: force times pull, pull squared, per mass squared.
     sums: [f64; 2],
+    /// Whether the machine is as heavy as it is told.
+    pub inertia: Inertia,
     /// What the accelerometer shows beside it.
     pub shaking: Shaking,
     /// Smoothed specific force that the torques do not explain, forward positive [m/s^2].
@@ -91,6 +96,7 @@ impl Default for Disturbance {
             force: Peak::default(),
             fast: 0.0,
             sums: [0.1 * GAIN_MEMORY; 2],
+            inertia: Inertia::default(),
             shaking: Shaking::default(),
             unexplained: 0.0,
         }
@@ -152,8 +158,11 @@ impl Disturbance {
             self.sums[1] = forget * self.sums[1] + pull * pull * dt;
         }
         let residual = needed - self.gain() * pull;
+        let straight = step.turning(speed, machine.wheelbase).abs() < STRAIGHT;
         let free = u.spade_force_x == 0.0 && !step.brake && speed.abs() > LEAST_SPEED;
         self.shaking.see(residual, free, dt);
+        let tells = free && straight && pull.abs() < LARGEST && measured.abs() < LARGEST;
+        self.inertia.see(measured, pull, speed, tells, dt);
         self.fast += (dt / TIME).min(1.0) * (residual - self.fast);
         self.unexplained += (dt / HOLD).min(1.0) * (residual - self.unexplained);
     }

@@ -22,6 +22,7 @@
 //! | `quantum` | wheel speeds in steps |
 //! | `ripple` | slips that waver: rough roads |
 //! | `accelerometer` | its noise where it is mounted |
+//! | `inertia` | a load that nobody tells: force over acceleration |
 //! | `stuck` | a sensor whose value never changes |
 //! | `relearning` | what was learnt wrongly: the start, the radii under another load |
 //! | `coupling` | a centre drive that is locked |
@@ -46,6 +47,7 @@ mod estimate;
 mod estimator;
 mod filter;
 mod inclinometer;
+mod inertia;
 mod inputs;
 pub mod keys;
 mod layout;

@@ -229,6 +229,9 @@ const WEIGHED: Settings = Settings {
     ..Settings::DEFAULT
 };
 
+/// How well the tables' makers know the load sensitivity of their tyres.
+const LOAD_SENSITIVITY_STD: f64 = 0.001;
+
 fn machine(told: &Told) -> Machine {
     Machine {
         mass: told.mass,
@@ -239,6 +242,7 @@ fn machine(told: &Told) -> Machine {
         rolling_resistance: told.rolling_resistance,
         friction: told.friction,
         radius_load_sensitivity: told.radius_load_sensitivity,
+        radius_load_sensitivity_std: LOAD_SENSITIVITY_STD,
         ..Machine::default()
     }
 }

@@ -20,6 +20,11 @@ const DISAGREE: f64 = 2.0;
 const NOTED_SLIP: f64 = 0.005;
 /// An error of the slope beside its bias that is named as the cause [rad].
 const NOTED_SLOPE: f64 = 0.02;
+/// Where a load sits, in bucket reaches ahead of the front axle.
+const LOAD_ARM: f64 = 0.75;
+/// How long a load that nobody told is felt [s], and what it may leave in the ratio, as a share of it.
+const AFTER_UNTOLD: f64 = 60.0;
+const UNTOLD: f64 = 0.06;
 /// How long a change is shown [s].
 const CHANGE_SHOWN: f64 = 5.0;
 
@@ -66,10 +71,11 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let sensors = &self.settings.sensors;
         let late = (delay - sensors.speed_delay).abs() > LATEST * sensors.speed_delay_std;
         let locked = self.coupling.locked();
+        let heavier = self.disturbance.inertia.excess();
         let contradicted = height > expected[0].1 || ratio > expected[1].1;
         let reason = if locked > 0.5 {
             Reason::Locked
-        } else if self.disturbance.torques_misfit() {
+        } else if self.disturbance.torques_misfit() || heavier > 0.0 {
             Reason::Torque
         } else if late {
             Reason::Latency
@@ -77,7 +83,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             Reason::AtLimit
         } else if stiffness > prior.slip_stiffness_std {
             Reason::Stiffness
-        } else if self.changed < CHANGE_SHOWN {
+        } else if self.changed < CHANGE_SHOWN || heavier < 0.0 {
             Reason::Load
         } else if self.legs.ratio() > DISAGREE || contradicted {
             Reason::Disagreement
@@ -89,6 +95,26 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             Reason::Locked | Reason::Torque | Reason::AtLimit | Reason::Stiffness => 1.0,
             _ if contradicted => 1.0,
             _ => locked,
+        };
+        // A load that nobody tells sits ahead of the front axle; a torque that is one axle's moves the ratio twice as far.
+        let reach = self.settings.machine.bucket_reach / self.dynamics.wheelbase;
+        let off = (1.0 - self.disturbance.inertia.gain()).abs();
+        let ratio = match heavier {
+            0.0 => ratio,
+            x if x < 0.0 => ratio + off * (1.0 + LOAD_ARM * reach - state[CG_RATIO]).abs(),
+            _ => ratio + 2.0 * off * (1.0 - state[CG_RATIO]) * state[CG_RATIO],
+        };
+        // After a load that nobody told, what slips and radii mean is known again only in part.
+        let untold = self.disturbance.inertia.since_step() < AFTER_UNTOLD;
+        let ratio = if untold && !self.is_told_its_load() {
+            ratio + UNTOLD * state[CG_RATIO]
+        } else {
+            ratio
+        };
+        let height = if heavier == 0.0 {
+            height
+        } else {
+            height + off * state[CG_HEIGHT]
         };
         // Slips that a stiffness beyond its prior explains are not understood to that share, nor is the height that they tell.
         let unknown_slip = stiffness / state[SLIP_STIFFNESS];

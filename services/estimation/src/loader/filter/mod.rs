@@ -114,6 +114,8 @@ pub(super) struct CgFilter<const N: usize, const M: usize, B: Belief<N, M>> {
     legs: Legs,
     coupling: Coupling,
     directions: Directions,
+    /// Stiffness and radii are opened with the next change.
+    reopens: bool,
     /// How long ago something changed that the load may explain [s].
     changed: f64,
     pub(in crate::loader) load: Load,
@@ -176,6 +178,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             legs: Legs::default(),
             coupling: Coupling::default(),
             directions: Directions::default(),
+            reopens: false,
             changed: f64::INFINITY,
             load: Load::default(),
             boom_told: false,
@@ -287,6 +290,12 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
         let at = [SPEED, SLIP_STIFFNESS].map(|i| self.belief.state()[i]);
         self.effect = self.disturbance.update(&self.dynamics, &step, at, dt);
+        let told = self.is_told_its_load() || !self.relearning.settled();
+        if at_work && self.disturbance.inertia.stepped() && !told {
+            // A load came or went that nobody told, and was taken for another stiffness and other radii.
+            self.changed = 0.0;
+            self.reopens = true;
+        }
         let fresh = self.settings.estimator.fresh;
         if dt > gap || at_work && self.evidence.torque_lost(fresh) {
             let away = if dt > gap { dt } else { 0.0 };
@@ -427,7 +436,8 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let mut conditions = self
             .monitor
             .conditions(&self.settings, state[SPEED], force, model.dt);
-        if self.weighed.is_some_and(|w| w.open) {
+        let heavier = self.settings.at_work() && self.disturbance.inertia.excess() != 0.0;
+        if self.weighed.is_some_and(|w| w.open) || heavier {
             // Neither the mass nor where it sits is known.
             (conditions.frozen, conditions.weak_wheels) = (true, true);
         }
@@ -505,6 +515,12 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             let prior = &self.settings.prior;
             self.loosened[CG_HEIGHT] = prior.cg_height_std;
             self.loosened[CG_RATIO] = prior.cg_ratio_std;
+            if core::mem::take(&mut self.reopens) {
+                self.loosened[SLIP_STIFFNESS] = prior.slip_stiffness_std;
+                for i in layout.radii.into_iter().flatten() {
+                    self.loosened[i] = prior.radius_std;
+                }
+            }
         }
         let status = Status::Updated;
         RowReport {
