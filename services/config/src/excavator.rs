@@ -10,6 +10,7 @@ tables!(
     Excavator,
     Machine::Excavator,
     contradictions,
+    Excavator::of_its_size,
     [
         machine,
         geometry,

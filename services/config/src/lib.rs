@@ -7,6 +7,7 @@
 //! complete: what a file does not say has the default of the specification, and
 //! [`Tables::to_toml`] prints all of it, so that a recording can carry the settings of its run.
 
+mod class;
 mod description;
 mod error;
 mod excavator;
@@ -17,6 +18,7 @@ mod print;
 mod remembered;
 mod tables;
 
+pub use class::class;
 pub use description::*;
 pub use error::{Error, Errors};
 pub use estimation::excavator::keys::Variant;

@@ -10,8 +10,14 @@ tables!(
     Loader,
     Machine::Loader,
     contradictions,
+    default_size,
     [machine, lift_arm, lift_cylinder, sensors, prior, estimator]
 );
+
+/// Nothing scales with a loader's numbers: each has its own default.
+fn default_size(_: &Loader) -> Loader {
+    Loader::default()
+}
 
 /// A machine as long as a loader weighs at most so much per cube of its wheelbase [kg/m^3]: those of 5 to 50 t have
 /// 350 to 600, so four times that is another unit.

@@ -41,6 +41,11 @@ pub(crate) fn parse<M: Tables>(text: &str, file: &str) -> Result<M, Errors> {
         }
     }
     if errors.is_empty() {
+        machine = machine.of_its_size();
+        for entry in &entries {
+            // Each has been taken once already.
+            let _ = value_of(entry.item).map(|value| assign(&mut machine, &entry.path, &value));
+        }
         errors = machine.contradictions();
         for error in &mut errors {
             error.file = file.into();
@@ -67,6 +72,11 @@ pub(crate) fn set_all<M: Tables>(
     for assignment in assignments {
         set_one(&mut changed, assignment.as_ref())?;
     }
+    if follow(machine, &mut changed) {
+        for assignment in assignments {
+            set_one(&mut changed, assignment.as_ref())?;
+        }
+    }
     if let Some(mut error) = changed.contradictions().into_iter().next() {
         let options = assignments.iter().map(|a| format!("--set {}", a.as_ref()));
         error.file = options.collect::<Vec<_>>().join(" ");
@@ -74,6 +84,27 @@ pub(crate) fn set_all<M: Tables>(
     }
     *machine = changed;
     Ok(())
+}
+
+/// Keys that nobody has told, and so have the value of the machine's size `before`, get that of the size `changed`; true where
+/// there are any.
+fn follow<M: Tables>(before: &M, changed: &mut M) -> bool {
+    let (old, new) = (before.of_its_size(), changed.of_its_size());
+    let mut any = false;
+    let tables = before.tables().into_iter().zip(old.tables());
+    let sizes = new.tables();
+    for (((said, old), new), table) in tables.zip(&sizes).zip(changed.tables_mut()) {
+        for index in 0..table.keys().len() {
+            let (Some(guess), Some(value)) = (old.get(index), new.get(index)) else {
+                continue;
+            };
+            if guess != value && said.get(index) == Some(guess) {
+                table.set(index, &value);
+                any = true;
+            }
+        }
+    }
+    any
 }
 
 fn set_one<M: Tables>(machine: &mut M, assignment: &str) -> Result<(), Error> {

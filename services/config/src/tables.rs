@@ -13,6 +13,11 @@ pub trait Tables: Default + Clone {
     fn tables(&self) -> Vec<&dyn Table>;
     /// All tables, to write.
     fn tables_mut(&mut self) -> Vec<&mut dyn Table>;
+    /// The defaults of a machine of the size that this description tells.
+    #[must_use]
+    fn of_its_size(&self) -> Self {
+        Self::default()
+    }
     /// What contradicts itself between keys that are each in range (`file` and `line` left empty).
     fn contradictions(&self) -> Vec<Error>;
 
@@ -50,7 +55,7 @@ pub trait Tables: Default + Clone {
 
 /// Gives a machine its tables.
 macro_rules! tables {
-    ($name:ident, $machine:expr, $rules:path, [$($table:ident),+]) => {
+    ($name:ident, $machine:expr, $rules:path, $size:path, [$($table:ident),+]) => {
         impl $crate::Tables for $name {
             const MACHINE: Machine = $machine;
             fn tables(&self) -> Vec<&dyn $crate::Table> {
@@ -58,6 +63,9 @@ macro_rules! tables {
             }
             fn tables_mut(&mut self) -> Vec<&mut dyn $crate::Table> {
                 vec![$( &mut self.$table ),+]
+            }
+            fn of_its_size(&self) -> Self {
+                $size(self)
             }
             fn contradictions(&self) -> Vec<$crate::Error> {
                 $rules(self)

@@ -268,3 +268,33 @@ fn the_shipped_descriptions_are_valid() {
     }
     assert!(found >= 3);
 }
+
+#[test]
+fn an_operating_mass_scales_what_is_not_told_and_nothing_that_is() {
+    let said = "[machine]\nkind = \"excavator\"\noperating_mass = 21500\nrated_payload = 1900\n[machine.geometry]\nboom_length = 5.7\n";
+    let of_file = Excavator::parse(said, "m.toml").expect("valid");
+    assert_eq!(of_file.geometry.boom_length, 5.7);
+    assert!((of_file.geometry.boom_centre / 5.7 - 0.48).abs() < 1e-9);
+    assert!((25e3..40e3).contains(&of_file.machine.upper_inertia));
+    assert_eq!(of_file.estimator.payload_max, 1.6 * 1900.0);
+    let again = Excavator::parse(&of_file.to_toml(), "again.toml").expect("valid");
+    assert_eq!(again, of_file);
+
+    let mut by_set = Excavator::default();
+    by_set
+        .set_all(&["machine.rated_payload=1900", "machine.geometry.boom_length=5.7"])
+        .expect("valid");
+    by_set.set("machine.operating_mass=21500").expect("valid");
+    assert_eq!(by_set, of_file);
+}
+
+#[test]
+fn a_class_is_a_valid_machine_of_any_size() {
+    for machine in Machine::ALL {
+        for mass in [1500.0, 5000.0, 21e3, 90e3] {
+            let mut description = Description::default_of(machine);
+            let keys = config::class(machine, mass);
+            description.set_all(&keys).expect("valid");
+        }
+    }
+}

@@ -15,6 +15,10 @@
 //! ```text
 //! e = t_k - x_(k-1) - T,  x_k = x_(k-1) + T + a e,  T <- T + b e,  b = a^2/(2 - a)
 //! ```
+//! Rows that come in bursts waver most, and their stamps are off by the whole time between two bursts: there the share of a stamp is
+//! smaller, but for the first ones, and the period is the mean difference of stamps. Rows that come steadily again are believed after
+//! twenty.
+//!
 //! Elsewhere the stamps are the times, bit by bit: rows that are lost, or come at another rate, do not waver.
 
 use crate::math::round;
@@ -24,6 +28,16 @@ const WAVERS: f64 = 0.15;
 /// Share of a stamp in the time, and in the period.
 const TIME: f64 = 0.1;
 const PERIOD: f64 = TIME * TIME / (2.0 - TIME);
+/// Rows come in bursts from this wavering on (of the square); the share of a stamp in the time there, and by how many periods the
+/// stamps may be late.
+const BURSTS: f64 = 0.25;
+const TIME_IN_BURSTS: f64 = 0.03;
+const LOST_IN_BURSTS: f64 = 40.0;
+/// Rows are apart by this share of their period at least.
+const LEAST: f64 = 0.1;
+/// Rows in a row that are equally far apart, within this share, are steady.
+const STEADY: u32 = 20;
+const EQUAL: f64 = 0.1;
 /// Share of one difference in the wavering.
 const MEMORY: f64 = 0.02;
 /// A stamp this many periods away is not late: rows are missing, or their rate has changed.
@@ -39,6 +53,12 @@ pub(crate) struct Cadence {
     wavering: f64,
     /// Differences seen, as far as they count.
     seen: f64,
+    /// Rows since bursts have been seen.
+    predicted: f64,
+    /// The difference before, how many have been like it, and their sum [s].
+    difference: f64,
+    steady: u32,
+    sum: f64,
 }
 
 impl Cadence {
@@ -60,9 +80,12 @@ impl Cadence {
     pub fn next(&mut self, stamp: f64) -> f64 {
         let difference = stamp - core::mem::replace(&mut self.stamp, stamp);
         self.seen = (self.seen + 1.0).min(1.0 / PERIOD);
+        self.notice(difference);
         let expected = self.time + self.period;
         let late = stamp - expected;
-        if !self.wavers() || late.abs() > LOST * self.period {
+        let bursts = self.wavering > BURSTS;
+        let lost = if bursts { LOST_IN_BURSTS } else { LOST };
+        if !self.wavers() || late.abs() > lost * self.period {
             // After stamps that wavered the time may be ahead of them.
             let later = stamp > self.time;
             self.time = if later {
@@ -70,6 +93,13 @@ impl Cadence {
             } else {
                 self.time + TIME * self.period
             };
+            self.period += (difference - self.period) / self.seen;
+            self.predicted = 0.0;
+        } else if bursts {
+            self.predicted += 1.0;
+            let share = TIME_IN_BURSTS.max(1.0 / self.predicted);
+            let least = self.time + LEAST * self.period;
+            self.time = (expected + share * late).max(least);
             self.period += (difference - self.period) / self.seen;
         } else {
             self.time = expected + TIME * late;
@@ -79,6 +109,29 @@ impl Cadence {
         let rest = rows - round(rows).max(1.0);
         self.wavering += MEMORY * (0.5 * rest * rest - self.wavering);
         self.time
+    }
+
+    /// Rows that have come steadily for a while are steady, at whatever rate.
+    fn notice(&mut self, difference: f64) {
+        let before = core::mem::replace(&mut self.difference, difference);
+        if (difference - before).abs() > EQUAL * before {
+            (self.steady, self.sum) = (0, 0.0);
+        }
+        self.steady += 1;
+        self.sum += difference;
+        if self.steady >= STEADY {
+            if self.wavers() {
+                self.wavering = 0.0;
+                self.period = self.sum / f64::from(self.steady);
+                self.seen = f64::from(self.steady);
+            }
+            (self.steady, self.sum) = (0, 0.0);
+        }
+    }
+
+    /// Period of the rows, as far as it is known [s].
+    pub fn period(&self) -> f64 {
+        self.period
     }
 
     fn wavers(&self) -> bool {
@@ -151,6 +204,27 @@ mod tests {
         let periods = times.windows(2).skip(1000).map(|pair| pair[1] - pair[0]);
         let (least, most) = periods.fold((1.0, 0.0), |(l, m), p| (f64::min(l, p), f64::max(m, p)));
         assert!(least > 0.005 && most < 0.015, "{least} {most}");
+    }
+
+    #[test]
+    fn bursts_of_a_tenth_of_a_second_are_spread_too_and_a_steady_rate_is_learnt_in_twenty_rows() {
+        for rows in [3, 6, 9, 12] {
+            let at =
+                |k: i32| f64::from(k / rows) * 0.01 * f64::from(rows) + f64::from(k % rows) * 1e-4;
+            let mut stamps: Vec<f64> = (0..4000).map(at).collect();
+            let last = stamps[stamps.len() - 1];
+            stamps.extend((1..200).map(|k| last + 0.1 + 0.02 * f64::from(k)));
+            let times = times(&stamps);
+            let periods = times[..4000]
+                .windows(2)
+                .skip(1000)
+                .map(|pair| pair[1] - pair[0]);
+            let (least, most) =
+                periods.fold((1.0, 0.0), |(l, m), p| (f64::min(l, p), f64::max(m, p)));
+            assert!(least > 0.005 && most < 0.015, "{rows}: {least} {most}");
+            assert!(times.windows(2).all(|pair| pair[1] > pair[0]), "{rows}");
+            assert_eq!(times[4030..], stamps[4030..], "{rows}");
+        }
     }
 
     #[test]

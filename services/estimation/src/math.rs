@@ -31,6 +31,12 @@ pub fn sqrt(x: f64) -> f64 {
     ComplexField::sqrt(x)
 }
 
+/// Cube root of a positive number.
+#[inline]
+pub fn cbrt(x: f64) -> f64 {
+    exp(ln(x) / 3.0)
+}
+
 /// Euclidean norm; the standard deviation of a sum of independent parts.
 #[inline]
 pub fn norm(parts: &[f64]) -> f64 {

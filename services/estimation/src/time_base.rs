@@ -2,7 +2,8 @@
 //!
 //! Rows must increase in time. Two lies would cost all rows that follow, and are found out:
 //! - one stamp far ahead: when the next row continues where the rows before it ended, the stamp was wrong, not the row;
-//! - a clock that was set back: when refused rows have increased among themselves for a while, theirs is the time.
+//! - a clock that was set back: when refused rows have increased among themselves for a while, theirs is the time. Set back by a
+//!   little, as clocks are that follow another, the rows go on; by more, they may be of another day, and all begins anew.
 //!
 //! Stamps that jitter about a steady period are not times either ([`crate::cadence`]).
 
@@ -10,6 +11,9 @@ use crate::cadence::Cadence;
 
 /// For so long refused rows must increase among themselves until they are believed [s].
 const CONVINCING: f64 = 1.0;
+/// The same where the clock was set back by so little that the rows go on [s].
+const LITTLE: f64 = 10.0;
+const CONVINCING_A_LITTLE: f64 = 0.2;
 
 /// What a row's time means.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,6 +38,8 @@ pub(crate) struct TimeBase {
     before_jump: Option<f64>,
     /// The last refused row, and for how long refused rows have increased among themselves.
     refused: Option<(f64, f64)>,
+    /// By how much the clock has been set back in all while the rows went on [s].
+    back: f64,
 }
 
 impl TimeBase {
@@ -44,7 +50,7 @@ impl TimeBase {
 
     /// When the last accepted row was measured [s].
     pub fn time(&self) -> f64 {
-        self.cadence.time()
+        self.cadence.time() + self.back
     }
 
     /// Takes the time of a row; a step longer than `gap` is a jump.
@@ -62,6 +68,7 @@ impl TimeBase {
             if time - last > gap {
                 *self = Self {
                     before_jump: Some(last),
+                    back: self.back,
                     ..Self::beginning(time)
                 };
                 return Tick::Later(time - last);
@@ -72,19 +79,41 @@ impl TimeBase {
             return Tick::Later(self.cadence.next(time) - before);
         }
         if let Some(before) = self.before_jump.filter(|t| time < last && continues(*t)) {
+            let back = self.back;
             *self = Self::beginning(time);
+            self.back = back;
             return Tick::Later(time - before);
         }
         let agreed = match self.refused {
             Some((from, agreed)) if continues(from) => agreed + (time - from),
             _ => 0.0,
         };
-        if agreed < CONVINCING {
+        let little = last - time < LITTLE;
+        let enough = if little {
+            CONVINCING_A_LITTLE
+        } else {
+            CONVINCING
+        };
+        if agreed < enough {
             self.refused = Some((time, agreed));
             return Tick::Refused;
         }
+        if little {
+            return self.go_on(time, agreed);
+        }
         *self = Self::beginning(time);
         Tick::SetBack
+    }
+
+    /// The clock was set back, and rows have been refused for so long since then [s].
+    fn go_on(&mut self, time: f64, refused: f64) -> Tick {
+        let period = refused + self.cadence.period();
+        let measured = self.time() + period;
+        *self = Self {
+            back: measured - time,
+            ..Self::beginning(time)
+        };
+        Tick::Later(period)
     }
 
     fn beginning(time: f64) -> Self {
@@ -130,8 +159,34 @@ mod tests {
     }
 
     #[test]
+    fn rows_go_on_when_the_clock_is_set_back_by_a_little() {
+        for back in [0.3, 1.0, 3.0, 9.0] {
+            let mut base = ticking(1000);
+            let mut before = base.time();
+            let mut refused = 0;
+            for k in 0..200 {
+                let tick = base.tick(10.0 - back + f64::from(k) * 0.01, GAP);
+                if tick == Tick::Refused {
+                    refused += 1;
+                    continue;
+                }
+                let Tick::Later(period) = tick else {
+                    panic!("{tick:?}")
+                };
+                assert!((base.time() - before - period).abs() < 1e-9);
+                before = base.time();
+                assert!(
+                    (before - 9.99 - 0.01 * f64::from(k + 1)).abs() < 1e-6,
+                    "{back} {k} {before}"
+                );
+            }
+            assert!((20..=22).contains(&refused), "{refused}");
+        }
+    }
+
+    #[test]
     fn a_clock_set_back_is_believed_after_a_second() {
-        let mut base = ticking(1000);
+        let mut base = ticking(2000);
         let ticks: [Tick; 150] = core::array::from_fn(|k| base.tick(2.0 + k as f64 * 0.01, GAP));
         let at = ticks.iter().position(|t| *t == Tick::SetBack);
         // 100 steps of 0.01 s, one more where they round down.

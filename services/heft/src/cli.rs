@@ -42,9 +42,26 @@ pub struct DescriptionArgs {
     /// Description of the machine (TOML)
     #[arg(long, value_name = "FILE")]
     pub config: Option<PathBuf>,
+    /// Size of the machine, such as 21t: what nothing else tells is that of machines of this mass
+    #[arg(long, value_name = "MASS", value_parser = tonnes)]
+    pub class: Option<f64>,
     /// Set one key of the description, such as sensors.swing_velocity_std=0.008
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<String>,
+}
+
+/// A mass such as 21t, 21.5 t or 21500kg [kg].
+fn tonnes(text: &str) -> Result<f64, String> {
+    let text = text.trim().to_lowercase();
+    let (number, factor) = match (text.strip_suffix("kg"), text.strip_suffix('t')) {
+        (Some(number), _) => (number, 1.0),
+        (None, Some(number)) => (number, 1000.0),
+        (None, None) => return Err("write it like 21t or 21500kg".into()),
+    };
+    let mass = number.trim().parse::<f64>().map(|number| number * factor);
+    mass.ok()
+        .filter(|mass| (200.0..=1e6).contains(mass))
+        .ok_or_else(|| "a mass from 200kg to 1000t".into())
 }
 
 /// What estimates are made with.

@@ -145,15 +145,23 @@ pub trait Entry: Sync {
 }
 
 /// Looks at the samples of `heft estimate`, and says at the end what is strange about them.
-pub trait Look<S>: Default {
+pub trait Look<S> {
+    /// For a description.
+    fn of(description: &Description) -> Self;
     /// Takes a sample.
     fn add(&mut self, _sample: &S) {}
     /// Says so.
     fn tell(&self) {}
+    /// Why data and description cannot be of one machine, and what to do.
+    fn fault(&self) -> Option<String> {
+        None
+    }
 }
 
 /// Nothing is looked for.
-impl<S> Look<S> for () {}
+impl<S> Look<S> for () {
+    fn of(_: &Description) {}
+}
 
 /// Says of the estimate of a row what later rows know.
 type Later<E> = Box<dyn Fn(usize, &mut E)>;
@@ -307,7 +315,7 @@ impl<M: Typed> Entry for M {
             M::check(description, method, &first)?;
         }
         samples.check()?;
-        let look = M::Look::default();
+        let look = M::Look::of(description);
         if !args.smooth {
             let put = |_, _: &mut M::Estimate| {};
             return estimate::run(args, output, description, samples, look, put);

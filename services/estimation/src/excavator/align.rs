@@ -8,7 +8,7 @@
 use super::grid::{PERIOD, Tick};
 
 /// Longest wait [ticks]; what is beyond is left to the models.
-const LONGEST: usize = 15;
+const LONGEST: usize = 24;
 
 /// Told delays of velocity and torque, in whole ticks.
 fn ticks(delays: [f64; 2]) -> [usize; 2] {
@@ -131,6 +131,6 @@ mod tests {
         assert_eq!(Align::new([0.0, 0.004]).pass(&tick), Some(tick));
         assert_eq!(rest([0.0, 0.004]), -0.004);
         // Beyond the ring the rest stays.
-        assert!((rest([0.5, 0.0]) - 0.35).abs() < 1e-12);
+        assert!((rest([0.5, 0.0]) - 0.26).abs() < 1e-12);
     }
 }

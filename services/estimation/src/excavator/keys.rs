@@ -21,6 +21,12 @@ choice! {
 table! {
     /// The machine.
     pub struct Machine, "machine" {
+        /// Operating mass; with it all that is not told has the value that machines of this mass have, with their spread.
+        operating_mass: Option<f64> = None, "kg", 200.0 to 1e6;
+        /// Rated payload of the bucket; "none" takes that of machines of the operating mass.
+        rated_payload: Option<f64> = None, "kg", 1.0 to 1e5;
+        /// Largest torque of the swing; "none" takes that of machines of the operating mass.
+        swing_torque: Option<f64> = None, "N m", 1.0 to 1e7;
         /// Viscous damping of the swing, as known beforehand (b-bar).
         nominal_damping: f64 = 1500.0, "N m s/rad", 0.0 to 1e7;
         /// Coulomb friction torque of the swing.

@@ -12,7 +12,9 @@
 //! | file | idea |
 //! |---|---|
 //! | `estimate`, `settings`, [`keys`] | what goes in and comes out; the keys of a description |
-//! | `input` | rows on a grid, missing and late values, an encoder, a sensor that is frozen or jumps, standstill |
+//! | `size` | a description from the operating mass and a few more numbers |
+//! | `plausible` | whether data and description are of one machine |
+//! | `input` | rows on a grid, missing, late, held, noisy and coarse values, an encoder, a sensor that is frozen or jumps, standstill |
 //! | `align`, `consider` | told delays taken out; what is taken as known and is not |
 //! | `regression` | the paper's way: motion in, inertia out, by recursive least squares |
 //! | `swing`, `mode` | the state-space way: one step for all; the modes by the columns that exist |
@@ -31,14 +33,19 @@ pub mod keys;
 mod measurements;
 mod mode;
 mod payload;
+mod plausible;
 mod reason;
 mod regression;
 mod settings;
+mod size;
 mod swing;
 mod verdict;
 mod working;
 
-use input::{calibration, delay, encoder, frozen, grid, jump, motion, screen, standstill};
+use input::{
+    angle, calibration, delay, encoder, frozen, grid, hold, jump, lag, motion, quantum, screen,
+    standstill,
+};
 use mode::{drive, onset, posture, posture_torque, state, torque, unknown_torque, velocity};
 use payload::{change, changing_payload, drop_mixture, opening};
 use regression::{joint, single, svf};
@@ -50,6 +57,7 @@ pub use doubts::Doubts;
 pub use estimate::{Columns, Estimate, Flags, Method, Sample};
 pub use geometry::{Geometry, Inertia};
 pub use motion::{Motion, MotionFilter};
+pub use plausible::{Mismatch, Plausible};
 pub use reason::Reason;
 pub use regression::Regression;
 pub use settings::{Estimator, Paper, Prior, Sensors, Settings, Variant};

@@ -29,6 +29,8 @@ pub struct Sensors {
     /// Standard deviation of the torque's gain about 1. No estimator can notice it; it widens the
     /// interval.
     pub swing_torque_gain_std: f64,
+    /// Noise of a joint angle [rad].
+    pub angle_std: f64,
     /// A velocity of this size or more is missing [rad/s].
     pub swing_velocity_limit: f64,
     /// A joint angle of this size or more is missing [rad].

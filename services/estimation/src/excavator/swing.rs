@@ -7,7 +7,8 @@
 use super::align::Align;
 use super::calibration::{Calibrated, Calibration, Progress};
 use super::estimate::{Columns, Estimate, Flags, Method, Sample};
-use super::grid::{Grid, Tick};
+use super::grid::{Grid, PERIOD, Tick};
+use super::lag::Lag;
 use super::mode::{Core, Reading, needs};
 use super::reason::Reason;
 use super::screen::Screen;
@@ -42,6 +43,11 @@ pub struct SwingEstimator {
     screen: Screen,
     grid: Grid,
     align: Align,
+    /// Where torque and posture are measured of a machine that is not calibrated: how late they come, found from the data.
+    lag: Option<Lag>,
+    /// How late velocity and torque come, as told or as found [s]; rows for which a torque stays.
+    delays: [f64; 2],
+    held: usize,
     calibration: Option<Calibration>,
     bias: f64,
     core: Core,
@@ -83,6 +89,9 @@ impl SwingEstimator {
             screen: Screen::new(&settings.sensors),
             grid: Grid::new(settings, !columns.velocity),
             align: Align::new(settings.sensors.delays),
+            lag: (settings.doubts.is_some() && method == Method::PostureTorque).then(Lag::new),
+            delays: settings.sensors.delays,
+            held: 1,
             calibration: e.calibrate_at_rest.then(|| Calibration::new(settings)),
             bias: 0.0,
             core: Core::new(settings, method, false),
@@ -160,6 +169,8 @@ impl SwingEstimator {
             self.align.clear();
             self.restart(false);
         }
+        self.grid.steps(self.screen.velocity_steps());
+        reset |= self.hold(row.period);
         if let Some(fill) = self.grid.push(&sample, row.period) {
             if fill.restart {
                 self.align.clear();
@@ -195,7 +206,7 @@ impl SwingEstimator {
     /// One tick of the grid; true where the filter was set back to its prior.
     fn tick(&mut self, tick: &Tick, trail: &mut Option<Trail>) -> bool {
         self.elapsed += tick.period;
-        let mut reset = self.check_presence();
+        let mut reset = self.check_presence() | self.find_lag(tick);
         let Some(tick) = &self.align.pass(tick) else {
             self.wait(tick);
             return reset;
@@ -221,6 +232,52 @@ impl SwingEstimator {
             reset = true;
         }
         reset
+    }
+
+    /// The torque is seen to be held, or not any more: joined by lines it is late by the hold, half of which was in what was
+    /// told, if anything was.
+    fn hold(&mut self, period: f64) -> bool {
+        let rows = self.screen.torque_held();
+        if self.lag.is_none() || rows == self.held {
+            return false;
+        }
+        self.held = rows;
+        let told = self.settings.sensors.delays;
+        let late = (rows - 1) as f64 * period;
+        let unsaid = if told[1] > 0.0 { 0.5 * late } else { late };
+        self.lag = Some(Lag::new());
+        self.is_late([told[0], told[1] + unsaid])
+    }
+
+    /// Whether torque and velocity come together as told; true where they do not and all begins anew.
+    fn find_lag(&mut self, tick: &Tick) -> bool {
+        if !self.grid.has_posture() {
+            return false;
+        }
+        let Some(lag) = &mut self.lag else {
+            return false;
+        };
+        let [velocity, torque] = self.delays;
+        let inertia = self.settings.geometry.inertia(tick.posture).empty;
+        let present = crate::math::round((torque - velocity) / PERIOD) as i32;
+        let Some(found) = lag.push(tick, inertia, present) else {
+            return false;
+        };
+        let late = f64::from(found) * PERIOD;
+        self.is_late([(-late).max(0.0), late.max(0.0)])
+    }
+
+    /// Velocity and torque come so late; true where all begins anew for that.
+    fn is_late(&mut self, delays: [f64; 2]) -> bool {
+        let ticks = |delays: [f64; 2]| delays.map(|delay| crate::math::round(delay / PERIOD));
+        let same = ticks(delays) == ticks(self.delays);
+        self.delays = delays;
+        if !same {
+            self.align = Align::new(delays);
+            let stood = self.core.has_stood();
+            self.restart(stood);
+        }
+        !same
     }
 
     /// Measured over described variance of the velocity.

@@ -54,7 +54,9 @@ pub fn description(machine: Machine, args: &DescriptionArgs) -> Result<Descripti
             "give the description of this machine, or name the other one",
         ));
     }
-    description.set_all(&args.set)?;
+    let class = args.class.map(|mass| config::class(machine, mass));
+    let sets: Vec<&String> = class.iter().flatten().chain(&args.set).collect();
+    description.set_all(&sets)?;
     Ok(description)
 }
 

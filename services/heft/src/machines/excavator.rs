@@ -3,6 +3,7 @@
 mod boom;
 mod calibrate;
 mod figures;
+mod fits;
 
 use config::Description;
 use messages::{ExcavatorEstimate, ExcavatorSensors, ExcavatorTruth, excavator_bits as bits};
@@ -23,7 +24,7 @@ pub(super) struct Excavator;
 impl Typed for Excavator {
     type Sensors = ExcavatorSensors;
     type Estimate = ExcavatorEstimate;
-    type Look = boom::Boom;
+    type Look = fits::Fits;
     const ABOUT: &'static str = "Swing inertia, damping, torque, payload";
     const USUAL: &'static str = "base";
     const SHOWN: &'static str = "cycle";

@@ -145,6 +145,8 @@ struct Block {
 pub(in crate::excavator) struct Grid {
     angle: bool,
     velocity_variance: f64,
+    /// What steps of the sensor add to it.
+    steps: f64,
     angle_variance: f64,
     block: Block,
     since: f64,
@@ -165,6 +167,7 @@ impl Grid {
         Self {
             angle,
             velocity_variance: s.swing_velocity_std * s.swing_velocity_std,
+            steps: 0.0,
             angle_variance: s.swing_angle_std * s.swing_angle_std,
             block: Block::default(),
             since: 0.0,
@@ -202,6 +205,11 @@ impl Grid {
         let single = block.rows == 1 && self.since > SINGLE;
         let complete = single || self.since > BLOCK || self.last.is_none();
         complete.then(|| self.finish(sample.time))
+    }
+
+    /// The velocity's sensor has steps that add so much to the variance of its noise [(rad/s)^2].
+    pub(in crate::excavator) fn steps(&mut self, variance: f64) {
+        self.steps = variance;
     }
 
     /// Last valid torque (mean of its block).
@@ -284,7 +292,7 @@ impl Grid {
     fn velocity(&mut self, block: &Block, time: f64, share: f64) -> (Option<f64>, f64) {
         let mean = block.motion.value();
         if !self.angle {
-            return (mean, self.velocity_variance * share);
+            return (mean, (self.velocity_variance + self.steps) * share);
         }
         let before = self.last_angle;
         if let Some(angle) = mean {

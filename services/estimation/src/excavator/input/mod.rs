@@ -1,11 +1,15 @@
-//! What comes in: rows on a grid, missing and late values, an encoder, a sensor that is frozen or jumps, rest.
+//! What comes in: rows on a grid, missing, late, held, noisy and coarse values, an encoder, a sensor that is frozen or jumps, rest.
 
+pub(in crate::excavator) mod angle;
 pub(in crate::excavator) mod calibration;
 pub(in crate::excavator) mod delay;
 pub(in crate::excavator) mod encoder;
 pub(in crate::excavator) mod frozen;
 pub(in crate::excavator) mod grid;
+pub(in crate::excavator) mod hold;
 pub(in crate::excavator) mod jump;
+pub(in crate::excavator) mod lag;
 pub(in crate::excavator) mod motion;
+pub(in crate::excavator) mod quantum;
 pub(in crate::excavator) mod screen;
 pub(in crate::excavator) mod standstill;

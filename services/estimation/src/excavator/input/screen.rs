@@ -1,10 +1,13 @@
 //! First look at a row: is its time usable, when was it measured, and which of its values count? The torque's calibrated gain and
 //! offset are taken out here, so that all behind it see the true torque.
 
+use crate::excavator::angle::Angle;
 use crate::excavator::estimate::Sample;
 use crate::excavator::frozen::Repetition;
 use crate::excavator::grid::LONG_GAP;
+use crate::excavator::hold::{Hold, Joined};
 use crate::excavator::jump::Jump;
+use crate::excavator::quantum::Quantum;
 use crate::excavator::settings::Sensors;
 use crate::time_base::{Tick, TimeBase};
 
@@ -40,6 +43,10 @@ pub(in crate::excavator) struct Screen {
     /// Head and rod pressure of the boom.
     pressures: [Repetition; 2],
     jumps: [Jump; 3],
+    angles: [Angle; 3],
+    velocity: Hold,
+    quantum: Quantum,
+    torque: Joined,
 }
 
 impl Screen {
@@ -55,13 +62,17 @@ impl Screen {
             repetitions: [Repetition::default(); 5],
             pressures: [Repetition::default(); 2],
             jumps: [Jump::default(); 3],
+            angles: [Angle::new(sensors.angle_std); 3],
+            velocity: Hold::default(),
+            quantum: Quantum::default(),
+            torque: Joined::default(),
         }
     }
 
     /// The cleaned row; `None` if it is refused.
     pub(in crate::excavator) fn accept(&mut self, sample: &Sample) -> Option<Accepted> {
-        let last = self.clock.last();
-        let period = match self.clock.tick(sample.time, LONG_GAP) {
+        let tick = self.clock.tick(sample.time, LONG_GAP);
+        let period = match tick {
             Tick::First | Tick::SetBack => self.first_period,
             Tick::Later(period) => period,
             Tick::Refused => {
@@ -76,7 +87,7 @@ impl Screen {
         Some(Accepted {
             sample: self.clean(&measured, period),
             period,
-            set_back: last.is_some_and(|last| sample.time < last),
+            set_back: tick == Tick::SetBack,
         })
     }
 
@@ -96,29 +107,43 @@ impl Screen {
         self.jumps.iter().any(Jump::has_jumped)
     }
 
+    /// Variance that the steps of the velocity's sensor add to its noise [(rad/s)^2].
+    pub(in crate::excavator) fn velocity_steps(&self) -> f64 {
+        self.quantum.variance()
+    }
+
+    /// For so many rows a torque stays.
+    pub(in crate::excavator) fn torque_held(&self) -> usize {
+        self.torque.rows()
+    }
+
     fn clean(&mut self, sample: &Sample, period: f64) -> Sample {
         // A sensor at the end of its range says only "at least this much": missing.
         let within = |value: Option<f64>, limit: f64| value.filter(|v| v.abs() < limit);
         let [velocity, torque, joints @ ..] = &mut self.repetitions;
         let mut posture = sample.posture;
-        for ((joint, repetition), jump) in posture.iter_mut().zip(joints).zip(&mut self.jumps) {
-            *joint = within(repetition.pass(*joint), self.angle_limit);
-            *joint = jump.pass(*joint, period);
+        let checks = joints.iter_mut().zip(&mut self.jumps).zip(&mut self.angles);
+        for (value, ((repetition, jump), angle)) in posture.iter_mut().zip(checks) {
+            *value = within(repetition.pass(*value), self.angle_limit);
+            *value = angle.pass(jump.pass(*value, period), period);
         }
         let [head, rod] = &mut self.pressures;
         let sample = Sample {
             boom_head_pressure: head.pass(sample.boom_head_pressure),
             boom_rod_pressure: rod.pass(sample.boom_rod_pressure),
-            velocity: velocity.pass(sample.velocity),
-            torque: torque.pass(sample.torque),
             ..*sample
         };
+        let velocity = within(velocity.pass(sample.velocity), self.velocity_limit);
+        let new = self.velocity.push(velocity);
+        self.quantum.push(velocity);
+        let torque = within(torque.pass(sample.torque), 1e12)
+            .map(|t| (t - self.torque_offset) / self.torque_gain);
         Sample {
             time: sample.time,
-            velocity: within(sample.velocity, self.velocity_limit),
+            // A velocity that is held says nothing new.
+            velocity: velocity.filter(|_| new || self.velocity.rows() == 1),
             angle: within(sample.angle, f64::MAX),
-            torque: within(sample.torque, 1e12)
-                .map(|t| (t - self.torque_offset) / self.torque_gain),
+            torque: self.torque.pass(torque),
             posture,
             inclination: sample.inclination.map(|q| within(q, INCLINATION_LIMIT)),
             boom_head_pressure: within(sample.boom_head_pressure, PRESSURE_LIMIT),

@@ -122,6 +122,7 @@ fn sensors(d: &Description) -> Sensors {
         swing_angle_std: s.swing_angle_std,
         swing_torque_std: s.swing_torque_std,
         swing_torque_gain_std: gain_std(d),
+        angle_std: s.angle_std,
         swing_velocity_limit: s.swing_velocity_limit,
         angle_limit: s.angle_limit,
         swing_torque_gain: s.swing_torque_gain,

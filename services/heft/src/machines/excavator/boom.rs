@@ -2,11 +2,9 @@
 
 use messages::{ExcavatorSensors, excavator_bits as bits};
 
-use crate::machines::Look;
-
 /// Does the boom point into the ground in nearly every sample in which an excavator swings? No machine can.
 #[derive(Default)]
-pub(in crate::machines) struct Boom {
+pub(super) struct Boom {
     down: usize,
     all: usize,
 }
@@ -20,8 +18,8 @@ impl Boom {
     const FEWEST: usize = 50;
 }
 
-impl Look<ExcavatorSensors> for Boom {
-    fn add(&mut self, s: &ExcavatorSensors) {
+impl Boom {
+    pub(super) fn add(&mut self, s: &ExcavatorSensors) {
         let measured = bits::BOOM_ANGLE | bits::SWING_VELOCITY;
         if s.valid & measured == measured && s.swing_velocity.abs() > Self::SWINGS {
             self.all += 1;
@@ -29,7 +27,7 @@ impl Look<ExcavatorSensors> for Boom {
         }
     }
 
-    fn tell(&self) {
+    pub(super) fn tell(&self) {
         if self.all >= Self::FEWEST && 10 * self.down > 9 * self.all {
             println!(
                 "boom_angle seems to have the other sign: the boom points into the ground while the machine swings\n  what to do: \

@@ -1,0 +1,207 @@
+//! By how much the torque comes later than the velocity, found from both.
+//!
+//! Whatever the machine weighs, the torque is a sum of what accelerates it, of what damps it, of friction and of the slope. At the lag l at
+//! which both belong together, the least squares of
+//! ```text
+//! T(t + l) = c1 J_e(q(t)) w'(t) + c2 w(t) + c3 sgn w(t) + c4 sin psi(t) + c5 cos psi(t)
+//! ```
+//! leave least. The estimators bear a few hundredths of a second and find them better themselves; this finds what is beyond.
+
+use crate::excavator::grid::{PERIOD, Tick};
+use crate::math::{ln, sin_cos};
+use nalgebra::{SMatrix, SVector};
+
+/// Ticks on either side over which the velocity is differenced, and the torque is averaged.
+const HALF: usize = 3;
+/// Ticks by which the torque may come earlier and later.
+const EARLIEST: usize = 16;
+const LATEST: usize = 20;
+const LAGS: usize = EARLIEST + LATEST + 1;
+const RING: usize = EARLIEST + LATEST + 2 * HALF + 2;
+/// Below this the machine may as well stand [rad/s].
+const MOVING: f64 = 0.06;
+/// Share of one tick in the sums: those of 20 s of motion.
+const MEMORY: f64 = 0.0005;
+/// Ticks of motion that tell something: 2.5 s.
+const ENOUGH: f64 = 250.0;
+/// So many neighbouring ticks have one error in common.
+const CORRELATED: f64 = 10.0;
+/// Logarithm of the likelihood, as a normal error has it, by which a lag must be better than the present one.
+const BETTER: f64 = 8.0;
+/// The estimators bear less [ticks].
+const BORNE: i32 = 3;
+
+/// What the torque is a sum of.
+const SUMMANDS: usize = 5;
+type Regressors = SVector<f64, SUMMANDS>;
+
+/// Sums of the least squares for each lag.
+#[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(in crate::excavator) struct Lag {
+    /// Velocity, torque averaged up to here, inertia, swing angle.
+    #[cfg_attr(feature = "serde", serde(with = "crate::written"))]
+    ring: [(f64, f64, f64, f64); RING],
+    recent: [f64; 2 * HALF + 1],
+    count: usize,
+    turn: f64,
+    seen: f64,
+    normal: SMatrix<f64, SUMMANDS, SUMMANDS>,
+    #[cfg_attr(feature = "serde", serde(with = "crate::written"))]
+    products: [Regressors; LAGS],
+    #[cfg_attr(feature = "serde", serde(with = "crate::written"))]
+    squares: [f64; LAGS],
+    /// What is left at each lag, and the one that is looked at next.
+    #[cfg_attr(feature = "serde", serde(with = "crate::written"))]
+    left: [f64; LAGS],
+    next: usize,
+}
+
+impl Lag {
+    pub(in crate::excavator) fn new() -> Self {
+        Self {
+            ring: [(0.0, 0.0, 0.0, 0.0); RING],
+            recent: [0.0; 2 * HALF + 1],
+            count: 0,
+            turn: 0.0,
+            seen: 0.0,
+            normal: SMatrix::zeros(),
+            products: [Regressors::zeros(); LAGS],
+            squares: [0.0; LAGS],
+            left: [f64::INFINITY; LAGS],
+            next: 0,
+        }
+    }
+
+    /// Takes a tick with the inertia of the empty machine. Answers another lag than the `present` one, where that is clearly
+    /// worse: how many ticks later than the velocity the torque comes.
+    pub(in crate::excavator) fn push(
+        &mut self,
+        tick: &Tick,
+        inertia: f64,
+        present: i32,
+    ) -> Option<i32> {
+        let steady = (tick.period - PERIOD).abs() < 0.5 * PERIOD;
+        let Some(velocity) = tick
+            .velocity
+            .filter(|_| steady && tick.torque_age.is_finite())
+        else {
+            self.count = 0;
+            return None;
+        };
+        self.recent[self.count % self.recent.len()] = tick.torque;
+        let mean = self.recent.iter().sum::<f64>() / self.recent.len() as f64;
+        self.turn += velocity * tick.period;
+        self.ring[self.count % RING] = (velocity, mean, inertia, self.turn);
+        self.count += 1;
+        if self.count < RING {
+            return None;
+        }
+        self.sum();
+        self.look();
+        if self.next == 0 && self.seen > ENOUGH {
+            self.better(present)
+        } else {
+            None
+        }
+    }
+
+    /// Adds the tick in the middle of the ring.
+    fn sum(&mut self) {
+        let newest = self.count - 1;
+        let middle = newest - LATEST - HALF;
+        let at = |k: usize| self.ring[k % RING];
+        let (ahead, behind) = (at(middle + HALF).0, at(middle - HALF).0);
+        let velocity = 0.5 * (ahead + behind);
+        if velocity.abs() < MOVING || ahead * behind <= 0.0 {
+            return;
+        }
+        let acceleration = (ahead - behind) / (2.0 * HALF as f64 * PERIOD);
+        let (_, _, inertia, turn) = at(middle);
+        let (sin, cos) = sin_cos(turn);
+        let x = Regressors::new(
+            inertia * acceleration,
+            velocity,
+            velocity.signum(),
+            sin,
+            cos,
+        );
+        let torques: [f64; LAGS] = core::array::from_fn(|i| at(middle + i + HALF - EARLIEST).1);
+        let kept = 1.0 - MEMORY;
+        self.seen = self.seen * kept + 1.0;
+        self.normal = self.normal * kept + x * x.transpose();
+        for ((product, square), torque) in
+            self.products.iter_mut().zip(&mut self.squares).zip(torques)
+        {
+            *product = *product * kept + x * torque;
+            *square = *square * kept + torque * torque;
+        }
+    }
+
+    /// What is left at one lag, a different one with each tick.
+    fn look(&mut self) {
+        let i = self.next;
+        self.next = (i + 1) % LAGS;
+        let solved = self.normal.cholesky();
+        self.left[i] = solved.map_or(f64::INFINITY, |factor| {
+            self.squares[i] - self.products[i].dot(&factor.solve(&self.products[i]))
+        });
+    }
+
+    fn better(&self, present: i32) -> Option<i32> {
+        let all = self.left.iter().enumerate();
+        let (best, least) = all.min_by(|a, b| a.1.total_cmp(b.1))?;
+        let inside = (1..LAGS - 1).contains(&best);
+        let at = |lag: i32| usize::try_from(lag + EARLIEST as i32).ok();
+        let now = at(present).and_then(|i| self.left.get(i)).copied()?;
+        let lag = best as i32 - EARLIEST as i32;
+        let known = self.left.iter().all(|left| left.is_finite());
+        let told = self.seen / CORRELATED * ln(now / least.max(f64::MIN_POSITIVE));
+        (known && inside && (lag - present).abs() >= BORNE && told > BETTER).then_some(lag)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::tanh;
+
+    /// What is found of a swing whose torque is so many ticks late.
+    fn found(late: i32, share: f64) -> Option<i32> {
+        let mut lag = Lag::new();
+        // Swings with plateaus: of a sine, a lag is as good as another inertia and damping.
+        let velocity =
+            |k: f64| 0.8 * tanh(3.0 * sin_cos(0.015 * k).0) * (1.0 + 0.3 * sin_cos(0.0031 * k).0);
+        let torque = |k: f64| {
+            let w = velocity(k);
+            let acceleration = (velocity(k + 0.5) - velocity(k - 0.5)) / PERIOD;
+            6000.0 * share * acceleration + 1500.0 * w + 250.0 * w.signum()
+        };
+        (0..3000).find_map(|k| {
+            let noise = f64::from(k * 7919 % 1013) / 1013.0 - 0.5;
+            let tick = Tick {
+                period: PERIOD,
+                velocity: Some(velocity(f64::from(k)) + 0.01 * noise),
+                torque: torque(f64::from(k - late)) + 200.0 * noise,
+                ..Tick::default()
+            };
+            lag.push(&tick, 5000.0, 0)
+        })
+    }
+
+    #[test]
+    fn the_lag_of_torque_or_velocity_is_found_whatever_the_machine_weighs() {
+        for share in [0.7, 1.0, 1.5] {
+            for late in [-10, -5, 5, 12, 17] {
+                let lag = found(late, share);
+                assert!(
+                    lag.is_some_and(|lag| (lag - late).abs() <= 1),
+                    "{late}: {lag:?}"
+                );
+            }
+            for late in [-2, 0, 2] {
+                assert_eq!(found(late, share), None, "{late}");
+            }
+        }
+    }
+}

@@ -1,0 +1,57 @@
+//! A velocity in steps: the smallest change ever seen is taken for the quantum of the sensor.
+//!
+//! A quantised signal changes by whole quanta q, and its error has a variance of q^2/12. A signal with noise soon changes by next
+//! to nothing, and nothing is added.
+
+/// Changes below this are rounding [rad/s].
+const ROUNDING: f64 = 1e-9;
+/// Changes until the least is believed to be the quantum.
+const ENOUGH: u32 = 20;
+
+/// What has been seen of the velocity.
+#[derive(Debug, Clone, Copy, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(in crate::excavator) struct Quantum {
+    last: Option<f64>,
+    least: Option<f64>,
+    changes: u32,
+}
+
+impl Quantum {
+    /// Takes the velocity of a row [rad/s].
+    pub(in crate::excavator) fn push(&mut self, velocity: Option<f64>) {
+        let Some(new) = velocity else { return };
+        let change = self
+            .last
+            .replace(new)
+            .map_or(0.0, |last| (new - last).abs());
+        if change > ROUNDING {
+            self.changes = self.changes.saturating_add(1);
+            self.least = Some(self.least.map_or(change, |least| least.min(change)));
+        }
+    }
+
+    /// Variance that the steps add to the sensor's noise [(rad/s)^2].
+    pub(in crate::excavator) fn variance(&self) -> f64 {
+        let least = self.least.filter(|_| self.changes >= ENOUGH);
+        least.map_or(0.0, |q| q * q / 12.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_are_noticed_and_noise_is_not_taken_for_steps() {
+        let (mut coarse, mut fine) = (Quantum::default(), Quantum::default());
+        for k in 0..1000 {
+            let smooth = crate::math::sin_cos(0.01 * f64::from(k)).0;
+            coarse.push(Some((smooth / 0.015).round() * 0.015));
+            fine.push(Some(smooth + 0.003 * f64::from(k * 7919 % 1013) / 1013.0));
+        }
+        assert!((coarse.variance() - 0.015 * 0.015 / 12.0).abs() < 1e-12);
+        assert!(fine.variance() < 1e-9, "{}", fine.variance());
+        assert_eq!(Quantum::default().variance(), 0.0);
+    }
+}

@@ -1,0 +1,287 @@
+//! Are data and description of one machine, and in the units and signs that are meant?
+//!
+//! Torque over acceleration tells the size of a machine in its first swings: in the least squares of
+//! ```text
+//! T = c1 J_e(q) w' + c2 w + c3 sgn w + c4 sin psi + c5 cos psi
+//! ```
+//! c1 is near 1 where both are of one machine; a thousandth where the torque is in kN m; negative where a sign is wrong. Angles that
+//! are measured against the horizontal move with the link before them; those of joints do not.
+
+use nalgebra::{SMatrix, SVector};
+
+use super::estimate::Sample;
+use super::geometry::Geometry;
+use crate::math::sin_cos;
+
+/// Summands of the torque.
+const N: usize = 5;
+/// Time over which the velocity is differenced and joints move [s].
+const SPAN: f64 = 0.1;
+/// Swinging from this velocity on; no excavator swings faster than the second [rad/s].
+const SWINGS: f64 = 0.1;
+const FASTEST: f64 = 4.0;
+/// Swinging for this many spans tells something: 10 s.
+const ENOUGH: f64 = 100.0;
+/// At least this share of the torque's mean square is explained.
+const EXPLAINED: f64 = 0.6;
+/// Another torque or payload than told, and masses of the class, stay within.
+const ALIKE: [f64; 2] = [0.5, 2.2];
+/// Factors of a torque in kN m, about.
+const KILO: [f64; 2] = [0.0003, 0.003];
+/// A joint that moves by this much in a span moves [rad]; another that follows within this share of it moves along.
+const MOVES: f64 = 0.02;
+const ALONG: f64 = 0.1;
+/// Spans in which one moves along, and how many times more of them than of those in which it does not.
+const FOLLOWS: u32 = 15;
+const RATHER: u32 = 4;
+
+/// What does not fit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Mismatch {
+    /// The velocity is in degrees per second.
+    Degrees,
+    /// The joint angles are in degrees.
+    AngleDegrees,
+    /// Torque and acceleration have opposite signs.
+    Sign,
+    /// The torque is in kilonewton metres.
+    Kilonewtons,
+    /// Boom and arm are exchanged.
+    Exchanged,
+    /// The angle of the arm, of the bucket, is against the horizontal.
+    Absolute {
+        /// The arm's.
+        arm: bool,
+        /// The bucket's.
+        bucket: bool,
+    },
+    /// The machine has this many times the inertia that is described.
+    Size(f64),
+}
+
+/// Looks at the rows of a recording.
+#[derive(Debug, Clone)]
+pub struct Plausible {
+    geometry: Geometry,
+    last: Option<(f64, f64, [f64; 3])>,
+    torque: f64,
+    rows: f64,
+    turn: f64,
+    spans: f64,
+    fast: f64,
+    large: [f64; 2],
+    exchanged: f64,
+    normal: SMatrix<f64, N, N>,
+    product: SVector<f64, N>,
+    square: f64,
+    /// Spans in which arm, bucket moved along with the link before, and did not.
+    along: [[u32; 2]; 2],
+}
+
+impl Plausible {
+    /// For a described machine.
+    #[must_use]
+    pub fn new(geometry: Geometry) -> Self {
+        Self {
+            geometry,
+            last: None,
+            torque: 0.0,
+            rows: 0.0,
+            turn: 0.0,
+            spans: 0.0,
+            fast: 0.0,
+            large: [0.0; 2],
+            exchanged: 0.0,
+            normal: SMatrix::zeros(),
+            product: SVector::zeros(),
+            square: 0.0,
+            along: [[0; 2]; 2],
+        }
+    }
+
+    /// Takes a row; what is not finite is missing.
+    pub fn push(&mut self, sample: &Sample) {
+        let values = [sample.velocity, sample.torque]
+            .into_iter()
+            .chain(sample.posture)
+            .collect_array();
+        let Some([velocity, torque, boom, arm, bucket]) = values else {
+            return;
+        };
+        let posture = [boom, arm, bucket];
+        self.torque += torque;
+        self.rows += 1.0;
+        let Some((time, before, joints)) = self.last else {
+            self.begin(sample.time, velocity, posture);
+            return;
+        };
+        let span = sample.time - time;
+        if span < SPAN {
+            return;
+        }
+        if span < 2.0 * SPAN {
+            self.follow(joints, posture);
+            self.swing(span, [before, velocity], posture);
+        }
+        self.begin(sample.time, velocity, posture);
+    }
+
+    fn begin(&mut self, time: f64, velocity: f64, posture: [f64; 3]) {
+        self.last = time.is_finite().then_some((time, velocity, posture));
+        (self.torque, self.rows) = (0.0, 0.0);
+    }
+
+    fn follow(&mut self, before: [f64; 3], now: [f64; 3]) {
+        let moved: [f64; 3] = core::array::from_fn(|i| now[i] - before[i]);
+        for (i, [along, alone]) in self.along.iter_mut().enumerate() {
+            let (link, next) = (moved[i], moved[i + 1]);
+            if link.abs() > MOVES {
+                let within = |x: f64| x.abs() < ALONG * link.abs();
+                *along += u32::from(within(next - link));
+                *alone += u32::from(within(next));
+            }
+        }
+    }
+
+    fn swing(&mut self, span: f64, [before, now]: [f64; 2], posture: [f64; 3]) {
+        let velocity = 0.5 * (before + now);
+        self.turn = (self.turn + velocity * span) % core::f64::consts::TAU;
+        if velocity.abs() < SWINGS || before * now <= 0.0 {
+            return;
+        }
+        let torque = self.torque / self.rows;
+        let (sin, cos) = sin_cos(self.turn);
+        let inertia = self.geometry.inertia(posture).empty;
+        let x = SVector::from([
+            inertia * (now - before) / span,
+            velocity,
+            velocity.signum(),
+            sin,
+            cos,
+        ]);
+        self.spans += 1.0;
+        self.fast += f64::from(u8::from(velocity.abs() > FASTEST));
+        self.large[0] += f64::from(u8::from(posture[0].abs() > FASTEST));
+        self.large[1] += f64::from(u8::from(posture[1].abs() > FASTEST));
+        self.exchanged += f64::from(u8::from(posture[0] < -0.3 && posture[1] > 0.0));
+        self.normal += x * x.transpose();
+        self.product += x * torque;
+        self.square += torque * torque;
+    }
+
+    /// What does not fit, if anything: what would explain the rest first.
+    #[must_use]
+    pub fn mismatch(&self) -> Option<Mismatch> {
+        if self.spans < ENOUGH {
+            return None;
+        }
+        let most = |count: f64| count > 0.5 * self.spans;
+        if self.large.into_iter().any(most) {
+            return Some(Mismatch::AngleDegrees);
+        }
+        if most(self.fast) {
+            return Some(Mismatch::Degrees);
+        }
+        if self.exchanged > 0.9 * self.spans {
+            return Some(Mismatch::Exchanged);
+        }
+        let [arm, bucket] = self
+            .along
+            .map(|[along, alone]| along >= FOLLOWS && along > RATHER * alone);
+        if arm || bucket {
+            return Some(Mismatch::Absolute { arm, bucket });
+        }
+        self.size()
+    }
+
+    fn size(&self) -> Option<Mismatch> {
+        let found = self.normal.cholesky()?.solve(&self.product);
+        let explained = found.dot(&self.product) / self.square;
+        let ratio = found[0];
+        if !(explained > EXPLAINED && ratio.is_finite()) {
+            return None;
+        }
+        let within = |[low, high]: [f64; 2]| (low..=high).contains(&ratio);
+        match ratio {
+            _ if within(ALIKE) => None,
+            _ if ratio < 0.0 => Some(Mismatch::Sign),
+            _ if within(KILO) => Some(Mismatch::Kilonewtons),
+            _ => Some(Mismatch::Size(ratio)),
+        }
+    }
+}
+
+/// The values of an iterator of exactly so many, if each is there and finite.
+trait CollectArray {
+    fn collect_array(self) -> Option<[f64; N]>;
+}
+
+impl<I: Iterator<Item = Option<f64>>> CollectArray for I {
+    fn collect_array(mut self) -> Option<[f64; N]> {
+        let mut array = [0.0; N];
+        for value in &mut array {
+            *value = self.next()?.filter(|v| v.is_finite())?;
+        }
+        Some(array)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::tanh;
+
+    /// What is said of a swinging machine whose rows are changed so.
+    fn said(change: impl Fn(&mut Sample)) -> Option<Mismatch> {
+        let geometry = Geometry::default();
+        let mut plausible = Plausible::new(geometry);
+        let velocity = |t: f64| 0.8 * tanh(3.0 * sin_cos(1.1 * t).0);
+        for k in 0..6000 {
+            let t = 0.01 * f64::from(k);
+            let boom = 0.5 + 0.3 * sin_cos(0.7 * t).0;
+            let arm = -1.4 + 0.5 * tanh(4.0 * sin_cos(0.9 * t + 1.0).0);
+            let posture = [boom, arm, -0.6 + 0.4 * tanh(6.0 * sin_cos(0.5 * t).0)];
+            let w = velocity(t);
+            let acceleration = (velocity(t + 0.005) - velocity(t - 0.005)) / 0.01;
+            let inertia = geometry.inertia(posture).with_payload(150.0);
+            let mut sample = Sample {
+                time: t,
+                velocity: Some(w),
+                torque: Some(inertia * acceleration + 1500.0 * w + 250.0 * w.signum()),
+                posture: posture.map(Some),
+                ..Sample::default()
+            };
+            change(&mut sample);
+            plausible.push(&sample);
+        }
+        plausible.mismatch()
+    }
+
+    fn times(value: &mut Option<f64>, factor: f64) {
+        *value = value.map(|value| value * factor);
+    }
+
+    #[test]
+    fn what_is_of_another_unit_sign_order_or_machine_is_named() {
+        assert_eq!(said(|_| {}), None);
+        assert_eq!(said(|s| times(&mut s.torque, 1.25)), None);
+        assert_eq!(said(|s| times(&mut s.torque, 1e-3)), Some(Mismatch::Kilonewtons));
+        assert_eq!(said(|s| times(&mut s.torque, -1.0)), Some(Mismatch::Sign));
+        assert_eq!(said(|s| times(&mut s.velocity, 57.3)), Some(Mismatch::Degrees));
+        let degrees = |s: &mut Sample| s.posture.iter_mut().for_each(|q| times(q, 57.3));
+        assert_eq!(said(degrees), Some(Mismatch::AngleDegrees));
+        assert_eq!(said(|s| s.posture.swap(0, 1)), Some(Mismatch::Exchanged));
+        let larger = said(|s| times(&mut s.torque, 14.0));
+        assert!(matches!(larger, Some(Mismatch::Size(ratio)) if (12.0..18.0).contains(&ratio)));
+    }
+
+    #[test]
+    fn angles_against_the_horizontal_are_told_from_those_of_joints() {
+        let absolute = |s: &mut Sample| {
+            let [Some(boom), Some(arm), Some(bucket)] = s.posture else { return };
+            s.posture = [boom, boom + arm, boom + arm + bucket].map(Some);
+        };
+        let both = Mismatch::Absolute { arm: true, bucket: true };
+        assert_eq!(said(absolute), Some(both));
+    }
+}

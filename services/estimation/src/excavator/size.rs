@@ -1,0 +1,168 @@
+//! A description from a few numbers: what an excavator of some operating mass is like.
+//!
+//! Excavators are alike in their proportions: lengths grow with the cube root of the operating mass M, masses with M, inertias with
+//! M^(5/3), the swing torque with M^(4/3). The factors are means over tracked excavators of 8 to 40 t (data sheets and the four
+//! machines of `data/foreign`, whose true values lie within the stated spread). What is told takes the place of what is guessed,
+//! and scales what hangs on it: a told boom length its centre of mass, a told rated payload the bucket.
+
+use super::geometry::Geometry;
+use super::keys::Description;
+use crate::math::{cbrt, sqrt};
+
+/// Lengths per cube root of the operating mass [m/kg^(1/3)]: boom, arm; distances from the bucket pin to the bucket's centre of
+/// mass and the payload's; gyration of the payload; radii of gyration of boom, arm and bucket about their lengths.
+const BOOM: f64 = 0.205;
+const ARM: f64 = 0.104;
+const BUCKET_CENTRE: f64 = 0.027;
+const PAYLOAD_CENTRE: f64 = 0.030;
+const PAYLOAD_GYRATION: f64 = 0.016;
+const AXIAL: [f64; 3] = [0.0088, 0.0078, 0.0122];
+/// Shares of a link's length: swing axis to boom pin (of the boom), centres of mass of boom and arm.
+const BOOM_PIN: f64 = 0.04;
+const BOOM_CENTRE: f64 = 0.48;
+const ARM_CENTRE: f64 = 0.36;
+/// Shares of the operating mass: boom, arm, rated payload; share of the rated payload: bucket.
+const BOOM_MASS: f64 = 0.087;
+const ARM_MASS: f64 = 0.047;
+const RATED: f64 = 0.083;
+const BUCKET_MASS: f64 = 0.46;
+/// Inertias of boom and arm over mass times length squared, of the bucket over mass times squared centre distance.
+const LINKS: [f64; 3] = [0.085, 0.095, 0.3];
+/// Inertia of the upper body over M^(5/3) [kg^(-2/3) m^2].
+const UPPER: f64 = 0.0018;
+/// Swing torque over M^(4/3) [N m/kg^(4/3)].
+const TORQUE: f64 = 0.115;
+/// Damping [s], friction, its spread, offset and noise over the swing torque.
+const DAMPING: f64 = 0.105;
+const DAMPING_STD: f64 = 0.35;
+const FRICTION: f64 = 0.04;
+const FRICTION_STD: f64 = 0.025;
+const OFFSET: f64 = 0.018;
+const NOISE: f64 = 0.007;
+/// Spread of the inertia of the empty machine that is left, as a share: masses guessed from the class.
+const SPREAD: f64 = 0.10;
+/// Postures between which a machine works: folded, stretched [rad].
+const FOLDED: [f64; 3] = [0.96, -2.55, -1.48];
+const STRETCHED: [f64; 3] = [0.4, -0.5, -0.3];
+
+impl Description {
+    /// The defaults of the machine whose size this description tells; those of the reference machine where it tells none.
+    #[must_use]
+    pub fn of_its_size(&self) -> Self {
+        let Some(mass) = self.machine.operating_mass else {
+            return Self::default();
+        };
+        let mut d = Self::default();
+        let length = cbrt(mass);
+        let told = |value: f64, default: f64, guess: f64| {
+            if value == default { guess } else { value }
+        };
+        let (g, known) = (&mut d.geometry, &self.geometry);
+        let rated = self.machine.rated_payload.unwrap_or(RATED * mass);
+        let torque = self.machine.swing_torque.unwrap_or(TORQUE * mass * length);
+        g.boom_length = told(known.boom_length, g.boom_length, BOOM * length);
+        g.arm_length = told(known.arm_length, g.arm_length, ARM * length);
+        g.boom_pin = BOOM_PIN * g.boom_length;
+        g.boom_centre = BOOM_CENTRE * g.boom_length;
+        g.arm_centre = ARM_CENTRE * g.arm_length;
+        g.bucket_centre = BUCKET_CENTRE * length;
+        g.payload_centre = PAYLOAD_CENTRE * length;
+        g.payload_gyration = PAYLOAD_GYRATION * length;
+        g.boom_mass = BOOM_MASS * mass;
+        g.arm_mass = ARM_MASS * mass;
+        g.bucket_mass = BUCKET_MASS * rated;
+        let inertia = |share: f64, m: f64, l: f64| share * m * l * l;
+        g.boom_inertia = inertia(LINKS[0], g.boom_mass, g.boom_length);
+        g.arm_inertia = inertia(LINKS[1], g.arm_mass, g.arm_length);
+        g.bucket_inertia = inertia(LINKS[2], g.bucket_mass, g.bucket_centre);
+        g.boom_axial_inertia = inertia(1.0, g.boom_mass, AXIAL[0] * length);
+        g.arm_axial_inertia = inertia(1.0, g.arm_mass, AXIAL[1] * length);
+        g.bucket_axial_inertia = inertia(1.0, g.bucket_mass, AXIAL[2] * length);
+        d.machine.upper_inertia = UPPER * mass * length * length;
+        d.machine.operating_mass = Some(mass);
+        d.machine.rated_payload = self.machine.rated_payload;
+        d.machine.swing_torque = self.machine.swing_torque;
+        if self.machine.upper_inertia == Self::default().machine.upper_inertia {
+            d.machine.mass_tolerance = SPREAD;
+        }
+        d.friction(torque);
+        d.belief(rated);
+        d
+    }
+
+    /// What hangs on the largest torque of the swing.
+    fn friction(&mut self, torque: f64) {
+        self.machine.nominal_damping = DAMPING * torque;
+        self.prior.damping_std = DAMPING_STD * DAMPING * torque;
+        self.machine.coulomb_friction = FRICTION * torque;
+        self.prior.friction_std = FRICTION_STD * torque;
+        self.prior.torque_offset_std = OFFSET * torque;
+        self.prior.known_torque_offset_std = 0.5 * OFFSET * torque;
+        self.sensors.swing_torque_std = NOISE * torque;
+        let reference = Self::default();
+        let scale = self.machine.nominal_damping / reference.machine.nominal_damping;
+        self.estimator.epsilon = scale * reference.estimator.epsilon;
+        self.paper.torque = scale * reference.paper.torque;
+        let drift = [
+            reference.estimator.velocity_torque_drift,
+            reference.estimator.velocity_torque_drift_constant,
+        ];
+        [
+            self.estimator.velocity_torque_drift,
+            self.estimator.velocity_torque_drift_constant,
+        ] = drift.map(|drift| scale * drift);
+    }
+
+    /// Priors and limits of inertia and payload.
+    fn belief(&mut self, rated: f64) {
+        let geometry = Geometry::of(self);
+        let [least, most] = [(FOLDED, 0.0), (STRETCHED, rated)]
+            .map(|(posture, payload)| geometry.inertia(posture).with_payload(payload));
+        let middle = sqrt(least * most);
+        self.machine.inertia_min = 0.4 * least;
+        self.machine.inertia_max = 3.0 * most;
+        self.prior.inertia = middle;
+        self.prior.inertia_std = 0.3 * middle;
+        self.prior.payload = 0.5 * rated;
+        self.prior.payload_std = 0.4 * rated;
+        let reference = Self::default();
+        let scale = rated / (reference.prior.payload + 1.25 * reference.prior.payload_std);
+        let e = &mut self.estimator;
+        e.payload_min = scale * reference.estimator.payload_min;
+        e.payload_max = 1.6 * rated;
+        e.opening_change_max = scale * reference.estimator.opening_change_max;
+        e.change_rate_std = scale * reference.estimator.change_rate_std;
+        e.drop_q_m = scale * scale * reference.estimator.drop_q_m;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn machines_of_all_sizes_are_like_those_that_exist() {
+        // Operating mass, boom, arm [m], upper inertia [kg m^2], boom mass, rated payload [kg], damping: data/foreign.
+        for (mass, boom, arm, upper, boom_mass, rated, damping) in [
+            (8000.0, 3.59, 2.02, 5660.0, 690.0, 620.0, 1755.0),
+            (14000.0, 4.99, 2.36, 16568.0, 1215.0, 1172.0, 3790.0),
+            (22000.0, 5.74, 2.91, 34777.0, 1960.0, 2000.0, 7165.0),
+            (40000.0, 6.90, 3.47, 79831.0, 3553.0, 4183.0, 15798.0),
+        ] {
+            let mut d = Description::default();
+            d.machine.operating_mass = Some(mass);
+            let d = d.of_its_size();
+            for (guess, truth, spread) in [
+                (d.geometry.boom_length, boom, 0.15),
+                (d.geometry.arm_length, arm, 0.15),
+                (d.machine.upper_inertia, upper, 0.25),
+                (d.geometry.boom_mass, boom_mass, 0.1),
+                (d.estimator.payload_max, 1.6 * rated, 0.25),
+                (d.machine.nominal_damping, damping, 0.35),
+            ] {
+                assert!((guess / truth - 1.0).abs() < spread, "{mass} {guess} {truth}");
+            }
+        }
+        assert_eq!(Description::default().of_its_size(), Description::default());
+    }
+}

@@ -1,0 +1,129 @@
+//! Are data and description of one machine?
+
+use config::Description;
+use estimation::excavator::{Geometry, Mismatch, Plausible, Sample};
+use messages::{ExcavatorSensors, excavator_bits as bits};
+
+use super::boom::Boom;
+use crate::machines::Look;
+
+/// Mass of the reference machine [kg], which a description without an operating mass is of.
+const REFERENCE: f64 = 5500.0;
+
+/// Looks at boom and machine.
+pub(in crate::machines) struct Fits {
+    boom: Boom,
+    plausible: Option<Plausible>,
+    mass: f64,
+}
+
+impl Look<ExcavatorSensors> for Fits {
+    fn of(description: &Description) -> Self {
+        let described = match description {
+            Description::Excavator(described) => Some(described),
+            _ => None,
+        };
+        Self {
+            boom: Boom::default(),
+            plausible: described.map(|d| Plausible::new(Geometry::of(d))),
+            mass: described
+                .and_then(|d| d.machine.operating_mass)
+                .unwrap_or(REFERENCE),
+        }
+    }
+
+    fn add(&mut self, s: &ExcavatorSensors) {
+        self.boom.add(s);
+        let value = |bit, value| (s.valid & bit == bit).then_some(value);
+        if let Some(plausible) = &mut self.plausible {
+            plausible.push(&Sample {
+                time: s.stamp.time,
+                velocity: value(bits::SWING_VELOCITY, s.swing_velocity),
+                torque: value(bits::SWING_TORQUE, s.swing_torque),
+                posture: [
+                    value(bits::BOOM_ANGLE, s.boom_angle),
+                    value(bits::ARM_ANGLE, s.arm_angle),
+                    value(bits::BUCKET_ANGLE, s.bucket_angle),
+                ],
+                ..Sample::default()
+            });
+        }
+    }
+
+    fn tell(&self) {
+        self.boom.tell();
+    }
+
+    fn fault(&self) -> Option<String> {
+        let mismatch = self.plausible.as_ref()?.mismatch()?;
+        let (what, remedy) = words(mismatch, self.mass);
+        Some(format!("{what}\n  what to do: {remedy}"))
+    }
+}
+
+fn words(mismatch: Mismatch, mass: f64) -> (String, String) {
+    let map = |column: &str, line: &str| format!("write {line} for {column} in a signal map");
+    match mismatch {
+        Mismatch::Degrees => (
+            "swing_velocity seems to be in degrees per second".into(),
+            map("swing_velocity", "`unit = \"deg/s\"`"),
+        ),
+        Mismatch::AngleDegrees => (
+            "the joint angles seem to be in degrees".into(),
+            map("boom_angle, arm_angle and bucket_angle", "`unit = \"deg\"`"),
+        ),
+        Mismatch::Kilonewtons => (
+            "swing_torque seems to be in kN m: the machine accelerates a thousand times more than it".into(),
+            map("swing_torque", "`unit = \"kNm\"`"),
+        ),
+        Mismatch::Sign => (
+            "swing_torque and swing_velocity seem to have opposite signs".into(),
+            map("swing_torque", "`sign = -1`"),
+        ),
+        Mismatch::Exchanged => (
+            "boom_angle and arm_angle seem to be exchanged: the boom points down and the arm up in all swings".into(),
+            "exchange the two in the signal map".into(),
+        ),
+        Mismatch::Absolute { arm, bucket } => absolute(arm, bucket),
+        Mismatch::Size(ratio) => (
+            format!(
+                "data and description are of different machines: its torque moves {ratio:.2} times the inertia that is described"
+            ),
+            size(mass, ratio),
+        ),
+    }
+}
+
+fn absolute(arm: bool, bucket: bool) -> (String, String) {
+    let names = match (arm, bucket) {
+        (true, true) => "arm_angle and bucket_angle seem",
+        (true, false) => "arm_angle seems",
+        _ => "bucket_angle seems",
+    };
+    (
+        format!("{names} absolute, to the horizontal: a link that is told to turn moves along with the one before it"),
+        "give the angle to the link before: in the signal map subtract the angle of that link, as with `heft map`".into(),
+    )
+}
+
+/// Machines are alike: inertia grows with the mass to the power of 5/3.
+fn size(mass: f64, ratio: f64) -> String {
+    let tonnes = mass * ratio.abs().powf(0.6) / 1000.0;
+    if (0.5..300.0).contains(&tonnes) {
+        format!("describe the machine; an excavator of about {tonnes:.0} t would fit: --class {tonnes:.0}t, or machine.operating_mass in the description")
+    } else {
+        "check the unit of swing_torque, and whether it is the torque at the swing bearing and not at the motor".into()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_machine_of_fourteen_times_the_inertia_is_about_five_times_as_heavy() {
+        let words = size(REFERENCE, 14.0);
+        assert!(words.contains("--class 27t"), "{words}");
+        assert!(size(REFERENCE, 1e-6).contains("bearing"));
+    }
+}
