@@ -51,5 +51,7 @@ fn loader(mass: f64) -> Vec<String> {
         ("estimator.converged_height", ENOUGH * height),
         ("estimator.q_cg_height", WALK * height),
     ];
-    keys.iter().map(|(key, value)| format!("{key}={value:?}")).collect()
+    keys.iter()
+        .map(|(key, value)| format!("{key}={value:?}"))
+        .collect()
 }

@@ -282,7 +282,10 @@ fn an_operating_mass_scales_what_is_not_told_and_nothing_that_is() {
 
     let mut by_set = Excavator::default();
     by_set
-        .set_all(&["machine.rated_payload=1900", "machine.geometry.boom_length=5.7"])
+        .set_all(&[
+            "machine.rated_payload=1900",
+            "machine.geometry.boom_length=5.7",
+        ])
         .expect("valid");
     by_set.set("machine.operating_mass=21500").expect("valid");
     assert_eq!(by_set, of_file);

@@ -1,6 +1,8 @@
 //! A first signal map for a file: columns and CAN signals guessed by name, unit and range, each
 //! line with its reason. A guess is written as such; what was not found is left to be filled in.
 
+mod absolute;
+mod languages;
 mod names;
 pub(crate) mod table;
 

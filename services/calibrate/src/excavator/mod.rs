@@ -248,6 +248,10 @@ fn find(outcome: &mut Outcome, free: &[Role], options: &Options<'_>) {
     if faults.is_empty() {
         faults.extend(others);
     }
+    if faults.is_empty() && !found.fit.interrupted {
+        let tolerance = options.description.machine.mass_tolerance;
+        faults.extend(words::masses(swings, &found, &outcome.fixed, tolerance));
+    }
     outcome.faults = faults;
     outcome.found = Some(found);
     outcome.remarks.extend(hints);

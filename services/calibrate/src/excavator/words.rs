@@ -21,6 +21,8 @@ const LEAST_POSTURE: f64 = 0.04;
 const MANY_REFUSED: f64 = 0.1;
 /// What is found so many of its tolerances away from the description is another thing than what is described.
 const FAR: f64 = 4.0;
+/// Masses so many standard deviations from their description are other ones, or another load was in the bucket than told.
+const OTHER_MASSES: f64 = 3.0;
 /// A difference between recordings is clear beyond so many standard deviations, and matters beyond this share of what the
 /// description leaves open.
 const CLEARLY: f64 = 4.0;
@@ -133,6 +135,25 @@ pub fn far(swings: &Swings, place: &[f64], fixed: &[bool]) -> Vec<String> {
         )
     });
     all.collect()
+}
+
+/// Masses that are not those of the description, whose relative standard deviation is `tolerance`: a load that was told wrong is
+/// taken up by the gain of the torque and by them.
+#[must_use]
+pub fn masses(swings: &Swings, found: &Found, fixed: &[bool], tolerance: f64) -> Option<String> {
+    let i = swings.index(Role::Links).filter(|&i| !fixed[i])?;
+    let (p, place) = (&swings.parameters[i], found.fit.place[i]);
+    let own = p.value_std(place, found.uncertainty.std(i));
+    let std = tolerance.hypot(own);
+    let by = p.value(place) / p.mean - 1.0;
+    (tolerance > 0.0 && by.abs() > OTHER_MASSES * std).then(|| {
+        format!(
+            "{} would be {:+.1} % from the described ones, which are told within {:.1} %: another load was in the bucket than told, or the description is of another machine; weigh the load again, or state a larger machine.mass_tolerance",
+            p.words,
+            100.0 * by,
+            100.0 * tolerance
+        )
+    })
 }
 
 /// Halves of recordings that tell another machine than all together: a fault where the difference is large against

@@ -160,7 +160,10 @@ mod tests {
                 (d.estimator.payload_max, 1.6 * rated, 0.25),
                 (d.machine.nominal_damping, damping, 0.35),
             ] {
-                assert!((guess / truth - 1.0).abs() < spread, "{mass} {guess} {truth}");
+                assert!(
+                    (guess / truth - 1.0).abs() < spread,
+                    "{mass} {guess} {truth}"
+                );
             }
         }
         assert_eq!(Description::default().of_its_size(), Description::default());

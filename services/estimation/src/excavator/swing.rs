@@ -238,7 +238,9 @@ impl SwingEstimator {
     /// told, if anything was.
     fn hold(&mut self, period: f64) -> bool {
         let rows = self.screen.torque_held();
-        if self.lag.is_none() || rows == self.held {
+        // Stamps that jitter make a hold longer and shorter by a row.
+        let same = rows == self.held || rows.min(self.held) > 1 && rows.abs_diff(self.held) < 3;
+        if self.lag.is_none() || same {
             return false;
         }
         self.held = rows;

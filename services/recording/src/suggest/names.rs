@@ -2,6 +2,8 @@
 
 use crate::signal::{self, Sensors};
 
+use super::languages::english;
+
 /// A signal of heft that a map may name.
 pub(super) struct Wanted {
     pub signal: String,
@@ -165,6 +167,7 @@ pub(super) fn fitting(signal: &str, names: &[&str], taken: &[usize]) -> Option<u
     if let Some(at) = own.filter(free) {
         return Some(at);
     }
+    let lower: Vec<String> = names.iter().map(|n| english(n)).collect();
     let (_, alternatives) = WORDS.iter().find(|(name, _)| *name == signal)?;
     alternatives.iter().find_map(|words| {
         // `boom_head_pressure` is no angle of the boom.

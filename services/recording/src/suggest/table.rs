@@ -3,6 +3,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
+use super::absolute::is_absolute;
 use super::names::{fitting, wanted};
 use super::{lacking, opening, quoted, shown, unit_of};
 use crate::Error;
@@ -20,6 +21,7 @@ pub(crate) fn suggest<S: Sensors>(path: &Path) -> Result<(usize, String), Error>
     let mut out = opening::<S>(path);
     out.push_str("\n[columns]\n");
     let (mut found, mut taken) = (Vec::new(), Vec::new());
+    let mut links = [const { None }; LINKS.len()];
     for signal in wanted::<S>().into_iter().map(|w| w.signal) {
         let Some(at) = fitting(&signal, &names, &taken) else {
             if signal == "t" {
@@ -31,6 +33,33 @@ pub(crate) fn suggest<S: Sensors>(path: &Path) -> Result<(usize, String), Error>
         let guess = unit(&signal, unit_of::<S>(&signal), &header[at], &columns[at]);
         let name = quoted(&header[at]);
         let reason = guess.reason;
+        let radians = guess.unit.map_or(1.0, |unit| unit.factor);
+        let column = Column {
+            at,
+            name: name.clone(),
+            unit: guess.unit,
+        };
+        if let Some(link) = LINKS.iter().position(|link| *link == signal) {
+            let before = link.checked_sub(1).and_then(|i| links[i].as_ref());
+            let why = before.and_then(|before: &Column| {
+                let other = before.unit.map_or(1.0, |unit| unit.factor);
+                let scaled =
+                    |at: usize, by: f64| columns[at].iter().map(|x| x * by).collect::<Vec<_>>();
+                is_absolute(&header[at], &scaled(before.at, other), &scaled(at, radians))
+            });
+            if let (Some(before), Some(why)) = (before, why) {
+                let _ = writeln!(
+                    out,
+                    "{signal} = {{ terms = [{}, {}] }}  # from the horizontal, as {why}: less the link before; {reason}",
+                    column.term(""),
+                    before.term(", sign = -1")
+                );
+                links[link] = Some(column);
+                found.push(signal);
+                continue;
+            }
+            links[link] = Some(column);
+        }
         let _ = match guess.unit {
             Some(unit) => writeln!(
                 out,
@@ -52,6 +81,29 @@ pub(crate) fn suggest<S: Sensors>(path: &Path) -> Result<(usize, String), Error>
         shown(&rest.join(", "))
     );
     Ok((found.len(), out))
+}
+
+/// Angles of links, each from the one before it.
+const LINKS: [&str; 3] = ["boom_angle", "arm_angle", "bucket_angle"];
+
+/// A column that is a signal.
+struct Column {
+    at: usize,
+    /// Quoted.
+    name: String,
+    unit: Option<&'static Unit>,
+}
+
+impl Column {
+    /// As a term of a sum.
+    fn term(&self, more: &str) -> String {
+        let unit = self.unit.map(|unit| format!(", unit = \"{}\"", unit.name));
+        format!(
+            "{{ column = {}{}{more} }}",
+            self.name,
+            unit.unwrap_or_default()
+        )
+    }
 }
 
 /// A unit and why.

@@ -38,11 +38,13 @@ impl Default for Hold {
 }
 
 impl Hold {
-    /// Takes the value of a row; true where it is new.
+    /// Takes the value of a row; true where it is new, or could have come again and was the same.
     pub(in crate::excavator) fn push(&mut self, value: Option<f64>) -> bool {
         self.run += 1;
         let new = value.filter(|value| self.last != Some(*value));
-        let Some(value) = new else { return false };
+        let Some(value) = new else {
+            return value.is_some() && self.run.is_multiple_of(self.rows);
+        };
         let began = self.last.replace(value).is_some();
         let run = core::mem::replace(&mut self.run, 0);
         if began && run <= LONGEST {
