@@ -39,8 +39,10 @@ const FRICTION: f64 = 0.04;
 const FRICTION_STD: f64 = 0.025;
 const OFFSET: f64 = 0.018;
 const NOISE: f64 = 0.007;
-/// Spread of the inertia of the empty machine that is left, as a share: masses guessed from the class.
-const SPREAD: f64 = 0.10;
+/// Relative spreads of what is guessed from the class: boom and arm, upper body, bucket.
+const SPREAD: f64 = 0.05;
+const UPPER_SPREAD: f64 = 0.25;
+const BUCKET_SPREAD: f64 = 0.3;
 /// Postures between which a machine works: folded, stretched [rad].
 const FOLDED: [f64; 3] = [0.96, -2.55, -1.48];
 const STRETCHED: [f64; 3] = [0.4, -0.5, -0.3];
@@ -84,6 +86,8 @@ impl Description {
         d.machine.swing_torque = self.machine.swing_torque;
         if self.machine.upper_inertia == Self::default().machine.upper_inertia {
             d.machine.mass_tolerance = SPREAD;
+            d.machine.upper_tolerance = Some(UPPER_SPREAD);
+            d.machine.bucket_tolerance = Some(BUCKET_SPREAD);
         }
         d.friction(torque);
         d.belief(rated);
