@@ -204,7 +204,8 @@ pub fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
     }
     most_rows_were_taken(written, rows)?;
     samples.recording().map_or(Ok(()), parts::tell_damage)?;
-    look.fault().map_or(Ok(()), |fault| Err(Failure::answer_is_no(fault)))
+    look.fault()
+        .map_or(Ok(()), |fault| Err(Failure::answer_is_no(fault)))
 }
 
 /// A table in which most rows were refused is no result: its times run backwards, or another column is the time.

@@ -110,7 +110,9 @@ fn absolute(arm: bool, bucket: bool) -> (String, String) {
 fn size(mass: f64, ratio: f64) -> String {
     let tonnes = mass * ratio.abs().powf(0.6) / 1000.0;
     if (0.5..300.0).contains(&tonnes) {
-        format!("describe the machine; an excavator of about {tonnes:.0} t would fit: --class {tonnes:.0}t, or machine.operating_mass in the description")
+        format!(
+            "describe the machine; an excavator of about {tonnes:.0} t would fit: --class {tonnes:.0}t, or machine.operating_mass in the description"
+        )
     } else {
         "check the unit of swing_torque, and whether it is the torque at the swing bearing and not at the motor".into()
     }
