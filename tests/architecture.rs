@@ -7,20 +7,21 @@ use std::process::Command;
 
 /// Each crate of ours with the crates of ours that it depends on, no more and no fewer.
 const ARROWS: &[(&str, &[&str])] = &[
-    ("services/estimation", &[]),
-    ("services/messages", &[]),
+    ("services/sheet", &[]),
+    ("services/estimation", &["sheet"]),
+    ("services/messages", &["sheet"]),
     ("services/config", &["estimation", "messages"]),
     ("sim", &[]),
     ("bench/limits", &[]),
     ("services/runtime", &["messages"]),
-    ("services/recording", &["config", "messages"]),
+    ("services/recording", &["config", "messages", "sheet"]),
     (
         "services/sensor",
         &["messages", "recording", "runtime", "sim"],
     ),
     (
         "services/steps",
-        &["config", "estimation", "messages", "runtime"],
+        &["config", "estimation", "messages", "runtime", "sheet"],
     ),
     ("services/statistics", &["estimation"]),
     ("services/logger", &["messages", "recording", "runtime"]),
@@ -40,7 +41,7 @@ const ARROWS: &[(&str, &[&str])] = &[
             "view",
         ],
     ),
-    ("bindings/c", &["estimation"]),
+    ("bindings/c", &["estimation", "sheet"]),
     ("bindings/fmu", &["estimation", "messages"]),
     ("services/calibrate", &["config", "estimation"]),
     (

@@ -8,7 +8,7 @@ use estimation::excavator::{
     SwingEstimator,
 };
 
-use crate::table::{Bit, Machine, Signal, Value, present, rows};
+use crate::table::{Bit, Machine, Value, flags, rows, signals};
 
 /// Any method of the excavator.
 #[derive(Clone)]
@@ -69,24 +69,9 @@ impl Machine for Excavator {
     type Sample = Sample;
     type Estimate = Timed;
 
-    const SIGNALS: &'static [Signal<Sample>] = rows! { Signal, put:
-        t = |s, x| s.time = x;
-        swing_velocity = |s, x| s.velocity = present(x);
-        swing_angle = |s, x| s.angle = present(x);
-        swing_torque = |s, x| s.torque = present(x);
-        boom_angle = |s, x| s.posture[0] = present(x);
-        arm_angle = |s, x| s.posture[1] = present(x);
-        bucket_angle = |s, x| s.posture[2] = present(x);
-        pitch = |s, x| s.inclination[0] = present(x);
-        roll = |s, x| s.inclination[1] = present(x);
-        boom_head_pressure = |s, x| s.boom_head_pressure = present(x);
-        boom_rod_pressure = |s, x| s.boom_rod_pressure = present(x);
-        arm_head_pressure = |s, x| s.arm_head_pressure = present(x);
-        arm_rod_pressure = |s, x| s.arm_rod_pressure = present(x);
-        truck = |s, x| s.truck = present(x);
-    };
+    sheet::excavator_signals!(signals);
 
-    const REQUIRED: &'static [&'static [&'static str]] = &[&["swing_velocity", "swing_angle"]];
+    const REQUIRED: &'static [&'static [&'static str]] = sheet::excavator::REQUIRED;
 
     const VALUES: &'static [Value<Timed>] = rows! { Value, get:
         t = |e| e.time;
@@ -110,20 +95,7 @@ impl Machine for Excavator {
         forgetting_torque = |e| e.estimate.forgetting[2];
     };
 
-    const FLAGS: &'static [Bit<Timed>] = rows! { Bit, get:
-        excited = |e| e.estimate.flags.excited;
-        consistent = |e| e.estimate.flags.consistent;
-        fresh = |e| e.estimate.flags.fresh;
-        converged = |e| e.estimate.flags.converged;
-        identifiable = |e| e.estimate.flags.identifiable;
-        held = |e| e.estimate.flags.held;
-        changing = |e| e.estimate.flags.changing;
-        reset = |e| e.estimate.flags.reset;
-        trusted = |e| e.estimate.flags.trusted();
-        nominal = |e| e.estimate.flags.nominal;
-        window = |e| e.estimate.flags.window;
-        refused = |e| e.estimate.flags.refused;
-    };
+    sheet::excavator_flags!(flags);
 
     const ESTIMATED: &'static [Bit<Timed>] = rows! { Bit, get:
         damping = |e| e.started && e.estimate.damping.is_some();

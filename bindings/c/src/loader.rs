@@ -3,11 +3,9 @@
 use core::fmt;
 
 use estimation::loader::keys::Description;
-use estimation::loader::{
-    CgEstimator, Columns, Estimate, Method, Sample, Settings, SettingsError, Status,
-};
+use estimation::loader::{CgEstimator, Columns, Estimate, Method, Sample, Settings, SettingsError};
 
-use crate::table::{Bit, Machine, Signal, Value, present, rows};
+use crate::table::{Bit, Machine, Value, flags, rows, signals};
 
 /// Any method of the wheel loader.
 #[derive(Clone)]
@@ -43,37 +41,9 @@ impl Machine for Loader {
     type Sample = Sample;
     type Estimate = Timed;
 
-    const SIGNALS: &'static [Signal<Sample>] = rows! { Signal, put:
-        t = |s, x| s.time = x;
-        speed = |s, x| s.speed = present(x);
-        front_wheel_speed = |s, x| s.front_wheel_speed = present(x);
-        rear_wheel_speed = |s, x| s.rear_wheel_speed = present(x);
-        front_torque = |s, x| s.front_torque = present(x);
-        rear_torque = |s, x| s.rear_torque = present(x);
-        slope = |s, x| s.slope = present(x);
-        acceleration = |s, x| s.acceleration = present(x);
-        mass = |s, x| s.mass = present(x);
-        spade_force_x = |s, x| s.spade_force_x = present(x);
-        spade_force_z = |s, x| s.spade_force_z = present(x);
-        boom_moving = |s, x| s.boom_moving = x > 0.0;
-        articulation = |s, x| s.articulation = present(x);
-        yaw_rate = |s, x| s.yaw_rate = present(x);
-        brake = |s, x| s.brake = x > 0.0;
-        lift_angle = |s, x| s.lift_angle = present(x);
-        tilt_angle = |s, x| s.tilt_angle = present(x);
-        lift_head_pressure = |s, x| s.lift_head_pressure = present(x);
-        lift_rod_pressure = |s, x| s.lift_rod_pressure = present(x);
-        truck = |s, x| s.truck = present(x);
-    };
+    sheet::loader_signals!(signals);
 
-    const REQUIRED: &'static [&'static [&'static str]] = &[
-        &["speed"],
-        &["front_wheel_speed"],
-        &["rear_wheel_speed"],
-        &["front_torque"],
-        &["rear_torque"],
-        &["slope"],
-    ];
+    const REQUIRED: &'static [&'static [&'static str]] = sheet::loader::REQUIRED;
 
     const VALUES: &'static [Value<Timed>] = rows! { Value, get:
         t = |e| e.time;
@@ -97,22 +67,7 @@ impl Machine for Loader {
         speed_delay_std = |e| e.estimate.speed_delay.unwrap_or_default().std;
     };
 
-    const FLAGS: &'static [Bit<Timed>] = rows! { Bit, get:
-        excited_ratio = |e| e.estimate.excited_ratio;
-        excited_height = |e| e.estimate.excited_height;
-        consistent = |e| e.estimate.consistent;
-        fresh = |e| e.estimate.fresh;
-        converged_ratio = |e| e.estimate.converged_ratio;
-        converged_height = |e| e.estimate.converged_height;
-        frozen = |e| e.estimate.frozen;
-        reset = |e| e.estimate.reset;
-        trusted_ratio = |e| e.estimate.trusted_ratio;
-        trusted_height = |e| e.estimate.trusted_height;
-        refused = |e| e.estimate.status == Status::Refused;
-        diverged = |e| e.estimate.status == Status::Diverged;
-        identifiable_ratio = |e| e.estimate.identifiable_ratio;
-        identifiable_height = |e| e.estimate.identifiable_height;
-    };
+    sheet::loader_flags!(flags);
 
     const ESTIMATED: &'static [Bit<Timed>] = rows! { Bit, get:
         state = |e| e.estimate.started;

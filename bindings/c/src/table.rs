@@ -135,4 +135,40 @@ macro_rules! rows {
     };
 }
 
-pub(crate) use rows;
+/// `SIGNALS` of a machine, the time first, then each at the place of its bit.
+macro_rules! signals {
+    (
+        first { $( $bit:literal $const:ident $name:ident ($($place:tt)*) $unit:tt $doc:tt $presence:ident; )* }
+        later { $( $bit2:literal $const2:ident $name2:ident ($($place2:tt)*) $unit2:tt $doc2:tt $presence2:ident; )* }
+        switches { $( $bit3:literal $const3:ident $name3:ident ($($place3:tt)*) $unit3:tt $doc3:tt $presence3:ident; )* }
+    ) => {
+        const SIGNALS: &'static [$crate::table::Signal<Sample>] = &{
+            use $crate::table::{Signal, present};
+            const TIME: Signal<Sample> = Signal { name: "t", put: |s, x| s.time = x };
+            let mut all = [TIME; 1 + [$( $bit, )* $( $bit2, )* $( $bit3 ),*].len()];
+            $( all[1 + $bit] = Signal { name: stringify!($name), put: |s, x| s.$($place)* = present(x) }; )*
+            $( all[1 + $bit2] = Signal { name: stringify!($name2), put: |s, x| s.$($place2)* = present(x) }; )*
+            $( all[1 + $bit3] = Signal { name: stringify!($name3), put: |s, x| s.$($place3)* = x > 0.0 }; )*
+            all
+        };
+    };
+}
+
+/// `FLAGS` of a machine, each at the place of its bit; what only a process can say is never set here.
+macro_rules! flags {
+    (
+        estimator { $( $bit:literal $const:ident $name:ident ($($place:tt)*) $doc:tt; )* }
+        process { $( $bit2:literal $const2:ident $name2:ident $doc2:tt; )* }
+    ) => {
+        const FLAGS: &'static [$crate::table::Bit<Timed>] = &{
+            use $crate::table::Bit;
+            const NEVER: Bit<Timed> = Bit { name: "", get: |_| false };
+            let mut all = [NEVER; [$( $bit, )* $( $bit2 ),*].len()];
+            $( all[$bit] = Bit { name: stringify!($name), get: |e| e.estimate.$($place)* }; )*
+            $( all[$bit2] = Bit { name: stringify!($name2), get: |_| false }; )*
+            all
+        };
+    };
+}
+
+pub(crate) use {flags, rows, signals};

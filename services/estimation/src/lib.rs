@@ -50,6 +50,7 @@ mod methods;
 pub mod model;
 pub mod pair;
 pub mod prediction;
+mod reasons;
 pub mod rls;
 pub mod root;
 mod rotations;

@@ -1,15 +1,13 @@
 //! The methods of a machine by the names that the command line and the files use: one table a machine, the default first.
 
-/// Defines `Method`. The order is that of the index in the messages.
+/// Defines `Method` from the rows of the sheet; the order is that of the index in the messages.
 macro_rules! methods {
-    (
-        $(#[doc = $doc:literal])+
-        pub enum Method { $( $(#[doc = $method_doc:literal])+ $method:ident = $name:literal, )+ }
-    ) => {
-        $(#[doc = $doc])+
+    ($( $index:literal $method:ident $name:literal $method_doc:literal; )+) => {
+        /// How the machine is estimated.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-        pub enum Method { $( $(#[doc = $method_doc])+ $method, )+ }
+        #[non_exhaustive]
+        pub enum Method { $( #[doc = $method_doc] $method = $index, )+ }
 
         impl Method {
             /// Every method, the default first.

@@ -3,80 +3,30 @@
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
 use crate::message::message;
+use crate::words::{Entry, Words, method_names, reason_pairs, sensors, signal_entries};
+use sheet::excavator::{FLAGS, METHODS, QUANTITIES, REASONS, SIGNALS};
+
+/// Names of the bits of the sensors' message.
+const SENSOR_WORDS: &[(&str, Words)] = &[
+    ("valid", Words::Bits(SIGNAL_BITS)),
+    ("columns", Words::Bits(SIGNAL_BITS)),
+];
+const SIGNAL_BITS: &[Entry] = &signal_entries::<{ SIGNALS.len() }>(SIGNALS);
+/// Names of the bits and codes of an estimate.
+const ESTIMATE_WORDS: &[(&str, Words)] = &[
+    ("flags", Words::Bits(FLAGS)),
+    ("estimated", Words::Bits(QUANTITIES)),
+    ("method", Words::Codes(METHODS)),
+    ("reason", Words::Codes(REASONS)),
+];
 
 /// Bits of the excavator's messages.
 pub mod excavator_bits {
-    // Signals: `ExcavatorSensors::{valid, columns}`.
-    /// Swing velocity.
-    pub const SWING_VELOCITY: u32 = 1;
-    /// Swing angle (an encoder in place of the velocity).
-    pub const SWING_ANGLE: u32 = 1 << 1;
-    /// Swing torque.
-    pub const SWING_TORQUE: u32 = 1 << 2;
-    /// Boom angle.
-    pub const BOOM_ANGLE: u32 = 1 << 3;
-    /// Arm angle.
-    pub const ARM_ANGLE: u32 = 1 << 4;
-    /// Bucket angle.
-    pub const BUCKET_ANGLE: u32 = 1 << 5;
-    /// Pitch of the upper body.
-    pub const PITCH: u32 = 1 << 6;
-    /// Roll of the upper body.
-    pub const ROLL: u32 = 1 << 7;
-    /// Pressure at the head side of the boom cylinders.
-    pub const BOOM_HEAD_PRESSURE: u32 = 1 << 8;
-    /// Pressure at the rod side of the boom cylinders.
-    pub const BOOM_ROD_PRESSURE: u32 = 1 << 9;
-    /// Pressure at the head side of the arm cylinder.
-    pub const ARM_HEAD_PRESSURE: u32 = 1 << 10;
-    /// Pressure at the rod side of the arm cylinder.
-    pub const ARM_ROD_PRESSURE: u32 = 1 << 11;
-    /// Number of the truck that is loaded.
-    pub const TRUCK: u32 = 1 << 12;
+    use crate::words::{flag_bits, quantity_bits, signal_bits};
 
-    // Flags: `ExcavatorEstimate::flags`.
-    /// The motion carries information about the inertia.
-    pub const EXCITED: u32 = 1;
-    /// Innovations agree with their predicted size.
-    pub const CONSISTENT: u32 = 1 << 1;
-    /// Inputs are recent and complete.
-    pub const FRESH: u32 = 1 << 2;
-    /// The interval is narrower than the stated limit.
-    pub const CONVERGED: u32 = 1 << 3;
-    /// These inputs can determine the inertia at all.
-    pub const IDENTIFIABLE: u32 = 1 << 4;
-    /// Standstill: the estimate is held.
-    pub const HELD: u32 = 1 << 5;
-    /// The payload is changing.
-    pub const CHANGING: u32 = 1 << 6;
-    /// The filter was reset at this sample.
-    pub const RESET: u32 = 1 << 7;
-    /// All of excited, consistent, fresh, converged, identifiable.
-    pub const TRUSTED: u32 = 1 << 8;
-    /// Paper mode: the nominal-parameter rule acted (Eqs. 28-29).
-    pub const NOMINAL: u32 = 1 << 9;
-    /// Paper mode: inside a change window (section 3.5).
-    pub const WINDOW: u32 = 1 << 10;
-    /// The row was refused (time not increasing or not finite); the state is untouched.
-    pub const REFUSED: u32 = 1 << 11;
-    /// The service was started again and has not been trusted since.
-    pub const RESTARTED: u32 = 1 << 12;
-
-    // Quantities: `ExcavatorEstimate::estimated`; a method that does not estimate one leaves it 0.
-    /// Damping.
-    pub const DAMPING: u32 = 1;
-    /// Torque.
-    pub const TORQUE: u32 = 1 << 1;
-    /// Payload.
-    pub const PAYLOAD: u32 = 1 << 2;
-    /// Coulomb friction.
-    pub const FRICTION: u32 = 1 << 3;
-    /// Torque offset.
-    pub const OFFSET: u32 = 1 << 4;
-    /// Inertia (every method has it; 0 until the first accepted row).
-    pub const INERTIA: u32 = 1 << 5;
-    /// Acceleration.
-    pub const ACCELERATION: u32 = 1 << 6;
+    sheet::excavator_signals!(signal_bits);
+    sheet::excavator_flags!(flag_bits);
+    sheet::excavator_quantities!(quantity_bits);
 
     // Flags of `SwingMotion::flags`, beside `REFUSED` (its signal bits are those of the sensors, in `valid`).
     /// A manoeuvre begins or goes on (change window).
@@ -85,41 +35,18 @@ pub mod excavator_bits {
     pub const STANDSTILL: u32 = 1 << 1;
 }
 
-message! {
-    /// What the excavator's sensors measured; a signal without its bit in `valid` is 0 and means nothing.
-    pub struct ExcavatorSensors, "ExcavatorSensors", size 176, marked in columns {
-        /// Swing rate, positive anticlockwise from above.
-        swing_velocity: f64, "rad/s";
-        /// Swing angle, same sign.
-        swing_angle: f64, "rad";
-        /// Swing torque at the upper body, positive in the direction of positive motion.
-        swing_torque: f64, "N m";
-        /// Boom angle to the horizontal, up positive.
-        boom_angle: f64, "rad";
-        /// Arm angle relative to the boom.
-        arm_angle: f64, "rad";
-        /// Bucket angle relative to the arm.
-        bucket_angle: f64, "rad";
-        /// Bits of the signals that this sample carries.
-        valid: u32, "";
-        /// Bits of the signals that the source has at all.
-        columns: u32, "";
-        /// Pitch of the upper body, nose up positive.
-        pitch: f64, "rad";
-        /// Roll of the upper body, left side low positive.
-        roll: f64, "rad";
-        /// Pressure at the head side of the boom cylinders, their mean.
-        boom_head_pressure: f64, "Pa";
-        /// Pressure at the rod side of the boom cylinders, their mean.
-        boom_rod_pressure: f64, "Pa";
-        /// Pressure at the head side of the arm cylinder.
-        arm_head_pressure: f64, "Pa";
-        /// Pressure at the rod side of the arm cylinder.
-        arm_rod_pressure: f64, "Pa";
-        /// Number of the truck that is loaded; another number begins the next truck.
-        truck: f64, "";
-    }
+/// The message of its sensors from the rows of the sheet.
+macro_rules! sensors_of_excavator {
+    ($($rows:tt)*) => {
+        sensors! {
+            /// What the excavator's sensors measured; a signal without its bit in `valid` is 0 and means nothing.
+            ExcavatorSensors, "ExcavatorSensors", size 176, words SENSOR_WORDS
+            $($rows)*
+        }
+    };
 }
+
+sheet::excavator_signals!(sensors_of_excavator);
 
 message! {
     /// The truth behind a simulated or annotated sample; estimators never read it.
@@ -188,7 +115,7 @@ message! {
 
 message! {
     /// Estimated swing inertia with its verdict.
-    pub struct ExcavatorEstimate, "ExcavatorEstimate", size 240, marked in flags {
+    pub struct ExcavatorEstimate, "ExcavatorEstimate", size 240, marked in flags, words ESTIMATE_WORDS {
         /// Swing inertia.
         inertia: f64, "kg m^2";
         /// Standard deviation of the inertia.
@@ -242,49 +169,11 @@ message! {
 
 /// Reasons of the excavator's estimates by their code, [`ExcavatorEstimate::reason`]: name in the tables, and
 /// words. 0 is no reason.
-pub const EXCAVATOR_REASONS: &[(&str, &str)] = &[
-    ("", ""),
-    ("slope", "the ground seems inclined"),
-    ("losses", "the swing drive seems to lose torque"),
-    ("friction", "the friction differs from the described one"),
-    ("gain", "the torque's gain seems not to be 1"),
-    ("delay", "velocity and torque do not come together"),
-    ("offset", "the torque seems to have an offset"),
-    ("damping", "the damping differs from the described one"),
-    ("unexplained", "the motion does not follow the model"),
-    ("disagreement", "swings disagree by more than they claim"),
-    ("limit", "the estimate is at the end of its range"),
-    ("content", "the bucket's content may have changed"),
-    ("frozen", "a sensor repeats one value"),
-    ("sign", "a sensor seems to have the other sign"),
-    (
-        "method",
-        "this method cannot tell the inertia of a machine that is not calibrated",
-    ),
-    ("restarted", "the service was started again"),
-    (
-        "jump",
-        "a joint angle has jumped further than a joint moves",
-    ),
-    (
-        "contradiction",
-        "an emptied bucket or the friction contradicts what a sensor says",
-    ),
-    ("hanging", "the load hangs or swings"),
-    ("attachment", "the bucket weighs otherwise than described"),
-];
+pub const EXCAVATOR_REASONS: &[(&str, &str)] = sheet::excavator_reasons!(reason_pairs);
 
 /// Names of the excavator estimation methods on the command line and in every output, indexed by
 /// [`ExcavatorEstimate::method`].
-pub const EXCAVATOR_METHODS: &[&str] = &[
-    "auto",
-    "multi-forgetting-rls",
-    "svf-rls",
-    "posture-torque",
-    "torque",
-    "posture",
-    "velocity",
-];
+pub const EXCAVATOR_METHODS: &[&str] = sheet::excavator_methods!(method_names);
 
 /// The excavator's channels.
 pub mod channels {

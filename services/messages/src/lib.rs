@@ -12,6 +12,7 @@
 //! | `health`, [`keyframe`] | the messages of every process |
 //! | `machine` | the machines, a row each: every crate makes its table from it |
 //! | [`channels`] | the table of channels: name, payload, depth, rate |
+//! | `words` | names of bits and codes, from the sheet |
 //! | `message`, `stamp` | what every payload can do, and begins with |
 //! | `envelope` | any payload |
 
@@ -24,6 +25,7 @@ mod loader;
 mod machine;
 mod message;
 mod stamp;
+mod words;
 
 pub use envelope::{Carries, Envelope, Receiver};
 pub use health::{Credit, Health, State, fault};
@@ -31,6 +33,7 @@ pub use keyframe::{Keyframe, Snapshot};
 pub use machine::Machine;
 pub use message::{Field, HEAD, Message, NumberType, SIMULATED, Value};
 pub use stamp::{Hop, Hops, Stamp};
+pub use words::{Entry, Words};
 
 macro_rules! messages_of_machines {
     ($( $machine:ident, $module:ident, $sensors:ident, $truth:ident, $estimate:ident, $others:tt; )*) => {

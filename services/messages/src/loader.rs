@@ -3,142 +3,44 @@
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
 use crate::message::message;
+use crate::words::{Entry, Words, method_names, reason_pairs, sensors, signal_entries};
+use sheet::loader::{FLAGS, METHODS, QUANTITIES, REASONS, SIGNALS};
+
+/// Names of the bits of the sensors' message.
+const SENSOR_WORDS: &[(&str, Words)] = &[
+    ("valid", Words::Bits(SIGNAL_BITS)),
+    ("columns", Words::Bits(SIGNAL_BITS)),
+];
+const SIGNAL_BITS: &[Entry] = &signal_entries::<{ SIGNALS.len() }>(SIGNALS);
+/// Names of the bits and codes of an estimate.
+const ESTIMATE_WORDS: &[(&str, Words)] = &[
+    ("flags", Words::Bits(FLAGS)),
+    ("estimated", Words::Bits(QUANTITIES)),
+    ("method", Words::Codes(METHODS)),
+    ("reason", Words::Codes(REASONS)),
+];
 
 /// Bits of the loader's messages.
 pub mod loader_bits {
-    // Signals: `LoaderSensors::{valid, columns}`.
-    /// Speed.
-    pub const SPEED: u32 = 1;
-    /// Front wheel speed.
-    pub const FRONT_WHEEL_SPEED: u32 = 1 << 1;
-    /// Rear wheel speed.
-    pub const REAR_WHEEL_SPEED: u32 = 1 << 2;
-    /// Front axle torque.
-    pub const FRONT_TORQUE: u32 = 1 << 3;
-    /// Rear axle torque.
-    pub const REAR_TORQUE: u32 = 1 << 4;
-    /// Slope.
-    pub const SLOPE: u32 = 1 << 5;
-    /// Specific force along the body axis.
-    pub const ACCELERATION: u32 = 1 << 6;
-    /// Mass.
-    pub const MASS: u32 = 1 << 7;
-    /// Horizontal spade force.
-    pub const SPADE_FORCE_X: u32 = 1 << 8;
-    /// Vertical spade force.
-    pub const SPADE_FORCE_Z: u32 = 1 << 9;
-    /// In `valid`: the boom moves. In `columns`: the source has that signal.
-    pub const BOOM_MOVING: u32 = 1 << 10;
-    /// Articulation of the steering.
-    pub const ARTICULATION: u32 = 1 << 11;
-    /// Yaw rate.
-    pub const YAW_RATE: u32 = 1 << 12;
-    /// In `valid`: friction brakes act. In `columns`: the source has that signal.
-    pub const BRAKE: u32 = 1 << 13;
-    /// Angle of the lift arm.
-    pub const LIFT_ANGLE: u32 = 1 << 14;
-    /// Angle of the bucket.
-    pub const TILT_ANGLE: u32 = 1 << 15;
-    /// Pressure at the head side of the lift cylinders.
-    pub const LIFT_HEAD_PRESSURE: u32 = 1 << 16;
-    /// Pressure at the rod side of the lift cylinders.
-    pub const LIFT_ROD_PRESSURE: u32 = 1 << 17;
-    /// Number of the truck that is loaded.
-    pub const TRUCK: u32 = 1 << 18;
+    use crate::words::{flag_bits, quantity_bits, signal_bits};
 
-    // Flags: `LoaderEstimate::flags`.
-    /// The motion carries information about the ratio.
-    pub const EXCITED_RATIO: u32 = 1;
-    /// The motion carries information about the height.
-    pub const EXCITED_HEIGHT: u32 = 1 << 1;
-    /// Innovations agree with their predicted size.
-    pub const CONSISTENT: u32 = 1 << 2;
-    /// Inputs are recent and complete.
-    pub const FRESH: u32 = 1 << 3;
-    /// The interval of the ratio is narrower than the stated limit.
-    pub const CONVERGED_RATIO: u32 = 1 << 4;
-    /// The interval of the height is narrower than the stated limit.
-    pub const CONVERGED_HEIGHT: u32 = 1 << 5;
-    /// Parameters are frozen (low speed, digging).
-    pub const FROZEN: u32 = 1 << 6;
-    /// A reset happened within the last 2 s.
-    pub const RESET: u32 = 1 << 7;
-    /// The ratio may be believed.
-    pub const TRUSTED_RATIO: u32 = 1 << 8;
-    /// The height may be believed.
-    pub const TRUSTED_HEIGHT: u32 = 1 << 9;
-    /// The row was refused (time not increasing or not finite); the state is untouched.
-    pub const REFUSED: u32 = 1 << 10;
-    /// The filter diverged (only methods without protection).
-    pub const DIVERGED: u32 = 1 << 11;
-    /// These inputs can determine the ratio, and it is not at a bound.
-    pub const IDENTIFIABLE_RATIO: u32 = 1 << 12;
-    /// These inputs can determine the height, and it is not at a bound.
-    pub const IDENTIFIABLE_HEIGHT: u32 = 1 << 13;
-
-    /// The service was started again and has not been trusted since.
-    pub const RESTARTED: u32 = 1 << 14;
-    /// The payload may be believed.
-    pub const TRUSTED_PAYLOAD: u32 = 1 << 15;
-
-    // Quantities: `LoaderEstimate::estimated`.
-    /// Speed, wheel speeds, slip stiffness, height, ratio (0 until the first accepted row).
-    pub const STATE: u32 = 1;
-    /// Horizontal spade force.
-    pub const ESTIMATED_SPADE_FORCE_X: u32 = 1 << 1;
-    /// Slope bias.
-    pub const SLOPE_BIAS: u32 = 1 << 2;
-    /// Rolling-radius scales.
-    pub const RADIUS_SCALES: u32 = 1 << 3;
-    /// Delay of the speed.
-    pub const SPEED_DELAY: u32 = 1 << 4;
-    /// Payload.
-    pub const PAYLOAD: u32 = 1 << 5;
+    sheet::loader_signals!(signal_bits);
+    sheet::loader_flags!(flag_bits);
+    sheet::loader_quantities!(quantity_bits);
 }
 
-message! {
-    /// What the loader's sensors measured; a signal without its bit in `valid` is 0 and means nothing.
-    pub struct LoaderSensors, "LoaderSensors", size 208, marked in columns {
-        /// Forward speed of the body.
-        speed: f64, "m/s";
-        /// Speed of the front wheels.
-        front_wheel_speed: f64, "rad/s";
-        /// Speed of the rear wheels.
-        rear_wheel_speed: f64, "rad/s";
-        /// Front axle torque at the wheels, total.
-        front_torque: f64, "N m";
-        /// Rear axle torque at the wheels, total.
-        rear_torque: f64, "N m";
-        /// Road slope, uphill in the driving direction positive.
-        slope: f64, "rad";
-        /// Specific force along the body axis, dv/dt + g sin(slope).
-        acceleration: f64, "m/s^2";
-        /// Mass of the machine with its load.
-        mass: f64, "kg";
-        /// Force on the bucket tip that pushes the machine backward.
-        spade_force_x: f64, "N";
-        /// Force on the bucket tip that pushes the machine down.
-        spade_force_z: f64, "N";
-        /// Angle between front and rear body, positive when the machine turns left.
-        articulation: f64, "rad";
-        /// Yaw rate of the rear body, positive anticlockwise from above.
-        yaw_rate: f64, "rad/s";
-        /// Bits of the signals that this sample carries.
-        valid: u32, "";
-        /// Bits of the signals that the source has at all.
-        columns: u32, "";
-        /// Angle of the lift arm to the horizontal, up positive.
-        lift_angle: f64, "rad";
-        /// Angle of the bucket relative to the lift arm, tip up positive.
-        tilt_angle: f64, "rad";
-        /// Pressure at the head side of the lift cylinders, their mean.
-        lift_head_pressure: f64, "Pa";
-        /// Pressure at the rod side of the lift cylinders, their mean.
-        lift_rod_pressure: f64, "Pa";
-        /// Number of the truck that is loaded; another number begins the next truck.
-        truck: f64, "";
-    }
+/// The message of its sensors from the rows of the sheet.
+macro_rules! sensors_of_loader {
+    ($($rows:tt)*) => {
+        sensors! {
+            /// What the loader's sensors measured; a signal without its bit in `valid` is 0 and means nothing.
+            LoaderSensors, "LoaderSensors", size 208, words SENSOR_WORDS
+            $($rows)*
+        }
+    };
 }
+
+sheet::loader_signals!(sensors_of_loader);
 
 message! {
     /// The truth behind a simulated or annotated sample; estimators never read it.
@@ -168,7 +70,7 @@ message! {
 
 message! {
     /// Estimated centre of gravity with its verdict.
-    pub struct LoaderEstimate, "LoaderEstimate", size 256, marked in flags {
+    pub struct LoaderEstimate, "LoaderEstimate", size 256, marked in flags, words ESTIMATE_WORDS {
         /// Forward speed.
         speed: f64, "m/s";
         /// Speed of the front wheels.
@@ -215,7 +117,7 @@ message! {
         resets: u32, "";
         /// Rows refused so far.
         refused: u64, "";
-        /// Why an estimate is not consistent or not fresh: index into `LOADER_REASONS`, 0 for none.
+        /// Why an estimate is not consistent or not fresh: index of `LOADER_REASONS`, 0 for none.
         reason: u32, "";
         /// Reserved, 0.
         reserved: u32, "";
@@ -227,38 +129,10 @@ message! {
 }
 
 /// Reasons of the loader's estimates by their code, [`LoaderEstimate::reason`]: name in the tables, and words. 0 is no reason.
-pub const LOADER_REASONS: &[(&str, &str)] = &[
-    ("", ""),
-    ("missing", "an input is missing or too old"),
-    ("stuck speed", "the speed never changes"),
-    ("stuck front wheel", "the front wheel speed never changes"),
-    ("stuck rear wheel", "the rear wheel speed never changes"),
-    ("stuck front torque", "the front torque never changes"),
-    ("stuck rear torque", "the rear torque never changes"),
-    ("stuck slope", "the slope never changes"),
-    ("stuck acceleration", "the acceleration never changes"),
-    ("unexplained", "the motion does not follow the model"),
-    ("latency", "the speed comes later than a sensor may"),
-    ("stiffness", "the slip stiffness is none that tyres have"),
-    ("brakes", "friction brakes seem to act"),
-    ("steering", "the machine turns"),
-    ("slope", "the slope does not fit the motion"),
-    ("torque", "the torques do not fit the motion and the mass"),
-    ("load", "the load may have changed"),
-    (
-        "disagreement",
-        "manoeuvres disagree by more than they claim",
-    ),
-    ("limit", "an estimate is at its limit"),
-    ("restarted", "the service was started again"),
-    (
-        "locked drive",
-        "the axles turn alike: the torques told are not theirs",
-    ),
-];
+pub const LOADER_REASONS: &[(&str, &str)] = sheet::loader_reasons!(reason_pairs);
 
 /// Names of the loader estimation methods, indexed by [`LoaderEstimate::method`].
-pub const LOADER_METHODS: &[&str] = &["full", "isr-ukf-printed", "isr-ukf", "ekf", "full-ekf"];
+pub const LOADER_METHODS: &[&str] = sheet::loader_methods!(method_names);
 
 /// The loader's channels.
 pub mod channels {

@@ -72,6 +72,8 @@ pub trait Message: ZeroCopySend + Copy + Debug + Default + PartialEq + Send + 's
     const PAYLOAD: crate::channels::Payload;
     /// All fields in the order of the structure, those of stamp and hops first.
     const FIELDS: &'static [Field];
+    /// Names of the bits or codes of those fields that are such.
+    const WORDS: &'static [(&'static str, crate::Words)] = &[];
 
     /// Identity of the sample.
     fn stamp(&self) -> &Stamp;
@@ -235,7 +237,7 @@ field_type!(u32 => U32, u64 => U64, f64 => F64);
 macro_rules! message {
     (
         $(#[doc = $doc:literal])*
-        pub struct $name:ident, $type_name:tt, size $size:literal $(, marked in $mark:ident)? {
+        pub struct $name:ident, $type_name:tt, size $size:literal $(, marked in $mark:ident)? $(, words $words:ident)? {
             $( $(#[doc = $field_doc:literal])+ $field:ident: $type:ty, $unit:tt; )*
         }
     ) => {
@@ -269,6 +271,8 @@ macro_rules! message {
                     $crate::message::join(OWN);
                 &ALL
             };
+
+            $( const WORDS: &'static [(&'static str, $crate::Words)] = $words; )?
 
             fn stamp(&self) -> &$crate::Stamp { &self.stamp }
             fn stamp_mut(&mut self) -> &mut $crate::Stamp { &mut self.stamp }

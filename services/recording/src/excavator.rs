@@ -18,20 +18,8 @@ impl Sensors for ExcavatorSensors {
     const MACHINE: Machine = Machine::Excavator;
     const SENSORS: &'static ChannelOf<Self> = &EXCAVATOR_SENSORS;
     const TRUTH: &'static ChannelOf<Self::Truth> = &EXCAVATOR_TRUTH;
-    const REQUIRED: &'static [&'static [&'static str]] = &[&["swing_velocity", "swing_angle"]];
-    const FLAGS: &'static [(&'static str, u32)] = &[];
-    const ONE_OF: u32 = bits::SWING_VELOCITY | bits::SWING_ANGLE;
-    const OPTIONAL: u32 = Self::ONE_OF
-        | bits::SWING_TORQUE
-        | bits::BOOM_ANGLE
-        | bits::ARM_ANGLE
-        | bits::BUCKET_ANGLE
-        | bits::PITCH
-        | bits::ROLL
-        | bits::BOOM_HEAD_PRESSURE
-        | bits::BOOM_ROD_PRESSURE
-        | bits::ARM_HEAD_PRESSURE
-        | bits::ARM_ROD_PRESSURE;
+    const REQUIRED: &'static [&'static [&'static str]] = sheet::excavator::REQUIRED;
+    const SIGNALS: &'static [sheet::Signal] = sheet::excavator::SIGNALS;
 }
 
 impl Estimate for ExcavatorEstimate {

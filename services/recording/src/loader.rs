@@ -16,19 +16,8 @@ impl Sensors for LoaderSensors {
     const MACHINE: Machine = Machine::Loader;
     const SENSORS: &'static ChannelOf<Self> = &LOADER_SENSORS;
     const TRUTH: &'static ChannelOf<Self::Truth> = &LOADER_TRUTH;
-    const REQUIRED: &'static [&'static [&'static str]] = &[
-        &["speed"],
-        &["front_wheel_speed"],
-        &["rear_wheel_speed"],
-        &["front_torque"],
-        &["rear_torque"],
-        &["slope"],
-    ];
-    const FLAGS: &'static [(&'static str, u32)] =
-        &[("boom_moving", bits::BOOM_MOVING), ("brake", bits::BRAKE)];
-    const ONE_OF: u32 = 0;
-    const OPTIONAL: u32 =
-        bits::LIFT_ANGLE | bits::TILT_ANGLE | bits::LIFT_HEAD_PRESSURE | bits::LIFT_ROD_PRESSURE;
+    const REQUIRED: &'static [&'static [&'static str]] = sheet::loader::REQUIRED;
+    const SIGNALS: &'static [sheet::Signal] = sheet::loader::SIGNALS;
 }
 
 impl Estimate for LoaderEstimate {

@@ -6,6 +6,7 @@ use messages::channels::ChannelOf;
 use messages::{Machine, Message, NumberType, Value};
 
 use crate::machines;
+use sheet::Presence;
 
 /// The sensors of a machine whose samples can be read.
 pub trait Sensors: Message {
@@ -19,12 +20,12 @@ pub trait Sensors: Message {
     const TRUTH: &'static ChannelOf<Self::Truth>;
     /// Of each group, the source must have one.
     const REQUIRED: &'static [&'static [&'static str]];
-    /// Sensors that are only a bit of `valid`.
-    const FLAGS: &'static [(&'static str, u32)];
+    /// Its signals.
+    const SIGNALS: &'static [sheet::Signal];
     /// Sensors that count as present only if a value comes within the first second.
-    const OPTIONAL: u32;
+    const OPTIONAL: u32 = sheet::bits(Self::SIGNALS, Presence::Observed) | Self::ONE_OF;
     /// Of these, those of the header count as present where none has an early value.
-    const ONE_OF: u32;
+    const ONE_OF: u32 = sheet::bits(Self::SIGNALS, Presence::OneOf);
 }
 
 /// Where a signal goes.
@@ -62,12 +63,13 @@ pub(crate) fn signals<S: Sensors>() -> Vec<Signal> {
         unit: S::FIELDS[index].unit,
         slot: Slot::Sensor(index, bit),
     });
-    let flags = S::FLAGS.iter().map(|(name, bit)| Signal {
-        name: (*name).into(),
-        unit: "",
-        slot: Slot::Flag(*bit),
+    let switches = S::SIGNALS.iter().filter(|s| s.is_switch);
+    let flags = switches.map(|s| Signal {
+        name: s.name.into(),
+        unit: s.unit,
+        slot: Slot::Flag(s.bit),
     });
-    let truth = own::<S::Truth>(&[]).map(|(index, bit)| Signal {
+    let truth = truths::<S::Truth>().map(|(index, bit)| Signal {
         name: format!("true_{}", S::Truth::FIELDS[index].name),
         unit: S::Truth::FIELDS[index].unit,
         slot: Slot::Truth(index, bit),
@@ -79,20 +81,17 @@ pub(crate) fn signals<S: Sensors>() -> Vec<Signal> {
         .collect()
 }
 
-/// Index and bit of each measured field of a message; a bit that is a flag's is passed over.
-fn own<M: Message>(flags: &[(&str, u32)]) -> impl Iterator<Item = (usize, u32)> {
-    let taken = flags.iter().fold(0, |bits, (_, bit)| bits | bit);
-    let free = (0..u32::BITS)
-        .map(|i| 1u32 << i)
-        .filter(move |bit| bit & taken == 0);
+/// Index and bit of each true value: bit i is field i.
+fn truths<M: Message>() -> impl Iterator<Item = (usize, u32)> {
     let numbers = M::FIELDS.iter().enumerate().skip(messages::HEAD);
-    let measured = numbers.filter(|(_, field)| field.kind == NumberType::F64);
-    measured.zip(free).map(|((index, _), bit)| (index, bit))
+    let known = numbers.filter(|(_, field)| field.kind == NumberType::F64);
+    known.zip(0..).map(|((index, _), bit)| (index, 1 << bit))
 }
 
 /// Index and bit of each measured field of a sensor message.
 pub fn measured<S: Sensors>() -> impl Iterator<Item = (usize, u32)> {
-    own::<S>(S::FLAGS)
+    let numbers = S::SIGNALS.iter().filter(|s| !s.is_switch);
+    numbers.filter_map(|s| Some((S::index(s.name)?, s.bit)))
 }
 
 /// Bit of the signal called `name` in the samples of a channel; 0 if there is none.

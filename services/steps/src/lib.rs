@@ -18,6 +18,7 @@ mod idle;
 mod kept;
 pub mod loader;
 pub mod loads;
+mod rows;
 mod source;
 pub mod stages;
 

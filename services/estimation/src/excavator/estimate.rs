@@ -87,25 +87,7 @@ impl Flags {
     }
 }
 
-methods! {
-    /// How the swing inertia is estimated.
-    pub enum Method {
-        /// By the columns that exist.
-        Auto = "auto",
-        /// The paper: velocity only, multiple forgetting.
-        MultiForgettingRls = "multi-forgetting-rls",
-        /// Measured torque, both sides equally filtered.
-        SvfRls = "svf-rls",
-        /// Torque and posture: inertia and payload (D).
-        PostureTorque = "posture-torque",
-        /// Torque, momentum form (BM).
-        Torque = "torque",
-        /// Posture, torque unknown but constant for a while (C).
-        Posture = "posture",
-        /// Velocity and nominal damping only (A).
-        Velocity = "velocity",
-    }
-}
+sheet::excavator_methods!(methods);
 
 impl Method {
     /// Whether [`super::Regression`] runs it; the others belong to [`super::SwingEstimator`].

@@ -99,3 +99,15 @@ pub struct Estimate {
     /// Rows refused so far.
     pub refused: u64,
 }
+
+impl Estimate {
+    /// The row was refused; the state is untouched.
+    pub fn is_refused(&self) -> bool {
+        self.status == Status::Refused
+    }
+
+    /// The filter left the finite numbers at this row and began anew.
+    pub fn has_diverged(&self) -> bool {
+        self.status == Status::Diverged
+    }
+}

@@ -5,6 +5,7 @@ use messages::{ExcavatorEstimate, excavator_bits as bits};
 
 use crate::bits::set_bits;
 use crate::kept::{Bits, Restart};
+use crate::rows::flags_of_estimate;
 
 /// The message of an excavator estimate; what the method does not estimate stays 0 without its bit.
 /// `started`: a row has been accepted.
@@ -52,23 +53,7 @@ pub(super) fn tell_restart(restart: &mut Restart, time: f64, m: &mut ExcavatorEs
     restart.tell(&bits, time, &mut m.flags, &mut m.reason);
 }
 
-fn flags(e: &Estimate) -> u32 {
-    let f = &e.flags;
-    set_bits(&[
-        (bits::EXCITED, f.excited),
-        (bits::CONSISTENT, f.consistent),
-        (bits::FRESH, f.fresh),
-        (bits::CONVERGED, f.converged),
-        (bits::IDENTIFIABLE, f.identifiable),
-        (bits::HELD, f.held),
-        (bits::CHANGING, f.changing),
-        (bits::RESET, f.reset),
-        (bits::TRUSTED, f.trusted()),
-        (bits::NOMINAL, f.nominal),
-        (bits::WINDOW, f.window),
-        (bits::REFUSED, f.refused),
-    ])
-}
+sheet::excavator_flags!(flags_of_estimate);
 
 fn estimated(e: &Estimate, started: bool) -> u32 {
     set_bits(&[

@@ -2,33 +2,13 @@
 
 use config::Excavator as Description;
 use estimation::excavator::{Columns, Method, Sample, Settings, SwingEstimator};
-use messages::{ExcavatorSensors, excavator_bits as bits};
+use messages::{ExcavatorSensors, ExcavatorSensors as SensorsMessage, excavator_bits as bits};
 
 use super::method;
 use crate::Error;
+use crate::rows::sample_of_message;
 
-/// The sample in a message; a signal without its bit is missing.
-#[must_use]
-pub fn sample(m: &ExcavatorSensors) -> Sample {
-    let valid = |bit: u32, value: f64| (m.valid & bit != 0).then_some(value);
-    Sample {
-        time: m.stamp.time,
-        velocity: valid(bits::SWING_VELOCITY, m.swing_velocity),
-        angle: valid(bits::SWING_ANGLE, m.swing_angle),
-        torque: valid(bits::SWING_TORQUE, m.swing_torque),
-        posture: [
-            valid(bits::BOOM_ANGLE, m.boom_angle),
-            valid(bits::ARM_ANGLE, m.arm_angle),
-            valid(bits::BUCKET_ANGLE, m.bucket_angle),
-        ],
-        inclination: [valid(bits::PITCH, m.pitch), valid(bits::ROLL, m.roll)],
-        boom_head_pressure: valid(bits::BOOM_HEAD_PRESSURE, m.boom_head_pressure),
-        boom_rod_pressure: valid(bits::BOOM_ROD_PRESSURE, m.boom_rod_pressure),
-        arm_head_pressure: valid(bits::ARM_HEAD_PRESSURE, m.arm_head_pressure),
-        arm_rod_pressure: valid(bits::ARM_ROD_PRESSURE, m.arm_rod_pressure),
-        truck: valid(bits::TRUCK, m.truck),
-    }
-}
+sheet::excavator_signals!(sample_of_message);
 
 /// The columns that the source of a message has.
 #[must_use]

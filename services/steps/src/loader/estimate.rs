@@ -1,9 +1,10 @@
 //! What every loader estimator says, as a message.
 
-use estimation::loader::{Estimate, Status};
+use estimation::loader::Estimate;
 use messages::{LoaderEstimate, loader_bits as bits};
 
 use crate::bits::set_bits;
+use crate::rows::flags_of_estimate;
 
 /// The message of an estimate; what the method does not estimate stays 0 without its bit.
 #[must_use]
@@ -40,25 +41,7 @@ pub fn message(e: &Estimate) -> LoaderEstimate {
     }
 }
 
-fn flags(e: &Estimate) -> u32 {
-    set_bits(&[
-        (bits::EXCITED_RATIO, e.excited_ratio),
-        (bits::EXCITED_HEIGHT, e.excited_height),
-        (bits::CONSISTENT, e.consistent),
-        (bits::FRESH, e.fresh),
-        (bits::IDENTIFIABLE_RATIO, e.identifiable_ratio),
-        (bits::IDENTIFIABLE_HEIGHT, e.identifiable_height),
-        (bits::CONVERGED_RATIO, e.converged_ratio),
-        (bits::CONVERGED_HEIGHT, e.converged_height),
-        (bits::FROZEN, e.frozen),
-        (bits::RESET, e.reset),
-        (bits::TRUSTED_RATIO, e.trusted_ratio),
-        (bits::TRUSTED_HEIGHT, e.trusted_height),
-        (bits::TRUSTED_PAYLOAD, e.trusted_payload),
-        (bits::REFUSED, e.status == Status::Refused),
-        (bits::DIVERGED, e.status == Status::Diverged),
-    ])
-}
+sheet::loader_flags!(flags_of_estimate);
 
 fn estimated(e: &Estimate) -> u32 {
     set_bits(&[
@@ -75,16 +58,4 @@ fn estimated(e: &Estimate) -> u32 {
         (bits::SPEED_DELAY, e.started && e.speed_delay.is_some()),
         (bits::PAYLOAD, e.started && e.payload.is_some()),
     ])
-}
-
-#[cfg(test)]
-mod tests {
-    use estimation::loader::Reason;
-
-    #[test]
-    fn every_reason_has_its_words() {
-        let names = messages::LOADER_REASONS.iter().map(|(name, _)| *name);
-        assert!(names.eq(Reason::NAMES));
-        assert_eq!(Reason::AtLimit.name(), "limit");
-    }
 }

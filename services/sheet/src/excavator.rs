@@ -1,0 +1,130 @@
+//! The excavator: what its sensors give, what its estimates say beside their numbers.
+
+/// Its signals: bit, name of the bit, name, where it goes in a `Sample` of `estimation`, unit, meaning with sign, presence.
+/// `first` and `later`: before and behind the bits in the message; a later one is added at the end, its bit is free.
+/// `switches` are a bit without a number. Calls the macro `$then` with them.
+#[macro_export]
+macro_rules! excavator_signals {
+    ($then:ident) => {
+        $then! {
+            first {
+                0 SWING_VELOCITY swing_velocity (velocity) "rad/s" "Swing rate, positive anticlockwise from above." OneOf;
+                1 SWING_ANGLE swing_angle (angle) "rad" "Swing angle, same sign." OneOf;
+                2 SWING_TORQUE swing_torque (torque) "N m" "Swing torque at the upper body, positive in the direction of positive motion." Observed;
+                3 BOOM_ANGLE boom_angle (posture[0]) "rad" "Boom angle to the horizontal, up positive." Observed;
+                4 ARM_ANGLE arm_angle (posture[1]) "rad" "Arm angle relative to the boom." Observed;
+                5 BUCKET_ANGLE bucket_angle (posture[2]) "rad" "Bucket angle relative to the arm." Observed;
+            }
+            later {
+                6 PITCH pitch (inclination[0]) "rad" "Pitch of the upper body, nose up positive." Observed;
+                7 ROLL roll (inclination[1]) "rad" "Roll of the upper body, left side low positive." Observed;
+                8 BOOM_HEAD_PRESSURE boom_head_pressure (boom_head_pressure) "Pa" "Pressure at the head side of the boom cylinders, their mean." Observed;
+                9 BOOM_ROD_PRESSURE boom_rod_pressure (boom_rod_pressure) "Pa" "Pressure at the rod side of the boom cylinders, their mean." Observed;
+                10 ARM_HEAD_PRESSURE arm_head_pressure (arm_head_pressure) "Pa" "Pressure at the head side of the arm cylinder." Observed;
+                11 ARM_ROD_PRESSURE arm_rod_pressure (arm_rod_pressure) "Pa" "Pressure at the rod side of the arm cylinder." Observed;
+                12 TRUCK truck (truck) "" "Number of the truck that is loaded; another number begins the next truck." Declared;
+            }
+            switches {
+            }
+        }
+    };
+}
+
+/// Its flags: bit, name of the bit, name, where an estimate of `estimation` says it, meaning. What no estimator
+/// says but the process that runs it stands in `process`.
+#[macro_export]
+macro_rules! excavator_flags {
+    ($then:ident) => {
+        $then! {
+            estimator {
+                0 EXCITED excited (flags.excited) "The motion carries information about the inertia.";
+                1 CONSISTENT consistent (flags.consistent) "Innovations agree with their predicted size.";
+                2 FRESH fresh (flags.fresh) "Inputs are recent and complete.";
+                3 CONVERGED converged (flags.converged) "The interval is narrower than the stated limit.";
+                4 IDENTIFIABLE identifiable (flags.identifiable) "These inputs can determine the inertia at all.";
+                5 HELD held (flags.held) "Standstill: the estimate is held.";
+                6 CHANGING changing (flags.changing) "The payload is changing.";
+                7 RESET reset (flags.reset) "The filter was reset at this sample.";
+                8 TRUSTED trusted (flags.trusted()) "The estimate may be believed: excited, consistent, fresh, converged and identifiable, the payload not changing, the row not refused.";
+                9 NOMINAL nominal (flags.nominal) "Paper mode: the nominal-parameter rule acted (Eqs. 28-29).";
+                10 WINDOW window (flags.window) "Paper mode: inside a change window (section 3.5).";
+                11 REFUSED refused (flags.refused) "The row was refused (time not increasing or not finite); the state is untouched.";
+            }
+            process {
+                12 RESTARTED restarted "The service was started again and has not been trusted since.";
+            }
+        }
+    };
+}
+
+/// What its estimates can hold: bit of `estimated`, name of the bit, name, meaning.
+#[macro_export]
+macro_rules! excavator_quantities {
+    ($then:ident) => {
+        $then! {
+            0 DAMPING damping "Damping.";
+            1 TORQUE torque "Torque.";
+            2 PAYLOAD payload "Payload.";
+            3 FRICTION friction "Coulomb friction.";
+            4 OFFSET offset "Torque offset.";
+            5 INERTIA inertia "Inertia (every method has it; 0 until the first accepted row).";
+            6 ACCELERATION acceleration "Acceleration.";
+        }
+    };
+}
+
+/// Its reasons: code, variant, name in every output, words. A code never changes its meaning.
+#[macro_export]
+macro_rules! excavator_reasons {
+    ($then:ident) => {
+        $then! {
+            0 None "" "";
+            1 Slope "slope" "the ground seems inclined";
+            2 Loss "losses" "the swing drive seems to lose torque";
+            3 Friction "friction" "the friction differs from the described one";
+            4 Gain "gain" "the torque's gain seems not to be 1";
+            5 Delay "delay" "velocity and torque do not come together";
+            6 Offset "offset" "the torque seems to have an offset";
+            7 Damping "damping" "the damping differs from the described one";
+            8 Unexplained "unexplained" "the motion does not follow the model";
+            9 Disagreement "disagreement" "swings disagree by more than they claim";
+            10 Limit "limit" "the estimate is at the end of its range";
+            11 Content "content" "the bucket's content may have changed";
+            12 Frozen "frozen" "a sensor repeats one value";
+            13 Sign "sign" "a sensor seems to have the other sign";
+            14 Method "method" "this method cannot tell the inertia of a machine that is not calibrated";
+            15 Restarted "restarted" "the service was started again";
+            16 Jump "jump" "a joint angle has jumped further than a joint moves";
+            17 Contradiction "contradiction" "an emptied bucket or the friction contradicts what a sensor says";
+            18 Hanging "hanging" "the load hangs or swings";
+            19 Attachment "attachment" "the bucket weighs otherwise than described";
+        }
+    };
+}
+
+/// Its methods in the order of their index, the default first: variant, name, what it is.
+#[macro_export]
+macro_rules! excavator_methods {
+    ($then:ident) => {
+        $then! {
+            0 Auto "auto" "By the columns that exist.";
+            1 MultiForgettingRls "multi-forgetting-rls" "The paper: velocity only, multiple forgetting.";
+            2 SvfRls "svf-rls" "Measured torque, both sides equally filtered.";
+            3 PostureTorque "posture-torque" "Torque and posture: inertia and payload (D).";
+            4 Torque "torque" "Torque, momentum form (BM).";
+            5 Posture "posture" "Posture, torque unknown but constant for a while (C).";
+            6 Velocity "velocity" "Velocity and nominal damping only (A).";
+        }
+    };
+}
+
+/// Of each group, a machine must have one.
+pub const REQUIRED: &[&[&str]] = &[&["swing_velocity", "swing_angle"]];
+
+tables!(
+    excavator_signals,
+    excavator_flags,
+    excavator_quantities,
+    excavator_reasons,
+    excavator_methods
+);

@@ -1,0 +1,144 @@
+//! The wheel loader: what its sensors give, what its estimates say beside their numbers.
+
+/// Its signals: bit, name of the bit, name, where it goes in a `Sample` of `estimation`, unit, meaning with sign, presence.
+/// `first` and `later`: before and behind the bits in the message; a later one is added at the end, its bit is free.
+/// `switches` are a bit without a number. Calls the macro `$then` with them.
+#[macro_export]
+macro_rules! loader_signals {
+    ($then:ident) => {
+        $then! {
+            first {
+                0 SPEED speed (speed) "m/s" "Forward speed of the body." Required;
+                1 FRONT_WHEEL_SPEED front_wheel_speed (front_wheel_speed) "rad/s" "Speed of the front wheels." Required;
+                2 REAR_WHEEL_SPEED rear_wheel_speed (rear_wheel_speed) "rad/s" "Speed of the rear wheels." Required;
+                3 FRONT_TORQUE front_torque (front_torque) "N m" "Front axle torque at the wheels, total." Required;
+                4 REAR_TORQUE rear_torque (rear_torque) "N m" "Rear axle torque at the wheels, total." Required;
+                5 SLOPE slope (slope) "rad" "Road slope, uphill in the driving direction positive." Required;
+                6 ACCELERATION acceleration (acceleration) "m/s^2" "Specific force along the body axis, dv/dt + g sin(slope)." Declared;
+                7 MASS mass (mass) "kg" "Mass of the machine with its load." Declared;
+                8 SPADE_FORCE_X spade_force_x (spade_force_x) "N" "Force on the bucket tip that pushes the machine backward." Declared;
+                9 SPADE_FORCE_Z spade_force_z (spade_force_z) "N" "Force on the bucket tip that pushes the machine down." Declared;
+                11 ARTICULATION articulation (articulation) "rad" "Angle between front and rear body, positive when the machine turns left." Declared;
+                12 YAW_RATE yaw_rate (yaw_rate) "rad/s" "Yaw rate of the rear body, positive anticlockwise from above." Declared;
+            }
+            later {
+                14 LIFT_ANGLE lift_angle (lift_angle) "rad" "Angle of the lift arm to the horizontal, up positive." Observed;
+                15 TILT_ANGLE tilt_angle (tilt_angle) "rad" "Angle of the bucket relative to the lift arm, tip up positive." Observed;
+                16 LIFT_HEAD_PRESSURE lift_head_pressure (lift_head_pressure) "Pa" "Pressure at the head side of the lift cylinders, their mean." Observed;
+                17 LIFT_ROD_PRESSURE lift_rod_pressure (lift_rod_pressure) "Pa" "Pressure at the rod side of the lift cylinders, their mean." Observed;
+                18 TRUCK truck (truck) "" "Number of the truck that is loaded; another number begins the next truck." Declared;
+            }
+            switches {
+                10 BOOM_MOVING boom_moving (boom_moving) "" "The boom moves: a payload may be taken up or set down." Declared;
+                13 BRAKE brake (brake) "" "Friction brakes act." Declared;
+            }
+        }
+    };
+}
+
+/// Its flags: bit, name of the bit, name, where an estimate of `estimation` says it, meaning. What no estimator
+/// says but the process that runs it stands in `process`.
+#[macro_export]
+macro_rules! loader_flags {
+    ($then:ident) => {
+        $then! {
+            estimator {
+                0 EXCITED_RATIO excited_ratio (excited_ratio) "The motion carries information about the ratio.";
+                1 EXCITED_HEIGHT excited_height (excited_height) "The motion carries information about the height.";
+                2 CONSISTENT consistent (consistent) "Innovations agree with their predicted size.";
+                3 FRESH fresh (fresh) "Inputs are recent and complete.";
+                4 CONVERGED_RATIO converged_ratio (converged_ratio) "The interval of the ratio is narrower than the stated limit.";
+                5 CONVERGED_HEIGHT converged_height (converged_height) "The interval of the height is narrower than the stated limit.";
+                6 FROZEN frozen (frozen) "Parameters are frozen (low speed, digging).";
+                7 RESET reset (reset) "A reset happened within the last 2 s.";
+                8 TRUSTED_RATIO trusted_ratio (trusted_ratio) "The ratio may be believed.";
+                9 TRUSTED_HEIGHT trusted_height (trusted_height) "The height may be believed.";
+                10 REFUSED refused (is_refused()) "The row was refused (time not increasing or not finite); the state is untouched.";
+                11 DIVERGED diverged (has_diverged()) "The filter diverged (only methods without protection).";
+                12 IDENTIFIABLE_RATIO identifiable_ratio (identifiable_ratio) "These inputs can determine the ratio, and it is not at a bound.";
+                13 IDENTIFIABLE_HEIGHT identifiable_height (identifiable_height) "These inputs can determine the height, and it is not at a bound.";
+                15 TRUSTED_PAYLOAD trusted_payload (trusted_payload) "The payload may be believed.";
+            }
+            process {
+                14 RESTARTED restarted "The service was started again and has not been trusted since.";
+            }
+        }
+    };
+}
+
+/// What its estimates can hold: bit of `estimated`, name of the bit, name, meaning.
+#[macro_export]
+macro_rules! loader_quantities {
+    ($then:ident) => {
+        $then! {
+            0 STATE state "Speed, wheel speeds, slip stiffness, height, ratio (0 until the first accepted row).";
+            1 ESTIMATED_SPADE_FORCE_X spade_force_x "Horizontal spade force.";
+            2 SLOPE_BIAS slope_bias "Slope bias.";
+            3 RADIUS_SCALES radius_scales "Rolling-radius scales.";
+            4 SPEED_DELAY speed_delay "Delay of the speed.";
+            5 PAYLOAD payload "Payload.";
+        }
+    };
+}
+
+/// Its reasons: code, variant, name in every output, words. A code never changes its meaning.
+#[macro_export]
+macro_rules! loader_reasons {
+    ($then:ident) => {
+        $then! {
+            0 None "" "";
+            1 Missing "missing" "an input is missing or too old";
+            2 StuckSpeed "stuck speed" "the speed never changes";
+            3 StuckFrontWheel "stuck front wheel" "the front wheel speed never changes";
+            4 StuckRearWheel "stuck rear wheel" "the rear wheel speed never changes";
+            5 StuckFrontTorque "stuck front torque" "the front torque never changes";
+            6 StuckRearTorque "stuck rear torque" "the rear torque never changes";
+            7 StuckSlope "stuck slope" "the slope never changes";
+            8 StuckAcceleration "stuck acceleration" "the acceleration never changes";
+            9 Unexplained "unexplained" "the motion does not follow the model";
+            10 Latency "latency" "the speed comes later than a sensor may";
+            11 Stiffness "stiffness" "the slip stiffness is none that tyres have";
+            12 Brakes "brakes" "friction brakes seem to act";
+            13 Steering "steering" "the machine turns";
+            14 Slope "slope" "the slope does not fit the motion";
+            15 Torque "torque" "the torques do not fit the motion and the mass";
+            16 Load "load" "the load may have changed";
+            17 Disagreement "disagreement" "manoeuvres disagree by more than they claim";
+            18 AtLimit "limit" "an estimate is at its limit";
+            19 Restarted "restarted" "the service was started again";
+            20 Locked "locked drive" "the axles turn alike: the torques told are not theirs";
+        }
+    };
+}
+
+/// Its methods in the order of their index, the default first: variant, name, what it is.
+#[macro_export]
+macro_rules! loader_methods {
+    ($then:ident) => {
+        $then! {
+            0 Full "full" "12 states with rolling radii, their load sensitivity, unknown spade force, slope bias and delay of the speed (9 without an accelerometer), protected against bad input, by sigma points: the product.";
+            1 IsrUkfPrinted "isr-ukf-printed" "The improved square-root UKF with 6 states exactly as Yang, Wang, Han 2021 print it.";
+            2 IsrUkf "isr-ukf" "The same 6 states with gain and covariance that agree with each other.";
+            3 Ekf "ekf" "The extended Kalman filter on the same 6 states.";
+            4 FullEkf "full-ekf" "`full` by the model's tangent: an extended Kalman filter of the same states, noise, conditions and verdict, at an eighth of the cost.";
+        }
+    };
+}
+
+/// Of each group, a machine must have one.
+pub const REQUIRED: &[&[&str]] = &[
+    &["speed"],
+    &["front_wheel_speed"],
+    &["rear_wheel_speed"],
+    &["front_torque"],
+    &["rear_torque"],
+    &["slope"],
+];
+
+tables!(
+    loader_signals,
+    loader_flags,
+    loader_quantities,
+    loader_reasons,
+    loader_methods
+);
