@@ -7,7 +7,7 @@ use estimation::keys::Form;
 use heft_c::settings::places;
 use heft_c::{Bit, Code, Excavator, Loader, Machine, SIZE_MAX};
 use messages::{
-    ExcavatorEstimate, ExcavatorSensors, Field, LoaderEstimate, LoaderSensors, Message,
+    ExcavatorEstimate, ExcavatorSensors, Field, LoaderEstimate, LoaderSensors, Message, Words,
 };
 
 /// Where the header is kept.
@@ -81,6 +81,7 @@ where
     for (i, method) in M::METHODS.iter().enumerate() {
         let _ = writeln!(out, "#define HEFT_{upper}_METHOD_{} {i}", constant(method));
     }
+    reasons(out, name, &upper, E::WORDS);
     let _ = writeln!(
         out,
         "\n/* Sensors that the machine has, for `columns` of heft_{name}_init; each needs its bit to be used. */"
@@ -123,11 +124,48 @@ where
          uint32_t flags; /* HEFT_{upper}_FLAG_... */\n  \
          uint32_t estimated; /* HEFT_{upper}_ESTIMATED_... */\n  \
          uint32_t method; /* HEFT_{upper}_METHOD_..., the one at work. */\n  \
-         uint32_t reason; /* Code of the reason why it is not trusted; 0 for none. */\n}} heft_{name}_estimate;\n"
+         uint32_t reason; /* HEFT_{upper}_REASON_...: why it is not trusted, or what the machine does beside its description; 0 for none. */\n}} heft_{name}_estimate;\n"
     ));
 
     settings::<M>(out);
     functions(out, name);
+}
+
+/// Codes of the reasons, and their names.
+fn reasons(out: &mut String, name: &str, upper: &str, words: &[(&str, Words)]) {
+    let codes = words.iter().find_map(|(field, words)| match words {
+        Words::Codes(entries) if *field == "reason" => Some(*entries),
+        _ => None,
+    });
+    let entries = codes.unwrap_or_default();
+    out.push_str("\n/* Reasons: why an estimate is not trusted, or what the machine does beside its description. */\n");
+    for e in entries {
+        let constant = if e.name.is_empty() {
+            "NONE".to_owned()
+        } else {
+            constant(e.name)
+        };
+        let doc = if e.doc.is_empty() {
+            "nothing to say"
+        } else {
+            e.doc
+        };
+        define(
+            out,
+            &format!("HEFT_{upper}_REASON_{constant}"),
+            &e.number.to_string(),
+            doc,
+        );
+    }
+    let _ = writeln!(
+        out,
+        "\n/* Name of a reason; empty for none. */\n\
+         static inline const char *heft_{name}_reason(uint32_t code) {{\n  switch (code) {{"
+    );
+    for e in entries {
+        let _ = writeln!(out, "    case {}: return \"{}\";", e.number, e.name);
+    }
+    out.push_str("    default: return \"unknown\";\n  }\n}\n");
 }
 
 fn bits<E>(out: &mut String, prefix: &str, what: &str, bits: &[Bit<E>]) {
@@ -223,5 +261,5 @@ const char *heft_NAME_error(const void *memory);
 
 /// `posture-torque` as in the name of a constant.
 fn constant(name: &str) -> String {
-    name.replace('-', "_").to_uppercase()
+    name.replace(['-', ' '], "_").to_uppercase()
 }

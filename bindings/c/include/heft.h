@@ -51,6 +51,51 @@ extern "C" {
 #define HEFT_EXCAVATOR_METHOD_POSTURE 5
 #define HEFT_EXCAVATOR_METHOD_VELOCITY 6
 
+/* Reasons: why an estimate is not trusted, or what the machine does beside its description. */
+#define HEFT_EXCAVATOR_REASON_NONE 0 /* nothing to say */
+#define HEFT_EXCAVATOR_REASON_SLOPE 1 /* the ground seems inclined */
+#define HEFT_EXCAVATOR_REASON_LOSSES 2 /* the swing drive seems to lose torque */
+#define HEFT_EXCAVATOR_REASON_FRICTION 3 /* the friction differs from the described one */
+#define HEFT_EXCAVATOR_REASON_GAIN 4 /* the torque's gain seems not to be 1 */
+#define HEFT_EXCAVATOR_REASON_DELAY 5 /* velocity and torque do not come together */
+#define HEFT_EXCAVATOR_REASON_OFFSET 6 /* the torque seems to have an offset */
+#define HEFT_EXCAVATOR_REASON_DAMPING 7 /* the damping differs from the described one */
+#define HEFT_EXCAVATOR_REASON_UNEXPLAINED 8 /* the motion does not follow the model */
+#define HEFT_EXCAVATOR_REASON_DISAGREEMENT 9 /* swings disagree by more than they claim */
+#define HEFT_EXCAVATOR_REASON_LIMIT 10 /* the estimate is at the end of its range */
+#define HEFT_EXCAVATOR_REASON_CONTENT 11 /* the bucket's content may have changed */
+#define HEFT_EXCAVATOR_REASON_FROZEN 12 /* a sensor repeats one value */
+#define HEFT_EXCAVATOR_REASON_SIGN 13 /* a sensor seems to have the other sign */
+#define HEFT_EXCAVATOR_REASON_METHOD 14 /* this method cannot tell the inertia of a machine that is not calibrated */
+#define HEFT_EXCAVATOR_REASON_RESTARTED 15 /* the service was started again */
+#define HEFT_EXCAVATOR_REASON_JUMP 16 /* a joint angle has jumped further than a joint moves */
+#define HEFT_EXCAVATOR_REASON_CONTRADICTION 17 /* an emptied bucket or the friction contradicts what a sensor says */
+
+/* Name of a reason; empty for none. */
+static inline const char *heft_excavator_reason(uint32_t code) {
+  switch (code) {
+    case 0: return "";
+    case 1: return "slope";
+    case 2: return "losses";
+    case 3: return "friction";
+    case 4: return "gain";
+    case 5: return "delay";
+    case 6: return "offset";
+    case 7: return "damping";
+    case 8: return "unexplained";
+    case 9: return "disagreement";
+    case 10: return "limit";
+    case 11: return "content";
+    case 12: return "frozen";
+    case 13: return "sign";
+    case 14: return "method";
+    case 15: return "restarted";
+    case 16: return "jump";
+    case 17: return "contradiction";
+    default: return "unknown";
+  }
+}
+
 /* Sensors that the machine has, for `columns` of heft_excavator_init; each needs its bit to be used. */
 #define HEFT_EXCAVATOR_COLUMN_SWING_VELOCITY (1u << 0)
 #define HEFT_EXCAVATOR_COLUMN_SWING_ANGLE (1u << 1)
@@ -132,7 +177,7 @@ typedef struct {
   uint32_t flags; /* HEFT_EXCAVATOR_FLAG_... */
   uint32_t estimated; /* HEFT_EXCAVATOR_ESTIMATED_... */
   uint32_t method; /* HEFT_EXCAVATOR_METHOD_..., the one at work. */
-  uint32_t reason; /* Code of the reason why it is not trusted; 0 for none. */
+  uint32_t reason; /* HEFT_EXCAVATOR_REASON_...: why it is not trusted, or what the machine does beside its description; 0 for none. */
 } heft_excavator_estimate;
 
 /* Settings, as in a description; flags are 0 or 1, choices count from 0, NAN is "none" and ends a list. */
@@ -284,6 +329,57 @@ const char *heft_excavator_error(const void *memory);
 #define HEFT_LOADER_METHOD_EKF 3
 #define HEFT_LOADER_METHOD_FULL_EKF 4
 
+/* Reasons: why an estimate is not trusted, or what the machine does beside its description. */
+#define HEFT_LOADER_REASON_NONE 0 /* nothing to say */
+#define HEFT_LOADER_REASON_MISSING 1 /* an input is missing or too old */
+#define HEFT_LOADER_REASON_STUCK_SPEED 2 /* the speed never changes */
+#define HEFT_LOADER_REASON_STUCK_FRONT_WHEEL 3 /* the front wheel speed never changes */
+#define HEFT_LOADER_REASON_STUCK_REAR_WHEEL 4 /* the rear wheel speed never changes */
+#define HEFT_LOADER_REASON_STUCK_FRONT_TORQUE 5 /* the front torque never changes */
+#define HEFT_LOADER_REASON_STUCK_REAR_TORQUE 6 /* the rear torque never changes */
+#define HEFT_LOADER_REASON_STUCK_SLOPE 7 /* the slope never changes */
+#define HEFT_LOADER_REASON_STUCK_ACCELERATION 8 /* the acceleration never changes */
+#define HEFT_LOADER_REASON_UNEXPLAINED 9 /* the motion does not follow the model */
+#define HEFT_LOADER_REASON_LATENCY 10 /* the speed comes later than a sensor may */
+#define HEFT_LOADER_REASON_STIFFNESS 11 /* the slip stiffness is none that tyres have */
+#define HEFT_LOADER_REASON_BRAKES 12 /* friction brakes seem to act */
+#define HEFT_LOADER_REASON_STEERING 13 /* the machine turns */
+#define HEFT_LOADER_REASON_SLOPE 14 /* the slope does not fit the motion */
+#define HEFT_LOADER_REASON_TORQUE 15 /* the torques do not fit the motion and the mass */
+#define HEFT_LOADER_REASON_LOAD 16 /* the load may have changed */
+#define HEFT_LOADER_REASON_DISAGREEMENT 17 /* manoeuvres disagree by more than they claim */
+#define HEFT_LOADER_REASON_LIMIT 18 /* an estimate is at its limit */
+#define HEFT_LOADER_REASON_RESTARTED 19 /* the service was started again */
+#define HEFT_LOADER_REASON_LOCKED_DRIVE 20 /* the axles turn alike: the torques told are not theirs */
+
+/* Name of a reason; empty for none. */
+static inline const char *heft_loader_reason(uint32_t code) {
+  switch (code) {
+    case 0: return "";
+    case 1: return "missing";
+    case 2: return "stuck speed";
+    case 3: return "stuck front wheel";
+    case 4: return "stuck rear wheel";
+    case 5: return "stuck front torque";
+    case 6: return "stuck rear torque";
+    case 7: return "stuck slope";
+    case 8: return "stuck acceleration";
+    case 9: return "unexplained";
+    case 10: return "latency";
+    case 11: return "stiffness";
+    case 12: return "brakes";
+    case 13: return "steering";
+    case 14: return "slope";
+    case 15: return "torque";
+    case 16: return "load";
+    case 17: return "disagreement";
+    case 18: return "limit";
+    case 19: return "restarted";
+    case 20: return "locked drive";
+    default: return "unknown";
+  }
+}
+
 /* Sensors that the machine has, for `columns` of heft_loader_init; each needs its bit to be used. */
 #define HEFT_LOADER_COLUMN_SPEED (1u << 0)
 #define HEFT_LOADER_COLUMN_FRONT_WHEEL_SPEED (1u << 1)
@@ -377,7 +473,7 @@ typedef struct {
   uint32_t flags; /* HEFT_LOADER_FLAG_... */
   uint32_t estimated; /* HEFT_LOADER_ESTIMATED_... */
   uint32_t method; /* HEFT_LOADER_METHOD_..., the one at work. */
-  uint32_t reason; /* Code of the reason why it is not trusted; 0 for none. */
+  uint32_t reason; /* HEFT_LOADER_REASON_...: why it is not trusted, or what the machine does beside its description; 0 for none. */
 } heft_loader_estimate;
 
 /* Settings, as in a description; flags are 0 or 1, choices count from 0, NAN is "none" and ends a list. */

@@ -8,7 +8,9 @@ use heft_c::{Excavator, Loader, Machine};
 use messages::{ExcavatorEstimate, ExcavatorSensors, LoaderEstimate, LoaderSensors, Message};
 
 use crate::model::default_columns;
-use crate::model::reference::{ESTIMATED, FLAG, HAS, INPUT, KEY, METHOD, METHOD_USED, TIME, VALUE};
+use crate::model::reference::{
+    ESTIMATED, FLAG, HAS, INPUT, KEY, METHOD, METHOD_USED, REASON, TIME, VALUE,
+};
 
 /// Where words, units and ranges of a machine stand.
 pub trait Words: Machine {
@@ -69,6 +71,16 @@ pub fn xml<M: Words>() -> String {
     out += "  <TypeDefinitions>\n    <EnumerationType name=\"Method\">\n";
     for (i, method) in M::METHODS.iter().enumerate() {
         let _ = writeln!(out, "      <Item name=\"{method}\" value=\"{i}\"/>");
+    }
+    out += "    </EnumerationType>\n    <EnumerationType name=\"Reason\">\n";
+    for e in reasons::<M::Answer>() {
+        let name = if e.name.is_empty() { "none" } else { e.name };
+        let _ = writeln!(
+            out,
+            "      <Item name=\"{name}\" value=\"{}\" description=\"{}\"/>",
+            e.number,
+            escape(e.doc)
+        );
     }
     out += "    </EnumerationType>\n  </TypeDefinitions>\n";
     out += "  <LogCategories>\n    <Category name=\"logStatusError\"/>\n  </LogCategories>\n";
@@ -243,6 +255,21 @@ fn outputs<M: Words>(all: &mut Vec<Variable>) {
         text,
         declared,
     ));
+    all.push(output(
+        "Enumeration",
+        "estimate.reason".to_owned(),
+        REASON,
+        "Why it is not trusted, or what the machine does beside its description.".to_owned(),
+        " declaredType=\"Reason\"".to_owned(),
+    ));
+}
+
+/// The reasons of a machine's estimates.
+fn reasons<M: Message>() -> &'static [messages::Entry] {
+    match messages::Words::of_field(M::WORDS, "reason") {
+        Some(messages::Words::Codes(entries)) => entries,
+        _ => &[],
+    }
 }
 
 /// Unit and words of a signal or a value; what is only a bit of the messages has no field.

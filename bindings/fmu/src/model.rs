@@ -23,8 +23,10 @@ pub mod reference {
     pub const ESTIMATED: u32 = 7_000;
     /// Output: the method at work.
     pub const METHOD_USED: u32 = 8_000;
+    /// Output: why it is not trusted.
+    pub const REASON: u32 = 8_001;
 }
-use reference::{ESTIMATED, FLAG, HAS, INPUT, KEY, METHOD, METHOD_USED, TIME, VALUE};
+use reference::{ESTIMATED, FLAG, HAS, INPUT, KEY, METHOD, METHOD_USED, REASON, TIME, VALUE};
 
 /// What an importer can do with a machine, whichever it is. Setters and getters say whether there
 /// is such a variable.
@@ -67,6 +69,7 @@ pub struct Variables<M: Machine> {
     flags: u32,
     estimated: u32,
     method_used: usize,
+    reason: u32,
 }
 
 impl<M: Machine> Default for Variables<M> {
@@ -84,6 +87,7 @@ impl<M: Machine> Default for Variables<M> {
             flags: 0,
             estimated: 0,
             method_used: 0,
+            reason: 0,
         }
     }
 }
@@ -156,6 +160,7 @@ impl<M: Machine> Model for Variables<M> {
         match reference {
             METHOD => Some(self.method as i64),
             METHOD_USED => Some(self.method_used as i64),
+            REASON => Some(i64::from(self.reason)),
             _ => None,
         }
     }
@@ -198,6 +203,7 @@ impl<M: Machine> Model for Variables<M> {
         self.flags = bits(M::FLAGS, &estimate);
         self.estimated = bits(M::ESTIMATED, &estimate);
         self.method_used = M::method(&estimate);
+        self.reason = M::reason(&estimate);
         self.time = time + length;
         true
     }

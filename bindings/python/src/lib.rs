@@ -200,7 +200,10 @@ fn recorded<'py>(
     channel: &str,
 ) -> PyResult<Vec<Bound<'py, PyTuple>>> {
     let columns = frame::channel(reader, channel).map_err(refused)?;
-    let columns = columns.into_iter().map(|column| {
+    let verdict = frame::verdict(channel, &columns);
+    let by_name = |name: &str| verdict.iter().any(|v| v.name == name);
+    let numbers = columns.into_iter().filter(|column| !by_name(&column.field.name));
+    let numbers = numbers.map(|column| {
         let bytes: Vec<u8> = match column.field.kind {
             NumberType::F64 => column.values.iter().flat_map(|v| v.as_f64().to_le_bytes()).collect(),
             NumberType::U32 => column.values.iter().flat_map(|v| word(*v).to_le_bytes()[..4].to_vec()).collect(),
@@ -214,7 +217,11 @@ fn recorded<'py>(
         let content = (kind, PyBytes::new(py, &bytes));
         (column.field.name, column.field.unit, column.meaning, content).into_pyobject(py)
     });
-    columns.collect()
+    let mut all: Vec<Bound<'py, PyTuple>> = numbers.collect::<PyResult<_>>()?;
+    for v in verdict.clone() {
+        all.push(to_python(py, &v.name, "", v.meaning, v.values)?);
+    }
+    Ok(all)
 }
 
 /// A count or bits.

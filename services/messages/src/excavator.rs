@@ -20,6 +20,29 @@ const ESTIMATE_WORDS: &[(&str, Words)] = &[
     ("reason", Words::Codes(REASONS)),
 ];
 
+/// Names of the bits of a swing motion.
+const MOTION_WORDS: &[(&str, Words)] = &[
+    ("valid", Words::Bits(SIGNAL_BITS)),
+    ("flags", Words::Bits(MOTION_FLAGS)),
+];
+const MOTION_FLAGS: &[Entry] = &[
+    Entry {
+        number: excavator_bits::MANOEUVRE,
+        name: "manoeuvre",
+        doc: "A manoeuvre begins or goes on (change window).",
+    },
+    Entry {
+        number: excavator_bits::STANDSTILL,
+        name: "standstill",
+        doc: "The machine stands still.",
+    },
+    Entry {
+        number: excavator_bits::REFUSED,
+        name: "refused",
+        doc: "The row was refused (time not increasing or not finite).",
+    },
+];
+
 /// Bits of the excavator's messages.
 pub mod excavator_bits {
     use crate::words::{flag_bits, quantity_bits, signal_bits};
@@ -74,7 +97,7 @@ message! {
 
 message! {
     /// Swing motion after the filter stage.
-    pub struct SwingMotion, "SwingMotion", size 192, marked in flags {
+    pub struct SwingMotion, "SwingMotion", size 192, marked in flags, words MOTION_WORDS {
         /// Velocity of the Kalman filter.
         velocity: f64, "rad/s";
         /// Its standard deviation.

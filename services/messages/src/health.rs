@@ -3,6 +3,7 @@
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
 use crate::message::message;
+use crate::{Entry, Words};
 
 /// State of a process, [`Health::state`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -47,9 +48,44 @@ pub mod fault {
     }
 }
 
+const STATES: &[Entry] = &[
+    entry(0, "starting", "Opens its ports."),
+    entry(1, "running", "Runs and receives samples."),
+    entry(2, "waiting", "No sample came within the deadline."),
+    entry(3, "ended", "Has ended in order."),
+    entry(4, "hanging", "Is at the same sample for too long."),
+];
+const FAULTS: &[Entry] = &[
+    entry(fault::NONE, "", ""),
+    entry(
+        fault::LOST,
+        "lost",
+        "Samples were lost before this process.",
+    ),
+    entry(
+        fault::DEADLINE,
+        "deadline",
+        "No sample came within the deadline.",
+    ),
+    entry(fault::SEND, "send", "A message could not be sent."),
+    entry(
+        fault::DISK,
+        "disk",
+        "The disk took no more of the recording.",
+    ),
+];
+const HEALTH_WORDS: &[(&str, Words)] = &[
+    ("state", Words::Codes(STATES)),
+    ("fault", Words::Codes(FAULTS)),
+];
+
+const fn entry(number: u32, name: &'static str, doc: &'static str) -> Entry {
+    Entry { number, name, doc }
+}
+
 message! {
     /// Three times a second: how a process is doing. Counts are since its start.
-    pub struct Health, "Health", size 168 {
+    pub struct Health, "Health", size 168, words HEALTH_WORDS {
         /// Position of the process in the table of processes.
         process: u32, "";
         /// Process id.

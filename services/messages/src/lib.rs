@@ -25,7 +25,7 @@ mod loader;
 mod machine;
 mod message;
 mod stamp;
-mod words;
+pub mod words;
 
 pub use envelope::{Carries, Envelope, Receiver};
 pub use health::{Credit, Health, State, fault};

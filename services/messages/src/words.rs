@@ -1,6 +1,10 @@
 //! What the numbers of a message mean that are bits or codes, from the sheet.
 
+use std::borrow::Cow;
+
 pub use sheet::Entry;
+
+use crate::{Message, Value};
 
 /// The names of a field's bits, or of its codes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -20,6 +24,76 @@ impl Words {
             Self::Codes(entries) => entries.iter().find(|e| e.number == code),
         }
     }
+}
+
+/// A field, or a bit of one, as people read it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Said {
+    /// A number.
+    Number(Value),
+    /// A flag.
+    Flag(bool),
+    /// A code by its name; "" where there is nothing to say.
+    Word(&'static str),
+}
+
+/// Name of a code that this version does not know.
+pub const UNKNOWN: &str = "unknown";
+
+impl Words {
+    /// The words of the field called `name`.
+    #[must_use]
+    pub fn of_field(all: &'static [(&'static str, Self)], name: &str) -> Option<&'static Self> {
+        all.iter().find(|(field, _)| *field == name).map(|(_, w)| w)
+    }
+
+    /// Name of a code.
+    #[must_use]
+    pub fn name(&self, code: u32) -> &'static str {
+        self.of(code).map_or(UNKNOWN, |entry| entry.name)
+    }
+}
+
+/// The flags of a message by the names that every output gives them: each with its mask and meaning. One that has
+/// the name of a field is told apart by `_now`.
+pub fn flags<M: Message>() -> impl Iterator<Item = (Cow<'static, str>, &'static Entry)> {
+    let flags = match Words::of_field(M::WORDS, "flags") {
+        Some(Words::Bits(entries)) => *entries,
+        _ => &[],
+    };
+    let simulated = Some(&SIMULATED_ENTRY).filter(|_| !flags.is_empty());
+    flags.iter().chain(simulated).map(|entry| {
+        let name = match M::index(entry.name) {
+            Some(_) => Cow::Owned(format!("{}_now", entry.name)),
+            None => Cow::Borrowed(entry.name),
+        };
+        (name, entry)
+    })
+}
+
+/// The flag that every message of a machine can have.
+pub const SIMULATED_ENTRY: Entry = Entry {
+    number: crate::SIMULATED,
+    name: "simulated",
+    doc: "Made from simulated samples, nothing was measured.",
+};
+
+/// All fields of a message, codes by their names, and then its flags.
+pub fn said<M: Message>(message: &M) -> impl Iterator<Item = (Cow<'static, str>, Said)> {
+    let fields = M::FIELDS.iter().enumerate().filter_map(|(i, field)| {
+        let value = message.get(i)?;
+        let said = match (Words::of_field(M::WORDS, field.name), value) {
+            (Some(words @ Words::Codes(_)), Value::U32(code)) => Said::Word(words.name(code)),
+            _ => Said::Number(value),
+        };
+        Some((Cow::Borrowed(field.name), said))
+    });
+    let bits = match M::index("flags").and_then(|i| message.get(i)) {
+        Some(Value::U32(bits)) => bits,
+        _ => 0,
+    };
+    let flags = flags::<M>().map(move |(name, f)| (name, Said::Flag(bits & f.number != 0)));
+    fields.chain(flags)
 }
 
 /// Constants of the bits of signals.
@@ -106,3 +180,49 @@ pub(crate) const fn signal_entries<const N: usize>(signals: &[sheet::Signal]) ->
 }
 
 pub(crate) use {flag_bits, method_names, quantity_bits, reason_pairs, sensors, signal_bits};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{ExcavatorEstimate, ExcavatorSensors, LoaderEstimate, excavator_bits};
+
+    fn of<M: Message>(message: &M, name: &str) -> Option<Said> {
+        said(message).find(|(n, _)| n == name).map(|(_, said)| said)
+    }
+
+    #[test]
+    fn a_verdict_is_said_in_words() {
+        let message = ExcavatorEstimate {
+            flags: excavator_bits::TRUSTED | excavator_bits::REFUSED,
+            reason: 11,
+            method: 3,
+            refused: 7,
+            ..ExcavatorEstimate::default()
+        };
+        assert_eq!(of(&message, "trusted"), Some(Said::Flag(true)));
+        assert_eq!(of(&message, "fresh"), Some(Said::Flag(false)));
+        assert_eq!(of(&message, "reason"), Some(Said::Word("content")));
+        assert_eq!(of(&message, "method"), Some(Said::Word("posture-torque")));
+        let count = Said::Number(Value::U64(7));
+        assert_eq!(of(&message, "refused"), Some(count));
+        assert_eq!(of(&message, "refused_now"), Some(Said::Flag(true)));
+        assert_eq!(of(&message, "simulated"), Some(Said::Flag(false)));
+        let unknown = LoaderEstimate {
+            reason: 4_000,
+            ..LoaderEstimate::default()
+        };
+        assert_eq!(of(&unknown, "reason"), Some(Said::Word(UNKNOWN)));
+        assert_eq!(of(&ExcavatorSensors::default(), "simulated"), None);
+    }
+
+    #[test]
+    fn no_two_columns_have_one_name() {
+        fn names<M: Message>() -> usize {
+            let names: std::collections::BTreeSet<_> =
+                said(&M::default()).map(|(name, _)| name).collect();
+            said(&M::default()).count() - names.len()
+        }
+        assert_eq!(names::<ExcavatorEstimate>(), 0);
+        assert_eq!(names::<LoaderEstimate>(), 0);
+    }
+}

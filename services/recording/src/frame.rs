@@ -3,7 +3,7 @@
 use std::marker::PhantomData;
 
 use messages::channels::{self, Visitor};
-use messages::{Machine, Message, Value};
+use messages::{Machine, Message, Value, Words};
 
 use crate::csv::{Column, Estimate};
 use crate::map::hint;
@@ -385,6 +385,54 @@ pub fn channel(reader: &Reader, channel: &str) -> Result<Vec<RecordedColumn>, Er
             values,
         })
         .collect())
+}
+
+/// A column of words or flags that is no field of its own.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NamedWords {
+    /// Name; where it is that of a field, it stands in its place.
+    pub name: String,
+    /// What it means.
+    pub meaning: &'static str,
+    /// Flags or words.
+    pub values: Values,
+}
+
+/// The codes of a recorded channel by their names, and its flags.
+#[must_use]
+pub fn verdict(channel: &str, columns: &[RecordedColumn]) -> Vec<NamedWords> {
+    let known = channels::all().find(|c| c.name == channel);
+    known.map_or_else(Vec::new, |c| c.payload.visit(Verdict(columns)))
+}
+
+struct Verdict<'a>(&'a [RecordedColumn]);
+
+impl Visitor for Verdict<'_> {
+    type Output = Vec<NamedWords>;
+    fn visit<M: Message>(self) -> Vec<NamedWords> {
+        let column = |name: &str| self.0.iter().find(|c| c.field.name == name);
+        let number = |value: &Value| value.as_f64() as u32;
+        let codes = M::WORDS.iter().filter_map(|(field, words)| {
+            let column = column(field).filter(|_| matches!(words, Words::Codes(_)))?;
+            let names = column.values.iter().map(|v| words.name(number(v)));
+            Some(NamedWords {
+                name: (*field).into(),
+                meaning: column.meaning,
+                values: Values::Words(names.collect()),
+            })
+        });
+        let flags = column("flags").into_iter().flat_map(|column| {
+            messages::words::flags::<M>().map(|(name, entry)| {
+                let set = |v: &Value| number(v) & entry.number != 0;
+                NamedWords {
+                    name: name.into_owned(),
+                    meaning: entry.doc,
+                    values: Values::Flags(column.values.iter().map(set).collect()),
+                }
+            })
+        });
+        codes.chain(flags).collect()
+    }
 }
 
 /// What the field of this name means.

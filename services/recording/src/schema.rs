@@ -1,11 +1,12 @@
 //! Protobuf schemas from and to the tables of fields.
 
-use messages::{Field, Message, NumberType};
+use messages::{Entry, Field, Message, NumberType, Words};
 use prost::Message as _;
 use prost_types::field_descriptor_proto::{Label, Type};
 use prost_types::source_code_info::Location;
 use prost_types::{
-    DescriptorProto, FieldDescriptorProto, FileDescriptorProto, FileDescriptorSet, SourceCodeInfo,
+    DescriptorProto, EnumDescriptorProto, EnumValueDescriptorProto, FieldDescriptorProto,
+    FileDescriptorProto, FileDescriptorSet, SourceCodeInfo,
 };
 
 /// Full name of the protobuf message of a payload.
@@ -20,9 +21,10 @@ pub(crate) fn bytes<M: Message>() -> Vec<u8> {
         package: Some("heft".into()),
         message_type: vec![DescriptorProto {
             name: Some(M::NAME.into()),
-            field: M::FIELDS.iter().zip(1..).map(descriptor).collect(),
+            field: M::FIELDS.iter().zip(1..).map(descriptor::<M>).collect(),
             ..Default::default()
         }],
+        enum_type: codes::<M>().map(enumeration).collect(),
         source_code_info: Some(SourceCodeInfo {
             location: M::FIELDS.iter().zip(0..).map(comment).collect(),
         }),
@@ -32,8 +34,44 @@ pub(crate) fn bytes<M: Message>() -> Vec<u8> {
     FileDescriptorSet { file: vec![file] }.encode_to_vec()
 }
 
-fn descriptor((field, number): (&Field, i32)) -> FieldDescriptorProto {
+/// The fields that hold codes: the name of the enum, that of the field, the codes.
+fn codes<M: Message>() -> impl Iterator<Item = (String, &'static str, &'static [Entry])> {
+    M::WORDS.iter().filter_map(|(field, words)| match words {
+        Words::Codes(entries) => {
+            let (first, rest) = field.split_at(1);
+            let name = format!("{}{}{rest}", M::NAME, first.to_uppercase());
+            Some((name, *field, *entries))
+        }
+        Words::Bits(_) => None,
+    })
+}
+
+/// An enum whose names are those of every output, in capitals; its values are prefixed, as protobuf wants it.
+fn enumeration(
+    (name, field, entries): (String, &'static str, &'static [Entry]),
+) -> EnumDescriptorProto {
+    let value = |entry: &Entry| {
+        let of = match entry.name {
+            "" => "NONE".to_owned(),
+            name => name.to_uppercase().replace(['-', ' '], "_"),
+        };
+        EnumValueDescriptorProto {
+            name: Some(format!("{}_{of}", field.to_uppercase())),
+            number: i32::try_from(entry.number).ok(),
+            ..Default::default()
+        }
+    };
+    EnumDescriptorProto {
+        name: Some(name),
+        value: entries.iter().map(value).collect(),
+        ..Default::default()
+    }
+}
+
+fn descriptor<M: Message>((field, number): (&Field, i32)) -> FieldDescriptorProto {
+    let named = codes::<M>().find(|(_, of, _)| *of == field.name);
     let kind = match field.kind {
+        _ if named.is_some() => Type::Enum,
         NumberType::U32 => Type::Uint32,
         NumberType::U64 => Type::Uint64,
         NumberType::F64 => Type::Double,
@@ -43,6 +81,7 @@ fn descriptor((field, number): (&Field, i32)) -> FieldDescriptorProto {
         number: Some(number),
         label: Some(Label::Optional.into()),
         r#type: Some(kind.into()),
+        type_name: named.map(|(name, ..)| format!(".heft.{name}")),
         json_name: Some(field.name.into()),
         ..Default::default()
     }
@@ -98,7 +137,7 @@ pub(crate) fn fields(name: &str, bytes: &[u8]) -> Option<Vec<RecordedField>> {
 
 fn recorded(field: &FieldDescriptorProto, unit: String) -> Option<RecordedField> {
     let kind = match field.r#type() {
-        Type::Uint32 => NumberType::U32,
+        Type::Uint32 | Type::Enum => NumberType::U32,
         Type::Uint64 => NumberType::U64,
         Type::Double => NumberType::F64,
         _ => return None,

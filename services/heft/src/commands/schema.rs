@@ -5,11 +5,14 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use messages::channels::{self, Visitor};
-use messages::{Field, Machine, Message, NumberType};
+use messages::{Field, Machine, Message, NumberType, Words};
 use recording::can::Outgoing;
 
 use crate::cli::machine;
 use crate::failure::Failure;
+
+mod words;
+use words::Enumeration;
 
 /// A language.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -24,6 +27,8 @@ pub enum Language {
     Json,
     /// DBC: the frames of `heft run --output can:IF`.
     Dbc,
+    /// Markdown: every message, bit and code as a table.
+    Markdown,
 }
 
 /// `heft schema`
@@ -64,6 +69,7 @@ fn text(language: Language) -> String {
         Language::Python => PYTHON_HEAD,
         Language::Proto => "syntax = \"proto3\";\npackage heft;\n",
         Language::Json => "{\"messages\": {\n",
+        Language::Markdown => MARKDOWN_HEAD,
         Language::Dbc => "",
     });
     for (n, table) in all.iter().enumerate() {
@@ -71,6 +77,7 @@ fn text(language: Language) -> String {
             Language::C => c(table),
             Language::Python => python(table),
             Language::Proto => proto(table),
+            Language::Markdown => markdown(table),
             Language::Dbc => String::new(),
             Language::Json => json(table) + if n + 1 < all.len() { ",\n" } else { "\n" },
         };
@@ -78,23 +85,35 @@ fn text(language: Language) -> String {
     out += &match language {
         Language::C => "#endif\n".to_owned(),
         Language::Python => channels("CHANNELS = {", "    \"{c}\": {m},", "}"),
+        Language::Markdown => channels(
+            "## Channels\n\n| channel | message |\n|---|---|",
+            "| `{c}` | {m} |",
+            "",
+        ),
         Language::Proto | Language::Dbc => String::new(),
         Language::Json => "}}\n".to_owned(),
     };
     out
 }
 
-const C_HEAD: &str = "/* The messages of heft's channels: a sample in shared memory is one of these structures.\n   Written by `heft schema --lang c`. SI units; times in ns are of the host's monotonic clock. */\n#ifndef HEFT_MESSAGES_H\n#define HEFT_MESSAGES_H\n#include <stddef.h>\n#include <stdint.h>\n";
-const PYTHON_HEAD: &str = "\"\"\"The messages of heft's channels, written by `heft schema --lang python`. SI units.\"\"\"\nimport ctypes\n\nu32, u64, f64 = ctypes.c_uint32, ctypes.c_uint64, ctypes.c_double\n";
+const C_HEAD: &str = "/* The messages of heft's channels: a sample in shared memory is one of these structures.\n   Written by `heft schema --lang c`. SI units; times in ns are of the host's monotonic clock. */\n#ifndef HEFT_MESSAGES_H\n#define HEFT_MESSAGES_H\n#include <stddef.h>\n#include <stdint.h>\n#ifdef __cplusplus\n#define HEFT_ASSERT static_assert\n#else\n#define HEFT_ASSERT _Static_assert\n#endif\n";
+const MARKDOWN_HEAD: &str = "# Messages: fields, bits and codes\n\nWritten by `heft schema --lang markdown`; a test holds it. Units are SI. `heft tail`, `heft.read` and `heft.subscribe` add each flag under its name as a\nboolean, and give `reason` and `method` by name. A flag with the name of a field has `_now` behind it.\nEvery message begins with the same fields; they stand at the first message alone.\n";
+const PYTHON_HEAD: &str = "\"\"\"The messages of heft's channels, written by `heft schema --lang python`. SI units.\"\"\"\nimport ctypes\nimport enum\n\nu32, u64, f64 = ctypes.c_uint32, ctypes.c_uint64, ctypes.c_double\n";
 
 /// A message as other languages see it.
 struct Table {
     name: &'static str,
     size: usize,
     fields: &'static [Field],
+    words: &'static [(&'static str, Words)],
 }
 
 impl Table {
+    /// Names of its bits and codes.
+    fn enumerations(&self) -> impl Iterator<Item = Enumeration> {
+        Enumeration::all(self.name, self.words)
+    }
+
     /// Fields with their offsets: no message has padding.
     fn placed(&self) -> impl Iterator<Item = (usize, &'static Field)> {
         let mut at = 0;
@@ -122,6 +141,7 @@ fn tables() -> Vec<Table> {
                 name: M::NAME,
                 size: size_of::<M>(),
                 fields: M::FIELDS,
+                words: M::WORDS,
             }
         }
     }
@@ -163,7 +183,8 @@ fn meaning(field: &Field) -> String {
 
 fn c(table: &Table) -> String {
     let name = table.name;
-    let mut out = format!("\ntypedef struct heft_{name} {{\n");
+    let mut out: String = table.enumerations().map(|e| e.c()).collect();
+    let _ = writeln!(out, "\ntypedef struct heft_{name} {{");
     for field in table.fields {
         let kind = match field.kind {
             NumberType::U32 => "uint32_t",
@@ -175,13 +196,13 @@ fn c(table: &Table) -> String {
     let _ = writeln!(out, "}} heft_{name};");
     let _ = writeln!(
         out,
-        "_Static_assert(sizeof(heft_{name}) == {}, \"size of {name}\");",
+        "HEFT_ASSERT(sizeof(heft_{name}) == {}, \"size of {name}\");",
         table.size
     );
     for (offset, field) in table.placed() {
         let _ = writeln!(
             out,
-            "_Static_assert(offsetof(heft_{name}, {0}) == {offset}, \"{name}.{0}\");",
+            "HEFT_ASSERT(offsetof(heft_{name}, {0}) == {offset}, \"{name}.{0}\");",
             field.name
         );
     }
@@ -190,7 +211,8 @@ fn c(table: &Table) -> String {
 
 fn python(table: &Table) -> String {
     let name = table.name;
-    let mut out = format!("\n\nclass {name}(ctypes.Structure):\n    _fields_ = [\n");
+    let mut out: String = table.enumerations().map(|e| e.python()).collect();
+    let _ = writeln!(out, "\n\nclass {name}(ctypes.Structure):\n    _fields_ = [");
     for field in table.fields {
         let kind = match field.kind {
             NumberType::U32 => "u32",
@@ -213,13 +235,16 @@ fn python(table: &Table) -> String {
 }
 
 fn proto(table: &Table) -> String {
-    let mut out = format!("\nmessage {} {{\n", table.name);
+    let mut out: String = table.enumerations().map(|e| e.proto()).collect();
+    let _ = writeln!(out, "\nmessage {} {{", table.name);
     for (n, field) in table.fields.iter().enumerate() {
-        let kind = match field.kind {
-            NumberType::U32 => "uint32",
-            NumberType::U64 => "uint64",
-            NumberType::F64 => "double",
-        };
+        let codes = table.enumerations().filter(|e| !e.is_bits);
+        let named = codes.filter(|e| e.field == field.name).map(|e| e.name());
+        let kind = named.last().unwrap_or_else(|| match field.kind {
+            NumberType::U32 => "uint32".into(),
+            NumberType::U64 => "uint64".into(),
+            NumberType::F64 => "double".into(),
+        });
         let _ = writeln!(
             out,
             "  {kind} {} = {}; // {}",
@@ -233,16 +258,41 @@ fn proto(table: &Table) -> String {
 
 fn json(table: &Table) -> String {
     let fields = table.placed().map(|(offset, field)| {
-        serde_json::json!({
+        let mut row = serde_json::json!({
             "name": field.name,
             "type": format!("{:?}", field.kind).to_lowercase(),
             "offset": offset,
             "unit": field.unit,
             "meaning": field.doc.trim(),
-        })
+        });
+        for e in table.enumerations().filter(|e| e.field == field.name) {
+            row[if e.is_bits { "bits" } else { "codes" }] = e.json();
+        }
+        row
     });
     let value = serde_json::json!({ "size": table.size, "fields": fields.collect::<Vec<_>>() });
     format!("\"{}\": {value}", table.name)
+}
+
+fn markdown(table: &Table) -> String {
+    let mut out = format!(
+        "\n## {}\n\n| field | type | unit | meaning |\n|---|---|---|---|\n",
+        table.name
+    );
+    let is_first = table.name == "ExcavatorSensors";
+    let own = if is_first { 0 } else { messages::HEAD };
+    for field in table.fields.iter().skip(own) {
+        let _ = writeln!(
+            out,
+            "| `{}` | {} | {} | {} |",
+            field.name,
+            format!("{:?}", field.kind).to_lowercase(),
+            field.unit,
+            field.doc.trim()
+        );
+    }
+    let all = table.enumerations().filter(|e| e.field != "columns");
+    out + &all.map(|e| e.markdown()).collect::<String>()
 }
 
 #[cfg(test)]
@@ -270,6 +320,52 @@ mod tests {
             "{}",
             String::from_utf8_lossy(&found.stderr)
         );
+    }
+
+    #[test]
+    fn a_cpp_compiler_takes_the_header_too() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let source = dir.path().join("heft.cpp");
+        let program = text(Language::C)
+            + "int main() { return heft_loader_estimate_reason_name(1)[0] == 'm' ? 0 : 1; }\n";
+        std::fs::write(&source, program).expect("writable");
+        let compiler = Command::new("c++")
+            .args(["-std=c++17", "-Wall", "-Wextra", "-Werror", "-fsyntax-only"])
+            .arg(&source)
+            .output();
+        let Ok(found) = compiler else {
+            println!("skipped: there is no C++ compiler (c++)");
+            return;
+        };
+        assert!(
+            found.status.success(),
+            "{}",
+            String::from_utf8_lossy(&found.stderr)
+        );
+    }
+
+    #[test]
+    fn the_page_of_messages_is_current() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/messages.md");
+        let page = std::fs::read_to_string(path).expect("docs/messages.md");
+        assert!(
+            page == text(Language::Markdown),
+            "run `heft schema --lang markdown > docs/messages.md`"
+        );
+    }
+
+    #[test]
+    fn the_json_names_bits_and_codes() {
+        let value: serde_json::Value = serde_json::from_str(&text(Language::Json)).expect("JSON");
+        let fields = value["messages"]["LoaderEstimate"]["fields"].as_array();
+        let field = |name: &str| {
+            let found = fields.and_then(|f| f.iter().find(|f| f["name"] == name));
+            found.cloned().expect("a field")
+        };
+        assert_eq!(field("flags")["bits"][8]["name"], "trusted_ratio");
+        assert_eq!(field("flags")["bits"][8]["number"], 256);
+        assert_eq!(field("reason")["codes"][14]["name"], "slope");
+        assert_eq!(field("method")["codes"][0]["name"], "full");
     }
 
     #[test]

@@ -1,12 +1,14 @@
 //! `heft tail`: follows a channel of a running pipeline, a line per sample.
 
+use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::time::{Duration, SystemTime};
 
 use clap::{Args, ValueEnum};
 use messages::channels::{Channel, of_machine};
-use messages::{Field, Message, Value, fault};
+use messages::words::{Said, said};
+use messages::{Message, Value, fault};
 use recording::can::Outgoing;
 use runtime::Sink;
 
@@ -122,28 +124,30 @@ impl Sink for Writer {
             return;
         }
         self.last = time;
-        let fields = M::FIELDS.iter().enumerate();
-        let fields = fields.filter_map(|(n, field)| Some((field, message.get(n)?)));
         let out = &mut self.text;
         match self.format {
             Format::Csv => {
                 if !std::mem::replace(&mut self.has_header, true) {
-                    let names: Vec<&str> = M::FIELDS.iter().map(|f| f.name).collect();
+                    let names: Vec<_> = said(message).map(|(name, _)| name).collect();
                     let _ = writeln!(out, "{}", names.join(","));
                 }
-                join(out, fields, ",", |out, _, value| put(out, value));
+                join(out, said(message), |out, _, value| match value {
+                    Said::Number(value) => put(out, value),
+                    Said::Flag(set) => out.push(if set { '1' } else { '0' }),
+                    Said::Word(word) => out.push_str(word),
+                });
                 out.push('\n');
             }
             Format::Json => {
                 out.push('{');
-                join(out, fields, ",", |out, field, value| {
-                    let _ = write!(out, "\"{}\":", field.name);
-                    put(out, value);
+                join(out, said(message), |out, name, value| {
+                    let _ = write!(out, "\"{name}\":");
+                    put_said(out, value);
                 });
                 out.push_str("}\n");
             }
             Format::Binary => {
-                for (_, value) in fields {
+                for value in (0..M::FIELDS.len()).filter_map(|i| message.get(i)) {
                     match value {
                         Value::U32(v) => self.bytes.extend(v.to_ne_bytes()),
                         Value::U64(v) => self.bytes.extend(v.to_ne_bytes()),
@@ -164,15 +168,13 @@ impl Sink for Writer {
                 let measurement = channel.name.replace('/', "_");
                 let _ = write!(out, "{measurement}{}", self.tags);
                 let _ = write!(out, ",channel={name},unit={} ", stamp.machine);
-                let fields = fields.filter(|(field, _)| field.name != "machine");
-                join(out, fields, ",", |out, field, value| {
-                    let _ = write!(out, "{}=", field.name);
-                    put(out, value);
-                    out.push_str(if matches!(value, Value::F64(_)) {
-                        ""
-                    } else {
-                        "u"
-                    });
+                let fields = said(message).filter(|(name, _)| name != "machine");
+                join(out, fields, |out, name, value| {
+                    let _ = write!(out, "{name}=");
+                    put_said(out, value);
+                    if matches!(value, Said::Number(Value::U32(_) | Value::U64(_))) {
+                        out.push('u');
+                    }
                 });
                 let _ = writeln!(out, " {}", unix_ns(stamp.measured_ns));
             }
@@ -192,13 +194,25 @@ impl Sink for Writer {
 
 fn join(
     out: &mut String,
-    fields: impl Iterator<Item = (&'static Field, Value)>,
-    separator: &str,
-    mut put: impl FnMut(&mut String, &Field, Value),
+    columns: impl Iterator<Item = (Cow<'static, str>, Said)>,
+    mut put: impl FnMut(&mut String, &str, Said),
 ) {
-    for (n, (field, value)) in fields.enumerate() {
-        out.push_str(if n == 0 { "" } else { separator });
-        put(out, field, value);
+    for (n, (name, value)) in columns.enumerate() {
+        out.push_str(if n == 0 { "" } else { "," });
+        put(out, &name, value);
+    }
+}
+
+/// As JSON and the line protocol have it; the words are names without quotes in them.
+fn put_said(out: &mut String, value: Said) {
+    match value {
+        Said::Number(value) => put(out, value),
+        Said::Flag(set) => {
+            let _ = write!(out, "{set}");
+        }
+        Said::Word(word) => {
+            let _ = write!(out, "\"{word}\"");
+        }
     }
 }
 
