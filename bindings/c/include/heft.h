@@ -70,6 +70,8 @@ extern "C" {
 #define HEFT_EXCAVATOR_REASON_RESTARTED 15 /* the service was started again */
 #define HEFT_EXCAVATOR_REASON_JUMP 16 /* a joint angle has jumped further than a joint moves */
 #define HEFT_EXCAVATOR_REASON_CONTRADICTION 17 /* an emptied bucket or the friction contradicts what a sensor says */
+#define HEFT_EXCAVATOR_REASON_HANGING 18 /* the load hangs or swings */
+#define HEFT_EXCAVATOR_REASON_ATTACHMENT 19 /* the bucket weighs otherwise than described */
 
 /* Name of a reason; empty for none. */
 static inline const char *heft_excavator_reason(uint32_t code) {
@@ -92,6 +94,8 @@ static inline const char *heft_excavator_reason(uint32_t code) {
     case 15: return "restarted";
     case 16: return "jump";
     case 17: return "contradiction";
+    case 18: return "hanging";
+    case 19: return "attachment";
     default: return "unknown";
   }
 }
@@ -124,6 +128,7 @@ static inline const char *heft_excavator_reason(uint32_t code) {
 #define HEFT_EXCAVATOR_FLAG_NOMINAL (1u << 9)
 #define HEFT_EXCAVATOR_FLAG_WINDOW (1u << 10)
 #define HEFT_EXCAVATOR_FLAG_REFUSED (1u << 11)
+#define HEFT_EXCAVATOR_FLAG_RESTARTED (1u << 12)
 
 /* Bits of `estimated` of an estimate: which quantities the method has an opinion on. */
 #define HEFT_EXCAVATOR_ESTIMATED_DAMPING (1u << 0)
@@ -416,6 +421,8 @@ static inline const char *heft_loader_reason(uint32_t code) {
 #define HEFT_LOADER_FLAG_DIVERGED (1u << 11)
 #define HEFT_LOADER_FLAG_IDENTIFIABLE_RATIO (1u << 12)
 #define HEFT_LOADER_FLAG_IDENTIFIABLE_HEIGHT (1u << 13)
+#define HEFT_LOADER_FLAG_RESTARTED (1u << 14)
+#define HEFT_LOADER_FLAG_TRUSTED_PAYLOAD (1u << 15)
 
 /* Bits of `estimated` of an estimate: which quantities the method has an opinion on. */
 #define HEFT_LOADER_ESTIMATED_STATE (1u << 0)

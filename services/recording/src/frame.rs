@@ -413,12 +413,18 @@ impl Visitor for Verdict<'_> {
         let column = |name: &str| self.0.iter().find(|c| c.field.name == name);
         let number = |value: &Value| value.as_f64() as u32;
         let codes = M::WORDS.iter().filter_map(|(field, words)| {
-            let column = column(field).filter(|_| matches!(words, Words::Codes(_)))?;
-            let names = column.values.iter().map(|v| words.name(number(v)));
+            let (column, Words::Codes(entries)) = (column(field)?, words) else {
+                return None;
+            };
+            // Codes are places in the list; one that is not known is the place behind them.
+            let mut names: Vec<&'static str> = entries.iter().map(|e| e.name).collect();
+            names.push(messages::words::UNKNOWN);
+            let last = u32::try_from(entries.len()).unwrap_or_default();
+            let place = |v: &Value| u8::try_from(number(v).min(last)).unwrap_or(u8::MAX);
             Some(NamedWords {
                 name: (*field).into(),
                 meaning: column.meaning,
-                values: Values::Words(names.collect()),
+                values: Values::Words(column.values.iter().map(place).collect(), names),
             })
         });
         let flags = column("flags").into_iter().flat_map(|column| {
