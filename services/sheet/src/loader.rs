@@ -120,7 +120,7 @@ macro_rules! loader_methods {
             1 IsrUkfPrinted "isr-ukf-printed" "The improved square-root UKF with 6 states exactly as Yang, Wang, Han 2021 print it.";
             2 IsrUkf "isr-ukf" "The same 6 states with gain and covariance that agree with each other.";
             3 Ekf "ekf" "The extended Kalman filter on the same 6 states.";
-            4 FullEkf "full-ekf" "`full` by the model's tangent: an extended Kalman filter of the same states, noise, conditions and verdict, at an eighth of the cost.";
+            4 FullEkf "full-ekf" "`full` by the model's tangent: an extended Kalman filter of the same states, noise, conditions and verdict, at a fourth of the cost.";
         }
     };
 }
