@@ -5,12 +5,12 @@ from typing import Any, Generic, Iterable, Literal, Mapping, NamedTuple, Optiona
 _Config = Union[None, str, PathLike[str], Mapping[str, Any]]
 
 ExcavatorMethod = Literal["svf-rls", "multi-forgetting-rls", "auto", "posture-torque", "torque", "posture", "velocity"]
-ExcavatorReason = Literal["", "slope", "losses", "friction", "gain", "delay", "offset", "damping", "unexplained", "disagreement", "limit", "content", "frozen", "sign", "method", "restarted", "jump", "contradiction"]
-ExcavatorSignal = Literal["swing_velocity", "swing_angle", "swing_torque", "boom_angle", "arm_angle", "bucket_angle", "pitch", "roll"]
+ExcavatorReason = Literal["", "slope", "losses", "friction", "gain", "delay", "offset", "damping", "unexplained", "disagreement", "limit", "content", "frozen", "sign", "method", "restarted", "jump", "contradiction", "hanging", "attachment"]
+ExcavatorSignal = Literal["swing_velocity", "swing_angle", "swing_torque", "boom_angle", "arm_angle", "bucket_angle", "pitch", "roll", "boom_head_pressure", "boom_rod_pressure", "arm_head_pressure", "arm_rod_pressure", "truck"]
 
 LoaderMethod = Literal["full-ekf", "ekf", "full", "isr-ukf", "isr-ukf-printed"]
 LoaderReason = Literal["", "missing", "stuck speed", "stuck front wheel", "stuck rear wheel", "stuck front torque", "stuck rear torque", "stuck slope", "stuck acceleration", "unexplained", "latency", "stiffness", "brakes", "steering", "slope", "torque", "load", "disagreement", "limit", "restarted", "locked drive"]
-LoaderSignal = Literal["speed", "front_wheel_speed", "rear_wheel_speed", "front_torque", "rear_torque", "slope", "acceleration", "mass", "spade_force_x", "spade_force_z", "articulation", "yaw_rate", "boom_moving", "brake"]
+LoaderSignal = Literal["speed", "front_wheel_speed", "rear_wheel_speed", "front_torque", "rear_torque", "slope", "acceleration", "mass", "spade_force_x", "spade_force_z", "articulation", "yaw_rate", "lift_angle", "tilt_angle", "lift_head_pressure", "lift_rod_pressure", "truck", "boom_moving", "brake"]
 
 class ExcavatorEstimate(NamedTuple):
     """An estimate of an excavator."""
@@ -74,12 +74,14 @@ class LoaderEstimate(NamedTuple):
     reset: bool
     trusted_ratio: bool
     trusted_height: bool
+    payload: float  # [kg]
+    payload_std: float  # [kg]
     refused: bool
     method: LoaderMethod
     reason: LoaderReason
     @property
     def why(self) -> str: ...
-    def interval(self, quantity: Literal["slip_stiffness", "cg_height", "cg_ratio", "spade_force_x"] = ...) -> Tuple[float, float]: ...
+    def interval(self, quantity: Literal["slip_stiffness", "cg_height", "cg_ratio", "spade_force_x", "payload"] = ...) -> Tuple[float, float]: ...
 
 _Row = TypeVar("_Row", ExcavatorEstimate, LoaderEstimate)
 
@@ -104,9 +106,9 @@ class Estimator(Generic[_Row]):
         method: Optional[LoaderMethod] = ...,
     ) -> None: ...
     @overload
-    def step(self: Estimator[ExcavatorEstimate], t: float, *, swing_velocity: Optional[float] = ..., swing_angle: Optional[float] = ..., swing_torque: Optional[float] = ..., boom_angle: Optional[float] = ..., arm_angle: Optional[float] = ..., bucket_angle: Optional[float] = ..., pitch: Optional[float] = ..., roll: Optional[float] = ...) -> ExcavatorEstimate: ...
+    def step(self: Estimator[ExcavatorEstimate], t: float, *, swing_velocity: Optional[float] = ..., swing_angle: Optional[float] = ..., swing_torque: Optional[float] = ..., boom_angle: Optional[float] = ..., arm_angle: Optional[float] = ..., bucket_angle: Optional[float] = ..., pitch: Optional[float] = ..., roll: Optional[float] = ..., boom_head_pressure: Optional[float] = ..., boom_rod_pressure: Optional[float] = ..., arm_head_pressure: Optional[float] = ..., arm_rod_pressure: Optional[float] = ..., truck: Optional[float] = ...) -> ExcavatorEstimate: ...
     @overload
-    def step(self: Estimator[LoaderEstimate], t: float, *, speed: Optional[float] = ..., front_wheel_speed: Optional[float] = ..., rear_wheel_speed: Optional[float] = ..., front_torque: Optional[float] = ..., rear_torque: Optional[float] = ..., slope: Optional[float] = ..., acceleration: Optional[float] = ..., mass: Optional[float] = ..., spade_force_x: Optional[float] = ..., spade_force_z: Optional[float] = ..., articulation: Optional[float] = ..., yaw_rate: Optional[float] = ..., boom_moving: Optional[float] = ..., brake: Optional[float] = ...) -> LoaderEstimate: ...
+    def step(self: Estimator[LoaderEstimate], t: float, *, speed: Optional[float] = ..., front_wheel_speed: Optional[float] = ..., rear_wheel_speed: Optional[float] = ..., front_torque: Optional[float] = ..., rear_torque: Optional[float] = ..., slope: Optional[float] = ..., acceleration: Optional[float] = ..., mass: Optional[float] = ..., spade_force_x: Optional[float] = ..., spade_force_z: Optional[float] = ..., articulation: Optional[float] = ..., yaw_rate: Optional[float] = ..., lift_angle: Optional[float] = ..., tilt_angle: Optional[float] = ..., lift_head_pressure: Optional[float] = ..., lift_rod_pressure: Optional[float] = ..., truck: Optional[float] = ..., boom_moving: Optional[float] = ..., brake: Optional[float] = ...) -> LoaderEstimate: ...
     def state(self) -> bytes:
         """The complete state with description, method and signals; see ``from_state``."""
     @classmethod
