@@ -9,8 +9,21 @@
 set -euo pipefail
 umask 077
 folder=$1 site=$2; shift 2
+# A name stands in keys of Zenoh, in files and in certificates: letters, digits, and . _ - inside; never one that has another meaning here.
+for name in "$site" "$@"; do
+  if [[ ! $name =~ ^[A-Za-z0-9]([A-Za-z0-9._-]{0,62}[A-Za-z0-9])?$ ]]; then
+    echo "keys.sh: \`$name\` cannot name a site or a machine: 1 to 64 letters, digits, dots, hyphens and underscores, a letter or digit at both ends" >&2; exit 2
+  fi
+done
+for name in "$@"; do
+  case $name in ca|router|collector|server) echo "keys.sh: \`$name\` is a name of the fleet itself; call the machine otherwise" >&2; exit 2 ;; esac
+done
 days=${DAYS:-365} router=${ROUTER:-localhost} here=$(cd "$(dirname "$0")" && pwd)
 mkdir -p "$folder"; cd "$folder"
+if [ -e site ] && [ "$(cat site)" != "$site" ]; then
+  echo "keys.sh: this folder is of the site $(cat site): its router lets machines of one site in; take a folder for each site" >&2; exit 2
+fi
+echo "$site" > site
 key() { openssl ecparam -name prime256v1 -genkey -noout -out "$1.key"; }
 if [ ! -e ca.pem ]; then
   key ca

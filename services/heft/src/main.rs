@@ -12,6 +12,7 @@ mod compare;
 mod failure;
 mod fault;
 mod fleet;
+mod fleet_run;
 mod group;
 mod image;
 mod live;
@@ -48,6 +49,7 @@ use failure::Failure;
 fn main() -> ExitCode {
     let cli = Cli::parse();
     log();
+    outlive_limits();
     // Lists of processes would show the name that `image` starts it by.
     let _ = rustix::thread::set_name(c"heft");
     match dispatch(cli) {
@@ -56,6 +58,14 @@ fn main() -> ExitCode {
             eprintln!("heft: {failure}");
             ExitCode::from(failure.status)
         }
+    }
+}
+
+/// A file that may grow no further (`LimitFSIZE` of a unit) is a disk that is full, and no reason to be killed.
+fn outlive_limits() {
+    let seen = std::sync::Arc::default();
+    if let Err(error) = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, seen) {
+        tracing::warn!(%error, "a limit of the size of files will end this program");
     }
 }
 

@@ -14,6 +14,7 @@ use steps::stages::Pipeline;
 use crate::bounds::LimitArgs;
 use crate::failure::Failure;
 use crate::fleet::Fleet;
+use crate::fleet_run::FleetRun;
 use crate::outputs::CanOutput;
 use crate::spin::Spinners;
 
@@ -56,8 +57,11 @@ pub struct Plan {
     pub restored: Option<String>,
     /// The fleet that it belongs to.
     pub fleet: Option<Fleet>,
-    /// When the run began [ms since 1970]: which run of its machine it is.
+    /// When the run began [ms since 1970], by the machine's clock.
     pub begun_ms: u64,
+    /// Which run of its machine it is, for the fleet.
+    #[serde(flatten)]
+    pub run: FleetRun,
     /// Version of heft.
     pub version: String,
     /// File to record to.

@@ -23,6 +23,11 @@ use crate::machines;
 /// Time between two writes.
 const PERIOD: Duration = Duration::from_secs(60);
 
+/// Refused states that are kept beside a state.
+const MOST_KEPT: u32 = 1000;
+/// Largest file that is read as a state [bytes].
+const LARGEST: u64 = 1 << 20;
+
 /// A parameter that is worth remembering: where it is estimated, and which keys restore it. A content of the bucket or a
 /// load is not slow.
 #[derive(Debug)]
@@ -102,16 +107,20 @@ impl Memory {
                 )
             }
             Ok(None) => (fresh, format!("{place}: nothing to remember yet")),
-            Err(why) => {
+            Err(Refusal::Unfit(why)) => {
                 // Kept, for whoever wants to know; never a reason not to run.
-                let aside = file.with_extension("refused.json");
-                let kept = fs::rename(file, &aside).is_ok();
-                let kept = if kept {
-                    format!("; kept as {}", aside.display())
-                } else {
-                    String::new()
-                };
-                (fresh, format!("{place}: not used: {why}{kept}"))
+                let aside = set_aside(file).map_err(|e| Failure::file("keep", file, &e))?;
+                (
+                    fresh,
+                    format!("{place}: not used: {why}; kept as {}", aside.display()),
+                )
+            }
+            Err(Refusal::Foreign(why)) => {
+                return Err(Failure::input(
+                    format!("this is no state of heft: {why}"),
+                    format!("--state {place}"),
+                    "name a file that is not there yet, or one that heft has written",
+                ));
             }
         };
         let memory = Self {
@@ -194,14 +203,84 @@ impl Memory {
     }
 }
 
-/// The state in a file; `None` if there is no file. `Err`: why it does not fit this run.
-fn read(file: &Path, run: &State) -> Result<Option<State>, String> {
-    let text = match fs::read_to_string(file) {
-        Ok(text) => text,
+/// Why a file is not used.
+enum Refusal {
+    /// It is no state of heft: it stays as it is.
+    Foreign(String),
+    /// A state that does not fit this run.
+    Unfit(String),
+}
+
+/// Moves a file beside itself, under the first name that is free.
+fn set_aside(file: &Path) -> std::io::Result<PathBuf> {
+    let name = file.file_name().unwrap_or_default().to_os_string();
+    for number in 1..=MOST_KEPT {
+        let mut aside = name.clone();
+        aside.push(match number {
+            1 => ".refused".to_owned(),
+            n => format!(".refused-{n}"),
+        });
+        let aside = file.with_file_name(aside);
+        // Never over something that is there, also where two runs do it at a time.
+        let flags = rustix::fs::RenameFlags::NOREPLACE;
+        match rustix::fs::renameat_with(rustix::fs::CWD, file, rustix::fs::CWD, &aside, flags) {
+            Ok(()) => return Ok(aside),
+            Err(rustix::io::Errno::EXIST) => {}
+            Err(error) => return Err(error.into()),
+        }
+    }
+    Err(std::io::Error::other(format!(
+        "{MOST_KEPT} refused states are beside it: remove those that nobody needs"
+    )))
+}
+
+/// The text of a regular file of the size of a state; `None` if there is nothing.
+fn text_of(file: &Path) -> std::io::Result<Option<String>> {
+    use std::io::Read;
+    let mut options = fs::OpenOptions::new();
+    // A pipe is not waited for.
+    let flags = rustix::fs::OFlags::NONBLOCK.bits() as i32;
+    let opened = match options.read(true).custom_flags(flags).open(file) {
+        Ok(opened) => opened,
         Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(None),
-        Err(e) => return Err(e.to_string()),
+        Err(e) => return Err(e),
     };
-    let old: State = serde_json::from_str(&text).map_err(|e| format!("damaged: {e}"))?;
+    if !opened.metadata()?.is_file() {
+        return Err(std::io::Error::other("it is no regular file"));
+    }
+    let mut text = String::new();
+    opened.take(LARGEST + 1).read_to_string(&mut text)?;
+    if text.len() as u64 > LARGEST {
+        return Err(std::io::Error::other("it is too large for one"));
+    }
+    Ok(Some(text))
+}
+
+/// Whether a damaged text was a state: it begins as heft writes them.
+fn is_ours(text: &str) -> bool {
+    let begin: String = text.split_whitespace().take(2).collect();
+    begin.starts_with("{\"heft\":")
+}
+
+/// The state in a file; `None` if there is no file.
+fn read(file: &Path, run: &State) -> Result<Option<State>, Refusal> {
+    let text = text_of(file).map_err(|e| Refusal::Foreign(e.to_string()))?;
+    let Some(text) = text else {
+        return Ok(None);
+    };
+    let old: State = serde_json::from_str(&text).map_err(|e| {
+        // Nothing at all is what a host leaves that lost its power.
+        if text.trim_start().is_empty() || is_ours(&text) {
+            Refusal::Unfit(format!("damaged: {e}"))
+        } else {
+            Refusal::Foreign(e.to_string())
+        }
+    })?;
+    fits(old, run).map(Some).map_err(Refusal::Unfit)
+}
+
+/// The state if it fits this run, or why not.
+fn fits(old: State, run: &State) -> Result<State, String> {
     if old.machine != run.machine {
         return Err(format!("it is of the machine {}", old.machine));
     }
@@ -215,7 +294,7 @@ fn read(file: &Path, run: &State) -> Result<Option<State>, String> {
     if !old.parameters.values().all(sound) {
         return Err("damaged: a number that is none".into());
     }
-    Ok(Some(old))
+    Ok(old)
 }
 
 /// Puts remembered parameters into a description; what was done, in words.
@@ -234,7 +313,8 @@ fn restore(
         if prior <= 0.0 {
             continue;
         }
-        let std = widened(old.std, prior, now.saturating_sub(old.learnt) as f64);
+        // Learnt in the future: a clock was wrong, by that much at least.
+        let std = widened(old.std, prior, now.abs_diff(old.learnt) as f64);
         let mut restored = description.clone();
         let set = [format!("{key}={}", old.value), format!("{std_key}={std}")];
         // Outside what the description allows: it begins from the prior.
@@ -357,10 +437,48 @@ mod tests {
             let said = open();
             assert!(said.contains(words) && said.contains("kept as"), "{said}");
         }
+        // None was lost of those that were refused in turn.
+        let kept = fs::read_dir(folder.path()).unwrap().flatten();
+        let kept = kept.filter(|f| f.file_name().to_string_lossy().contains(".refused"));
+        assert_eq!(kept.count(), 4);
         let refused = folder.path().join("nowhere/state.json");
         assert!(
             Memory::open(&refused, &mut loader(), &other).is_err(),
             "said before the work"
+        );
+    }
+
+    #[test]
+    fn what_is_no_state_is_refused_and_stays_as_it_is() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = |name: &str| folder.path().join(name);
+        fs::create_dir(file("folder")).unwrap();
+        fs::write(file("my.csv"), "t,swing_velocity\n0,1\n").unwrap();
+        fs::write(file("my.json"), "{\"other\": 1}").unwrap();
+        let fifo = rustix::fs::Mode::RUSR | rustix::fs::Mode::WUSR;
+        rustix::fs::mknodat(
+            rustix::fs::CWD,
+            file("fifo"),
+            rustix::fs::FileType::Fifo,
+            fifo,
+            0,
+        )
+        .unwrap();
+        let names = || {
+            let entries = fs::read_dir(folder.path()).unwrap().flatten();
+            let mut names: Vec<_> = entries.map(|e| e.file_name()).collect();
+            names.sort();
+            names
+        };
+        let before = names();
+        for name in ["folder", "my.csv", "my.json", "fifo"] {
+            let opened = Memory::open(&file(name), &mut loader(), &BTreeMap::new());
+            assert!(opened.is_err(), "{name}");
+        }
+        assert_eq!(names(), before);
+        assert_eq!(
+            fs::read_to_string(file("my.csv")).unwrap(),
+            "t,swing_velocity\n0,1\n"
         );
     }
 }

@@ -21,6 +21,10 @@ const FIRST_BACK_OFF: Duration = Duration::from_millis(5);
 /// So many starts in a row that the system refused end the run: five seconds.
 const MAX_REFUSALS: u32 = 50;
 const REFUSAL_PAUSE: Duration = Duration::from_millis(100);
+/// A service that starts needs so much shared memory, and so many names there; what others took of it may come back in so long.
+const SERVICE_BYTES: u64 = 16 << 20;
+const SERVICE_NAMES: u64 = 64;
+const STARVED_LIMIT: Duration = Duration::from_secs(5);
 /// A process tells its health three times a second; one that is later is looked at.
 const LATE: Duration = Duration::from_millis(350);
 /// One that is found stopped is left alone for so long.
@@ -29,6 +33,17 @@ const STOPPED_LIMIT: Duration = Duration::from_millis(350);
 const SILENT_LIMIT: Duration = Duration::from_secs(5);
 /// A killed process is gone within a millisecond, unless the kernel itself holds it.
 const KILL_LIMIT: Duration = Duration::from_millis(200);
+
+/// What shared memory lacks for a service to start.
+fn lack_of_shared_memory() -> Option<String> {
+    let about = rustix::fs::statvfs("/dev/shm").ok()?;
+    if about.f_bavail.saturating_mul(about.f_frsize) < SERVICE_BYTES {
+        return Some("shared memory (/dev/shm) is full".into());
+    }
+    // Where names are not counted there are none.
+    let is_short = about.f_files > 0 && about.f_favail < SERVICE_NAMES;
+    is_short.then(|| "shared memory (/dev/shm) takes no more names".into())
+}
 
 /// A service and its process.
 pub struct Supervised {
@@ -55,6 +70,8 @@ pub struct Supervised {
     stopped: Option<Instant>,
     quick_deaths: u32,
     refusals: u32,
+    /// Since when it finds no shared memory to start with.
+    starved: Option<Instant>,
     next: Next,
 }
 
@@ -88,6 +105,7 @@ impl Supervised {
             stopped: None,
             quick_deaths: 0,
             refusals: 0,
+            starved: None,
             next: Next::Lives,
         })
     }
@@ -143,11 +161,12 @@ impl Supervised {
 
     /// Plans the restart after a death; `Err` with the reason when there is no point in it.
     pub fn plan_restart(&mut self, status: ExitStatus) -> Result<(), String> {
-        self.quick_deaths = if self.started.elapsed() < QUICK {
-            self.quick_deaths + 1
-        } else {
-            0
-        };
+        let is_quick = self.started.elapsed() < QUICK;
+        if let Some(lack) = is_quick.then(lack_of_shared_memory).flatten() {
+            return self.wait_for_memory(&lack);
+        }
+        self.starved = None;
+        self.quick_deaths = if is_quick { self.quick_deaths + 1 } else { 0 };
         // Refused what it was to do; later the reason may be that its predecessor is not gone yet.
         let refused = status.code() == Some(2) && !self.ready && self.restarts == 0;
         if self.quick_deaths >= MAX_QUICK_DEATHS || refused {
@@ -155,6 +174,21 @@ impl Supervised {
             return Err(format!("the service {name} does not stay alive ({status})"));
         }
         self.next = Next::Starts(Instant::now() + FIRST_BACK_OFF * 2u32.pow(self.quick_deaths));
+        self.ready = false;
+        Ok(())
+    }
+
+    /// Plans another start of a service that found no shared memory; `Err` when that lasts.
+    fn wait_for_memory(&mut self, lack: &str) -> Result<(), String> {
+        let name = self.process.name;
+        let since = *self.starved.get_or_insert_with(|| {
+            tracing::warn!(service = name, "{lack}; tried again soon");
+            Instant::now()
+        });
+        if since.elapsed() >= STARVED_LIMIT {
+            return Err(format!("the service {name} cannot start: {lack}"));
+        }
+        self.next = Next::Starts(Instant::now() + REFUSAL_PAUSE);
         self.ready = false;
         Ok(())
     }

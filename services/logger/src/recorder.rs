@@ -147,6 +147,10 @@ impl Recorder {
             }
             self.mark.end_flush();
         }
+        if writer.is_deleted() {
+            let error = self.deleted();
+            return Err(self.stop(error));
+        }
         let size = writer.size();
         self.look_at_the_clock()?;
         if let Some(error) = self.lacks_room() {
@@ -173,6 +177,16 @@ impl Recorder {
     /// The file cannot be written; what was flushed stays readable.
     pub fn finish(&mut self) -> Result<(), Error> {
         self.writer.take().map_or(Ok(()), Writer::finish)
+    }
+
+    /// That somebody has deleted the part that is being written, and what is in it.
+    fn deleted(&self) -> Error {
+        Error {
+            what: "the recording was deleted while it was written: what it held is lost".into(),
+            place: self.part.display().to_string(),
+            remedy: "leave it to --keep; the recording goes on in a new part".into(),
+            io: None,
+        }
     }
 
     fn stop(&mut self, error: Error) -> Error {

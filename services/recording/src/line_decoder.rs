@@ -188,7 +188,9 @@ impl NameColumn {
     pub fn of(&mut self, line: &[u8]) -> Option<String> {
         let record = self.cells.split(line);
         let text = String::from_utf8_lossy(record.get(self.at)?).into_owned();
-        (!text.is_empty()).then_some(text)
+        // A quote that is left open, or a line end inside of one, is half a name.
+        let is_whole = !text.chars().any(|c| c.is_control() || c == '"');
+        (is_whole && !text.is_empty()).then_some(text)
     }
 }
 

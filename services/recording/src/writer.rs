@@ -152,6 +152,13 @@ impl Writer {
         self.file.metadata().map_or(0, |m| m.len())
     }
 
+    /// Whether its file was deleted meanwhile: what is written is gone with it.
+    #[must_use]
+    pub fn is_deleted(&self) -> bool {
+        let about = self.file.metadata();
+        about.is_ok_and(|about| std::os::unix::fs::MetadataExt::nlink(&about) == 0)
+    }
+
     /// Writes index and footer and waits until the disk has it all.
     ///
     /// # Errors

@@ -16,6 +16,10 @@ use crate::Error;
 pub(crate) const SHARED_MEMORY: &str = "/dev/shm";
 /// Folders that the system makes for one user each.
 const RUNTIME: &str = "/run/user";
+/// Where the system makes a folder for each unit that asks for one.
+const UNITS: &str = "/run";
+/// Names that are drawn for a home before it is given up.
+const ATTEMPTS: usize = 16;
 /// Where the domains of all users were in early versions; still looked at to clean up.
 const EARLY: &str = "/dev/shm/heft";
 /// `statfs` calls a file system in memory so.
@@ -74,6 +78,16 @@ pub fn make() -> Result<PathBuf, Error> {
             Err(e) => refused = Some((place, format!("is no folder of this user: {e}"))),
         }
     }
+    // Whoever squats the usual name cannot know this one beforehand.
+    if let Some(spare) = spares().into_iter().next() {
+        return Ok(spare);
+    }
+    for _ in 0..ATTEMPTS {
+        let spare = Path::new(SHARED_MEMORY).join(format!("{}{:016x}", spare_prefix(), chance()));
+        if rustix::fs::mkdir(&spare, Mode::RWXU).is_ok() && is_ours(&spare, 0).unwrap_or(false) {
+            return Ok(spare);
+        }
+    }
     let (place, why) = refused.unwrap_or_default();
     Err(Error::new(
         format!("the folder for the domains of this user {why}"),
@@ -82,10 +96,53 @@ pub fn make() -> Result<PathBuf, Error> {
     ))
 }
 
+/// What names of homes by chance begin with.
+fn spare_prefix() -> String {
+    format!("heft-{}-", user())
+}
+
+/// Homes of this user whose names were drawn because the usual one was taken.
+fn spares() -> Vec<PathBuf> {
+    named(Path::new(SHARED_MEMORY), &spare_prefix())
+        .into_iter()
+        .filter(|folder| is_ours(folder, 0).unwrap_or(false))
+        .collect()
+}
+
+/// What is in a folder by names that begin so, in order.
+fn named(folder: &Path, prefix: &str) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut found: Vec<PathBuf> = entries
+        .filter(|entry| entry.file_name().to_string_lossy().starts_with(prefix))
+        .map(|entry| entry.path())
+        .collect();
+    found.sort();
+    found
+}
+
+fn chance() -> u64 {
+    use std::hash::{BuildHasher, Hasher, RandomState};
+    // Each has keys of its own, from the system's source of chance.
+    RandomState::new().build_hasher().finish()
+}
+
 /// Every home of this user that exists and can be trusted.
 pub(crate) fn all() -> Vec<PathBuf> {
     let trusted = |place: &PathBuf| is_ours(place, 0).unwrap_or(false);
-    let mut homes: Vec<PathBuf> = places().into_iter().filter(trusted).collect();
+    let of_units = named(Path::new(UNITS), "heft-").into_iter();
+    let of_units = of_units.filter(|folder| is_runtime_folder(folder));
+    let units = of_units.map(|folder| folder.join("heft"));
+    let mut homes: Vec<PathBuf> = Vec::new();
+    for place in places()
+        .into_iter()
+        .filter(trusted)
+        .chain(spares())
+        .chain(units.filter(trusted))
+    {
+        if !homes.contains(&place) {
+            homes.push(place);
+        }
+    }
     // Early versions let others look into it, but never write.
     if is_ours(Path::new(EARLY), 0o055).unwrap_or(false) {
         homes.push(EARLY.into());

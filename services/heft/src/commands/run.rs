@@ -18,6 +18,7 @@ use crate::cli::DescriptionArgs;
 use crate::failure::Failure;
 use crate::fault::Fault;
 use crate::fleet::Fleet;
+use crate::fleet_run::FleetRun;
 use crate::group;
 use crate::machines;
 use crate::outputs::CanOutput;
@@ -122,6 +123,10 @@ fn plan(args: &RunArgs) -> Result<(Plan, Description), Failure> {
         restored: None,
         fleet: Fleet::of(&args.fleet)?,
         begun_ms: now_ms(),
+        run: match (&args.fleet.site, &args.fleet.machine_id) {
+            (Some(site), Some(machine)) => FleetRun::draw().count(site, machine),
+            _ => FleetRun::draw(),
+        },
         version: env!("CARGO_PKG_VERSION").to_owned(),
         recording: PathBuf::new(),
         limits: args.limits.clone(),

@@ -9,7 +9,7 @@ use recording::Sensors;
 use recording::payload::{decode, read_delimited};
 
 use super::remote::RemoteShard;
-use super::{LONGEST_NAME, MOST_MACHINES, Rows, frames, shard_of, too_many, unreadable};
+use super::{LONGEST_NAME, MOST_MACHINES, Rows, TOO_MANY, frames, shard_of, unreadable};
 use crate::failure::Failure;
 
 /// Largest sample [bytes].
@@ -70,25 +70,28 @@ impl<'a> Records<'a> {
                 self.refuse("is no sample");
                 continue;
             };
-            let (number, shard) = self.place(name)?;
+            let Some((number, shard)) = self.place(name) else {
+                self.refuse(TOO_MANY);
+                continue;
+            };
             frames::pack(&sample, &mut packed);
             self.samples += 1;
             self.shards[shard].send(number, &packed);
         }
     }
 
-    fn place(&mut self, name: &str) -> Result<(u32, usize), Failure> {
+    fn place(&mut self, name: &str) -> Option<(u32, usize)> {
         if let Some(place) = self.machines.get(name) {
-            return Ok(*place);
+            return Some(*place);
         }
         if self.machines.len() == MOST_MACHINES {
-            return Err(too_many());
+            return None;
         }
         let place = (self.count, shard_of(name, self.shards.len()));
         self.count += 1;
         self.rows.add(name);
         self.machines.insert(name.to_owned(), place);
-        Ok(place)
+        Some(place)
     }
 
     fn refuse(&mut self, why: &str) {

@@ -13,3 +13,4 @@ pub(in crate::excavator) mod motion;
 pub(in crate::excavator) mod quantum;
 pub(in crate::excavator) mod screen;
 pub(in crate::excavator) mod standstill;
+pub(in crate::excavator) mod swing_angle;

@@ -66,6 +66,27 @@ pub struct Motion {
     pub refused: bool,
 }
 
+impl Motion {
+    fn is_finite(&self) -> bool {
+        let state = [
+            self.velocity,
+            self.velocity_std,
+            self.acceleration,
+            self.acceleration_std,
+            self.innovation,
+            self.innovation_std,
+        ];
+        let filtered = [
+            self.filtered_velocity,
+            self.filtered_acceleration,
+            self.filtered_torque,
+            self.filtered_direction,
+            self.filtered_one,
+        ];
+        state.iter().chain(&filtered).all(|x| x.is_finite())
+    }
+}
+
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 enum Filter {
@@ -168,15 +189,40 @@ impl MotionFilter {
         };
         let (sample, period) = (row.sample, row.period);
         if row.set_back || period > LONG_GAP {
-            self.filter = Filter::Waiting;
-            self.window_end = f64::NEG_INFINITY;
+            self.begin_anew(row.set_back && self.angle);
         }
         let innovation = self.kalman(&sample, period);
         let measured = innovation.variance > 0.0;
         self.equal_filters(&sample, measured, period);
         self.watch(&sample, measured, period);
-        self.last = self.motion(&sample, innovation, period);
+        let motion = self.motion(&sample, innovation, period);
+        if !motion.is_finite() {
+            // A state that left the numbers does not come back by itself.
+            self.begin_anew(true);
+            return Motion {
+                time: sample.time,
+                period,
+                measured: false,
+                innovation: 0.0,
+                innovation_std: 0.0,
+                age: self.last.age + period,
+                ..self.last
+            };
+        }
+        self.last = motion;
         self.last
+    }
+
+    /// Forgets where the machine was; `all`: the filters of the regression too, since times or angles before this count
+    /// no more.
+    fn begin_anew(&mut self, all: bool) {
+        self.filter = Filter::Waiting;
+        self.window_end = f64::NEG_INFINITY;
+        if all {
+            self.bank = None;
+            self.aligner = self.angle.then(|| Aligner::new(&self.settings));
+            self.grid = Grid::new(&self.settings, self.angle);
+        }
     }
 
     /// Variance of one measurement of velocity or angle.

@@ -9,6 +9,7 @@ use crate::excavator::hold::{Hold, Joined};
 use crate::excavator::jump::Jump;
 use crate::excavator::quantum::Quantum;
 use crate::excavator::settings::Sensors;
+use crate::excavator::swing_angle::{Followed, SwingAngle};
 use crate::time_base::{Tick, TimeBase};
 
 /// No machine works on a steeper slope [rad].
@@ -23,7 +24,7 @@ pub(in crate::excavator) struct Accepted {
     pub(in crate::excavator) sample: Sample,
     /// Time since the row before [s].
     pub(in crate::excavator) period: f64,
-    /// The clock went back: what is remembered belongs to another time.
+    /// The clock went back, or the encoder has another zero: what is remembered belongs to another time.
     pub(in crate::excavator) set_back: bool,
 }
 
@@ -47,6 +48,7 @@ pub(in crate::excavator) struct Screen {
     velocity: Hold,
     quantum: Quantum,
     torque: Joined,
+    swing_angle: SwingAngle,
 }
 
 impl Screen {
@@ -66,6 +68,7 @@ impl Screen {
             velocity: Hold::default(),
             quantum: Quantum::default(),
             torque: Joined::default(),
+            swing_angle: SwingAngle::default(),
         }
     }
 
@@ -80,14 +83,26 @@ impl Screen {
                 return None;
             }
         };
+        let set_back = tick == Tick::SetBack;
+        if set_back {
+            self.swing_angle = SwingAngle::default();
+        }
+        let followed = self
+            .swing_angle
+            .pass(sample.angle, period, self.velocity_limit);
+        let (angle, is_elsewhere) = match followed {
+            Followed::Yes(angle) => (angle, false),
+            Followed::Elsewhere(angle) => (Some(angle), true),
+        };
         let measured = Sample {
             time: self.clock.time(),
+            angle,
             ..*sample
         };
         Some(Accepted {
             sample: self.clean(&measured, period),
             period,
-            set_back: tick == Tick::SetBack,
+            set_back: set_back || is_elsewhere,
         })
     }
 
@@ -142,7 +157,7 @@ impl Screen {
             time: sample.time,
             // A velocity that is held says nothing new.
             velocity: velocity.filter(|_| new || self.velocity.rows() == 1),
-            angle: within(sample.angle, f64::MAX),
+            angle: sample.angle,
             torque: self.torque.pass(torque),
             posture,
             inclination: sample.inclination.map(|q| within(q, INCLINATION_LIMIT)),
