@@ -8,6 +8,7 @@ use view::estimate::Estimate;
 use view::words::{verdict, wrapped};
 
 use crate::failure::Failure;
+use crate::fault::Fault;
 use crate::page;
 use crate::tally::Tally;
 use crate::watch::Watch;
@@ -81,6 +82,11 @@ pub fn text(
         tell_processes(watch, &mut line);
     }
     for fault in watch.faults() {
+        // Late samples of a demonstration are statistics of the host: nothing was lost.
+        let is_statistics = matches!(fault, Fault::Late { .. });
+        if is_statistics && told.is_story && !told.is_verbose {
+            continue;
+        }
         line(fault.words());
     }
     // Paths are not broken: they are copied.
