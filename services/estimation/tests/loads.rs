@@ -301,7 +301,7 @@ fn nothing_that_comes_in_lets_a_number_out_that_is_none() {
             seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
             let pick = (seed >> 33) as usize;
             let any = |k: usize, good: f64| {
-                if (pick >> k) % 5 == 0 {
+                if (pick >> k).is_multiple_of(5) {
                     bad[(pick >> 3) % bad.len()]
                 } else {
                     good
@@ -319,7 +319,7 @@ fn nothing_that_comes_in_lets_a_number_out_that_is_none() {
                 }),
                 common_std: Some(any(8, 10.0)),
                 speed: any(10, 0.3),
-                changing: pick % 7 == 0,
+                changing: pick.is_multiple_of(7),
                 truck: Some(any(12, 1.0)),
                 ..Row::default()
             };

@@ -78,9 +78,8 @@ impl Inertia {
             return;
         }
         let [acceleration, pull, direction] = self.smooth;
-        for i in 0..2 {
-            self.covariance[i][i] += WALK[i] * WALK[i] * dt;
-        }
+        self.covariance[0][0] += WALK[0] * WALK[0] * dt;
+        self.covariance[1][1] += WALK[1] * WALK[1] * dt;
         let by = [pull, -direction];
         let p = self.covariance;
         let cross = [

@@ -331,13 +331,12 @@ impl Ledger {
         open.changing += changing;
         open.moved += if self.moving_since.is_some() { dt } else { 0.0 };
         let (since, leaves) = (open.since, open.changing >= CHANGING);
-        if self.held.is_some_and(|held| held.leaving.is_none()) && leaves {
-            if let Some(held) = &mut self.held {
-                held.leaving = Some(since);
-                let told = *held;
-                if told.told {
-                    events.load = Some(self.load(&told, Stage::Dumped));
-                }
+        let staying = self.held.as_mut().filter(|held| held.leaving.is_none());
+        if let Some(held) = staying.filter(|_| leaves) {
+            held.leaving = Some(since);
+            let told = *held;
+            if told.told {
+                events.load = Some(self.load(&told, Stage::Dumped));
             }
         }
         if self.held.is_none() && open_for(self.open, row.time) >= SETTLED {

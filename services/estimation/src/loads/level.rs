@@ -53,10 +53,10 @@ impl Level {
     pub(super) fn join(&mut self, row: &Row, value: Quantity, common: f64) {
         let dt = row.time - self.to;
         self.to = row.time;
-        if row.trusted < self.trusted {
+        if self.trusted && !row.trusted {
             return;
         }
-        if row.trusted > self.trusted || value.std < MORE_CERTAIN * self.weight.std {
+        if (row.trusted && !self.trusted) || value.std < MORE_CERTAIN * self.weight.std {
             self.weight = Weight::new(value, common);
             (self.trusted, self.why, self.witness) = (row.trusted, row.why, row.witness);
             self.mean_of = 0.0;

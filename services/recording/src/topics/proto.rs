@@ -203,9 +203,11 @@ mod tests {
 
     #[test]
     fn a_message_of_heft_reads_as_its_descriptors_say() {
-        let mut message = ExcavatorTruth::default();
-        message.inertia = -1.5;
-        message.known = 300;
+        let message = ExcavatorTruth {
+            inertia: -1.5,
+            known: 300,
+            ..ExcavatorTruth::default()
+        };
         let mut bytes = Vec::new();
         own::encode(&message, &mut bytes);
         let schema = schema::bytes::<ExcavatorTruth>();

@@ -192,7 +192,8 @@ impl Scale {
             p[1][0] * by[0] + p[1][1] * by[1],
         ];
         let total = by[0] * cross[0] + by[1] * cross[1] + variance;
-        if !(total > 0.0) || !innovation.is_finite() {
+        let is_number = total.is_finite() && innovation.is_finite();
+        if total <= 0.0 || !is_number {
             return;
         }
         for i in 0..2 {
