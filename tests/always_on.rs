@@ -121,7 +121,14 @@ fn a_logger_that_is_killed_at_the_end_of_parts_loses_no_sample() {
 
 #[test]
 fn a_disk_without_room_stops_the_recording_and_not_the_estimation() {
-    let arguments = ["excavator", "--duration", "4", "--min-free", "900000TB"];
+    let arguments = [
+        "excavator",
+        "--verbose",
+        "--duration",
+        "4",
+        "--min-free",
+        "900000TB",
+    ];
     let run = Running::start("full", &arguments);
     let (output, folder) = run.wait();
     let said = both(&output);

@@ -94,15 +94,18 @@ const ARROWS: &[(&str, &[&str])] = &[
 const TOP: &[&str] = &[
     ".ci",
     ".dockerignore",
+    ".github",
     ".gitignore",
     "ARCHITECTURE.md",
     "CHANGELOG.md",
+    "CITATION.cff",
     "CONTRIBUTING.md",
     "Cargo.lock",
     "Cargo.toml",
     "LICENSE-APACHE",
     "LICENSE-MIT",
     "README.md",
+    "SECURITY.md",
     "bench",
     "bindings",
     "build.rs",
@@ -176,9 +179,9 @@ fn every_member_of_the_workspace_has_its_arrows() {
 }
 
 #[test]
-fn estimation_depends_on_nalgebra_alone_and_has_no_std() {
+fn estimation_depends_on_nalgebra_and_the_sheet_alone_and_has_no_std() {
     let found = dependencies("services/estimation", "[dependencies]");
-    let allowed = ["nalgebra", "serde"].map(str::to_owned);
+    let allowed = ["nalgebra", "serde", "sheet"].map(str::to_owned);
     assert_eq!(found, BTreeSet::from(allowed));
     let manifest = fs::read_to_string(root().join("services/estimation/Cargo.toml"));
     let manifest = manifest.expect("a manifest");

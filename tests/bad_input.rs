@@ -307,7 +307,7 @@ fn a_full_disk_stops_the_recording_and_not_the_estimation() {
     let out = folder.path().display();
     let script = format!(
         "mount -t tmpfs -o size=256k tmpfs {out} || exit 99; \
-         {heft} run excavator --scenario cycle --rate 1000 --duration 4 --quiet --no-report --out {out}; \
+         {heft} run excavator --scenario cycle --rate 1000 --duration 4 --verbose --quiet --no-report --out {out}; \
          code=$?; {heft} recover {out}/run.mcap; exit $code"
     );
     let Some(output) = with_own_mounts(&script) else {
