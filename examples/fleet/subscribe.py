@@ -17,11 +17,11 @@ for key, value in {"mode": '"client"', "connect/endpoints": f'["{a.connect}"]', 
 classes, lines = {}, {}
 
 def on_sample(sample):
-    machine, epoch, number, after, wall_ms = sample.attachment.to_string().split(" ")
+    machine, run, number, after, wall_ms = sample.attachment.to_string().split(" ")
     schema = str(sample.encoding).split(";")[-1]  # heft.ExcavatorEstimate
     message = classes[schema].FromString(bytes(sample.payload))
     lines.setdefault(machine, []).append((int(wall_ms) / 1e3, getattr(message, a.field, float("nan"))))
-    print(machine, "run", epoch, "sample", number, f"t={message.t:.2f} s", f"{a.field}={getattr(message, a.field, None)}")
+    print(machine, "run", run, "sample", number, f"t={message.t:.2f} s", f"{a.field}={getattr(message, a.field, None)}")
 
 with zenoh.open(config) as session:
     for reply in session.get(f"heft/v1/{a.site}/{a.machine}/schema/*"):  # the machines tell what their messages mean

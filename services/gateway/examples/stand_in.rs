@@ -26,13 +26,14 @@ fn main() {
     let rows = file.map(|f| recording::load::<ExcavatorSensors>(f, None).expect("samples"));
     let mut rows = rows.into_iter().flatten();
     let number = |i: usize| args.get(i).and_then(|a| a.parse::<f64>().ok());
+    let run = gateway::wall_ms() + u64::from(std::process::id());
     let (rate, seconds) = (number(3).expect("a rate"), number(4).expect("seconds"));
     let owner = Domain::new(&args[1])
         .and_then(|d| d.take())
         .expect("a free domain");
     let file = recording::reserve(std::path::Path::new(&args[2])).expect("a folder");
     let plan = serde_json::json!({
-        "machine": "excavator", "rate": rate, "recording": file, "begun_ms": gateway::wall_ms(), "version": "stand-in",
+        "machine": "excavator", "rate": rate, "recording": file, "run": run, "run_count": 0, "version": "stand-in",
     });
     owner.domain().enter().expect("the domain");
     let ports = Ports::new("stand-in").expect("ports");

@@ -51,7 +51,7 @@ fn main() {
         })
         .collect();
     println!("declared in {:.1} s", began.elapsed().as_secs_f64());
-    let epoch = wall_ms();
+    let run = wall_ms();
     let (begun, total) = (Instant::now(), (hz * seconds) as u64);
     let step = Duration::from_secs_f64(1.0 / (hz * machines as f64));
     let mut bytes = Vec::new();
@@ -86,7 +86,7 @@ fn main() {
             recording::payload::encode(&message, &mut bytes);
             let label = Label {
                 machine: id.machine.clone(),
-                epoch,
+                run,
                 number: round,
                 after: Some(round as i64 - 1),
                 wall_ms: wall_ms(),
@@ -110,7 +110,7 @@ fn main() {
                     machine: id.machine.clone(),
                     kind: "excavator".into(),
                     version: "swarm".into(),
-                    epoch,
+                    run,
                     wall_ms: wall_ms(),
                     streams: BTreeMap::from([(STREAM.to_owned(), head)]),
                     ..Status::default()

@@ -2,13 +2,13 @@
 
 use std::fmt;
 
-/// The attachment of a message, as text: `MACHINE EPOCH NUMBER AFTER WALL_MS`, so that any language reads it.
+/// The attachment of a message, as text: `MACHINE RUN NUMBER AFTER WALL_MS`, so that any language reads it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Label {
     /// The machine.
     pub machine: String,
-    /// Start of its run [ms since 1970, the machine's clock].
-    pub epoch: u64,
+    /// Its run: an id drawn by chance. Nothing is ordered by it, nor by the machine's clock.
+    pub run: u64,
     /// Number of the sample that the message is of. Not gapless: a stream is a selection.
     pub number: u64,
     /// Number of the selected message before it, -1 if it is the first of the run; `None` if samples
@@ -26,7 +26,7 @@ impl Label {
         let mut words = text.split(' ');
         let label = Self {
             machine: words.next()?.to_owned(),
-            epoch: words.next()?.parse().ok()?,
+            run: words.next()?.parse().ok()?,
             number: words.next()?.parse().ok()?,
             after: match words.next()? {
                 "?" => None,
@@ -35,7 +35,7 @@ impl Label {
             wall_ms: words.next()?.parse().ok()?,
         };
         // They are stored as signed numbers.
-        let fits = [label.epoch, label.number, label.wall_ms]
+        let fits = [label.run, label.number, label.wall_ms]
             .iter()
             .all(|n| i64::try_from(*n).is_ok());
         let follows = label.after.is_none_or(|after| after < label.number as i64);
@@ -45,10 +45,10 @@ impl Label {
 
 impl fmt::Display for Label {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (machine, epoch, number) = (&self.machine, self.epoch, self.number);
+        let (machine, run, number) = (&self.machine, self.run, self.number);
         match self.after {
-            Some(after) => write!(f, "{machine} {epoch} {number} {after} {}", self.wall_ms),
-            None => write!(f, "{machine} {epoch} {number} ? {}", self.wall_ms),
+            Some(after) => write!(f, "{machine} {run} {number} {after} {}", self.wall_ms),
+            None => write!(f, "{machine} {run} {number} ? {}", self.wall_ms),
         }
     }
 }
@@ -83,7 +83,7 @@ pub fn lost_behind(before: i64, upto: i64, per_period: f64) -> u64 {
     }
     let last = Label {
         machine: String::new(),
-        epoch: 0,
+        run: 0,
         number: upto.max(0) as u64,
         after: None,
         wall_ms: 0,
@@ -98,7 +98,7 @@ mod tests {
     fn label(number: u64, after: Option<i64>) -> Label {
         Label {
             machine: "ex-17".into(),
-            epoch: 1_795_300_000_000,
+            run: 1_795_300_000_000,
             number,
             after,
             wall_ms: 1_795_300_000_123,

@@ -66,6 +66,32 @@ pub fn client_unless(
     }
 }
 
+/// Whether a router may listen there: without keys on this host only, unless that is asked for.
+///
+/// # Errors
+/// It may not.
+pub fn is_closed(listen: Option<&str>, is_meant: bool) -> Result<(), String> {
+    let Some(listen) = listen.filter(|_| !is_meant) else {
+        return Ok(());
+    };
+    let address = listen.split_once('/').map_or(listen, |(_, rest)| rest);
+    let address = address.split(['?', '#']).next().unwrap_or_default();
+    let host = address.rsplit_once(':').map_or(address, |(host, _)| host);
+    let host = host.trim_start_matches('[').trim_end_matches(']');
+    let is_own = host == "localhost"
+        || host
+            .parse::<std::net::IpAddr>()
+            .is_ok_and(|ip| ip.is_loopback());
+    if is_own {
+        return Ok(());
+    }
+    Err(crate::error(
+        format!("whoever reaches {listen} could write under any machine's name"),
+        "--listen",
+        "give keys, --zenoh-config FILE (`examples/fleet/keys.sh` makes them), or say --open",
+    ))
+}
+
 /// Opens a router in this process: the same code as `zenohd`, without its plug-ins.
 ///
 /// # Errors
@@ -118,4 +144,32 @@ fn refused(error: &dyn std::fmt::Display, place: &str) -> String {
 
 fn list(all: &[&str]) -> String {
     serde_json::to_string(all).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_router_for_others_needs_keys_or_the_word() {
+        for own in [
+            "tcp/127.0.0.1:7447",
+            "tcp/localhost:1",
+            "tls/[::1]:7447",
+            "tcp/127.8.0.1:0",
+        ] {
+            assert!(is_closed(Some(own), false).is_ok(), "{own}");
+        }
+        for other in [
+            "tcp/0.0.0.0:7447",
+            "tcp/[::]:7447",
+            "udp/10.0.0.1:1",
+            "tcp/site.example:7447",
+            "tcp/0.0.0.0:1#iface=lo",
+        ] {
+            assert!(is_closed(Some(other), false).is_err(), "{other}");
+            assert!(is_closed(Some(other), true).is_ok(), "{other}");
+        }
+        assert!(is_closed(None, false).is_ok());
+    }
 }

@@ -18,9 +18,12 @@ pub struct Status {
     pub kind: String,
     /// Version of heft on it.
     pub version: String,
-    /// Start of the run [ms since 1970].
-    pub epoch: u64,
-    /// The machine's wall clock [ms since 1970].
+    /// The run: an id drawn by chance.
+    pub run: u64,
+    /// Runs of this machine that it has counted, this one too; 0 where it cannot keep count.
+    #[serde(default)]
+    pub count: u64,
+    /// The machine's wall clock, the one by which its messages are told [ms since 1970].
     pub wall_ms: u64,
     /// The run is over.
     pub ended: bool,
@@ -71,7 +74,7 @@ impl Status {
             .flatten()?;
         let short = |text: &String| text.len() <= 100 && !text.contains(|c: char| c.is_control());
         let texts = [&status.machine, &status.kind, &status.version];
-        let numbers = [status.epoch, status.wall_ms];
+        let numbers = [status.run, status.count, status.wall_ms];
         (status.streams.len() <= STREAMS
             && texts.into_iter().chain(status.streams.keys()).all(short)
             && numbers.iter().all(|n| i64::try_from(*n).is_ok())
@@ -107,7 +110,7 @@ mod tests {
         );
         assert_eq!(Status::parse(&bytes(&bad)), None);
         bad = status;
-        bad.epoch = u64::MAX;
+        bad.run = u64::MAX;
         assert_eq!(Status::parse(&bytes(&bad)), None);
         assert_eq!(Status::parse(&[b' '; LARGEST + 1]), None);
         assert_eq!(Status::parse(b"{}"), None);

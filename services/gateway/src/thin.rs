@@ -126,19 +126,19 @@ pub struct Thinner {
     excavator: Loads<ExcavatorEstimate>,
     loader: Loads<LoaderEstimate>,
     machine: String,
-    epoch: u64,
+    run: u64,
     hz: f64,
     /// Wall clock minus monotonic clock [ns].
     wall_offset_ns: i64,
 }
 
 impl Thinner {
-    /// For the run `epoch` of `machine`, with estimates `hz` times a second.
+    /// For the run `run` of `machine`, with estimates `hz` times a second.
     #[must_use]
     pub fn new(
         streams: Vec<StreamInfo>,
         machine: &str,
-        epoch: u64,
+        run: u64,
         hz: f64,
         wall_offset_ns: i64,
     ) -> Self {
@@ -148,7 +148,7 @@ impl Thinner {
             excavator: Loads::default(),
             loader: Loads::default(),
             machine: machine.to_owned(),
-            epoch,
+            run,
             hz,
             wall_offset_ns,
         }
@@ -252,7 +252,7 @@ impl Thinner {
         let wall_ms = measured.saturating_add(self.wall_offset_ns).max(0) as u64 / 1_000_000;
         let label = Label {
             machine: self.machine.clone(),
-            epoch: self.epoch,
+            run: self.run,
             number,
             after: self.tracks[stream].select(number),
             wall_ms,

@@ -52,7 +52,7 @@ fn say(session: &Session, machine: &str) {
     recording::payload::encode(&message, &mut payload);
     let label = Label {
         machine: machine.to_owned(),
-        epoch: 1_700_000_000_000,
+        run: 1_700_000_000_000,
         number: 0,
         after: Some(-1),
         wall_ms: wall_ms(),

@@ -40,6 +40,9 @@ enum Command {
         /// Keys, certificates, access: a configuration file of Zenoh
         #[arg(long, value_name = "FILE")]
         zenoh_config: Option<std::path::PathBuf>,
+        /// Let anybody who reaches it write anything under any machine's name: for a network of its own only
+        #[arg(long)]
+        open: bool,
     },
 }
 
@@ -57,11 +60,13 @@ fn main() -> ExitCode {
         Some(Command::Router {
             listen,
             zenoh_config,
+            open,
         }) => {
             let listen = listen
                 .as_deref()
                 .or(zenoh_config.is_none().then_some(link::DEFAULT));
-            let session = link::router(listen, zenoh_config.as_deref());
+            let session = link::is_closed(listen, zenoh_config.is_some() || *open)
+                .and_then(|()| link::router(listen, zenoh_config.as_deref()));
             session.map(|_session| {
                 eprintln!("router: {}", listen.unwrap_or("as its configuration says"));
                 while !stop.load(Ordering::Relaxed) {

@@ -14,6 +14,9 @@ const DRIFT: f64 = 4.0;
 /// A clock that is off by more than this [ms] is told.
 const CLOCK_MS: i64 = 10_000;
 
+/// More machines with one alarm at once than this are told in one line.
+const MANY: usize = 10;
+
 /// What is an alarm.
 #[derive(Debug, Clone, clap::Args)]
 pub struct AlarmArgs {
@@ -78,7 +81,7 @@ fn found(machine: &mut Machine, limit: Duration) -> BTreeMap<&'static str, Strin
     let has_ended = machine.status.as_ref().is_some_and(|s| s.ended);
     if !machine.is_here() {
         machine.alarms.untrusted = None;
-        if !has_ended {
+        if !has_ended && !machine.is_stranger() {
             let text = format!("silent for more than {} s", SILENT.as_secs());
             on.insert("silent", text);
         }
@@ -120,6 +123,26 @@ fn drift(first: &Quantity, now: &Quantity) -> Option<String> {
         .then(|| format!("{} was {} and is {}", now.label, first.text(), now.text()))
 }
 
+/// Lines for a person: alarms of one kind that many machines raise at once are one.
+pub fn lines(raised: &[Alarm]) -> Vec<String> {
+    let mut kinds: BTreeMap<(&str, bool), Vec<&Alarm>> = BTreeMap::new();
+    for alarm in raised {
+        let is_over = alarm.text.ends_with(": over");
+        kinds.entry((alarm.kind, is_over)).or_default().push(alarm);
+    }
+    let line = |alarms: Vec<&Alarm>| match alarms.as_slice() {
+        [first, _, last, ..] if alarms.len() > MANY => vec![format!(
+            "{} machines, from {} to {}: {}",
+            alarms.len(),
+            first.id,
+            alarms.last().unwrap_or(last).id,
+            first.text
+        )],
+        all => all.iter().map(ToString::to_string).collect(),
+    };
+    kinds.into_values().flat_map(line).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -144,7 +167,7 @@ mod tests {
             wall_ms: crate::wall_ms(),
             ..Default::default()
         };
-        fleet.status(&id, status);
+        fleet.status(&id, status, 1);
         let kinds: Vec<_> = look(&mut fleet, &args())
             .into_iter()
             .map(|a| (a.kind, a.text))
@@ -165,7 +188,7 @@ mod tests {
             wall_ms: crate::wall_ms(),
             ..Default::default()
         };
-        fleet.status(&id, status);
+        fleet.status(&id, status, 1);
         fleet.token(&id, false);
         assert!(look(&mut fleet, &args()).is_empty());
     }

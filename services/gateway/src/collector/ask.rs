@@ -25,7 +25,7 @@ pub struct Question {
     /// `KIND/NAME`.
     pub name: String,
     /// Which run.
-    pub epoch: i64,
+    pub run: i64,
     /// Everything up to this number is here.
     pub after: i64,
     /// This much there is at least.
@@ -62,10 +62,10 @@ impl Asker {
     pub(super) fn ask(&mut self, question: Question) {
         self.under_way += 1;
         let Question {
-            epoch, after, upto, ..
+            run, after, upto, ..
         } = question;
         let selector = format!(
-            "{}?epoch={epoch};after={after};upto={upto}",
+            "{}?run={run};after={after};upto={upto}",
             question.id.key(&question.name)
         );
         let open = Open {

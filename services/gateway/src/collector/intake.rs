@@ -2,6 +2,7 @@
 //! key names. A hostile machine can lie about itself only, and not loudly.
 
 use std::collections::HashMap;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::SyncSender;
 use std::sync::{LazyLock, Mutex, PoisonError};
 use std::time::Instant;
@@ -11,6 +12,7 @@ use messages::{Envelope, Machine, Message, Value};
 use steps::stages::Pipeline;
 use zenoh::sample::Sample;
 
+use super::strangers::{Heard, MACHINES, leave};
 use crate::key::{MachineId, SITE_ESTIMATE};
 use crate::label::Label;
 use crate::machine::Served;
@@ -22,10 +24,6 @@ pub const LARGEST: usize = 2048;
 /// Messages a second that a machine may send over some time, and at once.
 const RATE: f64 = 200.0;
 const BURST: f64 = 1000.0;
-/// Machines at most.
-const MACHINES: usize = 20_000;
-/// A clock may be ahead by this [ms].
-const AHEAD_MS: u64 = 86_400_000;
 
 /// A message that was checked.
 #[derive(Debug, Clone)]
@@ -72,11 +70,13 @@ pub enum Answer {
 pub struct Intake {
     events: SyncSender<Event>,
     rates: Mutex<HashMap<MachineId, Bucket>>,
+    turned_away: AtomicU64,
 }
 
 struct Bucket {
     left: f64,
     seen: Instant,
+    heard: Heard,
     told: Option<Instant>,
 }
 
@@ -85,6 +85,7 @@ impl Intake {
         Self {
             events,
             rates: Mutex::default(),
+            turned_away: AtomicU64::new(0),
         }
     }
 
@@ -120,9 +121,6 @@ impl Intake {
             if status.machine != id.machine {
                 return Err("speaks for another machine");
             }
-            if status.epoch > crate::wall_ms() + AHEAD_MS {
-                return Err("from the future");
-            }
             Ok(Event::Status(id.clone(), Box::new(status)))
         });
         if let Some(event) = event {
@@ -139,6 +137,11 @@ impl Intake {
         }
     }
 
+    /// Messages of machines for which there was no room.
+    pub(super) fn turned_away(&self) -> u64 {
+        self.turned_away.load(Ordering::Relaxed)
+    }
+
     pub(super) fn say(&self, event: Event) {
         let _ = self.events.send(event);
     }
@@ -152,14 +155,22 @@ impl Intake {
         {
             let mut rates = self.rates.lock().unwrap_or_else(PoisonError::into_inner);
             if !rates.contains_key(id) && rates.len() >= MACHINES {
-                return None;
+                for other in leave(rates.iter().map(|(id, b)| (id, b.heard)), MACHINES) {
+                    rates.remove(&other);
+                }
+                if rates.len() >= MACHINES {
+                    self.turned_away.fetch_add(1, Ordering::Relaxed);
+                    return None;
+                }
             }
             let now = Instant::now();
             let bucket = rates.entry(id.clone()).or_insert(Bucket {
                 left: BURST,
                 seen: now,
+                heard: Heard::now(),
                 told: None,
             });
+            bucket.heard.again();
             let earned = now.duration_since(bucket.seen).as_secs_f64() * RATE;
             bucket.left = (bucket.left + earned).min(BURST);
             bucket.seen = now;
@@ -191,9 +202,6 @@ fn check(id: &MachineId, stream: &str, sample: &Sample) -> Result<Event, &'stati
     let label = label.ok_or("no label")?;
     if label.machine != id.machine {
         return Err("speaks for another machine");
-    }
-    if label.epoch.max(label.wall_ms) > crate::wall_ms() + AHEAD_MS {
-        return Err("from the future");
     }
     let payload = sample.payload().to_bytes().into_owned();
     let envelope = decode(stream, &payload).ok_or("no message of its stream")?;

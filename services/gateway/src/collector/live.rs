@@ -8,6 +8,7 @@ use messages::Envelope;
 use super::alarm::State;
 use super::intake::Taken;
 use super::shown::{self, Quantity};
+use super::strangers::{Heard, MACHINES, leave};
 use crate::key::{MachineId, SITE_ESTIMATE};
 use crate::label::Label;
 use crate::status::Status;
@@ -20,6 +21,10 @@ pub const SILENT: Duration = Duration::from_secs(8);
 pub struct Fleet {
     /// By site and name.
     pub machines: BTreeMap<MachineId, Machine>,
+    /// Messages of machines for which there was no room.
+    pub turned_away: u64,
+    /// Why nothing is kept, and since when: the disk.
+    pub unkept: Option<(String, Instant)>,
 }
 
 /// What is missing of a machine's history.
@@ -29,6 +34,8 @@ pub struct Account {
     pub lost: i64,
     /// Streams with a gap that may still close.
     pub gaps: u64,
+    /// Whole runs that the machine has counted and of which nothing came.
+    pub unheard: u64,
 }
 
 /// The latest of a machine.
@@ -38,6 +45,10 @@ pub struct Machine {
     pub kind: String,
     /// Version of heft on it.
     pub version: String,
+    /// Place of its run among all runs of all machines, in the order in which the collector first heard of them.
+    pub run: i64,
+    /// When it was first and last heard; `None` where the history alone knows it.
+    pub times: Option<Heard>,
     /// What it says of itself.
     pub status: Option<Status>,
     /// When it last said so.
@@ -48,8 +59,10 @@ pub struct Machine {
     pub clock_ms: i64,
     /// The latest message of each stream.
     pub latest: BTreeMap<String, (Label, Envelope)>,
+    /// Place of the run of each.
+    runs: BTreeMap<String, i64>,
     /// What was not taken, by reason.
-    pub refused: BTreeMap<&'static str, u64>,
+    pub refused: BTreeMap<String, u64>,
     /// See [`Account`].
     pub account: Account,
     /// What the alarms remember.
@@ -57,6 +70,12 @@ pub struct Machine {
 }
 
 impl Machine {
+    /// Whether it was heard for a moment only.
+    #[must_use]
+    pub fn is_stranger(&self) -> bool {
+        self.times.is_some_and(|t| t.is_stranger())
+    }
+
     /// Whether it is here: it speaks, and its token has not gone.
     #[must_use]
     pub fn is_here(&self) -> bool {
@@ -80,7 +99,23 @@ impl Machine {
 
 impl Fleet {
     fn machine(&mut self, id: &MachineId) -> &mut Machine {
+        if !self.machines.contains_key(id) && self.machines.len() >= MACHINES {
+            let times = self
+                .machines
+                .iter()
+                .filter_map(|(id, m)| Some((id, m.times?)));
+            for other in leave(times, MACHINES) {
+                self.machines.remove(&other);
+            }
+        }
         self.machines.entry(id.clone()).or_default()
+    }
+
+    /// The machine, which is heard now.
+    fn heard(&mut self, id: &MachineId) -> &mut Machine {
+        let machine = self.machine(id);
+        machine.times.get_or_insert_with(Heard::now).again();
+        machine
     }
 
     /// Puts in a machine that the history knows.
@@ -91,26 +126,35 @@ impl Fleet {
 
     /// After a start: nobody was heard yet.
     pub fn forget_when(&mut self) {
-        self.machines.values_mut().for_each(|m| m.heard = None);
+        for machine in self.machines.values_mut() {
+            (machine.heard, machine.times) = (None, None);
+        }
     }
 
-    /// Takes in a message, old or new.
-    pub fn message(&mut self, taken: &Taken) {
-        let machine = self.machine(&taken.id);
+    /// Takes in a message, old or new, of the run at this place among all.
+    pub fn message(&mut self, taken: &Taken, run: i64) {
+        let machine = self.heard(&taken.id);
         if machine.kind.is_empty() {
             machine.kind = shown::kind_of(&taken.envelope).to_owned();
         }
-        let place = (taken.label.epoch, taken.label.number);
+        let place = (run, taken.label.number);
         let known = machine.latest.get(&taken.stream);
-        if known.is_none_or(|(l, _)| (l.epoch, l.number) < place) {
+        let of = machine.runs.get(&taken.stream).copied().unwrap_or(0);
+        if known.is_none_or(|(l, _)| (of, l.number) < place) {
+            machine.runs.insert(taken.stream.clone(), run);
             let latest = (taken.label.clone(), taken.envelope);
             machine.latest.insert(taken.stream.clone(), latest);
         }
     }
 
-    /// Takes in what a machine says of itself.
-    pub fn status(&mut self, id: &MachineId, status: Status) {
-        let machine = self.machine(id);
+    /// Takes in what a machine says of itself, in the run at this place among all. Of two runs that speak at a time the
+    /// later one is shown: the gateway of the one before stays for a while.
+    pub fn status(&mut self, id: &MachineId, status: Status, run: i64) {
+        let machine = self.heard(id);
+        if run < machine.run && machine.is_here() {
+            return;
+        }
+        machine.run = run;
         machine.heard = Some(Instant::now());
         machine.kind.clone_from(&status.kind);
         machine.version.clone_from(&status.version);
@@ -128,13 +172,16 @@ impl Fleet {
     }
 
     /// Something was not taken.
-    pub fn refused(&mut self, id: &MachineId, why: &'static str) {
-        *self.machine(id).refused.entry(why).or_default() += 1;
+    pub fn refused(&mut self, id: &MachineId, why: &str, messages: u64) {
+        let refused = &mut self.heard(id).refused;
+        *refused.entry(why.to_owned()).or_default() += messages;
     }
 
     /// Takes in what is missing of a machine.
     pub fn account(&mut self, id: &MachineId, account: Account) {
-        self.machine(id).account = account;
+        if let Some(machine) = self.machines.get_mut(id) {
+            machine.account = account;
+        }
     }
 
     /// The machines that are here, in order.

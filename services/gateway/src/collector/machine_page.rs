@@ -53,9 +53,18 @@ impl Head {
             metadata.push(("clock".to_owned(), clock));
         }
         let account = machine.account;
+        let refused: u64 = machine.refused.values().sum();
+        let is_complete = account == live::Account::default() && refused == 0;
         let history = format!(
-            "{} messages lost, {} streams with a gap",
-            account.lost, account.gaps
+            "{}{} messages lost, {} streams with a gap, {} runs unheard, {refused} messages refused",
+            if is_complete {
+                "complete: "
+            } else {
+                "not complete: "
+            },
+            account.lost,
+            account.gaps,
+            account.unheard
         );
         metadata.push(("history".to_owned(), history));
         for (why, times) in &machine.refused {
@@ -96,7 +105,7 @@ pub fn page(db: &Path, id: &MachineId, head: &Head) -> Option<String> {
                SELECT s.name, e.number, e.payload, row_number() OVER (PARTITION BY s.id ORDER BY e.number DESC) AS place
                FROM machine m JOIN stream s ON s.machine = m.id JOIN message e ON e.stream = s.id
                WHERE m.site = ?1 AND m.name = ?2 AND (s.name LIKE 'estimate/%' OR s.name LIKE 'site/%' OR s.name LIKE 'health/%')
-                 AND s.epoch = (SELECT max(epoch) FROM stream WHERE machine = m.id))
+                 AND s.run = (SELECT run FROM run WHERE machine = m.id ORDER BY id DESC LIMIT 1))
              WHERE place <= ?3 ORDER BY name, number",
         )
         .ok()?;

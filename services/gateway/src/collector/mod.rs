@@ -14,8 +14,10 @@ mod parameters;
 pub mod query;
 mod shown;
 mod store;
+mod strangers;
 mod table;
 
+use std::collections::BTreeMap;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -30,11 +32,12 @@ use zenoh_ext::{AdvancedSubscriberBuilderExt, RecoveryConfig};
 pub use alarm::AlarmArgs;
 pub(crate) use intake::decode;
 
+use crate::key::MachineId;
 use crate::key::{STATUS, STREAMS, TOKENS};
 use crate::link::LinkArgs;
 use intake::{Event, Intake};
 use live::Fleet;
-use store::Store;
+use store::{Store, Stored};
 
 /// Events that may wait for the disk.
 const QUEUE: usize = 65_536;
@@ -42,6 +45,14 @@ const QUEUE: usize = 65_536;
 const COMMIT: Duration = Duration::from_millis(200);
 /// Messages of one transaction.
 const BATCH: usize = 20_000;
+
+/// Time between two looks whether a disk that took nothing takes something again.
+const TRY: Duration = Duration::from_secs(2);
+/// Time between two lines on machines for which there was no room.
+const ROOM: Duration = Duration::from_secs(60);
+
+/// Why a run is refused.
+const RUNS: &str = "begins runs too fast";
 
 /// Where the page is unless told otherwise: this host only.
 pub const PAGE: &str = "127.0.0.1:8450";
@@ -78,7 +89,7 @@ pub fn run(args: &CollectorArgs, stop: &AtomicBool) -> Result<(), String> {
             "give 127.0.0.1:PORT; for others put a web server with accounts and TLS before it",
         ));
     }
-    let mut store = Store::open(&args.db)?;
+    let store = Store::open(&args.db)?;
     let fleet = Arc::new(Mutex::new(store.fleet()?));
     let server = page::serve(args.page, Arc::clone(&fleet), args.db.clone())?;
     eprintln!("fleet: http://{}", server.address());
@@ -119,10 +130,13 @@ pub fn run(args: &CollectorArgs, stop: &AtomicBool) -> Result<(), String> {
     let _schemas = crate::schema::serve(&session, crate::key::ROOT).map_err(failed)?;
     let asker = ask::Asker::new(session.clone(), Arc::clone(&intake));
     let mut collector = Collector {
-        store: &mut store,
+        store,
         fleet: &fleet,
+        intake,
         asker,
         args,
+        refused: BTreeMap::new(),
+        said: (0, Instant::now() - ROOM),
     };
     let result = collector.work(&waiting, stop);
     let _ = session.close().wait();
@@ -130,10 +144,15 @@ pub fn run(args: &CollectorArgs, stop: &AtomicBool) -> Result<(), String> {
 }
 
 struct Collector<'a> {
-    store: &'a mut Store,
+    store: Store,
     fleet: &'a Mutex<Fleet>,
+    intake: Arc<Intake>,
     asker: ask::Asker,
     args: &'a CollectorArgs,
+    /// What was refused and is not written yet.
+    refused: BTreeMap<(MachineId, &'static str), u64>,
+    /// Messages without room that were told, and when.
+    said: (u64, Instant),
 }
 
 impl Collector<'_> {
@@ -146,39 +165,89 @@ impl Collector<'_> {
                 Err(RecvTimeoutError::Timeout) => None,
                 Err(RecvTimeoutError::Disconnected) => return Ok(()),
             };
+            let mut done = Ok(());
             if let Some(first) = first {
                 // Leave time for more to come: a transaction costs the disk, not the message.
                 std::thread::sleep(COMMIT / 4);
-                self.take(std::iter::once(first).chain(events.try_iter()).take(BATCH))?;
+                done = self.take(std::iter::once(first).chain(events.try_iter()).take(BATCH));
             }
-            if looked.elapsed() >= Duration::from_secs(1) {
+            if done.is_ok() && looked.elapsed() >= Duration::from_secs(1) {
                 looked = Instant::now();
-                self.look()?;
+                done = self.look();
             }
-            if cleaned.elapsed() >= Duration::from_secs(3600) {
+            if done.is_ok() && cleaned.elapsed() >= Duration::from_secs(3600) {
                 cleaned = Instant::now();
-                self.store.forget(self.args.keep)?;
+                done = self.store.forget(self.args.keep);
+            }
+            if let Err(why) = done {
+                self.wait_for_the_disk(&why, events, stop);
             }
         }
         Ok(())
     }
 
+    /// Goes on showing what comes while the disk takes nothing. What is missing then is asked for, as after a cut: the
+    /// history is read again as it is in the file.
+    fn wait_for_the_disk(&mut self, why: &str, events: &Receiver<Event>, stop: &AtomicBool) {
+        tracing::error!("nothing is kept until the disk takes it again: {why}");
+        self.store.roll_back();
+        self.fleet().unkept = Some((why.to_owned(), Instant::now()));
+        let mut tried = Instant::now();
+        while !stop.load(Ordering::Relaxed) {
+            for event in events
+                .recv_timeout(COMMIT)
+                .into_iter()
+                .chain(events.try_iter())
+            {
+                let mut fleet = self.fleet.lock().unwrap_or_else(PoisonError::into_inner);
+                match event {
+                    Event::Status(id, status) => {
+                        let run = fleet.machines.get(&id).map_or(0, |m| m.run);
+                        fleet.status(&id, *status, run);
+                    }
+                    Event::Token(id, is_there) => fleet.token(&id, is_there),
+                    Event::Answered(..) => self.asker.answered(),
+                    Event::Message(_) | Event::Refused(..) => {}
+                }
+            }
+            if tried.elapsed() < TRY {
+                continue;
+            }
+            tried = Instant::now();
+            let again = Store::open(&self.args.db).and_then(|s| s.probe().map(|()| s));
+            if let Ok(store) = again {
+                self.store = store;
+                self.fleet().unkept = None;
+                tracing::warn!("the disk takes the history again; what is missing is asked for");
+                return;
+            }
+        }
+    }
+
+    fn fleet(&self) -> std::sync::MutexGuard<'_, Fleet> {
+        self.fleet.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     fn take(&mut self, events: impl Iterator<Item = Event>) -> Result<(), String> {
         self.store.begin()?;
         let mut fleet = self.fleet.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut refused = |fleet: &mut Fleet, id: MachineId, why| {
+            fleet.refused(&id, why, 1);
+            *self.refused.entry((id, why)).or_default() += 1;
+        };
         for event in events {
             match event {
-                Event::Message(message) => {
-                    if self.store.insert(&message)? {
-                        fleet.message(&message);
-                    }
-                }
-                Event::Status(id, status) => {
-                    self.store.status(&id, &status)?;
-                    fleet.status(&id, *status);
-                }
+                Event::Message(message) => match self.store.insert(&message)? {
+                    Stored::New(run) => fleet.message(&message, run),
+                    Stored::Known => {}
+                    Stored::Refused => refused(&mut fleet, message.id, RUNS),
+                },
+                Event::Status(id, status) => match self.store.status(&id, &status)? {
+                    Some(run) => fleet.status(&id, *status, run),
+                    None => refused(&mut fleet, id, RUNS),
+                },
                 Event::Token(id, is_there) => fleet.token(&id, is_there),
-                Event::Refused(id, why) => fleet.refused(&id, why),
+                Event::Refused(id, why) => refused(&mut fleet, id, why),
                 Event::Answered(stream, answer) => {
                     self.asker.answered();
                     self.store.answered(stream, answer)?;
@@ -193,14 +262,32 @@ impl Collector<'_> {
     fn look(&mut self) -> Result<(), String> {
         let mut fleet = self.fleet.lock().unwrap_or_else(PoisonError::into_inner);
         let raised = alarm::look(&mut fleet, &self.args.alarms);
+        fleet.turned_away = self.intake.turned_away();
+        self.refused
+            .retain(|(id, _), _| fleet.machines.contains_key(id));
         let here = fleet.here();
         for (id, state) in self.store.account() {
             fleet.account(&id, state);
         }
         drop(fleet);
+        for line in alarm::lines(&raised) {
+            tracing::warn!("{line}");
+        }
+        self.store.begin()?;
         for alarm in raised {
-            tracing::warn!("{alarm}");
             self.store.alarm(&alarm)?;
+        }
+        for ((id, why), messages) in std::mem::take(&mut self.refused) {
+            self.store.refused(&id, why, messages)?;
+        }
+        self.store.commit()?;
+        let turned_away = self.intake.turned_away();
+        if turned_away > self.said.0 && self.said.1.elapsed() >= ROOM {
+            self.said = (turned_away, Instant::now());
+            tracing::warn!(
+                "{turned_away} messages of machines beyond {} were not taken",
+                strangers::MACHINES
+            );
         }
         let room = self.asker.room();
         for question in self.store.questions(&here, room) {

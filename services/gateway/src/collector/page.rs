@@ -168,6 +168,20 @@ fn body(fleet: &Fleet) -> String {
         "{STYLE}<h1>Fleet</h1><p class=\"facts\">{} machines, {here} here; alarms: {alarms}</p>",
         fleet.machines.len()
     );
+    if let Some((why, since)) = &fleet.unkept {
+        let (why, seconds) = (escape(why), since.elapsed().as_secs());
+        let _ = write!(
+            out,
+            "<p class=\"badge\">Nothing has been kept for {seconds} s: {why}</p>"
+        );
+    }
+    if fleet.turned_away > 0 {
+        let messages = fleet.turned_away;
+        let _ = write!(
+            out,
+            "<p class=\"badge\">{messages} messages of machines for which there was no room were not taken</p>"
+        );
+    }
     let head = [
         "site",
         "machine",
@@ -180,6 +194,7 @@ fn body(fleet: &Fleet) -> String {
         "alarms",
         "lost",
         "gaps",
+        "runs unheard",
         "refused",
         "version",
     ];
@@ -200,7 +215,7 @@ fn body(fleet: &Fleet) -> String {
     }
     out.push_str(
         "<p class=\"note\">age: since the machine last spoke. lost: messages that nobody has any more. gaps: streams of which something \
-         is missing and is being asked for. refused: messages under the machine's keys that were not taken.</p>",
+         is missing and is being asked for. runs unheard: whole runs that the machine has counted and of which nothing came. refused: messages under the machine's keys that were not taken.</p>",
     );
     out
 }
@@ -246,6 +261,7 @@ fn row(out: &mut String, id: &MachineId, machine: &Machine) {
         format!("<span class=\"bad\">{}</span>", escape(&alarms.join("; "))),
         machine.account.lost.to_string(),
         machine.account.gaps.to_string(),
+        machine.account.unheard.to_string(),
         refused.to_string(),
         escape(&machine.version),
     ];

@@ -72,14 +72,16 @@ fn latest(
         return Ok(found);
     };
     let mut runs = sql.prepare_cached(
-        "SELECT id FROM stream WHERE machine = ? AND name = ? ORDER BY epoch DESC",
+        "SELECT s.id, r.off_ms FROM stream s JOIN run r ON r.machine = s.machine AND r.run = s.run
+         WHERE s.machine = ? AND s.name = ? ORDER BY r.id DESC",
     )?;
     let mut estimates = sql.prepare_cached(
         "SELECT wall_ms, payload FROM message WHERE stream = ? AND wall_ms >= ? ORDER BY number DESC",
     )?;
     let mut runs = runs.query(params![machine, stream])?;
     while let Some(run) = runs.next()? {
-        let mut rows = estimates.query(params![run.get::<_, i64>(0)?, since_ms])?;
+        let (stream_id, off_ms): (i64, i64) = (run.get(0)?, run.get(1)?);
+        let mut rows = estimates.query(params![stream_id, since_ms.saturating_add(off_ms)])?;
         while let Some(row) = rows.next()?
             && !wanted.is_empty()
         {
@@ -89,7 +91,7 @@ fn latest(
             for quantity in quantities(&estimate) {
                 if quantity.trusted && wanted.contains(&quantity.key) {
                     wanted.retain(|key| *key != quantity.key);
-                    found.push((row.get(0)?, quantity));
+                    found.push((row.get::<_, i64>(0)?.saturating_sub(off_ms), quantity));
                 }
             }
         }
@@ -178,7 +180,7 @@ mod tests {
         Taken {
             label: Label {
                 machine: id.machine.clone(),
-                epoch: 1,
+                run: 1,
                 number,
                 after: number.checked_sub(1).map(|n| n as i64),
                 wall_ms: 1000 + number,

@@ -158,24 +158,28 @@ fn messages(
     out: &mut impl Write,
 ) -> Result<(), Failed> {
     let mut query = sql.prepare(
-        "SELECT m.site, m.name, s.epoch, s.name, e.wall_ms, e.payload FROM message e JOIN stream s ON s.id = e.stream
-         JOIN machine m ON m.id = s.machine
-         WHERE substr(s.name, 1, length(?1)) = ?1 AND e.wall_ms >= ?2 AND (?3 IS NULL OR m.site = ?3) AND (?4 IS NULL OR m.name = ?4)
-         ORDER BY m.site, m.name, s.epoch, s.name, e.number",
+        // A message comes after it was measured; when that was by our clock is known from the machine's status.
+        "SELECT m.site, m.name, s.run, s.name, e.wall_ms, e.payload, r.first_ms FROM message e JOIN stream s ON s.id = e.stream
+         JOIN machine m ON m.id = s.machine JOIN run r ON r.machine = s.machine AND r.run = s.run
+         WHERE substr(s.name, 1, length(?1)) = ?1 AND e.received_ms >= ?2 AND e.wall_ms - r.off_ms >= ?2
+           AND (?3 IS NULL OR m.site = ?3) AND (?4 IS NULL OR m.name = ?4)
+         ORDER BY m.site, m.name, r.id, s.name, e.number",
     )?;
     let since = wall_ms() as i64 - args.since;
     let mut rows = query.query(params![kind, since, args.site, args.machine])?;
     let mut table = Table::new(args.format);
     while let Some(row) = rows.next()? {
         let words: [String; 2] = [row.get(0)?, row.get(1)?];
-        let (epoch, stream, wall): (i64, String, i64) = (row.get(2)?, row.get(3)?, row.get(4)?);
+        let (run, stream, wall): (i64, String, i64) = (row.get(2)?, row.get(3)?, row.get(4)?);
         let Some(message) = decode(&stream, &row.get::<_, Vec<u8>>(5)?) else {
             continue;
         };
+        let first: i64 = row.get(6)?;
         let said = [
             ("site", json!(words[0])),
             ("machine", json!(words[1])),
-            ("epoch_ms", json!(epoch)),
+            ("run", json!(run)),
+            ("run_heard_ms", json!(first)),
             ("stream", json!(stream)),
             ("wall_ms", json!(wall)),
         ];

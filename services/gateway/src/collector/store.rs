@@ -4,21 +4,24 @@
 //! [`gaps`].
 
 mod gaps;
+mod runs;
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use rusqlite::{Connection, OptionalExtension, params};
 
 use super::alarm::Alarm;
 use super::intake::{Taken, decode};
 use super::live::Fleet;
+use super::strangers::MACHINES;
 use crate::key::MachineId;
 use crate::label::Label;
 use crate::status::Status;
 use crate::wall_ms;
 use gaps::Stream;
+use runs::{Begun, Runs};
 
 const SCHEMA: &str = "
     PRAGMA journal_mode = WAL;
@@ -26,21 +29,57 @@ const SCHEMA: &str = "
     CREATE TABLE IF NOT EXISTS machine (
         id INTEGER PRIMARY KEY, site TEXT NOT NULL, name TEXT NOT NULL,
         kind TEXT NOT NULL DEFAULT '', version TEXT NOT NULL DEFAULT '', UNIQUE (site, name));
+    CREATE TABLE IF NOT EXISTS run (
+        id INTEGER PRIMARY KEY AUTOINCREMENT, machine INTEGER NOT NULL REFERENCES machine, run INTEGER NOT NULL,
+        first_ms INTEGER NOT NULL, count INTEGER NOT NULL DEFAULT 0, clock_ms INTEGER, off_ms INTEGER NOT NULL DEFAULT 0,
+        UNIQUE (machine, run));
+    CREATE TABLE IF NOT EXISTS refused (
+        machine INTEGER NOT NULL REFERENCES machine, why TEXT NOT NULL, messages INTEGER NOT NULL, PRIMARY KEY (machine, why));
     CREATE TABLE IF NOT EXISTS stream (
-        id INTEGER PRIMARY KEY, machine INTEGER NOT NULL REFERENCES machine, epoch INTEGER NOT NULL, name TEXT NOT NULL,
+        id INTEGER PRIMARY KEY, machine INTEGER NOT NULL REFERENCES machine, run INTEGER NOT NULL, name TEXT NOT NULL,
         good INTEGER NOT NULL DEFAULT -1, head INTEGER NOT NULL DEFAULT -1, lost INTEGER NOT NULL DEFAULT 0,
-        per_period REAL NOT NULL DEFAULT 0, UNIQUE (machine, epoch, name));
+        per_period REAL NOT NULL DEFAULT 0, UNIQUE (machine, run, name));
     CREATE TABLE IF NOT EXISTS message (
         stream INTEGER NOT NULL REFERENCES stream, number INTEGER NOT NULL, after INTEGER,
         wall_ms INTEGER NOT NULL, received_ms INTEGER NOT NULL, payload BLOB NOT NULL,
         PRIMARY KEY (stream, number)) WITHOUT ROWID;
-    CREATE INDEX IF NOT EXISTS message_time ON message (wall_ms);
+    DROP INDEX IF EXISTS message_time;
+    CREATE INDEX IF NOT EXISTS message_received ON message (received_ms);
     CREATE TABLE IF NOT EXISTS alarm (
         at_ms INTEGER NOT NULL, site TEXT NOT NULL, name TEXT NOT NULL, kind TEXT NOT NULL, text TEXT NOT NULL);
 ";
 
-/// Least time between two new runs of a machine.
-const RUNS: Duration = Duration::from_secs(2);
+/// A machine that was silent for so long is not shown after a start [ms], nor one that never said what it is.
+const DAYS_MS: i64 = 3 * 86_400_000;
+const MOMENT_MS: i64 = 60_000;
+
+/// What a history of before has its runs named by: the machine's clock when they began.
+const OLD: &str = "
+    ALTER TABLE stream RENAME COLUMN epoch TO run;
+    INSERT OR IGNORE INTO run (machine, run, first_ms) SELECT DISTINCT machine, run, run FROM stream ORDER BY run;
+";
+
+/// Names of which nothing is left, and which never said what they are, go with what they sent.
+const FORGET_NAMES: &str = "
+    CREATE TEMP TABLE gone AS SELECT id FROM machine m WHERE kind = ''
+        AND NOT EXISTS (SELECT 1 FROM message e JOIN stream s ON s.id = e.stream WHERE s.machine = m.id);
+    DELETE FROM stream WHERE machine IN gone;
+    DELETE FROM run WHERE machine IN gone;
+    DELETE FROM refused WHERE machine IN gone;
+    DELETE FROM machine WHERE id IN gone;
+    DROP TABLE gone;
+";
+
+/// What became of a message.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stored {
+    /// It is new, of the run at this place among all.
+    New(i64),
+    /// It was here already.
+    Known,
+    /// Its machine begins runs faster than any machine does.
+    Refused,
+}
 
 /// The history, to write.
 pub struct Store {
@@ -48,13 +87,12 @@ pub struct Store {
     machines: HashMap<MachineId, Owner>,
     ids: HashMap<(i64, i64, String), i64>,
     streams: BTreeMap<i64, Stream>,
+    runs: Runs,
+    begun: HashMap<i64, Begun>,
 }
 
 struct Owner {
     id: i64,
-    /// The latest run that was heard of, and since when.
-    epoch: i64,
-    since: Option<Instant>,
     told: (String, String),
 }
 
@@ -75,12 +113,23 @@ impl Store {
         let sql = Connection::open(file).map_err(failed)?;
         sql.busy_timeout(Duration::from_secs(10)).map_err(failed)?;
         sql.execute_batch(SCHEMA).map_err(failed)?;
+        let old = "SELECT count(*) FROM pragma_table_info('stream') WHERE name = 'epoch'";
+        if sql
+            .query_row(old, [], |row| row.get::<_, i64>(0))
+            .map_err(failed)?
+            > 0
+        {
+            sql.execute_batch(OLD).map_err(failed)?;
+        }
         let mut store = Self {
             sql,
             machines: HashMap::new(),
             ids: HashMap::new(),
             streams: BTreeMap::new(),
+            runs: Runs::new(),
+            begun: HashMap::new(),
         };
+        store.load_runs().map_err(failed)?;
         store.load().map_err(failed)?;
         Ok(store)
     }
@@ -88,7 +137,7 @@ impl Store {
     /// Reads what is known of machines and streams.
     fn load(&mut self) -> rusqlite::Result<()> {
         let mut query = self.sql.prepare(
-            "SELECT s.id, s.machine, m.site, m.name, m.kind, m.version, s.epoch, s.name, s.good, s.head, s.lost, s.per_period,
+            "SELECT s.id, s.machine, m.site, m.name, m.kind, m.version, s.run, s.name, s.good, s.head, s.lost, s.per_period,
              (SELECT max(number) FROM message WHERE stream = s.id) FROM stream s JOIN machine m ON m.id = s.machine",
         )?;
         let mut rows = query.query([])?;
@@ -99,17 +148,14 @@ impl Store {
                 site,
                 machine: name,
             };
-            let epoch: i64 = row.get(6)?;
+            let run: i64 = row.get(6)?;
             let name: String = row.get(7)?;
-            let known = self.machines.entry(machine.clone()).or_insert(Owner {
+            self.machines.entry(machine.clone()).or_insert(Owner {
                 id: owner,
-                epoch,
-                since: None,
                 told: (row.get(4)?, row.get(5)?),
             });
-            known.epoch = known.epoch.max(epoch);
-            self.ids.insert((owner, epoch, name.clone()), id);
-            let mut stream = Stream::new(machine, name, epoch);
+            self.ids.insert((owner, run, name.clone()), id);
+            let mut stream = Stream::new(machine, name, run);
             (stream.good, stream.head, stream.lost) = (row.get(8)?, row.get(9)?, row.get(10)?);
             stream.per_period = row.get(11)?;
             stream.newest = row.get::<_, Option<i64>>(12)?.unwrap_or(-1);
@@ -125,43 +171,76 @@ impl Store {
     /// The file cannot be read.
     pub fn fleet(&self) -> Result<Fleet, String> {
         let mut fleet = Fleet::default();
-        for (id, owner) in &self.machines {
-            fleet.known(id, &owner.told.0, &owner.told.1);
+        let mut latest: HashMap<i64, i64> = HashMap::new();
+        for ((machine, _), run) in &self.runs {
+            let known = latest.entry(*machine).or_insert(run.id);
+            *known = run.id.max(*known);
         }
         let mut query = self
             .sql
-            .prepare("SELECT after, wall_ms, payload FROM message WHERE stream = ? AND number = ?")
+            .prepare("SELECT after, wall_ms, payload, received_ms FROM message WHERE stream = ? AND number = ?")
             .map_err(failed)?;
+        let now = wall_ms() as i64;
         for (id, stream) in &self.streams {
-            if self.machines[&stream.machine].epoch != stream.epoch || stream.newest < 0 {
+            let machine = &self.machines[&stream.machine];
+            let order = self.runs.get(&(machine.id, stream.run)).map_or(0, |r| r.id);
+            if stream.newest < 0 || latest.get(&machine.id) != Some(&order) {
                 continue;
             }
             let found = query.query_row(params![id, stream.newest], |row| {
                 let after: Option<i64> = row.get(0)?;
-                Ok((after, row.get::<_, i64>(1)?, row.get::<_, Vec<u8>>(2)?))
+                let message: (i64, Vec<u8>) = (row.get(1)?, row.get(2)?);
+                Ok((after, message.0, message.1, row.get::<_, i64>(3)?))
             });
-            let Some((after, wall_ms, payload)) = found.optional().map_err(failed)? else {
+            let Some((after, wall_ms, payload, received)) = found.optional().map_err(failed)?
+            else {
                 continue;
             };
+            // Who was silent for days, and names that have never said what they are, are in the history alone.
+            let stays = if machine.told.0.is_empty() {
+                MOMENT_MS
+            } else {
+                DAYS_MS
+            };
+            if now.saturating_sub(received) > stays || fleet.machines.len() >= MACHINES {
+                continue;
+            }
+            fleet.known(&stream.machine, &machine.told.0, &machine.told.1);
             if let Some(envelope) = decode(&stream.name, &payload) {
                 let label = Label {
                     machine: stream.machine.machine.clone(),
-                    epoch: stream.epoch as u64,
+                    run: stream.run as u64,
                     number: stream.newest as u64,
                     after,
                     wall_ms: wall_ms as u64,
                 };
                 let id = stream.machine.clone();
                 let stream = stream.name.clone();
-                fleet.message(&Taken {
+                let taken = Taken {
                     id,
                     stream,
                     label,
                     payload,
                     envelope,
-                });
+                };
+                fleet.message(&taken, order);
             }
         }
+        drop(query);
+        let refused = "SELECT m.site, m.name, r.why, r.messages FROM refused r JOIN machine m ON m.id = r.machine";
+        let mut query = self.sql.prepare(refused).map_err(failed)?;
+        let mut rows = query.query([]).map_err(failed)?;
+        while let Some(row) = rows.next().map_err(failed)? {
+            let texts: rusqlite::Result<[String; 3]> =
+                (|| Ok([row.get(0)?, row.get(1)?, row.get(2)?]))();
+            let [site, machine, why] = texts.map_err(failed)?;
+            let messages: i64 = row.get(3).map_err(failed)?;
+            let id = MachineId { site, machine };
+            if fleet.machines.contains_key(&id) {
+                fleet.refused(&id, &why, messages as u64);
+            }
+        }
+        drop(rows);
         fleet.forget_when();
         Ok(fleet)
     }
@@ -194,6 +273,24 @@ impl Store {
         self.sql.execute_batch("COMMIT").map_err(failed)
     }
 
+    /// Takes back a transaction that was not ended, if there is one.
+    pub fn roll_back(&self) {
+        let _ = self.sql.execute_batch("ROLLBACK");
+    }
+
+    /// Whether the disk takes something again.
+    ///
+    /// # Errors
+    /// It does not.
+    pub fn probe(&self) -> Result<(), String> {
+        let probe = "BEGIN IMMEDIATE; CREATE TABLE probe (bytes BLOB); INSERT INTO probe VALUES (zeroblob(65536)); ROLLBACK";
+        let tried = self.sql.execute_batch(probe);
+        if tried.is_err() {
+            self.roll_back();
+        }
+        tried.map_err(failed)
+    }
+
     fn owner(&mut self, id: &MachineId) -> Result<i64, String> {
         if let Some(owner) = self.machines.get(id) {
             return Ok(owner.id);
@@ -205,50 +302,40 @@ impl Store {
         let number = number.map_err(failed)?;
         let owner = Owner {
             id: number,
-            epoch: -1,
-            since: None,
             told: Default::default(),
         };
         self.machines.insert(id.clone(), owner);
         Ok(number)
     }
 
-    /// The stream of a run; `None` where a machine begins runs faster than any machine does.
-    fn stream(&mut self, id: &MachineId, epoch: u64, name: &str) -> Result<Option<i64>, String> {
-        let number = self.owner(id)?;
-        let epoch = epoch as i64;
-        let key = (number, epoch, name.to_owned());
+    /// The stream of a run.
+    fn stream(&mut self, id: &MachineId, number: i64, run: i64, name: &str) -> Result<i64, String> {
+        let key = (number, run, name.to_owned());
         if let Some(stream) = self.ids.get(&key) {
-            return Ok(Some(*stream));
+            return Ok(*stream);
         }
-        if let Some(owner) = self.machines.get_mut(id)
-            && owner.epoch != epoch
-        {
-            if epoch < owner.epoch || owner.since.is_some_and(|s| s.elapsed() < RUNS) {
-                return Ok(None);
-            }
-            (owner.epoch, owner.since) = (epoch, Some(Instant::now()));
-        }
-        let insert = "INSERT INTO stream (machine, epoch, name) VALUES (?, ?, ?) RETURNING id";
+        let insert = "INSERT INTO stream (machine, run, name) VALUES (?, ?, ?) RETURNING id";
         let stream = self
             .sql
-            .query_row(insert, params![number, epoch, name], |row| row.get(0));
+            .query_row(insert, params![number, run, name], |row| row.get(0));
         let stream: i64 = stream.map_err(failed)?;
         self.ids.insert(key, stream);
         self.streams
-            .insert(stream, Stream::new(id.clone(), name.to_owned(), epoch));
-        Ok(Some(stream))
+            .insert(stream, Stream::new(id.clone(), name.to_owned(), run));
+        Ok(stream)
     }
 
-    /// Stores a message; false if it was here already.
+    /// Stores a message.
     ///
     /// # Errors
     /// The disk takes no more.
-    pub fn insert(&mut self, taken: &Taken) -> Result<bool, String> {
+    pub fn insert(&mut self, taken: &Taken) -> Result<Stored, String> {
         let label = &taken.label;
-        let Some(id) = self.stream(&taken.id, label.epoch, &taken.stream)? else {
-            return Ok(false);
+        let (owner, run) = (self.owner(&taken.id)?, label.run as i64);
+        let Some(order) = self.run(owner, run)? else {
+            return Ok(Stored::Refused);
         };
+        let id = self.stream(&taken.id, owner, run, &taken.stream)?;
         let number = label.number as i64;
         // Who has seen all samples in between knows better what was before.
         let mut insert = self
@@ -281,22 +368,30 @@ impl Store {
                 }
             }
         }
-        Ok(changed > 0)
+        Ok(if changed > 0 {
+            Stored::New(order)
+        } else {
+            Stored::Known
+        })
     }
 
-    /// Takes in how far a machine says it is.
+    /// Takes in how far a machine says it is. Returns where its run is among all runs, `None` where it was refused.
     ///
     /// # Errors
     /// The disk takes no more.
-    pub fn status(&mut self, id: &MachineId, status: &Status) -> Result<(), String> {
+    pub fn status(&mut self, id: &MachineId, status: &Status) -> Result<Option<i64>, String> {
+        let (owner, run) = (self.owner(id)?, status.run as i64);
+        let Some(order) = self.run(owner, run)? else {
+            return Ok(None);
+        };
+        let ahead = (status.wall_ms as i64).saturating_sub(wall_ms() as i64);
+        self.told_of_run(owner, run, status.count, ahead)?;
         for (name, told) in &status.streams {
             // Only what messages have made known, or would.
             if told.head < 0 || !super::intake::is_stream(name) {
                 continue;
             }
-            let Some(number) = self.stream(id, status.epoch, name)? else {
-                continue;
-            };
+            let number = self.stream(id, owner, run, name)?;
             if let Some(stream) = self.streams.get_mut(&number) {
                 stream.is_written &=
                     stream.head >= told.head && stream.per_period == told.per_period;
@@ -304,7 +399,6 @@ impl Store {
                 stream.per_period = told.per_period;
             }
         }
-        self.owner(id)?;
         if let Some(owner) = self.machines.get_mut(id)
             && (&owner.told.0, &owner.told.1) != (&status.kind, &status.version)
         {
@@ -313,7 +407,7 @@ impl Store {
             let values = params![status.kind, status.version, owner.id];
             self.sql.execute(update, values).map_err(failed)?;
         }
-        Ok(())
+        Ok(Some(order))
     }
 
     /// Notes an alarm.
@@ -332,18 +426,34 @@ impl Store {
         self.sql.execute(insert, values).map_err(failed).map(|_| ())
     }
 
-    /// Removes what is older than so many days.
+    /// Adds what was refused of a machine.
+    ///
+    /// # Errors
+    /// The disk takes no more.
+    pub fn refused(&mut self, id: &MachineId, why: &str, messages: u64) -> Result<(), String> {
+        let Some(owner) = self.machines.get(id) else {
+            return Ok(());
+        };
+        let add = "INSERT INTO refused VALUES (?1, ?2, ?3) ON CONFLICT DO UPDATE SET messages = messages + ?3";
+        let values = params![owner.id, why, i64::try_from(messages).unwrap_or(i64::MAX)];
+        self.sql.execute(add, values).map_err(failed).map(|_| ())
+    }
+
+    /// Removes what came more than so many days ago, by our clock.
     ///
     /// # Errors
     /// The disk takes no more.
     pub fn forget(&mut self, days: f64) -> Result<(), String> {
         let limit = wall_ms() as i64 - (days.max(0.0) * 86_400_000.0) as i64;
         for delete in [
-            "DELETE FROM message WHERE wall_ms < ?",
+            "DELETE FROM message WHERE received_ms < ?",
             "DELETE FROM alarm WHERE at_ms < ?",
         ] {
             self.sql.execute(delete, [limit]).map_err(failed)?;
         }
-        Ok(())
+        self.sql.execute_batch(FORGET_NAMES).map_err(failed)?;
+        (self.machines, self.ids) = (HashMap::new(), HashMap::new());
+        (self.runs, self.begun, self.streams) = (Runs::new(), HashMap::new(), BTreeMap::new());
+        self.load_runs().and_then(|()| self.load()).map_err(failed)
     }
 }

@@ -98,11 +98,11 @@ impl Shared {
 
     fn thinner(&self) -> Thinner {
         let machine = &self.id.machine;
-        let epoch = self.plan.begun_ms;
+        let run = self.plan.run;
         Thinner::new(
             self.streams.clone(),
             machine,
-            epoch,
+            run,
             self.hz,
             self.wall_offset_ns,
         )

@@ -19,8 +19,10 @@ pub struct Plan {
     pub rate: f64,
     /// The recording.
     pub recording: PathBuf,
-    /// When the run began [ms since 1970].
-    pub begun_ms: u64,
+    /// Which run it is: an id drawn by chance, and how many the machine has counted.
+    pub run: u64,
+    /// See [`Plan::run`]; 0 where it cannot keep count.
+    pub run_count: u64,
     /// Version of heft.
     pub version: String,
 }

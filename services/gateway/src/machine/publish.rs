@@ -19,7 +19,6 @@ use crate::link::{LinkArgs, client_unless};
 use crate::schema;
 use crate::status::{Counts, Status, Stream};
 use crate::thin::{Selected, StreamInfo};
-use crate::wall_ms;
 
 /// Messages of a stream that Zenoh keeps to mend a short gap by itself; a longer one is mended from the recording.
 const CACHE: usize = 32;
@@ -165,8 +164,10 @@ fn status(shared: &Shared) -> Vec<u8> {
         machine: shared.id.machine.clone(),
         kind: shared.plan.machine.clone(),
         version: shared.plan.version.clone(),
-        epoch: shared.plan.begun_ms,
-        wall_ms: wall_ms(),
+        run: shared.plan.run,
+        count: shared.plan.run_count,
+        // Not the clock of the host as it is now: it may have been set since this process began.
+        wall_ms: shared.wall_ms(runtime::now_ns()),
         ended: shared.ended.load(Ordering::Relaxed),
         streams: streams.collect(),
         counts: Counts {

@@ -108,7 +108,7 @@ impl Samples {
         };
         let label = Label {
             machine: shared.id.machine.clone(),
-            epoch: shared.plan.begun_ms,
+            run: shared.plan.run,
             number,
             after,
             wall_ms: shared.wall_ms(measured_ns),

@@ -1,6 +1,6 @@
 //! Store and forward: what did not arrive is selected again from the machine's own recording.
 //!
-//! A question goes to the key of the stream: `?epoch=E;after=A;upto=B` with the last number that the collector
+//! A question goes to the key of the stream: `?run=E;after=A;upto=B` with the last number that the collector
 //! has (its acknowledgement) and the last that it knows of. The answers are the messages as they were sent,
 //! then one that says how far they go. The recording is bounded by `heft run --keep`; what it has dropped is
 //! counted here, and by the collector.
@@ -72,12 +72,12 @@ fn answer(shared: &Shared, query: &Query, stream: usize) {
     let key = query.key_expr().clone();
     let parameters = query.parameters();
     let number = |name: &str| parameters.get(name).and_then(|v| v.parse::<i64>().ok());
-    let (Some(epoch), Some(after), Some(upto)) = (number("epoch"), number("after"), number("upto"))
+    let (Some(run), Some(after), Some(upto)) = (number("run"), number("after"), number("upto"))
     else {
-        let _ = query.reply_err("epoch, after and upto are numbers").wait();
+        let _ = query.reply_err("run, after and upto are numbers").wait();
         return;
     };
-    if epoch != shared.plan.begun_ms as i64 {
+    if run != shared.plan.run as i64 {
         let _ = query.reply_err("that was another run").wait();
         return;
     }

@@ -1,6 +1,6 @@
 //! The estimates of `heft serve`, published as those of the site under the key of their machine.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, VecDeque};
 use std::io::BufRead;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -23,6 +23,8 @@ use crate::schema;
 
 /// Largest estimate, and longest name of a run [bytes].
 const LARGEST: usize = 4096;
+/// Runs of a machine of which the last estimate is remembered.
+const RUNS: usize = 8;
 /// Time between two looks for machines that are gone.
 const LOOK: Duration = Duration::from_secs(60);
 
@@ -40,9 +42,22 @@ pub(super) struct Answers {
 /// What was told of a machine.
 struct Told {
     publisher: Publisher<'static>,
-    epoch: u64,
-    /// Number of the last estimate, -1 before the first.
-    last: i64,
+    /// The runs that were told last, with the number of the last estimate of each.
+    last: VecDeque<(u64, i64)>,
+}
+
+impl Told {
+    /// Notes an estimate of a run; returns the number of the one before, -1 before the first.
+    fn follow(&mut self, run: u64, number: i64) -> i64 {
+        if let Some((_, last)) = self.last.iter_mut().find(|(id, _)| *id == run) {
+            return std::mem::replace(last, number);
+        }
+        if self.last.len() >= RUNS {
+            self.last.pop_front();
+        }
+        self.last.push_back((run, number));
+        -1
+    }
 }
 
 impl Answers {
@@ -78,8 +93,8 @@ impl Answers {
             read_delimited(&mut output, LARGEST, &mut message).map_err(unreadable)?;
             let run = std::str::from_utf8(&name).ok().and_then(run_of);
             let envelope = decode(&self.stream, &message);
-            if let (Some((machine, epoch)), Some(envelope)) = (run, envelope) {
-                self.put(machine, epoch, envelope.stamp(), &message)?;
+            if let (Some((machine, run)), Some(envelope)) = (run, envelope) {
+                self.put(machine, run, envelope.stamp(), &message)?;
             }
             if looked.elapsed() >= LOOK {
                 looked = Instant::now();
@@ -92,36 +107,31 @@ impl Answers {
     fn put(
         &mut self,
         machine: &str,
-        epoch: u64,
+        run: u64,
         stamp: &Stamp,
         message: &[u8],
     ) -> Result<(), String> {
-        let Some(wall_ms) = self.intake.answered(machine, epoch, stamp.measured_ns) else {
+        let Some(wall_ms) = self.intake.answered(machine, run, stamp.measured_ns) else {
             return Ok(());
         };
         if !self.machines.contains_key(machine) {
             let publisher = self.declare(machine)?;
             let told = Told {
                 publisher,
-                epoch,
-                last: -1,
+                last: VecDeque::new(),
             };
             self.machines.insert(machine.to_owned(), told);
         }
         let Some(told) = self.machines.get_mut(machine) else {
             return Ok(());
         };
-        if told.epoch != epoch {
-            (told.epoch, told.last) = (epoch, -1);
-        }
         let label = Label {
             machine: machine.to_owned(),
-            epoch,
+            run,
             number: stamp.sequence,
-            after: Some(told.last),
+            after: Some(told.follow(run, stamp.sequence as i64)),
             wall_ms,
         };
-        told.last = stamp.sequence as i64;
         let put = told.publisher.put(message).attachment(label.to_string());
         // A link that is gone shows as a gap where somebody collects.
         let _ = put.wait();

@@ -27,20 +27,28 @@ pub struct Counts {
     pub estimates: u64,
 }
 
-/// A machine that sends samples.
-pub struct Machine {
-    /// Start of its run [ms since 1970], and since when it is known.
-    pub epoch: u64,
-    since: Instant,
+/// Runs of a machine that are estimated at a time: the one that ends, the one that begins, and room for what is forged.
+const AT_A_TIME: usize = 4;
+
+/// A run of a machine.
+pub struct Run {
+    /// Its id.
+    pub id: u64,
+    heard: Instant,
     /// Number of its last sample, -1 before the first.
     last: i64,
-    /// Its wall clock minus its monotonic clock [ms].
+    /// The machine's wall clock minus its monotonic clock [ms].
     pub wall_offset_ms: i64,
+}
+
+/// A machine that sends samples.
+pub struct Machine {
+    /// Those that are in `heft serve`. Nothing orders them but when they were heard.
+    pub runs: Vec<Run>,
+    began: Option<Instant>,
     pub heard: Instant,
     /// Samples that it may send now.
     left: f64,
-    /// It is in `heft serve`.
-    pub is_served: bool,
     pub counts: Counts,
 }
 
@@ -52,28 +60,52 @@ pub struct One<'a> {
 }
 
 /// What a run is called in `heft serve`.
-pub fn name(machine: &str, epoch: u64) -> String {
-    format!("{machine} {epoch}")
+pub fn name(machine: &str, run: u64) -> String {
+    format!("{machine} {run}")
 }
 
 /// Machine and run of such a name.
 pub fn run_of(name: &str) -> Option<(&str, u64)> {
-    let (machine, epoch) = name.rsplit_once(' ')?;
-    Some((machine, epoch.parse().ok()?))
+    let (machine, run) = name.rsplit_once(' ')?;
+    Some((machine, run.parse().ok()?))
 }
 
 impl Machine {
     pub fn new(now: Instant) -> Self {
         Self {
-            epoch: 0,
-            since: now,
-            last: -1,
-            wall_offset_ms: 0,
+            runs: Vec::new(),
+            began: None,
             heard: now,
             left: BURST,
-            is_served: false,
             counts: Counts::default(),
         }
+    }
+
+    /// The run of this id, begun where it is new: `None` where runs begin faster than those of any machine. One that was
+    /// silent for longest makes way.
+    fn run(&mut self, now: Instant, label: &Label, records: &mut Vec<u8>) -> Option<&mut Run> {
+        if let Some(i) = self.runs.iter().position(|r| r.id == label.run) {
+            return self.runs.get_mut(i);
+        }
+        if self.began.is_some_and(|at| now.duration_since(at) < RUNS) {
+            return None;
+        }
+        if self.runs.len() >= AT_A_TIME {
+            let oldest = (0..self.runs.len()).min_by_key(|i| self.runs[*i].heard)?;
+            if now.duration_since(self.runs[oldest].heard) < RUNS {
+                return None;
+            }
+            let gone = self.runs.swap_remove(oldest);
+            forget(&name(&label.machine, gone.id), records);
+        }
+        self.began = Some(now);
+        self.runs.push(Run {
+            id: label.run,
+            heard: now,
+            last: -1,
+            wall_offset_ms: 0,
+        });
+        self.runs.last_mut()
     }
 
     /// The records of samples for `heft serve`, and how many; `None` if they may not be sent now.
@@ -92,34 +124,26 @@ impl Machine {
             return None;
         }
         self.left -= wanted;
-        if label.epoch != self.epoch {
-            let is_soon = self.is_served && now.duration_since(self.since) < RUNS;
-            if label.epoch < self.epoch || is_soon {
-                return None;
-            }
-            if self.is_served {
-                forget(&name(&label.machine, self.epoch), records);
-            }
-            (self.epoch, self.since, self.last) = (label.epoch, now, -1);
-        }
-        self.is_served = true;
-        let name = name(&label.machine, label.epoch);
-        let mut count = 0;
+        let run = self.run(now, label, records)?;
+        run.heard = now;
+        let name = name(&label.machine, label.run);
+        let (mut count, mut missing) = (0, 0);
         for sample in samples {
             let number = sample.number as i64;
-            if number <= self.last {
+            if number <= run.last {
                 continue;
             }
-            if self.last >= 0 {
-                self.counts.missing += (number - self.last - 1) as u64;
+            if run.last >= 0 {
+                missing += (number - run.last - 1) as u64;
             }
-            self.last = number;
+            run.last = number;
             count += 1;
             put_delimited(name.as_bytes(), records);
             put_delimited(sample.bytes, records);
         }
         let measured_ns = samples.last().map_or(0, |s| s.measured_ns);
-        self.wall_offset_ms = label.wall_ms as i64 - (measured_ns / 1_000_000) as i64;
+        run.wall_offset_ms = label.wall_ms as i64 - (measured_ns / 1_000_000) as i64;
+        self.counts.missing += missing;
         Some(count)
     }
 }

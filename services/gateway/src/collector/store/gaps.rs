@@ -23,7 +23,7 @@ const LONGEST_PAUSE: Duration = Duration::from_secs(60);
 pub(super) struct Stream {
     pub machine: MachineId,
     pub name: String,
-    pub epoch: i64,
+    pub run: i64,
     /// Everything up to this number is here or counted as lost.
     pub good: i64,
     /// The latest that is known of, here or not.
@@ -84,7 +84,7 @@ impl Store {
                     stream: *id,
                     id: stream.machine.clone(),
                     name: stream.name.clone(),
-                    epoch: stream.epoch,
+                    run: stream.run,
                     after: stream.good,
                     upto: stream.head,
                 });
@@ -137,7 +137,7 @@ impl Store {
             .map_err(failed)?;
         let label = |number: i64, after| Label {
             machine: String::new(),
-            epoch: 0,
+            run: 0,
             number: number as u64,
             after,
             wall_ms: 0,
@@ -166,16 +166,22 @@ impl Store {
             account.lost = account.lost.saturating_add(stream.lost);
             account.gaps += u64::from(stream.good < stream.head);
         }
+        let unheard = self.unheard();
+        for (id, owner) in &self.machines {
+            if let Some(runs) = unheard.get(&owner.id).filter(|runs| **runs > 0) {
+                all.entry(id.clone()).or_default().unheard = *runs;
+            }
+        }
         all
     }
 }
 
 impl Stream {
-    pub fn new(machine: MachineId, name: String, epoch: i64) -> Self {
+    pub fn new(machine: MachineId, name: String, run: i64) -> Self {
         Self {
             machine,
             name,
-            epoch,
+            run,
             good: -1,
             head: -1,
             newest: -1,

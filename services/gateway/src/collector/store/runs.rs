@@ -1,0 +1,145 @@
+//! Runs of machines. A run is named by an id drawn by chance; they are in order of when the collector first heard of
+//! them, by its own clock. A machine's clock and its count order nothing: they are told, and may be wrong.
+
+use std::collections::HashMap;
+use std::time::Instant;
+
+use rusqlite::params;
+
+use super::{Store, failed};
+use crate::wall_ms;
+
+/// New runs of a machine at once, and time between two of them over some time [s]: a run lasts longer.
+const BURST: f64 = 20.0;
+const PAUSE_S: f64 = 2.0;
+/// A clock that is off by less [ms] counts as right: the time that a status takes is in it.
+const RIGHT_MS: i64 = 10_000;
+
+/// A run in memory.
+pub(super) struct Run {
+    /// Its number in the store, in the order of their first messages.
+    pub id: i64,
+    /// How many runs the machine had counted; 0 where it keeps none.
+    pub count: i64,
+    /// The most that its clock was ahead of ours in a status [ms]: the one that took least time to come.
+    clock_ms: Option<i64>,
+}
+
+/// New runs that a machine may begin now.
+pub(super) struct Begun {
+    left: f64,
+    at: Instant,
+}
+
+impl Begun {
+    pub fn new() -> Self {
+        Self {
+            left: BURST,
+            at: Instant::now(),
+        }
+    }
+
+    fn may(&mut self) -> bool {
+        self.left = (self.left + self.at.elapsed().as_secs_f64() / PAUSE_S).min(BURST);
+        self.at = Instant::now();
+        let may = self.left >= 1.0;
+        if may {
+            self.left -= 1.0;
+        }
+        may
+    }
+}
+
+/// Runs by machine and id.
+pub(super) type Runs = HashMap<(i64, i64), Run>;
+
+impl Store {
+    /// Reads the runs that are known.
+    pub(super) fn load_runs(&mut self) -> rusqlite::Result<()> {
+        let mut query = self
+            .sql
+            .prepare("SELECT id, machine, run, count, clock_ms FROM run")?;
+        let mut rows = query.query([])?;
+        while let Some(row) = rows.next()? {
+            let run = Run {
+                id: row.get(0)?,
+                count: row.get(3)?,
+                clock_ms: row.get(4)?,
+            };
+            self.runs.insert((row.get(1)?, row.get(2)?), run);
+        }
+        Ok(())
+    }
+
+    /// The run's number here; `None` where a machine begins runs faster than any machine does.
+    pub(super) fn run(&mut self, machine: i64, run: i64) -> Result<Option<i64>, String> {
+        if let Some(known) = self.runs.get(&(machine, run)) {
+            return Ok(Some(known.id));
+        }
+        let begun = self.begun.entry(machine).or_insert_with(Begun::new);
+        if !begun.may() {
+            return Ok(None);
+        }
+        let insert = "INSERT INTO run (machine, run, first_ms) VALUES (?, ?, ?) RETURNING id";
+        let values = params![machine, run, wall_ms() as i64];
+        let id: i64 = self
+            .sql
+            .query_row(insert, values, |row| row.get(0))
+            .map_err(failed)?;
+        let new = Run {
+            id,
+            count: 0,
+            clock_ms: None,
+        };
+        self.runs.insert((machine, run), new);
+        Ok(Some(id))
+    }
+
+    /// Notes what a status says of a known run: its count, and how far its clock is off.
+    pub(super) fn told_of_run(
+        &mut self,
+        machine: i64,
+        run: i64,
+        count: u64,
+        ahead_ms: i64,
+    ) -> Result<(), String> {
+        let Some(known) = self.runs.get_mut(&(machine, run)) else {
+            return Ok(());
+        };
+        let count = i64::try_from(count).unwrap_or(0);
+        let ahead = known.clock_ms.map_or(ahead_ms, |was| was.max(ahead_ms));
+        if known.count == count && known.clock_ms == Some(ahead) {
+            return Ok(());
+        }
+        (known.count, known.clock_ms) = (count, Some(ahead));
+        let off = if ahead.abs() < RIGHT_MS { 0 } else { ahead };
+        let update = "UPDATE run SET count = ?, clock_ms = ?, off_ms = ? WHERE id = ?";
+        self.sql
+            .execute(update, params![count, ahead, off, known.id])
+            .map_err(failed)
+            .map(|_| ())
+    }
+
+    /// Runs that machines have counted between two that were heard of, by machine: whole runs of which nothing came.
+    pub(super) fn unheard(&self) -> HashMap<i64, u64> {
+        let mut counts: HashMap<i64, Vec<(i64, i64)>> = HashMap::new();
+        for ((machine, _), run) in &self.runs {
+            if run.count > 0 {
+                let its = counts.entry(*machine).or_default();
+                its.push((run.id, run.count));
+            }
+        }
+        let sum = |mut its: Vec<(i64, i64)>| {
+            its.sort_unstable();
+            // A count that falls is a new one: the machine's state was lost.
+            let pairs = its
+                .windows(2)
+                .map(|two| (two[1].1.saturating_sub(two[0].1) - 1).max(0) as u64);
+            pairs.fold(0, u64::saturating_add)
+        };
+        counts
+            .into_iter()
+            .map(|(machine, its)| (machine, sum(its)))
+            .collect()
+    }
+}
