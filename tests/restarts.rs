@@ -103,7 +103,9 @@ fn killed_excavator_services_go_on_from_their_states() {
 
 #[test]
 fn a_killed_loader_service_keeps_what_took_it_long_to_learn() {
-    let running = Running::start("learnt", &["loader", "--duration", "60"]);
+    // Whoever knows his tyres learns on a drive one way.
+    let tyres = "machine.radius_load_sensitivity_std=0.001";
+    let running = Running::start("learnt", &["loader", "--duration", "60", "--set", tyres]);
     wait_until("it runs", Duration::from_secs(20), || {
         running.service("ukf").is_some() && running.service("kalman").is_some()
     });

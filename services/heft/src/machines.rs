@@ -52,6 +52,8 @@ pub trait Entry: Sync {
     fn usual_scenario(&self) -> &'static str;
     /// The scenario of the demonstration.
     fn shown_scenario(&self) -> &'static str;
+    /// What the demonstration states of the simulated machine beside the defaults, as `KEY=VALUE`.
+    fn shown_settings(&self) -> &'static [&'static str];
     /// Names and texts of the scenarios.
     fn scenarios(&self) -> Vec<(String, String)>;
     /// Whether the source of a plan can be made.
@@ -175,6 +177,8 @@ trait Typed: Sync {
     const ABOUT: &'static str;
     const USUAL: &'static str;
     const SHOWN: &'static str;
+    /// What the demonstration states beside the defaults.
+    const SHOWN_SETTINGS: &'static [&'static str];
     /// What looks at its samples.
     type Look: Look<Self::Sensors>;
     /// What is told of it while it runs, what is told first first.
@@ -237,6 +241,10 @@ impl<M: Typed> Entry for M {
 
     fn shown_scenario(&self) -> &'static str {
         M::SHOWN
+    }
+
+    fn shown_settings(&self) -> &'static [&'static str] {
+        M::SHOWN_SETTINGS
     }
 
     fn scenarios(&self) -> Vec<(String, String)> {

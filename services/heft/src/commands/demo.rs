@@ -88,6 +88,12 @@ fn start(
             "--duration",
             DURATION,
         ])
+        .args(
+            machines::entry(machine)
+                .shown_settings()
+                .iter()
+                .flat_map(|setting| ["--set", setting]),
+        )
         .args(is_verbose.then_some("--verbose"))
         .args(["--live-lines", "--out"])
         .arg(folder.join(machine.name()))

@@ -28,6 +28,7 @@ impl Typed for Excavator {
     const ABOUT: &'static str = "Swing inertia, damping, torque, payload";
     const USUAL: &'static str = "base";
     const SHOWN: &'static str = "cycle";
+    const SHOWN_SETTINGS: &'static [&'static str] = &[];
     const TOLD: &'static [Quantity] = &[
         inertia("excavator/inertia_ukf"),
         inertia("excavator/inertia_rls"),

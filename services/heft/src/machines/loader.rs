@@ -25,6 +25,11 @@ impl Typed for Loader {
     const ABOUT: &'static str = "Centre of gravity, slip stiffness, digging force";
     const USUAL: &'static str = "work-cycle";
     const SHOWN: &'static str = "work-cycle";
+    // A maker's data: it drives forward only, and unmeasured tyres are learnt by driving both ways.
+    const SHOWN_SETTINGS: &'static [&'static str] = &[
+        "machine.radius_load_sensitivity=0.01",
+        "machine.radius_load_sensitivity_std=0.001",
+    ];
     const TOLD: &'static [Quantity] = &[
         ratio("loader/cg_ukf"),
         height("loader/cg_ukf"),
