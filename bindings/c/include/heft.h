@@ -188,6 +188,9 @@ typedef struct {
 /* Settings, as in a description; flags are 0 or 1, choices count from 0, NAN is "none" and ends a list. */
 typedef struct {
   struct {
+    double operating_mass; /* Operating mass; with it all that is not told has the value that machines of this mass have, with their spread. [kg] */
+    double rated_payload; /* Rated payload of the bucket; "none" takes that of machines of the operating mass. [kg] */
+    double swing_torque; /* Largest torque of the swing; "none" takes that of machines of the operating mass. [N m] */
     double nominal_damping; /* Viscous damping of the swing, as known beforehand (b-bar). [N m s/rad] */
     double coulomb_friction; /* Coulomb friction torque of the swing. [N m] */
     double coulomb_friction_std; /* Standard deviation of the Coulomb friction; "none" takes prior.friction_std. [N m] */
@@ -196,7 +199,9 @@ typedef struct {
     double upper_first_moment; /* First moment of the upper body without boom, arm and bucket about the swing axis, forward positive (a counterweight makes it negative); "none" takes one that balances the folded, empty attachment. [kg m] */
     double upper_first_moment_std; /* Its standard deviation; "none" takes 3 % of a stated moment, 30 % of one that is not. [kg m] */
     double slope_std; /* Standard deviation of the slope of the ground along each of two axes. [rad] */
-    double mass_tolerance; /* Relative standard deviation of the described masses and inertias. */
+    double mass_tolerance; /* Relative standard deviation of the described masses and inertias of boom and arm. */
+    double upper_tolerance; /* The same of the upper body's inertia: counterweight, tank, options; "none" takes 7 times mass_tolerance (0.126). */
+    double bucket_tolerance; /* The same of the bucket's mass: attachments are changed; "none" takes 11 times mass_tolerance (0.2). */
     double geometry_tolerance; /* Relative standard deviation of the described lengths. */
     double upper_inertia; /* Inertia of the upper body without boom, arm and bucket, about the swing axis (J_u). [kg m^2] */
     double inertia_min; /* Smallest inertia that an estimate may take. [kg m^2] */
@@ -232,6 +237,9 @@ typedef struct {
     double swing_velocity_delay; /* How late the swing velocity comes. [s] */
     double swing_velocity_delay_std; /* Its standard deviation. [s] */
     double angle_std; /* Noise of the joint angles. [rad] */
+    double pressure_std; /* Noise of a cylinder's pressure. [Pa] */
+    double pressure_offset_std; /* Standard deviation of its zero. [Pa] */
+    double angle_offset_std; /* Standard deviation of the zero of a joint angle. [rad] */
     double swing_velocity_limit; /* A velocity of this size or more is taken as missing (end of the sensor's range). [rad/s] */
     double angle_limit; /* A joint angle of this size or more is taken as missing. [rad] */
     double swing_torque_gain; /* Measured over true swing torque, as calibrated. */
@@ -495,7 +503,7 @@ typedef struct {
     double gear_ratio; /* Motor to wheel; used by the simulator, torques in the data are those at the wheel. */
     double friction; /* Largest tyre force over axle load (mu); 0 leaves it unlimited. */
     double radius_load_sensitivity; /* Relative loss of rolling radius per relative axle load (rho). */
-    double radius_load_sensitivity_std; /* Its standard deviation; widens the reported interval of the ratio. */
+    double radius_load_sensitivity_std; /* Its standard deviation, from tyre to tyre where nobody measured it; widens the reported interval of the ratio until the machine has driven both ways. */
     double stiffness_ratio; /* Slip stiffness of the front axle over that of the rear under equal loads, as calibrated. */
     double stiffness_ratio_std; /* Standard deviation of the ratio of the axles' slip stiffnesses; widens the reported interval of the ratio. */
     double stiffness_load_exponent; /* p, where the slip stiffness falls with the load F_z as F_z^-p, as calibrated. */
@@ -519,6 +527,9 @@ typedef struct {
     double slope_delay_std; /* Its standard deviation, from which a calibration starts; on line the errors of the slope show in the motion. [s] */
     double slope_follows; /* Share of the acceleration that the slope sensor takes for a slope, as calibrated; acts where an accelerometer tells it. */
     double slope_follows_std; /* Its standard deviation, from which a calibration starts. */
+    double pressure_std; /* Noise of the cylinder pressures. [Pa] */
+    double pressure_offset_std; /* Standard deviation of the zero of each pressure sensor. [Pa] */
+    double angle_offset_std; /* Standard deviation of the zeros of lift and tilt angle; 0.009 (half a degree) where somebody set them. [rad] */
   } sensors;
   struct {
     double slip_stiffness; /* Slip stiffness (K). */
