@@ -22,7 +22,7 @@ macro_rules! excavator_signals {
                 9 BOOM_ROD_PRESSURE boom_rod_pressure (boom_rod_pressure) "Pa" "Pressure at the rod side of the boom cylinders, their mean." Observed;
                 10 ARM_HEAD_PRESSURE arm_head_pressure (arm_head_pressure) "Pa" "Pressure at the head side of the arm cylinder." Observed;
                 11 ARM_ROD_PRESSURE arm_rod_pressure (arm_rod_pressure) "Pa" "Pressure at the rod side of the arm cylinder." Observed;
-                12 TRUCK truck (truck) "" "Number of the truck that is loaded; another number begins the next truck." Declared;
+                12 TRUCK truck (truck) "" "Number of the truck that is loaded; another number begins the next truck." Observed;
             }
             switches {
             }

@@ -26,7 +26,7 @@ macro_rules! loader_signals {
                 15 TILT_ANGLE tilt_angle (tilt_angle) "rad" "Angle of the bucket relative to the lift arm, tip up positive." Observed;
                 16 LIFT_HEAD_PRESSURE lift_head_pressure (lift_head_pressure) "Pa" "Pressure at the head side of the lift cylinders, their mean." Observed;
                 17 LIFT_ROD_PRESSURE lift_rod_pressure (lift_rod_pressure) "Pa" "Pressure at the rod side of the lift cylinders, their mean." Observed;
-                18 TRUCK truck (truck) "" "Number of the truck that is loaded; another number begins the next truck." Declared;
+                18 TRUCK truck (truck) "" "Number of the truck that is loaded; another number begins the next truck." Observed;
             }
             switches {
                 10 BOOM_MOVING boom_moving (boom_moving) "" "The boom moves: a payload may be taken up or set down." Declared;

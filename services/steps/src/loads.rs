@@ -390,7 +390,7 @@ mod tests {
             assert_eq!(all.len(), 3, "{described}: {all:?}");
             for load in all {
                 assert!(load.weight.quantity().holds(3000.0), "{load:?}");
-                assert!(load.delivered().quantity().holds(3000.0));
+                assert!(load.delivered().quantity().holds(3000.0), "{load:?}");
                 assert_eq!(load.witness, Witness::Scale);
             }
             assert!(said.iter().any(|l| l.stage == Stage::Carried));

@@ -500,12 +500,14 @@ impl Ledger {
             return;
         };
         let content = level.weight.quantity();
-        match (&mut self.held, &mut self.pending) {
-            (None, Some(load)) if load.carry_back_weighed => load.carry_back = level.weight,
-            _ => {}
-        }
         if self.held.is_none() {
             let clear = self.is_clear(content, self.empty);
+            // What is clear of the empty bucket is the next load, not what stayed of the last.
+            if let Some(load) = self.pending.as_mut().filter(|_| !clear)
+                && load.carry_back_weighed
+            {
+                load.carry_back = level.weight;
+            }
             if self.may_be_empty && content.std < LEAST * self.settings.rated && !clear {
                 let std = content.std.max(SAME * self.settings.rated / 2.0);
                 self.empty = Quantity { std, ..content };

@@ -1,9 +1,6 @@
 //! Of what is called trusted, how much is wrong: loaders of three sizes at work, with the ordinary physics that no
 //! description has, one effect at a time and all together.
 //!
-//! The load sensitivity of the rolling radius is stated to .001, as who has measured the tyres can: with the default
-//! (.012 +- .006) nothing is trusted before the machine has driven both ways.
-//!
 //! JSON: [`crate::honesty::json`]. Every machine has the tolerances of tier B; the estimator is told the data sheet, its
 //! noises and floors scaled with the size, and the default of everything else.
 
@@ -38,9 +35,6 @@ const BY_CHANCE: (&str, f64) = ("by chance", 0.10);
 /// Name of the line of a slope sensor whose delay, and what it follows of the acceleration, are told.
 const CALIBRATED: &str = "slope sensor, calibrated";
 
-/// What is stated of the tyres: how the rolling radius falls with the load, and how well that is known.
-const RADIUS_LOAD_SENSITIVITY: (f64, f64) = (0.01, 0.001);
-
 /// What a competent user states for a machine of that size: the default, scaled.
 fn scaled(mut settings: Settings, size: Size) -> Settings {
     let (machine, reference) = (size.machine(), Size::Reference.machine());
@@ -48,8 +42,6 @@ fn scaled(mut settings: Settings, size: Size) -> Settings {
     let tall = machine.cg_height / reference.cg_height;
     let torque = heavy * machine.wheel_radius / reference.wheel_radius;
     settings.machine.relaxation_length = 0.12;
-    settings.machine.radius_load_sensitivity = RADIUS_LOAD_SENSITIVITY.0;
-    settings.machine.radius_load_sensitivity_std = RADIUS_LOAD_SENSITIVITY.1;
     settings.prior.cg_height_std *= tall;
     settings.prior.spade_force_std *= heavy;
     let keys = &mut settings.estimator;
@@ -255,10 +247,15 @@ mod tests {
 
     #[test]
     fn slips_that_waver_make_nothing_wrong_trusted() {
-        for (effect, severity) in [("rough road", "ISO 8608 D"), ("jitter", "10 ms")] {
+        // On the roughest road the noise that is found in the accelerometer leaves the stiffness open: nothing is
+        // trusted there since it is found (.60 of the time before).
+        for (effect, severity, least) in
+            [("rough road", "ISO 8608 D", 0.0), ("jitter", "10 ms", 0.4)]
+        {
             let run = work(effects(effect, severity), 4);
             for [ratio, _] in tally(&run, false).unwrap() {
-                assert!(ratio.trusted() > 0.4, "{effect}: {}", ratio.trusted());
+                let (trusted, reason) = (ratio.trusted(), ratio.reason());
+                assert!(trusted >= least, "{effect}: {trusted} {reason:?}");
                 assert!(ratio.wrong() <= 0.05, "{effect}: {}", ratio.wrong());
             }
         }
