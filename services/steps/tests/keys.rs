@@ -50,6 +50,8 @@ const ELSEWHERE: &[&str] = &[
     "machine.swing_torque",
     // The rod side pushes back a tenth of the head's force at most: a share of its area is nothing.
     "machine.boom_cylinder.rod_area_std",
+    // The loader's: white noise of a pressure is nothing beside the friction of the seals.
+    "sensors.pressure_std",
 ];
 
 /// The arm's cylinder can be described, and nothing weighs with it yet: the boom's alone does.
