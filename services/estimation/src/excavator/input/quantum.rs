@@ -1,7 +1,7 @@
 //! A velocity in steps: the smallest change ever seen is taken for the quantum of the sensor.
 //!
 //! A quantised signal changes by whole quanta q, and its error has a variance of q^2/12. A signal with noise soon changes by next
-//! to nothing, and nothing is added.
+//! to nothing. Noise larger than the quantum dithers it: nothing is added there.
 
 /// Changes below this are rounding [rad/s].
 const ROUNDING: f64 = 1e-9;
@@ -31,10 +31,10 @@ impl Quantum {
         }
     }
 
-    /// Variance that the steps add to the sensor's noise [(rad/s)^2].
-    pub(in crate::excavator) fn variance(&self) -> f64 {
+    /// Variance that the steps add to the sensor's noise of this standard deviation [rad/s] [(rad/s)^2].
+    pub(in crate::excavator) fn variance(&self, std: f64) -> f64 {
         let least = self.least.filter(|_| self.changes >= ENOUGH);
-        least.map_or(0.0, |q| q * q / 12.0)
+        least.filter(|q| *q > std).map_or(0.0, |q| q * q / 12.0)
     }
 }
 
@@ -50,8 +50,9 @@ mod tests {
             coarse.push(Some((smooth / 0.015).round() * 0.015));
             fine.push(Some(smooth + 0.003 * f64::from(k * 7919 % 1013) / 1013.0));
         }
-        assert!((coarse.variance() - 0.015 * 0.015 / 12.0).abs() < 1e-12);
-        assert!(fine.variance() < 1e-9, "{}", fine.variance());
-        assert_eq!(Quantum::default().variance(), 0.0);
+        assert!((coarse.variance(0.003) - 0.015 * 0.015 / 12.0).abs() < 1e-12);
+        assert_eq!(coarse.variance(0.02), 0.0);
+        assert_eq!(fine.variance(0.003), 0.0);
+        assert_eq!(Quantum::default().variance(0.0), 0.0);
     }
 }

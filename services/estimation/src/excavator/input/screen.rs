@@ -35,6 +35,7 @@ pub(in crate::excavator) struct Screen {
     clock: TimeBase,
     first_period: f64,
     velocity_limit: f64,
+    velocity_std: f64,
     angle_limit: f64,
     torque_gain: f64,
     torque_offset: f64,
@@ -57,6 +58,7 @@ impl Screen {
             clock: TimeBase::default(),
             first_period: 1.0 / sensors.rate,
             velocity_limit: sensors.swing_velocity_limit,
+            velocity_std: sensors.swing_velocity_std,
             angle_limit: sensors.angle_limit,
             torque_gain: sensors.swing_torque_gain,
             torque_offset: sensors.swing_torque_offset,
@@ -124,7 +126,7 @@ impl Screen {
 
     /// Variance that the steps of the velocity's sensor add to its noise [(rad/s)^2].
     pub(in crate::excavator) fn velocity_steps(&self) -> f64 {
-        self.quantum.variance()
+        self.quantum.variance(self.velocity_std)
     }
 
     /// For so many rows a torque stays.
