@@ -24,8 +24,8 @@ const MOVING: f64 = 0.06;
 const MEMORY: f64 = 0.0005;
 /// Ticks of motion that tell something: 2.5 s.
 const ENOUGH: f64 = 250.0;
-/// So many neighbouring ticks have one error in common.
-const CORRELATED: f64 = 10.0;
+/// So many neighbouring ticks have one error in common: of 10, false lags were found under stamps that jitter.
+const CORRELATED: f64 = 30.0;
 /// Logarithm of the likelihood, as a normal error has it, by which a lag must be better than the present one.
 const BETTER: f64 = 8.0;
 /// The estimators bear less [ticks].
