@@ -312,8 +312,6 @@ fn a_fit_that_is_stopped_blames_no_recording() {
 }
 
 #[test]
-#[ignore = "known: 15 % of the motion are trusted (90 before), none outside, since what sticks is a distribution: a load that \
-            stays in the opened bucket is tared as nearly nothing, and the gain contradicts it (`Working::tare`)"]
 fn what_is_calibrated_is_trusted_on_another_load_though_it_stays_when_the_bucket_opens() {
     let options = evaluate::Options {
         seeds: 2,

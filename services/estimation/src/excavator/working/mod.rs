@@ -432,10 +432,15 @@ impl Working {
         let [value, other] = [empty - self.filter.x[M], empty - rival.x[M]];
         let apart = value * value > 9.0 * (claimed + std * std);
         let explained = other * other < 4.0 * (rival.p[M][M] + std * std);
+        if apart && self.is_kept(variance) {
+            return;
+        }
         if apart && !explained {
-            if !self.is_kept(variance) {
-                self.contradiction.outright();
-            }
+            self.contradiction.outright();
+            return;
+        }
+        let close = value * value < 4.0 * (variance + std * std);
+        if !apart && !close {
             return;
         }
         if !apart && !core::mem::replace(&mut self.weighed_nothing, true) && !self.changed {
