@@ -6,12 +6,14 @@
 //! |---|---|
 //! | [`excavator`] | the plant of the paper's cases, and machines of real sizes at work |
 //! | [`loader`] | plant, road, driver, sensors, tolerances |
+//! | [`cylinder`] | hydraulic cylinders with seals and pressure sensors |
 //! | [`fault`] | what goes wrong with a signal |
 //! | [`noise`] | seeded noise, a channel each |
 //! | [`named`] | names of machines at work |
 //! | [`rk4`], [`blend`] | integration, smooth courses |
 
 pub mod blend;
+pub mod cylinder;
 pub mod excavator;
 pub mod fault;
 pub mod loader;

@@ -25,6 +25,23 @@ use crate::signals::Signals;
 use crate::sources;
 use crate::state::Slow;
 
+/// A cylinder as the keys of a table of a description.
+fn cylinder_settings(table: &str, c: &sim::cylinder::Cylinder) -> Vec<String> {
+    [
+        ("count", c.count),
+        ("head_area", c.head_area),
+        ("rod_area", c.rod_area),
+        ("base_distance", c.base_distance),
+        ("rod_distance", c.rod_distance),
+        ("angle", c.angle),
+        ("friction", c.friction),
+        // A maker's data: the simulated seals differ by a third.
+        ("friction_std", 0.5 * c.friction),
+    ]
+    .map(|(key, value)| format!("{table}.{key}={value:?}"))
+    .into()
+}
+
 /// A figure: its name and the SVG.
 pub type Figure = (String, String);
 
@@ -54,6 +71,8 @@ pub trait Entry: Sync {
     fn shown_scenario(&self) -> &'static str;
     /// What the demonstration states of the simulated machine beside the defaults, as `KEY=VALUE`.
     fn shown_settings(&self) -> &'static [&'static str];
+    /// The cylinders of the simulated machine, as `KEY=VALUE` of its description.
+    fn simulated_cylinders(&self) -> Vec<String>;
     /// Names and texts of the scenarios.
     fn scenarios(&self) -> Vec<(String, String)>;
     /// Whether the source of a plan can be made.
@@ -186,6 +205,10 @@ trait Typed: Sync {
     /// What is remembered of it from run to run.
     const SLOW: &'static [Slow] = &[];
 
+    /// The cylinders of the simulated machine, as `KEY=VALUE` of its description.
+    fn simulated_cylinders() -> Vec<String> {
+        Vec::new()
+    }
     /// Names and texts of the scenarios.
     fn scenarios() -> Vec<(String, String)>;
     /// The simulator of a plan.
@@ -245,6 +268,10 @@ impl<M: Typed> Entry for M {
 
     fn shown_settings(&self) -> &'static [&'static str] {
         M::SHOWN_SETTINGS
+    }
+
+    fn simulated_cylinders(&self) -> Vec<String> {
+        M::simulated_cylinders()
     }
 
     fn scenarios(&self) -> Vec<(String, String)> {

@@ -28,6 +28,8 @@ pub struct Plan {
     pub scenario: String,
     /// Payload of the simulator [kg], its own default where absent.
     pub payload: Option<f64>,
+    /// Whether the simulated machine has pressure sensors at its cylinders.
+    pub pressures: bool,
     /// Recording to take the samples from.
     pub input: Option<PathBuf>,
     /// Signal map of that recording.
@@ -139,6 +141,9 @@ impl Plan {
                 put("seed", self.seed.to_string());
                 if let Some(payload) = self.payload {
                     put("payload_kg", payload.to_string());
+                }
+                if !self.pressures {
+                    put("without", "pressure".to_owned());
                 }
             }
         }

@@ -1,7 +1,8 @@
 //! The simulated excavator as a source of messages.
 
 use messages::excavator_bits::{
-    ARM_ANGLE, BOOM_ANGLE, BUCKET_ANGLE, PITCH, ROLL, SWING_TORQUE, SWING_VELOCITY,
+    ARM_ANGLE, ARM_HEAD_PRESSURE, ARM_ROD_PRESSURE, BOOM_ANGLE, BOOM_HEAD_PRESSURE,
+    BOOM_ROD_PRESSURE, BUCKET_ANGLE, PITCH, ROLL, SWING_TORQUE, SWING_VELOCITY,
 };
 use messages::{ExcavatorSensors, ExcavatorTruth};
 use runtime::Source;
@@ -80,6 +81,7 @@ fn measured(row: &Row) -> ExcavatorSensors {
     let mut take = |value, bit| taken.take(value, bit);
     let [boom, arm, bucket] = row.posture;
     let [pitch, roll] = row.inclination;
+    let [boom_head, boom_rod, arm_head, arm_rod] = row.pressures;
     let message = ExcavatorSensors {
         swing_velocity: take(row.swing_velocity, SWING_VELOCITY),
         swing_torque: take(row.swing_torque, SWING_TORQUE),
@@ -88,6 +90,10 @@ fn measured(row: &Row) -> ExcavatorSensors {
         bucket_angle: take(bucket, BUCKET_ANGLE),
         pitch: take(pitch, PITCH),
         roll: take(roll, ROLL),
+        boom_head_pressure: take(boom_head, BOOM_HEAD_PRESSURE),
+        boom_rod_pressure: take(boom_rod, BOOM_ROD_PRESSURE),
+        arm_head_pressure: take(arm_head, ARM_HEAD_PRESSURE),
+        arm_rod_pressure: take(arm_rod, ARM_ROD_PRESSURE),
         ..ExcavatorSensors::default()
     };
     ExcavatorSensors {

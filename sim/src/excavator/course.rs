@@ -1,8 +1,13 @@
 //! The course of a run: the plant, integrated and sampled without any sensor.
 
+use super::front::Pose;
 use super::plant::{Motion, Plant, Point};
 use super::simulation::Truth;
 
+/// A swing slower than this may have its bucket in the ground [rad/s].
+const STANDING: f64 = 0.03;
+/// Distance of the rates from which joint accelerations are taken [s].
+const NEAR: f64 = 1e-3;
 /// The longest integration step [s].
 const LONGEST_STEP: f64 = 1e-3;
 
@@ -74,6 +79,27 @@ impl Course {
             time,
             values: [velocity, angle, truth.torque, boom, arm, bucket],
             truth,
+        }
+    }
+
+    /// What the front does at the time of a sample that was just taken.
+    pub(super) fn pose(&self, exact: &Exact) -> Pose {
+        let time = exact.time;
+        let rates = self.plant.rate(time);
+        let [before, after] = [-NEAR, NEAR].map(|step| self.plant.rate(time + step));
+        let stands = exact.truth.velocity.abs() < STANDING;
+        Pose {
+            angles: [exact.values[3], exact.values[4], exact.values[5]],
+            rates,
+            accelerations: std::array::from_fn(|i| (after[i] - before[i]) / (2.0 * NEAR)),
+            spin: exact.truth.velocity,
+            inclination: [0.0; 2],
+            payload: exact.truth.payload,
+            contact: if stands {
+                self.plant.contact(time)
+            } else {
+                0.0
+            },
         }
     }
 

@@ -17,6 +17,7 @@
 mod course;
 mod cycle;
 mod event;
+mod front;
 mod geometry;
 mod path;
 mod payload;
@@ -30,6 +31,7 @@ mod torque;
 mod work;
 
 pub use course::{Course, Exact};
+pub use front::cylinders;
 pub use geometry::{Attachment, Geometry, Inertia, Link};
 pub use path::{Joint, Move, Path, Posture};
 pub use payload::{Load, payload};

@@ -2,6 +2,11 @@
 
 use crate::blend::transition;
 
+/// So long before it fills, the bucket begins to touch the ground, and is in it [s].
+const TOUCH: (f64, f64) = (0.7, 0.4);
+/// It begins to leave the ground before it is full, and has left it after that [s].
+const BREAK_OUT: (f64, f64) = (0.2, 0.15);
+
 /// A portion of material: taken up in one smooth transition, lost in another. What stays has infinite
 /// dump times; what was always there has infinitely early fill times.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,6 +33,16 @@ impl Load {
     pub fn at(&self, time: f64) -> f64 {
         let filled = transition(time, self.fill.0, self.fill.1);
         self.mass * filled * (1.0 - transition(time, self.dump.0, self.dump.1))
+    }
+
+    /// How much of the bucket is in the ground while it fills, 0 to 1; it gets there before, and breaks out at the end.
+    pub fn contact(&self, time: f64) -> f64 {
+        let (from, to) = self.fill;
+        if !from.is_finite() {
+            return 0.0;
+        }
+        let entered = transition(time, from - TOUCH.0, from - TOUCH.1);
+        entered * (1.0 - transition(time, to - BREAK_OUT.0, to + BREAK_OUT.1))
     }
 }
 

@@ -121,6 +121,11 @@ impl Plant {
         self.path.posture(self.phase(time))
     }
 
+    /// The rates of the joints at a time [rad/s].
+    pub fn rate(&self, time: f64) -> Posture {
+        self.path.rate(self.phase(time))
+    }
+
     /// The payload at a time [kg].
     pub fn payload(&self, time: f64) -> f64 {
         payload(&self.loads, self.phase(time))
@@ -132,6 +137,13 @@ impl Plant {
         self.machine
             .geometry
             .inertia(self.path.posture(time), self.path.rate(time))
+    }
+
+    /// How much of the bucket is in the ground while it fills, 0 to 1.
+    pub fn contact(&self, time: f64) -> f64 {
+        let time = self.phase(time);
+        let contact = self.loads.iter().map(|load| load.contact(time));
+        contact.fold(0.0, f64::max)
     }
 
     /// The swing torque at a time [N m].

@@ -6,14 +6,20 @@ use crate::fault::{Fault, Injector, InvalidFault};
 use crate::noise::Noise;
 
 /// The sensors, by the names that faults use; the order is that of the noise streams.
-pub const CHANNELS: [&str; 6] = [
+pub const CHANNELS: [&str; 10] = [
     "swing_velocity",
     "swing_angle",
     "swing_torque",
     "boom_angle",
     "arm_angle",
     "bucket_angle",
+    "boom_head_pressure",
+    "boom_rod_pressure",
+    "arm_head_pressure",
+    "arm_rod_pressure",
 ];
+/// Those of them that the plant itself tells; the pressures have their own noise.
+const OWN: usize = 6;
 
 /// Standard deviations of the white noise per sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,13 +89,17 @@ impl Instruments {
         })
     }
 
-    /// The sample they make of the exact one, or none if it is lost as a whole.
-    pub fn measure(&mut self, exact: &Exact) -> Option<Row> {
+    /// The sample they make of the exact one and of what the pressure sensors show, or none if it is lost as a whole.
+    pub fn measure(&mut self, exact: &Exact, pressures: Option<[f64; 4]>) -> Option<Row> {
         let lost = self.injector.loses_row(exact.time);
         let mut seen = [None; 6];
         for (channel, value) in exact.values.into_iter().enumerate() {
             let noisy = value + self.deviation[channel] * self.noise[channel].normal();
             seen[channel] = self.injector.apply(channel, exact.time, Some(noisy));
+        }
+        let mut felt = [None; 4];
+        for (i, value) in pressures.into_iter().flatten().enumerate() {
+            felt[i] = self.injector.apply(OWN + i, exact.time, Some(value));
         }
         let row = Row {
             time: exact.time,
@@ -98,6 +108,7 @@ impl Instruments {
             swing_torque: seen[2],
             posture: [seen[3], seen[4], seen[5]],
             inclination: [None; 2],
+            pressures: felt,
             truth: exact.truth,
         };
         (!lost).then_some(row)

@@ -1,14 +1,21 @@
 //! A run of the plant, sampled by its sensors.
 
 use super::course::Course;
+use super::front::{Front, cylinders};
 use super::plant::Plant;
 use super::scenario::Scenario;
 use super::sensors::{Instruments, Sensors};
+use crate::cylinder::{Cylinder, Gauges};
 use crate::fault::Fault;
+use crate::noise::Noise;
 use std::fmt;
 
 /// The sampling rates that can be simulated [Hz].
 const RATES: std::ops::RangeInclusive<f64> = 10.0..=10_000.0;
+
+/// Stream of noise that the seals are drawn from, and their spread about the described ones.
+const SEALS: u64 = 203;
+const SEALS_STD: f64 = 0.35;
 
 /// What to simulate.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,6 +30,8 @@ pub struct Run {
     pub seed: u64,
     /// Noise of the sensors.
     pub noise: Sensors,
+    /// Pressure sensors of boom and arm cylinders; none if the machine has none.
+    pub gauges: Option<Gauges>,
     /// What else they do wrong.
     pub faults: Vec<Fault>,
     /// Length of the record [s]; both ends are sampled. May be infinite.
@@ -38,6 +47,7 @@ impl Run {
             rate: 100.0,
             seed: 1,
             noise: Sensors::default(),
+            gauges: None,
             faults: Vec::new(),
             duration: scenario.duration(),
         }
@@ -78,6 +88,8 @@ pub struct Row {
     pub posture: [Option<f64>; 3],
     /// Pitch (nose up) and roll (left side low) of the upper body [rad].
     pub inclination: [Option<f64>; 2],
+    /// Pressures of the boom cylinder's head and rod side, and of the arm's [Pa].
+    pub pressures: [Option<f64>; 4],
     /// What is really so.
     pub truth: Truth,
 }
@@ -100,6 +112,7 @@ impl std::error::Error for InvalidRun {}
 pub struct Simulation {
     course: Course,
     instruments: Instruments,
+    front: Option<Front>,
 }
 
 impl Simulation {
@@ -120,7 +133,11 @@ impl Simulation {
     pub fn of(plant: Plant, start: f64, run: &Run) -> Result<Self, InvalidRun> {
         check(run)?;
         let instruments = Instruments::new(run.noise, &run.faults, run.seed);
+        let geometry = plant.machine.geometry;
+        let real = worn(cylinders(&geometry), run.seed);
+        let front = |gauges| Front::new(geometry, real, gauges, run.seed);
         Ok(Self {
+            front: run.gauges.map(front),
             course: Course::new(plant, start, run.rate, run.duration),
             instruments: instruments.map_err(|e| InvalidRun(e.to_string()))?,
         })
@@ -131,9 +148,26 @@ impl Iterator for Simulation {
     type Item = Row;
 
     fn next(&mut self) -> Option<Row> {
-        let instruments = &mut self.instruments;
-        self.course.find_map(|exact| instruments.measure(&exact))
+        loop {
+            let exact = self.course.next()?;
+            let pressures = self.front.as_mut().map(|front| {
+                let pose = self.course.pose(&exact);
+                front.show(exact.time, &pose)
+            });
+            if let Some(row) = self.instruments.measure(&exact, pressures) {
+                return Some(row);
+            }
+        }
     }
+}
+
+/// Cylinders whose seals rub otherwise than described: by a third of it, as a standard deviation.
+fn worn(cylinders: [Cylinder; 2], seed: u64) -> [Cylinder; 2] {
+    let mut noise = Noise::channel(seed, SEALS);
+    cylinders.map(|c| Cylinder {
+        friction: c.friction * (1.0 + SEALS_STD * noise.normal()).max(0.2),
+        ..c
+    })
 }
 
 fn check(run: &Run) -> Result<(), InvalidRun> {

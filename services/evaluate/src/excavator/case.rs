@@ -49,7 +49,7 @@ impl Case {
         Ok(self
             .exact
             .iter()
-            .filter_map(|exact| instruments.measure(exact))
+            .filter_map(|exact| instruments.measure(exact, None))
             .collect())
     }
 

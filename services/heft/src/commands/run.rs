@@ -12,8 +12,8 @@ use steps::loads::{LoadCounter, Options};
 use steps::stages::Pipeline;
 use view::live::SharedLoads;
 
-use self::args::Pace;
 pub use self::args::RunArgs;
+use self::args::{Equipment, Pace};
 use crate::cli::DescriptionArgs;
 use crate::failure::Failure;
 use crate::fault::Fault;
@@ -81,10 +81,23 @@ pub fn folder(out: Option<&Path>, machine: &str) -> Result<PathBuf, Failure> {
     Ok(folder)
 }
 
+/// The description of a run. Where nobody describes a simulated machine, its cylinders are described as they are.
+fn described(args: &RunArgs, pressures: bool) -> Result<Description, Failure> {
+    let given = &args.description;
+    let is_simulated = args.input.is_none() && given.config.is_none() && given.class.is_none();
+    let mut with = given.clone();
+    if is_simulated && pressures {
+        with.set = machines::entry(args.machine).simulated_cylinders();
+        with.set.extend(given.set.iter().cloned());
+    }
+    description(args.machine, &with)
+}
+
 /// The plan that the arguments describe, without a place for its recording.
 fn plan(args: &RunArgs) -> Result<(Plan, Description), Failure> {
     let machine = args.machine;
-    let description = description(machine, &args.description)?;
+    let pressures = !args.without.contains(&Equipment::Pressure);
+    let description = described(args, pressures)?;
     let rate = args.rate.unwrap_or(description.rate());
     if let Some(duration) = args.duration
         && (duration.is_nan() || duration <= 0.0)
@@ -103,6 +116,7 @@ fn plan(args: &RunArgs) -> Result<(Plan, Description), Failure> {
             .unwrap_or(machines::entry(machine).usual_scenario())
             .to_owned(),
         payload: args.payload,
+        pressures,
         input: args.input.as_deref().map(input).transpose()?,
         map: args.map.as_deref().map(absolute).transpose()?,
         output: output(args)?,

@@ -9,10 +9,11 @@ use config::Description;
 use messages::{ExcavatorEstimate, ExcavatorSensors, ExcavatorTruth, excavator_bits as bits};
 use runtime::Source;
 use sensor::excavator::Simulator;
-use sim::excavator::{Effects, Run, Scenario, Size, Work, cases};
+use sim::cylinder::Gauges;
+use sim::excavator::{Effects, Run, Scenario, Size, Work, cases, cylinders};
 use sim::named;
 
-use super::{Figure, Later, Typed, all_scenarios, bad_run, no_scenario};
+use super::{Figure, Later, Typed, all_scenarios, bad_run, cylinder_settings, no_scenario};
 use crate::commands::calibrate::CalibrateArgs;
 use crate::failure::Failure;
 use crate::plan::Plan;
@@ -45,6 +46,13 @@ impl Typed for Excavator {
         all_scenarios(Scenario::ALL, cases.iter().map(|c| (c.0, c.1)))
     }
 
+    fn simulated_cylinders() -> Vec<String> {
+        let [boom, arm] = cylinders(&Size::reference().geometry);
+        let mut settings = cylinder_settings("machine.boom_cylinder", &boom);
+        settings.extend(cylinder_settings("machine.arm_cylinder", &arm));
+        settings
+    }
+
     fn simulator(
         plan: &Plan,
     ) -> Result<impl Source<Sensors = ExcavatorSensors, Truth = ExcavatorTruth> + 'static, Failure>
@@ -58,6 +66,7 @@ impl Typed for Excavator {
             .ok_or_else(|| no_scenario(&plan.scenario, &Self::scenarios()))?;
         let mut run = Run::new(scenario);
         (run.payload, run.rate, run.seed) = (plan.payload, plan.rate, plan.seed);
+        run.gauges = plan.pressures.then(Gauges::default);
         run.duration = plan.duration.unwrap_or(run.duration);
         Ok(Simulated {
             rows: Simulator::new(&run).map_err(bad_run)?,
@@ -117,7 +126,10 @@ fn work(plan: &Plan, effects: Effects) -> Result<Simulated, Failure> {
     if plan.payload.is_some() {
         return Err(bad_run("a machine at work has its own loads"));
     }
-    let work = Work::new(Size::reference(), effects, plan.seed);
+    let mut work = Work::new(Size::reference(), effects, plan.seed);
+    if plan.pressures {
+        work = work.with_gauges(plan.seed);
+    }
     Ok(Simulated {
         rows: Simulator::at_work(work),
         duration: plan.duration.unwrap_or(WORK_DURATION),

@@ -45,6 +45,21 @@ impl Effects {
             relief: some(none.relief, 0.0, 0.2),
             dumps_swinging: noise.chance(EACH),
             inclinometer: noise.chance(2.0 * EACH),
+            seals: if noise.chance(EACH) {
+                noise.uniform(0.5, 3.0)
+            } else {
+                none.seals
+            },
+            pressure_zero: if noise.chance(EACH) {
+                noise.uniform(0.0, 3.0)
+            } else {
+                none.pressure_zero
+            },
+            pressure_quantum: if noise.chance(EACH) {
+                200e3
+            } else {
+                none.pressure_quantum
+            },
         }
     }
 }

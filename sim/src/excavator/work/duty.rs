@@ -145,6 +145,14 @@ impl Duty {
         }
     }
 
+    /// How much of the bucket is in the ground, 0 to 1.
+    pub(super) fn contact(&self) -> f64 {
+        if self.phase != Phase::Dig {
+            return 0.0;
+        }
+        transition(self.since, 0.4, 0.8) * (1.0 - transition(self.since, 2.3, 2.6))
+    }
+
     /// Swing angle that is aimed at [rad].
     pub(super) fn goal(&self) -> f64 {
         match self.phase {

@@ -57,6 +57,12 @@ pub struct Effects {
     pub relief: f64,
     /// An inclinometer and an encoder of the swing angle are there.
     pub inclinometer: bool,
+    /// Friction of the cylinders' seals over the described one.
+    pub seals: f64,
+    /// Zeros of the pressure sensors over the usual ones.
+    pub pressure_zero: f64,
+    /// Step of the pressures [Pa].
+    pub pressure_quantum: f64,
 }
 
 impl Default for Effects {
@@ -89,6 +95,9 @@ impl Default for Effects {
             jitter: 0.0,
             relief: 0.0,
             inclinometer: false,
+            seals: 1.0,
+            pressure_zero: 1.0,
+            pressure_quantum: 0.0,
         }
     }
 }
@@ -136,6 +145,7 @@ impl Effects {
             length_error: 0.01,
             angle_error: 0.8f64.to_radians(),
             jitter: 0.002,
+            seals: 1.5,
             ..Self::default()
         }
     }
@@ -160,6 +170,9 @@ impl Effects {
             length_error: 0.01,
             angle_error: 1.5f64.to_radians(),
             jitter: 0.004,
+            seals: 2.5,
+            pressure_zero: 2.0,
+            pressure_quantum: 200e3,
             ..Self::default()
         }
     }

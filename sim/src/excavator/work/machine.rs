@@ -39,7 +39,8 @@ pub(super) struct Machine {
     /// Upper body, attachment, swinging load.
     pub(super) bodies: [Body; 3],
     pub(super) posture: Posture,
-    joint_rates: Posture,
+    pub(super) joint_rates: Posture,
+    pub(super) joint_accelerations: Posture,
     /// Torque of the drive [N m].
     pub(super) torque: f64,
     /// Total inertia [kg m^2].
@@ -59,6 +60,7 @@ impl Machine {
             bodies: [Body::default(); 3],
             posture,
             joint_rates: [0.0; 3],
+            joint_accelerations: [0.0; 3],
             torque: 0.0,
             inertia: size.geometry.inertia(posture, [0.0; 3]).base,
             acceleration: 0.0,
@@ -95,9 +97,12 @@ impl Machine {
 
     fn joints(&mut self, remaining: f64) {
         let goal = self.duty.posture(remaining);
-        for ((angle, rate), goal) in self.posture.iter_mut().zip(&mut self.joint_rates).zip(goal) {
+        let joints = self.posture.iter_mut().zip(&mut self.joint_rates);
+        for (((angle, rate), goal), seen) in joints.zip(goal).zip(&mut self.joint_accelerations) {
+            let before = *rate;
             let acceleration = JOINTS * JOINTS * (goal - *angle) - 2.0 * JOINTS * *rate;
             *rate = (*rate + STEP * acceleration).clamp(-1.6, 1.6);
+            *seen = (*rate - before) / STEP;
             *angle += STEP * *rate;
         }
     }

@@ -1,10 +1,12 @@
 //! What the sensors say of the machine, and what its description says.
 
+use super::super::front::{Front, Pose, cylinders};
 use super::super::geometry::Geometry;
 use super::super::simulation::{Row, Truth};
 use super::effects::Effects;
 use super::machine::{Machine, STEP};
 use super::size::Size;
+use crate::cylinder::{Cylinder, Gauges};
 use crate::noise::Noise;
 
 /// Integration steps per sample: 100 Hz.
@@ -56,6 +58,7 @@ pub struct Work {
     effects: Effects,
     /// What the machine is said to be.
     told: Geometry,
+    front: Option<Front>,
     noise: [Noise; 10],
     angle_errors: [f64; 3],
     torque: Late,
@@ -72,6 +75,7 @@ impl Work {
     pub fn new(size: Size, effects: Effects, seed: u64) -> Self {
         let mut signs = Noise::channel(seed, 102);
         Self {
+            front: None,
             machine: Machine::new(size, effects, seed),
             told: told(&size.geometry, &effects, &mut signs),
             angle_errors: std::array::from_fn(|_| effects.angle_error * sign(&mut signs)),
@@ -84,6 +88,25 @@ impl Work {
             held_torque: 0.0,
             held_since: f64::NEG_INFINITY,
         }
+    }
+
+    /// The same machine with pressure sensors at the cylinders of boom and arm.
+    #[must_use]
+    pub fn with_gauges(mut self, seed: u64) -> Self {
+        let geometry = self.machine.size.geometry;
+        let e = &self.effects;
+        let usual = Gauges::default();
+        let gauges = Gauges {
+            zero: e.pressure_zero * usual.zero,
+            quantum: e.pressure_quantum,
+            ..usual
+        };
+        let real = cylinders(&geometry).map(|c| Cylinder {
+            friction: e.seals * c.friction,
+            ..c
+        });
+        self.front = Some(Front::new(geometry, real, gauges, seed));
+        self
     }
 
     /// The machine's size.
@@ -122,6 +145,21 @@ impl Work {
         self.held_torque
     }
 
+    fn pressures(&mut self, time: f64) -> [Option<f64>; 4] {
+        let m = &self.machine;
+        let pose = Pose {
+            angles: m.posture,
+            rates: m.joint_rates,
+            accelerations: m.joint_accelerations,
+            spin: m.bodies[0].velocity,
+            inclination: m.inclination(),
+            payload: m.duty.payload,
+            contact: m.duty.contact(),
+        };
+        let front = self.front.as_mut();
+        front.map_or([None; 4], |front| front.show(time, &pose).map(Some))
+    }
+
     fn measure(&mut self) -> Row {
         let time = self.sample as f64 * f64::from(STEPS) * STEP;
         let late = self.effects.jitter * self.normal(2);
@@ -130,6 +168,7 @@ impl Work {
         } else {
             (time + late).max(self.stamp + 1e-4)
         };
+        let pressures = self.pressures(time);
         let m = &self.machine;
         let (bodies, posture, inclination) = (m.bodies, m.posture, m.inclination());
         let truth = Truth {
@@ -155,6 +194,7 @@ impl Work {
             swing_torque: Some(self.torque_value(time)),
             posture: joints.map(Some),
             inclination: tilt,
+            pressures,
             truth,
         }
     }

@@ -20,6 +20,13 @@ pub enum Pace {
     Max,
 }
 
+/// What a simulated machine has, unless it is left out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Equipment {
+    /// Pressure sensors at the cylinders, and what belongs to them.
+    Pressure,
+}
+
 /// `heft run`
 #[derive(Debug, Clone, Args)]
 pub struct RunArgs {
@@ -32,6 +39,9 @@ pub struct RunArgs {
     /// Payload of the simulator [kg]
     #[arg(long, value_name = "KG")]
     pub payload: Option<f64>,
+    /// Leave out a kind of sensors that simulated machines have
+    #[arg(long, value_enum, value_name = "KIND", conflicts_with = "input")]
+    pub without: Vec<Equipment>,
     /// Take the samples from a recording (.csv, .mcap, .log), a CAN bus (can:can0) or standard input
     /// (-: lines of candump or CSV) instead of the simulator
     #[arg(long, value_name = "FILE|can:IF|-", conflicts_with_all = ["scenario", "payload"])]
