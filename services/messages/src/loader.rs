@@ -44,7 +44,7 @@ sheet::loader_signals!(sensors_of_loader);
 
 message! {
     /// The truth behind a simulated or annotated sample; estimators never read it.
-    pub struct LoaderTruth, "LoaderTruth", size 136, marked in known {
+    pub struct LoaderTruth, "LoaderTruth", size 144, marked in known {
         /// True forward speed.
         speed: f64, "m/s";
         /// True speed of the front wheels.
@@ -65,6 +65,8 @@ message! {
         known: u32, "";
         /// Reserved, 0.
         reserved: u32, "";
+        /// True payload.
+        payload: f64, "kg";
     }
 }
 

@@ -1,8 +1,9 @@
 //! The simulated wheel loader as a source of messages.
 
 use messages::loader_bits::{
-    ACCELERATION, ARTICULATION, BOOM_MOVING, BRAKE, FRONT_TORQUE, FRONT_WHEEL_SPEED, MASS,
-    REAR_TORQUE, REAR_WHEEL_SPEED, SLOPE, SPADE_FORCE_X, SPADE_FORCE_Z, SPEED, YAW_RATE,
+    ACCELERATION, ARTICULATION, BOOM_MOVING, BRAKE, FRONT_TORQUE, FRONT_WHEEL_SPEED, LIFT_ANGLE,
+    LIFT_HEAD_PRESSURE, LIFT_ROD_PRESSURE, MASS, REAR_TORQUE, REAR_WHEEL_SPEED, SLOPE,
+    SPADE_FORCE_X, SPADE_FORCE_Z, SPEED, TILT_ANGLE, YAW_RATE,
 };
 use messages::{LoaderSensors, LoaderTruth};
 use runtime::Source;
@@ -18,8 +19,8 @@ const COLUMNS: u32 = SPEED
     | REAR_TORQUE
     | SLOPE
     | ACCELERATION;
-/// All eight true values are known.
-const ALL_KNOWN: u32 = 0b1111_1111;
+/// All eight true values are known, and the payload behind them.
+const ALL_KNOWN: u32 = 0b100_1111_1111;
 
 /// A simulated wheel loader.
 #[derive(Debug)]
@@ -80,6 +81,10 @@ fn measured(row: &Row) -> LoaderSensors {
         spade_force_z: take(row.spade_force_z, SPADE_FORCE_Z),
         articulation: take(row.articulation, ARTICULATION),
         yaw_rate: take(row.yaw_rate, YAW_RATE),
+        lift_angle: take(row.arm.map(|arm| arm.lift_angle), LIFT_ANGLE),
+        tilt_angle: take(row.arm.map(|arm| arm.tilt_angle), TILT_ANGLE),
+        lift_head_pressure: take(row.arm.map(|arm| arm.head_pressure), LIFT_HEAD_PRESSURE),
+        lift_rod_pressure: take(row.arm.map(|arm| arm.rod_pressure), LIFT_ROD_PRESSURE),
         ..LoaderSensors::default()
     };
     for (flag, bit) in [(row.boom_moving, BOOM_MOVING), (row.brake, BRAKE)] {
@@ -104,6 +109,7 @@ fn truth(truth: &Truth) -> LoaderTruth {
         slip_stiffness: truth.slip_stiffness,
         spade_force_x: truth.spade_force_x,
         slope: truth.slope,
+        payload: truth.payload,
         known: ALL_KNOWN,
         ..LoaderTruth::default()
     }

@@ -18,10 +18,12 @@
 //! # Ok::<(), sim::loader::InvalidRun>(())
 //! ```
 
+mod arm;
 mod cases;
 mod chance;
 mod cycle;
 mod effects;
+mod loading;
 mod plant;
 mod profile;
 mod road;
@@ -35,6 +37,7 @@ mod tier;
 #[cfg(test)]
 mod golden;
 
+pub use arm::{LiftArm, Seen, Stance};
 pub use cases::CASES;
 pub use effects::{Bend, Effects, PayloadTold};
 pub use plant::{GRAVITY, Inputs, Machine, Motion, Plant, State};

@@ -1,5 +1,6 @@
 //! What the sensors tell, with the truth.
 
+use super::arm::Seen;
 use super::scenario::Payload;
 
 /// What is true at the time of a row.
@@ -21,6 +22,8 @@ pub struct Truth {
     pub spade_force_x: f64,
     /// Road slope [rad].
     pub slope: f64,
+    /// Mass in the bucket [kg].
+    pub payload: f64,
     /// Rate of the speed along the road [m/s^2].
     pub acceleration: f64,
 }
@@ -58,6 +61,8 @@ pub struct Row {
     pub yaw_rate: Option<f64>,
     /// Whether friction brakes act; none if nobody says.
     pub brake: Option<bool>,
+    /// What the sensors of the lift arm show; none if it has none.
+    pub arm: Option<Seen>,
     /// What the weighing system and the boom angles say of the payload.
     pub payload: Payload,
     /// The truth.

@@ -6,6 +6,7 @@ use super::effects::{Effects, PayloadTold};
 use super::scenario::Scenario;
 use super::sensors::Grade;
 use super::tier::{Size, Tier};
+use crate::cylinder::Gauges;
 use crate::fault::{Fault, InvalidFault};
 
 /// What to simulate.
@@ -34,6 +35,8 @@ pub struct Run {
     pub tier: Tier,
     /// The machine's size.
     pub size: Size,
+    /// Pressure sensors of the lift cylinders, with lift and tilt angle; none if the machine has none.
+    pub gauges: Option<Gauges>,
     /// What the machine does that the reference plant leaves out.
     pub effects: Effects,
     /// What goes wrong.
@@ -58,6 +61,7 @@ impl Run {
             grade: Grade::Resolver,
             tier: Tier::A,
             size: Size::Reference,
+            gauges: None,
             effects: Effects::default(),
             faults: Vec::new(),
             duration: None,

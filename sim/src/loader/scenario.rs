@@ -10,11 +10,14 @@
 //! | `load-cycle` | S5 | drive, fill the bucket with 1500 kg, lift it, drive | 60 s, 20 s |
 //! | `work-cycle` | S6 | random acceleration and braking | 300 s, 100 s |
 //! | `dither` | S6x | the same with the torque shifted between the axles | 300 s, 100 s |
+//! | `loading` | | fill, carry, dump into a truck, again and again | 260 s, 26 s |
 //! | `cruise` | | up to 2.5 m/s, then constant speed | 60 s, 20 s |
 
 use std::f64::consts::TAU;
 
+use super::arm::{LiftArm, Stance};
 use super::cycle::WorkCycle;
+use super::loading::{self, Loading};
 use super::plant::{GRAVITY, Inputs, Machine};
 use super::profile::Profile;
 use super::road::Surface;
@@ -49,6 +52,8 @@ pub enum Scenario {
     Dither,
     /// Constant speed.
     Cruise,
+    /// Loads, dumped into a truck.
+    Loading,
 }
 
 impl Scenario {
@@ -84,6 +89,10 @@ impl Scenario {
             "cruise",
             "constant speed, from which the height cannot be learnt, 60 s",
         ),
+        (
+            "loading",
+            "fill, carry, dump into a truck, again and again, 26 s each",
+        ),
     ];
 
     /// The scenario of a name or code, in upper or lower case.
@@ -98,6 +107,7 @@ impl Scenario {
             "work-cycle" | "s6" => Self::WorkCycle,
             "dither" | "s6x" => Self::Dither,
             "cruise" => Self::Cruise,
+            "loading" => Self::Loading,
             _ => return None,
         })
     }
@@ -115,6 +125,7 @@ impl Scenario {
             Self::AccelDecel => 30.0,
             Self::LoadCycle | Self::Cruise => 60.0,
             Self::WorkCycle | Self::Dither => 300.0,
+            Self::Loading => 10.0 * loading::PERIOD,
         }
     }
 
@@ -126,6 +137,7 @@ impl Scenario {
             Self::AccelDecel => 8.0,
             Self::LoadCycle | Self::Cruise => 20.0,
             Self::WorkCycle | Self::Dither => 100.0,
+            Self::Loading => loading::PERIOD,
         }
     }
 
@@ -143,7 +155,7 @@ impl Scenario {
         let (slope_amplitude_deg, roughness, length) = match self {
             Self::Bumpy | Self::Spading | Self::Digging => (4.0, 128e-6, 260.0),
             Self::ConstantTorque | Self::AccelDecel | Self::Cruise => (0.3, 16e-6, 260.0),
-            Self::LoadCycle => (0.8, 32e-6, 260.0),
+            Self::LoadCycle | Self::Loading => (0.8, 32e-6, 260.0),
             Self::WorkCycle | Self::Dither => (1.0, 32e-6, 1400.0),
         };
         Surface {
@@ -226,7 +238,9 @@ impl Scenario {
             Self::ConstantTorque => Profile::new(STEADY, 0.3),
             Self::AccelDecel => Profile::new(HARD, 0.2),
             Self::LoadCycle => Profile::new(LOAD, 0.3),
-            Self::WorkCycle | Self::Dither => Profile::new(&[(0.0, 0.0)], WorkCycle::RAMP),
+            Self::WorkCycle | Self::Dither | Self::Loading => {
+                Profile::new(&[(0.0, 0.0)], WorkCycle::RAMP)
+            }
             Self::Cruise => {
                 let torque = |a: f64| motor_torque(machine, mass, a);
                 let reached = 0.5 + CRUISE_SPEED / 0.8;
@@ -256,6 +270,15 @@ pub struct Payload {
     pub reach: f64,
 }
 
+impl Payload {
+    /// An empty place where a load is carried low.
+    pub(super) const CARRIED: Self = Self {
+        mass: 0.0,
+        height: PAYLOAD_HEIGHT,
+        reach: PAYLOAD_REACH,
+    };
+}
+
 /// A machine with its payload: mass [kg], height of the centre of gravity [m], share of the front axle.
 pub fn loaded(machine: &Machine, payload: &Payload) -> (f64, f64, f64) {
     let mass = machine.mass + payload.mass;
@@ -278,12 +301,19 @@ pub(super) struct Driver {
     bucket: Profile,
     payload: Profile,
     lift: Profile,
+    arm: LiftArm,
+    /// The plan of `loading`.
+    loading: Option<Loading>,
+    /// Arm and bucket move the centre of gravity.
+    arm_counts: bool,
 }
 
 impl Driver {
     pub fn new(scenario: Scenario, payload: Option<f64>, machine: &Machine, noise: Noise) -> Self {
         let mass = scenario.payload(payload);
         let picks_up = scenario == Scenario::LoadCycle;
+        let is_loading = scenario == Scenario::Loading;
+        let loading = is_loading.then(|| Loading::new(machine, payload, noise.clone()));
         let bucket: &[(f64, f64)] = match scenario {
             Scenario::Spading | Scenario::Digging => &[(0.0, 0.0), (5.0, 1.0), (7.0, 0.0)],
             Scenario::LoadCycle => &[(0.0, 0.0), (15.0, 1.0), (18.0, 0.0)],
@@ -294,6 +324,9 @@ impl Driver {
             scenario,
             machine: *machine,
             motor: scenario.motor_torque(machine, machine.mass + mass),
+            arm: LiftArm::of(machine),
+            arm_counts: is_loading,
+            loading,
             cycle: WorkCycle::new(scenario, noise),
             bucket: Profile::new(
                 bucket,
@@ -328,8 +361,40 @@ impl Driver {
         Self { cycle, ..self }
     }
 
+    /// Arm and bucket move the centre of gravity as they are lifted.
+    pub fn with_arm(self, counts: bool) -> Self {
+        Self {
+            arm_counts: self.arm_counts || counts,
+            ..self
+        }
+    }
+
+    /// The lift arm.
+    pub fn arm(&self) -> &LiftArm {
+        &self.arm
+    }
+
+    /// How arm and bucket stand at time `t`.
+    pub fn stance(&self, t: f64) -> Stance {
+        match &self.loading {
+            Some(plan) => plan.stance(t),
+            None => self.arm.stance(&self.payload(t)),
+        }
+    }
+
+    /// How much of the bucket is in the ground, 0 to 1.
+    pub fn contact(&self, t: f64) -> f64 {
+        match &self.loading {
+            Some(plan) => plan.contact(t),
+            None => self.bucket.at(t).clamp(0.0, 1.0),
+        }
+    }
+
     /// The payload at time `t`.
     pub fn payload(&self, t: f64) -> Payload {
+        if let Some(plan) = &self.loading {
+            return plan.payload(&self.arm, t);
+        }
         Payload {
             mass: self.payload.at(t),
             height: PAYLOAD_HEIGHT + self.lift.at(t),
@@ -339,19 +404,29 @@ impl Driver {
 
     /// Whether the boom moves with a payload that changes the centre of gravity.
     pub fn boom_moving(&self, t: f64) -> bool {
-        self.payload.moving(t) || self.lift.moving(t)
+        let loads = self.loading.as_ref().is_some_and(|plan| plan.moves(t));
+        loads || self.payload.moving(t) || self.lift.moving(t)
     }
 
     /// What acts at time `t`, to be asked in the order of time; `speed` is the machine's just before.
     pub fn inputs(&mut self, t: f64, speed: f64) -> Inputs {
-        let (mass, cg_height, cg_ratio) = loaded(&self.machine, &self.payload(t));
+        let (mass, mut cg_height, mut cg_ratio) = loaded(&self.machine, &self.payload(t));
+        if self.arm_counts {
+            let [forward, up] = self.arm.shift(&self.stance(t));
+            cg_ratio += forward / (mass * self.machine.wheelbase);
+            cg_height += up / mass;
+        }
         let way = if self.cycle.backwards() { -1.0 } else { 1.0 };
         if let Some((time, a)) = self.cycle.next_leg(t, way * speed) {
             let way = if self.cycle.backwards() { -1.0 } else { 1.0 };
             let torque = way * motor_torque(&self.machine, mass, a);
             self.motor.push(time, torque);
         }
-        let torque = self.machine.gear_ratio * self.motor.at(t);
+        let mut torque = self.machine.gear_ratio * self.motor.at(t);
+        if let Some(plan) = &self.loading {
+            let force = plan.traction(&self.machine, mass, t, speed);
+            torque = 0.5 * force * self.machine.wheel_radius;
+        }
         let share = if self.scenario == Scenario::Dither {
             0.5 + 0.25 * (4.0 * (TAU * t / 6.0).sin()).clamp(-1.0, 1.0)
         } else {
@@ -382,6 +457,7 @@ impl Driver {
                 2_500.0 * b * (1.0 + 0.3 * (TAU * 0.9 * t + 1.0).sin()),
             ],
             Scenario::LoadCycle => [10_000.0 * b, 1_500.0 * b],
+            Scenario::Loading => self.loading.as_ref().map_or([0.0; 2], |plan| plan.heap(t)),
             _ => [0.0, 0.0],
         }
     }

@@ -1,11 +1,12 @@
 //! A run: the plant driven through a scenario and what its sensors report.
 
+use super::arm::{ArmSensors, LiftArm, Seen, Shaken};
 use super::effects::{self, Effects, Gears, Inclinometer, Late, PayloadTold};
 use super::plant::{GRAVITY, Inputs, Machine, Plant, State};
 use super::road::{Phases, Road};
 use super::row::{Row, Truth};
 use super::run::{InvalidRun, Run};
-use super::scenario::{Driver, Payload};
+use super::scenario::{Driver, Payload, Scenario};
 use super::tier::{self, Calibration, Tier, Told};
 use crate::fault::Injector;
 use crate::noise::Noise;
@@ -23,6 +24,10 @@ pub const CHANNELS: &[&str] = &[
     "mass",
     "spade_force_x",
     "spade_force_z",
+    "lift_angle",
+    "tilt_angle",
+    "lift_head_pressure",
+    "lift_rod_pressure",
 ];
 
 /// Streams of [`Noise::channel`]: the sensors take 1 to 7.
@@ -81,6 +86,7 @@ pub struct Simulation {
     calibration: Calibration,
     told: Told,
     tells_mass: bool,
+    arm: Option<ArmSensors>,
     noise: [Noise; 7],
     faults: Injector,
     rate: f64,
@@ -127,7 +133,8 @@ impl Simulation {
         let phases = Phases::draw(&mut Noise::channel(ground, ROAD_STREAM));
         let road = Road::new(&surface, &phases).turned(run.turned_at);
         let mut driver = Driver::new(run.scenario, run.payload, &machine, stream(DRIVER_STREAM))
-            .reversing(run.effects.reverses);
+            .reversing(run.effects.reverses)
+            .with_arm(run.gauges.is_some());
         let mut acts = Acts {
             effects: run.effects,
             machine,
@@ -150,7 +157,12 @@ impl Simulation {
             machine,
             calibration,
             told,
-            tells_mass: run.tier == Tier::B || run.scenario.payload(run.payload) > 0.0,
+            // A machine that weighs its bucket needs no scale under its axles.
+            tells_mass: (run.tier == Tier::B || run.scenario.payload(run.payload) > 0.0)
+                && !(run.scenario == Scenario::Loading && run.gauges.is_some()),
+            arm: run
+                .gauges
+                .map(|gauges| ArmSensors::new(LiftArm::of(&machine), gauges, run.seed)),
             noise: std::array::from_fn(|channel| stream(channel as u64 + 1)),
             faults: Injector::new(&run.faults, CHANNELS, run.seed)?,
             rate: run.rate,
@@ -181,6 +193,7 @@ impl Simulation {
     }
 
     fn measure(&mut self, time: f64) -> Row {
+        let arm = self.look_at_arm(time);
         let motion = self.plant.motion();
         let inputs = self.plant.inputs();
         let &[speed, front_wheel_speed, rear_wheel_speed, ..] = self.plant.state();
@@ -240,6 +253,7 @@ impl Simulation {
             articulation: turning.map(|bend| bend.angle),
             yaw_rate: turning.map(|bend| effects::yaw_rate(&self.machine, &bend, speed)),
             brake: (effects.brakes > 0.0 && effects.brakes_told).then_some(braking),
+            arm,
             payload: self.weigh(time),
             truth: Truth {
                 speed,
@@ -250,9 +264,32 @@ impl Simulation {
                 slip_stiffness: self.machine.slip_stiffness,
                 spade_force_x: inputs.spade_force_x,
                 slope: motion.slope,
+                payload: self.driver.payload(time).mass,
                 acceleration,
             },
         }
+    }
+
+    /// What the sensors of the lift arm show.
+    fn look_at_arm(&mut self, time: f64) -> Option<Seen> {
+        let motion = self.plant.motion();
+        let inputs = self.plant.inputs();
+        let pitch = self.plant.state()[7];
+        let arm = self.driver.arm();
+        let ahead = (1.0 - inputs.cg_ratio) * self.machine.wheelbase + arm.pivot_x;
+        let by = Shaken {
+            time,
+            tilt: motion.slope + pitch,
+            surge: motion.rate[0],
+            heave: motion.rate[6] + ahead * motion.rate[8],
+            payload: self.driver.payload(time).mass,
+            contact: self.driver.contact(time),
+            push: inputs.spade_force_x,
+        };
+        let driver = &self.driver;
+        self.arm
+            .as_mut()
+            .map(|arm| arm.show(&by, |t| driver.stance(t)))
     }
 
     fn weigh(&self, time: f64) -> Payload {
@@ -292,6 +329,18 @@ impl Simulation {
         .enumerate()
         {
             *value = faults.apply(count + channel, time, *value);
+        }
+        let of_arm = row.arm.iter_mut().flat_map(|arm| {
+            [
+                &mut arm.lift_angle,
+                &mut arm.tilt_angle,
+                &mut arm.head_pressure,
+                &mut arm.rod_pressure,
+            ]
+        });
+        for (channel, value) in of_arm.enumerate() {
+            let seen = faults.apply(count + 3 + channel, time, Some(*value));
+            *value = seen.unwrap_or(f64::NAN);
         }
     }
 }

@@ -6,10 +6,11 @@ mod figures;
 use config::Description;
 use messages::{LoaderSensors, LoaderTruth, loader_bits as bits};
 use runtime::Source;
-use sim::loader::{CASES, Run, Scenario, Tier};
+use sim::cylinder::Gauges;
+use sim::loader::{CASES, LiftArm, Run, Scenario, Size, Tier};
 use sim::named;
 
-use super::{Figure, Typed, all_scenarios, bad_run, no_scenario};
+use super::{Figure, Typed, all_scenarios, bad_run, cylinder_settings, no_scenario};
 use crate::commands::calibrate::CalibrateArgs;
 use crate::failure::Failure;
 use crate::plan::Plan;
@@ -58,6 +59,29 @@ impl Typed for Loader {
         all_scenarios(Scenario::ALL, CASES.iter().map(|c| (c.0, c.1)))
     }
 
+    fn simulated_cylinders() -> Vec<String> {
+        let arm = LiftArm::of(&Size::Reference.machine());
+        let mut settings: Vec<String> = [
+            ("length", arm.length),
+            ("pivot_x", arm.pivot_x),
+            ("pivot_z", arm.pivot_z),
+            ("mass", arm.mass),
+            ("mass_distance", arm.mass_distance),
+            ("bucket_mass", arm.bucket_mass),
+            ("payload_distance", arm.payload_distance),
+            ("reference_angle", arm.reference.lift),
+            ("reference_tilt", arm.reference.bucket - arm.reference.lift),
+        ]
+        .map(|(key, value)| format!("machine.lift_arm.{key}={value:?}"))
+        .into();
+        settings.extend(cylinder_settings(
+            "machine.lift_arm.cylinder",
+            &arm.cylinder,
+        ));
+        settings.push("sensors.angle_offset_std=0.009".into());
+        settings
+    }
+
     fn simulator(
         plan: &Plan,
     ) -> Result<impl Source<Sensors = LoaderSensors, Truth = LoaderTruth> + 'static, Failure> {
@@ -72,6 +96,7 @@ impl Typed for Loader {
         run.payload = plan.payload.or(run.payload);
         (run.rate, run.seed) = (plan.rate, plan.seed);
         (run.tier, run.duration) = (Tier::B, plan.duration);
+        run.gauges = plan.pressures.then(Gauges::default);
         sensor::loader::Simulator::new(&run).map_err(bad_run)
     }
 

@@ -1,0 +1,166 @@
+//! Loading a truck, load after load: drive into the heap, fill the bucket, back up, drive to the truck lifting, dump, return.
+
+use super::arm::{LiftArm, Stance};
+use super::plant::Machine;
+use super::scenario::Payload;
+use crate::blend::{transition, transition_rate};
+use crate::noise::Noise;
+
+/// Length of one cycle [s].
+pub(super) const PERIOD: f64 = 26.0;
+/// So many loads are drawn; then the same ones come again.
+const LOADS: usize = 64;
+/// A full bucket, in masses of the machine; loads and what sticks, in full buckets.
+const RATED: f64 = 0.32;
+const FILLED: (f64, f64) = (0.55, 1.0);
+const STICKS: (f64, f64) = (0.005, 0.03);
+/// When the bucket fills and empties [s].
+const FILL: (f64, f64) = (5.4, 6.8);
+const DUMP: (f64, f64) = (17.3, 18.3);
+/// When it enters the heap, and leaves it [s].
+const ENTER: (f64, f64) = (4.9, 5.3);
+const LEAVE: (f64, f64) = (6.7, 7.0);
+/// Force of the heap, backward and down, in weights of the machine.
+const HEAP: [f64; 2] = [0.2, 0.03];
+/// Changes of the speed: from, to [s], by how much [m/s].
+const SPEED: &[(f64, f64, f64)] = &[
+    (0.4, 2.0, 2.4),
+    (3.4, 4.8, -1.9),
+    (5.0, 6.4, -0.3),
+    (6.6, 7.4, -0.2),
+    (7.8, 9.4, -2.2),
+    (10.6, 12.0, 2.2),
+    (12.4, 14.0, 2.2),
+    (15.2, 16.6, -2.2),
+    (19.6, 21.0, -2.2),
+    (22.2, 23.6, 2.2),
+];
+/// How far a driver corrects the speed [1/s].
+const CORRECTION: f64 = 1.5;
+/// Arm and bucket at the beginning [rad], and their moves: from, to [s], by how much [rad].
+const START: Stance = Stance {
+    lift: -0.80,
+    bucket: 0.05,
+};
+const LIFT: &[(f64, f64, f64)] = &[(5.2, 7.4, 0.25), (11.5, 16.2, 0.97), (20.0, 24.4, -1.22)];
+const BUCKET: &[(f64, f64, f64)] = &[(5.4, 6.9, 0.80), (17.0, 18.2, -1.60), (19.2, 20.8, 0.80)];
+
+/// The driver's plan.
+#[derive(Clone, Debug)]
+pub(super) struct Loading {
+    loads: Vec<[f64; 2]>,
+    mass: f64,
+}
+
+impl Loading {
+    /// The plan of a machine; every load is `asked` [kg], or drawn.
+    pub fn new(machine: &Machine, asked: Option<f64>, mut noise: Noise) -> Self {
+        let rated = RATED * machine.mass;
+        let mut draw = |(from, to): (f64, f64)| rated * noise.uniform(from, to);
+        let loads = (0..LOADS)
+            .map(|_| [draw(FILLED), draw(STICKS)])
+            .map(|[load, sticks]| match asked {
+                Some(asked) => [asked, (sticks / load).min(0.1) * asked],
+                None => [load, sticks],
+            });
+        Self {
+            loads: loads.collect(),
+            mass: machine.mass,
+        }
+    }
+
+    /// Mass in the bucket [kg].
+    fn load(&self, t: f64) -> f64 {
+        let cycle = (t / PERIOD).floor();
+        let of = |cycle: f64| self.loads[cycle.rem_euclid(LOADS as f64) as usize];
+        let before = if cycle >= 1.0 {
+            of(cycle - 1.0)[1]
+        } else {
+            0.0
+        };
+        let [load, sticks] = of(cycle);
+        let since = t - cycle * PERIOD;
+        let filled = before + (load - before) * transition(since, FILL.0, FILL.1);
+        filled + (sticks - load) * transition(since, DUMP.0, DUMP.1)
+    }
+
+    /// How arm and bucket stand.
+    pub fn stance(&self, t: f64) -> Stance {
+        let since = t.rem_euclid(PERIOD);
+        let moved = |moves: &[(f64, f64, f64)]| -> f64 {
+            moves
+                .iter()
+                .map(|m| m.2 * transition(since, m.0, m.1))
+                .sum()
+        };
+        Stance {
+            lift: START.lift + moved(LIFT),
+            bucket: START.bucket + moved(BUCKET),
+        }
+    }
+
+    /// Whether arm or bucket moves, or its content.
+    pub fn moves(&self, t: f64) -> bool {
+        let since = t.rem_euclid(PERIOD);
+        let within = |m: &(f64, f64, f64)| (m.0..m.1).contains(&since);
+        LIFT.iter().chain(BUCKET).any(within)
+    }
+
+    /// The load in the bucket.
+    pub fn payload(&self, arm: &LiftArm, t: f64) -> Payload {
+        let [reach, height] = arm.place(&self.stance(t));
+        Payload {
+            mass: self.load(t),
+            height,
+            reach,
+        }
+    }
+
+    /// How much of the bucket is in the heap, 0 to 1.
+    pub fn contact(&self, t: f64) -> f64 {
+        let since = t.rem_euclid(PERIOD);
+        transition(since, ENTER.0, ENTER.1) * (1.0 - transition(since, LEAVE.0, LEAVE.1))
+    }
+
+    /// Force of the heap on the bucket: backward, down [N].
+    pub fn heap(&self, t: f64) -> [f64; 2] {
+        HEAP.map(|share| share * 9.81 * self.mass * self.contact(t))
+    }
+
+    /// Force of both axles that keeps to the plan at a speed [N].
+    pub fn traction(&self, machine: &Machine, mass: f64, t: f64, speed: f64) -> f64 {
+        let since = t.rem_euclid(PERIOD);
+        let (mut wanted, mut acceleration) = (0.0, 0.0);
+        for (from, to, change) in SPEED {
+            wanted += change * transition(since, *from, *to);
+            acceleration += change * transition_rate(since, *from, *to);
+        }
+        let rolling = machine.rolling_resistance * 9.81 * (wanted / 0.1).tanh();
+        mass * (acceleration + CORRECTION * (wanted - speed) + rolling) + self.heap(t)[0]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cycle_ends_as_it_begins_with_what_sticks_in_the_bucket() {
+        let plan = Loading::new(&Machine::NOMINAL, None, Noise::new(4));
+        for moves in [LIFT, BUCKET, SPEED] {
+            assert!(moves.iter().map(|m| m.2).sum::<f64>().abs() < 1e-9);
+        }
+        let [load, sticks] = plan.loads[0];
+        assert!((plan.load(10.0) - load).abs() < 1e-9);
+        assert!((plan.load(PERIOD - 1e-6) - plan.load(PERIOD)).abs() < 1e-6);
+        assert!((plan.load(PERIOD) - sticks).abs() < 1e-9 && plan.load(0.0) == 0.0);
+    }
+
+    #[test]
+    fn the_load_is_low_in_the_heap_and_high_over_the_truck() {
+        let plan = Loading::new(&Machine::NOMINAL, None, Noise::new(4));
+        let arm = LiftArm::of(&Machine::NOMINAL);
+        let height = |t| plan.payload(&arm, t).height;
+        assert!((0.1..0.7).contains(&height(5.0)) && (2.2..3.6).contains(&height(16.8)));
+    }
+}
