@@ -39,7 +39,7 @@ pub fn report(recording: &Path) -> Option<PathBuf> {
 /// How much is said.
 #[derive(Debug, Clone, Copy)]
 pub struct Told {
-    /// Swings or drives in a table, instead of the quantities one by one.
+    /// Loads in a table at the end, instead of the quantities one by one.
     pub is_story: bool,
     /// Statistics of the processes too.
     pub is_verbose: bool,
@@ -71,7 +71,9 @@ pub fn text(
         }
     };
     if told.is_story {
-        tell_story(watch, &mut line);
+        for text in watch.told().take(1).flat_map(tally_lines) {
+            line(text);
+        }
     } else {
         line(format!("at the end, {}", in_words(watch)));
         for text in watch.tallies().iter().flat_map(tally_lines) {
@@ -94,20 +96,18 @@ pub fn text(
     if let Some(report) = report {
         let _ = writeln!(out, "  report     {}", shown(report));
     }
+    if told.is_story {
+        tell_story(machine, watch, &mut out);
+    }
     out
 }
 
-/// The table of swings or drives, and what would bring trust.
-fn tell_story(watch: &Watch, line: &mut impl FnMut(String)) {
-    let Some(story) = watch.story() else { return };
-    let table = story.table();
-    let mut rows = table.lines();
-    line(rows.next().unwrap_or_default().into());
-    for row in rows {
-        line(format!("  {row}"));
-    }
-    if let Some(advice) = story.advice() {
-        line(format!("To be trusted: {advice}."));
+/// The table of loads.
+fn tell_story(machine: Machine, watch: &Watch, out: &mut String) {
+    let table = watch.story().table(machine);
+    for (i, row) in table.lines().enumerate() {
+        let indent = if i == 0 { "  " } else { "    " };
+        let _ = writeln!(out, "{indent}{row}");
     }
 }
 

@@ -20,7 +20,7 @@ pub use self::line::{LIVE, STORY, Show};
 use crate::fault::Fault;
 use crate::quantity::{self, Quantity};
 use crate::state::Memory;
-use crate::story::Story;
+use crate::story::{self, Story};
 use crate::tally::Tally;
 
 /// Truths that may wait for their estimates.
@@ -31,8 +31,8 @@ pub struct Watch {
     pipeline: Option<&'static Pipeline>,
     told: Option<&'static Channel>,
     show: Show,
-    /// Swings or drives of the method that is told first.
-    story: Option<Story>,
+    /// The loads with their truth, for a program that tells the story.
+    story: Story,
     feed: Option<Feed>,
     /// For a group of other users.
     window: Option<Window>,
@@ -80,7 +80,6 @@ impl Watch {
             pipeline: Some(Pipeline::of(machine)),
             told,
             show,
-            story: Some(Story::new(machine)),
             feed,
             begun: Some(Instant::now()),
             ..Self::default()
@@ -147,9 +146,9 @@ impl Watch {
         tallies.filter(move |s| Some(s.quantity.channel) == told)
     }
 
-    /// Swings or drives so far.
-    pub fn story(&self) -> Option<&Story> {
-        self.story.as_ref()
+    /// Loads so far, with their truth.
+    pub fn story(&self) -> &Story {
+        &self.story
     }
 
     /// Latest estimate that is told first.
@@ -301,20 +300,10 @@ impl Watch {
         if let Some(memory) = &mut self.memory {
             memory.save();
         }
-        let line = self.story.as_mut().and_then(Story::finish);
-        self.show_story(line);
-        self.end();
-    }
-
-    /// Takes an estimate of the method that is told first into the story.
-    fn note_story(&mut self, channel: &'static Channel, sequence: u64, estimate: &Envelope) {
-        if self.told.map(|c| c.name) != Some(channel.name) {
-            return;
+        if let (Show::Lines, Some(loads)) = (self.show, &self.loads) {
+            story::finish(&mut self.story, loads);
         }
-        let truth = self.truths.binary_search_by_key(&sequence, |t| t.0).ok();
-        let truth = truth.map(|at| &self.truths[at].1);
-        let line = self.story.as_mut().and_then(|s| s.add(estimate, truth));
-        self.show_story(line);
+        self.end();
     }
 
     fn note_estimate<M: Message>(&mut self, channel: &'static Channel, message: &M) {
@@ -371,6 +360,10 @@ impl Watch {
         if let Some(load) = told {
             self.say(&view::loads::line(machine, &load));
         }
+        if let (Show::Lines, Some(load)) = (self.show, &events.load) {
+            let line = self.story.add(machine, load);
+            self.show_story(line);
+        }
     }
 
     fn truth(&self, sequence: u64, quantity: &Quantity) -> Option<f64> {
@@ -404,6 +397,9 @@ impl Sink for Watch {
         carried.add(message.stamp());
         match channel.payload.carries() {
             Carries::Truth => {
+                if self.show == Show::Lines {
+                    self.story.know(&envelope);
+                }
                 if self.truths.len() == TRUTHS {
                     self.truths.pop_front();
                 }
@@ -411,7 +407,6 @@ impl Sink for Watch {
             }
             Carries::Estimate => {
                 self.note_estimate(channel, message);
-                self.note_story(channel, message.stamp().sequence, &envelope);
                 if let Some(memory) = &mut self.memory {
                     memory.see(channel, message);
                 }

@@ -48,6 +48,7 @@ pub struct LoadCounter {
     scale: Scale,
     truck: Option<f64>,
     mass: Option<f64>,
+    /// The boom's pressures are there; described, before any sample is seen.
     has_pressure: bool,
     loads: VecDeque<Load>,
 }
@@ -63,7 +64,14 @@ impl LoadCounter {
             }
             Description::Loader(d) => (RATED_SHARE * d.machine.mass, d.machine.mass),
         };
-        Self::rated(description.machine(), rated, empty, options)
+        let has_pressure = match description {
+            Description::Excavator(d) => d.boom_cylinder.head_area > 0.0,
+            Description::Loader(d) => d.lift_arm.length > 0.0,
+        };
+        Self {
+            has_pressure,
+            ..Self::rated(description.machine(), rated, empty, options)
+        }
     }
 
     /// A counter for a machine of which only the payload of a full bucket and the empty mass are known [kg].

@@ -16,7 +16,7 @@ use crate::signals::Signals;
 use crate::watch::{LIVE, STORY};
 
 /// Length of the demonstration [s].
-const DURATION: &str = "26";
+const DURATION: &str = "28";
 /// Pause between two drawings of the live lines.
 const REDRAWN: Duration = Duration::from_millis(250);
 
@@ -27,8 +27,8 @@ type Line = (usize, Option<String>);
 pub fn demo(is_verbose: bool) -> Result<(), Failure> {
     println!(
         "heft {}: an excavator and a wheel loader at work, simulated in real time for {DURATION} s.\n\
-         heft sees the sensors only. It says what it finds with a 95 % interval (±), and whether\n\
-         the number can be trusted. The true value stands beside it for comparison.\n",
+         heft sees the sensors only: motion, torque, cylinder pressures. It says what each bucket holds with\n\
+         a 95 % interval, and whether the number can be trusted. The true value stands beside it.\n",
         env!("CARGO_PKG_VERSION")
     );
     // Ctrl-C reaches both runs as well: they end in order, and this process waits for them.
@@ -53,22 +53,23 @@ pub fn demo(is_verbose: bool) -> Result<(), Failure> {
         }
     }
     screen.finish();
-    print!("{}", summaries.concat());
     let mut failed = false;
     for mut run in runs {
         failed |= !run.wait().map_err(Failure::internal)?.success();
     }
     if failed {
+        print!("{}", summaries.concat());
         return Err(Failure::answer_is_no(
             "a pipeline of the demonstration failed; see above",
         ));
     }
     println!(
-        "\nOpen the reports in a browser. With your own data:\n  \
+        "Open the reports in a browser. With your own data:\n  \
          heft map data.csv -o map.toml                  a first signal map: check it\n  \
          heft estimate data.csv --machine excavator --map map.toml -o out.csv --report out.html\n\
          docs/sensors.md says which sensors, docs/your-data.md how to map them."
     );
+    print!("{}", summaries.concat());
     Ok(())
 }
 

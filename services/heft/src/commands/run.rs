@@ -305,7 +305,10 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
         show(args),
     );
     watch.remember(memory);
-    watch.count_loads(loads.clone(), args.target.is_some() || args.input.is_some());
+    watch.count_loads(
+        loads.clone(),
+        args.target.is_some() || args.input.is_some() || args.live_lines,
+    );
     let (recording, group) = (plan.recording.clone(), plan.group);
     if !(args.quiet || args.live_lines) || !sources::is_simulated(&plan) {
         eprintln!("{}", sources::words(&plan));

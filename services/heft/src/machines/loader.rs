@@ -25,8 +25,8 @@ impl Typed for Loader {
     type Look = ();
     const ABOUT: &'static str = "Centre of gravity, slip stiffness, digging force";
     const USUAL: &'static str = "work-cycle";
-    const SHOWN: &'static str = "work-cycle";
-    // A maker's data: it drives forward only, and unmeasured tyres are learnt by driving both ways.
+    const SHOWN: &'static str = "loading";
+    // A maker's data.
     const SHOWN_SETTINGS: &'static [&'static str] = &[
         "machine.radius_load_sensitivity=0.01",
         "machine.radius_load_sensitivity_std=0.001",

@@ -56,8 +56,8 @@ impl Watch {
         let width = terminal.map_or(WIDTH, |(columns, _)| usize::from(columns));
         let prefix = if self.show == Show::Lines { PREFIX } else { 0 };
         let width = width.saturating_sub(prefix + 1);
-        let line = match (self.show, self.story.as_ref()) {
-            (Show::Lines, Some(story)) => story.now().unwrap_or_default(),
+        let line = match (self.show, &self.loads) {
+            (Show::Lines, Some(loads)) => self.story.now(&loads.lock()),
             _ => self.line(width),
         };
         let line: String = line.chars().take(width).collect();
@@ -70,7 +70,7 @@ impl Watch {
         };
     }
 
-    /// Shows that a swing or drive has ended, where a program tells the story.
+    /// Shows what became of a load, where a program tells the story.
     pub(super) fn show_story(&self, line: Option<String>) {
         if let (Show::Lines, Some(line)) = (self.show, line) {
             let _ = writeln!(std::io::stdout(), "{STORY}{line}");
