@@ -74,6 +74,7 @@ impl Course {
             velocity,
             acceleration: machine.acceleration(&self.point, velocity),
             payload: self.plant.payload(time),
+            digs: velocity.abs() < STANDING && self.plant.contact(time) > 0.0,
         };
         Exact {
             time,

@@ -71,6 +71,8 @@ pub struct Truth {
     pub acceleration: f64,
     /// Mass in the bucket [kg].
     pub payload: f64,
+    /// The bucket is in the ground.
+    pub digs: bool,
 }
 
 /// One sample of all sensors. None is a missing value.

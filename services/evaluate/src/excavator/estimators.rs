@@ -177,6 +177,8 @@ impl Setup {
             torque: row.swing_torque.filter(|_| torque),
             posture: row.posture.map(|joint| joint.filter(|_| posture)),
             inclination: row.inclination,
+            boom_head_pressure: row.pressures[0],
+            boom_rod_pressure: row.pressures[1],
             ..Sample::default()
         }
     }

@@ -10,6 +10,7 @@
 //! | `attachments` | inertia of bucket and crusher, Fig. 3 | [`attachments`] |
 //! | `calibration` | `heft calibrate` over simulated machines | [`calibration`] |
 //! | `honesty` | what is trusted on machines that are not what they are said to be | [`honesty`] |
+//! | `weighing` | what cylinder pressures add: narrow intervals, loads | [`weighing`] |
 
 pub mod attachments;
 pub mod bad_input;
@@ -25,6 +26,7 @@ pub mod modes;
 mod score;
 pub mod table1;
 mod target;
+pub mod weighing;
 
 pub use case::Case;
 pub use estimators::{Point, Setup, series};
@@ -37,7 +39,7 @@ use std::sync::atomic::Ordering;
 
 type Evaluation = fn(&Options) -> Result<Report, Error>;
 
-const TABLES: [(&str, Evaluation); 8] = [
+const TABLES: [(&str, Evaluation); 9] = [
     ("table1", table1::evaluate),
     ("modes", modes::evaluate),
     ("drop", drop::evaluate),
@@ -46,6 +48,7 @@ const TABLES: [(&str, Evaluation); 8] = [
     ("attachments", attachments::evaluate),
     ("calibration", calibration::evaluate),
     ("honesty", honesty::evaluate),
+    ("weighing", weighing::evaluate),
 ];
 
 /// The table asked for, or all of them: then the JSON has one key per table.

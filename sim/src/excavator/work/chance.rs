@@ -43,6 +43,7 @@ impl Effects {
             angle_error: some(none.angle_error, 0.0, 1f64.to_radians()),
             jitter: some(none.jitter, 0.0, 0.01),
             relief: some(none.relief, 0.0, 0.2),
+            sticks: None,
             dumps_swinging: noise.chance(EACH),
             inclinometer: noise.chance(2.0 * EACH),
             seals: if noise.chance(EACH) {

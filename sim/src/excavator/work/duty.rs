@@ -32,6 +32,7 @@ pub(super) struct Duty {
     noise: Noise,
     rated: f64,
     spill: f64,
+    sticking: Option<f64>,
     dumps_swinging: bool,
     phase: Phase,
     /// Time since the phase began, and its length where it is a matter of time [s].
@@ -57,6 +58,7 @@ impl Duty {
             noise: Noise::channel(seed, 101),
             rated: size.rated,
             spill: effects.spill,
+            sticking: effects.sticks,
             dumps_swinging: effects.dumps_swinging,
             phase: Phase::Dig,
             since: -1.5,
@@ -82,7 +84,8 @@ impl Duty {
         self.level = n.uniform(0.6, 1.0);
         self.speed = n.uniform(0.8, 1.1);
         self.load = self.rated * n.uniform(0.55, 1.0);
-        self.sticks = self.rated * n.uniform(STICKS.0, STICKS.1);
+        let share = n.uniform(STICKS.0, STICKS.1);
+        self.sticks = self.rated * self.sticking.unwrap_or(share);
         self.length = n.uniform(3.2, 4.4);
         self.before = self.payload;
     }

@@ -43,6 +43,8 @@ pub struct Effects {
     pub pendulum_length: f64,
     /// Share of the load that is spilled in every loaded swing, without a motion of the bucket.
     pub spill: f64,
+    /// What sticks in an emptied bucket, in full buckets; none leaves it to chance, 1 to 4 %.
+    pub sticks: Option<f64>,
     /// The bucket is emptied before the swing has ended.
     pub dumps_swinging: bool,
     /// Relative error of the described masses and inertias (each its own, of this size).
@@ -88,6 +90,7 @@ impl Default for Effects {
             pendulum: 0.0,
             pendulum_length: 0.8,
             spill: 0.0,
+            sticks: None,
             dumps_swinging: false,
             mass_error: 0.0,
             length_error: 0.0,

@@ -179,6 +179,7 @@ impl Work {
             velocity: bodies[0].velocity,
             acceleration: m.acceleration,
             payload: m.duty.payload,
+            digs: m.duty.contact() > 0.0,
         };
         let errors = self.angle_errors;
         let joints: [f64; 3] =
