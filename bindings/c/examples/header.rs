@@ -241,7 +241,8 @@ size_t heft_NAME_size(void);
 /* Fills in the settings of the reference machine. */
 int32_t heft_NAME_defaults(heft_NAME_settings *settings);
 
-/* Sets one key by its name, such as "sensors.rate"; HEFT_NO_SUCH_KEY if there is none. */
+/* Sets one key by its name, such as "sensors.rate"; HEFT_NO_SUCH_KEY if there is none, HEFT_REFUSED (and nothing is
+ * set) if the key cannot take the value. */
 int32_t heft_NAME_set(heft_NAME_settings *settings, const char *key, double value);
 
 /* Makes an estimator in the caller's memory (aligned to 8 bytes). `settings` may be NULL for those of

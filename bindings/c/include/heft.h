@@ -318,7 +318,8 @@ size_t heft_excavator_size(void);
 /* Fills in the settings of the reference machine. */
 int32_t heft_excavator_defaults(heft_excavator_settings *settings);
 
-/* Sets one key by its name, such as "sensors.rate"; HEFT_NO_SUCH_KEY if there is none. */
+/* Sets one key by its name, such as "sensors.rate"; HEFT_NO_SUCH_KEY if there is none, HEFT_REFUSED (and nothing is
+ * set) if the key cannot take the value. */
 int32_t heft_excavator_set(heft_excavator_settings *settings, const char *key, double value);
 
 /* Makes an estimator in the caller's memory (aligned to 8 bytes). `settings` may be NULL for those of
@@ -602,7 +603,8 @@ size_t heft_loader_size(void);
 /* Fills in the settings of the reference machine. */
 int32_t heft_loader_defaults(heft_loader_settings *settings);
 
-/* Sets one key by its name, such as "sensors.rate"; HEFT_NO_SUCH_KEY if there is none. */
+/* Sets one key by its name, such as "sensors.rate"; HEFT_NO_SUCH_KEY if there is none, HEFT_REFUSED (and nothing is
+ * set) if the key cannot take the value. */
 int32_t heft_loader_set(heft_loader_settings *settings, const char *key, double value);
 
 /* Makes an estimator in the caller's memory (aligned to 8 bytes). `settings` may be NULL for those of

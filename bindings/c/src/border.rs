@@ -9,7 +9,7 @@ use core::fmt::Write;
 use core::mem::{align_of, size_of};
 use core::ptr::addr_of_mut;
 
-use crate::settings::{Unfit, position, read, write};
+use crate::settings::{Unfit, can_take, position, read, write};
 use crate::table::{Answer, Machine, answer, sample};
 use crate::{Excavator, Loader};
 
@@ -262,6 +262,7 @@ unsafe fn set<M: Machine>(numbers: *mut f64, name: *const c_char, number: f64) -
     }
     // SAFETY: the caller's promise.
     match position::<M::Settings>(unsafe { CStr::from_ptr(name) }.to_bytes()) {
+        Some(i) if !can_take::<M::Settings>(i, number) => Code::Refused,
         Some(i) => {
             // SAFETY: the caller's promise.
             unsafe { numbers.add(i).write(number) };

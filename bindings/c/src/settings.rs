@@ -190,6 +190,17 @@ fn value(form: Form, numbers: &[f64]) -> Option<Value<'static>> {
     }
 }
 
+/// Whether the key whose first double is at `first` can take this number.
+#[must_use]
+pub fn can_take<S: Settings>(first: usize, number: f64) -> bool {
+    let defaults = S::default();
+    let place = places(&defaults).find(|place| place.first == first);
+    place.is_some_and(|place| {
+        let value = value(place.key.form, &[number]);
+        value.is_some_and(|value| place.key.range.and_then(|r| value.outside(r)).is_none())
+    })
+}
+
 /// Position of the double of the key of this name with its table, such as `sensors.rate`; of a list
 /// of any length its first. A list of a fixed length has no one double.
 #[must_use]

@@ -26,6 +26,11 @@ int main(void)
     assert(settings.machine.mass == 4700.0);
     assert(heft_loader_set(&settings, "machine.mass", 5000.0) == HEFT_OK);
     assert(settings.machine.mass == 5000.0);
+    /* A value that no key takes changes nothing. */
+    assert(heft_loader_set(&settings, "machine.mass", NAN) == HEFT_REFUSED);
+    assert(heft_loader_set(&settings, "machine.mass", INFINITY) == HEFT_REFUSED);
+    assert(heft_loader_set(&settings, "machine.mass", -1.0) == HEFT_REFUSED);
+    assert(settings.machine.mass == 5000.0);
     assert(heft_loader_set(&settings, "machine.weight", 1.0) == HEFT_NO_SUCH_KEY);
     assert(heft_loader_set(&settings, "machine.mass.", 1.0) == HEFT_NO_SUCH_KEY);
 

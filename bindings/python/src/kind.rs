@@ -5,16 +5,22 @@ use std::path::Path;
 use config::Description;
 use messages::{Envelope, Message};
 use pyo3::PyResult;
-use recording::Map;
 use recording::csv::Estimate;
 use recording::frame::{self, Cell, Cells, Feed, NamedColumn, Table};
-use recording::Sensors;
+use recording::{Lacks, Map, Sensors};
 use steps::stages::{AnyStep, Pipeline};
 
 use crate::refused;
 
-/// Columns, places of the rows that were refused, number of rows.
-pub type Found = (Vec<NamedColumn>, Vec<u32>, usize);
+/// What was estimated.
+pub struct Found {
+    pub columns: Vec<NamedColumn>,
+    /// Places of the rows that were refused.
+    pub refused: Vec<u32>,
+    pub rows: usize,
+    /// What of the file cannot be read.
+    pub lacks: Lacks,
+}
 
 /// The stages that lead to an estimate.
 pub type Way = Vec<Box<dyn AnyStep>>;
@@ -124,7 +130,8 @@ fn run<S: Message, T, E: Estimate>(
         }
     }
     let refused = table.refused().to_vec();
-    Ok((table.finish(), refused, count))
+    let (columns, lacks) = (table.finish(), Lacks::default());
+    Ok(Found { columns, refused, rows: count, lacks })
 }
 
 impl<S: Sensors, E: Estimate> Kind for Of<S, E> {
@@ -157,7 +164,7 @@ impl<S: Sensors, E: Estimate> Kind for Of<S, E> {
         let samples = recording::open::<S>(path, map).map_err(refused)?;
         let found = run::<_, _, E>(description, method, samples.rows().map_err(refused)?, 0)?;
         samples.check().map_err(refused)?;
-        Ok(found)
+        Ok(Found { lacks: samples.lacks(), ..found })
     }
 
     fn feed(&self, signals: &[&str]) -> PyResult<Box<dyn AnyFeed>> {

@@ -14,7 +14,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyList, PyTuple};
 use recording::frame::{self, Values};
-use recording::{Map, Reader};
+use recording::{Lacks, Map, Reader};
 use steps::stages::Pipeline;
 
 use crate::kind::{Found, kind};
@@ -74,8 +74,9 @@ fn description(machine: &str, text: Option<&str>, settings: Vec<String>) -> PyRe
     Ok(described(self::machine(machine)?, text, &settings)?.to_toml())
 }
 
-/// Columns of the estimates, the places of the rows that were refused, and the number of rows.
-type Estimated<'py> = (Bound<'py, PyList>, Vec<u32>, usize);
+/// Columns of the estimates, the places of the rows that were refused, the number of rows, and what of the file cannot
+/// be read.
+type Estimated<'py> = (Bound<'py, PyList>, Vec<u32>, usize, Vec<String>);
 
 #[pyfunction]
 fn estimate<'py>(
@@ -115,10 +116,11 @@ fn estimate_file<'py>(
     estimated(py, result?)
 }
 
-fn estimated(py: Python<'_>, (columns, refused, rows): Found) -> PyResult<Estimated<'_>> {
+fn estimated(py: Python<'_>, found: Found) -> PyResult<Estimated<'_>> {
+    let Found { columns, refused, rows, lacks } = found;
     let columns = columns.into_iter().map(|(name, unit, values)| to_python(py, name, unit, "", values));
     let columns = PyList::new(py, columns.collect::<PyResult<Vec<_>>>()?)?;
-    Ok((columns, refused, rows))
+    Ok((columns, refused, rows, words(&lacks)))
 }
 
 /// The doubles of an array.
@@ -183,15 +185,21 @@ fn nearest(word: &str, names: Vec<String>) -> Option<String> {
     config::nearest(word, names.iter().map(String::as_str)).map(str::to_owned)
 }
 
-/// One channel as columns.
+/// Names of channels with their columns, and what of the recording cannot be given, in words.
+type Recorded<'py> = (Bound<'py, PyList>, Vec<String>);
+
 #[pyfunction]
-fn read<'py>(py: Python<'py>, path: &str) -> PyResult<Bound<'py, PyList>> {
+fn read<'py>(py: Python<'py>, path: &str) -> PyResult<Recorded<'py>> {
     let reader = Reader::open(path).map_err(refused)?;
     let channels = PyList::empty(py);
     for channel in reader.channels() {
         channels.append((channel, recorded(py, &reader, channel)?))?;
     }
-    Ok(channels)
+    Ok((channels, words(&reader.lacks())))
+}
+
+fn words(lacks: &Lacks) -> Vec<String> {
+    lacks.all().into_iter().map(str::to_owned).collect()
 }
 
 fn recorded<'py>(

@@ -3,6 +3,7 @@
 import os
 import subprocess
 import time
+import warnings
 from pathlib import Path
 
 import heft
@@ -101,6 +102,38 @@ def test_a_recording_reads_back_with_units(tmp_path):
     again = heft.estimate(sensors, "excavator")
     recorded = channels["excavator/inertia_ukf"]
     assert (bits(again["inertia"]) == bits(recorded["inertia"])).all()
+
+
+def damaged(whole, folder):
+    """Copies of a recording: one byte of its middle changed, and its second half cut off."""
+    data = bytearray(whole.read_bytes())
+    cut = folder / "cut.mcap"
+    cut.write_bytes(data[: len(data) // 2])
+    data[len(data) // 2] ^= 0x40
+    flipped = folder / "flipped.mcap"
+    flipped.write_bytes(data)
+    return flipped, cut
+
+
+def test_what_a_recording_lacks_is_said(tmp_path):
+    run = ["run", "excavator", "--duration", "5", "--pace", "max", "--out", str(tmp_path / "run")]
+    subprocess.run([heft.command(), *run], check=True, capture_output=True)
+    (whole,) = (tmp_path / "run").rglob("*.mcap")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        complete = heft.read(whole)
+        assert complete.attrs["damage"] == []
+        everything = len(heft.estimate(whole, "excavator"))
+    for file in damaged(whole, tmp_path):
+        with pytest.warns(heft.DamageWarning, match="not whole"):
+            channels = heft.read(file)
+        assert channels.attrs["damage"] and str(file) in channels.attrs["damage"][0]
+        sensors = channels["excavator/sensors"]
+        assert len(sensors) < len(complete["excavator/sensors"])
+        assert sensors.attrs["damage"] == channels.attrs["damage"]
+        with pytest.warns(heft.DamageWarning):
+            estimates = heft.estimate(file, "excavator")
+        assert len(estimates) < everything and estimates.attrs["damage"]
 
 
 def test_times_of_day_are_seconds_since_the_first():

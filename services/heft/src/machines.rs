@@ -385,9 +385,7 @@ impl<M: Typed> Entry for M {
             }
         }
         samples.check()?;
-        samples
-            .recording()
-            .map_or(Ok(()), crate::parts::tell_damage)
+        crate::parts::tell_lacks(&samples.lacks())
     }
 
     fn calibrate(&self, args: &CalibrateArgs, description: &Description) -> Result<(), Failure> {

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 use messages::channels::{Channel, Visitor};
 use messages::{Carries, Envelope, Message};
-use recording::Reader;
+use recording::{Lacks, Reader};
 use rustix::fs::{CWD, RenameFlags, renameat_with};
 
 use crate::failure::Failure;
@@ -29,12 +29,8 @@ pub fn open(path: &Path) -> Result<Reader, Failure> {
     }
     if reader.is_being_written() {
         eprintln!("{}: it is being written; read up to here", path.display());
-    } else if !reader.is_complete() {
-        eprintln!(
-            "{}: it was cut off; {} bytes at the end belong to nothing whole (`heft recover` writes a whole copy)",
-            path.display(),
-            reader.lost_bytes()
-        );
+    } else {
+        tell_cut(&reader.lacks());
     }
     reader.on_progress(progress());
     Ok(reader)
@@ -90,9 +86,25 @@ pub fn envelopes<'a>(
     channel.payload.visit(Read(reader, channel.name))
 }
 
+/// Says that a recording ends early: a run that was killed leaves one, and it is no fault to read it.
+fn tell_cut(lacks: &Lacks) {
+    if let Some(cut) = &lacks.cut_off {
+        eprintln!("{cut} (`heft recover` writes a whole copy)");
+    }
+}
+
 /// After a recording was read: an error that names what was damaged in it, if anything.
 pub fn tell_damage(reader: &Reader) -> Result<(), Failure> {
-    let damage = reader.damage();
+    damaged(&reader.damage())
+}
+
+/// After the samples of a file were read: says that it ends early, and an error that names what is damaged.
+pub fn tell_lacks(lacks: &Lacks) -> Result<(), Failure> {
+    tell_cut(lacks);
+    damaged(&lacks.damage)
+}
+
+fn damaged(damage: &[String]) -> Result<(), Failure> {
     if damage.is_empty() {
         return Ok(());
     }

@@ -118,7 +118,11 @@ fn check_recorded<M: Sensors>(plan: &Plan, input: &Path) -> Result<(), Failure> 
     let map = map(plan.map.as_deref())?;
     let samples = recording::open::<M>(input, map.as_ref())?;
     samples.rows()?.for_each(drop);
-    Ok(samples.check()?)
+    samples.check()?;
+    for lack in samples.lacks().all() {
+        tracing::warn!("{lack}; the rest is played");
+    }
+    Ok(())
 }
 
 /// The live source of a plan, if it has one.

@@ -46,7 +46,7 @@ pub use output::Output;
 pub use parts::{
     files_by_age, is_being_written, is_part_of, next_part, part, part_number, recordings, reserve,
 };
-pub use reader::{Reader, Stream};
+pub use reader::{Lacks, Reader, Stream};
 pub use recover::{Recovered, join, recover};
 pub use scan::has_chunk_at;
 pub use schema::RecordedField;

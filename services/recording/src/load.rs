@@ -5,17 +5,26 @@ use messages::Message;
 
 use crate::signal::{Row, Sensors};
 use crate::topics::TopicRows;
-use crate::{Error, Map, Reader, can, csv};
+use crate::{Error, Lacks, Map, Reader, can, csv};
 
 /// Reads the samples of a machine from a table (`.csv`), a recording (`.mcap`) or a CAN log (`.log`, which needs a
 /// map).
 ///
 /// # Errors
-/// The file cannot be read or lacks something; the error says what and where.
+/// The file cannot be read, is damaged or lacks something; the error says what and where. Of a recording that was cut
+/// off, the rows before the cut are given.
 pub fn load<S: Sensors>(path: impl AsRef<Path>, map: Option<&Map>) -> Result<Vec<Row<S>>, Error> {
     let samples = open::<S>(path, map)?;
     let rows = samples.rows()?.collect();
     samples.check()?;
+    let damage = samples.lacks().damage;
+    if !damage.is_empty() {
+        return Err(Error::new(
+            "the recording is damaged",
+            damage.join("\n         "),
+            "`heft recover` writes a copy of what is whole; decide whether that is enough",
+        ));
+    }
     Ok(rows)
 }
 
@@ -26,6 +35,8 @@ pub struct Samples<S, T> {
     /// Why the reading of a file ended early.
     error: RefCell<Option<Error>>,
     told: Option<Box<dyn Fn(f64)>>,
+    /// What of a file of others cannot be read.
+    lacks: Lacks,
 }
 
 enum Source<S, T> {
@@ -45,6 +56,7 @@ impl<S: Message, T: Message> Samples<S, T> {
             source,
             error: RefCell::default(),
             told: None,
+            lacks: Lacks::default(),
         }
     }
 
@@ -95,6 +107,13 @@ impl<S: Message, T: Message> Samples<S, T> {
     /// The file could not be read to its end.
     pub fn check(&self) -> Result<(), Error> {
         self.error.borrow_mut().take().map_or(Ok(()), Err)
+    }
+
+    /// What of the file cannot be given, as far as the rows were read.
+    #[must_use]
+    pub fn lacks(&self) -> Lacks {
+        self.recording()
+            .map_or_else(|| self.lacks.clone(), Reader::lacks)
     }
 
     /// The recording that they come from, if they do.
@@ -169,15 +188,18 @@ fn table<S: Sensors>(path: &Path, map: Option<&Map>) -> Result<Samples<S, S::Tru
 }
 
 fn topics<S: Sensors>(path: &Path, map: &Map) -> Result<Samples<S, S::Truth>, Error> {
-    let (path, map) = (path.to_owned(), map.clone());
-    let length = length(&path);
+    let length = length(path);
+    let (its_path, its_map) = (path.to_owned(), map.clone());
     let open = move || {
-        let mut rows = TopicRows::<S>::open(&path, &map)?;
+        let mut rows = TopicRows::<S>::open(&its_path, &its_map)?;
         let next = move || Ok(rows.row().map(|row| (row, length)));
         Ok(Box::new(next) as FileRows<S, S::Truth>)
     };
-    drop(open()?);
-    Ok(Samples::of(Source::File(Box::new(open), length)))
+    let lacks = TopicRows::<S>::open(path, map)?.lacks;
+    Ok(Samples {
+        lacks,
+        ..Samples::of(Source::File(Box::new(open), length))
+    })
 }
 
 fn log<S: Sensors>(path: &Path, map: &Map) -> Result<Samples<S, S::Truth>, Error> {
@@ -202,7 +224,7 @@ fn recorded<S: Sensors>(path: &Path) -> Result<Samples<S, S::Truth>, Error> {
     let names = [S::SENSORS.name, S::TRUTH.name];
     if reader.stream::<S>(names[0])?.next().is_none() {
         return Err(Error::new(
-            format!("the recording has no samples of a {}", S::MACHINE),
+            format!("the recording has no samples of the {}", S::MACHINE),
             path.display().to_string(),
             format!(
                 "it has {}; name topics and fields of it in a map: heft map {} > map.toml",

@@ -26,6 +26,24 @@ pub struct Reader {
     progress: Option<Box<dyn Fn(f64)>>,
 }
 
+/// What of a recording cannot be given, in words with its place.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Lacks {
+    /// Damaged stretches, blocks and messages, see [`Reader::damage`].
+    pub damage: Vec<String>,
+    /// The end is missing: the writer was stopped before it closed the file.
+    pub cut_off: Option<String>,
+}
+
+impl Lacks {
+    /// All of it, the cut end last; nothing where the recording is whole.
+    #[must_use]
+    pub fn all(&self) -> Vec<&str> {
+        let damage = self.damage.iter().map(String::as_str);
+        damage.chain(self.cut_off.as_deref()).collect()
+    }
+}
+
 /// One file of a recording.
 pub(crate) struct Part {
     pub path: PathBuf,
@@ -163,6 +181,22 @@ impl Reader {
         let found = self.found.borrow();
         let line = |(i, d): &(usize, Damage)| format!("{}: {d}", self.parts[*i].path.display());
         found.iter().map(line).collect()
+    }
+
+    /// What of the recording cannot be given: what was found damaged so far, and what was cut off.
+    #[must_use]
+    pub fn lacks(&self) -> Lacks {
+        let is_cut = !self.is_complete() && !self.is_being_written();
+        Lacks {
+            damage: self.damage(),
+            cut_off: is_cut.then(|| {
+                format!(
+                    "{}: it was cut off; {} bytes at the end belong to nothing whole",
+                    self.files().next().unwrap_or(Path::new("")).display(),
+                    self.lost_bytes()
+                )
+            }),
+        }
     }
 
     /// Names of the recorded channels, in alphabetical order.

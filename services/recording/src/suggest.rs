@@ -50,7 +50,14 @@ pub fn suggest(path: &Path, dbc: &[PathBuf], machine: Option<Machine>) -> Result
     };
     // Of equals the last.
     let best = guesses.into_iter().max_by_key(|(found, _)| *found);
-    Ok(best.map(|(_, text)| text).unwrap_or_default())
+    match best {
+        Some((found, text)) if found > 0 || machine.is_some() => Ok(text),
+        _ => Err(Error::new(
+            "nothing in this file has a name like a signal of a machine",
+            path.display().to_string(),
+            "give --machine for a map to fill in by hand; it lists the columns",
+        )),
+    }
 }
 
 /// A text as a TOML string.

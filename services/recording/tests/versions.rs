@@ -21,8 +21,8 @@ fn field(name: &str, number: i32, kind: Type) -> FieldDescriptorProto {
     }
 }
 
-/// A recording of an `ExcavatorTruth` with these fields and one message of these bytes.
-fn write(path: &Path, fields: Vec<FieldDescriptorProto>, data: &[u8]) {
+/// A recording of an `ExcavatorTruth` with these fields and a message of each of these bytes.
+fn write(path: &Path, fields: Vec<FieldDescriptorProto>, messages: &[&[u8]]) {
     let message = DescriptorProto {
         name: Some("ExcavatorTruth".into()),
         field: fields,
@@ -42,13 +42,15 @@ fn write(path: &Path, fields: Vec<FieldDescriptorProto>, data: &[u8]) {
     let id = writer
         .add_channel(id, "excavator/truth", "protobuf", &BTreeMap::new())
         .expect("a channel");
-    let header = mcap::records::MessageHeader {
-        channel_id: id,
-        sequence: 0,
-        log_time: 5,
-        publish_time: 5,
-    };
-    writer.write_to_known_channel(&header, data).expect("room");
+    for (sequence, data) in (0..).zip(messages) {
+        let header = mcap::records::MessageHeader {
+            channel_id: id,
+            sequence,
+            log_time: 5,
+            publish_time: 5,
+        };
+        writer.write_to_known_channel(&header, data).expect("room");
+    }
     writer.finish().expect("room");
 }
 
@@ -63,7 +65,7 @@ fn renumbered_unknown_missing_and_widened_fields_are_put_where_they_belong() {
     ];
     let mut data = vec![0x08, 7, 0x1a, 3, b'r', b'e', b'd', 0x11];
     data.extend_from_slice(&288.0_f64.to_le_bytes());
-    write(&path, fields, &data);
+    write(&path, fields, &[&data]);
     let reader = Reader::open(&path).expect("a recording");
     let read: Vec<ExcavatorTruth> = reader.messages("excavator/truth").expect("the channel");
     let mut expected = ExcavatorTruth {
@@ -78,15 +80,23 @@ fn renumbered_unknown_missing_and_widened_fields_are_put_where_they_belong() {
 fn a_message_that_is_not_whole_is_left_out_and_told() {
     let dir = tempfile::tempdir().expect("a folder");
     let path = dir.path().join("broken.mcap");
-    write(
-        &path,
-        vec![field("payload", 2, Type::Double)],
-        &[0x11, 0, 0],
-    );
+    let payload = || vec![field("payload", 2, Type::Double)];
+    let whole = [&[0x11][..], &288.0_f64.to_le_bytes()].concat();
+    write(&path, payload(), &[&whole, &[0x11, 0, 0]]);
     let reader = Reader::open(&path).expect("a recording");
-    let read = reader.messages::<ExcavatorTruth>("excavator/truth");
-    assert_eq!(read, Ok(Vec::new()));
+    let read: Vec<ExcavatorTruth> = reader.messages("excavator/truth").expect("the channel");
+    assert_eq!(read.len(), 1);
     assert!(reader.damage()[0].contains("a damaged message"));
+    let recovered = recording::recover(&path, None).expect("recoverable");
+    assert!(
+        !recovered.was_complete() && recovered.messages == 1,
+        "recover agrees with the readers: {recovered}"
+    );
+
+    // Where nothing is whole there is nothing to copy, and no file is left behind.
+    let path = dir.path().join("nothing.mcap");
+    write(&path, payload(), &[&[0x11, 0, 0]]);
     let refused = recording::recover(&path, None).expect_err("an empty copy helps nobody");
     assert!(refused.to_string().contains("no message"), "{refused}");
+    assert!(!dir.path().join("nothing.recovered.mcap").exists());
 }

@@ -71,8 +71,12 @@ pub fn make() -> Result<PathBuf, Error> {
     let mut refused = None;
     for place in places() {
         // What is there already is looked at below.
-        let _ = rustix::fs::mkdir(&place, Mode::RWXU);
+        let made = rustix::fs::mkdir(&place, Mode::RWXU);
         match is_ours(&place, 0) {
+            Err(absent) if absent.kind() == std::io::ErrorKind::NotFound => {
+                let why = made.err().map_or(absent, Into::into);
+                refused = Some((place, format!("cannot be made: {why}")));
+            }
             Ok(true) => return Ok(place),
             Ok(false) => refused = Some((place, "belongs to, or is open to, another user".into())),
             Err(e) => refused = Some((place, format!("is no folder of this user: {e}"))),
@@ -92,7 +96,10 @@ pub fn make() -> Result<PathBuf, Error> {
     Err(Error::new(
         format!("the folder for the domains of this user {why}"),
         place.display().to_string(),
-        "remove it (or have its owner remove it), or set XDG_RUNTIME_DIR to a folder of mode 0700 on a tmpfs",
+        format!(
+            "remove what is there, let this user write in {SHARED_MEMORY} (a tmpfs), \
+             or set XDG_RUNTIME_DIR to a folder of mode 0700 on a tmpfs"
+        ),
     ))
 }
 

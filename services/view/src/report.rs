@@ -4,6 +4,7 @@
 mod compared;
 mod header;
 mod html;
+pub(crate) use html::hash;
 mod one_by_one;
 mod part;
 mod tables;

@@ -37,6 +37,7 @@ if TYPE_CHECKING:
 __version__: str = _heft.__version__
 __all__ = [
     "Calibration",
+    "DamageWarning",
     "Estimator",
     "ExcavatorEstimate",
     "HeftError",
@@ -53,6 +54,21 @@ __all__ = [
 
 class HeftWarning(UserWarning):
     """What was left out, or looks like a mistake."""
+
+
+class DamageWarning(HeftWarning):
+    """A recording is damaged or was cut off: what is given is not all that was recorded.
+
+    ``warnings.simplefilter("error", heft.DamageWarning)`` makes an exception of it.
+    """
+
+
+class Channels(Dict[str, Any]):
+    """The channels of a recording by their names; ``attrs["damage"]`` says what of it is lacking."""
+
+    def __init__(self, channels: Mapping[str, Any]) -> None:
+        super().__init__(channels)
+        self.attrs: Dict[str, Any] = {}
 
 
 PathLike = Union[str, "os.PathLike[str]"]
@@ -107,7 +123,8 @@ def estimate(
 
     Returns a frame of the same kind (of pandas for others, if it is installed, else a dictionary of
     arrays). A quantity that the method does not estimate is NaN (null in polars). A frame of pandas
-    keeps the index of the rows. Rows that are refused are left out, with a HeftWarning.
+    keeps the index of the rows. Rows that are refused are left out, with a HeftWarning. Of a recording that
+    is damaged or was cut off, the rest is used, with a DamageWarning and the places in ``attrs["damage"]``.
 
     Raises HeftError where the data or the description cannot be used; it says what to do.
     """
@@ -127,14 +144,23 @@ def estimate(
     return _estimates(result, _library(data), getattr(data, "index", None))
 
 
-def read(recording: PathLike) -> Dict[str, Any]:
+def read(recording: PathLike) -> Channels:
     """The channels of a recording, each as a frame (pandas, or a dictionary of arrays without it).
 
     Units stand in ``frame.attrs["units"]``, meanings in ``frame.attrs["meanings"]``. A signal that a
-    sensor did not give is NaN. A recording that was cut off is read up to its last whole chunk.
+    sensor did not give is NaN.
+
+    Of a recording that is damaged or was cut off, what is whole is given, with a DamageWarning. The result
+    has ``attrs["damage"]``, and so has each frame of pandas: what is lacking and where, one text each.
     """
-    channels = _heft.read(os.fspath(recording))
-    return {name: _frame(columns, "pandas") for name, columns in channels}
+    channels, damage = _heft.read(os.fspath(recording))
+    _warn_of_damage(damage)
+    result = Channels({name: _frame(columns, "pandas") for name, columns in channels})
+    result.attrs["damage"] = damage
+    for frame in result.values():
+        if hasattr(frame, "attrs"):
+            frame.attrs["damage"] = damage
+    return result
 
 
 def schema() -> Dict[str, Dict[str, Dict[str, str]]]:
@@ -234,6 +260,8 @@ def _description(config: Config) -> tuple[Optional[str], list[str]]:
         return None, []
     if isinstance(config, Mapping):
         return None, [f"{key}={_value(value)}" for key, value in config.items()]
+    if not isinstance(config, (str, os.PathLike)):
+        raise HeftError(f"{type(config).__name__} is no description; give the path of a TOML file, or a mapping of keys")
     return Path(config).read_text(encoding="utf-8"), []
 
 
@@ -327,7 +355,8 @@ def _array(values: Any) -> np.ndarray:
 
 def _estimates(result: Any, library: str, index: Any) -> Any:
     """The frame of estimates; its rows keep their index, and those that were refused are spoken of."""
-    columns, refused, rows = result
+    columns, refused, rows, damage = result
+    _warn_of_damage(damage)
     if refused:
         warnings.warn(
             f"{len(refused)} of {rows} rows are left out: their time is missing or does not increase"
@@ -338,7 +367,15 @@ def _estimates(result: Any, library: str, index: Any) -> Any:
     frame = _frame(columns, library)
     if library == "pandas" and index is not None and not isinstance(frame, dict):
         frame.index = np.delete(np.arange(rows), refused) if len(index) != rows else index.delete(refused)
+    if damage and hasattr(frame, "attrs"):
+        frame.attrs["damage"] = damage
     return frame
+
+
+def _warn_of_damage(damage: list[str]) -> None:
+    if damage:
+        what = "\n  ".join(damage)
+        warnings.warn(f"the recording is not whole; the rest is given\n  {what}", DamageWarning, stacklevel=3)
 
 
 def _frame(columns: list[tuple[str, str, str, Any]], library: str) -> Any:

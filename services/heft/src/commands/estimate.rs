@@ -203,7 +203,7 @@ pub fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
         summary::require_trust(age)?;
     }
     most_rows_were_taken(written, rows)?;
-    samples.recording().map_or(Ok(()), parts::tell_damage)?;
+    parts::tell_lacks(&samples.lacks())?;
     look.fault()
         .map_or(Ok(()), |fault| Err(Failure::answer_is_no(fault)))
 }

@@ -22,7 +22,7 @@ use crate::plan::{method_key, state_identity};
 pub struct ReplayArgs {
     /// The recording, or its folder
     pub file: PathBuf,
-    /// Compare every estimate bit for bit; exit 1 if one differs
+    /// Compare every estimate bit for bit; exit 1 if one differs or cannot be checked
     #[arg(long)]
     pub verify: bool,
 }
@@ -84,7 +84,15 @@ pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
             None => format!("{different} estimates differ, though the same build made them"),
         }));
     }
-    parts::tell_damage(&reader)
+    parts::tell_damage(&reader)?;
+    if args.verify && unknown > 0 {
+        return Err(Failure::answer_is_no(format!(
+            "{unknown} of {answers} estimates were not checked; all others are identical\n  where: {}\n  \
+             what to do: nothing, where a process was restarted or the recording has a gap; else look for its other parts",
+            args.file.display()
+        )));
+    }
+    Ok(())
 }
 
 fn line(channel: &str, result: &Compared) -> String {

@@ -227,6 +227,13 @@ pub fn read<S: Sensors>(path: impl AsRef<Path>, map: Option<&Map>) -> Result<Vec
 pub(crate) fn numbers(path: &Path, most: usize) -> Result<(Vec<String>, Vec<Vec<f64>>), Error> {
     let table = Table::open(path)?;
     let (mut records, header) = table.records()?;
+    if header.iter().any(|name| name.contains('\0')) {
+        return Err(Error::new(
+            "this is no table: it holds bytes that are no text",
+            table.file,
+            "give a table (.csv), a CAN log (.log) or an MCAP file (.mcap)",
+        ));
+    }
     let mut columns = vec![Vec::new(); header.len()];
     for _ in 0..most {
         if !table.advance(&mut records)? {

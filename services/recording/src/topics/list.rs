@@ -45,7 +45,11 @@ pub(crate) fn map(path: &Path, machine: Machine) -> Result<String, Error> {
         "# Topics and numbers of {file}: fill in topic and field of each signal of the {machine}.\n\
          # Then: heft estimate {file} --machine {machine} --map THIS_FILE -o out.csv\n#\n"
     );
-    for (name, topic) in topics(&reader) {
+    let topics = topics(&reader);
+    for lack in reader.lacks().all() {
+        tracing::warn!("{lack}");
+    }
+    for (name, topic) in topics {
         let name = name.replace(char::is_control, "\u{fffd}");
         let _ = writeln!(
             text,
@@ -92,7 +96,7 @@ pub(crate) fn map(path: &Path, machine: Machine) -> Result<String, Error> {
 
 fn topics(reader: &Reader) -> BTreeMap<String, Topic> {
     let mut topics = BTreeMap::new();
-    for part in &reader.parts {
+    for (i, part) in reader.parts.iter().enumerate() {
         let mut codecs = BTreeMap::new();
         for channel in part.scan.channels.values() {
             let schema = part.scan.schemas.get(&channel.schema_id);
@@ -109,10 +113,10 @@ fn topics(reader: &Reader) -> BTreeMap<String, Topic> {
             });
             codecs.insert(channel.id, codec.ok());
         }
-        for_each_message(part, &mut |head, data| {
+        for_each_message(reader, i, &mut |head, data| {
             let channel = part.scan.channels.get(&head.channel);
             let Some(topic) = channel.and_then(|c| topics.get_mut(&c.topic)) else {
-                return;
+                return true;
             };
             topic.messages += 1;
             if let (Ok(numbers), Some(Some(codec))) =
@@ -125,6 +129,7 @@ fn topics(reader: &Reader) -> BTreeMap<String, Topic> {
                 });
                 topic.names = names(&node);
             }
+            true
         });
     }
     topics

@@ -15,10 +15,10 @@ use self::codec::Codec;
 use self::node::{Step, path};
 use crate::Error;
 use crate::map::{Entry, Map, Origin, Rows as When, TopicName, TopicTime, Topics, hint};
-use crate::reader::{Part, Reader};
+use crate::reader::{Lacks, Part, Reader};
 use crate::record;
 use crate::sampling::{RowTime, Rows, Series};
-use crate::scan::Unpacked;
+use crate::scan::{Damage, Unpacked};
 use crate::signal::{self, Builder, Row, Sensors};
 
 /// The rows of a file of others.
@@ -33,6 +33,8 @@ pub(crate) struct TopicRows<S: Sensors> {
     /// Time of the first value [ns].
     start: i64,
     has_ended: bool,
+    /// What of the file cannot be read.
+    pub lacks: Lacks,
 }
 
 struct Line {
@@ -87,7 +89,7 @@ impl<S: Sensors> TopicRows<S> {
                 terms,
             });
         }
-        let mut waiting = values(file, map, topics, &mut wanted)?;
+        let (mut waiting, lacks) = values(file, map, topics, &mut wanted)?;
         waiting.sort_by_key(|(time, ..)| *time); // stable
         let start = waiting.first().map_or(0, |(time, ..)| *time);
         for (time, ..) in &mut waiting {
@@ -110,6 +112,7 @@ impl<S: Sensors> TopicRows<S> {
             waiting,
             start,
             has_ended: false,
+            lacks,
         })
     }
 
@@ -197,32 +200,35 @@ fn master(name: &str, lines: &[Line], map: &Map) -> Result<usize, Error> {
     })
 }
 
-/// Every value that is wanted: time [ns], which, value.
+/// Time [ns], which, value.
+type Values = Vec<(i64, usize, f64)>;
+
+/// Every value that is wanted, and what of the file cannot be read.
 fn values(
     file: &Path,
     map: &Map,
     topics: &Topics,
     wanted: &mut [Wanted<'_>],
-) -> Result<Vec<(i64, usize, f64)>, Error> {
+) -> Result<(Values, Lacks), Error> {
     let reader = Reader::open(file)?;
     check_topics(&reader, map, wanted)?;
     let mut values = Vec::new();
-    for part in &reader.parts {
+    for (i, part) in reader.parts.iter().enumerate() {
         let codecs = codecs(part, map, wanted)?;
-        for_each_message(part, &mut |head, data| {
+        for_each_message(&reader, i, &mut |head, data| {
             let Some(codec) = codecs.get(&head.channel) else {
-                return;
+                return true;
             };
             let topic = &part.scan.channels[&head.channel].topic;
             let Some(node) = codec.decode(data) else {
-                return;
+                return false;
             };
             let time = match topics.time {
                 TopicTime::Log => Some(head.log_time as i64),
                 TopicTime::Publish => Some(head.publish_time as i64),
                 TopicTime::Header => node.stamp(),
             };
-            let Some(time) = time else { return };
+            let Some(time) = time else { return true };
             for (i, w) in wanted.iter_mut().enumerate() {
                 if w.name.topic == *topic
                     && let Some(value) = node.number(&w.path, w.name.name.as_deref())
@@ -231,13 +237,11 @@ fn values(
                     values.push((time, i, value));
                 }
             }
+            true
         });
     }
-    for damage in reader.damage() {
-        tracing::warn!("{damage}");
-    }
     check_found(&reader, map, topics, wanted)?;
-    Ok(values)
+    Ok((values, reader.lacks()))
 }
 
 fn check_topics(reader: &Reader, map: &Map, wanted: &[Wanted<'_>]) -> Result<(), Error> {
@@ -307,26 +311,45 @@ fn codecs(part: &Part, map: &Map, wanted: &[Wanted<'_>]) -> Result<BTreeMap<u16,
     Ok(codecs)
 }
 
-/// Calls `found` with each whole message of a file, in the order of the file.
-pub(crate) fn for_each_message(part: &Part, found: &mut dyn FnMut(&record::Message, &[u8])) {
+/// Calls `found` with each whole message of a part, in the order of the file; it answers whether it could read the
+/// message. What is damaged or could not be read is noted by the reader.
+pub(crate) fn for_each_message(
+    reader: &Reader,
+    part: usize,
+    found: &mut dyn FnMut(&record::Message, &[u8]) -> bool,
+) {
     let mut unpacked = Unpacked::default();
-    for chunk in &part.scan.chunks {
-        if unpacked.load(chunk, &part.bytes).is_none() {
-            tracing::warn!("{}: {}", part.path.display(), chunk.damage());
+    let Part { bytes, scan, .. } = &reader.parts[part];
+    for chunk in &scan.chunks {
+        let note = |what| {
+            let damage = chunk.damage();
+            reader.note(part, Damage { what, ..damage });
+        };
+        if unpacked.load(chunk, bytes).is_none() {
+            reader.note(part, chunk.damage());
             continue;
         }
         while let Some((opcode, body)) = unpacked.next() {
-            if opcode == op::MESSAGE
-                && let Some((head, data)) = record::message(body)
-            {
-                found(&head, data);
+            if opcode != op::MESSAGE {
+                continue;
+            }
+            match record::message(body) {
+                Some((head, data)) if found(&head, data) => {}
+                Some(_) => note("a message that cannot be read in the block"),
+                None => note("a damaged message in the block"),
             }
         }
+        if !unpacked.is_at_end() {
+            note("a damaged message in the block");
+        }
     }
-    for (start, end) in &part.scan.loose {
-        let body = part.bytes.range(*start, *end);
-        if let Some((head, data)) = body.as_deref().and_then(record::message) {
-            found(&head, data);
+    for &(at, end) in &scan.loose {
+        let body = bytes.range(at, end);
+        let message = body.as_deref().and_then(record::message);
+        if !message.is_some_and(|(head, data)| found(&head, data)) {
+            let what = "a message that cannot be read";
+            let bytes = end - at;
+            reader.note(part, Damage { at, bytes, what });
         }
     }
 }

@@ -1,14 +1,14 @@
 //! Loads on the live page: what is in the bucket now, what the truck holds, what is missing; a button for the next truck.
 //!
-//! One panel that needs nothing but `/loads.json`: `/loads` shows it alone, another page can put it into a frame.
+//! One panel that needs nothing but `/loads.json`; `/loads` shows it alone.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use axum::http::{HeaderMap, StatusCode, header};
-use axum::response::{Html, IntoResponse, Response};
+use axum::response::{IntoResponse, Response};
 use steps::loads::LoadCounter;
 
-use super::page::POLICY;
+use super::page::closed;
 
 /// The counter of a run, shared by who feeds it and who shows it.
 #[derive(Debug, Clone)]
@@ -56,11 +56,7 @@ pub(super) fn next_truck(loads: Option<&SharedLoads>, headers: &HeaderMap) -> Re
 
 /// The panel by itself.
 pub(super) fn panel() -> Response {
-    let policy = [
-        (header::CONTENT_SECURITY_POLICY, POLICY),
-        (header::CACHE_CONTROL, "no-store"),
-    ];
-    (policy, Html(PANEL)).into_response()
+    closed(PANEL.to_owned())
 }
 
 const PANEL: &str = include_str!("../../assets/loads.html");

@@ -1,10 +1,13 @@
 //! The page itself: everything it needs is in it.
 
+use axum::http::header;
+use axum::response::{Html, IntoResponse, Response};
 use serde_json::{Value, json};
 
 use crate::estimate::Estimate;
 use crate::monitor::Machines;
 use crate::plot;
+use crate::report::hash;
 use statistics::mean_chi_square_95;
 
 const PAGE: &str = include_str!("../../assets/live.html");
@@ -15,9 +18,31 @@ const SCRIPT: &str = include_str!("../../assets/live.js");
 const UPLOT: &str = include_str!("../../assets/uPlot.iife.min.js");
 const UPLOT_STYLE: &str = include_str!("../../assets/uPlot.min.css");
 
-/// What a browser may do with the page: run what is in it and read its own events.
-pub(super) const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; \
-    style-src 'unsafe-inline'; connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+/// A page with what a browser may do with it: run the scripts that are in it now, each told by its hash, and read its own
+/// events. What was injected into the page does not run.
+pub(super) fn closed(page: String) -> Response {
+    let policy = policy(&page);
+    let headers = [
+        (header::CONTENT_SECURITY_POLICY, policy.as_str()),
+        (header::CACHE_CONTROL, "no-store"),
+    ];
+    (headers, Html(page)).into_response()
+}
+
+fn policy(page: &str) -> String {
+    let scripts = page.split("<script").skip(1).filter_map(|rest| {
+        let (attributes, rest) = rest.split_once('>')?;
+        let content = rest.split_once("</script>")?.0;
+        // Data are not run.
+        (!attributes.contains("application/json")).then_some(content)
+    });
+    let hashes: Vec<String> = scripts.map(hash).collect();
+    format!(
+        "default-src 'none'; script-src {}; style-src 'unsafe-inline'; connect-src 'self'; \
+         base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
+        hashes.join(" ")
+    )
+}
 
 /// The page with scripts, styles and the tables of parameters put in.
 pub(super) fn page() -> String {
@@ -50,6 +75,17 @@ pub(crate) fn definition<E: Estimate>() -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_browser_runs_the_scripts_of_the_page_and_no_other() {
+        let whole = page();
+        let policy = policy(&whole);
+        let (scripts, _) = policy.split_once("; style-src").expect("scripts");
+        assert_eq!(scripts.matches("'sha256-").count(), 2, "{scripts}");
+        assert!(!scripts.contains("unsafe-inline"));
+        let injected = whole.replace("<main>", "<main><script>alert(1)</script>");
+        assert_ne!(super::policy(&injected), policy, "each by its own hash");
+    }
 
     #[test]
     fn the_page_names_no_address_but_in_the_licence_line_of_uplot() {

@@ -13,7 +13,7 @@ use axum::Router;
 use axum::extract::State;
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::sse::{Event, KeepAlive, Sse};
-use axum::response::{Html, IntoResponse, Response};
+use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
 use futures_util::stream::{self, Stream, StreamExt};
 use tokio::net::{TcpListener, TcpSocket};
@@ -251,11 +251,7 @@ async fn show(State(shared): State<Arc<Shared>>, headers: HeaderMap) -> Response
     if !shared.admits(&headers) {
         return StatusCode::FORBIDDEN.into_response();
     }
-    let policy = [
-        (header::CONTENT_SECURITY_POLICY, page::POLICY),
-        (header::CACHE_CONTROL, "no-store"),
-    ];
-    (policy, Html(page::page())).into_response()
+    page::closed(page::page())
 }
 
 async fn show_loads(State(shared): State<Arc<Shared>>, headers: HeaderMap) -> Response {

@@ -38,7 +38,7 @@ pub(super) fn write(body: &mut String, run: &Run) {
     for damage in &run.damage {
         let _ = write!(
             body,
-            "<p class=\"other\"><b>The recording is damaged</b>: {}; the rest was read.</p>",
+            "<p class=\"other\"><b>The recording is not whole</b>: {}; the rest was read.</p>",
             text(damage)
         );
     }

@@ -34,7 +34,7 @@ pub(super) fn page_of_plots(title: &str, body: &str, plots: &[Plot]) -> String {
         "<script type=\"application/json\" id=\"plots\">{data}</script><script>{SCRIPT}</script>"
     );
     let styles = [plot::STYLE, UPLOT_STYLE, STYLE];
-    let allowed = format!("'sha256-{}'", base64(&Sha256::digest(SCRIPT)));
+    let allowed = hash(SCRIPT);
     whole(title, &styles, &allowed, body, &script)
 }
 
@@ -48,6 +48,11 @@ fn whole(title: &str, styles: &[&str], allowed: &str, body: &str, script: &str) 
         text(title),
         styles.join("\n"),
     )
+}
+
+/// A script as a policy names it.
+pub(crate) fn hash(script: &str) -> String {
+    format!("'sha256-{}'", base64(&Sha256::digest(script)))
 }
 
 fn base64(bytes: &[u8]) -> String {
