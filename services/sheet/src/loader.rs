@@ -116,7 +116,7 @@ macro_rules! loader_reasons {
 macro_rules! loader_methods {
     ($then:ident) => {
         $then! {
-            0 Full "full" "12 states with rolling radii, their load sensitivity, unknown spade force, slope bias and delay of the speed (9 without an accelerometer), protected against bad input, by sigma points: the product.";
+            0 Full "full" "12 states by sigma points, protected against bad input: the product. They include rolling radii, their load sensitivity, unknown bucket force, slope bias and delay of the speed. Without an accelerometer there are 9.";
             1 IsrUkfPrinted "isr-ukf-printed" "The improved square-root UKF with 6 states exactly as Yang, Wang, Han 2021 print it.";
             2 IsrUkf "isr-ukf" "The same 6 states with gain and covariance that agree with each other.";
             3 Ekf "ekf" "The extended Kalman filter on the same 6 states.";
