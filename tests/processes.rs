@@ -148,7 +148,10 @@ fn a_killed_service_is_back_within_half_a_second_and_the_run_goes_on() {
     );
     let output = run(&["replay", recording.to_str().expect("a path"), "--verify"]);
     let text = both(&output);
-    assert!(text.contains("bit-identical") && !text.contains("differ"), "{text}");
+    assert!(
+        text.contains("bit-identical") && !text.contains("differ"),
+        "{text}"
+    );
     // What lies between a death and the next state is not verified, and the status says so.
     let unchecked = text.contains("cannot be checked");
     assert_eq!(output.status.code(), Some(i32::from(unchecked)), "{text}");

@@ -103,7 +103,11 @@ impl Plan {
         let text = serde_json::to_string_pretty(self).map_err(|e| {
             // Nothing else in a plan can be refused.
             let remedy = "rename the folder or the file: a run hands its names on as text";
-            Failure::input(format!("a name is not UTF-8: {e}"), "the paths of this run", remedy)
+            Failure::input(
+                format!("a name is not UTF-8: {e}"),
+                "the paths of this run",
+                remedy,
+            )
         })?;
         let file = domain.plan_file();
         fs::write(&file, text).map_err(|e| Failure::file("write", &file, &e))

@@ -137,7 +137,12 @@ impl Run {
             health: last_health.into_values().collect(),
             thinned,
             // All of it has been read by now, except the rest of the motion.
-            damage: reader.lacks().all().into_iter().map(str::to_owned).collect(),
+            damage: reader
+                .lacks()
+                .all()
+                .into_iter()
+                .map(str::to_owned)
+                .collect(),
             metadata: metadata
                 .iter()
                 .map(|(k, v)| (k.clone(), v.clone()))
