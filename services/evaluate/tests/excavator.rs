@@ -198,14 +198,10 @@ fn what_is_trusted_is_right_whatever_the_machine_does_beside_its_description() {
             .find(|line| line["what"] == "posture-torque")
             .expect("a line")
     };
-    // Single lines of four seeds scatter, and one that is hardly ever trusted has a few rows: all trusted rows together.
+    // Single lines of four seeds scatter; their mean does not.
     let default = lines.iter().filter(|line| line["what"] == "posture-torque");
-    let (mut trusted, mut wrong) = (0.0, 0.0);
-    for line in default {
-        trusted += number(line, "trusted");
-        wrong += number(line, "trusted") * number(line, "wrong");
-    }
-    assert!(wrong / trusted < 0.02, "{wrong} of {trusted}");
+    let wrong: Vec<f64> = default.map(|line| number(line, "wrong")).collect();
+    assert!(wrong.iter().sum::<f64>() / (wrong.len() as f64) < 0.02);
     for (effect, trusted) in [("none", 0.70), ("good machine", 0.50)] {
         let line = of(effect);
         assert!(number(line, "wrong") <= 0.05, "{line}");

@@ -89,7 +89,10 @@ impl SwingEstimator {
             screen: Screen::new(&settings.sensors),
             grid: Grid::new(settings, !columns.velocity),
             align: Align::new(settings.sensors.delays),
-            lag: (settings.doubts.is_some() && method == Method::PostureTorque).then(Lag::new),
+            lag: (method == Method::PostureTorque)
+                .then(|| told_lag(settings, settings.sensors.delays, 0.0))
+                .flatten()
+                .map(Lag::new),
             delays: settings.sensors.delays,
             held: 1,
             calibration: e.calibrate_at_rest.then(|| Calibration::new(settings)),
@@ -247,8 +250,9 @@ impl SwingEstimator {
         let told = self.settings.sensors.delays;
         let late = (rows - 1) as f64 * period;
         let unsaid = if told[1] > 0.0 { 0.5 * late } else { late };
-        self.lag = Some(Lag::new());
-        self.is_late([told[0], told[1] + unsaid])
+        let delays = [told[0], told[1] + unsaid];
+        self.lag = told_lag(&self.settings, delays, 0.5 * late).map(Lag::new);
+        self.is_late(delays)
     }
 
     /// Whether torque and velocity come together as told; true where they do not and all begins anew.
@@ -487,6 +491,14 @@ pub struct Details {
     pub drop_probability: f64,
     /// Velocity of the tick behind the estimate [rad/s].
     pub velocity: f64,
+}
+
+/// How much later the torque comes than the velocity, and its standard deviation with what else may be late [s]; nothing where
+/// the machine is calibrated.
+fn told_lag(settings: &Settings, delays: [f64; 2], unsaid: f64) -> Option<[f64; 2]> {
+    let std = settings.doubts?.delay_std;
+    let total = crate::math::sqrt(std * std + unsaid * unsaid);
+    Some([delays[1] - delays[0], total])
 }
 
 fn quantity((value, std): (f64, f64)) -> Quantity {

@@ -3,12 +3,14 @@
 //! Whatever the machine weighs, the torque is a sum of what accelerates it, of what damps it, of friction and of the slope. At the lag l at
 //! which both belong together, the least squares of
 //! ```text
-//! T(t + l) = c1 J_e(q(t)) w'(t) + c2 w(t) + c3 sgn w(t) + c4 sin psi(t) + c5 cos psi(t)
+//! T(t + l) = c1 L'(t) + c2 w(t) + c3 sgn w(t) + c4 sin psi(t) + c5 cos psi(t) + c6 |L'(t)| sgn w(t),  L = J_e(q) w
 //! ```
-//! leave least. The estimators bear a few hundredths of a second and find them better themselves; this finds what is beyond.
+//! leave least; the last summand is what a gear loses. The lag is mostly as told, within its standard deviation, and seldom any other:
+//! both belong to the odds. The estimators bear a few hundredths of a second and find them better themselves; this finds what is beyond.
 
 use crate::excavator::grid::{PERIOD, Tick};
-use crate::math::{ln, sin_cos};
+use crate::math::{exp, ln, sin_cos, sqrt};
+use core::f64::consts::TAU;
 use nalgebra::{SMatrix, SVector};
 
 /// Ticks on either side over which the velocity is differenced, and the torque is averaged.
@@ -24,15 +26,19 @@ const MOVING: f64 = 0.06;
 const MEMORY: f64 = 0.0005;
 /// Ticks of motion that tell something: 2.5 s.
 const ENOUGH: f64 = 250.0;
-/// So many neighbouring ticks have one error in common: of 10, false lags were found under stamps that jitter.
+/// So many neighbouring ticks have one error in common: of 10, one machine in four found false lags under stamps that jitter (32).
 const CORRELATED: f64 = 30.0;
-/// Logarithm of the likelihood, as a normal error has it, by which a lag must be better than the present one.
-const BETTER: f64 = 8.0;
+/// Logarithm of the odds at which a lag is taken for the present one.
+const BETTER: f64 = 5.0;
+/// A lag is not as told with this probability: then each is as probable.
+const UNTOLD: f64 = 0.01;
+/// A lag is told no better than to this [ticks].
+const CLOSELY: f64 = 0.5;
 /// The estimators bear less [ticks].
 const BORNE: i32 = 3;
 
 /// What the torque is a sum of.
-const SUMMANDS: usize = 5;
+const SUMMANDS: usize = 6;
 type Regressors = SVector<f64, SUMMANDS>;
 
 /// Sums of the least squares for each lag.
@@ -55,11 +61,15 @@ pub(in crate::excavator) struct Lag {
     #[cfg_attr(feature = "serde", serde(with = "crate::written"))]
     left: [f64; LAGS],
     next: usize,
+    /// The lag as told, and its standard deviation [ticks].
+    told: [f64; 2],
 }
 
 impl Lag {
-    pub(in crate::excavator) fn new() -> Self {
+    /// Of a lag that is told with its standard deviation [s].
+    pub(in crate::excavator) fn new([value, std]: [f64; 2]) -> Self {
         Self {
+            told: [value / PERIOD, (std / PERIOD).max(CLOSELY)],
             ring: [(0.0, 0.0, 0.0, 0.0); RING],
             recent: [0.0; 2 * HALF + 1],
             count: 0,
@@ -111,21 +121,16 @@ impl Lag {
         let newest = self.count - 1;
         let middle = newest - LATEST - HALF;
         let at = |k: usize| self.ring[k % RING];
-        let (ahead, behind) = (at(middle + HALF).0, at(middle - HALF).0);
-        let velocity = 0.5 * (ahead + behind);
-        if velocity.abs() < MOVING || ahead * behind <= 0.0 {
+        let (ahead, behind) = (at(middle + HALF), at(middle - HALF));
+        let velocity = 0.5 * (ahead.0 + behind.0);
+        if velocity.abs() < MOVING || ahead.0 * behind.0 <= 0.0 {
             return;
         }
-        let acceleration = (ahead - behind) / (2.0 * HALF as f64 * PERIOD);
-        let (_, _, inertia, turn) = at(middle);
-        let (sin, cos) = sin_cos(turn);
-        let x = Regressors::new(
-            inertia * acceleration,
-            velocity,
-            velocity.signum(),
-            sin,
-            cos,
-        );
+        let momentum = |(velocity, _, inertia, _): (f64, f64, f64, f64)| inertia * velocity;
+        let inertial = (momentum(ahead) - momentum(behind)) / (2.0 * HALF as f64 * PERIOD);
+        let (direction, (sin, cos)) = (velocity.signum(), sin_cos(at(middle).3));
+        let lost = inertial.abs() * direction;
+        let x = Regressors::new(inertial, velocity, direction, sin, cos, lost);
         let torques: [f64; LAGS] = core::array::from_fn(|i| at(middle + i + HALF - EARLIEST).1);
         let kept = 1.0 - MEMORY;
         self.seen = self.seen * kept + 1.0;
@@ -156,8 +161,17 @@ impl Lag {
         let now = at(present).and_then(|i| self.left.get(i)).copied()?;
         let lag = best as i32 - EARLIEST as i32;
         let known = self.left.iter().all(|left| left.is_finite());
-        let told = self.seen / CORRELATED * ln(now / least.max(f64::MIN_POSITIVE));
-        (known && inside && (lag - present).abs() >= BORNE && told > BETTER).then_some(lag)
+        let said = self.seen / CORRELATED * ln(now / least.max(f64::MIN_POSITIVE));
+        let odds = said + self.beforehand(lag) - self.beforehand(present);
+        (known && inside && (lag - present).abs() >= BORNE && odds > BETTER).then_some(lag)
+    }
+
+    /// Logarithm of the probability of a lag before anything is measured.
+    fn beforehand(&self, lag: i32) -> f64 {
+        let [value, std] = self.told;
+        let away = (f64::from(lag) - value) / std;
+        let as_told = exp(-0.5 * away * away) / (std * sqrt(TAU));
+        ln((1.0 - UNTOLD) * as_told + UNTOLD / LAGS as f64)
     }
 }
 
@@ -168,7 +182,7 @@ mod tests {
 
     /// What is found of a swing whose torque is so many ticks late.
     fn found(late: i32, share: f64) -> Option<i32> {
-        let mut lag = Lag::new();
+        let mut lag = Lag::new([0.0, 0.02]);
         // Swings with plateaus: of a sine, a lag is as good as another inertia and damping.
         let velocity =
             |k: f64| 0.8 * tanh(3.0 * sin_cos(0.015 * k).0) * (1.0 + 0.3 * sin_cos(0.0031 * k).0);

@@ -6,12 +6,17 @@
 //! believed until emptied buckets weigh nothing again, in swings without another contradiction; until then the interval says
 //! that the bucket may hold anything.
 
+use crate::math::ln;
+
 /// Emptied buckets that must weigh nothing after an outright contradiction.
 const REGAINED: u8 = 2;
 /// A change without a word is a contradiction where manoeuvres usually disagree by less (ratio of variances).
 const USUAL: f64 = 1.5;
 /// Share of one swing in what is usual.
 const SWING: f64 = 0.15;
+
+/// Logarithm of the odds at which a payload weighed anew is the one before.
+const SAME: f64 = 2.0;
 
 /// What was contradicted, and how far manoeuvres usually disagree.
 #[derive(Debug, Clone)]
@@ -20,6 +25,8 @@ pub(super) struct Contradiction {
     /// So many emptied buckets must weigh nothing.
     level: u8,
     usual: f64,
+    /// Payload and its variance before it changed without a word [kg, kg^2].
+    before: (f64, f64),
 }
 
 impl Contradiction {
@@ -27,6 +34,7 @@ impl Contradiction {
         Self {
             level: 0,
             usual: 1.0,
+            before: (0.0, 0.0),
         }
     }
 
@@ -40,11 +48,24 @@ impl Contradiction {
         self.usual.max(1.0)
     }
 
-    /// The payload has changed without a word.
-    pub(super) fn changed(&mut self) {
+    /// The payload has changed without a word; value and variance before [kg, kg^2].
+    pub(super) fn changed(&mut self, before: (f64, f64)) {
+        self.before = before;
         if self.usual < USUAL {
             self.level = self.level.max(1);
         }
+    }
+
+    /// Whether it has not changed after all: weighed anew it is far more probably what it was than `anything` of this variance.
+    pub(super) fn withdraws(&mut self, (value, variance): (f64, f64), anything: f64) -> bool {
+        let spread = self.before.1 + variance * self.usual();
+        let away = value - self.before.0;
+        let odds = 0.5 * (ln(1.0 + anything / spread) - away * away / spread);
+        let withdrawn = odds > SAME;
+        if withdrawn && self.level == 1 {
+            self.level = 0;
+        }
+        withdrawn
     }
 
     /// It cannot be as it is measured.
@@ -84,11 +105,30 @@ mod tests {
     #[test]
     fn a_change_without_a_word_is_nothing_new_where_manoeuvres_always_disagree() {
         let mut contradiction = Contradiction::new();
-        contradiction.changed();
+        contradiction.changed((300.0, 400.0));
         assert!(contradiction.is_open());
         contradiction.agreed(false);
         (0..4).for_each(|_| contradiction.swung(3.0));
-        contradiction.changed();
+        contradiction.changed((300.0, 400.0));
         assert!(!contradiction.is_open());
+    }
+
+    #[test]
+    fn a_change_is_withdrawn_where_the_payload_weighs_what_it_did() {
+        let anything = 400.0 * 400.0;
+        for (weight, withdrawn) in [
+            ((310.0, 400.0), true),
+            ((310.0, 4e4), false),
+            ((420.0, 400.0), false),
+        ] {
+            let mut contradiction = Contradiction::new();
+            contradiction.changed((300.0, 400.0));
+            assert_eq!(
+                contradiction.withdraws(weight, anything),
+                withdrawn,
+                "{weight:?}"
+            );
+            assert_eq!(contradiction.is_open(), !withdrawn);
+        }
     }
 }

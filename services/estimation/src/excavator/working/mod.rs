@@ -49,6 +49,8 @@ const STAYS: f64 = 100.0;
 
 /// Random walk of the torque's gain: weights of zero all err alike, and must not add up [1/sqrt(s)].
 const GAIN_DRIFT: f64 = 0.001;
+/// So far may it have walked in 100 s of motion, however closely it was calibrated: that is no fault.
+const GAIN_WALK: f64 = 10.0 * GAIN_DRIFT;
 /// Noise of a sample of the inclinometer, and its mounting error [rad].
 const INCLINOMETER: f64 = 0.03;
 const MOUNTING: f64 = 0.004;
@@ -265,6 +267,11 @@ impl Working {
         self.tares += f64::from(u8::from(self.tared));
     }
 
+    /// Variance of a payload of which nothing is known [kg^2].
+    fn anything(&self) -> f64 {
+        0.25 * self.rated * self.rated
+    }
+
     /// What an emptied bucket still holds, and its standard deviation [kg].
     fn sticking(&self) -> (f64, f64) {
         let [share, sticking] = STICKING.map(|share| share * self.rated);
@@ -367,12 +374,17 @@ impl Working {
         let z = innovation.normalised();
         self.noise.push(z);
         if self.change.push(z.clamp(-3.0, 3.0)) {
+            self.contradiction
+                .changed((self.filter.x[M], self.filter.p[M][M]));
+            let anything = self.anything();
             for filter in [&mut self.filter, &mut self.rival.filter] {
-                filter.p[M][M] += 0.25 * self.rated * self.rated;
+                filter.p[M][M] += anything;
             }
             self.agreement.contradict();
             self.changed = true;
-            self.contradiction.changed();
+        } else if self.changed {
+            let weight = (self.filter.x[M], self.filter.p[M][M]);
+            self.changed = !self.contradiction.withdraws(weight, self.anything());
         }
         if self.bucket.is_open() {
             self.agreement.interrupt();
@@ -579,8 +591,12 @@ impl Working {
     /// Whether a constant is not what the description allows for, or none that a machine has: next to no friction.
     fn is_beyond(&self) -> bool {
         let (x, p) = (&self.filter.x, &self.filter.p);
-        let apart =
-            |(i, most): (usize, f64)| (x[i] - self.described[i]).abs() > most * self.stated[i];
+        let apart = |(i, most): (usize, f64)| {
+            let walked = if i == GAIN { GAIN_WALK } else { 0.0 };
+            let allowed = self.stated[i] * self.stated[i] + walked * walked;
+            let away = x[i] - self.described[i];
+            away * away > most * most * allowed
+        };
         let absent = |i: usize| {
             let lack = LEAST * self.described[i] - x[i];
             lack > 0.0 && lack * lack > 9.0 * p[i][i]
