@@ -66,6 +66,12 @@ const CREEPING: f64 = 0.05;
 const CREPT: f64 = 0.3;
 /// Below this velocity a holding brake or stiction may take any part of the torque [rad/s].
 const BRAKED: f64 = 0.04;
+/// The description is believed as if so many constants had been as it says.
+const BELIEF: f64 = 4.0;
+/// Friction and damping change by this share with the oil's temperature.
+const WARMTH: f64 = 0.1;
+/// One constant says no more than this square.
+const SURPRISE: f64 = 16.0;
 /// No machine swings with its boom further down than this: the angle has the other sign [rad].
 const DOWN: f64 = -0.25;
 /// Less than this share of what the description allows for is not worth a word.
@@ -248,7 +254,7 @@ impl Working {
             trail.anew = anew;
             trail.range = settings.payload_range();
             trail.form = self.form(&drive.now);
-            trail.disagreement = self.agreement.factor();
+            trail.disagreement = self.agreement.factor() * self.doubt();
         }
         self.state(settings, drive, innovation, standing)
     }
@@ -496,7 +502,7 @@ impl Working {
         let payload = x[M].clamp(least, most);
         let at_limit = payload != x[M];
         let down = !standing && drive.posture[0] < DOWN;
-        let factor = self.agreement.factor();
+        let factor = self.agreement.factor() * self.doubt();
         let (_, inertia_variance) = self.filter.combination(&inertia_row(&drive.now));
         let contradicted = self.contradiction.is_open() || self.is_beyond();
         let anything = if contradicted {
@@ -538,6 +544,26 @@ impl Working {
             },
             ..State::default()
         }
+    }
+
+    /// Factor of the variances that the description states, at least 1: where constants that the motion tells lie further from
+    /// their description than it allows for, what the motion does not tell will too (inverse-gamma prior of the common scale).
+    fn doubt(&self) -> f64 {
+        let (x, p) = (&self.filter.x, &self.filter.p);
+        let (mut sum, mut count) = (BELIEF, BELIEF);
+        for (i, least) in [
+            (FRICTION, WARMTH * self.described[FRICTION]),
+            (DAMPING, WARMTH * self.described[DAMPING]),
+            (LOSS, 0.01),
+            (DELAY, 0.005),
+        ] {
+            let stated = (self.stated[i] * self.stated[i]).max(least * least);
+            let told = (1.0 - p[i][i] / stated).max(0.0);
+            let away = x[i] - self.described[i];
+            sum += told * (away * away / stated).min(SURPRISE);
+            count += told;
+        }
+        (sum / count).max(1.0)
     }
 
     /// Standard deviation of what the drawing misses of the inertia at this posture [kg m^2].
