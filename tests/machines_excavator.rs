@@ -81,12 +81,28 @@ fn recordings() -> serde_json::Map<String, serde_json::Value> {
     serde_json::from_str(&text).expect("JSON")
 }
 
+/// A maker who states the masses of his machine: the spread that all of them had once by default.
+fn stated(sets: &serde_json::Value) -> serde_json::Value {
+    let mut stated = sets.clone();
+    for key in ["machine.upper_tolerance", "machine.bucket_tolerance"] {
+        stated[key] = 0.024.into();
+    }
+    stated
+}
+
 #[test]
 fn what_is_trusted_on_other_machines_is_right_and_the_interval_holds_all_the_time() {
-    for (name, about) in recordings() {
-        let found = tally(&name, &about["sets"], Method::Auto);
+    let described = recordings().into_iter().flat_map(|(name, about)| {
+        let sets = &about["sets"];
+        [
+            (name.clone(), sets.clone(), ""),
+            (name, stated(sets), "stated masses"),
+        ]
+    });
+    for (name, sets, masses) in described {
+        let found = tally(&name, &sets, Method::Auto);
         let said = format!(
-            "{name}: trusted {:.2} wrong {:.3} rms {:.2} % covered {:.3}",
+            "{name} {masses}: trusted {:.2} wrong {:.3} rms {:.2} % covered {:.3}",
             found.trusted(),
             found.wrong(),
             found.rms(),
@@ -95,7 +111,12 @@ fn what_is_trusted_on_other_machines_is_right_and_the_interval_holds_all_the_tim
         println!("{said}");
         assert!(found.wrong() <= 0.05, "{said}");
         assert!(found.covered() >= 0.93, "{said}");
-        let least = if name.contains("level") { 0.70 } else { 0.50 };
+        let least = match (name.contains("level"), name.contains("flexible"), masses) {
+            (true, ..) => 0.70,
+            // A boom that gives sideways hides what the masses of any machine of the class leave open.
+            (_, true, "") => 0.30,
+            _ => 0.50,
+        };
         assert!(found.trusted() >= least, "{said}");
     }
 }

@@ -10,6 +10,8 @@ const SMOOTHING: f64 = 0.1;
 /// Rates from which on a bucket goes down [lengths of boom and arm/s], and arm and bucket dig [rad/s].
 const DOWN: f64 = 0.006;
 const DIGGING: [f64; 2] = [0.08, 0.12];
+/// An arm that digs pulls the bucket in so many times as fast as it rises.
+const PULLING: f64 = 2.0;
 /// So far above its lowest place the bucket is free [lengths of boom and arm].
 const RAISED: f64 = 0.035;
 /// Swinging so fast for so long frees it too [rad/s, s].
@@ -67,7 +69,9 @@ impl Ground {
             return;
         }
         let rates = [1, 2].map(|i| (posture[i] - now[i]) / SMOOTHING);
-        let digs = rates[0] < -DIGGING[0] || rates[1] < -DIGGING[1];
+        // Who lifts pulls the arm in as well, but not so fast.
+        let pulls = -rates[0] > DIGGING[0] && -rates[0] * lengths[1] > PULLING * rise;
+        let digs = pulls || rates[1] < -DIGGING[1];
         if self.swung == 0.0 && (rise < -DOWN * reach || digs) {
             self.touches = true;
         }

@@ -39,6 +39,8 @@ use core::f64::consts::TAU;
 /// An emptied bucket still holds this share of the rated payload, with this standard deviation: soil sticks, from nothing to 15 %, and
 /// mostly little of it (an exponential distribution has both alike).
 const STICKING: [f64; 2] = [0.035, 0.04];
+/// So many times what sticks is taken for the same as before; beyond, what is left of the error is small beside the bucket's.
+const ALIKE: f64 = 3.0;
 /// Standard deviation of the payload, as a share of the rated one, below which the motion has said enough to
 /// tell an empty bucket from a loaded one.
 const TOLD: f64 = 0.15;
@@ -80,8 +82,8 @@ const MATERIAL: f64 = 0.33;
 const UNEXPLAINED: f64 = 30.0;
 /// A weight is told closely within this share of the empty machine's inertia.
 const CLOSE: f64 = 0.03;
-/// Gain and offset so many stated standard deviations from the described ones are faults.
-const BEYOND: [(usize, f64); 2] = [(GAIN, 2.5), (OFFSET, 3.5)];
+/// Gain and offset so many stated standard deviations from the described ones are faults; half of a wrong gain passes for inertia.
+const BEYOND: [(usize, f64); 2] = [(GAIN, 2.0), (OFFSET, 3.5)];
 /// No machine has less than this share of the described friction and damping.
 const LEAST: f64 = 0.25;
 /// Mean ratio at which stretches of the swings disagree.
@@ -281,7 +283,7 @@ impl Working {
     /// What an emptied bucket still holds, and its standard deviation [kg].
     fn sticking(&self) -> (f64, f64) {
         let [share, sticking] = STICKING.map(|share| share * self.rated);
-        (share, sticking * sqrt(1.0 + self.tares))
+        (share, sticking * sqrt(1.0 + self.tares.min(ALIKE)))
     }
 
     /// Keeps from now on what each tick does.

@@ -3,8 +3,8 @@
 //! A torque that is wrong by a factor, and a velocity that is by its inverse, look like another inertia: what the bucket holds is
 //! not known, and neither are upper body and bucket exactly. So a second filter goes along with the gain opened, does all that the
 //! first does, and the likelihoods of the innovations of both tell them apart (Bayes; a generalised likelihood ratio: Willsky,
-//! Jones 1976). It begins anew with each swing, as improbable as a sensor that has just broken. The interval is that of the
-//! mixture, and the filter that is far more probable is the estimate.
+//! Jones 1976). It begins anew with each swing, as probable as it has become, and at least as a sensor that has just broken. The
+//! interval is that of the mixture, and the filter that is far more probable is the estimate.
 
 use super::super::geometry::Inertia;
 use super::filter::{Filter, GAIN, Input, M};
@@ -15,6 +15,10 @@ use crate::math::{exp, ln};
 const FACTOR: f64 = 0.3;
 /// Logarithm of the odds that a sensor has broken since the last swing.
 const BEFOREHAND: f64 = -7.0;
+/// The same of a torque that nobody has calibrated: of another machine, or in another unit (one machine in thirteen).
+const UNVERIFIED: f64 = -2.5;
+/// A gain that is stated more closely than this was calibrated.
+const CALIBRATED: f64 = 0.01;
 /// Logarithm of the odds at which it is the estimate: what the model leaves out makes the innovations say more than they know.
 const EVIDENCE: f64 = 5.0;
 /// One measurement says no more than this.
@@ -35,7 +39,11 @@ impl Rival {
     pub(super) fn new(filter: &Filter) -> Self {
         Self {
             filter: opened(filter),
-            odds: BEFOREHAND,
+            odds: if filter.p[GAIN][GAIN] > CALIBRATED * CALIBRATED {
+                UNVERIFIED
+            } else {
+                BEFOREHAND
+            },
             resting: true,
         }
     }
@@ -44,7 +52,7 @@ impl Rival {
     pub(super) fn set_off(&mut self, filter: &Filter) {
         if core::mem::take(&mut self.resting) {
             self.filter = opened(filter);
-            self.odds = BEFOREHAND;
+            self.odds = self.odds.max(BEFOREHAND);
         }
     }
 

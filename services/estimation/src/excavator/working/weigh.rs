@@ -43,7 +43,7 @@ pub(super) struct Weigh {
     moments: BoomMoment,
     /// The states hold what the description says.
     begun: bool,
-    /// Mean of the innovations while the boom stands, and mean square about it, as shares of the moment.
+    /// Mean of the innovations while the boom stands [N m], and mean square about it as a share of the moment.
     mean: f64,
     wavering: f64,
     /// Innovations beyond the gate in a row.
@@ -202,13 +202,15 @@ impl Weigh {
             self.wavering *= 1.0 - 0.2 * share;
             return;
         }
-        let off = innovation.value / m.measured.abs().max(f64::MIN_POSITIVE);
+        // What is constant in the moment (a zero, friction) wavers as a share of it where the arm moves.
+        let whole = m.measured.abs().max(f64::MIN_POSITIVE);
+        let apart = (innovation.value - self.mean) / whole;
         // The first one after a motion is the friction's.
-        if m.period > 2.0 * HOLDS || (off - self.mean).abs() > 0.1 {
-            self.mean = off;
+        if m.period > 2.0 * HOLDS || apart.abs() > 0.1 {
+            self.mean = innovation.value;
+            return;
         }
-        let apart = off - self.mean;
-        self.mean += share * apart;
+        self.mean += share * apart * whole;
         self.wavering += share * (apart * apart - self.wavering);
     }
 
