@@ -27,7 +27,14 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("services/logger", &["messages", "recording", "runtime"]),
     (
         "services/view",
-        &["estimation", "messages", "recording", "statistics", "steps"],
+        &[
+            "estimation",
+            "messages",
+            "recording",
+            "sheet",
+            "statistics",
+            "steps",
+        ],
     ),
     // A workspace of its own, because of Zenoh.
     (
@@ -82,6 +89,7 @@ const ARROWS: &[(&str, &[&str])] = &[
             "recording",
             "runtime",
             "sensor",
+            "sheet",
             "sim",
             "statistics",
             "steps",

@@ -161,19 +161,19 @@ typedef struct {
 typedef struct {
   double t; /* Time of the measurement as the data tell it. [s] */
   double inertia; /* Swing inertia. [kg m^2] */
-  double inertia_std; /* Standard deviation of the inertia. [kg m^2] */
+  double inertia_std; /* Standard deviation of `inertia`, as reported. [kg m^2] */
   double damping; /* Viscous damping. [N m s/rad] */
-  double damping_std; /* Standard deviation of the damping. [N m s/rad] */
+  double damping_std; /* Standard deviation of `damping`, as reported. [N m s/rad] */
   double torque; /* Torque. [N m] */
-  double torque_std; /* Standard deviation of the torque. [N m] */
+  double torque_std; /* Standard deviation of `torque`, as reported. [N m] */
   double payload; /* Payload. [kg] */
-  double payload_std; /* Standard deviation of the payload. [kg] */
+  double payload_std; /* Standard deviation of `payload`, as reported. [kg] */
   double velocity; /* Swing velocity. [rad/s] */
   double acceleration; /* Swing acceleration. [rad/s^2] */
   double friction; /* Coulomb friction torque. [N m] */
-  double friction_std; /* Standard deviation of the friction. [N m] */
+  double friction_std; /* Standard deviation of `friction`, as reported. [N m] */
   double offset; /* Torque offset. [N m] */
-  double offset_std; /* Standard deviation of the offset. [N m] */
+  double offset_std; /* Standard deviation of `offset`, as reported. [N m] */
   double nis; /* Normalised innovation squared of this sample, 0 where none was accepted. */
   double forgetting_inertia; /* Forgetting factor of the inertia (regressions; else 0). */
   double forgetting_damping; /* Forgetting factor of the damping. */
@@ -439,6 +439,7 @@ static inline const char *heft_loader_reason(uint32_t code) {
 #define HEFT_LOADER_ESTIMATED_SLOPE_BIAS (1u << 2)
 #define HEFT_LOADER_ESTIMATED_RADIUS_SCALES (1u << 3)
 #define HEFT_LOADER_ESTIMATED_SPEED_DELAY (1u << 4)
+#define HEFT_LOADER_ESTIMATED_PAYLOAD (1u << 5)
 
 /* A row of sensors; NAN where a sample is missing. */
 typedef struct {
@@ -471,20 +472,22 @@ typedef struct {
   double front_wheel_speed; /* Speed of the front wheels. [rad/s] */
   double rear_wheel_speed; /* Speed of the rear wheels. [rad/s] */
   double slip_stiffness; /* Slip stiffness of the tyres, F_x = K slip F_z. */
-  double slip_stiffness_std; /* Standard deviation of the slip stiffness. */
+  double slip_stiffness_std; /* Standard deviation of `slip_stiffness`, as reported. */
   double cg_height; /* Height of the centre of gravity above ground. [m] */
-  double cg_height_std; /* Standard deviation of the height, floor included. [m] */
+  double cg_height_std; /* Standard deviation of `cg_height`, as reported. [m] */
   double cg_ratio; /* Share of the static weight on the front axle. */
-  double cg_ratio_std; /* Standard deviation of the ratio, floor included. */
+  double cg_ratio_std; /* Standard deviation of `cg_ratio`, as reported. */
   double cg_distance; /* Distance from the front axle to the centre of gravity. [m] */
   double spade_force_x; /* Horizontal spade force, measured plus unknown. [N] */
-  double spade_force_x_std; /* Standard deviation of the spade force. [N] */
+  double spade_force_x_std; /* Standard deviation of `spade_force_x`, as reported. [N] */
   double slope_bias; /* Bias of the slope sensor (true slope = measured - bias). [rad] */
   double front_radius_scale; /* Rolling radius of the front wheels over its nominal value. */
   double rear_radius_scale; /* Rolling radius of the rear wheels over its nominal value. */
   double nis; /* Normalised innovation squared of this sample per accepted measurement. */
   double speed_delay; /* Delay of the measured speed. [s] */
-  double speed_delay_std; /* Standard deviation of that delay. [s] */
+  double speed_delay_std; /* Standard deviation of `speed_delay`, as reported. [s] */
+  double payload; /* Payload. [kg] */
+  double payload_std; /* Standard deviation of `payload`, as reported. [kg] */
   uint64_t refused; /* Rows refused so far. */
   uint32_t flags; /* HEFT_LOADER_FLAG_... */
   uint32_t estimated; /* HEFT_LOADER_ESTIMATED_... */

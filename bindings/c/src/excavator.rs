@@ -8,7 +8,7 @@ use estimation::excavator::{
     SwingEstimator,
 };
 
-use crate::table::{Bit, Machine, Value, flags, rows, signals};
+use crate::table::{Machine, flags, quantities, signals};
 
 /// Any method of the excavator.
 #[derive(Clone)]
@@ -29,6 +29,12 @@ pub struct Timed {
     time: f64,
     estimate: Estimate,
     started: bool,
+}
+
+impl Timed {
+    fn started(&self) -> bool {
+        self.started
+    }
 }
 
 /// Why an excavator's estimator cannot start.
@@ -73,39 +79,8 @@ impl Machine for Excavator {
 
     const REQUIRED: &'static [&'static [&'static str]] = sheet::excavator::REQUIRED;
 
-    const VALUES: &'static [Value<Timed>] = rows! { Value, get:
-        t = |e| e.time;
-        inertia = |e| e.estimate.inertia;
-        inertia_std = |e| e.estimate.inertia_std;
-        damping = |e| e.estimate.damping.unwrap_or_default().value;
-        damping_std = |e| e.estimate.damping.unwrap_or_default().std;
-        torque = |e| e.estimate.torque.unwrap_or_default().value;
-        torque_std = |e| e.estimate.torque.unwrap_or_default().std;
-        payload = |e| e.estimate.payload.unwrap_or_default().value;
-        payload_std = |e| e.estimate.payload.unwrap_or_default().std;
-        velocity = |e| e.estimate.velocity;
-        acceleration = |e| e.estimate.acceleration;
-        friction = |e| e.estimate.friction.unwrap_or_default().value;
-        friction_std = |e| e.estimate.friction.unwrap_or_default().std;
-        offset = |e| e.estimate.offset.unwrap_or_default().value;
-        offset_std = |e| e.estimate.offset.unwrap_or_default().std;
-        nis = |e| e.estimate.nis;
-        forgetting_inertia = |e| e.estimate.forgetting[0];
-        forgetting_damping = |e| e.estimate.forgetting[1];
-        forgetting_torque = |e| e.estimate.forgetting[2];
-    };
-
+    sheet::excavator_quantities!(quantities);
     sheet::excavator_flags!(flags);
-
-    const ESTIMATED: &'static [Bit<Timed>] = rows! { Bit, get:
-        damping = |e| e.started && e.estimate.damping.is_some();
-        torque = |e| e.started && e.estimate.torque.is_some();
-        payload = |e| e.started && e.estimate.payload.is_some();
-        friction = |e| e.started && e.estimate.friction.is_some();
-        offset = |e| e.started && e.estimate.offset.is_some();
-        inertia = |e| e.started;
-        acceleration = |e| e.started;
-    };
 
     const METHODS: &'static [&'static str] = Method::NAMES;
 

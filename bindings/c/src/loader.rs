@@ -5,7 +5,7 @@ use core::fmt;
 use estimation::loader::keys::Description;
 use estimation::loader::{CgEstimator, Columns, Estimate, Method, Sample, Settings, SettingsError};
 
-use crate::table::{Bit, Machine, Value, flags, rows, signals};
+use crate::table::{Machine, flags, quantities, signals};
 
 /// Any method of the wheel loader.
 #[derive(Clone)]
@@ -15,6 +15,12 @@ pub struct Loader(CgEstimator);
 pub struct Timed {
     time: f64,
     estimate: Estimate,
+}
+
+impl Timed {
+    fn started(&self) -> bool {
+        self.estimate.started
+    }
 }
 
 /// Why a loader's estimator cannot start.
@@ -45,37 +51,8 @@ impl Machine for Loader {
 
     const REQUIRED: &'static [&'static [&'static str]] = sheet::loader::REQUIRED;
 
-    const VALUES: &'static [Value<Timed>] = rows! { Value, get:
-        t = |e| e.time;
-        speed = |e| e.estimate.speed;
-        front_wheel_speed = |e| e.estimate.front_wheel_speed;
-        rear_wheel_speed = |e| e.estimate.rear_wheel_speed;
-        slip_stiffness = |e| e.estimate.slip_stiffness.value;
-        slip_stiffness_std = |e| e.estimate.slip_stiffness.std;
-        cg_height = |e| e.estimate.cg_height.value;
-        cg_height_std = |e| e.estimate.cg_height.std;
-        cg_ratio = |e| e.estimate.cg_ratio.value;
-        cg_ratio_std = |e| e.estimate.cg_ratio.std;
-        cg_distance = |e| e.estimate.cg_distance;
-        spade_force_x = |e| e.estimate.spade_force_x.unwrap_or_default().value;
-        spade_force_x_std = |e| e.estimate.spade_force_x.unwrap_or_default().std;
-        slope_bias = |e| e.estimate.slope_bias.unwrap_or_default();
-        front_radius_scale = |e| e.estimate.front_radius_scale.unwrap_or_default();
-        rear_radius_scale = |e| e.estimate.rear_radius_scale.unwrap_or_default();
-        nis = |e| e.estimate.nis;
-        speed_delay = |e| e.estimate.speed_delay.unwrap_or_default().value;
-        speed_delay_std = |e| e.estimate.speed_delay.unwrap_or_default().std;
-    };
-
+    sheet::loader_quantities!(quantities);
     sheet::loader_flags!(flags);
-
-    const ESTIMATED: &'static [Bit<Timed>] = rows! { Bit, get:
-        state = |e| e.estimate.started;
-        spade_force_x = |e| e.estimate.started && e.estimate.spade_force_x.is_some();
-        slope_bias = |e| e.estimate.started && e.estimate.slope_bias.is_some();
-        radius_scales = |e| e.estimate.started && e.estimate.front_radius_scale.is_some();
-        speed_delay = |e| e.estimate.started && e.estimate.speed_delay.is_some();
-    };
 
     const METHODS: &'static [&'static str] = Method::NAMES;
 

@@ -128,10 +128,45 @@ pub(crate) fn present(number: f64) -> Option<f64> {
     (!number.is_nan()).then_some(number)
 }
 
-/// A table of names, each with a function.
-macro_rules! rows {
-    ($kind:ident, $function:ident: $( $name:ident = $body:expr; )*) => {
-        &[$( $crate::table::$kind { name: stringify!($name), $function: $body }, )*]
+/// `VALUES` of a machine, the time first, and `ESTIMATED`, each at the place of its bit.
+macro_rules! quantities {
+    (
+        estimated { $( $bit:literal $const:ident $bit_name:ident ($($has:tt)*) $bit_doc:tt; )* }
+        first { $( $name:ident ($($place:tt)*) [$( $std:ident ($($std_place:tt)*) )?] $unit:tt $doc:tt $facts:tt; )* }
+        later { $( $name2:ident ($($place2:tt)*) [$( $std2:ident ($($std_place2:tt)*) )?] $unit2:tt $doc2:tt $facts2:tt; )* }
+    ) => {
+        const VALUES: &'static [$crate::table::Value<Timed>] = &{
+            use $crate::table::Value;
+            [
+                Value { name: "t", get: |e| e.time },
+                $(
+                    Value { name: stringify!($name), get: |e| e.estimate.$($place)* },
+                    $( Value { name: stringify!($std), get: |e| e.estimate.$($std_place)* }, )?
+                )*
+                $(
+                    Value { name: stringify!($name2), get: |e| e.estimate.$($place2)* },
+                    $( Value { name: stringify!($std2), get: |e| e.estimate.$($std_place2)* }, )?
+                )*
+            ]
+        };
+
+        const ESTIMATED: &'static [$crate::table::Bit<Timed>] = &{
+            use $crate::table::{Bit, has};
+            const NEVER: Bit<Timed> = Bit { name: "", get: |_| false };
+            let mut all = [NEVER; [$( $bit ),*].len()];
+            $( all[$bit] = Bit { name: stringify!($bit_name), get: |e| e.started() && has!(e, $($has)*) }; )*
+            all
+        };
+    };
+}
+
+/// Whether an estimate has something; always, where no place says so.
+macro_rules! has {
+    ($e:ident,) => {
+        true
+    };
+    ($e:ident, $($place:tt)+) => {
+        $e.estimate.$($place)+
     };
 }
 
@@ -157,8 +192,8 @@ macro_rules! signals {
 /// `FLAGS` of a machine, each at the place of its bit; what only a process can say is never set here.
 macro_rules! flags {
     (
-        estimator { $( $bit:literal $const:ident $name:ident ($($place:tt)*) $doc:tt; )* }
-        process { $( $bit2:literal $const2:ident $name2:ident $doc2:tt; )* }
+        estimator { $( $bit:literal $const:ident $name:ident ($($place:tt)*) $doc:tt $facts:tt; )* }
+        process { $( $bit2:literal $const2:ident $name2:ident $doc2:tt $facts2:tt; )* }
     ) => {
         const FLAGS: &'static [$crate::table::Bit<Timed>] = &{
             use $crate::table::Bit;
@@ -171,4 +206,4 @@ macro_rules! flags {
     };
 }
 
-pub(crate) use {flags, rows, signals};
+pub(crate) use {flags, has, quantities, signals};

@@ -19,11 +19,9 @@ use crate::commands::calibrate::CalibrateArgs;
 use crate::commands::estimate::{self, EstimateArgs};
 use crate::failure::Failure;
 use crate::plan::Plan;
-use crate::quantity::Quantity;
 use crate::serve::{self, Form, Machines, Out, Played, Rows};
 use crate::signals::Signals;
 use crate::sources;
-use crate::state::Slow;
 
 /// A cylinder as the keys of a table of a description.
 fn cylinder_settings(table: &str, c: &sim::cylinder::Cylinder) -> Vec<String> {
@@ -122,10 +120,6 @@ pub trait Entry: Sync {
         every: f64,
         form: Form,
     ) -> Result<(), Failure>;
-    /// What is told of it while it runs.
-    fn told(&self) -> &'static [Quantity];
-    /// What is remembered of it from run to run.
-    fn slow(&self) -> &'static [Slow];
     /// `heft estimate` of one input.
     ///
     /// # Errors
@@ -200,10 +194,6 @@ trait Typed: Sync {
     const SHOWN_SETTINGS: &'static [&'static str];
     /// What looks at its samples.
     type Look: Look<Self::Sensors>;
-    /// What is told of it while it runs, what is told first first.
-    const TOLD: &'static [Quantity];
-    /// What is remembered of it from run to run.
-    const SLOW: &'static [Slow] = &[];
 
     /// The cylinders of the simulated machine, as `KEY=VALUE` of its description.
     fn simulated_cylinders() -> Vec<String> {
@@ -326,14 +316,6 @@ impl<M: Typed> Entry for M {
         form: Form,
     ) -> Result<(), Failure> {
         serve::serve_shard::<M::Sensors, M::Estimate>(description, method, every, form)
-    }
-
-    fn told(&self) -> &'static [Quantity] {
-        M::TOLD
-    }
-
-    fn slow(&self) -> &'static [Slow] {
-        M::SLOW
     }
 
     fn estimate(

@@ -3,39 +3,39 @@
 use messages::{Envelope, Machine, Message, Receiver, Value};
 use view::number;
 
-use crate::machines;
-
-/// An estimated quantity.
-#[derive(Debug)]
+/// An estimated quantity with a verdict of its own.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Quantity {
     /// Channel of the estimate.
     pub channel: &'static str,
-    /// What people call it.
-    pub label: &'static str,
-    /// Its symbol on the live line.
-    pub symbol: &'static str,
-    /// Unit.
-    pub unit: &'static str,
-    /// Field of the estimate.
-    pub field: &'static str,
+    /// Its row in the sheet; the truth has it under the same name.
+    pub row: &'static sheet::Quantity,
     /// Field of its standard deviation.
-    pub std_field: &'static str,
-    /// Field of the truth.
-    pub truth_field: &'static str,
-    /// Flag that says that it may be believed.
-    pub trusted_bit: u32,
+    pub std: &'static str,
 }
 
-/// Those of all machines.
-pub fn all() -> impl Iterator<Item = &'static Quantity> {
-    let machines = Machine::ALL.into_iter();
-    machines.flat_map(|machine| machines::entry(machine).told())
+/// Those of a channel of estimates, what the machine is about first.
+pub fn of_channel(channel: &'static str) -> impl Iterator<Item = Quantity> {
+    let machine = channel.split_once('/');
+    let machine = machine.and_then(|(machine, _)| Machine::from_name(machine));
+    let rows = machine.into_iter().flat_map(Machine::shown);
+    rows.filter(|row| row.is_headline).filter_map(move |row| {
+        let std = row.std?;
+        Some(Quantity { channel, row, std })
+    })
 }
 
 impl Quantity {
+    /// What people call it, within a sentence.
+    pub fn label(&self) -> String {
+        let mut letters = self.row.label.chars();
+        let first = letters.next().map(char::to_lowercase);
+        first.into_iter().flatten().chain(letters).collect()
+    }
+
     /// `value ± std`, rounded to two digits of the standard deviation.
     pub fn text(&self, value: f64, std: f64) -> String {
-        number::with_std(value, std, self.unit)
+        number::with_std(value, std, &number::unit(self.row.unit))
     }
 
     /// A value without its unit, rounded like an estimate of this standard deviation.
@@ -45,7 +45,7 @@ impl Quantity {
 
     /// The true value in a truth message, if it is known.
     pub fn truth(&self, message: &Envelope) -> Option<f64> {
-        message.open(Truth(self.truth_field))
+        message.open(Truth(self.row.name))
     }
 }
 
@@ -69,9 +69,10 @@ impl Receiver for Truth {
 mod tests {
     use super::*;
     use messages::channels;
+    use steps::stages::Pipeline;
 
     #[test]
-    fn every_quantity_names_fields_that_exist() {
+    fn every_channel_of_estimates_has_quantities_whose_fields_exist() {
         struct Names;
         impl channels::Visitor for Names {
             type Output = &'static [messages::Field];
@@ -79,19 +80,21 @@ mod tests {
                 M::FIELDS
             }
         }
-        for q in all() {
-            let (machine, _) = q.channel.split_once('/').expect("a machine's");
-            let fields = |channel: &str| {
-                channels::find(channel)
-                    .expect("a channel")
-                    .payload
-                    .visit(Names)
-            };
-            let has = |channel: &str, name| fields(channel).iter().any(|f| f.name == name);
-            for name in [q.field, q.std_field, "flags"] {
-                assert!(has(q.channel, name), "{name}");
+        for machine in Machine::ALL {
+            for channel in Pipeline::of(machine).estimates() {
+                assert!(of_channel(channel.name).next().is_some());
+                for q in of_channel(channel.name) {
+                    let fields = |channel: &str| {
+                        let channel = channels::find(channel).expect("a channel");
+                        channel.payload.visit(Names)
+                    };
+                    let has = |channel: &str, name| fields(channel).iter().any(|f| f.name == name);
+                    for name in [q.row.name, q.std, "flags"] {
+                        assert!(has(q.channel, name), "{name}");
+                    }
+                    assert!(has(&format!("{machine}/truth"), q.row.name));
+                }
             }
-            assert!(has(&format!("{machine}/truth"), q.truth_field));
         }
     }
 
@@ -106,8 +109,8 @@ mod tests {
         truth.known = 1 << 4; // the fifth field is the ratio
         let envelope = truth.envelope();
         let of = |field| {
-            all()
-                .find(|q| q.field == field)
+            of_channel("loader/cg_ukf")
+                .find(|q| q.row.name == field)
                 .expect("a quantity")
                 .truth(&envelope)
         };

@@ -13,12 +13,12 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
 
 use config::{Description, widened};
-use messages::Message;
 use messages::channels::Channel;
+use messages::{Machine, Message};
 use serde::{Deserialize, Serialize};
+use steps::stages::Pipeline;
 
 use crate::failure::Failure;
-use crate::machines;
 
 /// Time between two writes.
 const PERIOD: Duration = Duration::from_secs(60);
@@ -28,18 +28,13 @@ const MOST_KEPT: u32 = 1000;
 /// Largest file that is read as a state [bytes].
 const LARGEST: u64 = 1 << 20;
 
-/// A parameter that is worth remembering: where it is estimated, and which keys restore it. A content of the bucket or a
-/// load is not slow.
-#[derive(Debug)]
-pub struct Slow {
-    /// Where it is estimated.
-    pub channel: &'static str,
-    /// Its field of the message, and that of its standard deviation.
-    pub fields: [&'static str; 2],
-    /// Set when it may be remembered.
-    pub trusted: u32,
-    /// The key that it restores, and that of its standard deviation.
-    pub keys: [&'static str; 2],
+/// A parameter that is worth remembering, by the sheet of its machine: its row, the field of its standard deviation, and
+/// the keys that both restore. A content of the bucket or a load is not slow.
+type Slow = (&'static sheet::Quantity, &'static str, [&'static str; 2]);
+
+fn slow(machine: Machine) -> impl Iterator<Item = Slow> {
+    let rows = machine.quantities().iter();
+    rows.filter_map(|row| Some((row, row.std?, row.kept?)))
 }
 
 /// A remembered parameter.
@@ -69,8 +64,9 @@ struct State {
 /// The memory of a run.
 #[derive(Debug)]
 pub struct Memory {
-    /// What is worth it.
-    slow: &'static [Slow],
+    machine: Machine,
+    /// The channel that is listened to: the one that is told first.
+    channel: Option<&'static str>,
     file: PathBuf,
     state: State,
     written: Instant,
@@ -124,7 +120,10 @@ impl Memory {
             }
         };
         let memory = Self {
-            slow: machines::entry(description.machine()).slow(),
+            machine: description.machine(),
+            channel: Pipeline::of(description.machine())
+                .main_output()
+                .map(|c| c.name),
             file: file.to_owned(),
             state,
             written: Instant::now(),
@@ -137,26 +136,25 @@ impl Memory {
 
     /// Looks at an estimate.
     pub fn see<M: Message>(&mut self, channel: &Channel, message: &M) {
-        for slow in self.slow.iter().filter(|s| s.channel == channel.name) {
+        if self.channel != Some(channel.name) {
+            return;
+        }
+        for (row, std, [key, _]) in slow(self.machine) {
             let number = |name| {
                 M::index(name)
                     .and_then(|i| message.get(i))
                     .map(messages::Value::as_f64)
             };
-            let (Some(value), Some(std), Some(flags)) = (
-                number(slow.fields[0]),
-                number(slow.fields[1]),
-                number("flags"),
-            ) else {
+            let (Some(value), Some(std), Some(flags)) =
+                (number(row.name), number(std), number("flags"))
+            else {
                 continue;
             };
-            if flags as u32 & slow.trusted != 0 && std > 0.0 && value.is_finite() && std.is_finite()
+            if flags as u32 & row.trusted != 0 && std > 0.0 && value.is_finite() && std.is_finite()
             {
                 let learnt = now();
                 let remembered = Remembered { value, std, learnt };
-                self.state
-                    .parameters
-                    .insert(slow.keys[0].into(), remembered);
+                self.state.parameters.insert(key.into(), remembered);
             }
         }
     }
@@ -304,8 +302,7 @@ fn restore(
     description: &mut Description,
 ) -> Result<String, Failure> {
     let mut said = Vec::new();
-    for slow in machines::entry(description.machine()).slow() {
-        let [key, std_key] = slow.keys;
+    for (row, _, [key, std_key]) in slow(description.machine()) {
         let (Some(old), Some(prior)) = (parameters.get(key), number(description, std_key)) else {
             continue;
         };
@@ -320,7 +317,7 @@ fn restore(
         // Outside what the description allows: it begins from the prior.
         if restored.set_all(&set).is_ok() {
             *description = restored;
-            said.push(format!("{} {:.4} ± {:.2}", slow.fields[0], old.value, std));
+            said.push(format!("{} {:.4} ± {:.2}", row.name, old.value, std));
         }
     }
     Ok(if said.is_empty() {

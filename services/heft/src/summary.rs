@@ -189,7 +189,7 @@ messages::machines!(in_words);
 
 fn tally_lines(tally: &Tally) -> Vec<String> {
     let q = tally.quantity;
-    let name = format!("{} ({})", q.label, q.channel);
+    let name = format!("{} ({})", q.label(), q.channel);
     let mut lines = Vec::new();
     let share = 100.0 * tally.trusted_count as f64 / tally.seen.max(1) as f64;
     match tally.last_trusted {

@@ -7,7 +7,7 @@ use crate::quantity::Quantity;
 #[derive(Debug, Clone, Copy)]
 pub struct Tally {
     /// What it is.
-    pub quantity: &'static Quantity,
+    pub quantity: Quantity,
     /// Time of the latest estimate [s].
     pub time: f64,
     /// Latest value.
@@ -35,7 +35,7 @@ pub struct Tally {
 }
 
 impl Tally {
-    pub fn new(quantity: &'static Quantity) -> Self {
+    pub fn new(quantity: Quantity) -> Self {
         Self {
             quantity,
             time: 0.0,
@@ -62,7 +62,7 @@ impl Tally {
         let verdict = if self.trusted { '✓' } else { '?' };
         format!(
             "{} {}{truth} {verdict}",
-            q.symbol,
+            q.row.symbol,
             q.text(self.value, self.std)
         )
     }

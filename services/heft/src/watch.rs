@@ -308,26 +308,22 @@ impl Watch {
 
     fn note_estimate<M: Message>(&mut self, channel: &'static Channel, message: &M) {
         let sequence = message.stamp().sequence;
-        for quantity in quantity::all().filter(|q| q.channel == channel.name) {
+        for quantity in quantity::of_channel(channel.name) {
             let number = |name: &str| {
                 M::index(name)
                     .and_then(|i| message.get(i))
                     .map(Value::as_f64)
             };
             let (Some(value), Some(std), Some(flags)) = (
-                number(quantity.field),
-                number(quantity.std_field),
+                number(quantity.row.name),
+                number(quantity.std),
                 number("flags"),
             ) else {
                 continue;
             };
-            let truth = self.truth(sequence, quantity);
-            let trusted = (flags as u32) & quantity.trusted_bit != 0;
-            let tally = match self
-                .tallies
-                .iter_mut()
-                .position(|s| std::ptr::eq(s.quantity, quantity))
-            {
+            let truth = self.truth(sequence, &quantity);
+            let trusted = (flags as u32) & quantity.row.trusted != 0;
+            let tally = match self.tallies.iter_mut().position(|s| s.quantity == quantity) {
                 Some(i) => &mut self.tallies[i],
                 None => {
                     self.tallies.push(Tally::new(quantity));

@@ -3,8 +3,8 @@
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
 use crate::message::message;
-use crate::words::{Entry, Words, method_names, reason_pairs, sensors, signal_entries};
-use sheet::excavator::{FLAGS, METHODS, QUANTITIES, REASONS, SIGNALS};
+use crate::words::{Entry, Words, estimates, method_names, reason_pairs, sensors, signal_entries};
+use sheet::excavator::{ESTIMATED, FLAGS, METHODS, REASONS, SIGNALS};
 
 /// Names of the bits of the sensors' message.
 const SENSOR_WORDS: &[(&str, Words)] = &[
@@ -12,10 +12,11 @@ const SENSOR_WORDS: &[(&str, Words)] = &[
     ("columns", Words::Bits(SIGNAL_BITS)),
 ];
 const SIGNAL_BITS: &[Entry] = &signal_entries::<{ SIGNALS.len() }>(SIGNALS);
+const FLAG_BITS: &[Entry] = &sheet::flag_entries::<{ FLAGS.len() }>(FLAGS);
 /// Names of the bits and codes of an estimate.
 const ESTIMATE_WORDS: &[(&str, Words)] = &[
-    ("flags", Words::Bits(FLAGS)),
-    ("estimated", Words::Bits(QUANTITIES)),
+    ("flags", Words::Bits(FLAG_BITS)),
+    ("estimated", Words::Bits(ESTIMATED)),
     ("method", Words::Codes(METHODS)),
     ("reason", Words::Codes(REASONS)),
 ];
@@ -45,11 +46,7 @@ const MOTION_FLAGS: &[Entry] = &[
 
 /// Bits of the excavator's messages.
 pub mod excavator_bits {
-    use crate::words::{flag_bits, quantity_bits, signal_bits};
-
-    sheet::excavator_signals!(signal_bits);
-    sheet::excavator_flags!(flag_bits);
-    sheet::excavator_quantities!(quantity_bits);
+    pub use sheet::excavator::bits::*;
 
     // Flags of `SwingMotion::flags`, beside `REFUSED` (its signal bits are those of the sensors, in `valid`).
     /// A manoeuvre begins or goes on (change window).
@@ -136,59 +133,31 @@ message! {
     }
 }
 
-message! {
-    /// Estimated swing inertia with its verdict.
-    pub struct ExcavatorEstimate, "ExcavatorEstimate", size 240, marked in flags, words ESTIMATE_WORDS {
-        /// Swing inertia.
-        inertia: f64, "kg m^2";
-        /// Standard deviation of the inertia.
-        inertia_std: f64, "kg m^2";
-        /// Viscous damping.
-        damping: f64, "N m s/rad";
-        /// Standard deviation of the damping.
-        damping_std: f64, "N m s/rad";
-        /// Torque.
-        torque: f64, "N m";
-        /// Standard deviation of the torque.
-        torque_std: f64, "N m";
-        /// Payload.
-        payload: f64, "kg";
-        /// Standard deviation of the payload.
-        payload_std: f64, "kg";
-        /// Swing velocity.
-        velocity: f64, "rad/s";
-        /// Swing acceleration.
-        acceleration: f64, "rad/s^2";
-        /// Coulomb friction torque.
-        friction: f64, "N m";
-        /// Standard deviation of the friction.
-        friction_std: f64, "N m";
-        /// Torque offset.
-        offset: f64, "N m";
-        /// Standard deviation of the offset.
-        offset_std: f64, "N m";
-        /// Normalised innovation squared of this sample, 0 where none was accepted.
-        nis: f64, "";
-        /// Forgetting factor of the inertia (regressions; else 0).
-        forgetting_inertia: f64, "";
-        /// Forgetting factor of the damping.
-        forgetting_damping: f64, "";
-        /// Forgetting factor of the torque.
-        forgetting_torque: f64, "";
-        /// Verdict bits.
-        flags: u32, "";
-        /// Bits of the quantities that the method estimates.
-        estimated: u32, "";
-        /// Index of the method that made this estimate.
-        method: u32, "";
-        /// Code of the reason: what the machine does beside its description, or why the estimate is not trusted.
-        reason: u32, "";
-        /// Rows refused so far.
-        refused: u64, "";
-        /// Reserved, 0.
-        reserved_2: u64, "";
-    }
+/// The message of its estimates from the rows of the sheet.
+macro_rules! estimates_of_excavator {
+    ($($rows:tt)*) => {
+        estimates! {
+            /// Estimated swing inertia with its verdict.
+            ExcavatorEstimate, "ExcavatorEstimate", size 240, words ESTIMATE_WORDS {
+                /// Verdict bits.
+                flags: u32, "";
+                /// Bits of the quantities that the method estimates.
+                estimated: u32, "";
+                /// Index of the method that made this estimate.
+                method: u32, "";
+                /// Code of the reason: what the machine does beside its description, or why the estimate is not trusted.
+                reason: u32, "";
+                /// Rows refused so far.
+                refused: u64, "";
+                /// Reserved, 0.
+                reserved_2: u64, "";
+            }
+            $($rows)*
+        }
+    };
 }
+
+sheet::excavator_quantities!(estimates_of_excavator);
 
 /// Reasons of the excavator's estimates by their code, [`ExcavatorEstimate::reason`]: name in the tables, and
 /// words. 0 is no reason.

@@ -3,8 +3,8 @@
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
 use crate::message::message;
-use crate::words::{Entry, Words, method_names, reason_pairs, sensors, signal_entries};
-use sheet::loader::{FLAGS, METHODS, QUANTITIES, REASONS, SIGNALS};
+use crate::words::{Entry, Words, estimates, method_names, reason_pairs, sensors, signal_entries};
+use sheet::loader::{ESTIMATED, FLAGS, METHODS, REASONS, SIGNALS};
 
 /// Names of the bits of the sensors' message.
 const SENSOR_WORDS: &[(&str, Words)] = &[
@@ -12,21 +12,18 @@ const SENSOR_WORDS: &[(&str, Words)] = &[
     ("columns", Words::Bits(SIGNAL_BITS)),
 ];
 const SIGNAL_BITS: &[Entry] = &signal_entries::<{ SIGNALS.len() }>(SIGNALS);
+const FLAG_BITS: &[Entry] = &sheet::flag_entries::<{ FLAGS.len() }>(FLAGS);
 /// Names of the bits and codes of an estimate.
 const ESTIMATE_WORDS: &[(&str, Words)] = &[
-    ("flags", Words::Bits(FLAGS)),
-    ("estimated", Words::Bits(QUANTITIES)),
+    ("flags", Words::Bits(FLAG_BITS)),
+    ("estimated", Words::Bits(ESTIMATED)),
     ("method", Words::Codes(METHODS)),
     ("reason", Words::Codes(REASONS)),
 ];
 
 /// Bits of the loader's messages.
 pub mod loader_bits {
-    use crate::words::{flag_bits, quantity_bits, signal_bits};
-
-    sheet::loader_signals!(signal_bits);
-    sheet::loader_flags!(flag_bits);
-    sheet::loader_quantities!(quantity_bits);
+    pub use sheet::loader::bits::*;
 }
 
 /// The message of its sensors from the rows of the sheet.
@@ -70,65 +67,33 @@ message! {
     }
 }
 
-message! {
-    /// Estimated centre of gravity with its verdict.
-    pub struct LoaderEstimate, "LoaderEstimate", size 256, marked in flags, words ESTIMATE_WORDS {
-        /// Forward speed.
-        speed: f64, "m/s";
-        /// Speed of the front wheels.
-        front_wheel_speed: f64, "rad/s";
-        /// Speed of the rear wheels.
-        rear_wheel_speed: f64, "rad/s";
-        /// Slip stiffness of the tyres, F_x = K slip F_z.
-        slip_stiffness: f64, "";
-        /// Standard deviation of the slip stiffness.
-        slip_stiffness_std: f64, "";
-        /// Height of the centre of gravity above ground.
-        cg_height: f64, "m";
-        /// Standard deviation of the height, floor included.
-        cg_height_std: f64, "m";
-        /// Share of the static weight on the front axle.
-        cg_ratio: f64, "";
-        /// Standard deviation of the ratio, floor included.
-        cg_ratio_std: f64, "";
-        /// Distance from the front axle to the centre of gravity.
-        cg_distance: f64, "m";
-        /// Horizontal spade force, measured plus unknown.
-        spade_force_x: f64, "N";
-        /// Standard deviation of the spade force.
-        spade_force_x_std: f64, "N";
-        /// Bias of the slope sensor (true slope = measured - bias).
-        slope_bias: f64, "rad";
-        /// Rolling radius of the front wheels over its nominal value.
-        front_radius_scale: f64, "";
-        /// Rolling radius of the rear wheels over its nominal value.
-        rear_radius_scale: f64, "";
-        /// Normalised innovation squared of this sample per accepted measurement.
-        nis: f64, "";
-        /// Delay of the measured speed.
-        speed_delay: f64, "s";
-        /// Standard deviation of that delay.
-        speed_delay_std: f64, "s";
-        /// Verdict bits.
-        flags: u32, "";
-        /// Bits of the quantities that the method estimates.
-        estimated: u32, "";
-        /// Index of the method that made this estimate.
-        method: u32, "";
-        /// Resets so far.
-        resets: u32, "";
-        /// Rows refused so far.
-        refused: u64, "";
-        /// Why an estimate is not consistent or not fresh: index of `LOADER_REASONS`, 0 for none.
-        reason: u32, "";
-        /// Reserved, 0.
-        reserved: u32, "";
-        /// Payload.
-        payload: f64, "kg";
-        /// Standard deviation of the payload.
-        payload_std: f64, "kg";
-    }
+/// The message of its estimates from the rows of the sheet.
+macro_rules! estimates_of_loader {
+    ($($rows:tt)*) => {
+        estimates! {
+            /// Estimated centre of gravity with its verdict.
+            LoaderEstimate, "LoaderEstimate", size 256, words ESTIMATE_WORDS {
+                /// Verdict bits.
+                flags: u32, "";
+                /// Bits of the quantities that the method estimates.
+                estimated: u32, "";
+                /// Index of the method that made this estimate.
+                method: u32, "";
+                /// Resets so far.
+                resets: u32, "";
+                /// Rows refused so far.
+                refused: u64, "";
+                /// Why an estimate is not consistent or not fresh: index of `LOADER_REASONS`, 0 for none.
+                reason: u32, "";
+                /// Reserved, 0.
+                reserved: u32, "";
+            }
+            $($rows)*
+        }
+    };
 }
+
+sheet::loader_quantities!(estimates_of_loader);
 
 /// Reasons of the loader's estimates by their code, [`LoaderEstimate::reason`]: name in the tables, and words. 0 is no reason.
 pub const LOADER_REASONS: &[(&str, &str)] = sheet::loader_reasons!(reason_pairs);

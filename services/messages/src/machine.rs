@@ -33,6 +33,14 @@ macro_rules! names {
                     $( Self::$machine => stringify!($module), )*
                 }
             }
+
+            /// The numbers of its estimates.
+            #[must_use]
+            pub const fn quantities(self) -> &'static [sheet::Quantity] {
+                match self {
+                    $( Self::$machine => sheet::$module::QUANTITIES, )*
+                }
+            }
         }
     };
 }
@@ -40,6 +48,12 @@ macro_rules! names {
 crate::machines!(names);
 
 impl Machine {
+    /// The numbers of its estimates that people see, in their order.
+    pub fn shown(self) -> impl Iterator<Item = &'static sheet::Quantity> {
+        let all = self.quantities().iter();
+        (1..).map_while(move |place| all.clone().find(|q| q.shown == place))
+    }
+
     /// The machine called `name`.
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {

@@ -238,7 +238,7 @@ macro_rules! message {
     (
         $(#[doc = $doc:literal])*
         pub struct $name:ident, $type_name:tt, size $size:literal $(, marked in $mark:ident)? $(, words $words:ident)? {
-            $( $(#[doc = $field_doc:literal])+ $field:ident: $type:ty, $unit:tt; )*
+            $( $(#[doc = $field_doc:expr])+ $field:ident: $type:ty, $unit:tt; )*
         }
     ) => {
         $(#[doc = $doc])*

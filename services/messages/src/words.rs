@@ -96,37 +96,6 @@ pub fn said<M: Message>(message: &M) -> impl Iterator<Item = (Cow<'static, str>,
     fields.chain(flags)
 }
 
-/// Constants of the bits of signals.
-macro_rules! signal_bits {
-    (
-        first { $( $bit:literal $const:ident $name:ident $place:tt $unit:tt $doc:tt $presence:ident; )* }
-        later { $( $bit2:literal $const2:ident $name2:ident $place2:tt $unit2:tt $doc2:tt $presence2:ident; )* }
-        switches { $( $bit3:literal $const3:ident $name3:ident $place3:tt $unit3:tt $doc3:tt $presence3:ident; )* }
-    ) => {
-        $( #[doc = $doc] pub const $const: u32 = 1 << $bit; )*
-        $( #[doc = $doc2] pub const $const2: u32 = 1 << $bit2; )*
-        $( #[doc = $doc3] pub const $const3: u32 = 1 << $bit3; )*
-    };
-}
-
-/// Constants of the bits of flags.
-macro_rules! flag_bits {
-    (
-        estimator { $( $bit:literal $const:ident $name:ident $place:tt $doc:literal; )* }
-        process { $( $bit2:literal $const2:ident $name2:ident $doc2:literal; )* }
-    ) => {
-        $( #[doc = $doc] pub const $const: u32 = 1 << $bit; )*
-        $( #[doc = $doc2] pub const $const2: u32 = 1 << $bit2; )*
-    };
-}
-
-/// Constants of the bits of quantities.
-macro_rules! quantity_bits {
-    ($( $bit:literal $const:ident $name:ident $doc:literal; )*) => {
-        $( #[doc = $doc] pub const $const: u32 = 1 << $bit; )*
-    };
-}
-
 /// The message of a machine's sensors: numbers, the bits, and the numbers that came later.
 macro_rules! sensors {
     (
@@ -145,6 +114,32 @@ macro_rules! sensors {
                 /// Bits of the signals that the source has at all.
                 columns: u32, "";
                 $( #[doc = $doc2] $name2: f64, $unit2; )*
+            }
+        }
+    };
+}
+
+/// The message of a machine's estimates: numbers, the bits and codes, and the numbers that came later.
+macro_rules! estimates {
+    (
+        $(#[doc = $about:literal])*
+        $message:ident, $type_name:tt, size $size:literal, words $words:ident { $($bits:tt)* }
+        estimated $estimated:tt
+        first { $( $name:ident $place:tt [$( $std:ident $std_place:tt )?] $unit:tt $doc:tt $facts:tt; )* }
+        later { $( $name2:ident $place2:tt [$( $std2:ident $std_place2:tt )?] $unit2:tt $doc2:tt $facts2:tt; )* }
+    ) => {
+        $crate::message::message! {
+            $(#[doc = $about])*
+            pub struct $message, $type_name, size $size, marked in flags, words $words {
+                $(
+                    #[doc = $doc] $name: f64, $unit;
+                    $( #[doc = concat!("Standard deviation of `", stringify!($name), "`, as reported.")] $std: f64, $unit; )?
+                )*
+                $($bits)*
+                $(
+                    #[doc = $doc2] $name2: f64, $unit2;
+                    $( #[doc = concat!("Standard deviation of `", stringify!($name2), "`, as reported.")] $std2: f64, $unit2; )?
+                )*
             }
         }
     };
@@ -179,7 +174,7 @@ pub(crate) const fn signal_entries<const N: usize>(signals: &[sheet::Signal]) ->
     entries
 }
 
-pub(crate) use {flag_bits, method_names, quantity_bits, reason_pairs, sensors, signal_bits};
+pub(crate) use {estimates, method_names, reason_pairs, sensors};
 
 #[cfg(test)]
 mod tests {

@@ -16,4 +16,4 @@ pub use frame::{Frame, MAX_DATA};
 pub(crate) use frame::{Line, parse};
 pub(crate) use log::Log;
 pub use outgoing::Outgoing;
-pub(crate) use outgoing::{FrameTable, Quantity};
+pub(crate) use outgoing::{FrameTable, flags, quantities};

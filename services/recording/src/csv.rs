@@ -11,6 +11,7 @@ pub(crate) use cells::Cells;
 pub(crate) use columns::Columns;
 pub(crate) use dialect::{Dialect, separator_line};
 pub use estimate::{Column, Estimate, EstimateRows, EstimateWriter, is_estimates};
+pub(crate) use estimate::{columns, columns_of, count, count_flags, extra};
 pub use export::export;
 pub(crate) use read::{TableRows, names, numbers};
 pub use read::{read, read_weighings};

@@ -5,12 +5,14 @@ use messages::channels::{
 };
 use messages::{
     EXCAVATOR_METHODS, EXCAVATOR_REASONS, ExcavatorEstimate, ExcavatorSensors, ExcavatorTruth,
-    Machine, SIMULATED, excavator_bits as bits,
+    Machine, excavator_bits as bits,
 };
 
-use crate::can::{FrameTable, Quantity};
-use crate::csv::Column::{self, Flag, Value as Field};
-use crate::csv::Estimate;
+use sheet::excavator::{FLAGS, QUANTITIES, VERDICT_FRAME};
+use sheet::{count_framed, count_framed_flags};
+
+use crate::can::{FrameTable, flags, quantities};
+use crate::csv::{Estimate, columns_of};
 use crate::signal::Sensors;
 
 impl Sensors for ExcavatorSensors {
@@ -23,36 +25,7 @@ impl Sensors for ExcavatorSensors {
 }
 
 impl Estimate for ExcavatorEstimate {
-    const COLUMNS: &'static [Column] = &[
-        Field("inertia", bits::INERTIA),
-        Field("inertia_std", bits::INERTIA),
-        Field("damping", bits::DAMPING),
-        Field("damping_std", bits::DAMPING),
-        Field("torque", bits::TORQUE),
-        Field("torque_std", bits::TORQUE),
-        Field("payload", bits::PAYLOAD),
-        Field("payload_std", bits::PAYLOAD),
-        Field("velocity", 0),
-        Field("acceleration", bits::ACCELERATION),
-        Flag("excited", bits::EXCITED),
-        Flag("consistent", bits::CONSISTENT),
-        Flag("fresh", bits::FRESH),
-        Flag("converged", bits::CONVERGED),
-        Flag("identifiable", bits::IDENTIFIABLE),
-        Flag("held", bits::HELD),
-        Flag("changing", bits::CHANGING),
-        Flag("reset", bits::RESET),
-        Flag("trusted", bits::TRUSTED),
-    ];
-    const EXTRA: (&'static [Column], u32) = (
-        &[
-            Field("friction", bits::FRICTION),
-            Field("friction_std", bits::FRICTION),
-            Field("offset", bits::OFFSET),
-            Field("offset_std", bits::OFFSET),
-        ],
-        bits::FRICTION | bits::OFFSET,
-    );
+    columns_of!(excavator);
     const REFUSED: u32 = bits::REFUSED;
     const METHODS: &'static [&'static str] = EXCAVATOR_METHODS;
     const REASONS: &'static [(&'static str, &'static str)] = EXCAVATOR_REASONS;
@@ -68,50 +41,7 @@ impl Estimate for ExcavatorEstimate {
 pub(crate) const FRAMES: FrameTable = FrameTable {
     machine: Machine::Excavator,
     channels: &[EXCAVATOR_INERTIA_UKF.any(), EXCAVATOR_INERTIA_RLS.any()],
-    quantities: &[
-        Quantity {
-            name: "inertia",
-            field: "inertia",
-            std_field: "inertia_std",
-            unit: "kg m^2",
-            scale: 0.1,
-            offset: 0.0,
-            estimated: bits::INERTIA,
-            trusted: bits::TRUSTED,
-            group: 0xff10,
-        },
-        Quantity {
-            name: "payload",
-            field: "payload",
-            std_field: "payload_std",
-            unit: "kg",
-            scale: 0.01,
-            offset: -1e6,
-            estimated: bits::PAYLOAD,
-            trusted: bits::TRUSTED,
-            group: 0xff11,
-        },
-        Quantity {
-            name: "damping",
-            field: "damping",
-            std_field: "damping_std",
-            unit: "N m s/rad",
-            scale: 0.1,
-            offset: 0.0,
-            estimated: bits::DAMPING,
-            trusted: bits::TRUSTED,
-            group: 0xff12,
-        },
-    ],
-    flags: &[
-        ("trusted", bits::TRUSTED),
-        ("excited", bits::EXCITED),
-        ("consistent", bits::CONSISTENT),
-        ("fresh", bits::FRESH),
-        ("converged", bits::CONVERGED),
-        ("identifiable", bits::IDENTIFIABLE),
-        ("changing", bits::CHANGING),
-        ("simulated", SIMULATED),
-    ],
-    verdict: 0xff1f,
+    quantities: &quantities::<{ count_framed(QUANTITIES) }>(QUANTITIES),
+    flags: &flags::<{ count_framed_flags(FLAGS) }>(FLAGS, VERDICT_FRAME),
+    verdict: VERDICT_FRAME.group,
 };

@@ -30,45 +30,85 @@ macro_rules! excavator_signals {
     };
 }
 
-/// Its flags: bit, name of the bit, name, where an estimate of `estimation` says it, meaning. What no estimator
-/// says but the process that runs it stands in `process`.
+/// Its flags: bit, name of the bit, name, where an estimate of `estimation` says it, meaning, and what else is known of
+/// a [`Flag`]. What no estimator says but the process that runs it stands in `process`.
 #[macro_export]
 macro_rules! excavator_flags {
     ($then:ident) => {
         $then! {
             estimator {
-                0 EXCITED excited (flags.excited) "The motion carries information about the inertia.";
-                1 CONSISTENT consistent (flags.consistent) "Innovations agree with their predicted size.";
-                2 FRESH fresh (flags.fresh) "Inputs are recent and complete.";
-                3 CONVERGED converged (flags.converged) "The interval is narrower than the stated limit.";
-                4 IDENTIFIABLE identifiable (flags.identifiable) "These inputs can determine the inertia at all.";
-                5 HELD held (flags.held) "Standstill: the estimate is held.";
-                6 CHANGING changing (flags.changing) "The payload is changing.";
-                7 RESET reset (flags.reset) "The filter was reset at this sample.";
-                8 TRUSTED trusted (flags.trusted()) "The estimate may be believed: excited, consistent, fresh, converged and identifiable, the payload not changing, the row not refused.";
-                9 NOMINAL nominal (flags.nominal) "Paper mode: the nominal-parameter rule acted (Eqs. 28-29).";
-                10 WINDOW window (flags.window) "Paper mode: inside a change window (section 3.5).";
-                11 REFUSED refused (flags.refused) "The row was refused (time not increasing or not finite); the state is untouched.";
+                0 EXCITED excited (flags.excited) "The motion carries information about the inertia." { column: true, frame: Some(1) };
+                1 CONSISTENT consistent (flags.consistent) "Innovations agree with their predicted size." { column: true, frame: Some(2) };
+                2 FRESH fresh (flags.fresh) "Inputs are recent and complete." { column: true, frame: Some(3) };
+                3 CONVERGED converged (flags.converged) "The interval is narrower than the stated limit." { column: true, frame: Some(4) };
+                4 IDENTIFIABLE identifiable (flags.identifiable) "These inputs can determine the inertia at all." { column: true, frame: Some(5) };
+                5 HELD held (flags.held) "Standstill: the estimate is held." { column: true };
+                6 CHANGING changing (flags.changing) "The payload is changing." { column: true, frame: Some(6) };
+                7 RESET reset (flags.reset) "The filter was reset at this sample." { column: true };
+                8 TRUSTED trusted (flags.trusted()) "The estimate may be believed: excited, consistent, fresh, converged and identifiable, the payload not changing, the row not refused." { column: true, frame: Some(0) };
+                9 NOMINAL nominal (flags.nominal) "Paper mode: the nominal-parameter rule acted (Eqs. 28-29)." {};
+                10 WINDOW window (flags.window) "Paper mode: inside a change window (section 3.5)." {};
+                11 REFUSED refused (flags.refused) "The row was refused (time not increasing or not finite); the state is untouched." {};
             }
             process {
-                12 RESTARTED restarted "The service was started again and has not been trusted since.";
+                12 RESTARTED restarted "The service was started again and has not been trusted since." {};
             }
         }
     };
 }
 
-/// What its estimates can hold: bit of `estimated`, name of the bit, name, meaning.
+/// What its estimates hold. Calls the macro `$then` with three blocks.
+/// `estimated`: bit, name of the bit, name, where an estimate of `estimation` says that it has it (always after the first
+/// accepted row where nothing stands), meaning.
+/// `first` and `later`, before and behind the bits in the message (a later one is added at the end): name and place in
+/// the estimate, the same of its standard deviation, unit, meaning, and what else is known of a [`Quantity`].
 #[macro_export]
 macro_rules! excavator_quantities {
     ($then:ident) => {
         $then! {
-            0 DAMPING damping "Damping.";
-            1 TORQUE torque "Torque.";
-            2 PAYLOAD payload "Payload.";
-            3 FRICTION friction "Coulomb friction.";
-            4 OFFSET offset "Torque offset.";
-            5 INERTIA inertia "Inertia (every method has it; 0 until the first accepted row).";
-            6 ACCELERATION acceleration "Acceleration.";
+            estimated {
+                0 DAMPING damping (damping.is_some()) "Damping.";
+                1 TORQUE torque (torque.is_some()) "Torque.";
+                2 PAYLOAD payload (payload.is_some()) "Payload.";
+                3 FRICTION friction (friction.is_some()) "Coulomb friction.";
+                4 OFFSET offset (offset.is_some()) "Torque offset.";
+                5 INERTIA inertia () "Inertia (every method has it; 0 until the first accepted row).";
+                6 ACCELERATION acceleration () "Acceleration.";
+            }
+            first {
+                inertia (inertia) [inertia_std (inertia_std)] "kg m^2" "Swing inertia." {
+                    estimated: INERTIA, trusted: TRUSTED, is_headline: true, shown: 1, label: "Swing inertia", symbol: "J", range: POSITIVE,
+                    column: Column::Always, frame: frame("inertia", 0xff10, 0.1, 0.0)
+                };
+                damping (damping.unwrap_or_default().value) [damping_std (damping.unwrap_or_default().std)] "N m s/rad" "Viscous damping." {
+                    estimated: DAMPING, trusted: TRUSTED, shown: 4, label: "Damping", range: POSITIVE, is_of_machine: true,
+                    column: Column::Always, frame: frame("damping", 0xff12, 0.1, 0.0),
+                    kept: Some(["machine.nominal_damping", "prior.damping_std"])
+                };
+                torque (torque.unwrap_or_default().value) [torque_std (torque.unwrap_or_default().std)] "N m" "Torque." {
+                    estimated: TORQUE, shown: 3, label: "Torque", column: Column::Always
+                };
+                payload (payload.unwrap_or_default().value) [payload_std (payload.unwrap_or_default().std)] "kg" "Payload." {
+                    estimated: PAYLOAD, trusted: TRUSTED, shown: 2, label: "Payload", range: POSITIVE, is_load: true,
+                    column: Column::Always, frame: frame("payload", 0xff11, 0.01, -1e6)
+                };
+                velocity (velocity) [] "rad/s" "Swing velocity." { shown: 7, label: "Swing velocity", column: Column::Always };
+                acceleration (acceleration) [] "rad/s^2" "Swing acceleration." {
+                    estimated: ACCELERATION, shown: 8, label: "Swing acceleration", column: Column::Always
+                };
+                friction (friction.unwrap_or_default().value) [friction_std (friction.unwrap_or_default().std)] "N m" "Coulomb friction torque." {
+                    estimated: FRICTION, shown: 5, label: "Coulomb friction", range: POSITIVE, column: Column::WhereEstimated
+                };
+                offset (offset.unwrap_or_default().value) [offset_std (offset.unwrap_or_default().std)] "N m" "Torque offset." {
+                    estimated: OFFSET, shown: 6, label: "Torque offset", column: Column::WhereEstimated
+                };
+                nis (nis) [] "" "Normalised innovation squared of this sample, 0 where none was accepted." {};
+                forgetting_inertia (forgetting[0]) [] "" "Forgetting factor of the inertia (regressions; else 0)." {};
+                forgetting_damping (forgetting[1]) [] "" "Forgetting factor of the damping." {};
+                forgetting_torque (forgetting[2]) [] "" "Forgetting factor of the torque." {};
+            }
+            later {
+            }
         }
     };
 }
@@ -120,6 +160,18 @@ macro_rules! excavator_methods {
 
 /// Of each group, a machine must have one.
 pub const REQUIRED: &[&[&str]] = &[&["swing_velocity", "swing_angle"]];
+
+/// What holds for a quantity of which nothing else is said.
+const EVERY: Quantity = Quantity {
+    excited: bits::EXCITED,
+    ..Quantity::NONE
+};
+
+/// Its frames on a CAN bus beside those of quantities.
+pub const VERDICT_FRAME: VerdictFrame = VerdictFrame {
+    group: 0xff1f,
+    simulated: 7,
+};
 
 tables!(
     excavator_signals,

@@ -1,7 +1,8 @@
 //! A machine is one sheet: its signals, flags, quantities, reasons and methods, a row each.
 //!
 //! Everything that lists them reads it here: messages and their bits, samples and reasons of `estimation`, the
-//! conversions between both, CSV columns and maps, the schema in every language, the tables for C and FMI.
+//! conversions between both, CSV columns and maps, CAN frames, the schema in every language, pages, terminal and fleet
+//! lists, what is remembered from run to run, the tables for C and FMI.
 //! A row says what is a fact of the machine, or what two readers need; what one output needs stands there.
 //!
 //! | what | where |
@@ -70,6 +71,190 @@ impl Entry {
     };
 }
 
+/// A bit of the verdict.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Flag {
+    /// The bit, its name, its meaning.
+    pub entry: Entry,
+    /// It has a column in tables.
+    pub column: bool,
+    /// Its place in the frame of the verdict.
+    pub frame: Option<u32>,
+}
+
+impl Flag {
+    const NONE: Self = Self {
+        entry: Entry::NONE,
+        column: false,
+        frame: None,
+    };
+}
+
+/// A number of an estimate, with its standard deviation where it has one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Quantity {
+    /// Name of the field; the truth has it under the same name.
+    pub name: &'static str,
+    /// Name of the field of its standard deviation.
+    pub std: Option<&'static str>,
+    /// SI unit, "" for a pure number.
+    pub unit: &'static str,
+    /// What it is, with its sign.
+    pub doc: &'static str,
+    /// Bits of `estimated` without which the method does not know it.
+    pub estimated: u32,
+    /// Bit of `flags` by which it is believed; 0 where nobody needs to.
+    pub trusted: u32,
+    /// The machine is about it: that bit is its own verdict.
+    pub is_headline: bool,
+    /// Bit of `flags` that says that the motion informs about it.
+    pub excited: u32,
+    /// Place among those that people see, from 1, those that the machine is about first; 0 for none.
+    pub shown: u32,
+    /// What people call it, where it is shown.
+    pub label: &'static str,
+    /// Symbol of a headline.
+    pub symbol: &'static str,
+    /// Least and largest value of any machine.
+    pub range: (f64, f64),
+    /// A constant of the machine, no load changes it: to be compared with other days and machines of its type.
+    pub is_of_machine: bool,
+    /// A load in the bucket: to be summed over loads.
+    pub is_load: bool,
+    /// When it has a column in tables.
+    pub column: Column,
+    /// Its frame on a CAN bus.
+    pub frame: Option<Frame>,
+    /// Keys of the description that it and its standard deviation become in the next run.
+    pub kept: Option<[&'static str; 2]>,
+}
+
+impl Quantity {
+    const NONE: Self = Self {
+        name: "",
+        std: None,
+        unit: "",
+        doc: "",
+        estimated: 0,
+        trusted: 0,
+        is_headline: false,
+        excited: 0,
+        shown: 0,
+        label: "",
+        symbol: "",
+        range: (f64::NEG_INFINITY, f64::INFINITY),
+        is_of_machine: false,
+        is_load: false,
+        column: Column::Never,
+        frame: None,
+        kept: None,
+    };
+}
+
+/// Range of what is never negative.
+const POSITIVE: (f64, f64) = (0.0, f64::INFINITY);
+
+/// When a quantity has a column in tables.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Column {
+    /// In none.
+    Never,
+    /// In all.
+    Always,
+    /// Where the first row of the method has it.
+    WhereEstimated,
+}
+
+/// The CAN frame of a quantity, value and standard deviation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Frame {
+    /// Name in output maps.
+    pub name: &'static str,
+    /// Its usual parameter group.
+    pub group: u16,
+    /// Of one bit, in the unit.
+    pub scale: f64,
+    /// Of the value 0.
+    pub offset: f64,
+}
+
+/// The CAN frame of the verdict.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct VerdictFrame {
+    /// Its usual parameter group.
+    pub group: u16,
+    /// Place of the flag of simulated samples.
+    pub simulated: u32,
+}
+
+const fn frame(name: &'static str, group: u16, scale: f64, offset: f64) -> Option<Frame> {
+    Some(Frame {
+        name,
+        group,
+        scale,
+        offset,
+    })
+}
+
+/// The bits and names of flags.
+#[must_use]
+pub const fn flag_entries<const N: usize>(flags: &[Flag]) -> [Entry; N] {
+    let mut entries = [Entry::NONE; N];
+    let mut i = 0;
+    while i < N {
+        entries[i] = flags[i].entry;
+        i += 1;
+    }
+    entries
+}
+
+/// How many quantities people see.
+#[must_use]
+pub const fn count_shown(quantities: &[Quantity]) -> usize {
+    let (mut count, mut i) = (0, 0);
+    while i < quantities.len() {
+        count += (quantities[i].shown > 0) as usize;
+        i += 1;
+    }
+    count
+}
+
+/// How many quantities have a CAN frame.
+#[must_use]
+pub const fn count_framed(quantities: &[Quantity]) -> usize {
+    let (mut count, mut i) = (0, 0);
+    while i < quantities.len() {
+        count += quantities[i].frame.is_some() as usize;
+        i += 1;
+    }
+    count
+}
+
+/// How many flags the frame of the verdict has, that of simulated samples among them.
+#[must_use]
+pub const fn count_framed_flags(flags: &[Flag]) -> usize {
+    let (mut count, mut i) = (1, 0);
+    while i < flags.len() {
+        count += flags[i].frame.is_some() as usize;
+        i += 1;
+    }
+    count
+}
+
+/// The quantities that people see, in their order.
+#[must_use]
+pub const fn shown<const N: usize>(quantities: &'static [Quantity]) -> [&'static Quantity; N] {
+    let mut all = [&Quantity::NONE; N];
+    let mut i = 0;
+    while i < quantities.len() {
+        if quantities[i].shown > 0 {
+            all[quantities[i].shown as usize - 1] = &quantities[i];
+        }
+        i += 1;
+    }
+    all
+}
+
 /// Bits of the signals of this presence.
 #[must_use]
 pub const fn bits(signals: &[Signal], presence: Presence) -> u32 {
@@ -126,24 +311,80 @@ const fn entry(number: u32, name: &'static str, doc: &'static str) -> Entry {
 /// `FLAGS` of rows, each at the place of its bit.
 macro_rules! flags {
     (
-        estimator { $( $bit:literal $const:ident $name:ident ($($place:tt)*) $doc:literal; )* }
-        process { $( $bit2:literal $const2:ident $name2:ident $doc2:literal; )* }
+        estimator { $( $bit:literal $const:ident $name:ident ($($place:tt)*) $doc:tt { $( $fact:ident: $is:expr ),* }; )* }
+        process { $( $bit2:literal $const2:ident $name2:ident $doc2:tt { $( $fact2:ident: $is2:expr ),* }; )* }
     ) => {
         /// Bits of `flags` in an estimate, in their order.
-        pub const FLAGS: &[Entry] = &{
-            let mut all = [Entry::NONE; [$( $bit, )* $( $bit2 ),*].len()];
-            $( all[$bit] = entry(1 << $bit, stringify!($name), $doc); )*
-            $( all[$bit2] = entry(1 << $bit2, stringify!($name2), $doc2); )*
+        pub const FLAGS: &[Flag] = &{
+            let mut all = [Flag::NONE; [$( $bit, )* $( $bit2 ),*].len()];
+            $( all[$bit] = Flag { $( $fact: $is, )* entry: entry(1 << $bit, stringify!($name), $doc), ..Flag::NONE }; )*
+            $( all[$bit2] = Flag { $( $fact2: $is2, )* entry: entry(1 << $bit2, stringify!($name2), $doc2), ..Flag::NONE }; )*
             all
         };
     };
 }
 
-/// `QUANTITIES` of rows.
+/// `QUANTITIES` and `ESTIMATED` of rows.
 macro_rules! quantities {
-    ($( $bit:literal $const:ident $name:ident $doc:literal; )*) => {
+    (
+        estimated { $( $bit:literal $const:ident $bit_name:ident ($($has:tt)*) $bit_doc:tt; )* }
+        first { $( $name:ident ($($place:tt)*) [$( $std:ident ($($std_place:tt)*) )?] $unit:tt $doc:tt { $( $fact:ident: $is:expr ),* }; )* }
+        later { $( $name2:ident ($($place2:tt)*) [$( $std2:ident ($($std_place2:tt)*) )?] $unit2:tt $doc2:tt { $( $fact2:ident: $is2:expr ),* }; )* }
+    ) => {
         /// Bits of `estimated` in an estimate.
-        pub const QUANTITIES: &[Entry] = &[$( entry(1 << $bit, stringify!($name), $doc) ),*];
+        pub const ESTIMATED: &[Entry] = &[$( entry(1 << $bit, stringify!($bit_name), $bit_doc) ),*];
+
+        /// The numbers of an estimate, in the order of its message.
+        pub const QUANTITIES: &[Quantity] = &{
+            use bits::*;
+            [
+                $( Quantity {
+                    $( $fact: $is, )*
+                    $( std: Some(stringify!($std)), )?
+                    name: stringify!($name), unit: $unit, doc: $doc, ..EVERY
+                }, )*
+                $( Quantity {
+                    $( $fact2: $is2, )*
+                    $( std: Some(stringify!($std2)), )?
+                    name: stringify!($name2), unit: $unit2, doc: $doc2, ..EVERY
+                }, )*
+            ]
+        };
+    };
+}
+
+/// Constants of the bits of signals.
+macro_rules! signal_bits {
+    (
+        first { $( $bit:literal $const:ident $name:ident $place:tt $unit:tt $doc:tt $presence:ident; )* }
+        later { $( $bit2:literal $const2:ident $name2:ident $place2:tt $unit2:tt $doc2:tt $presence2:ident; )* }
+        switches { $( $bit3:literal $const3:ident $name3:ident $place3:tt $unit3:tt $doc3:tt $presence3:ident; )* }
+    ) => {
+        $( #[doc = $doc] pub const $const: u32 = 1 << $bit; )*
+        $( #[doc = $doc2] pub const $const2: u32 = 1 << $bit2; )*
+        $( #[doc = $doc3] pub const $const3: u32 = 1 << $bit3; )*
+    };
+}
+
+/// Constants of the bits of flags.
+macro_rules! flag_bits {
+    (
+        estimator { $( $bit:literal $const:ident $name:ident $place:tt $doc:tt $facts:tt; )* }
+        process { $( $bit2:literal $const2:ident $name2:ident $doc2:tt $facts2:tt; )* }
+    ) => {
+        $( #[doc = $doc] pub const $const: u32 = 1 << $bit; )*
+        $( #[doc = $doc2] pub const $const2: u32 = 1 << $bit2; )*
+    };
+}
+
+/// Constants of the bits of quantities.
+macro_rules! estimated_bits {
+    (
+        estimated { $( $bit:literal $const:ident $name:ident $has:tt $doc:tt; )* }
+        first $first:tt
+        later $later:tt
+    ) => {
+        $( #[doc = $doc] pub const $const: u32 = 1 << $bit; )*
     };
 }
 
@@ -166,7 +407,18 @@ macro_rules! methods {
 /// All constants of a machine from its rows.
 macro_rules! tables {
     ($signals:ident, $flags:ident, $quantities:ident, $reasons:ident, $methods:ident) => {
-        use $crate::{Entry, Presence, Signal, entry, signal};
+        use $crate::{
+            Column, Entry, Flag, POSITIVE, Presence, Quantity, Signal, VerdictFrame, entry, frame,
+            signal,
+        };
+
+        /// Its bits by name.
+        pub mod bits {
+            $signals!(signal_bits);
+            $flags!(flag_bits);
+            $quantities!(estimated_bits);
+        }
+
         $signals!(signals);
         $flags!(flags);
         $quantities!(quantities);
@@ -208,9 +460,10 @@ mod tests {
     #[test]
     fn bits_and_codes_are_used_once_and_in_order() {
         for flags in [excavator::FLAGS, loader::FLAGS] {
-            assert!(flags.iter().enumerate().all(|(i, f)| f.number == 1 << i));
+            let has_bit = |(i, f): (usize, &Flag)| f.entry.number == 1 << i;
+            assert!(flags.iter().enumerate().all(has_bit));
         }
-        for bits in [excavator::QUANTITIES, loader::QUANTITIES] {
+        for bits in [excavator::ESTIMATED, loader::ESTIMATED] {
             assert!(bits.iter().enumerate().all(|(i, b)| b.number == 1 << i));
         }
         for codes in [
@@ -224,6 +477,41 @@ mod tests {
                 let same = codes.iter().filter(|c| c.name == code.name);
                 assert_eq!(same.count(), 1, "{}", code.name);
             }
+        }
+    }
+
+    #[test]
+    fn what_people_see_has_one_place_a_label_and_an_interval_where_it_is_judged() {
+        for quantities in [excavator::QUANTITIES, loader::QUANTITIES] {
+            let shown = quantities.iter().filter(|q| q.shown > 0);
+            assert!(shown.clone().all(|q| !q.label.is_empty()));
+            let sum: u32 = shown.map(|q| q.shown).sum();
+            let count = count_shown(quantities) as u32;
+            assert_eq!(sum, count * (count + 1) / 2, "places are 1, 2, 3, ...");
+            for q in quantities {
+                assert!(q.doc.ends_with('.'), "{}", q.name);
+                assert_eq!(q.is_headline, !q.symbol.is_empty(), "{}", q.name);
+                let is_judged = q.is_headline || q.frame.is_some() || q.kept.is_some();
+                let can_be = q.trusted != 0 && q.std.is_some();
+                assert!(!is_judged || can_be, "{}", q.name);
+                let same = quantities.iter().filter(|other| other.name == q.name);
+                assert_eq!(same.count(), 1, "{}", q.name);
+            }
+        }
+    }
+
+    #[test]
+    fn the_frame_of_the_verdict_has_no_gap_and_no_place_twice() {
+        for (flags, verdict) in [
+            (excavator::FLAGS, excavator::VERDICT_FRAME),
+            (loader::FLAGS, loader::VERDICT_FRAME),
+        ] {
+            let places = flags.iter().filter_map(|f| f.frame);
+            let used = places.fold(1 << verdict.simulated, |used: u32, place| {
+                assert_eq!(used >> place & 1, 0, "place {place} is used twice");
+                used | 1 << place
+            });
+            assert_eq!(used.trailing_ones(), used.count_ones(), "{used:b}");
         }
     }
 }

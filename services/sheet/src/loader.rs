@@ -36,47 +36,104 @@ macro_rules! loader_signals {
     };
 }
 
-/// Its flags: bit, name of the bit, name, where an estimate of `estimation` says it, meaning. What no estimator
-/// says but the process that runs it stands in `process`.
+/// Its flags: bit, name of the bit, name, where an estimate of `estimation` says it, meaning, and what else is known of
+/// a [`Flag`]. What no estimator says but the process that runs it stands in `process`.
 #[macro_export]
 macro_rules! loader_flags {
     ($then:ident) => {
         $then! {
             estimator {
-                0 EXCITED_RATIO excited_ratio (excited_ratio) "The motion carries information about the ratio.";
-                1 EXCITED_HEIGHT excited_height (excited_height) "The motion carries information about the height.";
-                2 CONSISTENT consistent (consistent) "Innovations agree with their predicted size.";
-                3 FRESH fresh (fresh) "Inputs are recent and complete.";
-                4 CONVERGED_RATIO converged_ratio (converged_ratio) "The interval of the ratio is narrower than the stated limit.";
-                5 CONVERGED_HEIGHT converged_height (converged_height) "The interval of the height is narrower than the stated limit.";
-                6 FROZEN frozen (frozen) "Parameters are frozen (low speed, digging).";
-                7 RESET reset (reset) "A reset happened within the last 2 s.";
-                8 TRUSTED_RATIO trusted_ratio (trusted_ratio) "The ratio may be believed.";
-                9 TRUSTED_HEIGHT trusted_height (trusted_height) "The height may be believed.";
-                10 REFUSED refused (is_refused()) "The row was refused (time not increasing or not finite); the state is untouched.";
-                11 DIVERGED diverged (has_diverged()) "The filter diverged (only methods without protection).";
-                12 IDENTIFIABLE_RATIO identifiable_ratio (identifiable_ratio) "These inputs can determine the ratio, and it is not at a bound.";
-                13 IDENTIFIABLE_HEIGHT identifiable_height (identifiable_height) "These inputs can determine the height, and it is not at a bound.";
-                15 TRUSTED_PAYLOAD trusted_payload (trusted_payload) "The payload may be believed.";
+                0 EXCITED_RATIO excited_ratio (excited_ratio) "The motion carries information about the ratio." { column: true, frame: Some(2) };
+                1 EXCITED_HEIGHT excited_height (excited_height) "The motion carries information about the height." { column: true, frame: Some(3) };
+                2 CONSISTENT consistent (consistent) "Innovations agree with their predicted size." { column: true, frame: Some(4) };
+                3 FRESH fresh (fresh) "Inputs are recent and complete." { column: true, frame: Some(5) };
+                4 CONVERGED_RATIO converged_ratio (converged_ratio) "The interval of the ratio is narrower than the stated limit." { column: true, frame: Some(6) };
+                5 CONVERGED_HEIGHT converged_height (converged_height) "The interval of the height is narrower than the stated limit." { column: true, frame: Some(7) };
+                6 FROZEN frozen (frozen) "Parameters are frozen (low speed, digging)." { column: true };
+                7 RESET reset (reset) "A reset happened within the last 2 s." { column: true };
+                8 TRUSTED_RATIO trusted_ratio (trusted_ratio) "The ratio may be believed." { column: true, frame: Some(0) };
+                9 TRUSTED_HEIGHT trusted_height (trusted_height) "The height may be believed." { column: true, frame: Some(1) };
+                10 REFUSED refused (is_refused()) "The row was refused (time not increasing or not finite); the state is untouched." {};
+                11 DIVERGED diverged (has_diverged()) "The filter diverged (only methods without protection)." {};
+                12 IDENTIFIABLE_RATIO identifiable_ratio (identifiable_ratio) "These inputs can determine the ratio, and it is not at a bound." { frame: Some(8) };
+                13 IDENTIFIABLE_HEIGHT identifiable_height (identifiable_height) "These inputs can determine the height, and it is not at a bound." { frame: Some(9) };
+                15 TRUSTED_PAYLOAD trusted_payload (trusted_payload) "The payload may be believed." {};
             }
             process {
-                14 RESTARTED restarted "The service was started again and has not been trusted since.";
+                14 RESTARTED restarted "The service was started again and has not been trusted since." {};
             }
         }
     };
 }
 
-/// What its estimates can hold: bit of `estimated`, name of the bit, name, meaning.
+/// What its estimates hold. Calls the macro `$then` with three blocks.
+/// `estimated`: bit, name of the bit, name, where an estimate of `estimation` says that it has it (always after the first
+/// accepted row where nothing stands), meaning.
+/// `first` and `later`, before and behind the bits in the message (a later one is added at the end): name and place in
+/// the estimate, the same of its standard deviation, unit, meaning, and what else is known of a [`Quantity`].
 #[macro_export]
 macro_rules! loader_quantities {
     ($then:ident) => {
         $then! {
-            0 STATE state "Speed, wheel speeds, slip stiffness, height, ratio (0 until the first accepted row).";
-            1 ESTIMATED_SPADE_FORCE_X spade_force_x "Horizontal spade force.";
-            2 SLOPE_BIAS slope_bias "Slope bias.";
-            3 RADIUS_SCALES radius_scales "Rolling-radius scales.";
-            4 SPEED_DELAY speed_delay "Delay of the speed.";
-            5 PAYLOAD payload "Payload.";
+            estimated {
+                0 STATE state () "Speed, wheel speeds, slip stiffness, height, ratio (0 until the first accepted row).";
+                1 ESTIMATED_SPADE_FORCE_X spade_force_x (spade_force_x.is_some()) "Horizontal spade force.";
+                2 SLOPE_BIAS slope_bias (slope_bias.is_some()) "Slope bias.";
+                3 RADIUS_SCALES radius_scales (front_radius_scale.is_some()) "Rolling-radius scales.";
+                4 SPEED_DELAY speed_delay (speed_delay.is_some()) "Delay of the speed.";
+                5 PAYLOAD payload (payload.is_some()) "Payload.";
+            }
+            first {
+                speed (speed) [] "m/s" "Forward speed." {
+                    estimated: STATE, shown: 5, label: "Speed", column: Column::Always
+                };
+                front_wheel_speed (front_wheel_speed) [] "rad/s" "Speed of the front wheels." {
+                    estimated: STATE, column: Column::Always
+                };
+                rear_wheel_speed (rear_wheel_speed) [] "rad/s" "Speed of the rear wheels." {
+                    estimated: STATE, column: Column::Always
+                };
+                slip_stiffness (slip_stiffness.value) [slip_stiffness_std (slip_stiffness.std)] "" "Slip stiffness of the tyres, F_x = K slip F_z." {
+                    estimated: STATE, trusted: TRUSTED_RATIO, shown: 3, label: "Tyre slip stiffness", range: POSITIVE, is_of_machine: true,
+                    column: Column::Always, kept: Some(["prior.slip_stiffness", "prior.slip_stiffness_std"])
+                };
+                cg_height (cg_height.value) [cg_height_std (cg_height.std)] "m" "Height of the centre of gravity above ground." {
+                    estimated: STATE, trusted: TRUSTED_HEIGHT, excited: EXCITED_HEIGHT, is_headline: true,
+                    shown: 2, label: "Height of the centre of gravity", symbol: "h", range: POSITIVE,
+                    column: Column::Always, frame: frame("height", 0xff21, 1e-5, 0.0),
+                    kept: Some(["prior.cg_height", "prior.cg_height_std"])
+                };
+                cg_ratio (cg_ratio.value) [cg_ratio_std (cg_ratio.std)] "" "Share of the static weight on the front axle." {
+                    estimated: STATE, trusted: TRUSTED_RATIO, is_headline: true,
+                    shown: 1, label: "Share of the weight on the front axle", symbol: "λ", range: (0.0, 1.0),
+                    column: Column::Always, frame: frame("ratio", 0xff20, 1e-6, 0.0),
+                    kept: Some(["prior.cg_ratio", "prior.cg_ratio_std"])
+                };
+                cg_distance (cg_distance) [] "m" "Distance from the front axle to the centre of gravity." {
+                    estimated: STATE, column: Column::Always
+                };
+                spade_force_x (spade_force_x.unwrap_or_default().value) [spade_force_x_std (spade_force_x.unwrap_or_default().std)] "N" "Horizontal spade force, measured plus unknown." {
+                    estimated: ESTIMATED_SPADE_FORCE_X, shown: 4, label: "Horizontal spade force", column: Column::Always
+                };
+                slope_bias (slope_bias.unwrap_or_default()) [] "rad" "Bias of the slope sensor (true slope = measured - bias)." {
+                    estimated: SLOPE_BIAS, shown: 6, label: "Bias of the slope sensor", column: Column::Always
+                };
+                front_radius_scale (front_radius_scale.unwrap_or_default()) [] "" "Rolling radius of the front wheels over its nominal value." {
+                    estimated: RADIUS_SCALES, shown: 7, label: "Front rolling radius over nominal", range: POSITIVE, column: Column::Always
+                };
+                rear_radius_scale (rear_radius_scale.unwrap_or_default()) [] "" "Rolling radius of the rear wheels over its nominal value." {
+                    estimated: RADIUS_SCALES, shown: 8, label: "Rear rolling radius over nominal", range: POSITIVE, column: Column::Always
+                };
+                nis (nis) [] "" "Normalised innovation squared of this sample per accepted measurement." { column: Column::Always };
+                speed_delay (speed_delay.unwrap_or_default().value) [speed_delay_std (speed_delay.unwrap_or_default().std)] "s" "Delay of the measured speed." {
+                    estimated: SPEED_DELAY
+                };
+            }
+            later {
+                payload (payload.unwrap_or_default().value) [payload_std (payload.unwrap_or_default().std)] "kg" "Payload." {
+                    estimated: PAYLOAD, trusted: TRUSTED_PAYLOAD, is_load: true, column: Column::WhereEstimated
+                };
+            }
         }
     };
 }
@@ -134,6 +191,18 @@ pub const REQUIRED: &[&[&str]] = &[
     &["rear_torque"],
     &["slope"],
 ];
+
+/// What holds for a quantity of which nothing else is said.
+const EVERY: Quantity = Quantity {
+    excited: bits::EXCITED_RATIO,
+    ..Quantity::NONE
+};
+
+/// Its frames on a CAN bus beside those of quantities.
+pub const VERDICT_FRAME: VerdictFrame = VerdictFrame {
+    group: 0xff2f,
+    simulated: 10,
+};
 
 tables!(
     loader_signals,

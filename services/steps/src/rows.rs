@@ -26,7 +26,7 @@ macro_rules! sample_of_message {
 /// `flags()` of an estimate as bits; those of the process are set by who runs it. Needs `Estimate` in scope.
 macro_rules! flags_of_estimate {
     (
-        estimator { $( $bit:literal $const:ident $name:ident ($($place:tt)*) $doc:tt; )* }
+        estimator { $( $bit:literal $const:ident $name:ident ($($place:tt)*) $doc:tt $facts:tt; )* }
         process $process:tt
     ) => {
         fn flags(e: &Estimate) -> u32 {
@@ -35,4 +35,38 @@ macro_rules! flags_of_estimate {
     };
 }
 
-pub(crate) use {flags_of_estimate, sample_of_message};
+/// `numbers()` of an estimate, put into its message, and `estimated()`, the bits of those that it has. Needs `Estimate`
+/// and `EstimateMessage` in scope.
+macro_rules! numbers_of_estimate {
+    (
+        estimated { $( $bit:literal $const:ident $bit_name:ident ($($has:tt)*) $bit_doc:tt; )* }
+        first { $( $name:ident ($($place:tt)*) [$( $std:ident ($($std_place:tt)*) )?] $unit:tt $doc:tt $facts:tt; )* }
+        later { $( $name2:ident ($($place2:tt)*) [$( $std2:ident ($($std_place2:tt)*) )?] $unit2:tt $doc2:tt $facts2:tt; )* }
+    ) => {
+        /// What the method does not estimate stays 0.
+        fn numbers(e: &Estimate) -> EstimateMessage {
+            EstimateMessage {
+                $( $name: e.$($place)*, $( $std: e.$($std_place)*, )? )*
+                $( $name2: e.$($place2)*, $( $std2: e.$($std_place2)*, )? )*
+                ..EstimateMessage::default()
+            }
+        }
+
+        /// `started`: a row has been accepted.
+        fn estimated(e: &Estimate, started: bool) -> u32 {
+            0 $( | u32::from(started && $crate::rows::has!(e, $($has)*)) << $bit )*
+        }
+    };
+}
+
+/// Whether an estimate has something; always, where no place says so.
+macro_rules! has {
+    ($e:ident,) => {
+        true
+    };
+    ($e:ident, $($place:tt)+) => {
+        $e.$($place)+
+    };
+}
+
+pub(crate) use {flags_of_estimate, has, numbers_of_estimate, sample_of_message};

@@ -1,26 +1,10 @@
 //! What report, live page and terminal need to know of an estimate: its parameters with label,
 //! unit, truth and verdict, in one table per machine.
 
-/// A parameter without verdict, whose errors count while the bit `$excited` is set; `$truth` says where the truth of it stands.
-macro_rules! parameter {
-    ($excited:expr, $key:literal, $label:literal, $unit:literal, $possible:expr, $value:ident, $std:expr, $bit:expr, $truth:expr) => {
-        $crate::estimate::Parameter {
-            key: $key,
-            label: $label,
-            unit: $unit,
-            possible: $possible,
-            value: |e| e.$value,
-            std: $std,
-            estimated: |e| e.estimated & $bit != 0,
-            truth: $truth,
-            trusted: 0,
-            excited: $excited,
-        }
-    };
-}
-pub(crate) use parameter;
+use std::marker::PhantomData;
 
-use messages::{Machine, Message};
+use messages::{Field, HEAD, Machine, Message, Value};
+use sheet::Quantity;
 
 use crate::panels::Panel;
 use crate::run::Estimator;
@@ -45,8 +29,6 @@ pub trait Estimate: Message {
     const MOTION_NAME: (&'static str, f64);
     /// Keys of the parameters that are told of each stretch of motion.
     const STRETCH: &'static [&'static str];
-    /// Keys of those whose sum over the stretches means something.
-    const SUMMED: &'static [&'static str];
 
     /// How fast the machine moves [rad/s, m/s].
     fn motion(&self) -> f64;
@@ -96,8 +78,8 @@ pub struct InnovationRule {
     pub limit: f64,
 }
 
-/// A quantity of an estimate.
-#[derive(Debug)]
+/// A quantity of an estimate: a row of the sheet, with its places in the messages.
+#[derive(Debug, Clone, Copy)]
 pub struct Parameter<E, T> {
     /// Name of the field, as in the CSV.
     pub key: &'static str,
@@ -107,47 +89,121 @@ pub struct Parameter<E, T> {
     pub unit: &'static str,
     /// What it can be, in the machine as it is built; a plot's axis goes no further.
     pub possible: (f64, f64),
-    pub(crate) value: fn(&E) -> f64,
-    pub(crate) std: Option<fn(&E) -> f64>,
-    pub(crate) estimated: fn(&E) -> bool,
-    pub(crate) truth: Option<fn(&T) -> Option<f64>>,
     /// Bit of [`Estimate::flags`] that says that it may be believed; 0 where there is no verdict.
     pub trusted: u32,
     /// Bit that says that the motion informs about it; errors are counted there.
     pub excited: u32,
+    /// A load in the bucket: its sum over the stretches means something.
+    pub is_load: bool,
+    /// A constant of the machine, which no load changes.
+    pub is_of_machine: bool,
+    /// Bits of `estimated` that say that the method has it; any of them, where none is its own.
+    estimated: u32,
+    /// Places of value, standard deviation and `estimated` in the estimate.
+    value: Option<usize>,
+    std: Option<usize>,
+    bits: Option<usize>,
+    /// Places of value and `known` in the truth.
+    truth: Option<usize>,
+    known: Option<usize>,
+    messages: PhantomData<fn(&E, &T)>,
 }
 
-/// Any number.
-pub(crate) const ANY: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
-/// No negative number.
-pub(crate) const POSITIVE: (f64, f64) = (0.0, f64::INFINITY);
-
-/// A true value, where its bit of `known` says so.
-pub(crate) fn known(known: u32, bit: u32, value: f64) -> Option<f64> {
-    (known & (1 << bit) != 0).then_some(value)
+/// The parameters of a machine from the rows of its sheet that people see, in their order.
+pub(crate) const fn parameters<E: Message, T: Message, const N: usize>(
+    quantities: &'static [Quantity],
+) -> [Parameter<E, T>; N] {
+    let shown = sheet::shown::<N>(quantities);
+    let mut parameters = [Parameter::of(shown[0]); N];
+    let mut i = 1;
+    while i < N {
+        parameters[i] = Parameter::of(shown[i]);
+        i += 1;
+    }
+    parameters
 }
 
-impl<E, T> Parameter<E, T> {
+/// The place of a field.
+const fn place(fields: &[Field], name: &str) -> Option<usize> {
+    let mut i = 0;
+    while i < fields.len() {
+        if is_same(fields[i].name.as_bytes(), name.as_bytes()) {
+            return Some(i);
+        }
+        i += 1;
+    }
+    None
+}
+
+const fn is_same(a: &[u8], b: &[u8]) -> bool {
+    let mut i = 0;
+    while i < a.len() && i < b.len() && a[i] == b[i] {
+        i += 1;
+    }
+    i == a.len() && i == b.len()
+}
+
+/// A number of a message, NaN where there is none.
+fn number<M: Message>(message: &M, place: Option<usize>) -> f64 {
+    let value = place.and_then(|place| message.get(place));
+    value.map_or(f64::NAN, Value::as_f64)
+}
+
+fn bits<M: Message>(message: &M, place: Option<usize>) -> u32 {
+    match place.and_then(|place| message.get(place)) {
+        Some(Value::U32(bits)) => bits,
+        _ => 0,
+    }
+}
+
+impl<E: Message, T: Message> Parameter<E, T> {
+    const fn of(q: &Quantity) -> Self {
+        Self {
+            key: q.name,
+            label: q.label,
+            unit: q.unit,
+            possible: q.range,
+            trusted: if q.is_headline { q.trusted } else { 0 },
+            excited: q.excited,
+            is_load: q.is_load,
+            is_of_machine: q.is_of_machine,
+            estimated: q.estimated,
+            value: place(E::FIELDS, q.name),
+            std: match q.std {
+                Some(std) => place(E::FIELDS, std),
+                None => None,
+            },
+            bits: place(E::FIELDS, "estimated"),
+            truth: place(T::FIELDS, q.name),
+            known: place(T::FIELDS, "known"),
+            messages: PhantomData,
+        }
+    }
+
+    fn is_estimated(&self, estimate: &E) -> bool {
+        let estimated = bits(estimate, self.bits);
+        estimated != 0 && estimated & self.estimated == self.estimated
+    }
+
     /// The value, NaN where the method does not estimate it.
     pub fn value(&self, estimate: &E) -> f64 {
-        if (self.estimated)(estimate) {
-            (self.value)(estimate)
-        } else {
-            f64::NAN
-        }
+        let value = self.value.filter(|_| self.is_estimated(estimate));
+        number(estimate, value)
     }
 
     /// Its standard deviation, NaN where there is none.
     pub fn std(&self, estimate: &E) -> f64 {
-        match self.std {
-            Some(std) if (self.estimated)(estimate) => std(estimate),
-            _ => f64::NAN,
-        }
+        let std = self.std.filter(|_| self.is_estimated(estimate));
+        number(estimate, std)
     }
 
-    /// The truth, NaN where it is not known.
+    /// The truth, NaN where it is not known: bit `i` of `known` belongs to the i-th field of the message itself.
     pub fn truth(&self, truth: &T) -> f64 {
-        self.truth.and_then(|f| f(truth)).unwrap_or(f64::NAN)
+        let known = bits(truth, self.known);
+        number(
+            truth,
+            self.truth.filter(|place| known >> (place - HEAD) & 1 == 1),
+        )
     }
 
     /// Whether heft gives a verdict on it.

@@ -6,7 +6,7 @@ mod figures;
 mod fits;
 
 use config::Description;
-use messages::{ExcavatorEstimate, ExcavatorSensors, ExcavatorTruth, excavator_bits as bits};
+use messages::{ExcavatorEstimate, ExcavatorSensors, ExcavatorTruth};
 use runtime::Source;
 use sensor::excavator::Simulator;
 use sim::cylinder::Gauges;
@@ -17,8 +17,6 @@ use super::{Figure, Later, Typed, all_scenarios, bad_run, cylinder_settings, no_
 use crate::commands::calibrate::CalibrateArgs;
 use crate::failure::Failure;
 use crate::plan::Plan;
-use crate::quantity::Quantity;
-use crate::state::Slow;
 
 pub(super) struct Excavator;
 
@@ -30,16 +28,6 @@ impl Typed for Excavator {
     const USUAL: &'static str = "base";
     const SHOWN: &'static str = "cycle";
     const SHOWN_SETTINGS: &'static [&'static str] = &[];
-    const TOLD: &'static [Quantity] = &[
-        inertia("excavator/inertia_ukf"),
-        inertia("excavator/inertia_rls"),
-    ];
-    const SLOW: &'static [Slow] = &[Slow {
-        channel: "excavator/inertia_ukf",
-        fields: ["damping", "damping_std"],
-        trusted: bits::TRUSTED,
-        keys: ["machine.nominal_damping", "prior.damping_std"],
-    }];
 
     fn scenarios() -> Vec<(String, String)> {
         let cases = cases();
@@ -149,20 +137,6 @@ impl Source for Simulated {
     fn next(&mut self) -> Option<(ExcavatorSensors, ExcavatorTruth)> {
         let next = self.rows.next()?;
         (next.0.stamp.time <= self.duration).then_some(next)
-    }
-}
-
-/// The swing inertia in a channel.
-const fn inertia(channel: &'static str) -> Quantity {
-    Quantity {
-        channel,
-        label: "swing inertia",
-        symbol: "J",
-        unit: "kg m²",
-        field: "inertia",
-        std_field: "inertia_std",
-        truth_field: "inertia",
-        trusted_bit: bits::TRUSTED,
     }
 }
 

@@ -4,7 +4,7 @@ mod calibrate;
 mod figures;
 
 use config::Description;
-use messages::{LoaderSensors, LoaderTruth, loader_bits as bits};
+use messages::{LoaderSensors, LoaderTruth};
 use runtime::Source;
 use sim::cylinder::Gauges;
 use sim::loader::{CASES, LiftArm, Run, Scenario, Size, Tier};
@@ -14,8 +14,6 @@ use super::{Figure, Typed, all_scenarios, bad_run, cylinder_settings, no_scenari
 use crate::commands::calibrate::CalibrateArgs;
 use crate::failure::Failure;
 use crate::plan::Plan;
-use crate::quantity::Quantity;
-use crate::state::Slow;
 
 pub(super) struct Loader;
 
@@ -30,29 +28,6 @@ impl Typed for Loader {
     const SHOWN_SETTINGS: &'static [&'static str] = &[
         "machine.radius_load_sensitivity=0.01",
         "machine.radius_load_sensitivity_std=0.001",
-    ];
-    const TOLD: &'static [Quantity] = &[
-        ratio("loader/cg_ukf"),
-        height("loader/cg_ukf"),
-        ratio("loader/cg_ekf"),
-        height("loader/cg_ekf"),
-    ];
-    const SLOW: &'static [Slow] = &[
-        slow(
-            ["slip_stiffness", "slip_stiffness_std"],
-            bits::TRUSTED_RATIO,
-            ["prior.slip_stiffness", "prior.slip_stiffness_std"],
-        ),
-        slow(
-            ["cg_ratio", "cg_ratio_std"],
-            bits::TRUSTED_RATIO,
-            ["prior.cg_ratio", "prior.cg_ratio_std"],
-        ),
-        slow(
-            ["cg_height", "cg_height_std"],
-            bits::TRUSTED_HEIGHT,
-            ["prior.cg_height", "prior.cg_height_std"],
-        ),
     ];
 
     fn scenarios() -> Vec<(String, String)> {
@@ -113,43 +88,5 @@ impl Typed for Loader {
 
     fn figures() -> Result<Vec<Figure>, Failure> {
         figures::all()
-    }
-}
-
-/// A parameter that the next run begins with.
-const fn slow(fields: [&'static str; 2], trusted: u32, keys: [&'static str; 2]) -> Slow {
-    Slow {
-        channel: "loader/cg_ukf",
-        fields,
-        trusted,
-        keys,
-    }
-}
-
-/// The position of the centre of gravity in a channel.
-const fn ratio(channel: &'static str) -> Quantity {
-    Quantity {
-        channel,
-        label: "front share of the weight",
-        symbol: "λ",
-        unit: "",
-        field: "cg_ratio",
-        std_field: "cg_ratio_std",
-        truth_field: "cg_ratio",
-        trusted_bit: bits::TRUSTED_RATIO,
-    }
-}
-
-/// Its height in a channel.
-const fn height(channel: &'static str) -> Quantity {
-    Quantity {
-        channel,
-        label: "height of the centre of gravity",
-        symbol: "h",
-        unit: "m",
-        field: "cg_height",
-        std_field: "cg_height_std",
-        truth_field: "cg_height",
-        trusted_bit: bits::TRUSTED_HEIGHT,
     }
 }

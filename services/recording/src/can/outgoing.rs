@@ -8,15 +8,18 @@
 //!
 //! The verdict has two bits a flag, as J1939 does: 0 no, 1 yes; its last byte is the code of the reason.
 
+mod dbc;
 mod map;
+mod table;
 
-use std::fmt::Write;
 use std::path::Path;
 
 use messages::channels::{Channel, Visitor};
 use messages::{Envelope, Machine, Message};
 
 use self::map::Parser;
+use self::table::Quantity;
+pub(crate) use self::table::{FrameTable, flags, quantities};
 use super::Frame;
 use super::node::{Name, Node};
 use crate::{Error, machines};
@@ -25,36 +28,6 @@ use crate::{Error, machines};
 const NOT_AVAILABLE: u32 = u32::MAX;
 /// Largest number that is a value: above are error and "not available".
 const LARGEST: f64 = 0xfaff_ffff_u32 as f64;
-
-/// A quantity with its standard deviation.
-pub(crate) struct Quantity {
-    pub name: &'static str,
-    /// Names of its signals in the DBC and of their fields in the message.
-    pub field: &'static str,
-    pub std_field: &'static str,
-    pub unit: &'static str,
-    /// Of one bit.
-    pub scale: f64,
-    /// Of the value 0.
-    pub offset: f64,
-    /// Bits that say that the method estimates it, and that it may be believed.
-    pub estimated: u32,
-    pub trusted: u32,
-    /// Its usual parameter group.
-    pub group: u16,
-}
-
-/// What the frames of one machine are.
-pub(crate) struct FrameTable {
-    pub machine: Machine,
-    /// Its channels of estimates, the main one first.
-    pub channels: &'static [&'static Channel],
-    pub quantities: &'static [Quantity],
-    /// Flags of the verdict.
-    pub flags: &'static [(&'static str, u32)],
-    /// Usual parameter group of the verdict.
-    pub verdict: u16,
-}
 
 /// The frames of a machine's estimates, as an output map says.
 ///
@@ -99,12 +72,6 @@ enum Content {
     Quantity([usize; 2], &'static Quantity),
     /// Flags, and position of the code of the reason.
     Verdict(&'static [(&'static str, u32)], usize),
-}
-
-impl std::fmt::Debug for Quantity {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(self.name)
-    }
 }
 
 /// Position of a field in the messages of a channel.
@@ -203,64 +170,12 @@ impl Outgoing {
         }
         other
     }
-
-    /// The DBC of the frames of one machine, or of several.
-    #[must_use]
-    pub fn dbc(all: &[Self]) -> String {
-        let mut out = String::from("VERSION \"\"\n\nNS_ :\n\nBS_:\n\nBU_: heft\n");
-        let kinds = || {
-            all.iter()
-                .flat_map(|o| o.kinds.iter().map(move |kind| (o.machine, kind)))
-        };
-        for (machine, kind) in kinds() {
-            let (id, name) = (kind.dbc_id(), kind.name);
-            let _ = write!(out, "\nBO_ {id} heft_{machine}_{name}: 8 heft\n");
-            kind.signals(&mut out);
-        }
-        out.push_str(ATTRIBUTES);
-        for (_, kind) in kinds() {
-            let format = if kind.extended { 3 } else { 0 };
-            let _ = writeln!(out, "BA_ \"VFrameFormat\" BO_ {} {format};", kind.dbc_id());
-        }
-        for outgoing in all {
-            let cycle = (outgoing.period * 1000.0).round().max(1.0);
-            for kind in &outgoing.kinds {
-                let id = kind.dbc_id();
-                let _ = writeln!(out, "BA_ \"GenMsgCycleTime\" BO_ {id} {cycle};");
-            }
-        }
-        if let Some(first) = all.first() {
-            let _ = writeln!(out, "BA_ \"NmStationAddress\" BU_ heft {};", first.source);
-        }
-        for (machine, kind) in kinds() {
-            kind.comments(machine, &mut out);
-        }
-        for (machine, kind) in kinds() {
-            kind.words(machine, &mut out);
-        }
-        out
-    }
 }
 
-/// Says that extended frames are J1939's.
-const ATTRIBUTES: &str = r#"
-BA_DEF_ "ProtocolType" STRING ;
-BA_DEF_ BO_ "VFrameFormat" ENUM "StandardCAN","ExtendedCAN","reserved","J1939PG";
-BA_DEF_ BO_ "GenMsgCycleTime" INT 0 65535;
-BA_DEF_ BU_ "NmStationAddress" INT 0 253;
-BA_DEF_DEF_ "GenMsgCycleTime" 0;
-BA_DEF_DEF_ "NmStationAddress" 128;
-BA_DEF_DEF_ "ProtocolType" "";
-BA_DEF_DEF_ "VFrameFormat" "J1939PG";
-BA_ "ProtocolType" "J1939";
-"#;
 /// First bit of the reason in the verdict.
 const REASON_AT: usize = 56;
 /// Largest code of a reason that a byte of J1939 can carry.
 const MOST_REASON: u64 = 0xfa;
-/// The two bits of a flag.
-const WORDS: &str = r#"0 "no" 1 "yes" 2 "error" 3 "not available""#;
-
 impl Kind {
     /// A DBC marks identifiers of 29 bits with the topmost one.
     fn dbc_id(&self) -> u32 {
@@ -270,83 +185,6 @@ impl Kind {
     /// Its parameter group, if it has one.
     fn group(&self) -> Option<u32> {
         self.extended.then_some(self.id >> 8 & 0x3_ffff)
-    }
-
-    /// What frame and signals mean.
-    fn comments(&self, machine: Machine, out: &mut String) {
-        let id = self.dbc_id();
-        match &self.content {
-            Content::Quantity(_, row) => {
-                let _ = writeln!(
-                    out,
-                    "CM_ BO_ {id} \"{} of the {machine}; not available unless trusted\";",
-                    row.name
-                );
-                let std = "standard deviation; the 95 % interval is the value +- 1.96 of it";
-                let _ = writeln!(out, "CM_ SG_ {id} {} \"{std}\";", row.std_field);
-            }
-            Content::Verdict(..) => {
-                let what = "whether the estimates may be believed, and why not";
-                let _ = writeln!(out, "CM_ BO_ {id} \"{what} ({machine})\";");
-            }
-        }
-    }
-
-    /// What single values mean.
-    fn words(&self, machine: Machine, out: &mut String) {
-        let id = self.dbc_id();
-        match &self.content {
-            Content::Quantity(_, row) => {
-                for signal in [row.field, row.std_field] {
-                    let _ = writeln!(
-                        out,
-                        "VAL_ {id} {signal} {NOT_AVAILABLE} \"not available\" ;"
-                    );
-                }
-            }
-            Content::Verdict(flags, _) => {
-                for (flag, _) in *flags {
-                    let _ = writeln!(out, "VAL_ {id} {flag} {WORDS} ;");
-                }
-                let _ = write!(out, "VAL_ {id} reason");
-                let reasons = machines::of(machine).reasons.iter().enumerate();
-                for (code, (name, _)) in reasons.filter(|(code, _)| *code as u64 <= MOST_REASON) {
-                    let name = if name.is_empty() { "none" } else { name };
-                    let _ = write!(out, " {code} \"{name}\"");
-                }
-                out.push_str(" 255 \"not available\" ;\n");
-            }
-        }
-    }
-
-    fn signals(&self, out: &mut String) {
-        match &self.content {
-            Content::Quantity(_, row) => {
-                for (signal, start, offset) in
-                    [(row.field, 0, row.offset), (row.std_field, 32, 0.0)]
-                {
-                    let (scale, unit) = (row.scale, row.unit);
-                    let top = LARGEST * scale + offset;
-                    let _ = writeln!(
-                        out,
-                        " SG_ {signal} : {start}|32@1+ ({scale},{offset}) [{offset}|{top}] \"{unit}\" Vector__XXX"
-                    );
-                }
-            }
-            Content::Verdict(flags, _) => {
-                let _ = writeln!(
-                    out,
-                    " SG_ reason : {REASON_AT}|8@1+ (1,0) [0|{MOST_REASON}] \"\" Vector__XXX"
-                );
-                for (i, (flag, _)) in flags.iter().enumerate() {
-                    let start = 2 * i;
-                    let _ = writeln!(
-                        out,
-                        " SG_ {flag} : {start}|2@1+ (1,0) [0|1] \"\" Vector__XXX"
-                    );
-                }
-            }
-        }
     }
 }
 

@@ -3,6 +3,7 @@ use std::marker::PhantomData;
 use std::path::Path;
 
 use messages::{Message, Value};
+use sheet::Quantity;
 
 use crate::Error;
 use crate::output::{Output, first_line};
@@ -15,6 +16,93 @@ pub enum Column {
     /// A bit of `flags`, 0 or 1.
     Flag(&'static str, u32),
 }
+
+/// How many columns the quantities of this kind have.
+pub(crate) const fn count(quantities: &[Quantity], when: sheet::Column) -> usize {
+    let (mut count, mut i) = (0, 0);
+    while i < quantities.len() {
+        if quantities[i].column as u8 == when as u8 {
+            count += 1 + quantities[i].std.is_some() as usize;
+        }
+        i += 1;
+    }
+    count
+}
+
+/// How many flags have a column.
+pub(crate) const fn count_flags(flags: &[sheet::Flag]) -> usize {
+    let (mut count, mut i) = (0, 0);
+    while i < flags.len() {
+        count += flags[i].column as usize;
+        i += 1;
+    }
+    count
+}
+
+/// The `N` columns of the quantities of this kind, each with its standard deviation behind it, and of these flags.
+pub(crate) const fn columns<const N: usize>(
+    quantities: &[Quantity],
+    when: sheet::Column,
+    flags: &[sheet::Flag],
+) -> [Column; N] {
+    let mut columns = [Column::Flag("", 0); N];
+    let (mut at, mut i) = (0, 0);
+    while i < quantities.len() {
+        let q = &quantities[i];
+        if q.column as u8 == when as u8 {
+            columns[at] = Column::Value(q.name, q.estimated);
+            at += 1;
+            if let Some(std) = q.std {
+                columns[at] = Column::Value(std, q.estimated);
+                at += 1;
+            }
+        }
+        i += 1;
+    }
+    i = 0;
+    while i < flags.len() {
+        if flags[i].column {
+            columns[at] = Column::Flag(flags[i].entry.name, flags[i].entry.number);
+            at += 1;
+        }
+        i += 1;
+    }
+    assert!(at == N, "N is the number of columns");
+    columns
+}
+
+/// Bits of `estimated` of the quantities that have a column only where they are estimated.
+pub(crate) const fn extra(quantities: &[Quantity]) -> u32 {
+    let (mut bits, mut i) = (0, 0);
+    while i < quantities.len() {
+        if matches!(quantities[i].column, sheet::Column::WhereEstimated) {
+            bits |= quantities[i].estimated;
+        }
+        i += 1;
+    }
+    bits
+}
+
+/// `COLUMNS` and `EXTRA` of a machine from its sheet.
+macro_rules! columns_of {
+    ($machine:ident) => {
+        const COLUMNS: &'static [$crate::csv::Column] = &{
+            use sheet::Column::Always;
+            use sheet::$machine::{FLAGS, QUANTITIES};
+            use $crate::csv::{columns, count, count_flags};
+            columns::<{ count(QUANTITIES, Always) + count_flags(FLAGS) }>(QUANTITIES, Always, FLAGS)
+        };
+        const EXTRA: (&'static [$crate::csv::Column], u32) = {
+            use sheet::Column::WhereEstimated;
+            use sheet::$machine::QUANTITIES;
+            use $crate::csv::{columns, count, extra};
+            const COLUMNS: [$crate::csv::Column; count(QUANTITIES, WhereEstimated)] =
+                columns(QUANTITIES, WhereEstimated, &[]);
+            (&COLUMNS, extra(QUANTITIES))
+        };
+    };
+}
+pub(crate) use columns_of;
 
 /// An estimate that can be written as a row.
 pub trait Estimate: Message {

@@ -72,7 +72,7 @@ fn together<E: Estimate>(estimates: &[E], found: &[Stretch]) -> String {
         grouped(duration, 1),
         good.len()
     );
-    for parameter in E::SUMMED.iter().filter_map(|key| parameter::<E>(key)) {
+    for parameter in E::PARAMETERS.iter().filter(|p| p.is_load) {
         let at = |s: &&Stretch| estimates.get(s.index);
         let values = good.iter().filter_map(at);
         let values = values.map(|e| (parameter.value(e), parameter.std(e)));
@@ -105,7 +105,7 @@ fn sum(label: &str, of: &str, name: &str, known: &[(f64, f64)]) -> String {
 }
 
 /// Value ± half of the 95 % interval, a dash where there is none.
-pub(super) fn interval<E, T>(parameter: &Parameter<E, T>, estimate: &E) -> String {
+pub(super) fn interval<E: Estimate>(parameter: &Parameter<E, E::Truth>, estimate: &E) -> String {
     let value = parameter.value(estimate);
     let half = HALF_WIDTH_95 * parameter.std(estimate);
     if value.is_finite() && half.is_finite() {
