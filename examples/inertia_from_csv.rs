@@ -1,5 +1,6 @@
 //! The swing inertia from a table, without a process: `cargo run --example inertia_from_csv data.csv`.
 
+use estimation::excavator::keys::Description;
 use estimation::excavator::{Columns, Method, Settings, SwingEstimator};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -12,7 +13,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let columns = rows.first().map_or(Columns::default(), |(first, _)| {
         steps::excavator::columns(first)
     });
-    let mut estimator = SwingEstimator::new(&Settings::default(), Method::Auto, columns)?;
+    let settings = Settings::of(&Description::default());
+    let mut estimator = SwingEstimator::new(&settings, Method::Auto, columns)?;
     for (sensors, _) in &rows {
         let answer = estimator.step(&steps::excavator::sample(sensors));
         let word = if answer.flags.trusted() {

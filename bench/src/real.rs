@@ -101,7 +101,7 @@ pub struct Motion {
 impl Default for Motion {
     fn default() -> Self {
         let filter =
-            excavator::MotionFilter::new(&excavator::Settings::default(), EXCAVATOR_COLUMNS);
+            excavator::MotionFilter::new(&excavator::Settings::calibrated(), EXCAVATOR_COLUMNS);
         let filter = filter.unwrap_or_else(|error| panic!("defaults are valid: {error}"));
         Self {
             filter,
@@ -132,7 +132,7 @@ pub struct Regression<const METHOD: usize> {
 impl<const METHOD: usize> Default for Regression<METHOD> {
     fn default() -> Self {
         let filter = excavator::Regression::new(
-            &excavator::Settings::default(),
+            &excavator::Settings::calibrated(),
             excavator::Method::ALL[METHOD],
         );
         let filter = filter.unwrap_or_else(|error| panic!("defaults are valid: {error}"));

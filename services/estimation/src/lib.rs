@@ -17,10 +17,12 @@
 //! | [`math`] | roots, sines, exponentials: the same bits everywhere |
 //!
 //! ```
+//! use estimation::excavator::keys::Description;
 //! use estimation::excavator::{Columns, Method, Sample, Settings, SwingEstimator};
 //!
+//! let settings = Settings::of(&Description::default());
 //! let columns = Columns { velocity: true, torque: true, posture: true, ..Columns::default() };
-//! let mut estimator = SwingEstimator::new(&Settings::default(), Method::Auto, columns)?;
+//! let mut estimator = SwingEstimator::new(&settings, Method::Auto, columns)?;
 //! let sample = Sample {
 //!     time: 0.0,
 //!     velocity: Some(0.0),                             // rad/s

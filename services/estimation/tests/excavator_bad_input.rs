@@ -96,7 +96,7 @@ fn variants() -> Vec<(Method, Settings)> {
             Variant::Drop,
         ] {
             for constant_inertia in [false, true] {
-                let mut settings = Settings::default();
+                let mut settings = Settings::calibrated();
                 settings.estimator.variant = variant;
                 settings.estimator.constant_inertia = constant_inertia;
                 all.push((method, settings));
@@ -128,7 +128,7 @@ fn state_space_estimates_stay_finite_and_inside_their_limits_on_nonsense() {
 fn regressions_stay_finite_on_nonsense() {
     for method in [Method::MultiForgettingRls, Method::SvfRls] {
         for joint in [false, true] {
-            let mut settings = Settings::default();
+            let mut settings = Settings::calibrated();
             settings.estimator.estimate_damping = joint;
             settings.estimator.estimate_friction = joint;
             settings.estimator.estimate_offset = joint;
@@ -152,7 +152,7 @@ fn regressions_stay_finite_on_nonsense() {
 #[test]
 fn a_refused_row_leaves_the_state_untouched() {
     for method in STATE_SPACE {
-        let settings = Settings::default();
+        let settings = Settings::calibrated();
         let mut clean = SwingEstimator::new(&settings, method, COLUMNS).unwrap();
         let mut dirty = clean.clone();
         let mut filter = MotionFilter::new(&settings, COLUMNS).unwrap();
@@ -269,7 +269,7 @@ fn bias_noise_outliers_and_saturation_are_dealt_with() {
         ("sensor ends at 0.8 rad/s", |_, y| Some(y.min(0.8)), 0.8),
     ];
     for (name, change, limit) in cases {
-        let mut settings = Settings::default();
+        let mut settings = Settings::calibrated();
         settings.sensors.swing_velocity_limit = limit;
         let mut rows = clean.clone();
         for (k, row) in rows.iter_mut().enumerate() {
@@ -291,7 +291,7 @@ fn a_large_outlier_at_rest_neither_sets_the_machine_off_nor_hides_that_it_stands
     for method in [Method::Torque, Method::Posture, Method::PostureTorque] {
         for first in [3, 20, 41] {
             let rows = base();
-            let mut clean = SwingEstimator::new(&Settings::default(), method, COLUMNS).unwrap();
+            let mut clean = SwingEstimator::new(&Settings::calibrated(), method, COLUMNS).unwrap();
             let mut other = clean.clone();
             for (k, row) in rows.iter().enumerate() {
                 let mut spoiled = *row;
@@ -316,7 +316,7 @@ fn a_large_outlier_at_rest_neither_sets_the_machine_off_nor_hides_that_it_stands
 fn one_absurd_stamp_costs_no_row_after_it_and_a_clock_set_back_is_followed() {
     for method in STATE_SPACE {
         for ahead in [5.0, 1e9, f64::MAX] {
-            let settings = Settings::default();
+            let settings = Settings::calibrated();
             let mut estimator = SwingEstimator::new(&settings, method, COLUMNS).unwrap();
             let mut filter = MotionFilter::new(&settings, COLUMNS).unwrap();
             for (k, row) in base().into_iter().enumerate() {
@@ -330,7 +330,7 @@ fn one_absurd_stamp_costs_no_row_after_it_and_a_clock_set_back_is_followed() {
                 assert!(!e.flags.reset || (150..=151).contains(&k), "{method:?} {k}");
             }
         }
-        let mut estimator = SwingEstimator::new(&Settings::default(), method, COLUMNS).unwrap();
+        let mut estimator = SwingEstimator::new(&Settings::calibrated(), method, COLUMNS).unwrap();
         let mut refused = 0;
         for shift in [0.0, -60.0] {
             for row in base() {
@@ -368,13 +368,13 @@ fn a_missing_column_is_an_error_that_names_it() {
         torque: false,
         ..COLUMNS
     };
-    let error = SwingEstimator::new(&Settings::default(), Method::Torque, columns).unwrap_err();
+    let error = SwingEstimator::new(&Settings::calibrated(), Method::Torque, columns).unwrap_err();
     assert!(error.to_string().contains("swing_torque"), "{error}");
 }
 
 #[test]
 fn one_row_gives_the_prior_held() {
-    let mut estimator = SwingEstimator::new(&Settings::default(), Method::Auto, COLUMNS).unwrap();
+    let mut estimator = SwingEstimator::new(&Settings::calibrated(), Method::Auto, COLUMNS).unwrap();
     let e = estimator.step(&base()[0]);
     assert!(e.flags.held && !e.flags.trusted());
     assert!(e.inertia_std > 0.05 * e.inertia);

@@ -132,7 +132,7 @@ fn a_damping_off_by_a_fifth_is_never_trusted_and_wrong() {
             .into_iter()
             .flat_map(|method| [0.8, 1.2].map(|share| (method, share)))
         {
-            let mut settings = Settings::default();
+            let mut settings = Settings::calibrated();
             settings.nominal_damping *= share;
             for (k, e) in run(method, &settings, &rows).iter().enumerate() {
                 let truth = input.get(k, "true_inertia").unwrap();

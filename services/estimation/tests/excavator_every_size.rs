@@ -130,7 +130,7 @@ fn run(
 #[test]
 fn a_sample_of_any_size_is_forgotten_within_ten_seconds() {
     for angle in [false, true] {
-        let settings = Settings::default();
+        let settings = Settings::calibrated();
         let clean_rows = rows(&settings, angle);
         for method in Method::ALL {
             let clean = run(method, &settings, &clean_rows, angle, "clean");

@@ -46,7 +46,7 @@ fn run(
 
 /// What one knows of the axis before: its size, not its parameters.
 fn axis(filter_frequency: f64) -> Settings {
-    let mut s = Settings::default();
+    let mut s = Settings::calibrated();
     s.sensors.rate = 1000.0;
     s.sensors.swing_angle_std = 1e-5;
     s.sensors.swing_torque_std = 5.0;

@@ -8,7 +8,7 @@ use sim::fault::{FaultKind, ROW};
 
 /// What a method says of each row of a story.
 fn told(story: &Story, method: Method) -> Vec<(Row, Estimate)> {
-    told::told(story.clone().rows(), &Settings::default(), method)
+    told::told(story.clone().rows(), &Settings::calibrated(), method)
 }
 
 /// Nothing that is trusted lies outside of three standard deviations and more than 4 % off.

@@ -315,6 +315,7 @@ macro_rules! flags {
         process { $( $bit2:literal $const2:ident $name2:ident $doc2:tt { $( $fact2:ident: $is2:expr ),* }; )* }
     ) => {
         /// Bits of `flags` in an estimate, in their order.
+        #[allow(clippy::needless_update, reason = "a row may say everything")]
         pub const FLAGS: &[Flag] = &{
             let mut all = [Flag::NONE; [$( $bit, )* $( $bit2 ),*].len()];
             $( all[$bit] = Flag { $( $fact: $is, )* entry: entry(1 << $bit, stringify!($name), $doc), ..Flag::NONE }; )*

@@ -23,7 +23,7 @@ fn motions(encoder: bool) -> Vec<(Motion, u32)> {
         torque: true,
         posture: false,
     };
-    let settings = Settings::default();
+    let settings = Settings::calibrated();
     let mut filter = MotionFilter::new(&settings, columns).expect("default settings");
     let row = |k: u32| {
         let time = 0.01 * f64::from(if k == 300 { 100 } else { k });

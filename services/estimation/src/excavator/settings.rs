@@ -150,9 +150,11 @@ impl Paper {
     }
 }
 
-impl Default for Settings {
-    /// The reference machine, calibrated: it is what its description says.
-    fn default() -> Self {
+impl Settings {
+    /// The reference machine, calibrated: it is exactly what its description says, and nothing is left open. Another
+    /// filter with narrower intervals runs then; the settings of a real machine are [`Settings::of`] its description.
+    #[must_use]
+    pub fn calibrated() -> Self {
         let mut settings = Self::of(&Description::default());
         settings.sensors.swing_torque_gain_std = 0.0;
         settings.doubts = None;

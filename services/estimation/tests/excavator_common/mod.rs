@@ -75,7 +75,7 @@ pub const COLUMNS: Columns = Columns {
 /// Settings of the golden runs: no calibration, and the torque noise as if the means of two samples
 /// were independent.
 pub fn golden_settings() -> Settings {
-    let mut settings = Settings::default();
+    let mut settings = Settings::calibrated();
     settings.estimator.calibrate_at_rest = false;
     settings.estimator.torque_noise_divisor = 1.41;
     settings

@@ -55,7 +55,7 @@ impl Setup {
         Self {
             name,
             method,
-            settings: Settings::default(),
+            settings: Settings::calibrated(),
             columns,
         }
     }

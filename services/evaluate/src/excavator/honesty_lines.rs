@@ -76,7 +76,7 @@ pub fn described(work: &Work) -> Settings {
         nominal_damping: size.damping,
         coulomb_friction: size.friction,
         inertia_min: 0.95 * told.upper_inertia,
-        ..Settings::default()
+        ..Settings::calibrated()
     };
     s.prior.inertia = geometry
         .inertia([0.6, -1.8, -0.5])

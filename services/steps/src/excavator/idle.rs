@@ -10,8 +10,21 @@ pub(crate) fn is_idle(_: &Excavator, change: &Change, methods: &[&str]) -> bool 
     !methods.iter().any(|m| acts(change.path, m))
 }
 
+/// Tables and keys that can be described and that no estimator reads.
+const READ_BY_NOTHING: &[&str] = &[
+    // The boom's cylinder alone weighs the load.
+    "machine.arm_cylinder.",
+    // The rod side pushes back a tenth of the head's force at most: a share of its area is nothing.
+    "machine.boom_cylinder.rod_area_std",
+    // White noise of a pressure is nothing beside the friction of the seals.
+    "sensors.pressure_std",
+];
+
 /// Whether a key may act under a method.
 fn acts(path: &str, method: &str) -> bool {
+    if READ_BY_NOTHING.iter().any(|idle| path.starts_with(idle)) {
+        return false;
+    }
     let Ok(method) = super::method(method) else {
         return true;
     };
