@@ -374,7 +374,8 @@ fn a_missing_column_is_an_error_that_names_it() {
 
 #[test]
 fn one_row_gives_the_prior_held() {
-    let mut estimator = SwingEstimator::new(&Settings::calibrated(), Method::Auto, COLUMNS).unwrap();
+    let mut estimator =
+        SwingEstimator::new(&Settings::calibrated(), Method::Auto, COLUMNS).unwrap();
     let e = estimator.step(&base()[0]);
     assert!(e.flags.held && !e.flags.trusted());
     assert!(e.inertia_std > 0.05 * e.inertia);

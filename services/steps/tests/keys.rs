@@ -71,7 +71,11 @@ fn every_key_of_the_excavator_reaches_its_settings_or_is_told_to_do_nothing() {
         let reaches =
             excavator::Settings::of(&changed) != default || described(&changed) != with_cylinder;
         let told = idle(Description::Excavator(Box::new(changed)), METHODS);
-        assert_ne!(reaches || ELSEWHERE.contains(&name.as_str()), told == [name.as_str()], "{name}");
+        assert_ne!(
+            reaches || ELSEWHERE.contains(&name.as_str()),
+            told == [name.as_str()],
+            "{name}"
+        );
     }
 }
 
