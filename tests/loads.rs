@@ -1,0 +1,157 @@
+//! Loads as people count them: from a simulated run and its recording to rows, sums, a page; a target, trucks, and what is refused.
+
+mod common;
+
+use std::path::Path;
+
+use common::{both, run, run_ok};
+use serde_json::Value;
+
+/// A minute of loading, recorded as fast as it goes.
+fn recorded(folder: &Path, machine: &str, scenario: &str, more: &[&str]) -> (String, String) {
+    let out = folder.join(machine);
+    let out = out.to_str().expect("a path");
+    let args = [
+        "run",
+        machine,
+        "--scenario",
+        scenario,
+        "--duration",
+        "56",
+        "--pace",
+        "max",
+    ];
+    let args = [&args[..], &["--out", out, "--no-report", "--quiet"], more].concat();
+    let said = run_ok(&args);
+    (format!("{out}/run.mcap"), said)
+}
+
+fn number(value: &Value, key: &str) -> f64 {
+    value[key]
+        .as_f64()
+        .unwrap_or_else(|| panic!("{key} in {value}"))
+}
+
+/// What `heft loads` says of a recording, as JSON.
+fn counted(folder: &Path, recording: &str, more: &[&str]) -> Value {
+    let json = folder.join("loads.json");
+    let json = json.to_str().expect("a path");
+    run_ok(&[&["loads", recording, "--json", json], more].concat());
+    let text = std::fs::read_to_string(json).expect("a summary");
+    serde_json::from_str(&text).expect("JSON")
+}
+
+#[test]
+fn a_loader_weighs_its_loads_by_the_lift_pressures_and_the_truck_gets_their_sum() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let more = ["--payload", "1200"];
+    let (recording, said) = recorded(folder.path(), "loader", "loading", &more);
+    assert!(
+        said.contains("load 1") && said.contains("by pressure"),
+        "{said}"
+    );
+    let counted = counted(folder.path(), &recording, &["--target", "5000"]);
+    let account = &counted["recordings"][0];
+    let loads = account["loads"].as_array().expect("loads");
+    assert_eq!(loads.len(), 2, "{account}");
+    for load in loads {
+        let held = &load["in_bucket"];
+        assert_eq!(load["witness"], "pressure");
+        assert!(
+            number(held, "low") < 1200.0 && 1200.0 < number(held, "high"),
+            "{load}"
+        );
+        assert!(number(held, "std") < 150.0, "{load}");
+    }
+    let truck = &account["trucks"][0];
+    let sum: f64 = loads.iter().map(|l| number(&l["delivered"], "kg")).sum();
+    assert!((number(&truck["total"], "kg") - sum).abs() < 1.0, "{truck}");
+    assert!(
+        (number(truck, "remaining") - (5000.0 - sum)).abs() < 1.0,
+        "{truck}"
+    );
+    // What both loads share adds up: the sum is less certain than two independent ones.
+    let own: f64 = loads
+        .iter()
+        .map(|l| number(&l["delivered"], "std").powi(2))
+        .sum();
+    assert!(number(&truck["total"], "std") > own.sqrt(), "{truck}");
+}
+
+#[test]
+fn without_pressure_a_simulated_loader_has_none_and_the_recording_says_so() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let more = ["--without", "pressure", "--payload", "1200"];
+    let (recording, _) = recorded(folder.path(), "loader", "loading", &more);
+    let counted = counted(folder.path(), &recording, &[]);
+    let loads = counted["recordings"][0]["loads"].as_array().expect("loads");
+    assert!(
+        loads.iter().all(|l| l["witness"] != "pressure"),
+        "{counted}"
+    );
+    let reader = recording::Reader::open(Path::new(&recording)).expect("a recording");
+    assert_eq!(
+        reader.metadata().get("without").map(String::as_str),
+        Some("pressure")
+    );
+}
+
+#[test]
+fn an_excavator_s_loads_are_rows_of_a_table_and_of_a_page_and_the_witness_is_both() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (recording, _) = recorded(folder.path(), "excavator", "cycle", &[]);
+    let [table, page] = ["l.csv", "l.html"].map(|name| common::path_in(folder.path(), name));
+    let said = run_ok(&[
+        "loads", &recording, "-o", &table, "--report", &page, "--pause", "12",
+    ]);
+    let text = std::fs::read_to_string(&table).expect("a table");
+    let mut lines = text.lines();
+    let header: Vec<&str> = lines.next().expect("a header").split(',').collect();
+    let column = |name: &str| header.iter().position(|h| *h == name).expect("a column");
+    // What the cycle carries, in turn.
+    let mut found = 0;
+    for (line, truth) in lines.zip([288.0, 423.0, 200.0]) {
+        let cells: Vec<&str> = line.split(',').collect();
+        let cell = |name: &str| cells[column(name)];
+        let [low, high] = ["kg_low", "kg_high"].map(|n| cell(n).parse::<f64>().expect("a number"));
+        assert!(low < truth && truth < high, "{line}");
+        assert_eq!(cell("witness"), "motion and pressure");
+        found += 1;
+    }
+    assert_eq!(found, 3, "{text}");
+    // Twelve seconds without a load: another truck each.
+    assert!(said.contains("truck 3:"), "{said}");
+    let page = std::fs::read_to_string(&page).expect("a page");
+    assert!(page.contains("truck 1:") && page.contains("motion and pressure"));
+}
+
+#[test]
+fn what_cannot_be_counted_is_refused_in_words_and_nothing_is_written() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let csv = common::path_in(folder.path(), "rain.csv");
+    std::fs::write(&csv, "day,rain\n1,2\n").expect("a file");
+    let out = common::path_in(folder.path(), "out.csv");
+    for args in [
+        vec!["loads", csv.as_str(), "-o", out.as_str()],
+        vec![
+            "loads",
+            csv.as_str(),
+            "--machine",
+            "excavator",
+            "-o",
+            out.as_str(),
+        ],
+        vec![
+            "loads",
+            csv.as_str(),
+            "--machine",
+            "excavator",
+            "--target",
+            "-3",
+        ],
+    ] {
+        let output = run(&args);
+        assert_eq!(output.status.code(), Some(2), "{args:?}: {}", both(&output));
+    }
+    assert!(!Path::new(&out).exists());
+}
