@@ -191,6 +191,20 @@ def test_two_recordings_calibrate_a_machine_and_one_of_standstill_does_not(tmp_p
     assert not out.exists()
 
 
+def test_loads_are_counted_with_their_intervals_and_a_target(tmp_path):
+    loaded = swings("loaded", 400, tmp_path)
+    (account,) = heft.loads(loaded, target=5000, pause=0)
+    weights = [load["in_bucket"] for load in account["loads"]]
+    assert len(weights) == 7 and sum(w["low"] < 400 < w["high"] for w in weights) >= 6
+    truck = account["trucks"][0]
+    assert truck["remaining"] == pytest.approx(5000 - truck["total"]["kg"])
+    wide = {"machine.boom_cylinder.friction_std": 0.1}
+    (other,) = heft.loads([loaded], config=wide)
+    assert other["loads"][0]["in_bucket"]["std"] != weights[0]["std"]
+    with pytest.raises(heft.HeftError, match="machine"):
+        heft.loads(GOLDEN / "excavator_input_base_case2.csv")
+
+
 def test_the_schema_tells_units_and_meanings():
     field = heft.schema()["ExcavatorSensors"]["swing_torque"]
     assert field["unit"] == "N m" and "upper body" in field["meaning"]

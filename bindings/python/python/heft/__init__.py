@@ -46,6 +46,7 @@ __all__ = [
     "calibrate",
     "command",
     "estimate",
+    "loads",
     "read",
     "schema",
     "subscribe",
@@ -207,6 +208,43 @@ def calibrate(
             described.write_text(_heft.description(machine, text, settings), encoding="utf-8")
             arguments += ["--config", str(described)]
         return Calibration(_run([*arguments, "-o", os.fspath(output)]), Path(output))
+
+
+def loads(
+    recordings: Union[PathLike, Iterable[PathLike]],
+    machine: Optional[Machine] = None,
+    *,
+    config: Config = None,
+    map: Optional[PathLike] = None,
+    method: Optional[str] = None,
+    target: Optional[float] = None,
+    pause: Optional[float] = None,
+) -> list[Dict[str, Any]]:
+    """What was carried and dumped, as ``heft loads`` counts it: an account for each recording.
+
+    ``account["loads"]`` has a dictionary a load: ``filled`` and ``dumped`` [s], ``in_bucket`` and ``delivered`` with ``kg``,
+    ``std``, ``low`` and ``high`` of the 95 % interval, ``witness``, ``trusted``, ``reason``. ``account["trucks"]`` and
+    ``account["total"]`` are sums; with ``target`` [kg] a truck has what remains. ``pause`` [s] between loads begins a truck.
+    A recording of heft brings its machine and description; ``config`` takes the place of the latter.
+    """
+    if isinstance(recordings, (str, os.PathLike)):
+        recordings = [recordings]
+    arguments = ["loads", *(_path(file) for file in recordings)]
+    for option, value in (("machine", machine), ("map", map), ("method", method), ("target", target), ("pause", pause)):
+        if value is not None:
+            arguments += [f"--{option}={os.fspath(value) if option == 'map' else value}"]
+    text, settings = _description(config)
+    with tempfile.TemporaryDirectory() as folder:
+        if text is not None:
+            described = Path(folder) / "description.toml"
+            described.write_text(text, encoding="utf-8")
+            arguments += ["--config", str(described)]
+        for setting in settings:
+            arguments += ["--set", setting]
+        found = Path(folder) / "loads.json"
+        _run([*arguments, "--json", str(found)])
+        accounts = json.loads(found.read_text(encoding="utf-8"))["recordings"]
+        return list(accounts)
 
 
 def subscribe(channel: str, domain: Optional[str] = None) -> Iterator[Dict[str, Any]]:

@@ -162,6 +162,9 @@ mod tests {
             ("front_wheel_speed", "前轮速度"),
             ("slope", "Steigung"),
             ("boom_head_pressure", "boom_btm_prs"),
+            ("boom_head_pressure", "BoomCyl_CapEnd_Press"),
+            ("arm_head_pressure", "StickCyl Bottom Prs"),
+            ("lift_rod_pressure", "HoistCyl Rod Press"),
             ("arm_rod_pressure", "Stieldruck stangenseitig"),
         ] {
             assert_eq!(

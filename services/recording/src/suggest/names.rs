@@ -131,6 +131,8 @@ const WORDS: &[(&str, &[&[&str]])] = &[
             &["boom", "head", "press"],
             &["boom", "bottom", "press"],
             &["boom", "bore", "press"],
+            &["boom", "piston", "press"],
+            &["boom", "cap", "press"],
         ],
     ),
     ("boom_rod_pressure", &[&["boom", "rod", "press"]]),
@@ -140,6 +142,10 @@ const WORDS: &[(&str, &[&[&str]])] = &[
             &["arm", "head", "press"],
             &["stick", "head", "press"],
             &["arm", "bottom", "press"],
+            &["stick", "bottom", "press"],
+            &["arm", "piston", "press"],
+            &["arm", "cap", "press"],
+            &["stick", "cap", "press"],
         ],
     ),
     (
@@ -150,9 +156,19 @@ const WORDS: &[(&str, &[&[&str]])] = &[
     ("tilt_angle", &[&["tilt", "angle"], &["bucket", "angle"]]),
     (
         "lift_head_pressure",
-        &[&["lift", "head", "press"], &["lift", "bottom", "press"]],
+        &[
+            &["lift", "head", "press"],
+            &["lift", "bottom", "press"],
+            &["lift", "piston", "press"],
+            &["lift", "cap", "press"],
+            &["hoist", "head", "press"],
+            &["hoist", "bottom", "press"],
+        ],
     ),
-    ("lift_rod_pressure", &[&["lift", "rod", "press"]]),
+    (
+        "lift_rod_pressure",
+        &[&["lift", "rod", "press"], &["hoist", "rod", "press"]],
+    ),
     ("truck", &[&["truck", "number"], &["truck", "id"]]),
 ];
 
