@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser};
 use messages::Machine;
+use steps::stages::Pipeline;
 
 use crate::commands::Command;
 use crate::machines;
@@ -17,7 +18,11 @@ use crate::machines;
 #[derive(Debug, Parser)]
 #[command(name = "heft", version = crate::build::IDENTITY, max_term_width = 100)]
 #[command(
-    after_help = "Exit status: 0 done, 1 ran but the answer is no, 2 wrong use or bad input."
+    after_help = "Exit status: 0 done, 1 ran but the answer is no, 2 wrong use or bad input.\n\n\
+        Environment:\n  \
+        HEFT_LOG         what is logged to standard error, such as info or heft=debug (else RUST_LOG; else warnings)\n  \
+        HEFT_LOG_FORMAT  text or json: a line each, with time, level, source and fields\n  \
+        XDG_RUNTIME_DIR  a folder of this user in memory, for what a run shares (else /dev/shm)"
 )]
 pub struct Cli {
     /// What to do; the demonstration if absent.
@@ -64,14 +69,25 @@ fn tonnes(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "a mass from 200kg to 1000t".into())
 }
 
+/// What `--method` says of itself: the methods of each machine, the usual one first.
+fn methods() -> String {
+    let of = |machine: Machine| {
+        let pipeline = Pipeline::of(machine);
+        let stages = pipeline.stages.iter().rev();
+        let names: Vec<&str> = stages.flat_map(|stage| stage.methods()).copied().collect();
+        format!("{}: {}", machine.name(), names.join(", "))
+    };
+    let all = Machine::ALL.map(of).join("; ");
+    format!("Method; the usual one if absent ({all})")
+}
+
 /// What estimates are made with.
 #[derive(Debug, Args)]
 pub struct EstimationArgs {
     /// Signal map (TOML)
     #[arg(long)]
     pub map: Option<PathBuf>,
-    /// Method; see the README for the list
-    #[arg(long)]
+    #[arg(long, help = methods())]
     pub method: Option<String>,
     /// The machine's description
     #[command(flatten)]

@@ -15,6 +15,7 @@ mod fleet;
 mod fleet_run;
 mod group;
 mod image;
+mod json_lines;
 mod live;
 mod machines;
 mod many;
@@ -69,16 +70,21 @@ fn outlive_limits() {
     }
 }
 
-/// Warnings go to standard error; `HEFT_LOG` chooses otherwise, in the syntax of `env_logger`.
+/// Warnings go to standard error. `HEFT_LOG`, or else `RUST_LOG`, chooses otherwise, in the syntax of `env_logger`;
+/// `HEFT_LOG_FORMAT=json` writes objects. The processes of a run inherit both.
 fn log() {
-    let filter = tracing_subscriber::EnvFilter::try_from_env("HEFT_LOG").unwrap_or_else(|_| {
-        tracing_subscriber::EnvFilter::new("warn,iceoryx2=off,iceoryx2_log=off")
-    });
-    tracing_subscriber::fmt()
+    use tracing_subscriber::EnvFilter;
+    let filter = EnvFilter::try_from_env("HEFT_LOG")
+        .or_else(|_| EnvFilter::try_from_env("RUST_LOG"))
+        .unwrap_or_else(|_| EnvFilter::new("warn,iceoryx2=off,iceoryx2_log=off"));
+    let lines = tracing_subscriber::fmt()
         .with_env_filter(filter)
-        .with_writer(std::io::stderr)
-        .without_time()
-        .init();
+        .with_writer(std::io::stderr);
+    if std::env::var_os("HEFT_LOG_FORMAT").is_some_and(|format| format == "json") {
+        lines.event_format(json_lines::JsonLines).init();
+    } else {
+        lines.without_time().init();
+    }
 }
 
 fn dispatch(cli: Cli) -> Result<(), Failure> {

@@ -3,6 +3,7 @@
 const KEEP = 1800;
 const frames = [];          // one object a frame: {t, e: {channel: estimate}, truth}
 const charts = new Map();   // title of the plot -> {plot, columns}
+let postures = {};          // angles of the joints of each machine [rad]
 let paused = false, dirty = false, layout = "", allMethods = false;
 
 /** What speaks of a fault; everything else that is not trusted only waits for motion or time. */
@@ -17,6 +18,7 @@ function add(frame) {
   const estimates = {};
   for (const e of frame.e) estimates[e.c] = e;
   frames.push({ t: frame.t, e: estimates, truth: frame.truth });
+  postures = frame.p || {};
   if (frames.length > KEEP) frames.shift();
   dirty = true;
 }
@@ -129,7 +131,7 @@ function make(wish, parent) {
     legend: { live: true },
     cursor: { drag: { x: true, y: false }, sync: { key: "heft" } },
     scales: { x: { time: false }, y: { range: () => range(wish.columns, visible(wish.key)) } },
-    axes: [axis, { ...axis, size: 66, values: (u, ticks) => ticks.map((v) => grouped(v)) }],
+    axes: [{ ...axis, label: "time [s]", labelSize: 18, labelFont: "12px system-ui" }, { ...axis, size: 66, values: (u, ticks) => ticks.map((v) => grouped(v)) }],
     hooks: {
       drawClear: [(u) => shade(u, wish.trust)],
       ready: [(u) => u.over.addEventListener("dblclick", () => { zoom = null; dirty = true; })],
@@ -174,6 +176,7 @@ function draw() {
   requestAnimationFrame(draw);
   if (!dirty || paused || !frames.length) return;
   dirty = false;
+  pose();
   const plots = wanted();
   const shape = JSON.stringify(plots.map((p) => [p.title, p.columns.map((c) => c.label)]));
   if (shape !== layout) { layout = shape; build(plots); }
@@ -199,17 +202,63 @@ function since(channel, place) {
   return frames[i].t;
 }
 
+/** The last trusted value leads; what is said now stands below it, with its reason and since when. */
 function card(v, j, place) {
-  const doubt = j.trusted ? "trusted" : FAULT.test(j.verdict) ? "doubted fault" : "doubted";
-  const card = element("article", undefined, "verdict " + doubt);
-  const number = j.value.match(/(?:is|lies) (.+?)(?: \(| behind| above|$)/);
-  if (number) card.append(element("p", number[1], "number"));
+  const card = element("article", undefined, "verdict " + (j.trusted ? "trusted" : FAULT.test(j.verdict) ? "doubted fault" : "doubted"));
   const from = since(v.channel, place);
   const time = from === null ? "" : " since " + from.toFixed(1) + " s";
-  card.append(element("p", (j.trusted ? "trusted" : "not trusted") + time, "badge"));
-  card.append(element("p", j.value + ".", "value"), element("p", j.verdict));
+  card.append(element("p", j.title, "title"));
+  if (j.trusted || j.last) {
+    const shown = j.trusted ? j.now : j.last;
+    card.append(element("p", shown.number, "number"), element("p", "95 %: " + shown.interval, "value"));
+    card.append(element("p", j.trusted ? "trusted" + time : "last trusted value, " + age(v.time - j.last.time) + " old", "badge"));
+  } else {
+    card.append(element("p", "not trusted yet", "number none"));
+  }
+  card.append(element("p", (j.trusted ? "" : "Now, not trusted" + time + ": ") + j.value + ".", "value"));
+  card.append(element("p", j.verdict));
   card.append(element("p", v.channel + ", method " + v.method + ", t = " + v.time.toFixed(1) + " s", "when"));
   return card;
+}
+
+const age = (s) => (s < 90 ? s.toFixed(s < 10 ? 1 : 0) + " s" : (s / 60).toFixed(0) + " min");
+
+// ---- the machine and its loads
+
+/** Turns the joints of the drawings by the newest angles. */
+function pose() {
+  for (const [machine, angles] of Object.entries(postures)) {
+    const figure = byId("posture-" + machine);
+    if (!figure) continue;
+    figure.hidden = false;
+    const unknown = [];
+    for (const joint of figure.querySelectorAll("[data-joint]")) {
+      const angle = angles[joint.dataset.joint];
+      const measured = angle !== undefined && angle !== null;
+      joint.classList.toggle("unmeasured", !measured);
+      if (measured) joint.setAttribute("transform", "rotate(" + (-angle * 180 / Math.PI).toFixed(1) + ")");
+      else if (joint.dataset.joint !== "slope") unknown.push(joint.dataset.joint.replace("_", " "));
+    }
+    figure.querySelector("figcaption").textContent = "Posture by the measured angles, not to scale." + (unknown.length ? " Dashed: " + unknown.join(", ") + " not measured." : "");
+  }
+}
+
+/** What the truck is loaded by: the bucket now, the last load, the truck. */
+function showLoads(loads) {
+  byId("loads").hidden = !loads;
+  if (!loads) return;
+  const kg = (x) => grouped(Math.round(x)) + " kg";
+  const sure = (w) => "95 %: " + grouped(Math.round(w.low)) + " to " + grouped(Math.round(w.high));
+  const last = loads.carried || loads.loads[0], truck = loads.truck;
+  const tiles = [["in the bucket now", kg(loads.now.kg), sure(loads.now)]];
+  if (last) tiles.push(["load " + last.load + ", " + last.stage, kg(last.in_bucket.kg), sure(last.in_bucket) + (last.trusted ? ", trusted" : ", not trusted: " + last.reason)]);
+  tiles.push(["truck " + truck.truck, kg(truck.total.kg), truck.total.loads + " loads, " + sure(truck.total)]);
+  if (truck.target !== null) tiles.push(["missing", kg(truck.remaining), "of " + kg(truck.target)]);
+  byId("tiles").replaceChildren(...tiles.map(([title, number, words]) => {
+    const tile = element("div", undefined, "tile");
+    tile.append(element("p", title, "title"), element("p", number, "number"), element("p", words, "when"));
+    return tile;
+  }));
 }
 
 function verdicts(list) {
@@ -236,6 +285,7 @@ function rows(id, list, cells) {
 
 function status(s) {
   verdicts(s.verdicts);
+  showLoads(s.loads);
   rows("processes", s.processes, (p) => [[p.name + " (" + p.pid + ")"], [p.state, p.state === "waiting"], [p.rate.toFixed(0)], [p.age], [p.step], [p.late], [p.lost, p.lost > 0], [p.restarts, p.restarts > 0], [seconds(p.silent_s), p.silent_s > 1], [p.fault, p.fault !== "none"]]);
   rows("channels", s.channels, (c) => [[c.name], [c.rate.toFixed(0)], [grouped(c.count)], [c.lost, c.lost > 0], [seconds(c.silent_s), c.silent_s > 1]]);
   byId("link").textContent = (s.simulated ? "simulated: nothing is measured · " : "") + "live · " + s.viewers + (s.viewers === 1 ? " viewer" : " viewers") + (s.skipped ? " · " + s.skipped + " frames skipped by slow viewers" : "");

@@ -22,6 +22,7 @@ pub mod monitor;
 pub mod number;
 pub mod panels;
 pub mod plot;
+pub mod posture;
 mod report;
 mod run;
 pub mod score;
@@ -31,3 +32,6 @@ pub mod words;
 
 pub use report::{compared, page, picture, report};
 pub use run::{Estimator, Input, MachineRun, Parts, Run, lost};
+
+/// A layout of Foxglove for recordings of both machines.
+pub const FOXGLOVE_LAYOUT: &str = include_str!("../assets/foxglove-layout.json");

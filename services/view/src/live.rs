@@ -8,10 +8,12 @@
 mod connections;
 mod frame;
 mod loads;
+mod metrics;
 mod page;
 mod server;
 
 pub(crate) use frame::{judgements, series_of, truth};
+pub(crate) use metrics::{Samples, of_machine};
 pub(crate) use page::definition;
 #[cfg(test)]
 mod tests;

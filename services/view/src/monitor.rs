@@ -11,12 +11,13 @@ use messages::{Health, Machine, Message};
 use serde_json::Value;
 
 use crate::estimate::Estimate;
+use crate::posture::{self, Posture};
 use crate::{live, top};
 
 /// Values that a sparkline shows at most.
 const TREND: usize = 240;
 /// Between two values of a sparkline.
-const TREND_PERIOD: Duration = Duration::from_millis(100);
+pub(crate) const TREND_PERIOD: Duration = Duration::from_millis(100);
 
 /// Counts events and tells their rate once a second.
 #[derive(Debug, Clone, Copy)]
@@ -92,6 +93,8 @@ pub struct Tracked<E> {
     pub last: E,
     /// Exponential mean of the normalised innovation squared, over the window of the verdict.
     pub nis_mean: f64,
+    /// Of each headline parameter the last estimate that was trusted.
+    pub trusted: Vec<Option<E>>,
     /// The headline parameters over the last 24 s, for sparklines.
     pub trend: VecDeque<Vec<f64>>,
     trend_time: Instant,
@@ -102,15 +105,31 @@ impl<E: Estimate> Tracked<E> {
         let mut tracked = Self {
             last: *estimate,
             nis_mean: 1.0,
+            trusted: E::PARAMETERS
+                .iter()
+                .filter(|p| p.headline())
+                .map(|_| None)
+                .collect(),
             trend: VecDeque::new(),
             trend_time: now,
         };
+        tracked.trust(estimate);
         tracked.remember(now);
         tracked
     }
 
+    fn trust(&mut self, estimate: &E) {
+        let headline = E::PARAMETERS.iter().filter(|p| p.headline());
+        for (last, parameter) in self.trusted.iter_mut().zip(headline) {
+            if estimate.flags() & parameter.trusted != 0 {
+                *last = Some(*estimate);
+            }
+        }
+    }
+
     fn update(&mut self, estimate: &E, now: Instant) {
         self.last = *estimate;
+        self.trust(estimate);
         if estimate.nis() > 0.0 {
             let weight = 1.0 / E::INNOVATION.window as f64;
             self.nis_mean += weight * (estimate.nis().min(16.0) - self.nis_mean);
@@ -202,6 +221,8 @@ pub(crate) trait Shown {
     fn truth(&self) -> Value;
     /// Its verdicts in words.
     fn judgements(&self) -> Vec<Value>;
+    /// Its numbers for `/metrics`.
+    fn metrics(&self, samples: &mut live::Samples);
     /// For the terminal: its verdicts with their trend.
     fn verdicts(&self) -> Vec<top::Verdict>;
 }
@@ -227,6 +248,10 @@ impl<E: Estimate> Shown for MachineState<E> {
         live::judgements(self)
     }
 
+    fn metrics(&self, samples: &mut live::Samples) {
+        live::of_machine(self, samples);
+    }
+
     fn verdicts(&self) -> Vec<top::Verdict> {
         top::verdicts(self)
     }
@@ -243,6 +268,8 @@ pub struct Monitor {
     pub processes: BTreeMap<u32, ProcessState>,
     /// What concerns each machine.
     pub machines: Machines,
+    /// How each machine stands, by its name; only where its samples are seen.
+    pub postures: BTreeMap<&'static str, Posture>,
     /// Time of the newest estimate, as the data tell it [s].
     pub time: f64,
     /// Whether the samples are the simulator's.
@@ -263,6 +290,9 @@ impl Monitor {
     pub fn push<M: Message>(&mut self, channel: &Channel, message: &M, now: Instant) {
         self.count(channel, message, now);
         self.is_simulated |= message.is_simulated();
+        if let Some(machine) = channel.name.strip_suffix("/sensors") {
+            posture::take(self.postures.entry(machine).or_default(), message);
+        }
         let time = message.stamp().time;
         let message: &dyn Any = message;
         if let Some(h) = message.downcast_ref::<Health>() {

@@ -49,7 +49,11 @@ impl Joint {
     fn open(&self, out: &mut String, posture: &Posture) {
         let place = JOINTS.iter().position(|name| *name == self.signal);
         let measured = place.and_then(|i| posture[i]);
-        let class = if measured.is_some() { "joint" } else { "joint unmeasured" };
+        let class = if measured.is_some() {
+            "joint"
+        } else {
+            "joint unmeasured"
+        };
         let angle = measured.unwrap_or(self.usual);
         let (x, y) = self.at;
         // Angles are positive upwards, and the picture's y goes down.
@@ -101,7 +105,9 @@ fn excavator(out: &mut String, posture: &Posture) {
 
 /// Seen from above: where the upper body looks.
 fn top_view(out: &mut String, posture: &Posture) {
-    out.push_str("<circle class=\"ring\" cx=\"590\" cy=\"48\" r=\"34\"/><g transform=\"translate(590 48)\">");
+    out.push_str(
+        "<circle class=\"ring\" cx=\"590\" cy=\"48\" r=\"34\"/><g transform=\"translate(590 48)\">",
+    );
     let swing = Joint {
         signal: "swing_angle",
         at: (0.0, 0.0),
@@ -169,8 +175,12 @@ mod tests {
         };
         take(&mut posture, &sensors);
         let svg = svg(Machine::Excavator, &posture);
-        assert!(svg.contains("class=\"joint\" data-joint=\"boom_angle\" transform=\"rotate(-28.6)\""));
-        assert!(svg.contains("class=\"joint unmeasured\" data-joint=\"arm_angle\" transform=\"rotate(80.2)\""));
+        assert!(
+            svg.contains("class=\"joint\" data-joint=\"boom_angle\" transform=\"rotate(-28.6)\"")
+        );
+        assert!(svg.contains(
+            "class=\"joint unmeasured\" data-joint=\"arm_angle\" transform=\"rotate(80.2)\""
+        ));
     }
 
     #[test]

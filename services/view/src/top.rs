@@ -11,8 +11,8 @@ use ratatui::text::{Line, Span};
 use ratatui::widgets::{Block, Paragraph, Row, Sparkline, Table, Wrap};
 
 use crate::estimate::Estimate;
-use crate::monitor::{MachineState, Monitor, ProcessState, Tracked};
-use crate::number::{grouped, nanoseconds};
+use crate::monitor::{MachineState, Monitor, ProcessState, TREND_PERIOD, Tracked};
+use crate::number::{decimals, grouped, nanoseconds, unit, with_std};
 use crate::report::state_name;
 use crate::words::{Judgement, wrapped};
 
@@ -41,6 +41,9 @@ impl TopState {
         self.now = now;
     }
 }
+
+/// Between two values of a trend [s].
+const TREND_SECONDS: f64 = TREND_PERIOD.as_millis() as f64 / 1000.0;
 
 /// Draws the dashboard; ages are told up to the present.
 pub fn draw(frame: &mut Frame, state: &TopState) {
@@ -129,7 +132,17 @@ fn title(frame: &mut Frame, area: Rect, state: &TopState) {
 pub(crate) struct Verdict {
     source: String,
     judgement: Judgement,
-    trend: Vec<u64>,
+    /// Where it is not trusted now: the last trusted value, and how old it is.
+    last: Option<String>,
+    trend: Trend,
+}
+
+/// A quantity over the last seconds.
+struct Trend {
+    /// Each from the lowest (1) to the highest (100).
+    heights: Vec<u64>,
+    /// Its axis: the lowest and the highest value with their unit, and how many seconds are shown.
+    axis: String,
 }
 
 /// The verdicts of a machine, trend included.
@@ -142,6 +155,7 @@ pub(crate) fn verdicts<E: Estimate>(state: &MachineState<E>) -> Vec<Verdict> {
             let judgements = tracked.last.judgements().into_iter().enumerate();
             judgements.map(move |(i, judgement)| Verdict {
                 source: format!("{channel}, {}", tracked.last.method_name()),
+                last: last_trusted(tracked, i).filter(|_| !judgement.trusted),
                 judgement,
                 trend: trend(tracked, i),
             })
@@ -149,23 +163,59 @@ pub(crate) fn verdicts<E: Estimate>(state: &MachineState<E>) -> Vec<Verdict> {
         .collect()
 }
 
-/// Headline parameter `index` from its lowest (1) to its highest (100) over the last seconds.
-fn trend<E: Estimate>(tracked: &Tracked<E>, index: usize) -> Vec<u64> {
+/// "8 020 ± 160 kg m², 3.2 s ago".
+fn last_trusted<E: Estimate>(tracked: &Tracked<E>, index: usize) -> Option<String> {
+    let parameter = E::PARAMETERS.iter().filter(|p| p.headline()).nth(index)?;
+    let last = tracked.trusted.get(index)?.as_ref()?;
+    let age = tracked.last.stamp().time - last.stamp().time;
+    let value = with_std(
+        parameter.value(last),
+        parameter.std(last),
+        &unit(parameter.unit),
+    );
+    Some(format!("{value}, {} s ago", grouped(age, 1)))
+}
+
+/// Headline parameter `index` over the last seconds.
+fn trend<E: Estimate>(tracked: &Tracked<E>, index: usize) -> Trend {
     let values = tracked.trend.iter().filter_map(|v| v.get(index).copied());
     let values: Vec<f64> = values.filter(|v| v.is_finite()).collect();
     let low = values.iter().copied().fold(f64::INFINITY, f64::min);
     let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let span = (high - low).max(1e-9 * high.abs()).max(f64::MIN_POSITIVE);
-    values
+    let heights = values
         .iter()
         .map(|v| 1 + (99.0 * (v - low) / span) as u64)
-        .collect()
+        .collect();
+    let headline = E::PARAMETERS.iter().filter(|p| p.headline()).nth(index);
+    let unit = headline.map_or(String::new(), |p| unit(p.unit));
+    let axis = if values.is_empty() {
+        String::new()
+    } else {
+        let places = decimals(span / 10.0);
+        let (low, high) = (grouped(low, places), grouped(high, places));
+        format!("{low} to {high} {unit}").trim_end().to_owned()
+    };
+    Trend { heights, axis }
 }
 
 impl Verdict {
-    /// Value and reasons.
+    /// The last trusted value if it is not the present one, value and reasons.
     fn text(&self) -> String {
-        format!("{}. {}", self.judgement.value, self.judgement.verdict())
+        let (bold, plain) = self.words();
+        bold + &plain
+    }
+
+    /// What leads, and what explains it.
+    fn words(&self) -> (String, String) {
+        let (value, verdict) = (&self.judgement.value, self.judgement.verdict());
+        match &self.last {
+            Some(last) => (
+                format!("Last trusted: {last}. "),
+                format!("Now: {value}. {verdict}"),
+            ),
+            None => (format!("{value}. "), verdict),
+        }
     }
 
     /// Lines that its words take.
@@ -194,20 +244,33 @@ impl Verdict {
         let [words, line] =
             Layout::vertical([Constraint::Min(1), Constraint::Length(u16::from(trend))])
                 .areas(inner);
-        let value = Span::styled(
-            format!("{}. ", self.judgement.value),
-            Style::new().add_modifier(Modifier::BOLD),
-        );
-        let text = Line::from(vec![value, Span::raw(self.judgement.verdict())]);
+        let (bold, plain) = self.words();
+        let value = Span::styled(bold, Style::new().add_modifier(Modifier::BOLD));
+        let text = Line::from(vec![value, Span::raw(plain)]);
         frame.render_widget(Paragraph::new(text).wrap(Wrap { trim: true }), words);
         if !trend {
             return;
         }
-        let shown = self.trend.len().saturating_sub(usize::from(line.width));
+        // A value takes a column: the seconds that are seen depend on the width.
+        let room = line
+            .width
+            .saturating_sub(self.trend.axis.chars().count() as u16 + 14);
+        let [marks, bars] =
+            Layout::horizontal([Constraint::Length(line.width - room), Constraint::Min(0)])
+                .areas(line);
+        let heights = &self.trend.heights;
+        let shown = &heights[heights.len().saturating_sub(usize::from(room))..];
+        let seconds = (shown.len() as f64 * TREND_SECONDS).round();
+        let axis = format!("{}, {seconds} s ", self.trend.axis);
+        frame.render_widget(
+            Paragraph::new(axis).style(Style::new().add_modifier(Modifier::DIM)),
+            marks,
+        );
         let sparkline = Sparkline::default()
-            .data(&self.trend[shown..])
+            .data(shown)
+            .max(100)
             .style(Style::new().fg(colour));
-        frame.render_widget(sparkline, line);
+        frame.render_widget(sparkline, bars);
     }
 }
 

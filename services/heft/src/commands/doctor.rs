@@ -173,8 +173,10 @@ fn recordings() -> Vec<Finding> {
 fn room() -> Vec<Finding> {
     let mib = free_shared_memory() >> 20;
     let what = format!("{mib} MiB free in /dev/shm");
-    vec![if mib >= 64 {
+    vec![if mib >= 128 {
         good(what)
+    } else if mib >= 64 {
+        good(format!("{what}: room for one run only"))
     } else {
         bad(
             what,

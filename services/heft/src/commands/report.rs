@@ -11,16 +11,20 @@ use crate::failure::Failure;
 use crate::many::{self, Job};
 use crate::page::{put, write};
 use crate::parts;
+use crate::results;
 
 /// `heft report`
 #[derive(Debug, Args)]
 pub struct ReportArgs {
     /// The recording, or its folder; several of the same machine are compared
-    #[arg(required = true)]
+    #[arg(required_unless_present = "foxglove")]
     pub files: Vec<PathBuf>,
     /// Page to write; if absent the recording's name with .html, or compared.html beside the first
     #[arg(short, long)]
     pub output: Option<PathBuf>,
+    /// Write a layout of Foxglove with the main plots instead (there: Layouts, Import from file)
+    #[arg(long, value_name = "LAYOUT.json", conflicts_with_all = ["output", "each"])]
+    pub foxglove: Option<PathBuf>,
     /// A page of its own beside each recording, and beside every recording of a folder
     #[arg(long, conflicts_with = "output")]
     pub each: bool,
@@ -31,6 +35,11 @@ pub struct ReportArgs {
 
 /// `heft report`
 pub fn report(args: &ReportArgs) -> Result<(), Failure> {
+    if let Some(layout) = &args.foxglove {
+        results::text("write the layout", layout, &[], |_| false, view::FOXGLOVE_LAYOUT)?;
+        println!("{}: import it in Foxglove, then open a recording", layout.display());
+        return Ok(());
+    }
     match args.files.as_slice() {
         _ if args.each => each(args),
         [file] => one(file, args.output.as_deref()),

@@ -84,6 +84,12 @@ impl Dbc {
 }
 
 impl Message {
+    /// Whether a classic frame cannot hold its signals.
+    pub(crate) fn is_long(&self) -> bool {
+        // Nothing is read from a frame that is too short.
+        self.signals.iter().any(|s| s.layout.raw(&[0; 8]).is_none())
+    }
+
     /// Whether a frame of this identifier is this message.
     pub(crate) fn matches(&self, id: u32, extended: bool) -> bool {
         if self.extended != extended {

@@ -186,11 +186,22 @@ impl<S: Sensors> Decoder<S> {
         let is_silent = |s: &Source| matches!(s, Source::Bus(bus) if !bus.has_value);
         let silent = self.lines.iter().find(|l| l.terms.iter().any(is_silent));
         silent.map_or(Ok(()), |line| {
-            Err(Error::new(
-                format!("{log} has no value of {}", line.entry.signal),
-                self.map.place(&line.entry),
-                "check message, source and interface of the entry, or leave it out",
-            ))
+            let long = line.terms.iter().find_map(|source| match source {
+                Source::Bus(bus) if bus.message.j1939 && bus.message.is_long() => Some(bus),
+                _ => None,
+            });
+            let what = format!("{log} has no value of {}", line.entry.signal);
+            let (what, remedy) = match long {
+                None => (what, "check message, source and interface of the entry, or leave it out"),
+                Some(bus) => (
+                    format!(
+                        "{what}: {} is longer than 8 bytes, and heft does not read the transport protocol of J1939 (BAM, RTS/CTS)",
+                        bus.message.name
+                    ),
+                    "map a message of 8 bytes, or have a gateway send the signal in one",
+                ),
+            };
+            Err(Error::new(what, self.map.place(&line.entry), remedy))
         })
     }
 

@@ -5,9 +5,10 @@ use std::time::Instant;
 use messages::fault;
 use serde_json::{Map, Value, json};
 
-use crate::estimate::Estimate;
+use crate::estimate::{Estimate, Parameter};
 use crate::monitor::{ChannelState, MachineState, Monitor, ProcessState, Tracked};
-use crate::number::nanoseconds;
+use crate::number::{interval_95, nanoseconds, unit, value_and_std};
+use crate::posture::{JOINTS, Posture};
 use crate::report::state_name;
 
 /// The numbers of all estimators: `{t, e: [{c, v: [[value, std]...], k: trusted, n: NIS, f: forgetting}], truth}`.
@@ -21,8 +22,16 @@ pub(super) fn series(monitor: &Monitor) -> String {
         "t": monitor.time,
         "e": all,
         "truth": truths.collect::<Map<_, _>>(),
+        "p": monitor.postures.iter().map(|(m, p)| ((*m).to_owned(), posture(p))).collect::<Map<_, _>>(),
     })
     .to_string()
+}
+
+/// Angles by the names of their joints [rad]; those that are not measured are left out.
+fn posture(posture: &Posture) -> Value {
+    let joints = JOINTS.iter().zip(posture);
+    let known = joints.filter_map(|(name, angle)| Some(((*name).to_owned(), number((*angle)?))));
+    Value::Object(known.collect())
 }
 
 pub(crate) fn series_of<E: Estimate>(state: &MachineState<E>) -> Vec<Value> {
@@ -62,7 +71,13 @@ fn number(value: f64) -> Value {
 }
 
 /// Verdicts, processes and channels in words.
-pub(super) fn status(monitor: &Monitor, now: Instant, viewers: usize, skipped: u64) -> String {
+pub(super) fn status(
+    monitor: &Monitor,
+    loads: Option<Value>,
+    now: Instant,
+    viewers: usize,
+    skipped: u64,
+) -> String {
     let machines = monitor.machines.all();
     let verdicts: Vec<_> = machines.iter().flat_map(|m| m.judgements()).collect();
     let processes = monitor
@@ -78,6 +93,7 @@ pub(super) fn status(monitor: &Monitor, now: Instant, viewers: usize, skipped: u
         "processes": processes.collect::<Vec<_>>(),
         "channels": channels.collect::<Vec<_>>(),
         "simulated": monitor.is_simulated,
+        "loads": loads,
         "viewers": viewers,
         "skipped": skipped,
     })
@@ -87,9 +103,27 @@ pub(super) fn status(monitor: &Monitor, now: Instant, viewers: usize, skipped: u
 pub(crate) fn judgements<E: Estimate>(state: &MachineState<E>) -> Vec<Value> {
     // The product's filter, ukf, comes before the regression.
     let one = |(channel, tracked): (&&'static str, &Tracked<E>)| {
-        let words = tracked.last.judgements().into_iter().map(
-            |j| json!({"value": j.value.clone(), "trusted": j.trusted, "verdict": j.verdict()}),
-        );
+        let (last, headline) = (&tracked.last, E::PARAMETERS.iter().filter(|p| p.headline()));
+        let told = |p: &Parameter<E, E::Truth>, e: &E| {
+            let (value, std, unit) = (p.value(e), p.std(e), unit(p.unit));
+            let (number, _) = value_and_std(value, std);
+            json!({"number": format!("{number} {unit}"), "interval": format!("{} {unit}", interval_95(value, std)), "time": e.stamp().time})
+        };
+        let words = last
+            .judgements()
+            .into_iter()
+            .zip(headline)
+            .zip(&tracked.trusted);
+        let words = words.map(|((j, p), trusted)| {
+            json!({
+                "title": p.label,
+                "now": p.value(last).is_finite().then(|| told(p, last)),
+                "value": j.value.clone(),
+                "trusted": j.trusted,
+                "verdict": j.verdict(),
+                "last": trusted.as_ref().map(|e| told(p, e)),
+            })
+        });
         json!({
             "channel": channel,
             "machine": E::MACHINE.name(),

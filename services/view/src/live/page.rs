@@ -2,11 +2,13 @@
 
 use axum::http::header;
 use axum::response::{Html, IntoResponse, Response};
+use messages::Machine;
 use serde_json::{Value, json};
 
 use crate::estimate::Estimate;
 use crate::monitor::Machines;
 use crate::plot;
+use crate::posture::{self, Posture};
 use crate::report::hash;
 use statistics::mean_chi_square_95;
 
@@ -51,10 +53,18 @@ pub(super) fn page() -> String {
         .all()
         .map(|m| (m.machine().name().to_owned(), m.definition()));
     let definitions = Value::Object(definitions.into_iter().collect());
+    let drawing = |machine| {
+        let svg = posture::svg(machine, &Posture::default());
+        format!(
+            "<figure class=\"machine\" id=\"posture-{machine}\" hidden>{svg}<figcaption></figcaption></figure>"
+        )
+    };
+    let postures: String = Machine::ALL.into_iter().map(drawing).collect();
     PAGE.replace(
         "/*STYLE*/",
         &[plot::STYLE, UPLOT_STYLE, REPORT_STYLE, STYLE].concat(),
     )
+    .replace("<!--POSTURES-->", &postures)
     .replace("/*UPLOT*/", UPLOT)
     .replace("/*DEFINITIONS*/", &definitions.to_string())
     .replace("/*SCRIPT*/", &[COMMON, SCRIPT].concat())

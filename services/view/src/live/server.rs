@@ -21,12 +21,12 @@ use tokio::sync::broadcast::{self, error::RecvError};
 use tokio::sync::{Notify, oneshot};
 
 use super::connections::Door;
-use super::{Feed, frame, loads, page};
+use super::{Feed, frame, loads, metrics, page};
 
 /// Viewers at a time; the next one is told to wait.
 pub const MAX_VIEWERS: usize = 16;
 /// Between two frames while nobody looks: the past, for whoever comes.
-const IDLE_PERIOD: Duration = Duration::from_secs(1);
+const IDLE_PERIOD: Duration = Duration::from_millis(100);
 /// Between two frames: at most 30 a second.
 const PERIOD: Duration = Duration::from_millis(34);
 /// Words change slower than numbers: every eighth frame, 4 times a second.
@@ -167,6 +167,7 @@ async fn run(listener: TcpListener, shared: Arc<Shared>, stopped: oneshot::Recei
         .route("/events", get(events))
         .route("/loads", get(show_loads))
         .route("/loads.json", get(state_of_loads))
+        .route("/metrics", get(show_metrics))
         .route("/next-truck", post(next_truck))
         .with_state(shared);
     let serving = Box::pin(async move { axum::serve(Door::new(listener), router).await });
@@ -186,7 +187,11 @@ async fn take_frames(period: Duration, shared: Arc<Shared>) {
         shared.take_series();
         if viewers > 0 && turn.is_multiple_of(STATUS_EVERY) {
             let skipped = shared.skipped.load(Ordering::Relaxed);
-            let status = frame::status(&shared.feed.lock(), Instant::now(), viewers, skipped);
+            let loads = shared.feed.loads.as_ref();
+            let loads = loads.map(|loads| crate::loads::live_json(&loads.lock()));
+            let monitor = shared.feed.lock();
+            let status = frame::status(&monitor, loads, Instant::now(), viewers, skipped);
+            drop(monitor);
             shared.send("status", status.into());
         }
     }
@@ -259,6 +264,14 @@ async fn show_loads(State(shared): State<Arc<Shared>>, headers: HeaderMap) -> Re
         return StatusCode::FORBIDDEN.into_response();
     }
     loads::panel()
+}
+
+async fn show_metrics(State(shared): State<Arc<Shared>>, headers: HeaderMap) -> Response {
+    if !shared.admits(&headers) {
+        return StatusCode::FORBIDDEN.into_response();
+    }
+    let text = metrics::text(&shared.feed.lock(), Instant::now());
+    ([(header::CONTENT_TYPE, metrics::KIND)], text).into_response()
 }
 
 async fn state_of_loads(State(shared): State<Arc<Shared>>, headers: HeaderMap) -> Response {
