@@ -327,6 +327,7 @@ impl<M: Typed> Entry for M {
     ) -> Result<(), Failure> {
         let map = sources::map(args.with.map.as_deref())?;
         let samples = recording::open::<M::Sensors>(file, map.as_ref())?;
+        hint_at_names::<M::Sensors>(file, map.as_ref());
         let method = estimate::method(args.machine, args.with.method.as_deref());
         if let Some((first, _)) = samples.rows()?.next() {
             M::check(description, method, &first)?;
@@ -380,6 +381,19 @@ impl<M: Typed> Entry for M {
 
     fn figures(&self) -> Result<Vec<Figure>, Failure> {
         M::figures()
+    }
+}
+
+/// Speaks of columns of a table that are left out and look like signals that it lacks.
+fn hint_at_names<S: Sensors>(file: &Path, map: Option<&recording::Map>) {
+    let is_table = file
+        .extension()
+        .is_some_and(|e| ["csv", "txt"].iter().any(|known| e.eq_ignore_ascii_case(known)));
+    if map.is_some() || !is_table {
+        return;
+    }
+    for (column, signal) in recording::csv::misspelt::<S>(file) {
+        eprintln!("the column {column} is not used; did you mean {signal}?");
     }
 }
 

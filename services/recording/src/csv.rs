@@ -14,7 +14,7 @@ pub use estimate::{Column, Estimate, EstimateRows, EstimateWriter, is_estimates}
 pub(crate) use estimate::{columns, columns_of, count, count_flags, extra};
 pub use export::export;
 pub(crate) use read::{TableRows, names, numbers};
-pub use read::{read, read_weighings};
+pub use read::{misspelt, read, read_weighings};
 
 /// A cell of a CSV, in quotes where it must be.
 #[must_use]

@@ -151,8 +151,12 @@ pub fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
     let report = args.report.as_deref();
     let mut notes = report.map(|r| Notes::create(r, &metadata)).transpose()?;
     let (mut rows, mut last, mut trusted) = (0, E::default(), None);
+    let mut times = Vec::new();
     for (sample, truth) in samples.rows()? {
         rows += 1;
+        if times.len() < LOOKED_AT {
+            times.push(sample.stamp().time);
+        }
         let mut message = sample.envelope();
         look.add(&sample);
         if let Some(notes) = &mut notes {
@@ -191,6 +195,9 @@ pub fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
         )?;
     }
     tell(args, output, written, rows, &view::words::verdict(&last));
+    if let Some(hint) = time_hint(&times, description.rate()) {
+        eprintln!("{hint}");
+    }
     look.tell();
     let age = trusted.map(|e| last.stamp().time - e.stamp().time);
     if let Some((trusted, age)) = trusted.zip(age).filter(|(_, age)| *age > 0.0) {
@@ -206,6 +213,25 @@ pub fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
     parts::tell_lacks(&samples.lacks())?;
     look.fault()
         .map_or(Ok(()), |fault| Err(Failure::answer_is_no(fault)))
+}
+
+/// Rows by which the unit of the time is judged.
+const LOOKED_AT: usize = 1000;
+
+/// Words on times that seem to be in another unit: the rows are some power of thousand further apart than the sensors'
+/// rate says.
+fn time_hint(times: &[f64], rate: f64) -> Option<String> {
+    const UNITS: [(&str, f64); 3] = [("ms", 1e3), ("us", 1e6), ("ns", 1e9)];
+    let mut steps: Vec<f64> = times.windows(2).map(|w| w[1] - w[0]).collect();
+    steps.retain(|step| *step > 0.0);
+    steps.sort_by(f64::total_cmp);
+    let step = *steps.get(steps.len() / 2)?;
+    let apart = step * rate;
+    // Sensors of a third to three times the described rate.
+    let (unit, _) = UNITS.into_iter().find(|(_, factor)| (0.3..=3.0).contains(&(apart / factor)))?;
+    Some(format!(
+        "the rows are {step} s apart, and sensors.rate is {rate} Hz: is the time in {unit}? write t = {{ column = \"t\", unit = \"{unit}\" }} in a signal map"
+    ))
 }
 
 /// A table in which most rows were refused is no result: its times run backwards, or another column is the time.
@@ -324,5 +350,21 @@ impl Notes {
 impl Drop for Notes {
     fn drop(&mut self) {
         let _ = std::fs::remove_file(&self.file);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_in_milliseconds_are_named_and_slow_sensors_are_not() {
+        let every = |step: f64| (0..50).map(|i| f64::from(i) * step).collect::<Vec<_>>();
+        assert!(time_hint(&every(10.0), 100.0).is_some_and(|h| h.contains("\"ms\"")));
+        assert!(time_hint(&every(1e4), 100.0).is_some_and(|h| h.contains("\"us\"")));
+        for step in [0.001, 0.01, 0.1, 1.0] {
+            assert_eq!(time_hint(&every(step), 100.0), None, "{step} s");
+        }
+        assert_eq!(time_hint(&[], 100.0), None);
     }
 }

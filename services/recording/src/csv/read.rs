@@ -223,6 +223,20 @@ pub fn read<S: Sensors>(path: impl AsRef<Path>, map: Option<&Map>) -> Result<Vec
     std::iter::from_fn(|| rows.row().transpose()).collect()
 }
 
+/// Columns of a table that are no signal, each with the absent signal that its name is nearest to; none where it
+/// cannot be read.
+#[must_use]
+pub fn misspelt<S: Sensors>(path: &Path) -> Vec<(String, String)> {
+    let header = Table::open(path).and_then(|table| Ok(table.records()?.1));
+    let header = header.unwrap_or_default();
+    let signals = crate::signal::signals::<S>();
+    let known: Vec<&str> = signals.iter().map(|s| s.name.as_str()).collect();
+    let absent = known.iter().filter(|name| !header.iter().any(|h| h == *name));
+    let near = |column: &String| config::nearest(column, absent.clone().copied()).map(str::to_owned);
+    let foreign = header.iter().filter(|h| !known.contains(&h.as_str()));
+    foreign.filter_map(|h| Some((h.clone(), near(h)?))).collect()
+}
+
 /// Header and numbers of the first `most` rows, by column; NaN where a cell holds none.
 pub(crate) fn numbers(path: &Path, most: usize) -> Result<(Vec<String>, Vec<Vec<f64>>), Error> {
     let table = Table::open(path)?;

@@ -7,7 +7,7 @@ use messages::Message;
 use super::html::text;
 use super::part;
 use crate::estimate::{Estimate, Parameter};
-use crate::number::{grouped, significant};
+use crate::number::{grouped, significant, unit, value_and_std};
 use crate::run::{Estimator, MachineRun, Run};
 use crate::words::{RunJudgement, run_judgements};
 
@@ -144,8 +144,10 @@ fn card<E: Estimate>(
     let at = grouped(judgement.time, 1);
     let _ = write!(
         body,
-        "<article class=\"verdict {class}\"><p class=\"value\">{}.</p>\
+        "<article class=\"verdict {class}\"><p class=\"title\">{}</p>{}<p class=\"value\">{}.</p>\
          <p><span class=\"badge\">{word}</span> {}</p><p class=\"when\">{}, method <b>{}</b>, at t\u{a0}=\u{a0}{at}\u{a0}s; trusted {}\u{a0}% of the run.",
+        text(parameter.label),
+        large(estimator, judgement, parameter),
         text(&judgement.told.value),
         text(&judgement.told.verdict()),
         if judgement.told.trusted {
@@ -163,6 +165,28 @@ fn card<E: Estimate>(
         let _ = write!(body, " {sentence}");
     }
     body.push_str("</p></article>");
+}
+
+/// The number by itself, to be read from afar; nothing where there is none.
+fn large<E: Estimate>(
+    estimator: &Estimator<E>,
+    judgement: &RunJudgement,
+    parameter: &Parameter<E, E::Truth>,
+) -> String {
+    let Some(estimate) = estimator.estimates.get(judgement.index) else {
+        return String::new();
+    };
+    let (value, std) = (parameter.value(estimate), parameter.std(estimate));
+    if !value.is_finite() || !std.is_finite() {
+        return String::new();
+    }
+    let (number, _) = value_and_std(value, std);
+    let unit = unit(parameter.unit);
+    format!(
+        "<p class=\"number\">{} {}</p>",
+        text(&number),
+        text(&unit)
+    )
 }
 
 /// How far the told value is from the truth.
@@ -186,7 +210,7 @@ fn truth_sentence<E: Estimate>(
     } else {
         "outside"
     };
-    let unit = crate::number::unit(parameter.unit);
+    let unit = unit(parameter.unit);
     let unit = if unit.is_empty() {
         unit
     } else {

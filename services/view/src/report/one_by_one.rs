@@ -59,6 +59,21 @@ fn parameter<E: Estimate>(key: &str) -> Option<&'static Parameter<E, E::Truth>> 
     E::PARAMETERS.iter().find(|p| p.key == key)
 }
 
+/// "3 trusted"; "front share trusted in 3, height in 0" where the machine has several quantities with a verdict.
+fn trusted_counts<E: Estimate>(found: &[Stretch]) -> String {
+    let headline: Vec<_> = E::PARAMETERS.iter().filter(|p| p.headline()).collect();
+    let count = |i: usize| {
+        let told = |s: &&Stretch| s.told.get(i).is_some_and(|j| j.trusted);
+        found.iter().filter(told).count()
+    };
+    if headline.len() < 2 {
+        return format!("{} trusted", count(0));
+    }
+    let each = headline.iter().enumerate();
+    let each = each.map(|(i, p)| format!("{} in {}", p.label, count(i)));
+    format!("trusted: {}", each.collect::<Vec<_>>().join(", "))
+}
+
 /// How many, how long, and the sum of what can be summed.
 fn together<E: Estimate>(estimates: &[E], found: &[Stretch]) -> String {
     let (name, _) = E::MOTION_NAME;
@@ -66,11 +81,11 @@ fn together<E: Estimate>(estimates: &[E], found: &[Stretch]) -> String {
     let duration: f64 = found.iter().map(|s| s.duration).sum();
     let good: Vec<&Stretch> = found.iter().filter(trusted).collect();
     let mut out = format!(
-        "Together: {} {name}{}, {} s of motion, {} trusted.",
+        "Together: {} {name}{}, {} s of motion, {}.",
         found.len(),
         if found.len() == 1 { "" } else { "s" },
         grouped(duration, 1),
-        good.len()
+        trusted_counts::<E>(found)
     );
     for parameter in E::PARAMETERS.iter().filter(|p| p.is_load) {
         let at = |s: &&Stretch| estimates.get(s.index);
