@@ -6,8 +6,8 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use serde_json::{Map, Value};
 use tracing::field::{Field, Visit};
 use tracing::{Event, Subscriber};
-use tracing_subscriber::fmt::format::{FormatEvent, FormatFields, Writer};
 use tracing_subscriber::fmt::FmtContext;
+use tracing_subscriber::fmt::format::{FormatEvent, FormatFields, Writer};
 use tracing_subscriber::registry::LookupSpan;
 
 /// `{"time": Unix seconds, "level": "WARN", "process": pid, "target": "heft::sources", "message": "...", ...fields}`
@@ -29,7 +29,10 @@ where
         let mut fields = Fields::default();
         event.record(&mut fields);
         let mut line = Map::new();
-        line.insert("time".into(), since.unwrap_or_default().as_secs_f64().into());
+        line.insert(
+            "time".into(),
+            since.unwrap_or_default().as_secs_f64().into(),
+        );
         line.insert("level".into(), about.level().as_str().into());
         line.insert("process".into(), std::process::id().into());
         line.insert("target".into(), about.target().into());
@@ -64,7 +67,8 @@ impl Visit for Fields {
     }
 
     fn record_debug(&mut self, field: &Field, value: &dyn fmt::Debug) {
-        self.0.insert(field.name().into(), format!("{value:?}").into());
+        self.0
+            .insert(field.name().into(), format!("{value:?}").into());
     }
 }
 

@@ -237,7 +237,7 @@ function pose() {
       const measured = angle !== undefined && angle !== null;
       joint.classList.toggle("unmeasured", !measured);
       if (measured) joint.setAttribute("transform", "rotate(" + (-angle * 180 / Math.PI).toFixed(1) + ")");
-      else if (joint.dataset.joint !== "slope") unknown.push(joint.dataset.joint.replace("_", " "));
+      else if (joint.dataset.joint.match(/boom|arm|bucket|lift|tilt/)) unknown.push(joint.dataset.joint.replace("_", " "));
     }
     figure.querySelector("figcaption").textContent = "Posture by the measured angles, not to scale." + (unknown.length ? " Dashed: " + unknown.join(", ") + " not measured." : "");
   }
@@ -248,11 +248,13 @@ function showLoads(loads) {
   byId("loads").hidden = !loads;
   if (!loads) return;
   const kg = (x) => grouped(Math.round(x)) + " kg";
-  const sure = (w) => "95 %: " + grouped(Math.round(w.low)) + " to " + grouped(Math.round(w.high));
+  // No load weighs less than nothing, whatever the half width.
+  const sure = (w) => "95 %: " + grouped(Math.round(Math.max(0, w.low))) + " to " + grouped(Math.round(w.high));
   const last = loads.carried || loads.loads[0], truck = loads.truck;
-  const tiles = [["in the bucket now", kg(loads.now.kg), sure(loads.now)]];
+  const known = loads.now.age !== null;
+  const tiles = [["in the bucket now", known ? kg(loads.now.kg) : "\u2013", known ? sure(loads.now) : "nothing was weighed yet"]];
   if (last) tiles.push(["load " + last.load + ", " + last.stage, kg(last.in_bucket.kg), sure(last.in_bucket) + (last.trusted ? ", trusted" : ", not trusted: " + last.reason)]);
-  tiles.push(["truck " + truck.truck, kg(truck.total.kg), truck.total.loads + " loads, " + sure(truck.total)]);
+  if (truck.total.loads) tiles.push(["truck " + truck.truck, kg(truck.total.kg), truck.total.loads + " loads, " + sure(truck.total)]);
   if (truck.target !== null) tiles.push(["missing", kg(truck.remaining), "of " + kg(truck.target)]);
   byId("tiles").replaceChildren(...tiles.map(([title, number, words]) => {
     const tile = element("div", undefined, "tile");

@@ -92,6 +92,23 @@ pub fn with_std(value: f64, std: f64, unit: &str) -> String {
     }
 }
 
+/// A number to be read from afar, and its 95 % interval, both with their unit; a share in percent.
+#[must_use]
+pub fn large(value: f64, std: f64, of: &str) -> (String, String) {
+    let (factor, name) = if of.is_empty() {
+        (100.0, "%".to_owned())
+    } else {
+        (1.0, unit(of))
+    };
+    let (value, std) = (factor * value, factor * std);
+    let (number, _) = value_and_std(value, std);
+    let interval = interval_95(value, std);
+    (
+        format!("{number}{GROUP}{name}"),
+        format!("{interval}{GROUP}{name}"),
+    )
+}
+
 /// "5 753 to 5 993": the 95 % interval of a normal distribution.
 #[must_use]
 pub fn interval_95(value: f64, std: f64) -> String {

@@ -103,18 +103,17 @@ fn excavator(out: &mut String, posture: &Posture) {
     top_view(out, posture);
 }
 
-/// Seen from above: where the upper body looks.
+/// Seen from above: where the upper body looks; hidden where nothing measures it.
 fn top_view(out: &mut String, posture: &Posture) {
-    out.push_str(
-        "<circle class=\"ring\" cx=\"590\" cy=\"48\" r=\"34\"/><g transform=\"translate(590 48)\">",
-    );
     let swing = Joint {
         signal: "swing_angle",
-        at: (0.0, 0.0),
+        at: (590.0, 48.0),
         usual: 0.0,
     };
     swing.open(out, posture);
-    out.push_str("<path class=\"needle\" d=\"M-12 -8H4V-3H32V3H4V8H-12Z\"/></g></g></g>");
+    out.push_str(
+        "<circle class=\"ring\" r=\"34\"/><path class=\"needle\" d=\"M-12 -8H4V-3H32V3H4V8H-12Z\"/></g></g>",
+    );
 }
 
 fn loader(out: &mut String, posture: &Posture) {

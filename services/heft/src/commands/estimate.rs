@@ -228,7 +228,9 @@ fn time_hint(times: &[f64], rate: f64) -> Option<String> {
     let step = *steps.get(steps.len() / 2)?;
     let apart = step * rate;
     // Sensors of a third to three times the described rate.
-    let (unit, _) = UNITS.into_iter().find(|(_, factor)| (0.3..=3.0).contains(&(apart / factor)))?;
+    let (unit, _) = UNITS
+        .into_iter()
+        .find(|(_, factor)| (0.3..=3.0).contains(&(apart / factor)))?;
     Some(format!(
         "the rows are {step} s apart, and sensors.rate is {rate} Hz: is the time in {unit}? write t = {{ column = \"t\", unit = \"{unit}\" }} in a signal map"
     ))

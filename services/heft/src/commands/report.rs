@@ -36,8 +36,17 @@ pub struct ReportArgs {
 /// `heft report`
 pub fn report(args: &ReportArgs) -> Result<(), Failure> {
     if let Some(layout) = &args.foxglove {
-        results::text("write the layout", layout, &[], |_| false, view::FOXGLOVE_LAYOUT)?;
-        println!("{}: import it in Foxglove, then open a recording", layout.display());
+        results::text(
+            "write the layout",
+            layout,
+            &[],
+            |_| false,
+            view::FOXGLOVE_LAYOUT,
+        )?;
+        println!(
+            "{}: import it in Foxglove, then open a recording",
+            layout.display()
+        );
         return Ok(());
     }
     match args.files.as_slice() {

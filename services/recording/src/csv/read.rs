@@ -231,10 +231,15 @@ pub fn misspelt<S: Sensors>(path: &Path) -> Vec<(String, String)> {
     let header = header.unwrap_or_default();
     let signals = crate::signal::signals::<S>();
     let known: Vec<&str> = signals.iter().map(|s| s.name.as_str()).collect();
-    let absent = known.iter().filter(|name| !header.iter().any(|h| h == *name));
-    let near = |column: &String| config::nearest(column, absent.clone().copied()).map(str::to_owned);
+    let absent = known
+        .iter()
+        .filter(|name| !header.iter().any(|h| h == *name));
+    let near =
+        |column: &String| config::nearest(column, absent.clone().copied()).map(str::to_owned);
     let foreign = header.iter().filter(|h| !known.contains(&h.as_str()));
-    foreign.filter_map(|h| Some((h.clone(), near(h)?))).collect()
+    foreign
+        .filter_map(|h| Some((h.clone(), near(h)?)))
+        .collect()
 }
 
 /// Header and numbers of the first `most` rows, by column; NaN where a cell holds none.

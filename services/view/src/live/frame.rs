@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 
 use crate::estimate::{Estimate, Parameter};
 use crate::monitor::{ChannelState, MachineState, Monitor, ProcessState, Tracked};
-use crate::number::{interval_95, nanoseconds, unit, value_and_std};
+use crate::number::{large, nanoseconds};
 use crate::posture::{JOINTS, Posture};
 use crate::report::state_name;
 
@@ -105,9 +105,8 @@ pub(crate) fn judgements<E: Estimate>(state: &MachineState<E>) -> Vec<Value> {
     let one = |(channel, tracked): (&&'static str, &Tracked<E>)| {
         let (last, headline) = (&tracked.last, E::PARAMETERS.iter().filter(|p| p.headline()));
         let told = |p: &Parameter<E, E::Truth>, e: &E| {
-            let (value, std, unit) = (p.value(e), p.std(e), unit(p.unit));
-            let (number, _) = value_and_std(value, std);
-            json!({"number": format!("{number} {unit}"), "interval": format!("{} {unit}", interval_95(value, std)), "time": e.stamp().time})
+            let (number, interval) = large(p.value(e), p.std(e), p.unit);
+            json!({"number": number, "interval": interval, "time": e.stamp().time})
         };
         let words = last
             .judgements()

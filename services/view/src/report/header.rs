@@ -7,7 +7,7 @@ use messages::Message;
 use super::html::text;
 use super::part;
 use crate::estimate::{Estimate, Parameter};
-use crate::number::{grouped, significant, unit, value_and_std};
+use crate::number::{grouped, large, significant, unit};
 use crate::run::{Estimator, MachineRun, Run};
 use crate::words::{RunJudgement, run_judgements};
 
@@ -147,7 +147,7 @@ fn card<E: Estimate>(
         "<article class=\"verdict {class}\"><p class=\"title\">{}</p>{}<p class=\"value\">{}.</p>\
          <p><span class=\"badge\">{word}</span> {}</p><p class=\"when\">{}, method <b>{}</b>, at t\u{a0}=\u{a0}{at}\u{a0}s; trusted {}\u{a0}% of the run.",
         text(parameter.label),
-        large(estimator, judgement, parameter),
+        headline_number(estimator, judgement, parameter),
         text(&judgement.told.value),
         text(&judgement.told.verdict()),
         if judgement.told.trusted {
@@ -168,7 +168,7 @@ fn card<E: Estimate>(
 }
 
 /// The number by itself, to be read from afar; nothing where there is none.
-fn large<E: Estimate>(
+fn headline_number<E: Estimate>(
     estimator: &Estimator<E>,
     judgement: &RunJudgement,
     parameter: &Parameter<E, E::Truth>,
@@ -180,12 +180,11 @@ fn large<E: Estimate>(
     if !value.is_finite() || !std.is_finite() {
         return String::new();
     }
-    let (number, _) = value_and_std(value, std);
-    let unit = unit(parameter.unit);
+    let (number, interval) = large(value, std, parameter.unit);
     format!(
-        "<p class=\"number\">{} {}</p>",
+        "<p class=\"number\">{}</p><p>95\u{a0}%: {}</p>",
         text(&number),
-        text(&unit)
+        text(&interval)
     )
 }
 
