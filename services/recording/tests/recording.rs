@@ -440,3 +440,39 @@ fn a_damaged_length_in_the_metadata_hides_nothing_behind_it() {
         "{damage:?}"
     );
 }
+
+/// Whoever reads samples learns what is lacking: a damaged block is an error of `load`, a cut end is said.
+#[test]
+fn samples_of_a_recording_say_what_it_lacks() {
+    let dir = folder();
+    let path = dir.path().join("run.mcap");
+    write(&path, 500);
+    let whole = std::fs::read(&path).expect("readable");
+    let rows = recording::load::<ExcavatorSensors>(&path, None).expect("samples");
+    let count = |path: &Path| {
+        let samples = recording::open::<ExcavatorSensors>(path, None).expect("samples");
+        let count = samples.rows().expect("rows").count();
+        (count, samples.lacks())
+    };
+    assert_eq!(count(&path), (rows.len(), recording::Lacks::default()));
+
+    let mut flipped = whole.clone();
+    // Within the content of a chunk in the middle; a chunk's record begins with its kind, 6.
+    let chunks: Vec<usize> = boundaries(&whole)
+        .into_iter()
+        .filter(|at| whole[*at] == 6)
+        .collect();
+    flipped[chunks[chunks.len() / 2] + 150] ^= 0x40;
+    std::fs::write(&path, &flipped).expect("writable");
+    let (fewer, lacks) = count(&path);
+    assert!(fewer < rows.len(), "{fewer} of {}", rows.len());
+    assert_eq!((lacks.damage.len(), lacks.cut_off), (1, None));
+    let refused = recording::load::<ExcavatorSensors>(&path, None).expect_err("damaged");
+    assert!(refused.to_string().contains("damaged block"), "{refused}");
+
+    std::fs::write(&path, &whole[..whole.len() / 2]).expect("writable");
+    let (fewer, lacks) = count(&path);
+    assert!(fewer < rows.len() && lacks.cut_off.is_some(), "{lacks:?}");
+    let loaded = recording::load::<ExcavatorSensors>(&path, None).expect("what is there");
+    assert_eq!(loaded.len(), fewer);
+}

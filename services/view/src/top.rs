@@ -45,11 +45,22 @@ impl TopState {
 /// Between two values of a trend [s].
 const TREND_SECONDS: f64 = TREND_PERIOD.as_millis() as f64 / 1000.0;
 
+/// Lines of a terminal below which the default method alone is shown.
+const SMALL: u16 = 34;
+
 /// Draws the dashboard; ages are told up to the present.
 pub fn draw(frame: &mut Frame, state: &TopState) {
     let now = Instant::now().max(state.now);
     let machines = state.monitor.machines.all();
-    let verdicts: Vec<_> = machines.iter().flat_map(|m| m.verdicts()).collect();
+    let is_small = frame.area().height < SMALL;
+    let verdicts = machines.iter().flat_map(|machine| {
+        let mut verdicts = machine.verdicts();
+        // The default method comes first; others only where trends and processes have room beside them.
+        let default = verdicts.first().map(|v| v.source.clone());
+        verdicts.retain(|v| !is_small || Some(&v.source) == default.as_ref());
+        verdicts
+    });
+    let verdicts: Vec<Verdict> = verdicts.collect();
     let heights = Heights::of(frame.area(), &verdicts, &state.monitor);
     let parts = [1].iter().chain(&heights.verdicts).copied();
     let tables = [heights.processes, heights.channels];
@@ -139,10 +150,8 @@ pub(crate) struct Verdict {
 
 /// A quantity over the last seconds.
 struct Trend {
-    /// Each from the lowest (1) to the highest (100).
-    heights: Vec<u64>,
-    /// Its axis: the lowest and the highest value with their unit, and how many seconds are shown.
-    axis: String,
+    values: Vec<f64>,
+    unit: String,
 }
 
 /// The verdicts of a machine, trend included.
@@ -179,24 +188,38 @@ fn last_trusted<E: Estimate>(tracked: &Tracked<E>, index: usize) -> Option<Strin
 /// Headline parameter `index` over the last seconds.
 fn trend<E: Estimate>(tracked: &Tracked<E>, index: usize) -> Trend {
     let values = tracked.trend.iter().filter_map(|v| v.get(index).copied());
-    let values: Vec<f64> = values.filter(|v| v.is_finite()).collect();
-    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let span = (high - low).max(1e-9 * high.abs()).max(f64::MIN_POSITIVE);
-    let heights = values
-        .iter()
-        .map(|v| 1 + (99.0 * (v - low) / span) as u64)
-        .collect();
     let headline = E::PARAMETERS.iter().filter(|p| p.headline()).nth(index);
-    let unit = headline.map_or(String::new(), |p| unit(p.unit));
-    let axis = if values.is_empty() {
-        String::new()
-    } else {
+    Trend {
+        values: values.filter(|v| v.is_finite()).collect(),
+        unit: headline.map_or(String::new(), |p| unit(p.unit)),
+    }
+}
+
+/// Columns of a trend that hold its axis.
+const AXIS: u16 = 34;
+
+impl Trend {
+    /// The newest values that `columns` have room for: their axis in words (lowest, highest, unit, seconds), and each
+    /// from the lowest (1) to the highest (100).
+    fn shown(&self, columns: u16) -> (String, Vec<u64>) {
+        let newest = self.values.len().saturating_sub(usize::from(columns));
+        let values = &self.values[newest..];
+        let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        if values.is_empty() {
+            return (String::new(), Vec::new());
+        }
+        let span = (high - low).max(1e-9 * high.abs()).max(f64::MIN_POSITIVE);
+        let height = |v: &f64| 1 + (99.0 * (v - low) / span) as u64;
         let places = decimals(span / 10.0);
+        let seconds = (values.len() as f64 * TREND_SECONDS).round();
         let (low, high) = (grouped(low, places), grouped(high, places));
-        format!("{low} to {high} {unit}").trim_end().to_owned()
-    };
-    Trend { heights, axis }
+        let axis = format!("{low} to {high} {}", self.unit);
+        (
+            format!("{}, {seconds} s", axis.trim_end()),
+            values.iter().map(height).collect(),
+        )
+    }
 }
 
 impl Verdict {
@@ -251,23 +274,13 @@ impl Verdict {
         if !trend {
             return;
         }
-        // A value takes a column: the seconds that are seen depend on the width.
-        let room = line
-            .width
-            .saturating_sub(self.trend.axis.chars().count() as u16 + 14);
         let [marks, bars] =
-            Layout::horizontal([Constraint::Length(line.width - room), Constraint::Min(0)])
-                .areas(line);
-        let heights = &self.trend.heights;
-        let shown = &heights[heights.len().saturating_sub(usize::from(room))..];
-        let seconds = (shown.len() as f64 * TREND_SECONDS).round();
-        let axis = format!("{}, {seconds} s ", self.trend.axis);
-        frame.render_widget(
-            Paragraph::new(axis).style(Style::new().add_modifier(Modifier::DIM)),
-            marks,
-        );
+            Layout::horizontal([Constraint::Length(AXIS), Constraint::Min(0)]).areas(line);
+        let (axis, heights) = self.trend.shown(bars.width);
+        let dim = Style::new().add_modifier(Modifier::DIM);
+        frame.render_widget(Paragraph::new(axis).style(dim), marks);
         let sparkline = Sparkline::default()
-            .data(shown)
+            .data(&heights)
             .max(100)
             .style(Style::new().fg(colour));
         frame.render_widget(sparkline, bars);

@@ -88,6 +88,34 @@ fn on_a_small_terminal_every_value_has_its_reason_and_no_line_is_cut() {
 }
 
 #[test]
+fn on_a_small_terminal_a_trend_has_its_range_its_unit_and_its_time() {
+    let mut state = TopState::new("test", common::PROCESSES.map(str::to_owned).to_vec());
+    let (start, mut noise) = (Instant::now() - Duration::from_secs(9), common::Noise(5));
+    for n in 0..900 {
+        let now = start + Duration::from_millis(10 * n as u64);
+        for (channel, paper) in [
+            (&channels::EXCAVATOR_INERTIA_RLS, true),
+            (&channels::EXCAVATOR_INERTIA_UKF, false),
+        ] {
+            let estimate = common::excavator_estimate(n, 100.0, &mut noise, paper);
+            state.push(channel, &estimate, now);
+        }
+        state.push(&channels::HEALTH, &common::health(0, n as u64), now);
+    }
+    let text = screen(&state, 80, 24);
+    let bar = |c: char| "▁▂▃▄▅▆▇█".contains(c);
+    let line = text.lines().find(|l| l.contains(bar));
+    let line = line.unwrap_or_else(|| panic!("a trend in\n{text}"));
+    assert!(line.contains(" to ") && line.contains("kg m²"), "{text}");
+    // 46 columns of a tenth of a second, scaled by what is seen.
+    assert!(line.contains("5 s") && line.contains('█'), "{text}");
+    assert!(
+        !text.contains("inertia_rls, "),
+        "the default method alone: {text}"
+    );
+}
+
+#[test]
 fn an_empty_state_and_a_tiny_terminal_can_be_drawn() {
     let empty = TopState::new("test", Vec::new());
     assert!(screen(&empty, 80, 24).contains("waiting for the first message"));
