@@ -150,6 +150,7 @@ impl LoadCounter {
     fn loader_sensors(&mut self, sample: &LoaderSensors) {
         let has = |bit: u32| sample.valid & bit != 0;
         self.mass = has(loader_bits::MASS).then_some(sample.mass);
+        self.has_pressure |= has(loader_bits::LIFT_HEAD_PRESSURE);
         self.truck = has(loader_bits::TRUCK)
             .then_some(sample.truck)
             .or(self.truck);
@@ -186,7 +187,9 @@ impl LoadCounter {
         if m.flags & loader_bits::REFUSED != 0 {
             return Events::default();
         }
-        let weighed = (m.estimated & loader_bits::PAYLOAD != 0).then_some(Quantity {
+        // A described arm whose pressure never comes tells a payload that may be anything.
+        let told = m.estimated & loader_bits::PAYLOAD != 0 && self.has_pressure;
+        let weighed = told.then_some(Quantity {
             value: m.payload,
             std: m.payload_std,
         });

@@ -31,7 +31,10 @@ const WEAK_WHEEL_STD: f64 = 0.3;
 const LEAST_SENSITIVITY: f64 = 0.002;
 
 /// How long slips that waver more than usual do so together, and rows tell the same: a wave of a few hertz [s].
-const TOGETHER: f64 = 0.2;
+const TOGETHER: f64 = 0.4;
+
+/// Standard deviations of a row beyond which a wheel hops, and tells less by as much.
+const FAR: f64 = 3.0;
 
 /// What holds during one step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -141,6 +144,15 @@ impl Monitor {
                 std
             }
         })
+    }
+
+    /// By how much an innovation of a wheel is larger than a row's noise lets expect: rows that waver together count less each, and
+    /// yet one that lies far off is a wheel that hops. `more` is the variance of the prediction and of disturbances.
+    pub fn far(&self, keys: &Estimator, wheel: usize, innovation: f64, more: f64) -> f64 {
+        let row = &self.wavering[wheel];
+        let square = self.ripple.square(keys.c_b * keys.c_b);
+        let variance = row.variance + square * row.by_slip * row.by_slip + more;
+        (innovation.abs() / (FAR * sqrt(variance))).max(1.0)
     }
 
     /// By what share slips that waver more than usual are larger in the mean.

@@ -161,7 +161,8 @@ impl Disturbance {
         let straight = step.turning(speed, machine.wheelbase).abs() < STRAIGHT;
         let free = u.spade_force_x == 0.0 && !step.brake && speed.abs() > LEAST_SPEED;
         self.shaking.see(residual, free, dt);
-        let tells = free && straight && pull.abs() < LARGEST && measured.abs() < LARGEST;
+        // Friction brakes, which nobody may tell, act while the torques brake.
+        let tells = drives && straight && speed.abs() > LEAST_SPEED && measured.abs() < LARGEST;
         self.inertia.see(measured, pull, speed, tells, dt);
         self.fast += (dt / TIME).min(1.0) * (residual - self.fast);
         self.unexplained += (dt / HOLD).min(1.0) * (residual - self.unexplained);

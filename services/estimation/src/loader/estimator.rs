@@ -105,7 +105,16 @@ impl CgEstimator {
             (8, true) => Filter::EightByTangent(CgFilter::new(settings, method)),
             (_, true) => Filter::SixByTangent(CgFilter::new(settings, method)),
         };
-        let last = each!(&filter, f => report(f, settings, method, &waiting()));
+        let mut last = each!(&filter, f => report(f, settings, method, &waiting()));
+        let lift = LiftWitness::new(
+            &settings.lift_arm,
+            &settings.lift_cylinder,
+            &settings.machine,
+            &settings.sensors,
+            &settings.prior,
+        )
+        .filter(|_| settings.at_work());
+        last.payload = lift.as_ref().map(LiftWitness::unknown);
         Ok(Self {
             settings: *settings,
             method,
@@ -114,17 +123,7 @@ impl CgEstimator {
             period: 0.0,
             refused_in_a_row: 0,
             last,
-            lift: if settings.at_work() {
-                LiftWitness::new(
-                    &settings.lift_arm,
-                    &settings.lift_cylinder,
-                    &settings.machine,
-                    &settings.sensors,
-                    &settings.prior,
-                )
-            } else {
-                None
-            },
+            lift,
             witnesses: Witnesses::default(),
         })
     }
@@ -148,6 +147,8 @@ impl CgEstimator {
             if let Some(weighed) = weighed {
                 self.witnesses
                     .judge(&self.settings, &mut answer, &weighed, period);
+            } else {
+                answer.payload = self.lift.as_ref().map(LiftWitness::unknown);
             }
         }
         answer.refused = self.refused;

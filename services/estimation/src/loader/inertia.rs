@@ -8,9 +8,9 @@
 //! | kappa | `gain` | told mass over true mass, times true over told torque | 1 |
 //! | c | - | rolling and whatever else resists | m/s^2 |
 //!
-//! A Kalman filter of both, with signals smoothed over 0.2 s and a random walk by which the last ten seconds count. A sound machine
-//! shows 0.95 to 1.03; a full bucket that nobody tells 0.75 to 0.8, and so does a mass that is told late. A step
-//! of kappa means that a load came or went: what was learnt of the centre of gravity is of another machine.
+//! Rows count in which the torques drive: while they brake, friction brakes do too, and nobody measures those.
+//! A Kalman filter of both, with signals smoothed over 0.2 s and a random walk by which the last ten seconds count. A sound
+//! machine shows 0.95 to 1.03; a full bucket that nobody tells 0.75 to 0.8, and so does a mass that is told late. A step of kappa means that a load came or went: what was learnt of the centre of gravity is of another machine.
 
 use crate::math::sqrt;
 

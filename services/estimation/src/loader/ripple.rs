@@ -13,21 +13,31 @@
 //!
 //! Waves of a few hertz last many rows, which then tell the same: what c^2 has more than usual counts as often
 //! (`conditions`, `TOGETHER`). Under loads that waver by c the mean slip is larger by c^2, E 1/(1 + e) = 1 + c^2 + .., and nobody says on which axle: the interval
-//! of what the slips tell carries it.
+//! of what the slips tell carries it. Before the first rows nobody knows the road, so a rough one counts as some of them (`START`).
 
 /// How far back rows count [s].
 const MEMORY: f64 = 20.0;
 /// The settings' share counts as so many rows that only waver.
 const PRIOR_ROWS: f64 = 100.0;
+/// At the start nobody knows the road: c of a rough one counts as so many rows.
+const START: (f64, f64) = (0.12, 20.0);
 /// An innovation of more standard deviations than this counts as this many: an outlier is no road.
 const MOST: f64 = 5.0;
 
 /// The wavering of the slips.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Ripple {
     /// Weighted sum of c^2, and sum of the weights, in c_b^4.
     sums: [f64; 2],
+}
+
+impl Default for Ripple {
+    fn default() -> Self {
+        Self {
+            sums: [START.1 * START.0 * START.0, START.1],
+        }
+    }
 }
 
 /// What a row says of one wheel.
@@ -87,10 +97,31 @@ mod tests {
     }
 
     #[test]
+    fn at_the_start_a_rough_road_is_possible_and_an_even_one_is_soon_known() {
+        let usual = 0.05 * 0.05;
+        let mut ripple = Ripple::default();
+        let start = ripple.square(usual).sqrt();
+        assert!((0.06..0.08).contains(&start), "{start}");
+        let row = Wavering {
+            by_slip: 0.1,
+            variance: 4e-6,
+        };
+        // Four seconds of slips that waver as usual.
+        for k in 0..400 {
+            let size = (row.variance + usual * 0.01).sqrt();
+            ripple.see(if k % 2 == 0 { size } else { -size }, &row, 0.05);
+        }
+        let then = ripple.square(usual).sqrt();
+        assert!((0.05..0.057).contains(&then), "{then}");
+    }
+
+    #[test]
     fn slips_that_waver_are_found_and_no_less_than_usual_is_believed() {
         // 740 of 840 rows are the new ones.
         assert!((found(0.3, 0.05) / 0.3 - 1.0).abs() < 0.1);
         assert!((found(0.02, 0.05) - 0.05).abs() < 1e-12);
-        assert!((found(0.3, 0.0) - 0.05).abs() < 1e-12);
+        // Rows without slips tell nothing: what is left is a row of the start's twenty, after three times the memory.
+        let left = found(0.3, 0.0);
+        assert!((0.05..0.0512).contains(&left), "{left}");
     }
 }

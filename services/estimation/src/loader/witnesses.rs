@@ -5,7 +5,7 @@
 //! ```text
 //! z^2 = (lam_s - lam_w)^2/(sigma_s^2 + sigma_w^2),   averaged over some seconds
 //! ```
-//! Where they differ by more than both claim, one of their assumptions is wrong and nobody says which: the interval spans
+//! Where they differ by more than both claim, or a bucket would hold less than nothing, one of their assumptions is wrong and nobody says which: the interval spans
 //! both answers, and neither is believed.
 
 use super::estimate::{Estimate, Status};
@@ -43,7 +43,7 @@ impl Witnesses {
         if answer.trusted_ratio && !weighed.open {
             self.compare(slips[0], weighed.ratio, dt);
         }
-        let differ = self.apart > DIFFER;
+        let differ = self.apart > DIFFER || weighed.wrong;
         let (ratio, by_weight) = sharper(slips[0], weighed.ratio, answer.trusted_ratio);
         let (height, height_by_weight) = sharper(slips[1], weighed.height, answer.trusted_height);
         let spanned = |one: Quantity, other: Quantity| Quantity {

@@ -448,11 +448,12 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let effect = self.effect;
         let mut std = self.measurement_std(&state, &conditions, model);
         let at_work = self.settings.at_work();
+        let mut disturbed = [0.0; M];
         if at_work {
             let slip = sqrt(effect.turn * effect.turn + effect.force * effect.force);
-            let disturbed = slip * state[SPEED].abs() / self.dynamics.wheel_radius;
             for i in [FRONT_WHEEL, REAR_WHEEL] {
-                std[i] = sqrt(std[i] * std[i] + disturbed * disturbed);
+                disturbed[i] = slip * state[SPEED].abs() / self.dynamics.wheel_radius;
+                std[i] = sqrt(std[i] * std[i] + disturbed[i] * disturbed[i]);
             }
         }
         let mut expected = self.belief.predict(&mut ahead, model, &process_std);
@@ -471,6 +472,14 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             innovation[REAR_WHEEL] -= windup[1];
         }
         let noise = std;
+        if at_work {
+            for (wheel, j) in [FRONT_WHEEL, REAR_WHEEL].into_iter().enumerate() {
+                let predicted = B::measurement_std(&expected, j);
+                let more = predicted * predicted + disturbed[j] * disturbed[j];
+                let keys = &self.settings.estimator;
+                std[j] *= self.monitor.far(keys, wheel, innovation[j], more);
+            }
+        }
         let (mut accepted, mut deweighted) = ([false; M], [false; M]);
         for j in 0..M {
             let (kept, soft) = gate(&self.settings, innovation[j], &mut std[j], || {

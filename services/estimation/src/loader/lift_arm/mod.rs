@@ -7,6 +7,7 @@
 //! | `seals` | friction of the seals remembers which way the rod moved last |
 //! | `content` | when the bucket's content may change, and when the ground carries it |
 //! | `scale` | payload and rest of friction from row to row |
+//! | `below` | a payload below zero: the description is off by more than it claims |
 //! | `doubt` | what the drawing's doubts do to the answer, one of them a row |
 //!
 //! ```text
@@ -23,6 +24,7 @@
 //! | x_f | load ahead of the front axle, pivot_x + x_b | m |
 //! | lam_0, h_0 | empty machine with its arm at the reference; moved, raised: arm and bucket away from there | -, m |
 
+mod below;
 mod content;
 mod doubt;
 mod drawing;
@@ -34,6 +36,7 @@ use super::keys::{LiftArm, LiftCylinder, Machine, Prior, Sensors};
 use super::layout::Each;
 use super::sample::Sample;
 use crate::Quantity;
+use below::Below;
 use content::Content;
 use doubt::Doubts;
 use drawing::{Drawing, Posture};
@@ -67,6 +70,7 @@ pub(super) struct LiftWitness {
     content: Content,
     scale: Scale,
     doubts: Doubts,
+    below: Below,
     answer: Option<Weighed>,
 }
 
@@ -86,6 +90,8 @@ pub(super) struct Weighed {
     pub loading: Loading,
     /// The content may be changing, or the ground carries a part of it.
     pub open: bool,
+    /// No doubt that was stated explains what the pressures show.
+    pub wrong: bool,
 }
 
 impl LiftWitness {
@@ -110,6 +116,7 @@ impl LiftWitness {
             seals: Seals::default(),
             content: Content::default(),
             doubts: Doubts::default(),
+            below: Below::default(),
             answer: None,
         })
     }
@@ -117,6 +124,11 @@ impl LiftWitness {
     /// Centre of gravity of the empty machine, its arm at the reference, with standard deviations.
     pub fn empty(&self) -> Each<(f64, f64)> {
         self.drawing.empty()
+    }
+
+    /// The payload where no pressure tells it: whatever the bucket holds, so that who writes columns has it from the first row on.
+    pub fn unknown(&self) -> Quantity {
+        Scale::new(&self.drawing).payload()
     }
 
     /// Takes a plausible row that was accepted; what is known after it, if the arm's signals are fresh.
@@ -216,6 +228,10 @@ impl LiftWitness {
         };
         let payload = self.scale.payload();
         self.doubts.see(&self.drawing, &posture, payload.value);
+        if !motion.open {
+            let std = crate::math::norm(&[payload.std, self.doubts.std().payload]);
+            self.below.see(Quantity { std, ..payload }, dt);
+        }
         let answer = self.answer(&posture, payload, motion.open);
         self.answer = Some(answer);
         answer
@@ -227,7 +243,8 @@ impl LiftWitness {
         let centre = drawing.centre(&drawing.values, posture, payload.value);
         let more = drawing.centre(&drawing.values, posture, payload.value + payload.std);
         let doubts = self.doubts.std();
-        let std = |by_load: f64, doubt: f64| crate::math::norm(&[by_load, doubt]);
+        let wider = self.below.factor();
+        let std = |by_load: f64, doubt: f64| wider * crate::math::norm(&[by_load, doubt]);
         let mass = drawing.values[drawing::EMPTY_MASS] + payload.value;
         let share = drawing.values[drawing::EMPTY_MASS] / mass;
         let empty = self.empty();
@@ -251,6 +268,7 @@ impl LiftWitness {
                 ratio: centre.ratio - share * empty.ratio.0,
             },
             open,
+            wrong: self.below.is_wrong(),
         }
     }
 }

@@ -98,6 +98,28 @@ fn an_arm_that_is_not_described_weighs_nothing() {
 }
 
 #[test]
+fn a_payload_is_told_from_the_first_row_on_where_an_arm_is_described() {
+    use crate::loader::{CgEstimator, Columns, Method};
+    let settings = settings();
+    let columns = Columns::default();
+    let mut estimator = CgEstimator::new(&settings, Method::Full, columns).unwrap();
+    // No pressure comes: whatever the bucket holds, and never trusted.
+    for k in 0..50 {
+        let answer = estimator.step(&Sample {
+            time: 0.01 * f64::from(k),
+            ..Sample::default()
+        });
+        let payload = answer.payload.expect("a described arm");
+        assert!(
+            payload.std > 3000.0 && !answer.trusted_payload,
+            "{payload:?}"
+        );
+    }
+    let mut without = CgEstimator::new(&Settings::DEFAULT, Method::Full, columns).unwrap();
+    assert_eq!(without.step(&Sample::default()).payload, None);
+}
+
+#[test]
 fn a_load_is_weighed_where_it_is_carried_and_known_to_be_unknown_where_it_is_dug() {
     let mut work: Vec<Second> = Vec::new();
     // Empty and low, lowered last; digs and curls; carries; lifts; stands; dumps; stands.

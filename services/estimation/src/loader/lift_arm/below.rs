@@ -1,0 +1,82 @@
+//! A bucket holds no less than nothing: a payload below zero says that a described number is off by more than it claims.
+//!
+//! ```text
+//! z = -m_p/sigma,   averaged over some seconds of a bucket that may be empty
+//! ```
+//! Of the sensor's zero, the arm's weight or the cylinders' areas nobody can say which. So the largest z beyond 1 widens what all of
+//! them do to the answer by as much, and fades over minutes.
+
+use crate::Quantity;
+
+/// Averaging time of z [s].
+const MEMORY: f64 = 3.0;
+/// How long the largest is remembered [s].
+const FADES: f64 = 300.0;
+/// z beyond which the description is wrong: 1 in 40 by chance.
+const WRONG: f64 = 2.0;
+
+/// Memory of payloads below zero.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Below {
+    mean: f64,
+    largest: f64,
+}
+
+impl Below {
+    /// Takes a payload with its whole deviation, `dt` after the last, while the bucket's content is known.
+    pub fn see(&mut self, payload: Quantity, dt: f64) {
+        self.largest *= 1.0 - (dt / FADES).min(1.0);
+        let z = -payload.value / payload.std;
+        // A load tells nothing.
+        if z.is_finite() && z > -1.0 {
+            self.mean += (dt / MEMORY).min(1.0) * (z - self.mean);
+            self.largest = self.largest.max(self.mean);
+        }
+    }
+
+    /// By how much the description's doubts are larger than it says.
+    pub fn factor(&self) -> f64 {
+        self.largest.max(1.0)
+    }
+
+    /// No doubt that was stated explains it.
+    pub fn is_wrong(&self) -> bool {
+        self.largest > WRONG
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn after(seconds: u32, value: f64) -> Below {
+        let mut below = Below::default();
+        for _ in 0..100 * seconds {
+            below.see(Quantity { value, std: 100.0 }, 0.01);
+        }
+        below
+    }
+
+    #[test]
+    fn a_payload_below_zero_widens_and_beyond_two_deviations_is_wrong() {
+        assert_eq!(after(20, -80.0).factor(), 1.0);
+        let low = after(20, -170.0);
+        assert!((low.factor() - 1.7).abs() < 0.1 && !low.is_wrong());
+        assert!(after(20, -260.0).is_wrong());
+        // Loads and a moment below zero say nothing.
+        assert_eq!(after(60, 3000.0).factor(), 1.0);
+        assert_eq!(after(60, f64::NAN).factor(), 1.0);
+        let mut brief = Below::default();
+        (0..50).for_each(|_| {
+            brief.see(
+                Quantity {
+                    value: -300.0,
+                    std: 100.0,
+                },
+                0.01,
+            )
+        });
+        assert_eq!(brief.factor(), 1.0);
+    }
+}
