@@ -149,10 +149,15 @@ impl Monitor {
     /// By how much an innovation of a wheel is larger than a row's noise lets expect: rows that waver together count less each, and
     /// yet one that lies far off is a wheel that hops. `more` is the variance of the prediction and of disturbances.
     pub fn far(&self, keys: &Estimator, wheel: usize, innovation: f64, more: f64) -> f64 {
-        let row = &self.wavering[wheel];
-        let square = self.ripple.square(keys.c_b * keys.c_b);
-        let variance = row.variance + square * row.by_slip * row.by_slip + more;
+        let variance = self.row_variance(keys)[wheel] + more;
         (innovation.abs() / (FAR * sqrt(variance))).max(1.0)
+    }
+
+    /// Variance of both wheel speeds in this row by itself, whether others waver with it or not [rad^2/s^2].
+    pub fn row_variance(&self, keys: &Estimator) -> [f64; 2] {
+        let square = self.ripple.square(keys.c_b * keys.c_b);
+        self.wavering
+            .map(|row| row.variance + square * row.by_slip * row.by_slip)
     }
 
     /// By what share slips that waver more than usual are larger in the mean.

@@ -137,14 +137,14 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
     }
 
-    /// Adds a row whose wheels were accepted to what is known of the centre drive; `noise` is that before any gate.
+    /// Adds a row whose wheels were accepted to what is known of the centre drive; `noise` is the variance of each that is no other row's.
     pub(super) fn compare_axles(
         &mut self,
         measured: &[f64; M],
         innovation: &[f64; M],
         expected: &B::Expected,
         process: &[f64; N],
-        noise: &[f64; M],
+        noise: [f64; 2],
     ) {
         let [front, rear] = [FRONT_WHEEL, REAR_WHEEL];
         let squares = |std: &[f64]| std[front] * std[front] + std[rear] * std[rear];
@@ -154,7 +154,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             innovation: innovation[front] - innovation[rear],
             predicted: B::difference_variance(expected, [front, rear]),
             process: squares(process),
-            noise: squares(noise),
+            noise: noise[0] + noise[1],
             sensors: front_sensor * front_sensor + rear_sensor * rear_sensor,
         });
     }

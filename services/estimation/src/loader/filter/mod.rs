@@ -471,8 +471,11 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             innovation[FRONT_WHEEL] -= windup[0];
             innovation[REAR_WHEEL] -= windup[1];
         }
-        let noise = std;
+        let mut noise = [0.0; 2];
         if at_work {
+            let rows = self.monitor.row_variance(&self.settings.estimator);
+            noise = [FRONT_WHEEL, REAR_WHEEL]
+                .map(|j| disturbed[j] * disturbed[j] + rows[j - FRONT_WHEEL]);
             for (wheel, j) in [FRONT_WHEEL, REAR_WHEEL].into_iter().enumerate() {
                 let predicted = B::measurement_std(&expected, j);
                 let more = predicted * predicted + disturbed[j] * disturbed[j];
@@ -502,7 +505,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             let wheels = [wheel(FRONT_WHEEL), wheel(REAR_WHEEL)];
             self.monitor.see(&self.settings.estimator, wheels, model.dt);
             self.compare_legs(&before, &state, &innovation, &std, model, step.sine);
-            self.compare_axles(&measured, &innovation, &expected, &process_std, &noise);
+            self.compare_axles(&measured, &innovation, &expected, &process_std, noise);
         }
         let nis = self
             .belief
