@@ -20,7 +20,7 @@ const MEMORY: f64 = 20.0;
 /// The settings' share counts as so many rows that only waver.
 const PRIOR_ROWS: f64 = 100.0;
 /// At the start nobody knows the road: c of a rough one counts as so many rows.
-const START: (f64, f64) = (0.12, 20.0);
+const START: (f64, f64) = (0.12, 16.0);
 /// An innovation of more standard deviations than this counts as this many: an outlier is no road.
 const MOST: f64 = 5.0;
 
