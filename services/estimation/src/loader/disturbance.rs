@@ -26,6 +26,8 @@ const TIME: f64 = 0.05;
 const EXPLAINED: (f64, f64) = (0.05, 0.05);
 /// Weight of an unexplained force against noise of its size.
 const FORCE_WEIGHT: f64 = 4.0;
+/// A force against the motion beyond what is explained by more than this is the brakes' or the ground's [m/s^2].
+const UNTOLD: f64 = 0.15;
 /// Weight of the steering against noise of its size.
 const TURN_WEIGHT: f64 = 1.0;
 /// The gain is learnt over this many m/s^2 squared times seconds of driving, and starts with a tenth of it.
@@ -112,13 +114,14 @@ impl Disturbance {
         [speed, stiffness]: [f64; 2],
         dt: f64,
     ) -> Effect {
-        let braking = self.brake.update(f64::from(step.brake), dt) > 0.0;
         let angle = step.turning(speed, machine.wheelbase);
         let turn = TURN_WEIGHT * self.turn.update(angle * angle, dt);
         let excess = step.acceleration.map_or(0.0, |a| {
             self.explain(machine, step, [speed, a], dt);
             (self.fast.abs() - EXPLAINED.0 - EXPLAINED.1 * a.abs()).max(0.0)
         });
+        let untold = excess > UNTOLD && self.fast * speed < 0.0;
+        let braking = self.brake.update(f64::from(step.brake || untold), dt) > 0.0;
         let force = FORCE_WEIGHT * self.force.update(excess, dt) / (GRAVITY * stiffness);
         Effect {
             braking,
