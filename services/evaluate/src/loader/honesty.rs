@@ -36,7 +36,7 @@ const BY_CHANCE: (&str, f64) = ("by chance", 0.10);
 const CALIBRATED: &str = "slope sensor, calibrated";
 
 /// What a competent user states for a machine of that size: the default, scaled.
-fn scaled(mut settings: Settings, size: Size) -> Settings {
+pub(super) fn scaled(mut settings: Settings, size: Size) -> Settings {
     let (machine, reference) = (size.machine(), Size::Reference.machine());
     let heavy = machine.mass / reference.mass;
     let tall = machine.cg_height / reference.cg_height;

@@ -10,6 +10,7 @@
 //! | `honesty` | how much of what is trusted is wrong on machines that are not the reference plant |
 //! | `remembered` | what a run gains by what an earlier one has learnt (`heft run --state`) |
 //! | `calibration` | what `heft calibrate loader` finds, and what the estimator makes of it |
+//! | `weighing` | what lift pressures and angles add: centre of gravity, loads |
 //! | `observability` | which parameter is weak, along a manoeuvre |
 
 mod calibration;
@@ -24,12 +25,13 @@ mod score;
 mod sign;
 mod tiers;
 mod trial;
+mod weighing;
 
 use crate::{Error, Options, Report};
 
 type Evaluate = fn(&Options) -> Result<Report, Error>;
 
-const TABLES: [(&str, Evaluate); 9] = [
+const TABLES: [(&str, Evaluate); 10] = [
     ("conditions", conditions::evaluate),
     ("sign", sign::evaluate),
     ("height", height::evaluate),
@@ -39,6 +41,7 @@ const TABLES: [(&str, Evaluate); 9] = [
     ("calibration", calibration::evaluate),
     ("observability", observability::evaluate),
     ("honesty", honesty::evaluate),
+    ("weighing", weighing::evaluate),
 ];
 
 /// One table, whose JSON is that table's; or all of them, whose JSON has one key per table.

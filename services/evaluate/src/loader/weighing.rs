@@ -1,0 +1,477 @@
+//! What the lift arm's pressures and angles add: centre of gravity while standing and driving, loads in kilograms.
+//!
+//! JSON: a list of lines, each with `machine`, `told`, `seeds`, and the numbers named by [`COLUMNS`]; null where there is nothing to
+//! count. Ratio and height are judged over all time; their errors while the machine carries a load.
+
+use estimation::HALF_WIDTH_95;
+use estimation::Quantity;
+use estimation::loader::keys::{LiftArm, LiftCylinder};
+use estimation::loader::{CgEstimator, Columns, Estimate, Method, Reason, Sample, Settings};
+use estimation::loads::{Ledger, Load, Row as Weighing, Stage};
+use serde_json::{Value, json};
+use sim::cylinder::Gauges;
+use sim::loader::{CASES, Effects, Row, Run, Scenario, Simulation, Size, Tier};
+
+use super::candidate::Candidate;
+use super::honesty::scaled;
+use crate::text::{Table, plain};
+use crate::{Error, Options, Report, seeds};
+
+/// Five cycles of loading [s].
+const DURATION: f64 = 130.0;
+/// A full bucket, in masses of the machine, and what weighs as a load of it.
+const RATED: f64 = 0.32;
+const LOAD: f64 = 0.3;
+/// A trusted error beyond this, or outside of the interval, is wrong.
+const WRONG: f64 = 0.10;
+/// Standard deviations of the empty machine's ratio on axle scales, and of a height told to 5 %.
+const SCALES: f64 = 0.01;
+const TOLD_HEIGHT: f64 = 0.05;
+
+/// What is told and measured.
+#[derive(Clone, Copy, PartialEq)]
+enum Told {
+    /// No lift arm.
+    Nothing,
+    /// The drawing of the arm; the empty machine of the data sheet.
+    Drawing,
+    /// The empty machine stood on axle scales once.
+    Weighed,
+    /// The same without wheels: a scale.
+    Scale,
+}
+
+impl Told {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Nothing => "no lift arm",
+            Self::Drawing => "drawing",
+            Self::Weighed => "empty machine weighed",
+            Self::Scale => "weighed, no wheels",
+        }
+    }
+}
+
+/// Sums over rows, of one quantity.
+#[derive(Clone, Copy, Default)]
+struct Judged {
+    rows: usize,
+    trusted: usize,
+    wrong: usize,
+    covered: usize,
+    carried: usize,
+    squares: f64,
+}
+
+impl Judged {
+    fn row(&mut self, truth: f64, told: Quantity, trusted: bool, carries: bool) {
+        let error = (told.value - truth).abs();
+        let inside = error <= HALF_WIDTH_95 * told.std;
+        self.rows += 1;
+        self.trusted += usize::from(trusted);
+        self.covered += usize::from(inside);
+        self.wrong += usize::from(trusted && (!inside || error > WRONG * truth));
+        if trusted && carries {
+            self.carried += 1;
+            self.squares += (error / truth).powi(2);
+        }
+    }
+
+    fn add(&mut self, other: &Self) {
+        self.rows += other.rows;
+        self.trusted += other.trusted;
+        self.wrong += other.wrong;
+        self.covered += other.covered;
+        self.carried += other.carried;
+        self.squares += other.squares;
+    }
+
+    /// Trusted, wrong of trusted, covered, rms while carrying.
+    fn numbers(&self) -> [Option<f64>; 4] {
+        [
+            share(self.trusted, self.rows),
+            share(self.wrong, self.trusted),
+            share(self.covered, self.rows),
+            rms(self.squares, self.carried),
+        ]
+    }
+}
+
+/// Sums over loads, errors in full buckets.
+#[derive(Clone, Copy, Default)]
+struct Loads {
+    all: usize,
+    found: usize,
+    trusted: usize,
+    covered: usize,
+    squares: f64,
+}
+
+#[derive(Clone, Copy, Default)]
+struct Sums {
+    ratio: Judged,
+    height: Judged,
+    loads: Loads,
+}
+
+impl Sums {
+    fn add(&mut self, other: &Self) {
+        self.ratio.add(&other.ratio);
+        self.height.add(&other.height);
+        let (sum, one) = (&mut self.loads, &other.loads);
+        sum.all += one.all;
+        sum.found += one.found;
+        sum.trusted += one.trusted;
+        sum.covered += one.covered;
+        sum.squares += one.squares;
+    }
+}
+
+fn share(part: usize, of: usize) -> Option<f64> {
+    (of > 0).then(|| part as f64 / of as f64)
+}
+
+fn rms(squares: f64, count: usize) -> Option<f64> {
+    (count > 0).then(|| (squares / count as f64).sqrt())
+}
+
+/// The drawing of a simulated machine's arm.
+fn drawing(size: Size) -> (LiftArm, LiftCylinder) {
+    let real = sim::loader::LiftArm::of(&size.machine());
+    let c = real.cylinder;
+    let arm = LiftArm {
+        length: real.length,
+        pivot_x: real.pivot_x,
+        pivot_z: real.pivot_z,
+        mass: real.mass,
+        mass_distance: real.mass_distance,
+        bucket_mass: real.bucket_mass,
+        payload_distance: real.payload_distance,
+        reference_angle: real.reference.lift,
+        reference_tilt: real.reference.bucket - real.reference.lift,
+        ..LiftArm::default()
+    };
+    let cylinder = LiftCylinder {
+        count: c.count,
+        head_area: c.head_area,
+        rod_area: c.rod_area,
+        base_distance: c.base_distance,
+        rod_distance: c.rod_distance,
+        angle: c.angle,
+        friction: c.friction,
+        ..LiftCylinder::default()
+    };
+    (arm, cylinder)
+}
+
+/// What the estimator of a machine is told.
+fn settings(told: Told, run: &Run, simulation: &Simulation, first: &Row) -> Settings {
+    let candidate = Candidate::COLD;
+    let mut settings = scaled(candidate.settings(simulation.told(), first), run.size);
+    if told == Told::Nothing {
+        return settings;
+    }
+    settings.sensors.angle_offset_std = 0.009;
+    (settings.lift_arm, settings.lift_cylinder) = drawing(run.size);
+    if told != Told::Drawing {
+        let machine = simulation.machine();
+        let mut noise = sim::noise::Noise::channel(run.seed, 900);
+        let arm = &mut settings.lift_arm;
+        arm.empty_mass = machine.mass * (1.0 + 0.005 * noise.normal());
+        arm.empty_mass_std = 0.005 * machine.mass;
+        arm.empty_ratio = machine.cg_ratio + SCALES * noise.normal();
+        arm.empty_ratio_std = SCALES;
+        arm.empty_height = machine.cg_height * (1.0 + TOLD_HEIGHT * noise.normal());
+        arm.empty_height_std = TOLD_HEIGHT * machine.cg_height;
+    }
+    settings
+}
+
+fn sample(told: Told, simulation: &Simulation, row: &Row) -> Sample {
+    let mut sample = Candidate::COLD.sample(simulation.told(), row);
+    if told == Told::Scale {
+        sample = Sample {
+            time: row.time,
+            ..Sample::default()
+        };
+    }
+    if let (false, Some(arm)) = (told == Told::Nothing, row.arm) {
+        sample.lift_angle = Some(arm.lift_angle);
+        sample.tilt_angle = Some(arm.tilt_angle);
+        sample.lift_head_pressure = Some(arm.head_pressure);
+        sample.lift_rod_pressure = Some(arm.rod_pressure);
+    }
+    sample
+}
+
+/// One seed.
+fn run(told: Told, effects: Effects, seed: u64) -> Result<Sums, Error> {
+    let run = Run {
+        seed,
+        tier: Tier::B,
+        size: Size::REAL[(seed as usize - 1) % Size::REAL.len()],
+        duration: Some(DURATION),
+        gauges: (told != Told::Nothing).then(Gauges::default),
+        effects,
+        ..Run::new(Scenario::Loading)
+    };
+    let rated = RATED * run.size.machine().mass;
+    let mut simulation = Simulation::new(&run).map_err(Error::refused)?;
+    let Some(first) = simulation.next() else {
+        return Ok(Sums::default());
+    };
+    let columns = Columns {
+        acceleration: true,
+        mass: first.mass.is_some(),
+        ..Columns::default()
+    };
+    let settings = settings(told, &run, &simulation, &first);
+    let estimator = CgEstimator::new(&settings, Method::Full, columns);
+    let mut estimator = estimator.map_err(Error::refused)?;
+    let mut sums = Sums::default();
+    let mut book = Book::new(rated);
+    let mut next = Some(first);
+    while let Some(row) = next {
+        let estimate = estimator.step(&sample(told, &simulation, &row));
+        let carries = row.truth.payload > LOAD * rated;
+        let (ratio, height) = (estimate.cg_ratio, estimate.cg_height);
+        let truth = &row.truth;
+        sums.ratio
+            .row(truth.cg_ratio, ratio, estimate.trusted_ratio, carries);
+        sums.height
+            .row(truth.cg_height, height, estimate.trusted_height, carries);
+        book.row(&row, &estimate);
+        next = simulation.next();
+    }
+    sums.loads = book.judge();
+    Ok(sums)
+}
+
+/// The ledger's loads beside the true ones.
+struct Book {
+    ledger: Ledger,
+    loads: Vec<Load>,
+    /// From, to [s], the most that was in the bucket [kg].
+    truths: Vec<(f64, f64, f64)>,
+    open: Option<(f64, f64)>,
+    rated: f64,
+}
+
+impl Book {
+    fn new(rated: f64) -> Self {
+        Self {
+            ledger: Ledger::new(estimation::loads::Settings::with_rated(rated)),
+            loads: Vec::new(),
+            truths: Vec::new(),
+            open: None,
+            rated,
+        }
+    }
+
+    fn row(&mut self, row: &Row, estimate: &Estimate) {
+        let load = self.ledger.step(&Weighing {
+            time: row.time,
+            payload: estimate.payload,
+            speed: estimate.speed,
+            changing: estimate.reason == Reason::Load,
+            trusted: estimate.trusted_payload,
+            ..Weighing::default()
+        });
+        self.note(load.load);
+        let payload = row.truth.payload;
+        match (&mut self.open, payload > LOAD * self.rated) {
+            (None, true) => self.open = Some((row.time, payload)),
+            (Some((_, most)), true) => *most = most.max(payload),
+            (Some((from, most)), false) => {
+                self.truths.push((*from, row.time, *most));
+                self.open = None;
+            }
+            (None, false) => {}
+        }
+    }
+
+    fn note(&mut self, load: Option<Load>) {
+        let Some(load) = load else { return };
+        self.loads.retain(|known| known.number != load.number);
+        if load.stage != Stage::Withdrawn {
+            self.loads.push(load);
+        }
+    }
+
+    fn judge(mut self) -> Loads {
+        let last = self.ledger.finish().load;
+        self.note(last);
+        let mut sums = Loads::default();
+        for (from, to, truth) in &self.truths {
+            sums.all += 1;
+            let during = |l: &&Load| l.filled < *to && l.dumped.is_some_and(|t| t > *from);
+            let Some(load) = self.loads.iter().find(during) else {
+                continue;
+            };
+            let error = (load.weight.kg - truth).abs();
+            sums.found += 1;
+            sums.trusted += usize::from(load.trusted);
+            sums.covered += usize::from(error <= HALF_WIDTH_95 * load.weight.std);
+            sums.squares += (error / self.rated).powi(2);
+        }
+        sums
+    }
+}
+
+/// A line of the table.
+struct Line {
+    name: &'static str,
+    told: Told,
+    sums: Sums,
+}
+
+/// Keys of the numbers of a line.
+pub const COLUMNS: [&str; 11] = [
+    "ratio_trusted",
+    "ratio_wrong_of_trusted",
+    "ratio_covered",
+    "ratio_rms_carrying",
+    "height_trusted",
+    "height_wrong_of_trusted",
+    "height_covered",
+    "height_rms_carrying",
+    "loads_trusted",
+    "loads_covered",
+    "load_rms_of_rated",
+];
+
+impl Line {
+    fn numbers(&self) -> [Option<f64>; 11] {
+        let [a, b, c, d] = self.sums.ratio.numbers();
+        let [e, f, g, h] = self.sums.height.numbers();
+        let l = &self.sums.loads;
+        let (trusted, covered) = (share(l.trusted, l.all), share(l.covered, l.found));
+        [
+            a,
+            b,
+            c,
+            d,
+            e,
+            f,
+            g,
+            h,
+            trusted,
+            covered,
+            rms(l.squares, l.found),
+        ]
+    }
+
+    /// What the weighing specification asks: trusted .8 and .6 of all time, rms 1.5 and 5 %, wrong at most .03.
+    fn met(&self) -> bool {
+        let [
+            ratio,
+            ratio_wrong,
+            _,
+            ratio_rms,
+            height,
+            height_wrong,
+            _,
+            height_rms,
+            ..,
+        ] = self.numbers();
+        let most = |value: Option<f64>, limit: f64| value.is_none_or(|v| v <= limit);
+        let least = |value: Option<f64>, limit: f64| value.is_some_and(|v| v >= limit);
+        let honest = most(ratio_wrong, 0.03) && most(height_wrong, 0.03);
+        if self.told != Told::Weighed {
+            return honest;
+        }
+        let precise = most(ratio_rms, 0.015) && most(height_rms, 0.05);
+        honest && precise && least(ratio, 0.8) && least(height, 0.6)
+    }
+}
+
+fn text(lines: &[Line]) -> String {
+    let mut table = Table::new(&[
+        "machine",
+        "told",
+        "ratio",
+        "wrong",
+        "covered",
+        "rms %",
+        "height",
+        "wrong",
+        "covered",
+        "rms %",
+        "loads",
+        "covered",
+        "rms, % rated",
+        "",
+    ]);
+    for line in lines {
+        let mut cells = vec![line.name.to_owned(), line.told.name().to_owned()];
+        for (i, value) in line.numbers().into_iter().enumerate() {
+            let (factor, decimals) = match i {
+                3 | 7 | 10 => (100.0, 1),
+                1 | 5 => (1.0, 3),
+                _ => (1.0, 2),
+            };
+            cells.push(value.map_or("-".into(), |v| plain(factor * v, decimals)));
+        }
+        cells.push(if line.met() { "met" } else { "missed" }.into());
+        table.row(cells);
+    }
+    table.to_string()
+}
+
+/// Every machine with everything that may be told of it.
+pub(super) fn evaluate(options: &Options) -> Result<Report, Error> {
+    let good = CASES.iter().find(|case| case.0 == "good machine");
+    let sound = ("sound machine", Effects::default());
+    let machines = [Some(sound), good.map(|case| (case.0, case.2))];
+    let mut lines = Vec::new();
+    for (name, effects) in machines.into_iter().flatten() {
+        for told in [Told::Nothing, Told::Drawing, Told::Weighed, Told::Scale] {
+            let label = format!("{name}, {}", told.name());
+            let mut sums = Sums::default();
+            for one in seeds(options, &label, |seed| run(told, effects, seed))? {
+                sums.add(&one);
+            }
+            lines.push(Line { name, told, sums });
+        }
+    }
+    let json_of = |line: &Line| -> Value {
+        let mut out = json!({
+            "machine": line.name, "told": line.told.name(), "seeds": options.seeds, "loads": line.sums.loads.all, "met": line.met(),
+        });
+        for (key, value) in COLUMNS.iter().zip(line.numbers()) {
+            out[*key] = json!(value);
+        }
+        out
+    };
+    Ok(Report {
+        text: format!(
+            "Loaders that weigh their loads by the lift cylinders, {} seeds of {DURATION} s: trusted of all time, wrong of trusted, \
+             rms while carrying; loads\n{}",
+            options.seeds,
+            text(&lines)
+        ),
+        json: lines.iter().map(json_of).collect(),
+        met: lines.iter().all(Line::met),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_lift_arm_makes_ratio_and_height_trusted_and_weighs_the_loads() {
+        let [without, with] = [Told::Nothing, Told::Weighed].map(|told| {
+            let mut sums = Sums::default();
+            for seed in 1..=3 {
+                sums.add(&run(told, Effects::default(), seed).expect("a run"));
+            }
+            sums
+        });
+        assert!(with.height.trusted > without.height.trusted);
+        let loads = with.loads;
+        assert!(loads.all >= 12 && loads.found * 10 >= loads.all * 9);
+        assert!(rms(loads.squares, loads.found).expect("loads") < 0.08);
+        assert!(loads.covered * 100 >= loads.found * 85);
+    }
+}
