@@ -263,8 +263,8 @@ pub fn why_words(machine: Machine, load: &Load) -> &'static str {
     if let Some((_, words)) = reasons.get(reason as usize).filter(|_| reason != 0) {
         return words;
     }
-    let missing = match machine {
-        Machine::Excavator => [
+    let missing: &[(u32, &str)] = match machine {
+        Machine::Excavator => &[
             (excavator_bits::FRESH, "an input is missing or too old"),
             (
                 excavator_bits::IDENTIFIABLE,
@@ -277,7 +277,13 @@ pub fn why_words(machine: Machine, load: &Load) -> &'static str {
             (excavator_bits::EXCITED, "the machine did not swing"),
             (excavator_bits::CONVERGED, "the interval is still wide"),
         ],
-        Machine::Loader => [(loader_bits::FRESH, "an input is missing or too old"); 5],
+        Machine::Loader => &[
+            (loader_bits::FRESH, "an input is missing or too old"),
+            (
+                loader_bits::TRUSTED_PAYLOAD,
+                "the load is not weighed closely yet",
+            ),
+        ],
     };
     let found = missing.iter().find(|(bit, _)| flags & bit == 0);
     found.map_or("nothing confirms it", |(_, words)| words)
