@@ -1,8 +1,8 @@
 //! Does what is measured contradict what is known?
 //!
 //! Sensors break while the machine works, and the filter takes a wrong torque, velocity or angle for another payload.
-//! Three things speak against that: an emptied bucket that weighs neither nothing nor what it did before, a payload that changes though no
-//! joint moves it, and a rival filter that wins ([`super::rival`]). None says which sensor it is. What is contradicted is not
+//! Three things speak against that: an emptied bucket that weighs neither nothing nor what it did before, a payload that has changed
+//! though no joint moved it, and a rival filter that wins ([`super::rival`]). None says which sensor it is. What is contradicted is not
 //! believed until emptied buckets weigh nothing again, in swings without another contradiction; until then the interval says
 //! that the bucket may hold anything.
 
@@ -15,7 +15,7 @@ const USUAL: f64 = 1.5;
 /// Share of one swing in what is usual.
 const SWING: f64 = 0.15;
 
-/// Logarithm of the odds at which a payload weighed anew is the one before.
+/// Logarithm of the odds at which a payload weighed anew is the one before, or is not.
 const SAME: f64 = 2.0;
 
 /// What was contradicted, and how far manoeuvres usually disagree.
@@ -48,24 +48,21 @@ impl Contradiction {
         self.usual.max(1.0)
     }
 
-    /// The payload has changed without a word; value and variance before [kg, kg^2].
+    /// The payload seems to have changed without a word; value and variance before [kg, kg^2].
     pub(super) fn changed(&mut self, before: (f64, f64)) {
         self.before = before;
-        if self.usual < USUAL {
-            self.level = self.level.max(1);
-        }
     }
 
-    /// Whether it has not changed after all: weighed anew it is far more probably what it was than `anything` of this variance.
+    /// Whether it has not changed after all: weighed anew it is far more probably what it was than `anything` of this variance. Where
+    /// it is far less probably so, something is contradicted.
     pub(super) fn withdraws(&mut self, (value, variance): (f64, f64), anything: f64) -> bool {
         let spread = self.before.1 + variance * self.usual();
         let away = value - self.before.0;
         let odds = 0.5 * (ln(1.0 + anything / spread) - away * away / spread);
-        let withdrawn = odds > SAME;
-        if withdrawn && self.level == 1 {
-            self.level = 0;
+        if odds < -SAME && self.usual < USUAL {
+            self.level = self.level.max(1);
         }
-        withdrawn
+        odds > SAME
     }
 
     /// It cannot be as it is measured.
@@ -102,33 +99,33 @@ mod tests {
         assert!(!contradiction.is_open());
     }
 
-    #[test]
-    fn a_change_without_a_word_is_nothing_new_where_manoeuvres_always_disagree() {
-        let mut contradiction = Contradiction::new();
+    /// A payload that seemed to change, and weighs this with this variance afterwards [kg, kg^2].
+    fn weighed(contradiction: &mut Contradiction, weight: (f64, f64)) -> bool {
         contradiction.changed((300.0, 400.0));
+        contradiction.withdraws(weight, 400.0 * 400.0)
+    }
+
+    #[test]
+    fn another_weight_is_nothing_new_where_manoeuvres_always_disagree() {
+        let mut contradiction = Contradiction::new();
+        weighed(&mut contradiction, (500.0, 400.0));
         assert!(contradiction.is_open());
         contradiction.agreed(false);
         (0..4).for_each(|_| contradiction.swung(3.0));
-        contradiction.changed((300.0, 400.0));
+        weighed(&mut contradiction, (500.0, 400.0));
         assert!(!contradiction.is_open());
     }
 
     #[test]
-    fn a_change_is_withdrawn_where_the_payload_weighs_what_it_did() {
-        let anything = 400.0 * 400.0;
-        for (weight, withdrawn) in [
-            ((310.0, 400.0), true),
-            ((310.0, 4e4), false),
-            ((420.0, 400.0), false),
+    fn a_change_is_withdrawn_or_contradicts_as_soon_as_the_weight_says_so() {
+        for (weight, withdrawn, contradicts) in [
+            ((310.0, 400.0), true, false),
+            ((310.0, 4e4), false, false),
+            ((500.0, 400.0), false, true),
         ] {
             let mut contradiction = Contradiction::new();
-            contradiction.changed((300.0, 400.0));
-            assert_eq!(
-                contradiction.withdraws(weight, anything),
-                withdrawn,
-                "{weight:?}"
-            );
-            assert_eq!(contradiction.is_open(), !withdrawn);
+            assert_eq!(weighed(&mut contradiction, weight), withdrawn, "{weight:?}");
+            assert_eq!(contradiction.is_open(), contradicts, "{weight:?}");
         }
     }
 }
