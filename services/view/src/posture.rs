@@ -131,11 +131,11 @@ fn loader(out: &mut String, posture: &Posture) {
          <circle class=\"dark\" cx=\"366\" cy=\"264\" r=\"52\"/><circle class=\"hub\" cx=\"366\" cy=\"264\" r=\"18\"/>",
     );
     let joints = [
-        ("lift_angle", (300.0, 176.0), -0.5),
-        ("tilt_angle", (190.0, 0.0), 0.5),
+        ("lift_angle", (300.0, 160.0), -0.5),
+        ("tilt_angle", (170.0, 0.0), 0.5),
     ];
     let links = [
-        "<path class=\"link\" d=\"M0 -10L96 -26L190 -8V8L96 -4L0 10Z\"/><circle class=\"pin\" r=\"7\"/>",
+        "<path class=\"link\" d=\"M0 -10L86 -24L170 -8V8L86 -4L0 10Z\"/><circle class=\"pin\" r=\"7\"/>",
         "<path class=\"bucket\" d=\"M-4 -44Q-20 0 8 22L86 22L16 -12Z\"/><circle class=\"pin\" r=\"6\"/>",
     ];
     chain(out, posture, &joints, &links);
