@@ -70,8 +70,9 @@ pub(super) struct Disturbance {
     fast: f64,
     /// Sums of the gain: force times pull, pull squared, per mass squared.
     sums: [f64; 2],
-    /// Whether the machine is as heavy as it is told.
-    pub inertia: Inertia,
+    /// Whether the machine is as heavy as it is told: by all rows, and by those in which the torques drive.
+    inertia: Inertia,
+    driven: Inertia,
     /// What the accelerometer shows beside it.
     pub shaking: Shaking,
     /// Smoothed specific force that the torques do not explain, forward positive [m/s^2].
@@ -99,6 +100,7 @@ impl Default for Disturbance {
             fast: 0.0,
             sums: [0.1 * GAIN_MEMORY; 2],
             inertia: Inertia::default(),
+            driven: Inertia::default(),
             shaking: Shaking::default(),
             unexplained: 0.0,
         }
@@ -141,6 +143,33 @@ impl Disturbance {
         !(GAIN_RANGE.0..=GAIN_RANGE.1).contains(&gain)
     }
 
+    /// By how much the machine is lighter (or its torques larger) than told, beyond tolerances and chance; negative where it is
+    /// heavier. Brakes that nobody tells make it look lighter while it brakes, and leave it as it is while it drives.
+    pub fn lighter(&self) -> f64 {
+        let all = self.inertia.excess();
+        all.min(self.driven.excess().max(0.0))
+    }
+
+    /// By how much told and true mass differ, as a share, whatever tolerances explain.
+    pub fn off(&self) -> f64 {
+        let by = if self.lighter() > 0.0 {
+            &self.driven
+        } else {
+            &self.inertia
+        };
+        (1.0 - by.gain()).abs()
+    }
+
+    /// A load came or went with this row, and nobody told.
+    pub fn load_stepped(&self) -> bool {
+        self.inertia.stepped()
+    }
+
+    /// Time since then [s].
+    pub fn since_load(&self) -> f64 {
+        self.inertia.since_step()
+    }
+
     fn explain(
         &mut self,
         machine: &WheelDynamics,
@@ -164,8 +193,9 @@ impl Disturbance {
         let straight = step.turning(speed, machine.wheelbase).abs() < STRAIGHT;
         let free = u.spade_force_x == 0.0 && !step.brake && speed.abs() > LEAST_SPEED;
         self.shaking.see(residual, free, dt);
-        // Friction brakes, which nobody may tell, act while the torques brake.
-        let tells = drives && straight && speed.abs() > LEAST_SPEED && measured.abs() < LARGEST;
+        let tells = free && straight && pull.abs() < LARGEST && measured.abs() < LARGEST;
+        self.driven.see(measured, pull, speed, tells && drives, dt);
+        self.inertia.is_lighter(self.driven.excess() > 0.0);
         self.inertia.see(measured, pull, speed, tells, dt);
         self.fast += (dt / TIME).min(1.0) * (residual - self.fast);
         self.unexplained += (dt / HOLD).min(1.0) * (residual - self.unexplained);

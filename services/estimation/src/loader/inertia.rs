@@ -8,7 +8,6 @@
 //! | kappa | `gain` | told mass over true mass, times true over told torque | 1 |
 //! | c | - | rolling and whatever else resists | m/s^2 |
 //!
-//! Rows count in which the torques drive: while they brake, friction brakes do too, and nobody measures those.
 //! A Kalman filter of both, with signals smoothed over 0.2 s and a random walk by which the last ten seconds count. A sound
 //! machine shows 0.95 to 1.03; a full bucket that nobody tells 0.75 to 0.8, and so does a mass that is told late. A step of kappa means that a load came or went: what was learnt of the centre of gravity is of another machine.
 
@@ -45,6 +44,7 @@ pub(super) struct Inertia {
     /// kappa when the load changed last.
     anchor: f64,
     stepped: bool,
+    is_lighter: bool,
     /// Time since the last step [s].
     since: f64,
 }
@@ -57,6 +57,7 @@ impl Default for Inertia {
             covariance: [[START[0] * START[0], 0.0], [0.0, START[1] * START[1]]],
             anchor: 1.0,
             stepped: false,
+            is_lighter: true,
             since: f64::INFINITY,
         }
     }
@@ -64,7 +65,8 @@ impl Default for Inertia {
 
 impl Inertia {
     /// Takes a row: acceleration with gravity's share of the slope, force of the torques over the told mass [m/s^2],
-    /// speed [m/s]; `counts` where the torques alone move the machine.
+    /// speed [m/s]; `counts` where the torques alone move the machine. A machine that looks lighter lost no load where only its
+    /// braking says so.
     pub fn see(&mut self, acceleration: f64, pull: f64, speed: f64, counts: bool, dt: f64) {
         let direction = if speed >= 0.0 { 1.0 } else { -1.0 };
         let weight = (dt / SMOOTH).min(1.0);
@@ -106,11 +108,17 @@ impl Inertia {
             }
         }
         let away = (self.state[0] - self.anchor).abs();
-        if away > STEP.0.max(STEP.1 * self.std()) {
+        let braked = self.state[0] > 1.0 + TOLERANCE && !self.is_lighter;
+        if away > STEP.0.max(STEP.1 * self.std()) && !braked {
             self.anchor = self.state[0];
             self.stepped = true;
             self.since = 0.0;
         }
+    }
+
+    /// Whether rows that no brakes touch say that the machine is lighter than told.
+    pub fn is_lighter(&mut self, is: bool) {
+        self.is_lighter = is;
     }
 
     /// What was found fades to what is usual: nothing is remembered for ever.

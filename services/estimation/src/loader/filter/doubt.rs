@@ -71,11 +71,11 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let sensors = &self.settings.sensors;
         let late = (delay - sensors.speed_delay).abs() > LATEST * sensors.speed_delay_std;
         let locked = self.coupling.locked();
-        let heavier = self.disturbance.inertia.excess();
+        let lighter = self.disturbance.lighter();
         let contradicted = height > expected[0].1 || ratio > expected[1].1;
         let reason = if locked > 0.5 {
             Reason::Locked
-        } else if self.disturbance.torques_misfit() || heavier > 0.0 {
+        } else if self.disturbance.torques_misfit() || lighter > 0.0 {
             Reason::Torque
         } else if late {
             Reason::Latency
@@ -83,7 +83,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             Reason::AtLimit
         } else if stiffness > prior.slip_stiffness_std {
             Reason::Stiffness
-        } else if self.changed < CHANGE_SHOWN || heavier < 0.0 {
+        } else if self.changed < CHANGE_SHOWN || lighter < 0.0 {
             Reason::Load
         } else if self.legs.ratio() > DISAGREE || contradicted {
             Reason::Disagreement
@@ -98,20 +98,20 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         };
         // A load that nobody tells sits ahead of the front axle; a torque that is one axle's moves the ratio twice as far.
         let reach = self.settings.machine.bucket_reach / self.dynamics.wheelbase;
-        let off = (1.0 - self.disturbance.inertia.gain()).abs();
-        let ratio = match heavier {
+        let off = self.disturbance.off();
+        let ratio = match lighter {
             0.0 => ratio,
             x if x < 0.0 => ratio + off * (1.0 + LOAD_ARM * reach - state[CG_RATIO]).abs(),
             _ => ratio + 2.0 * off * (1.0 - state[CG_RATIO]) * state[CG_RATIO],
         };
         // After a load that nobody told, what slips and radii mean is known again only in part.
-        let untold = self.disturbance.inertia.since_step() < AFTER_UNTOLD;
+        let untold = self.disturbance.since_load() < AFTER_UNTOLD;
         let ratio = if untold && !self.is_told_its_load() {
             ratio + UNTOLD * state[CG_RATIO]
         } else {
             ratio
         };
-        let height = if heavier == 0.0 {
+        let height = if lighter == 0.0 {
             height
         } else {
             height + off * state[CG_HEIGHT]

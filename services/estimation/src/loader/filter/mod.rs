@@ -291,7 +291,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let at = [SPEED, SLIP_STIFFNESS].map(|i| self.belief.state()[i]);
         self.effect = self.disturbance.update(&self.dynamics, &step, at, dt);
         let told = self.is_told_its_load() || !self.relearning.settled();
-        if at_work && self.disturbance.inertia.stepped() && !told {
+        if at_work && self.disturbance.load_stepped() && !told {
             // A load came or went that nobody told, and was taken for another stiffness and other radii.
             self.changed = 0.0;
             self.reopens = true;
@@ -436,8 +436,8 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let mut conditions = self
             .monitor
             .conditions(&self.settings, state[SPEED], force, model.dt);
-        let heavier = self.settings.at_work() && self.disturbance.inertia.excess() != 0.0;
-        if self.weighed.is_some_and(|w| w.open) || heavier {
+        let other_mass = self.settings.at_work() && self.disturbance.lighter() != 0.0;
+        if self.weighed.is_some_and(|w| w.open) || other_mass {
             // Neither the mass nor where it sits is known.
             (conditions.frozen, conditions.weak_wheels) = (true, true);
         }
