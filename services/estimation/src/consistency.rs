@@ -5,6 +5,14 @@
 
 /// Mean of the last `N` normalised innovations squared, each limited so that a single outlier
 /// cannot decide.
+///
+/// ```
+/// use estimation::consistency::NisWindow;
+///
+/// let mut window = NisWindow::<4>::new(9.0);
+/// [1.0, 1.0, 1.0, 1e6].map(|nis| window.push(nis));
+/// assert_eq!(window.mean(), 3.0, "the outlier counts as 9");
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct NisWindow<const N: usize> {

@@ -52,6 +52,17 @@ impl Innovation {
 }
 
 /// Kalman filter of velocity and acceleration from a measured velocity.
+///
+/// ```
+/// use estimation::kalman::VelocityFilter;
+///
+/// let mut filter = VelocityFilter::new(0.0, 1e-6);
+/// for row in 1..=200 {
+///     filter.predict(0.01, 1e-4);
+///     filter.correct(Some(0.5 * 0.01 * f64::from(row)), 1e-6); // 0.5 rad/s^2
+/// }
+/// assert!((filter.acceleration() - 0.5).abs() < 0.01);
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct VelocityFilter {

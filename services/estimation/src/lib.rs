@@ -34,7 +34,31 @@
 //! assert!(answer.inertia_std > 0.0 && !answer.flags.trusted(), "nothing has moved yet");
 //! # Ok::<(), estimation::excavator::SettingsError>(())
 //! ```
+//!
+//! ```
+//! use estimation::loader::keys::Description;
+//! use estimation::loader::{CgEstimator, Columns, Method, Sample, Settings};
+//!
+//! let settings = Settings::of(&Description::default(), Method::Full);
+//! let mut estimator = CgEstimator::new(&settings, Method::Full, Columns::default())?;
+//! let answer = estimator.step(&Sample {
+//!     time: 0.0,
+//!     speed: Some(1.0),                // m/s
+//!     front_wheel_speed: Some(1.4),    // rad/s
+//!     rear_wheel_speed: Some(1.4),
+//!     front_torque: Some(3000.0),      // N m
+//!     rear_torque: Some(3000.0),
+//!     slope: Some(0.0),                // rad
+//!     ..Sample::default()
+//! });
+//! assert!(answer.cg_ratio.std > 0.0 && !answer.trusted_ratio, "it has hardly driven");
+//! # Ok::<(), estimation::loader::SettingsError>(())
+//! ```
 #![no_std]
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
 
 pub mod batch;
 mod cadence;

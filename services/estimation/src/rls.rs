@@ -24,6 +24,17 @@ use nalgebra::{SMatrix, SVector};
 const VARIANCE_LIMIT: f64 = 1e14;
 
 /// Recursive least squares with one forgetting factor per parameter.
+///
+/// ```
+/// use estimation::rls::MultipleForgettingRls;
+///
+/// let mut line = MultipleForgettingRls::new([0.0, 0.0], [1e6, 1e6]);
+/// for row in 0..400 {
+///     let x = f64::from(row % 7);
+///     line.update(&[x, 1.0], 3.0 * x - 2.0, &[0.99, 0.95]);
+/// }
+/// assert!((line.parameters[0] - 3.0).abs() < 1e-3 && (line.parameters[1] + 2.0).abs() < 1e-3);
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MultipleForgettingRls<const N: usize> {
@@ -107,6 +118,17 @@ impl MultipleForgettingRls<3> {
 }
 
 /// Ordinary recursive least squares: one forgetting factor, full covariance.
+///
+/// ```
+/// use estimation::rls::Rls;
+///
+/// let mut line = Rls::new([0.0, 0.0], [1e6, 1e6]);
+/// for row in 0..20 {
+///     let x = f64::from(row);
+///     line.update(&[x, 1.0], 3.0 * x - 2.0, 1.0);
+/// }
+/// assert!((line.parameters[0] - 3.0).abs() < 1e-4 && (line.parameters[1] + 2.0).abs() < 1e-3);
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Rls<const N: usize> {

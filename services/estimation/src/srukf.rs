@@ -25,6 +25,27 @@ use crate::scalar::Scalar;
 use crate::sigma_points::{Spread, Weights};
 
 /// The filter: a state and the lower root of its covariance.
+///
+/// ```
+/// use estimation::srukf::SquareRootUkf;
+/// use estimation::model::Model;
+/// use estimation::scalar::Scalar;
+/// use estimation::sigma_points::Spread;
+///
+/// /// A cart at a steady speed whose place is measured each second.
+/// struct Cart;
+/// impl Model<2, 1> for Cart {
+///     fn predict<T: Scalar>(&self, [place, speed]: &[T; 2]) -> ([T; 2], [T; 1]) {
+///         ([*place + *speed, *speed], [*place + *speed])
+///     }
+/// }
+///
+/// let mut filter = SquareRootUkf::<2, 1>::new([0.0, 0.0], &[10.0, 10.0], Spread::UNIT);
+/// for row in 1..=50 {
+///     filter.step(&Cart, &[1e-3, 1e-3], &[2.0 * f64::from(row)], &[0.1]);
+/// }
+/// assert!((filter.state[1] - 2.0).abs() < 1e-3);
+/// ```
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SquareRootUkf<const N: usize, const M: usize> {

@@ -1,6 +1,8 @@
 //! How the quantities of a run do while it goes on: a few counts each, whatever its length. What a whole recording did
 //! is told by [`view::score`].
 
+use statistics::judge::is_covered;
+
 use crate::quantity::Quantity;
 
 /// How one estimated quantity has done so far.
@@ -79,7 +81,7 @@ impl Tally {
         if let Some(truth) = truth.filter(|t| *t != 0.0) {
             let error = 100.0 * (value / truth - 1.0);
             self.scored += 1;
-            self.covered += u64::from(estimation::Quantity { value, std }.holds(truth));
+            self.covered += u64::from(is_covered(value, std, truth));
             self.worst = self.worst.max(error.abs());
             self.squares += error * error;
         }

@@ -1,6 +1,8 @@
 //! The statistics that tables, plots and evaluations show: one home, so that a percentile is the same
 //! number everywhere.
 
+pub mod judge;
+
 use estimation::HALF_WIDTH_95;
 
 /// Arithmetic mean; 0 of nothing.

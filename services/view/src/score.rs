@@ -4,6 +4,7 @@
 use crate::estimate::{Estimate, Parameter};
 use crate::run::{Estimator, MachineRun};
 use statistics::Summary;
+use statistics::judge::is_covered;
 
 /// The score of one estimator for one parameter.
 #[derive(Debug, Clone, Default)]
@@ -40,7 +41,7 @@ impl Score {
             if estimate.flags() & parameter.excited == 0 || !error.is_finite() {
                 continue;
             }
-            let inside = estimation::Quantity { value, std }.holds(truth);
+            let inside = is_covered(value, std, truth);
             score.errors.push(error);
             held += usize::from(inside);
             if trusted {

@@ -9,6 +9,7 @@ use estimation::excavator::{Cylinder, Estimate, Method, Reason, Settings};
 use estimation::loads::{Ledger, Load, Row as Weighing, Stage};
 use serde_json::{Value, json};
 use sim::excavator::{Effects, Row, Size, Work, cylinders};
+use statistics::judge::is_wrong;
 
 use super::estimators::{Point, Setup};
 use super::honesty_lines::described;
@@ -17,9 +18,8 @@ use crate::{Error, Options, Report, seeds};
 
 /// Length of a record: 90 s at 100 Hz, five or six loads.
 const ROWS: usize = 9000;
-/// A 95 % half width below this share is narrow; a trusted error beyond it, or outside of the interval, is wrong.
+/// A 95 % half width below this share is narrow.
 const NARROW: f64 = 0.05;
-const WRONG: f64 = 0.10;
 /// Content that changes within this many rows is not knowable.
 const AROUND: usize = 20;
 /// A payload weighs beyond this share of a full bucket as a load.
@@ -173,7 +173,8 @@ impl Sums {
         self.covered += usize::from(error <= half);
         self.trusted += usize::from(trusted);
         self.trusted_knowable += usize::from(trusted && knowable);
-        self.wrong += usize::from(trusted && (error > half || error > WRONG * truth));
+        let wrong = is_wrong(estimate.inertia, estimate.inertia_std, truth);
+        self.wrong += usize::from(trusted && wrong);
     }
 
     fn load(&mut self, truth: f64, load: Option<&Load>, rated: f64) {

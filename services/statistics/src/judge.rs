@@ -1,0 +1,174 @@
+//! The one judge of values that call themselves trusted, where the truth is known.
+//!
+//! A row is **wrong** if it says trusted and its truth lies outside the stated 95 % interval, or more than 10 % away.
+
+use std::collections::BTreeMap;
+
+/// A trusted value further away than this share of the truth is wrong, whatever its interval says.
+pub const FAR: f64 = 0.10;
+
+/// Whether the 95 % interval of a value holds the truth.
+#[must_use]
+pub fn is_covered(value: f64, std: f64, truth: f64) -> bool {
+    estimation::Quantity { value, std }.holds(truth)
+}
+
+/// Whether a value is wrong: its 95 % interval does not hold the truth, or the truth is further away than [`FAR`].
+#[must_use]
+pub fn is_wrong(value: f64, std: f64, truth: f64) -> bool {
+    !is_covered(value, std, truth) || (value - truth).abs() > FAR * truth.abs()
+}
+
+/// One row of an estimator beside its truth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Judged {
+    /// What is so.
+    pub truth: f64,
+    /// What the estimator says.
+    pub estimate: f64,
+    /// The standard deviation it states.
+    pub std: f64,
+    /// Whether it says trusted.
+    pub trusted: bool,
+    /// Whether the machine moves: only then trust can be asked for.
+    pub moving: bool,
+    /// Why it is not trusted or not consistent, in a word; empty if nothing is given.
+    pub reason: &'static str,
+}
+
+impl Judged {
+    fn covered(&self) -> bool {
+        is_covered(self.estimate, self.std, self.truth)
+    }
+
+    fn wrong(&self) -> bool {
+        is_wrong(self.estimate, self.std, self.truth)
+    }
+}
+
+/// Counts over many rows.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tally {
+    rows: u64,
+    covered: u64,
+    moving: u64,
+    trusted_moving: u64,
+    trusted: u64,
+    wrong: u64,
+    /// Sum of the squared relative errors of trusted rows.
+    square: f64,
+    reasons: BTreeMap<&'static str, u64>,
+}
+
+impl Tally {
+    /// Counts one row.
+    pub fn push(&mut self, row: &Judged) {
+        self.rows += 1;
+        self.covered += u64::from(row.covered());
+        self.moving += u64::from(row.moving);
+        if row.trusted {
+            let relative = (row.estimate - row.truth) / row.truth;
+            self.trusted += 1;
+            self.trusted_moving += u64::from(row.moving);
+            self.wrong += u64::from(row.wrong());
+            self.square += relative * relative;
+        }
+        if !row.reason.is_empty() {
+            *self.reasons.entry(row.reason).or_default() += 1;
+        }
+    }
+
+    /// Adds the counts of another.
+    pub fn add(&mut self, other: &Self) {
+        self.rows += other.rows;
+        self.covered += other.covered;
+        self.moving += other.moving;
+        self.trusted_moving += other.trusted_moving;
+        self.trusted += other.trusted;
+        self.wrong += other.wrong;
+        self.square += other.square;
+        for (reason, count) in &other.reasons {
+            *self.reasons.entry(reason).or_default() += count;
+        }
+    }
+
+    /// Share of the rows in motion that say trusted.
+    #[must_use]
+    pub fn trusted(&self) -> f64 {
+        share(self.trusted_moving, self.moving)
+    }
+
+    /// Share of the trusted rows that are wrong; 0 where none is trusted.
+    #[must_use]
+    pub fn wrong(&self) -> f64 {
+        share(self.wrong, self.trusted)
+    }
+
+    /// Root mean square of the relative error of the trusted rows [%].
+    #[must_use]
+    pub fn rms(&self) -> f64 {
+        100.0 * (self.square / self.trusted.max(1) as f64).sqrt()
+    }
+
+    /// Share of all rows whose interval holds the truth.
+    #[must_use]
+    pub fn covered(&self) -> f64 {
+        share(self.covered, self.rows)
+    }
+
+    /// The reason most often given, and the share of all rows that give it.
+    #[must_use]
+    pub fn reason(&self) -> Option<(&'static str, f64)> {
+        let most = self.reasons.iter().max_by_key(|(_, count)| **count)?;
+        Some((most.0, share(*most.1, self.rows)))
+    }
+}
+
+fn share(part: u64, whole: u64) -> f64 {
+    part as f64 / whole.max(1) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(estimate: f64, std: f64, trusted: bool) -> Judged {
+        Judged {
+            truth: 100.0,
+            estimate,
+            std,
+            trusted,
+            moving: true,
+            reason: "",
+        }
+    }
+
+    #[test]
+    fn wrong_is_outside_the_interval_or_more_than_ten_percent_away() {
+        let mut tally = Tally::default();
+        for judged in [
+            row(101.0, 1.0, true),
+            row(103.0, 1.0, true),
+            row(111.0, 10.0, true),
+            row(150.0, 1.0, false),
+        ] {
+            tally.push(&judged);
+        }
+        assert_eq!(tally.trusted(), 0.75);
+        assert_eq!(tally.wrong(), 2.0 / 3.0);
+        assert_eq!(tally.covered(), 0.5);
+    }
+
+    #[test]
+    fn the_reason_most_often_given_is_named() {
+        let mut tally = Tally::default();
+        for reason in ["slope", "gain", "slope", ""] {
+            let judged = Judged {
+                reason,
+                ..row(100.0, 1.0, true)
+            };
+            tally.push(&judged);
+        }
+        assert_eq!(tally.reason(), Some(("slope", 0.5)));
+    }
+}
