@@ -4,7 +4,8 @@
 
 use crate::text::{Table, plain};
 use serde_json::{Value, json};
-use statistics::judge::Tally;
+
+pub use statistics::judge::{Judged, Tally};
 
 /// One line of the table: an effect at one severity.
 #[derive(Clone, Debug, PartialEq)]

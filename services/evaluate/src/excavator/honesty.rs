@@ -6,11 +6,10 @@
 
 use super::estimators::Setup;
 use super::honesty_lines::{USUAL, described, effects};
-use crate::honesty::{Line, json, text};
+use crate::honesty::{Judged, Line, Tally, json, text};
 use crate::{Error, Options, Report, seeds};
 use estimation::excavator::{Estimate, Method};
 use sim::excavator::{Effects, Row, Size, Work};
-use statistics::judge::{Judged, Tally};
 
 /// Length of a record: 40 s at 100 Hz.
 const ROWS: usize = 4000;

@@ -6,10 +6,9 @@
 
 use estimation::loader::{CgEstimator, Columns, Estimate, Method, Settings};
 use sim::loader::{CASES, Effects, PayloadTold, Row, Run, Simulation, Size, Tier};
-use statistics::judge::{Judged, Tally};
 
 use super::candidate::Candidate;
-use crate::honesty::{Line, json, text};
+use crate::honesty::{Judged, Line, Tally, json, text};
 use crate::{Error, Options, Report, seeds};
 
 /// Length of a record [s].

@@ -301,47 +301,32 @@ mod tests {
 
     use super::*;
 
-    #[test]
-    fn a_c_compiler_agrees_with_every_size_and_offset() {
+    /// Skipped where there is no such compiler.
+    fn compiles(compiler: &str, standard: &str, file: &str, main: &str) {
         let dir = tempfile::tempdir().expect("a folder");
-        let source = dir.path().join("heft.c");
-        let program = text(Language::C) + "int main(void) { return 0; }\n";
-        std::fs::write(&source, program).expect("writable");
-        let compiler = Command::new("cc")
-            .args(["-std=c11", "-Wall", "-Wextra", "-Werror", "-fsyntax-only"])
+        let source = dir.path().join(file);
+        std::fs::write(&source, text(Language::C) + main).expect("writable");
+        let compiled = Command::new(compiler)
+            .args([standard, "-Wall", "-Wextra", "-Werror", "-fsyntax-only"])
             .arg(&source)
             .output();
-        let Ok(found) = compiler else {
-            println!("skipped: there is no C compiler (cc)");
+        let Ok(found) = compiled else {
+            println!("skipped: there is no compiler {compiler}");
             return;
         };
-        assert!(
-            found.status.success(),
-            "{}",
-            String::from_utf8_lossy(&found.stderr)
-        );
+        let said = String::from_utf8_lossy(&found.stderr);
+        assert!(found.status.success(), "{said}");
+    }
+
+    #[test]
+    fn a_c_compiler_agrees_with_every_size_and_offset() {
+        compiles("cc", "-std=c11", "heft.c", "int main(void) { return 0; }\n");
     }
 
     #[test]
     fn a_cpp_compiler_takes_the_header_too() {
-        let dir = tempfile::tempdir().expect("a folder");
-        let source = dir.path().join("heft.cpp");
-        let program = text(Language::C)
-            + "int main() { return heft_loader_estimate_reason_name(1)[0] == 'm' ? 0 : 1; }\n";
-        std::fs::write(&source, program).expect("writable");
-        let compiler = Command::new("c++")
-            .args(["-std=c++17", "-Wall", "-Wextra", "-Werror", "-fsyntax-only"])
-            .arg(&source)
-            .output();
-        let Ok(found) = compiler else {
-            println!("skipped: there is no C++ compiler (c++)");
-            return;
-        };
-        assert!(
-            found.status.success(),
-            "{}",
-            String::from_utf8_lossy(&found.stderr)
-        );
+        let main = "int main() { return heft_loader_estimate_reason_name(1)[0] == 'm' ? 0 : 1; }\n";
+        compiles("c++", "-std=c++17", "heft.cpp", main);
     }
 
     #[test]
