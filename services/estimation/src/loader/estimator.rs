@@ -356,9 +356,10 @@ fn loaded<const N: usize, const M: usize, B: Belief<N, M>>(
             ratio: share * empty.ratio + ratio,
             height: share * empty.height + height,
         };
+        let [of_ratio, of_height] = weighed.loading_std;
         let std = Each {
-            ratio: norm(&[share * std.ratio, weighed.ratio.std]),
-            height: norm(&[share * std.height, weighed.height.std]),
+            ratio: norm(&[share * std.ratio, of_ratio]),
+            height: norm(&[share * std.height, of_height]),
         };
         return (centre, std);
     }

@@ -81,8 +81,8 @@ pub fn folder(out: Option<&Path>, machine: &str) -> Result<PathBuf, Failure> {
     Ok(folder)
 }
 
-/// The description of a run. Where nobody describes a simulated machine, its cylinders are described as they are.
-fn described(args: &RunArgs, pressures: bool) -> Result<Description, Failure> {
+/// What describes the machine of a run. Where nobody describes a simulated one, its cylinders are described as they are.
+fn described(args: &RunArgs, pressures: bool) -> DescriptionArgs {
     let given = &args.description;
     let is_simulated = args.input.is_none() && given.config.is_none() && given.class.is_none();
     let mut with = given.clone();
@@ -90,14 +90,14 @@ fn described(args: &RunArgs, pressures: bool) -> Result<Description, Failure> {
         with.set = machines::entry(args.machine).simulated_cylinders();
         with.set.extend(given.set.iter().cloned());
     }
-    description(args.machine, &with)
+    with
 }
 
 /// The plan that the arguments describe, without a place for its recording.
 fn plan(args: &RunArgs) -> Result<(Plan, Description), Failure> {
     let machine = args.machine;
     let pressures = !args.without.contains(&Equipment::Pressure);
-    let description = described(args, pressures)?;
+    let description = description(machine, &described(args, pressures))?;
     let rate = args.rate.unwrap_or(description.rate());
     if let Some(duration) = args.duration
         && (duration.is_nan() || duration <= 0.0)

@@ -4,7 +4,7 @@
 //! which an arm hardly moves.
 
 use super::super::layout::Each;
-use super::drawing::{Drawing, NUMBERS, Posture};
+use super::drawing::{Drawing, EMPTY_HEIGHT, EMPTY_RATIO, NUMBERS, Posture};
 use crate::math::sqrt;
 
 /// Squared effects of each number.
@@ -31,6 +31,8 @@ impl Default for Doubts {
 pub(super) struct Doubt {
     pub payload: f64,
     pub centre: Each<f64>,
+    /// Of the centre without the empty machine's: who measures that one otherwise has these left.
+    pub moved: Each<f64>,
 }
 
 impl Doubts {
@@ -52,9 +54,15 @@ impl Doubts {
     /// Standard deviations of the answer.
     pub fn std(&self) -> Doubt {
         let [payload, ratio, height] = self.sums.map(sqrt);
+        let without =
+            |number: usize, i: usize| sqrt((self.sums[i] - self.squares[number][i]).max(0.0));
         Doubt {
             payload,
             centre: Each { ratio, height },
+            moved: Each {
+                ratio: without(EMPTY_RATIO, 1),
+                height: without(EMPTY_HEIGHT, 2),
+            },
         }
     }
 }

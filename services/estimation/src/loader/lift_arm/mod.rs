@@ -88,6 +88,8 @@ pub(super) struct Weighed {
     pub height: Quantity,
     /// What load and arm add to the empty machine.
     pub loading: Loading,
+    /// Standard deviations of ratio and height of that, the empty machine being known [-, m].
+    pub loading_std: [f64; 2],
     /// The content may be changing, or the ground carries a part of it.
     pub open: bool,
     /// No doubt that was stated explains what the pressures show.
@@ -247,6 +249,10 @@ impl LiftWitness {
         let std = |by_load: f64, doubt: f64| wider * crate::math::norm(&[by_load, doubt]);
         let mass = drawing.values[drawing::EMPTY_MASS] + payload.value;
         let share = drawing.values[drawing::EMPTY_MASS] / mass;
+        let by_load = Each {
+            ratio: more.ratio - centre.ratio,
+            height: more.height - centre.height,
+        };
         let empty = self.empty();
         Weighed {
             payload: Quantity {
@@ -256,17 +262,21 @@ impl LiftWitness {
             mass,
             ratio: Quantity {
                 value: centre.ratio,
-                std: std(more.ratio - centre.ratio, doubts.centre.ratio),
+                std: std(by_load.ratio, doubts.centre.ratio),
             },
             height: Quantity {
                 value: centre.height,
-                std: std(more.height - centre.height, doubts.centre.height),
+                std: std(by_load.height, doubts.centre.height),
             },
             loading: Loading {
                 share,
                 height: centre.height - share * empty.height.0,
                 ratio: centre.ratio - share * empty.ratio.0,
             },
+            loading_std: [
+                std(by_load.ratio, doubts.moved.ratio),
+                std(by_load.height, doubts.moved.height),
+            ],
             open,
             wrong: self.below.is_wrong(),
         }

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use recording::Output;
 
-use super::{RunArgs, absolute, folder, plan, tell_idle_keys};
+use super::{RunArgs, absolute, described, folder, plan, tell_idle_keys};
 use crate::commands::estimate::{method, way};
 use crate::commands::serve::{shard_arguments, usual_shards};
 use crate::failure::Failure;
@@ -41,7 +41,8 @@ pub fn run(args: &RunArgs, count: usize) -> Result<(), Failure> {
     if !args.quiet {
         eprintln!("{}", words(&plan, count));
     }
-    let arguments = shard_arguments(machine, method, &args.description, 0.0);
+    let given = described(args, plan.pressures);
+    let arguments = shard_arguments(machine, method, &given, 0.0);
     let (signals, shards) = (Signals::catch()?, usual_shards().min(count));
     let played = entry.play(&machines, Out::File(out), shards, &arguments, &signals)?;
     println!("\n{machine}, {count} machines by {method} in {shards} processes");
