@@ -203,8 +203,9 @@ fn tally_lines(tally: &Tally) -> Vec<String> {
                 )
             });
             lines.push(format!(
-                "{name}: last trusted at {time:.1} s: {}{truth}; trusted {share:.0} % of the time",
-                q.text(value, std)
+                "{name}: last trusted at {time:.1} s: {} (95 %: {}){truth}; trusted {share:.0} % of the time",
+                q.text(value, std),
+                view::number::interval_95(value, std)
             ));
         }
     }

@@ -35,10 +35,9 @@ impl Typed for Excavator {
     }
 
     fn simulated_cylinders() -> Vec<String> {
-        let [boom, arm] = cylinders(&Size::reference().geometry);
-        let mut settings = cylinder_settings("machine.boom_cylinder", &boom);
-        settings.extend(cylinder_settings("machine.arm_cylinder", &arm));
-        settings
+        // Nothing reads those of the arm yet.
+        let [boom, _] = cylinders(&Size::reference().geometry);
+        cylinder_settings("machine.boom_cylinder", &boom)
     }
 
     fn simulator(
