@@ -9,7 +9,7 @@
 //! | `events/PROCESS` | the report at which state, fault or restarts differ from the one before |
 
 use messages::channels::{Channel, HEALTH};
-use messages::{Envelope, ExcavatorEstimate, Health, LoaderEstimate, Message};
+use messages::{Envelope, Health, Message};
 use steps::stages::Pipeline;
 use view::estimate::Estimate;
 
@@ -118,13 +118,39 @@ pub struct Selected {
     pub payload: Vec<u8>,
 }
 
+macro_rules! machines {
+    ($( $machine:ident, $module:ident, $sensors:ident, $truth:ident, $estimate:ident, $others:tt; )*) => {
+        /// The stretches of motion of each machine.
+        #[derive(Debug, Default)]
+        struct Stretches { $( $module: Loads<messages::$estimate>, )* }
+
+        impl Thinner {
+            /// Takes the next message of a channel and hands on what is to be sent.
+            pub fn take<M: Message>(
+                &mut self,
+                channel: &Channel,
+                message: &M,
+                out: &mut impl FnMut(Selected),
+            ) {
+                match message.envelope() {
+                    $( Envelope::$estimate(e) => self.estimate(channel, &e, |t| &mut t.stretches.$module, out), )*
+                    Envelope::Health(health) => self.health(&health, out),
+                    // Neither estimates nor health: not sent.
+                    _ => {}
+                }
+            }
+        }
+    };
+}
+
+messages::machines!(machines);
+
 /// Selects messages.
 #[derive(Debug)]
 pub struct Thinner {
     streams: Vec<StreamInfo>,
     tracks: Vec<Track>,
-    excavator: Loads<ExcavatorEstimate>,
-    loader: Loads<LoaderEstimate>,
+    stretches: Stretches,
     machine: String,
     run: u64,
     hz: f64,
@@ -145,29 +171,11 @@ impl Thinner {
         Self {
             tracks: vec![Track::default(); streams.len()],
             streams,
-            excavator: Loads::default(),
-            loader: Loads::default(),
+            stretches: Stretches::default(),
             machine: machine.to_owned(),
             run,
             hz,
             wall_offset_ns,
-        }
-    }
-
-    /// Takes the next message of a channel and hands on what is to be sent.
-    pub fn take<M: Message>(
-        &mut self,
-        channel: &Channel,
-        message: &M,
-        out: &mut impl FnMut(Selected),
-    ) {
-        match message.envelope() {
-            Envelope::ExcavatorEstimate(e) => {
-                self.estimate(channel, &e, |t| &mut t.excavator, out);
-            }
-            Envelope::LoaderEstimate(e) => self.estimate(channel, &e, |t| &mut t.loader, out),
-            Envelope::Health(health) => self.health(&health, out),
-            _ => {}
         }
     }
 
@@ -275,7 +283,7 @@ pub fn health_number(health: &Health) -> u64 {
 mod tests {
     use super::*;
     use messages::channels::EXCAVATOR_INERTIA_UKF as CHANNEL;
-    use messages::{Machine, excavator_bits as x};
+    use messages::{ExcavatorEstimate, Machine, excavator_bits as x};
 
     fn thinner() -> Thinner {
         let streams = streams(Pipeline::of(Machine::Excavator), 100.0, 1.0);

@@ -203,6 +203,7 @@ mod tests {
             std,
             trusted: true,
             learnt: true,
+            is_load: false,
         };
         assert_eq!(drift(&at(100.0, 3.0), &at(118.0, 4.0)), None);
         assert!(drift(&at(100.0, 3.0), &at(121.0, 4.0)).is_some_and(|t| t.contains("Damping")));

@@ -22,6 +22,8 @@ pub struct Quantity {
     pub trusted: bool,
     /// Whether it is learnt over days, and does not change with a load.
     pub learnt: bool,
+    /// Whether it is a load in the bucket.
+    pub is_load: bool,
 }
 
 impl Quantity {
@@ -38,20 +40,11 @@ impl Quantity {
     }
 }
 
-/// What is learnt over days and does not change with a load, by its key.
-const LEARNT: &[&str] = &["damping", "slip_stiffness"];
-
 /// What is learnt of a kind of machine.
 #[must_use]
 pub fn learnt(machine: Machine) -> Vec<&'static str> {
-    fn of<E: Estimate>() -> Vec<&'static str> {
-        let keys = E::PARAMETERS.iter().map(|p| p.key);
-        keys.filter(|key| LEARNT.contains(key)).collect()
-    }
-    match machine {
-        Machine::Excavator => of::<messages::ExcavatorEstimate>(),
-        Machine::Loader => of::<messages::LoaderEstimate>(),
-    }
+    let rows = machine.shown().filter(|row| row.is_of_machine);
+    rows.map(|row| row.name).collect()
 }
 
 fn of<E: Estimate>(estimate: &E) -> Vec<Quantity> {
@@ -65,21 +58,45 @@ fn of<E: Estimate>(estimate: &E) -> Vec<Quantity> {
             0 => estimate.trusted(),
             bit => estimate.flags() & bit != 0,
         },
-        learnt: LEARNT.contains(&p.key),
+        learnt: p.is_of_machine,
+        is_load: p.is_load,
     });
     one.filter(|q| q.value.is_finite() && q.std.is_finite() && q.std > 0.0)
         .collect()
 }
 
-/// The quantities of an estimate that have an interval, those that the machine is about first.
-#[must_use]
-pub fn quantities(envelope: &Envelope) -> Vec<Quantity> {
-    match envelope {
-        Envelope::ExcavatorEstimate(e) => of(e),
-        Envelope::LoaderEstimate(e) => of(e),
-        _ => Vec::new(),
-    }
+macro_rules! machines {
+    ($( $machine:ident, $module:ident, $sensors:ident, $truth:ident, $estimate:ident, $others:tt; )*) => {
+        /// The quantities of an estimate that have an interval, those that the machine is about first.
+        #[must_use]
+        pub fn quantities(envelope: &Envelope) -> Vec<Quantity> {
+            match envelope {
+                $( Envelope::$estimate(e) => of(e), )*
+                _ => Vec::new(),
+            }
+        }
+
+        /// The verdict in words.
+        #[must_use]
+        pub fn verdict(envelope: &Envelope) -> String {
+            match envelope {
+                $( Envelope::$estimate(e) => view::words::verdict(e), )*
+                _ => String::new(),
+            }
+        }
+
+        /// The machine whose estimate this is; empty for other messages.
+        #[must_use]
+        pub fn kind_of(envelope: &Envelope) -> &'static str {
+            match envelope {
+                $( Envelope::$estimate(_) => Machine::$machine.name(), )*
+                _ => "",
+            }
+        }
+    };
 }
+
+messages::machines!(machines);
 
 /// The first of them.
 #[must_use]
@@ -91,28 +108,8 @@ pub fn headline(envelope: &Envelope) -> Option<Quantity> {
 #[must_use]
 pub fn load(envelope: &Envelope) -> Option<Quantity> {
     let all = quantities(envelope);
-    let payload = all.iter().find(|q| q.key == "payload").cloned();
+    let payload = all.iter().find(|q| q.is_load).cloned();
     payload.or_else(|| all.into_iter().next())
-}
-
-/// The verdict in words.
-#[must_use]
-pub fn verdict(envelope: &Envelope) -> String {
-    match envelope {
-        Envelope::ExcavatorEstimate(e) => view::words::verdict(e),
-        Envelope::LoaderEstimate(e) => view::words::verdict(e),
-        _ => String::new(),
-    }
-}
-
-/// The machine whose messages these are; empty for messages of every machine.
-#[must_use]
-pub fn kind_of(envelope: &Envelope) -> &'static str {
-    match envelope {
-        Envelope::ExcavatorEstimate(_) => Machine::Excavator.name(),
-        Envelope::LoaderEstimate(_) => Machine::Loader.name(),
-        _ => "",
-    }
 }
 
 /// Name of the channel that a kind of machine is told by.

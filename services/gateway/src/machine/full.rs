@@ -8,7 +8,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use messages::channels::{Channel, Rate};
-use messages::{Envelope, Message};
+use messages::{Carries, Message};
 use recording::payload::put_delimited;
 use rtrb::{Consumer, Producer};
 use zenoh::qos::{CongestionControl, Priority};
@@ -32,10 +32,7 @@ pub(super) fn push<M: Message>(
     channel: &'static Channel,
     message: &M,
 ) {
-    let is_estimate = matches!(
-        message.envelope(),
-        Envelope::ExcavatorEstimate(_) | Envelope::LoaderEstimate(_)
-    );
+    let is_estimate = channel.payload.carries() == Carries::Estimate;
     if is_estimate && channel.rate == Rate::Sensors && queue.slots() > 0 {
         let mut bytes = Vec::with_capacity(256);
         recording::payload::encode(message, &mut bytes);
