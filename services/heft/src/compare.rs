@@ -50,6 +50,9 @@ pub struct Compared {
     pub first_difference: Option<(u64, &'static str)>,
     /// Answers that cannot be checked, because the state before them is unknown.
     pub unknown: usize,
+    /// Answers to samples behind the last recorded one: a logger that is at work writes a chunk with the
+    /// answer before the chunk with its sample.
+    pub ahead: usize,
 }
 
 /// Recorded states of one stage, in the order of their places.
@@ -127,8 +130,10 @@ pub fn compare<R: Replay>(
         let follows = last.is_none_or(|(epoch, _)| epoch == place.0) && place.1 == first;
         last = Some(place);
         let sample = inputs.next_if(|input| replay.place(input) == place);
+        let is_ahead = sample.is_none() && inputs.peek().is_none();
         let (Some(sample), Some(before)) = (sample, step.take()) else {
-            result.unknown += 1;
+            result.ahead += usize::from(is_ahead);
+            result.unknown += usize::from(!is_ahead);
             continue;
         };
         let gap = passed > 0 || !follows || lost;
@@ -353,6 +358,20 @@ mod tests {
         let compared = check(&seen, &logged);
         assert_eq!((compared.identical, compared.unknown), (600, 300));
         assert_eq!(compared.first_difference, None, "no wolf");
+    }
+
+    #[test]
+    fn answers_behind_the_last_recorded_sample_are_ahead_and_not_behind_a_gap() {
+        let inputs = samples(100);
+        let all = answers(&inputs, |_| true, &[]);
+        let compared = check(&inputs[..97], &all);
+        let counts = (compared.identical, compared.unknown, compared.ahead);
+        assert_eq!(counts, (97, 0, 3));
+        // A missing sample that others follow is a gap.
+        let seen: Vec<_> = inputs[..97].iter().copied().filter(|s| s.1 != 50).collect();
+        let compared = check(&seen, &all);
+        let counts = (compared.identical, compared.unknown, compared.ahead);
+        assert_eq!(counts, (50, 47, 3));
     }
 
     #[test]

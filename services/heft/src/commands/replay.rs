@@ -36,7 +36,7 @@ pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
         println!("{builds}");
     }
     let description = description(metadata, &args.file)?;
-    let (mut answers, mut identical, mut unknown) = (0, 0, 0);
+    let (mut answers, mut identical, mut unknown, mut ahead) = (0, 0, 0, 0);
     for (stage, row) in Pipeline::of(description.machine()).rows() {
         let method = method(metadata, stage, &args.file)?;
         let text = metadata.get("description").map_or("", String::as_str);
@@ -53,13 +53,18 @@ pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
         let mut collector = Collector::default();
         let pieces = reader.stream::<Keyframe>(KEYFRAME.name)?.filter(mine);
         let states = pieces.filter_map(|piece| collector.take(&piece));
-        let result = compare(&replay, inputs, recorded, states);
+        let mut result = compare(&replay, inputs, recorded, states);
+        if !reader.is_being_written() {
+            // Nobody will write the samples any more.
+            result.unknown += std::mem::take(&mut result.ahead);
+        }
         if result.answers > 0 {
             println!("{}", line(row.output().name, &result));
         }
         answers += result.answers;
         identical += result.identical;
         unknown += result.unknown;
+        ahead += result.ahead;
     }
     if answers == 0 {
         return Err(Failure::input(
@@ -74,7 +79,10 @@ pub fn replay(args: &ReplayArgs) -> Result<(), Failure> {
             "{unknown} cannot be checked: the recording has a gap between them and the next state"
         );
     }
-    let different = answers - identical - unknown;
+    if ahead > 0 {
+        println!("{ahead} came before the logger had written their samples: the run goes on");
+    }
+    let different = answers - identical - unknown - ahead;
     if args.verify && different > 0 {
         return Err(Failure::answer_is_no(match other_build {
             Some(builds) => format!(
@@ -105,6 +113,9 @@ fn line(channel: &str, result: &Compared) -> String {
     }
     if result.unknown > 0 {
         text += &format!("; {} behind a gap of the recording", result.unknown);
+    }
+    if result.ahead > 0 {
+        text += &format!("; {} ahead of their samples", result.ahead);
     }
     text
 }
