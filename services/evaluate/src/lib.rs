@@ -13,6 +13,7 @@ mod error;
 pub mod excavator;
 pub mod honesty;
 pub mod loader;
+mod loads;
 mod options;
 mod parallel;
 pub mod text;

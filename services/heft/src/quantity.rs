@@ -45,8 +45,13 @@ impl Quantity {
 
     /// The true value in a truth message, if it is known.
     pub fn truth(&self, message: &Envelope) -> Option<f64> {
-        message.open(Truth(self.row.name))
+        truth(message, self.row.name)
     }
+}
+
+/// The true value of this name in a truth message, if it is known.
+pub fn truth(message: &Envelope, name: &'static str) -> Option<f64> {
+    message.open(Truth(name))
 }
 
 struct Truth(&'static str);

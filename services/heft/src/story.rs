@@ -12,6 +12,8 @@ use view::live::SharedLoads;
 use view::loads;
 use view::number;
 
+use crate::quantity;
+
 /// True payloads that are remembered: those of a minute at 100 Hz.
 const REMEMBERED: usize = 6000;
 
@@ -26,20 +28,13 @@ pub struct Story {
 impl Story {
     /// Notes what really is in the bucket.
     pub fn know(&mut self, truth: &Envelope) {
-        let known = match truth {
-            Envelope::ExcavatorTruth(t) => {
-                (t.known & 1 << 6 != 0).then_some((t.stamp.time, t.payload))
-            }
-            Envelope::LoaderTruth(t) => {
-                (t.known & 1 << 10 != 0).then_some((t.stamp.time, t.payload))
-            }
-            _ => None,
+        let Some(payload) = quantity::truth(truth, "payload") else {
+            return;
         };
-        let Some(known) = known else { return };
         if self.truths.len() == REMEMBERED {
             self.truths.pop_front();
         }
-        self.truths.push_back(known);
+        self.truths.push_back((truth.stamp().time, payload));
     }
 
     /// What was in the bucket while a load was carried: the most of it [kg].

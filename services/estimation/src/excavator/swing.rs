@@ -89,9 +89,8 @@ impl SwingEstimator {
             screen: Screen::new(&settings.sensors),
             grid: Grid::new(settings, !columns.velocity),
             align: Align::new(settings.sensors.delays),
-            lag: (method == Method::PostureTorque)
-                .then(|| told_lag(settings, settings.sensors.delays, 0.0))
-                .flatten()
+            lag: told_lag(settings, settings.sensors.delays, 0.0)
+                .filter(|_| method == Method::PostureTorque)
                 .map(Lag::new),
             delays: settings.sensors.delays,
             held: 1,

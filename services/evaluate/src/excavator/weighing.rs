@@ -6,13 +6,14 @@
 use estimation::HALF_WIDTH_95;
 use estimation::excavator::keys::Description;
 use estimation::excavator::{Cylinder, Estimate, Method, Reason, Settings};
-use estimation::loads::{Ledger, Load, Row as Weighing, Stage};
+use estimation::loads::Row as Weighing;
 use serde_json::{Value, json};
 use sim::excavator::{Effects, Row, Size, Work, cylinders};
 use statistics::judge::is_wrong;
 
 use super::estimators::{Point, Setup};
 use super::honesty_lines::described;
+use crate::loads::{Book, Tally, share};
 use crate::text::{Table, plain};
 use crate::{Error, Options, Report, seeds};
 
@@ -22,8 +23,6 @@ const ROWS: usize = 9000;
 const NARROW: f64 = 0.05;
 /// Content that changes within this many rows is not knowable.
 const AROUND: usize = 20;
-/// A payload weighs beyond this share of a full bucket as a load.
-const LOAD: f64 = 0.3;
 
 /// What is told to the estimator.
 #[derive(Clone, Copy, PartialEq)]
@@ -132,13 +131,7 @@ pub struct Sums {
     runs: usize,
     /// Runs in which the reason that names what is wrong was given.
     named: usize,
-    loads: usize,
-    /// True loads that the ledger has.
-    found: usize,
-    load_trusted: usize,
-    load_covered: usize,
-    /// Sum of squared errors of the loads, in full buckets.
-    load_squares: f64,
+    loads: Tally,
 }
 
 impl Sums {
@@ -153,14 +146,10 @@ impl Sums {
             (&mut self.covered, other.covered),
             (&mut self.runs, other.runs),
             (&mut self.named, other.named),
-            (&mut self.loads, other.loads),
-            (&mut self.found, other.found),
-            (&mut self.load_trusted, other.load_trusted),
-            (&mut self.load_covered, other.load_covered),
         ] {
             *sum += one;
         }
-        self.load_squares += other.load_squares;
+        self.loads.add(&other.loads);
     }
 
     fn row(&mut self, truth: f64, estimate: &Estimate, knowable: bool) {
@@ -176,21 +165,6 @@ impl Sums {
         let wrong = is_wrong(estimate.inertia, estimate.inertia_std, truth);
         self.wrong += usize::from(trusted && wrong);
     }
-
-    fn load(&mut self, truth: f64, load: Option<&Load>, rated: f64) {
-        self.loads += 1;
-        let Some(load) = load else { return };
-        self.found += 1;
-        let error = load.weight.kg - truth;
-        self.load_trusted += usize::from(load.trusted);
-        self.load_covered += usize::from(error.abs() <= HALF_WIDTH_95 * load.weight.std);
-        self.load_squares += (error / rated).powi(2);
-    }
-}
-
-/// A share, where there is anything to take it of.
-fn share(part: usize, of: usize) -> Option<f64> {
-    (of > 0).then(|| part as f64 / of as f64)
 }
 
 /// The settings of a machine that is told like this.
@@ -249,7 +223,7 @@ fn run(case: &Case, seed: u64) -> Result<Sums, Error> {
     let named = |p: &&Point| case.names.is_some_and(|name| p.estimate.reason == name);
     let known = points.iter().filter(named).count();
     sums.named = usize::from(20 * known > points.len());
-    weigh(&points, size.rated, &mut sums);
+    sums.loads = weigh(&points, size.rated);
     Ok(sums)
 }
 
@@ -264,17 +238,9 @@ fn knowable(rows: &[Row], rated: f64) -> Vec<bool> {
         .collect()
 }
 
-/// Compares the ledger's loads with the true ones: each true load with the one that the ledger has at the time.
-fn weigh(points: &[Point], rated: f64, sums: &mut Sums) {
-    let mut ledger = Ledger::new(estimation::loads::Settings::with_rated(rated));
-    let mut loads: Vec<Load> = Vec::new();
-    let mut note = |load: Option<Load>| {
-        let Some(load) = load else { return };
-        loads.retain(|known| known.number != load.number);
-        if load.stage != Stage::Withdrawn {
-            loads.push(load);
-        }
-    };
+/// Compares the ledger's loads with the true ones.
+fn weigh(points: &[Point], rated: f64) -> Tally {
+    let mut book = Book::new(rated);
     for p in points {
         let row = Weighing {
             time: p.time,
@@ -284,32 +250,9 @@ fn weigh(points: &[Point], rated: f64, sums: &mut Sums) {
             trusted: p.estimate.flags.trusted(),
             ..Weighing::default()
         };
-        note(ledger.step(&row).load);
+        book.row(&row, p.truth.payload);
     }
-    note(ledger.finish().load);
-    for (from, to, truth) in true_loads(points, rated) {
-        let during = |l: &&Load| l.filled < to && l.dumped.is_some_and(|t| t > from);
-        sums.load(truth, loads.iter().find(during), rated);
-    }
-}
-
-/// True loads that are carried and dumped: from, to [s], the most that was in the bucket while it was carried [kg].
-fn true_loads(points: &[Point], rated: f64) -> Vec<(f64, f64, f64)> {
-    let mut loads = Vec::new();
-    let mut open: Option<(f64, f64)> = None;
-    for p in points {
-        let carries = p.truth.payload > LOAD * rated;
-        match (&mut open, carries) {
-            (None, true) => open = Some((p.time, p.truth.payload)),
-            (Some((_, most)), true) => *most = most.max(p.truth.payload),
-            (Some((from, most)), false) => {
-                loads.push((*from, p.time, *most));
-                open = None;
-            }
-            (None, false) => {}
-        }
-    }
-    loads
+    book.judge()
 }
 
 /// A line with what is asked of it.
@@ -321,17 +264,16 @@ struct Line {
 impl Line {
     fn numbers(&self) -> [Option<f64>; 9] {
         let s = &self.sums;
-        let rms = (s.found > 0).then(|| (s.load_squares / s.found as f64).sqrt());
         [
             share(s.narrow, s.knowable),
             share(s.trusted_knowable, s.knowable),
             share(s.wrong, s.trusted),
             share(s.covered, s.rows),
             self.case.names.and_then(|_| share(s.named, s.runs)),
-            share(s.found, s.loads),
-            share(s.load_trusted, s.loads),
-            share(s.load_covered, s.found),
-            rms,
+            s.loads.found(),
+            s.loads.trusted(),
+            s.loads.covered(),
+            s.loads.rms(),
         ]
     }
 
@@ -358,7 +300,7 @@ impl Line {
     fn json(&self, seeds: usize) -> Value {
         let mut line = json!({
             "machine": self.case.name, "told": self.case.told.name(), "seeds": seeds,
-            "loads": self.sums.loads, "rows": self.sums.rows, "met": self.met(),
+            "loads": self.sums.loads.all, "rows": self.sums.rows, "met": self.met(),
         });
         for (key, value) in COLUMNS.iter().zip(self.numbers()) {
             line[*key] = json!(value);
@@ -448,28 +390,8 @@ mod tests {
             sums
         });
         assert!(with.narrow > without.narrow, "{without:?} {with:?}");
-        assert!(
-            with.loads >= 6 && with.found * 10 >= with.loads * 8,
-            "{with:?}"
-        );
-        assert!(
-            with.load_squares <= without.load_squares * 1.2,
-            "{without:?} {with:?}"
-        );
-    }
-
-    #[test]
-    fn true_loads_are_those_that_leave_the_bucket() {
-        let point = |i: u32, payload: f64| Point {
-            time: f64::from(i),
-            truth: sim::excavator::Truth {
-                payload,
-                ..Default::default()
-            },
-            estimate: Estimate::default(),
-        };
-        let payloads = [0.0, 500.0, 900.0, 880.0, 20.0, 0.0, 700.0];
-        let points: Vec<Point> = (0..).zip(payloads).map(|(i, p)| point(i, p)).collect();
-        assert_eq!(true_loads(&points, 1000.0), [(1.0, 4.0, 900.0)]);
+        let loads = with.loads;
+        assert!(loads.all >= 6 && loads.found * 10 >= loads.all * 8);
+        assert!(loads.rms() <= without.loads.rms().map(|rms| 1.09 * rms));
     }
 }

@@ -3,27 +3,25 @@
 //! JSON: a list of lines, each with `machine`, `told`, `seeds`, and the numbers named by [`COLUMNS`]; null where there is nothing to
 //! count. Ratio and height are judged over all time; their errors while the machine carries a load.
 
-use estimation::HALF_WIDTH_95;
 use estimation::Quantity;
 use estimation::loader::keys::{LiftArm, LiftCylinder};
-use estimation::loader::{CgEstimator, Columns, Estimate, Method, Reason, Sample, Settings};
-use estimation::loads::{Ledger, Load, Row as Weighing, Stage};
+use estimation::loader::{CgEstimator, Columns, Method, Reason, Sample, Settings};
+use estimation::loads::Row as Weighing;
 use serde_json::{Value, json};
 use sim::cylinder::Gauges;
 use sim::loader::{CASES, Effects, Row, Run, Scenario, Simulation, Size, Tier};
+use statistics::judge::{is_covered, is_wrong};
 
 use super::candidate::Candidate;
 use super::honesty::scaled;
+use crate::loads::{Book, LOAD, Tally, rms, share};
 use crate::text::{Table, plain};
 use crate::{Error, Options, Report, seeds};
 
 /// Five cycles of loading [s].
 const DURATION: f64 = 130.0;
-/// A full bucket, in masses of the machine, and what weighs as a load of it.
+/// A full bucket, in masses of the machine.
 const RATED: f64 = 0.32;
-const LOAD: f64 = 0.3;
-/// A trusted error beyond this, or outside of the interval, is wrong.
-const WRONG: f64 = 0.10;
 /// Standard deviations of the empty machine's ratio on axle scales, and of a height told to 5 %.
 const SCALES: f64 = 0.01;
 const TOLD_HEIGHT: f64 = 0.05;
@@ -65,15 +63,13 @@ struct Judged {
 
 impl Judged {
     fn row(&mut self, truth: f64, told: Quantity, trusted: bool, carries: bool) {
-        let error = (told.value - truth).abs();
-        let inside = error <= HALF_WIDTH_95 * told.std;
         self.rows += 1;
         self.trusted += usize::from(trusted);
-        self.covered += usize::from(inside);
-        self.wrong += usize::from(trusted && (!inside || error > WRONG * truth));
+        self.covered += usize::from(is_covered(told.value, told.std, truth));
+        self.wrong += usize::from(trusted && is_wrong(told.value, told.std, truth));
         if trusted && carries {
             self.carried += 1;
-            self.squares += (error / truth).powi(2);
+            self.squares += ((told.value - truth) / truth).powi(2);
         }
     }
 
@@ -97,42 +93,19 @@ impl Judged {
     }
 }
 
-/// Sums over loads, errors in full buckets.
-#[derive(Clone, Copy, Default)]
-struct Loads {
-    all: usize,
-    found: usize,
-    trusted: usize,
-    covered: usize,
-    squares: f64,
-}
-
 #[derive(Clone, Copy, Default)]
 struct Sums {
     ratio: Judged,
     height: Judged,
-    loads: Loads,
+    loads: Tally,
 }
 
 impl Sums {
     fn add(&mut self, other: &Self) {
         self.ratio.add(&other.ratio);
         self.height.add(&other.height);
-        let (sum, one) = (&mut self.loads, &other.loads);
-        sum.all += one.all;
-        sum.found += one.found;
-        sum.trusted += one.trusted;
-        sum.covered += one.covered;
-        sum.squares += one.squares;
+        self.loads.add(&other.loads);
     }
-}
-
-fn share(part: usize, of: usize) -> Option<f64> {
-    (of > 0).then(|| part as f64 / of as f64)
-}
-
-fn rms(squares: f64, count: usize) -> Option<f64> {
-    (count > 0).then(|| (squares / count as f64).sqrt())
 }
 
 /// The drawing of a simulated machine's arm.
@@ -240,82 +213,19 @@ fn run(told: Told, effects: Effects, seed: u64) -> Result<Sums, Error> {
             .row(truth.cg_ratio, ratio, estimate.trusted_ratio, carries);
         sums.height
             .row(truth.cg_height, height, estimate.trusted_height, carries);
-        book.row(&row, &estimate);
-        next = simulation.next();
-    }
-    sums.loads = book.judge();
-    Ok(sums)
-}
-
-/// The ledger's loads beside the true ones.
-struct Book {
-    ledger: Ledger,
-    loads: Vec<Load>,
-    /// From, to [s], the most that was in the bucket [kg].
-    truths: Vec<(f64, f64, f64)>,
-    open: Option<(f64, f64)>,
-    rated: f64,
-}
-
-impl Book {
-    fn new(rated: f64) -> Self {
-        Self {
-            ledger: Ledger::new(estimation::loads::Settings::with_rated(rated)),
-            loads: Vec::new(),
-            truths: Vec::new(),
-            open: None,
-            rated,
-        }
-    }
-
-    fn row(&mut self, row: &Row, estimate: &Estimate) {
-        let load = self.ledger.step(&Weighing {
+        let weighed = Weighing {
             time: row.time,
             payload: estimate.payload,
             speed: estimate.speed,
             changing: estimate.reason == Reason::Load,
             trusted: estimate.trusted_payload,
             ..Weighing::default()
-        });
-        self.note(load.load);
-        let payload = row.truth.payload;
-        match (&mut self.open, payload > LOAD * self.rated) {
-            (None, true) => self.open = Some((row.time, payload)),
-            (Some((_, most)), true) => *most = most.max(payload),
-            (Some((from, most)), false) => {
-                self.truths.push((*from, row.time, *most));
-                self.open = None;
-            }
-            (None, false) => {}
-        }
+        };
+        book.row(&weighed, truth.payload);
+        next = simulation.next();
     }
-
-    fn note(&mut self, load: Option<Load>) {
-        let Some(load) = load else { return };
-        self.loads.retain(|known| known.number != load.number);
-        if load.stage != Stage::Withdrawn {
-            self.loads.push(load);
-        }
-    }
-
-    fn judge(mut self) -> Loads {
-        let last = self.ledger.finish().load;
-        self.note(last);
-        let mut sums = Loads::default();
-        for (from, to, truth) in &self.truths {
-            sums.all += 1;
-            let during = |l: &&Load| l.filled < *to && l.dumped.is_some_and(|t| t > *from);
-            let Some(load) = self.loads.iter().find(during) else {
-                continue;
-            };
-            let error = (load.weight.kg - truth).abs();
-            sums.found += 1;
-            sums.trusted += usize::from(load.trusted);
-            sums.covered += usize::from(error <= HALF_WIDTH_95 * load.weight.std);
-            sums.squares += (error / self.rated).powi(2);
-        }
-        sums
-    }
+    sums.loads = book.judge();
+    Ok(sums)
 }
 
 /// A line of the table.
@@ -344,8 +254,7 @@ impl Line {
     fn numbers(&self) -> [Option<f64>; 11] {
         let [a, b, c, d] = self.sums.ratio.numbers();
         let [e, f, g, h] = self.sums.height.numbers();
-        let l = &self.sums.loads;
-        let (trusted, covered) = (share(l.trusted, l.all), share(l.covered, l.found));
+        let loads = &self.sums.loads;
         [
             a,
             b,
@@ -355,9 +264,9 @@ impl Line {
             f,
             g,
             h,
-            trusted,
-            covered,
-            rms(l.squares, l.found),
+            loads.trusted(),
+            loads.covered(),
+            loads.rms(),
         ]
     }
 
@@ -471,7 +380,7 @@ mod tests {
         assert!(with.height.trusted > without.height.trusted);
         let loads = with.loads;
         assert!(loads.all >= 12 && loads.found * 10 >= loads.all * 9);
-        assert!(rms(loads.squares, loads.found).expect("loads") < 0.08);
-        assert!(loads.covered * 100 >= loads.found * 85);
+        assert!(loads.rms() < Some(0.08));
+        assert!(loads.covered() >= Some(0.85));
     }
 }

@@ -382,8 +382,10 @@ impl Working {
         let z = innovation.normalised();
         self.noise.push(z);
         if self.change.push(z.clamp(-3.0, 3.0)) {
-            self.contradiction
-                .changed((self.filter.x[M], self.filter.p[M][M]));
+            if !self.changed {
+                let before = (self.filter.x[M], self.filter.p[M][M]);
+                self.contradiction.changed(before);
+            }
             let anything = self.anything();
             for filter in [&mut self.filter, &mut self.rival.filter] {
                 filter.p[M][M] += anything;

@@ -1,0 +1,166 @@
+//! The ledger's loads beside the true ones.
+
+use estimation::HALF_WIDTH_95;
+use estimation::loads::{Ledger, Load, Row, Settings, Stage};
+
+/// A payload beyond this share of a full bucket is a load.
+pub const LOAD: f64 = 0.3;
+
+/// Sums over loads.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Tally {
+    /// True loads.
+    pub all: usize,
+    /// Those that the ledger has.
+    pub found: usize,
+    trusted: usize,
+    covered: usize,
+    /// Sum of squared errors [full buckets^2].
+    squares: f64,
+}
+
+impl Tally {
+    /// Adds the counts of another.
+    pub fn add(&mut self, other: &Self) {
+        self.all += other.all;
+        self.found += other.found;
+        self.trusted += other.trusted;
+        self.covered += other.covered;
+        self.squares += other.squares;
+    }
+
+    fn load(&mut self, truth: f64, load: Option<&Load>, rated: f64) {
+        self.all += 1;
+        let Some(load) = load else { return };
+        let error = (load.weight.kg - truth).abs();
+        self.found += 1;
+        self.trusted += usize::from(load.trusted);
+        self.covered += usize::from(error <= HALF_WIDTH_95 * load.weight.std);
+        self.squares += (error / rated).powi(2);
+    }
+
+    /// Share of the true loads that the ledger has.
+    pub fn found(&self) -> Option<f64> {
+        share(self.found, self.all)
+    }
+
+    /// Share of the true loads that are trusted.
+    pub fn trusted(&self) -> Option<f64> {
+        share(self.trusted, self.all)
+    }
+
+    /// Share of the found loads whose 95 % interval holds the truth.
+    pub fn covered(&self) -> Option<f64> {
+        share(self.covered, self.found)
+    }
+
+    /// Root mean square of the errors of the found loads [full buckets].
+    pub fn rms(&self) -> Option<f64> {
+        rms(self.squares, self.found)
+    }
+}
+
+/// A share, where there is anything to take it of.
+pub fn share(part: usize, of: usize) -> Option<f64> {
+    (of > 0).then(|| part as f64 / of as f64)
+}
+
+/// Root of a mean square, where there is anything to take it of.
+pub fn rms(squares: f64, count: usize) -> Option<f64> {
+    (count > 0).then(|| (squares / count as f64).sqrt())
+}
+
+/// A true load: when it was in the bucket [s], and the most that was [kg].
+#[derive(Debug, PartialEq)]
+struct True {
+    from: f64,
+    to: f64,
+    kg: f64,
+}
+
+/// A ledger at work, and what it should say.
+pub struct Book {
+    ledger: Ledger,
+    /// What the ledger says now of each load.
+    loads: Vec<Load>,
+    truths: Vec<True>,
+    /// The load that is in the bucket.
+    open: Option<True>,
+    rated: f64,
+}
+
+impl Book {
+    /// For a machine with this rated payload [kg].
+    pub fn new(rated: f64) -> Self {
+        Self {
+            ledger: Ledger::new(Settings::with_rated(rated)),
+            loads: Vec::new(),
+            truths: Vec::new(),
+            open: None,
+            rated,
+        }
+    }
+
+    /// A row of estimates, and the true payload [kg].
+    pub fn row(&mut self, row: &Row, payload: f64) {
+        let load = self.ledger.step(row).load;
+        self.note(load);
+        if payload > LOAD * self.rated {
+            let load = self.open.get_or_insert(True {
+                from: row.time,
+                to: row.time,
+                kg: payload,
+            });
+            load.kg = load.kg.max(payload);
+        } else if let Some(load) = self.open.take() {
+            self.truths.push(True {
+                to: row.time,
+                ..load
+            });
+        }
+    }
+
+    fn note(&mut self, load: Option<Load>) {
+        let Some(load) = load else { return };
+        self.loads.retain(|known| known.number != load.number);
+        if load.stage != Stage::Withdrawn {
+            self.loads.push(load);
+        }
+    }
+
+    /// Each true load that left the bucket, with the one that the ledger has at the time.
+    pub fn judge(mut self) -> Tally {
+        let last = self.ledger.finish().load;
+        self.note(last);
+        let mut tally = Tally::default();
+        for truth in &self.truths {
+            let during =
+                |l: &&Load| l.filled < truth.to && l.dumped.is_some_and(|t| t > truth.from);
+            tally.load(truth.kg, self.loads.iter().find(during), self.rated);
+        }
+        tally
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn true_loads_are_those_that_leave_the_bucket() {
+        let mut book = Book::new(1000.0);
+        let payloads = [0.0, 500.0, 900.0, 880.0, 20.0, 0.0, 700.0];
+        for (i, payload) in (0..).zip(payloads) {
+            let row = Row {
+                time: f64::from(i),
+                ..Row::default()
+            };
+            book.row(&row, payload);
+        }
+        let (from, to, kg) = (1.0, 4.0, 900.0);
+        assert_eq!(book.truths, [True { from, to, kg }]);
+        let tally = book.judge();
+        assert_eq!((tally.all, tally.found), (1, 0), "nothing was weighed");
+        assert_eq!((tally.found(), tally.rms()), (Some(0.0), None));
+    }
+}
