@@ -2,7 +2,8 @@
 //!
 //! One filter carries everything that the machine may differ by ([`filter`]); what no state explains raises
 //! the noise of the torque until the innovations are white again ([`noise`]); what the bucket holds is
-//! unknown as soon as it could have changed ([`bucket`]). Sensors that go wrong are contradicted ([`contradiction`], [`rival`]).
+//! unknown as soon as it could have changed ([`bucket`], [`tare`]). Sensors that go wrong are contradicted ([`contradiction`], [`rival`]);
+//! the interval and the reasons are in [`verdict`].
 
 mod agreement;
 mod bucket;
@@ -11,6 +12,8 @@ mod filter;
 mod noise;
 mod rival;
 mod smoother;
+mod tare;
+mod verdict;
 mod weigh;
 
 use self::agreement::Agreement;
@@ -18,7 +21,7 @@ use self::bucket::{Bucket, Content};
 use self::contradiction::Contradiction;
 use self::filter::{
     BUCKET, DAMPING, DELAY, FRICTION, Filter, GAIN, Input, LINKS, LOSS, M, MOMENT, N, OFFSET,
-    SLOPE, UPPER, Vector, W, inertia_row,
+    SLOPE, UPPER, Vector, W,
 };
 use self::noise::Noise;
 use self::rival::Rival;
@@ -26,28 +29,12 @@ pub use self::smoother::{Smoothed, Smoother, Trail};
 use self::weigh::Weigh;
 use super::doubts::Doubts;
 use super::drive::Drive;
-use super::geometry::Inertia;
-use super::reason::Reason;
 use super::settings::Settings;
 use super::standstill::Phase;
 use super::state::State;
 use crate::consistency::Cusum;
 use crate::kalman::Innovation;
-use crate::math::{exp, ln, sin_cos, sqrt};
-use core::f64::consts::TAU;
-
-/// An emptied bucket still holds this share of the rated payload, with this standard deviation: soil sticks, from nothing to 15 %, and
-/// mostly little of it (an exponential distribution has both alike).
-const STICKING: [f64; 2] = [0.035, 0.04];
-/// So many times what sticks is taken for the same as before; beyond, what is left of the error is small beside the bucket's.
-const ALIKE: f64 = 3.0;
-/// Standard deviation of the payload, as a share of the rated one, below which the motion has said enough to
-/// tell an empty bucket from a loaded one.
-const TOLD: f64 = 0.15;
-/// What stays in an emptied bucket weighs the same in two swings, with this standard deviation as a share of the rated payload.
-const KEPT: f64 = 0.05;
-/// A load that stays (a hook, a clamp, clay) is so many times as frequent as a sensor that breaks.
-const STAYS: f64 = 100.0;
+use crate::math::{exp, sin_cos};
 
 /// Random walk of the torque's gain: weights of zero all err alike, and must not add up [1/sqrt(s)].
 const GAIN_DRIFT: f64 = 0.001;
@@ -56,8 +43,6 @@ const GAIN_WALK: f64 = 10.0 * GAIN_DRIFT;
 /// Noise of a sample of the inclinometer, and its mounting error [rad].
 const INCLINOMETER: f64 = 0.03;
 const MOUNTING: f64 = 0.004;
-/// A constant this many standard deviations from its description is named.
-const NAMED: f64 = 3.0;
 /// Sum of normalised innovations at which the payload has changed without a word, and from which on it may have.
 const CHANGE: f64 = 10.0;
 const SUSPICIOUS: f64 = 4.0;
@@ -68,26 +53,6 @@ const CREEPING: f64 = 0.05;
 const CREPT: f64 = 0.3;
 /// Below this velocity a holding brake or stiction may take any part of the torque [rad/s].
 const BRAKED: f64 = 0.04;
-/// The description is believed as if so many constants had been as it says.
-const BELIEF: f64 = 4.0;
-/// Friction and damping change by this share with the oil's temperature.
-const WARMTH: f64 = 0.1;
-/// One constant says no more than this square.
-const SURPRISE: f64 = 16.0;
-/// No machine swings with its boom further down than this: the angle has the other sign [rad].
-const DOWN: f64 = -0.25;
-/// Less than this share of what the description allows for is not worth a word.
-const MATERIAL: f64 = 0.33;
-/// Factor of the torque's noise variance above which the motion does not follow the model.
-const UNEXPLAINED: f64 = 30.0;
-/// A weight is told closely within this share of the empty machine's inertia.
-const CLOSE: f64 = 0.03;
-/// Gain and offset so many stated standard deviations from the described ones are faults; half of a wrong gain passes for inertia.
-const BEYOND: [(usize, f64); 2] = [(GAIN, 2.0), (OFFSET, 3.5)];
-/// No machine has less than this share of the described friction and damping.
-const LEAST: f64 = 0.25;
-/// Mean ratio at which stretches of the swings disagree.
-const DISAGREEMENT: f64 = 3.0;
 
 /// The default estimator with torque and posture.
 #[derive(Debug, Clone)]
@@ -261,31 +226,6 @@ impl Working {
         self.state(settings, drive, innovation, standing)
     }
 
-    /// What the bucket holds from now on.
-    fn hold(&mut self, settings: &Settings, content: Content, trail: &mut Option<Trail>) {
-        let p = &settings.prior;
-        let (value, std) = match content {
-            Content::Unchanged => return,
-            Content::Emptied => self.sticking(),
-            Content::Unknown => (p.payload, p.payload_std),
-        };
-        self.filter.set(M, value, std * std, trail);
-        self.rival.filter.set(M, value, std * std, &mut None);
-        self.tared = content == Content::Emptied;
-        self.tares += f64::from(u8::from(self.tared));
-    }
-
-    /// Variance of a payload of which nothing is known [kg^2].
-    fn anything(&self) -> f64 {
-        0.25 * self.rated * self.rated
-    }
-
-    /// What an emptied bucket still holds, and its standard deviation [kg].
-    fn sticking(&self) -> (f64, f64) {
-        let [share, sticking] = STICKING.map(|share| share * self.rated);
-        (share, sticking * sqrt(1.0 + self.tares.min(ALIKE)))
-    }
-
     /// Keeps from now on what each tick does.
     pub(super) fn keep_trail(&mut self) {
         self.trailing = true;
@@ -433,205 +373,6 @@ impl Working {
                 rival.measure([(i, 1.0)], value, variance, 1e3, &mut None);
             }
         }
-    }
-
-    /// An emptied bucket weighs next to nothing: that fixes the gain of the torque.
-    fn tare(&mut self, gate: f64, now: &Inertia, trail: &mut Option<Trail>) {
-        let told = TOLD * self.rated;
-        let variance = self.filter.p[M][M];
-        let claimed = variance * self.contradiction.usual();
-        if variance > told * told {
-            return;
-        }
-        if !self.bucket.is_emptied() {
-            if !self.bucket.is_open() && !self.bucket.is_settling() {
-                self.carried = Some(self.filter.x[M]);
-            }
-            return;
-        }
-        let (empty, std) = self.sticking();
-        let rival = &self.rival.filter;
-        let [value, other] = [empty - self.filter.x[M], empty - rival.x[M]];
-        let apart = value * value > 9.0 * (claimed + std * std);
-        let explained = other * other < 4.0 * (rival.p[M][M] + std * std);
-        if apart && self.is_kept(variance) {
-            return;
-        }
-        if apart && !explained {
-            self.contradiction.outright();
-            return;
-        }
-        let close = value * value < 4.0 * (variance + std * std);
-        if !apart && !close {
-            return;
-        }
-        if !apart && !core::mem::replace(&mut self.weighed_nothing, true) && !self.changed {
-            let (_, before) = self.filter.combination(&inertia_row(now));
-            self.contradiction.agreed(sqrt(before) < CLOSE * now.empty);
-        }
-        if !core::mem::replace(&mut self.tared, true) {
-            let row = [(M, 1.0)];
-            let said = self.filter.measure(row, value, std * std, gate, trail);
-            let rival = &mut self.rival.filter;
-            let other = rival.measure(row, other, std * std, gate, &mut None);
-            self.rival
-                .weigh([said, other], gate, self.contradiction.usual());
-            self.tares += 1.0;
-            self.agreement.interrupt();
-        }
-    }
-
-    /// Whether an emptied bucket has rather kept what it carried, as a hook or a clamp does: then it weighs as before. With a sensor that
-    /// broke it weighs less by what left it, which may be any share of the rated payload: the likelihoods, and how frequent either is, decide.
-    fn is_kept(&self, variance: f64) -> bool {
-        let stays = KEPT * self.rated;
-        let spread = variance + stays * stays;
-        let odds = STAYS * STAYS * self.rated * self.rated / (TAU * spread);
-        self.carried.is_some_and(|before| {
-            let left = before - self.filter.x[M];
-            left * left < spread * ln(odds.max(1.0))
-        })
-    }
-
-    fn state(
-        &self,
-        settings: &Settings,
-        drive: &Drive,
-        innovation: Innovation,
-        standing: bool,
-    ) -> State {
-        let (x, p) = (&self.filter.x, &self.filter.p);
-        let std = |i: usize| sqrt(p[i][i].max(0.0));
-        let [least, most] = settings.payload_range();
-        let payload = x[M].clamp(least, most);
-        let at_limit = payload != x[M];
-        let down = !standing && drive.posture[0] < DOWN;
-        let factor = self.agreement.factor() * self.doubt();
-        let (_, inertia_variance) = self.filter.combination(&inertia_row(&drive.now));
-        let contradicted = self.contradiction.is_open() || self.is_beyond();
-        let anything = if contradicted {
-            // Uniform in its range, about the estimate.
-            let (width, middle) = (most - least, 0.5 * (most + least));
-            width * width / 12.0 + (payload - middle) * (payload - middle)
-        } else {
-            0.0
-        };
-        let inertia = self.filter.inertia(&drive.now, payload);
-        let rival = self.rival.variances(payload, inertia, &drive.now);
-        let payload_std = sqrt(p[M][M].max(0.0) * factor + rival[0] + anything);
-        let form = self.form(&drive.now);
-        let g = drive.now.per_payload;
-        State {
-            inertia,
-            inertia_std: sqrt(
-                inertia_variance * factor + rival[1] + anything * g * g + form * form,
-            ),
-            payload: Some((payload, payload_std)),
-            damping: Some((x[DAMPING], std(DAMPING))),
-            offset: Some((x[OFFSET], std(OFFSET))),
-            velocity: x[W],
-            acceleration: self.filter.acceleration,
-            nis: innovation.nis(),
-            changing: self.bucket.is_open() || self.changed,
-            weighed: self.weigh.as_ref().is_some_and(Weigh::is_fresh),
-            unsettled: at_limit
-                || down
-                || self.bucket.is_settling()
-                || contradicted
-                || self.weigh.as_ref().is_some_and(Weigh::swings)
-                || self.change.level() > SUSPICIOUS,
-            opening: self.bucket.is_open(),
-            reason: if down {
-                Reason::Sign
-            } else {
-                self.reason(at_limit, standing)
-            },
-            ..State::default()
-        }
-    }
-
-    /// Factor of the variances that the description states, at least 1: where constants that the motion tells lie further from
-    /// their description than it allows for, what the motion does not tell will too (inverse-gamma prior of the common scale).
-    fn doubt(&self) -> f64 {
-        let (x, p) = (&self.filter.x, &self.filter.p);
-        let (mut sum, mut count) = (BELIEF, BELIEF);
-        for (i, least) in [
-            (FRICTION, WARMTH * self.described[FRICTION]),
-            (DAMPING, WARMTH * self.described[DAMPING]),
-            (LOSS, 0.01),
-            (DELAY, 0.005),
-        ] {
-            let stated = (self.stated[i] * self.stated[i]).max(least * least);
-            let told = (1.0 - p[i][i] / stated).max(0.0);
-            let away = x[i] - self.described[i];
-            sum += told * (away * away / stated).min(SURPRISE);
-            count += told;
-        }
-        (sum / count).max(1.0)
-    }
-
-    /// Standard deviation of what the drawing misses of the inertia at this posture [kg m^2].
-    fn form(&self, now: &Inertia) -> f64 {
-        self.form_share * (now.links + self.described_bucket * now.per_bucket)
-    }
-
-    /// What differs most from its description, in its own standard deviations.
-    fn reason(&self, at_limit: bool, standing: bool) -> Reason {
-        if standing && self.bucket.is_unlocked() {
-            return Reason::Content;
-        }
-        if at_limit {
-            return Reason::Limit;
-        }
-        if self.weigh.as_ref().is_some_and(Weigh::swings) {
-            return Reason::Hanging;
-        }
-        if self.contradiction.is_open() || self.is_beyond() {
-            return Reason::Contradiction;
-        }
-        if self.noise.scale() > UNEXPLAINED {
-            return Reason::Unexplained;
-        }
-        if self.agreement.factor() > DISAGREEMENT {
-            return Reason::Disagreement;
-        }
-        let mut most = (NAMED, Reason::None);
-        for (i, reason) in [
-            (SLOPE, Reason::Slope),
-            (SLOPE + 1, Reason::Slope),
-            (LOSS, Reason::Loss),
-            (FRICTION, Reason::Friction),
-            (GAIN, Reason::Gain),
-            (DELAY, Reason::Delay),
-            (OFFSET, Reason::Offset),
-            (DAMPING, Reason::Damping),
-            (BUCKET, Reason::Attachment),
-        ] {
-            let difference = (self.filter.x[i] - self.described[i]).abs();
-            if difference > MATERIAL * self.stated[i] {
-                let sizes = difference / sqrt(self.filter.p[i][i].max(1e-300));
-                if sizes > most.0 {
-                    most = (sizes, reason);
-                }
-            }
-        }
-        most.1
-    }
-
-    /// Whether a constant is not what the description allows for, or none that a machine has: next to no friction.
-    fn is_beyond(&self) -> bool {
-        let (x, p) = (&self.filter.x, &self.filter.p);
-        let apart = |(i, most): (usize, f64)| {
-            let walked = if i == GAIN { GAIN_WALK } else { 0.0 };
-            let allowed = self.stated[i] * self.stated[i] + walked * walked;
-            let away = x[i] - self.described[i];
-            away * away > most * most * allowed
-        };
-        let absent = |i: usize| {
-            let lack = LEAST * self.described[i] - x[i];
-            lack > 0.0 && lack * lack > 9.0 * p[i][i]
-        };
-        BEYOND.into_iter().any(apart) || [FRICTION, DAMPING].into_iter().any(absent)
     }
 
     pub(super) fn is_sound(&self) -> bool {

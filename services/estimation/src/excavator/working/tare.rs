@@ -1,0 +1,118 @@
+//! What the bucket holds where it changes: nothing is known of it as soon as it may have changed, and an emptied one weighs next to
+//! nothing, which fixes the gain of the torque.
+
+use core::f64::consts::TAU;
+
+use super::Working;
+use super::bucket::Content;
+use super::filter::{M, inertia_row};
+use super::smoother::Trail;
+use crate::excavator::geometry::Inertia;
+use crate::excavator::settings::Settings;
+use crate::math::{ln, sqrt};
+
+/// An emptied bucket still holds this share of the rated payload, with this standard deviation: soil sticks, from nothing to 15 %, and
+/// mostly little of it (an exponential distribution has both alike).
+const STICKING: [f64; 2] = [0.035, 0.04];
+/// So many times what sticks is taken for the same as before; beyond, what is left of the error is small beside the bucket's.
+const ALIKE: f64 = 3.0;
+/// Standard deviation of the payload, as a share of the rated one, below which the motion has said enough to
+/// tell an empty bucket from a loaded one.
+const TOLD: f64 = 0.15;
+/// What stays in an emptied bucket weighs the same in two swings, with this standard deviation as a share of the rated payload.
+const KEPT: f64 = 0.05;
+/// A load that stays (a hook, a clamp, clay) is so many times as frequent as a sensor that breaks.
+const STAYS: f64 = 100.0;
+
+/// A weight is told closely within this share of the empty machine's inertia.
+const CLOSE: f64 = 0.03;
+
+impl Working {
+    /// What the bucket holds from now on.
+    pub(super) fn hold(
+        &mut self,
+        settings: &Settings,
+        content: Content,
+        trail: &mut Option<Trail>,
+    ) {
+        let p = &settings.prior;
+        let (value, std) = match content {
+            Content::Unchanged => return,
+            Content::Emptied => self.sticking(),
+            Content::Unknown => (p.payload, p.payload_std),
+        };
+        self.filter.set(M, value, std * std, trail);
+        self.rival.filter.set(M, value, std * std, &mut None);
+        self.tared = content == Content::Emptied;
+        self.tares += f64::from(u8::from(self.tared));
+    }
+
+    /// Variance of a payload of which nothing is known [kg^2].
+    pub(super) fn anything(&self) -> f64 {
+        0.25 * self.rated * self.rated
+    }
+
+    /// What an emptied bucket still holds, and its standard deviation [kg].
+    fn sticking(&self) -> (f64, f64) {
+        let [share, sticking] = STICKING.map(|share| share * self.rated);
+        (share, sticking * sqrt(1.0 + self.tares.min(ALIKE)))
+    }
+
+    /// An emptied bucket weighs next to nothing: that fixes the gain of the torque.
+    pub(super) fn tare(&mut self, gate: f64, now: &Inertia, trail: &mut Option<Trail>) {
+        let told = TOLD * self.rated;
+        let variance = self.filter.p[M][M];
+        let claimed = variance * self.contradiction.usual();
+        if variance > told * told {
+            return;
+        }
+        if !self.bucket.is_emptied() {
+            if !self.bucket.is_open() && !self.bucket.is_settling() {
+                self.carried = Some(self.filter.x[M]);
+            }
+            return;
+        }
+        let (empty, std) = self.sticking();
+        let rival = &self.rival.filter;
+        let [value, other] = [empty - self.filter.x[M], empty - rival.x[M]];
+        let apart = value * value > 9.0 * (claimed + std * std);
+        let explained = other * other < 4.0 * (rival.p[M][M] + std * std);
+        if apart && self.is_kept(variance) {
+            return;
+        }
+        if apart && !explained {
+            self.contradiction.outright();
+            return;
+        }
+        let close = value * value < 4.0 * (variance + std * std);
+        if !apart && !close {
+            return;
+        }
+        if !apart && !core::mem::replace(&mut self.weighed_nothing, true) && !self.changed {
+            let (_, before) = self.filter.combination(&inertia_row(now));
+            self.contradiction.agreed(sqrt(before) < CLOSE * now.empty);
+        }
+        if !core::mem::replace(&mut self.tared, true) {
+            let row = [(M, 1.0)];
+            let said = self.filter.measure(row, value, std * std, gate, trail);
+            let rival = &mut self.rival.filter;
+            let other = rival.measure(row, other, std * std, gate, &mut None);
+            self.rival
+                .weigh([said, other], gate, self.contradiction.usual());
+            self.tares += 1.0;
+            self.agreement.interrupt();
+        }
+    }
+
+    /// Whether an emptied bucket has rather kept what it carried, as a hook or a clamp does: then it weighs as before. With a sensor that
+    /// broke it weighs less by what left it, which may be any share of the rated payload: the likelihoods, and how frequent either is, decide.
+    fn is_kept(&self, variance: f64) -> bool {
+        let stays = KEPT * self.rated;
+        let spread = variance + stays * stays;
+        let odds = STAYS * STAYS * self.rated * self.rated / (TAU * spread);
+        self.carried.is_some_and(|before| {
+            let left = before - self.filter.x[M];
+            left * left < spread * ln(odds.max(1.0))
+        })
+    }
+}

@@ -1,0 +1,178 @@
+//! What the default estimator says of its state: the estimate with its interval, and why it may not be believed.
+
+use super::filter::{
+    BUCKET, DAMPING, DELAY, FRICTION, GAIN, LOSS, M, OFFSET, SLOPE, W, inertia_row,
+};
+use super::weigh::Weigh;
+use super::{GAIN_WALK, SUSPICIOUS, Working};
+use crate::excavator::drive::Drive;
+use crate::excavator::geometry::Inertia;
+use crate::excavator::reason::Reason;
+use crate::excavator::settings::Settings;
+use crate::excavator::state::State;
+use crate::kalman::Innovation;
+use crate::math::sqrt;
+
+/// A constant this many standard deviations from its description is named.
+const NAMED: f64 = 3.0;
+/// The description is believed as if so many constants had been as it says.
+const BELIEF: f64 = 4.0;
+/// Friction and damping change by this share with the oil's temperature.
+const WARMTH: f64 = 0.1;
+/// One constant says no more than this square.
+const SURPRISE: f64 = 16.0;
+/// No machine swings with its boom further down than this: the angle has the other sign [rad].
+const DOWN: f64 = -0.25;
+/// Less than this share of what the description allows for is not worth a word.
+const MATERIAL: f64 = 0.33;
+/// Factor of the torque's noise variance above which the motion does not follow the model.
+const UNEXPLAINED: f64 = 30.0;
+/// Gain and offset so many stated standard deviations from the described ones are faults; half of a wrong gain passes for inertia.
+const BEYOND: [(usize, f64); 2] = [(GAIN, 2.0), (OFFSET, 3.5)];
+/// No machine has less than this share of the described friction and damping.
+const LEAST: f64 = 0.25;
+/// Mean ratio at which stretches of the swings disagree.
+const DISAGREEMENT: f64 = 3.0;
+
+impl Working {
+    pub(super) fn state(
+        &self,
+        settings: &Settings,
+        drive: &Drive,
+        innovation: Innovation,
+        standing: bool,
+    ) -> State {
+        let (x, p) = (&self.filter.x, &self.filter.p);
+        let std = |i: usize| sqrt(p[i][i].max(0.0));
+        let [least, most] = settings.payload_range();
+        let payload = x[M].clamp(least, most);
+        let at_limit = payload != x[M];
+        let down = !standing && drive.posture[0] < DOWN;
+        let factor = self.agreement.factor() * self.doubt();
+        let (_, inertia_variance) = self.filter.combination(&inertia_row(&drive.now));
+        let contradicted = self.contradiction.is_open() || self.is_beyond();
+        let anything = if contradicted {
+            // Uniform in its range, about the estimate.
+            let (width, middle) = (most - least, 0.5 * (most + least));
+            width * width / 12.0 + (payload - middle) * (payload - middle)
+        } else {
+            0.0
+        };
+        let inertia = self.filter.inertia(&drive.now, payload);
+        let rival = self.rival.variances(payload, inertia, &drive.now);
+        let payload_std = sqrt(p[M][M].max(0.0) * factor + rival[0] + anything);
+        let form = self.form(&drive.now);
+        let g = drive.now.per_payload;
+        State {
+            inertia,
+            inertia_std: sqrt(
+                inertia_variance * factor + rival[1] + anything * g * g + form * form,
+            ),
+            payload: Some((payload, payload_std)),
+            damping: Some((x[DAMPING], std(DAMPING))),
+            offset: Some((x[OFFSET], std(OFFSET))),
+            velocity: x[W],
+            acceleration: self.filter.acceleration,
+            nis: innovation.nis(),
+            changing: self.bucket.is_open() || self.changed,
+            weighed: self.weigh.as_ref().is_some_and(Weigh::is_fresh),
+            unsettled: at_limit
+                || down
+                || self.bucket.is_settling()
+                || contradicted
+                || self.weigh.as_ref().is_some_and(Weigh::swings)
+                || self.change.level() > SUSPICIOUS,
+            opening: self.bucket.is_open(),
+            reason: if down {
+                Reason::Sign
+            } else {
+                self.reason(at_limit, standing)
+            },
+            ..State::default()
+        }
+    }
+
+    /// Factor of the variances that the description states, at least 1: where constants that the motion tells lie further from
+    /// their description than it allows for, what the motion does not tell will too (inverse-gamma prior of the common scale).
+    pub(super) fn doubt(&self) -> f64 {
+        let (x, p) = (&self.filter.x, &self.filter.p);
+        let (mut sum, mut count) = (BELIEF, BELIEF);
+        for (i, least) in [
+            (FRICTION, WARMTH * self.described[FRICTION]),
+            (DAMPING, WARMTH * self.described[DAMPING]),
+            (LOSS, 0.01),
+            (DELAY, 0.005),
+        ] {
+            let stated = (self.stated[i] * self.stated[i]).max(least * least);
+            let told = (1.0 - p[i][i] / stated).max(0.0);
+            let away = x[i] - self.described[i];
+            sum += told * (away * away / stated).min(SURPRISE);
+            count += told;
+        }
+        (sum / count).max(1.0)
+    }
+
+    /// Standard deviation of what the drawing misses of the inertia at this posture [kg m^2].
+    pub(super) fn form(&self, now: &Inertia) -> f64 {
+        self.form_share * (now.links + self.described_bucket * now.per_bucket)
+    }
+
+    /// What differs most from its description, in its own standard deviations.
+    fn reason(&self, at_limit: bool, standing: bool) -> Reason {
+        if standing && self.bucket.is_unlocked() {
+            return Reason::Content;
+        }
+        if at_limit {
+            return Reason::Limit;
+        }
+        if self.weigh.as_ref().is_some_and(Weigh::swings) {
+            return Reason::Hanging;
+        }
+        if self.contradiction.is_open() || self.is_beyond() {
+            return Reason::Contradiction;
+        }
+        if self.noise.scale() > UNEXPLAINED {
+            return Reason::Unexplained;
+        }
+        if self.agreement.factor() > DISAGREEMENT {
+            return Reason::Disagreement;
+        }
+        let mut most = (NAMED, Reason::None);
+        for (i, reason) in [
+            (SLOPE, Reason::Slope),
+            (SLOPE + 1, Reason::Slope),
+            (LOSS, Reason::Loss),
+            (FRICTION, Reason::Friction),
+            (GAIN, Reason::Gain),
+            (DELAY, Reason::Delay),
+            (OFFSET, Reason::Offset),
+            (DAMPING, Reason::Damping),
+            (BUCKET, Reason::Attachment),
+        ] {
+            let difference = (self.filter.x[i] - self.described[i]).abs();
+            if difference > MATERIAL * self.stated[i] {
+                let sizes = difference / sqrt(self.filter.p[i][i].max(1e-300));
+                if sizes > most.0 {
+                    most = (sizes, reason);
+                }
+            }
+        }
+        most.1
+    }
+
+    /// Whether a constant is not what the description allows for, or none that a machine has: next to no friction.
+    fn is_beyond(&self) -> bool {
+        let (x, p) = (&self.filter.x, &self.filter.p);
+        let apart = |(i, most): (usize, f64)| {
+            let walked = if i == GAIN { GAIN_WALK } else { 0.0 };
+            let allowed = self.stated[i] * self.stated[i] + walked * walked;
+            let away = x[i] - self.described[i];
+            away * away > most * most * allowed
+        };
+        let absent = |i: usize| {
+            let lack = LEAST * self.described[i] - x[i];
+            lack > 0.0 && lack * lack > 9.0 * p[i][i]
+        };
+        BEYOND.into_iter().any(apart) || [FRICTION, DAMPING].into_iter().any(absent)
+    }
+}
