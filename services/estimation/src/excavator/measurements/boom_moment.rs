@@ -25,7 +25,7 @@ use super::super::geometry::Geometry;
 use crate::math::{exp, sin_cos};
 
 /// Standard gravity [m/s^2].
-const GRAVITY: f64 = 9.806_65;
+pub(in crate::excavator) const GRAVITY: f64 = 9.806_65;
 /// Length of a block [s], and the least part of it in which the pressures must be there.
 const BLOCK: f64 = 0.2;
 const PRESENT: f64 = 0.3;
@@ -33,8 +33,8 @@ const PRESENT: f64 = 0.3;
 const TRAVEL: f64 = 0.5e-3;
 /// Less travel than this in a block is noise of the angle [m].
 const STILL: f64 = 1e-3;
-/// Share of the friction's direction that is left from block to block where the cylinder stands.
-const LEFT: f64 = 0.6;
+/// Where the cylinder stands, leakage and vibration take the friction away within this time [s].
+pub(in crate::excavator) const FADING: f64 = 3.0;
 /// Error of the mean acceleration of a link [rad/s^2], and the share of the dynamic part that three blocks miss.
 const ACCELERATION: f64 = 0.02;
 const MISSED: f64 = 0.15;
@@ -65,6 +65,9 @@ pub(in crate::excavator) struct Moment {
     pub(in crate::excavator) measured: f64,
     /// Of the described empty machine on level ground [N m].
     pub(in crate::excavator) empty: f64,
+    /// The same without accelerations, and per kilogram of payload [N m, N m/kg].
+    pub(in crate::excavator) still: f64,
+    pub(in crate::excavator) still_payload: f64,
     /// Part of boom and arm in it [N m].
     pub(in crate::excavator) links: f64,
     /// Per kilogram of payload, of bucket [N m/kg].
@@ -153,7 +156,7 @@ impl BoomMoment {
         self.direction += follows * (sign - self.direction);
         let moves = travel.abs() > STILL;
         if !moves {
-            self.direction *= LEFT;
+            self.direction *= exp(-BLOCK / FADING);
         }
         let direction = 0.5 * (before + self.direction);
         let oldest = oldest?;
@@ -273,6 +276,8 @@ fn moment(
     Moment {
         measured: smooth(&|b| b.moment),
         empty,
+        still: empty - moving,
+        still_payload: per_mass[3] - dynamic[3],
         links,
         per_payload: per_mass[3],
         per_bucket: per_mass[2],

@@ -1,16 +1,18 @@
 //! May the ground carry part of the bucket?
 //!
 //! Nobody measures the ground. But a bucket gets there only by going down, by the arm that pulls it in or by closing, while the
-//! upper body stands; and it is free again when it has risen from its lowest place, or when the machine swings.
+//! upper body stands, or the cylinders carry less though no joint moves; and it is free again when it has risen from its
+//! lowest place, or when the machine swings.
 
 use crate::math::sin_cos;
 
-/// Time constant of the smoothed angles from which rates are taken [s].
+/// Time constant of the smoothed angles [s].
 const SMOOTHING: f64 = 0.1;
-/// Rates from which on a bucket goes down [lengths of boom and arm/s], and arm and bucket dig [rad/s].
-const DOWN: f64 = 0.006;
-const DIGGING: [f64; 2] = [0.08, 0.12];
-/// An arm that digs pulls the bucket in so many times as fast as it rises.
+/// A bucket has gone down where it has come this far below its highest place [lengths of boom and arm].
+const FALLEN: f64 = 0.006;
+/// Arm and bucket dig where they have closed by this [rad]. Distances, not rates: those of noisy angles are noise.
+const DIGGING: [f64; 2] = [0.03, 0.05];
+/// An arm that digs pulls the bucket in so many times as far as it rises.
 const PULLING: f64 = 2.0;
 /// So far above its lowest place the bucket is free [lengths of boom and arm].
 const RAISED: f64 = 0.035;
@@ -25,7 +27,11 @@ pub(in crate::excavator) struct Ground {
     touches: bool,
     digs: bool,
     smoothed: Option<[f64; 3]>,
-    height: f64,
+    /// Since the bucket was free last: its highest place, the arm's largest angle and the height there, the bucket's largest angle.
+    highest: f64,
+    stretched: (f64, f64),
+    open: f64,
+    /// Since it may touch the ground.
     lowest: f64,
     swung: f64,
 }
@@ -37,7 +43,9 @@ impl Ground {
             touches: true,
             digs: true,
             smoothed: None,
-            height: 0.0,
+            highest: f64::NEG_INFINITY,
+            stretched: (f64::NEG_INFINITY, 0.0),
+            open: f64::NEG_INFINITY,
             lowest: f64::INFINITY,
             swung: 0.0,
         }
@@ -57,8 +65,6 @@ impl Ground {
         self.smoothed = Some(now);
         let reach = lengths[0] + lengths[1];
         let height = lengths[0] * sin_cos(now[0]).0 + lengths[1] * sin_cos(now[0] + now[1]).0;
-        let rise = (height - self.height) / period;
-        self.height = height;
         self.swung = if velocity.abs() > SWINGING {
             self.swung + period
         } else {
@@ -68,29 +74,46 @@ impl Ground {
             self.free();
             return;
         }
-        let rates = [1, 2].map(|i| (posture[i] - now[i]) / SMOOTHING);
-        // Who lifts pulls the arm in as well, but not so fast.
-        let pulls = -rates[0] > DIGGING[0] && -rates[0] * lengths[1] > PULLING * rise;
-        let digs = pulls || rates[1] < -DIGGING[1];
-        if self.swung == 0.0 && (rise < -DOWN * reach || digs) {
-            self.touches = true;
+        self.highest = self.highest.max(height);
+        if now[1] > self.stretched.0 {
+            self.stretched = (now[1], height);
         }
-        self.digs |= digs && self.touches;
-        self.lowest = self.lowest.min(height);
-        if !self.touches || height > self.lowest + RAISED * reach {
-            self.free();
+        self.open = self.open.max(now[2]);
+        let pulled = self.stretched.0 - now[1];
+        // Who lifts pulls the arm in as well, but not so far.
+        let pulls =
+            pulled > DIGGING[0] && pulled * lengths[1] > PULLING * (height - self.stretched.1);
+        let digs = pulls || self.open - now[2] > DIGGING[1];
+        self.touches |= digs || self.highest - height > FALLEN * reach;
+        self.digs |= digs;
+        if self.touches {
+            self.lowest = self.lowest.min(height);
+            if height > self.lowest + RAISED * reach {
+                self.free();
+            }
         }
     }
 
     fn free(&mut self) {
-        self.touches = false;
-        self.digs = false;
-        self.lowest = f64::INFINITY;
+        *self = Self {
+            touches: false,
+            digs: false,
+            smoothed: self.smoothed,
+            swung: self.swung,
+            ..Self::new()
+        };
     }
 
     /// The bucket has opened: what it did before fills it no more.
     pub(in crate::excavator) fn opens(&mut self) {
         self.digs = false;
+        self.stretched = (f64::NEG_INFINITY, 0.0);
+        self.open = f64::NEG_INFINITY;
+    }
+
+    /// The ground seems to carry something, though no joint took the bucket there.
+    pub(in crate::excavator) fn rests(&mut self) {
+        self.touches = true;
     }
 
     /// The bucket may be filling.

@@ -200,7 +200,7 @@ impl Working {
                 let gate = settings.estimator.gate;
                 self.rival
                     .weigh([said, other], gate, self.contradiction.usual());
-                weigh.watch(&moment, said);
+                weigh.watch(&moment, said, self.filter.x[M], stands);
                 if weigh.renews(said) {
                     self.hold(settings, Content::Unknown, trail);
                     self.agreement.interrupt();

@@ -5,7 +5,7 @@
 
 use super::super::cylinder::Cylinder;
 use super::super::drive::Drive;
-use super::super::measurements::boom_moment::{BoomMoment, Moment};
+use super::super::measurements::boom_moment::{BoomMoment, FADING, GRAVITY, Moment};
 use super::super::measurements::ground::Ground;
 use super::super::settings::Settings;
 use super::bucket::Content;
@@ -20,8 +20,6 @@ const UNTOLD: [f64; 2] = [0.15, 0.5];
 const DRAWN: f64 = 0.01;
 /// Standard deviation of the load's centre, as a share of its distance from the pin.
 const CENTRE: f64 = 0.12;
-/// The rest is another one after this time [s].
-const FADING: f64 = 3.0;
 /// A zero and a span wander by their standard deviations in this time [s].
 const LASTING: f64 = 3600.0;
 /// Innovations beyond this many standard deviations are no load; so many in a row are another one, however it came: a hook takes it
@@ -30,9 +28,24 @@ const GATE: f64 = 4.0;
 const LASTS: u32 = 5;
 /// What a measurement says holds for so long [s].
 const HOLDS: f64 = 1.0;
-/// A moment that wavers by this share while the boom stands is that of a load that swings; time over which it is looked at [s].
-const WAVERING: f64 = 0.02;
+/// A moment that wavers by this share while the machine stands is that of a load that swings (loads that do not: at most .0015, one on
+/// a hook: .0035 to .03); time over which it is looked at [s], and by how much its lever may move from block to block [m].
+const WAVERING: f64 = 0.003;
 const WATCHED: f64 = 2.5;
+const STILL: f64 = 0.02;
+
+/// The moment while the machine stands.
+#[derive(Debug, Clone, Copy, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct Watched {
+    /// What the bucket held when the machine stood still [kg].
+    payload: Option<f64>,
+    /// Moment per kilogram of payload [N m/kg].
+    lever: f64,
+    /// Mean of what the moment is apart from the expected one, and the last difference from it, as shares of it.
+    mean: f64,
+    last: f64,
+}
 
 /// The second witness.
 #[derive(Debug, Clone)]
@@ -43,8 +56,8 @@ pub(super) struct Weigh {
     moments: BoomMoment,
     /// The states hold what the description says.
     begun: bool,
-    /// Mean of the innovations while the boom stands [N m], and mean square about it as a share of the moment.
-    mean: f64,
+    watched: Watched,
+    /// Covariance of the moments of neighbouring blocks while the machine stands, as shares of them.
     wavering: f64,
     /// Innovations beyond the gate in a row.
     strange: u32,
@@ -59,7 +72,7 @@ impl Weigh {
             ground: Ground::new(),
             moments: BoomMoment::new(),
             begun: false,
-            mean: 0.0,
+            watched: Watched::default(),
             wavering: 0.0,
             strange: 0,
             age: f64::INFINITY,
@@ -121,6 +134,11 @@ impl Weigh {
             .step(drive.posture, g.lengths, velocity, drive.period);
         if opens {
             self.ground.opens();
+        }
+        if self.ground.may_touch() {
+            // What lies on the ground swings no more.
+            self.wavering = 0.0;
+            self.watched.payload = None;
         }
         let free = content == Content::Unchanged && !opens && !self.ground.may_touch();
         let turn = sin_cos(turn);
@@ -195,23 +213,36 @@ impl Weigh {
         innovation
     }
 
-    /// A load that hangs or sloshes swings on while the boom stands; friction and drawing do not waver.
-    pub(super) fn watch(&mut self, m: &Moment, innovation: Innovation) {
+    /// A load that hangs or sloshes swings on while the machine stands; friction, drawing and noise do not waver from block to block.
+    pub(super) fn watch(&mut self, m: &Moment, innovation: Innovation, payload: f64, stands: bool) {
+        let watched = &mut self.watched;
         let share = (m.period / WATCHED).min(1.0);
         if m.moves {
             self.wavering *= 1.0 - 0.2 * share;
+        }
+        let moved = (m.still_payload - watched.lever).abs() > STILL * GRAVITY;
+        watched.lever = m.still_payload;
+        if !stands || m.moves || moved || m.period > HOLDS {
+            watched.payload = None;
             return;
         }
-        // What is constant in the moment (a zero, friction) wavers as a share of it where the arm moves.
+        // A jump is no swing.
+        if innovation.nis() > GATE * GATE {
+            return;
+        }
+        let begun = watched.payload.is_some();
+        let payload = *watched.payload.get_or_insert(payload);
         let whole = m.measured.abs().max(f64::MIN_POSITIVE);
-        let apart = (innovation.value - self.mean) / whole;
-        // The first one after a motion is the friction's.
-        if m.period > 2.0 * HOLDS || apart.abs() > 0.1 {
-            self.mean = innovation.value;
+        let apart = (m.measured - m.still - payload * m.still_payload) / whole;
+        if !begun {
+            (watched.mean, watched.last) = (apart, 0.0);
             return;
         }
-        self.mean += share * apart * whole;
-        self.wavering += share * (apart * apart - self.wavering);
+        watched.mean += share * (apart - watched.mean);
+        let away = apart - watched.mean;
+        // Noise is another one in each block: its products are zero in the mean.
+        self.wavering += share * (away * watched.last - self.wavering);
+        watched.last = away;
     }
 
     /// The load hangs, or swings otherwise.
@@ -219,13 +250,16 @@ impl Weigh {
         self.wavering > WAVERING * WAVERING
     }
 
-    /// The innovation of a measurement; whether the load must be another one.
+    /// The innovation of a measurement; whether the load must be another one. Where less is carried, the ground may carry the rest.
     pub(super) fn renews(&mut self, innovation: Innovation) -> bool {
         if innovation.nis() < GATE * GATE {
             self.age = 0.0;
             self.strange = 0;
         } else {
             self.strange = (self.strange + 1) % LASTS;
+            if self.strange == 0 && innovation.value < 0.0 {
+                self.ground.rests();
+            }
             return self.strange == 0;
         }
         false
