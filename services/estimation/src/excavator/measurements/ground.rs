@@ -126,3 +126,65 @@ impl Ground {
         self.touches
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LENGTHS: [f64; 2] = [5.7, 2.9];
+    const PERIOD: f64 = 0.01;
+
+    /// A bucket in the air, over which the machine has just swung.
+    fn in_the_air() -> Ground {
+        let mut ground = Ground::new();
+        for _ in 0..100 {
+            ground.step([0.7, -1.7, -0.5], LENGTHS, 0.5, PERIOD);
+        }
+        ground
+    }
+
+    /// Moves evenly from one posture to another within a time [s].
+    fn move_to(ground: &mut Ground, from: [f64; 3], to: [f64; 3], time: f64) {
+        let ticks = (time / PERIOD) as usize;
+        for i in 0..=ticks {
+            let share = i as f64 / ticks as f64;
+            let posture = core::array::from_fn(|j| from[j] + share * (to[j] - from[j]));
+            ground.step(posture, LENGTHS, 0.0, PERIOD);
+        }
+    }
+
+    #[test]
+    fn noise_of_the_angles_does_not_take_a_bucket_to_the_ground() {
+        let mut ground = in_the_air();
+        let mut state = 1_u32;
+        for _ in 0..6000 {
+            // Uniform, standard deviation 0.2 deg.
+            let posture = [0.7, -1.7, -0.5].map(|angle| {
+                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                angle + 0.0121 * (f64::from(state) / f64::from(u32::MAX) - 0.5)
+            });
+            ground.step(posture, LENGTHS, 0.0, PERIOD);
+            assert!(!ground.may_touch());
+        }
+    }
+
+    #[test]
+    fn a_bucket_gets_to_the_ground_by_lowering_and_off_it_by_lifting() {
+        let mut ground = in_the_air();
+        let (high, low) = ([0.7, -1.7, -0.5], [0.6, -1.7, -0.5]);
+        move_to(&mut ground, high, low, 8.0);
+        assert!(ground.may_touch() && !ground.digs(), "however slowly");
+        move_to(&mut ground, low, high, 1.0);
+        assert!(!ground.may_touch());
+    }
+
+    #[test]
+    fn an_arm_that_is_pulled_in_digs_and_one_that_lifts_does_not() {
+        let mut ground = in_the_air();
+        move_to(&mut ground, [0.7, -1.7, -0.5], [0.7, -2.0, -0.5], 1.0);
+        assert!(ground.digs());
+        let mut ground = in_the_air();
+        move_to(&mut ground, [0.7, -1.7, -0.5], [1.0, -1.8, -0.5], 1.0);
+        assert!(!ground.may_touch());
+    }
+}

@@ -265,3 +265,45 @@ impl Weigh {
         false
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::excavator::keys::Description;
+
+    const MOMENT: f64 = 70e3;
+
+    /// A machine that stands for 6 s with a moment that differs by a share from block to block.
+    fn stands(share: impl Fn(f64) -> f64) -> bool {
+        let mut d = Description::default();
+        let c = &mut d.boom_cylinder;
+        (c.count, c.head_area, c.rod_area) = (1.0, 0.01, 0.007);
+        (c.base_distance, c.rod_distance) = (0.6, 1.3);
+        let mut weigh = Weigh::new(Cylinder::of_boom(&d).expect("a cylinder"));
+        let fits = Innovation {
+            value: 0.0,
+            variance: 1.0,
+        };
+        for block in 0..30 {
+            let moment = Moment {
+                measured: MOMENT * (1.0 + share(0.2 * f64::from(block))),
+                still: MOMENT,
+                period: 0.2,
+                ..Moment::default()
+            };
+            weigh.watch(&moment, fits, 0.0, true);
+        }
+        weigh.swings()
+    }
+
+    #[test]
+    fn a_load_that_swings_wavers_slowly_and_noise_does_not() {
+        assert!(stands(|t| 0.01 * sin_cos(2.0 * t).0), "1 % at 2 rad/s");
+        assert!(!stands(|_| 0.01), "another load");
+        let noise = [0.003, -0.002, -0.003, 0.001, 0.002, -0.001, 0.003, -0.003];
+        assert!(
+            !stands(|t| noise[(t * 5.0) as usize % 8]),
+            "0.24 % of noise"
+        );
+    }
+}
