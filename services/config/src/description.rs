@@ -1,9 +1,7 @@
 //! A description of any machine.
 
+use crate::{Error, Errors, Keyed, Tables, parse};
 use messages::Machine;
-use toml_edit::Document;
-
-use crate::{Error, Errors, Tables, parse};
 
 macro_rules! descriptions {
     ($( $name:ident, $module:ident, $sensors:ident, $truth:ident, $estimate:ident, $others:tt; )*) => {
@@ -74,25 +72,6 @@ macro_rules! descriptions {
                 match self {
                     $( Self::$name(m) => m.to_toml(), )*
                 }
-            }
-        }
-
-        /// How many keys of a machine a text names.
-        pub(crate) fn known_keys(
-            machine: Machine,
-            document: &Document<String>,
-            text: &str,
-            file: &str,
-        ) -> usize {
-            match machine {
-                $( Machine::$name => parse::known_keys::<$name>(document, text, file), )*
-            }
-        }
-
-        /// All keys of a machine, with their tables.
-        pub(crate) fn all_keys(machine: Machine) -> Vec<String> {
-            match machine {
-                $( Machine::$name => parse::all_keys::<$name>(), )*
             }
         }
     };

@@ -51,3 +51,16 @@ impl From<Error> for Errors {
         Self(vec![error])
     }
 }
+
+impl Error {
+    /// A contradiction between keys.
+    pub(crate) fn between(what: String, key: &str, remedy: &str) -> Self {
+        Self {
+            what,
+            file: String::new(),
+            line: None,
+            key: key.into(),
+            remedy: remedy.into(),
+        }
+    }
+}

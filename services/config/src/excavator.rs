@@ -4,7 +4,7 @@ pub use estimation::excavator::keys::Description as Excavator;
 use messages::Machine;
 
 use crate::Error;
-use crate::tables::tables;
+use crate::keyed::tables;
 
 tables!(
     Excavator,

@@ -9,8 +9,11 @@
 
 mod class;
 mod description;
+mod entries;
 mod error;
 mod excavator;
+mod keyed;
+mod known;
 mod loader;
 mod nearest;
 mod parse;
@@ -19,11 +22,13 @@ mod remembered;
 mod tables;
 
 pub use class::class;
+
 pub use description::*;
 pub use error::{Error, Errors};
 pub use estimation::excavator::keys::Variant;
 pub use estimation::keys::{Form, Key, Numbers, Range, Setting, Table, Value};
 pub use estimation::loader::keys::{Inputs, LoadTransfer, Tuning};
+pub use keyed::Keyed;
 pub use nearest::nearest;
 pub use remembered::{LEAST_SHARE, widened};
 pub use tables::Tables;

@@ -4,7 +4,7 @@ pub use estimation::loader::keys::Description as Loader;
 use messages::Machine;
 
 use crate::Error;
-use crate::tables::tables;
+use crate::keyed::tables;
 
 tables!(
     Loader,

@@ -1,34 +1,13 @@
 //! From TOML text to a description, by the table of keys alone.
 
-use core::ops::Range as Span;
-
-use toml_edit::{Document, Item, TableLike};
+use toml_edit::Item;
 
 use messages::Machine;
 
-use crate::{Error, Errors, Key, Numbers, Table, Tables, Value, description, nearest, print};
+use crate::entries::{all_keys, document, entries, find, table_names};
+use crate::{Error, Errors, Keyed, Numbers, Table, Value, known, nearest, print};
 
-impl Error {
-    /// A contradiction between keys.
-    pub(crate) fn between(what: String, key: &str, remedy: &str) -> Self {
-        Self {
-            what,
-            file: String::new(),
-            line: None,
-            key: key.into(),
-            remedy: remedy.into(),
-        }
-    }
-}
-
-/// One `key = value` of a file.
-struct Entry<'a> {
-    path: String,
-    item: &'a Item,
-    line: Option<usize>,
-}
-
-pub(crate) fn parse<M: Tables>(text: &str, file: &str) -> Result<M, Errors> {
+pub(crate) fn parse<M: Keyed>(text: &str, file: &str) -> Result<M, Errors> {
     let document = document(text, file)?;
     let mut machine = M::default();
     let (entries, mut errors) = entries::<M>(&document, text, file);
@@ -64,7 +43,7 @@ pub(crate) fn parse<M: Tables>(text: &str, file: &str) -> Result<M, Errors> {
 }
 
 /// Applies `--set` options in their order; only the outcome may not contradict itself.
-pub(crate) fn set_all<M: Tables>(
+pub(crate) fn set_all<M: Keyed>(
     machine: &mut M,
     assignments: &[impl AsRef<str>],
 ) -> Result<(), Error> {
@@ -88,7 +67,7 @@ pub(crate) fn set_all<M: Tables>(
 
 /// Keys that nobody has told, and so have the value of the machine's size `before`, get that of the size `changed`; true where
 /// there are any.
-fn follow<M: Tables>(before: &M, changed: &mut M) -> bool {
+fn follow<M: Keyed>(before: &M, changed: &mut M) -> bool {
     let (old, new) = (before.of_its_size(), changed.of_its_size());
     let mut any = false;
     let tables = before.tables().into_iter().zip(old.tables());
@@ -107,7 +86,7 @@ fn follow<M: Tables>(before: &M, changed: &mut M) -> bool {
     any
 }
 
-fn set_one<M: Tables>(machine: &mut M, assignment: &str) -> Result<(), Error> {
+fn set_one<M: Keyed>(machine: &mut M, assignment: &str) -> Result<(), Error> {
     let file = format!("--set {assignment}");
     let Some((path, text)) = assignment.split_once('=') else {
         return Err(Error {
@@ -139,7 +118,7 @@ pub(crate) fn machine(text: &str, file: &str) -> Result<Option<Machine>, Errors>
         return Ok(named);
     }
     let mut known = Machine::ALL.map(|machine| {
-        let keys = description::known_keys(machine, &document, text, file);
+        let keys = known::known_keys(machine, &document, text, file);
         (keys, machine)
     });
     known.sort();
@@ -147,95 +126,6 @@ pub(crate) fn machine(text: &str, file: &str) -> Result<Option<Machine>, Errors>
         [.., (second, _), (most, machine)] if most > second => Some(machine),
         _ => None,
     })
-}
-
-pub(crate) fn known_keys<M: Tables>(document: &Document<String>, text: &str, file: &str) -> usize {
-    let (entries, _) = entries::<M>(document, text, file);
-    entries
-        .iter()
-        .filter(|e| find::<M>(&e.path).is_some())
-        .count()
-}
-
-fn document(text: &str, file: &str) -> Result<Document<String>, Errors> {
-    Document::parse(text.to_owned()).map_err(|error| {
-        Errors::from(Error {
-            what: error.message().trim().replace('\n', "; "),
-            file: file.into(),
-            line: error.span().map(|span| line_of(text, &span)),
-            key: String::new(),
-            remedy: "correct the TOML there (table in [brackets], key = value, words in quotes)"
-                .into(),
-        })
-    })
-}
-
-fn line_of(text: &str, span: &Span<usize>) -> usize {
-    let before = text.get(..span.start).unwrap_or(text);
-    before.matches('\n').count() + 1
-}
-
-/// All leaves of the document, and the tables that the machine does not have.
-fn entries<'a, M: Tables>(
-    document: &'a Document<String>,
-    text: &str,
-    file: &str,
-) -> (Vec<Entry<'a>>, Vec<Error>) {
-    let tables = table_names::<M>();
-    let mut walk = Walk {
-        text,
-        file,
-        tables,
-        entries: Vec::new(),
-        errors: Vec::new(),
-    };
-    walk.visit("", document.as_table());
-    (walk.entries, walk.errors)
-}
-
-struct Walk<'a, 't> {
-    text: &'t str,
-    file: &'t str,
-    tables: Vec<&'static str>,
-    entries: Vec<Entry<'a>>,
-    errors: Vec<Error>,
-}
-
-impl<'a> Walk<'a, '_> {
-    fn visit(&mut self, prefix: &str, table: &'a dyn TableLike) {
-        for (name, item) in table.iter() {
-            let path = if prefix.is_empty() {
-                name.to_owned()
-            } else {
-                format!("{prefix}.{name}")
-            };
-            let span = table.get_key_value(name).and_then(|(key, _)| key.span());
-            let line = span.or_else(|| item.span()).map(|s| line_of(self.text, &s));
-            match item.as_table_like() {
-                Some(inner) if self.tables.contains(&path.as_str()) => self.visit(&path, inner),
-                Some(inner) => self.foreign(path, inner, line),
-                None => self.entries.push(Entry { path, item, line }),
-            }
-        }
-    }
-
-    fn foreign(&mut self, path: String, inner: &dyn TableLike, line: Option<usize>) {
-        let first = inner.iter().next().and_then(|(name, item)| {
-            let span = inner.get_key_value(name).and_then(|(key, _)| key.span());
-            span.or_else(|| item.span()).map(|s| line_of(self.text, &s))
-        });
-        let remedy = match nearest(&path, self.tables.iter().copied()) {
-            Some(table) => format!("did you mean [{table}]?"),
-            None => format!("the tables are [{}]", self.tables.join("], [")),
-        };
-        self.errors.push(Error {
-            what: format!("there is no table [{path}]"),
-            file: self.file.into(),
-            line: line.or(first),
-            key: path,
-            remedy,
-        });
-    }
 }
 
 /// The value of an item, or what it is instead.
@@ -271,7 +161,7 @@ enum Defect {
     OtherMachine,
 }
 
-fn assign<M: Tables>(machine: &mut M, path: &str, value: &Value) -> Result<(), Defect> {
+fn assign<M: Keyed>(machine: &mut M, path: &str, value: &Value) -> Result<(), Defect> {
     if path == "machine.kind" {
         let same = *value == Value::Word(M::MACHINE.name());
         return if same {
@@ -310,7 +200,7 @@ fn store(table: &mut dyn Table, index: usize, value: &Value) -> Result<(), Defec
     }
 }
 
-fn explain<M: Tables>(defect: Defect, path: &str, file: &str, line: Option<usize>) -> Error {
+fn explain<M: Keyed>(defect: Defect, path: &str, file: &str, line: Option<usize>) -> Error {
     let key = find::<M>(path);
     let (what, remedy) = match (defect, key) {
         (Defect::OtherMachine, _) => (
@@ -349,15 +239,7 @@ fn explain<M: Tables>(defect: Defect, path: &str, file: &str, line: Option<usize
     }
 }
 
-fn find<M: Tables>(path: &str) -> Option<Key> {
-    let (table_name, name) = path.rsplit_once('.')?;
-    let machine = M::default();
-    let tables = machine.tables();
-    let table = tables.iter().find(|t| t.name() == table_name)?;
-    table.keys().iter().find(|k| k.name == name).copied()
-}
-
-fn suggestion<M: Tables>(path: &str) -> String {
+fn suggestion<M: Keyed>(path: &str) -> String {
     let name = path.rsplit('.').next().unwrap_or(path);
     let keys = all_keys::<M>();
     let elsewhere = keys.iter().find(|k| k.rsplit('.').next() == Some(name));
@@ -367,9 +249,8 @@ fn suggestion<M: Tables>(path: &str) -> String {
         let full = keys.iter().find(|k| k.rsplit('.').next() == Some(close))?;
         Some(full.as_str())
     });
-    let belongs = |other: &Machine| {
-        *other != M::MACHINE && description::all_keys(*other).iter().any(|k| k == path)
-    };
+    let belongs =
+        |other: &Machine| *other != M::MACHINE && known::all_keys(*other).iter().any(|k| k == path);
     let other = Machine::ALL.into_iter().find(belongs);
     match (elsewhere, other, similar) {
         (Some(full), ..) => format!("the key is {full}: put it under [{}]", table_of(full)),
@@ -384,7 +265,7 @@ fn suggestion<M: Tables>(path: &str) -> String {
     }
 }
 
-fn keys_of<M: Tables>(table: &str) -> Option<String> {
+fn keys_of<M: Keyed>(table: &str) -> Option<String> {
     let machine = M::default();
     let tables = machine.tables();
     let table = tables.iter().find(|t| t.name() == table)?;
@@ -394,17 +275,4 @@ fn keys_of<M: Tables>(table: &str) -> Option<String> {
 
 fn table_of(path: &str) -> &str {
     path.rsplit_once('.').map_or(path, |(table, _)| table)
-}
-
-fn table_names<M: Tables>() -> Vec<&'static str> {
-    M::default().tables().iter().map(|t| t.name()).collect()
-}
-
-pub(crate) fn all_keys<M: Tables>() -> Vec<String> {
-    let machine = M::default();
-    let tables = machine.tables();
-    let keys = tables
-        .iter()
-        .flat_map(|t| t.keys().iter().map(|k| format!("{}.{}", t.name(), k.name)));
-    keys.collect()
 }

@@ -2,9 +2,9 @@
 
 use std::fmt::Write;
 
-use crate::{Form, Key, Numbers, Range, Tables, Value};
+use crate::{Form, Key, Keyed, Numbers, Range, Value};
 
-pub(crate) fn print<M: Tables>(machine: &M) -> String {
+pub(crate) fn print<M: Keyed>(machine: &M) -> String {
     let mut out = String::new();
     for (i, table) in machine.tables().iter().enumerate() {
         let gap = if i == 0 { "" } else { "\n" };
@@ -92,7 +92,7 @@ fn short(x: f64) -> String {
 }
 
 /// The default of a key, as an example of how to write it.
-pub(crate) fn example<M: Tables>(path: &str) -> String {
+pub(crate) fn example<M: Keyed>(path: &str) -> String {
     let machine = M::default();
     for table in machine.tables() {
         for (index, key) in table.keys().iter().enumerate() {

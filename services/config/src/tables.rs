@@ -1,26 +1,9 @@
-//! The descriptions of the machines as tables of keys.
+//! A complete description: read, changed, printed.
 
-use estimation::keys::Table;
-use messages::Machine;
+use crate::{Error, Errors, Keyed, parse, print};
 
-use crate::{Error, Errors, parse, print};
-
-/// A complete description: a machine's tables.
-pub trait Tables: Default + Clone {
-    /// Which machine.
-    const MACHINE: Machine;
-    /// All tables, in the order in which they are printed.
-    fn tables(&self) -> Vec<&dyn Table>;
-    /// All tables, to write.
-    fn tables_mut(&mut self) -> Vec<&mut dyn Table>;
-    /// The defaults of a machine of the size that this description tells.
-    #[must_use]
-    fn of_its_size(&self) -> Self {
-        Self::default()
-    }
-    /// What contradicts itself between keys that are each in range (`file` and `line` left empty).
-    fn contradictions(&self) -> Vec<Error>;
-
+/// A complete description: the tables of a machine, and their form as text.
+pub trait Tables: Keyed {
     /// Reads a description; keys that it does not name keep their defaults.
     ///
     /// # Errors
@@ -53,24 +36,4 @@ pub trait Tables: Default + Clone {
     }
 }
 
-/// Gives a machine its tables.
-macro_rules! tables {
-    ($name:ident, $machine:expr, $rules:path, $size:path, [$($table:ident),+]) => {
-        impl $crate::Tables for $name {
-            const MACHINE: Machine = $machine;
-            fn tables(&self) -> Vec<&dyn $crate::Table> {
-                vec![$( &self.$table ),+]
-            }
-            fn tables_mut(&mut self) -> Vec<&mut dyn $crate::Table> {
-                vec![$( &mut self.$table ),+]
-            }
-            fn of_its_size(&self) -> Self {
-                $size(self)
-            }
-            fn contradictions(&self) -> Vec<$crate::Error> {
-                $rules(self)
-            }
-        }
-    };
-}
-pub(crate) use tables;
+impl<M: Keyed> Tables for M {}

@@ -3,7 +3,7 @@
 //! Called by name, not as methods: once a test links `std`, `x.tanh()` would silently mean the
 //! platform's own function.
 
-use nalgebra::ComplexField;
+use nalgebra::{ComplexField, RealField};
 
 use crate::scalar::Scalar;
 
@@ -136,6 +136,48 @@ fn horner<T: Scalar, const K: usize>(x: T, coefficients: [f64; K]) -> T {
 #[inline]
 pub fn round(x: f64) -> f64 {
     ComplexField::round(x)
+}
+
+impl Scalar for f64 {
+    #[inline(always)]
+    fn constant(value: f64) -> Self {
+        value
+    }
+    #[inline(always)]
+    fn above(self, limit: Self, yes: Self, no: Self) -> Self {
+        if self > limit { yes } else { no }
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        ComplexField::sqrt(self)
+    }
+    fn sin(self) -> Self {
+        ComplexField::sin(self)
+    }
+    fn cos(self) -> Self {
+        ComplexField::cos(self)
+    }
+    fn exp(self) -> Self {
+        ComplexField::exp(self)
+    }
+    fn ln(self) -> Self {
+        ComplexField::ln(self)
+    }
+    fn tanh(self) -> Self {
+        ComplexField::tanh(self)
+    }
+    #[inline(always)]
+    fn per_atanh(self) -> Self {
+        per_atanh(self)
+    }
+    #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        sin_cos(self)
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        RealField::copysign(self, 1.0)
+    }
 }
 
 #[cfg(test)]

@@ -6,10 +6,6 @@
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
-use nalgebra::{ComplexField, RealField};
-
-use crate::math;
-
 /// Arithmetic, elementary functions, and selection instead of branches.
 pub trait Scalar:
     Copy
@@ -61,47 +57,5 @@ pub trait Scalar:
     fn abs(self) -> Self {
         let zero = Self::constant(0.0);
         zero.above(self, -self, self)
-    }
-}
-
-impl Scalar for f64 {
-    #[inline(always)]
-    fn constant(value: f64) -> Self {
-        value
-    }
-    #[inline(always)]
-    fn above(self, limit: Self, yes: Self, no: Self) -> Self {
-        if self > limit { yes } else { no }
-    }
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        ComplexField::sqrt(self)
-    }
-    fn sin(self) -> Self {
-        ComplexField::sin(self)
-    }
-    fn cos(self) -> Self {
-        ComplexField::cos(self)
-    }
-    fn exp(self) -> Self {
-        ComplexField::exp(self)
-    }
-    fn ln(self) -> Self {
-        ComplexField::ln(self)
-    }
-    fn tanh(self) -> Self {
-        ComplexField::tanh(self)
-    }
-    #[inline(always)]
-    fn per_atanh(self) -> Self {
-        math::per_atanh(self)
-    }
-    #[inline(always)]
-    fn sin_cos(self) -> (Self, Self) {
-        math::sin_cos(self)
-    }
-    #[inline(always)]
-    fn abs(self) -> Self {
-        RealField::copysign(self, 1.0)
     }
 }

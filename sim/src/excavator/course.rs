@@ -2,7 +2,7 @@
 
 use super::front::Pose;
 use super::plant::{Motion, Plant, Point};
-use super::simulation::Truth;
+use super::row::Truth;
 
 /// A swing slower than this may have its bucket in the ground [rad/s].
 const STANDING: f64 = 0.03;

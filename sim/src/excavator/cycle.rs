@@ -3,8 +3,8 @@
 use super::path::{Joint, Path};
 use super::payload::Load;
 use super::plant::Plant;
+use super::plants::at_rest;
 use super::plateaus::{Plateaus, Targets};
-use super::scenario::at_rest;
 
 /// Length of one working cycle [s].
 const LENGTH: f64 = 16.0;

@@ -3,7 +3,7 @@
 use super::path::{Joint, Path};
 use super::payload::Load;
 use super::plant::Plant;
-use super::scenario::{at_rest, swing, working_swing};
+use super::plants::{at_rest, swing, working_swing};
 
 /// From the first movement of the bucket until material leaves it [s].
 const UNTIL_MATERIAL: f64 = 0.15;

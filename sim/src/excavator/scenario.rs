@@ -2,17 +2,12 @@
 
 use super::cycle;
 use super::event::Event;
-use super::geometry::{Attachment, Geometry};
 use super::path::{Joint, Path};
 use super::payload::Load;
-use super::plant::{Dynamics, Machine, Plant};
-use super::plateaus::{Plateaus, Targets};
+use super::plant::{Dynamics, Plant};
+use super::plants::{at_rest, swing, working_swing};
+use super::plateaus::Targets;
 use super::torque::Swing;
-
-/// Viscous damping b [N m s/rad].
-const DAMPING: f64 = 1500.0;
-/// Coulomb friction T_f [N m].
-const FRICTION: f64 = 250.0;
 
 /// A named course of events. The order is that of [`Scenario::ALL`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -236,39 +231,6 @@ impl Scenario {
     }
 }
 
-/// The machine with its bucket.
-pub(super) fn machine() -> Machine {
-    Machine {
-        geometry: Geometry::with(Attachment::bucket()),
-        damping: DAMPING,
-        friction: FRICTION,
-        dynamics: Dynamics::Momentum,
-    }
-}
-
-/// A plant whose swings are still to be solved.
-pub(super) fn at_rest(path: Path, loads: Vec<Load>) -> Plant {
-    Plant {
-        machine: machine(),
-        path,
-        loads,
-        swings: Vec::new(),
-        period: f64::INFINITY,
-    }
-}
-
-/// Adds the swing that meets the targets.
-pub(super) fn swing(mut plant: Plant, targets: Targets) -> Plant {
-    let swing = Plateaus::new(&plant, targets).solve();
-    plant.swings.push(swing);
-    plant
-}
-
-/// The swing of the working cycle.
-pub(super) fn working_swing() -> Targets {
-    Targets::working(5.5, 7.5, 9.3)
-}
-
 fn filled(mass: f64, dump: (f64, f64)) -> Vec<Load> {
     vec![Load {
         mass,
@@ -334,6 +296,7 @@ fn drop_in_swing(mass: f64) -> Plant {
 
 #[cfg(test)]
 mod tests {
+    use super::super::plateaus::Plateaus;
     use super::*;
 
     #[test]

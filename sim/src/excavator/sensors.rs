@@ -1,7 +1,7 @@
 //! The sensors: noise, and what else they do wrong.
 
 use super::course::Exact;
-use super::simulation::Row;
+use super::row::Row;
 use crate::fault::{Fault, Injector, InvalidFault};
 use crate::noise::Noise;
 

@@ -11,8 +11,9 @@
 use super::path::{Joint, Move, Path};
 use super::payload::Load;
 use super::plant::Plant;
+use super::plants::at_rest;
 use super::plateaus::{Plateaus, Targets};
-use super::scenario;
+use super::scenario::Scenario;
 use super::simulation::{Run, Simulation};
 use crate::fault::{Fault, FaultKind};
 
@@ -48,7 +49,7 @@ impl Story {
             path: Path::constant(),
             loads: Vec::new(),
             swings: Vec::new(),
-            run: Run::new(scenario::Scenario::Base),
+            run: Run::new(Scenario::Base),
             now: PAUSE,
             angle: 0.0,
         }
@@ -134,7 +135,7 @@ impl Story {
             duration: self.now,
             ..self.run
         };
-        let mut plant = scenario::at_rest(self.path, self.loads);
+        let mut plant = at_rest(self.path, self.loads);
         for (start, end, turn) in self.swings {
             plant = swing(plant, start, end, turn);
         }

@@ -9,8 +9,8 @@
 //! | th, beta | [`Stance`] | angle of the arm, of the bucket (pin to load), to the body's horizontal | rad |
 //! | x, z | | centre of mass from the pivot, forward and up, of arm a, of bucket and load b | m |
 
+use super::payload::Payload;
 use super::plant::{GRAVITY, Machine};
-use super::scenario::Payload;
 use crate::cylinder::{Cylinder, Gauges, Piston};
 use crate::noise::Noise;
 

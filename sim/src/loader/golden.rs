@@ -1,8 +1,9 @@
 //! The plant against the golden runs.
 
+use super::driver::Driver;
 use super::plant::{Machine, Plant};
 use super::road::{Phases, Road, SPACING};
-use super::scenario::{Driver, Scenario};
+use super::scenario::Scenario;
 use crate::noise::Noise;
 use serde_json::Value;
 

@@ -1,8 +1,8 @@
 //! Loading a truck, load after load: drive into the heap, fill the bucket, back up, drive to the truck lifting, dump, return.
 
 use super::arm::{LiftArm, Stance};
+use super::payload::Payload;
 use super::plant::Machine;
-use super::scenario::Payload;
 use crate::blend::{transition, transition_rate};
 use crate::noise::Noise;
 

@@ -1,7 +1,7 @@
 //! What the sensors tell, with the truth.
 
 use super::arm::Seen;
-use super::scenario::Payload;
+use super::payload::Payload;
 
 /// What is true at the time of a row.
 #[derive(Clone, Copy, Debug, PartialEq)]

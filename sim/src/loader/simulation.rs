@@ -1,12 +1,14 @@
 //! A run: the plant driven through a scenario and what its sensors report.
 
 use super::arm::{ArmSensors, LiftArm, Seen, Shaken};
+use super::driver::Driver;
 use super::effects::{self, Effects, Gears, Inclinometer, Late, PayloadTold};
+use super::payload::Payload;
 use super::plant::{GRAVITY, Inputs, Machine, Plant, State};
 use super::road::{Phases, Road};
 use super::row::{Row, Truth};
 use super::run::{InvalidRun, Run};
-use super::scenario::{Driver, Payload, Scenario};
+use super::scenario::Scenario;
 use super::tier::{self, Calibration, Tier, Told};
 use crate::fault::Injector;
 use crate::noise::Noise;

@@ -2,7 +2,7 @@
 
 use super::super::front::{Front, Pose, cylinders};
 use super::super::geometry::Geometry;
-use super::super::simulation::{Row, Truth};
+use super::super::row::{Row, Truth};
 use super::effects::Effects;
 use super::machine::{Machine, STEP};
 use super::size::Size;

@@ -1,0 +1,124 @@
+//! The keys that a TOML text names, against the tables of a machine.
+
+use core::ops::Range as Span;
+
+use toml_edit::{Document, Item, TableLike};
+
+use crate::{Error, Errors, Key, Keyed, nearest};
+
+/// One `key = value` of a file.
+pub(crate) struct Entry<'a> {
+    pub(crate) path: String,
+    pub(crate) item: &'a Item,
+    pub(crate) line: Option<usize>,
+}
+
+pub(crate) fn document(text: &str, file: &str) -> Result<Document<String>, Errors> {
+    Document::parse(text.to_owned()).map_err(|error| {
+        Errors::from(Error {
+            what: error.message().trim().replace('\n', "; "),
+            file: file.into(),
+            line: error.span().map(|span| line_of(text, &span)),
+            key: String::new(),
+            remedy: "correct the TOML there (table in [brackets], key = value, words in quotes)"
+                .into(),
+        })
+    })
+}
+
+fn line_of(text: &str, span: &Span<usize>) -> usize {
+    let before = text.get(..span.start).unwrap_or(text);
+    before.matches('\n').count() + 1
+}
+
+/// All leaves of the document, and the tables that the machine does not have.
+pub(crate) fn entries<'a, M: Keyed>(
+    document: &'a Document<String>,
+    text: &str,
+    file: &str,
+) -> (Vec<Entry<'a>>, Vec<Error>) {
+    let tables = table_names::<M>();
+    let mut walk = Walk {
+        text,
+        file,
+        tables,
+        entries: Vec::new(),
+        errors: Vec::new(),
+    };
+    walk.visit("", document.as_table());
+    (walk.entries, walk.errors)
+}
+
+struct Walk<'a, 't> {
+    text: &'t str,
+    file: &'t str,
+    tables: Vec<&'static str>,
+    entries: Vec<Entry<'a>>,
+    errors: Vec<Error>,
+}
+
+impl<'a> Walk<'a, '_> {
+    fn visit(&mut self, prefix: &str, table: &'a dyn TableLike) {
+        for (name, item) in table.iter() {
+            let path = if prefix.is_empty() {
+                name.to_owned()
+            } else {
+                format!("{prefix}.{name}")
+            };
+            let span = table.get_key_value(name).and_then(|(key, _)| key.span());
+            let line = span.or_else(|| item.span()).map(|s| line_of(self.text, &s));
+            match item.as_table_like() {
+                Some(inner) if self.tables.contains(&path.as_str()) => self.visit(&path, inner),
+                Some(inner) => self.foreign(path, inner, line),
+                None => self.entries.push(Entry { path, item, line }),
+            }
+        }
+    }
+
+    fn foreign(&mut self, path: String, inner: &dyn TableLike, line: Option<usize>) {
+        let first = inner.iter().next().and_then(|(name, item)| {
+            let span = inner.get_key_value(name).and_then(|(key, _)| key.span());
+            span.or_else(|| item.span()).map(|s| line_of(self.text, &s))
+        });
+        let remedy = match nearest(&path, self.tables.iter().copied()) {
+            Some(table) => format!("did you mean [{table}]?"),
+            None => format!("the tables are [{}]", self.tables.join("], [")),
+        };
+        self.errors.push(Error {
+            what: format!("there is no table [{path}]"),
+            file: self.file.into(),
+            line: line.or(first),
+            key: path,
+            remedy,
+        });
+    }
+}
+
+pub(crate) fn find<M: Keyed>(path: &str) -> Option<Key> {
+    let (table_name, name) = path.rsplit_once('.')?;
+    let machine = M::default();
+    let tables = machine.tables();
+    let table = tables.iter().find(|t| t.name() == table_name)?;
+    table.keys().iter().find(|k| k.name == name).copied()
+}
+
+pub(crate) fn table_names<M: Keyed>() -> Vec<&'static str> {
+    M::default().tables().iter().map(|t| t.name()).collect()
+}
+
+pub(crate) fn known_keys<M: Keyed>(document: &Document<String>, text: &str, file: &str) -> usize {
+    let (entries, _) = entries::<M>(document, text, file);
+    entries
+        .iter()
+        .filter(|e| find::<M>(&e.path).is_some())
+        .count()
+}
+
+pub(crate) fn all_keys<M: Keyed>() -> Vec<String> {
+    let machine = M::default();
+    let tables = machine.tables();
+    let keys = tables
+        .iter()
+        .flat_map(|t| t.keys().iter().map(|k| format!("{}.{}", t.name(), k.name)));
+    keys.collect()
+}

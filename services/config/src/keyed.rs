@@ -1,0 +1,45 @@
+//! The descriptions of the machines as tables of keys.
+
+use estimation::keys::Table;
+use messages::Machine;
+
+use crate::Error;
+
+/// A machine's tables of keys.
+pub trait Keyed: Default + Clone {
+    /// Which machine.
+    const MACHINE: Machine;
+    /// All tables, in the order in which they are printed.
+    fn tables(&self) -> Vec<&dyn Table>;
+    /// All tables, to write.
+    fn tables_mut(&mut self) -> Vec<&mut dyn Table>;
+    /// The defaults of a machine of the size that this description tells.
+    #[must_use]
+    fn of_its_size(&self) -> Self {
+        Self::default()
+    }
+    /// What contradicts itself between keys that are each in range (`file` and `line` left empty).
+    fn contradictions(&self) -> Vec<Error>;
+}
+
+/// Gives a machine its tables.
+macro_rules! tables {
+    ($name:ident, $machine:expr, $rules:path, $size:path, [$($table:ident),+]) => {
+        impl $crate::keyed::Keyed for $name {
+            const MACHINE: Machine = $machine;
+            fn tables(&self) -> Vec<&dyn $crate::Table> {
+                vec![$( &self.$table ),+]
+            }
+            fn tables_mut(&mut self) -> Vec<&mut dyn $crate::Table> {
+                vec![$( &mut self.$table ),+]
+            }
+            fn of_its_size(&self) -> Self {
+                $size(self)
+            }
+            fn contradictions(&self) -> Vec<$crate::Error> {
+                $rules(self)
+            }
+        }
+    };
+}
+pub(crate) use tables;
