@@ -22,6 +22,7 @@
 
 pub mod agreement;
 pub mod algebra;
+mod column;
 pub mod description;
 pub mod excavator;
 pub mod fit;

@@ -17,6 +17,7 @@
 //! | `envelope` | any payload |
 
 pub mod channels;
+mod codes;
 mod envelope;
 mod excavator;
 mod health;
@@ -27,13 +28,13 @@ mod message;
 mod stamp;
 pub mod words;
 
+pub use codes::{Entry, Words};
 pub use envelope::{Carries, Envelope, Receiver};
 pub use health::{Credit, Health, State, fault};
 pub use keyframe::{Keyframe, Snapshot};
 pub use machine::Machine;
 pub use message::{Field, HEAD, Message, NumberType, SIMULATED, Value};
 pub use stamp::{Hop, Hops, Stamp};
-pub use words::{Entry, Words};
 
 macro_rules! messages_of_machines {
     ($( $machine:ident, $module:ident, $sensors:ident, $truth:ident, $estimate:ident, $others:tt; )*) => {

@@ -2,29 +2,8 @@
 
 use std::borrow::Cow;
 
-pub use sheet::Entry;
-
+pub use crate::codes::{Entry, UNKNOWN, Words};
 use crate::{Message, Value};
-
-/// The names of a field's bits, or of its codes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Words {
-    /// Each entry is a bit.
-    Bits(&'static [Entry]),
-    /// Each entry is a value.
-    Codes(&'static [Entry]),
-}
-
-impl Words {
-    /// The entry of a code; `None` for bits, and for a code that this version does not know.
-    #[must_use]
-    pub fn of(&self, code: u32) -> Option<&'static Entry> {
-        match self {
-            Self::Bits(_) => None,
-            Self::Codes(entries) => entries.iter().find(|e| e.number == code),
-        }
-    }
-}
 
 /// A field, or a bit of one, as people read it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,23 +14,6 @@ pub enum Said {
     Flag(bool),
     /// A code by its name; "" where there is nothing to say.
     Word(&'static str),
-}
-
-/// Name of a code that this version does not know.
-pub const UNKNOWN: &str = "unknown";
-
-impl Words {
-    /// The words of the field called `name`.
-    #[must_use]
-    pub fn of_field(all: &'static [(&'static str, Self)], name: &str) -> Option<&'static Self> {
-        all.iter().find(|(field, _)| *field == name).map(|(_, w)| w)
-    }
-
-    /// Name of a code.
-    #[must_use]
-    pub fn name(&self, code: u32) -> &'static str {
-        self.of(code).map_or(UNKNOWN, |entry| entry.name)
-    }
 }
 
 /// The flags of a message by the names that every output gives them: each with its mask and meaning. One that has

@@ -9,7 +9,7 @@ use crate::csv::{Column, Estimate};
 use crate::map::hint;
 use crate::schema::RecordedField;
 use crate::signal::{self, Builder, Row, Sensors, Signal};
-use crate::{Error, Reader, machines};
+use crate::{Error, Reader};
 
 /// The samples of a machine from columns of the names of its CSV, one after the other; columns of other names are
 /// left out, a value that is not finite is a missing sample.
@@ -335,7 +335,7 @@ impl<E: Estimate> Cells<E> {
 /// Names of the columns that samples of the machine can have; nothing for another machine.
 #[must_use]
 pub fn signals_of(machine: Machine) -> Vec<String> {
-    (machines::of(machine).signals)()
+    signal::signals_of(machine)
         .into_iter()
         .map(|s| s.name)
         .collect()

@@ -10,6 +10,7 @@
 //! Schemas, columns and signals all come from [`messages::Message::FIELDS`].
 
 pub mod can;
+mod copy;
 pub mod csv;
 mod error;
 mod excavator;

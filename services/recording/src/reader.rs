@@ -1,5 +1,5 @@
 use std::cell::RefCell;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::fmt;
 use std::marker::PhantomData;
 use std::path::{Path, PathBuf};
@@ -241,24 +241,6 @@ impl Reader {
     /// The channel carries another type.
     pub fn messages<M: Message>(&self, channel: &str) -> Result<Vec<M>, Error> {
         Ok(self.stream(channel)?.collect())
-    }
-
-    /// How many messages each channel has.
-    #[must_use]
-    pub fn counts(&self) -> BTreeMap<String, u64> {
-        let mut counts = BTreeMap::new();
-        // What is damaged is noted when a channel is read.
-        let counted = crate::recover::copy(self, |part, head, _| {
-            if let Some(channel) = self.parts[part].scan.channels.get(&head.channel) {
-                match counts.get_mut(&channel.topic) {
-                    Some(count) => *count += 1,
-                    None => drop(counts.insert(channel.topic.clone(), 1)),
-                }
-            }
-            Ok(())
-        });
-        let _ = counted; // nothing in there can fail
-        counts
     }
 
     /// Fields of a channel as its own schema tells them; none if the channel was not recorded.

@@ -3,13 +3,10 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
-use mcap::records::op;
-
+use crate::copy::copy;
 use crate::file::{self, Taken};
 use crate::parts::JOINED;
 use crate::reader::{Part, Reader};
-use crate::record;
-use crate::scan::{Damage, Unpacked};
 use crate::writer::{RECORD, failure, options, with_sum};
 use crate::{Error, Metadata};
 
@@ -214,50 +211,4 @@ fn add_channels(
         ids.push((channel.id, id));
     }
     Ok(ids)
-}
-
-/// Calls `take` with part, head and content of every whole message; returns how many there are.
-/// What is damaged is noted by the reader.
-pub(crate) fn copy(
-    reader: &Reader,
-    mut take: impl FnMut(usize, &record::Message, &[u8]) -> Result<(), Error>,
-) -> Result<u64, Error> {
-    let mut messages = 0;
-    let mut unpacked = Unpacked::default();
-    for (i, part) in reader.parts.iter().enumerate() {
-        for chunk in &part.scan.chunks {
-            reader.tell(i, chunk.at);
-            if unpacked.load(chunk, &part.bytes).is_none() {
-                reader.note(i, chunk.damage());
-                continue;
-            }
-            let mut damaged = false;
-            while let Some((opcode, body)) = unpacked.next() {
-                if opcode != op::MESSAGE {
-                    continue;
-                }
-                match record::message(body).filter(|(head, data)| part.is_whole(head, data)) {
-                    Some((head, data)) => {
-                        take(i, &head, data)?;
-                        messages += 1;
-                    }
-                    None => damaged = true,
-                }
-            }
-            if damaged || !unpacked.is_at_end() {
-                let what = "a damaged message in the block";
-                let damage = chunk.damage();
-                reader.note(i, Damage { what, ..damage });
-            }
-        }
-        for (start, end) in &part.scan.loose {
-            let body = part.bytes.range(*start, *end);
-            let message = body.as_deref().and_then(record::message);
-            if let Some((head, data)) = message.filter(|(head, data)| part.is_whole(head, data)) {
-                take(i, &head, data)?;
-                messages += 1;
-            }
-        }
-    }
-    Ok(messages)
 }

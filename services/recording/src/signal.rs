@@ -5,7 +5,6 @@ use std::collections::VecDeque;
 use messages::channels::ChannelOf;
 use messages::{Machine, Message, NumberType, Value};
 
-use crate::machines;
 use sheet::Presence;
 
 /// The sensors of a machine whose samples can be read.
@@ -81,6 +80,19 @@ pub(crate) fn signals<S: Sensors>() -> Vec<Signal> {
         .collect()
 }
 
+macro_rules! signals_of {
+    ($( $machine:ident, $module:ident, $sensors:ident, $truth:ident, $estimate:ident, $others:tt; )*) => {
+        /// The same of a machine that the program is told.
+        pub(crate) fn signals_of(machine: Machine) -> Vec<Signal> {
+            match machine {
+                $( Machine::$machine => signals::<messages::$sensors>(), )*
+            }
+        }
+    };
+}
+
+messages::machines!(signals_of);
+
 /// Index and bit of each true value: bit i is field i.
 fn truths<M: Message>() -> impl Iterator<Item = (usize, u32)> {
     let numbers = M::FIELDS.iter().enumerate().skip(messages::HEAD);
@@ -99,7 +111,7 @@ pub(crate) fn sensor_bit(channel: &str, name: &str) -> u32 {
     let machine = channel
         .split_once('/')
         .and_then(|(machine, _)| Machine::from_name(machine));
-    let signals = machine.map_or_else(Vec::new, |m| (machines::of(m).signals)());
+    let signals = machine.map_or_else(Vec::new, signals_of);
     let mut found = signals
         .iter()
         .filter(|s| s.name == name)

@@ -17,7 +17,6 @@ use messages::Machine;
 use crate::Error;
 use crate::can::dbc::Dbc;
 use crate::can::{Line, parse};
-use crate::machines;
 use crate::signal::{self, Sensors};
 use names::{Wanted, fitting, wanted};
 
@@ -36,14 +35,7 @@ pub fn suggest(path: &Path, dbc: &[PathBuf], machine: Option<Machine>) -> Result
     {
         return crate::topics::list::map(path, machine.unwrap_or(Machine::Excavator));
     }
-    let of = |machine: Machine| {
-        let entry = machines::of(machine);
-        if is_log {
-            (entry.from_log)(path, dbc)
-        } else {
-            (entry.from_table)(path)
-        }
-    };
+    let of = |machine| guess(machine, path, is_log.then_some(dbc));
     let guesses = match machine {
         Some(machine) => vec![of(machine)?],
         None => Machine::ALL.into_iter().map(of).collect::<Result<_, _>>()?,
@@ -59,6 +51,20 @@ pub fn suggest(path: &Path, dbc: &[PathBuf], machine: Option<Machine>) -> Result
         )),
     }
 }
+
+macro_rules! guesses {
+    ($( $machine:ident, $module:ident, $sensors:ident, $truth:ident, $estimate:ident, $others:tt; )*) => {
+        /// A map for a machine with the number of signals that it names, from a CAN log with its DBC files or from a table.
+        fn guess(machine: Machine, path: &Path, dbc: Option<&[PathBuf]>) -> Result<(usize, String), Error> {
+            match (machine, dbc) {
+                $( (Machine::$machine, Some(dbc)) => log::<messages::$sensors>(path, dbc),
+                (Machine::$machine, None) => table::suggest::<messages::$sensors>(path), )*
+            }
+        }
+    };
+}
+
+messages::machines!(guesses);
 
 /// A text as a TOML string.
 fn quoted(text: &str) -> String {

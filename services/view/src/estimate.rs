@@ -6,9 +6,8 @@ use std::marker::PhantomData;
 use messages::{Field, HEAD, Machine, Message, Value};
 use sheet::Quantity;
 
+use crate::judgement::Judgement;
 use crate::panels::Panel;
-use crate::run::Estimator;
-use crate::words::Judgement;
 
 /// An estimate message of one machine.
 pub trait Estimate: Message {
@@ -45,7 +44,7 @@ pub trait Estimate: Message {
         Vec::new()
     }
     /// Panels that only this machine's estimators have.
-    fn own_panels(_: &Estimator<Self>) -> Vec<Panel> {
+    fn own_panels(_: &[Self]) -> Vec<Panel> {
         Vec::new()
     }
 
@@ -65,6 +64,11 @@ pub trait Estimate: Message {
             .filter(|p| p.headline())
             .all(|p| self.flags() & p.trusted != 0)
     }
+}
+
+/// The method of the last estimate.
+pub(crate) fn method<E: Estimate>(estimates: &[E]) -> &'static str {
+    estimates.last().map_or("no estimate", E::method_name)
 }
 
 /// How the normalised innovation squared of a machine's filters is averaged and judged.

@@ -14,9 +14,8 @@ use sheet::count_shown;
 use sheet::excavator::QUANTITIES;
 
 use crate::estimate::{Estimate, InnovationRule, Parameter, parameters};
+use crate::judgement::Judgement;
 use crate::panels::Panel;
-use crate::run::Estimator;
-use crate::words::Judgement;
 
 impl Estimate for ExcavatorEstimate {
     type Truth = ExcavatorTruth;
@@ -69,10 +68,10 @@ impl Estimate for ExcavatorEstimate {
         .to_vec()
     }
 
-    fn own_panels(estimator: &Estimator<Self>) -> Vec<Panel> {
-        panels::forgetting(estimator)
+    fn own_panels(estimates: &[Self]) -> Vec<Panel> {
+        panels::forgetting(estimates)
             .into_iter()
-            .chain(panels::activity(estimator))
+            .chain(panels::activity(estimates))
             .collect()
     }
 }

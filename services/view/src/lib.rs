@@ -15,6 +15,7 @@
 pub mod estimate;
 pub mod excavator;
 pub mod figures;
+mod judgement;
 pub mod live;
 pub mod loader;
 pub mod loads;
@@ -30,6 +31,7 @@ pub mod stretches;
 pub mod top;
 pub mod words;
 
+pub use judgement::Judgement;
 pub use report::{compared, page, picture, report};
 pub use run::{Estimator, Input, MachineRun, Parts, Run, lost};
 

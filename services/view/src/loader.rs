@@ -11,7 +11,7 @@ use sheet::count_shown;
 use sheet::loader::QUANTITIES;
 
 use crate::estimate::{Estimate, InnovationRule, Parameter, parameters};
-use crate::words::Judgement;
+use crate::judgement::Judgement;
 
 impl Estimate for LoaderEstimate {
     type Truth = LoaderTruth;

@@ -8,6 +8,7 @@ pub(crate) use html::hash;
 mod one_by_one;
 mod part;
 mod tables;
+mod verdicts;
 
 use std::fmt::Write;
 

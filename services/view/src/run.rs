@@ -5,7 +5,7 @@ use messages::{Health, Message, SwingMotion};
 use recording::{Reader, Sensors};
 use steps::stages::Pipeline;
 
-use crate::estimate::Estimate;
+use crate::estimate::{Estimate, method};
 
 /// The estimates of one estimator, in the order of their time.
 #[derive(Debug, Clone)]
@@ -20,9 +20,7 @@ impl<E: Estimate> Estimator<E> {
     /// The method of the last estimate.
     #[must_use]
     pub fn method(&self) -> &'static str {
-        self.estimates
-            .last()
-            .map_or("no estimate", Estimate::method_name)
+        method(&self.estimates)
     }
 }
 

@@ -1,7 +1,8 @@
 //! What a run is made of: swings of an excavator, drives of a loader, each with what heft said of it.
 
 use crate::estimate::Estimate;
-use crate::words::{Judgement, run_judgements};
+use crate::judgement::Judgement;
+use crate::words::run_judgements;
 
 /// A pause shorter than this does not end a stretch [s].
 const PAUSE: f64 = 0.3;

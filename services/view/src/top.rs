@@ -11,10 +11,11 @@ use ratatui::text::{Line, Span};
 use ratatui::widgets::{Block, Paragraph, Row, Sparkline, Table, Wrap};
 
 use crate::estimate::Estimate;
+use crate::judgement::Judgement;
 use crate::monitor::{MachineState, Monitor, ProcessState, TREND_PERIOD, Tracked};
 use crate::number::{decimals, grouped, nanoseconds, unit, with_std};
 use crate::report::state_name;
-use crate::words::{Judgement, wrapped};
+use crate::words::wrapped;
 
 /// What the dashboard knows.
 #[derive(Debug, Clone)]

@@ -5,9 +5,10 @@ use estimation::Quantity;
 use faer::Mat;
 
 use super::filter;
-use super::series::{Load, percentile};
+use super::series::Load;
 use super::swings::{Role, Swings};
 use crate::algebra;
+use crate::column::percentile;
 use crate::fit::{Task, values};
 use crate::model::Model;
 

@@ -3,8 +3,8 @@
 use config::Excavator as Description;
 use estimation::Quantity;
 
-use super::series::percentile;
 use super::{Outcome, Role};
+use crate::column::percentile;
 use crate::description::number;
 use crate::model::Model;
 use crate::output::Pen;

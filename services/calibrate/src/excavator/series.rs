@@ -6,6 +6,7 @@ use std::ops::Range;
 use estimation::excavator::{Geometry, Inertia, Sample};
 
 use super::torque::Torque;
+use crate::column::{moving_mean, percentile};
 
 /// Half the window in which the posture is smoothed, and the velocity to find the swings [s].
 const WINDOW: f64 = 0.04;
@@ -297,31 +298,6 @@ pub fn at(time: &[f64], values: &[f64], t: f64) -> f64 {
     }
 }
 
-/// Mean of the finite values within `half` of each time.
-#[must_use]
-pub fn moving_mean(time: &[f64], values: &[f64], half: f64) -> Vec<f64> {
-    let (mut first, mut last, mut sum, mut count) = (0, 0, 0.0, 0_usize);
-    let mut out = Vec::with_capacity(time.len());
-    for &t in time {
-        while last < time.len() && time[last] <= t + half {
-            if values[last].is_finite() {
-                sum += values[last];
-                count += 1;
-            }
-            last += 1;
-        }
-        while time[first] < t - half {
-            if values[first].is_finite() {
-                sum -= values[first];
-                count -= 1;
-            }
-            first += 1;
-        }
-        out.push(if count > 0 { sum / count as f64 } else { 0.0 });
-    }
-    out
-}
-
 fn smoothed(time: &[f64], values: &[f64], measured: Measured) -> Vec<f64> {
     match measured {
         Measured::Velocity => moving_mean(time, values, WINDOW),
@@ -418,15 +394,6 @@ fn openings(time: &[f64], bucket: &[f64]) -> Vec<bool> {
         opens[first..last].fill(true);
     }
     opens
-}
-
-/// The value that this share of the values does not exceed; 0 of nothing.
-#[must_use]
-pub fn percentile(mut values: Vec<f64>, share: f64) -> f64 {
-    values.retain(|v| v.is_finite());
-    values.sort_by(f64::total_cmp);
-    let index = share * values.len().saturating_sub(1) as f64;
-    values.get(index.round() as usize).copied().unwrap_or(0.0)
 }
 
 #[cfg(test)]

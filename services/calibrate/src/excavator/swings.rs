@@ -5,7 +5,8 @@ use estimation::Quantity;
 use estimation::excavator::{Doubts, Geometry};
 
 use super::filter::{self, Guess};
-use super::series::{Load, Measured, Series, Swing, percentile};
+use super::series::{Load, Measured, Series, Swing};
+use crate::column::percentile;
 use crate::description::number;
 use crate::model::{Innovation, Model};
 use crate::parameter::{Law, Parameter, Source};

@@ -57,7 +57,7 @@ impl Torque {
     /// From samples `(time, torque)` of increasing time, with the velocity at any time.
     pub fn new(samples: &[(f64, f64)], velocity: impl Fn(f64) -> f64) -> Self {
         let (time, value): (Vec<f64>, Vec<f64>) = samples.iter().copied().unzip();
-        let smooth = super::series::moving_mean(&time, &value, WINDOW);
+        let smooth = crate::column::moving_mean(&time, &value, WINDOW);
         let mut torque = Self {
             time,
             value,
@@ -107,7 +107,7 @@ impl Torque {
 
     /// The torque that 5 % of the samples exceed [N m].
     pub fn size(&self) -> f64 {
-        super::series::percentile(self.value.iter().map(|v| v.abs()).collect(), 0.95)
+        crate::column::percentile(self.value.iter().map(|v| v.abs()).collect(), 0.95)
     }
 }
 

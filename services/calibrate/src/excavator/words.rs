@@ -112,8 +112,8 @@ fn still_posture(swings: &Swings) -> bool {
         let (series, swing) = swings.swing(block);
         inertia.extend(&series.links[swing.rows.clone()]);
     }
-    let low = super::series::percentile(inertia.clone(), 0.05);
-    let high = super::series::percentile(inertia, 0.95);
+    let low = crate::column::percentile(inertia.clone(), 0.05);
+    let high = crate::column::percentile(inertia, 0.95);
     let upper = swings
         .index(Role::Inertia)
         .map_or(0.0, |i| swings.parameters[i].mean);

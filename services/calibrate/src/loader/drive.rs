@@ -4,9 +4,10 @@ use std::ops::Range;
 
 use estimation::loader::Sample;
 
-use super::residuals::BIN;
-use crate::excavator::series::percentile;
+use crate::column::percentile;
 
+/// Length of a bin [s].
+pub const BIN: f64 = 0.5;
 /// Slower than this a slip says nothing [m/s].
 const SLOWEST: f64 = 0.7;
 /// Rows closer together than this are averaged [s].

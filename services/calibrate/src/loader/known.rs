@@ -4,9 +4,9 @@ use config::Loader as Description;
 use estimation::Quantity;
 
 use super::drive::Drive;
-use super::drives::{Role, Told};
 use super::guess::{Guess, Scatter};
 use super::residuals::LONGEST_DELAY;
+use super::role::{Role, Told};
 use crate::parameter::{Parameter, Source};
 
 /// Tolerances where the description states none, or less than what only a calibration can know.

@@ -11,6 +11,7 @@ mod made;
 mod noise;
 mod residuals;
 mod result;
+mod role;
 #[cfg(test)]
 mod tests;
 mod way;
@@ -24,8 +25,9 @@ use estimation::Quantity;
 use estimation::loader::Sample;
 
 pub use drive::Drive;
-pub use drives::{Drives, Role, Told};
+pub use drives::Drives;
 use noise::Noises;
+pub use role::{Role, Told};
 
 use crate::fit::{EXACT, Progress, Task, values};
 use crate::honesty;

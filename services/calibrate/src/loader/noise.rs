@@ -9,8 +9,8 @@ use estimation::Quantity;
 use estimation::loader::Sample;
 
 use super::Input;
+use crate::column::percentile;
 use crate::description::number;
-use crate::excavator::series::percentile;
 
 /// Rows between the terms of a difference.
 const STRIDES: [usize; 3] = [1, 2, 3];

@@ -29,8 +29,6 @@ use super::guess::Guess;
 use super::wheels::{Acting, Slipping, balance, slipping};
 use crate::model::Innovation;
 
-/// Length of a bin [s].
-pub const BIN: f64 = 0.5;
 /// So many bins make a window over which motion and slope are averaged: the change of the slope must stand out of its noise, which
 /// otherwise hides a part of its delay.
 const WINDOW: usize = 2;

@@ -1,7 +1,8 @@
 //! What is wrong with the recordings of a loader, in sentences that say what to record.
 
-use super::drives::{Drives, Role};
-use crate::excavator::series::percentile;
+use super::drives::Drives;
+use super::role::Role;
+use crate::column::percentile;
 use crate::honesty::Direction;
 
 /// Least time of driving in a recording [s].

@@ -27,7 +27,7 @@ use super::settings::Settings;
 use super::standstill::Phase;
 use crate::consistency::gated_variance;
 use crate::kalman::Innovation;
-use crate::math::{exp, tanh};
+use crate::math::{exp, sqrt, tanh};
 use nalgebra::{SMatrix, SVector};
 
 type State = SVector<f64, 5>;
@@ -259,5 +259,32 @@ impl PayloadFilter {
     fn clear(&mut self, i: usize) {
         self.p.row_mut(i).fill(0.0);
         self.p.column_mut(i).fill(0.0);
+    }
+}
+
+/// Common reading of a filter.
+pub(in crate::excavator) fn reading(
+    model: &Model,
+    filter: &PayloadFilter,
+    drive: &Drive,
+    outcome: &Outcome,
+    payload_variance: f64,
+    changing: bool,
+) -> super::state::State {
+    let g = drive.now.per_payload;
+    let doubt = filter.doubt.of(1);
+    let payload_std = sqrt(payload_variance.max(0.0) + doubt * doubt);
+    super::state::State {
+        inertia: drive.now.with_payload(filter.x[1]),
+        inertia_std: g * payload_std,
+        payload: Some((filter.x[1], payload_std)),
+        damping: Some((filter.x[3], sqrt(filter.p[(3, 3)].max(0.0)))),
+        offset: Some((filter.x[2], sqrt(filter.p[(2, 2)].max(0.0)))),
+        velocity: filter.x[0],
+        acceleration: outcome.acceleration,
+        nis: outcome.innovation.nis(),
+        unsettled: filter.at_limit(model),
+        changing,
+        ..super::state::State::default()
     }
 }

@@ -18,7 +18,7 @@
 //! slope term is right, so no choice of axes makes the printed pair consistent with (1). Accelerating unloads the front axle.
 
 use super::LoadTransfer;
-use super::wheel_dynamics::{GRAVITY, Road, WheelDynamics};
+use super::machine::{GRAVITY, Road, WheelDynamics};
 use crate::scalar::Scalar;
 
 /// Axle loads are at least this share of the weight: a lifted axle still has a slip.

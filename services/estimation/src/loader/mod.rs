@@ -54,6 +54,7 @@ mod layout;
 mod legs;
 mod lift_arm;
 mod load;
+mod machine;
 mod method;
 pub mod payload;
 mod quantum;

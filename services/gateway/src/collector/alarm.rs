@@ -42,17 +42,6 @@ impl std::fmt::Display for Alarm {
     }
 }
 
-/// What is remembered of a machine.
-#[derive(Debug, Default)]
-pub struct State {
-    /// Alarms that are on, by kind, in words.
-    pub on: BTreeMap<&'static str, String>,
-    /// Since when it runs without being trusted.
-    untrusted: Option<Instant>,
-    /// The first trusted value of each learnt parameter since the collector began, and what it drifted to.
-    first: BTreeMap<&'static str, Quantity>,
-}
-
 /// Looks at every machine; returns what changed.
 pub fn look(fleet: &mut Fleet, args: &AlarmArgs) -> Vec<Alarm> {
     let limit = Duration::from_secs_f64(args.untrusted_after.clamp(0.0, 1e6) * 60.0);

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use messages::Envelope;
 
-use super::alarm::State;
+use super::alarm_state::State;
 use super::intake::Taken;
 use super::shown::{self, Quantity};
 use super::strangers::{Heard, MACHINES, leave};

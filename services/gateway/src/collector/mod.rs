@@ -4,6 +4,7 @@
 //! another serves the page from the same file. Two collectors do not know of each other.
 
 mod alarm;
+mod alarm_state;
 mod ask;
 pub mod full;
 mod intake;

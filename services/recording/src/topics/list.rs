@@ -9,8 +9,9 @@ use messages::Machine;
 use super::codec::Codec;
 use super::for_each_message;
 use super::node::Node;
+use crate::Error;
 use crate::reader::Reader;
-use crate::{Error, machines};
+use crate::signal::signals_of;
 
 /// Numbers of a topic that are listed.
 const MOST: usize = 60;
@@ -73,7 +74,7 @@ pub(crate) fn map(path: &Path, machine: Machine) -> Result<String, Error> {
             let _ = writeln!(text, "#     names of places: {}", topic.names.join(", "));
         }
     }
-    let signals = (machines::of(machine).signals)();
+    let signals = signals_of(machine);
     let signals = signals
         .iter()
         .filter(|s| s.name != "t" && !s.name.starts_with("true_"));

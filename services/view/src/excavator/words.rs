@@ -3,8 +3,8 @@
 use estimation::HALF_WIDTH_95;
 use messages::{EXCAVATOR_REASONS, ExcavatorEstimate, excavator_bits as bits};
 
+use crate::judgement::Judgement;
 use crate::number::{self, significant};
-use crate::words::Judgement;
 
 /// What heft says of the swing inertia.
 pub(crate) fn inertia(e: &ExcavatorEstimate) -> Judgement {

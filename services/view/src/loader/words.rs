@@ -3,8 +3,8 @@
 use estimation::HALF_WIDTH_95;
 use messages::{LOADER_REASONS, LoaderEstimate, loader_bits as bits};
 
+use crate::judgement::Judgement;
 use crate::number::{self, significant};
-use crate::words::Judgement;
 
 /// What heft says of the centre of gravity along the machine.
 pub(crate) fn position(e: &LoaderEstimate) -> Judgement {

@@ -8,7 +8,10 @@ use crate::run::{Estimator, MachineRun};
 /// The conditions of the estimator that is told first, and each estimator's own panels.
 #[must_use]
 pub fn panels<E: Estimate>(run: &MachineRun<E>) -> Vec<Panel> {
-    let own = run.estimators.iter().flat_map(E::own_panels);
+    let own = run
+        .estimators
+        .iter()
+        .flat_map(|e| E::own_panels(&e.estimates));
     run.primary()
         .map(conditions)
         .into_iter()

@@ -2,14 +2,10 @@
 
 use std::fmt::Write;
 
-use messages::Message;
-
 use super::html::text;
 use super::part;
-use crate::estimate::{Estimate, Parameter};
-use crate::number::{grouped, large, significant, unit};
-use crate::run::{Estimator, MachineRun, Run};
-use crate::words::{RunJudgement, run_judgements};
+use crate::number::grouped;
+use crate::run::Run;
 
 /// Title of the page.
 pub(super) fn title(run: &Run) -> String {
@@ -88,138 +84,4 @@ pub(super) fn facts(run: &Run) -> Vec<String> {
 fn duration(run: &Run) -> Option<String> {
     let seconds = part::all(run).iter().find_map(|part| part.seconds())?;
     Some(format!("{} s long", grouped(seconds, 1)))
-}
-
-/// The verdict of the primary estimator as cards, those of the others as a list.
-pub(super) fn verdicts<E: Estimate>(body: &mut String, part: &MachineRun<E>) {
-    let Some(primary) = part.primary() else {
-        return;
-    };
-    for (judgement, parameter) in run_judgements(&primary.estimates)
-        .iter()
-        .zip(headline::<E>())
-    {
-        card(body, part, primary, judgement, parameter);
-    }
-    for other in part
-        .estimators
-        .iter()
-        .filter(|e| e.channel != primary.channel)
-    {
-        let judgements = run_judgements(&other.estimates);
-        let sentences: Vec<_> = judgements
-            .iter()
-            .map(|j| text(&j.told.sentence()))
-            .collect();
-        let name = other.method();
-        let _ = write!(
-            body,
-            "<p class=\"other\"><b>{name}</b>: {}</p>",
-            sentences.join(" ")
-        );
-    }
-}
-
-fn headline<E: Estimate>() -> impl Iterator<Item = &'static Parameter<E, E::Truth>> {
-    E::PARAMETERS.iter().filter(|p| p.headline())
-}
-
-fn card<E: Estimate>(
-    body: &mut String,
-    part: &MachineRun<E>,
-    estimator: &Estimator<E>,
-    judgement: &RunJudgement,
-    parameter: &Parameter<E, E::Truth>,
-) {
-    let class = if judgement.told.trusted {
-        "trusted"
-    } else {
-        "doubted"
-    };
-    let word = if judgement.told.trusted {
-        "trusted"
-    } else {
-        "not trusted"
-    };
-    let at = grouped(judgement.time, 1);
-    let _ = write!(
-        body,
-        "<article class=\"verdict {class}\"><p class=\"title\">{}</p>{}<p class=\"value\">{}.</p>\
-         <p><span class=\"badge\">{word}</span> {}</p><p class=\"when\">{}, method <b>{}</b>, at t\u{a0}=\u{a0}{at}\u{a0}s; trusted {}\u{a0}% of the run.",
-        text(parameter.label),
-        headline_number(estimator, judgement, parameter),
-        text(&judgement.told.value),
-        text(&judgement.told.verdict()),
-        if judgement.told.trusted {
-            "Last trusted value"
-        } else {
-            "Last value"
-        },
-        estimator.method(),
-        significant(100.0 * judgement.trusted_share, 3),
-    );
-    if let Some(end) = &judgement.end {
-        let _ = write!(body, " At the end: {}", text(&end.verdict()));
-    }
-    if let Some(sentence) = truth_sentence(part, estimator, judgement, parameter) {
-        let _ = write!(body, " {sentence}");
-    }
-    body.push_str("</p></article>");
-}
-
-/// The number by itself, to be read from afar; nothing where there is none.
-fn headline_number<E: Estimate>(
-    estimator: &Estimator<E>,
-    judgement: &RunJudgement,
-    parameter: &Parameter<E, E::Truth>,
-) -> String {
-    let Some(estimate) = estimator.estimates.get(judgement.index) else {
-        return String::new();
-    };
-    let (value, std) = (parameter.value(estimate), parameter.std(estimate));
-    if !value.is_finite() || !std.is_finite() {
-        return String::new();
-    }
-    let (number, interval) = large(value, std, parameter.unit);
-    format!(
-        "<p class=\"number\">{}</p><p>95\u{a0}%: {}</p>",
-        text(&number),
-        text(&interval)
-    )
-}
-
-/// How far the told value is from the truth.
-fn truth_sentence<E: Estimate>(
-    part: &MachineRun<E>,
-    estimator: &Estimator<E>,
-    judgement: &RunJudgement,
-    parameter: &Parameter<E, E::Truth>,
-) -> Option<String> {
-    let estimate = estimator.estimates.get(judgement.index)?;
-    let sequence = estimate.stamp().sequence;
-    let at = part
-        .truth
-        .binary_search_by_key(&sequence, |t| t.stamp().sequence)
-        .ok()?;
-    let truth = parameter.truth(&part.truth[at]);
-    let (value, std) = (parameter.value(estimate), parameter.std(estimate));
-    let error = 100.0 * (value / truth - 1.0);
-    let inside = if (estimation::Quantity { value, std }).holds(truth) {
-        "inside"
-    } else {
-        "outside"
-    };
-    let unit = unit(parameter.unit);
-    let unit = if unit.is_empty() {
-        unit
-    } else {
-        format!("{}{unit}", crate::number::GROUP)
-    };
-    error.is_finite().then(|| {
-        format!(
-            "The truth was {}{unit}: the error is {}\u{a0}%, {inside} the 95\u{a0}% interval.",
-            grouped(truth, crate::number::decimals(std)),
-            grouped(error, 2),
-        )
-    })
 }

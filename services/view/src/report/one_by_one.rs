@@ -6,10 +6,10 @@ use estimation::HALF_WIDTH_95;
 
 use super::html::{row, table, text};
 use crate::estimate::{Estimate, Parameter};
+use crate::judgement::Judgement;
 use crate::number::{decimals, grouped, unit};
 use crate::run::MachineRun;
 use crate::stretches::{Stretch, stretches};
-use crate::words::Judgement;
 
 /// A row for each stretch of motion of the estimator that is told first.
 pub(super) fn write<E: Estimate>(body: &mut String, part: &MachineRun<E>) {

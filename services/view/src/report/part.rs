@@ -2,7 +2,7 @@
 
 use messages::{Machine, Message};
 
-use super::{Page, header, machine};
+use super::{Page, machine, verdicts};
 use crate::estimate::Estimate;
 use crate::panels::{self, Panel};
 use crate::run::{MachineRun, Run};
@@ -45,7 +45,7 @@ impl<E: Estimate> Part for MachineRun<E> {
     }
 
     fn verdicts(&self, body: &mut String) {
-        header::verdicts(body, self);
+        verdicts::verdicts(body, self);
     }
 
     fn sections(&self, page: &mut Page, run: &Run) {

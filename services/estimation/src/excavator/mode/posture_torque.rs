@@ -4,12 +4,11 @@
 use crate::excavator::changing_payload::ChangingPayload;
 use crate::excavator::drive::Drive;
 use crate::excavator::drop_mixture::DropMixture;
-use crate::excavator::payload::{Change, Model, Outcome, PayloadFilter};
+use crate::excavator::payload::{Change, Model, Outcome, PayloadFilter, reading};
 use crate::excavator::settings::{Settings, Variant};
 use crate::excavator::standstill::Phase;
 use crate::excavator::state::State;
 use crate::excavator::working::{Trail, Working};
-use crate::math::sqrt;
 
 /// Mode D in any variant.
 // One of them is made per machine, in place: there is no allocator to box it with.
@@ -59,7 +58,7 @@ impl PostureTorque {
                     filter.rest(model, drive, phase);
                     Outcome::default()
                 };
-                state(model, filter, drive, &outcome, filter.payload().1, false)
+                reading(model, filter, drive, &outcome, filter.payload().1, false)
             }
             Self::Drop(mixture) => mixture.step(drive, phase, reopen),
             Self::Auto(auto) => auto.step(drive, phase, reopen),
@@ -83,32 +82,5 @@ impl PostureTorque {
             Self::Auto(auto) => auto.is_sound(),
             Self::Working(working) => working.is_sound(),
         }
-    }
-}
-
-/// Common reading of a filter.
-pub(in crate::excavator) fn state(
-    model: &Model,
-    filter: &PayloadFilter,
-    drive: &Drive,
-    outcome: &Outcome,
-    payload_variance: f64,
-    changing: bool,
-) -> State {
-    let g = drive.now.per_payload;
-    let doubt = filter.doubt.of(1);
-    let payload_std = sqrt(payload_variance.max(0.0) + doubt * doubt);
-    State {
-        inertia: drive.now.with_payload(filter.x[1]),
-        inertia_std: g * payload_std,
-        payload: Some((filter.x[1], payload_std)),
-        damping: Some((filter.x[3], sqrt(filter.p[(3, 3)].max(0.0)))),
-        offset: Some((filter.x[2], sqrt(filter.p[(2, 2)].max(0.0)))),
-        velocity: filter.x[0],
-        acceleration: outcome.acceleration,
-        nis: outcome.innovation.nis(),
-        unsettled: filter.at_limit(model),
-        changing,
-        ..State::default()
     }
 }

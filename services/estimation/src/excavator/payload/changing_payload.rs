@@ -9,8 +9,7 @@
 
 use crate::excavator::drive::Drive;
 use crate::excavator::opening::Opening;
-use crate::excavator::payload::{Change, Model, Outcome, PayloadFilter};
-use crate::excavator::posture_torque::state;
+use crate::excavator::payload::{Change, Model, Outcome, PayloadFilter, reading};
 use crate::excavator::settings::Settings;
 use crate::excavator::standstill::Phase;
 use crate::excavator::state::State;
@@ -129,7 +128,7 @@ impl ChangingPayload {
         }
         self.variance = variance;
         let changing = self.change > 0 || self.opening.is_open();
-        let mut state = state(
+        let mut state = reading(
             &self.model,
             &self.constant,
             drive,
@@ -155,7 +154,7 @@ impl ChangingPayload {
         let variance = self.constant.payload().1;
         self.variance = variance;
         let opening = self.opening.is_open();
-        let mut state = state(
+        let mut state = reading(
             &self.model,
             &self.constant,
             drive,

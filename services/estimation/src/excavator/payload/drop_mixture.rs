@@ -3,8 +3,7 @@
 
 use crate::excavator::consider::Consider;
 use crate::excavator::drive::Drive;
-use crate::excavator::payload::{Change, Model, Outcome, PayloadFilter};
-use crate::excavator::posture_torque::state;
+use crate::excavator::payload::{Change, Model, Outcome, PayloadFilter, reading};
 use crate::excavator::settings::Settings;
 use crate::excavator::standstill::Phase;
 use crate::excavator::state::State;
@@ -64,7 +63,7 @@ impl DropMixture {
         self.started = true;
         let mut mean = merge(&self.filters, self.probability);
         mean.limit(&self.models[0]);
-        let mut state = state(
+        let mut state = reading(
             &self.models[0],
             &mean,
             drive,

@@ -2,7 +2,6 @@
 
 use super::super::drive::Drive;
 use super::super::opening::Opening;
-use super::weigh::Weigh;
 
 /// Joints that have moved this far since the machine stopped may have changed the content [rad].
 const MOVED: f64 = 0.03;
@@ -57,14 +56,14 @@ impl Bucket {
         }
     }
 
-    /// One tick; `share` of new angles in the smoothed ones. Where the load is weighed, it changes only where the ground may touch
-    /// the bucket, or the bucket opens.
+    /// One tick; `share` of new angles in the smoothed ones. Where the load is weighed, which tells whether the bucket `digs`,
+    /// it changes only then, or where the bucket opens.
     pub(super) fn step(
         &mut self,
         drive: &Drive,
         share: f64,
         standing: bool,
-        weigh: Option<&Weigh>,
+        digs: Option<bool>,
     ) -> Content {
         self.rate = self.opening.step(drive);
         let was_settling = self.settling > 0;
@@ -84,8 +83,7 @@ impl Bucket {
         }
         let stopped = *self.stopped.get_or_insert(now);
         self.unlocked |= (0..3).any(|i| (now[i] - stopped[i]).abs() > MOVED);
-        let weighed = weigh.filter(|weigh| weigh.is_there());
-        let fixed = weighed.is_some_and(|weigh| !weigh.digs() && self.settling == 0);
+        let fixed = digs.is_some_and(|digs| !digs && self.settling == 0);
         if fixed && was_settling && self.emptied {
             Content::Emptied
         } else if self.unlocked && !fixed {

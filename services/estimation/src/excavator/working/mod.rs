@@ -12,7 +12,9 @@ mod filter;
 mod noise;
 mod rival;
 mod smoother;
+mod states;
 mod tare;
+mod trail;
 mod verdict;
 mod weigh;
 
@@ -25,7 +27,8 @@ use self::filter::{
 };
 use self::noise::Noise;
 use self::rival::Rival;
-pub use self::smoother::{Smoothed, Smoother, Trail};
+pub use self::smoother::{Smoothed, Smoother};
+pub use self::trail::Trail;
 use self::weigh::Weigh;
 use super::doubts::Doubts;
 use super::drive::Drive;
@@ -185,7 +188,9 @@ impl Working {
         };
         // Who digs is pushed by the ground, and creeps.
         let stands = standing || self.slow_for > CREPT;
-        let content = self.bucket.step(drive, share, stands, self.weigh.as_ref());
+        let weighs = self.weigh.as_ref().filter(|weigh| weigh.is_there());
+        let digs = weighs.map(Weigh::digs);
+        let content = self.bucket.step(drive, share, stands, digs);
         self.hold(settings, content, trail);
         if let Some(weigh) = &mut self.weigh {
             let motion = (self.turn, self.filter.x[W]);

@@ -6,7 +6,7 @@ use core::f64::consts::TAU;
 use super::Working;
 use super::bucket::Content;
 use super::filter::{M, inertia_row};
-use super::smoother::Trail;
+use super::trail::Trail;
 use crate::excavator::geometry::Inertia;
 use crate::excavator::settings::Settings;
 use crate::math::{ln, sqrt};

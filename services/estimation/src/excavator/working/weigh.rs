@@ -10,7 +10,7 @@ use super::super::measurements::ground::Ground;
 use super::super::settings::Settings;
 use super::bucket::Content;
 use super::filter::{BUCKET, Filter, LINKS, M, N, REST, SLOPE, SPAN, ZERO};
-use super::smoother::Trail;
+use super::trail::Trail;
 use crate::kalman::Innovation;
 use crate::math::{exp, sin_cos};
 

@@ -1,0 +1,41 @@
+//! The states of the default estimator, by their places.
+
+/// Number of states.
+pub(super) const N: usize = 17;
+/// Swing velocity.
+pub(super) const W: usize = 0;
+/// Payload.
+pub(super) const M: usize = 1;
+/// Torque offset.
+pub(super) const OFFSET: usize = 2;
+/// Viscous damping.
+pub(super) const DAMPING: usize = 3;
+/// Gain of the torque.
+pub(super) const GAIN: usize = 4;
+/// Loss of the drive.
+pub(super) const LOSS: usize = 5;
+/// Coulomb friction.
+pub(super) const FRICTION: usize = 6;
+/// Slope, two states.
+pub(super) const SLOPE: usize = 7;
+/// First moment of the upper body.
+pub(super) const MOMENT: usize = 9;
+/// Delay of the velocity.
+pub(super) const DELAY: usize = 10;
+
+/// Inertia of the upper body beyond the described one [kg m^2].
+pub(super) const UPPER: usize = 11;
+/// Mass of the bucket beyond the described one [kg].
+pub(super) const BUCKET: usize = 12;
+/// Masses of boom and arm over the described ones, minus 1.
+pub(super) const LINKS: usize = 13;
+
+/// Span of the boom's moment over the described one, minus 1.
+pub(super) const SPAN: usize = 14;
+/// Zero of the force of the boom's cylinders [N].
+pub(super) const ZERO: usize = 15;
+/// What is left of their friction, and of the drawing's moment [N].
+pub(super) const REST: usize = 16;
+
+/// A vector of states.
+pub(super) type Vector = [f64; N];

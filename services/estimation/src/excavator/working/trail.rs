@@ -1,0 +1,88 @@
+//! What the filter did in each tick, left for the smoother.
+
+use super::states::{N, Vector};
+
+/// Most that a tick does: content unknown, two inclinations, standing, setting off; or motion, loss, velocity, tare.
+const MOST: usize = 8;
+
+/// One thing that the filter did.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Act {
+    /// State `i` became `row x`.
+    Row(usize, Vector),
+    /// A measurement of `row x` with its gain, innovation and variance.
+    Measured {
+        row: Vector,
+        gain: Vector,
+        value: f64,
+        variance: f64,
+    },
+}
+
+/// What the filter did in one tick, and what it knew of the payload after it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Trail {
+    pub(super) acts: [Option<Act>; MOST],
+    pub(super) count: usize,
+    /// Payload, and its row of the covariance.
+    pub(super) payload: f64,
+    pub(super) covariance: Vector,
+    /// Inertia at this posture, its covariance with the states, and its variance.
+    pub(super) posture: [f64; 3],
+    pub(super) inertia: f64,
+    pub(super) along: Vector,
+    pub(super) variance: f64,
+    /// The filter is a new one: of what was before it knows nothing.
+    pub(super) anew: bool,
+    /// Smallest and largest payload.
+    pub(super) range: [f64; 2],
+    /// Standard deviation of what the drawing misses of the inertia [kg m^2].
+    pub(super) form: f64,
+    /// Factor of the variance by which stretches of the swings disagree.
+    pub(super) disagreement: f64,
+}
+
+impl Trail {
+    /// Nothing done.
+    pub(super) const NOTHING: Self = Self {
+        acts: [None; MOST],
+        count: 0,
+        payload: 0.0,
+        covariance: [0.0; N],
+        posture: [0.0; 3],
+        inertia: 0.0,
+        along: [0.0; N],
+        variance: 0.0,
+        anew: false,
+        range: [0.0; 2],
+        form: 0.0,
+        disagreement: 1.0,
+    };
+
+    fn push(&mut self, act: Act) {
+        if let Some(free) = self.acts.get_mut(self.count) {
+            *free = Some(act);
+            self.count += 1;
+        }
+    }
+
+    /// State `i` is a new one, independent of all.
+    pub(super) fn set(&mut self, i: usize) {
+        self.push(Act::Row(i, [0.0; N]));
+    }
+
+    /// State `i` becomes this product.
+    pub(super) fn row(&mut self, i: usize, row: &Vector) {
+        self.push(Act::Row(i, *row));
+    }
+
+    /// A measurement.
+    pub(super) fn measured(&mut self, row: &Vector, gain: &Vector, value: f64, variance: f64) {
+        self.push(Act::Measured {
+            row: *row,
+            gain: *gain,
+            value,
+            variance,
+        });
+    }
+}
