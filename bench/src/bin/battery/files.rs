@@ -14,8 +14,9 @@ use crate::ground::Ground;
 /// Damaged copies in one turn.
 const COPIES: usize = 40;
 
+/// What is done to a copy.
 #[derive(Clone, Copy, PartialEq)]
-enum Damage {
+pub enum Damage {
     Cut,
     Flip,
 }
@@ -38,18 +39,18 @@ pub fn all() -> impl Iterator<Item = Box<dyn Attack>> {
 }
 
 /// A recording of a run, and what it holds.
-struct Original {
+pub struct Original {
     bytes: Vec<u8>,
-    rows: Rows,
+    pub rows: Rows,
     /// Where each record begins, its kind, its length.
     records: Vec<(usize, u8, usize)>,
 }
 
 /// Per channel: a hash of every message.
-type Rows = BTreeMap<String, Vec<u64>>;
+pub type Rows = BTreeMap<String, Vec<u64>>;
 
 impl Original {
-    fn make(ground: &Ground) -> Result<Self, String> {
+    pub fn make(ground: &Ground) -> Result<Self, String> {
         ground
             .run(1.5, &[])?
             .remains(Duration::from_secs(20))?
@@ -65,7 +66,7 @@ impl Original {
     }
 
     /// A damaged copy, and in words what was done.
-    fn damaged(&self, damage: Damage, rng: &mut Rng) -> (Vec<u8>, String) {
+    pub fn damaged(&self, damage: Damage, rng: &mut Rng) -> (Vec<u8>, String) {
         let mut bytes = self.bytes.clone();
         if damage == Damage::Cut {
             let (at, kind, _) = rng.one(&self.records);
@@ -115,7 +116,8 @@ fn records(bytes: &[u8]) -> Vec<(usize, u8, usize)> {
     found
 }
 
-fn rows(reader: &Reader) -> Rows {
+/// What a reader gives of each channel.
+pub fn rows(reader: &Reader) -> Rows {
     let mut rows = Rows::new();
     for channel in reader.channels() {
         let list = rows.entry(channel.to_owned()).or_default();

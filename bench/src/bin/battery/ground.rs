@@ -48,6 +48,11 @@ impl Ground {
         &self.domain
     }
 
+    /// The program under attack.
+    pub fn program(&self) -> &Path {
+        &self.heft
+    }
+
     /// A command of heft.
     pub fn heft(&self) -> Command {
         let mut command = Command::new(&self.heft);
@@ -55,13 +60,25 @@ impl Ground {
         command
     }
 
+    /// A command of heft behind other words, which end in `exec`: another user, another clock.
+    pub fn heft_behind(&self, words: &[&str]) -> Command {
+        let mut command = Command::new(words[0]);
+        command.args(&words[1..]).arg(&self.heft);
+        command.stdin(Stdio::null());
+        command
+    }
+
     /// Starts a run of so many seconds.
     pub fn run(&self, seconds: f64, more: &[&str]) -> Result<Run, String> {
+        self.run_by(self.heft(), seconds, more)
+    }
+
+    /// Starts a run by this command of heft.
+    pub fn run_by(&self, mut heft: Command, seconds: f64, more: &[&str]) -> Result<Run, String> {
         let (out, said) = (self.folder.join("out"), self.folder.join("said"));
         let file = fs::File::create(&said).map_err(|e| e.to_string())?;
         let other = file.try_clone().map_err(|e| e.to_string())?;
-        let child = self
-            .heft()
+        let child = heft
             .args(["run", "excavator", "--quiet", "--no-report"])
             .args([
                 "--rate",
@@ -156,7 +173,12 @@ impl Run {
         Ok(())
     }
 
-    /// Sensors a service, if it is there.
+    /// Its supervisor.
+    pub fn supervisor(&self) -> u32 {
+        self.child.id()
+    }
+
+    /// Signals a service, if it is there.
     pub fn signal(&self, name: &str, signal: Signal) {
         if let Some(pid) = self.service(name) {
             send(pid, signal);

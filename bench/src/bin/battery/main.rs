@@ -7,14 +7,21 @@
 mod attack;
 mod doubled;
 mod files;
+mod fleet;
 mod floods;
+mod full;
 mod fuzz;
 mod ground;
 mod kills;
 mod parts;
+mod readers;
+mod sizes;
 mod soak;
+mod squatter;
+mod states;
 mod stops;
 mod storm;
+mod supply;
 mod trust;
 mod users;
 
@@ -48,6 +55,13 @@ fn attacks() -> Vec<Box<dyn Attack>> {
     attacks.push(Box::new(trust::Trust));
     attacks.push(Box::new(floods::Flood));
     attacks.push(Box::new(users::SecondUser));
+    attacks.push(Box::new(fleet::Clocks));
+    attacks.push(Box::new(readers::Readers::default()));
+    attacks.push(Box::new(sizes::Sizes));
+    attacks.push(Box::new(states::States));
+    attacks.push(Box::new(squatter::Squatter));
+    attacks.push(Box::new(full::SharedMemory));
+    attacks.push(Box::new(supply::Supply));
     attacks
 }
 
@@ -104,82 +118,100 @@ struct Tally {
     worst_gap: u64,
 }
 
+impl Tally {
+    /// Counts how an attempt ended; what did not survive, in words.
+    fn count(&mut self, outcome: Result<Outcome, String>) -> Option<String> {
+        match outcome {
+            Ok(Outcome::Skipped) => self.skipped += 1,
+            Ok(Outcome::Survived { gap }) => {
+                self.tried += 1;
+                self.survived += 1;
+                self.worst_gap = self.worst_gap.max(gap);
+            }
+            Err(why) => {
+                self.tried += 1;
+                return Some(why);
+            }
+        }
+        None
+    }
+}
+
+type Rows = Vec<(Box<dyn Attack>, Tally)>;
+
 fn main() -> ExitCode {
     let Some(arguments) = arguments() else {
         eprintln!("{USAGE}");
         return ExitCode::from(2);
     };
-    if let Some(target) = &arguments.fuzz {
-        return match fuzz::run(target, arguments.seconds, arguments.seed) {
-            Ok(()) => ExitCode::SUCCESS,
-            Err(why) => {
-                eprintln!("{why}");
-                ExitCode::FAILURE
-            }
-        };
-    }
-    if let Some(word) = &arguments.trust {
-        return match trust::print(word, arguments.seed, arguments.from) {
-            Ok(good) => ExitCode::from(u8::from(!good)),
-            Err(why) => {
-                eprintln!("{why}");
-                ExitCode::FAILURE
-            }
-        };
-    }
-    if !arguments.heft.exists() {
-        eprintln!(
-            "{} is not there: run `cargo build` first",
-            arguments.heft.display()
-        );
+    let needs_heft = arguments.fuzz.is_none() && arguments.trust.is_none();
+    if needs_heft && !arguments.heft.exists() {
+        let place = arguments.heft.display();
+        eprintln!("{place} is not there: run `cargo build` first");
         return ExitCode::from(2);
     }
-    if let Some(minutes) = arguments.soak {
-        return match soak::run(&arguments.heft, minutes) {
-            Ok(good) => ExitCode::from(u8::from(!good)),
-            Err(why) => {
-                eprintln!("{why}");
-                ExitCode::FAILURE
-            }
-        };
+    match run(&arguments) {
+        Ok(good) => ExitCode::from(u8::from(!good)),
+        Err(why) => {
+            eprintln!("{why}");
+            ExitCode::FAILURE
+        }
     }
-    let mut rng = Rng::new(arguments.seed);
-    let mut rows: Vec<(Box<dyn Attack>, Tally)> = attacks()
-        .into_iter()
-        .filter(|a| a.name().contains(&arguments.only))
-        .map(|a| (a, Tally::default()))
-        .collect();
+}
+
+/// Does what the arguments ask for; whether all of it survived.
+fn run(arguments: &Arguments) -> Result<bool, String> {
+    if let Some(target) = &arguments.fuzz {
+        return fuzz::run(target, arguments.seconds, arguments.seed).map(|()| true);
+    }
+    if let Some(word) = &arguments.trust {
+        return trust::print(word, arguments.seed, arguments.from);
+    }
+    if let Some(minutes) = arguments.soak {
+        return soak::run(&arguments.heft, minutes);
+    }
     let begun = Instant::now();
+    let rows = attempts(arguments, begun);
+    print(&rows);
+    println!(
+        "{} attacks in {:.1} minutes, seed {}; gaps in samples at {} Hz",
+        rows.iter().map(|(_, t)| t.tried).sum::<u32>(),
+        begun.elapsed().as_secs_f64() / 60.0,
+        arguments.seed,
+        ground::RATE
+    );
+    Ok(rows.iter().all(|(_, tally)| tally.tried == tally.survived))
+}
+
+/// The attacks in turn, until the time is over.
+fn attempts(arguments: &Arguments, begun: Instant) -> Rows {
+    let mut rng = Rng::new(arguments.seed);
+    let chosen = attacks().into_iter();
+    let chosen = chosen.filter(|a| a.name().contains(&arguments.only));
+    let mut rows: Rows = chosen.map(|a| (a, Tally::default())).collect();
     let limit = Duration::from_secs_f64(60.0 * arguments.minutes.max(0.0));
     let mut number = 0;
-    'all: while !rows.is_empty() {
+    while !rows.is_empty() {
         for (attack, tally) in &mut rows {
             if begun.elapsed() >= limit {
-                break 'all;
+                return rows;
             }
             number += 1;
             let ground = Ground::new(&arguments.heft, number);
-            match attack.attempt(&mut rng, &ground) {
-                Ok(Outcome::Survived { gap }) => {
-                    tally.tried += 1;
-                    tally.survived += 1;
-                    tally.worst_gap = tally.worst_gap.max(gap);
-                }
-                Ok(Outcome::Skipped) => tally.skipped += 1,
-                Err(why) => {
-                    tally.tried += 1;
-                    println!("{} (number {number}): {why}", attack.name());
-                }
+            if let Some(why) = tally.count(attack.attempt(&mut rng, &ground)) {
+                println!("{} (number {number}): {why}", attack.name());
             }
         }
     }
+    rows
+}
+
+fn print(rows: &Rows) {
     println!(
         "{:<34} {:>6} {:>9} {:>8} {:>10}",
         "attack", "tried", "survived", "skipped", "worst gap"
     );
-    let mut all_good = true;
-    for (attack, tally) in &rows {
-        all_good &= tally.tried == tally.survived;
+    for (attack, tally) in rows {
         println!(
             "{:<34} {:>6} {:>9} {:>8} {:>10}",
             attack.name(),
@@ -191,12 +223,4 @@ fn main() -> ExitCode {
     }
     let notes = rows.iter().filter_map(|(attack, _)| attack.note());
     notes.for_each(|note| println!("{note}"));
-    println!(
-        "{} attacks in {:.1} minutes, seed {}; gaps in samples at {} Hz",
-        rows.iter().map(|(_, t)| t.tried).sum::<u32>(),
-        begun.elapsed().as_secs_f64() / 60.0,
-        arguments.seed,
-        ground::RATE
-    );
-    ExitCode::from(u8::from(!all_good))
 }

@@ -1,14 +1,17 @@
 //! The trust matrix: one column of the sensors goes wrong in the middle of the work, in every way and for
-//! every method. What counts is the share of what is trusted afterwards that is wrong: outside of three
-//! standard deviations and by more than 4 %.
+//! every method, or is another machine's. What counts is the share of what is trusted afterwards that is wrong, by
+//! the judge of `statistics`: the 95 % interval does not hold the truth, or it is more than 10 % away.
 //!
 //! Some faults cannot be told from another machine by anybody (a gain of the torque is an inertia). Those
 //! cells are in [`KNOWN`], with the reason in `docs/reliability.md`; every other has the bound.
+
+use std::fmt;
 
 use config::Description;
 use messages::{Envelope, Machine, Message, Value};
 use recording::Sensors;
 use runtime::Source;
+use statistics::judge::is_wrong;
 use steps::stages::Pipeline;
 use view::estimate::{Estimate, Parameter};
 
@@ -23,6 +26,8 @@ const LEAST: u32 = 20;
 const DURATION: f64 = 60.0;
 pub const FROM: f64 = 25.0;
 const DRIFT: f64 = 10.0;
+/// Another machine is so far ahead in its work [samples at 100 Hz].
+const MEANWHILE: usize = 1700;
 
 /// A fault of one column.
 #[derive(Clone, Copy, PartialEq)]
@@ -40,10 +45,14 @@ pub enum Kind {
     GainDrift(f64),
     /// Written in another unit.
     Unit,
+    /// Off by so many rad: an angle that was mounted or described otherwise.
+    Angle(f64),
+    /// What another machine measures meanwhile, at another moment of its work.
+    Foreign,
 }
 
 /// The kinds, by their names.
-const KINDS: [(&str, Kind); 14] = [
+const KINDS: [(&str, Kind); 18] = [
     ("missing", Kind::Missing),
     ("frozen", Kind::Frozen),
     ("zero", Kind::Zero),
@@ -52,10 +61,14 @@ const KINDS: [(&str, Kind); 14] = [
     ("late 500 ms", Kind::Late(50)),
     ("gain 0.5", Kind::Gain(0.5)),
     ("gain 0.8", Kind::Gain(0.8)),
+    ("gain 1.1", Kind::Gain(1.1)),
+    ("gain 1.25", Kind::Gain(1.25)),
     ("gain 2", Kind::Gain(2.0)),
     ("sign", Kind::Gain(-1.0)),
     ("offset", Kind::Offset(0.3)),
     ("unit", Kind::Unit),
+    ("0.3 rad off", Kind::Angle(0.3)),
+    ("another machine's", Kind::Foreign),
     ("drift", Kind::Drift(0.3)),
     ("drift of the gain", Kind::GainDrift(0.8)),
 ];
@@ -76,15 +89,21 @@ const COLUMNS: &[(&str, f64)] = &[
     ("acceleration", 0.102),
 ];
 
+/// The joint angles together: one bus, one wrong drawing.
+const JOINTS: (&str, [&str; 3]) = ("joint angles", ["boom_angle", "arm_angle", "bucket_angle"]);
+
 /// A column of a machine: name, bit, factor of a wrong unit.
 type Column = (&'static str, u32, f64);
+
+/// What goes wrong together, and its name.
+type Group = (&'static str, Vec<Column>);
 
 /// One cell of the matrix.
 #[derive(Clone, Copy)]
 pub struct Cell {
     machine: Machine,
     method: &'static str,
-    column: usize,
+    group: usize,
     kind: usize,
 }
 
@@ -106,6 +125,16 @@ impl Share {
     }
 }
 
+impl fmt::Display for Share {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let trusted = 100.0 * f64::from(self.trusted) / f64::from(self.after.max(1));
+        if trusted < 0.5 {
+            return f.write_str("–");
+        }
+        write!(f, "{trusted:.0}/{:.0}", 100.0 * self.wrong())
+    }
+}
+
 /// Runs cells on the samples of a machine, before anything went wrong, with the time of the fault.
 type Clean = Box<dyn Fn(Cell, f64) -> Result<Share, String>>;
 
@@ -117,17 +146,20 @@ macro_rules! machines {
                 $( Machine::$machine => {
                     let mut source = sensor::$module::Simulator::at_usual_work(DURATION, seed)
                         .map_err(|e| e.to_string())?;
+                    let mut other = sensor::$module::Simulator::at_usual_work(DURATION, seed + 1)
+                        .map_err(|e| e.to_string())?;
                     let series: Vec<_> = std::iter::from_fn(|| source.next()).collect();
+                    let other: Vec<_> = std::iter::from_fn(|| other.next()).collect();
                     Box::new(move |cell, from| {
-                        cell.judge::<_, messages::$estimate>(series.clone(), from)
+                        cell.judge::<_, messages::$estimate>(series.clone(), &other, from)
                     })
                 } )*
             })
         }
 
-        fn columns(machine: Machine) -> Vec<Column> {
+        fn groups(machine: Machine) -> Vec<Group> {
             match machine {
-                $( Machine::$machine => columns_of::<messages::$sensors>(), )*
+                $( Machine::$machine => groups_of::<messages::$sensors>(), )*
             }
         }
     };
@@ -135,12 +167,18 @@ macro_rules! machines {
 
 messages::machines!(machines);
 
-fn columns_of<S: Sensors>() -> Vec<Column> {
+/// Each column that goes wrong alone, and the joint angles together.
+fn groups_of<S: Sensors>() -> Vec<Group> {
     let of = |(index, bit): (usize, u32)| {
         let (name, unit) = COLUMNS.iter().find(|c| c.0 == S::FIELDS[index].name)?;
         Some((*name, bit, *unit))
     };
-    recording::measured::<S>().filter_map(of).collect()
+    let columns: Vec<Column> = recording::measured::<S>().filter_map(of).collect();
+    let is_joint = |column: &&Column| JOINTS.1.contains(&column.0);
+    let joints: Vec<Column> = columns.iter().filter(is_joint).copied().collect();
+    let mut groups: Vec<Group> = columns.iter().map(|c| (c.0, vec![*c])).collect();
+    groups.extend((!joints.is_empty()).then_some((JOINTS.0, joints)));
+    groups
 }
 
 /// Every cell.
@@ -149,31 +187,41 @@ pub fn cells() -> Vec<Cell> {
     for machine in Machine::ALL {
         let stages = Pipeline::of(machine).stages.iter();
         for method in stages.flat_map(|s| s.methods()).copied() {
-            for column in 0..columns(machine).len() {
+            for (group, (_, columns)) in groups(machine).iter().enumerate() {
                 let of = |kind| Cell {
                     machine,
                     method,
-                    column,
+                    group,
                     kind,
                 };
-                cells.extend((0..KINDS.len()).map(of));
+                let kinds = (0..KINDS.len()).filter(|kind| can_be(KINDS[*kind].1, columns));
+                cells.extend(kinds.map(of));
             }
         }
     }
     cells
 }
 
+/// Only angles are off by an angle.
+fn can_be(kind: Kind, columns: &[Column]) -> bool {
+    !matches!(kind, Kind::Angle(_)) || columns.iter().all(|c| JOINTS.1.contains(&c.0))
+}
+
 impl Cell {
     fn name(self) -> String {
-        let column = columns(self.machine)[self.column].0;
-        format!(
-            "{} {} {column} {}",
-            self.machine, self.method, KINDS[self.kind].0
-        )
+        let Self {
+            machine, method, ..
+        } = self;
+        format!("{machine} {method} {} {}", self.place(), KINDS[self.kind].0)
+    }
+
+    /// What goes wrong.
+    fn place(self) -> &'static str {
+        groups(self.machine)[self.group].0
     }
 
     fn is_known(self) -> bool {
-        let cell = (columns(self.machine)[self.column].0, KINDS[self.kind].0);
+        let cell = (self.place(), KINDS[self.kind].0);
         let methods = ["auto", "posture-torque"];
         methods.contains(&self.method) && KNOWN.contains(&cell)
     }
@@ -182,10 +230,12 @@ impl Cell {
     fn judge<S: Message, E: Estimate>(
         self,
         mut series: Vec<(S, E::Truth)>,
+        other: &[(S, E::Truth)],
         from: f64,
     ) -> Result<Share, String> {
-        let (name, bit, unit) = columns(self.machine)[self.column];
-        damage(&mut series, (name, bit, unit), KINDS[self.kind].1, from);
+        for column in &groups(self.machine)[self.group].1 {
+            damage(&mut series, other, *column, KINDS[self.kind].1, from);
+        }
         let description = Description::default_of(self.machine);
         let pipeline = Pipeline::of(self.machine);
         let stage = pipeline.with_method(self.method).ok_or("no such method")?;
@@ -226,14 +276,19 @@ impl Share {
             return;
         }
         self.trusted += 1;
-        let truth = judged.truth(truth);
-        let away = (judged.value(estimate) - truth).abs();
-        self.wrong += u32::from(away > 3.0 * judged.std(estimate) && away > 0.04 * truth.abs());
+        let (value, std) = (judged.value(estimate), judged.std(estimate));
+        self.wrong += u32::from(is_wrong(value, std, judged.truth(truth)));
     }
 }
 
 /// Damages a column from this time on.
-fn damage<S: Message, T>(series: &mut [(S, T)], (name, bit, unit): Column, kind: Kind, begin: f64) {
+fn damage<S: Message, T>(
+    series: &mut [(S, T)],
+    other: &[(S, T)],
+    (name, bit, unit): Column,
+    kind: Kind,
+    begin: f64,
+) {
     let (Some(at), Some(valid)) = (S::index(name), S::index("valid")) else {
         return;
     };
@@ -259,6 +314,8 @@ fn damage<S: Message, T>(series: &mut [(S, T)], (name, bit, unit): Column, kind:
             Kind::Drift(share) => clean[n] + part * share * square.sqrt(),
             Kind::GainDrift(gain) => clean[n] * (1.0 + part * (gain - 1.0)),
             Kind::Unit => unit * clean[n],
+            Kind::Angle(angle) => clean[n] + angle,
+            Kind::Foreign => value(&other[(n + MEANWHILE) % other.len()].0),
         };
         sample.set(at, Value::F64(new));
     }
@@ -274,7 +331,9 @@ impl Attack for Trust {
 
     fn attempt(&mut self, rng: &mut Rng, _ground: &Ground) -> Result<Outcome, String> {
         let cell = rng.one(&cells());
-        let from = 20.0 + rng.between(0, 15) as f64;
+        // From the start, or in the middle of the work.
+        let later = 20.0 + rng.between(0, 15) as f64;
+        let from = rng.one(&[0.0, later]);
         let share = clean(cell.machine, 1 + rng.between(0, 1000))?(cell, from)?;
         if share.wrong() > BOUND && !cell.is_known() {
             let Share { trusted, wrong, .. } = share;
@@ -287,43 +346,62 @@ impl Attack for Trust {
     }
 }
 
-/// The whole matrix as a table for people: per method, column and kind, trusted and wrong of it; what is
-/// above the bound and not known is named last. Whether there is none.
+/// The matrix as Markdown, a table a method: the time that is trusted, and how much of that is wrong; what is above the
+/// bound is named below it. Whether all of that is known.
 pub fn print(word: &str, seed: u64, from: f64) -> Result<bool, String> {
-    let chosen: Vec<Cell> = cells()
-        .into_iter()
-        .filter(|c| c.name().contains(word))
-        .collect();
-    let mut above = Vec::new();
-    let mut last = String::new();
+    let chosen = cells().into_iter().filter(|c| c.name().contains(word));
+    let chosen: Vec<Cell> = chosen.collect();
     let runs = Machine::ALL.map(|machine| clean(machine, seed));
-    for cell in chosen {
-        let run = runs[cell.machine as usize]
+    let mut all_known = true;
+    for table in chosen.chunk_by(|a, b| (a.machine, a.method) == (b.machine, b.method)) {
+        let run = runs[table[0].machine as usize]
             .as_ref()
             .map_err(String::clone)?;
-        let share = run(cell, from)?;
-        let row = format!(
-            "{} | {} | {}",
-            cell.machine,
-            cell.method,
-            columns(cell.machine)[cell.column].0
-        );
-        if row != last {
-            print!("{}| {row}", if last.is_empty() { "" } else { " |\n" });
-            last = row;
-        }
-        let trusted = f64::from(share.trusted) / f64::from(share.after.max(1));
-        print!(" | {:.0}/{:.0}", 100.0 * trusted, 100.0 * share.wrong());
-        if share.wrong() > BOUND {
-            above.push((cell, share.wrong()));
+        let judged = table.iter().map(|cell| Ok((*cell, run(*cell, from)?)));
+        let judged: Vec<(Cell, Share)> = judged.collect::<Result<_, String>>()?;
+        print_table(&judged);
+        for (cell, share) in judged.iter().filter(|(_, share)| share.wrong() > BOUND) {
+            let known = if cell.is_known() { "known" } else { "NEW" };
+            println!("{}: {:.2} {known}", cell.name(), share.wrong());
+            all_known &= cell.is_known();
         }
     }
-    println!(" |\n\nabove {BOUND}:");
-    for (cell, wrong) in &above {
-        let known = if cell.is_known() { "known" } else { "NEW" };
-        println!("{}: {wrong:.2} {known}", cell.name());
+    Ok(all_known)
+}
+
+/// A row a kind, a column for what goes wrong.
+fn print_table(judged: &[(Cell, Share)]) {
+    let Some((first, _)) = judged.first() else {
+        return;
+    };
+    let groups = groups(first.machine);
+    let present = |group: &usize| judged.iter().any(|(cell, _)| cell.group == *group);
+    let present: Vec<usize> = (0..groups.len()).filter(present).collect();
+    println!("\n{}, `{}`:\n", first.machine, first.method);
+    let names: Vec<String> = present
+        .iter()
+        .map(|g| format!("`{}`", groups[*g].0))
+        .collect();
+    println!(
+        "| fault | {} |\n|{}",
+        names.join(" | "),
+        "---|".repeat(1 + names.len())
+    );
+    for (kind, (name, _)) in KINDS.iter().enumerate() {
+        let text = |group: &usize| {
+            let mut found = judged
+                .iter()
+                .filter(|(c, _)| (c.group, c.kind) == (*group, kind));
+            found
+                .next()
+                .map_or(String::new(), |(_, share)| share.to_string())
+        };
+        let texts: Vec<String> = present.iter().map(text).collect();
+        if texts.iter().any(|text| !text.is_empty()) {
+            println!("| {name} | {} |", texts.join(" | "));
+        }
     }
-    Ok(above.iter().all(|(cell, _)| cell.is_known()))
+    println!();
 }
 
 /// Cells of the excavator's `posture-torque`, which `auto` chooses, that may lie above the bound: column and kind.
