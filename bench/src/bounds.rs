@@ -78,12 +78,12 @@ impl Host {
         }
     }
 
-    /// Time of a step if only the number of operations counted [ns].
+    /// Time of a step if only the number of operations counted \[ns\].
     pub fn flop_bound(&self, operations: &Operations) -> f64 {
         operations.flops * self.throughput
     }
 
-    /// Time of a step if only its longest chain counted [ns].
+    /// Time of a step if only its longest chain counted \[ns\].
     pub fn chain_bound(&self, operations: &Operations) -> f64 {
         operations.chain * self.arithmetic
             + operations.divisions * self.division

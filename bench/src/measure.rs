@@ -26,7 +26,7 @@ impl Contender {
     }
 }
 
-/// Times of one step [ns].
+/// Times of one step \[ns\].
 #[derive(Debug, Clone, Copy)]
 pub struct Timing {
     /// The quickest block: what the code costs when nothing disturbs it.
@@ -35,7 +35,7 @@ pub struct Timing {
     pub median: f64,
 }
 
-/// Quantiles of single, separately timed calls [ns]; the clock's own cost is in them.
+/// Quantiles of single, separately timed calls \[ns\]; the clock's own cost is in them.
 #[derive(Debug, Clone, Copy)]
 pub struct Tail {
     /// Half of the calls are quicker.
@@ -92,7 +92,7 @@ pub fn custom(
     }
 }
 
-/// Times all contenders, block by block in turn; `block_us` is about how long a block lasts [us].
+/// Times all contenders, block by block in turn; `block_us` is about how long a block lasts \[us\].
 pub fn interleaved(contenders: &mut [Contender], blocks: usize, block_us: f64) -> Vec<Timing> {
     let repeats: Vec<usize> = contenders
         .iter_mut()
@@ -155,7 +155,7 @@ pub fn tail(contender: &mut Contender, calls: usize) -> Tail {
     }
 }
 
-/// Undisturbed cost of the rows of a recording [ns].
+/// Undisturbed cost of the rows of a recording \[ns\].
 #[derive(Debug, Clone, Copy)]
 pub struct Rows {
     /// Mean over the rows.

@@ -26,11 +26,11 @@ const RATE: u64 = 100;
 pub struct Cost {
     /// Pipelines that ran at the same time.
     pub machines: usize,
-    /// Processor time a machine and sample, all processes together [ns].
+    /// Processor time a machine and sample, all processes together \[ns\].
     pub sample_ns: f64,
-    /// The same of bare chains of four processes [ns].
+    /// The same of bare chains of four processes \[ns\].
     pub bare_ns: f64,
-    /// Memory a machine, shared pages counted in parts [bytes].
+    /// Memory a machine, shared pages counted in parts \[bytes\].
     pub bytes: f64,
     /// Samples that some process did not see.
     pub lost: u64,

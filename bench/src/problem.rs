@@ -26,7 +26,7 @@ pub trait Filter<Z, const N: usize> {
 /// Parameters of the Kalman filter problem.
 #[derive(Debug, Clone, Copy)]
 pub struct VelocityProblem {
-    /// Sampling period [s].
+    /// Sampling period \[s\].
     pub period: f64,
     /// Variance of the acceleration's step [rad^2/s^4].
     pub process_variance: f64,
@@ -99,9 +99,9 @@ pub struct RoverSample {
 /// A two-axle vehicle per unit of mass: slip, load transfer, explicit Euler.
 #[derive(Debug, Clone, Copy)]
 pub struct Rover {
-    /// Sampling period [s].
+    /// Sampling period \[s\].
     pub period: f64,
-    /// Wheel radius [m].
+    /// Wheel radius \[m\].
     pub radius: f64,
     /// Gravity [m/s^2].
     pub gravity: f64,

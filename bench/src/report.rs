@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 
 /// Blocks of each contender; the quickest and the middle one are reported.
 pub const BLOCKS: usize = 61;
-/// About how long a block lasts [us].
+/// About how long a block lasts \[us\].
 pub const BLOCK_US: f64 = 400.0;
 /// Calls timed one by one.
 pub const CALLS: usize = 50_000;

@@ -11,7 +11,7 @@
 //! | delta | `angle` | angle between the two at joint angle 0 | rad |
 //! | n, A_h, A_r | `count`, `head_area`, `rod_area` | cylinders side by side, areas of head and rod side of one | -, m^2 |
 //! | F_c | `friction` | friction of the seals, as a share of n A_h 20 MPa | - |
-//! | s | [`TRAVEL`] | travel within which the friction follows the motion | m |
+//! | s | `TRAVEL` | travel within which the friction follows the motion | m |
 
 use crate::noise::Noise;
 
@@ -33,11 +33,11 @@ pub struct Cylinder {
     pub head_area: f64,
     /// Area of its rod side (A_r) [m^2].
     pub rod_area: f64,
-    /// Cylinder base to pin (a) [m].
+    /// Cylinder base to pin (a) \[m\].
     pub base_distance: f64,
-    /// Pin to rod eye (c) [m].
+    /// Pin to rod eye (c) \[m\].
     pub rod_distance: f64,
-    /// Angle between the two at joint angle 0 (delta) [rad].
+    /// Angle between the two at joint angle 0 (delta) \[rad\].
     pub angle: f64,
     /// Friction of the seals, as a share of n A_h 20 MPa.
     pub friction: f64,
@@ -56,21 +56,21 @@ impl Cylinder {
         }
     }
 
-    /// Length at a joint angle [m].
+    /// Length at a joint angle \[m\].
     #[must_use]
     pub fn length(&self, joint: f64) -> f64 {
         let [a, c] = [self.base_distance, self.rod_distance];
         (a * a + c * c - 2.0 * a * c * (joint + self.angle).cos()).sqrt()
     }
 
-    /// Lever at a joint angle, positive where the cylinder turns the joint up as it extends [m].
+    /// Lever at a joint angle, positive where the cylinder turns the joint up as it extends \[m\].
     #[must_use]
     pub fn lever(&self, joint: f64) -> f64 {
         let sin = (joint + self.angle).sin();
         self.base_distance * self.rod_distance * sin / self.length(joint)
     }
 
-    /// Friction of the seals in motion [N].
+    /// Friction of the seals in motion \[N\].
     #[must_use]
     pub fn seal_force(&self) -> f64 {
         self.friction * self.count * self.head_area * FULL_PRESSURE
@@ -80,13 +80,13 @@ impl Cylinder {
 /// What the pressure sensors do wrong.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gauges {
-    /// Standard deviation of the noise of a sample [Pa].
+    /// Standard deviation of the noise of a sample \[Pa\].
     pub noise: f64,
-    /// Standard deviation of the zero of each sensor [Pa].
+    /// Standard deviation of the zero of each sensor \[Pa\].
     pub zero: f64,
     /// Standard deviation of its span, as a share.
     pub span: f64,
-    /// Step of what they show [Pa]; 0 for none.
+    /// Step of what they show \[Pa\]; 0 for none.
     pub quantum: f64,
 }
 
@@ -133,7 +133,7 @@ impl Piston {
         }
     }
 
-    /// What head and rod side show [Pa] while it carries a moment [N m] at a joint angle [rad], `elapsed` after the last time [s].
+    /// What head and rod side show \[Pa\] while it carries a moment [N m] at a joint angle \[rad\], `elapsed` after the last time \[s\].
     pub fn show(&mut self, moment: f64, joint: f64, elapsed: f64) -> [f64; 2] {
         let pressures = self.pressures(moment, joint, elapsed);
         let Gauges { noise, quantum, .. } = self.gauges;

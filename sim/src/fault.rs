@@ -54,9 +54,9 @@ pub struct Fault {
     pub kind: FaultKind,
     /// The share of samples it hits, 0 to 1.
     pub probability: f64,
-    /// Beginning of its window [s].
+    /// Beginning of its window \[s\].
     pub from: f64,
-    /// End of its window, itself not included [s].
+    /// End of its window, itself not included \[s\].
     pub to: f64,
 }
 

@@ -73,7 +73,7 @@ impl Primitive {
 pub struct Options {
     /// Processes in the chain, at least 2; hops are one fewer. `Spin` runs with as many as there are cores, see [`Outcome::stages`].
     pub stages: usize,
-    /// Samples a second [Hz].
+    /// Samples a second \[Hz\].
     pub rate_hz: f64,
     /// Samples that are measured, after [`WARM_UP`] others.
     pub samples: usize,
@@ -82,7 +82,7 @@ pub struct Options {
     pub fifo: bool,
     /// Cores for the stages, taken in turn: one entry pins all to that core, several spread them. `None` leaves it to the scheduler.
     pub cores: Option<Vec<usize>>,
-    /// Size of a sample [bytes], rounded up to 8 and to what the time stamps need; at most 4096 (a pipe writes that in one piece).
+    /// Size of a sample \[bytes\], rounded up to 8 and to what the time stamps need; at most 4096 (a pipe writes that in one piece).
     pub payload: usize,
     /// Busy work of every stage but the first, between the stamp of arrival and the sending on.
     pub work: Duration,
@@ -106,9 +106,9 @@ impl Default for Options {
 /// What a chain took.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outcome {
-    /// First stamp to last stamp [ns], in the order sent, of the samples that arrived.
+    /// First stamp to last stamp \[ns\], in the order sent, of the samples that arrived.
     pub latencies_ns: Vec<u64>,
-    /// The same for each hop [ns]: `per_hop[i]` is from the stamp of process i to that of process i + 1, so it includes the work of i.
+    /// The same for each hop \[ns\]: `per_hop[i]` is from the stamp of process i to that of process i + 1, so it includes the work of i.
     pub per_hop: Vec<Vec<u64>>,
     /// Measured samples that did not arrive, or not in order.
     pub lost: u64,

@@ -48,7 +48,7 @@ pub trait Model {
     /// # Errors
     /// What is wrong with them.
     fn start(&mut self) -> Result<(), String>;
-    /// Takes in the inputs as the row of this time [s], and goes on to the end of the step; false before [`Model::start`].
+    /// Takes in the inputs as the row of this time \[s\], and goes on to the end of the step; false before [`Model::start`].
     fn step(&mut self, time: f64, length: f64) -> bool;
     /// Back to the start values.
     fn reset(&mut self);

@@ -65,7 +65,7 @@ impl<D: Tables + Default> Pen<D> {
     }
 }
 
-/// The lines of a complete printed description ([`config::Excavator::to_toml`]) under these two conditions:
+/// The lines of a complete printed description ([`config::Tables::to_toml`]) under these two conditions:
 /// the key has a note, which stands behind it, or its value is another than in `default`.
 #[must_use]
 pub fn keys(complete: &str, default: &str, notes: &BTreeMap<String, String>) -> String {

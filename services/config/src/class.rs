@@ -21,7 +21,7 @@ const FLOOR: f64 = 0.0444;
 const ENOUGH: f64 = 0.0889;
 const WALK: f64 = 3.3e-5;
 
-/// The keys that a machine of this mass [kg] has other than the reference machine, as `--set` takes them.
+/// The keys that a machine of this mass \[kg\] has other than the reference machine, as `--set` takes them.
 #[must_use]
 pub fn class(machine: Machine, mass: f64) -> Vec<String> {
     match machine {

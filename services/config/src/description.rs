@@ -48,7 +48,7 @@ macro_rules! descriptions {
                 }
             }
 
-            /// Rate of the machine's sensors [Hz].
+            /// Rate of the machine's sensors \[Hz\].
             #[must_use]
             pub fn rate(&self) -> f64 {
                 match self {

@@ -10,7 +10,7 @@
 //! Behind them row i has i + 1 entries and its noise, which one reflection makes one number. A textbook QR of the whole array
 //! takes more than twice as many operations.
 //!
-//! The rows that stand still lie side by side, column by column, see [`crate::rotations`].
+//! The rows that stand still lie side by side, column by column, see `rotations`.
 
 #![allow(clippy::needless_range_loop)] // indices as in the formulas
 

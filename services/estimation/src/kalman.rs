@@ -180,7 +180,7 @@ impl Gain {
         }
     }
 
-    /// Time until the estimated acceleration is within 5 % of a step of the true one [s].
+    /// Time until the estimated acceleration is within 5 % of a step of the true one \[s\].
     ///
     /// The paper leaves this delay to an offline test; here it follows from the gain: the error
     /// obeys e <- (I - K H) F e from e = (0, 1).
@@ -216,7 +216,7 @@ pub struct AngleFilter {
 }
 
 impl AngleFilter {
-    /// Starts at rest at the first angle [rad]; `rate_std` [rad/s] and `acceleration_std`
+    /// Starts at rest at the first angle \[rad\]; `rate_std` [rad/s] and `acceleration_std`
     /// [rad/s^2] say how far from rest it may be.
     pub fn new(angle: f64, angle_variance: f64, rate_std: f64, acceleration_std: f64) -> Self {
         Self {
@@ -253,7 +253,7 @@ impl AngleFilter {
         innovation
     }
 
-    /// Angle [rad].
+    /// Angle \[rad\].
     pub fn angle(&self) -> f64 {
         self.x[0]
     }

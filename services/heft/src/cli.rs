@@ -55,7 +55,7 @@ pub struct DescriptionArgs {
     pub set: Vec<String>,
 }
 
-/// A mass such as 21t, 21.5 t or 21500kg [kg].
+/// A mass such as 21t, 21.5 t or 21500kg \[kg\].
 fn tonnes(text: &str) -> Result<f64, String> {
     let text = text.trim().to_lowercase();
     let (number, factor) = match (text.strip_suffix("kg"), text.strip_suffix('t')) {

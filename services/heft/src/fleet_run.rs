@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 /// Bits of an id: few enough that every reader of numbers holds it exactly.
 const BITS: u32 = 52;
-/// Longest count that is read [bytes].
+/// Longest count that is read \[bytes\].
 const LONGEST: u64 = 20;
 
 /// A run among the runs of its machine.

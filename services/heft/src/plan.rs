@@ -26,7 +26,7 @@ pub struct Plan {
     pub machine: Machine,
     /// Scenario of the simulator; unused with an input file.
     pub scenario: String,
-    /// Payload of the simulator [kg], its own default where absent.
+    /// Payload of the simulator \[kg\], its own default where absent.
     pub payload: Option<f64>,
     /// Whether the simulated machine has pressure sensors at its cylinders.
     pub pressures: bool,
@@ -40,9 +40,9 @@ pub struct Plan {
     pub description: String,
     /// Method of each process that has a choice, by the name of the process.
     pub methods: BTreeMap<String, String>,
-    /// Length of a simulated run [s]; endless where absent.
+    /// Length of a simulated run \[s\]; endless where absent.
     pub duration: Option<f64>,
-    /// Sampling rate of the simulator [Hz].
+    /// Sampling rate of the simulator \[Hz\].
     pub rate: f64,
     /// Seed of the simulator.
     pub seed: u64,

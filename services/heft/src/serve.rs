@@ -30,7 +30,7 @@ pub const NAME: &str = "machine";
 const MOST_MACHINES: usize = 100_000;
 /// What is said of the others: they are left out, so that made-up names end nobody's estimates.
 const TOO_MANY: &str = "is of a machine beyond the first 100 000";
-/// Longest name [bytes].
+/// Longest name \[bytes\].
 const LONGEST_NAME: usize = 200;
 
 /// What shards did.

@@ -10,7 +10,7 @@ use runtime::{Begin, Pace, Source, Worker, now_ns, run_live, run_source};
 use crate::failure::Failure;
 use crate::plan::Plan;
 
-/// A live source that was started again leaves at least this gap in the time of the data [ns].
+/// A live source that was started again leaves at least this gap in the time of the data \[ns\].
 const AFTER_RESTART_NS: u64 = 100_000_000;
 
 /// A source that nobody paces.

@@ -25,7 +25,7 @@ const PERIOD: Duration = Duration::from_secs(60);
 
 /// Refused states that are kept beside a state.
 const MOST_KEPT: u32 = 1000;
-/// Largest file that is read as a state [bytes].
+/// Largest file that is read as a state \[bytes\].
 const LARGEST: u64 = 1 << 20;
 
 /// A parameter that is worth remembering, by the sheet of its machine: its row, the field of its standard deviation, and

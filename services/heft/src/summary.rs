@@ -133,14 +133,14 @@ fn tell_processes(watch: &Watch, line: &mut impl FnMut(String)) {
 }
 
 /// Age of the last trusted estimate, the largest over the quantities that are told first; `None` where one of
-/// them never was trusted [s].
+/// them never was trusted \[s\].
 pub fn trust_age(watch: &Watch) -> Option<f64> {
     let told = watch.told();
     let ages: Option<Vec<f64>> = told.map(|s| Some(s.time - s.last_trusted?.0)).collect();
     ages?.into_iter().reduce(f64::max)
 }
 
-/// An estimate is judged by its last trusted value, which may be this old [s]: a machine that stands at the end
+/// An estimate is judged by its last trusted value, which may be this old \[s\]: a machine that stands at the end
 /// has told its inertia while it moved.
 const TRUST_AGE: f64 = 30.0;
 

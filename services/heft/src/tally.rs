@@ -10,7 +10,7 @@ use crate::quantity::Quantity;
 pub struct Tally {
     /// What it is.
     pub quantity: Quantity,
-    /// Time of the latest estimate [s].
+    /// Time of the latest estimate \[s\].
     pub time: f64,
     /// Latest value.
     pub value: f64,

@@ -122,7 +122,7 @@ impl Watch {
         self.sent().next
     }
 
-    /// Time of the latest sample seen, as the data tell it [s].
+    /// Time of the latest sample seen, as the data tell it \[s\].
     pub fn latest_time(&self) -> f64 {
         self.sent().time
     }

@@ -20,7 +20,7 @@ pub struct Limits {
     pub keep_bytes: Option<u64>,
     /// Recordings of the folder that were last written longer ago are removed.
     pub keep_for: Option<Duration>,
-    /// Recording stops while the disk has less room than this [bytes].
+    /// Recording stops while the disk has less room than this \[bytes\].
     pub min_free: Option<u64>,
     /// A group of users that may read it too.
     pub group: Option<u32>,

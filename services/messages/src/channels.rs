@@ -12,7 +12,7 @@ use crate::{Credit, Health, Keyframe, Machine, Message};
 pub enum Rate {
     /// That of the sensors.
     Sensors,
-    /// Fixed [Hz].
+    /// Fixed \[Hz\].
     Hz(f64),
 }
 

@@ -12,13 +12,13 @@ pub struct Stamp {
     pub epoch: u32,
     /// Number of the sample since the start of the run, from 0; a gap is a loss.
     pub sequence: u64,
-    /// Time of the measurement as the data tell it [s].
+    /// Time of the measurement as the data tell it \[s\].
     pub time: f64,
-    /// Time of the measurement on the host's monotonic clock [ns].
+    /// Time of the measurement on the host's monotonic clock \[ns\].
     pub measured_ns: u64,
 }
 
-/// When each stage published the sample, on the host's monotonic clock [ns]; 0 = not passed.
+/// When each stage published the sample, on the host's monotonic clock \[ns\]; 0 = not passed.
 /// And which life of that stage it was, so that a replay knows when its state began anew.
 #[derive(Debug, Clone, Copy, Default, PartialEq, ZeroCopySend)]
 #[type_name("Hops")]
@@ -46,7 +46,7 @@ pub enum Hop {
 }
 
 impl Hops {
-    /// Notes when a stage published [ns], and how often it had been restarted before.
+    /// Notes when a stage published \[ns\], and how often it had been restarted before.
     pub fn mark(&mut self, hop: Hop, now_ns: u64, restarts: u32) {
         match hop {
             Hop::Filter => (self.filter_ns, self.filter_restarts) = (now_ns, restarts),

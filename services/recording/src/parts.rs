@@ -89,7 +89,7 @@ pub fn part_number(file: &Path) -> u32 {
 }
 
 /// The files that runs have recorded into a folder (`run.mcap`, `run-2.part3.mcap`...) with the time
-/// when they were last written and their size [bytes], the oldest first.
+/// when they were last written and their size \[bytes\], the oldest first.
 #[must_use]
 pub fn files_by_age(folder: &Path) -> Vec<(PathBuf, SystemTime, u64)> {
     let is_ours = |stem: &str| {

@@ -150,7 +150,7 @@ impl Reader {
         self.parts.iter().map(|p| p.path.as_path())
     }
 
-    /// Its size [bytes].
+    /// Its size \[bytes\].
     #[must_use]
     pub fn size(&self) -> u64 {
         self.parts.iter().map(|p| p.bytes.len).sum()
@@ -253,7 +253,7 @@ impl Reader {
         found.map_or_else(Vec::new, |(_, fields)| fields)
     }
 
-    /// Calls `found` with log time [ns] and all values of each message of a channel, in the order
+    /// Calls `found` with log time \[ns\] and all values of each message of a channel, in the order
     /// of [`Reader::fields`].
     ///
     /// # Errors

@@ -87,7 +87,7 @@ impl Writer {
         })
     }
 
-    /// Has the messages stamped with wall time: their monotonic times plus this [ns], so that
+    /// Has the messages stamped with wall time: their monotonic times plus this \[ns\], so that
     /// viewers show the day. The messages themselves keep the monotonic clock.
     pub fn set_wall_offset(&mut self, offset_ns: i64) {
         self.wall_offset_ns = offset_ns;

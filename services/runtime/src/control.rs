@@ -255,9 +255,9 @@ pub enum Heard {
 pub struct Begin {
     /// First sample to send: not 0 after a restart.
     pub first: u64,
-    /// Instant at which sample 0 is (or was) due, on the monotonic clock [ns].
+    /// Instant at which sample 0 is (or was) due, on the monotonic clock \[ns\].
     pub start_ns: u64,
-    /// Time of the latest sample that was seen, as the data tell it [ns]; 0 where there is none.
+    /// Time of the latest sample that was seen, as the data tell it \[ns\]; 0 where there is none.
     pub latest_ns: u64,
 }
 

@@ -376,7 +376,7 @@ fn objects(is_wanted: impl Fn(&str) -> bool) -> Vec<PathBuf> {
     entries.map(|entry| entry.path()).collect()
 }
 
-/// Free shared memory [bytes].
+/// Free shared memory \[bytes\].
 #[must_use]
 pub fn free_shared_memory() -> u64 {
     rustix::fs::statvfs(SHARED_MEMORY).map_or(0, |s| s.f_bavail.saturating_mul(s.f_frsize))

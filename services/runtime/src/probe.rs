@@ -10,7 +10,7 @@ use crate::clock::now_ns;
 use crate::telemetry::Event;
 use crate::{Error, Worker};
 
-/// When a message passed each stage, relative to its measurement [ns].
+/// When a message passed each stage, relative to its measurement \[ns\].
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Arrival {
     /// Number of the sample.

@@ -18,7 +18,7 @@ pub struct Setup {
     pub realtime: Option<(u8, Option<usize>)>,
     /// The core of its own on which it looks for messages all the time instead of sleeping until its bell is rung.
     pub spins_on: Option<usize>,
-    /// Sampling period [ns]: a sample that is older when it arrives is late.
+    /// Sampling period \[ns\]: a sample that is older when it arrives is late.
     pub period_ns: u64,
 }
 

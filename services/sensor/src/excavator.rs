@@ -40,7 +40,7 @@ impl Simulator {
         })
     }
 
-    /// Digs, swings and dumps for so long [s].
+    /// Digs, swings and dumps for so long \[s\].
     ///
     /// # Errors
     /// The duration is out of its range.

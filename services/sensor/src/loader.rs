@@ -41,7 +41,7 @@ impl Simulator {
         })
     }
 
-    /// Digs, drives and dumps for so long [s], with the usual sensors.
+    /// Digs, drives and dumps for so long \[s\], with the usual sensors.
     ///
     /// # Errors
     /// The duration is out of its range.

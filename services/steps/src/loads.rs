@@ -24,9 +24,9 @@ const RATED_SHARE: f64 = 0.32;
 /// What the counter is told beside the description.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
-    /// What a truck shall hold [kg].
+    /// What a truck shall hold \[kg\].
     pub target: Option<f64>,
-    /// A load this long after the one before goes to another truck; 0 never [s].
+    /// A load this long after the one before goes to another truck; 0 never \[s\].
     pub pause: f64,
 }
 
@@ -74,7 +74,7 @@ impl LoadCounter {
         }
     }
 
-    /// A counter for a machine of which only the payload of a full bucket and the empty mass are known [kg].
+    /// A counter for a machine of which only the payload of a full bucket and the empty mass are known \[kg\].
     #[must_use]
     pub fn rated(machine: Machine, rated: f64, empty: f64, options: Options) -> Self {
         let settings = Settings {
@@ -116,7 +116,7 @@ impl LoadCounter {
         self.note(events)
     }
 
-    /// Says what each truck shall hold from now on [kg].
+    /// Says what each truck shall hold from now on \[kg\].
     pub fn set_target(&mut self, target: Option<f64>) {
         self.ledger.set_target(target);
     }

@@ -270,7 +270,7 @@ pub struct Monitor {
     pub machines: Machines,
     /// How each machine stands, by its name; only where its samples are seen.
     pub postures: BTreeMap<&'static str, Posture>,
-    /// Time of the newest estimate, as the data tell it [s].
+    /// Time of the newest estimate, as the data tell it \[s\].
     pub time: f64,
     /// Whether the samples are the simulator's.
     pub is_simulated: bool,

@@ -2,7 +2,7 @@
 //! levels and shaded stretches, written as SVG.
 //!
 //! Colours are classes (`assets/plot.css`), so that a page can follow the reader's light or dark
-//! setting; [`Plot::file`] puts the style sheet into the file itself.
+//! setting; `Plot::file` puts the style sheet into the file itself.
 
 mod data;
 mod decimate;

@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use messages::{Machine, Message, Value, Words};
 
-/// Signals that move the drawing [rad]: joint angles, and the slope that the machine stands on.
+/// Signals that move the drawing \[rad\]: joint angles, and the slope that the machine stands on.
 pub const JOINTS: [&str; 7] = [
     "swing_angle",
     "boom_angle",
@@ -16,7 +16,7 @@ pub const JOINTS: [&str; 7] = [
     "slope",
 ];
 
-/// Where a machine stands: the last measured angle of each of [`JOINTS`] [rad].
+/// Where a machine stands: the last measured angle of each of [`JOINTS`] \[rad\].
 pub type Posture = [Option<f64>; JOINTS.len()];
 
 /// Takes over the angles that a message of sensors has.

@@ -12,9 +12,9 @@ const SHORTEST: f64 = 1.0;
 /// A stretch of motion.
 #[derive(Debug, Clone)]
 pub struct Stretch {
-    /// When it began [s].
+    /// When it began \[s\].
     pub start: f64,
-    /// How long it lasted [s].
+    /// How long it lasted \[s\].
     pub duration: f64,
     /// What heft said of each headline quantity: the last value that it trusted within the stretch,
     /// else the last one.

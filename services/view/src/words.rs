@@ -30,7 +30,7 @@ pub fn advice(message: &messages::Envelope) -> Option<&'static str> {
 pub struct RunJudgement {
     /// The last estimate that heft trusted, else the last one.
     pub told: Judgement,
-    /// Time of it [s].
+    /// Time of it \[s\].
     pub time: f64,
     /// Where `told` is not the last: what heft says at the end.
     pub end: Option<Judgement>,

@@ -14,7 +14,7 @@ const LONGEST_STEP: f64 = 1e-3;
 /// What exact sensors would see, and what is really so.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exact {
-    /// Time of the sample [s].
+    /// Time of the sample \[s\].
     pub time: f64,
     /// The values of the channels, in the order of [`super::CHANNELS`].
     pub values: [f64; 6],
@@ -40,7 +40,7 @@ pub struct Course {
 }
 
 impl Course {
-    /// The course of a plant that is at rest at `start` [s], sampled at `rate` [Hz] for `duration` [s], both
+    /// The course of a plant that is at rest at `start` \[s\], sampled at `rate` \[Hz\] for `duration` \[s\], both
     /// ends included.
     pub fn new(plant: Plant, start: f64, rate: f64, duration: f64) -> Self {
         Self {

@@ -12,9 +12,9 @@ use super::path::Posture;
 /// A body of the front: boom, arm, or the attachment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Link {
-    /// Mass m [kg].
+    /// Mass m \[kg\].
     pub mass: f64,
-    /// Distance c of its centre of mass from its pin, along the link [m].
+    /// Distance c of its centre of mass from its pin, along the link \[m\].
     pub centre: f64,
     /// Inertia I about the vertical through its centre of mass when the link lies flat [kg m^2].
     pub flat_inertia: f64,
@@ -27,9 +27,9 @@ pub struct Link {
 pub struct Attachment {
     /// The body.
     pub link: Link,
-    /// Distance cp of the payload's centre from the attachment's pin [m].
+    /// Distance cp of the payload's centre from the attachment's pin \[m\].
     pub payload_centre: f64,
-    /// Radius of gyration kp of the payload [m].
+    /// Radius of gyration kp of the payload \[m\].
     pub payload_gyration: f64,
 }
 
@@ -68,11 +68,11 @@ impl Attachment {
 /// Dimensions and masses of the machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Geometry {
-    /// Distance x0 of the boom pin from the swing axis [m].
+    /// Distance x0 of the boom pin from the swing axis \[m\].
     pub boom_pin: f64,
-    /// Length L1 of the boom [m].
+    /// Length L1 of the boom \[m\].
     pub boom_length: f64,
-    /// Length L2 of the arm [m].
+    /// Length L2 of the arm \[m\].
     pub arm_length: f64,
     /// The boom.
     pub boom: Link,
@@ -133,7 +133,7 @@ impl Geometry {
         }
     }
 
-    /// Inertia and its rate at a posture [rad] that moves at `rate` [rad/s].
+    /// Inertia and its rate at a posture \[rad\] that moves at `rate` [rad/s].
     pub fn inertia(&self, posture: Posture, rate: Posture) -> Inertia {
         let [boom, arm, tool] = absolute(posture, rate).map(Direction::new);
         let arm_pin = self.boom_pin + self.boom_length * boom.cos;

@@ -3,31 +3,31 @@
 use crate::blend::{transition, transition_rate};
 
 /// Angles of boom (to the horizontal, up positive), arm (relative to the boom) and bucket (relative to
-/// the arm) [rad], or their rates [rad/s].
+/// the arm) \[rad\], or their rates [rad/s].
 pub type Posture = [f64; 3];
 
 /// A smooth move of one joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Move {
-    /// Beginning [s].
+    /// Beginning \[s\].
     pub from: f64,
-    /// End [s].
+    /// End \[s\].
     pub to: f64,
-    /// Change of the angle [deg].
+    /// Change of the angle \[deg\].
     pub degrees: f64,
 }
 
 /// The path of one joint: a start and the moves that add to it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Joint {
-    /// Angle before the first move [deg].
+    /// Angle before the first move \[deg\].
     pub start_degrees: f64,
     /// Its moves, in any order.
     pub moves: Vec<Move>,
 }
 
 impl Joint {
-    /// A joint that starts at an angle [deg] and makes moves `(from [s], to [s], change [deg])`.
+    /// A joint that starts at an angle \[deg\] and makes moves `(from [s], to [s], change [deg])`.
     pub fn new(start_degrees: f64, moves: &[(f64, f64, f64)]) -> Self {
         let moves = moves
             .iter()
@@ -39,7 +39,7 @@ impl Joint {
         }
     }
 
-    /// Angle [rad].
+    /// Angle \[rad\].
     pub fn angle(&self, time: f64) -> f64 {
         let moved = self
             .moves
@@ -91,7 +91,7 @@ impl Path {
         }
     }
 
-    /// The posture at a time [rad].
+    /// The posture at a time \[rad\].
     pub fn posture(&self, time: f64) -> Posture {
         self.joints.each_ref().map(|joint| joint.angle(time))
     }

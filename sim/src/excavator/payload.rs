@@ -11,11 +11,11 @@ const BREAK_OUT: (f64, f64) = (0.2, 0.15);
 /// dump times; what was always there has infinitely early fill times.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Load {
-    /// Mass of the portion [kg].
+    /// Mass of the portion \[kg\].
     pub mass: f64,
-    /// Beginning and end of its filling [s].
+    /// Beginning and end of its filling \[s\].
     pub fill: (f64, f64),
-    /// Beginning and end of its dumping [s].
+    /// Beginning and end of its dumping \[s\].
     pub dump: (f64, f64),
 }
 
@@ -29,7 +29,7 @@ impl Load {
         }
     }
 
-    /// Mass in the bucket at a time [kg]: fill s (1 - dump s), both quintic.
+    /// Mass in the bucket at a time \[kg\]: fill s (1 - dump s), both quintic.
     pub fn at(&self, time: f64) -> f64 {
         let filled = transition(time, self.fill.0, self.fill.1);
         self.mass * filled * (1.0 - transition(time, self.dump.0, self.dump.1))
@@ -46,7 +46,7 @@ impl Load {
     }
 }
 
-/// The mass of all portions at a time [kg].
+/// The mass of all portions at a time \[kg\].
 pub fn payload(loads: &[Load], time: f64) -> f64 {
     loads.iter().map(|load| load.at(time)).sum()
 }

@@ -44,7 +44,7 @@ pub struct Plant {
     pub loads: Vec<Load>,
     /// What the swing drive does; the swings do not overlap.
     pub swings: Vec<Swing>,
-    /// After this time everything begins anew [s]; infinite if nothing repeats. The joint paths and the
+    /// After this time everything begins anew \[s\]; infinite if nothing repeats. The joint paths and the
     /// loads must end as they begin.
     pub period: f64,
 }
@@ -65,7 +65,7 @@ pub struct Point {
 pub struct Motion {
     /// Swing velocity w [rad/s].
     pub velocity: f64,
-    /// Swing angle, 0 at the beginning [rad].
+    /// Swing angle, 0 at the beginning \[rad\].
     pub angle: f64,
 }
 
@@ -116,7 +116,7 @@ impl Plant {
         }
     }
 
-    /// The posture at a time [rad].
+    /// The posture at a time \[rad\].
     pub fn posture(&self, time: f64) -> Posture {
         self.path.posture(self.phase(time))
     }
@@ -126,7 +126,7 @@ impl Plant {
         self.path.rate(self.phase(time))
     }
 
-    /// The payload at a time [kg].
+    /// The payload at a time \[kg\].
     pub fn payload(&self, time: f64) -> f64 {
         payload(&self.loads, self.phase(time))
     }

@@ -15,7 +15,7 @@ const TOLERANCE: f64 = 1e-13;
 /// When a swing takes place and how fast it is to be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Targets {
-    /// Begins to accelerate, to brake, torque gone [s].
+    /// Begins to accelerate, to brake, torque gone \[s\].
     pub times: (f64, f64, f64),
     /// Velocity when braking begins, negative for a swing clockwise [rad/s].
     pub peak: f64,
@@ -93,7 +93,7 @@ impl<'a> Plateaus<'a> {
         self.targets.swing(plateau)
     }
 
-    /// The angle that a swing covers until 0.06 s before its torque is gone [rad].
+    /// The angle that a swing covers until 0.06 s before its torque is gone \[rad\].
     pub fn angle(&self, swing: Swing) -> f64 {
         self.run(swing).1.angle
     }

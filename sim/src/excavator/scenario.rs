@@ -153,7 +153,7 @@ impl Scenario {
         Self::ALL[self as usize].0
     }
 
-    /// The mass in the bucket when it is full, where the run does not say otherwise [kg]. `cycle` has its own.
+    /// The mass in the bucket when it is full, where the run does not say otherwise \[kg\]. `cycle` has its own.
     pub fn default_payload(self) -> f64 {
         match self {
             Constant => 150.0,
@@ -162,12 +162,12 @@ impl Scenario {
         }
     }
 
-    /// Time at which the record begins [s].
+    /// Time at which the record begins \[s\].
     pub fn start(self) -> f64 {
         if self == Cycle { 0.0 } else { 5.0 }
     }
 
-    /// Length of the record [s]; infinite for `cycle`.
+    /// Length of the record \[s\]; infinite for `cycle`.
     pub fn duration(self) -> f64 {
         match self {
             Constant => 11.5,
@@ -178,7 +178,7 @@ impl Scenario {
     }
 
     /// First and last time at which material leaves or enters the bucket in mid-swing, or the bucket
-    /// moves as if it did [s].
+    /// moves as if it did \[s\].
     pub fn change(self) -> Option<(f64, f64)> {
         match self {
             Drop => Some((7.75, 8.45)),
@@ -186,7 +186,7 @@ impl Scenario {
         }
     }
 
-    /// The plant, its torque plateaus solved, with a full bucket of `payload` [kg].
+    /// The plant, its torque plateaus solved, with a full bucket of `payload` \[kg\].
     pub fn plant(self, payload: Option<f64>) -> Plant {
         let mass = payload.unwrap_or(self.default_payload());
         match self {
@@ -205,7 +205,7 @@ impl Scenario {
         }
     }
 
-    /// The base path with 423 kg dumped in 0.65 s, the bucket opening at `time` [s].
+    /// The base path with 423 kg dumped in 0.65 s, the bucket opening at `time` \[s\].
     pub fn dump_at(time: f64) -> Plant {
         Event::dump(time).plant(423.0)
     }

@@ -26,11 +26,11 @@ const OWN: usize = 6;
 pub struct Sensors {
     /// Of the swing velocity [rad/s].
     pub swing_velocity: f64,
-    /// Of the swing angle, an encoder's [rad].
+    /// Of the swing angle, an encoder's \[rad\].
     pub swing_angle: f64,
     /// Of the swing torque [N m].
     pub swing_torque: f64,
-    /// Of the joint angles [rad].
+    /// Of the joint angles \[rad\].
     pub joint_angle: f64,
 }
 

@@ -23,9 +23,9 @@ const SEALS_STD: f64 = 0.35;
 pub struct Run {
     /// The course of events.
     pub scenario: Scenario,
-    /// Mass of a full bucket [kg]; the scenario's own if none.
+    /// Mass of a full bucket \[kg\]; the scenario's own if none.
     pub payload: Option<f64>,
-    /// Sampling rate, 10 to 10000 [Hz].
+    /// Sampling rate, 10 to 10000 \[Hz\].
     pub rate: f64,
     /// Seed of all noise.
     pub seed: u64,
@@ -35,7 +35,7 @@ pub struct Run {
     pub gauges: Option<Gauges>,
     /// What else they do wrong.
     pub faults: Vec<Fault>,
-    /// Length of the record [s]; both ends are sampled. May be infinite.
+    /// Length of the record \[s\]; both ends are sampled. May be infinite.
     pub duration: f64,
 }
 
@@ -87,7 +87,7 @@ impl Simulation {
         Self::of(run.scenario.plant(run.payload), run.scenario.start(), run)
     }
 
-    /// The simulation of any plant, at rest at `start` [s], with rate, seed, noise, faults and duration of a run.
+    /// The simulation of any plant, at rest at `start` \[s\], with rate, seed, noise, faults and duration of a run.
     ///
     /// # Errors
     /// As [`Self::new`].

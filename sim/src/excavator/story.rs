@@ -62,14 +62,14 @@ impl Story {
         self
     }
 
-    /// Stands for so long [s].
+    /// Stands for so long \[s\].
     #[must_use]
     pub fn rest(mut self, seconds: f64) -> Self {
         self.now += seconds;
         self
     }
 
-    /// Swings to an angle, anticlockwise positive [rad], and stands for a second.
+    /// Swings to an angle, anticlockwise positive \[rad\], and stands for a second.
     #[must_use]
     pub fn swing_to(mut self, angle: f64) -> Self {
         let turn = angle - self.angle;
@@ -79,7 +79,7 @@ impl Story {
         self
     }
 
-    /// Opens the bucket, out of which falls what it carried from the beginning [kg].
+    /// Opens the bucket, out of which falls what it carried from the beginning \[kg\].
     #[must_use]
     pub fn dump(mut self, mass: f64) -> Self {
         let end = self.now + MOVING;
@@ -98,7 +98,7 @@ impl Story {
         self
     }
 
-    /// Takes material into the bucket and keeps it [kg].
+    /// Takes material into the bucket and keeps it \[kg\].
     #[must_use]
     pub fn take_up(mut self, mass: f64) -> Self {
         let end = self.now + MOVING;
@@ -110,13 +110,13 @@ impl Story {
         self
     }
 
-    /// From now on a sensor is silent for so long [s], whatever happens then.
+    /// From now on a sensor is silent for so long \[s\], whatever happens then.
     #[must_use]
     pub fn lose(self, channel: &str, seconds: f64) -> Self {
         self.suffer(channel, FaultKind::Missing, seconds)
     }
 
-    /// From now on a sensor does this for so long [s], whatever happens then.
+    /// From now on a sensor does this for so long \[s\], whatever happens then.
     #[must_use]
     pub fn suffer(mut self, channel: &str, kind: FaultKind, seconds: f64) -> Self {
         let end = self.now + seconds;

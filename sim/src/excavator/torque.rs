@@ -15,11 +15,11 @@ const REVERSAL: f64 = 0.20;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Swing {
-    /// Begins to accelerate [s].
+    /// Begins to accelerate \[s\].
     pub start: f64,
-    /// Begins to brake [s].
+    /// Begins to brake \[s\].
     pub turn: f64,
-    /// Torque is gone [s].
+    /// Torque is gone \[s\].
     pub end: f64,
     /// Plateau Ta while accelerating, negative for a swing clockwise [N m].
     pub accelerate: f64,

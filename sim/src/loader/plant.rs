@@ -75,7 +75,7 @@ pub struct Machine {
     pub stiffness_exponent: f64,
     /// Slip stiffness in braking over that in driving, less one.
     pub braking_stiffness: f64,
-    /// Rolling resistance of every other stretch of [`STRETCH`] beyond that of the rest.
+    /// Rolling resistance of every other stretch of `STRETCH` beyond that of the rest.
     pub rough_rolling: f64,
     /// The centre drive is locked: both axles turn alike.
     pub locked_drive: bool,

@@ -15,7 +15,7 @@ pub const RATE: u64 = 200;
 /// Services of the pipeline.
 pub const SERVICES: [&str; 5] = ["sensor", "kalman", "rls", "ukf", "logger"];
 
-/// A recording of this length holds samples, and not only what it says of itself [bytes].
+/// A recording of this length holds samples, and not only what it says of itself \[bytes\].
 const RECORDS: u64 = 20_000;
 
 /// A folder, a domain and the program under attack.

@@ -13,7 +13,7 @@ use crate::ground::{Ground, RATE, Run};
 
 /// Kills in one run.
 const KILLS: u64 = 5;
-/// One flush [samples], where a logger takes longer to start than the writers of the channels hold.
+/// One flush \[samples\], where a logger takes longer to start than the writers of the channels hold.
 const GAP: u64 = RATE / 2;
 
 #[derive(Default)]

@@ -15,14 +15,14 @@ use crate::ground::Ground;
 const PERIOD: Duration = Duration::from_secs(5);
 /// The beginning is left out of the slopes: buffers are filled once.
 const WARM_UP: f64 = 0.25;
-/// What may grow: a slope, and pages touched for the first time during the soak [kB/min], [kB].
+/// What may grow: a slope, and pages touched for the first time during the soak [kB/min], \[kB\].
 const SLOPE: f64 = 1.0;
 const PAGES: f64 = 256.0;
 /// What a run keeps on the disk: `--keep`, and the part that is being written.
 const KEEP: &str = "20MB";
 const MOST: u64 = 24_000_000;
 
-/// What one process had: time [min], own memory [kB], descriptors.
+/// What one process had: time \[min\], own memory \[kB\], descriptors.
 type Course = Vec<(f64, f64, usize)>;
 
 /// Runs for so many minutes and prints the table; whether nothing grows.
@@ -120,7 +120,7 @@ pub fn run(heft: &Path, minutes: f64) -> Result<bool, String> {
     Ok(good)
 }
 
-/// Every process of both runs: its name, its own memory [kB], its descriptors.
+/// Every process of both runs: its name, its own memory \[kB\], its descriptors.
 fn processes(domain: &str) -> Vec<(String, f64, usize)> {
     let entries = fs::read_dir("/proc").into_iter().flatten().flatten();
     let about = |entry: fs::DirEntry| {

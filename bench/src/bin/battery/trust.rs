@@ -20,9 +20,9 @@ use crate::ground::Ground;
 
 /// Largest share of the trusted samples that may be wrong.
 const BOUND: f64 = 0.05;
-/// Fewer trusted samples than these have no share [samples].
+/// Fewer trusted samples than these have no share \[samples\].
 const LEAST: u32 = 20;
-/// Length of a run, when the fault begins, and how long a drift takes [s].
+/// Length of a run, when the fault begins, and how long a drift takes \[s\].
 const DURATION: f64 = 60.0;
 pub const FROM: f64 = 25.0;
 const DRIFT: f64 = 10.0;

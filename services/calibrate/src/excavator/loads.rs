@@ -185,9 +185,9 @@ pub fn differ(swings: &Swings) -> bool {
 pub struct Doubt {
     /// Name of the recording.
     pub name: String,
-    /// As told [kg].
+    /// As told \[kg\].
     pub told: Quantity,
-    /// As the description's masses and torque say [kg].
+    /// As the description's masses and torque say \[kg\].
     pub found: Quantity,
 }
 

@@ -34,7 +34,7 @@ pub struct Input {
     pub name: String,
     /// Its rows.
     pub samples: Vec<Sample>,
-    /// Load in the bucket, as weighed [kg].
+    /// Load in the bucket, as weighed \[kg\].
     pub payload: Option<Quantity>,
 }
 

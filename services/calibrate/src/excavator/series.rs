@@ -32,7 +32,7 @@ const AROUND_OPENING: (f64, f64) = (0.1, 0.5);
 pub enum Measured {
     /// A velocity [rad/s].
     Velocity,
-    /// The angle of an encoder [rad].
+    /// The angle of an encoder \[rad\].
     Angle,
 }
 
@@ -65,7 +65,7 @@ pub struct Series {
     pub measured: Measured,
     /// Whether all three joint angles are measured.
     pub has_posture: bool,
-    /// Time of each row [s].
+    /// Time of each row \[s\].
     pub time: Vec<f64>,
     /// Velocity without its bias, or angle; NaN is missing.
     pub value: Vec<f64>,
@@ -77,7 +77,7 @@ pub struct Series {
     pub leverage: Vec<f64>,
     /// First moment of boom, arm and bucket as described [kg m].
     pub moment: Vec<f64>,
-    /// The same per kilogram of payload [m].
+    /// The same per kilogram of payload \[m\].
     pub radius: Vec<f64>,
     /// Cosine and sine of the angle swung since the beginning.
     pub heading: Vec<[f64; 2]>,
@@ -178,21 +178,21 @@ impl Series {
         series
     }
 
-    /// Time between rows, in the middle [s].
+    /// Time between rows, in the middle \[s\].
     #[must_use]
     pub fn period(&self) -> f64 {
         let steps = self.time.windows(2).map(|w| w[1] - w[0]);
         percentile(steps.collect(), 0.5)
     }
 
-    /// Time in swings of one direction [s].
+    /// Time in swings of one direction \[s\].
     #[must_use]
     pub fn moving_time(&self, direction: f64) -> f64 {
         let swings = self.swings.iter().filter(|s| s.direction == direction);
         swings.fold(0.0, |sum, s| sum + self.duration(s))
     }
 
-    /// Length of a swing [s].
+    /// Length of a swing \[s\].
     #[must_use]
     pub fn duration(&self, swing: &Swing) -> f64 {
         let rows = &swing.rows;

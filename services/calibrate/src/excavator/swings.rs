@@ -71,13 +71,13 @@ impl Role {
 pub struct Swings {
     /// The recordings.
     pub series: Vec<Series>,
-    /// Their loads as told [kg].
+    /// Their loads as told \[kg\].
     pub told: Vec<Option<Quantity>>,
     /// What each parameter is.
     pub roles: Vec<Role>,
     /// The parameters.
     pub parameters: Vec<Parameter>,
-    /// A load that the described machine may well carry [kg].
+    /// A load that the described machine may well carry \[kg\].
     pub full_bucket: f64,
     /// Recording and number of each block's swing.
     blocks: Vec<(usize, usize)>,

@@ -11,9 +11,9 @@ pub struct Impulse {
     pub driving: f64,
     /// Of the torque while it brakes [N m s].
     pub braking: f64,
-    /// Time of driving [s].
+    /// Time of driving \[s\].
     pub driving_time: f64,
-    /// Time of braking [s].
+    /// Time of braking \[s\].
     pub braking_time: f64,
 }
 
@@ -92,7 +92,7 @@ impl Torque {
         self.sum[k].add(self.drives[k], s * (self.value[k] + 0.5 * s * slope), s)
     }
 
-    /// The largest distance between samples around a stretch of time [s]; infinite outside the samples.
+    /// The largest distance between samples around a stretch of time \[s\]; infinite outside the samples.
     pub fn widest_gap(&self, from: f64, to: f64) -> f64 {
         let first = self.time.partition_point(|t| *t <= from);
         let last = self.time.partition_point(|t| *t < to);

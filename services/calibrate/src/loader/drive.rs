@@ -35,7 +35,7 @@ const ENDS: f64 = 0.5;
 pub struct Drive {
     /// Its name, for sentences.
     pub name: String,
-    /// Time of each row [s].
+    /// Time of each row \[s\].
     pub time: Vec<f64>,
     /// Speed [m/s].
     pub speed: Vec<f64>,
@@ -45,13 +45,13 @@ pub struct Drive {
     pub torques: [Vec<f64>; 2],
     /// Their rates [N m/s].
     pub torque_rates: [Vec<f64>; 2],
-    /// Slope as measured, smoothed, without holes [rad].
+    /// Slope as measured, smoothed, without holes \[rad\].
     pub slope: Vec<f64>,
     /// Its rate [rad/s].
     pub slope_rates: Vec<f64>,
     /// Specific force [m/s^2].
     pub acceleration: Vec<f64>,
-    /// Mass as measured, in the middle; none without a column [kg].
+    /// Mass as measured, in the middle; none without a column \[kg\].
     pub mass: Option<f64>,
     /// Stretches of driving.
     pub blocks: Vec<Range<usize>>,
@@ -62,7 +62,7 @@ pub struct Drive {
 }
 
 impl Drive {
-    /// Makes a recording ready; `weight` [N] tells what is digging, `wheelbase` [m] what is a curve.
+    /// Makes a recording ready; `weight` \[N\] tells what is digging, `wheelbase` \[m\] what is a curve.
     #[must_use]
     pub fn new(name: &str, samples: &[Sample], weight: f64, wheelbase: f64) -> Self {
         let mut rows: Vec<Sample> = Vec::with_capacity(samples.len());
@@ -121,7 +121,7 @@ impl Drive {
         drive
     }
 
-    /// Time of driving [s].
+    /// Time of driving \[s\].
     #[must_use]
     pub fn driving_time(&self) -> f64 {
         let blocks = self.blocks.iter();

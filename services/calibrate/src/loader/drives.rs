@@ -110,7 +110,7 @@ impl Drives {
         Ok(&self.ways[number])
     }
 
-    /// Time of driving with a load [s].
+    /// Time of driving with a load \[s\].
     #[must_use]
     pub fn driving_time(&self, load: usize) -> f64 {
         let drives = self.drives.iter().zip(&self.load_of);

@@ -112,11 +112,11 @@ impl Role {
 /// What is known of a load before.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Told {
-    /// Mass of the whole machine [kg].
+    /// Mass of the whole machine \[kg\].
     pub mass: Option<Quantity>,
     /// Share of the weight in front, from axle scales.
     pub ratio: Option<Quantity>,
-    /// Height of the centre of gravity, from axle scales on a slope [m].
+    /// Height of the centre of gravity, from axle scales on a slope \[m\].
     pub height: Option<Quantity>,
 }
 

@@ -7,26 +7,26 @@ use crate::methods::methods;
 /// One row of sensors; a missing value is `None`, a non-finite one counts as missing.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Sample {
-    /// Time of the measurement [s].
+    /// Time of the measurement \[s\].
     pub time: f64,
     /// Swing velocity, positive anticlockwise from above [rad/s].
     pub velocity: Option<f64>,
-    /// Swing angle of an encoder, same sign; used where there is no velocity [rad].
+    /// Swing angle of an encoder, same sign; used where there is no velocity \[rad\].
     pub angle: Option<f64>,
     /// Swing torque at the upper body, positive in the direction of positive motion [N m].
     pub torque: Option<f64>,
     /// Boom (to the horizontal, up positive), arm (relative to the boom), bucket (relative to the
-    /// arm) [rad].
+    /// arm) \[rad\].
     pub posture: [Option<f64>; 3],
-    /// Pitch (nose up positive) and roll (left side low positive) of the upper body [rad].
+    /// Pitch (nose up positive) and roll (left side low positive) of the upper body \[rad\].
     pub inclination: [Option<f64>; 2],
-    /// Pressure at the head side of the boom cylinders, their mean [Pa].
+    /// Pressure at the head side of the boom cylinders, their mean \[Pa\].
     pub boom_head_pressure: Option<f64>,
-    /// Pressure at the rod side of the boom cylinders, their mean [Pa].
+    /// Pressure at the rod side of the boom cylinders, their mean \[Pa\].
     pub boom_rod_pressure: Option<f64>,
-    /// Pressure at the head side of the arm cylinder [Pa].
+    /// Pressure at the head side of the arm cylinder \[Pa\].
     pub arm_head_pressure: Option<f64>,
-    /// Pressure at the rod side of the arm cylinder [Pa].
+    /// Pressure at the rod side of the arm cylinder \[Pa\].
     pub arm_rod_pressure: Option<f64>,
     /// Number of the truck that is loaded; another number begins the next truck.
     pub truck: Option<f64>,
@@ -119,7 +119,7 @@ pub struct Estimate {
     /// Torque [N m]: the measured one corrected by its offset where it is measured, else the total
     /// torque T_t = T - T_f sgn(w).
     pub torque: Option<Quantity>,
-    /// Payload [kg].
+    /// Payload \[kg\].
     pub payload: Option<Quantity>,
     /// Coulomb friction torque, where it is estimated [N m].
     pub friction: Option<Quantity>,

@@ -18,28 +18,28 @@ pub use super::keys::{Estimator, Paper, Prior, Variant};
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Sensors {
-    /// Samples per second; only the first sample needs it, later ones bring their time [Hz].
+    /// Samples per second; only the first sample needs it, later ones bring their time \[Hz\].
     pub rate: f64,
     /// Noise of a velocity sample (sigma_w) [rad/s].
     pub swing_velocity_std: f64,
-    /// Noise of a swing angle sample [rad].
+    /// Noise of a swing angle sample \[rad\].
     pub swing_angle_std: f64,
     /// Noise of a torque sample (sigma_T) [N m].
     pub swing_torque_std: f64,
     /// Standard deviation of the torque's gain about 1. No estimator can notice it; it widens the
     /// interval.
     pub swing_torque_gain_std: f64,
-    /// Noise of a joint angle [rad].
+    /// Noise of a joint angle \[rad\].
     pub angle_std: f64,
     /// A velocity of this size or more is missing [rad/s].
     pub swing_velocity_limit: f64,
-    /// A joint angle of this size or more is missing [rad].
+    /// A joint angle of this size or more is missing \[rad\].
     pub angle_limit: f64,
     /// Measured over true torque, as calibrated.
     pub swing_torque_gain: f64,
     /// Torque that is measured where there is none, as calibrated [N m].
     pub swing_torque_offset: f64,
-    /// How late velocity and torque come, as told [s].
+    /// How late velocity and torque come, as told \[s\].
     pub delays: [f64; 2],
 }
 

@@ -13,18 +13,18 @@ pub struct Truck {
     pub signal: Option<f64>,
     /// Number of the day of its first load.
     pub day: i64,
-    /// When its first load was dumped [s].
+    /// When its first load was dumped \[s\].
     pub from: Option<f64>,
-    /// When its last load was dumped [s].
+    /// When its last load was dumped \[s\].
     pub to: Option<f64>,
     /// What it holds.
     pub total: Total,
-    /// What it shall hold [kg].
+    /// What it shall hold \[kg\].
     pub target: Option<f64>,
 }
 
 impl Truck {
-    /// What is missing to the target; negative where there is too much [kg].
+    /// What is missing to the target; negative where there is too much \[kg\].
     pub fn remaining(&self) -> Option<f64> {
         self.target.map(|target| target - self.total.kg)
     }

@@ -50,13 +50,13 @@ const COMMON: f64 = 0.7;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Settings {
-    /// Payload of a full bucket, roughly [kg].
+    /// Payload of a full bucket, roughly \[kg\].
     pub rated: f64,
-    /// What a truck shall hold [kg].
+    /// What a truck shall hold \[kg\].
     pub target: Option<f64>,
-    /// A load this long after the one before goes to another truck; 0 never [s].
+    /// A load this long after the one before goes to another truck; 0 never \[s\].
     pub pause: f64,
-    /// Time of a midnight, from which days are counted [s].
+    /// Time of a midnight, from which days are counted \[s\].
     pub midnight: f64,
 }
 
@@ -241,7 +241,7 @@ impl Ledger {
         events
     }
 
-    /// Says what each truck shall hold from now on [kg].
+    /// Says what each truck shall hold from now on \[kg\].
     pub fn set_target(&mut self, target: Option<f64>) {
         self.truck.target = target.filter(|t| t.is_finite());
     }

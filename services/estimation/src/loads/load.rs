@@ -8,11 +8,11 @@ use crate::{HALF_WIDTH_95, Quantity};
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Weight {
-    /// Weight [kg].
+    /// Weight \[kg\].
     pub kg: f64,
-    /// Standard deviation [kg].
+    /// Standard deviation \[kg\].
     pub std: f64,
-    /// Standard deviation of the errors that all loads share, at most `std` [kg].
+    /// Standard deviation of the errors that all loads share, at most `std` \[kg\].
     pub common_std: f64,
 }
 
@@ -26,7 +26,7 @@ impl Weight {
         }
     }
 
-    /// Lower and upper end of the 95 % interval [kg].
+    /// Lower and upper end of the 95 % interval \[kg\].
     pub fn interval(&self) -> [f64; 2] {
         [
             self.kg - HALF_WIDTH_95 * self.std,
@@ -104,9 +104,9 @@ pub struct Load {
     pub day: i64,
     /// How far it has come.
     pub stage: Stage,
-    /// Since when the bucket is known to hold it; where only motion tells, since the machine set off [s].
+    /// Since when the bucket is known to hold it; where only motion tells, since the machine set off \[s\].
     pub filled: f64,
-    /// When it began to leave; `None` while it is in the bucket [s].
+    /// When it began to leave; `None` while it is in the bucket \[s\].
     pub dumped: Option<f64>,
     /// What was in the bucket.
     pub weight: Weight,

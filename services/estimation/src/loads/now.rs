@@ -17,11 +17,11 @@ use crate::math::sqrt;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Now {
-    /// Payload [kg].
+    /// Payload \[kg\].
     pub kg: f64,
-    /// Standard deviation, which grows with time and by what may have changed [kg].
+    /// Standard deviation, which grows with time and by what may have changed \[kg\].
     pub std: f64,
-    /// Time since it was last weighed; `None` if it never was [s].
+    /// Time since it was last weighed; `None` if it never was \[s\].
     pub age: Option<f64>,
 }
 

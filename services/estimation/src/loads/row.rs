@@ -40,12 +40,12 @@ impl Witness {
 /// One estimate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Row {
-    /// Time of the measurement [s]; rows must increase.
+    /// Time of the measurement \[s\]; rows must increase.
     pub time: f64,
-    /// Payload with its standard deviation; `None` where nothing is estimated [kg].
+    /// Payload with its standard deviation; `None` where nothing is estimated \[kg\].
     pub payload: Option<Quantity>,
     /// Standard deviation of those errors of the payload that all loads share (span, zero, gain, description); `None`
-    /// where the estimator does not tell them apart [kg].
+    /// where the estimator does not tell them apart \[kg\].
     pub common_std: Option<f64>,
     /// Swing rate [rad/s] or driving speed [m/s], of any sign.
     pub speed: f64,

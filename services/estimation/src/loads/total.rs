@@ -16,11 +16,11 @@ pub struct Total {
     pub loads: u32,
     /// Of them those that may not be believed.
     pub untrusted: u32,
-    /// What they delivered [kg].
+    /// What they delivered \[kg\].
     pub kg: f64,
     /// Sum of the variances that each load has of its own [kg^2].
     pub own_variance: f64,
-    /// Sum of the standard deviations that all loads share [kg].
+    /// Sum of the standard deviations that all loads share \[kg\].
     pub common_std: f64,
 }
 
@@ -44,7 +44,7 @@ impl Total {
         self
     }
 
-    /// Standard deviation of the sum [kg].
+    /// Standard deviation of the sum \[kg\].
     pub fn std(&self) -> f64 {
         sqrt(self.own_variance + self.common_std * self.common_std)
     }

@@ -70,7 +70,7 @@ pub struct Truth {
     pub friction: f64,
     /// Efficiency of the drive.
     pub efficiency: f64,
-    /// How late the velocity comes, less how late the torque comes [s].
+    /// How late the velocity comes, less how late the torque comes \[s\].
     pub delay: f64,
 }
 
@@ -145,7 +145,7 @@ impl Truth {
         plant
     }
 
-    /// A recording of this machine with a load [kg]: boom, arm and bucket move as in work.
+    /// A recording of this machine with a load \[kg\]: boom, arm and bucket move as in work.
     pub fn record(&self, load: f64, seed: u64) -> Vec<Sample> {
         self.record_on(working_path(), load, seed)
     }

@@ -34,7 +34,7 @@ impl Case {
         }
     }
 
-    /// The same case with the record beginning at a later time [s].
+    /// The same case with the record beginning at a later time \[s\].
     pub fn from(mut self, time: f64) -> Self {
         self.exact.retain(|sample| sample.time >= time - 1e-9);
         self
@@ -53,7 +53,7 @@ impl Case {
             .collect())
     }
 
-    /// The truth at a time [s].
+    /// The truth at a time \[s\].
     pub fn truth(&self, time: f64) -> Truth {
         let nearest = self
             .exact

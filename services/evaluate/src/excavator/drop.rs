@@ -4,7 +4,7 @@
 //! "valid_wrong":{"median":..,"p95":..,"max":..},"targets":[..],"met":..},..],"no_change":{..},
 //! "sweep":[{"first":..,"during":{..},"after":{..}},..]}`. `during` is from first to last
 //! material, `after` 0.3 to 0.5 s after, `later` from 0.5 s on; errors in percent; `flag` is the time from the
-//! first material to the flag `changing`, `valid_wrong` how long a value wrong by more than 10 % is called valid [s].
+//! first material to the flag `changing`, `valid_wrong` how long a value wrong by more than 10 % is called valid \[s\].
 
 use super::case::{Case, PAYLOADS};
 use super::estimators::{Point, Setup, series};

@@ -23,7 +23,7 @@ pub struct Setup {
 /// One sample's truth and estimate.
 #[derive(Clone, Copy, Debug)]
 pub struct Point {
-    /// Time [s].
+    /// Time \[s\].
     pub time: f64,
     /// What is so.
     pub truth: Truth,

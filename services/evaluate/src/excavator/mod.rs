@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | `table1` | Table 1 of Oh, Yi, Seo, Kim, Lee 2017 | [`table1`] |
 //! | `modes` | all modes, three loads, no disturbance | [`modes`] |
-//! | `drop` | payload that changes in mid-swing | [`drop`] |
+//! | `drop` | payload that changes in mid-swing | [`mod@drop`] |
 //! | `bad-input` | faulty sensors, wrong parameters | [`bad_input`] |
 //! | `identifiability` | Cramer-Rao bounds beside what is reached | [`identifiability`] |
 //! | `attachments` | inertia of bucket and crusher, Fig. 3 | [`attachments`] |

@@ -16,9 +16,9 @@ const WRONG: f64 = 10.0;
 /// Which samples are scored.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Window {
-    /// From this time [s].
+    /// From this time \[s\].
     pub from: f64,
-    /// To this time, included [s].
+    /// To this time, included \[s\].
     pub to: f64,
     /// While the true velocity has at least this size [rad/s].
     pub velocity: f64,
@@ -60,7 +60,7 @@ pub struct Score {
     pub identifiable: f64,
     /// Share of the samples whose 95 % interval is wider than plus or minus 10 %.
     pub wide: f64,
-    /// Time after the start of the swing from which the error stays below 5 % [s]; none if it does not.
+    /// Time after the start of the swing from which the error stays below 5 % \[s\]; none if it does not.
     pub convergence: Option<f64>,
     /// Number of samples.
     pub samples: usize,
@@ -131,9 +131,9 @@ pub struct Summary {
     pub identifiable: f64,
     /// Average share of samples with an interval wider than 10 % [%].
     pub wide: f64,
-    /// Median time to 5 % [s]; infinite if most seeds do not converge.
+    /// Median time to 5 % \[s\]; infinite if most seeds do not converge.
     pub convergence: f64,
-    /// Its 95th percentile [s].
+    /// Its 95th percentile \[s\].
     pub convergence_p95: f64,
     /// Number of seeds.
     pub seeds: usize,

@@ -15,7 +15,7 @@ use crate::machines;
 use crate::signals::Signals;
 use crate::watch::{LIVE, STORY};
 
-/// Length of the demonstration [s].
+/// Length of the demonstration \[s\].
 const DURATION: &str = "28";
 /// Pause between two drawings of the live lines.
 const REDRAWN: Duration = Duration::from_millis(250);

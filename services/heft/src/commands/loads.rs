@@ -34,10 +34,10 @@ pub struct LoadsArgs {
     /// What estimates are made with; a recording of heft brings its description
     #[command(flatten)]
     pub with: EstimationArgs,
-    /// What a truck shall hold [kg]
+    /// What a truck shall hold, in kg
     #[arg(long, value_name = "KG", value_parser = positive)]
     pub target: Option<f64>,
-    /// A load this long after the one before goes to another truck [s]; 0: never
+    /// A load this long after the one before goes to another truck, in s; 0: never
     #[arg(long, value_name = "S", default_value = "300", value_parser = not_negative)]
     pub pause: f64,
     /// One line a load (CSV)

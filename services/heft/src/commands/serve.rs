@@ -27,7 +27,7 @@ pub struct ServeArgs {
     /// What they are made with
     #[command(flatten)]
     pub with: EstimationArgs,
-    /// At most one row a machine in so much of its time [s]; every row if 0
+    /// At most one row a machine in so much of its time, in s; every row if 0
     #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = seconds)]
     pub every: f64,
     /// Processes that the machines are shared among; as many as there are processors if absent

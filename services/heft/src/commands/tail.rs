@@ -30,7 +30,7 @@ pub enum Format {
     Candump,
     /// The bytes of the structure that `heft schema --lang c` declares, one after the other.
     Binary,
-    /// InfluxDB's line protocol: tags machine (its kind), unit (its number), domain and channel; times are Unix times [ns].
+    /// InfluxDB's line protocol: tags machine (its kind), unit (its number), domain and channel; times are Unix times \[ns\].
     Influx,
 }
 
@@ -59,7 +59,7 @@ struct Writer {
     frames: Outgoing,
     /// Begin of a line of InfluxDB after the name of the measurement: what is the same in all lines.
     tags: String,
-    /// Least time between two samples [s], and that of the last.
+    /// Least time between two samples \[s\], and that of the last.
     period: f64,
     last: f64,
     has_header: bool,
@@ -216,7 +216,7 @@ fn put_said(out: &mut String, value: Said) {
     }
 }
 
-/// The Unix time [ns] of a time of the host's monotonic clock.
+/// The Unix time \[ns\] of a time of the host's monotonic clock.
 fn unix_ns(monotonic: u64) -> u64 {
     let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
     let now = now.map_or(0, |now| u64::try_from(now.as_nanos()).unwrap_or(0));

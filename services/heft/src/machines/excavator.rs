@@ -99,7 +99,7 @@ impl Typed for Excavator {
     }
 }
 
-/// Rate of the machines at work [Hz], and how long they work if nobody says [s].
+/// Rate of the machines at work \[Hz\], and how long they work if nobody says \[s\].
 const WORK_RATE: f64 = 100.0;
 const WORK_DURATION: f64 = 60.0;
 

@@ -115,7 +115,7 @@ pub fn play<S: Sensors>(
 struct Player<S: Sensors> {
     number: u32,
     source: AnySource<S>,
-    /// Time of its first sample [s].
+    /// Time of its first sample \[s\].
     origin: Option<f64>,
     sample: S,
 }

@@ -12,7 +12,7 @@ use super::remote::RemoteShard;
 use super::{LONGEST_NAME, MOST_MACHINES, Rows, TOO_MANY, frames, shard_of, unreadable};
 use crate::failure::Failure;
 
-/// Largest sample [bytes].
+/// Largest sample \[bytes\].
 const LARGEST: usize = 4096;
 /// Messages that are told of when they are left out; the rest are only counted.
 const TOLD: u64 = 5;

@@ -13,14 +13,14 @@ use super::frames::{self, FAULT, ROW, SAMPLE, STATE};
 use crate::commands::estimate::{Way, way};
 use crate::failure::Failure;
 
-/// Room for the state of a step [bytes]; the largest takes some 3000.
+/// Room for the state of a step \[bytes\]; the largest takes some 3000.
 const ROOM: usize = 1 << 16;
 
 /// A machine in a shard.
 struct Member {
     /// Its steps, the estimate's last.
     way: Way,
-    /// Time of its last row [s].
+    /// Time of its last row \[s\].
     told: f64,
 }
 

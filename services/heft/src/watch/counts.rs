@@ -7,7 +7,7 @@ use messages::{Health, Stamp};
 pub(super) struct Carried {
     /// Number after that of the latest sample.
     pub next: u64,
-    /// Time of the latest sample, as the data tell it [s].
+    /// Time of the latest sample, as the data tell it \[s\].
     pub time: f64,
     /// Samples.
     pub samples: u64,

@@ -10,7 +10,7 @@ const SECOND: i64 = 1_000_000_000;
 /// A data frame with the time it was received.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Frame<'a> {
-    /// When it was received [ns], on any clock; only differences count.
+    /// When it was received \[ns\], on any clock; only differences count.
     pub time_ns: i64,
     /// Name of the interface, such as `can0`.
     pub interface: &'a str,

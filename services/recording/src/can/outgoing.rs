@@ -48,7 +48,7 @@ pub struct Outgoing {
     machine: Machine,
     /// The channel that is sent.
     pub channel: &'static Channel,
-    /// Least time between two frames of one kind [s].
+    /// Least time between two frames of one kind \[s\].
     pub period: f64,
     /// The address that is claimed.
     source: u8,

@@ -12,7 +12,7 @@ use crate::map::Map;
 use crate::signal::{Row, Sensors};
 
 /// Reads axle weights on level and tilted ground: `pitch` [rad, nose up positive], `front_load`
-/// and `rear_load` [N].
+/// and `rear_load` \[N\].
 ///
 /// # Errors
 /// The file cannot be read, lacks a column, or a cell holds no finite number.

@@ -11,7 +11,7 @@ use crate::Error;
 /// A moment as all rows see it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Past {
-    /// Payload [kg].
+    /// Payload \[kg\].
     pub payload: Quantity,
     /// Inertia in the posture of the row [kg m^2].
     pub inertia: Quantity,

@@ -9,7 +9,7 @@ use crate::plot::Plot;
 /// What the figures show over time, SI units.
 #[derive(Debug, Clone, Copy)]
 pub struct Series<'a> {
-    /// Time [s].
+    /// Time \[s\].
     pub t: &'a [f64],
     /// Torque of the front axle [N m].
     pub front_torque: &'a [f64],
@@ -17,13 +17,13 @@ pub struct Series<'a> {
     pub speed: &'a [f64],
     /// True speed [m/s], where it is to be shown.
     pub reference_speed: Option<&'a [f64]>,
-    /// True distance from the front axle to the centre of gravity [m].
+    /// True distance from the front axle to the centre of gravity \[m\].
     pub reference_distance: &'a [f64],
-    /// Its estimates by method [m].
+    /// Its estimates by method \[m\].
     pub distance: &'a [Curve<'a>],
-    /// True height of the centre of gravity [m].
+    /// True height of the centre of gravity \[m\].
     pub reference_height: &'a [f64],
-    /// Its estimates by method [m].
+    /// Its estimates by method \[m\].
     pub height: &'a [Curve<'a>],
 }
 

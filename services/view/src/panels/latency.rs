@@ -11,12 +11,12 @@ use statistics::quantile;
 pub struct Hop {
     /// "sensor → estimate".
     pub name: &'static str,
-    /// Latencies, ascending [ns].
+    /// Latencies, ascending \[ns\].
     pub sorted_ns: Vec<f64>,
 }
 
 impl Hop {
-    /// Quantile `q` [ns].
+    /// Quantile `q` \[ns\].
     #[must_use]
     pub fn quantile_ns(&self, q: f64) -> f64 {
         quantile(&self.sorted_ns, q)

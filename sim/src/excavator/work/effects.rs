@@ -3,7 +3,7 @@
 /// Departures from the described machine; the default has none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Effects {
-    /// Slope of the ground [rad], in a direction that the seed chooses.
+    /// Slope of the ground \[rad\], in a direction that the seed chooses.
     pub slope: f64,
     /// Share of the torque that arrives while driving; braking torque is divided by it.
     pub efficiency: f64,
@@ -19,15 +19,15 @@ pub struct Effects {
     pub torque_gain: f64,
     /// Added to the measured torque, as a share of the largest one.
     pub torque_offset: f64,
-    /// Time constant of the torque sensor [s].
+    /// Time constant of the torque sensor \[s\].
     pub torque_lag: f64,
-    /// Pure delay of the torque sensor [s].
+    /// Pure delay of the torque sensor \[s\].
     pub torque_delay: f64,
-    /// The torque comes only so often [s]; 0 with every sample.
+    /// The torque comes only so often \[s\]; 0 with every sample.
     pub torque_period: f64,
-    /// Delay of the gyro [s].
+    /// Delay of the gyro \[s\].
     pub gyro_delay: f64,
-    /// Time constant of the gyro [s].
+    /// Time constant of the gyro \[s\].
     pub gyro_lag: f64,
     /// Step of the gyro [rad/s].
     pub gyro_quantum: f64,
@@ -35,11 +35,11 @@ pub struct Effects {
     pub gyro_bias: f64,
     /// Its change over a minute [rad/s].
     pub gyro_drift: f64,
-    /// Frequency of the boom's lateral mode, the upper body held [Hz]; 0 for a rigid boom.
+    /// Frequency of the boom's lateral mode, the upper body held \[Hz\]; 0 for a rigid boom.
     pub boom_mode: f64,
     /// Share of the load that swings.
     pub pendulum: f64,
-    /// Length of its pendulum [m].
+    /// Length of its pendulum \[m\].
     pub pendulum_length: f64,
     /// Share of the load that is spilled in every loaded swing, without a motion of the bucket.
     pub spill: f64,
@@ -51,9 +51,9 @@ pub struct Effects {
     pub mass_error: f64,
     /// The same of the described lengths.
     pub length_error: f64,
-    /// Error of each joint angle [rad].
+    /// Error of each joint angle \[rad\].
     pub angle_error: f64,
-    /// Standard deviation of the time stamps [s].
+    /// Standard deviation of the time stamps \[s\].
     pub jitter: f64,
     /// Share of the torque that a relief valve cuts off at the top.
     pub relief: f64,
@@ -63,7 +63,7 @@ pub struct Effects {
     pub seals: f64,
     /// Zeros of the pressure sensors over the usual ones.
     pub pressure_zero: f64,
-    /// Step of the pressures [Pa].
+    /// Step of the pressures \[Pa\].
     pub pressure_quantum: f64,
 }
 

@@ -15,7 +15,7 @@ pub struct Size {
     pub damping: f64,
     /// Coulomb friction of the swing [N m].
     pub friction: f64,
-    /// Payload of a full bucket [kg].
+    /// Payload of a full bucket \[kg\].
     pub rated: f64,
     /// Largest swing torque [N m].
     pub torque: f64,

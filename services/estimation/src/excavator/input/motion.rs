@@ -23,9 +23,9 @@ use crate::math::{exp, ln, sqrt, tanh};
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Motion {
-    /// Time of the measurement [s].
+    /// Time of the measurement \[s\].
     pub time: f64,
-    /// Sampling period that led to this sample [s].
+    /// Sampling period that led to this sample \[s\].
     pub period: f64,
     /// Velocity of the Kalman filter [rad/s].
     pub velocity: f64,
@@ -36,7 +36,7 @@ pub struct Motion {
     /// Its standard deviation [rad/s^2].
     pub acceleration_std: f64,
     /// Innovation of the Kalman filter, 0 where nothing was accepted [rad/s], of the angle filter
-    /// [rad].
+    /// \[rad\].
     pub innovation: f64,
     /// Its predicted standard deviation.
     pub innovation_std: f64,
@@ -50,9 +50,9 @@ pub struct Motion {
     pub filtered_direction: f64,
     /// A constant 1 behind them: what an offset looks like.
     pub filtered_one: f64,
-    /// Convergence delay of the Kalman filter's acceleration [s].
+    /// Convergence delay of the Kalman filter's acceleration \[s\].
     pub convergence_delay: f64,
-    /// Time since the last accepted velocity or angle [s].
+    /// Time since the last accepted velocity or angle \[s\].
     pub age: f64,
     /// A velocity or angle was accepted at this sample.
     pub measured: bool,

@@ -19,15 +19,15 @@ const LENGTH: f64 = 0.004;
 pub struct Cylinder {
     /// Areas of head and rod side of all of them together (n A) [m^2].
     pub areas: [f64; 2],
-    /// Base to pin (a), pin to rod eye (c) [m].
+    /// Base to pin (a), pin to rod eye (c) \[m\].
     pub distances: [f64; 2],
-    /// Between the two at joint angle 0 (delta) [rad].
+    /// Between the two at joint angle 0 (delta) \[rad\].
     pub angle: f64,
-    /// Friction of the seals, and its standard deviation [N].
+    /// Friction of the seals, and its standard deviation \[N\].
     pub friction: [f64; 2],
     /// Relative standard deviation of the moment: areas, lengths, angle.
     pub span_std: f64,
-    /// Standard deviation of the force by the zeros of the two pressures [N].
+    /// Standard deviation of the force by the zeros of the two pressures \[N\].
     pub zero_std: f64,
 }
 
@@ -61,7 +61,7 @@ impl Cylinder {
         })
     }
 
-    /// Length and lever at a joint angle [m].
+    /// Length and lever at a joint angle \[m\].
     #[must_use]
     pub fn lever(&self, angle: f64) -> (f64, f64) {
         let [a, c] = self.distances;
@@ -71,7 +71,7 @@ impl Cylinder {
         (length, a * c * sin / length)
     }
 
-    /// Force of these pressures of head and rod side [N].
+    /// Force of these pressures of head and rod side \[N\].
     #[must_use]
     pub fn force(&self, [head, rod]: [f64; 2]) -> f64 {
         self.areas[0] * head - self.areas[1] * rod

@@ -15,16 +15,16 @@ pub struct Doubts {
     pub efficiency_std: f64,
     /// Coulomb friction about the described one [N m].
     pub friction_std: f64,
-    /// Slope of the ground along each of two axes [rad].
+    /// Slope of the ground along each of two axes \[rad\].
     pub slope_std: f64,
     /// First moment of the upper body about the swing axis without boom, arm and bucket, forward positive
     /// [kg m]; `None` takes a counterweight that balances the folded, empty attachment.
     pub upper_first_moment: Option<f64>,
     /// Its standard deviation [kg m]; `None` takes 3 % of a stated moment, 30 % of a guessed one.
     pub upper_first_moment_std: Option<f64>,
-    /// How much later the velocity comes than the torque, beside what is taken out exactly [s].
+    /// How much later the velocity comes than the torque, beside what is taken out exactly \[s\].
     pub delay: f64,
-    /// Its standard deviation [s].
+    /// Its standard deviation \[s\].
     pub delay_std: f64,
     /// What the model of the torque leaves out, per 0.01 s, as a share of the largest torque seen.
     pub torque_share: f64,

@@ -18,17 +18,17 @@ use crate::math::sin_cos;
 pub struct Geometry {
     /// Upper body without boom, arm and bucket, about the swing axis (J_u) [kg m^2].
     pub upper_inertia: f64,
-    /// Swing axis to boom pin (x0) [m].
+    /// Swing axis to boom pin (x0) \[m\].
     pub boom_pin: f64,
-    /// Boom pin to arm pin, arm pin to bucket pin (L1, L2) [m].
+    /// Boom pin to arm pin, arm pin to bucket pin (L1, L2) \[m\].
     pub lengths: [f64; 2],
-    /// Pin to centre of mass of boom, arm, bucket (c1, c2, c3) [m].
+    /// Pin to centre of mass of boom, arm, bucket (c1, c2, c3) \[m\].
     pub centres: [f64; 3],
-    /// Bucket pin to the payload's centre of mass (cp) [m].
+    /// Bucket pin to the payload's centre of mass (cp) \[m\].
     pub payload_centre: f64,
-    /// Radius of gyration of the payload (kp) [m].
+    /// Radius of gyration of the payload (kp) \[m\].
     pub payload_gyration: f64,
-    /// Masses of boom, arm, bucket [kg].
+    /// Masses of boom, arm, bucket \[kg\].
     pub masses: [f64; 3],
     /// Inertias across the length, at the centre of mass (I1, I2, I3) [kg m^2].
     pub inertias: [f64; 3],
@@ -52,15 +52,15 @@ pub struct Inertia {
     pub per_payload: f64,
     /// First moment of boom, arm and bucket about the swing axis [kg m].
     pub moment: f64,
-    /// The same per kilogram of payload: its radius [m].
+    /// The same per kilogram of payload: its radius \[m\].
     pub radius: f64,
     /// Part of boom and arm in the inertia [kg m^2], and in the first moment [kg m].
     pub links: f64,
     /// The same of the first moment.
     pub links_moment: f64,
-    /// Inertia per kilogram of the bucket [m^2], and its radius [m].
+    /// Inertia per kilogram of the bucket [m^2], and its radius \[m\].
     pub per_bucket: f64,
-    /// Radius of the bucket's centre of mass [m].
+    /// Radius of the bucket's centre of mass \[m\].
     pub bucket_radius: f64,
 }
 
@@ -115,7 +115,7 @@ impl Geometry {
     }
 
     /// Inertia at the joint angles boom (to the horizontal, up positive), arm (relative to the
-    /// boom), bucket (relative to the arm) [rad].
+    /// boom), bucket (relative to the arm) \[rad\].
     pub fn inertia(&self, posture: [f64; 3]) -> Inertia {
         let a1 = posture[0];
         let a2 = a1 + posture[1];

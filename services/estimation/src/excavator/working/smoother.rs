@@ -33,11 +33,11 @@ impl Trail {
 /// The best estimate of a past moment.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Smoothed {
-    /// Payload and standard deviation [kg].
+    /// Payload and standard deviation \[kg\].
     pub payload: Quantity,
     /// Inertia and standard deviation, at the posture of its tick [kg m^2].
     pub inertia: Quantity,
-    /// That posture [rad].
+    /// That posture \[rad\].
     pub posture: [f64; 3],
 }
 

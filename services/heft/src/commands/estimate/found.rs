@@ -13,7 +13,7 @@ use crate::results;
 struct Told {
     /// Rows that were trusted; of those in motion.
     trusted: [usize; 2],
-    /// Time [s], value and standard deviation of the last that was trusted.
+    /// Time \[s\], value and standard deviation of the last that was trusted.
     last: Option<[f64; 3]>,
 }
 

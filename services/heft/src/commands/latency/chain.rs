@@ -47,7 +47,7 @@ impl Chain {
         pairs.map(|(from, to)| format!("{from} to {to}")).collect()
     }
 
-    /// Time of each hop [ns].
+    /// Time of each hop \[ns\].
     pub fn spans(&self, arrival: &Arrival) -> Vec<u64> {
         let marks = self.steps.iter().map(|(_, hop)| match hop {
             Hop::Filter => arrival.filter_ns,

@@ -10,7 +10,7 @@ use crate::failure::Failure;
 /// One set of conditions.
 #[derive(Debug, Clone)]
 pub struct Conditions {
-    /// Sampling rate [Hz].
+    /// Sampling rate \[Hz\].
     pub rate: f64,
     /// SCHED_FIFO instead of normal scheduling.
     pub realtime: bool,

@@ -18,7 +18,7 @@ use crate::machines;
 /// Samples at the start of each round that are left out: connections, caches, page faults.
 const WARM_UP: usize = 20;
 
-/// Latencies of the real chain [ns].
+/// Latencies of the real chain \[ns\].
 pub struct Passage {
     /// From measurement to arrival.
     pub end_to_end: Histogram<u64>,
@@ -28,7 +28,7 @@ pub struct Passage {
     pub lost: u64,
 }
 
-/// Latencies under one set of conditions [ns].
+/// Latencies under one set of conditions \[ns\].
 pub struct Measured {
     /// Under which.
     pub conditions: Conditions,
@@ -101,12 +101,12 @@ impl Measured {
     }
 }
 
-/// A quantile [µs].
+/// A quantile \[µs\].
 pub fn us(histogram: &Histogram<u64>, quantile: f64) -> f64 {
     histogram.value_at_quantile(quantile) as f64 / 1e3
 }
 
-/// The largest value [µs].
+/// The largest value \[µs\].
 pub fn max_us(histogram: &Histogram<u64>) -> f64 {
     histogram.max() as f64 / 1e3
 }
@@ -116,13 +116,13 @@ fn histogram() -> Result<Histogram<u64>, Failure> {
     Histogram::new_with_bounds(1, 100_000_000_000, 3).map_err(Failure::internal)
 }
 
-/// Time that [`measure`] takes, without the starts of the processes [s].
+/// Time that [`measure`] takes, without the starts of the processes \[s\].
 pub fn expected(duration: f64, spins: bool) -> f64 {
     let chains = 2 + usize::from(spins) + Primitive::ALL.len();
     duration * chains as f64
 }
 
-/// Measures under some conditions for `duration` [s].
+/// Measures under some conditions for `duration` \[s\].
 pub fn measure(chain: &Chain, conditions: &Conditions, duration: f64) -> Result<Measured, Failure> {
     let mut result = Measured::new(chain, conditions)?;
     let seconds = duration / ROUNDS as f64;

@@ -36,7 +36,7 @@ pub struct LatencyArgs {
     /// The machine whose processes are measured
     #[arg(value_parser = machine(), default_value = Machine::Excavator.name())]
     pub machine: Machine,
-    /// One sampling rate [Hz]; 100, 1000 and 10000 if absent
+    /// One sampling rate, in Hz; 100, 1000 and 10000 if absent
     #[arg(long, value_name = "HZ")]
     pub rate: Option<f64>,
     /// Seconds per measurement

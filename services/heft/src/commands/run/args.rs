@@ -36,7 +36,7 @@ pub struct RunArgs {
     /// Scenario of the simulator; `--scenario list` names them
     #[arg(long)]
     pub scenario: Option<String>,
-    /// Payload of the simulator [kg]
+    /// Payload of the simulator, in kg
     #[arg(long, value_name = "KG")]
     pub payload: Option<f64>,
     /// Leave out a kind of sensors that simulated machines have
@@ -62,7 +62,7 @@ pub struct RunArgs {
         "live_lines", "probe",
     ])]
     pub machines: Option<NonZeroUsize>,
-    /// What a truck shall hold [kg]: loads are counted, told as they come, and shown at `/loads` of the live page
+    /// What a truck shall hold, in kg: loads are counted, told as they come, and shown at `/loads` of the live page
     #[arg(long, value_name = "KG", value_parser = crate::commands::loads::positive)]
     pub target: Option<f64>,
     /// The machine's description
@@ -71,10 +71,10 @@ pub struct RunArgs {
     /// Method of the ukf process
     #[arg(long)]
     pub method: Option<String>,
-    /// Length of the run [s]; until the scenario ends if absent
+    /// Length of the run, in s; until the scenario ends if absent
     #[arg(long, value_name = "S")]
     pub duration: Option<f64>,
-    /// Sampling rate of the simulator [Hz]; that of the description if absent
+    /// Sampling rate of the simulator, in Hz; that of the description if absent
     #[arg(long, value_name = "HZ")]
     pub rate: Option<f64>,
     /// Seed of the simulator

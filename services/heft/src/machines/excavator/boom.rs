@@ -12,7 +12,7 @@ pub(super) struct Boom {
 impl Boom {
     /// Swinging from this velocity on [rad/s].
     const SWINGS: f64 = 0.1;
-    /// Down from this angle on [rad].
+    /// Down from this angle on \[rad\].
     const DOWN: f64 = -0.2;
     /// Fewest samples that tell.
     const FEWEST: usize = 50;

@@ -8,9 +8,9 @@ use view::figures::Curve;
 use crate::failure::Failure;
 use crate::machines::{Figure, SEED};
 
-/// Materials of the three cases of the excavator paper [kg].
+/// Materials of the three cases of the excavator paper \[kg\].
 const CASES: [(f64, &str); 3] = [(0.0, "empty"), (288.0, "288 kg"), (423.0, "423 kg")];
-/// Postures 1 and 2 of Fig. 3: boom, arm, bucket [deg].
+/// Postures 1 and 2 of Fig. 3: boom, arm, bucket \[deg\].
 const POSTURES: [[f64; 3]; 2] = [[55.0, -146.0, -85.0], [45.0, -75.0, -60.0]];
 /// Every figure of the paper.
 pub fn all() -> Result<Vec<Figure>, Failure> {

@@ -7,7 +7,7 @@ use messages::{ExcavatorSensors, excavator_bits as bits};
 use super::boom::Boom;
 use crate::machines::Look;
 
-/// Mass of the reference machine [kg], which a description without an operating mass is of.
+/// Mass of the reference machine \[kg\], which a description without an operating mass is of.
 const REFERENCE: f64 = 5500.0;
 
 /// Looks at boom and machine.
