@@ -30,28 +30,28 @@ const STREAMS: [u64; 4] = [20, 21, 22, 23];
 /// Arm and bucket at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stance {
-    /// Arm to the horizontal, up positive (th) [rad].
+    /// Arm to the horizontal, up positive (th) \[rad\].
     pub lift: f64,
-    /// Bucket, pin to load, to the horizontal, up positive (beta) [rad].
+    /// Bucket, pin to load, to the horizontal, up positive (beta) \[rad\].
     pub bucket: f64,
 }
 
 /// A lift arm with its bucket and its cylinders.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LiftArm {
-    /// Pivot to the bucket's pin [m].
+    /// Pivot to the bucket's pin \[m\].
     pub length: f64,
-    /// Pivot ahead of the front axle [m].
+    /// Pivot ahead of the front axle \[m\].
     pub pivot_x: f64,
-    /// Pivot above the ground [m].
+    /// Pivot above the ground \[m\].
     pub pivot_z: f64,
-    /// Mass of the arm [kg].
+    /// Mass of the arm \[kg\].
     pub mass: f64,
-    /// Pivot to its centre of mass [m].
+    /// Pivot to its centre of mass \[m\].
     pub mass_distance: f64,
-    /// Mass of the bucket [kg].
+    /// Mass of the bucket \[kg\].
     pub bucket_mass: f64,
-    /// Bucket's pin to the centre of bucket and load [m].
+    /// Bucket's pin to the centre of bucket and load \[m\].
     pub payload_distance: f64,
     /// What lifts it.
     pub cylinder: Cylinder,
@@ -105,7 +105,7 @@ impl LiftArm {
         arm
     }
 
-    /// Where the load is with the arm like this: ahead of the front axle, above the ground [m].
+    /// Where the load is with the arm like this: ahead of the front axle, above the ground \[m\].
     #[must_use]
     pub fn place(&self, at: &Stance) -> [f64; 2] {
         let [x, z] = self.load(at);
@@ -176,13 +176,13 @@ pub(super) struct Shaken {
 /// What the arm's sensors show.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seen {
-    /// Angle of the arm, of the bucket to the arm [rad].
+    /// Angle of the arm, of the bucket to the arm \[rad\].
     pub lift_angle: f64,
-    /// Angle of the bucket relative to the arm [rad].
+    /// Angle of the bucket relative to the arm \[rad\].
     pub tilt_angle: f64,
-    /// Pressures of head and rod side [Pa].
+    /// Pressures of head and rod side \[Pa\].
     pub head_pressure: f64,
-    /// Pressure of the rod side [Pa].
+    /// Pressure of the rod side \[Pa\].
     pub rod_pressure: f64,
 }
 

@@ -47,13 +47,13 @@ pub enum PayloadTold {
 /// The effects; the default is none.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Effects {
-    /// Delay of the speed [s].
+    /// Delay of the speed \[s\].
     pub speed_delay: f64,
     /// Share of the braking that friction brakes take.
     pub brakes: f64,
     /// There is a signal that says when they act.
     pub brakes_told: bool,
-    /// Largest articulation [rad].
+    /// Largest articulation \[rad\].
     pub steering: f64,
     /// Articulation and yaw rate are measured.
     pub steering_told: bool,
@@ -63,9 +63,9 @@ pub struct Effects {
     pub locked_drive: bool,
     /// Share of a/g that the slope sensor follows.
     pub slope_follows: f64,
-    /// Time constant of the slope sensor [s].
+    /// Time constant of the slope sensor \[s\].
     pub slope_lag: f64,
-    /// The torque of a gear change is reported this much later [s]; 0 is a machine without gears.
+    /// The torque of a gear change is reported this much later \[s\]; 0 is a machine without gears.
     pub gear_delay: f64,
     /// Slip stiffness of the front axle over that of the rear, less one.
     pub stiffness_difference: f64,
@@ -83,15 +83,15 @@ pub struct Effects {
     pub reverses: bool,
     /// Measured over true torque, less one.
     pub torque_gain: f64,
-    /// Delay of the torques [s].
+    /// Delay of the torques \[s\].
     pub torque_delay: f64,
-    /// The slope sensor shows so much too much [rad].
+    /// The slope sensor shows so much too much \[rad\].
     pub slope_bias: f64,
     /// The accelerometer shows so much too much [m/s^2].
     pub acceleration_offset: f64,
-    /// The speed comes only so often [s]; 0 with every row.
+    /// The speed comes only so often \[s\]; 0 with every row.
     pub speed_period: f64,
-    /// Standard deviation of the time stamps [s].
+    /// Standard deviation of the time stamps \[s\].
     pub jitter: f64,
     /// Told over true mass, less one.
     pub mass_error: f64,
@@ -104,7 +104,7 @@ pub struct Effects {
 /// The machine bent in its hinge.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Bend {
-    /// Articulation, positive turning left [rad].
+    /// Articulation, positive turning left \[rad\].
     pub angle: f64,
     /// Its rate [rad/s].
     pub rate: f64,

@@ -10,11 +10,11 @@ pub(super) const PAYLOAD_HEIGHT: f64 = 0.6;
 /// The payload in the bucket at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Payload {
-    /// Its mass [kg].
+    /// Its mass \[kg\].
     pub mass: f64,
-    /// Height of its centre of gravity above ground [m].
+    /// Height of its centre of gravity above ground \[m\].
     pub height: f64,
-    /// How far its centre of gravity lies ahead of the front axle [m].
+    /// How far its centre of gravity lies ahead of the front axle \[m\].
     pub reach: f64,
 }
 
@@ -27,7 +27,7 @@ impl Payload {
     };
 }
 
-/// A machine with its payload: mass [kg], height of the centre of gravity [m], share of the front axle.
+/// A machine with its payload: mass \[kg\], height of the centre of gravity \[m\], share of the front axle.
 pub fn loaded(machine: &Machine, payload: &Payload) -> (f64, f64, f64) {
     let mass = machine.mass + payload.mass;
     let place = (machine.wheelbase + payload.reach) / machine.wheelbase;

@@ -31,9 +31,9 @@ const SMALLEST_SLIP_SPEED: f64 = 0.02;
 /// A loader as it really is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Machine {
-    /// Mass without payload [kg].
+    /// Mass without payload \[kg\].
     pub mass: f64,
-    /// Height of the centre of gravity above ground, without payload [m].
+    /// Height of the centre of gravity above ground, without payload \[m\].
     pub cg_height: f64,
     /// Share of the static weight on the front axle, l_r / l, without payload.
     pub cg_ratio: f64,
@@ -43,9 +43,9 @@ pub struct Machine {
     pub friction: f64,
     /// Rolling resistance f.
     pub rolling_resistance: f64,
-    /// Relaxation length of the tyres [m].
+    /// Relaxation length of the tyres \[m\].
     pub relaxation_length: f64,
-    /// Time constant of the carcass [s].
+    /// Time constant of the carcass \[s\].
     pub carcass_time: f64,
     /// Vertical stiffness of the tyres of one axle [N/m].
     pub tyre_stiffness: f64,
@@ -53,13 +53,13 @@ pub struct Machine {
     pub tyre_damping: f64,
     /// Moment of inertia about the lateral axis [kg m^2].
     pub pitch_inertia: f64,
-    /// Nominal rolling radius [m].
+    /// Nominal rolling radius \[m\].
     pub wheel_radius: f64,
     /// Moment of inertia of one axle [kg m^2].
     pub axle_inertia: f64,
-    /// Wheelbase [m].
+    /// Wheelbase \[m\].
     pub wheelbase: f64,
-    /// From the front axle to the bucket tip [m].
+    /// From the front axle to the bucket tip \[m\].
     pub bucket_reach: f64,
     /// Gear ratio from motor to wheel.
     pub gear_ratio: f64,
@@ -129,13 +129,13 @@ pub struct Inputs {
     pub bend_gain: f64,
     /// and this [m/s]; 1 and 0 for a machine that drives straight on.
     pub bend_offset: f64,
-    /// Horizontal spading force at the bucket tip, at ground height, positive pushing backward [N].
+    /// Horizontal spading force at the bucket tip, at ground height, positive pushing backward \[N\].
     pub spade_force_x: f64,
-    /// Vertical spading force, positive pushing down [N].
+    /// Vertical spading force, positive pushing down \[N\].
     pub spade_force_z: f64,
-    /// Mass with payload [kg].
+    /// Mass with payload \[kg\].
     pub mass: f64,
-    /// Height of the centre of gravity with payload [m].
+    /// Height of the centre of gravity with payload \[m\].
     pub cg_height: f64,
     /// Share of the static weight on the front axle, with payload.
     pub cg_ratio: f64,
@@ -168,11 +168,11 @@ pub type State = [f64; 10];
 pub struct Motion {
     /// Derivative of the state.
     pub rate: State,
-    /// Road slope at the centre of gravity [rad].
+    /// Road slope at the centre of gravity \[rad\].
     pub slope: f64,
-    /// Normal loads of the front and rear axle [N].
+    /// Normal loads of the front and rear axle \[N\].
     pub loads: [f64; 2],
-    /// Longitudinal tyre forces of the front and rear axle [N].
+    /// Longitudinal tyre forces of the front and rear axle \[N\].
     pub forces: [f64; 2],
 }
 
@@ -220,7 +220,7 @@ impl Plant {
         }
     }
 
-    /// The same in shorter or longer steps [s].
+    /// The same in shorter or longer steps \[s\].
     pub fn with_longest_step(self, longest_step: f64) -> Self {
         Self {
             longest_step,
@@ -243,7 +243,7 @@ impl Plant {
         motion(&self.vehicle, &self.road, &self.state, &self.inputs())
     }
 
-    /// Moves on to `time` [s]. `inputs` gives the inputs at a time, and is asked in the order of time.
+    /// Moves on to `time` \[s\]. `inputs` gives the inputs at a time, and is asked in the order of time.
     pub fn advance(&mut self, time: f64, inputs: &mut impl FnMut(f64, &State) -> Inputs) {
         let start = self.time;
         let steps = ((time - start) / self.longest_step - 1e-6).ceil().max(1.0) as usize;

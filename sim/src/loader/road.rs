@@ -22,15 +22,15 @@ const PERIODIC_FROM: usize = 700;
 /// How hilly and how rough a road is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surface {
-    /// Amplitude A of the slope [deg]; its rms value is A/1.8.
+    /// Amplitude A of the slope \[deg\]; its rms value is A/1.8.
     pub slope_amplitude_deg: f64,
     /// Roughness coefficient G_d at 0.1 periods per metre [m^3].
     pub roughness: f64,
-    /// Length over which the rms slope is normalised [m].
+    /// Length over which the rms slope is normalised \[m\].
     pub length: f64,
 }
 
-/// The phases of all waves of a road [rad].
+/// The phases of all waves of a road \[rad\].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Phases {
     /// Of the slope.
@@ -75,13 +75,13 @@ impl Road {
         }
     }
 
-    /// The same road for a machine that sets out so far along it and drives back [m].
+    /// The same road for a machine that sets out so far along it and drives back \[m\].
     #[must_use]
     pub fn turned(self, turned_at: Option<f64>) -> Self {
         Self { turned_at, ..self }
     }
 
-    /// Slope at distance `x`, positive uphill [rad].
+    /// Slope at distance `x`, positive uphill \[rad\].
     pub fn slope(&self, x: f64) -> f64 {
         match self.turned_at {
             None => self.slope_there(x),
@@ -89,7 +89,7 @@ impl Road {
         }
     }
 
-    /// Height above the smooth road [m] and its derivative along the road, at distance `x`.
+    /// Height above the smooth road \[m\] and its derivative along the road, at distance `x`.
     pub fn profile(&self, x: f64) -> [f64; 2] {
         match self.turned_at {
             None => self.profile_there(x),

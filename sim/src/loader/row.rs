@@ -12,17 +12,17 @@ pub struct Truth {
     pub front_wheel_speed: f64,
     /// Rear wheel speed [rad/s].
     pub rear_wheel_speed: f64,
-    /// Height of the centre of gravity, with payload [m].
+    /// Height of the centre of gravity, with payload \[m\].
     pub cg_height: f64,
     /// Share of the static weight on the front axle, with payload.
     pub cg_ratio: f64,
     /// Slip stiffness.
     pub slip_stiffness: f64,
-    /// Horizontal spading force [N].
+    /// Horizontal spading force \[N\].
     pub spade_force_x: f64,
-    /// Road slope [rad].
+    /// Road slope \[rad\].
     pub slope: f64,
-    /// Mass in the bucket [kg].
+    /// Mass in the bucket \[kg\].
     pub payload: f64,
     /// Rate of the speed along the road [m/s^2].
     pub acceleration: f64,
@@ -31,7 +31,7 @@ pub struct Truth {
 /// One sample. A measurement that is missing is not a number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {
-    /// Time [s].
+    /// Time \[s\].
     pub time: f64,
     /// Forward speed [m/s].
     pub speed: f64,
@@ -43,19 +43,19 @@ pub struct Row {
     pub front_torque: f64,
     /// Rear axle torque at the wheel [N m].
     pub rear_torque: f64,
-    /// Road slope [rad].
+    /// Road slope \[rad\].
     pub slope: f64,
     /// Specific force along the body axis, dv/dt + g sin(slope) [m/s^2].
     pub acceleration: f64,
-    /// Mass with payload [kg], where it is not simply the machine's.
+    /// Mass with payload \[kg\], where it is not simply the machine's.
     pub mass: Option<f64>,
-    /// Horizontal spading force [N]; none if it is not measured.
+    /// Horizontal spading force \[N\]; none if it is not measured.
     pub spade_force_x: Option<f64>,
-    /// Vertical spading force [N].
+    /// Vertical spading force \[N\].
     pub spade_force_z: Option<f64>,
     /// Whether the boom moves the payload.
     pub boom_moving: Option<bool>,
-    /// Angle between front and rear body, positive turning left [rad]; none if it is not measured.
+    /// Angle between front and rear body, positive turning left \[rad\]; none if it is not measured.
     pub articulation: Option<f64>,
     /// Yaw rate of the rear body, positive turning left [rad/s]; none if it is not measured.
     pub yaw_rate: Option<f64>,

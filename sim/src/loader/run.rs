@@ -14,10 +14,10 @@ use crate::fault::{Fault, InvalidFault};
 pub struct Run {
     /// The manoeuvre.
     pub scenario: Scenario,
-    /// Payload that a load cycle picks up and every other scenario carries from the start [kg]; none is
+    /// Payload that a load cycle picks up and every other scenario carries from the start \[kg\]; none is
     /// the scenario's own (1500 kg in a load cycle, otherwise none).
     pub payload: Option<f64>,
-    /// Samples per second [Hz].
+    /// Samples per second \[Hz\].
     pub rate: f64,
     /// Determines the machine, the road, the driver and the noise.
     pub seed: u64,
@@ -27,7 +27,7 @@ pub struct Run {
     pub tyres_seed: Option<u64>,
     /// Determines the road instead, so that several runs go the same way.
     pub road_seed: Option<u64>,
-    /// So far along the road the machine is turned round and drives back [m]; none drives there.
+    /// So far along the road the machine is turned round and drives back \[m\]; none drives there.
     pub turned_at: Option<f64>,
     /// The sensors.
     pub grade: Grade,
@@ -41,7 +41,7 @@ pub struct Run {
     pub effects: Effects,
     /// What goes wrong.
     pub faults: Vec<Fault>,
-    /// How long [s]; none is the scenario's own. A longer run goes on as a work cycle (a cruise goes on
+    /// How long \[s\]; none is the scenario's own. A longer run goes on as a work cycle (a cruise goes on
     /// as a cruise).
     pub duration: Option<f64>,
 }

@@ -105,7 +105,7 @@ impl Scenario {
         Self::ALL[self as usize].0
     }
 
-    /// How long it takes [s].
+    /// How long it takes \[s\].
     pub fn duration(self) -> f64 {
         match self {
             Self::Bumpy | Self::Spading | Self::Digging => 10.0,
@@ -117,7 +117,7 @@ impl Scenario {
         }
     }
 
-    /// When the estimates should have settled: errors count from here on [s].
+    /// When the estimates should have settled: errors count from here on \[s\].
     pub fn evaluated_from(self) -> f64 {
         match self {
             Self::Bumpy | Self::Spading | Self::Digging => 4.0,

@@ -45,7 +45,7 @@ impl Grade {
         self.pick([0.05, 0.01, 0.002, 0.0005])
     }
 
-    /// Of the slope [rad].
+    /// Of the slope \[rad\].
     pub fn slope_std(self) -> f64 {
         self.pick([0.005, 0.002, 0.002, 0.0005])
     }

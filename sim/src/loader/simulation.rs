@@ -184,7 +184,7 @@ impl Simulation {
         [known.front_torque_gain, known.rear_torque_gain]
     }
 
-    /// The slope sensor shows so much too much [rad].
+    /// The slope sensor shows so much too much \[rad\].
     pub fn slope_bias(&self) -> f64 {
         self.calibration.slope_bias
     }

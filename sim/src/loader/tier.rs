@@ -73,15 +73,15 @@ impl Size {
 /// What the estimator is told about the machine, and what it starts from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Told {
-    /// Mass without payload [kg].
+    /// Mass without payload \[kg\].
     pub mass: f64,
-    /// Rolling radius [m].
+    /// Rolling radius \[m\].
     pub wheel_radius: f64,
     /// Moment of inertia of one axle [kg m^2].
     pub axle_inertia: f64,
-    /// Wheelbase [m].
+    /// Wheelbase \[m\].
     pub wheelbase: f64,
-    /// From the front axle to the bucket tip [m].
+    /// From the front axle to the bucket tip \[m\].
     pub bucket_reach: f64,
     /// Rolling resistance f.
     pub rolling_resistance: f64,
@@ -91,7 +91,7 @@ pub struct Told {
     pub radius_load_sensitivity: f64,
     /// Slip stiffness to start from.
     pub slip_stiffness: f64,
-    /// Height of the centre of gravity to start from [m].
+    /// Height of the centre of gravity to start from \[m\].
     pub cg_height: f64,
     /// Share of the front axle to start from.
     pub cg_ratio: f64,

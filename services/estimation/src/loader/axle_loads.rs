@@ -24,7 +24,7 @@ use crate::scalar::Scalar;
 /// Axle loads are at least this share of the weight: a lifted axle still has a slip.
 pub(super) const LEAST_LOAD: f64 = 0.02;
 
-/// Front and rear axle load, each floored at 2 % of the weight [N].
+/// Front and rear axle load, each floored at 2 % of the weight \[N\].
 #[inline(always)]
 pub fn axle_loads<T: Scalar>(
     machine: &WheelDynamics,
@@ -40,7 +40,7 @@ pub fn axle_loads<T: Scalar>(
     (front.max(least), rear.max(least))
 }
 
-/// Front and rear axle load; negative where the axle would lift [N].
+/// Front and rear axle load; negative where the axle would lift \[N\].
 #[inline(always)]
 pub fn unfloored_axle_loads<T: Scalar>(
     machine: &WheelDynamics,

@@ -33,7 +33,7 @@ use crate::scalar::Scalar;
 pub struct Loading {
     /// Empty mass over total mass.
     pub share: f64,
-    /// The payload's part of the height [m].
+    /// The payload's part of the height \[m\].
     pub height: f64,
     /// The payload's part of the ratio.
     pub ratio: f64,
@@ -64,7 +64,7 @@ pub struct CgModel {
     pub dynamics: WheelDynamics,
     /// Inputs of the step.
     pub inputs: Inputs,
-    /// Length of the step [s].
+    /// Length of the step \[s\].
     pub dt: f64,
     /// Integration.
     pub integration: Integration,

@@ -32,7 +32,7 @@ pub enum Status {
 pub struct Estimate {
     /// A row has been accepted; before, the values are the prior.
     pub started: bool,
-    /// Time of the row [s]; the last accepted time when the row was refused.
+    /// Time of the row \[s\]; the last accepted time when the row was refused.
     pub time: f64,
     /// Forward speed [m/s].
     pub speed: f64,
@@ -42,25 +42,25 @@ pub struct Estimate {
     pub rear_wheel_speed: f64,
     /// Slip stiffness K of the tyres, F_x = K slip F_z.
     pub slip_stiffness: Quantity,
-    /// Height h of the centre of gravity above ground [m]; the standard deviation includes the floor.
+    /// Height h of the centre of gravity above ground \[m\]; the standard deviation includes the floor.
     pub cg_height: Quantity,
     /// Share lambda of the static weight on the front axle; the standard deviation includes the floor.
     pub cg_ratio: Quantity,
-    /// Distance from the front axle back to the centre of gravity, (1 - lambda) l [m].
+    /// Distance from the front axle back to the centre of gravity, (1 - lambda) l \[m\].
     pub cg_distance: f64,
-    /// Force on the bucket tip, measured plus unknown part, positive backward [N].
+    /// Force on the bucket tip, measured plus unknown part, positive backward \[N\].
     pub spade_force_x: Option<Quantity>,
-    /// What the bucket holds, weighed by the lift pressure [kg].
+    /// What the bucket holds, weighed by the lift pressure \[kg\].
     pub payload: Option<Quantity>,
     /// The payload may be believed: the bucket neither turns nor touches the ground, and the interval is narrow.
     pub trusted_payload: bool,
-    /// Bias of the slope sensor, true slope = measured - bias [rad].
+    /// Bias of the slope sensor, true slope = measured - bias \[rad\].
     pub slope_bias: Option<f64>,
     /// Rolling radius of the front wheels over its nominal value, 1 + d_f.
     pub front_radius_scale: Option<f64>,
     /// Rolling radius of the rear wheels over its nominal value, 1 + d_r.
     pub rear_radius_scale: Option<f64>,
-    /// Delay of the measured speed [s].
+    /// Delay of the measured speed \[s\].
     pub speed_delay: Option<Quantity>,
     /// Normalised innovation squared of this row per accepted measurement; 1 is the expected value.
     pub nis: f64,

@@ -10,15 +10,15 @@ pub const GRAVITY: f64 = 9.81;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WheelDynamics {
-    /// Mass [kg].
+    /// Mass \[kg\].
     pub mass: f64,
-    /// Nominal rolling radius [m].
+    /// Nominal rolling radius \[m\].
     pub wheel_radius: f64,
     /// Axle inertia [kg m^2].
     pub axle_inertia: f64,
-    /// Axle distance [m].
+    /// Axle distance \[m\].
     pub wheelbase: f64,
-    /// Front axle to bucket tip [m].
+    /// Front axle to bucket tip \[m\].
     pub bucket_reach: f64,
     /// Rolling resistance per load.
     pub rolling_resistance: f64,

@@ -14,17 +14,17 @@ use crate::math::sqrt;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Payload {
-    /// Mass m_p [kg].
+    /// Mass m_p \[kg\].
     pub mass: f64,
-    /// Its standard deviation [kg].
+    /// Its standard deviation \[kg\].
     pub mass_std: f64,
-    /// Height h_p of its centre above ground [m].
+    /// Height h_p of its centre above ground \[m\].
     pub height: f64,
-    /// Its standard deviation [m].
+    /// Its standard deviation \[m\].
     pub height_std: f64,
-    /// Distance x_p of its centre ahead of the front axle [m].
+    /// Distance x_p of its centre ahead of the front axle \[m\].
     pub overhang: f64,
-    /// Its standard deviation [m].
+    /// Its standard deviation \[m\].
     pub overhang_std: f64,
 }
 

@@ -3,7 +3,7 @@
 /// One row of signals; `None` is a missing sample, a value that is not finite counts as missing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sample {
-    /// Time of the measurement [s]; rows must increase.
+    /// Time of the measurement \[s\]; rows must increase.
     pub time: f64,
     /// Forward speed of the body [m/s].
     pub speed: Option<f64>,
@@ -15,31 +15,31 @@ pub struct Sample {
     pub front_torque: Option<f64>,
     /// Torque on the rear axle at the wheels, total, driving positive [N m].
     pub rear_torque: Option<f64>,
-    /// Measured road slope, uphill in the driving direction positive [rad].
+    /// Measured road slope, uphill in the driving direction positive \[rad\].
     pub slope: Option<f64>,
     /// Specific force along the body axis, dv/dt + g sin(slope) [m/s^2].
     pub acceleration: Option<f64>,
-    /// Mass of the machine with its load [kg]; held while missing.
+    /// Mass of the machine with its load \[kg\]; held while missing.
     pub mass: Option<f64>,
-    /// Force on the bucket tip, positive when it pushes the machine backward [N].
+    /// Force on the bucket tip, positive when it pushes the machine backward \[N\].
     pub spade_force_x: Option<f64>,
-    /// Force on the bucket tip, positive when it pushes the machine down [N].
+    /// Force on the bucket tip, positive when it pushes the machine down \[N\].
     pub spade_force_z: Option<f64>,
     /// The boom moves: a payload may be taken up or set down.
     pub boom_moving: bool,
-    /// Angle between front and rear body, positive when the machine turns left [rad].
+    /// Angle between front and rear body, positive when the machine turns left \[rad\].
     pub articulation: Option<f64>,
     /// Yaw rate of the rear body, positive anticlockwise from above [rad/s].
     pub yaw_rate: Option<f64>,
     /// Friction brakes act.
     pub brake: bool,
-    /// Angle of the lift arm to the horizontal, up positive [rad].
+    /// Angle of the lift arm to the horizontal, up positive \[rad\].
     pub lift_angle: Option<f64>,
-    /// Angle of the bucket relative to the lift arm, tip up positive [rad].
+    /// Angle of the bucket relative to the lift arm, tip up positive \[rad\].
     pub tilt_angle: Option<f64>,
-    /// Pressure at the head side of the lift cylinders, their mean [Pa].
+    /// Pressure at the head side of the lift cylinders, their mean \[Pa\].
     pub lift_head_pressure: Option<f64>,
-    /// Pressure at the rod side of the lift cylinders, their mean [Pa].
+    /// Pressure at the rod side of the lift cylinders, their mean \[Pa\].
     pub lift_rod_pressure: Option<f64>,
     /// Number of the truck that is loaded; another number begins the next truck.
     pub truck: Option<f64>,

@@ -29,7 +29,7 @@ const LEAST_TILT: f64 = 0.02;
 /// One weighing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {
-    /// Inclination, front up positive [rad].
+    /// Inclination, front up positive \[rad\].
     pub pitch: f64,
     /// Load on the front axle.
     pub front_load: f64,
@@ -58,9 +58,9 @@ pub struct Weighing {
 pub struct Reference {
     /// Share of the weight on the front axle on level ground.
     pub cg_ratio: Quantity,
-    /// Height above ground [m]; `None` without two different inclinations.
+    /// Height above ground \[m\]; `None` without two different inclinations.
     pub cg_height: Option<Quantity>,
-    /// Distance from the front axle to the centre of gravity [m].
+    /// Distance from the front axle to the centre of gravity \[m\].
     pub cg_distance: Quantity,
     /// Mean total load, in the unit of the readings.
     pub load: f64,
@@ -73,11 +73,11 @@ pub struct Reference {
 /// Why a reading or a weighing cannot be used.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum WeighError {
-    /// The wheelbase is not positive and finite [m].
+    /// The wheelbase is not positive and finite \[m\].
     Wheelbase(f64),
     /// The accuracy of the scales is not positive and finite.
     ScaleStd(f64),
-    /// A pitch of 0.8 rad or more, or one that is not finite [rad].
+    /// A pitch of 0.8 rad or more, or one that is not finite \[rad\].
     Pitch(f64),
     /// Loads that are not finite, or an axle that pulls.
     Loads(f64, f64),

@@ -38,11 +38,11 @@ pub struct Inputs {
     pub front_torque: f64,
     /// Rear axle torque [N m].
     pub rear_torque: f64,
-    /// Measured force on the bucket tip, backward positive [N].
+    /// Measured force on the bucket tip, backward positive \[N\].
     pub spade_force_x: f64,
-    /// Measured force on the bucket tip, down positive [N].
+    /// Measured force on the bucket tip, down positive \[N\].
     pub spade_force_z: f64,
-    /// Measured slope [rad].
+    /// Measured slope \[rad\].
     pub slope: f64,
 }
 
@@ -62,17 +62,17 @@ pub struct Motion<T> {
 pub struct Parameters<T> {
     /// Slip stiffness.
     pub slip_stiffness: T,
-    /// Height of the centre of gravity [m].
+    /// Height of the centre of gravity \[m\].
     pub cg_height: T,
     /// Share of the static weight in front.
     pub cg_ratio: T,
-    /// Spade force beside the measured one [N].
+    /// Spade force beside the measured one \[N\].
     pub spade_force_x: T,
     /// Relative radius error in front.
     pub front_radius_error: T,
     /// Relative radius error behind.
     pub rear_radius_error: T,
-    /// Slope bias, true slope = measured - bias [rad].
+    /// Slope bias, true slope = measured - bias \[rad\].
     pub slope_bias: T,
     /// Error of the load sensitivity of the rolling radii: true = told + error.
     pub load_sensitivity_error: T,
