@@ -13,7 +13,7 @@ use super::tier::{self, Calibration, Tier, Told};
 use crate::fault::Injector;
 use crate::noise::Noise;
 
-/// The channels that a [`Fault`] can name.
+/// The channels that a [`Fault`](crate::fault::Fault) can name.
 pub const CHANNELS: &[&str] = &[
     "time",
     "speed",
