@@ -99,6 +99,7 @@ impl Supervisor {
             .iter()
             .map(|c| ports.create(c))
             .collect::<Result<_, _>>()?;
+        watch.tell_loads(ports.teller(steps::loads::channel(plan.machine))?);
         let read: Vec<_> = channels
             .iter()
             .copied()

@@ -11,7 +11,7 @@ use estimation::loads::Stage;
 use messages::channels::Channel;
 use messages::keyframe::Collector;
 use messages::{Carries, Envelope, Health, Machine, Message, Snapshot, Value, fault};
-use runtime::{Sink, Window};
+use runtime::{Sink, Teller, Window};
 use steps::stages::Pipeline;
 use view::live::{Feed, SharedLoads};
 
@@ -25,6 +25,14 @@ use crate::tally::Tally;
 
 /// Truths that may wait for their estimates.
 const TRUTHS: usize = 2048;
+/// Loads are told so often in the time of the data [s]; a clock that goes back counts as due.
+const LOADS_PERIOD: f64 = 0.1;
+
+/// A little early counts as due: times are sums of rounded steps.
+fn is_due(time: f64, last: f64) -> bool {
+    !(0.0..LOADS_PERIOD * 0.999).contains(&(time - last))
+}
+
 /// Everything seen of a run.
 #[derive(Default)]
 pub struct Watch {
@@ -50,6 +58,8 @@ pub struct Watch {
     memory: Option<Memory>,
     /// Counts loads.
     loads: Option<SharedLoads>,
+    /// Sends them to other programs, and when it did last in the time of the data [s].
+    teller: Option<(Teller, f64)>,
     /// The sensors are read for them: they tell the truck, and a loader's mass.
     counts_sensors: bool,
     faults: Vec<Fault>,
@@ -99,6 +109,11 @@ impl Watch {
     /// Has the loads counted, told as they come; with what the sensors tell of truck and mass if `sensors`.
     pub fn count_loads(&mut self, loads: SharedLoads, sensors: bool) {
         (self.loads, self.counts_sensors) = (Some(loads), sensors);
+    }
+
+    /// Has them sent on their channel.
+    pub fn tell_loads(&mut self, teller: Teller) {
+        self.teller = Some((teller, f64::NEG_INFINITY));
     }
 
     /// Has what is trusted remembered.
@@ -349,6 +364,17 @@ impl Watch {
         let mut counter = loads.lock();
         let machine = counter.machine();
         let events = counter.see(envelope);
+        if let Some((teller, last)) = &mut self.teller
+            && channel.payload.carries() == Carries::Estimate
+            && (events.load.is_some() || is_due(envelope.stamp().time, *last))
+        {
+            *last = envelope.stamp().time;
+            let mut message = steps::loads::message(&counter, envelope.stamp());
+            if self.is_simulated {
+                message.mark_simulated();
+            }
+            teller(&message);
+        }
         drop(counter);
         let told = events
             .load

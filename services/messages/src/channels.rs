@@ -170,6 +170,7 @@ mod tests {
                 "loader/truth",
                 "loader/cg_ekf",
                 "loader/cg_ukf",
+                "loader/loads",
                 "health",
                 "credit",
                 "keyframe"

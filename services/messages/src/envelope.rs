@@ -93,6 +93,13 @@ macro_rules! payloads {
                 }
             }
 
+            /// Says that it was made from simulated samples.
+            pub fn mark_simulated(&mut self) {
+                match self {
+                    $( Self::$name(m) => m.mark_simulated(), )*
+                }
+            }
+
             /// Publish times.
             #[must_use]
             pub fn hops(&self) -> &Hops {

@@ -170,6 +170,7 @@ pub const EXCAVATOR_METHODS: &[&str] = sheet::excavator_methods!(method_names);
 /// The excavator's channels.
 pub mod channels {
     use super::{ExcavatorEstimate, ExcavatorSensors, ExcavatorTruth, SwingMotion};
+    use crate::ExcavatorLoads;
     use crate::channels::{ChannelOf, Rate, channels};
 
     channels! {
@@ -183,5 +184,7 @@ pub mod channels {
         EXCAVATOR_INERTIA_RLS: ExcavatorEstimate = "excavator/inertia_rls", 512, Rate::Sensors;
         /// Estimates of the state-space filters.
         EXCAVATOR_INERTIA_UKF: ExcavatorEstimate = "excavator/inertia_ukf", 512, Rate::Sensors;
+        /// Loads as they are counted.
+        EXCAVATOR_LOADS: ExcavatorLoads = "excavator/loads", 64, Rate::Hz(10.0);
     }
 }

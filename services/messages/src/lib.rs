@@ -9,6 +9,7 @@
 //! | file | what |
 //! |---|---|
 //! | `excavator`, `loader` | of a machine: messages, a row per field; channels; names of methods and reasons |
+//! | `loads` | the message of loads, one a machine |
 //! | `health`, [`keyframe`] | the messages of every process |
 //! | `machine` | the machines, a row each: every crate makes its table from it |
 //! | [`channels`] | the table of channels: name, payload, depth, rate |
@@ -23,6 +24,7 @@ mod excavator;
 mod health;
 pub mod keyframe;
 mod loader;
+mod loads;
 mod machine;
 mod message;
 mod stamp;
@@ -32,6 +34,7 @@ pub use codes::{Entry, Words};
 pub use envelope::{Carries, Envelope, Receiver};
 pub use health::{Credit, Health, State, fault};
 pub use keyframe::{Keyframe, Snapshot};
+pub use loads::{ExcavatorLoads, LoaderLoads, loads_bits};
 pub use machine::Machine;
 pub use message::{Field, HEAD, Message, NumberType, SIMULATED, Value};
 pub use stamp::{Hop, Hops, Stamp};

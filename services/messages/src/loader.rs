@@ -104,6 +104,7 @@ pub const LOADER_METHODS: &[&str] = sheet::loader_methods!(method_names);
 /// The loader's channels.
 pub mod channels {
     use super::{LoaderEstimate, LoaderSensors, LoaderTruth};
+    use crate::LoaderLoads;
     use crate::channels::{ChannelOf, Rate, channels};
 
     channels! {
@@ -115,5 +116,7 @@ pub mod channels {
         LOADER_CG_EKF: LoaderEstimate = "loader/cg_ekf", 512, Rate::Sensors;
         /// Estimates of the square-root unscented Kalman filter.
         LOADER_CG_UKF: LoaderEstimate = "loader/cg_ukf", 512, Rate::Sensors;
+        /// Loads as they are counted.
+        LOADER_LOADS: LoaderLoads = "loader/loads", 64, Rate::Hz(10.0);
     }
 }

@@ -9,8 +9,8 @@ use core::fmt;
 macro_rules! machines {
     ($then:ident) => {
         $then! {
-            Excavator, excavator, ExcavatorSensors, ExcavatorTruth, ExcavatorEstimate, [SwingMotion];
-            Loader, loader, LoaderSensors, LoaderTruth, LoaderEstimate, [];
+            Excavator, excavator, ExcavatorSensors, ExcavatorTruth, ExcavatorEstimate, [SwingMotion, ExcavatorLoads];
+            Loader, loader, LoaderSensors, LoaderTruth, LoaderEstimate, [LoaderLoads];
         }
     };
 }

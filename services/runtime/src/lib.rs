@@ -48,7 +48,7 @@ pub use domain::{Domain, Owner, free_shared_memory};
 pub use error::Error;
 pub use home::make as home;
 pub use live::{Live, Polled, run_live};
-pub use ports::{EventListener, Held, Input, Output, Ports, Received};
+pub use ports::{EventListener, Held, Input, Output, Ports, Received, Teller};
 pub use probe::{Arrival, Wake, run_probe};
 pub use pulse::is_stopped;
 pub use run_sink::run_sink;

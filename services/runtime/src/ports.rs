@@ -13,7 +13,7 @@ use iceoryx2::prelude::*;
 use iceoryx2::sample::Sample;
 use iceoryx2::sample_mut_uninit::SampleMutUninit;
 use iceoryx2::service::port_factory::event;
-use messages::Message;
+use messages::{Envelope, Message};
 use messages::channels::{Channel, Rate, Visitor};
 
 use crate::Error;
@@ -103,6 +103,18 @@ impl Ports {
             loaned: None,
             publisher,
             notifier,
+        })
+    }
+
+    /// Opens a channel to write its messages in envelopes, and tell those who listen: for a writer that is on no path
+    /// of an estimate. A message of another channel is not sent.
+    ///
+    /// # Errors
+    /// As [`Ports::output`].
+    pub fn teller(&self, channel: &Channel) -> Result<Teller, Error> {
+        channel.payload.visit(Tell {
+            ports: self,
+            channel,
         })
     }
 
@@ -225,6 +237,27 @@ impl Visitor for Create<'_> {
         Ok(Held {
             _service: Box::new((data, event)),
         })
+    }
+}
+
+/// Sends a message in its envelope; false if it could not be sent.
+pub type Teller = Box<dyn FnMut(&Envelope) -> bool>;
+
+struct Tell<'a> {
+    ports: &'a Ports,
+    channel: &'a Channel,
+}
+
+impl Visitor for Tell<'_> {
+    type Output = Result<Teller, Error>;
+
+    fn visit<M: Message>(self) -> Self::Output {
+        let mut output = self.ports.output::<M>(self.channel)?;
+        Ok(Box::new(move |envelope| {
+            let is_sent = M::inside(envelope).is_some_and(|message| output.send(message));
+            output.notify();
+            is_sent
+        }))
     }
 }
 

@@ -9,6 +9,7 @@
 //! |---|---|
 //! | rows as a macro that hands them to another (`excavator_signals!(then)`): structures are made of them | [`excavator`], [`loader`] |
 //! | rows as constants: tables are read from them | the same modules: `SIGNALS`, `FLAGS`, `QUANTITIES`, `REASONS`, `METHODS` |
+//! | loads, the same for every machine | [`loads`] |
 #![no_std]
 
 /// When a signal counts as one that the source has.
@@ -430,6 +431,7 @@ macro_rules! tables {
 
 pub mod excavator;
 pub mod loader;
+pub mod loads;
 
 #[cfg(test)]
 mod tests {

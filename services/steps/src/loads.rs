@@ -14,6 +14,10 @@ use messages::{
     LoaderEstimate, LoaderSensors, Machine, excavator_bits, loader_bits,
 };
 
+mod told;
+
+pub use told::{channel, message};
+
 /// Loads that are remembered; sums know all.
 const REMEMBERED: usize = 1000;
 /// Payload of a full bucket: prior mean plus so many prior standard deviations, as the estimator means it.

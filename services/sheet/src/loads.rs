@@ -1,0 +1,102 @@
+//! Loads as they leave: bits, codes and CAN frames of their message, the same for every machine.
+
+use crate::{Entry, Flag, Quantity, entry, frame};
+
+/// Bits of `flags`.
+pub mod bits {
+    /// The mass of the load may be believed.
+    pub const TRUSTED: u32 = 1;
+    /// The load is in the bucket.
+    pub const CARRIED: u32 = 1 << 1;
+    /// The load was dumped: its mass does not change any more.
+    pub const FINAL: u32 = 1 << 2;
+    /// What stayed in the bucket was weighed after this load; else it is the mean of earlier ones.
+    pub const CARRY_BACK_WEIGHED: u32 = 1 << 3;
+    /// The bucket was weighed at least once: `payload_age` tells when.
+    pub const WEIGHED: u32 = 1 << 4;
+    /// The truck has loads, and each of them may be believed.
+    pub const TRUCK_TRUSTED: u32 = 1 << 5;
+    /// Somebody said what the truck shall hold.
+    pub const HAS_TARGET: u32 = 1 << 6;
+}
+
+const fn flag(bit: u32, name: &'static str, place: u32, doc: &'static str) -> Flag {
+    Flag {
+        entry: entry(bit, name, doc),
+        frame: Some(place),
+        ..Flag::NONE
+    }
+}
+
+/// Flags with their places in the frame.
+pub const FLAGS: &[Flag] = &[
+    flag(bits::TRUSTED, "trusted", 0, "The mass of the load may be believed."),
+    flag(bits::CARRIED, "carried", 1, "The load is in the bucket."),
+    flag(bits::FINAL, "final", 2, "The load was dumped: its mass does not change any more."),
+    flag(
+        bits::CARRY_BACK_WEIGHED,
+        "carry_back_weighed",
+        3,
+        "What stayed in the bucket was weighed after this load; else it is the mean of earlier ones.",
+    ),
+    flag(bits::WEIGHED, "weighed", 4, "The bucket was weighed at least once: `payload_age` tells when."),
+    flag(
+        bits::TRUCK_TRUSTED,
+        "truck_trusted",
+        5,
+        "The truck has loads, and each of them may be believed.",
+    ),
+    flag(bits::HAS_TARGET, "has_target", 6, "Somebody said what the truck shall hold."),
+];
+
+/// Place of the flag of simulated samples in the frame.
+pub const SIMULATED_PLACE: u32 = 7;
+
+/// How far a load has come.
+pub const STAGES: &[Entry] = &[
+    entry(0, "carried", "In the bucket; its mass becomes better."),
+    entry(1, "dumped", "Its mass is final, what stays in the bucket is not weighed yet."),
+    entry(2, "settled", "What stays in the bucket is final too."),
+    entry(3, "withdrawn", "No load after all."),
+];
+
+/// What told the mass of a load.
+pub const WITNESSES: &[Entry] = &[
+    entry(0, "motion", "How the machine accelerates."),
+    entry(1, "pressure", "Cylinder pressures."),
+    entry(2, "motion and pressure", "Both, in one state."),
+    entry(3, "scale", "A scale on the machine: its mass is measured."),
+];
+
+/// The age of a payload that was never weighed [s].
+pub const NEVER: f64 = 1e9;
+
+/// What has a frame of its own; groups count from the first one of the machine.
+pub const QUANTITIES: &[Quantity] = &[
+    // Always told: a controller gets the last known value, and a deviation that covers what may have happened since.
+    mass("payload", "payload_std", "bucket", 0, 0),
+    mass("mass", "mass_std", "load", 1, bits::TRUSTED),
+    mass("truck_mass", "truck_mass_std", "truck", 2, bits::TRUCK_TRUSTED),
+    mass("remaining", "truck_mass_std", "remaining", 3, bits::TRUCK_TRUSTED | bits::HAS_TARGET),
+];
+
+/// Group of the frame with flags and numbers, counted alike.
+pub const STATUS_GROUP: u16 = 4;
+
+const fn mass(
+    name: &'static str,
+    std: &'static str,
+    framed: &'static str,
+    group: u16,
+    trusted: u32,
+) -> Quantity {
+    Quantity {
+        name,
+        std: Some(std),
+        unit: "kg",
+        trusted,
+        // 10 g to 41 946 t.
+        frame: frame(framed, group, 0.01, -1e6),
+        ..Quantity::NONE
+    }
+}
