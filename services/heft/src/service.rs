@@ -90,7 +90,7 @@ fn serve_sender(worker: Worker, plan: &Plan) -> Result<(), Failure> {
         return Ok(());
     };
     let outgoing = output.outgoing(plan.machine)?;
-    let channels = [outgoing.channel];
+    let channels = outgoing.channels();
     let writer = logger::BusWriter::new(&output.interface, outgoing);
     Ok(run_sink(worker, &channels, false, writer)?)
 }

@@ -26,8 +26,8 @@ pub struct BusWriter {
     outgoing: Outgoing,
     socket: Option<CanSocket>,
     tried: Option<Instant>,
-    /// Time of the data at which the last frames were sent [s].
-    last: f64,
+    /// The last message of each channel, for those who ask; its time is when frames were sent last.
+    latest: Vec<Envelope>,
     /// Whether the last attempt failed: told once.
     has_failed: bool,
     /// The node; none where no frame is J1939's.
@@ -36,8 +36,6 @@ pub struct BusWriter {
     address: Option<u8>,
     /// The frames from that address.
     addressed: Outgoing,
-    /// The last estimate, for those who ask.
-    latest: Option<Envelope>,
     /// Whether it was told that there is no address.
     has_lost: bool,
 }
@@ -55,12 +53,11 @@ impl BusWriter {
             addressed: outgoing.clone(),
             node,
             address: None,
-            latest: None,
+            latest: Vec::new(),
             has_lost: false,
             outgoing,
             socket: None,
             tried: None,
-            last: f64::NEG_INFINITY,
             has_failed: false,
         }
     }
@@ -132,17 +129,16 @@ impl BusWriter {
             }
         }
         let asked = node.take_asked();
-        if !asked.is_empty()
-            && let Some(latest) = self.latest
-        {
-            let frames = self.addressed.frames(&latest, 0, "");
-            let asked: Vec<CanFrame> = frames
-                .filter(|f| f.extended && asked.contains(&(f.id >> 8 & 0x3_ffff)))
-                .filter_map(|f| out(&f))
-                .collect();
-            self.send(&asked)?;
+        if asked.is_empty() {
+            return Ok(());
         }
-        Ok(())
+        let latest = self.latest.iter();
+        let frames = latest.flat_map(|message| self.addressed.frames(message, 0, ""));
+        let asked: Vec<CanFrame> = frames
+            .filter(|f| f.extended && asked.contains(&(f.id >> 8 & 0x3_ffff)))
+            .filter_map(|f| out(&f))
+            .collect();
+        self.send(&asked)
     }
 
     /// The frames of an estimate that may be sent now: those of J1939 need an address.
@@ -210,16 +206,22 @@ fn out(frame: &Frame) -> Option<CanFrame> {
 }
 
 impl Sink for BusWriter {
-    fn accept<M: Message>(&mut self, channel: &'static Channel, message: &M) {
+    fn accept<M: Message>(&mut self, _: &'static Channel, message: &M) {
         let time = message.stamp().time;
-        // A little early counts as due: the times of samples are sums of rounded steps.
-        let is_early = time - self.last < self.outgoing.period * 0.999 && time >= self.last;
-        if channel.name != self.outgoing.channel.name || is_early {
-            return;
-        }
-        self.last = time;
         let envelope = message.envelope();
-        self.latest = Some(envelope);
+        let payload = envelope.payload();
+        let known = self.latest.iter().position(|m| m.payload() == payload);
+        match known.map(|i| &mut self.latest[i]) {
+            Some(latest) => {
+                let last = latest.stamp().time;
+                // A little early counts as due: the times of samples are sums of rounded steps.
+                if time - last < self.outgoing.period * 0.999 && time >= last {
+                    return;
+                }
+                *latest = envelope;
+            }
+            None => self.latest.push(envelope),
+        }
         let sent = self.talk().and_then(|()| {
             let frames = self.frames(&envelope);
             self.send(&frames)

@@ -85,6 +85,14 @@ macro_rules! payloads {
                 }
             }
 
+            /// Which payload is inside.
+            #[must_use]
+            pub const fn payload(&self) -> Payload {
+                match self {
+                    $( Self::$name(_) => Payload::$name, )*
+                }
+            }
+
             /// Identity of the sample.
             #[must_use]
             pub fn stamp(&self) -> &Stamp {

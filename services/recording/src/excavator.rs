@@ -1,14 +1,14 @@
 //! The excavator: its signals, the columns of its estimates, its frames on a CAN bus.
 
 use messages::channels::{
-    ChannelOf, EXCAVATOR_INERTIA_RLS, EXCAVATOR_INERTIA_UKF, EXCAVATOR_SENSORS, EXCAVATOR_TRUTH,
+    ChannelOf, EXCAVATOR_INERTIA_RLS, EXCAVATOR_INERTIA_UKF, EXCAVATOR_LOADS, EXCAVATOR_SENSORS, EXCAVATOR_TRUTH,
 };
 use messages::{
     EXCAVATOR_METHODS, EXCAVATOR_REASONS, ExcavatorEstimate, ExcavatorSensors, ExcavatorTruth,
     Machine, excavator_bits as bits,
 };
 
-use sheet::excavator::{FLAGS, QUANTITIES, VERDICT_FRAME};
+use sheet::excavator::{FLAGS, LOADS_GROUP, QUANTITIES, VERDICT_FRAME};
 use sheet::{count_framed, count_framed_flags};
 
 use crate::can::{FrameTable, flags, quantities};
@@ -44,4 +44,6 @@ pub(crate) const FRAMES: FrameTable = FrameTable {
     quantities: &quantities::<{ count_framed(QUANTITIES) }>(QUANTITIES),
     flags: &flags::<{ count_framed_flags(FLAGS) }>(FLAGS, VERDICT_FRAME),
     verdict: VERDICT_FRAME.group,
+    loads: EXCAVATOR_LOADS.any(),
+    loads_group: LOADS_GROUP,
 };

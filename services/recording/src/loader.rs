@@ -1,12 +1,12 @@
 //! The wheel loader: its signals, the columns of its estimates, its frames on a CAN bus.
 
-use messages::channels::{ChannelOf, LOADER_CG_EKF, LOADER_CG_UKF, LOADER_SENSORS, LOADER_TRUTH};
+use messages::channels::{ChannelOf, LOADER_CG_EKF, LOADER_CG_UKF, LOADER_LOADS, LOADER_SENSORS, LOADER_TRUTH};
 use messages::{
     LOADER_METHODS, LOADER_REASONS, LoaderEstimate, LoaderSensors, LoaderTruth, Machine,
     loader_bits as bits,
 };
 
-use sheet::loader::{FLAGS, QUANTITIES, VERDICT_FRAME};
+use sheet::loader::{FLAGS, LOADS_GROUP, QUANTITIES, VERDICT_FRAME};
 use sheet::{count_framed, count_framed_flags};
 
 use crate::can::{FrameTable, flags, quantities};
@@ -42,4 +42,6 @@ pub(crate) const FRAMES: FrameTable = FrameTable {
     quantities: &quantities::<{ count_framed(QUANTITIES) }>(QUANTITIES),
     flags: &flags::<{ count_framed_flags(FLAGS) }>(FLAGS, VERDICT_FRAME),
     verdict: VERDICT_FRAME.group,
+    loads: LOADER_LOADS.any(),
+    loads_group: LOADS_GROUP,
 };

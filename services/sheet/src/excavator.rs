@@ -167,6 +167,9 @@ const EVERY: Quantity = Quantity {
     ..Quantity::NONE
 };
 
+/// The first group of the frames of its loads.
+pub const LOADS_GROUP: u16 = 0xff18;
+
 /// Its frames on a CAN bus beside those of quantities.
 pub const VERDICT_FRAME: VerdictFrame = VerdictFrame {
     group: 0xff1f,

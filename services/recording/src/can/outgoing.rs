@@ -1,12 +1,13 @@
-//! Estimates as CAN frames: one frame per quantity with its standard deviation, and one with the
-//! verdict. What is not trusted is sent as "not available", so that a receiver cannot use it by mistake.
+//! Estimates and loads as CAN frames: one frame per quantity with its standard deviation, and one of flags for each
+//! of both. What is not trusted is sent as "not available", so that a receiver cannot use it by mistake; what the
+//! bucket holds is always told, its deviation covers what is not known.
 //!
 //! | bytes of a quantity | meaning |
 //! |---|---|
 //! | 0-3 | value, 32 bits, least significant byte first, in the resolution of the table |
 //! | 4-7 | its standard deviation, alike, without an offset |
 //!
-//! The verdict has two bits a flag, as J1939 does: 0 no, 1 yes; its last byte is the code of the reason.
+//! A flag has two bits, as J1939 has them: 0 no, 1 yes; behind them are whole numbers, last the code of the reason.
 
 mod dbc;
 mod map;
@@ -18,7 +19,7 @@ use messages::channels::{Channel, Visitor};
 use messages::{Envelope, Machine, Message};
 
 use self::map::Parser;
-use self::table::Quantity;
+use self::table::{Number, Quantity};
 pub(crate) use self::table::{FrameTable, flags, quantities};
 use super::Frame;
 use super::node::{Name, Node};
@@ -61,6 +62,8 @@ pub struct Outgoing {
 #[derive(Debug, Clone)]
 struct Kind {
     name: &'static str,
+    /// What it is made of.
+    channel: &'static Channel,
     id: u32,
     extended: bool,
     content: Content,
@@ -70,8 +73,11 @@ struct Kind {
 enum Content {
     /// Positions of value and standard deviation among the fields, and the row of the table.
     Quantity([usize; 2], &'static Quantity),
-    /// Flags, and position of the code of the reason.
-    Verdict(&'static [(&'static str, u32)], usize),
+    /// Flags, and numbers with their positions among the fields.
+    Flags(
+        &'static [(&'static str, u32)],
+        Vec<(usize, &'static Number)>,
+    ),
 }
 
 /// Position of a field in the messages of a channel.
@@ -105,48 +111,31 @@ impl Outgoing {
         Parser::new(table, &text, path).outgoing()
     }
 
-    /// The frames of an estimate, at `time_ns` on `interface`.
+    /// The channels that frames are made of.
+    #[must_use]
+    pub fn channels(&self) -> Vec<&'static Channel> {
+        let mut all: Vec<&'static Channel> = Vec::new();
+        for channel in self.kinds.iter().map(|k| k.channel) {
+            if all.iter().all(|c| c.name != channel.name) {
+                all.push(channel);
+            }
+        }
+        all
+    }
+
+    /// The frames of a message of one of its channels, at `time_ns` on `interface`.
     pub fn frames<'a>(
         &self,
-        estimate: &Envelope,
+        message: &Envelope,
         time_ns: i64,
         interface: &'a str,
     ) -> impl Iterator<Item = Frame<'a>> {
-        let number = |name: &'static str| {
-            let value = estimate.get(position(self.channel, name));
-            value.map_or(0, |v| v.as_f64() as u32)
-        };
-        let (flags, estimated) = (number("flags"), number("estimated"));
-        self.kinds.iter().filter_map(move |kind| {
-            let data = match &kind.content {
-                Content::Quantity(at, row) => {
-                    let told = flags & row.trusted != 0 && estimated & row.estimated != 0;
-                    let [value, std] = at.map(|i| estimate.get(i).map(messages::Value::as_f64));
-                    let value = value.and_then(|v| raw((v - row.offset) / row.scale));
-                    let std = std.and_then(|s| raw(s / row.scale));
-                    let both = value.zip(std).filter(|_| told);
-                    let (value, std) = both.unwrap_or((NOT_AVAILABLE, NOT_AVAILABLE));
-                    u64::from(value) | u64::from(std) << 32
-                }
-                Content::Verdict(all, reason) => {
-                    let used = all.len() * 2;
-                    let bits = all
-                        .iter()
-                        .enumerate()
-                        .map(|(i, (_, flag))| u64::from(flags & flag != 0) << (2 * i));
-                    let reason = estimate.get(*reason).map(|v| v.as_f64() as u64);
-                    let reason = reason.filter(|r| *r <= MOST_REASON).unwrap_or(0xff);
-                    let free = u64::MAX << used & u64::MAX >> 8;
-                    bits.sum::<u64>() | free | reason << REASON_AT
-                }
-            };
-            Frame::new(
-                time_ns,
-                interface,
-                kind.id,
-                kind.extended,
-                &data.to_le_bytes(),
-            )
+        let kinds = self.kinds.iter();
+        let its = kinds.filter(|kind| kind.channel.payload == message.payload());
+        its.filter_map(move |kind| {
+            let data = kind.content.data(kind.channel, message);
+            let (id, extended) = (kind.id, kind.extended);
+            Frame::new(time_ns, interface, id, extended, &data.to_le_bytes())
         })
     }
 
@@ -172,10 +161,44 @@ impl Outgoing {
     }
 }
 
-/// First bit of the reason in the verdict.
-const REASON_AT: usize = 56;
-/// Largest code of a reason that a byte of J1939 can carry.
-const MOST_REASON: u64 = 0xfa;
+impl Content {
+    /// The eight bytes, the first one lowest.
+    fn data(&self, channel: &Channel, message: &Envelope) -> u64 {
+        let bits = |name: &'static str| {
+            let value = message.get(position(channel, name));
+            value.map_or(0, |v| v.as_f64() as u32)
+        };
+        let flags = bits("flags");
+        match self {
+            Self::Quantity(at, row) => {
+                let has = |bits: u32, all: u32| all == 0 || bits & all == all;
+                let estimated = row.estimated == 0 || bits("estimated") & row.estimated != 0;
+                let told = has(flags, row.trusted) && estimated;
+                let [value, std] = at.map(|i| message.get(i).map(messages::Value::as_f64));
+                let value = value.and_then(|v| raw((v - row.offset) / row.scale));
+                let std = std.and_then(|s| raw(s / row.scale));
+                let both = value.zip(std).filter(|_| told);
+                let (value, std) = both.unwrap_or((NOT_AVAILABLE, NOT_AVAILABLE));
+                u64::from(value) | u64::from(std) << 32
+            }
+            Self::Flags(all, numbers) => {
+                let mut data = u64::MAX;
+                for (i, (_, flag)) in all.iter().enumerate() {
+                    data &= !(0b11 << (2 * i)) | u64::from(flags & flag != 0) << (2 * i);
+                }
+                for (at, number) in numbers {
+                    let value = message.get(*at).map(|v| v.as_f64() as u64);
+                    if let Some(value) = value.filter(|v| *v <= number.largest()) {
+                        let mask = (1_u64 << number.bits) - 1;
+                        data &= !(mask << number.at) | value << number.at;
+                    }
+                }
+                data
+            }
+        }
+    }
+}
+
 impl Kind {
     /// A DBC marks identifiers of 29 bits with the topmost one.
     fn dbc_id(&self) -> u32 {

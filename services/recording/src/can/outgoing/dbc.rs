@@ -2,9 +2,9 @@
 
 use std::fmt::Write;
 
-use messages::Machine;
+use messages::{Carries, Machine};
 
-use super::{Content, Kind, LARGEST, MOST_REASON, NOT_AVAILABLE, Outgoing, REASON_AT};
+use super::{Content, Kind, LARGEST, NOT_AVAILABLE, Outgoing};
 use crate::machines;
 
 /// Says that extended frames are J1939's.
@@ -61,23 +61,41 @@ impl Outgoing {
     }
 }
 
+/// Codes of reasons that a byte of J1939 can carry.
+const MOST_REASONS: usize = 0xfb;
+
 impl Kind {
+    /// What its flags are of.
+    fn told(&self) -> &'static str {
+        match self.channel.payload.carries() {
+            Carries::Estimate => "the estimates",
+            _ => "the loads",
+        }
+    }
+
     /// What frame and signals mean.
     fn comments(&self, machine: Machine, out: &mut String) {
         let id = self.dbc_id();
         match &self.content {
             Content::Quantity(_, row) => {
+                let when = match row.trusted {
+                    0 => "the last known value; its deviation covers what may have changed",
+                    _ => "not available unless trusted",
+                };
                 let _ = writeln!(
                     out,
-                    "CM_ BO_ {id} \"{} of the {machine}; not available unless trusted\";",
+                    "CM_ BO_ {id} \"{} of the {machine}; {when}\";",
                     row.name
                 );
                 let std = "standard deviation; the 95 % interval is the value +- 1.96 of it";
                 let _ = writeln!(out, "CM_ SG_ {id} {} \"{std}\";", row.std_field);
             }
-            Content::Verdict(..) => {
-                let what = "whether the estimates may be believed, and why not";
-                let _ = writeln!(out, "CM_ BO_ {id} \"{what} ({machine})\";");
+            Content::Flags(_, numbers) => {
+                let what = format!("whether {} of the {machine} may be believed, and why not", self.told());
+                let _ = writeln!(out, "CM_ BO_ {id} \"{what}\";");
+                for (_, number) in numbers.iter().filter(|(_, n)| !n.doc.is_empty()) {
+                    let _ = writeln!(out, "CM_ SG_ {id} {} \"{}\";", number.field, number.doc);
+                }
             }
         }
     }
@@ -94,13 +112,17 @@ impl Kind {
                     );
                 }
             }
-            Content::Verdict(flags, _) => {
+            Content::Flags(flags, numbers) => {
+                for (_, number) in numbers.iter().filter(|(_, n)| !n.doc.is_empty()) {
+                    let none = (1_u64 << number.bits) - 1;
+                    let _ = writeln!(out, "VAL_ {id} {} {none} \"not available\" ;", number.field);
+                }
                 for (flag, _) in *flags {
                     let _ = writeln!(out, "VAL_ {id} {flag} {WORDS} ;");
                 }
                 let _ = write!(out, "VAL_ {id} reason");
                 let reasons = machines::of(machine).reasons.iter().enumerate();
-                for (code, (name, _)) in reasons.filter(|(code, _)| *code as u64 <= MOST_REASON) {
+                for (code, (name, _)) in reasons.take(MOST_REASONS) {
                     let name = if name.is_empty() { "none" } else { name };
                     let _ = write!(out, " {code} \"{name}\"");
                 }
@@ -123,11 +145,15 @@ impl Kind {
                     );
                 }
             }
-            Content::Verdict(flags, _) => {
-                let _ = writeln!(
-                    out,
-                    " SG_ reason : {REASON_AT}|8@1+ (1,0) [0|{MOST_REASON}] \"\" Vector__XXX"
-                );
+            Content::Flags(flags, numbers) => {
+                for (_, number) in numbers {
+                    let (name, at, bits) = (number.field, number.at, number.bits);
+                    let (top, unit) = (number.largest(), number.unit);
+                    let _ = writeln!(
+                        out,
+                        " SG_ {name} : {at}|{bits}@1+ (1,0) [0|{top}] \"{unit}\" Vector__XXX"
+                    );
+                }
                 for (i, (flag, _)) in flags.iter().enumerate() {
                     let start = 2 * i;
                     let _ = writeln!(

@@ -3,8 +3,10 @@
 use std::path::Path;
 
 use messages::channels::Channel;
+use sheet::loads::STATUS_GROUP;
 use toml_edit::{Document, TableLike};
 
+use super::table::{LOADS, LOADS_FLAGS, LOADS_NUMBERS, Number, Quantity, VERDICT_NUMBERS};
 use super::{Content, FrameTable, Kind, Outgoing, position};
 use crate::Error;
 use crate::can::node::Name;
@@ -13,6 +15,7 @@ use crate::map::hint;
 /// J1939 proprietary B: parameter groups whose meaning their maker decides.
 const PROPRIETARY_B: std::ops::RangeInclusive<i64> = 0xff00..=0xffff;
 const VERDICT: &str = "verdict";
+const STATUS: &str = "loads";
 /// The fields of a NAME.
 const NAME_KEYS: &[&str] = &[
     "identity",
@@ -165,25 +168,33 @@ impl<'a> Parser<'a> {
     }
 
     /// All frames, with their usual groups.
-    fn kinds(&self, channel: &Channel, base: u32) -> Vec<Kind> {
-        let quantities = self.table.quantities.iter().map(|row| {
-            let at = [row.field, row.std_field].map(|field| position(channel, field));
-            (row.name, row.group, Content::Quantity(at, row))
-        });
-        let reason = position(channel, "reason");
-        let verdict = (
-            VERDICT,
-            self.table.verdict,
-            Content::Verdict(self.table.flags, reason),
-        );
-        let all = quantities.chain([verdict]);
-        let kind = |(name, group, content)| Kind {
+    fn kinds(&self, channel: &'static Channel, base: u32) -> Vec<Kind> {
+        let table = self.table;
+        let kind = |name, channel, group: u16, content| Kind {
             name,
+            channel,
             id: base | u32::from(group) << 8,
             extended: true,
             content,
         };
-        all.map(kind).collect()
+        let quantity = |row: &'static Quantity, channel, first: u16| {
+            let at = [row.field, row.std_field].map(|field| position(channel, field));
+            kind(row.name, channel, first + row.group, Content::Quantity(at, row))
+        };
+        let flags = |flags, numbers: &'static [Number], channel| {
+            let numbers = numbers.iter().map(|n| (position(channel, n.field), n));
+            Content::Flags(flags, numbers.collect())
+        };
+        let verdict = flags(table.flags, VERDICT_NUMBERS, channel);
+        let loads = flags(LOADS_FLAGS, LOADS_NUMBERS, table.loads);
+        let status = table.loads_group + STATUS_GROUP;
+        let quantities = table.quantities.iter().map(|row| quantity(row, channel, 0));
+        let of_loads = LOADS.iter().map(|row| quantity(row, table.loads, table.loads_group));
+        quantities
+            .chain([kind(VERDICT, channel, table.verdict, verdict)])
+            .chain(of_loads)
+            .chain([kind(STATUS, table.loads, status, loads)])
+            .collect()
     }
 
     fn identifier(

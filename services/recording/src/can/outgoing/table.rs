@@ -2,7 +2,7 @@
 
 use messages::channels::Channel;
 use messages::{Machine, SIMULATED};
-use sheet::{Flag, VerdictFrame};
+use sheet::{Flag, VerdictFrame, count_framed, count_framed_flags, loads};
 
 /// A quantity with its standard deviation.
 #[derive(Clone, Copy)]
@@ -16,7 +16,7 @@ pub(crate) struct Quantity {
     pub scale: f64,
     /// Of the value 0.
     pub offset: f64,
-    /// Bits that say that the method estimates it, and that it may be believed.
+    /// Bits that say that the method estimates it, and that it may be believed; 0: always.
     pub estimated: u32,
     pub trusted: u32,
     /// Its usual parameter group.
@@ -39,6 +39,73 @@ pub(crate) struct FrameTable {
     pub flags: &'static [(&'static str, u32)],
     /// Usual parameter group of the verdict.
     pub verdict: u16,
+    /// The channel of its loads.
+    pub loads: &'static Channel,
+    /// First usual parameter group of their frames.
+    pub loads_group: u16,
+}
+
+/// What is told of loads, the same for every machine; groups count from the machine's first one.
+pub(crate) const LOADS: &[Quantity] =
+    &quantities::<{ count_framed(loads::QUANTITIES) }>(loads::QUANTITIES);
+
+/// Flags of loads, each at its place.
+pub(crate) const LOADS_FLAGS: &[(&str, u32)] = &flags::<{ count_framed_flags(loads::FLAGS) }>(
+    loads::FLAGS,
+    VerdictFrame {
+        group: loads::STATUS_GROUP,
+        simulated: loads::SIMULATED_PLACE,
+    },
+);
+
+/// A whole number in a frame of flags.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Number {
+    /// Name of its signal in the DBC and of its field in the message.
+    pub field: &'static str,
+    /// First bit, and how many.
+    pub at: u32,
+    pub bits: u32,
+    pub unit: &'static str,
+    /// What it is; nothing where values have names.
+    pub doc: &'static str,
+}
+
+impl Number {
+    /// Largest number that is a value (J1939-71): above are error and "not available".
+    pub(crate) const fn largest(&self) -> u64 {
+        (0xfa << (self.bits - 8)) | ((1 << (self.bits - 8)) - 1)
+    }
+}
+
+/// Code of the reason, in the last byte of every frame of flags.
+const REASON: Number = number("reason", 56, 8, "", "");
+
+/// The numbers beside the flags of a verdict.
+pub(crate) const VERDICT_NUMBERS: &[Number] = &[REASON];
+
+/// The numbers beside the flags of loads.
+pub(crate) const LOADS_NUMBERS: &[Number] = &[
+    number("load", 16, 16, "", "number of the latest load"),
+    number("truck", 32, 16, "", "number of the truck that is being loaded"),
+    number("payload_age", 48, 8, "s", "time since the bucket was weighed"),
+    REASON,
+];
+
+const fn number(
+    field: &'static str,
+    at: u32,
+    bits: u32,
+    unit: &'static str,
+    doc: &'static str,
+) -> Number {
+    Number {
+        field,
+        at,
+        bits,
+        unit,
+        doc,
+    }
 }
 
 /// The `N` quantities that have a frame, in the order of their groups.
