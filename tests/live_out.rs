@@ -10,8 +10,8 @@ use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use common::{Running, both, heft, run, run_ok};
-use messages::channels::EXCAVATOR_INERTIA_UKF;
-use messages::{ExcavatorEstimate, Machine, Message};
+use messages::channels::{EXCAVATOR_INERTIA_UKF, EXCAVATOR_LOADS};
+use messages::{ExcavatorEstimate, ExcavatorLoads, Machine, Message};
 use recording::Reader;
 use recording::can::Outgoing;
 use rustix::process::Signal;
@@ -161,10 +161,13 @@ fn estimates_are_sent_as_frames_and_a_bus_that_goes_costs_no_estimate() {
     let heard = heard.stop();
     let outgoing = Outgoing::new(Machine::Excavator, None).expect("the usual frames");
     let estimates = recorded(folder.path());
+    let reader = Reader::open(folder.path()).expect("a recording");
+    let loads: Vec<ExcavatorLoads> = reader.messages(EXCAVATOR_LOADS.name).expect("loads");
     let all: std::collections::BTreeSet<String> = estimates
         .values()
-        .flat_map(|e| {
-            let envelope = e.envelope();
+        .map(Message::envelope)
+        .chain(loads.iter().map(Message::envelope))
+        .flat_map(|envelope| {
             let frames = outgoing.frames(&envelope, 0, "vcan1").map(|f| f.line());
             frames.collect::<Vec<_>>()
         })

@@ -4,9 +4,29 @@ mod common;
 
 use std::time::{Duration, Instant};
 
-use common::{Running, both, kill, run, sequences, shared_memory, survivors, wait_until};
+use common::{Running, both, heft, kill, run, sequences, shared_memory, survivors, wait_until};
 use messages::{ExcavatorEstimate, ExcavatorSensors, LoaderEstimate, SwingMotion};
 use rustix::process::Signal;
+
+#[test]
+fn what_is_logged_as_json_names_its_process() {
+    let mut heft = heft();
+    heft.env("HEFT_LOG", "info,iceoryx2=off,iceoryx2_log=off");
+    heft.env("HEFT_LOG_FORMAT", "json");
+    let running = Running::start_with(heft, "log", &["excavator", "--duration", "2"]);
+    let (output, _folder) = running.wait();
+    let text = String::from_utf8_lossy(&output.stderr);
+    let lines = text.lines().filter_map(|line| serde_json::from_str(line).ok());
+    let lines: Vec<serde_json::Value> = lines.collect();
+    let ready = lines.iter().filter(|l| l["message"] == "ready");
+    assert_eq!(ready.count(), 5, "a line for each service: {text}");
+    for line in &lines {
+        let span = &line["span"];
+        assert!(span["pid"].is_u64() && span["machine"] == "excavator", "{line}");
+    }
+    let part = lines.iter().find(|l| l["span"]["process"] == "logger");
+    assert_eq!(part.expect("a part of the recording begins")["part"], 1, "{text}");
+}
 
 fn complete(numbers: &[u64], first: u64) {
     for (i, number) in numbers.iter().enumerate() {

@@ -7,8 +7,10 @@ use estimation::keys::Form;
 use heft_c::settings::places;
 use heft_c::{Bit, Code, Excavator, Loader, Machine, SIZE_MAX};
 use messages::{
-    ExcavatorEstimate, ExcavatorSensors, Field, LoaderEstimate, LoaderSensors, Message, Words,
+    ExcavatorEstimate, ExcavatorLoads, ExcavatorSensors, Field, HEAD, LoaderEstimate,
+    LoaderSensors, Message, NumberType, Words,
 };
+use sheet::loads::{STAGES, WITNESSES};
 
 /// Where the header is kept.
 pub const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/include/heft.h");
@@ -61,6 +63,7 @@ pub fn header() -> String {
     let _ = writeln!(out, "#define HEFT_SIZE_MAX {SIZE_MAX}");
     machine::<Excavator, ExcavatorSensors, ExcavatorEstimate>(&mut out);
     machine::<Loader, LoaderSensors, LoaderEstimate>(&mut out);
+    loads(&mut out);
     out += "\n#ifdef __cplusplus\n}\n#endif\n\n#endif\n";
     out
 }
@@ -259,6 +262,71 @@ const char *heft_NAME_error(const void *memory);
 "#;
     out.push_str(&text.replace("NAME", name));
 }
+
+/// Loads: what is the same for every machine.
+fn loads(out: &mut String) {
+    out.push_str("\n/* ---- loads of either machine ---- */\n\n/* Bits of `flags`. */\n");
+    for flag in sheet::loads::FLAGS {
+        let e = flag.entry;
+        let name = format!("HEFT_LOADS_FLAG_{}", constant(e.name));
+        define(out, &name, &format!("{}u", e.number), e.doc);
+    }
+    for (field, entries) in [("stage", STAGES), ("witness", WITNESSES)] {
+        let _ = writeln!(out, "\n/* Codes of `{field}`. */");
+        for e in entries {
+            let name = format!("HEFT_LOADS_{}_{}", constant(field), constant(e.name));
+            define(out, &name, &e.number.to_string(), e.doc);
+        }
+    }
+    out.push_str(LOADS_ROW);
+    out.push_str("\n/* What is known after it. */\ntypedef struct {\n");
+    for field in ExcavatorLoads::FIELDS.iter().skip(HEAD) {
+        let kind = match field.kind {
+            NumberType::F64 => "double",
+            NumberType::U32 => "uint32_t",
+            NumberType::U64 => "uint64_t",
+        };
+        let unit = match field.unit {
+            "" => String::new(),
+            unit => format!(" [{unit}]"),
+        };
+        let (name, doc) = (field.name, field.doc.trim());
+        let _ = writeln!(out, "  {kind} {name}; /* {doc}{unit} */");
+    }
+    out.push_str(LOADS_FUNCTIONS);
+}
+
+const LOADS_ROW: &str = r#"
+/* A row: an estimate of either machine, each of them once. */
+typedef struct {
+  double t; /* Time of the estimate; rows must increase [s] */
+  double payload; /* NAN where nothing estimates it [kg] */
+  double payload_std; /* Its standard deviation [kg] */
+  double speed; /* Swing rate [rad/s] or driving speed [m/s], of any sign; NAN: not known */
+  double truck; /* Which truck is loaded: another value begins another truck; NAN: not known */
+  uint32_t trusted; /* 1: the payload may be believed */
+  uint32_t changing; /* 1: the content is changing */
+  uint32_t reason; /* Why it is not trusted, in the machine's codes: carried along */
+  uint32_t witness; /* HEFT_LOADS_WITNESS_... */
+} heft_loads_row;
+"#;
+
+const LOADS_FUNCTIONS: &str = r#"} heft_loads;
+
+/* Bytes that heft_loads_init needs. */
+size_t heft_loads_size(void);
+
+/* Makes an empty book in the caller's memory (aligned to 8 bytes). `rated`: payload of a full bucket, roughly [kg];
+ * `target`: what a truck shall hold, NAN if nobody says [kg]; `pause`: a load this long after the one before goes to
+ * another truck, 0 never, NAN: 300 [s]. HEFT_REFUSED: one of them is impossible. */
+int32_t heft_loads_init(void *memory, size_t size, double rated, double target, double pause);
+
+/* Takes an estimate. `payload` of the answer is always a value: the last known one, with a deviation that grows. */
+int32_t heft_loads_step(void *memory, const heft_loads_row *row, heft_loads *loads);
+
+/* Begins another truck: what is dumped from now on goes there. */
+int32_t heft_loads_next_truck(void *memory, heft_loads *loads);
+"#;
 
 /// `posture-torque` as in the name of a constant.
 fn constant(name: &str) -> String {

@@ -622,6 +622,84 @@ int32_t heft_loader_step(void *memory, const heft_loader_sample *sample, heft_lo
 /* Why the last heft_loader_init on this memory returned HEFT_REFUSED; "" if it did not. */
 const char *heft_loader_error(const void *memory);
 
+/* ---- loads of either machine ---- */
+
+/* Bits of `flags`. */
+#define HEFT_LOADS_FLAG_TRUSTED 1u /* The mass of the load may be believed. */
+#define HEFT_LOADS_FLAG_CARRIED 2u /* The load is in the bucket. */
+#define HEFT_LOADS_FLAG_FINAL 4u /* The load was dumped: its mass does not change any more. */
+#define HEFT_LOADS_FLAG_CARRY_BACK_WEIGHED 8u /* What stayed in the bucket was weighed after this load; else it is the mean of earlier ones. */
+#define HEFT_LOADS_FLAG_WEIGHED 16u /* The bucket was weighed at least once: `payload_age` tells when. */
+#define HEFT_LOADS_FLAG_TRUCK_TRUSTED 32u /* The truck has loads, and each of them may be believed. */
+#define HEFT_LOADS_FLAG_HAS_TARGET 64u /* Somebody said what the truck shall hold. */
+
+/* Codes of `stage`. */
+#define HEFT_LOADS_STAGE_CARRIED 0 /* In the bucket; its mass becomes better. */
+#define HEFT_LOADS_STAGE_DUMPED 1 /* Its mass is final, what stays in the bucket is not weighed yet. */
+#define HEFT_LOADS_STAGE_SETTLED 2 /* What stays in the bucket is final too. */
+#define HEFT_LOADS_STAGE_WITHDRAWN 3 /* No load after all. */
+
+/* Codes of `witness`. */
+#define HEFT_LOADS_WITNESS_MOTION 0 /* How the machine accelerates. */
+#define HEFT_LOADS_WITNESS_PRESSURE 1 /* Cylinder pressures. */
+#define HEFT_LOADS_WITNESS_MOTION_AND_PRESSURE 2 /* Both, in one state. */
+#define HEFT_LOADS_WITNESS_SCALE 3 /* A scale on the machine: its mass is measured. */
+
+/* A row: an estimate of either machine, each of them once. */
+typedef struct {
+  double t; /* Time of the estimate; rows must increase [s] */
+  double payload; /* NAN where nothing estimates it [kg] */
+  double payload_std; /* Its standard deviation [kg] */
+  double speed; /* Swing rate [rad/s] or driving speed [m/s], of any sign; NAN: not known */
+  double truck; /* Which truck is loaded: another value begins another truck; NAN: not known */
+  uint32_t trusted; /* 1: the payload may be believed */
+  uint32_t changing; /* 1: the content is changing */
+  uint32_t reason; /* Why it is not trusted, in the machine's codes: carried along */
+  uint32_t witness; /* HEFT_LOADS_WITNESS_... */
+} heft_loads_row;
+
+/* What is known after it. */
+typedef struct {
+  double payload; /* What the bucket holds now: always a value, the last known one where nothing weighs it. [kg] */
+  double payload_std; /* Its standard deviation, which grows with time and by what may have changed. [kg] */
+  double payload_age; /* Time since it was last weighed; 1e9 if it never was. [s] */
+  double mass; /* The latest load: what was in the bucket. [kg] */
+  double mass_std; /* Its standard deviation. [kg] */
+  double common_std; /* The part of `mass_std` that all loads share: it does not average out. [kg] */
+  double carry_back; /* What stayed in the bucket. [kg] */
+  double carry_back_std; /* Its standard deviation. [kg] */
+  double delivered; /* What the truck got of this load. [kg] */
+  double delivered_std; /* Its standard deviation. [kg] */
+  double filled; /* Since when the bucket is known to hold the load. [s] */
+  double dumped; /* When it began to leave; 0 while it is carried. [s] */
+  double truck_mass; /* What the truck holds. [kg] */
+  double truck_mass_std; /* Its standard deviation. [kg] */
+  double target; /* What the truck shall hold; 0 if nobody said. [kg] */
+  double remaining; /* What is missing to the target, negative where there is too much; 0 without a target. [kg] */
+  uint32_t load; /* Number of the latest load, from 1; 0 before the first one. */
+  uint32_t truck; /* Number of the truck that is being loaded, from 1. */
+  uint32_t truck_loads; /* Loads that it holds. */
+  uint32_t truck_untrusted; /* Of them those that may not be believed. */
+  uint32_t stage; /* Code of how far the load has come. */
+  uint32_t witness; /* Code of what told its mass. */
+  uint32_t reason; /* Code of the reason why it is not trusted. */
+  uint32_t flags; /* Bits of this message. */
+} heft_loads;
+
+/* Bytes that heft_loads_init needs. */
+size_t heft_loads_size(void);
+
+/* Makes an empty book in the caller's memory (aligned to 8 bytes). `rated`: payload of a full bucket, roughly [kg];
+ * `target`: what a truck shall hold, NAN if nobody says [kg]; `pause`: a load this long after the one before goes to
+ * another truck, 0 never, NAN: 300 [s]. HEFT_REFUSED: one of them is impossible. */
+int32_t heft_loads_init(void *memory, size_t size, double rated, double target, double pause);
+
+/* Takes an estimate. `payload` of the answer is always a value: the last known one, with a deviation that grows. */
+int32_t heft_loads_step(void *memory, const heft_loads_row *row, heft_loads *loads);
+
+/* Begins another truck: what is dumped from now on goes there. */
+int32_t heft_loads_next_truck(void *memory, heft_loads *loads);
+
 #ifdef __cplusplus
 }
 #endif

@@ -9,6 +9,9 @@ use core::fmt::Write;
 use core::mem::{align_of, size_of};
 use core::ptr::addr_of_mut;
 
+use estimation::loads::Told;
+
+use crate::loads::{Loads, LoadsRow};
 use crate::settings::{Unfit, can_take, position, read, write};
 use crate::table::{Answer, Machine, answer, sample};
 use crate::{Excavator, Loader};
@@ -281,6 +284,105 @@ unsafe fn error<M: Machine>(memory: *const c_void) -> *const c_char {
     }
     // SAFETY: `init` wrote the text, whatever the outcome.
     unsafe { core::ptr::addr_of!((*block).text.bytes).cast() }
+}
+
+/// Tells initialised memory of loads from any other.
+const LOADS_MARK: u64 = 0x6865_6674_6c6f_6164;
+
+/// What the caller's memory holds where it counts loads.
+#[repr(C)]
+struct LoadsBlock {
+    /// [`LOADS_MARK`] where `loads` is there.
+    mark: u64,
+    loads: Loads,
+}
+
+/// # Safety
+/// `memory` is null or was given to `heft_loads_init`; `out` is null or points to what is told. Nobody else uses them
+/// meanwhile.
+unsafe fn with_loads(
+    memory: *mut c_void,
+    out: *mut Told,
+    body: impl FnOnce(&mut Loads) -> Told,
+) -> Code {
+    let block = memory.cast::<LoadsBlock>();
+    if memory.is_null() || out.is_null() {
+        return Code::Null;
+    }
+    if !block.is_aligned() {
+        return Code::Memory;
+    }
+    // SAFETY: `heft_loads_init` wrote the mark, whatever the outcome.
+    if unsafe { addr_of_mut!((*block).mark).read() } != LOADS_MARK {
+        return Code::NotInitialised;
+    }
+    // SAFETY: the mark says that the loads are there.
+    let loads = unsafe { &mut (*block).loads };
+    match guarded(|| body(loads)) {
+        Some(told) => {
+            // SAFETY: the caller's promise.
+            unsafe { out.write(told) };
+            Code::Ok
+        }
+        None => {
+            // SAFETY: the block is ours alone.
+            unsafe { addr_of_mut!((*block).mark).write(0) };
+            Code::Internal
+        }
+    }
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn heft_loads_size() -> usize {
+    const { assert!(size_of::<LoadsBlock>() <= SIZE_MAX && align_of::<LoadsBlock>() <= 8) };
+    size_of::<LoadsBlock>()
+}
+
+#[unsafe(no_mangle)]
+unsafe extern "C" fn heft_loads_init(
+    memory: *mut c_void,
+    bytes: usize,
+    rated: f64,
+    target: f64,
+    pause: f64,
+) -> Code {
+    let block = memory.cast::<LoadsBlock>();
+    if memory.is_null() {
+        return Code::Null;
+    }
+    if bytes < size_of::<LoadsBlock>() || !block.is_aligned() {
+        return Code::Memory;
+    }
+    // SAFETY: the block is large enough, aligned, and ours alone; a plain number may be written over anything.
+    unsafe { addr_of_mut!((*block).mark).write(0) };
+    let Some(loads) = Loads::new(rated, target, pause) else {
+        return Code::Refused;
+    };
+    // SAFETY: as above; what was there before needs no destructor.
+    unsafe {
+        addr_of_mut!((*block).loads).write(loads);
+        addr_of_mut!((*block).mark).write(LOADS_MARK);
+    }
+    Code::Ok
+}
+
+#[unsafe(no_mangle)]
+unsafe extern "C" fn heft_loads_step(
+    memory: *mut c_void,
+    row: *const LoadsRow,
+    out: *mut Told,
+) -> Code {
+    if row.is_null() {
+        return Code::Null;
+    }
+    // SAFETY: the promise of the header.
+    unsafe { with_loads(memory, out, |loads| loads.step(&*row)) }
+}
+
+#[unsafe(no_mangle)]
+unsafe extern "C" fn heft_loads_next_truck(memory: *mut c_void, out: *mut Told) -> Code {
+    // SAFETY: the promise of the header.
+    unsafe { with_loads(memory, out, Loads::next_truck) }
 }
 
 /// Nothing if `body` panicked: a panic must not cross the border. Without an operating system a

@@ -10,18 +10,21 @@
 //! | `table` | what a machine must tell to be offered outside |
 //! | `settings` | a description as doubles |
 //! | `excavator`, `loader` | the tables |
+//! | `loads` | from estimates to loads |
 //! | `border` | memory and pointers of the caller: all the unsafe code |
 #![cfg_attr(not(any(feature = "std", test)), no_std)]
 
 mod border;
 mod excavator;
 mod loader;
+mod loads;
 pub mod settings;
 mod table;
 
 pub use border::{Code, SIZE_MAX};
 pub use excavator::Excavator;
 pub use loader::Loader;
+pub use loads::LoadsRow;
 pub use table::{Answer, Bit, Machine, Signal, Value, answer, bits, sample};
 
 /// Without an operating system there is nobody to tell: the step was wrong, not the data.

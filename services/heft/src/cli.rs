@@ -21,7 +21,7 @@ use crate::machines;
     after_help = "Exit status: 0 done, 1 ran but the answer is no, 2 wrong use or bad input.\n\n\
         Environment:\n  \
         HEFT_LOG         what is logged to standard error, such as info or heft=debug (else RUST_LOG; else warnings)\n  \
-        HEFT_LOG_FORMAT  text or json: a line each, with time, level, source and fields\n  \
+        HEFT_LOG_FORMAT  text or json: a line each, with time, level, source, fields and process\n  \
         XDG_RUNTIME_DIR  a folder of this user in memory, for what a run shares (else /dev/shm)"
 )]
 pub struct Cli {

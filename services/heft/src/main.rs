@@ -15,7 +15,6 @@ mod fleet;
 mod fleet_run;
 mod group;
 mod image;
-mod json_lines;
 mod live;
 mod machines;
 mod many;
@@ -50,6 +49,7 @@ use failure::Failure;
 fn main() -> ExitCode {
     let cli = Cli::parse();
     log();
+    let _process = span();
     outlive_limits();
     // Lists of processes would show the name that `image` starts it by.
     let _ = rustix::thread::set_name(c"heft");
@@ -71,7 +71,7 @@ fn outlive_limits() {
 }
 
 /// Warnings go to standard error. `HEFT_LOG`, or else `RUST_LOG`, chooses otherwise, in the syntax of `env_logger`;
-/// `HEFT_LOG_FORMAT=json` writes objects. The processes of a run inherit both.
+/// `HEFT_LOG_FORMAT=json` writes objects with the process in `span`. The processes of a run inherit both.
 fn log() {
     use tracing_subscriber::EnvFilter;
     let filter = EnvFilter::try_from_env("HEFT_LOG")
@@ -81,10 +81,27 @@ fn log() {
         .with_env_filter(filter)
         .with_writer(std::io::stderr);
     if std::env::var_os("HEFT_LOG_FORMAT").is_some_and(|format| format == "json") {
-        lines.event_format(json_lines::JsonLines).init();
+        lines
+            .json()
+            .flatten_event(true)
+            .with_span_list(false)
+            .init();
     } else {
         lines.without_time().init();
     }
+}
+
+/// What this process is, beside everything that it logs: of a level that no filter leaves out.
+fn span() -> tracing::span::EnteredSpan {
+    tracing::error_span!(
+        "process",
+        pid = std::process::id(),
+        process = tracing::field::Empty,
+        machine = tracing::field::Empty,
+        domain = tracing::field::Empty,
+        restarts = tracing::field::Empty
+    )
+    .entered()
 }
 
 fn dispatch(cli: Cli) -> Result<(), Failure> {

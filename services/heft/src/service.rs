@@ -39,6 +39,11 @@ pub fn serve(args: &ServiceArgs) -> Result<(), Failure> {
         ));
     };
     let stage = &stages[index];
+    let span = tracing::Span::current();
+    span.record("process", stage.name);
+    span.record("machine", plan.machine.name());
+    span.record("domain", &args.domain);
+    span.record("restarts", args.restarts);
     let setup = Setup {
         identity: Identity {
             process: index as u32,

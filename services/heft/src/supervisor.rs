@@ -319,6 +319,7 @@ impl Supervisor {
 
     fn is_ready(&mut self, i: usize) {
         self.workers[i].ready = true;
+        tracing::info!(service = self.workers[i].process.name, "ready");
         self.taps.drain(&mut self.watch);
         self.watch.is_there(self.workers[i].process.name);
         if self.start_ns != 0 {
@@ -388,6 +389,7 @@ impl Supervisor {
         }
         self.taps.drain(&mut self.watch);
         let restarted = self.workers[i].restart(self.owner.domain());
+        tracing::info!(service = self.workers[i].process.name, "started again");
         if restarted.is_ok() && self.workers[i].due().is_none() {
             self.hand_over(i);
         }

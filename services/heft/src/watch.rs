@@ -10,8 +10,9 @@ use std::time::Instant;
 use estimation::loads::Stage;
 use messages::channels::Channel;
 use messages::keyframe::Collector;
-use messages::{Carries, Envelope, Health, Machine, Message, Snapshot, Value, fault};
+use messages::{Carries, Envelope, Health, Machine, Message, Snapshot, Stamp, Value, Words, fault};
 use runtime::{Sink, Teller, Window};
+use steps::loads::LoadCounter;
 use steps::stages::Pipeline;
 use view::live::{Feed, SharedLoads};
 
@@ -28,9 +29,34 @@ const TRUTHS: usize = 2048;
 /// Loads are told so often in the time of the data [s]; a clock that goes back counts as due.
 const LOADS_PERIOD: f64 = 0.1;
 
-/// A little early counts as due: times are sums of rounded steps.
-fn is_due(time: f64, last: f64) -> bool {
-    !(0.0..LOADS_PERIOD * 0.999).contains(&(time - last))
+/// Sends loads to other programs.
+struct LoadsTeller {
+    send: Teller,
+    /// Time of the latest message [s].
+    last: f64,
+    /// Number of the next one: a reader counts what it missed.
+    next: u64,
+}
+
+impl LoadsTeller {
+    /// Tells what is known beside the estimate of this stamp, if that is due or something has changed.
+    fn tell(&mut self, counter: &LoadCounter, stamp: &Stamp, has_changed: bool, simulated: bool) {
+        // A little early counts as due: times are sums of rounded steps.
+        let is_early = (0.0..LOADS_PERIOD * 0.999).contains(&(stamp.time - self.last));
+        if is_early && !has_changed {
+            return;
+        }
+        let stamp = Stamp {
+            sequence: self.next,
+            ..*stamp
+        };
+        let mut message = steps::loads::message(counter, &stamp);
+        if simulated {
+            message.mark_simulated();
+        }
+        (self.last, self.next) = (stamp.time, self.next + 1);
+        (self.send)(&message);
+    }
 }
 
 /// Everything seen of a run.
@@ -58,10 +84,12 @@ pub struct Watch {
     memory: Option<Memory>,
     /// Counts loads.
     loads: Option<SharedLoads>,
-    /// Sends them to other programs, and when it did last in the time of the data [s].
-    teller: Option<(Teller, f64)>,
+    /// Sends them to other programs.
+    teller: Option<LoadsTeller>,
     /// The sensors are read for them: they tell the truck, and a loader's mass.
     counts_sensors: bool,
+    /// That of the latest estimate that is told first.
+    reason: Option<Value>,
     faults: Vec<Fault>,
     /// The samples are the simulator's.
     is_simulated: bool,
@@ -113,7 +141,11 @@ impl Watch {
 
     /// Has them sent on their channel.
     pub fn tell_loads(&mut self, teller: Teller) {
-        self.teller = Some((teller, f64::NEG_INFINITY));
+        self.teller = Some(LoadsTeller {
+            send: teller,
+            last: f64::NEG_INFINITY,
+            next: 0,
+        });
     }
 
     /// Has what is trusted remembered.
@@ -321,8 +353,24 @@ impl Watch {
         self.end();
     }
 
+    /// Says when the reason of the estimates that are told first becomes another.
+    fn note_reason<M: Message>(&mut self, message: &M) {
+        let reason = M::index("reason").and_then(|i| message.get(i));
+        if reason != self.reason {
+            let words = Words::of_field(M::WORDS, "reason");
+            if let (Some(Value::U32(code)), Some(words)) = (reason, words) {
+                let t = message.stamp().time;
+                tracing::debug!(t, reason = words.name(code), "the reason is another");
+            }
+            self.reason = reason;
+        }
+    }
+
     fn note_estimate<M: Message>(&mut self, channel: &'static Channel, message: &M) {
         let sequence = message.stamp().sequence;
+        if self.told.is_some_and(|told| told.name == channel.name) {
+            self.note_reason(message);
+        }
         for quantity in quantity::of_channel(channel.name) {
             let number = |name: &str| {
                 M::index(name)
@@ -364,16 +412,11 @@ impl Watch {
         let mut counter = loads.lock();
         let machine = counter.machine();
         let events = counter.see(envelope);
-        if let Some((teller, last)) = &mut self.teller
+        if let Some(teller) = &mut self.teller
             && channel.payload.carries() == Carries::Estimate
-            && (events.load.is_some() || is_due(envelope.stamp().time, *last))
         {
-            *last = envelope.stamp().time;
-            let mut message = steps::loads::message(&counter, envelope.stamp());
-            if self.is_simulated {
-                message.mark_simulated();
-            }
-            teller(&message);
+            let has_changed = events.load.is_some() || events.truck.is_some();
+            teller.tell(&counter, envelope.stamp(), has_changed, self.is_simulated);
         }
         drop(counter);
         let told = events

@@ -80,6 +80,7 @@ impl BusWriter {
                     node.begin(now_ns());
                 }
             }
+            tracing::info!(interface = self.interface, "connected");
             self.socket = Some(socket);
         }
         self.socket

@@ -76,7 +76,10 @@ impl Logger {
         let (records, consumer) = RingBuffer::new(RING);
         let shared = Arc::new(Shared::default());
         let its = Arc::clone(&shared);
-        let thread = std::thread::spawn(move || write_all(recorder, consumer, &its));
+        let span = tracing::Span::current();
+        let thread = std::thread::spawn(move || {
+            span.in_scope(|| write_all(recorder, consumer, &its));
+        });
         Ok(Self {
             records: Some(records),
             recorded,

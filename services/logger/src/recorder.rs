@@ -104,6 +104,7 @@ impl Recorder {
             tracing::warn!(%error, "the recording is not given to the group");
         }
         writer.set_wall_offset(self.wall_offset_ns);
+        tracing::info!(file = %self.part.display(), part = number, "a part of the recording begins");
         self.writer = Some(writer);
         self.begun = Instant::now();
         Ok(())

@@ -26,63 +26,28 @@ pub mod loads_bits {
     pub use sheet::loads::bits::*;
 }
 
+/// The messages from the rows of the sheet.
 macro_rules! loads {
-    ($message:ident, $type_name:tt, $words:ident) => {
+    (
+        numbers { $( $name:ident $place:tt $unit:tt $doc:tt; )* }
+        codes { $( $code:ident $code_place:tt $code_doc:tt; )* }
+    ) => {
         message! {
-            /// What the bucket holds now, the latest load, and its truck: ten times a second, and when a load changes.
-            pub struct $message, $type_name, size 224, marked in flags, words $words {
-                /// What the bucket holds now: always a value, the last known one where nothing weighs it.
-                payload: f64, "kg";
-                /// Its standard deviation, which grows with time and by what may have changed.
-                payload_std: f64, "kg";
-                /// Time since it was last weighed; 1e9 if it never was.
-                payload_age: f64, "s";
-                /// The latest load: what was in the bucket.
-                mass: f64, "kg";
-                /// Its standard deviation.
-                mass_std: f64, "kg";
-                /// The part of `mass_std` that all loads share: it does not average out.
-                common_std: f64, "kg";
-                /// What stayed in the bucket.
-                carry_back: f64, "kg";
-                /// Its standard deviation.
-                carry_back_std: f64, "kg";
-                /// What the truck got of this load.
-                delivered: f64, "kg";
-                /// Its standard deviation.
-                delivered_std: f64, "kg";
-                /// Since when the bucket is known to hold the load.
-                filled: f64, "s";
-                /// When it began to leave; 0 while it is carried.
-                dumped: f64, "s";
-                /// What the truck holds.
-                truck_mass: f64, "kg";
-                /// Its standard deviation.
-                truck_mass_std: f64, "kg";
-                /// What the truck shall hold; 0 if nobody said.
-                target: f64, "kg";
-                /// What is missing to the target, negative where there is too much; 0 without a target.
-                remaining: f64, "kg";
-                /// Number of the latest load, from 1; 0 before the first one.
-                load: u32, "";
-                /// Number of the truck that is being loaded, from 1.
-                truck: u32, "";
-                /// Loads that it holds.
-                truck_loads: u32, "";
-                /// Of them those that may not be believed.
-                truck_untrusted: u32, "";
-                /// Code of how far the load has come.
-                stage: u32, "";
-                /// Code of what told its mass.
-                witness: u32, "";
-                /// Code of the reason why it is not trusted.
-                reason: u32, "";
-                /// Bits of this message.
-                flags: u32, "";
+            /// What an excavator's bucket holds now, the latest load, and its truck: ten times a second, and when a load changes.
+            pub struct ExcavatorLoads, "ExcavatorLoads", size 224, marked in flags, words EXCAVATOR_WORDS {
+                $( #[doc = $doc] $name: f64, $unit; )*
+                $( #[doc = $code_doc] $code: u32, ""; )*
+            }
+        }
+
+        message! {
+            /// What a loader's bucket holds now, the latest load, and its truck: ten times a second, and when a load changes.
+            pub struct LoaderLoads, "LoaderLoads", size 224, marked in flags, words LOADER_WORDS {
+                $( #[doc = $doc] $name: f64, $unit; )*
+                $( #[doc = $code_doc] $code: u32, ""; )*
             }
         }
     };
 }
 
-loads!(ExcavatorLoads, "ExcavatorLoads", EXCAVATOR_WORDS);
-loads!(LoaderLoads, "LoaderLoads", LOADER_WORDS);
+sheet::loads_fields!(loads);

@@ -85,9 +85,10 @@ impl Reporter {
         let shared = Arc::new(Shared::default());
         let its = Arc::clone(&shared);
         let pulse = Pulse::of(rustix::thread::gettid());
+        let span = tracing::Span::current();
         let thread = std::thread::Builder::new()
             .name("telemetry".into())
-            .spawn(move || report(identity, consumer, &its, pulse))
+            .spawn(move || span.in_scope(|| report(identity, consumer, &its, pulse)))
             .ok();
         Self {
             events,

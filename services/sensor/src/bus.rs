@@ -70,7 +70,10 @@ impl<S: Sensors> CanBus<S> {
         }
         self.tried = Some(Instant::now());
         match CanSocket::open(&self.interface, PATIENCE) {
-            Ok(socket) => self.socket = Some(socket),
+            Ok(socket) => {
+                tracing::info!(interface = self.interface, "connected");
+                self.socket = Some(socket);
+            }
             Err(error) => self.gone(&error),
         }
         self.socket.is_some()

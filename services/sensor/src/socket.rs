@@ -43,7 +43,8 @@ pub(crate) struct CanSocket {
 }
 
 impl CanSocket {
-    /// Opens `interface`; a look lasts at most `patience`.
+    /// Opens `interface`; a look lasts at most `patience`. It hears the frames of others too: they tell that the bus
+    /// lives, so rows without values go on where a sensor falls silent, and in its log they do the same.
     pub(crate) fn open(interface: &str, patience: Duration) -> Result<Self> {
         let socket = CanFdSocket::open(interface)?;
         socket.set_error_filter_drop_all()?;

@@ -68,6 +68,43 @@ pub const WITNESSES: &[Entry] = &[
     entry(3, "scale", "A scale on the machine: its mass is measured."),
 ];
 
+/// What is told of loads: name, where the ledger has it, unit, meaning; then whole numbers, codes and bits.
+#[macro_export]
+macro_rules! loads_fields {
+    ($then:ident) => {
+        $then! {
+            numbers {
+                payload (now.kg) "kg" "What the bucket holds now: always a value, the last known one where nothing weighs it.";
+                payload_std (now.std) "kg" "Its standard deviation, which grows with time and by what may have changed.";
+                payload_age (now.age.unwrap_or($crate::loads::NEVER)) "s" "Time since it was last weighed; 1e9 if it never was.";
+                mass (load.weight.kg) "kg" "The latest load: what was in the bucket.";
+                mass_std (load.weight.std) "kg" "Its standard deviation.";
+                common_std (load.weight.common_std) "kg" "The part of `mass_std` that all loads share: it does not average out.";
+                carry_back (load.carry_back.kg) "kg" "What stayed in the bucket.";
+                carry_back_std (load.carry_back.std) "kg" "Its standard deviation.";
+                delivered (delivered.kg) "kg" "What the truck got of this load.";
+                delivered_std (delivered.std) "kg" "Its standard deviation.";
+                filled (load.filled) "s" "Since when the bucket is known to hold the load.";
+                dumped (load.dumped.unwrap_or_default()) "s" "When it began to leave; 0 while it is carried.";
+                truck_mass (truck.total.kg) "kg" "What the truck holds.";
+                truck_mass_std (truck.total.std()) "kg" "Its standard deviation.";
+                target (truck.target.unwrap_or_default()) "kg" "What the truck shall hold; 0 if nobody said.";
+                remaining (truck.remaining().unwrap_or_default()) "kg" "What is missing to the target, negative where there is too much; 0 without a target.";
+            }
+            codes {
+                load (load.number) "Number of the latest load, from 1; 0 before the first one.";
+                truck (truck.number) "Number of the truck that is being loaded, from 1.";
+                truck_loads (truck.total.loads) "Loads that it holds.";
+                truck_untrusted (truck.total.untrusted) "Of them those that may not be believed.";
+                stage (load.stage.code()) "Code of how far the load has come.";
+                witness (load.witness.code()) "Code of what told its mass.";
+                reason (load.why) "Code of the reason why it is not trusted.";
+                flags (flags) "Bits of this message.";
+            }
+        }
+    };
+}
+
 /// The age of a payload that was never weighed [s].
 pub const NEVER: f64 = 1e9;
 

@@ -244,12 +244,15 @@ impl LoadCounter {
     }
 }
 
+/// Bits of the reason; those of the flags are above.
+const REASON: u32 = 0xff;
+
 /// Reason and flags in one number.
 fn why(reason: u32, flags: u32, trusted: bool) -> u32 {
     if trusted {
         0
     } else {
-        reason.min(0xff) | flags << 8
+        reason.min(REASON) | flags << 8
     }
 }
 
@@ -259,7 +262,7 @@ pub fn why_words(machine: Machine, load: &Load) -> &'static str {
     if load.trusted {
         return "";
     }
-    let (reason, flags) = (load.why & 0xff, load.why >> 8);
+    let (reason, flags) = (load.why & REASON, load.why >> 8);
     let reasons = match machine {
         Machine::Excavator => EXCAVATOR_REASONS,
         Machine::Loader => LOADER_REASONS,
@@ -362,7 +365,7 @@ pub fn counts(machine: Machine, channel: &str) -> bool {
 
 const _: () = {
     // Reason and flags fit in one number.
-    assert!(EXCAVATOR_REASONS.len() < 0xff && LOADER_REASONS.len() < 0xff);
+    assert!(EXCAVATOR_REASONS.len() < REASON as usize && LOADER_REASONS.len() < REASON as usize);
     assert!(excavator_bits::RESTARTED < 1 << 24 && loader_bits::RESTARTED < 1 << 24);
 };
 

@@ -313,8 +313,13 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     if !(args.quiet || args.live_lines) || !sources::is_simulated(&plan) {
         eprintln!("{}", sources::words(&plan));
     }
+    let domain = domain(args.domain.as_deref(), "")?;
+    let span = tracing::Span::current();
+    span.record("process", "supervisor");
+    span.record("machine", machine.name());
+    span.record("domain", domain.name());
     let supervisor = Supervisor::start(
-        &domain(args.domain.as_deref(), "")?,
+        &domain,
         plan,
         watch,
         Signals::catch()?,

@@ -73,11 +73,12 @@ pub fn tail(args: &TailArgs) -> Result<(), Failure> {
     let machine = found.machine()?;
     let frames = Outgoing::new(machine, args.output_map.as_deref())?;
     let name = args.channel.as_deref().unwrap_or(frames.channel.name);
-    if args.format == Format::Candump && name != frames.channel.name {
+    let framed: Vec<&str> = frames.channels().iter().map(|c| c.name).collect();
+    if args.format == Format::Candump && !framed.contains(&name) {
         return Err(Failure::input(
             format!("{name} is not sent as frames"),
             "heft tail",
-            format!("{} is; an --output-map chooses", frames.channel.name),
+            format!("{} are; an --output-map chooses", framed.join(", ")),
         ));
     }
     let Some(channel) = of_machine(machine).find(|c| c.name == name) else {

@@ -221,9 +221,11 @@ fn raw(value: f64) -> Option<u32> {
 #[cfg(test)]
 mod tests {
     use super::super::dbc::{Dbc, Reading};
+    use super::table::{LOADS, LOADS_NUMBERS};
     use super::*;
     use messages::{
-        ExcavatorEstimate, LoaderEstimate, SIMULATED, excavator_bits as e, loader_bits as l,
+        ExcavatorEstimate, ExcavatorLoads, LoaderEstimate, SIMULATED, excavator_bits as e,
+        loader_bits as l, loads_bits as b,
     };
 
     #[test]
@@ -242,6 +244,10 @@ mod tests {
                         channel.name
                     );
                 }
+            }
+            let fields = LOADS.iter().flat_map(|row| [row.field, row.std_field]);
+            for field in fields.chain(LOADS_NUMBERS.iter().map(|n| n.field)) {
+                assert_ne!(position(table.loads, field), usize::MAX, "{field}");
             }
         }
     }
@@ -334,6 +340,47 @@ mod tests {
                 "{wrong}"
             );
         }
+    }
+
+    #[test]
+    fn a_bucket_is_told_always_a_load_and_its_truck_where_they_are_trusted() {
+        let outgoing = Outgoing::new(Machine::Excavator, None).expect("the usual frames");
+        let mut loads = ExcavatorLoads {
+            payload: 812.5,
+            payload_std: 90.25,
+            payload_age: 3.2,
+            mass: 800.0,
+            mass_std: 40.0,
+            truck_mass: 9_100.0,
+            truck_mass_std: 300.0,
+            target: 9_000.0,
+            remaining: -100.0,
+            load: 12,
+            truck: 2,
+            ..ExcavatorLoads::default()
+        };
+        let told = |loads: &ExcavatorLoads, name| {
+            match value(&read_back(&outgoing, &loads.envelope()), name).0 {
+                Reading::Value(value) => Some((value * 100.0).round() / 100.0),
+                _ => None,
+            }
+        };
+        assert_eq!(told(&loads, "payload"), Some(812.5));
+        assert_eq!(told(&loads, "payload_std"), Some(90.25));
+        assert_eq!((told(&loads, "load"), told(&loads, "truck")), (Some(12.0), Some(2.0)));
+        assert_eq!(told(&loads, "payload_age"), Some(3.0));
+        for name in ["mass", "truck_mass", "remaining"] {
+            assert_eq!(told(&loads, name), None, "{name} is not trusted");
+        }
+        loads.flags = b::TRUSTED | b::TRUCK_TRUSTED;
+        assert_eq!(told(&loads, "mass"), Some(800.0));
+        assert_eq!(told(&loads, "truck_mass"), Some(9_100.0));
+        assert_eq!(told(&loads, "remaining"), None, "nobody said a target");
+        loads.flags |= b::HAS_TARGET;
+        assert_eq!(told(&loads, "remaining"), Some(-100.0));
+        loads.payload_age = sheet::loads::NEVER;
+        assert_eq!(told(&loads, "payload_age"), None, "never weighed");
+        assert_eq!(outgoing.frames(&loads.envelope(), 0, "can0").count(), 5);
     }
 
     fn with_map(text: &str) -> Result<Outgoing, Error> {

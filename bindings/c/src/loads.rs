@@ -1,0 +1,74 @@
+//! Loads: what was filled, carried and dumped, from the estimates of either machine.
+
+use estimation::Quantity;
+use estimation::loads::{Ledger, Load, Row, Settings, Told, Witness};
+
+use crate::table::present;
+
+/// An estimate as a caller hands it in.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct LoadsRow {
+    t: f64,
+    payload: f64,
+    payload_std: f64,
+    speed: f64,
+    truck: f64,
+    trusted: u32,
+    changing: u32,
+    reason: u32,
+    witness: u32,
+}
+
+/// Counts the loads of one machine.
+pub(crate) struct Loads {
+    ledger: Ledger,
+    last: Option<Load>,
+}
+
+impl Loads {
+    /// Nothing where the payload of a full bucket is no weight.
+    pub(crate) fn new(rated: f64, target: f64, pause: f64) -> Option<Self> {
+        let usual = Settings::with_rated(rated);
+        let settings = Settings {
+            target: present(target),
+            pause: present(pause).unwrap_or(usual.pause),
+            ..usual
+        };
+        let fits = rated.is_finite() && rated > 0.0 && !target.is_infinite();
+        let fits = fits && settings.pause >= 0.0 && settings.pause.is_finite();
+        fits.then(|| Self {
+            ledger: Ledger::new(settings),
+            last: None,
+        })
+    }
+
+    pub(crate) fn step(&mut self, row: &LoadsRow) -> Told {
+        let payload = present(row.payload).zip(present(row.payload_std));
+        let witness = usize::try_from(row.witness).ok();
+        let events = self.ledger.step(&Row {
+            time: row.t,
+            payload: payload.map(|(value, std)| Quantity { value, std }),
+            common_std: None,
+            speed: present(row.speed).unwrap_or_default(),
+            changing: row.changing != 0,
+            trusted: row.trusted != 0,
+            why: row.reason,
+            witness: witness
+                .and_then(|i| Witness::ALL.get(i).copied())
+                .unwrap_or_default(),
+            truck: present(row.truck),
+        });
+        self.last = events.load.or(self.last);
+        self.told()
+    }
+
+    pub(crate) fn next_truck(&mut self) -> Told {
+        self.last = self.ledger.next_truck().load.or(self.last);
+        self.told()
+    }
+
+    fn told(&self) -> Told {
+        Told::of(&self.ledger, self.last.as_ref())
+    }
+}

@@ -1,0 +1,135 @@
+//! What other programs hear of the ledger, in plain numbers.
+
+use super::book::Truck;
+use super::ledger::Ledger;
+use super::load::{Load, Weight};
+use super::now::Now;
+use sheet::loads::bits;
+
+/// Where each number comes from.
+struct At {
+    now: Now,
+    load: Load,
+    delivered: Weight,
+    truck: Truck,
+    flags: u32,
+}
+
+/// The structure from the rows of the sheet.
+macro_rules! told {
+    (
+        numbers { $( $name:ident ($($place:tt)*) $unit:tt $doc:tt; )* }
+        codes { $( $code:ident ($($code_place:tt)*) $code_doc:tt; )* }
+    ) => {
+        /// What the bucket holds now, the latest load, and its truck.
+        #[repr(C)]
+        #[derive(Clone, Copy, Debug, Default, PartialEq)]
+        pub struct Told {
+            $( #[doc = $doc] pub $name: f64, )*
+            $( #[doc = $code_doc] pub $code: u32, )*
+        }
+
+        impl Told {
+            fn at(at: &At) -> Self {
+                Self {
+                    $( $name: at.$($place)*, )*
+                    $( $code: at.$($code_place)*, )*
+                }
+            }
+        }
+    };
+}
+
+sheet::loads_fields!(told);
+
+impl Told {
+    /// What a ledger knows; `last`: the latest load that it has told.
+    pub fn of(ledger: &Ledger, last: Option<&Load>) -> Self {
+        let (now, truck) = (ledger.now(), ledger.truck());
+        let load = ledger.carried().or(last.copied());
+        let flags = flags(load.as_ref(), &now, &truck);
+        let load = load.unwrap_or_default();
+        Self::at(&At {
+            now,
+            delivered: load.delivered(),
+            load,
+            truck,
+            flags,
+        })
+    }
+}
+
+fn flags(load: Option<&Load>, now: &Now, truck: &Truck) -> u32 {
+    let is = |yes: bool, bit: u32| if yes { bit } else { 0 };
+    let of_load = load.map_or(0, |load| {
+        is(load.trusted, bits::TRUSTED)
+            | is(load.dumped.is_none(), bits::CARRIED)
+            | is(load.dumped.is_some(), bits::FINAL)
+            | is(load.carry_back_weighed, bits::CARRY_BACK_WEIGHED)
+    });
+    let total = &truck.total;
+    of_load
+        | is(now.age.is_some(), bits::WEIGHED)
+        | is(total.loads > 0 && total.untrusted == 0, bits::TRUCK_TRUSTED)
+        | is(truck.target.is_some(), bits::HAS_TARGET)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Row, Settings, Stage, Witness};
+    use super::*;
+    use crate::Quantity;
+    use sheet::loads::{NEVER, STAGES, WITNESSES};
+
+    #[test]
+    fn codes_of_stages_and_witnesses_are_those_of_the_sheet() {
+        for stage in Stage::ALL {
+            assert_eq!(STAGES[stage.code() as usize].name, stage.name());
+        }
+        for witness in Witness::ALL {
+            assert_eq!(WITNESSES[witness.code() as usize].name, witness.name());
+        }
+        assert_eq!(
+            (STAGES.len(), WITNESSES.len()),
+            (Stage::ALL.len(), Witness::ALL.len())
+        );
+    }
+
+    #[test]
+    fn a_load_is_told_from_before_it_is_weighed_until_its_truck_holds_it() {
+        let mut ledger = Ledger::new(Settings {
+            target: Some(2000.0),
+            ..Settings::with_rated(1000.0)
+        });
+        let (mut last, mut told) = (None, Told::of(&ledger, None));
+        assert_eq!((told.payload_age, told.load), (NEVER, 0));
+        assert!(told.payload_std > 500.0, "nothing is known");
+        assert_eq!(told.flags, bits::HAS_TARGET);
+        for i in 0..1200 {
+            let time = f64::from(i) * 0.01;
+            let value = if (200..500).contains(&i) { 900.0 } else { 20.0 };
+            // Nothing weighs it in the last seconds.
+            let payload = (i < 1000).then_some(Quantity { value, std: 20.0 });
+            let row = Row {
+                time,
+                payload,
+                trusted: true,
+                ..Row::default()
+            };
+            last = ledger.step(&row).load.or(last);
+            told = Told::of(&ledger, last.as_ref());
+            if i == 450 {
+                let carried = bits::TRUSTED | bits::CARRIED | bits::WEIGHED | bits::HAS_TARGET;
+                assert_eq!((told.flags, told.load), (carried, 1));
+                assert!((told.mass - 900.0).abs() < 30.0 && told.dumped == 0.0);
+            }
+        }
+        let has = |bit: u32| told.flags & bit != 0;
+        assert!(has(bits::FINAL) && has(bits::TRUCK_TRUSTED) && !has(bits::CARRIED));
+        assert!((told.truck_mass - 880.0).abs() < 30.0, "{told:?}");
+        assert!((told.remaining - 1120.0).abs() < 30.0, "{told:?}");
+        assert!((told.payload_age - 2.0).abs() < 0.02, "{told:?}");
+        assert!(told.payload.abs() < 60.0, "the last known value stays");
+        assert!(told.payload_std > 100.0, "and is less certain with time");
+    }
+}
