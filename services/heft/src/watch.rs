@@ -26,13 +26,13 @@ use crate::tally::Tally;
 
 /// Truths that may wait for their estimates.
 const TRUTHS: usize = 2048;
-/// Loads are told so often in the time of the data [s]; a clock that goes back counts as due.
+/// Loads are told so often in the time of the data \[s\]; a clock that goes back counts as due.
 const LOADS_PERIOD: f64 = 0.1;
 
 /// Sends loads to other programs.
 struct LoadsTeller {
     send: Teller,
-    /// Time of the latest message [s].
+    /// Time of the latest message \[s\].
     last: f64,
     /// Number of the next one: a reader counts what it missed.
     next: u64,

@@ -105,7 +105,7 @@ macro_rules! loads_fields {
     };
 }
 
-/// The age of a payload that was never weighed [s].
+/// The age of a payload that was never weighed \[s\].
 pub const NEVER: f64 = 1e9;
 
 /// What has a frame of its own; groups count from the first one of the machine.
