@@ -81,8 +81,14 @@ fn a_loader_weighs_its_loads_by_the_lift_pressures_and_the_truck_gets_their_sum(
     assert!((last.truck_mass - sum).abs() < 0.02 * sum, "{last:?}");
     assert!(last.flags & (loads_bits::FINAL | SIMULATED) == loads_bits::FINAL | SIMULATED);
     let carried = |m: &&LoaderLoads| m.flags & loads_bits::CARRIED != 0 && m.load == 1;
-    let carried = told.iter().rfind(carried).expect("the first load in the bucket");
-    assert!((carried.mass - 1200.0).abs() < 1.96 * carried.mass_std, "{carried:?}");
+    let carried = told
+        .iter()
+        .rfind(carried)
+        .expect("the first load in the bucket");
+    assert!(
+        (carried.mass - 1200.0).abs() < 1.96 * carried.mass_std,
+        "{carried:?}"
+    );
     assert!(told.len() > 400, "ten times a second: {}", told.len());
     // What both loads share adds up: the sum is less certain than two independent ones.
     let own: f64 = loads

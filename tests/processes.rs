@@ -16,16 +16,25 @@ fn what_is_logged_as_json_names_its_process() {
     let running = Running::start_with(heft, "log", &["excavator", "--duration", "2"]);
     let (output, _folder) = running.wait();
     let text = String::from_utf8_lossy(&output.stderr);
-    let lines = text.lines().filter_map(|line| serde_json::from_str(line).ok());
+    let lines = text
+        .lines()
+        .filter_map(|line| serde_json::from_str(line).ok());
     let lines: Vec<serde_json::Value> = lines.collect();
     let ready = lines.iter().filter(|l| l["message"] == "ready");
     assert_eq!(ready.count(), 5, "a line for each service: {text}");
     for line in &lines {
         let span = &line["span"];
-        assert!(span["pid"].is_u64() && span["machine"] == "excavator", "{line}");
+        assert!(
+            span["pid"].is_u64() && span["machine"] == "excavator",
+            "{line}"
+        );
     }
     let part = lines.iter().find(|l| l["span"]["process"] == "logger");
-    assert_eq!(part.expect("a part of the recording begins")["part"], 1, "{text}");
+    assert_eq!(
+        part.expect("a part of the recording begins")["part"],
+        1,
+        "{text}"
+    );
 }
 
 fn complete(numbers: &[u64], first: u64) {

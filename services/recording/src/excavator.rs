@@ -1,7 +1,8 @@
 //! The excavator: its signals, the columns of its estimates, its frames on a CAN bus.
 
 use messages::channels::{
-    ChannelOf, EXCAVATOR_INERTIA_RLS, EXCAVATOR_INERTIA_UKF, EXCAVATOR_LOADS, EXCAVATOR_SENSORS, EXCAVATOR_TRUTH,
+    ChannelOf, EXCAVATOR_INERTIA_RLS, EXCAVATOR_INERTIA_UKF, EXCAVATOR_LOADS, EXCAVATOR_SENSORS,
+    EXCAVATOR_TRUTH,
 };
 use messages::{
     EXCAVATOR_METHODS, EXCAVATOR_REASONS, ExcavatorEstimate, ExcavatorSensors, ExcavatorTruth,

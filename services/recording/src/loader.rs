@@ -1,6 +1,8 @@
 //! The wheel loader: its signals, the columns of its estimates, its frames on a CAN bus.
 
-use messages::channels::{ChannelOf, LOADER_CG_EKF, LOADER_CG_UKF, LOADER_LOADS, LOADER_SENSORS, LOADER_TRUTH};
+use messages::channels::{
+    ChannelOf, LOADER_CG_EKF, LOADER_CG_UKF, LOADER_LOADS, LOADER_SENSORS, LOADER_TRUTH,
+};
 use messages::{
     LOADER_METHODS, LOADER_REASONS, LoaderEstimate, LoaderSensors, LoaderTruth, Machine,
     loader_bits as bits,

@@ -13,8 +13,8 @@ use iceoryx2::prelude::*;
 use iceoryx2::sample::Sample;
 use iceoryx2::sample_mut_uninit::SampleMutUninit;
 use iceoryx2::service::port_factory::event;
-use messages::{Envelope, Message};
 use messages::channels::{Channel, Rate, Visitor};
+use messages::{Envelope, Message};
 
 use crate::Error;
 

@@ -30,23 +30,43 @@ const fn flag(bit: u32, name: &'static str, place: u32, doc: &'static str) -> Fl
 
 /// Flags with their places in the frame.
 pub const FLAGS: &[Flag] = &[
-    flag(bits::TRUSTED, "trusted", 0, "The mass of the load may be believed."),
+    flag(
+        bits::TRUSTED,
+        "trusted",
+        0,
+        "The mass of the load may be believed.",
+    ),
     flag(bits::CARRIED, "carried", 1, "The load is in the bucket."),
-    flag(bits::FINAL, "final", 2, "The load was dumped: its mass does not change any more."),
+    flag(
+        bits::FINAL,
+        "final",
+        2,
+        "The load was dumped: its mass does not change any more.",
+    ),
     flag(
         bits::CARRY_BACK_WEIGHED,
         "carry_back_weighed",
         3,
         "What stayed in the bucket was weighed after this load; else it is the mean of earlier ones.",
     ),
-    flag(bits::WEIGHED, "weighed", 4, "The bucket was weighed at least once: `payload_age` tells when."),
+    flag(
+        bits::WEIGHED,
+        "weighed",
+        4,
+        "The bucket was weighed at least once: `payload_age` tells when.",
+    ),
     flag(
         bits::TRUCK_TRUSTED,
         "truck_trusted",
         5,
         "The truck has loads, and each of them may be believed.",
     ),
-    flag(bits::HAS_TARGET, "has_target", 6, "Somebody said what the truck shall hold."),
+    flag(
+        bits::HAS_TARGET,
+        "has_target",
+        6,
+        "Somebody said what the truck shall hold.",
+    ),
 ];
 
 /// Place of the flag of simulated samples in the frame.
@@ -55,7 +75,11 @@ pub const SIMULATED_PLACE: u32 = 7;
 /// How far a load has come.
 pub const STAGES: &[Entry] = &[
     entry(0, "carried", "In the bucket; its mass becomes better."),
-    entry(1, "dumped", "Its mass is final, what stays in the bucket is not weighed yet."),
+    entry(
+        1,
+        "dumped",
+        "Its mass is final, what stays in the bucket is not weighed yet.",
+    ),
     entry(2, "settled", "What stays in the bucket is final too."),
     entry(3, "withdrawn", "No load after all."),
 ];
@@ -113,8 +137,20 @@ pub const QUANTITIES: &[Quantity] = &[
     // Always told: a controller gets the last known value, and a deviation that covers what may have happened since.
     mass("payload", "payload_std", "bucket", 0, 0),
     mass("mass", "mass_std", "load", 1, bits::TRUSTED),
-    mass("truck_mass", "truck_mass_std", "truck", 2, bits::TRUCK_TRUSTED),
-    mass("remaining", "truck_mass_std", "remaining", 3, bits::TRUCK_TRUSTED | bits::HAS_TARGET),
+    mass(
+        "truck_mass",
+        "truck_mass_std",
+        "truck",
+        2,
+        bits::TRUCK_TRUSTED,
+    ),
+    mass(
+        "remaining",
+        "truck_mass_std",
+        "remaining",
+        3,
+        bits::TRUCK_TRUSTED | bits::HAS_TARGET,
+    ),
 ];
 
 /// Group of the frame with flags and numbers, counted alike.

@@ -318,12 +318,7 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     span.record("process", "supervisor");
     span.record("machine", machine.name());
     span.record("domain", domain.name());
-    let supervisor = Supervisor::start(
-        &domain,
-        plan,
-        watch,
-        Signals::catch()?,
-    )?;
+    let supervisor = Supervisor::start(&domain, plan, watch, Signals::catch()?)?;
     let (end, watch) = supervisor.run()?;
     if let End::Refused(error) = end {
         return Err(Failure::told(error));

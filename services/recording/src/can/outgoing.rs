@@ -19,8 +19,8 @@ use messages::channels::{Channel, Visitor};
 use messages::{Envelope, Machine, Message};
 
 use self::map::Parser;
-use self::table::{Number, Quantity};
 pub(crate) use self::table::{FrameTable, flags, quantities};
+use self::table::{Number, Quantity};
 use super::Frame;
 use super::node::{Name, Node};
 use crate::{Error, machines};
@@ -359,15 +359,21 @@ mod tests {
             truck: 2,
             ..ExcavatorLoads::default()
         };
-        let told = |loads: &ExcavatorLoads, name| {
-            match value(&read_back(&outgoing, &loads.envelope()), name).0 {
-                Reading::Value(value) => Some((value * 100.0).round() / 100.0),
-                _ => None,
-            }
+        let told = |loads: &ExcavatorLoads, name| match value(
+            &read_back(&outgoing, &loads.envelope()),
+            name,
+        )
+        .0
+        {
+            Reading::Value(value) => Some((value * 100.0).round() / 100.0),
+            _ => None,
         };
         assert_eq!(told(&loads, "payload"), Some(812.5));
         assert_eq!(told(&loads, "payload_std"), Some(90.25));
-        assert_eq!((told(&loads, "load"), told(&loads, "truck")), (Some(12.0), Some(2.0)));
+        assert_eq!(
+            (told(&loads, "load"), told(&loads, "truck")),
+            (Some(12.0), Some(2.0))
+        );
         assert_eq!(told(&loads, "payload_age"), Some(3.0));
         for name in ["mass", "truck_mass", "remaining"] {
             assert_eq!(told(&loads, name), None, "{name} is not trusted");

@@ -91,7 +91,10 @@ impl Kind {
                 let _ = writeln!(out, "CM_ SG_ {id} {} \"{std}\";", row.std_field);
             }
             Content::Flags(_, numbers) => {
-                let what = format!("whether {} of the {machine} may be believed, and why not", self.told());
+                let what = format!(
+                    "whether {} of the {machine} may be believed, and why not",
+                    self.told()
+                );
                 let _ = writeln!(out, "CM_ BO_ {id} \"{what}\";");
                 for (_, number) in numbers.iter().filter(|(_, n)| !n.doc.is_empty()) {
                     let _ = writeln!(out, "CM_ SG_ {id} {} \"{}\";", number.field, number.doc);

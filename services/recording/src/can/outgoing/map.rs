@@ -179,7 +179,12 @@ impl<'a> Parser<'a> {
         };
         let quantity = |row: &'static Quantity, channel, first: u16| {
             let at = [row.field, row.std_field].map(|field| position(channel, field));
-            kind(row.name, channel, first + row.group, Content::Quantity(at, row))
+            kind(
+                row.name,
+                channel,
+                first + row.group,
+                Content::Quantity(at, row),
+            )
         };
         let flags = |flags, numbers: &'static [Number], channel| {
             let numbers = numbers.iter().map(|n| (position(channel, n.field), n));
@@ -189,7 +194,9 @@ impl<'a> Parser<'a> {
         let loads = flags(LOADS_FLAGS, LOADS_NUMBERS, table.loads);
         let status = table.loads_group + STATUS_GROUP;
         let quantities = table.quantities.iter().map(|row| quantity(row, channel, 0));
-        let of_loads = LOADS.iter().map(|row| quantity(row, table.loads, table.loads_group));
+        let of_loads = LOADS
+            .iter()
+            .map(|row| quantity(row, table.loads, table.loads_group));
         quantities
             .chain([kind(VERDICT, channel, table.verdict, verdict)])
             .chain(of_loads)

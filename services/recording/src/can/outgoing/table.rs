@@ -87,8 +87,20 @@ pub(crate) const VERDICT_NUMBERS: &[Number] = &[REASON];
 /// The numbers beside the flags of loads.
 pub(crate) const LOADS_NUMBERS: &[Number] = &[
     number("load", 16, 16, "", "number of the latest load"),
-    number("truck", 32, 16, "", "number of the truck that is being loaded"),
-    number("payload_age", 48, 8, "s", "time since the bucket was weighed"),
+    number(
+        "truck",
+        32,
+        16,
+        "",
+        "number of the truck that is being loaded",
+    ),
+    number(
+        "payload_age",
+        48,
+        8,
+        "s",
+        "time since the bucket was weighed",
+    ),
     REASON,
 ];
 
