@@ -13,7 +13,7 @@
 //! tyres and body settle.
 
 use super::accelerometer::Shaking;
-use super::inertia::Inertia;
+use super::inertia::{Inertia, Push};
 use super::inputs::StepInputs;
 use super::wheel_dynamics::{GRAVITY, WheelDynamics};
 use crate::math::tanh;
@@ -194,9 +194,14 @@ impl Disturbance {
         let free = u.spade_force_x == 0.0 && !step.brake && speed.abs() > LEAST_SPEED;
         self.shaking.see(residual, free, dt);
         let tells = free && straight && pull.abs() < LARGEST && measured.abs() < LARGEST;
-        self.driven.see(measured, pull, speed, tells && drives, dt);
-        self.inertia.is_lighter(self.driven.excess() > 0.0);
-        self.inertia.see(measured, pull, speed, tells, dt);
+        let row = Push {
+            acceleration: measured,
+            pull,
+            speed,
+        };
+        self.driven.see(&row, tells && drives, true, dt);
+        let lighter = self.driven.excess() > 0.0;
+        self.inertia.see(&row, tells, lighter, dt);
         self.fast += (dt / TIME).min(1.0) * (residual - self.fast);
         self.unexplained += (dt / HOLD).min(1.0) * (residual - self.unexplained);
     }

@@ -9,7 +9,8 @@
 //! | c | - | rolling and whatever else resists | m/s^2 |
 //!
 //! A Kalman filter of both, with signals smoothed over 0.2 s and a random walk by which the last ten seconds count. A sound
-//! machine shows 0.95 to 1.03; a full bucket that nobody tells 0.75 to 0.8, and so does a mass that is told late. A step of kappa means that a load came or went: what was learnt of the centre of gravity is of another machine.
+//! machine shows 0.95 to 1.03; a full bucket that nobody tells 0.75 to 0.8, and so does a mass that is told late. A step of
+//! kappa means that a load came or went: what was learnt of the centre of gravity is of another machine.
 
 use crate::math::sqrt;
 
@@ -44,7 +45,6 @@ pub(super) struct Inertia {
     /// kappa when the load changed last.
     anchor: f64,
     stepped: bool,
-    is_lighter: bool,
     /// Time since the last step [s].
     since: f64,
 }
@@ -57,20 +57,30 @@ impl Default for Inertia {
             covariance: [[START[0] * START[0], 0.0], [0.0, START[1] * START[1]]],
             anchor: 1.0,
             stepped: false,
-            is_lighter: true,
             since: f64::INFINITY,
         }
     }
 }
 
+/// What a row shows of the mass.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Push {
+    /// Acceleration with gravity's share of the slope [m/s^2].
+    pub acceleration: f64,
+    /// Force of the torques over the told mass [m/s^2].
+    pub pull: f64,
+    /// Speed [m/s].
+    pub speed: f64,
+}
+
 impl Inertia {
-    /// Takes a row: acceleration with gravity's share of the slope, force of the torques over the told mass [m/s^2],
-    /// speed [m/s]; `counts` where the torques alone move the machine. A machine that looks lighter lost no load where only its
-    /// braking says so.
-    pub fn see(&mut self, acceleration: f64, pull: f64, speed: f64, counts: bool, dt: f64) {
-        let direction = if speed >= 0.0 { 1.0 } else { -1.0 };
+    /// Takes a row in which the torques alone move the machine, where it `counts`. A step to a lighter machine needs rows that no
+    /// brakes touch to say so: `may_be_lighter`.
+    pub fn see(&mut self, row: &Push, counts: bool, may_be_lighter: bool, dt: f64) {
+        let direction = if row.speed >= 0.0 { 1.0 } else { -1.0 };
         let weight = (dt / SMOOTH).min(1.0);
-        for (smooth, new) in self.smooth.iter_mut().zip([acceleration, pull, direction]) {
+        let signals = [row.acceleration, row.pull, direction];
+        for (smooth, new) in self.smooth.iter_mut().zip(signals) {
             *smooth += weight * (new - *smooth);
         }
         self.stepped = false;
@@ -108,17 +118,12 @@ impl Inertia {
             }
         }
         let away = (self.state[0] - self.anchor).abs();
-        let braked = self.state[0] > 1.0 + TOLERANCE && !self.is_lighter;
+        let braked = self.state[0] > 1.0 + TOLERANCE && !may_be_lighter;
         if away > STEP.0.max(STEP.1 * self.std()) && !braked {
             self.anchor = self.state[0];
             self.stepped = true;
             self.since = 0.0;
         }
-    }
-
-    /// Whether rows that no brakes touch say that the machine is lighter than told.
-    pub fn is_lighter(&mut self, is: bool) {
-        self.is_lighter = is;
     }
 
     /// What was found fades to what is usual: nothing is remembered for ever.
@@ -170,7 +175,12 @@ mod tests {
         for k in 0..4000 {
             let t = f64::from(k) * 0.01;
             let pull = f64::sin(0.8 * t) + 0.2;
-            inertia.see(kappa * pull - 0.2, pull, 3.0, true, 0.01);
+            let row = Push {
+                acceleration: kappa * pull - 0.2,
+                pull,
+                speed: 3.0,
+            };
+            inertia.see(&row, true, true, 0.01);
             steps += u32::from(inertia.stepped());
         }
         (inertia.excess(), steps)

@@ -7,13 +7,14 @@
 //! | c^2 | `square` | variance of the slip, as a share of its square |
 //! | nu | `innovation` | innovation of the wheel speed [rad/s] |
 //!
-//! On a rough road axle loads, and with them the slips, waver by far more than on asphalt. E nu^2 = V + c^2 w^2, so c^2 is the weighted mean of (nu^2 - V)/w^2 over the last
-//! rows, never below what the settings say, which count as much as a second of rows. The weights, w^4/(V + c_b^2 w^2)^2, are those of
-//! least squares where c is what the settings say.
+//! On a rough road axle loads, and with them the slips, waver by far more than on asphalt. E nu^2 = V + c^2 w^2, so c^2 is the
+//! weighted mean of (nu^2 - V)/w^2 over the last rows, never below what the settings say, which count as much as a second of
+//! rows. The weights, w^4/(V + c_b^2 w^2)^2, are those of least squares where c is what the settings say.
 //!
 //! Waves of a few hertz last many rows, which then tell the same: what c^2 has more than usual counts as often
-//! (`conditions`, `TOGETHER`). Under loads that waver by c the mean slip is larger by c^2, E 1/(1 + e) = 1 + c^2 + .., and nobody says on which axle: the interval
-//! of what the slips tell carries it. Before the first rows nobody knows the road, so a rough one counts as some of them (`START`).
+//! (`conditions`, `TOGETHER`). Under loads that waver by c the mean slip is larger by c^2, E 1/(1 + e) = 1 + c^2 + .., and nobody
+//! says on which axle: the interval of what the slips tell carries it. Before the first rows nobody knows the road, so a rough
+//! one counts as some of them (`START`).
 
 /// How far back rows count [s].
 const MEMORY: f64 = 20.0;

@@ -6,8 +6,8 @@
 //! sd_lam,rep^2 = sd_lam^2 + lam^2 [(16 sigma_rho)^2 + ((1 - lam) sigma_Tratio)^2 + ((1 - lam) sigma_Kratio)^2 + 0.011^2] + (h sigma_z/(g l))^2
 //! sd_h,rep^2   = sd_h^2 + (0.04 m)^2 + (h sigma_p)^2 + (13 h sigma_rho)^2
 //! ```
-//! z: the zero of the accelerometer, which is taken for a load that is always shifted. p: the slip stiffness falls with the load as F_z^-p. Of the ratio that is a difference of the axles' stiffnesses, which
-//! sigma_Kratio holds already.
+//! z: the zero of the accelerometer, which is taken for a load that is always shifted. p: the slip stiffness falls with the
+//! load as F_z^-p. Of the ratio that is a difference of the axles' stiffnesses, which sigma_Kratio holds already.
 //!
 //! The methods of the paper take the rolling radii as exact. On a real machine that error is larger than all others and
 //! their own interval knows nothing of it, so it is added too: they are honest, and therefore never trusted.

@@ -5,8 +5,8 @@
 //! ```text
 //! z^2 = (lam_s - lam_w)^2/(sigma_s^2 + sigma_w^2),   averaged over some seconds
 //! ```
-//! Where they differ by more than both claim, or a bucket would hold less than nothing, one of their assumptions is wrong and nobody says which: the interval spans
-//! both answers, and neither is believed.
+//! Where they differ by more than both claim, or a bucket would hold less than nothing, one of their assumptions is wrong and
+//! nobody says which: the interval spans both answers, and neither is believed.
 
 use super::estimate::{Estimate, Status};
 use super::lift_arm::Weighed;

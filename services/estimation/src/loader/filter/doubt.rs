@@ -137,7 +137,8 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
     }
 
-    /// Adds a row whose wheels were accepted to what is known of the centre drive; `noise` is the variance of each that is no other row's.
+    /// Adds a row whose wheels were accepted to what is known of the centre drive; `noise` is the variance of each that is no
+    /// other row's.
     pub(super) fn compare_axles(
         &mut self,
         measured: &[f64; M],
