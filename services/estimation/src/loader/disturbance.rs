@@ -15,6 +15,7 @@
 use super::accelerometer::Shaking;
 use super::inertia::{Inertia, Push};
 use super::inputs::StepInputs;
+use super::untold::Untold;
 use super::wheel_dynamics::{GRAVITY, WheelDynamics};
 use crate::math::tanh;
 
@@ -73,6 +74,7 @@ pub(super) struct Disturbance {
     /// Whether the machine is as heavy as it is told: by all rows, and by those in which the torques drive.
     inertia: Inertia,
     driven: Inertia,
+    untold: Untold,
     /// What the accelerometer shows beside it.
     pub shaking: Shaking,
     /// Smoothed specific force that the torques do not explain, forward positive [m/s^2].
@@ -101,6 +103,7 @@ impl Default for Disturbance {
             sums: [0.1 * GAIN_MEMORY; 2],
             inertia: Inertia::default(),
             driven: Inertia::default(),
+            untold: Untold::default(),
             shaking: Shaking::default(),
             unexplained: 0.0,
         }
@@ -165,6 +168,11 @@ impl Disturbance {
         self.inertia.stepped()
     }
 
+    /// Probability that the load is another one than that under which the ratio was learnt.
+    pub fn other_load(&self) -> f64 {
+        self.untold.probability()
+    }
+
     /// Time since then [s].
     pub fn since_load(&self) -> f64 {
         self.inertia.since_step()
@@ -202,6 +210,11 @@ impl Disturbance {
         self.driven.see(&row, tells && drives, true, dt);
         let lighter = self.driven.excess() > 0.0;
         self.inertia.see(&row, tells, lighter, dt);
+        if step.tells_mass || self.inertia.stepped() {
+            self.untold.settle();
+        } else {
+            self.untold.see(&row, self.inertia.known(), tells, dt);
+        }
         self.fast += (dt / TIME).min(1.0) * (residual - self.fast);
         self.unexplained += (dt / HOLD).min(1.0) * (residual - self.unexplained);
     }

@@ -17,8 +17,8 @@ use crate::math::sqrt;
 /// Smoothing of the signals [s].
 const SMOOTH: f64 = 0.2;
 /// Noise of the smoothed acceleration in rows that tell the same for 0.3 s [m/s^2].
-const NOISE: f64 = 0.05;
-const TOGETHER: f64 = 0.3;
+pub(super) const NOISE: f64 = 0.05;
+pub(super) const TOGETHER: f64 = 0.3;
 /// Random walk of kappa and of c [1/sqrt(s)], [m/s^2/sqrt(s)].
 const WALK: [f64; 2] = [0.02, 0.01];
 /// Standard deviations at the start; c starts at a usual rolling resistance [m/s^2].
@@ -139,6 +139,11 @@ impl Inertia {
     /// kappa.
     pub fn gain(&self) -> f64 {
         self.state[0]
+    }
+
+    /// kappa and c [-, m/s^2].
+    pub fn known(&self) -> [f64; 2] {
+        self.state
     }
 
     fn std(&self) -> f64 {

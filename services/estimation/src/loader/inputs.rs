@@ -14,6 +14,8 @@ pub(super) struct InputHold {
     acceleration: Option<f64>,
     /// Mass with its load [kg].
     pub mass: f64,
+    /// Rows tell it.
+    tells_mass: bool,
 }
 
 /// What a row means for the step that ends at it.
@@ -26,6 +28,8 @@ pub(super) struct StepInputs {
     pub acceleration: Option<f64>,
     /// Friction brakes act.
     pub brake: bool,
+    /// The mass with its load is told.
+    pub tells_mass: bool,
     /// Angle between front and rear body, where it is measured [rad].
     pub articulation: Option<f64>,
     /// Yaw rate, where it is measured [rad/s].
@@ -49,6 +53,7 @@ impl InputHold {
             missing: [false; 5],
             acceleration: None,
             mass,
+            tells_mass: false,
         }
     }
 
@@ -88,6 +93,7 @@ impl InputHold {
         self.acceleration = acceleration;
         if let Some(mass) = sample.mass {
             self.mass = mass;
+            self.tells_mass = true;
         }
         let [
             front_torque,
@@ -108,6 +114,7 @@ impl InputHold {
             sine: sin_cos(slope).0,
             acceleration: mean,
             brake: sample.brake,
+            tells_mass: self.tells_mass,
             articulation: sample.articulation,
             yaw_rate: sample.yaw_rate,
         }

@@ -17,7 +17,7 @@
 /// Mean and standard deviation of the load's way ahead of the front axle, in bucket reaches.
 const ARM: (f64, f64) = (0.75, 0.2);
 /// Standard deviation of the load's height over that of the machine.
-const HEIGHT_SPREAD: f64 = 0.7;
+pub(super) const HEIGHT_SPREAD: f64 = 0.7;
 /// A change below this share of the mass is noise of the weighing.
 const LEAST_STEP: f64 = 0.01;
 /// A load has come or gone when the mass has held for this long [s].

@@ -6,7 +6,9 @@ use crate::loader::coupling::Turning;
 use crate::loader::layout::{
     CG_HEIGHT, CG_RATIO, Each, FRONT_WHEEL, Layout, REAR_WHEEL, SLIP_STIFFNESS, SPEED,
 };
+use crate::loader::load::HEIGHT_SPREAD;
 use crate::loader::reason::Reason;
+use crate::loader::untold::USUAL_LOAD;
 use crate::loader::verdict::Doubt;
 use crate::math::{norm, sqrt};
 
@@ -27,6 +29,16 @@ const AFTER_UNTOLD: f64 = 60.0;
 const UNTOLD: f64 = 0.06;
 /// How long a change is shown [s].
 const CHANGE_SHOWN: f64 = 5.0;
+
+/// Signs of a model that does not hold.
+struct Signs {
+    late: bool,
+    at_limit: bool,
+    /// The slip stiffness lies beyond its prior.
+    stiffness: bool,
+    /// Height or ratio lies beyond what is expected.
+    contradicted: bool,
+}
 
 impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     /// What makes the estimate doubtful beside its own covariance.
@@ -58,7 +70,6 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             ratio: at(CG_RATIO),
             height: at(CG_HEIGHT),
         };
-        let stiffness_at_limit = at(SLIP_STIFFNESS);
         if !self.settings.at_work() {
             return Doubt {
                 at_limit,
@@ -71,51 +82,20 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let sensors = &self.settings.sensors;
         let late = (delay - sensors.speed_delay).abs() > LATEST * sensors.speed_delay_std;
         let locked = self.coupling.locked();
-        let lighter = self.disturbance.lighter();
         let contradicted = height > expected[0].1 || ratio > expected[1].1;
-        let reason = if locked > 0.5 {
-            Reason::Locked
-        } else if self.disturbance.torques_misfit() || lighter > 0.0 {
-            Reason::Torque
-        } else if late {
-            Reason::Latency
-        } else if at_limit.ratio || at_limit.height || stiffness_at_limit {
-            Reason::AtLimit
-        } else if stiffness > prior.slip_stiffness_std {
-            Reason::Stiffness
-        } else if self.changed < CHANGE_SHOWN || lighter < 0.0 {
-            Reason::Load
-        } else if self.legs.ratio() > DISAGREE || contradicted {
-            Reason::Disagreement
-        } else {
-            Reason::None
-        };
+        let reason = self.cause(&Signs {
+            late,
+            at_limit: at_limit.ratio || at_limit.height || at(SLIP_STIFFNESS),
+            stiffness: stiffness > prior.slip_stiffness_std,
+            contradicted,
+        });
         // Where the model does not hold, nothing is known but what was known before: a mixture of both.
         let doubted = match reason {
             Reason::Locked | Reason::Torque | Reason::AtLimit | Reason::Stiffness => 1.0,
             _ if contradicted => 1.0,
             _ => locked,
         };
-        // A load that nobody tells sits ahead of the front axle; a torque that is one axle's moves the ratio twice as far.
-        let reach = self.settings.machine.bucket_reach / self.dynamics.wheelbase;
-        let off = self.disturbance.off();
-        let ratio = match lighter {
-            0.0 => ratio,
-            x if x < 0.0 => ratio + off * (1.0 + LOAD_ARM * reach - state[CG_RATIO]).abs(),
-            _ => ratio + 2.0 * off * (1.0 - state[CG_RATIO]) * state[CG_RATIO],
-        };
-        // After a load that nobody told, what slips and radii mean is known again only in part.
-        let untold = self.disturbance.since_load() < AFTER_UNTOLD;
-        let ratio = if untold && !self.is_told_its_load() {
-            ratio + UNTOLD * state[CG_RATIO]
-        } else {
-            ratio
-        };
-        let height = if lighter == 0.0 {
-            height
-        } else {
-            height + off * state[CG_HEIGHT]
-        };
+        let Each { ratio, height } = self.with_other_load(Each { ratio, height });
         // Slips that a stiffness beyond its prior explains are not understood to that share, nor is the height that they tell.
         let unknown_slip = stiffness / state[SLIP_STIFFNESS];
         let height = norm(&[height, state[CG_HEIGHT] * unknown_slip]);
@@ -134,6 +114,64 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             unknown_height: self.lifts_untold(),
             reason,
             acts: self.acts(),
+        }
+    }
+
+    /// The first cause of doubt.
+    fn cause(&self, signs: &Signs) -> Reason {
+        let lighter = self.disturbance.lighter();
+        if self.coupling.locked() > 0.5 {
+            Reason::Locked
+        } else if self.disturbance.torques_misfit() || lighter > 0.0 {
+            Reason::Torque
+        } else if signs.late {
+            Reason::Latency
+        } else if signs.at_limit {
+            Reason::AtLimit
+        } else if signs.stiffness {
+            Reason::Stiffness
+        } else if self.changed < CHANGE_SHOWN || lighter < 0.0 {
+            Reason::Load
+        } else if self.legs.ratio() > DISAGREE || signs.contradicted {
+            Reason::Disagreement
+        } else {
+            Reason::None
+        }
+    }
+
+    /// What a load that nobody told, or may have told wrongly, adds to the doubt of height and ratio.
+    fn with_other_load(&self, Each { ratio, height }: Each<f64>) -> Each<f64> {
+        let state = self.belief.state();
+        let lighter = self.disturbance.lighter();
+        // A load that nobody tells sits ahead of the front axle; a torque that is one axle's moves the ratio twice as far.
+        let reach = self.settings.machine.bucket_reach / self.dynamics.wheelbase;
+        let off = self.disturbance.off();
+        let ahead = (1.0 + LOAD_ARM * reach - state[CG_RATIO]).abs();
+        let ratio = match lighter {
+            0.0 => ratio,
+            x if x < 0.0 => ratio + off * ahead,
+            _ => ratio + 2.0 * off * (1.0 - state[CG_RATIO]) * state[CG_RATIO],
+        };
+        // After a load that nobody told, what slips and radii mean is known again only in part.
+        let untold = self.disturbance.since_load() < AFTER_UNTOLD;
+        let ratio = if untold && !self.is_told_its_load() {
+            ratio + UNTOLD * state[CG_RATIO]
+        } else {
+            ratio
+        };
+        let height = if lighter == 0.0 {
+            height
+        } else {
+            height + off * state[CG_HEIGHT]
+        };
+        if self.is_told_its_load() {
+            return Each { ratio, height };
+        }
+        // The bucket may have been filled or emptied since: a mixture of both.
+        let other = USUAL_LOAD * sqrt(self.disturbance.other_load());
+        Each {
+            ratio: norm(&[ratio, other * ahead]),
+            height: norm(&[height, other * HEIGHT_SPREAD * state[CG_HEIGHT]]),
         }
     }
 
