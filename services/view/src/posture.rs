@@ -5,6 +5,8 @@ use std::fmt::Write;
 
 use messages::{Machine, Message, Value, Words};
 
+use crate::run::Input;
+
 /// Signals that move the drawing \[rad\]: joint angles, and the slope that the machine stands on.
 pub const JOINTS: [&str; 7] = [
     "swing_angle",
@@ -35,6 +37,19 @@ pub fn take<M: Message>(posture: &mut Posture, sensors: &M) {
             *angle = value.map(Value::as_f64).filter(|x| x.is_finite());
         }
     }
+}
+
+/// Where a machine stood at `time` \[s\], by what was measured last before it; `None` if no joint was measured.
+#[must_use]
+pub fn at(inputs: &[Input], time: f64) -> Option<Posture> {
+    let angle = |name: &&str| {
+        let input = inputs.iter().find(|input| input.name == *name)?;
+        let before = input.points.partition_point(|(t, _)| *t <= time);
+        let values = input.points[..before].iter().map(|point| point.1);
+        values.rev().find(|value| value.is_finite())
+    };
+    let posture = JOINTS.each_ref().map(angle);
+    posture.iter().any(Option::is_some).then_some(posture)
 }
 
 /// A joint in the drawing: its signal, where it sits on the link before it [px], and its angle where none is measured
@@ -180,6 +195,25 @@ mod tests {
         assert!(svg.contains(
             "class=\"joint unmeasured\" data-joint=\"arm_angle\" transform=\"rotate(80.2)\""
         ));
+    }
+
+    #[test]
+    fn the_posture_of_a_moment_is_what_was_measured_last_before_it() {
+        let input = |name, points: &[(f64, f64)]| Input {
+            name,
+            unit: "rad",
+            points: points.to_vec(),
+        };
+        let boom = input(
+            "boom_angle",
+            &[(0.0, 0.1), (1.0, 0.2), (2.0, f64::NAN), (3.0, 0.4)],
+        );
+        let inputs = [input("swing_torque", &[(0.0, 9.0)]), boom];
+        let posture = at(&inputs, 2.5).expect("a joint");
+        assert_eq!(posture[1], Some(0.2));
+        assert_eq!(posture.iter().flatten().count(), 1);
+        assert_eq!(at(&inputs[..1], 2.5), None);
+        assert_eq!(at(&inputs, -1.0), None);
     }
 
     #[test]

@@ -3,8 +3,9 @@
 use std::fmt::Write;
 
 use super::html::text;
-use super::part;
+use super::part::{self, Part};
 use crate::number::grouped;
+use crate::posture;
 use crate::run::Run;
 
 /// Title of the page.
@@ -50,8 +51,23 @@ pub(super) fn write(body: &mut String, run: &Run) {
     }
     for part in part::all(run) {
         part.verdicts(body);
+        posture(body, run, part);
     }
     body.push_str("</header>");
+}
+
+/// How the machine stood when the first verdict's value was found.
+fn posture(body: &mut String, run: &Run, part: &dyn Part) {
+    let posture = |time| Some((time, posture::at(&run.inputs, time)?));
+    let Some((time, posture)) = part.told_at().and_then(posture) else {
+        return;
+    };
+    let _ = write!(
+        body,
+        "<figure class=\"machine\">{}<figcaption>How it stood then, at t\u{a0}=\u{a0}{}\u{a0}s; not to scale, dashed where no angle was measured.</figcaption></figure>",
+        posture::svg(part.machine(), &posture),
+        grouped(time, 1)
+    );
 }
 
 /// Whether the samples are a simulator's: older recordings say so by their scenario only.

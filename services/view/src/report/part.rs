@@ -6,6 +6,7 @@ use super::{Page, machine, verdicts};
 use crate::estimate::Estimate;
 use crate::panels::{self, Panel};
 use crate::run::{MachineRun, Run};
+use crate::words::run_judgements;
 
 /// What a page asks of a machine's part.
 pub(super) trait Part {
@@ -17,6 +18,8 @@ pub(super) trait Part {
     fn is_simulated(&self) -> bool;
     /// From the first estimate to the last [s].
     fn seconds(&self) -> Option<f64>;
+    /// When the value of its first verdict was found [s].
+    fn told_at(&self) -> Option<f64>;
     /// Writes the verdicts at the top.
     fn verdicts(&self, body: &mut String);
     /// Writes all sections.
@@ -42,6 +45,11 @@ impl<E: Estimate> Part for MachineRun<E> {
     fn seconds(&self) -> Option<f64> {
         let estimates = &self.primary()?.estimates;
         Some(estimates.last()?.stamp().time - estimates.first()?.stamp().time)
+    }
+
+    fn told_at(&self) -> Option<f64> {
+        let judgements = run_judgements(&self.primary()?.estimates);
+        Some(judgements.first()?.time)
     }
 
     fn verdicts(&self, body: &mut String) {
