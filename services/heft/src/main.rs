@@ -28,6 +28,7 @@ mod results;
 mod serve;
 mod service;
 mod signals;
+mod small_file;
 mod sources;
 mod spare;
 mod spin;

@@ -8,6 +8,7 @@ use messages::Machine;
 
 use crate::cli::machine;
 use crate::failure::Failure;
+use crate::small_file;
 
 /// `heft check`
 #[derive(Debug, Args)]
@@ -25,7 +26,7 @@ pub struct CheckArgs {
 /// `heft check`
 pub fn check(args: &CheckArgs) -> Result<(), Failure> {
     let file = &args.file;
-    let text = std::fs::read_to_string(file).map_err(|e| Failure::file("read", file, &e))?;
+    let text = small_file::text(file).map_err(|e| Failure::file("read", file, &e))?;
     let description = Description::parse(&text, &file.display().to_string(), args.machine)?;
     if args.print {
         print!("{}", description.to_toml());

@@ -25,6 +25,7 @@ use crate::outputs::CanOutput;
 use crate::parts::Reserved;
 use crate::plan::Plan;
 use crate::signals::Signals;
+use crate::small_file;
 use crate::sources::{self, LiveInput};
 use crate::spin::{self, Spinners};
 use crate::state::Memory;
@@ -37,8 +38,7 @@ pub fn description(machine: Machine, args: &DescriptionArgs) -> Result<Descripti
     let mut description = match &args.config {
         None => Description::default_of(machine),
         Some(path) => {
-            let text =
-                std::fs::read_to_string(path).map_err(|e| Failure::file("read", path, &e))?;
+            let text = small_file::text(path).map_err(|e| Failure::file("read", path, &e))?;
             Description::parse(&text, &path.display().to_string(), Some(machine))?
         }
     };
