@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{Error, Read};
 use std::path::Path;
 
-/// Six times a description with every key and its meaning [bytes].
+/// Six times a description with every key and its meaning \[bytes\].
 const LARGEST: u64 = 100_000;
 
 /// The text of a description.

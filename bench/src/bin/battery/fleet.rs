@@ -16,7 +16,7 @@ pub struct Clocks;
 
 /// An hour back, ahead by most of a day, and a machine that has not yet heard the time; right between them.
 const CLOCKS: [&str; 4] = ["+0h", "-1h", "+20h", "@1970-01-01 00:01:00"];
-/// Length of a run [s], and the least of the most that a run sent that each must have in the history.
+/// Length of a run \[s\], and the least of the most that a run sent that each must have in the history.
 const SECONDS: &str = "3";
 const LEAST: f64 = 0.7;
 

@@ -17,7 +17,7 @@ pub struct SharedMemory;
 /// Its size, and how long it is full.
 const MOUNT: &str = "mount -t tmpfs -o size=256M tmpfs /dev/shm && exec \"$0\" \"$@\"";
 const FULL: Duration = Duration::from_secs(3);
-/// The time without memory, and what a start takes on a crowded machine [samples].
+/// The time without memory, and what a start takes on a crowded machine \[samples\].
 const GAP: u64 = 6 * RATE;
 
 impl Attack for SharedMemory {

@@ -16,7 +16,7 @@ use crate::ground::Ground;
 const COPIES: usize = 4;
 /// The channel that `estimate`, `loads` and `report` cannot do without.
 const SENSORS: &str = "excavator/sensors";
-/// Ends with 3 where frames are short of what the recording says it had and nothing warned.
+/// Reads a recording, and prints every warning and the error of the package.
 const PYTHON: &str = "
 import sys, warnings, heft
 with warnings.catch_warnings(record=True) as said:

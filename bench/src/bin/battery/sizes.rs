@@ -8,7 +8,7 @@ use runtime::Source;
 use crate::attack::{Attack, Outcome, Rng};
 use crate::ground::Ground;
 
-/// When the sample comes, and how long it may be seen [s].
+/// When the sample comes, and how long it may be seen \[s\].
 const AT: f64 = 12.0;
 const FORGOTTEN: f64 = 10.0;
 const DURATION: f64 = 30.0;

@@ -26,7 +26,7 @@ const LEAST: u32 = 20;
 const DURATION: f64 = 60.0;
 pub const FROM: f64 = 25.0;
 const DRIFT: f64 = 10.0;
-/// Another machine is so far ahead in its work [samples at 100 Hz].
+/// Another machine is so far ahead in its work \[samples at 100 Hz\].
 const MEANWHILE: usize = 1700;
 
 /// A fault of one column.
