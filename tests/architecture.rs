@@ -67,6 +67,7 @@ const ARROWS: &[(&str, &[&str])] = &[
             "runtime",
             "sensor",
             "sim",
+            "statistics",
             "steps",
             "view",
         ],
