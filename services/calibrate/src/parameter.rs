@@ -99,6 +99,14 @@ impl Parameter {
     }
 }
 
+/// What the description says of parameters, a row each: role, key, words, unit, mean, standard deviation, range.
+macro_rules! rows {
+    ($( $role:expr, $key:expr, $words:expr, $unit:expr, $mean:expr, $std:expr, $range:expr; )*) => {
+        [$( ($role, $crate::parameter::Parameter::described($key, $words, $unit, $mean, $std, $range)) ),*]
+    };
+}
+pub(crate) use rows;
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -9,7 +9,7 @@ use super::series::{Load, Measured, Series, Swing};
 use crate::column::percentile;
 use crate::description::number;
 use crate::model::{Innovation, Model};
-use crate::parameter::{Law, Parameter, Source};
+use crate::parameter::{Law, Parameter, Source, rows};
 
 /// What a parameter is in the guess.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -251,147 +251,15 @@ fn parameters(
 ) -> Vec<(Role, Parameter)> {
     let posture = series.iter().all(|s| s.has_posture);
     let torque = percentile(series.iter().map(|s| s.torque.size()).collect(), 1.0);
-    let linear = Parameter::described;
-    let noise =
-        |key: &str, words: &str, unit, mean| Parameter::noise(key, words, unit, mean, NOISE_STD);
-    let (m, p, s) = (&d.machine, &d.prior, &d.sensors);
-    let mut all = vec![
-        (
-            Role::Damping,
-            linear(
-                "machine.nominal_damping",
-                "the viscous damping",
-                "N m s/rad",
-                m.nominal_damping,
-                p.damping_std.max(DAMPING_STD * m.nominal_damping),
-                (0.0, 1e7),
-            ),
-        ),
-        (
-            Role::Friction,
-            linear(
-                "machine.coulomb_friction",
-                "the Coulomb friction",
-                "N m",
-                m.coulomb_friction,
-                p.friction_std.max(FRICTION_STD * m.coulomb_friction),
-                (0.0, 1e6),
-            ),
-        ),
-        (
-            Role::Offset,
-            linear(
-                "sensors.swing_torque_offset",
-                "the offset of the torque",
-                "N m",
-                number(d, "sensors.swing_torque_offset").unwrap_or(0.0),
-                p.torque_offset_std.max(OFFSET_STD * torque),
-                (-1e6, 1e6),
-            ),
-        ),
-        (
-            Role::Delay,
-            linear(
-                "sensors.delay",
-                "the delay between torque and velocity",
-                "s",
-                number(d, "sensors.swing_velocity_delay").unwrap_or(0.0)
-                    - number(d, "sensors.swing_torque_delay").unwrap_or(0.0),
-                DELAY_STD,
-                (-DELAY_MAX, DELAY_MAX),
-            ),
-        ),
-    ];
-    let drive = linear(
-        "machine.drive_efficiency",
-        "the efficiency of the drive",
-        "",
-        number(d, "machine.drive_efficiency").unwrap_or(1.0),
-        number(d, "machine.drive_efficiency_std")
-            .unwrap_or(0.0)
-            .max(EFFICIENCY_STD),
-        (0.5, 1.1),
-    );
-    let gain = linear(
-        "sensors.swing_torque_gain",
-        "the gain of the torque",
-        "",
-        number(d, "sensors.swing_torque_gain").unwrap_or(1.0),
-        number(d, "sensors.swing_torque_gain_std")
-            .unwrap_or(0.0)
-            .max(GAIN_STD),
-        (0.2, 5.0),
-    );
-    if posture {
-        let links = linear(
-            "machine.geometry",
-            "the masses of boom, arm and bucket",
-            "",
-            1.0,
-            LINKS_STD,
-            (0.2, 5.0),
-        );
-        let upper = linear(
-            "machine.upper_inertia",
-            "the inertia of the upper body",
-            "kg m^2",
-            m.upper_inertia,
-            UPPER_INERTIA_STD * m.upper_inertia,
-            (0.0, 1e9),
-        );
-        all.extend([
-            (Role::Efficiency, drive),
-            (Role::Gain, gain),
-            (Role::Inertia, upper),
-            (Role::Links, links),
-        ]);
-    } else {
-        // One constant inertia: nothing of known mass is moved, and the torque is what it says it is.
-        all.push((
-            Role::Inertia,
-            linear(
-                "prior.inertia",
-                "the inertia",
-                "kg m^2",
-                p.inertia,
-                p.inertia_std.max(UPPER_INERTIA_STD * p.inertia),
-                (m.inertia_min, m.inertia_max),
-            ),
-        ));
-    }
-    all.push(if series.iter().any(|s| s.measured == Measured::Velocity) {
-        let key = "sensors.swing_velocity_std";
-        (
-            Role::MotionNoise,
-            noise(
-                key,
-                "the noise of the velocity",
-                "rad/s",
-                s.swing_velocity_std,
-            ),
-        )
-    } else {
-        let key = "sensors.swing_angle_std";
-        (
-            Role::MotionNoise,
-            noise(key, "the noise of the angle", "rad", s.swing_angle_std),
-        )
-    });
-    all.push((
-        Role::TorqueNoise,
-        noise(
-            "sensors.swing_torque_std",
-            "the noise of the torque",
-            "N m",
-            s.swing_torque_std,
-        ),
-    ));
+    let mut all = of_motion(torque, d);
+    all.extend(if posture { of_posture(d) } else { constant(d) });
+    all.extend(noises(series, d));
     if posture {
         all.extend(ground(series, d));
-        let lever = 2.0 * m.geometry_tolerance;
+        let lever = 2.0 * d.machine.geometry_tolerance;
         if lever > 0.0 {
             let words = "the inertia of a load, by its place";
-            let lever = linear("load inertia", words, "", 1.0, lever, (0.1, 10.0));
+            let lever = Parameter::described("load inertia", words, "", 1.0, lever, (0.1, 10.0));
             all.push((Role::Lever, lever));
         }
         let loads = series.iter().zip(told).enumerate();
@@ -401,6 +269,82 @@ fn parameters(
         }));
     }
     all
+}
+
+/// What acts on the swing; `torque` is a large one.
+fn of_motion(torque: f64, d: &Description) -> Vec<(Role, Parameter)> {
+    let (m, p) = (&d.machine, &d.prior);
+    let stated = |key| number(d, key).unwrap_or(0.0);
+    let damping_std = p.damping_std.max(DAMPING_STD * m.nominal_damping);
+    let friction_std = p.friction_std.max(FRICTION_STD * m.coulomb_friction);
+    let offset_std = p.torque_offset_std.max(OFFSET_STD * torque);
+    let delay = stated("sensors.swing_velocity_delay") - stated("sensors.swing_torque_delay");
+    let rows = rows! {
+        Role::Damping, "machine.nominal_damping", "the viscous damping", "N m s/rad",
+            m.nominal_damping, damping_std, (0.0, 1e7);
+        Role::Friction, "machine.coulomb_friction", "the Coulomb friction", "N m",
+            m.coulomb_friction, friction_std, (0.0, 1e6);
+        Role::Offset, "sensors.swing_torque_offset", "the offset of the torque", "N m",
+            stated("sensors.swing_torque_offset"), offset_std, (-1e6, 1e6);
+        Role::Delay, "sensors.delay", "the delay between torque and velocity", "s",
+            delay, DELAY_STD, (-DELAY_MAX, DELAY_MAX);
+    };
+    rows.into()
+}
+
+/// The machine, its drive and its torque sensor, where the posture is known.
+fn of_posture(d: &Description) -> Vec<(Role, Parameter)> {
+    let upper = d.machine.upper_inertia;
+    let stated = |key, otherwise| number(d, key).unwrap_or(otherwise);
+    let efficiency_std = stated("machine.drive_efficiency_std", 0.0).max(EFFICIENCY_STD);
+    let gain_std = stated("sensors.swing_torque_gain_std", 0.0).max(GAIN_STD);
+    let rows = rows! {
+        Role::Efficiency, "machine.drive_efficiency", "the efficiency of the drive", "",
+            stated("machine.drive_efficiency", 1.0), efficiency_std, (0.5, 1.1);
+        Role::Gain, "sensors.swing_torque_gain", "the gain of the torque", "",
+            stated("sensors.swing_torque_gain", 1.0), gain_std, (0.2, 5.0);
+        Role::Inertia, "machine.upper_inertia", "the inertia of the upper body", "kg m^2",
+            upper, UPPER_INERTIA_STD * upper, (0.0, 1e9);
+        Role::Links, "machine.geometry", "the masses of boom, arm and bucket", "",
+            1.0, LINKS_STD, (0.2, 5.0);
+    };
+    rows.into()
+}
+
+/// One constant inertia: nothing of known mass is moved, and the torque is what it says it is.
+fn constant(d: &Description) -> Vec<(Role, Parameter)> {
+    let (m, p) = (&d.machine, &d.prior);
+    let inertia_std = p.inertia_std.max(UPPER_INERTIA_STD * p.inertia);
+    let rows = rows! {
+        Role::Inertia, "prior.inertia", "the inertia", "kg m^2",
+            p.inertia, inertia_std, (m.inertia_min, m.inertia_max);
+    };
+    rows.into()
+}
+
+/// The noises of motion and torque.
+fn noises(series: &[Series], d: &Description) -> [(Role, Parameter); 2] {
+    let s = &d.sensors;
+    let (key, words, unit, std) = if series.iter().any(|s| s.measured == Measured::Velocity) {
+        let words = "the noise of the velocity";
+        (
+            "sensors.swing_velocity_std",
+            words,
+            "rad/s",
+            s.swing_velocity_std,
+        )
+    } else {
+        (
+            "sensors.swing_angle_std",
+            "the noise of the angle",
+            "rad",
+            s.swing_angle_std,
+        )
+    };
+    let motion = Parameter::noise(key, words, unit, std, NOISE_STD);
+    let (key, words) = ("sensors.swing_torque_std", "the noise of the torque");
+    let torque = Parameter::noise(key, words, "N m", s.swing_torque_std, NOISE_STD);
+    [(Role::MotionNoise, motion), (Role::TorqueNoise, torque)]
 }
 
 /// Slopes of the ground, and the moment that they pull at.

@@ -7,7 +7,7 @@ use super::drive::Drive;
 use super::guess::{Guess, Scatter};
 use super::residuals::LONGEST_DELAY;
 use super::role::{Role, Told};
-use crate::parameter::{Parameter, Source};
+use crate::parameter::{Parameter, Source, rows};
 
 /// Tolerances where the description states none, or less than what only a calibration can know.
 const GAIN_STD: f64 = 0.02;
@@ -92,166 +92,80 @@ pub fn mark(there: &str, back: &str) -> Parameter {
 
 /// The parameters of recordings with these loads: what each is, and what is known of it.
 pub fn parameters(drives: &[Drive], loads: &[Told], d: &Description) -> Vec<(Role, Parameter)> {
-    let g = described(d);
+    let mut all = of_machine(d);
+    all.extend(scatters());
+    if drives.iter().any(|drive| drive.has_acceleration) {
+        all.extend(of_accelerometer(d));
+    }
+    let friction = d.machine.friction;
+    if friction > 0.0 {
+        all.extend(rows! {
+            Role::Friction, "machine.friction", "the limit of the tyres' friction", "",
+                friction, FRICTION_STD * friction, (0.3 * friction, 3.0 * friction);
+        });
+    }
+    let numbered = loads.iter().enumerate();
+    all.extend(numbered.flat_map(|(l, told)| of_load(l, told, d)));
+    all
+}
+
+/// What every recording has of the machine and its sensors.
+fn of_machine(d: &Description) -> Vec<(Role, Parameter)> {
     let (m, p, s) = (&d.machine, &d.prior, &d.sensors);
-    let linear = Parameter::described;
-    let noise =
-        |key: &str, words: &str, unit, mean| Parameter::noise(key, words, unit, mean, SCATTER_STD);
-    let radius =
-        |key: &str, words: &str, mean| linear(key, words, "", mean, p.radius_std, (-0.2, 0.2));
     let gain_std = s.torque_gain_std.max(GAIN_STD);
-    let gain = |key: &str, words: &str, mean| linear(key, words, "", mean, gain_std, (0.2, 5.0));
+    let sensitivity = m.radius_load_sensitivity;
     let sensitivity_std = m
         .radius_load_sensitivity_std
-        .max(SENSITIVITY_STD * m.radius_load_sensitivity)
+        .max(SENSITIVITY_STD * sensitivity)
         .max(1e-4);
-    let mut all = vec![
-        (
-            Role::FrontRadius,
-            radius(
-                "prior.front_radius_error",
-                "the error of the front rolling radius",
-                g.radius_errors[0],
-            ),
-        ),
-        (
-            Role::RearRadius,
-            radius(
-                "prior.rear_radius_error",
-                "the error of the rear rolling radius",
-                g.radius_errors[1],
-            ),
-        ),
-        (
-            Role::LoadSensitivity,
-            linear(
-                "machine.radius_load_sensitivity",
-                "the load sensitivity of the rolling radius",
-                "",
-                m.radius_load_sensitivity,
-                sensitivity_std,
-                (0.0, 0.2),
-            ),
-        ),
-        (
-            Role::FrontGain,
-            gain(
-                "sensors.front_torque_gain",
-                "the gain of the front torque",
-                g.torque_gains[0],
-            ),
-        ),
-        (
-            Role::RearGain,
-            gain(
-                "sensors.rear_torque_gain",
-                "the gain of the rear torque",
-                g.torque_gains[1],
-            ),
-        ),
-        (
-            Role::Stiffness,
-            linear(
-                "prior.slip_stiffness",
-                "the slip stiffness",
-                "",
-                p.slip_stiffness,
-                p.slip_stiffness_std,
-                (0.2 * p.slip_stiffness, 5.0 * p.slip_stiffness),
-            ),
-        ),
-        (
-            Role::StiffnessRatio,
-            linear(
-                "machine.stiffness_ratio",
-                "the slip stiffness in front over that behind",
-                "",
-                m.stiffness_ratio,
-                m.stiffness_ratio_std.max(1e-3),
-                (0.1, 10.0),
-            ),
-        ),
-        (
-            Role::LoadExponent,
-            linear(
-                "machine.stiffness_load_exponent",
-                "the fall of the slip stiffness with the load",
-                "",
-                m.stiffness_load_exponent,
-                m.stiffness_load_exponent_std.max(1e-3),
-                (-1.0, 1.0),
-            ),
-        ),
-        (
-            Role::Rolling,
-            linear(
-                "machine.rolling_resistance",
-                "the rolling resistance",
-                "",
-                m.rolling_resistance,
-                (ROLLING_STD * m.rolling_resistance).max(1e-3),
-                (0.0, 1.0),
-            ),
-        ),
-        (
-            Role::SlopeBias,
-            linear(
-                "prior.slope_bias",
-                "the zero of the slope",
-                "rad",
-                p.slope_bias,
-                p.slope_bias_std,
-                (-0.5, 0.5),
-            ),
-        ),
-        (
-            Role::SlopeDelay,
-            linear(
-                "sensors.slope_delay",
-                "the delay of the slope",
-                "s",
-                s.slope_delay,
-                s.slope_delay_std,
-                (-0.2, 5.0),
-            ),
-        ),
-        (
-            Role::SpeedDelay,
-            linear(
-                "sensors.speed_delay",
-                "the delay of the speed",
-                "s",
-                s.speed_delay,
-                s.speed_delay_std,
-                (-0.1, LONGEST_DELAY),
-            ),
-        ),
-        (
-            Role::TorqueDelay,
-            linear(
-                "sensors.torque_delay",
-                "the delay of the torques",
-                "s",
-                0.0,
-                TORQUE_DELAY_STD,
-                (-0.2, 0.2),
-            ),
-        ),
-        (
-            Role::Relaxation,
-            linear(
-                "machine.relaxation_length",
-                "the relaxation length of the tyres",
-                "m",
-                m.relaxation_length,
-                RELAXATION_STD,
-                (0.0, 2.0),
-            ),
-        ),
+    let stiffness = p.slip_stiffness;
+    let rolling_std = (ROLLING_STD * m.rolling_resistance).max(1e-3);
+    let rows = rows! {
+        Role::FrontRadius, "prior.front_radius_error", "the error of the front rolling radius", "",
+            p.front_radius_error, p.radius_std, (-0.2, 0.2);
+        Role::RearRadius, "prior.rear_radius_error", "the error of the rear rolling radius", "",
+            p.rear_radius_error, p.radius_std, (-0.2, 0.2);
+        Role::LoadSensitivity, "machine.radius_load_sensitivity", "the load sensitivity of the rolling radius", "",
+            sensitivity, sensitivity_std, (0.0, 0.2);
+        Role::FrontGain, "sensors.front_torque_gain", "the gain of the front torque", "",
+            s.front_torque_gain, gain_std, (0.2, 5.0);
+        Role::RearGain, "sensors.rear_torque_gain", "the gain of the rear torque", "",
+            s.rear_torque_gain, gain_std, (0.2, 5.0);
+        Role::Stiffness, "prior.slip_stiffness", "the slip stiffness", "",
+            stiffness, p.slip_stiffness_std, (0.2 * stiffness, 5.0 * stiffness);
+        Role::StiffnessRatio, "machine.stiffness_ratio", "the slip stiffness in front over that behind", "",
+            m.stiffness_ratio, m.stiffness_ratio_std.max(1e-3), (0.1, 10.0);
+        Role::LoadExponent, "machine.stiffness_load_exponent", "the fall of the slip stiffness with the load", "",
+            m.stiffness_load_exponent, m.stiffness_load_exponent_std.max(1e-3), (-1.0, 1.0);
+        Role::Rolling, "machine.rolling_resistance", "the rolling resistance", "",
+            m.rolling_resistance, rolling_std, (0.0, 1.0);
+        Role::SlopeBias, "prior.slope_bias", "the zero of the slope", "rad",
+            p.slope_bias, p.slope_bias_std, (-0.5, 0.5);
+        Role::SlopeDelay, "sensors.slope_delay", "the delay of the slope", "s",
+            s.slope_delay, s.slope_delay_std, (-0.2, 5.0);
+        Role::SpeedDelay, "sensors.speed_delay", "the delay of the speed", "s",
+            s.speed_delay, s.speed_delay_std, (-0.1, LONGEST_DELAY);
+        Role::TorqueDelay, "sensors.torque_delay", "the delay of the torques", "s",
+            0.0, TORQUE_DELAY_STD, (-0.2, 0.2);
+        Role::Relaxation, "machine.relaxation_length", "the relaxation length of the tyres", "m",
+            m.relaxation_length, RELAXATION_STD, (0.0, 2.0);
+    };
+    rows.into()
+}
+
+fn noise(key: &str, words: &str, unit: &'static str, mean: f64) -> Parameter {
+    Parameter::noise(key, words, unit, mean, SCATTER_STD)
+}
+
+/// The scatters that every recording has.
+fn scatters() -> [(Role, Parameter); 3] {
+    let (wheels, speed) = ("scatter of the wheels", "scatter of the speed");
+    let motion = "scatter of the motion";
+    [
         (
             Role::WheelScatter,
             noise(
-                "scatter of the wheels",
+                wheels,
                 "the scatter between the wheels",
                 "m/s",
                 SCATTER.wheels,
@@ -259,112 +173,96 @@ pub fn parameters(drives: &[Drive], loads: &[Told], d: &Description) -> Vec<(Rol
         ),
         (
             Role::SpeedScatter,
-            noise(
-                "scatter of the speed",
-                "the scatter of the speed",
-                "m/s",
-                SCATTER.speed,
-            ),
+            noise(speed, "the scatter of the speed", "m/s", SCATTER.speed),
         ),
         (
             Role::MotionScatter,
-            noise(
-                "scatter of the motion",
-                "the scatter of the motion",
-                "m/s",
-                SCATTER.motion,
-            ),
+            noise(motion, "the scatter of the motion", "m/s", SCATTER.motion),
         ),
-    ];
-    if drives.iter().any(|drive| drive.has_acceleration) {
-        let parameter = noise(
-            "scatter of the force",
-            "the scatter of the balance of force",
-            "m/s^2",
-            SCATTER.force,
-        );
-        all.push((Role::ForceScatter, parameter));
-        let parameter = linear(
-            "sensors.slope_follows",
-            "the share of the acceleration that the slope sensor follows",
-            "",
-            s.slope_follows,
-            s.slope_follows_std,
-            (-0.3, 0.9),
-        );
-        all.push((Role::SlopeFollows, parameter));
-        let parameter = linear(
-            "sensors.acceleration_offset",
-            "the zero of the accelerometer",
-            "m/s^2",
-            s.acceleration_offset,
-            s.acceleration_offset_std,
-            (-2.0, 2.0),
-        );
-        all.push((Role::AccelerationOffset, parameter));
+    ]
+}
+
+/// What an accelerometer brings.
+fn of_accelerometer(d: &Description) -> Vec<(Role, Parameter)> {
+    let s = &d.sensors;
+    let words = "the scatter of the balance of force";
+    let force = noise("scatter of the force", words, "m/s^2", SCATTER.force);
+    let mut all = vec![(Role::ForceScatter, force)];
+    all.extend(rows! {
+        Role::SlopeFollows, "sensors.slope_follows", "the share of the acceleration that the slope sensor follows", "",
+            s.slope_follows, s.slope_follows_std, (-0.3, 0.9);
+        Role::AccelerationOffset, "sensors.acceleration_offset", "the zero of the accelerometer", "m/s^2",
+            s.acceleration_offset, s.acceleration_offset_std, (-2.0, 2.0);
+    });
+    all
+}
+
+/// What is told of a parameter, where it is, as good as data.
+fn measured(parameter: Parameter, told: Option<Quantity>) -> Parameter {
+    match told {
+        Some(q) => Parameter {
+            mean: q.value,
+            std: q.std.max(1e-4 * q.value),
+            source: Source::Measured,
+            ..parameter
+        },
+        None => parameter,
     }
-    if m.friction > 0.0 {
-        let parameter = linear(
-            "machine.friction",
-            "the limit of the tyres' friction",
-            "",
-            m.friction,
-            FRICTION_STD * m.friction,
-            (0.3 * m.friction, 3.0 * m.friction),
+}
+
+/// The machine with load `l`: mass, share in front, height; or where the load lies, where no scales tell them.
+fn of_load(l: usize, told: &Told, d: &Description) -> [(Role, Parameter); 3] {
+    let (m, p) = (&d.machine, &d.prior);
+    let of = |empty: &str, what: &str| match l {
+        0 => (empty.to_owned(), format!("the {what} without load")),
+        _ => (
+            format!("load {l}, {what}"),
+            format!("the {what} with load {l}"),
+        ),
+    };
+    let linear = Parameter::described;
+    let (key, words) = of("machine.mass", "mass");
+    let mass = told.mass.map_or(m.mass, |q| q.value);
+    let range = (0.3 * mass, 3.0 * mass);
+    let mass = linear(&key, &words, "kg", m.mass, MASS_STD * m.mass, range);
+    let ratio = if l == 0 || told.ratio.is_some() {
+        let (key, words) = of("prior.cg_ratio", "share of the weight in front");
+        let ratio = linear(&key, &words, "", p.cg_ratio, p.cg_ratio_std, (0.05, 0.95));
+        (Role::Ratio(l), measured(ratio, told.ratio))
+    } else {
+        let words = format!("how far load {l} lies ahead of the front axle");
+        let (mean, std) = (REACH.0 * m.bucket_reach, REACH.1 * m.bucket_reach);
+        let range = (-m.wheelbase, 2.0 * m.bucket_reach);
+        (
+            Role::Reach(l),
+            linear(&format!("load {l}, reach"), &words, "m", mean, std, range),
+        )
+    };
+    let height = if l == 0 || told.height.is_some() {
+        let (key, words) = of("prior.cg_height", "height of the centre of gravity");
+        let height = linear(
+            &key,
+            &words,
+            "m",
+            p.cg_height,
+            p.cg_height_std,
+            (0.05, 10.0),
         );
-        all.push((Role::Friction, parameter));
-    }
-    for (l, told) in loads.iter().enumerate() {
-        let of = |empty: &str, what: &str| match l {
-            0 => (empty.to_owned(), format!("the {what} without load")),
-            _ => (
-                format!("load {l}, {what}"),
-                format!("the {what} with load {l}"),
-            ),
-        };
-        let known = |parameter: Parameter, told: Option<Quantity>| match told {
-            Some(q) => Parameter {
-                mean: q.value,
-                std: q.std.max(1e-4 * q.value),
-                source: Source::Measured,
-                ..parameter
-            },
-            None => parameter,
-        };
-        let (key, words) = of("machine.mass", "mass");
-        let mass = told.mass.map_or(m.mass, |q| q.value);
-        let range = (0.3 * mass, 3.0 * mass);
-        let parameter = linear(&key, &words, "kg", m.mass, MASS_STD * m.mass, range);
-        all.push((Role::Mass(l), known(parameter, told.mass)));
-        if l == 0 || told.ratio.is_some() {
-            let (key, words) = of("prior.cg_ratio", "share of the weight in front");
-            let parameter = linear(&key, &words, "", p.cg_ratio, p.cg_ratio_std, (0.05, 0.95));
-            all.push((Role::Ratio(l), known(parameter, told.ratio)));
-        } else {
-            let words = format!("how far load {l} lies ahead of the front axle");
-            let (mean, std) = (REACH.0 * m.bucket_reach, REACH.1 * m.bucket_reach);
-            let range = (-m.wheelbase, 2.0 * m.bucket_reach);
-            let parameter = linear(&format!("load {l}, reach"), &words, "m", mean, std, range);
-            all.push((Role::Reach(l), parameter));
-        }
-        if l == 0 || told.height.is_some() {
-            let (key, words) = of("prior.cg_height", "height of the centre of gravity");
-            let parameter = linear(
-                &key,
+        (Role::Height(l), measured(height, told.height))
+    } else {
+        let words = format!("how high load {l} lies");
+        let (mean, std) = (LIFT.0 * p.cg_height, LIFT.1 * p.cg_height);
+        (
+            Role::Lift(l),
+            linear(
+                &format!("load {l}, height"),
                 &words,
                 "m",
-                p.cg_height,
-                p.cg_height_std,
-                (0.05, 10.0),
-            );
-            all.push((Role::Height(l), known(parameter, told.height)));
-        } else {
-            let words = format!("how high load {l} lies");
-            let (mean, std) = (LIFT.0 * p.cg_height, LIFT.1 * p.cg_height);
-            let range = (0.0, 10.0);
-            let parameter = linear(&format!("load {l}, height"), &words, "m", mean, std, range);
-            all.push((Role::Lift(l), parameter));
-        }
-    }
-    all
+                mean,
+                std,
+                (0.0, 10.0),
+            ),
+        )
+    };
+    [(Role::Mass(l), measured(mass, told.mass)), ratio, height]
 }

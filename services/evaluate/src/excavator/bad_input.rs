@@ -195,68 +195,75 @@ fn wrong(name: &'static str, asked: [Asked; 3], settings: fn(&mut Settings)) -> 
 }
 
 fn troubles() -> Vec<Trouble> {
-    let mut all = sensor_troubles();
+    let mut all = lost_samples();
+    all.extend(wrong_values());
+    all.extend(more_noise());
     all.extend(parameter_troubles());
     all
 }
 
-fn sensor_troubles() -> Vec<Trouble> {
-    let velocity = "swing_velocity";
-    let noise = Sensors::default();
+const VELOCITY: &str = "swing_velocity";
+
+fn lost_samples() -> Vec<Trouble> {
     vec![
         trouble("none", AS_NONE, vec![]),
         trouble(
             "10 % missing",
             AS_NONE,
-            vec![Fault::random(velocity, FaultKind::Missing, 0.1)],
+            vec![Fault::random(VELOCITY, FaultKind::Missing, 0.1)],
         ),
         trouble(
             "50 % missing",
             [Accuracy(9.0), Accuracy(10.0), Honesty],
-            vec![Fault::random(velocity, FaultKind::Missing, 0.5)],
+            vec![Fault::random(VELOCITY, FaultKind::Missing, 0.5)],
         ),
         trouble(
             "5 % not a number",
             AS_NONE,
-            vec![Fault::random(velocity, FaultKind::NotANumber, 0.05)],
+            vec![Fault::random(VELOCITY, FaultKind::NotANumber, 0.05)],
         ),
         trouble(
             "0.3 s missing",
             [Accuracy(8.0), Accuracy(9.0), Accuracy(30.0)],
-            vec![Fault::between(velocity, FaultKind::Missing, 6.6, 6.9)],
+            vec![Fault::between(VELOCITY, FaultKind::Missing, 6.6, 6.9)],
         ),
         trouble(
             "torque 5 % missing",
             AS_NONE,
             vec![Fault::random("swing_torque", FaultKind::Missing, 0.05)],
         ),
+    ]
+}
+
+fn wrong_values() -> Vec<Trouble> {
+    vec![
         trouble(
             "2 % outliers 0.3",
             AS_NONE,
-            vec![Fault::random(velocity, FaultKind::Outlier(0.3), 0.02)],
+            vec![Fault::random(VELOCITY, FaultKind::Outlier(0.3), 0.02)],
         ),
         trouble(
             "5 % outliers 1.0",
             AS_NONE,
-            vec![Fault::random(velocity, FaultKind::Outlier(1.0), 0.05)],
+            vec![Fault::random(VELOCITY, FaultKind::Outlier(1.0), 0.05)],
         ),
         Trouble {
             settings: |s| s.sensors.swing_velocity_limit = 0.8,
             ..trouble(
                 "limit 0.8",
                 [Accuracy(8.0), Accuracy(9.0), Accuracy(35.0)],
-                vec![Fault::always(velocity, FaultKind::Saturation(0.8))],
+                vec![Fault::always(VELOCITY, FaultKind::Saturation(0.8))],
             )
         },
         trouble(
             "bias 0.01",
             AS_NONE,
-            vec![Fault::always(velocity, FaultKind::Bias(0.01))],
+            vec![Fault::always(VELOCITY, FaultKind::Bias(0.01))],
         ),
         trouble(
             "scale +1 %",
             AS_NONE,
-            vec![Fault::always(velocity, FaultKind::Scale(1.01))],
+            vec![Fault::always(VELOCITY, FaultKind::Scale(1.01))],
         ),
         trouble(
             "torque gain +2 %",
@@ -279,6 +286,13 @@ fn sensor_troubles() -> Vec<Trouble> {
                 vec![Fault::always("swing_torque", FaultKind::Bias(100.0))],
             )
         },
+    ]
+}
+
+/// A gap of whole rows, noise beyond the usual, and a record that begins late.
+fn more_noise() -> Vec<Trouble> {
+    let noise = Sensors::default();
+    vec![
         trouble(
             "60 ms gap",
             AS_NONE,

@@ -10,7 +10,7 @@ use messages::Machine;
 use runtime::{Domain, realtime};
 use steps::loads::{LoadCounter, Options};
 use steps::stages::Pipeline;
-use view::live::SharedLoads;
+use view::live::{Server, SharedLoads};
 
 pub use self::args::RunArgs;
 use self::args::{Equipment, Pace};
@@ -257,6 +257,29 @@ fn show(args: &RunArgs) -> Show {
     }
 }
 
+/// What is watched of a run, and the server of its page, which ends when it is dropped.
+fn watch(
+    args: &RunArgs,
+    machine: Machine,
+    loads: &SharedLoads,
+) -> Result<(Watch, Option<Server>), Failure> {
+    let page = args
+        .view
+        .map(|addr| crate::live::start(addr, machine, loads.clone()))
+        .transpose()?;
+    let (feed, server) = page.unzip();
+    // What the user asked for is told first, whichever process makes it.
+    let pipeline = Pipeline::of(machine);
+    let asked = args.method.as_deref().and_then(|m| pipeline.with_method(m));
+    let told = asked.and_then(|stage| stage.output());
+    let mut watch = Watch::new(machine, told.or(pipeline.main_output()), feed, show(args));
+    watch.count_loads(
+        loads.clone(),
+        args.target.is_some() || args.input.is_some() || args.live_lines,
+    );
+    Ok((watch, server))
+}
+
 /// `heft run`
 pub fn run(args: &RunArgs) -> Result<(), Failure> {
     if args.scenario.as_deref() == Some("list") {
@@ -290,25 +313,8 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
             ..Options::default()
         },
     ));
-    let page = args
-        .view
-        .map(|addr| crate::live::start(addr, machine, loads.clone()))
-        .transpose()?;
-    // What the user asked for is told first, whichever process makes it.
-    let pipeline = Pipeline::of(machine);
-    let asked = args.method.as_deref().and_then(|m| pipeline.with_method(m));
-    let told = asked.and_then(|stage| stage.output());
-    let mut watch = Watch::new(
-        machine,
-        told.or(pipeline.main_output()),
-        page.as_ref().map(|(feed, _)| feed.clone()),
-        show(args),
-    );
+    let (mut watch, _server) = watch(args, machine, &loads)?;
     watch.remember(memory);
-    watch.count_loads(
-        loads.clone(),
-        args.target.is_some() || args.input.is_some() || args.live_lines,
-    );
     let (recording, group) = (plan.recording.clone(), plan.group);
     if !(args.quiet || args.live_lines) || !sources::is_simulated(&plan) {
         eprintln!("{}", sources::words(&plan));
