@@ -9,7 +9,7 @@ use super::layout::{
 use super::lift_arm::{LiftWitness, Weighed};
 use super::payload::Payload;
 use super::settings::{Settings, SettingsError};
-use super::verdict::{Intervals, Learns, with_floors};
+use super::verdict::{Doubt, Intervals, Learns, with_floors};
 use super::witnesses::Witnesses;
 use super::{Columns, Method, Reason, Sample};
 use crate::Quantity;
@@ -231,13 +231,12 @@ fn step<const N: usize, const M: usize, B: Belief<N, M>>(
     report(filter, settings, method, &row)
 }
 
-/// Values, intervals and verdict after a row.
-fn report<const N: usize, const M: usize, B: Belief<N, M>>(
+/// Centre of gravity with its load, and the deviations of filter and report.
+fn intervals<const N: usize, const M: usize, B: Belief<N, M>>(
     filter: &CgFilter<N, M, B>,
     settings: &Settings,
-    method: Method,
-    row: &RowReport<M>,
-) -> Estimate {
+    doubt: &Doubt,
+) -> (Each<f64>, Intervals) {
     let x = filter.state();
     let layout = const { Layout::of(N) };
     let own = Each {
@@ -249,7 +248,6 @@ fn report<const N: usize, const M: usize, B: Belief<N, M>>(
         height: filter.std(CG_HEIGHT),
     };
     let (centre, loaded_std) = loaded(filter, settings, own, std);
-    let doubt = filter.doubt();
     let beyond = doubt.beyond;
     let reported = with_floors(
         settings,
@@ -280,6 +278,21 @@ fn report<const N: usize, const M: usize, B: Belief<N, M>>(
         reported,
         ratio: centre.ratio,
     };
+    (centre, intervals)
+}
+
+/// Values, intervals and verdict after a row.
+fn report<const N: usize, const M: usize, B: Belief<N, M>>(
+    filter: &CgFilter<N, M, B>,
+    settings: &Settings,
+    method: Method,
+    row: &RowReport<M>,
+) -> Estimate {
+    let x = filter.state();
+    let layout = const { Layout::of(N) };
+    let doubt = filter.doubt();
+    let (centre, intervals) = intervals(filter, settings, &doubt);
+    let reported = intervals.reported;
     let verdict = filter
         .evidence
         .verdict(settings, &intervals, &doubt, row.frozen);
