@@ -32,30 +32,7 @@ pub fn run(heft: &Path, minutes: f64) -> Result<bool, String> {
     let folders = machines.map(|machine| ground.folder().join(machine));
     let mut runs: Vec<Child> = Vec::new();
     for (machine, folder) in machines.iter().zip(&folders) {
-        let said = fs::File::create(ground.folder().join(format!("{machine}.said")));
-        let said = said.map_err(|e| e.to_string())?;
-        let scenario = if *machine == "loader" {
-            "work-cycle"
-        } else {
-            "cycle"
-        };
-        let mut command: Command = ground.heft();
-        command.args([
-            "run",
-            machine,
-            "--scenario",
-            scenario,
-            "--quiet",
-            "--no-report",
-        ]);
-        command.args(["--duration", &(60.0 * minutes).to_string()]);
-        command
-            .args(["--split", "2MB", "--keep", KEEP, "--out"])
-            .arg(folder);
-        command.args(["--domain", &format!("{}-{machine}", ground.domain())]);
-        let other = said.try_clone().map_err(|e| e.to_string())?;
-        command.stdout(Stdio::from(said)).stderr(other);
-        runs.push(command.spawn().map_err(|e| e.to_string())?);
+        runs.push(start(&ground, machine, folder, minutes)?);
     }
     let begun = Instant::now();
     let mut courses: BTreeMap<String, Course> = BTreeMap::new();
@@ -118,6 +95,34 @@ pub fn run(heft: &Path, minutes: f64) -> Result<bool, String> {
         most as f64 / 1e6
     );
     Ok(good)
+}
+
+/// A run of a machine at work, its recording bounded.
+fn start(ground: &Ground, machine: &str, folder: &Path, minutes: f64) -> Result<Child, String> {
+    let said = fs::File::create(ground.folder().join(format!("{machine}.said")));
+    let said = said.map_err(|e| e.to_string())?;
+    let scenario = if machine == "loader" {
+        "work-cycle"
+    } else {
+        "cycle"
+    };
+    let mut command: Command = ground.heft();
+    command.args([
+        "run",
+        machine,
+        "--scenario",
+        scenario,
+        "--quiet",
+        "--no-report",
+    ]);
+    command.args(["--duration", &(60.0 * minutes).to_string()]);
+    command
+        .args(["--split", "2MB", "--keep", KEEP, "--out"])
+        .arg(folder);
+    command.args(["--domain", &format!("{}-{machine}", ground.domain())]);
+    let other = said.try_clone().map_err(|e| e.to_string())?;
+    command.stdout(Stdio::from(said)).stderr(other);
+    command.spawn().map_err(|e| e.to_string())
 }
 
 /// Every process of both runs: its name, its own memory \[kB\], its descriptors.
