@@ -70,7 +70,7 @@ pub fn rms(squares: f64, count: usize) -> Option<f64> {
     (count > 0).then(|| (squares / count as f64).sqrt())
 }
 
-/// A true load: when it was in the bucket [s], and the most that was [kg].
+/// A true load: when it was in the bucket \[s\], and the most that was \[kg\].
 #[derive(Debug, PartialEq)]
 struct True {
     from: f64,
@@ -90,7 +90,7 @@ pub struct Book {
 }
 
 impl Book {
-    /// For a machine with this rated payload [kg].
+    /// For a machine with this rated payload \[kg\].
     pub fn new(rated: f64) -> Self {
         Self {
             ledger: Ledger::new(Settings::with_rated(rated)),
@@ -101,7 +101,7 @@ impl Book {
         }
     }
 
-    /// A row of estimates, and the true payload [kg].
+    /// A row of estimates, and the true payload \[kg\].
     pub fn row(&mut self, row: &Row, payload: f64) {
         let load = self.ledger.step(row).load;
         self.note(load);

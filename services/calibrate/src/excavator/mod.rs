@@ -1,5 +1,6 @@
 //! Calibration of an excavator's swing from recordings with known loads.
 
+mod cylinder;
 mod filter;
 mod loads;
 mod result;
@@ -15,6 +16,7 @@ use config::Excavator as Description;
 use estimation::Quantity;
 use estimation::excavator::{Geometry, Sample};
 
+pub use cylinder::Learnt;
 pub use loads::Doubt;
 pub use series::{Load, Measured, Series, Swing};
 pub use swings::{Role, Swings};
@@ -63,6 +65,8 @@ pub struct Outcome {
     pub faults: Vec<String>,
     /// What the reader should know.
     pub remarks: Vec<String>,
+    /// What pressures told of the boom's cylinders.
+    pub cylinder: Option<Learnt>,
 }
 
 impl Outcome {
@@ -124,10 +128,20 @@ pub fn calibrate(inputs: &[Input], options: &Options<'_>) -> Result<Outcome, Str
         found: None,
         faults,
         remarks,
+        cylinder: None,
     };
     if outcome.faults.is_empty() {
         outcome.faults = words::alike(&outcome.swings, &free);
         find(&mut outcome, &free, options);
+    }
+    // By the masses that the swings have told.
+    if outcome.faults.is_empty()
+        && let Some((found, _)) = outcome.description(options.description, &[])
+        && let Some(learnt) = cylinder::learn(&found, inputs)
+    {
+        let words = learnt.as_ref().map_or_else(String::clone, Learnt::words);
+        outcome.remarks.push(words);
+        outcome.cylinder = learnt.ok();
     }
     Ok(outcome)
 }

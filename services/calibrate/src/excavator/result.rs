@@ -43,6 +43,9 @@ impl Outcome {
         {
             pen.std("machine.mass_tolerance", tolerance);
         }
+        if let Some(learnt) = &self.cylinder {
+            learnt.write(&mut pen);
+        }
         let text = pen.text(&self.summary(), origin);
         Some((pen.description, text))
     }

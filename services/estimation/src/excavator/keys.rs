@@ -130,6 +130,26 @@ table! {
         friction: f64 = 0.03, "", 0.0 to 0.5;
         /// Its standard deviation.
         friction_std: f64 = 0.015, "", 0.0 to 0.5;
+        /// Force that the pressures show too much, by the zeros of their sensors.
+        zero: f64 = 0.0, "N", -1e6 to 1e6;
+        /// Its standard deviation; "none" takes that of the sensors' zeros.
+        zero_std: Option<f64> = None, "N", 0.0 to 1e6;
+        /// Relative standard deviation of the moment; "none" takes those of areas, distances and angle.
+        span_std: Option<f64> = None, "", 0.0 to 0.5;
+        /// Correlation of the errors of zero and span.
+        span_zero_correlation: f64 = 0.0, "", -1.0 to 1.0;
+        /// Moment about the boom foot that the drawing misses: with the cosine of the boom's angle to the horizontal.
+        boom_cos: f64 = 0.0, "N m", -1e7 to 1e7;
+        /// With its sine.
+        boom_sin: f64 = 0.0, "N m", -1e7 to 1e7;
+        /// With the cosine of the arm's angle to the horizontal.
+        arm_cos: f64 = 0.0, "N m", -1e7 to 1e7;
+        /// With its sine.
+        arm_sin: f64 = 0.0, "N m", -1e7 to 1e7;
+        /// With the cosine of the bucket's angle to the horizontal.
+        bucket_cos: f64 = 0.0, "N m", -1e7 to 1e7;
+        /// With its sine.
+        bucket_sin: f64 = 0.0, "N m", -1e7 to 1e7;
     }
 }
 

@@ -52,10 +52,12 @@ use regression::{joint, single, svf};
 use settings::{cylinder, doubts, geometry, settings_error};
 
 pub use crate::Quantity;
-pub use cylinder::Cylinder;
+pub use cylinder::{Cylinder, FULL_PRESSURE};
 pub use doubts::Doubts;
 pub use estimate::{Columns, Estimate, Flags, Method, Sample};
 pub use geometry::{Geometry, Inertia};
+pub use measurements::boom_moment::Moment;
+pub use measurements::lifts::Lifts;
 pub use motion::{Motion, MotionFilter};
 pub use plausible::{Mismatch, Plausible};
 pub use reason::Reason;

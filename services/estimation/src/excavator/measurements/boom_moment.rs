@@ -3,6 +3,7 @@
 //! ```text
 //! tau = sum_i m_i [x_i (g + z_i'') - z_i (x_i'' + g pitch - w^2 (x_0 + x_i))]
 //!       + sum_i [I_i alpha_i'' + w^2 (I_i - I_axial,i) sin(alpha_i) cos(alpha_i)]          i = boom, arm, bucket, payload
+//!       + sum_i [A_i cos(alpha_i) + B_i sin(alpha_i)]          what the drawing misses, learnt by `calibrate`
 //! r F = (1 + s) tau + r (z + f + F_c d)        F = n (A_h p_h - A_r p_r)
 //! ```
 //!
@@ -20,20 +21,19 @@
 //! spline).
 
 use super::super::cylinder::Cylinder;
-use super::super::drive::Drive;
 use super::super::geometry::Geometry;
 use crate::math::{exp, sin_cos};
 
 /// Standard gravity [m/s^2].
 pub(in crate::excavator) const GRAVITY: f64 = 9.806_65;
-/// Length of a block [s], and the least part of it in which the pressures must be there.
+/// Length of a block \[s\], and the least part of it in which the pressures must be there.
 const BLOCK: f64 = 0.2;
 const PRESENT: f64 = 0.3;
-/// Travel within which the seals' friction follows the motion (Dahl) [m].
+/// Travel within which the seals' friction follows the motion (Dahl) \[m\].
 const TRAVEL: f64 = 0.5e-3;
-/// Less travel than this in a block is noise of the angle [m].
+/// Less travel than this in a block is noise of the angle \[m\].
 const STILL: f64 = 1e-3;
-/// Where the cylinder stands, leakage and vibration take the friction away within this time [s].
+/// Where the cylinder stands, leakage and vibration take the friction away within this time \[s\].
 pub(in crate::excavator) const FADING: f64 = 3.0;
 /// Error of the mean acceleration of a link [rad/s^2], and the share of the dynamic part that three blocks miss.
 const ACCELERATION: f64 = 0.02;
@@ -60,34 +60,53 @@ struct Block {
 
 /// The moment of a block with what it depends on.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(in crate::excavator) struct Moment {
+pub struct Moment {
     /// Lever times force [N m].
-    pub(in crate::excavator) measured: f64,
+    pub measured: f64,
     /// Of the described empty machine on level ground [N m].
-    pub(in crate::excavator) empty: f64,
-    /// The same without accelerations, and per kilogram of payload [N m, N m/kg].
-    pub(in crate::excavator) still: f64,
-    pub(in crate::excavator) still_payload: f64,
+    pub empty: f64,
+    /// The same without accelerations [N m].
+    pub still: f64,
+    /// Per kilogram of payload, without accelerations [N m/kg].
+    pub still_payload: f64,
     /// Part of boom and arm in it [N m].
-    pub(in crate::excavator) links: f64,
-    /// Per kilogram of payload, of bucket [N m/kg].
-    pub(in crate::excavator) per_payload: f64,
-    pub(in crate::excavator) per_bucket: f64,
-    /// Change of the three with the pitch [N m/rad, N m/(kg rad)].
-    pub(in crate::excavator) tilt: f64,
-    pub(in crate::excavator) tilt_payload: f64,
-    /// Lever [m].
-    pub(in crate::excavator) lever: f64,
-    /// Force of the seals in the direction of the motion, as far as it is known [N].
-    pub(in crate::excavator) friction: f64,
+    pub links: f64,
+    /// Per kilogram of payload [N m/kg].
+    pub per_payload: f64,
+    /// Per kilogram of bucket [N m/kg].
+    pub per_bucket: f64,
+    /// Change of the empty machine's moment with the pitch [N m/rad].
+    pub tilt: f64,
+    /// The same per kilogram of payload [N m/(kg rad)].
+    pub tilt_payload: f64,
+    /// Cosine and sine of the angles of boom, arm and bucket to the horizontal.
+    pub directions: [[f64; 2]; 3],
+    /// Lever \[m\].
+    pub lever: f64,
+    /// Force of the seals in the direction of the motion, as far as it is known \[N\].
+    pub friction: f64,
     /// The cylinder moves.
-    pub(in crate::excavator) moves: bool,
+    pub moves: bool,
     /// Sine and cosine of the swing angle.
-    pub(in crate::excavator) turn: [f64; 2],
+    pub turn: [f64; 2],
     /// Variance of what the accelerations miss [(N m)^2].
-    pub(in crate::excavator) variance: f64,
-    /// Time since the measurement before [s].
+    pub variance: f64,
+    /// Time since the measurement before \[s\].
+    pub period: f64,
+}
+
+/// What boom, arm and bucket do at a tick.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::excavator) struct Front {
+    /// Time since the tick before \[s\].
     pub(in crate::excavator) period: f64,
+    /// Joint angles \[rad\].
+    pub(in crate::excavator) posture: [f64; 3],
+    /// Head and rod side of the boom's cylinders \[Pa\].
+    pub(in crate::excavator) pressures: Option<[f64; 2]>,
+    /// Swing velocity [rad/s], sine and cosine of the swing angle.
+    pub(in crate::excavator) velocity: f64,
+    pub(in crate::excavator) turn: (f64, f64),
 }
 
 /// Collects blocks.
@@ -112,24 +131,21 @@ impl BoomMoment {
         }
     }
 
-    /// One tick: swing velocity, sine and cosine of the swing angle; whether the bucket is free and its content constant. The
-    /// moment of the block before the last, where three are there.
+    /// One tick; whether the bucket is free and its content constant. The moment of the block before the last, where three are
+    /// there.
     pub(in crate::excavator) fn step(
         &mut self,
         geometry: &Geometry,
         cylinder: &Cylinder,
-        drive: &Drive,
-        velocity: f64,
-        turn: (f64, f64),
+        front: &Front,
         free: bool,
     ) -> Option<Moment> {
-        let dt = drive.period;
+        let dt = front.period;
         self.block.free = free && (self.elapsed == 0.0 || self.block.free);
         self.elapsed += dt;
-        if let Some(pressures) = drive.boom_pressure {
+        if let Some(pressures) = front.pressures {
             let force = cylinder.force(pressures);
-            self.block
-                .add(geometry, cylinder, drive, force, velocity, turn);
+            self.block.add(geometry, cylinder, front, force);
         }
         if self.elapsed < BLOCK - 0.5 * dt {
             return None;
@@ -171,17 +187,8 @@ impl BoomMoment {
 }
 
 impl Block {
-    fn add(
-        &mut self,
-        g: &Geometry,
-        cylinder: &Cylinder,
-        drive: &Drive,
-        force: f64,
-        velocity: f64,
-        turn: (f64, f64),
-    ) {
-        let dt = drive.period;
-        let q = drive.posture;
+    fn add(&mut self, g: &Geometry, cylinder: &Cylinder, front: &Front, force: f64) {
+        let (dt, q) = (front.period, front.posture);
         let alpha = [q[0], q[0] + q[1], q[0] + q[1] + q[2]];
         let turns = alpha.map(sin_cos);
         let along = |distances: [f64; 3]| {
@@ -212,9 +219,9 @@ impl Block {
         self.moment += dt * lever * force;
         self.lever += dt * lever;
         self.length += dt * length;
-        self.spin += dt * velocity * velocity;
-        self.turn[0] += dt * turn.0;
-        self.turn[1] += dt * turn.1;
+        self.spin += dt * front.velocity * front.velocity;
+        self.turn[0] += dt * front.turn.0;
+        self.turn[1] += dt * front.turn.1;
     }
 
     fn mean(mut self) -> Self {
@@ -259,8 +266,11 @@ fn moment(
         tilt[i] = -z * GRAVITY;
     }
     let (mut links, mut empty, mut moving, mut swinging) = (0.0, 0.0, 0.0, 0.0);
+    let mut directions = [[0.0; 2]; 3];
     for i in 0..3 {
         let (sin, cos) = sin_cos(smooth(&|b| b.alpha[i]));
+        directions[i] = [cos, sin];
+        empty += cylinder.missed[i][0] * cos + cylinder.missed[i][1] * sin;
         let turning = g.inertias[i] * bent(&|b| b.alpha[i]);
         let spread = spin * (g.inertias[i] - g.axial_inertias[i]) * sin * cos;
         let own = g.masses[i] * per_mass[i] + turning + spread;
@@ -283,6 +293,7 @@ fn moment(
         per_bucket: per_mass[2],
         tilt: empties,
         tilt_payload: tilt[3],
+        directions,
         lever: smooth(&|b| b.lever),
         friction: cylinder.friction[0] * direction,
         moves,

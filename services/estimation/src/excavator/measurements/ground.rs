@@ -6,11 +6,11 @@
 
 use crate::math::sin_cos;
 
-/// Time constant of the smoothed angles [s].
+/// Time constant of the smoothed angles \[s\].
 const SMOOTHING: f64 = 0.1;
 /// A bucket has gone down where it has come this far below its highest place [lengths of boom and arm].
 const FALLEN: f64 = 0.006;
-/// Arm and bucket dig where they have closed by this [rad]. Distances, not rates: those of noisy angles are noise.
+/// Arm and bucket dig where they have closed by this \[rad\]. Distances, not rates: those of noisy angles are noise.
 const DIGGING: [f64; 2] = [0.03, 0.05];
 /// An arm that digs pulls the bucket in so many times as far as it rises.
 const PULLING: f64 = 2.0;
@@ -51,7 +51,7 @@ impl Ground {
         }
     }
 
-    /// One tick: joint angles [rad], lengths of boom and arm [m], swing velocity [rad/s].
+    /// One tick: joint angles \[rad\], lengths of boom and arm \[m\], swing velocity [rad/s].
     pub(in crate::excavator) fn step(
         &mut self,
         posture: [f64; 3],
@@ -143,7 +143,7 @@ mod tests {
         ground
     }
 
-    /// Moves evenly from one posture to another within a time [s].
+    /// Moves evenly from one posture to another within a time \[s\].
     fn move_to(ground: &mut Ground, from: [f64; 3], to: [f64; 3], time: f64) {
         let ticks = (time / PERIOD) as usize;
         for i in 0..=ticks {

@@ -1,14 +1,14 @@
 //! A hydraulic cylinder about a pin: its length, its lever, its force.
 //!
 //! ```text
-//! l^2 = a^2 + c^2 - 2 a c cos(q + delta)        r = dl/dq = a c sin(q + delta)/l        F = n (A_h p_h - A_r p_r)
+//! l^2 = a^2 + c^2 - 2 a c cos(q + delta)        r = dl/dq = a c sin(q + delta)/l        F = n (A_h p_h - A_r p_r) - F_0
 //! ```
 
 use crate::excavator::keys::Description;
 use crate::math::{sin_cos, sqrt};
 
-/// Pressure at which the friction of the seals is told as a share of the piston's force [Pa].
-const FULL_PRESSURE: f64 = 20e6;
+/// Pressure at which the friction of the seals is told as a share of the piston's force \[Pa\].
+pub const FULL_PRESSURE: f64 = 20e6;
 /// Where nothing is stated, areas and lengths are known to these shares.
 const AREA: f64 = 0.005;
 const LENGTH: f64 = 0.004;
@@ -27,8 +27,14 @@ pub struct Cylinder {
     pub friction: [f64; 2],
     /// Relative standard deviation of the moment: areas, lengths, angle.
     pub span_std: f64,
-    /// Standard deviation of the force by the zeros of the two pressures \[N\].
+    /// Force by the zeros of the two pressures \[N\].
+    pub zero: f64,
+    /// Its standard deviation \[N\].
     pub zero_std: f64,
+    /// Correlation of the errors of span and zero.
+    pub correlation: f64,
+    /// Moment about the pin that the drawing misses, with cosine and sine of the angles of boom, arm and bucket to the horizontal [N m].
+    pub missed: [[f64; 2]; 3],
 }
 
 impl Cylinder {
@@ -55,9 +61,19 @@ impl Cylinder {
             distances: [c.base_distance, c.rod_distance],
             angle: c.angle,
             friction: [c.friction * full, c.friction_std * full],
-            span_std: sqrt(doubts.iter().map(|doubt| doubt * doubt).sum()),
-            zero_std: d.sensors.pressure_offset_std
-                * sqrt(areas.iter().map(|area| area * area).sum()),
+            span_std: c
+                .span_std
+                .unwrap_or(sqrt(doubts.iter().map(|doubt| doubt * doubt).sum())),
+            zero: c.zero,
+            zero_std: c.zero_std.unwrap_or(
+                d.sensors.pressure_offset_std * sqrt(areas.iter().map(|area| area * area).sum()),
+            ),
+            correlation: c.span_zero_correlation.clamp(-0.999, 0.999),
+            missed: [
+                [c.boom_cos, c.boom_sin],
+                [c.arm_cos, c.arm_sin],
+                [c.bucket_cos, c.bucket_sin],
+            ],
         })
     }
 
@@ -71,9 +87,9 @@ impl Cylinder {
         (length, a * c * sin / length)
     }
 
-    /// Force of these pressures of head and rod side \[N\].
+    /// Force of these pressures of head and rod side, without the zero \[N\].
     #[must_use]
     pub fn force(&self, [head, rod]: [f64; 2]) -> f64 {
-        self.areas[0] * head - self.areas[1] * rod
+        self.areas[0] * head - self.areas[1] * rod - self.zero
     }
 }

@@ -5,7 +5,7 @@
 
 use super::super::cylinder::Cylinder;
 use super::super::drive::Drive;
-use super::super::measurements::boom_moment::{BoomMoment, FADING, GRAVITY, Moment};
+use super::super::measurements::boom_moment::{BoomMoment, FADING, Front, GRAVITY, Moment};
 use super::super::measurements::ground::Ground;
 use super::super::settings::Settings;
 use super::bucket::Content;
@@ -20,16 +20,16 @@ const UNTOLD: [f64; 2] = [0.15, 0.5];
 const DRAWN: f64 = 0.01;
 /// Standard deviation of the load's centre, as a share of its distance from the pin.
 const CENTRE: f64 = 0.12;
-/// A zero and a span wander by their standard deviations in this time [s].
+/// A zero and a span wander by their standard deviations in this time \[s\].
 const LASTING: f64 = 3600.0;
 /// Innovations beyond this many standard deviations are no load; so many in a row are another one, however it came: a hook takes it
 /// without a joint that digs.
 const GATE: f64 = 4.0;
 const LASTS: u32 = 5;
-/// What a measurement says holds for so long [s].
+/// What a measurement says holds for so long \[s\].
 const HOLDS: f64 = 1.0;
 /// A moment that wavers by this share while the machine stands is that of a load that swings (loads that do not: at most .0015, one on
-/// a hook: .0035 to .03); time over which it is looked at [s], and by how much its lever may move from block to block [m].
+/// a hook: .0035 to .03); time over which it is looked at \[s\], and by how much its lever may move from block to block \[m\].
 const WAVERING: f64 = 0.003;
 const WATCHED: f64 = 2.5;
 const STILL: f64 = 0.02;
@@ -38,7 +38,7 @@ const STILL: f64 = 0.02;
 #[derive(Debug, Clone, Copy, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Watched {
-    /// What the bucket held when the machine stood still [kg].
+    /// What the bucket held when the machine stood still \[kg\].
     payload: Option<f64>,
     /// Moment per kilogram of payload [N m/kg].
     lever: f64,
@@ -61,7 +61,7 @@ pub(super) struct Weigh {
     wavering: f64,
     /// Innovations beyond the gate in a row.
     strange: u32,
-    /// Time since the last measurement that fitted [s].
+    /// Time since the last measurement that fitted \[s\].
     age: f64,
 }
 
@@ -115,6 +115,10 @@ impl Weigh {
             one.set(i, 0.0, std * std, trail);
             other.set(i, 0.0, std * std, &mut None);
         }
+        let together = c.correlation * c.span_std * c.zero_std;
+        for filter in [one, other] {
+            (filter.p[SPAN][ZERO], filter.p[ZERO][SPAN]) = (together, together);
+        }
     }
 
     /// One tick; swing angle and velocity; what becomes of the bucket's content, and whether the bucket opens.
@@ -141,9 +145,14 @@ impl Weigh {
             self.watched.payload = None;
         }
         let free = content == Content::Unchanged && !opens && !self.ground.may_touch();
-        let turn = sin_cos(turn);
-        self.moments
-            .step(g, &self.cylinder, drive, velocity, turn, free)
+        let front = Front {
+            period: drive.period,
+            posture: drive.posture,
+            pressures: drive.boom_pressure,
+            velocity,
+            turn: sin_cos(turn),
+        };
+        self.moments.step(g, &self.cylinder, &front, free)
     }
 
     /// What the rest of the friction may be, and what it keeps of what it was.
