@@ -31,9 +31,12 @@ const KILO: [f64; 2] = [0.0003, 0.003];
 /// A joint that moves by this much in a span moves [rad]; another that follows within this share of it moves along.
 const MOVES: f64 = 0.02;
 const ALONG: f64 = 0.1;
-/// Spans in which one moves along, and how many times more of them than of those in which it does not.
+/// Spans in which one moves along, in so many motions: one motion of two joints at the same rate is chance.
 const FOLLOWS: u32 = 15;
+const MOTIONS: u32 = 4;
+/// So many times more of them than of those in which it stays, and at least one of so many in which the link before moves.
 const RATHER: u32 = 4;
+const OFTEN: u32 = 4;
 
 /// What does not fit.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,8 +77,40 @@ pub struct Plausible {
     normal: SMatrix<f64, N, N>,
     product: SVector<f64, N>,
     square: f64,
-    /// Spans in which arm, bucket moved along with the link before, and did not.
-    along: [[u32; 2]; 2],
+    /// How arm and bucket move with the link before.
+    pairs: [Pair; 2],
+}
+
+/// Spans in which a link moves, and what the next one does then.
+#[derive(Debug, Clone, Copy, Default)]
+struct Pair {
+    moved: u32,
+    along: u32,
+    alone: u32,
+    /// Motions in which it moves along, and whether this is one.
+    motions: u32,
+    follows: bool,
+}
+
+impl Pair {
+    fn see(&mut self, link: f64, next: f64) {
+        let within = |x: f64| x.abs() < ALONG * link.abs();
+        let moves = link.abs() > MOVES;
+        let follows = moves && within(next - link);
+        self.moved += u32::from(moves);
+        self.along += u32::from(follows);
+        self.alone += u32::from(moves && within(next));
+        self.motions += u32::from(follows && !self.follows);
+        self.follows = follows;
+    }
+
+    /// Whether the next link's angle is against the horizontal.
+    fn is_absolute(&self) -> bool {
+        self.along >= FOLLOWS
+            && self.motions >= MOTIONS
+            && self.along > RATHER * self.alone
+            && OFTEN * self.along >= self.moved
+    }
 }
 
 impl Plausible {
@@ -95,7 +130,7 @@ impl Plausible {
             normal: SMatrix::zeros(),
             product: SVector::zeros(),
             square: 0.0,
-            along: [[0; 2]; 2],
+            pairs: [Pair::default(); 2],
         }
     }
 
@@ -133,13 +168,8 @@ impl Plausible {
 
     fn follow(&mut self, before: [f64; 3], now: [f64; 3]) {
         let moved: [f64; 3] = core::array::from_fn(|i| now[i] - before[i]);
-        for (i, [along, alone]) in self.along.iter_mut().enumerate() {
-            let (link, next) = (moved[i], moved[i + 1]);
-            if link.abs() > MOVES {
-                let within = |x: f64| x.abs() < ALONG * link.abs();
-                *along += u32::from(within(next - link));
-                *alone += u32::from(within(next));
-            }
+        for (i, pair) in self.pairs.iter_mut().enumerate() {
+            pair.see(moved[i], moved[i + 1]);
         }
     }
 
@@ -185,9 +215,7 @@ impl Plausible {
         if self.exchanged > 0.9 * self.spans {
             return Some(Mismatch::Exchanged);
         }
-        let [arm, bucket] = self
-            .along
-            .map(|[along, alone]| along >= FOLLOWS && along > RATHER * alone);
+        let [arm, bucket] = self.pairs.map(|pair| pair.is_absolute());
         if arm || bucket {
             return Some(Mismatch::Absolute { arm, bucket });
         }
@@ -294,5 +322,16 @@ mod tests {
             bucket: true,
         };
         assert_eq!(said(absolute), Some(both));
+    }
+
+    #[test]
+    fn one_motion_of_two_joints_at_the_same_rate_is_chance() {
+        // Else the arm always moves against the boom.
+        let together = |s: &mut Sample| {
+            let turned = 0.5 * sin_cos(1.2 * s.time).0;
+            let arm = if s.time < 5.0 { turned } else { -turned };
+            s.posture = [0.5 + turned, -1.4 + arm, -0.6].map(Some);
+        };
+        assert_eq!(said(together), None);
     }
 }

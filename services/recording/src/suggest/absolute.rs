@@ -1,7 +1,7 @@
 //! Does a link's sensor measure its angle from the horizontal, as an inclinometer does, or from the link before?
 //!
 //! While a link moves and the next one does not, a joint angle of the next one stays, and an angle from the horizontal moves along.
-//! Names tell too, where the data tell nothing.
+//! Names tell too, where the data do not say otherwise: all links may move at once.
 
 /// A link that has moved by this much has moved [rad]; the next one moves along within this share of it.
 const MOVES: f64 = 0.1;
@@ -34,7 +34,7 @@ pub(super) fn is_absolute(name: &str, before: &[f64], next: &[f64]) -> Option<&'
     };
     if along >= ENOUGH && along > RATHER * alone {
         Some("it moves along with the link before")
-    } else if along + alone < ENOUGH && named() {
+    } else if (along + alone < ENOUGH || alone <= RATHER * along) && named() {
         Some("an inclinometer by its name")
     } else {
         None
@@ -64,6 +64,13 @@ mod tests {
         assert_eq!(is_absolute("arm", &boom, &joint), None);
         assert!(is_absolute("arm", &boom, &sum).is_some());
         assert_eq!(is_absolute("arm_imu", &boom, &joint), None);
+        // All joints move at once, and the name says what the data cannot.
+        let joint: Vec<f64> = (0..3000)
+            .map(|k| 0.5 * (0.013 * f64::from(k)).sin())
+            .collect();
+        let sum: Vec<f64> = boom.iter().zip(&joint).map(|(a, b)| a + b).collect();
+        assert!(is_absolute("arm_tilt", &boom, &sum).is_some());
+        assert_eq!(is_absolute("arm", &boom, &sum), None);
         let still = vec![0.3; 100];
         assert!(is_absolute("arm_imu", &still, &still).is_some());
         assert_eq!(is_absolute("arm_deg", &still, &still), None);
