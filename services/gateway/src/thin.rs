@@ -5,6 +5,7 @@
 //! |---|---|
 //! | `estimate/CHANNEL` | the first estimate of each second, and each at which the verdict changes (ten a second at most) |
 //! | `loads/CHANNEL` | the estimate that a swing or a drive is told by |
+//! | `ledger/loads` | what is told of bucket, loads and trucks: the first of ten seconds, and each at which load, stage or truck change |
 //! | `health/PROCESS` | the first report of each second |
 //! | `events/PROCESS` | the report at which state, fault or restarts differ from the one before |
 
@@ -19,6 +20,11 @@ use crate::track::{Seen, Track};
 
 /// Reports of health a second.
 const HEALTH_RATE: f64 = 1.0 / 0.3;
+
+/// Accounts of loads a second.
+const LEDGER_RATE: f64 = 10.0;
+/// One of them is sent in each of these periods [s].
+const LEDGER_PERIOD: f64 = 10.0;
 
 /// A stream of messages of one machine.
 #[derive(Debug, Clone)]
@@ -46,6 +52,7 @@ impl StreamInfo {
 enum Kind {
     Estimate,
     Loads,
+    Ledger,
     Health,
     Events,
 }
@@ -86,6 +93,9 @@ pub fn streams(pipeline: &Pipeline, rate: f64, hz: f64) -> Vec<StreamInfo> {
     if let Some(channel) = pipeline.main_output() {
         all.push(of(Kind::Loads, "loads", channel, &last(channel), 0.0, 0));
     }
+    let ledger = steps::loads::channel(pipeline.machine);
+    let per_period = LEDGER_RATE * LEDGER_PERIOD;
+    all.push(of(Kind::Ledger, "ledger", ledger, "loads", per_period, 0));
     for (process, stage) in (0..).zip(pipeline.stages) {
         all.push(of(
             Kind::Health,
@@ -135,6 +145,8 @@ macro_rules! machines {
                 match message.envelope() {
                     $( Envelope::$estimate(e) => self.estimate(channel, &e, |t| &mut t.stretches.$module, out), )*
                     Envelope::Health(health) => self.health(&health, out),
+                    Envelope::ExcavatorLoads(m) => self.ledger(&m, [m.load, m.stage, m.truck], out),
+                    Envelope::LoaderLoads(m) => self.ledger(&m, [m.load, m.stage, m.truck], out),
                     // Neither estimates nor health: not sent.
                     _ => {}
                 }
@@ -226,6 +238,27 @@ impl Thinner {
         }
     }
 
+    /// Loads are numbered by themselves: each message follows the one before.
+    fn ledger<M: Message>(
+        &mut self,
+        message: &M,
+        [load, stage, truck]: [u32; 3],
+        out: &mut impl FnMut(Selected),
+    ) {
+        let number = message.stamp().sequence;
+        let bucket = (message.stamp().time / LEDGER_PERIOD + 1e-6).floor() as i64;
+        let mark = load << 2 ^ stage ^ truck << 20;
+        for i in 0..self.streams.len() {
+            let is_ledger = self.streams[i].kind == Kind::Ledger;
+            if is_ledger
+                && self.tracks[i].see(number, false) != Seen::Before
+                && self.tracks[i].is_due(number, bucket, mark)
+            {
+                self.send(i, number, message, out);
+            }
+        }
+    }
+
     fn health(&mut self, health: &Health, out: &mut impl FnMut(Selected)) {
         let number = health_number(health);
         let is_first = health.stamp.sequence == 0;
@@ -282,8 +315,8 @@ pub fn health_number(health: &Health) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use messages::channels::EXCAVATOR_INERTIA_UKF as CHANNEL;
-    use messages::{ExcavatorEstimate, Machine, excavator_bits as x};
+    use messages::channels::{EXCAVATOR_INERTIA_UKF as CHANNEL, EXCAVATOR_LOADS};
+    use messages::{ExcavatorEstimate, ExcavatorLoads, Machine, excavator_bits as x};
 
     fn thinner() -> Thinner {
         let streams = streams(Pipeline::of(Machine::Excavator), 100.0, 1.0);
@@ -361,6 +394,32 @@ mod tests {
             sent <= 10 * (1 + crate::track::CHANGES as usize + 1),
             "{sent}"
         );
+    }
+
+    #[test]
+    fn of_loads_each_change_is_sent_and_one_in_ten_seconds() {
+        let mut thinner = thinner();
+        let mut found = Vec::new();
+        for i in 0..250_u64 {
+            let mut message = ExcavatorLoads {
+                load: u32::from(i >= 42),
+                stage: u32::from(i >= 77),
+                truck: 1,
+                ..Default::default()
+            };
+            (message.stamp.sequence, message.stamp.time) = (i, i as f64 * 0.1);
+            thinner.take(&EXCAVATOR_LOADS, &message, &mut |s: Selected| {
+                found.push((s.label.number, s.label.after));
+            });
+        }
+        let expected = [
+            (0, Some(-1)),
+            (42, Some(0)),
+            (77, Some(42)),
+            (100, Some(77)),
+            (200, Some(100)),
+        ];
+        assert_eq!(found, expected);
     }
 
     #[test]

@@ -15,6 +15,8 @@ use crate::{error, wall_ms};
 pub enum What {
     /// One row for each swing or drive.
     Loads,
+    /// What was in the bucket, load by load, and what the trucks hold.
+    Ledger,
     /// Estimates.
     Estimates,
     /// Estimates that a site has made of a machine's samples.
@@ -102,6 +104,7 @@ pub fn query(args: &QueryArgs, out: &mut impl Write) -> Result<(), String> {
         What::Alarms => alarms(&sql, args, out),
         What::Parameters => parameters(&sql, args, out),
         What::Loads => messages(&sql, args, "loads/", out),
+        What::Ledger => messages(&sql, args, "ledger/", out),
         What::Estimates => messages(&sql, args, "estimate/", out),
         What::Site => messages(&sql, args, "site/", out),
         What::Health => messages(&sql, args, "health/", out),
