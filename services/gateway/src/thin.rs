@@ -273,8 +273,12 @@ impl Thinner {
             if process != health.process || self.tracks[i].see(number, is_first) == Seen::Before {
                 continue;
             }
-            let bucket = if kind == Kind::Events { 0 } else { bucket };
-            if self.tracks[i].is_due(number, bucket, mark) {
+            let track = &mut self.tracks[i];
+            let is_sent = match kind {
+                Kind::Events => track.has_changed(number, bucket, mark),
+                _ => track.is_due(number, bucket, mark),
+            };
+            if is_sent {
                 self.send(i, number, health, out);
             }
         }
@@ -394,6 +398,25 @@ mod tests {
             sent <= 10 * (1 + crate::track::CHANGES as usize + 1),
             "{sent}"
         );
+    }
+
+    #[test]
+    fn every_change_of_a_processes_state_is_an_event_however_many_there_are() {
+        let mut thinner = thinner();
+        let mut events = 0;
+        for i in 0..400_u64 {
+            // Another state every four seconds.
+            let mut health = Health {
+                state: (i / 13 % 2) as u32,
+                ..Health::default()
+            };
+            (health.stamp.sequence, health.stamp.time) = (i, i as f64 * 0.3);
+            let streams = thinner.streams.clone();
+            thinner.take(&HEALTH, &health, &mut |s: Selected| {
+                events += u32::from(streams[s.stream].kind == Kind::Events);
+            });
+        }
+        assert_eq!(events, 400 / 13 + 1);
     }
 
     #[test]

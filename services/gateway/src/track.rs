@@ -67,6 +67,20 @@ impl Track {
         }
     }
 
+    /// Whether the mark is another than in the sample before; so many times a second at most.
+    pub fn has_changed(&mut self, number: u64, second: i64, mark: u32) -> bool {
+        match self.last.replace((second, mark)) {
+            None => number == 0,
+            Some((before, same)) => {
+                if before != second {
+                    self.changes = 0;
+                }
+                self.changes += u32::from(same != mark);
+                same != mark && self.changes <= CHANGES
+            }
+        }
+    }
+
     /// Notes that a sample is sent; returns the number of the message before it, if that is known.
     pub fn select(&mut self, number: u64) -> Option<i64> {
         let after = self.whole.then_some(self.selected);
