@@ -37,7 +37,8 @@ fn sources(src: &Path, folder: &Path, found: &mut BTreeMap<Module, Source>) {
                 .collect();
             module.retain(|part| !["lib", "main", "mod"].contains(&part.as_str()));
             let text = fs::read_to_string(&path).expect("a source file");
-            let text = text.split("#[cfg(test)]").next().unwrap_or_default();
+            let text = text.split("#[cfg(test)]\nmod tests {").next();
+            let text = text.unwrap_or_default();
             let code: Vec<&str> = text
                 .lines()
                 .map(|l| l.split("//").next().unwrap_or_default())
@@ -203,14 +204,38 @@ fn in_loops(src: &Path) -> Vec<String> {
     inside.map(|file| file.display().to_string()).collect()
 }
 
-/// Loops that are left, and how many files are in them at most.
-const LEFT: &[(&str, usize)] = &[
+/// Files that are left in loops.
+const LEFT: &[(&str, &[&str])] = &[
     // The front of a command and what a machine does in it; the arguments ask the machines for their names.
-    ("services/heft", 12),
+    (
+        "services/heft",
+        &[
+            "cli.rs",
+            "commands/mod.rs",
+            "commands/calibrate.rs",
+            "commands/estimate.rs",
+            "commands/run.rs",
+            "machines.rs",
+            "serve/play.rs",
+            "serve/remote.rs",
+            "serve/rows.rs",
+            "serve/shard.rs",
+            "service.rs",
+        ],
+    ),
     // The trait of a message, and the envelope with any of them.
-    ("services/messages", 2),
+    ("services/messages", &["envelope.rs", "message.rs"]),
     // What is known of a machine, and its live page and terminal.
-    ("services/view", 5),
+    (
+        "services/view",
+        &[
+            "live/frame.rs",
+            "live/metrics.rs",
+            "live/page.rs",
+            "monitor.rs",
+            "top.rs",
+        ],
+    ),
 ];
 
 #[test]
@@ -230,8 +255,8 @@ fn no_files_of_a_crate_import_each_other_in_a_loop() {
     for folder in crates {
         let found = in_loops(&root.join(&folder).join("src"));
         let left = LEFT.iter().find(|(name, _)| *name == folder);
-        let left = left.map_or(0, |(_, files)| *files);
-        assert!(found.len() <= left, "{folder}: {}", found.join(", "));
+        let left = left.map_or(&[][..], |(_, files)| files);
+        assert_eq!(found, left, "{folder}");
     }
 }
 

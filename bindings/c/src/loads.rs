@@ -35,7 +35,8 @@ impl Loads {
             pause: present(pause).unwrap_or(usual.pause),
             ..usual
         };
-        let fits = rated.is_finite() && rated > 0.0 && !target.is_infinite();
+        let fits = rated.is_finite() && rated > 0.0;
+        let fits = fits && settings.target.is_none_or(|kg| kg.is_finite() && kg > 0.0);
         let fits = fits && settings.pause >= 0.0 && settings.pause.is_finite();
         fits.then(|| Self {
             ledger: Ledger::new(settings),

@@ -5,7 +5,7 @@
 //! |---|---|
 //! | `estimate/CHANNEL` | the first estimate of each second, and each at which the verdict changes (ten a second at most) |
 //! | `loads/CHANNEL` | the estimate that a swing or a drive is told by |
-//! | `ledger/loads` | what is told of bucket, loads and trucks: the first of ten seconds, and each at which load, stage or truck change |
+//! | `ledger/MACHINE` | what is told of bucket, loads and trucks: the first of ten seconds, and each at which load, stage or truck change |
 //! | `health/PROCESS` | the first report of each second |
 //! | `events/PROCESS` | the report at which state, fault or restarts differ from the one before |
 
@@ -93,9 +93,10 @@ pub fn streams(pipeline: &Pipeline, rate: f64, hz: f64) -> Vec<StreamInfo> {
     if let Some(channel) = pipeline.main_output() {
         all.push(of(Kind::Loads, "loads", channel, &last(channel), 0.0, 0));
     }
-    let ledger = steps::loads::channel(pipeline.machine);
+    // Streams of all machines are found by their names: each machine has its own message.
+    let (ledger, machine) = (steps::loads::channel(pipeline.machine), pipeline.machine.name());
     let per_period = LEDGER_RATE * LEDGER_PERIOD;
-    all.push(of(Kind::Ledger, "ledger", ledger, "loads", per_period, 0));
+    all.push(of(Kind::Ledger, "ledger", ledger, machine, per_period, 0));
     for (process, stage) in (0..).zip(pipeline.stages) {
         all.push(of(
             Kind::Health,

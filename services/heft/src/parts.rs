@@ -116,8 +116,8 @@ fn damaged(damage: &[String]) -> Result<(), Failure> {
 
 /// A recording without samples and estimates has nothing to show: an error that says so.
 pub fn has_content(reader: &Reader) -> Result<(), Failure> {
-    let common = |c: &Channel| matches!(c.payload.carries(), Carries::Common);
-    for channel in messages::channels::all().filter(|c| !common(c)) {
+    let shows = |c: &Channel| matches!(c.payload.carries(), Carries::Sensors | Carries::Estimate);
+    for channel in messages::channels::all().filter(|c| shows(c)) {
         if reader.channels().contains(&channel.name) && envelopes(reader, channel)?.next().is_some()
         {
             return Ok(());

@@ -250,7 +250,8 @@ impl Solution {
         for e in runs.iter().flatten() {
             let stated = e.rest + e.noise;
             let left = e.residual(&earlier.unknowns).powi(2);
-            if left > GATE * GATE * (stated + earlier.variance(&e.row)) {
+            let fits = left <= GATE * GATE * (stated + earlier.variance(&e.row));
+            if !fits {
                 continue;
             }
             // What lasts says the same again and again.
@@ -314,14 +315,14 @@ impl Learnt {
             pen.value(&format!("machine.boom_cylinder.{key}"), area);
         }
         let zero = Quantity {
-            value: (c.zero + self.zero.value) / span,
+            value: (c.force_offset + self.zero.value) / span,
             std: self.zero.std,
         };
-        pen.value("machine.boom_cylinder.zero", zero);
-        pen.std("machine.boom_cylinder.zero_std", self.zero.std);
+        pen.value("machine.boom_cylinder.force_offset", zero);
+        pen.std("machine.boom_cylinder.force_offset_std", self.zero.std);
         pen.std("machine.boom_cylinder.span_std", self.span.std);
         pen.std(
-            "machine.boom_cylinder.span_zero_correlation",
+            "machine.boom_cylinder.span_offset_correlation",
             self.correlation,
         );
         for (key, missed) in CURVES.iter().zip(self.missed) {
@@ -360,9 +361,10 @@ mod tests {
     use super::*;
     use estimation::excavator::Sample;
 
-    /// Friction \[N\] and zero \[N\] of the true cylinder.
+    /// Friction \[N\], zero \[N\] and span of the true cylinder.
     const FRICTION: f64 = 5200.0;
-    const ZERO: f64 = 500.0;
+    const OFFSET: f64 = 2500.0;
+    const SCALE: f64 = 1.015;
 
     fn described() -> Description {
         let mut d = Description::default();
@@ -394,7 +396,7 @@ mod tests {
                     + g.bucket_mass * (pins[1] + g.bucket_centre * third)
                     + payload * (pins[1] + g.payload_centre * third));
             let rises = (boom(time + 0.01) - boom(time)).signum();
-            let force = moment / cylinder.lever(posture[0]).1 + FRICTION * rises + ZERO;
+            let force = SCALE * moment / cylinder.lever(posture[0]).1 + FRICTION * rises + OFFSET;
             let rod = 1e6;
             Sample {
                 time,
@@ -415,6 +417,16 @@ mod tests {
         }
     }
 
+    /// Mean of what the cylinders of a description weigh in a recording \[kg\].
+    fn weighed(d: &Description, input: &Input) -> f64 {
+        let cylinder = Cylinder::of_boom(d).expect("described");
+        let mut lifts = Lifts::new(Geometry::of(d), cylinder);
+        let moments = input.samples.iter().filter_map(|s| lifts.step(s));
+        let of = |m: Moment| (m.measured - m.lever * m.friction - m.empty) / m.per_payload;
+        let each: Vec<f64> = moments.filter(|m| m.moves).map(of).collect();
+        each.iter().sum::<f64>() / each.len() as f64
+    }
+
     fn up_and_down(time: f64) -> f64 {
         0.55 + 0.45 * (0.5 * time).sin()
     }
@@ -427,8 +439,8 @@ mod tests {
             .expect("told");
         for (told, truth) in [
             (learnt.friction, FRICTION),
-            (learnt.zero, ZERO),
-            (learnt.span, 0.0),
+            (learnt.zero, OFFSET),
+            (learnt.span, SCALE - 1.0),
         ] {
             assert!(
                 (told.value - truth).abs() < 2.0 * told.std,
@@ -445,6 +457,14 @@ mod tests {
         let written = Cylinder::of_boom(&pen.description).expect("described");
         assert!((written.friction[0] - FRICTION).abs() < 3.0 * learnt.friction.std);
         assert!(written.friction[1] < cylinder.friction[1]);
+        // A third load, of which nothing was told.
+        let off = |d: &Description| weighed(d, &record(250.0, up_and_down)) - 250.0;
+        assert!(off(&described()).abs() > 30.0, "{}", off(&described()));
+        assert!(
+            off(&pen.description).abs() < 6.0,
+            "{}",
+            off(&pen.description)
+        );
     }
 
     #[test]

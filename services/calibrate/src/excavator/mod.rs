@@ -134,8 +134,9 @@ pub fn calibrate(inputs: &[Input], options: &Options<'_>) -> Result<Outcome, Str
         outcome.faults = words::alike(&outcome.swings, &free);
         find(&mut outcome, &free, options);
     }
-    // By the masses that the swings have told.
-    if outcome.faults.is_empty()
+    // By the masses that the swings have told; not where only some keys are asked for.
+    if options.free.is_none()
+        && outcome.faults.is_empty()
         && let Some((found, _)) = outcome.description(options.description, &[])
         && let Some(learnt) = cylinder::learn(&found, inputs)
     {

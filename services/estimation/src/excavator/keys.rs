@@ -131,13 +131,13 @@ table! {
         /// Its standard deviation.
         friction_std: f64 = 0.015, "", 0.0 to 0.5;
         /// Force that the pressures show too much, by the zeros of their sensors.
-        zero: f64 = 0.0, "N", -1e6 to 1e6;
+        force_offset: f64 = 0.0, "N", -1e6 to 1e6;
         /// Its standard deviation; "none" takes that of the sensors' zeros.
-        zero_std: Option<f64> = None, "N", 0.0 to 1e6;
+        force_offset_std: Option<f64> = None, "N", 0.0 to 1e6;
         /// Relative standard deviation of the moment; "none" takes those of areas, distances and angle.
         span_std: Option<f64> = None, "", 0.0 to 0.5;
-        /// Correlation of the errors of zero and span.
-        span_zero_correlation: f64 = 0.0, "", -1.0 to 1.0;
+        /// Correlation of the errors of force offset and span.
+        span_offset_correlation: f64 = 0.0, "", -1.0 to 1.0;
         /// Moment about the boom foot that the drawing misses: with the cosine of the boom's angle to the horizontal.
         boom_cos: f64 = 0.0, "N m", -1e7 to 1e7;
         /// With its sine.

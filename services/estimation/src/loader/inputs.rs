@@ -4,6 +4,9 @@ use super::sample::Sample;
 use super::wheel_dynamics::Inputs;
 use crate::math::sin_cos;
 
+/// A mass holds for so long after the last row that told it: then a bucket may have been filled or emptied \[s\].
+const HOLDS: f64 = 10.0;
+
 /// The last finite input of each kind, the mass, and the last specific force.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -14,8 +17,8 @@ pub(super) struct InputHold {
     acceleration: Option<f64>,
     /// Mass with its load [kg].
     pub mass: f64,
-    /// Rows tell it.
-    tells_mass: bool,
+    /// When a row told it last \[s\].
+    weighed: f64,
 }
 
 /// What a row means for the step that ends at it.
@@ -53,7 +56,7 @@ impl InputHold {
             missing: [false; 5],
             acceleration: None,
             mass,
-            tells_mass: false,
+            weighed: f64::NEG_INFINITY,
         }
     }
 
@@ -93,7 +96,7 @@ impl InputHold {
         self.acceleration = acceleration;
         if let Some(mass) = sample.mass {
             self.mass = mass;
-            self.tells_mass = true;
+            self.weighed = sample.time;
         }
         let [
             front_torque,
@@ -114,7 +117,7 @@ impl InputHold {
             sine: sin_cos(slope).0,
             acceleration: mean,
             brake: sample.brake,
-            tells_mass: self.tells_mass,
+            tells_mass: sample.time - self.weighed < HOLDS,
             articulation: sample.articulation,
             yaw_rate: sample.yaw_rate,
         }

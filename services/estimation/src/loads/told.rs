@@ -2,7 +2,7 @@
 
 use super::book::Truck;
 use super::ledger::Ledger;
-use super::load::{Load, Weight};
+use super::load::{Load, Stage, Weight};
 use super::now::Now;
 use sheet::loads::bits;
 
@@ -46,8 +46,10 @@ impl Told {
     /// What a ledger knows; `last`: the latest load that it has told.
     pub fn of(ledger: &Ledger, last: Option<&Load>) -> Self {
         let (now, truck) = (ledger.now(), ledger.truck());
-        let load = ledger.carried().or(last.copied());
-        let flags = flags(load.as_ref(), &now, &truck);
+        // One that leaves may come back: nothing of it is final. One that was carried and is not any more is unknown.
+        let carried = ledger.carried();
+        let load = carried.or(last.copied().filter(|load| load.stage != Stage::Carried));
+        let flags = flags(load.as_ref(), carried.is_some(), &now, &truck);
         let load = load.unwrap_or_default();
         Self::at(&At {
             now,
@@ -59,12 +61,12 @@ impl Told {
     }
 }
 
-fn flags(load: Option<&Load>, now: &Now, truck: &Truck) -> u32 {
+fn flags(load: Option<&Load>, carried: bool, now: &Now, truck: &Truck) -> u32 {
     let is = |yes: bool, bit: u32| if yes { bit } else { 0 };
     let of_load = load.map_or(0, |load| {
         is(load.trusted, bits::TRUSTED)
-            | is(load.dumped.is_none(), bits::CARRIED)
-            | is(load.dumped.is_some(), bits::FINAL)
+            | is(carried, bits::CARRIED)
+            | is(!carried, bits::FINAL)
             | is(load.carry_back_weighed, bits::CARRY_BACK_WEIGHED)
     });
     let total = &truck.total;

@@ -30,7 +30,7 @@ pub enum Format {
     Candump,
     /// The bytes of the structure that `heft schema --lang c` declares, one after the other.
     Binary,
-    /// InfluxDB's line protocol: tags machine (its kind), unit (its number), domain and channel; times are Unix times \[ns\].
+    /// InfluxDB's line protocol: tags machine (its kind), unit (its number), domain and channel; times are Unix times, in ns.
     Influx,
 }
 

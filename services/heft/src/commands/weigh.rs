@@ -20,7 +20,7 @@ pub const SCALE_STD: f64 = 0.005;
 /// `heft weigh`
 #[derive(Debug, Args)]
 pub struct WeighArgs {
-    /// CSV with the columns pitch \[rad\], front_load \[N\], rear_load \[N\]
+    /// CSV with the columns pitch, in rad, front_load and rear_load, in N
     pub file: PathBuf,
     /// Description of the loader
     #[command(flatten)]

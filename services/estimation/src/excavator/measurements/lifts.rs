@@ -9,6 +9,9 @@ use crate::math::sin_cos;
 /// A longer gap between rows ends what belongs together \[s\].
 const GAP: f64 = 0.25;
 
+/// An upper body slower than this stands [rad/s].
+const STANDS: f64 = 0.05;
+
 /// Follows the rows of a recording.
 #[derive(Debug, Clone)]
 pub struct Lifts {
@@ -17,6 +20,11 @@ pub struct Lifts {
     moments: BoomMoment,
     time: Option<f64>,
     turn: f64,
+    /// Time and swing angle a moment ago, where an encoder has it, and whether it turns.
+    angle: Option<(f64, f64)>,
+    turns: bool,
+    /// The rod side has a sensor.
+    rod: bool,
 }
 
 impl Lifts {
@@ -29,22 +37,50 @@ impl Lifts {
             moments: BoomMoment::new(),
             time: None,
             turn: 0.0,
+            angle: None,
+            turns: false,
+            rod: false,
         }
+    }
+
+    /// Whether an encoder says that the upper body swings.
+    fn turns(&mut self, sample: &Sample) -> bool {
+        if let Some(angle) = sample.angle.filter(|angle| angle.is_finite()) {
+            let (time, before) = *self.angle.get_or_insert((sample.time, angle));
+            let elapsed = sample.time - time;
+            if elapsed >= GAP {
+                self.turns = (angle - before).abs() > STANDS * elapsed;
+                self.angle = Some((sample.time, angle));
+            }
+        }
+        self.turns
     }
 
     /// A row; the moment of a block of 0.2 s. The bucket is in the air. Rows without the three joint angles say nothing.
     pub fn step(&mut self, sample: &Sample) -> Option<Moment> {
         let [boom, arm, bucket] = sample.posture;
         let posture = [boom?, arm?, bucket?];
+        if !posture.into_iter().chain([sample.time]).all(f64::is_finite) {
+            return None;
+        }
         let before = self.time.replace(sample.time)?;
         let period = sample.time - before;
         if !(period > 0.0 && period < GAP) {
             self.moments = BoomMoment::new();
             return None;
         }
-        let velocity = sample.velocity.unwrap_or(0.0);
+        // An upper body that swings says less: its velocity may be biased, or be that of an encoder.
+        let velocity = sample.velocity.filter(|v| v.is_finite()).unwrap_or(0.0);
+        let stands = velocity.abs() < STANDS && !self.turns(sample);
         self.turn += velocity * period;
-        let (head, rod) = (sample.boom_head_pressure, sample.boom_rod_pressure);
+        let finite = |v: Option<f64>| v.filter(|v| v.is_finite());
+        let head = finite(sample.boom_head_pressure);
+        self.rod |= sample.boom_rod_pressure.is_some();
+        let rod = if self.rod {
+            finite(sample.boom_rod_pressure)
+        } else {
+            Some(0.0)
+        };
         let front = Front {
             period,
             posture,
@@ -53,6 +89,6 @@ impl Lifts {
             turn: sin_cos(self.turn),
         };
         self.moments
-            .step(&self.geometry, &self.cylinder, &front, true)
+            .step(&self.geometry, &self.cylinder, &front, stands)
     }
 }

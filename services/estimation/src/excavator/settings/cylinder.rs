@@ -64,11 +64,11 @@ impl Cylinder {
             span_std: c
                 .span_std
                 .unwrap_or(sqrt(doubts.iter().map(|doubt| doubt * doubt).sum())),
-            zero: c.zero,
-            zero_std: c.zero_std.unwrap_or(
+            zero: c.force_offset,
+            zero_std: c.force_offset_std.unwrap_or(
                 d.sensors.pressure_offset_std * sqrt(areas.iter().map(|area| area * area).sum()),
             ),
-            correlation: c.span_zero_correlation.clamp(-0.999, 0.999),
+            correlation: c.span_offset_correlation.clamp(-0.999, 0.999),
             missed: [
                 [c.boom_cos, c.boom_sin],
                 [c.arm_cos, c.arm_sin],

@@ -41,6 +41,9 @@ impl Working {
             Content::Emptied => self.sticking(),
             Content::Unknown => (p.payload, p.payload_std),
         };
+        if let Some(weigh) = &mut self.weigh {
+            weigh.forget();
+        }
         self.filter.set(M, value, std * std, trail);
         self.rival.filter.set(M, value, std * std, &mut None);
         self.tared = content == Content::Emptied;

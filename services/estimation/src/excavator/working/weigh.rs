@@ -141,8 +141,7 @@ impl Weigh {
         }
         if self.ground.may_touch() {
             // What lies on the ground swings no more.
-            self.wavering = 0.0;
-            self.watched.payload = None;
+            self.forget();
         }
         let free = content == Content::Unchanged && !opens && !self.ground.may_touch();
         let front = Front {
@@ -252,6 +251,12 @@ impl Weigh {
         // Noise is another one in each block: its products are zero in the mean.
         self.wavering += share * (away * watched.last - self.wavering);
         watched.last = away;
+    }
+
+    /// The bucket holds something else: how it swings is to be seen anew.
+    pub(super) fn forget(&mut self) {
+        self.wavering = 0.0;
+        self.watched.payload = None;
     }
 
     /// The load hangs, or swings otherwise.
