@@ -94,7 +94,10 @@ pub fn streams(pipeline: &Pipeline, rate: f64, hz: f64) -> Vec<StreamInfo> {
         all.push(of(Kind::Loads, "loads", channel, &last(channel), 0.0, 0));
     }
     // Streams of all machines are found by their names: each machine has its own message.
-    let (ledger, machine) = (steps::loads::channel(pipeline.machine), pipeline.machine.name());
+    let (ledger, machine) = (
+        steps::loads::channel(pipeline.machine),
+        pipeline.machine.name(),
+    );
     let per_period = LEDGER_RATE * LEDGER_PERIOD;
     all.push(of(Kind::Ledger, "ledger", ledger, machine, per_period, 0));
     for (process, stage) in (0..).zip(pipeline.stages) {
