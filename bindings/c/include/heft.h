@@ -637,7 +637,6 @@ const char *heft_loader_error(const void *memory);
 #define HEFT_LOADS_STAGE_CARRIED 0 /* In the bucket; its mass becomes better. */
 #define HEFT_LOADS_STAGE_DUMPED 1 /* Its mass is final, what stays in the bucket is not weighed yet. */
 #define HEFT_LOADS_STAGE_SETTLED 2 /* What stays in the bucket is final too. */
-#define HEFT_LOADS_STAGE_WITHDRAWN 3 /* No load after all. */
 
 /* Codes of `witness`. */
 #define HEFT_LOADS_WITNESS_MOTION 0 /* How the machine accelerates. */

@@ -1,7 +1,7 @@
 //! The ledger's loads beside the true ones.
 
 use estimation::HALF_WIDTH_95;
-use estimation::loads::{Ledger, Load, Row, Settings, Stage};
+use estimation::loads::{Ledger, Load, Row, Settings};
 
 /// A payload beyond this share of a full bucket is a load.
 pub const LOAD: f64 = 0.3;
@@ -123,9 +123,7 @@ impl Book {
     fn note(&mut self, load: Option<Load>) {
         let Some(load) = load else { return };
         self.loads.retain(|known| known.number != load.number);
-        if load.stage != Stage::Withdrawn {
-            self.loads.push(load);
-        }
+        self.loads.push(load);
     }
 
     /// Each true load that left the bucket, with the one that the ledger has at the time.

@@ -51,13 +51,11 @@ impl Story {
     pub fn add(&mut self, machine: Machine, load: &Load) -> Option<String> {
         let truth = self.truth(load);
         self.ended.retain(|(known, _)| known.number != load.number);
-        if !matches!(load.stage, Stage::Withdrawn) {
-            self.ended.push((*load, truth));
-        }
+        self.ended.push((*load, truth));
         let time = match load.stage {
             Stage::Carried => self.truths.back().map_or(load.filled, |t| t.0),
             Stage::Dumped => load.dumped?,
-            Stage::Settled | Stage::Withdrawn => return None,
+            Stage::Settled => return None,
         };
         let truth = truth.map_or(String::new(), |t| format!(", true {}", kg(t)));
         Some(format!(

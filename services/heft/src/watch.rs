@@ -3,6 +3,7 @@
 
 mod counts;
 mod line;
+mod loads_teller;
 
 use std::collections::{BTreeMap, VecDeque};
 use std::time::Instant;
@@ -10,14 +11,14 @@ use std::time::Instant;
 use estimation::loads::Stage;
 use messages::channels::Channel;
 use messages::keyframe::Collector;
-use messages::{Carries, Envelope, Health, Machine, Message, Snapshot, Stamp, Value, Words, fault};
+use messages::{Carries, Envelope, Health, Machine, Message, Snapshot, Value, Words, fault};
 use runtime::{Sink, Teller, Window};
-use steps::loads::LoadCounter;
 use steps::stages::Pipeline;
 use view::live::{Feed, SharedLoads};
 
 use self::counts::{Carried, Counts};
 pub use self::line::{LIVE, STORY, Show};
+use self::loads_teller::LoadsTeller;
 use crate::fault::Fault;
 use crate::quantity::{self, Quantity};
 use crate::state::Memory;
@@ -26,38 +27,6 @@ use crate::tally::Tally;
 
 /// Truths that may wait for their estimates.
 const TRUTHS: usize = 2048;
-/// Loads are told so often in the time of the data \[s\]; a clock that goes back counts as due.
-const LOADS_PERIOD: f64 = 0.1;
-
-/// Sends loads to other programs.
-struct LoadsTeller {
-    send: Teller,
-    /// Time of the latest message \[s\].
-    last: f64,
-    /// Number of the next one: a reader counts what it missed.
-    next: u64,
-}
-
-impl LoadsTeller {
-    /// Tells what is known beside the estimate of this stamp, if that is due or something has changed.
-    fn tell(&mut self, counter: &LoadCounter, stamp: &Stamp, has_changed: bool, simulated: bool) {
-        // A little early counts as due: times are sums of rounded steps.
-        let is_early = (0.0..LOADS_PERIOD * 0.999).contains(&(stamp.time - self.last));
-        if is_early && !has_changed {
-            return;
-        }
-        let stamp = Stamp {
-            sequence: self.next,
-            ..*stamp
-        };
-        let mut message = steps::loads::message(counter, &stamp);
-        if simulated {
-            message.mark_simulated();
-        }
-        (self.last, self.next) = (stamp.time, self.next + 1);
-        (self.send)(&message);
-    }
-}
 
 /// Everything seen of a run.
 #[derive(Default)]
@@ -141,11 +110,7 @@ impl Watch {
 
     /// Has them sent on their channel.
     pub fn tell_loads(&mut self, teller: Teller) {
-        self.teller = Some(LoadsTeller {
-            send: teller,
-            last: f64::NEG_INFINITY,
-            next: 0,
-        });
+        self.teller = Some(LoadsTeller::new(teller));
     }
 
     /// Has what is trusted remembered.
@@ -412,11 +377,13 @@ impl Watch {
         let mut counter = loads.lock();
         let machine = counter.machine();
         let events = counter.see(envelope);
-        if let Some(teller) = &mut self.teller
-            && channel.payload.carries() == Carries::Estimate
-        {
-            let has_changed = events.load.is_some() || events.truck.is_some();
-            teller.tell(&counter, envelope.stamp(), has_changed, self.is_simulated);
+        if let Some(teller) = &mut self.teller {
+            if events.load.is_some() || events.truck.is_some() {
+                teller.note_change();
+            }
+            if channel.payload.carries() == Carries::Estimate {
+                teller.tell(&counter, envelope.stamp(), self.is_simulated);
+            }
         }
         drop(counter);
         let told = events

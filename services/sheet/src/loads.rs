@@ -81,7 +81,6 @@ pub const STAGES: &[Entry] = &[
         "Its mass is final, what stays in the bucket is not weighed yet.",
     ),
     entry(2, "settled", "What stays in the bucket is final too."),
-    entry(3, "withdrawn", "No load after all."),
 ];
 
 /// What told the mass of a load.

@@ -7,7 +7,7 @@ use std::collections::VecDeque;
 use config::Description;
 use estimation::Quantity;
 use estimation::loader::Reason;
-use estimation::loads::{Events, Ledger, Load, Row, Settings, Stage, Witness};
+use estimation::loads::{Events, Ledger, Load, Row, Settings, Witness};
 use estimation::math::norm;
 use messages::{
     EXCAVATOR_REASONS, Envelope, ExcavatorEstimate, ExcavatorSensors, LOADER_REASONS,
@@ -233,9 +233,7 @@ impl LoadCounter {
     fn note(&mut self, events: Events) -> Events {
         if let Some(load) = events.load {
             self.loads.retain(|known| known.number != load.number);
-            if load.stage != Stage::Withdrawn {
-                self.loads.push_back(load);
-            }
+            self.loads.push_back(load);
             if self.loads.len() > REMEMBERED {
                 self.loads.pop_front();
             }
@@ -417,7 +415,10 @@ mod tests {
                 assert!(load.delivered().quantity().holds(3000.0), "{load:?}");
                 assert_eq!(load.witness, Witness::Scale);
             }
-            assert!(said.iter().any(|l| l.stage == Stage::Carried));
+            assert!(
+                said.iter()
+                    .any(|l| l.stage == estimation::loads::Stage::Carried)
+            );
         }
     }
 }

@@ -11,33 +11,30 @@
 use config::Excavator as Description;
 use estimation::Quantity;
 use estimation::excavator::keys::Attachment;
-use estimation::excavator::{Cylinder, FULL_PRESSURE, Geometry, Lifts, Moment, Settings};
+use estimation::excavator::{
+    Cylinder, FADING, FULL_PRESSURE, GRAVITY, Geometry, Lifts, Moment, Settings,
+};
 use faer::Mat;
 
 use super::Input;
 use crate::algebra;
 use crate::description::number;
+use crate::fit::GATE;
 use crate::output::Pen;
 
 /// Least time in which the boom rises, and in which it sinks \[s\].
 const LEAST_MOTION: f64 = 3.0;
 /// What is known to more than this share of its description's tolerance has not been told.
 const TOLD: f64 = 0.7;
-/// Rest of the seals' friction as a share of it, while the cylinder moves and while it stands; of the moment, what the drawing misses.
-const REST: [f64; 2] = [0.15, 0.5];
-const DRAWN: f64 = 0.01;
 /// Standard deviation of a link's centre of mass, along its line of pins and beside it, as a share of the moment that it carries.
 const CENTRE: f64 = 0.02;
-/// Standard gravity [m/s^2].
-const GRAVITY: f64 = 9.806_65;
-/// The rest is another one after this time \[s\].
-const FADING: f64 = 3.0;
 /// A longer time between two moments ends what belongs together \[s\].
 const GAP: f64 = 0.3;
+/// Least standard deviation of a load \[kg\].
+const LEAST_STD: f64 = 1e-3;
 /// Slope of ground that is called level \[rad\].
 const LEVEL: f64 = 0.01;
-/// A moment so many standard deviations away from the others is one with the bucket on the ground; the fit is done so often.
-const GATE: f64 = 4.0;
+/// So often the fit leaves out the moments beyond its gate: with the bucket on the ground.
 const ROUNDS: usize = 4;
 /// A bucket that weighs less than this share of the told load is another one's content: it was dumped.
 const DUMPED: f64 = 0.5;
@@ -94,7 +91,7 @@ pub fn learn(d: &Description, inputs: &[Input]) -> Option<Result<Learnt, String>
     }
     let moved = |sign: f64| -> f64 {
         let moving = runs.iter().flatten().filter(|m| m.moves);
-        let these = moving.filter(|m| m.friction * sign > 0.0);
+        let these = moving.filter(|m| m.direction * sign > 0.0);
         these.map(|m| m.period.min(GAP)).sum()
     };
     if [1.0, -1.0]
@@ -116,7 +113,8 @@ fn moments(geometry: &Geometry, cylinder: Cylinder, input: &Input, load: Quantit
     let moments = input.samples.iter().filter_map(|sample| lifts.step(sample));
     moments
         .filter(|m| {
-            let weighed = (m.measured - m.lever * m.friction - m.empty) / m.per_payload;
+            let friction = m.lever * m.direction * cylinder.friction[0];
+            let weighed = (m.measured - friction - m.empty) / m.per_payload;
             load.value <= 0.0 || weighed > DUMPED * load.value
         })
         .collect()
@@ -128,29 +126,25 @@ fn fit(
     runs: &[Vec<Moment>],
     loads: &[Quantity],
 ) -> Result<Learnt, String> {
-    let doubts = Settings::of(d).doubts;
     let [friction, friction_std] = cylinder.friction;
-    let mut prior = vec![cylinder.span_std, cylinder.zero_std, friction_std];
-    let links = doubts.map_or(DRAWN, |doubts| doubts.links_share.max(CENTRE));
-    let first = first_moments(&d.geometry);
-    prior.extend(first.into_iter().flat_map(|m| [links * m, CENTRE * m]));
-    prior.extend([LEVEL; 2]);
-    prior.extend(loads.iter().map(|load| load.std.max(1e-3)));
-    let equations: Vec<Vec<Equation>> = runs
+    let before = Solution::before(d, cylinder, loads);
+    let equations: Vec<Equation> = runs
         .iter()
+        .zip(loads)
         .enumerate()
-        .map(|(run, moments)| {
-            let of = |m| Equation::new(cylinder, m, (run, loads[run].value), prior.len());
-            moments.iter().map(of).collect()
+        .flat_map(|(run, (moments, load))| {
+            let of = move |m| Equation::new(friction, m, (run, load.value), LOADS + runs.len());
+            moments.iter().map(of)
         })
         .collect();
-    let mut solution = Solution::new(&prior);
     // What lies far from the first solution was on the ground.
+    let mut solution = before.clone();
     for _ in 0..ROUNDS {
-        solution = Solution::of(&equations, &prior, &solution)
+        solution = before
+            .with(&equations, &solution)
             .ok_or("the boom's cylinders are not determined")?;
     }
-    let learnt = solution.learnt(friction);
+    let learnt = solution.learnt(friction, &before);
     if learnt.friction.std > TOLD * friction_std {
         return Err("the boom's cylinders stay as described: their friction cannot be told from the zeros of the sensors; lift and lower the boom more often"
             .into());
@@ -181,26 +175,24 @@ struct Equation {
 }
 
 impl Equation {
-    fn new(cylinder: &Cylinder, m: &Moment, (run, load): (usize, f64), unknowns: usize) -> Self {
-        let friction = cylinder.friction[0].max(f64::MIN_POSITIVE);
+    /// With this friction described \[N\]; the recording and its load \[kg\].
+    fn new(friction: f64, m: &Moment, (run, load): (usize, f64), unknowns: usize) -> Self {
         let tau = m.empty + load * m.per_payload;
         let tilt = m.tilt + load * m.tilt_payload;
         let mut row = vec![0.0; unknowns];
         row[SPAN] = tau / m.lever;
         row[ZERO] = 1.0;
-        row[FRICTION] = m.friction / friction;
+        row[FRICTION] = m.direction;
         for (i, part) in m.directions.iter().flatten().enumerate() {
             row[CURVE + i] = part / m.lever;
         }
         row[SLOPES] = tilt * m.turn[0] / m.lever;
         row[SLOPES + 1] = tilt * m.turn[1] / m.lever;
         row[LOADS + run] = m.per_payload / m.lever;
-        let rest = REST[usize::from(!m.moves)] * friction;
-        let drawn = DRAWN * m.measured / m.lever;
         Self {
             row,
-            value: (m.measured - tau) / m.lever - m.friction,
-            rest: rest * rest + drawn * drawn,
+            value: (m.measured - tau) / m.lever - friction * m.direction,
+            rest: m.rest(friction),
             noise: m.variance / (m.lever * m.lever),
             period: m.period,
         }
@@ -219,38 +211,56 @@ impl Equation {
 }
 
 /// The unknowns with their covariance.
+#[derive(Clone)]
 struct Solution {
     unknowns: Mat<f64>,
     covariance: Mat<f64>,
-    /// Standard deviations before the data, and the scatter of the data over what is stated.
-    prior: Vec<f64>,
+    /// Scatter of the data over what is stated.
     widened: f64,
 }
 
 impl Solution {
     /// Before the data.
-    fn new(prior: &[f64]) -> Self {
-        let n = prior.len();
+    fn before(d: &Description, cylinder: &Cylinder, loads: &[Quantity]) -> Self {
+        let links = Settings::of(d)
+            .doubts
+            .map_or(0.0, |doubts| doubts.links_share);
+        let mut stds = vec![cylinder.span_std, cylinder.zero_std, cylinder.friction[1]];
+        let first = first_moments(&d.geometry);
+        stds.extend(
+            first
+                .iter()
+                .flat_map(|m| [links.max(CENTRE) * m, CENTRE * m]),
+        );
+        stds.extend([LEVEL; 2]);
+        stds.extend(loads.iter().map(|load| load.std.max(LEAST_STD)));
+        let n = stds.len();
+        let mut covariance = Mat::from_fn(n, n, |i, j| {
+            if i == j {
+                stds[i].max(1e-9).powi(2)
+            } else {
+                0.0
+            }
+        });
+        let together = cylinder.correlation * cylinder.span_std * cylinder.zero_std;
+        (covariance[(SPAN, ZERO)], covariance[(ZERO, SPAN)]) = (together, together);
         Self {
             unknowns: Mat::zeros(n, 1),
-            covariance: Mat::from_fn(n, n, |i, j| if i == j { prior[i].powi(2) } else { 0.0 }),
-            prior: prior.to_vec(),
+            covariance,
             widened: 1.0,
         }
     }
 
-    /// From the equations that an earlier solution does not contradict; `None` where they determine nothing.
-    fn of(runs: &[Vec<Equation>], prior: &[f64], earlier: &Self) -> Option<Self> {
-        let n = prior.len();
-        let inverse = |std: f64| std.max(1e-12).powi(-2);
-        let mut information =
-            Mat::from_fn(n, n, |i, j| if i == j { inverse(prior[i]) } else { 0.0 });
+    /// This with the equations that another solution does not contradict; `None` where that determines nothing.
+    fn with(&self, equations: &[Equation], other: &Self) -> Option<Self> {
+        let mut information = algebra::inverse(&self.covariance)?;
+        let n = information.nrows();
         let mut right = Mat::<f64>::zeros(n, 1);
-        let (mut white, mut sum) = (0.0, 0.0);
-        for e in runs.iter().flatten() {
+        let (mut scatter, mut count) = (0.0, 0.0);
+        for e in equations {
             let stated = e.rest + e.noise;
-            let left = e.residual(&earlier.unknowns).powi(2);
-            let fits = left <= GATE * GATE * (stated + earlier.variance(&e.row));
+            let left = e.residual(&other.unknowns).powi(2);
+            let fits = left <= GATE * GATE * (stated + other.variance(&e.row));
             if !fits {
                 continue;
             }
@@ -262,15 +272,14 @@ impl Solution {
                     information[(i, j)] += e.row[i] * e.row[j] / variance;
                 }
             }
-            white += left / stated;
-            sum += 1.0;
+            scatter += left / stated;
+            count += 1.0;
         }
         let covariance = algebra::inverse(&information)?;
         Some(Self {
             unknowns: &covariance * &right,
             covariance,
-            prior: prior.to_vec(),
-            widened: (white / f64::max(sum, 1.0)).max(1.0).sqrt(),
+            widened: (scatter / f64::max(count, 1.0)).max(1.0).sqrt(),
         })
     }
 
@@ -283,11 +292,12 @@ impl Solution {
             .sum()
     }
 
-    fn learnt(&self, friction: f64) -> Learnt {
+    /// What it says, at most as uncertain as `before`; the friction described \[N\].
+    fn learnt(&self, friction: f64, before: &Self) -> Learnt {
         let c = &self.covariance;
         let of = |i: usize| Quantity {
             value: self.unknowns[(i, 0)],
-            std: (self.widened * c[(i, i)].sqrt()).min(self.prior[i]),
+            std: (self.widened * c[(i, i)].sqrt()).min(before.covariance[(i, i)].sqrt()),
         };
         Learnt {
             span: of(SPAN),
@@ -422,7 +432,8 @@ mod tests {
         let cylinder = Cylinder::of_boom(d).expect("described");
         let mut lifts = Lifts::new(Geometry::of(d), cylinder);
         let moments = input.samples.iter().filter_map(|s| lifts.step(s));
-        let of = |m: Moment| (m.measured - m.lever * m.friction - m.empty) / m.per_payload;
+        let friction = |m: &Moment| m.lever * m.direction * cylinder.friction[0];
+        let of = |m: Moment| (m.measured - friction(&m) - m.empty) / m.per_payload;
         let each: Vec<f64> = moments.filter(|m| m.moves).map(of).collect();
         each.iter().sum::<f64>() / each.len() as f64
     }

@@ -16,6 +16,8 @@
 //! torque is read `delay` of velocity minus that of torque earlier, the posture likewise where the
 //! velocity is the late one.
 
+use estimation::excavator::GRAVITY;
+
 use super::series::{Load, Measured, Series, Swing};
 use super::torque::Impulse;
 use crate::fit::GATE;
@@ -53,9 +55,6 @@ pub struct Guess {
     /// Slope of the ground across and along the machine at the beginning of the recording [rad].
     pub slope: [f64; 2],
 }
-
-/// Standard gravity [m/s^2].
-const GRAVITY: f64 = 9.806_65;
 
 /// State and covariance, written out: angle a, momentum p, noise n of the last torque sample.
 #[derive(Debug, Clone, Copy, Default)]

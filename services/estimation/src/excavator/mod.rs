@@ -56,7 +56,7 @@ pub use cylinder::{Cylinder, FULL_PRESSURE};
 pub use doubts::Doubts;
 pub use estimate::{Columns, Estimate, Flags, Method, Sample};
 pub use geometry::{Geometry, Inertia};
-pub use measurements::boom_moment::Moment;
+pub use measurements::boom_moment::{FADING, GRAVITY, Moment};
 pub use measurements::lifts::Lifts;
 pub use motion::{Motion, MotionFilter};
 pub use plausible::{Mismatch, Plausible};

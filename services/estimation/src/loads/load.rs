@@ -68,13 +68,11 @@ pub enum Stage {
     Dumped,
     /// What stays in the bucket is final too.
     Settled,
-    /// No load after all: it is said to have been carried, or dumped, and was not.
-    Withdrawn,
 }
 
 impl Stage {
     /// All of them, in the order of their codes.
-    pub const ALL: [Self; 4] = [Self::Carried, Self::Dumped, Self::Settled, Self::Withdrawn];
+    pub const ALL: [Self; 3] = [Self::Carried, Self::Dumped, Self::Settled];
 
     /// Name in tables.
     pub const fn name(self) -> &'static str {
@@ -82,7 +80,6 @@ impl Stage {
             Self::Carried => "carried",
             Self::Dumped => "dumped",
             Self::Settled => "settled",
-            Self::Withdrawn => "withdrawn",
         }
     }
 

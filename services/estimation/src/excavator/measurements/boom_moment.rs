@@ -25,7 +25,7 @@ use super::super::geometry::Geometry;
 use crate::math::{exp, sin_cos};
 
 /// Standard gravity [m/s^2].
-pub(in crate::excavator) const GRAVITY: f64 = 9.806_65;
+pub const GRAVITY: f64 = 9.806_65;
 /// Length of a block \[s\], and the least part of it in which the pressures must be there.
 const BLOCK: f64 = 0.2;
 const PRESENT: f64 = 0.3;
@@ -34,10 +34,15 @@ const TRAVEL: f64 = 0.5e-3;
 /// Less travel than this in a block is noise of the angle \[m\].
 const STILL: f64 = 1e-3;
 /// Where the cylinder stands, leakage and vibration take the friction away within this time \[s\].
-pub(in crate::excavator) const FADING: f64 = 3.0;
+pub const FADING: f64 = 3.0;
 /// Error of the mean acceleration of a link [rad/s^2], and the share of the dynamic part that three blocks miss.
 const ACCELERATION: f64 = 0.02;
 const MISSED: f64 = 0.15;
+
+/// Share of the seals' friction that nobody can tell, while the cylinder moves and while it stands.
+const UNTOLD: [f64; 2] = [0.15, 0.5];
+/// Share of the moment that the drawing misses at each posture: centres of mass beside the lines of the pins.
+const DRAWN: f64 = 0.01;
 
 /// Boom, arm, bucket, payload.
 const BODIES: usize = 4;
@@ -83,8 +88,8 @@ pub struct Moment {
     pub directions: [[f64; 2]; 3],
     /// Lever \[m\].
     pub lever: f64,
-    /// Force of the seals in the direction of the motion, as far as it is known \[N\].
-    pub friction: f64,
+    /// Direction of the seals' friction, as far as it is known: 1 while the cylinder extends.
+    pub direction: f64,
     /// The cylinder moves.
     pub moves: bool,
     /// Sine and cosine of the swing angle.
@@ -93,6 +98,16 @@ pub struct Moment {
     pub variance: f64,
     /// Time since the measurement before \[s\].
     pub period: f64,
+}
+
+impl Moment {
+    /// Variance of f that friction of this size \[N\] and the drawing leave [N^2]: it lasts for [`FADING`].
+    #[must_use]
+    pub fn rest(&self, friction: f64) -> f64 {
+        let untold = UNTOLD[usize::from(!self.moves)] * friction;
+        let drawn = DRAWN * self.measured / self.lever;
+        untold * untold + drawn * drawn
+    }
 }
 
 /// What boom, arm and bucket do at a tick.
@@ -295,7 +310,7 @@ fn moment(
         tilt_payload: tilt[3],
         directions,
         lever: smooth(&|b| b.lever),
-        friction: cylinder.friction[0] * direction,
+        direction,
         moves,
         turn: [smooth(&|b| b.turn[0]), smooth(&|b| b.turn[1])],
         variance: missed * missed + noise * noise,

@@ -30,11 +30,9 @@
 use super::super::geometry::Inertia;
 pub(super) use super::states::*;
 use super::trail::Trail;
+use crate::excavator::measurements::boom_moment::GRAVITY;
 use crate::kalman::Innovation;
 use crate::math::{exp, tanh};
-
-/// Standard gravity [m/s^2].
-const GRAVITY: f64 = 9.806_65;
 
 /// What acts during one step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -273,34 +273,7 @@ impl Working {
         }
         self.torque += share * (drive.torque - self.torque);
         self.largest = self.largest.max(self.torque.abs());
-        let sensor = s.sensors.swing_torque_std;
-        let model = self.torque_share * self.largest;
-        let nearly = 1.0 - self.filter.x[W].abs() / BRAKED;
-        let braked = nearly.max(0.0) * (drive.torque.abs() + s.coulomb_friction);
-        // What the ground does to a bucket that digs lasts, unlike noise.
-        let pushed = if self.slow_for > CREPT {
-            self.largest
-        } else {
-            0.0
-        };
-        let opening = self.bucket.opening_rate() * drive.period;
-        let m = self.filter.x[M].max(0.0);
-        let input = Input {
-            period: drive.period,
-            torque: drive.torque,
-            inertia: drive.mean,
-            rate: drive.rate,
-            now: drive.now,
-            turn: sin_cos(self.turn),
-            torque_variance: model * model * self.noise.scale() * 0.01 / drive.period
-                + sensor * sensor * drive.share
-                + braked * braked
-                + pushed * pushed * CREPT / drive.period
-                + drive.stale_torque,
-            leaving: (s.estimator.opening_decay * opening).min(0.5),
-            payload_variance: 0.5 * m * m * opening
-                + s.estimator.q_m * self.rated * self.rated * 1e-5 * drive.period,
-        };
+        let input = self.input(s, drive);
         for filter in [&mut self.filter, &mut self.rival.filter] {
             filter.p[GAIN][GAIN] += GAIN_DRIFT * GAIN_DRIFT * drive.period;
         }
@@ -348,6 +321,38 @@ impl Working {
         }
         self.tare(gate, &drive.now, trail);
         innovation
+    }
+
+    /// What acts during a step, with what nobody measures of it.
+    fn input(&self, s: &Settings, drive: &Drive) -> Input {
+        let sensor = s.sensors.swing_torque_std;
+        let model = self.torque_share * self.largest;
+        let nearly = 1.0 - self.filter.x[W].abs() / BRAKED;
+        let braked = nearly.max(0.0) * (drive.torque.abs() + s.coulomb_friction);
+        // What the ground does to a bucket that digs lasts, unlike noise.
+        let pushed = if self.slow_for > CREPT {
+            self.largest
+        } else {
+            0.0
+        };
+        let opening = self.bucket.opening_rate() * drive.period;
+        let m = self.filter.x[M].max(0.0);
+        Input {
+            period: drive.period,
+            torque: drive.torque,
+            inertia: drive.mean,
+            rate: drive.rate,
+            now: drive.now,
+            turn: sin_cos(self.turn),
+            torque_variance: model * model * self.noise.scale() * 0.01 / drive.period
+                + sensor * sensor * drive.share
+                + braked * braked
+                + pushed * pushed * CREPT / drive.period
+                + drive.stale_torque,
+            leaving: (s.estimator.opening_decay * opening).min(0.5),
+            payload_variance: 0.5 * m * m * opening
+                + s.estimator.q_m * self.rated * self.rated * 1e-5 * drive.period,
+        }
     }
 
     /// Nobody knows what drives the swing: its velocity says where the machine is, and nothing of the load.

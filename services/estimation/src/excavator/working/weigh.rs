@@ -14,10 +14,6 @@ use super::trail::Trail;
 use crate::kalman::Innovation;
 use crate::math::{exp, sin_cos};
 
-/// Share of the seals' friction that nobody can tell, while the cylinder moves and while it stands.
-const UNTOLD: [f64; 2] = [0.15, 0.5];
-/// Share of the moment that the drawing misses at each posture: centres of mass beside the lines of the pins.
-const DRAWN: f64 = 0.01;
 /// Standard deviation of the load's centre, as a share of its distance from the pin.
 const CENTRE: f64 = 0.12;
 /// A zero and a span wander by their standard deviations in this time \[s\].
@@ -157,17 +153,15 @@ impl Weigh {
     /// What the rest of the friction may be, and what it keeps of what it was.
     fn wander(&self, m: &Moment, filter: &mut Filter, settings: &Settings) {
         let c = &self.cylinder;
-        let untold = UNTOLD[usize::from(!m.moves)] * c.friction[0];
         let doubt = if m.moves {
             c.friction[1]
         } else {
             0.5 * c.friction[1]
         };
-        let drawn = DRAWN * m.measured / m.lever;
         let load = filter.x[M].max(0.0) * m.per_payload / m.lever;
         let centre =
             CENTRE * settings.geometry.payload_centre / settings.geometry.lengths[0] * load;
-        let variance = untold * untold + doubt * doubt + drawn * drawn + centre * centre;
+        let variance = m.rest(c.friction[0]) + doubt * doubt + centre * centre;
         let kept = exp(-m.period / FADING);
         filter.x[REST] *= kept;
         for i in 0..N {
@@ -198,7 +192,8 @@ impl Weigh {
         let tau =
             m.empty + x[LINKS] * m.links + x[BUCKET] * m.per_bucket + x[M] * load + pitch * m.tilt;
         let span = 1.0 + x[SPAN];
-        let expected = span * tau + m.lever * (x[ZERO] + x[REST] + m.friction);
+        let expected =
+            span * tau + m.lever * (x[ZERO] + x[REST] + self.cylinder.friction[0] * m.direction);
         let row = [
             (M, span * load),
             (BUCKET, span * m.per_bucket),
