@@ -371,7 +371,7 @@ fn loaded<const N: usize, const M: usize, B: Belief<N, M>>(
         };
         let [of_ratio, of_height] = weighed.loading_std;
         let std = Each {
-            ratio: norm(&[share * std.ratio, of_ratio]),
+            ratio: norm(&[share * std.ratio, share * filter.left_by_loads(), of_ratio]),
             height: norm(&[share * std.height, of_height]),
         };
         return (centre, std);

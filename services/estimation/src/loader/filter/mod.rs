@@ -130,6 +130,8 @@ pub(super) struct CgFilter<const N: usize, const M: usize, B: Belief<N, M>> {
     payload: Option<Payload>,
     /// What the lift pressure says of this row.
     weighed: Option<Weighed>,
+    /// Least standard deviation of a weighed load's part of the ratio under which the slips were learnt.
+    learnt_under: Option<f64>,
     frozen: bool,
 }
 
@@ -187,6 +189,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             spade_force_x: 0.0,
             payload: None,
             weighed: None,
+            learnt_under: None,
             frozen: false,
         };
         new.belief = B::new(new.prior_state(), &new.prior_std(), spread);
@@ -245,8 +248,15 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
                 ]
             };
             self.restore(centre);
+            self.learnt_under = None;
         }
         self.weighed = weighed;
+    }
+
+    /// What the error of a weighed load has left in the ratio of the empty machine, as a standard deviation: what the slips told of
+    /// that one they told under a load. Errors of many loads may have one cause, such as a lever, so none average out.
+    pub(in crate::loader) fn left_by_loads(&self) -> f64 {
+        self.learnt_under.unwrap_or(0.0)
     }
 
     /// Takes one row.
@@ -500,6 +510,10 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             accepted[REAR_WHEEL] &= driven && !effect.braking;
         }
         let both = accepted[FRONT_WHEEL] && accepted[REAR_WHEEL] && !conditions.frozen;
+        if let (true, Some(weighed)) = (both, &self.weighed) {
+            let doubt = weighed.loading_std[0] / weighed.loading.share;
+            self.learnt_under = Some(self.learnt_under.map_or(doubt, |least| least.min(doubt)));
+        }
         if at_work && both {
             let wheel = |i: usize| (innovation[i], B::measurement_std(&expected, i));
             let wheels = [wheel(FRONT_WHEEL), wheel(REAR_WHEEL)];
