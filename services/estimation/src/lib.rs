@@ -75,6 +75,7 @@ pub mod math;
 mod methods;
 pub mod model;
 pub mod pair;
+mod positive;
 pub mod prediction;
 mod reasons;
 pub mod rls;

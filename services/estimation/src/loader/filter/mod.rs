@@ -47,6 +47,10 @@ const LONGEST_STEP: f64 = 1.0;
 /// A load sensitivity that is learnt may differ by this many times what counts where it is not: a guess costs nothing then.
 const WIDER: f64 = 2.5;
 
+/// A wheel that slips by more than this share spins: tyres on soil have passed their proportional range, and the force that they
+/// transmit says nothing of slip stiffness and load (Wong, Theory of Ground Vehicles, 2.4). Slower than this it does not count [m/s].
+const SPINS: (f64, f64) = (0.15, 0.3);
+
 /// Acceleration beyond which the torques do not explain the motion [m/s^2].
 const UNEXPLAINED: f64 = 0.15;
 
@@ -294,6 +298,10 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         self.evidence.stuck = self.stuck.first();
         self.boom_told |= sample.boom_moving;
         self.changed += dt;
+        if at_work && self.spins(sample) {
+            self.evidence.set_aside();
+            return self.bridge_gap(sample, 0.0);
+        }
         self.watch_slope(sample, dt);
         if at_work && !self.is_told_its_load() {
             self.weigh(dt);
@@ -384,6 +392,17 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             substeps: u32::try_from(self.settings.estimator.substeps).unwrap_or(u32::MAX),
             loading: self.loading(),
         }
+    }
+
+    /// A wheel spins.
+    fn spins(&self, sample: &Sample) -> bool {
+        let speed = self.belief.state()[SPEED];
+        let wheels = [sample.front_wheel_speed, sample.rear_wheel_speed];
+        wheels.into_iter().flatten().any(|wheel| {
+            let rim = self.dynamics.wheel_radius * wheel;
+            let (slip, fastest) = ((rim - speed).abs(), rim.abs().max(speed.abs()));
+            slip > SPINS.1 && slip > SPINS.0 * fastest
+        })
     }
 
     /// What the motion says of a row beside its own signals.

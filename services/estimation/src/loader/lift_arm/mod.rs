@@ -78,7 +78,7 @@ pub(super) struct LiftWitness {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Weighed {
-    /// What the bucket holds [kg].
+    /// What the bucket holds, as the pressures show it: an empty one may show less than nothing [kg].
     pub payload: Quantity,
     /// Mass of the machine with it [kg].
     pub mass: f64,
@@ -231,7 +231,7 @@ impl LiftWitness {
         let payload = self.scale.payload();
         self.doubts.see(&self.drawing, &posture, payload.value);
         if !motion.open {
-            let std = crate::math::norm(&[payload.std, self.doubts.std().payload]);
+            let std = crate::math::norm(&[payload.std, self.doubts.payload()]);
             self.below.see(Quantity { std, ..payload }, dt);
         }
         let answer = self.answer(&posture, payload, motion.open);
@@ -244,39 +244,34 @@ impl LiftWitness {
         let drawing = &self.drawing;
         let centre = drawing.centre(&drawing.values, posture, payload.value);
         let more = drawing.centre(&drawing.values, posture, payload.value + payload.std);
-        let doubts = self.doubts.std();
-        let wider = self.below.factor();
-        let std = |by_load: f64, doubt: f64| wider * crate::math::norm(&[by_load, doubt]);
-        let mass = drawing.values[drawing::EMPTY_MASS] + payload.value;
-        let share = drawing.values[drawing::EMPTY_MASS] / mass;
-        let by_load = Each {
-            ratio: more.ratio - centre.ratio,
-            height: more.height - centre.height,
+        let rows = [
+            payload.std,
+            more.ratio - centre.ratio,
+            more.height - centre.height,
+        ];
+        let shown = self
+            .doubts
+            .doubted(payload.value, centre, rows, self.below.factor());
+        // What may have come into the bucket meanwhile is no error about what it holds.
+        let told = if open {
+            shown
+        } else {
+            self.doubts.not_less_than_nothing(&shown, rows)
         };
-        let empty = self.empty();
+        let mass = drawing.values[drawing::EMPTY_MASS] + told.payload.value;
+        let share = drawing.values[drawing::EMPTY_MASS] / mass;
+        let (empty, Each { ratio, height }) = (self.empty(), told.centre);
         Weighed {
-            payload: Quantity {
-                value: payload.value,
-                std: std(payload.std, doubts.payload),
-            },
+            payload: shown.payload,
             mass,
-            ratio: Quantity {
-                value: centre.ratio,
-                std: std(by_load.ratio, doubts.centre.ratio),
-            },
-            height: Quantity {
-                value: centre.height,
-                std: std(by_load.height, doubts.centre.height),
-            },
+            ratio,
+            height,
             loading: Loading {
                 share,
-                height: centre.height - share * empty.height.0,
-                ratio: centre.ratio - share * empty.ratio.0,
+                height: height.value - share * empty.height.0,
+                ratio: ratio.value - share * empty.ratio.0,
             },
-            loading_std: [
-                std(by_load.ratio, doubts.moved.ratio),
-                std(by_load.height, doubts.moved.height),
-            ],
+            loading_std: [told.moved.ratio, told.moved.height],
             open,
             wrong: self.below.is_wrong(),
         }
