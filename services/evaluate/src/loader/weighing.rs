@@ -246,28 +246,6 @@ fn run(told: Told, effects: Effects, seed: u64) -> Result<Sums, Error> {
             ..Weighing::default()
         };
         book.row(&weighed, truth.payload);
-        if std::env::var("DUMP").is_ok() {
-            println!(
-                "DUMP {} {seed} {:.2} {:.2} {:.0} {:.0} {:.0} {:.4} {:.4} {:.4} {} {:?} {:.4} {:.4} {} {:.3} {:.3} {:.3}",
-                told.name().replace(' ', "_"),
-                row.time,
-                estimate.speed,
-                truth.payload,
-                estimate.payload.map_or(0.0, |p| p.value),
-                estimate.payload.map_or(0.0, |p| p.std),
-                truth.cg_ratio,
-                ratio.value,
-                ratio.std,
-                estimate.trusted_ratio,
-                estimate.reason,
-                estimator.state()[5],
-                estimator.state_std(5),
-                estimate.frozen,
-                truth.cg_height,
-                height.value,
-                height.std
-            );
-        }
         next = simulation.next();
     }
     sums.loads = book.judge();
