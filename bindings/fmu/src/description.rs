@@ -53,6 +53,31 @@ struct Variable {
     more: String,
 }
 
+/// The page that an importer shows: how to use it, and every input and output.
+#[must_use]
+pub fn page<M: Words>() -> String {
+    let mut rows = String::new();
+    for v in variables::<M>()
+        .iter()
+        .filter(|v| ["input", "output"].contains(&v.causality))
+    {
+        let _ = writeln!(
+            rows,
+            "<tr><td>{}</td><td><code>{}</code></td><td>{}</td></tr>",
+            v.causality, v.name, v.text
+        );
+    }
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>heft: {name}</title></head><body>\n\
+         <h1>heft: mass properties of the {name}</h1>\n\
+         <p>Each communication step takes in one row: the inputs, at the time at which the step begins. Units are SI; a missing sample is NaN.</p>\n\
+         <p>Set <code>has.SIGNAL = true</code> for each input that is connected. An importer gives 0 to the others, and a torque of 0 is not a missing torque.</p>\n\
+         <p>Use a value where its <code>verdict.trusted</code> is set. Elsewhere <code>reason</code> says why not.</p>\n\
+         <table><tr><th></th><th>variable</th><th>meaning</th></tr>\n{rows}</table></body></html>\n",
+        name = M::NAME
+    )
+}
+
 /// The whole description.
 #[must_use]
 pub fn xml<M: Words>() -> String {

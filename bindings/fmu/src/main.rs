@@ -2,13 +2,21 @@
 //!
 //! One library serves both machines; it is built here in the profile `bindings`, for this platform and, where its target
 //! and linker are installed, for Windows. Libraries for others, or made elsewhere, are given: `--library PLATFORM=PATH`.
+//! `--notices FILE` puts the licences of the crates that are linked into them (`services/heft/notices heft_fmu`).
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
 use heft_c::{Excavator, Loader};
-use heft_fmu::description::{Words, identifier, xml};
+use heft_fmu::description::{Words, identifier, page, xml};
 use heft_fmu::zip::Zip;
+
+const LICENCES: &str = concat!(
+    "MIT or Apache-2.0, at your option.\n\n",
+    include_str!("../../../LICENSE-MIT"),
+    "\n\n",
+    include_str!("../../../LICENSE-APACHE")
+);
 
 /// A platform of FMI.
 struct Platform {
@@ -52,6 +60,7 @@ fn main() -> ExitCode {
 fn build(mut arguments: impl Iterator<Item = String>) -> Result<(), String> {
     let mut folder = None;
     let mut libraries = Vec::new();
+    let mut notices = None;
     while let Some(argument) = arguments.next() {
         if argument == "--library" {
             let given = arguments.next().unwrap_or_default();
@@ -59,6 +68,8 @@ fn build(mut arguments: impl Iterator<Item = String>) -> Result<(), String> {
                 .split_once('=')
                 .ok_or("--library wants PLATFORM=PATH, such as x86_64-windows=heft_fmu.dll")?;
             libraries.push((platform.to_owned(), read(Path::new(path))?));
+        } else if argument == "--notices" {
+            notices = Some(read(Path::new(&arguments.next().unwrap_or_default()))?);
         } else {
             folder = Some(PathBuf::from(argument));
         }
@@ -78,8 +89,8 @@ fn build(mut arguments: impl Iterator<Item = String>) -> Result<(), String> {
     }
     let folder = folder.unwrap_or_else(|| target.join("fmu"));
     std::fs::create_dir_all(&folder).map_err(|e| told("create", &folder, &e))?;
-    write::<Excavator>(&folder, &libraries)?;
-    write::<Loader>(&folder, &libraries)
+    write::<Excavator>(&folder, &libraries, notices.as_deref())?;
+    write::<Loader>(&folder, &libraries, notices.as_deref())
 }
 
 /// The folder of this program without the profile.
@@ -133,10 +144,20 @@ fn told(what: &str, path: &Path, error: &std::io::Error) -> String {
     format!("cannot {what} {}: {error}", path.display())
 }
 
-fn write<M: Words>(folder: &Path, libraries: &[(String, Vec<u8>)]) -> Result<(), String> {
+fn write<M: Words>(
+    folder: &Path,
+    libraries: &[(String, Vec<u8>)],
+    notices: Option<&[u8]>,
+) -> Result<(), String> {
     let name = identifier::<M>();
     let mut zip = Zip::default();
     zip.add("modelDescription.xml", xml::<M>().as_bytes());
+    zip.add("documentation/index.html", page::<M>().as_bytes());
+    let licences = "documentation/licenses";
+    zip.add(&format!("{licences}/license.txt"), LICENCES.as_bytes());
+    if let Some(notices) = notices {
+        zip.add(&format!("{licences}/THIRD-PARTY.txt"), notices);
+    }
     for (platform, library) in libraries {
         let ending = if platform.ends_with("windows") {
             "dll"

@@ -270,13 +270,16 @@ impl Map {
     ) -> Result<(), Error> {
         let has = |name: &str| entries.iter().any(|e| e.signal == name && !e.is_nowhere());
         let mut groups = S::REQUIRED.iter();
-        let missing = groups.find(|group| !group.iter().any(|name| has(name)));
+        let missing =
+            groups.find(|group| !group.iter().any(|name| has(name)) && !are_absent(entries, group));
         missing.map_or(Ok(()), |group| {
             let names = group.join(" or ");
             Err(Error::new(
                 format!("the map names no signal for {names} ({})", S::MACHINE),
                 self.file(),
-                format!("add it under {table}, or say {{ constant = ... }}"),
+                format!(
+                    "add it under {table}, or say {{ constant = ... }}, or \"none\" if there is no such sensor"
+                ),
             ))
         })
     }
@@ -394,4 +397,9 @@ pub(crate) fn hint<'a>(
         Some(name) => format!("did you mean {name}?"),
         None => format!("{all} {}", names.collect::<Vec<_>>().join(", ")),
     }
+}
+/// Whether the map says of each of these signals that there is no such sensor (`"none"`).
+pub(crate) fn are_absent(entries: &[Entry], names: &[&str]) -> bool {
+    let is_absent = |name: &&str| entries.iter().any(|e| e.signal == *name && e.is_nowhere());
+    names.iter().all(is_absent)
 }

@@ -19,6 +19,7 @@ use crate::can::dbc::Dbc;
 use crate::can::{Line, parse};
 use crate::signal::{self, Sensors};
 use names::{Wanted, fitting, wanted};
+use table::LINKS;
 
 /// A first map for the table, CAN log or MCAP file of others `path`; a log needs the DBC files that describe it. Without
 /// a machine, the one whose signals fit best.
@@ -147,6 +148,7 @@ pub(crate) fn log<S: Sensors>(path: &Path, dbc: &[PathBuf]) -> Result<(usize, St
     );
     let names: Vec<&str> = present.iter().map(|(name, ..)| name.as_str()).collect();
     let (mut found, mut taken) = (Vec::new(), Vec::new());
+    let mut links = [const { None }; LINKS.len()];
     for Wanted { signal, .. } in wanted::<S>().into_iter().filter(|w| w.signal != "t") {
         let Some(at) = fitting(&signal, &names, &taken) else {
             continue;
@@ -159,11 +161,23 @@ pub(crate) fn log<S: Sensors>(path: &Path, dbc: &[PathBuf]) -> Result<(usize, St
         } else {
             format!("unit {} by the DBC", shown(unit))
         };
-        let (message, own) = (quoted(message), quoted(own));
-        let _ = writeln!(
-            out,
-            "{signal} = {{ message = {message}, signal = {own} }}  # by its name; {count} frames; {unit}"
-        );
+        let place = format!("message = {}, signal = {}", quoted(message), quoted(own));
+        let link = LINKS.iter().position(|link| *link == signal);
+        let before = link.and_then(|at| links[at.checked_sub(1)?].as_ref());
+        let _ = match before.filter(|_| absolute::by_name(name)) {
+            Some(before) => writeln!(
+                out,
+                "{signal} = {{ terms = [{{ {place} }}, {{ {before}, sign = -1 }}] }}  # {}: less the link before; {count} frames; {unit}",
+                absolute::BY_NAME
+            ),
+            None => writeln!(
+                out,
+                "{signal} = {{ {place} }}  # by its name; {count} frames; {unit}"
+            ),
+        };
+        if let Some(at) = link {
+            links[at] = Some(place);
+        }
         found.push(signal);
     }
     out += &lacking::<S>(&found, "{ message = \"...\", signal = \"...\" }");

@@ -152,6 +152,14 @@ mod tests {
     }
 
     #[test]
+    fn the_page_on_maps_lists_every_unit() {
+        let page = include_str!("../../../docs/map.md");
+        for unit in UNITS {
+            assert!(page.contains(&format!("`{}`", unit.name)), "{}", unit.name);
+        }
+    }
+
+    #[test]
     fn no_alias_belongs_to_two_units() {
         let all: Vec<_> = UNITS.iter().flat_map(|u| u.aliases).collect();
         for (i, alias) in all.iter().enumerate() {

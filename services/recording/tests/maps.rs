@@ -452,3 +452,25 @@ fn the_shipped_maps_read_the_data_of_others() {
     assert_eq!(rows.len(), 892);
     assert!((rows[0].0.boom_angle - -0.59523_f64.to_radians()).abs() < 1e-15);
 }
+
+#[test]
+fn a_sensor_that_a_loader_does_not_have_is_none_and_not_an_error() {
+    let of = |torques: &str| {
+        let dir = tempfile::tempdir().expect("a folder");
+        let path = dir.path().join("run.csv");
+        std::fs::write(&path, "t,v,slope,lift_head_pressure\n0,1,0,5e6\n").expect("writable");
+        let text = format!(
+            "[columns]\nspeed = \"v\"\nfront_wheel_speed = \"none\"\nrear_wheel_speed = \"none\"\n{torques}"
+        );
+        read::<LoaderSensors>(&path, Some(&map(&text)?))
+    };
+    let rows = of("front_torque = \"none\"\nrear_torque = \"none\"\n").expect("rows");
+    assert_eq!((rows[0].0.speed, rows[0].0.lift_head_pressure), (1.0, 5e6));
+    let silent = of("").expect_err("nothing is said of the torques");
+    assert!(silent.what.contains("front_torque"), "{silent}");
+    let time = through("[columns]\nt = \"none\"\n", "t,swing_velocity\n0,1\n");
+    assert!(time.is_err(), "no time is no data");
+    // One of two ways to measure the swing is not needed; that both are absent must be said of both.
+    let both = "t,x\n0,1\n";
+    assert!(through("[columns]\nswing_velocity = \"none\"\n", both).is_err());
+}

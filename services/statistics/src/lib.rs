@@ -90,7 +90,7 @@ pub fn standing(values: &[(f64, f64)]) -> Option<Vec<f64>> {
     // 1.4826: the standard deviation of a normal distribution over its median absolute deviation.
     let scatter = 1.4826 * median(&distances);
     let score = |&(value, std): &(f64, f64)| {
-        let expected = scatter.hypot(std);
+        let expected = (scatter * scatter + std * std).sqrt();
         let distance = value - centre;
         if distance == 0.0 {
             0.0

@@ -131,7 +131,7 @@ impl LiftArm {
     #[must_use]
     pub fn stance(&self, payload: &Payload) -> Stance {
         let (x, z) = (payload.reach - self.pivot_x, payload.height - self.pivot_z);
-        let away = x.hypot(z);
+        let away = (x * x + z * z).sqrt();
         let (l, d) = (self.length, self.payload_distance);
         let corner = |a: f64, b: f64, opposite: f64| {
             let cos = (a * a + b * b - opposite * opposite) / (2.0 * a * b);

@@ -9,12 +9,15 @@ from . import _heft
 
 # Half the width of a 95 % interval of a normal distribution, in standard deviations.
 _HALF_WIDTH_95 = 1.959963984540054
+# The flags that together make an estimate trusted.
+_NEEDED = ("excited", "consistent", "fresh", "converged", "identifiable")
 
 
 def _row(name: str, machine: str) -> type:
     """The type of a machine's estimates: a named tuple of the columns of the CSV."""
     columns = _heft.header(machine)
     why = dict(_heft.reasons(machine))
+    own = {column for column, _, _ in columns}
     quantities = [c for c, _, _ in columns if f"{c}_std" in {other for other, _, _ in columns}]
     base = namedtuple(name, [column for column, _, _ in columns])  # type: ignore[misc]
 
@@ -24,8 +27,9 @@ def _row(name: str, machine: str) -> type:
 
         @property
         def why(self) -> str:
-            """The reason in words; "" where there is none."""
-            return why.get(self.reason, "")
+            """The reason in words, else the flags that a trusted estimate lacks; "" where there is nothing to say."""
+            lacking = [flag for flag in _NEEDED if flag in own and not getattr(self, flag)]
+            return why.get(self.reason, "") or ", ".join(f"not {flag}" for flag in lacking)
 
         def interval(self, quantity: str = quantities[0]) -> tuple[float, float]:
             """The 95 % interval of a quantity; NaN where the method does not estimate it."""

@@ -175,8 +175,7 @@ pub fn differ(swings: &Swings) -> bool {
             (Load::Told, None) => {}
         }
     }
-    let far =
-        |a: &Quantity, b: &Quantity| (a.value - b.value).abs() > 5.0 * a.std.hypot(b.std).max(1e-9);
+    let far = |a: &Quantity, b: &Quantity| distance(a, b) > 5.0 && (a.value - b.value).abs() > 5e-9;
     loads.iter().any(|load| far(load, &loads[0]))
 }
 
@@ -195,8 +194,13 @@ impl Doubt {
     /// How far the two are apart, in standard deviations.
     #[must_use]
     pub fn distance(&self) -> f64 {
-        (self.told.value - self.found.value).abs() / self.told.std.hypot(self.found.std)
+        distance(&self.told, &self.found)
     }
+}
+
+/// How far two weights are apart, in standard deviations.
+fn distance(a: &Quantity, b: &Quantity) -> f64 {
+    (a.value - b.value).abs() / (a.std.powi(2) + b.std.powi(2)).sqrt()
 }
 
 /// The told load that the description contradicts most, if it does clearly.

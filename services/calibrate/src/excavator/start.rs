@@ -145,7 +145,7 @@ fn drive(swings: &Swings, fixed: &[bool]) -> [(f64, f64); 2] {
         None => (1.0, 0.0),
     };
     let ((gain, gain_std), (efficiency, efficiency_std)) = (one(Role::Gain), one(Role::Efficiency));
-    let std = gain_std.hypot(efficiency_std);
+    let std = (gain_std.powi(2) + efficiency_std.powi(2)).sqrt();
     [(efficiency / gain, std), (1.0 / (efficiency * gain), std)]
 }
 

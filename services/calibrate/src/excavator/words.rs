@@ -144,7 +144,7 @@ pub fn masses(swings: &Swings, found: &Found, fixed: &[bool], tolerance: f64) ->
     let i = swings.index(Role::Links).filter(|&i| !fixed[i])?;
     let (p, place) = (&swings.parameters[i], found.fit.place[i]);
     let own = p.value_std(place, found.uncertainty.std(i));
-    let std = tolerance.hypot(own);
+    let std = (tolerance * tolerance + own * own).sqrt();
     let by = p.value(place) / p.mean - 1.0;
     (tolerance > 0.0 && by.abs() > OTHER_MASSES * std).then(|| {
         format!(
@@ -233,7 +233,7 @@ pub fn ground(outcome: &Outcome) -> Vec<String> {
             format!(
                 "{}: the ground is inclined, by {:.1} degrees; this is taken out, but level ground is better",
                 series.name,
-                across.hypot(along)
+                (across * across + along * along).sqrt()
             )
         })
     };

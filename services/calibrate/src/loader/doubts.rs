@@ -39,7 +39,7 @@ pub fn doubts(drives: &Drives, task: &Task<'_, Drives>, fit: &Fit) -> Vec<String
         };
         let found = open.parameters[at].value(answer.place[at]);
         let std = open.parameters[at].value_std(answer.place[at], uncertainty.std(at));
-        if (found - told.value).abs() > DOUBTFUL * std.hypot(told.std) {
+        if (found - told.value).abs() > DOUBTFUL * (std.powi(2) + told.std.powi(2)).sqrt() {
             let recordings = drives.drives.iter().zip(&drives.load_of);
             let names: Vec<&str> = recordings
                 .filter(|(_, of)| **of == load)

@@ -234,10 +234,11 @@ fn averaged(rows: &[Sample]) -> (Vec<Sample>, usize) {
 }
 
 fn digs(s: &Sample, weight: f64) -> bool {
-    let force = s
-        .spade_force_x
-        .unwrap_or(0.0)
-        .hypot(s.spade_force_z.unwrap_or(0.0));
+    let (x, z) = (
+        s.spade_force_x.unwrap_or(0.0),
+        s.spade_force_z.unwrap_or(0.0),
+    );
+    let force = (x * x + z * z).sqrt();
     force > DIGGING * weight || s.boom_moving
 }
 

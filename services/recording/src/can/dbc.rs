@@ -23,6 +23,8 @@ pub(crate) struct Message {
     /// A parameter group of SAE J1939: frames match by their group, whatever their priority, source
     /// and destination, and the topmost values of a signal mean that there is none.
     pub j1939: bool,
+    /// Bytes, as the file states them.
+    pub length: u32,
     pub signals: Vec<Signal>,
 }
 
@@ -84,10 +86,10 @@ impl Dbc {
 }
 
 impl Message {
-    /// Whether a classic frame cannot hold its signals.
+    /// Whether a classic frame cannot hold it.
     pub(crate) fn is_long(&self) -> bool {
         // Nothing is read from a frame that is too short.
-        self.signals.iter().any(|s| s.layout.raw(&[0; 8]).is_none())
+        self.length > 8 || self.signals.iter().any(|s| s.layout.raw(&[0; 8]).is_none())
     }
 
     /// Whether a frame of this identifier is this message.

@@ -6,7 +6,7 @@ use ::csv::ByteRecord;
 
 use super::dialect::Dialect;
 use crate::Error;
-use crate::map::{Conversion, Entry, Map, Origin, Timing, hint};
+use crate::map::{Conversion, Entry, Map, Origin, Timing, are_absent, hint};
 use crate::sampling::{Rows, Series};
 use crate::signal::{self, Builder, Row, Sensors};
 use crate::time;
@@ -89,7 +89,7 @@ impl<S: Sensors> Columns<S> {
                 parts,
             });
         }
-        require::<S>(&lines, &used, &header, file)?;
+        require::<S>(entries, &used, &header, file)?;
         let is_timed = timings.iter().any(|t| *t != Timing::default());
         Ok(Self {
             header,
@@ -262,18 +262,17 @@ fn parts(entry: &Entry, map: &Map, header: &[String], file: &str) -> Result<Vec<
 }
 
 fn require<S: Sensors>(
-    lines: &[Line],
+    entries: &[Entry],
     used: &[&signal::Signal],
     header: &[String],
     file: &str,
 ) -> Result<(), Error> {
-    debug_assert_eq!(lines.len(), used.len());
     let time: &[&str] = &["t"];
     for group in [time].iter().chain(S::REQUIRED) {
-        if !group
+        let is_used = group
             .iter()
-            .any(|name| used.iter().any(|s| s.name == *name))
-        {
+            .any(|name| used.iter().any(|s| s.name == *name));
+        if !is_used && (*group == time || !are_absent(entries, group)) {
             return Err(absent(group, S::MACHINE.name(), header, file));
         }
     }

@@ -12,7 +12,7 @@ const LONGEST: usize = 200;
 const ENOUGH: usize = 5;
 const RATHER: usize = 3;
 /// Words in the names of sensors that measure from the horizontal.
-const NAMES: [&str; 7] = ["inclin", "imu", "abs", "tilt", "neigung", "傾斜", "倾角"];
+const NAMES: [&str; 7] = ["incl", "imu", "abs", "tilt", "neigung", "傾斜", "倾角"];
 
 /// Whether the angles `next` are from the horizontal, by those of the link before, both in rad, or else by the name.
 pub(super) fn is_absolute(name: &str, before: &[f64], next: &[f64]) -> Option<&'static str> {
@@ -28,17 +28,22 @@ pub(super) fn is_absolute(name: &str, before: &[f64], next: &[f64]) -> Option<&'
             from = at;
         }
     }
-    let named = || {
-        let name = name.to_lowercase();
-        NAMES.iter().any(|word| name.contains(word))
-    };
     if along >= ENOUGH && along > RATHER * alone {
         Some("it moves along with the link before")
-    } else if (along + alone < ENOUGH || alone <= RATHER * along) && named() {
-        Some("an inclinometer by its name")
+    } else if (along + alone < ENOUGH || alone <= RATHER * along) && by_name(name) {
+        Some(BY_NAME)
     } else {
         None
     }
+}
+
+/// Why, where only the name tells.
+pub(super) const BY_NAME: &str = "an inclinometer by its name";
+
+/// Whether the name is that of a sensor that measures from the horizontal.
+pub(super) fn by_name(name: &str) -> bool {
+    let name = name.to_lowercase();
+    NAMES.iter().any(|word| name.contains(word))
 }
 
 #[cfg(test)]

@@ -16,7 +16,7 @@ pub(super) fn wanted<S: Sensors>() -> Vec<Wanted> {
     measured.map(|s| Wanted { signal: s.name }).collect()
 }
 
-/// For each signal, words of which a name must have all, in the order of trust.
+/// For each signal, words of which a name must have all, in the order of trust; `^word` only where a word of the name begins.
 const WORDS: &[(&str, &[&[&str]])] = &[
     ("t", &[&["timestamp"], &["time"], &["zeit"]]),
     (
@@ -62,8 +62,13 @@ const WORDS: &[(&str, &[&[&str]])] = &[
         &[
             &["arm", "angle"],
             &["stick", "angle"],
+            &["dipper", "angle"],
             &["arm", "deg"],
+            &["arm", "pos"],
+            &["arm", "incl"],
             &["stick"],
+            &["dipper"],
+            &["^arm"],
         ],
     ),
     (
@@ -172,6 +177,20 @@ const WORDS: &[(&str, &[&[&str]])] = &[
     ("truck", &[&["truck", "number"], &["truck", "id"]]),
 ];
 
+/// Words of what is commanded or something else than motion: a joystick measures no stick.
+const OTHERS: [&str; 9] = [
+    "joystick", "lever", "pilot", "command", "cmd", "setpoint", "valve", "flow", "temper",
+];
+
+/// Whether a name has a word of [`WORDS`]: an alarm is no arm.
+fn has(name: &str, word: &str) -> bool {
+    let Some(word) = word.strip_prefix('^') else {
+        return name.contains(word);
+    };
+    let mut found = name.match_indices(word);
+    found.any(|(at, _)| !name[..at].ends_with(char::is_alphabetic))
+}
+
 /// Position of the name that fits a signal best and is not taken: heft's own name, else the first
 /// that has the words.
 pub(super) fn fitting(signal: &str, names: &[&str], taken: &[usize]) -> Option<usize> {
@@ -189,8 +208,25 @@ pub(super) fn fitting(signal: &str, names: &[&str], taken: &[usize]) -> Option<u
         // `boom_head_pressure` is no angle of the boom.
         let is_pressure = |n: &str| n.contains("press");
         let fits = |n: &String| {
-            words.iter().all(|w| n.contains(w)) && is_pressure(n) == is_pressure(signal)
+            words.iter().all(|w| has(n, w))
+                && is_pressure(n) == is_pressure(signal)
+                && !OTHERS.iter().any(|w| n.contains(w))
         };
         (0..lower.len()).filter(free).find(|at| fits(&lower[*at]))
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::fitting;
+
+    #[test]
+    fn an_arm_is_found_by_its_bare_name_and_what_commands_it_is_not() {
+        for name in ["arm", "Arm_Incl", "INC.ArmInclination", "dipper_deg"] {
+            assert_eq!(fitting("arm_angle", &["x", name], &[]), Some(1), "{name}");
+        }
+        for name in ["alarm", "warm", "joystick_y", "arm_cmd", "arm_valve_mA"] {
+            assert_eq!(fitting("arm_angle", &["x", name], &[]), None, "{name}");
+        }
+    }
 }

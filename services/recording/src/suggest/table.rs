@@ -84,7 +84,7 @@ pub(crate) fn suggest<S: Sensors>(path: &Path) -> Result<(usize, String), Error>
 }
 
 /// Angles of links, each from the one before it.
-const LINKS: [&str; 3] = ["boom_angle", "arm_angle", "bucket_angle"];
+pub(super) const LINKS: [&str; 3] = ["boom_angle", "arm_angle", "bucket_angle"];
 
 /// A column that is a signal.
 struct Column {

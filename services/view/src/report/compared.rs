@@ -144,7 +144,10 @@ fn value<E: Estimate>(
 }
 
 fn difference(a: &(String, f64, f64), b: &(String, f64, f64), of: &str) -> String {
-    let (value, half) = (b.1 - a.1, HALF_WIDTH_95 * a.2.hypot(b.2));
+    let (value, half) = (
+        b.1 - a.1,
+        HALF_WIDTH_95 * (a.2.powi(2) + b.2.powi(2)).sqrt(),
+    );
     if !value.is_finite() || !half.is_finite() {
         return "–".into();
     }

@@ -89,12 +89,14 @@ impl Parser {
         let id: u32 = words.number()?;
         let name = words.word()?.to_owned();
         words.sign(":")?;
+        let length = words.number().unwrap_or(0);
         self.index.insert(id, self.messages.len());
         self.messages.push(Message {
             name,
             id: id & 0x1fff_ffff,
             extended: id & 0x8000_0000 != 0,
             j1939: false,
+            length,
             signals: Vec::new(),
         });
         Some(())
