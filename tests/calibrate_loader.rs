@@ -133,33 +133,9 @@ impl Recordings {
     }
 }
 
-#[test]
-fn three_drives_and_axle_scales_find_the_machine_within_its_intervals() {
-    let recordings = Recordings::new();
-    let scales = recordings.path("scales.csv");
-    let scales = scales.to_str().expect("a path");
-    let (result, output) = recordings.calibrate(
-        &["flat.csv", "back.csv", "loaded.csv"],
-        &[
-            "--mass",
-            "loaded.csv=6200±30",
-            "--weigh",
-            scales,
-            "--there-and-back",
-            "flat.csv,back.csv",
-        ],
-    );
-    assert!(
-        both(&result).contains("go the same way"),
-        "{}",
-        both(&result)
-    );
-    assert!(result.status.success(), "{}", both(&result));
-    run_ok(&["check", output.to_str().expect("a path")]);
-    let text = std::fs::read_to_string(&output).expect("a file");
-    let d = config::Loader::parse(&text, "machine.toml").expect("a description");
+/// Three standard deviations as stated, and no more than what a calibration is for.
+fn assert_is_of_the_machine(d: &config::Loader, recordings: &Recordings) {
     let m = &recordings.machine;
-    // Three standard deviations as stated, and no more than what a calibration is for.
     for (what, found, std, truth, useful) in [
         (
             "load sensitivity",
@@ -231,6 +207,34 @@ fn three_drives_and_axle_scales_find_the_machine_within_its_intervals() {
             "{what}: {found} ± {std} for {truth}"
         );
     }
+}
+
+#[test]
+fn three_drives_and_axle_scales_find_the_machine_within_its_intervals() {
+    let recordings = Recordings::new();
+    let scales = recordings.path("scales.csv");
+    let scales = scales.to_str().expect("a path");
+    let (result, output) = recordings.calibrate(
+        &["flat.csv", "back.csv", "loaded.csv"],
+        &[
+            "--mass",
+            "loaded.csv=6200±30",
+            "--weigh",
+            scales,
+            "--there-and-back",
+            "flat.csv,back.csv",
+        ],
+    );
+    assert!(
+        both(&result).contains("go the same way"),
+        "{}",
+        both(&result)
+    );
+    assert!(result.status.success(), "{}", both(&result));
+    run_ok(&["check", output.to_str().expect("a path")]);
+    let text = std::fs::read_to_string(&output).expect("a file");
+    let d = config::Loader::parse(&text, "machine.toml").expect("a description");
+    assert_is_of_the_machine(&d, &recordings);
     assert!(text.contains("sha256") && text.contains("Correlations"));
 }
 

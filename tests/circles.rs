@@ -223,19 +223,6 @@ const LEFT: &[(&str, &[&str])] = &[
             "service.rs",
         ],
     ),
-    // The trait of a message, and the envelope with any of them.
-    ("services/messages", &["envelope.rs", "message.rs"]),
-    // What is known of a machine, and its live page and terminal.
-    (
-        "services/view",
-        &[
-            "live/frame.rs",
-            "live/metrics.rs",
-            "live/page.rs",
-            "monitor.rs",
-            "top.rs",
-        ],
-    ),
 ];
 
 #[test]

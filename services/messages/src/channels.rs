@@ -4,7 +4,7 @@
 use core::marker::PhantomData;
 use core::ops::Deref;
 
-pub use crate::envelope::{Payload, Visitor};
+pub use crate::message::{Payload, Visitor};
 use crate::{Credit, Health, Keyframe, Machine, Message};
 
 /// Rate of a channel.

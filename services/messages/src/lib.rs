@@ -14,13 +14,13 @@
 //! | `machine` | the machines, a row each: every crate makes its table from it |
 //! | [`channels`] | the table of channels: name, payload, depth, rate |
 //! | `words` | names of bits and codes, from the sheet |
-//! | `message`, `stamp` | what every payload can do, and begins with |
-//! | `envelope` | any payload |
+//! | `field`, `stamp` | what is told of a field, and what every payload begins with |
+//! | `message` | what every payload can do, and any of them |
 
 pub mod channels;
 mod codes;
-mod envelope;
 mod excavator;
+mod field;
 mod health;
 pub mod keyframe;
 mod loader;
@@ -31,12 +31,12 @@ mod stamp;
 pub mod words;
 
 pub use codes::{Entry, Words};
-pub use envelope::{Carries, Envelope, Receiver};
+pub use field::{Field, HEAD, NumberType, Value};
 pub use health::{Credit, Health, State, fault};
 pub use keyframe::{Keyframe, Snapshot};
 pub use loads::{ExcavatorLoads, LoaderLoads, loads_bits};
 pub use machine::Machine;
-pub use message::{Field, HEAD, Message, NumberType, SIMULATED, Value};
+pub use message::{Carries, Envelope, Message, Receiver, SIMULATED};
 pub use stamp::{Hop, Hops, Stamp};
 
 macro_rules! messages_of_machines {

@@ -1,64 +1,10 @@
+//! What every payload can do, and the envelope with any of them.
+
 use core::fmt::Debug;
 
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
-use crate::{Hops, Stamp};
-
-/// Type of a field of a message.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum NumberType {
-    /// Unsigned 32-bit number; bits or an index.
-    U32,
-    /// Unsigned 64-bit number; a count or a time in nanoseconds.
-    U64,
-    /// Double-precision number in the field's unit.
-    F64,
-}
-
-/// Value of a field of a message.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Value {
-    /// See [`NumberType::U32`].
-    U32(u32),
-    /// See [`NumberType::U64`].
-    U64(u64),
-    /// See [`NumberType::F64`].
-    F64(f64),
-}
-
-impl Value {
-    /// The value as a double, for plots. Counts above 2^53 lose their last bits.
-    #[must_use]
-    pub fn as_f64(self) -> f64 {
-        match self {
-            Self::U32(v) => f64::from(v),
-            Self::U64(v) => v as f64,
-            Self::F64(v) => v,
-        }
-    }
-
-    /// Whether both have the same type and the same bits (NaN equals itself, 0 differs from -0).
-    #[must_use]
-    pub fn same_bits(self, other: Self) -> bool {
-        match (self, other) {
-            (Self::F64(a), Self::F64(b)) => a.to_bits() == b.to_bits(),
-            (a, b) => a == b,
-        }
-    }
-}
-
-/// Description of a field: what a reader that knows nothing of heft must be told.
-#[derive(Debug, Clone, Copy)]
-pub struct Field {
-    /// Name, as in the CSV and in the recording.
-    pub name: &'static str,
-    /// SI unit, "" for bits and pure numbers.
-    pub unit: &'static str,
-    /// One sentence.
-    pub doc: &'static str,
-    /// Type.
-    pub kind: NumberType,
-}
+use crate::{Field, Hops, Stamp, Value};
 
 /// In the field of bits that each message of a machine has (`columns`, `known` or `flags`): it was
 /// made from simulated samples, nothing was measured.
@@ -69,7 +15,7 @@ pub trait Message: ZeroCopySend + Copy + Debug + Default + PartialEq + Send + 's
     /// Type name, as iceoryx2 and the recording show it.
     const NAME: &'static str;
     /// Which payload it is.
-    const PAYLOAD: crate::channels::Payload;
+    const PAYLOAD: Payload;
     /// All fields in the order of the structure, those of stamp and hops first.
     const FIELDS: &'static [Field];
     /// Names of the bits or codes of those fields that are such.
@@ -105,132 +51,142 @@ pub trait Message: ZeroCopySend + Copy + Debug + Default + PartialEq + Send + 's
     }
 }
 
-/// Number of fields that [`Stamp`] and [`Hops`] put before those of the message itself.
-pub const HEAD: usize = 10;
-
-pub(crate) const HEAD_FIELDS: [Field; HEAD] = [
-    field("machine", "", "Which machine.", NumberType::U32),
-    field(
-        "epoch",
-        "",
-        "Restarts of the source before this sample.",
-        NumberType::U32,
-    ),
-    field(
-        "sequence",
-        "",
-        "Number of the sample, from 0.",
-        NumberType::U64,
-    ),
-    field(
-        "t",
-        "s",
-        "Time of the measurement as the data tell it.",
-        NumberType::F64,
-    ),
-    field(
-        "measured_ns",
-        "ns",
-        "Time of the measurement, host monotonic clock.",
-        NumberType::U64,
-    ),
-    field(
-        "sensor_ns",
-        "ns",
-        "Published by the sensor process.",
-        NumberType::U64,
-    ),
-    field(
-        "filter_ns",
-        "ns",
-        "Published by the filter stage, 0 if none.",
-        NumberType::U64,
-    ),
-    field(
-        "estimate_ns",
-        "ns",
-        "Published by the estimator, 0 if none.",
-        NumberType::U64,
-    ),
-    field(
-        "filter_restarts",
-        "",
-        "Restarts of the filter stage before this.",
-        NumberType::U32,
-    ),
-    field(
-        "estimate_restarts",
-        "",
-        "Restarts of the estimator before this.",
-        NumberType::U32,
-    ),
-];
-
-const fn field(
-    name: &'static str,
-    unit: &'static str,
-    doc: &'static str,
-    kind: NumberType,
-) -> Field {
-    Field {
-        name,
-        unit,
-        doc,
-        kind,
-    }
+/// A function that works on any payload type; [`Payload::visit`] calls it with the right one.
+pub trait Visitor {
+    /// What it returns.
+    type Output;
+    /// Called with the payload type of the channel.
+    fn visit<M: Message>(self) -> Self::Output;
 }
 
-pub(crate) fn get_head(stamp: &Stamp, hops: &Hops, index: usize) -> Value {
-    match index {
-        0 => Value::U32(stamp.machine),
-        1 => Value::U32(stamp.epoch),
-        2 => Value::U64(stamp.sequence),
-        3 => Value::F64(stamp.time),
-        4 => Value::U64(stamp.measured_ns),
-        5 => Value::U64(hops.sensor_ns),
-        6 => Value::U64(hops.filter_ns),
-        7 => Value::U64(hops.estimate_ns),
-        8 => Value::U32(hops.filter_restarts),
-        _ => Value::U32(hops.estimate_restarts),
-    }
+/// A function that takes a message of any type.
+pub trait Receiver {
+    /// What it returns.
+    type Output;
+    /// Called with the message in the envelope.
+    fn receive<M: Message>(self, message: &M) -> Self::Output;
 }
 
-pub(crate) fn set_head(stamp: &mut Stamp, hops: &mut Hops, index: usize, value: Value) -> bool {
-    match (index, value) {
-        (0, Value::U32(v)) => stamp.machine = v,
-        (1, Value::U32(v)) => stamp.epoch = v,
-        (2, Value::U64(v)) => stamp.sequence = v,
-        (3, Value::F64(v)) => stamp.time = v,
-        (4, Value::U64(v)) => stamp.measured_ns = v,
-        (5, Value::U64(v)) => hops.sensor_ns = v,
-        (6, Value::U64(v)) => hops.filter_ns = v,
-        (7, Value::U64(v)) => hops.estimate_ns = v,
-        (8, Value::U32(v)) => hops.filter_restarts = v,
-        (9, Value::U32(v)) => hops.estimate_restarts = v,
-        _ => return false,
-    }
-    true
+fn fields<M: Message>(_: &M) -> &'static [Field] {
+    M::FIELDS
 }
 
-/// Type of a field, found from its Rust type.
-pub(crate) trait FieldType: Copy {
-    const KIND: NumberType;
-    fn wrap(self) -> Value;
-    fn unwrap(value: Value) -> Option<Self>;
+/// What a message is to its machine.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Carries {
+    /// What was measured.
+    Sensors,
+    /// The truth behind it.
+    Truth,
+    /// What is estimated from it.
+    Estimate,
+    /// What is between them.
+    Between,
+    /// It is of no machine: every process has it.
+    Common,
 }
 
-macro_rules! field_type {
-    ($($type:ty => $kind:ident),*) => {$(
-        impl FieldType for $type {
-            const KIND: NumberType = NumberType::$kind;
-            fn wrap(self) -> Value { Value::$kind(self) }
-            fn unwrap(value: Value) -> Option<Self> {
-                match value { Value::$kind(v) => Some(v), _ => None }
+/// Everything that must be said once per message type: `payloads!` is called with all of them and their roles.
+macro_rules! payloads_of_machines {
+    ($( $machine:ident, $module:ident, $sensors:ident, $truth:ident, $estimate:ident, [$($other:ident),*]; )*) => {
+        payloads! {
+            $( $sensors: Sensors, $truth: Truth, $( $other: Between, )* $estimate: Estimate, )*
+            Health: Common, Credit: Common, Keyframe: Common,
+        }
+    };
+}
+
+macro_rules! payloads {
+    ($( $name:ident: $carries:ident, )*) => {
+        /// Payload of a channel.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        pub enum Payload {
+            $( #[doc = concat!("[`", stringify!($name), "`](crate::", stringify!($name), ")")] $name, )*
+        }
+
+        impl Payload {
+            /// What it is to its machine.
+            #[must_use]
+            pub const fn carries(self) -> Carries {
+                match self {
+                    $( Self::$name => Carries::$carries, )*
+                }
+            }
+
+            /// Calls `visitor` with the Rust type of this payload.
+            pub fn visit<V: Visitor>(self, visitor: V) -> V::Output {
+                match self {
+                    $( Self::$name => visitor.visit::<crate::$name>(), )*
+                }
             }
         }
-    )*};
+
+        /// Any message, for queues that carry all of them.
+        #[derive(Debug, Clone, Copy, PartialEq)]
+        #[allow(missing_docs, reason = "each variant is the type of its name")]
+        pub enum Envelope {
+            $( $name(crate::$name), )*
+        }
+
+        impl Envelope {
+            /// Hands the message inside to `receiver`.
+            pub fn open<R: Receiver>(&self, receiver: R) -> R::Output {
+                match self {
+                    $( Self::$name(m) => receiver.receive(m), )*
+                }
+            }
+
+            /// Which payload is inside.
+            #[must_use]
+            pub const fn payload(&self) -> Payload {
+                match self {
+                    $( Self::$name(_) => Payload::$name, )*
+                }
+            }
+
+            /// Identity of the sample.
+            #[must_use]
+            pub fn stamp(&self) -> &Stamp {
+                match self {
+                    $( Self::$name(m) => m.stamp(), )*
+                }
+            }
+
+            /// Says that it was made from simulated samples.
+            pub fn mark_simulated(&mut self) {
+                match self {
+                    $( Self::$name(m) => m.mark_simulated(), )*
+                }
+            }
+
+            /// Publish times.
+            #[must_use]
+            pub fn hops(&self) -> &Hops {
+                match self {
+                    $( Self::$name(m) => m.hops(), )*
+                }
+            }
+
+            /// All fields, those of stamp and hops first.
+            #[must_use]
+            pub fn fields(&self) -> &'static [Field] {
+                match self {
+                    $( Self::$name(m) => fields(m), )*
+                }
+            }
+
+            /// Value of field `index`; `None` past the end.
+            #[must_use]
+            pub fn get(&self, index: usize) -> Option<Value> {
+                match self {
+                    $( Self::$name(m) => m.get(index), )*
+                }
+            }
+        }
+    };
 }
-field_type!(u32 => U32, u64 => U64, f64 => F64);
+
+crate::machines!(payloads_of_machines);
 
 /// Defines a payload together with its description: the structure that iceoryx2 carries, and the
 /// table that every generic reader uses, cannot disagree.
@@ -259,16 +215,16 @@ macro_rules! message {
 
         impl $crate::Message for $name {
             const NAME: &'static str = $type_name;
-            const PAYLOAD: $crate::channels::Payload = $crate::channels::Payload::$name;
+            const PAYLOAD: $crate::message::Payload = $crate::message::Payload::$name;
             const FIELDS: &'static [$crate::Field] = {
                 const OWN: &[$crate::Field] = &[$( $crate::Field {
                     name: stringify!($field),
                     unit: $unit,
                     doc: concat!($($field_doc),+),
-                    kind: <$type as $crate::message::FieldType>::KIND,
+                    kind: <$type as $crate::field::FieldType>::KIND,
                 } ),*];
-                const ALL: [$crate::Field; $crate::message::HEAD + OWN.len()] =
-                    $crate::message::join(OWN);
+                const ALL: [$crate::Field; $crate::field::HEAD + OWN.len()] =
+                    $crate::field::join(OWN);
                 &ALL
             };
 
@@ -293,13 +249,13 @@ macro_rules! message {
             }
 
             fn get(&self, index: usize) -> Option<$crate::Value> {
-                if index < $crate::message::HEAD {
-                    return Some($crate::message::get_head(&self.stamp, &self.hops, index));
+                if index < $crate::field::HEAD {
+                    return Some($crate::field::get_head(&self.stamp, &self.hops, index));
                 }
-                let mut _at = $crate::message::HEAD;
+                let mut _at = $crate::field::HEAD;
                 $(
                     if index == _at {
-                        return Some($crate::message::FieldType::wrap(self.$field));
+                        return Some($crate::field::FieldType::wrap(self.$field));
                     }
                     _at += 1;
                 )*
@@ -307,11 +263,11 @@ macro_rules! message {
             }
 
             fn set(&mut self, index: usize, value: $crate::Value) -> bool {
-                use $crate::message::FieldType;
-                if index < $crate::message::HEAD {
-                    return $crate::message::set_head(&mut self.stamp, &mut self.hops, index, value);
+                use $crate::field::FieldType;
+                if index < $crate::field::HEAD {
+                    return $crate::field::set_head(&mut self.stamp, &mut self.hops, index, value);
                 }
-                let mut _at = $crate::message::HEAD;
+                let mut _at = $crate::field::HEAD;
                 $(
                     if index == _at {
                         return match <$type>::unwrap(value) {
@@ -337,18 +293,3 @@ macro_rules! unit {
     };
 }
 pub(crate) use {message, unit};
-
-/// The fields of the head followed by those of one message.
-pub(crate) const fn join<const N: usize>(own: &[Field]) -> [Field; N] {
-    let mut all = [HEAD_FIELDS[0]; N];
-    let mut i = 0;
-    while i < N {
-        all[i] = if i < HEAD {
-            HEAD_FIELDS[i]
-        } else {
-            own[i - HEAD]
-        };
-        i += 1;
-    }
-    all
-}

@@ -107,18 +107,76 @@ fn python_reads_values_units_and_metadata_from_a_recording() {
     }
 }
 
-/// A row for the script: a signal of a frame of `estimate`, and what is to be read there.
-fn row(
-    outgoing: &Outgoing,
-    estimate: &Envelope,
-    kind: usize,
-    signal: &str,
-    wanted: &str,
-) -> String {
-    let frame = outgoing.frames(estimate, 0, "can0").nth(kind);
-    let frame = frame.expect("a frame of each kind");
-    let data: String = frame.data().iter().map(|b| format!("{b:02x}")).collect();
-    format!("{},{data},{signal},{wanted}\n", frame.id)
+/// Rows for the script: a signal of a frame of an estimate, and what is to be read there.
+#[derive(Default)]
+struct Rows(String);
+
+impl Rows {
+    fn add<M: Message>(
+        &mut self,
+        outgoing: &Outgoing,
+        estimate: &M,
+        kind: usize,
+        signal: &str,
+        wanted: &str,
+    ) {
+        let envelope = estimate.envelope();
+        let frame = outgoing.frames(&envelope, 0, "can0").nth(kind);
+        let frame = frame.expect("a frame of each kind");
+        let data: String = frame.data().iter().map(|b| format!("{b:02x}")).collect();
+        self.0 += &format!("{},{data},{signal},{wanted}\n", frame.id);
+    }
+
+    /// A quantity and its standard deviation: they are there where it is trusted.
+    fn quantity<M: Message>(
+        &mut self,
+        outgoing: &Outgoing,
+        estimate: &M,
+        kind: usize,
+        name: &str,
+        trusted: bool,
+    ) {
+        for signal in [name.to_owned(), format!("{name}_std")] {
+            let value = M::index(&signal).and_then(|i| estimate.get(i));
+            let value = value.expect("a field of the estimate").as_f64();
+            let wanted = if trusted {
+                format!("{value:?}")
+            } else {
+                String::new()
+            };
+            self.add(outgoing, estimate, kind, &signal, &wanted);
+        }
+    }
+}
+
+fn excavator_estimate(x: f64, trusted: bool) -> ExcavatorEstimate {
+    ExcavatorEstimate {
+        inertia: 1999.377 * x,
+        inertia_std: 7.77 * x,
+        payload: 31.4159 * x - 500.0,
+        payload_std: 0.123_456 + x,
+        damping: 271.828 * x,
+        damping_std: 1.414 * x,
+        flags: if trusted {
+            e::TRUSTED | e::FRESH
+        } else {
+            e::FRESH
+        },
+        estimated: e::INERTIA | e::PAYLOAD | e::DAMPING,
+        ..ExcavatorEstimate::default()
+    }
+}
+
+fn loader_estimate(x: f64, ratio: bool, height: bool) -> LoaderEstimate {
+    LoaderEstimate {
+        cg_ratio: 0.004 * x,
+        cg_ratio_std: 0.000_777 * x,
+        cg_height: 0.0314 * x,
+        cg_height_std: 0.001_41 * x,
+        flags: if ratio { l::TRUSTED_RATIO } else { 0 } | if height { l::TRUSTED_HEIGHT } else { 0 },
+        estimated: l::STATE,
+        ..LoaderEstimate::default()
+    }
 }
 
 #[test]
@@ -128,133 +186,25 @@ fn cantools_reads_what_is_trusted_within_half_a_bit_and_nothing_else() {
     };
     let machines = [Machine::Excavator, Machine::Loader];
     let [excavator, loader] = machines.map(|m| Outgoing::new(m, None).expect("the usual frames"));
-    let mut rows = String::new();
+    let mut rows = Rows::default();
     for n in 0..250 {
         // Irrational steps over the range of a machine, so that every fraction of a bit occurs.
         let x = f64::from(n) + (f64::from(n) * 0.618_033_988_749).fract();
-        let trusted = n % 4 != 0;
-        let estimate = ExcavatorEstimate {
-            inertia: 1999.377 * x,
-            inertia_std: 7.77 * x,
-            payload: 31.4159 * x - 500.0,
-            payload_std: 0.123_456 + x,
-            damping: 271.828 * x,
-            damping_std: 1.414 * x,
-            flags: if trusted {
-                e::TRUSTED | e::FRESH
-            } else {
-                e::FRESH
-            },
-            estimated: e::INERTIA | e::PAYLOAD | e::DAMPING,
-            ..ExcavatorEstimate::default()
-        };
-        let message = estimate.envelope();
-        let mut put = |outgoing, message, kind, signal: &str, value: f64, trusted: bool| {
-            let wanted = if trusted {
-                format!("{value:?}")
-            } else {
-                String::new()
-            };
-            rows += &row(outgoing, message, kind, signal, &wanted);
-        };
-        put(
-            &excavator,
-            &message,
-            0,
-            "inertia",
-            estimate.inertia,
-            trusted,
-        );
-        put(
-            &excavator,
-            &message,
-            0,
-            "inertia_std",
-            estimate.inertia_std,
-            trusted,
-        );
-        put(
-            &excavator,
-            &message,
-            1,
-            "payload",
-            estimate.payload,
-            trusted,
-        );
-        put(
-            &excavator,
-            &message,
-            1,
-            "payload_std",
-            estimate.payload_std,
-            trusted,
-        );
-        put(
-            &excavator,
-            &message,
-            2,
-            "damping",
-            estimate.damping,
-            trusted,
-        );
-        put(
-            &excavator,
-            &message,
-            2,
-            "damping_std",
-            estimate.damping_std,
-            trusted,
-        );
-        put(
-            &excavator,
-            &message,
-            3,
-            "trusted",
-            f64::from(u8::from(trusted)),
-            true,
-        );
-        let height = n % 3 == 0;
-        let estimate = LoaderEstimate {
-            cg_ratio: 0.004 * x,
-            cg_ratio_std: 0.000_777 * x,
-            cg_height: 0.0314 * x,
-            cg_height_std: 0.001_41 * x,
-            flags: if trusted { l::TRUSTED_RATIO } else { 0 }
-                | if height { l::TRUSTED_HEIGHT } else { 0 },
-            estimated: l::STATE,
-            ..LoaderEstimate::default()
-        };
-        let message = estimate.envelope();
-        put(&loader, &message, 0, "cg_ratio", estimate.cg_ratio, trusted);
-        put(
-            &loader,
-            &message,
-            0,
-            "cg_ratio_std",
-            estimate.cg_ratio_std,
-            trusted,
-        );
-        put(
-            &loader,
-            &message,
-            1,
-            "cg_height",
-            estimate.cg_height,
-            height,
-        );
-        put(
-            &loader,
-            &message,
-            1,
-            "cg_height_std",
-            estimate.cg_height_std,
-            height,
-        );
+        let (trusted, height) = (n % 4 != 0, n % 3 == 0);
+        let estimate = excavator_estimate(x, trusted);
+        for (kind, name) in ["inertia", "payload", "damping"].into_iter().enumerate() {
+            rows.quantity(&excavator, &estimate, kind, name, trusted);
+        }
+        let verdict = format!("{:?}", f64::from(u8::from(trusted)));
+        rows.add(&excavator, &estimate, 3, "trusted", &verdict);
+        let estimate = loader_estimate(x, trusted, height);
+        rows.quantity(&loader, &estimate, 0, "cg_ratio", trusted);
+        rows.quantity(&loader, &estimate, 1, "cg_height", height);
     }
     let dir = tempfile::tempdir().expect("a folder");
     let (dbc, frames) = (dir.path().join("heft.dbc"), dir.path().join("frames.csv"));
     std::fs::write(&dbc, Outgoing::dbc(&[excavator, loader])).expect("writable");
-    std::fs::write(&frames, rows).expect("writable");
+    std::fs::write(&frames, rows.0).expect("writable");
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/can/decode.py");
     let output = Command::new(python)
         .arg(script)

@@ -12,9 +12,6 @@ mod metrics;
 mod page;
 mod server;
 
-pub(crate) use frame::{judgements, series_of, truth};
-pub(crate) use metrics::{Samples, of_machine};
-pub(crate) use page::definition;
 #[cfg(test)]
 mod tests;
 

@@ -8,11 +8,8 @@ use std::time::{Duration, Instant};
 use messages::channels::Channel;
 use messages::{Health, Machine, Message};
 
-use serde_json::Value;
-
 use crate::estimate::Estimate;
 use crate::posture::{self, Posture};
-use crate::{live, top};
 
 /// Values that a sparkline shows at most.
 const TREND: usize = 240;
@@ -199,9 +196,9 @@ macro_rules! machines {
                 false
             }
 
-            /// Each, its types put aside.
-            pub(crate) fn all(&self) -> [&dyn Shown; Machine::ALL.len()] {
-                [$( &self.$module ),*]
+            /// Shows each to `shows`.
+            pub(crate) fn each<S: Each>(&self, mut shows: S) -> [S::Output; Machine::ALL.len()] {
+                [$( shows.of(&self.$module) ),*]
             }
         }
     };
@@ -209,52 +206,10 @@ macro_rules! machines {
 
 messages::machines!(machines);
 
-/// What is shown of a machine's part.
-pub(crate) trait Shown {
-    /// Which machine.
-    fn machine(&self) -> Machine;
-    /// For the live page: its parameters, its numbers, its truth, its verdicts.
-    fn definition(&self) -> Value;
-    /// The numbers of its estimators.
-    fn series(&self) -> Vec<Value>;
-    /// The truth of its parameters.
-    fn truth(&self) -> Value;
-    /// Its verdicts in words.
-    fn judgements(&self) -> Vec<Value>;
-    /// Its numbers for `/metrics`.
-    fn metrics(&self, samples: &mut live::Samples);
-    /// For the terminal: its verdicts with their trend.
-    fn verdicts(&self) -> Vec<top::Verdict>;
-}
-
-impl<E: Estimate> Shown for MachineState<E> {
-    fn machine(&self) -> Machine {
-        E::MACHINE
-    }
-
-    fn definition(&self) -> Value {
-        live::definition::<E>()
-    }
-
-    fn series(&self) -> Vec<Value> {
-        live::series_of(self)
-    }
-
-    fn truth(&self) -> Value {
-        live::truth(self)
-    }
-
-    fn judgements(&self) -> Vec<Value> {
-        live::judgements(self)
-    }
-
-    fn metrics(&self, samples: &mut live::Samples) {
-        live::of_machine(self, samples);
-    }
-
-    fn verdicts(&self) -> Vec<top::Verdict> {
-        top::verdicts(self)
-    }
+/// What somebody who shows the machines does with each.
+pub(crate) trait Each {
+    type Output;
+    fn of<E: Estimate>(&mut self, state: &MachineState<E>) -> Self::Output;
 }
 
 /// The latest of everything.

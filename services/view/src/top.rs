@@ -12,7 +12,7 @@ use ratatui::widgets::{Block, Paragraph, Row, Sparkline, Table, Wrap};
 
 use crate::estimate::Estimate;
 use crate::judgement::Judgement;
-use crate::monitor::{MachineState, Monitor, ProcessState, TREND_PERIOD, Tracked};
+use crate::monitor::{Each, MachineState, Monitor, ProcessState, TREND_PERIOD, Tracked};
 use crate::number::{decimals, grouped, nanoseconds, unit, with_std};
 use crate::report::state_name;
 use crate::words::wrapped;
@@ -52,10 +52,9 @@ const SMALL: u16 = 34;
 /// Draws the dashboard; ages are told up to the present.
 pub fn draw(frame: &mut Frame, state: &TopState) {
     let now = Instant::now().max(state.now);
-    let machines = state.monitor.machines.all();
     let is_small = frame.area().height < SMALL;
-    let verdicts = machines.iter().flat_map(|machine| {
-        let mut verdicts = machine.verdicts();
+    let machines = state.monitor.machines.each(Verdicts);
+    let verdicts = machines.into_iter().flat_map(|mut verdicts| {
         // The default method comes first; others only where trends and processes have room beside them.
         let default = verdicts.first().map(|v| v.source.clone());
         verdicts.retain(|v| !is_small || Some(&v.source) == default.as_ref());
@@ -141,7 +140,7 @@ fn title(frame: &mut Frame, area: Rect, state: &TopState) {
 }
 
 /// One quantity of one estimator.
-pub(crate) struct Verdict {
+struct Verdict {
     source: String,
     judgement: Judgement,
     /// Where it is not trusted now: the last trusted value, and how old it is.
@@ -156,21 +155,27 @@ struct Trend {
 }
 
 /// The verdicts of a machine, trend included.
-pub(crate) fn verdicts<E: Estimate>(state: &MachineState<E>) -> Vec<Verdict> {
-    state
-        .estimators
-        .iter()
-        .rev()
-        .flat_map(|(channel, tracked)| {
-            let judgements = tracked.last.judgements().into_iter().enumerate();
-            judgements.map(move |(i, judgement)| Verdict {
-                source: format!("{channel}, {}", tracked.last.method_name()),
-                last: last_trusted(tracked, i).filter(|_| !judgement.trusted),
-                judgement,
-                trend: trend(tracked, i),
+struct Verdicts;
+
+impl Each for Verdicts {
+    type Output = Vec<Verdict>;
+
+    fn of<E: Estimate>(&mut self, state: &MachineState<E>) -> Vec<Verdict> {
+        state
+            .estimators
+            .iter()
+            .rev()
+            .flat_map(|(channel, tracked)| {
+                let judgements = tracked.last.judgements().into_iter().enumerate();
+                judgements.map(move |(i, judgement)| Verdict {
+                    source: format!("{channel}, {}", tracked.last.method_name()),
+                    last: last_trusted(tracked, i).filter(|_| !judgement.trusted),
+                    judgement,
+                    trend: trend(tracked, i),
+                })
             })
-        })
-        .collect()
+            .collect()
+    }
 }
 
 /// "8 020 ± 160 kg m², 3.2 s ago".

@@ -6,22 +6,19 @@ use messages::fault;
 use serde_json::{Map, Value, json};
 
 use crate::estimate::{Estimate, Parameter};
-use crate::monitor::{ChannelState, MachineState, Monitor, ProcessState, Tracked};
+use crate::monitor::{ChannelState, Each, MachineState, Monitor, ProcessState, Tracked};
 use crate::number::{large, nanoseconds};
 use crate::posture::{JOINTS, Posture};
 use crate::report::state_name;
 
 /// The numbers of all estimators: `{t, e: [{c, v: [[value, std]...], k: trusted, n: NIS, f: forgetting}], truth}`.
 pub(super) fn series(monitor: &Monitor) -> String {
-    let machines = monitor.machines.all();
-    let all: Vec<_> = machines.iter().flat_map(|m| m.series()).collect();
-    let truths = machines
-        .iter()
-        .map(|m| (m.machine().name().to_owned(), m.truth()));
+    let all = monitor.machines.each(Series).concat();
+    let truths = monitor.machines.each(Truth);
     json!({
         "t": monitor.time,
         "e": all,
-        "truth": truths.collect::<Map<_, _>>(),
+        "truth": truths.into_iter().collect::<Map<_, _>>(),
         "p": monitor.postures.iter().map(|(m, p)| ((*m).to_owned(), posture(p))).collect::<Map<_, _>>(),
     })
     .to_string()
@@ -34,30 +31,45 @@ fn posture(posture: &Posture) -> Value {
     Value::Object(known.collect())
 }
 
-pub(crate) fn series_of<E: Estimate>(state: &MachineState<E>) -> Vec<Value> {
-    let one = |(channel, tracked): (&&'static str, &Tracked<E>)| {
-        let last = &tracked.last;
-        let values = E::PARAMETERS
-            .iter()
-            .map(|p| json!([number(p.value(last)), number(p.std(last))]));
-        let headline = E::PARAMETERS.iter().filter(|p| p.headline());
-        let trusted = headline.map(|p| u8::from(last.flags() & p.trusted != 0));
-        json!({
-            "c": channel,
-            "m": last.method_name(),
-            "v": values.collect::<Vec<_>>(),
-            "k": trusted.collect::<Vec<_>>(),
-            "n": number(tracked.nis_mean),
-            "f": last.forgetting(),
-        })
-    };
-    state.estimators.iter().map(one).collect()
+/// The numbers of the estimators of a machine.
+struct Series;
+
+impl Each for Series {
+    type Output = Vec<Value>;
+
+    fn of<E: Estimate>(&mut self, state: &MachineState<E>) -> Vec<Value> {
+        let one = |(channel, tracked): (&&'static str, &Tracked<E>)| {
+            let last = &tracked.last;
+            let values = E::PARAMETERS
+                .iter()
+                .map(|p| json!([number(p.value(last)), number(p.std(last))]));
+            let headline = E::PARAMETERS.iter().filter(|p| p.headline());
+            let trusted = headline.map(|p| u8::from(last.flags() & p.trusted != 0));
+            json!({
+                "c": channel,
+                "m": last.method_name(),
+                "v": values.collect::<Vec<_>>(),
+                "k": trusted.collect::<Vec<_>>(),
+                "n": number(tracked.nis_mean),
+                "f": last.forgetting(),
+            })
+        };
+        state.estimators.iter().map(one).collect()
+    }
 }
 
-pub(crate) fn truth<E: Estimate>(state: &MachineState<E>) -> Value {
-    state.truth.as_ref().map_or(Value::Null, |t| {
-        E::PARAMETERS.iter().map(|p| number(p.truth(t))).collect()
-    })
+/// The name of a machine, and the truth of its parameters.
+struct Truth;
+
+impl Each for Truth {
+    type Output = (String, Value);
+
+    fn of<E: Estimate>(&mut self, state: &MachineState<E>) -> (String, Value) {
+        let truth = state.truth.as_ref().map_or(Value::Null, |t| {
+            E::PARAMETERS.iter().map(|p| number(p.truth(t))).collect()
+        });
+        (E::MACHINE.name().to_owned(), truth)
+    }
 }
 
 /// Seven digits: more than a screen shows; null for what is not a number.
@@ -78,8 +90,7 @@ pub(super) fn status(
     viewers: usize,
     skipped: u64,
 ) -> String {
-    let machines = monitor.machines.all();
-    let verdicts: Vec<_> = machines.iter().flat_map(|m| m.judgements()).collect();
+    let verdicts = monitor.machines.each(Judgements).concat();
     let processes = monitor
         .processes
         .iter()
@@ -100,38 +111,45 @@ pub(super) fn status(
     .to_string()
 }
 
-pub(crate) fn judgements<E: Estimate>(state: &MachineState<E>) -> Vec<Value> {
-    // The product's filter, ukf, comes before the regression.
-    let one = |(channel, tracked): (&&'static str, &Tracked<E>)| {
-        let (last, headline) = (&tracked.last, E::PARAMETERS.iter().filter(|p| p.headline()));
-        let told = |p: &Parameter<E, E::Truth>, e: &E| {
-            let (number, interval) = large(p.value(e), p.std(e), p.unit);
-            json!({"number": number, "interval": interval, "time": e.stamp().time})
-        };
-        let words = last
-            .judgements()
-            .into_iter()
-            .zip(headline)
-            .zip(&tracked.trusted);
-        let words = words.map(|((j, p), trusted)| {
+/// The verdicts on a machine, in words.
+struct Judgements;
+
+impl Each for Judgements {
+    type Output = Vec<Value>;
+
+    fn of<E: Estimate>(&mut self, state: &MachineState<E>) -> Vec<Value> {
+        // The product's filter, ukf, comes before the regression.
+        let one = |(channel, tracked): (&&'static str, &Tracked<E>)| {
+            let (last, headline) = (&tracked.last, E::PARAMETERS.iter().filter(|p| p.headline()));
+            let told = |p: &Parameter<E, E::Truth>, e: &E| {
+                let (number, interval) = large(p.value(e), p.std(e), p.unit);
+                json!({"number": number, "interval": interval, "time": e.stamp().time})
+            };
+            let words = last
+                .judgements()
+                .into_iter()
+                .zip(headline)
+                .zip(&tracked.trusted);
+            let words = words.map(|((j, p), trusted)| {
+                json!({
+                    "title": p.label,
+                    "now": p.value(last).is_finite().then(|| told(p, last)),
+                    "value": j.value.clone(),
+                    "trusted": j.trusted,
+                    "verdict": j.verdict(),
+                    "last": trusted.as_ref().map(|e| told(p, e)),
+                })
+            });
             json!({
-                "title": p.label,
-                "now": p.value(last).is_finite().then(|| told(p, last)),
-                "value": j.value.clone(),
-                "trusted": j.trusted,
-                "verdict": j.verdict(),
-                "last": trusted.as_ref().map(|e| told(p, e)),
+                "channel": channel,
+                "machine": E::MACHINE.name(),
+                "method": tracked.last.method_name(),
+                "time": tracked.last.stamp().time,
+                "judgements": words.collect::<Vec<_>>(),
             })
-        });
-        json!({
-            "channel": channel,
-            "machine": E::MACHINE.name(),
-            "method": tracked.last.method_name(),
-            "time": tracked.last.stamp().time,
-            "judgements": words.collect::<Vec<_>>(),
-        })
-    };
-    state.estimators.iter().rev().map(one).collect()
+        };
+        state.estimators.iter().rev().map(one).collect()
+    }
 }
 
 fn process(name: &str, state: &ProcessState, now: Instant) -> Value {

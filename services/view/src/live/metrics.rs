@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::time::Instant;
 
 use crate::estimate::Estimate;
-use crate::monitor::{MachineState, Monitor};
+use crate::monitor::{Each, MachineState, Monitor};
 
 /// The media type of the format.
 pub(super) const KIND: &str = "text/plain; version=0.0.4; charset=utf-8";
@@ -77,7 +77,7 @@ const FAMILIES: [(&str, &str, &str); 14] = [
 
 /// Samples by family.
 #[derive(Debug, Default)]
-pub(crate) struct Samples(Vec<(&'static str, String, f64)>);
+struct Samples(Vec<(&'static str, String, f64)>);
 
 impl Samples {
     fn add(&mut self, family: &'static str, labels: &[(&str, &str)], value: f64) {
@@ -99,9 +99,7 @@ impl Samples {
 /// All of a run.
 pub(super) fn text(monitor: &Monitor, now: Instant) -> String {
     let mut samples = Samples::default();
-    for machine in monitor.machines.all() {
-        machine.metrics(&mut samples);
-    }
+    monitor.machines.each(&mut samples);
     for (name, channel) in &monitor.channels {
         let labels = [("channel", *name)];
         samples.add("heft_channel_messages_total", &labels, channel.count as f64);
@@ -131,30 +129,34 @@ pub(super) fn text(monitor: &Monitor, now: Instant) -> String {
 }
 
 /// The estimates of a machine.
-pub(crate) fn of_machine<E: Estimate>(state: &MachineState<E>, samples: &mut Samples) {
-    for (channel, tracked) in &state.estimators {
-        let (e, mut headline) = (&tracked.last, 0);
-        for p in E::PARAMETERS {
-            let labels = [
-                ("machine", E::MACHINE.name()),
-                ("channel", *channel),
-                ("method", e.method_name()),
-                ("quantity", p.key),
-                ("unit", p.unit),
-            ];
-            samples.add("heft_estimate", &labels, p.value(e));
-            samples.add("heft_estimate_std", &labels, p.std(e));
-            if !p.headline() {
-                continue;
+impl Each for &mut Samples {
+    type Output = ();
+
+    fn of<E: Estimate>(&mut self, state: &MachineState<E>) {
+        for (channel, tracked) in &state.estimators {
+            let (e, mut headline) = (&tracked.last, 0);
+            for p in E::PARAMETERS {
+                let labels = [
+                    ("machine", E::MACHINE.name()),
+                    ("channel", *channel),
+                    ("method", e.method_name()),
+                    ("quantity", p.key),
+                    ("unit", p.unit),
+                ];
+                self.add("heft_estimate", &labels, p.value(e));
+                self.add("heft_estimate_std", &labels, p.std(e));
+                if !p.headline() {
+                    continue;
+                }
+                let trusted = e.flags() & p.trusted != 0;
+                self.add("heft_trusted", &labels, f64::from(u8::from(trusted)));
+                if let Some(last) = tracked.trusted.get(headline).and_then(Option::as_ref) {
+                    let age = e.stamp().time - last.stamp().time;
+                    self.add("heft_last_trusted", &labels, p.value(last));
+                    self.add("heft_last_trusted_age_seconds", &labels, age);
+                }
+                headline += 1;
             }
-            let trusted = e.flags() & p.trusted != 0;
-            samples.add("heft_trusted", &labels, f64::from(u8::from(trusted)));
-            if let Some(last) = tracked.trusted.get(headline).and_then(Option::as_ref) {
-                let age = e.stamp().time - last.stamp().time;
-                samples.add("heft_last_trusted", &labels, p.value(last));
-                samples.add("heft_last_trusted_age_seconds", &labels, age);
-            }
-            headline += 1;
         }
     }
 }

@@ -6,7 +6,7 @@ use messages::Machine;
 use serde_json::{Value, json};
 
 use crate::estimate::Estimate;
-use crate::monitor::Machines;
+use crate::monitor::{Each, MachineState, Machines};
 use crate::plot;
 use crate::posture::{self, Posture};
 use crate::report::hash;
@@ -49,10 +49,7 @@ fn policy(page: &str) -> String {
 /// The page with scripts, styles and the tables of parameters put in.
 pub(super) fn page() -> String {
     let none = Machines::default();
-    let definitions = none
-        .all()
-        .map(|m| (m.machine().name().to_owned(), m.definition()));
-    let definitions = Value::Object(definitions.into_iter().collect());
+    let definitions = Value::Object(none.each(Definition).into_iter().collect());
     let drawing = |machine| {
         let svg = posture::svg(machine, &Posture::default());
         format!(
@@ -70,16 +67,24 @@ pub(super) fn page() -> String {
     .replace("/*SCRIPT*/", &[COMMON, SCRIPT].concat())
 }
 
-pub(crate) fn definition<E: Estimate>() -> Value {
-    let rule = E::INNOVATION;
-    let (low, high) = mean_chi_square_95(rule.window as f64 * rule.measurements);
-    let parameters = E::PARAMETERS
-        .iter()
-        .map(|p| json!({"title": p.title(), "headline": p.headline()}));
-    json!({
-        "parameters": parameters.collect::<Vec<_>>(),
-        "nis": {"limit": rule.limit, "low": low, "high": high},
-    })
+/// The name of a machine, and what its numbers are.
+struct Definition;
+
+impl Each for Definition {
+    type Output = (String, Value);
+
+    fn of<E: Estimate>(&mut self, _: &MachineState<E>) -> (String, Value) {
+        let rule = E::INNOVATION;
+        let (low, high) = mean_chi_square_95(rule.window as f64 * rule.measurements);
+        let parameters = E::PARAMETERS
+            .iter()
+            .map(|p| json!({"title": p.title(), "headline": p.headline()}));
+        let definition = json!({
+            "parameters": parameters.collect::<Vec<_>>(),
+            "nis": {"limit": rule.limit, "low": low, "high": high},
+        });
+        (E::MACHINE.name().to_owned(), definition)
+    }
 }
 
 #[cfg(test)]
