@@ -14,14 +14,17 @@ use recording::{Map, Sensors};
 use runtime::{Source, Worker};
 use view::estimate::Estimate;
 
-use crate::cli::EstimationArgs;
-use crate::commands::calibrate::CalibrateArgs;
-use crate::commands::estimate::{self, EstimateArgs};
+use crate::args::EstimationArgs;
+use crate::commands::calibrate::args::CalibrateArgs;
+use crate::commands::estimate::args::EstimateArgs;
+use crate::commands::estimate::look::Look;
+use crate::commands::estimate::one;
 use crate::failure::Failure;
 use crate::plan::Plan;
 use crate::serve::{self, Form, Machines, Out, Played, Rows};
 use crate::signals::Signals;
 use crate::sources;
+use crate::way::{method, way};
 
 /// A cylinder as the keys of a table of a description.
 fn cylinder_settings(table: &str, c: &sim::cylinder::Cylinder) -> Vec<String> {
@@ -61,8 +64,6 @@ messages::machines!(entries);
 
 /// A machine as the command line sees it.
 pub trait Entry: Sync {
-    /// What is estimated, for the help.
-    fn about(&self) -> &'static str;
     /// The scenario of a run that names none.
     fn usual_scenario(&self) -> &'static str;
     /// The scenario of the demonstration.
@@ -159,25 +160,6 @@ pub trait Entry: Sync {
     fn figures(&self) -> Result<Vec<Figure>, Failure>;
 }
 
-/// Looks at the samples of `heft estimate`, and says at the end what is strange about them.
-pub trait Look<S> {
-    /// For a description.
-    fn of(description: &Description) -> Self;
-    /// Takes a sample.
-    fn add(&mut self, _sample: &S) {}
-    /// Says so.
-    fn tell(&self) {}
-    /// Why data and description cannot be of one machine, and what to do.
-    fn fault(&self) -> Option<String> {
-        None
-    }
-}
-
-/// Nothing is looked for.
-impl<S> Look<S> for () {
-    fn of(_: &Description) {}
-}
-
 /// Says of the estimate of a row what later rows know.
 type Later<E> = Box<dyn Fn(usize, &mut E)>;
 
@@ -187,7 +169,6 @@ trait Typed: Sync {
     type Sensors: Sensors;
     /// What is estimated of it.
     type Estimate: Estimate + csv::Estimate;
-    const ABOUT: &'static str;
     const USUAL: &'static str;
     const SHOWN: &'static str;
     /// What the demonstration states beside the defaults.
@@ -244,10 +225,6 @@ trait Typed: Sync {
 }
 
 impl<M: Typed> Entry for M {
-    fn about(&self) -> &'static str {
-        M::ABOUT
-    }
-
     fn usual_scenario(&self) -> &'static str {
         M::USUAL
     }
@@ -328,7 +305,7 @@ impl<M: Typed> Entry for M {
         let map = sources::map(args.with.map.as_deref())?;
         let samples = recording::open::<M::Sensors>(file, map.as_ref())?;
         hint_at_names::<M::Sensors>(file, map.as_ref());
-        let method = estimate::method(args.machine, args.with.method.as_deref());
+        let method = method(args.machine, args.with.method.as_deref());
         if let Some((first, _)) = samples.rows()?.next() {
             M::check(description, method, &first)?;
         }
@@ -336,10 +313,10 @@ impl<M: Typed> Entry for M {
         let look = M::Look::of(description);
         if !args.smooth {
             let put = |_, _: &mut M::Estimate| {};
-            return estimate::run(args, output, description, samples, look, put);
+            return one::run(args, output, description, samples, look, put);
         }
         let put = M::past(description, method, samples.rows()?.map(|(row, _)| row))?;
-        estimate::run(args, output, description, samples, look, put)
+        one::run(args, output, description, samples, look, put)
     }
 
     fn follow(
@@ -351,16 +328,16 @@ impl<M: Typed> Entry for M {
     ) -> Result<(), Failure> {
         let map = sources::map(with.map.as_deref())?;
         let samples = recording::open::<M::Sensors>(file, map.as_ref())?;
-        let method = estimate::method(description.machine(), with.method.as_deref());
+        let method = method(description.machine(), with.method.as_deref());
         if let Some((first, _)) = samples.rows()?.next() {
             M::check(description, method, &first)?;
         }
-        let mut way = estimate::way(description, method)?;
+        let mut stages = way(description, method)?;
         for (sample, _) in samples.rows()? {
             let sample = sample.envelope();
             see(&sample);
             let mut message = Some(sample);
-            for (_, step) in &mut way {
+            for (_, step) in &mut stages {
                 message = message.and_then(|m| step.answer(&m));
             }
             if let Some(estimate) = message {

@@ -3,6 +3,7 @@
 #[macro_use]
 mod out;
 
+mod args;
 mod attached;
 mod bounds;
 mod build;
@@ -39,6 +40,7 @@ mod supervised;
 mod supervisor;
 mod tally;
 mod watch;
+mod way;
 
 use std::process::ExitCode;
 

@@ -8,8 +8,8 @@ use std::time::{Duration, Instant};
 
 use messages::channels::EXCAVATOR_SENSORS;
 use messages::{
-    Envelope, ExcavatorEstimate, ExcavatorSensors, LoaderEstimate, Machine, Message,
-    excavator_bits as e, loader_bits as l,
+    ExcavatorEstimate, ExcavatorSensors, LoaderEstimate, Machine, Message, excavator_bits as e,
+    loader_bits as l,
 };
 use recording::can::Outgoing;
 use recording::{Metadata, Writer};
@@ -173,7 +173,8 @@ fn loader_estimate(x: f64, ratio: bool, height: bool) -> LoaderEstimate {
         cg_ratio_std: 0.000_777 * x,
         cg_height: 0.0314 * x,
         cg_height_std: 0.001_41 * x,
-        flags: if ratio { l::TRUSTED_RATIO } else { 0 } | if height { l::TRUSTED_HEIGHT } else { 0 },
+        flags: if ratio { l::TRUSTED_RATIO } else { 0 }
+            | if height { l::TRUSTED_HEIGHT } else { 0 },
         estimated: l::STATE,
         ..LoaderEstimate::default()
     }

@@ -23,6 +23,8 @@ use crate::Error;
 pub struct Pipeline {
     /// The machine.
     pub machine: Machine,
+    /// What is estimated, for helps.
+    pub about: &'static str,
     /// Its processes, upstream first; a `health` message names one by its place.
     pub stages: &'static [Stage],
     /// The process whose estimate is told first, and which `--method` means where it names none of

@@ -6,7 +6,7 @@ use clap::Args;
 use config::Description;
 use messages::Machine;
 
-use crate::cli::machine;
+use crate::args::machine;
 use crate::failure::Failure;
 use crate::small_file;
 

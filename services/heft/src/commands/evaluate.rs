@@ -6,8 +6,8 @@ use std::path::PathBuf;
 use clap::Args;
 use messages::Machine;
 
+use crate::args::machine;
 use crate::build::IDENTITY;
-use crate::cli::machine;
 use crate::failure::Failure;
 use crate::machines;
 use crate::results;

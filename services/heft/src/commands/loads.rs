@@ -12,8 +12,7 @@ use steps::loads::{LoadCounter, Options, why_words};
 use view::loads::{self, Account};
 use view::number::{interval_95, value_and_std};
 
-use crate::cli::{EstimationArgs, machine};
-use crate::commands::run::description;
+use crate::args::{EstimationArgs, description, machine};
 use crate::failure::Failure;
 use crate::{machines, many, page, results};
 

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use messages::Machine;
 
-use crate::cli::machine;
+use crate::args::machine;
 use crate::failure::Failure;
 use crate::results;
 

@@ -6,7 +6,7 @@ use clap::Args;
 use recording::Reader;
 use view::Run;
 
-use crate::cli::ManyArgs;
+use crate::args::ManyArgs;
 use crate::failure::Failure;
 use crate::many::{self, Job};
 use crate::page::{put, write};

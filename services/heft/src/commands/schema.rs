@@ -8,7 +8,7 @@ use messages::channels::{self, Visitor};
 use messages::{Field, Machine, Message, NumberType, Words};
 use recording::can::Outgoing;
 
-use crate::cli::machine;
+use crate::args::machine;
 use crate::failure::Failure;
 
 mod words;

@@ -9,11 +9,10 @@ use std::path::PathBuf;
 use clap::Args;
 use messages::Machine;
 
-use crate::cli::{DescriptionArgs, EstimationArgs, machine};
-use crate::commands::estimate::{method, way};
-use crate::commands::run::{description, tell_idle_keys};
+use crate::args::{DescriptionArgs, EstimationArgs, description, machine, tell_idle_keys};
 use crate::failure::Failure;
 use crate::serve::Form;
+use crate::way::{method, way};
 use crate::{machines, sources};
 
 /// `heft serve`

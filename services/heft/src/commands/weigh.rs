@@ -8,9 +8,8 @@ use estimation::Quantity;
 use estimation::loader::weigh::{Reading, Reference, Weighing};
 use messages::Machine;
 
+use crate::args::{DescriptionArgs, description};
 use crate::build::IDENTITY;
-use crate::cli::DescriptionArgs;
-use crate::commands::run::description;
 use crate::failure::Failure;
 use crate::results;
 

@@ -14,7 +14,7 @@ use sim::excavator::{Effects, Run, Scenario, Size, Work, cases, cylinders};
 use sim::named;
 
 use super::{Figure, Later, Typed, all_scenarios, bad_run, cylinder_settings, no_scenario};
-use crate::commands::calibrate::CalibrateArgs;
+use crate::commands::calibrate::args::CalibrateArgs;
 use crate::failure::Failure;
 use crate::plan::Plan;
 
@@ -24,7 +24,6 @@ impl Typed for Excavator {
     type Sensors = ExcavatorSensors;
     type Estimate = ExcavatorEstimate;
     type Look = fits::Fits;
-    const ABOUT: &'static str = "Swing inertia, damping, torque, payload";
     const USUAL: &'static str = "base";
     const SHOWN: &'static str = "cycle";
     const SHOWN_SETTINGS: &'static [&'static str] = &[];

@@ -11,7 +11,7 @@ use sim::loader::{CASES, LiftArm, Run, Scenario, Size, Tier};
 use sim::named;
 
 use super::{Figure, Typed, all_scenarios, bad_run, cylinder_settings, no_scenario};
-use crate::commands::calibrate::CalibrateArgs;
+use crate::commands::calibrate::args::CalibrateArgs;
 use crate::failure::Failure;
 use crate::plan::Plan;
 
@@ -21,7 +21,6 @@ impl Typed for Loader {
     type Sensors = LoaderSensors;
     type Estimate = messages::LoaderEstimate;
     type Look = ();
-    const ABOUT: &'static str = "Centre of gravity, slip stiffness, digging force";
     const USUAL: &'static str = "work-cycle";
     const SHOWN: &'static str = "loading";
     // A maker's data.

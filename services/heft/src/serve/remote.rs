@@ -5,12 +5,13 @@ use std::ffi::OsString;
 use std::io::{BufReader, BufWriter, Write};
 use std::os::unix::process::CommandExt;
 use std::process::{Child, ChildStdin, ChildStdout, Stdio};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::Mutex;
 use std::thread::Scope;
 use std::time::Duration;
 
 use super::frames::{self, FAULT, ROW, SAMPLE, STATE};
-use super::{Rows, shard};
+use super::rows::{Rows, lock};
+use super::shard;
 use crate::failure::Failure;
 use crate::image;
 
@@ -60,10 +61,6 @@ pub struct RemoteShard<'a> {
     /// What the first process writes, until somebody listens. It stands apart from `input`: whoever holds that may wait
     /// for the process, which may wait for its reader.
     answers: Mutex<Option<ChildStdout>>,
-}
-
-pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// A process with both ends of it.

@@ -1,14 +1,18 @@
 //! The rows of all machines: where they go, and what is counted of them.
 
 use std::io::{BufWriter, Stdout, Write};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use recording::Output;
 use recording::payload::put_delimited;
 
 use super::NAME;
-use super::remote::lock;
 use crate::failure::Failure;
+
+/// What the mutex holds, also where somebody who held it panicked.
+pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 /// Where rows go.
 pub enum Out {

@@ -10,8 +10,9 @@ use recording::csv::{Estimate, EstimateRows};
 
 use super::Form;
 use super::frames::{self, FAULT, ROW, SAMPLE, STATE};
-use crate::commands::estimate::{Way, way};
+
 use crate::failure::Failure;
+use crate::way::{Way, way};
 
 /// Room for the state of a step \[bytes\]; the largest takes some 3000.
 const ROOM: usize = 1 << 16;

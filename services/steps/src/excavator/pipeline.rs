@@ -14,6 +14,7 @@ use crate::stages::{LOGGER, Pipeline, Role, RowOf, SENDER, Stage};
 /// The excavator's processes, upstream first.
 pub static PIPELINE: Pipeline = Pipeline {
     machine: Machine::Excavator,
+    about: "Swing inertia, damping, torque, payload",
     main: "ukf",
     stages: &[
         Stage {

@@ -11,6 +11,7 @@ use crate::stages::{LOGGER, Pipeline, Role, RowOf, SENDER, Stage};
 /// The loader's processes, upstream first.
 pub static PIPELINE: Pipeline = Pipeline {
     machine: Machine::Loader,
+    about: "Centre of gravity, slip stiffness, digging force",
     main: "ukf",
     stages: &[
         Stage {

@@ -9,7 +9,8 @@ use estimation::Quantity;
 use evaluate::text::Table;
 use view::number;
 
-use super::CalibrateArgs;
+use super::args::CalibrateArgs;
+use super::inputs;
 use super::told::scales;
 use crate::build::IDENTITY;
 use crate::failure::Failure;
@@ -65,7 +66,7 @@ fn job(args: &CalibrateArgs, folder: &Path) -> Result<Job, Failure> {
     let is_done = !args.many.again
         && many::is_newer(&description, &sources)
         && std::fs::read_to_string(&description)
-            .is_ok_and(|text| text.contains(&super::asked(&options)) && text.contains(IDENTITY));
+            .is_ok_and(|text| text.contains(&inputs::asked(&options)) && text.contains(IDENTITY));
     Ok(Job {
         input: folder.to_owned(),
         arguments,
@@ -80,7 +81,7 @@ fn options(args: &CalibrateArgs, folder: &Path) -> Vec<String> {
         parent == Path::new("") || parent.starts_with(folder)
     };
     let is_here = |text: &&String| is_meant(text.rsplit_once('=').map_or("", |(file, _)| file));
-    let mut all = super::options(args);
+    let mut all = inputs::options(args);
     for (name, told) in [("--payload", &args.payload), ("--mass", &args.mass)] {
         all.extend(told.iter().filter(is_here).map(|t| format!("{name}={t}")));
     }

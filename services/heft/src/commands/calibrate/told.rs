@@ -4,7 +4,7 @@ use std::path::Path;
 
 use estimation::Quantity;
 
-use super::CalibrateArgs;
+use super::args::CalibrateArgs;
 use crate::failure::Failure;
 
 /// The recording, if one is named, and the file of scales in `[FILE=]SCALES`.

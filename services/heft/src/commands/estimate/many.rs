@@ -8,11 +8,12 @@ use evaluate::text::Table;
 use serde_json::Value;
 use view::number;
 
-use super::EstimateArgs;
-use crate::commands::run::description;
+use super::args::EstimateArgs;
+use crate::args::description;
 use crate::failure::Failure;
 use crate::many::{self, Ended, Job};
 use crate::results;
+use crate::way::{method, way};
 
 /// What the result depends on beside the input: program, method, description.
 pub fn identity(args: &EstimateArgs, description: &Description) -> String {
@@ -20,7 +21,7 @@ pub fn identity(args: &EstimateArgs, description: &Description) -> String {
     format!(
         "{} --method {}{smooth}, description {}",
         crate::build::IDENTITY,
-        super::method(args.machine, args.with.method.as_deref()),
+        method(args.machine, args.with.method.as_deref()),
         recording::sha256(description.to_toml())
     )
 }
@@ -28,9 +29,9 @@ pub fn identity(args: &EstimateArgs, description: &Description) -> String {
 /// Each input in a process of its own.
 pub fn estimate(args: &EstimateArgs) -> Result<(), Failure> {
     let description = description(args.machine, &args.with.description)?;
-    super::way(
+    way(
         &description,
-        super::method(args.machine, args.with.method.as_deref()),
+        method(args.machine, args.with.method.as_deref()),
     )?;
     if let Some(summary) = &args.summary {
         recording::output::check(summary, &[], many::is_summary)?;

@@ -7,8 +7,8 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use messages::Machine;
 
+use crate::args::{DescriptionArgs, machine};
 use crate::bounds::LimitArgs;
-use crate::cli::{DescriptionArgs, machine};
 use crate::fleet::FleetArgs;
 
 /// How fast a run goes.

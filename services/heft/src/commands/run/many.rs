@@ -6,8 +6,9 @@ use std::time::Duration;
 
 use recording::Output;
 
-use super::{RunArgs, absolute, described, folder, plan, tell_idle_keys};
-use crate::commands::estimate::{method, way};
+use super::args::RunArgs;
+use super::plan::{absolute, described, folder};
+use crate::args::tell_idle_keys;
 use crate::commands::serve::{shard_arguments, usual_shards};
 use crate::failure::Failure;
 use crate::machines;
@@ -17,13 +18,14 @@ use crate::serve::{Machines, Out, Played, is_table};
 use crate::signals::Signals;
 use crate::sources::LiveInput;
 use crate::summary;
+use crate::way::{method, way};
 
 /// The table in the folder of the run.
 const TABLE: &str = "estimates.csv";
 
 /// Steps so many machines.
 pub fn run(args: &RunArgs, count: usize) -> Result<(), Failure> {
-    let (plan, description) = plan(args)?;
+    let (plan, description) = Plan::of(args)?;
     let (machine, entry) = (args.machine, machines::entry(args.machine));
     let method = method(machine, args.method.as_deref());
     way(&description, method)?;

@@ -2,10 +2,10 @@
 
 use calibrate::excavator::{self as machine, Input};
 
-use crate::commands::calibrate::CalibrateArgs;
-use crate::commands::calibrate::{
-    finish, interrupt, map_for, names, origin, tell_progress, told::told, unknown_key,
-};
+use crate::commands::calibrate::args::CalibrateArgs;
+use crate::commands::calibrate::inputs::{map_for, names, origin};
+use crate::commands::calibrate::outcome::{finish, interrupt, tell_progress, unknown_key};
+use crate::commands::calibrate::told::told;
 use crate::failure::Failure;
 use crate::sources;
 

@@ -5,7 +5,7 @@ use estimation::excavator::{Geometry, Mismatch, Plausible, Sample};
 use messages::{ExcavatorSensors, excavator_bits as bits};
 
 use super::boom::Boom;
-use crate::machines::Look;
+use crate::commands::estimate::look::Look;
 
 /// Mass of the reference machine \[kg\], which a description without an operating mass is of.
 const REFERENCE: f64 = 5500.0;

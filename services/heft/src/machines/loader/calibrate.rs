@@ -2,11 +2,10 @@
 
 use calibrate::loader::{self as machine, Told};
 
-use crate::commands::calibrate::CalibrateArgs;
+use crate::commands::calibrate::args::CalibrateArgs;
+use crate::commands::calibrate::inputs::{map_for, names, origin};
+use crate::commands::calibrate::outcome::{finish, interrupt, tell_progress, unknown_key};
 use crate::commands::calibrate::told::{position, scales, told, ways};
-use crate::commands::calibrate::{
-    finish, interrupt, map_for, names, origin, tell_progress, unknown_key,
-};
 use crate::commands::weigh::{SCALE_STD, reference};
 use crate::failure::Failure;
 use crate::sources;

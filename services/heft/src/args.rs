@@ -1,0 +1,120 @@
+//! The arguments that commands share, and what they are read into.
+
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use config::Description;
+use messages::Machine;
+use steps::stages::Pipeline;
+
+use crate::failure::Failure;
+use crate::small_file;
+
+/// The machines by their names.
+pub fn machine() -> impl TypedValueParser<Value = Machine> {
+    let names = Machine::ALL
+        .map(|machine| PossibleValue::new(machine.name()).help(Pipeline::of(machine).about));
+    PossibleValuesParser::new(names)
+        .try_map(|name| Machine::from_name(&name).ok_or("there is no such machine"))
+}
+
+/// The machine's description.
+#[derive(Debug, Clone, Args)]
+pub struct DescriptionArgs {
+    /// Description of the machine (TOML)
+    #[arg(long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
+    /// Size of the machine, such as 21t: what nothing else tells is that of machines of this mass
+    #[arg(long, value_name = "MASS", value_parser = tonnes)]
+    pub class: Option<f64>,
+    /// Set one key of the description, such as sensors.swing_velocity_std=0.008
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+}
+
+/// A mass such as 21t, 21.5 t or 21500kg \[kg\].
+fn tonnes(text: &str) -> Result<f64, String> {
+    let text = text.trim().to_lowercase();
+    let (number, factor) = match (text.strip_suffix("kg"), text.strip_suffix('t')) {
+        (Some(number), _) => (number, 1.0),
+        (None, Some(number)) => (number, 1000.0),
+        (None, None) => return Err("write it like 21t or 21500kg".into()),
+    };
+    let mass = number.trim().parse::<f64>().map(|number| number * factor);
+    mass.ok()
+        .filter(|mass| (200.0..=1e6).contains(mass))
+        .ok_or_else(|| "a mass from 200kg to 1000t".into())
+}
+
+/// What `--method` says of itself: the methods of each machine, the usual one first.
+fn methods() -> String {
+    let of = |machine: Machine| {
+        let pipeline = Pipeline::of(machine);
+        let stages = pipeline.stages.iter().rev();
+        let names: Vec<&str> = stages.flat_map(|stage| stage.methods()).copied().collect();
+        format!("{}: {}", machine.name(), names.join(", "))
+    };
+    let all = Machine::ALL.map(of).join("; ");
+    format!("Method; the usual one if absent ({all})")
+}
+
+/// What estimates are made with.
+#[derive(Debug, Args)]
+pub struct EstimationArgs {
+    /// Signal map (TOML)
+    #[arg(long)]
+    pub map: Option<PathBuf>,
+    #[arg(long, help = methods())]
+    pub method: Option<String>,
+    /// The machine's description
+    #[command(flatten)]
+    pub description: DescriptionArgs,
+}
+
+/// Many inputs in one command.
+#[derive(Debug, Args)]
+pub struct ManyArgs {
+    /// Many inputs: do again what is done already
+    #[arg(long, conflicts_with = "output")]
+    pub again: bool,
+    /// Many inputs: processes at the same time; as many as there are processors if absent
+    #[arg(long, value_name = "N", conflicts_with = "output")]
+    pub jobs: Option<NonZeroUsize>,
+}
+
+/// Reads the description that `--config` and `--set` make.
+pub fn description(machine: Machine, args: &DescriptionArgs) -> Result<Description, Failure> {
+    let mut description = match &args.config {
+        None => Description::default_of(machine),
+        Some(path) => {
+            let text = small_file::text(path).map_err(|e| Failure::file("read", path, &e))?;
+            Description::parse(&text, &path.display().to_string(), Some(machine))?
+        }
+    };
+    if description.machine() != machine {
+        return Err(Failure::input(
+            format!(
+                "the description is for the {}, not for the {machine}",
+                description.machine()
+            ),
+            args.config
+                .as_deref()
+                .unwrap_or(Path::new("--config"))
+                .display(),
+            "give the description of this machine, or name the other one",
+        ));
+    }
+    let class = args.class.map(|mass| config::class(machine, mass));
+    let sets: Vec<&String> = class.iter().flatten().chain(&args.set).collect();
+    description.set_all(&sets)?;
+    Ok(description)
+}
+
+/// Warns of keys that were set and do nothing.
+pub fn tell_idle_keys(description: &Description, methods: &[&str]) {
+    for idle in steps::idle_keys(description, methods) {
+        eprintln!("warning: {idle}");
+    }
+}

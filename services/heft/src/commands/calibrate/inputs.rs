@@ -1,0 +1,111 @@
+//! The recordings of a calibration: what they are called, and how the result names them.
+
+use std::path::{Path, PathBuf};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use recording::Reader;
+
+use super::args::CalibrateArgs;
+use crate::build::IDENTITY;
+use crate::failure::Failure;
+
+fn is_recording(file: &Path) -> bool {
+    file.is_dir() || file.extension().is_some_and(|e| e == "mcap")
+}
+
+/// A recording of heft takes no signal map.
+pub fn map_for<'a>(file: &Path, map: Option<&'a recording::Map>) -> Option<&'a recording::Map> {
+    map.filter(|_| !is_recording(file))
+}
+
+/// What the recordings are called in sentences: the ends of their paths, as long as it takes to tell them apart.
+pub fn names(files: &[PathBuf]) -> Vec<String> {
+    let end = |file: &PathBuf, parts: usize| -> String {
+        let all: Vec<_> = file.components().collect();
+        let last: PathBuf = all[all.len().saturating_sub(parts)..].iter().collect();
+        last.display().to_string()
+    };
+    let longest = files.iter().map(|f| f.components().count()).max();
+    let called = |parts| files.iter().map(|f| end(f, parts)).collect::<Vec<_>>();
+    let is_clear = |names: &Vec<String>| {
+        let distinct: std::collections::BTreeSet<_> = names.iter().collect();
+        distinct.len() == names.len()
+    };
+    let longest = longest.unwrap_or(1);
+    let mut tried = (1..longest).map(called);
+    tried.find(is_clear).unwrap_or_else(|| called(longest))
+}
+
+/// Where the numbers come from: version, date, files with their hashes.
+pub fn origin(args: &CalibrateArgs) -> Result<Vec<String>, Failure> {
+    let now = SystemTime::now().duration_since(UNIX_EPOCH);
+    let mut lines = vec![format!(
+        "Calibrated by heft {IDENTITY} on {} from",
+        recording::date_and_time(now.map_or(0, |since| since.as_secs()))
+    )];
+    for file in &args.files {
+        let reader = is_recording(file).then(|| Reader::open(file)).transpose()?;
+        let parts: Vec<&Path> = match &reader {
+            Some(reader) => reader.files().collect(),
+            None => vec![file],
+        };
+        for part in parts {
+            let bytes = std::fs::read(part).map_err(|e| Failure::file("read", part, &e))?;
+            let hash = recording::sha256(&bytes);
+            lines.push(format!("  {}  sha256 {hash}", part.display()));
+        }
+    }
+    let told = [
+        ("--payload", &args.payload),
+        ("--mass", &args.mass),
+        ("--weigh", &args.weigh),
+        ("--there-and-back", &args.there_and_back),
+    ];
+    let told = told
+        .iter()
+        .flat_map(|(option, given)| given.iter().map(move |g| format!("{option}={g}")));
+    let all: Vec<String> = options(args).into_iter().chain(told).collect();
+    lines.push(asked(&all));
+    Ok(lines)
+}
+
+/// Options that decide what comes out, beside what is told of the recordings.
+pub(super) fn options(args: &CalibrateArgs) -> Vec<String> {
+    let mut all = Vec::new();
+    let mut option = |name: &str, value: &str| all.push(format!("{name}={value}"));
+    if let Some(map) = &args.map {
+        option("--map", &map.display().to_string());
+    }
+    if let Some(config) = &args.description.config {
+        option("--config", &config.display().to_string());
+    }
+    for set in &args.description.set {
+        option("--set", set);
+    }
+    if !args.free.is_empty() {
+        option("--free", &args.free.join(","));
+    }
+    all.extend(args.accept.then(|| "--accept".to_owned()));
+    all
+}
+
+/// A line of the result that says what was asked for.
+pub(super) fn asked(options: &[String]) -> String {
+    format!("  asked: {}", options.join(" "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn recordings_are_called_as_shortly_as_tells_them_apart() {
+        let of = |files: &[&str]| names(&files.iter().map(PathBuf::from).collect::<Vec<_>>());
+        assert_eq!(of(&["x/a.csv", "y/b.csv"]), ["a.csv", "b.csv"]);
+        assert_eq!(
+            of(&["s/e/run.mcap", "s/f/run.mcap"]),
+            ["e/run.mcap", "f/run.mcap"]
+        );
+        assert_eq!(of(&["a.csv", "a.csv"]), ["a.csv", "a.csv"]);
+    }
+}

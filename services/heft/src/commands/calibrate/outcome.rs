@@ -1,0 +1,155 @@
+//! What a calibration found: told, and written where it may be believed.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use calibrate::Summary;
+use calibrate::fit::Progress;
+use recording::output;
+
+use super::args::CalibrateArgs;
+use super::{page, told};
+use crate::failure::Failure;
+use crate::results;
+
+pub fn unknown_key(e: String) -> Failure {
+    Failure::input(
+        e,
+        "--free",
+        "name keys that can be found, separated by commas",
+    )
+}
+
+pub fn interrupt() -> Result<Arc<AtomicBool>, Failure> {
+    let stop = Arc::new(AtomicBool::new(false));
+    for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
+        signal_hook::flag::register(signal, Arc::clone(&stop)).map_err(Failure::internal)?;
+    }
+    Ok(stop)
+}
+
+pub fn tell_progress(progress: Progress) {
+    use std::io::IsTerminal;
+    if std::io::stderr().is_terminal() {
+        eprint!("\rstep {:<3} cost {:<16.3}", progress.step, progress.cost);
+    }
+}
+
+const DOING: &str = "write the description";
+/// How the first line of a calibrated description begins.
+const FIRST_WORDS: &str = "# Calibrated by heft ";
+
+fn is_ours(head: &[u8]) -> bool {
+    head.starts_with(FIRST_WORDS.as_bytes())
+}
+
+fn output_of(args: &CalibrateArgs) -> Result<&Path, Failure> {
+    let missing = || {
+        Failure::input(
+            "no name for the description",
+            "--output",
+            "give one: -o machine.toml",
+        )
+    };
+    args.output.as_deref().ok_or_else(missing)
+}
+
+/// What is read, and must not be written over.
+fn taken(args: &CalibrateArgs) -> Vec<&Path> {
+    let scales = args.weigh.iter().map(|w| told::scales(w).1);
+    let files = args.files.iter().map(PathBuf::as_path);
+    let others = [args.map.as_deref(), args.description.config.as_deref()];
+    files
+        .chain(scales)
+        .chain(others.into_iter().flatten())
+        .collect()
+}
+
+/// Refuses before the work what could not be written after it.
+pub(super) fn check_outputs(args: &CalibrateArgs) -> Result<(), Failure> {
+    let mut taken = taken(args);
+    let description = output_of(args)?;
+    output::check(description, &taken, is_ours)?;
+    taken.push(description);
+    if let Some(report) = &args.report {
+        output::check(report, &taken, page::is_ours)?;
+        if report == description {
+            return Err(Failure::input(
+                "description and page have the same name",
+                report.display(),
+                "choose another name for one of them",
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// Tells what was found, and writes the description where it may be believed, or the user insists.
+pub fn finish(
+    args: &CalibrateArgs,
+    summary: &Summary<'_>,
+    written: Option<String>,
+) -> Result<(), Failure> {
+    print!("{}", text(summary));
+    let taken = taken(args);
+    if let Some(report) = &args.report {
+        let page = page::page(summary);
+        results::text("write the page", report, &taken, page::is_ours, &page)?;
+        println!("report in {}", report.display());
+    }
+    let sure = summary.faults.is_empty();
+    match written {
+        Some(text) if sure || args.accept => {
+            let output = output_of(args)?;
+            results::text(DOING, output, &taken, is_ours, &text)?;
+            println!("description in {}", output.display());
+        }
+        Some(_) | None => println!("no description written"),
+    }
+    if sure || (args.accept && summary.found.is_some()) {
+        return Ok(());
+    }
+    Err(Failure::answer_is_no(format!(
+        "{}\n  where: {}\n  what to do: record what is missing, or take the rest with --accept",
+        summary.faults.join("\n"),
+        summary.recordings.join(", ")
+    )))
+}
+
+/// What a terminal shows of the result.
+fn text(summary: &Summary<'_>) -> String {
+    let mut out = String::new();
+    for remark in summary.remarks {
+        out += &format!("note: {remark}\n");
+    }
+    let Some(found) = summary.found else {
+        return out;
+    };
+    let parameters = summary.model.parameters();
+    let width = parameters
+        .iter()
+        .map(|p| p.words.chars().count())
+        .max()
+        .unwrap_or(0);
+    for (i, p) in parameters.iter().enumerate() {
+        let Some(q) = summary.quantity(i) else {
+            continue;
+        };
+        let held = if summary.fixed[i] { "  (held)" } else { "" };
+        out += &format!("{:<width$} {}{held}\n", p.words, page::figure(q, p.unit));
+    }
+    let [before, after] = &found.unseen;
+    out += &format!(
+        "on what took no part in the fit: squared innovations {:.2} of the expected ({:.2} as described), {:.1} % inside the 95 % interval ({:.1} %)\n",
+        after.nis,
+        before.nis,
+        100.0 * after.covered,
+        100.0 * before.covered
+    );
+    out += &format!(
+        "intervals widened {:.2} times by the scatter from {} to {}\n",
+        found.uncertainty.widened, summary.block, summary.block
+    );
+    out
+}

@@ -1,0 +1,43 @@
+//! The arguments of `heft estimate`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use messages::Machine;
+
+use crate::args::{EstimationArgs, ManyArgs, machine};
+
+/// `heft estimate`
+#[derive(Debug, Args)]
+pub struct EstimateArgs {
+    /// Recorded data: .csv, .mcap, or .log (candump); without --output many of them, and folders of them
+    #[arg(required = true)]
+    pub files: Vec<PathBuf>,
+    /// The machine
+    #[arg(long, value_parser = machine())]
+    pub machine: Machine,
+    /// What they are made with
+    #[command(flatten)]
+    pub with: EstimationArgs,
+    /// Estimates, one row per accepted row of the input (CSV); if absent NAME.estimates.csv beside each input, with a summary in NAME.estimates.json
+    #[arg(short, long, value_name = "OUT.csv")]
+    pub output: Option<PathBuf>,
+    /// Also let every later row speak of each moment (excavator, torque and posture)
+    #[arg(long)]
+    pub smooth: bool,
+    /// Also write an HTML report
+    #[arg(long, value_name = "R.html", requires = "output")]
+    pub report: Option<PathBuf>,
+    /// Also write a summary (JSON)
+    #[arg(long, value_name = "FILE", requires = "output")]
+    pub json: Option<PathBuf>,
+    /// Exit with status 1 if no estimate of the last 30 s is `trusted`
+    #[arg(long)]
+    pub require_trust: bool,
+    /// Many inputs: write the table of results here too (CSV)
+    #[arg(long, value_name = "FILE.csv", conflicts_with = "output")]
+    pub summary: Option<PathBuf>,
+    /// How many inputs are treated
+    #[command(flatten)]
+    pub many: ManyArgs,
+}

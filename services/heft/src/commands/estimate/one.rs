@@ -1,0 +1,264 @@
+//! Estimates of one input, row after row.
+
+use std::path::{Path, PathBuf};
+
+use config::Description;
+use messages::channels::Channel;
+use messages::{Envelope, Message, Receiver};
+use recording::{EstimateWriter, Metadata, Reader, Samples, Writer};
+use steps::stages::{Pipeline, Role};
+use view::estimate::Estimate;
+
+use super::args::EstimateArgs;
+use super::found::Found;
+use super::look::Look;
+use super::many;
+use crate::args::tell_idle_keys;
+use crate::failure::Failure;
+use crate::way::{method, way};
+use crate::{page, parts, summary};
+
+/// Takes sample after sample through the stages, so that the length of the data does not matter; `put` may say of a
+/// row's estimate what later rows know.
+pub fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
+    args: &EstimateArgs,
+    output: &Path,
+    description: &Description,
+    mut samples: Samples<S, T>,
+    mut look: impl Look<S>,
+    put: impl Fn(usize, &mut E),
+) -> Result<(), Failure> {
+    samples.on_progress(parts::progress());
+    let mut way = way(
+        description,
+        method(args.machine, args.with.method.as_deref()),
+    )?;
+    tell_idle_keys(
+        description,
+        &[method(args.machine, args.with.method.as_deref())],
+    );
+    let mut writer = EstimateWriter::<E>::create(output)?;
+    let metadata = metadata(args, description);
+    let mut found = Found::<E>::new();
+    let report = args.report.as_deref();
+    let mut notes = report.map(|r| Notes::create(r, &metadata)).transpose()?;
+    let (mut rows, mut last, mut trusted) = (0, E::default(), None);
+    let mut times = Vec::new();
+    for (sample, truth) in samples.rows()? {
+        rows += 1;
+        if times.len() < LOOKED_AT {
+            times.push(sample.stamp().time);
+        }
+        let mut message = sample.envelope();
+        look.add(&sample);
+        if let Some(notes) = &mut notes {
+            notes.add_sample(description, &message, &truth)?;
+        }
+        for (channel, step) in &mut way {
+            let Some(mut answer) = step.answer(&message) else {
+                break;
+            };
+            if let Some(mut estimate) = E::inside(&answer).copied() {
+                put(rows - 1, &mut estimate);
+                answer = estimate.envelope();
+            }
+            if let Some(notes) = &mut notes {
+                notes.add(channel, &answer)?;
+            }
+            message = answer;
+        }
+        if let Some(estimate) = E::inside(&message) {
+            writer.write(estimate)?;
+            found.add(estimate);
+            last = *estimate;
+            trusted = Some(last).filter(Estimate::trusted).or(trusted);
+        }
+    }
+    samples.check()?;
+    let written = writer.finish()?;
+    if let (Some(notes), Some(report)) = (notes, &args.report) {
+        notes.report(report)?;
+    }
+    if let Some(json) = &args.json {
+        found.write(
+            json,
+            rows.saturating_sub(written),
+            &many::identity(args, description),
+        )?;
+    }
+    tell(args, output, written, rows, &view::words::verdict(&last));
+    if let Some(hint) = time_hint(&times, description.rate()) {
+        eprintln!("{hint}");
+    }
+    look.tell();
+    let age = trusted.map(|e| last.stamp().time - e.stamp().time);
+    if let Some((trusted, age)) = trusted.zip(age).filter(|(_, age)| *age > 0.0) {
+        println!(
+            "last trusted {age:.1} s before the end: {}",
+            view::words::verdict(&trusted)
+        );
+    }
+    if args.require_trust {
+        summary::require_trust(age)?;
+    }
+    most_rows_were_taken(written, rows)?;
+    parts::tell_lacks(&samples.lacks())?;
+    look.fault()
+        .map_or(Ok(()), |fault| Err(Failure::answer_is_no(fault)))
+}
+
+/// Rows by which the unit of the time is judged.
+const LOOKED_AT: usize = 1000;
+
+/// Words on times that seem to be in another unit: the rows are some power of thousand further apart than the sensors'
+/// rate says.
+fn time_hint(times: &[f64], rate: f64) -> Option<String> {
+    const UNITS: [(&str, f64); 3] = [("ms", 1e3), ("us", 1e6), ("ns", 1e9)];
+    let mut steps: Vec<f64> = times.windows(2).map(|w| w[1] - w[0]).collect();
+    steps.retain(|step| *step > 0.0);
+    steps.sort_by(f64::total_cmp);
+    let step = *steps.get(steps.len() / 2)?;
+    let apart = step * rate;
+    // Sensors of a third to three times the described rate.
+    let (unit, _) = UNITS
+        .into_iter()
+        .find(|(_, factor)| (0.3..=3.0).contains(&(apart / factor)))?;
+    Some(format!(
+        "the rows are {step} s apart, and sensors.rate is {rate} Hz: is the time in {unit}? write t = {{ column = \"t\", unit = \"{unit}\" }} in a signal map"
+    ))
+}
+
+/// A table in which most rows were refused is no result: its times run backwards, or another column is the time.
+fn most_rows_were_taken(written: usize, rows: usize) -> Result<(), Failure> {
+    if 2 * written >= rows.max(1) {
+        return Ok(());
+    }
+    Err(Failure::answer_is_no(format!(
+        "{} of {rows} rows were refused: their time is missing or does not increase\n  where: the time `t`\n  \
+         what to do: sort the rows by time, or map `t` to the column that increases",
+        rows - written
+    )))
+}
+
+/// Whether a truth says anything.
+fn is_known<T: Message>(truth: &T) -> bool {
+    let known = T::index("known").and_then(|i| truth.get(i));
+    known.is_some_and(|bits| bits.as_f64() != 0.0)
+}
+
+fn tell(args: &EstimateArgs, output: &Path, written: usize, rows: usize, verdict: &str) {
+    for line in view::words::wrapped(verdict, 79) {
+        println!("{line}");
+    }
+    let refused = rows.saturating_sub(written);
+    let refused = if refused == 0 {
+        String::new()
+    } else {
+        format!(" ({refused} rows refused: their time is missing or does not increase)")
+    };
+    println!("{written} estimates in {}{refused}", output.display());
+    if let Some(report) = &args.report {
+        println!("report in {}", report.display());
+    }
+}
+
+fn metadata(args: &EstimateArgs, description: &Description) -> Metadata {
+    let names = args.files.iter().map(|f| f.display().to_string());
+    let text = description.to_toml();
+    let mut metadata = Metadata::new();
+    for (key, value) in [
+        ("heft.version", env!("CARGO_PKG_VERSION").to_owned()),
+        (crate::build::KEY, crate::build::IDENTITY.to_owned()),
+        ("machine", description.machine().name().to_owned()),
+        ("input", names.collect::<Vec<_>>().join(", ")),
+        (
+            "method",
+            method(args.machine, args.with.method.as_deref()).to_owned(),
+        ),
+        ("description.sha256", recording::sha256(&text)),
+        ("description", text),
+    ] {
+        metadata.insert(key.to_owned(), value);
+    }
+    metadata
+}
+
+/// A report is made from a recording, here from one that exists only for it.
+struct Notes {
+    file: PathBuf,
+    writer: Option<Writer>,
+}
+
+impl Notes {
+    fn create(report: &Path, metadata: &Metadata) -> Result<Self, recording::Error> {
+        let mut name = report.as_os_str().to_owned();
+        name.push(format!(".partial-{}", std::process::id()));
+        let file = PathBuf::from(name);
+        let writer = Some(Writer::create(&file, metadata)?);
+        Ok(Self { file, writer })
+    }
+
+    fn add(&mut self, channel: &Channel, message: &Envelope) -> Result<(), recording::Error> {
+        struct Write<'a>(&'a mut Writer, &'a Channel);
+
+        impl Receiver for Write<'_> {
+            type Output = Result<(), recording::Error>;
+
+            fn receive<M: Message>(self, message: &M) -> Self::Output {
+                self.0.write(self.1, message)
+            }
+        }
+
+        let writer = self.writer.as_mut();
+        writer.map_or(Ok(()), |writer| message.open(Write(writer, channel)))
+    }
+
+    /// A sample and, where it is known, the truth.
+    fn add_sample<T: Message>(
+        &mut self,
+        description: &Description,
+        sample: &Envelope,
+        truth: &T,
+    ) -> Result<(), recording::Error> {
+        for stage in Pipeline::of(description.machine()).stages {
+            if let Role::Source {
+                sensors,
+                truth: of_truth,
+            } = stage.role
+            {
+                self.add(sensors, sample)?;
+                if is_known(truth) {
+                    self.add(of_truth, &truth.envelope())?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn report(mut self, page: &Path) -> Result<(), Failure> {
+        self.writer.take().map_or(Ok(()), Writer::finish)?;
+        page::write(&Reader::open(&self.file)?, page)
+    }
+}
+
+impl Drop for Notes {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_file(&self.file);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_in_milliseconds_are_named_and_slow_sensors_are_not() {
+        let every = |step: f64| (0..50).map(|i| f64::from(i) * step).collect::<Vec<_>>();
+        assert!(time_hint(&every(10.0), 100.0).is_some_and(|h| h.contains("\"ms\"")));
+        assert!(time_hint(&every(1e4), 100.0).is_some_and(|h| h.contains("\"us\"")));
+        for step in [0.001, 0.01, 0.1, 1.0] {
+            assert_eq!(time_hint(&every(step), 100.0), None, "{step} s");
+        }
+        assert_eq!(time_hint(&[], 100.0), None);
+    }
+}
