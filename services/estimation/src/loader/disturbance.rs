@@ -163,6 +163,11 @@ impl Disturbance {
         (1.0 - by.gain()).abs()
     }
 
+    /// What force and acceleration show of a load that nobody told, as a share of the machine with it.
+    pub fn carried(&self) -> f64 {
+        (1.0 - self.inertia.gain()).max(0.0)
+    }
+
     /// A load came or went with this row, and nobody told.
     pub fn load_stepped(&self) -> bool {
         self.inertia.stepped()

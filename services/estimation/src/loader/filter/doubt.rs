@@ -24,6 +24,8 @@ const NOTED_SLIP: f64 = 0.005;
 const NOTED_SLOPE: f64 = 0.02;
 /// Where a load sits, in bucket reaches ahead of the front axle.
 const LOAD_ARM: f64 = 0.75;
+/// Height of a load over where it is driven, in heights of the machine's centre: anything up to a truck's board, 2.
+const LIFTED: f64 = 1.15;
 /// How long a load that nobody told is felt [s], and what it may leave in the ratio, as a share of it.
 const AFTER_UNTOLD: f64 = 60.0;
 const UNTOLD: f64 = 0.06;
@@ -169,9 +171,12 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
         // The bucket may have been filled or emptied since: a mixture of both.
         let other = USUAL_LOAD * sqrt(self.disturbance.other_load());
+        // Whatever it carries may be lifted; who tells that the boom moves does not tell how far.
+        let lifted = LIFTED * self.disturbance.carried().max(self.load.share());
+        let by_load = norm(&[other * HEIGHT_SPREAD, lifted]);
         Each {
             ratio: norm(&[ratio, other * ahead]),
-            height: norm(&[height, other * HEIGHT_SPREAD * state[CG_HEIGHT]]),
+            height: norm(&[height, by_load * state[CG_HEIGHT]]),
         }
     }
 
