@@ -125,7 +125,7 @@ function make(figure, data) {
   if (!lines.length) series.push({ label: "", show: true, points: { show: false }, class: "edge" });
   const places = data.names.map((n) => n[0]), names = data.names.map((n) => n[1]);
   const ordinate = names.length
-    ? { ...axis, size: 100, splits: () => places, values: () => names, grid: { show: false } }
+    ? { ...axis, size: 24 + 7 * Math.max(...names.map((name) => name.length)), splits: () => places, values: () => names, grid: { show: false } }
     : { ...axis, size: 66, values: (u, ticks) => ticks.map((v) => grouped(v)) };
   const size = () => ({ width: figure.clientWidth || 360, height: figure.classList.contains("wide") ? WIDE : HALF });
   const plot = new uPlot({

@@ -9,6 +9,7 @@ mod one_by_one;
 mod part;
 mod tables;
 mod verdicts;
+mod weighed;
 
 use std::fmt::Write;
 
@@ -21,6 +22,7 @@ use crate::run::{MachineRun, Run};
 
 pub use compared::compared;
 pub(crate) use tables::state_name;
+pub use weighed::{Weighed, read as weighed};
 
 /// Width and height of a plot over the whole page, of half of it, and of a wide one on a phone.
 const WIDE: (u32, u32) = (900, 290);
@@ -39,6 +41,7 @@ struct Page {
 pub fn report(run: &Run) -> String {
     let mut page = Page::default();
     header::write(&mut page.body, run);
+    weighed::write(&mut page.body, &run.loads);
     for part in part::all(run) {
         part.sections(&mut page, run);
     }

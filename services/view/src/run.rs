@@ -6,6 +6,7 @@ use recording::{Reader, Sensors};
 use steps::stages::Pipeline;
 
 use crate::estimate::{Estimate, method};
+use crate::report::{Weighed, weighed};
 
 /// The estimates of one estimator, in the order of their time.
 #[derive(Debug, Clone)]
@@ -85,6 +86,8 @@ pub struct Run {
     pub processes: Vec<String>,
     /// Estimators of which only a part is in memory, because the run is long.
     pub thinned: Vec<Thinned>,
+    /// Loads that the run counted.
+    pub loads: Vec<Weighed>,
     /// What was found damaged in the recording, in words.
     pub damage: Vec<String>,
 }
@@ -132,6 +135,7 @@ impl Run {
             parts: Parts::read(reader, &mut thinned)?,
             inputs: inputs_of_all(reader)?,
             motion: motions.take(MOTIONS).collect(),
+            loads: weighed(reader)?,
             health: last_health.into_values().collect(),
             thinned,
             // All of it has been read by now, except the rest of the motion.

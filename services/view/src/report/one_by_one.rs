@@ -5,6 +5,7 @@ use std::fmt::Write;
 use estimation::HALF_WIDTH_95;
 
 use super::html::{row, table, text};
+use super::verdicts::headline;
 use crate::estimate::{Estimate, Parameter};
 use crate::judgement::Judgement;
 use crate::number::{decimals, grouped, unit};
@@ -41,13 +42,21 @@ pub(super) fn write<E: Estimate>(body: &mut String, part: &MachineRun<E>) {
             format!("{} s", grouped(stretch.duration, 1)),
         ];
         cells.extend(shown.iter().map(|p| interval(p, estimate)));
-        let verdicts = stretch.told.iter().map(|j| text(&brief(j)));
+        let several = stretch.told.len() > 1;
+        let verdicts = stretch.told.iter().zip(headline::<E>()).map(|(j, p)| {
+            let of = if several {
+                format!("{}: ", p.label)
+            } else {
+                String::new()
+            };
+            text(&(of + &brief(j)))
+        });
         cells.push(verdicts.collect::<Vec<_>>().join("<br>"));
         rows.push_str(&row(&cells));
     }
     let _ = write!(
         body,
-        "<section><h2>One by one</h2>{}<p>{}</p><p class=\"note\">By {}: the last value that heft trusted within each {name}, \
+        "<section class=\"words\"><h2>One by one</h2>{}<p>{}</p><p class=\"note\">By {}: the last value that heft trusted within each {name}, \
          else the last one, ± half the 95 % interval.</p></section>",
         table(1, &head, &rows),
         together(&primary.estimates, &found),
@@ -61,7 +70,7 @@ fn parameter<E: Estimate>(key: &str) -> Option<&'static Parameter<E, E::Truth>> 
 
 /// "3 trusted"; "front share trusted in 3, height in 0" where the machine has several quantities with a verdict.
 fn trusted_counts<E: Estimate>(found: &[Stretch]) -> String {
-    let headline: Vec<_> = E::PARAMETERS.iter().filter(|p| p.headline()).collect();
+    let headline: Vec<_> = headline::<E>().collect();
     let count = |i: usize| {
         let told = |s: &&Stretch| s.told.get(i).is_some_and(|j| j.trusted);
         found.iter().filter(told).count()

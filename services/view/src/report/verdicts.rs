@@ -40,7 +40,8 @@ pub(super) fn verdicts<E: Estimate>(body: &mut String, part: &MachineRun<E>) {
     }
 }
 
-fn headline<E: Estimate>() -> impl Iterator<Item = &'static Parameter<E, E::Truth>> {
+/// The quantities that have a verdict, in the order of the judgements.
+pub(super) fn headline<E: Estimate>() -> impl Iterator<Item = &'static Parameter<E, E::Truth>> {
     E::PARAMETERS.iter().filter(|p| p.headline())
 }
 
