@@ -5,9 +5,11 @@
 //!
 //! A bucket holds no less than nothing ([`crate::positive`]), and what is told of the payload is told of all that goes with it:
 //! ```text
-//! m_p becomes m_p' with sigma':   lam' = lam + (c/sigma^2)(m_p' - m_p),   sigma_lam'^2 = sigma_lam^2 - (c/sigma^2)^2 (sigma^2 - sigma'^2)
+//! m_p becomes m_p' with sigma':   lam' = lam + k d,   sigma_lam'^2 = k^2 sigma'^2 + max(1, d^2/sigma^2) (sigma_lam^2 - k^2 sigma^2)
+//! k = c/sigma^2,  d = m_p' - m_p
 //! ```
-//! with c the covariance of payload and lam, as of every jointly normal pair.
+//! with c the covariance of payload and lam, as of every jointly normal pair. The maximum is what is added: a d beyond sigma says that
+//! a number is off by more than it claims, nobody says which, and what goes with it is uncertain in proportion.
 
 use super::super::layout::Each;
 use super::drawing::{Drawing, EMPTY_HEIGHT, EMPTY_RATIO, NUMBERS, Posture};
@@ -103,9 +105,14 @@ impl Doubts {
         let moved = payload.value - doubted.payload.value;
         let [old, new] = [doubted.payload, payload].map(|p| p.std * p.std);
         let told = |i: usize| sums.with_payload[i] / sums.variances[0];
+        let unlikely = (moved * moved / old).max(1.0);
+        let left = |std: f64, told: f64| {
+            let beside = (std * std - told * told * old).max(0.0);
+            sqrt(told * told * new + unlikely * beside)
+        };
         let cut = |i: usize, q: Quantity| Quantity {
             value: q.value + told(i) * moved,
-            std: less(q.std, told(i), old - new),
+            std: left(q.std, told(i)),
         };
         if !told(0).is_finite() || !told(1).is_finite() {
             return *doubted;
@@ -118,14 +125,62 @@ impl Doubts {
                 height: cut(1, height),
             },
             moved: Each {
-                ratio: less(doubted.moved.ratio, told(0), old - new),
-                height: less(doubted.moved.height, told(1), old - new),
+                ratio: left(doubted.moved.ratio, told(0)),
+                height: left(doubted.moved.height, told(1)),
             },
         }
     }
 }
 
-/// Standard deviation of what goes by `told` with a payload that has lost so much of its variance.
-fn less(std: f64, told: f64, lost: f64) -> f64 {
-    sqrt((std * std - told * told * lost).max(0.0))
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two numbers: one moves payload and ratio together, one the ratio alone.
+    fn doubts() -> Doubts {
+        let mut doubts = Doubts::default();
+        doubts.effects[0] = [100.0, 0.02, 0.1];
+        doubts.effects[EMPTY_RATIO] = [0.0, 0.005, 0.0];
+        doubts.sums = doubts.effects.iter().fold(Sums::default(), Sums::add);
+        doubts
+    }
+
+    /// Ratio and height where the pressures show this payload.
+    fn shown(payload: f64) -> [Doubted; 2] {
+        let centre = Each {
+            ratio: 0.5,
+            height: 1.0,
+        };
+        let doubts = doubts();
+        let shown = doubts.doubted(payload, centre, [0.0; 3], 1.0);
+        [shown, doubts.not_less_than_nothing(&shown, [0.0; 3])]
+    }
+
+    #[test]
+    fn a_full_bucket_is_what_the_pressures_show() {
+        let [shown, told] = shown(1000.0);
+        assert_eq!(shown, told);
+        assert!((told.centre.ratio.std - 0.02_f64.hypot(0.005)).abs() < 1e-12);
+        assert!((told.moved.ratio - 0.02).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_an_empty_bucket_tells_of_the_payload_it_tells_of_the_ratio() {
+        let [shown, told] = shown(0.0);
+        // Half a normal distribution: mean .798, standard deviation .603.
+        assert!((told.payload.value - 79.8).abs() < 0.1 && (told.payload.std - 60.3).abs() < 0.1);
+        let Each { ratio, height } = told.centre;
+        assert!((ratio.value - 0.5 - 2e-4 * told.payload.value).abs() < 1e-12);
+        assert!((ratio.std - (2e-4 * told.payload.std).hypot(0.005)).abs() < 1e-12);
+        assert!(height.std < 0.61 * shown.centre.height.std);
+        // As if the load were known otherwise: only its part is left of the machine's centre.
+        assert!((told.moved.ratio - 2e-4 * told.payload.std).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_bucket_far_below_zero_leaves_the_ratio_uncertain() {
+        let [_, told] = shown(-300.0);
+        let away = (told.payload.value + 300.0) / 100.0;
+        assert!(away > 3.0 && told.centre.ratio.std > 0.005 * away);
+    }
 }
