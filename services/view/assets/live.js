@@ -252,9 +252,9 @@ function showLoads(loads) {
   const sure = (w) => "95 %: " + grouped(Math.round(Math.max(0, w.low))) + " to " + grouped(Math.round(w.high));
   const last = loads.carried || loads.loads[0], truck = loads.truck;
   const known = loads.now.age !== null;
-  const tiles = [["in the bucket now", known ? kg(loads.now.kg) : "\u2013", known ? sure(loads.now) : "nothing was weighed yet"]];
+  const tiles = [["in the bucket now", known ? kg(Math.max(0, loads.now.kg)) : "\u2013", known ? sure(loads.now) : "nothing was weighed yet"]];
   if (last) tiles.push(["load " + last.load + ", " + last.stage, kg(last.in_bucket.kg), sure(last.in_bucket) + (last.trusted ? ", trusted" : ", not trusted: " + last.reason)]);
-  if (truck.total.loads) tiles.push(["truck " + truck.truck, kg(truck.total.kg), truck.total.loads + " loads, " + sure(truck.total)]);
+  if (truck.total.loads) tiles.push(["truck " + truck.truck, kg(truck.total.kg), truck.total.loads + (truck.total.loads === 1 ? " load, " : " loads, ") + sure(truck.total)]);
   if (truck.target !== null) tiles.push(["missing", kg(truck.remaining), "of " + kg(truck.target)]);
   byId("tiles").replaceChildren(...tiles.map(([title, number, words]) => {
     const tile = element("div", undefined, "tile");
