@@ -72,7 +72,7 @@ pub fn page<M: Words>() -> String {
          <h1>heft: mass properties of the {name}</h1>\n\
          <p>Each communication step takes in one row: the inputs, at the time at which the step begins. Units are SI; a missing sample is NaN.</p>\n\
          <p>Set <code>has.SIGNAL = true</code> for each input that is connected. An importer gives 0 to the others, and a torque of 0 is not a missing torque.</p>\n\
-         <p>Use a value where its <code>verdict.trusted</code> is set. Elsewhere <code>reason</code> says why not.</p>\n\
+         <p>Use a value where its <code>verdict.trusted...</code> is set. Elsewhere <code>estimate.reason</code> says why not.</p>\n\
          <table><tr><th></th><th>variable</th><th>meaning</th></tr>\n{rows}</table></body></html>\n",
         name = M::NAME
     )
@@ -108,7 +108,7 @@ pub fn xml<M: Words>() -> String {
         );
     }
     out += "    </EnumerationType>\n  </TypeDefinitions>\n";
-    out += "  <LogCategories>\n    <Category name=\"logStatusError\"/>\n  </LogCategories>\n";
+    out += "  <LogCategories>\n    <Category name=\"logStatusError\"/>\n    <Category name=\"logStatusWarning\"/>\n  </LogCategories>\n";
     out += "  <DefaultExperiment startTime=\"0\" stopTime=\"10\" stepSize=\"0.01\"/>\n  <ModelVariables>\n";
     for v in &variables {
         let _ = writeln!(

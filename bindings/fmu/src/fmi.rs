@@ -13,6 +13,7 @@ use crate::description::token;
 use crate::model::{Model, Variables};
 
 const OK: c_int = 0;
+const WARNING: c_int = 1;
 const ERROR: c_int = 3;
 
 type Log = Option<unsafe extern "C" fn(*mut c_void, c_int, *const c_char, *const c_char)>;
@@ -22,17 +23,38 @@ struct Instance {
     model: Box<dyn Model>,
     log: Log,
     environment: *mut c_void,
+    /// Inputs that are ignored were named.
+    is_warned: bool,
 }
 
 impl Instance {
-    fn tell(&self, message: &str) {
+    /// Names inputs that change and are not said to be connected, once.
+    fn warn(&mut self) {
+        let ignored = match self.is_warned {
+            true => Vec::new(),
+            false => self.model.ignored(),
+        };
+        if let Some(first) = ignored.first() {
+            self.is_warned = true;
+            let all = ignored.join(", ");
+            self.tell(
+                WARNING,
+                &format!("ignored, as not said to be connected: {all}; set has.{first} = true"),
+            );
+        }
+    }
+
+    fn tell(&self, status: c_int, message: &str) {
         if let (Some(log), Ok(text)) = (self.log, CString::new(message)) {
             // SAFETY: the importer's own callback with its own environment and C strings.
             unsafe {
                 log(
                     self.environment,
-                    ERROR,
-                    c"logStatusError".as_ptr(),
+                    status,
+                    match status {
+                        WARNING => c"logStatusWarning".as_ptr(),
+                        _ => c"logStatusError".as_ptr(),
+                    },
                     text.as_ptr(),
                 )
             };
@@ -89,6 +111,7 @@ unsafe extern "C" fn fmi3InstantiateCoSimulation(
         model,
         log,
         environment,
+        is_warned: false,
     };
     Box::into_raw(Box::new(instance)).cast()
 }
@@ -108,7 +131,7 @@ unsafe extern "C" fn fmi3ExitInitializationMode(instance: *mut c_void) -> c_int 
         with(instance, |instance| match instance.model.start() {
             Ok(()) => true,
             Err(what) => {
-                instance.tell(&what);
+                instance.tell(ERROR, &what);
                 false
             }
         })
@@ -148,6 +171,7 @@ unsafe extern "C" fn fmi3DoStep(
             if let Some(last) = last_time.as_mut() {
                 *last = time + length;
             }
+            instance.warn();
             instance.model.step(time, length)
         })
     }

@@ -50,6 +50,8 @@ pub trait Model {
     fn start(&mut self) -> Result<(), String>;
     /// Takes in the inputs as the row of this time \[s\], and goes on to the end of the step; false before [`Model::start`].
     fn step(&mut self, time: f64, length: f64) -> bool;
+    /// Inputs that have a value and are not said to be connected: their values are not used.
+    fn ignored(&self) -> Vec<&'static str>;
     /// Back to the start values.
     fn reset(&mut self);
     /// The whole state.
@@ -206,6 +208,17 @@ impl<M: Machine> Model for Variables<M> {
         self.reason = M::reason(&estimate);
         self.time = time + length;
         true
+    }
+
+    fn ignored(&self) -> Vec<&'static str> {
+        let inputs = M::SIGNALS.iter().zip(&self.inputs).enumerate().skip(1);
+        let is_ignored = |i: usize, value: f64| {
+            value != 0.0 && value.is_finite() && self.columns & (1 << (i - 1)) == 0
+        };
+        inputs
+            .filter(|(i, (_, value))| is_ignored(*i, **value))
+            .map(|(_, (signal, _))| signal.name)
+            .collect()
     }
 
     fn reset(&mut self) {
