@@ -10,6 +10,7 @@
 //! * **Profiles**: along the two weakest parameters, the cost with all others fitted anew.
 //! * **Data not seen**: whiteness, size and coverage of the innovations of swings that took no part.
 
+use estimation::HALF_WIDTH_95;
 use faer::Mat;
 
 use crate::algebra;
@@ -322,7 +323,8 @@ pub struct Agreement {
     pub covered: f64,
 }
 
-/// The agreement over some blocks at a place.
+/// The agreement over some blocks at a place. No truth is known here: what is inside are innovations, each by its own
+/// predicted variance.
 pub fn agreement<M: Model + ?Sized>(model: &M, blocks: &[usize], place: &[f64]) -> Agreement {
     let values = values(model, place);
     let (mut count, mut squares, mut products, mut inside) = (0_usize, 0.0, 0.0, 0_usize);
@@ -335,7 +337,7 @@ pub fn agreement<M: Model + ?Sized>(model: &M, blocks: &[usize], place: &[f64]) 
             count += 1;
             squares += z * z;
             products += last.map_or(0.0, |l: f64| l * z);
-            inside += usize::from(z.abs() < 1.96);
+            inside += usize::from(z.abs() < HALF_WIDTH_95);
             last = Some(z);
         }
     }

@@ -7,7 +7,7 @@
 //!
 //! JSON: `{"gain":{"median":..,"p95":..,"covered":..},..,"machines":n,"refused":n}`: errors in percent of
 //! the value (offset in N m, delay in ms), share of the 95 % intervals that hold the truth in percent;
-//! `"after":{"rms":..,"trusted":..,"outside":..}` is the inertia that a third recording gives, in percent.
+//! `"after":{"rms":..,"trusted":..,"wrong":..}` is the inertia that a third recording gives, in percent.
 
 use std::sync::atomic::AtomicBool;
 
@@ -22,6 +22,7 @@ use sim::noise::Noise;
 
 use crate::text::{Table, plain, verdict};
 use crate::{Error, Options, Report, seeds};
+use statistics::judge::{Judged, Tally};
 use statistics::{median, p95, percentage};
 
 /// Length of a recording [s], of a cycle [s], sampling rate [Hz].
@@ -220,65 +221,36 @@ struct Found {
     /// Per parameter the error and whether the interval holds.
     parameters: Vec<(f64, bool)>,
     /// The inertia estimated afterwards.
-    after: After,
+    after: Tally,
 }
 
-/// The inertia that the calibrated machine estimates with a load of its own.
-#[derive(Clone, Copy, Debug, Default)]
-struct After {
-    /// Rows in motion, of these trusted, of these outside the stated interval.
-    rows: [usize; 3],
-    /// Sum of the squared relative errors of the trusted.
-    squares: f64,
-}
-
-impl After {
-    fn new(truth: &Truth, description: &config::Excavator, seed: u64) -> Result<Self, Error> {
-        let columns = Columns {
-            velocity: true,
-            torque: true,
-            posture: true,
-            ..Columns::default()
-        };
-        let settings = Settings::of(description);
-        let mut estimator =
-            SwingEstimator::new(&settings, Method::Auto, columns).map_err(Error::refused)?;
-        let exact = truth.exact(working_path(), AFTER);
-        let mut after = Self::default();
-        for (sample, exact) in truth.measure(&exact, seed).iter().zip(&exact) {
-            let estimate = estimator.step(sample);
-            if exact.truth.velocity.abs() < MOVING {
-                continue;
-            }
-            after.rows[0] += 1;
-            if estimate.flags.trusted() {
-                let error = estimate.inertia - exact.truth.inertia;
-                after.rows[1] += 1;
-                after.rows[2] +=
-                    usize::from(error.abs() > estimation::HALF_WIDTH_95 * estimate.inertia_std);
-                after.squares += (error / exact.truth.inertia).powi(2);
-            }
-        }
-        Ok(after)
-    }
-
-    fn sum(self, other: Self) -> Self {
-        Self {
-            rows: [0, 1, 2].map(|i| self.rows[i] + other.rows[i]),
-            squares: self.squares + other.squares,
+/// Judges the inertia that the calibrated machine estimates in motion, with a load of its own.
+fn afterwards(truth: &Truth, description: &config::Excavator, seed: u64) -> Result<Tally, Error> {
+    let columns = Columns {
+        velocity: true,
+        torque: true,
+        posture: true,
+        ..Columns::default()
+    };
+    let settings = Settings::of(description);
+    let mut estimator =
+        SwingEstimator::new(&settings, Method::Auto, columns).map_err(Error::refused)?;
+    let exact = truth.exact(working_path(), AFTER);
+    let mut after = Tally::default();
+    for (sample, exact) in truth.measure(&exact, seed).iter().zip(&exact) {
+        let estimate = estimator.step(sample);
+        if exact.truth.velocity.abs() >= MOVING {
+            after.push(&Judged {
+                truth: exact.truth.inertia,
+                estimate: estimate.inertia,
+                std: estimate.inertia_std,
+                trusted: estimate.flags.trusted(),
+                moving: true,
+                reason: "",
+            });
         }
     }
-
-    /// Rms error of the trusted, share trusted of the motion, share outside of the trusted [%].
-    fn shares(&self) -> [f64; 3] {
-        let [moving, trusted, outside] = self.rows.map(|n| n as f64);
-        let share = |part: f64, whole: f64| 100.0 * part / whole.max(1.0);
-        [
-            100.0 * (self.squares / trusted.max(1.0)).sqrt(),
-            share(trusted, moving),
-            share(outside, trusted),
-        ]
-    }
+    Ok(after)
 }
 
 /// Evaluates the table.
@@ -314,13 +286,14 @@ pub fn evaluate(options: &Options) -> Result<Report, Error> {
             json!({"median": median(&errors), "p95": p95(&errors), "covered": covered}),
         );
     }
-    let after = found.iter().map(|f| f.after);
-    let [rms, trusted, outside] = after.fold(After::default(), After::sum).shares();
-    let good = rms < 1.0 && trusted >= 70.0 && outside <= 7.0;
+    let mut after = Tally::default();
+    found.iter().for_each(|f| after.add(&f.after));
+    let (rms, trusted, wrong) = (after.rms(), 100.0 * after.trusted(), 100.0 * after.wrong());
+    let good = rms < 1.0 && trusted >= 70.0 && wrong <= 7.0;
     met &= good;
     json.insert(
         "after".into(),
-        json!({"rms": rms, "trusted": trusted, "outside": outside}),
+        json!({"rms": rms, "trusted": trusted, "wrong": wrong}),
     );
     json.insert("machines".into(), json!(machines));
     json.insert("refused".into(), json!(refused));
@@ -329,7 +302,7 @@ pub fn evaluate(options: &Options) -> Result<Report, Error> {
             "Calibration of {machines} simulated machines from 120 s empty and 120 s with 423 kg \
              ({refused} refused); errors in percent, of the offset in N m, of the delay in ms\n{table}  \
              inertia afterwards, {AFTER} kg: rms {rms:.2} % (below 1), trusted {trusted:.0} % of the motion \
-             (70 or more), of these {outside:.1} % outside the interval (7 or less)  {}\n",
+             (70 or more), of these {wrong:.1} % wrong (7 or less)  {}\n",
             verdict(good)
         ),
         json: Value::Object(json),
@@ -383,7 +356,7 @@ fn one(seed: u64) -> Result<Option<Found>, Error> {
     let Some((after, _)) = outcome.description(&description, &[]) else {
         return Ok(None);
     };
-    let after = After::new(&truth, &after, 3 * seed)?;
+    let after = afterwards(&truth, &after, 3 * seed)?;
     let roles = TARGETS
         .iter()
         .map(|t| t.1)

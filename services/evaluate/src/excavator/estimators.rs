@@ -6,6 +6,7 @@ use estimation::excavator::{
     Columns, Estimate, Method, MotionFilter, Regression, Sample, Settings, SwingEstimator, Variant,
 };
 use sim::excavator::{Row, Sensors, Truth};
+use statistics::judge::{FAR, is_covered};
 
 /// An estimator with its settings and the columns it is given.
 #[derive(Clone, Copy, Debug)]
@@ -37,10 +38,16 @@ impl Point {
         100.0 * (self.estimate.inertia / self.truth.inertia - 1.0)
     }
 
+    /// Whether the inertia is further away than a trusted one may be, whatever its interval says. The tables that count
+    /// this have a column for the intervals.
+    pub fn is_far(&self) -> bool {
+        self.error().abs() > 100.0 * FAR
+    }
+
     /// Whether the 95 % interval holds the truth.
     pub fn covered(&self) -> bool {
-        let error = (self.estimate.inertia - self.truth.inertia).abs();
-        error < estimation::HALF_WIDTH_95 * self.estimate.inertia_std
+        let estimate = &self.estimate;
+        is_covered(estimate.inertia, estimate.inertia_std, self.truth.inertia)
     }
 }
 

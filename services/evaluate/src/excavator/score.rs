@@ -10,8 +10,6 @@ const SWING: f64 = 5.5;
 const ARRIVED: f64 = 5.0;
 /// It has to stay so until then [s].
 const STAYS_UNTIL: f64 = 9.1;
-/// An estimate this wrong must not be trusted [%].
-const WRONG: f64 = 10.0;
 
 /// Which samples are scored.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,7 +52,7 @@ pub struct Score {
     pub coverage: f64,
     /// Share of the samples that are trusted.
     pub trusted: f64,
-    /// Share of the samples that are trusted and wrong by more than 10 %.
+    /// Share of the samples that are trusted and far from the truth, see [`Point::is_far`].
     pub trusted_wrong: f64,
     /// Share of the samples that are said to be identifiable.
     pub identifiable: f64,
@@ -78,7 +76,7 @@ impl Score {
             max: largest(&errors),
             coverage: share(&Point::covered),
             trusted: share(&|p| p.estimate.flags.trusted()),
-            trusted_wrong: share(&|p| p.estimate.flags.trusted() && p.error().abs() > WRONG),
+            trusted_wrong: share(&|p| p.estimate.flags.trusted() && p.is_far()),
             identifiable: share(&|p| p.estimate.flags.identifiable),
             wide: share(&|p| {
                 estimation::HALF_WIDTH_95 * p.estimate.inertia_std > 0.1 * p.estimate.inertia
