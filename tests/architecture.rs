@@ -118,6 +118,7 @@ const TOP: &[&str] = &[
     "bench",
     "bindings",
     "build.rs",
+    "clippy.toml",
     "deny.toml",
     "docs",
     "examples",

@@ -321,5 +321,5 @@ fn what_is_calibrated_is_trusted_on_another_load_though_it_stays_when_the_bucket
     let after = &report.json["after"];
     let share = |name: &str| after[name].as_f64().expect("a number");
     assert!(share("trusted") > 70.0, "{after}");
-    assert!(share("rms") < 1.0 && share("outside") < 7.0, "{after}");
+    assert!(share("rms") < 1.0 && share("wrong") < 7.0, "{after}");
 }

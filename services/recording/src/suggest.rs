@@ -93,15 +93,10 @@ fn opening<S: Sensors>(path: &Path) -> String {
     )
 }
 
-/// A map for a CAN log, and how many signals were found.
-pub(crate) fn log<S: Sensors>(path: &Path, dbc: &[PathBuf]) -> Result<(usize, String), Error> {
-    if dbc.is_empty() {
-        return Err(Error::new(
-            "a CAN log says nothing without the DBC file that describes it",
-            path.display().to_string(),
-            "give one with --dbc",
-        ));
-    }
+/// How many frames of each identifier (and whether it is an extended one) a log has.
+type Frames = BTreeMap<(u32, bool), u32>;
+
+fn frames(path: &Path) -> Result<Frames, Error> {
     let failed = |e| Error::system("read the CAN log", path, &e);
     let log = BufReader::new(File::open(path).map_err(failed)?);
     let mut counts = BTreeMap::new();
@@ -118,7 +113,11 @@ pub(crate) fn log<S: Sensors>(path: &Path, dbc: &[PathBuf]) -> Result<(usize, St
             "give a log of candump -L, or of candump -ta with its times",
         ));
     }
-    // Names of signals as "Message.Signal", with the frames that the log has of them.
+    Ok(counts)
+}
+
+/// The signals of a DBC that a log carries: name as "Message.Signal", unit, frames.
+fn present(counts: &Frames, dbc: &[PathBuf]) -> Result<Vec<(String, String, u32)>, Error> {
     let mut present = Vec::new();
     for file in dbc {
         for message in Dbc::open(file)?.messages {
@@ -132,6 +131,19 @@ pub(crate) fn log<S: Sensors>(path: &Path, dbc: &[PathBuf]) -> Result<(usize, St
             }
         }
     }
+    Ok(present)
+}
+
+/// A map for a CAN log, and how many signals were found.
+pub(crate) fn log<S: Sensors>(path: &Path, dbc: &[PathBuf]) -> Result<(usize, String), Error> {
+    if dbc.is_empty() {
+        return Err(Error::new(
+            "a CAN log says nothing without the DBC file that describes it",
+            path.display().to_string(),
+            "give one with --dbc",
+        ));
+    }
+    let present = present(&frames(path)?, dbc)?;
     let mut out = opening::<S>(path);
     let files: Vec<String> = dbc
         .iter()

@@ -390,38 +390,53 @@ impl Step<'_> {
         let mut by = [speed_by, [0.0; N], [0.0; N]];
         let mut motion = [speed, 0.0, 0.0];
         for (i, axle) in axles.iter().enumerate() {
-            let torque = [self.u.front_torque, self.u.rear_torque][i];
-            let (radius, conductance, per) = (axle.radius, axle.conductance, axle.per_denominator);
-            let wheel =
-                (self.old[W[i]] + (radius * conductance * speed + torque) * per_inertia) * per;
-            let by_conductance = per_inertia * radius * (speed - radius * wheel) * per;
-            let by_radius_alone = per_inertia * conductance * (speed - 2.0 * radius * wheel) * per;
-            let by_radius = by_radius_alone + by_conductance * axle.by_radius;
-            let by_load = by_conductance * axle.by_load + by_radius_alone * radius_by_load;
-            let row = &mut by[W[i]];
-            row[W[i]] = per;
-            row[K] = by_conductance * conductance / stiffness;
-            row[H] = by_load * axle.load.by_height;
-            row[LAM] = by_load * axle.load.by_ratio;
-            at(row, layout.slope_bias, by_load * axle.load.by_bias);
-            let radius_error = layout.radii.map(|place| place[i]);
-            at(row, radius_error, by_radius * m.wheel_radius);
-            let by_sensitivity = -by_radius * m.wheel_radius * m.excess(axle.load.value);
-            at(row, layout.load_sensitivity, by_sensitivity);
-            let pull = per_inertia * radius * axle.grip;
-            let by_acceleration =
-                by_conductance * axle.by_acceleration + by_load * axle.load.by_acceleration;
-            add(row, pull, &speed_by);
-            let mut by_motion = [by_conductance * axle.by_speed, 0.0, 0.0];
-            by_motion[W[i]] = by_conductance * axle.by_wheel;
-            from.chain::<FIRST>(row, by_acceleration, by_motion, dt);
-            motion[W[i]] = wheel;
+            (motion[W[i]], by[W[i]]) = self.wheel::<N, FIRST>(i, axle, speed, &speed_by, from);
         }
         Stage {
             acceleration: (speed - self.old[V]) / dt,
             motion,
             by,
         }
+    }
+
+    /// Speed of wheel `i` behind a speed of the machine, and its derivatives.
+    #[inline(always)]
+    fn wheel<const N: usize, const FIRST: bool>(
+        &self,
+        i: usize,
+        axle: &Axle,
+        speed: f64,
+        speed_by: &[f64; N],
+        from: &Stage<N>,
+    ) -> (f64, [f64; N]) {
+        let (m, dt, layout) = (self.machine, self.dt, Layout::of(N));
+        let (per_inertia, stiffness) = (dt / m.axle_inertia, self.p.slip_stiffness);
+        let radius_by_load = self.radius_by_load();
+        let torque = [self.u.front_torque, self.u.rear_torque][i];
+        let (radius, conductance, per) = (axle.radius, axle.conductance, axle.per_denominator);
+        let wheel = (self.old[W[i]] + (radius * conductance * speed + torque) * per_inertia) * per;
+        let by_conductance = per_inertia * radius * (speed - radius * wheel) * per;
+        let by_radius_alone = per_inertia * conductance * (speed - 2.0 * radius * wheel) * per;
+        let by_radius = by_radius_alone + by_conductance * axle.by_radius;
+        let by_load = by_conductance * axle.by_load + by_radius_alone * radius_by_load;
+        let mut row = [0.0; N];
+        row[W[i]] = per;
+        row[K] = by_conductance * conductance / stiffness;
+        row[H] = by_load * axle.load.by_height;
+        row[LAM] = by_load * axle.load.by_ratio;
+        at(&mut row, layout.slope_bias, by_load * axle.load.by_bias);
+        let radius_error = layout.radii.map(|place| place[i]);
+        at(&mut row, radius_error, by_radius * m.wheel_radius);
+        let by_sensitivity = -by_radius * m.wheel_radius * m.excess(axle.load.value);
+        at(&mut row, layout.load_sensitivity, by_sensitivity);
+        let pull = per_inertia * radius * axle.grip;
+        let by_acceleration =
+            by_conductance * axle.by_acceleration + by_load * axle.load.by_acceleration;
+        add(&mut row, pull, speed_by);
+        let mut by_motion = [by_conductance * axle.by_speed, 0.0, 0.0];
+        by_motion[W[i]] = by_conductance * axle.by_wheel;
+        from.chain::<FIRST>(&mut row, by_acceleration, by_motion, dt);
+        (wheel, row)
     }
 }
 

@@ -31,6 +31,7 @@ use super::candidate::sample;
 use super::score::{Score, Summary};
 use crate::text::{Table, plain, verdict};
 use crate::{Error, Options, Report, seeds};
+use statistics::judge::{Judged, Tally};
 use statistics::{median, p95, percentage};
 
 /// Length of a recording, and of the work afterwards [s].
@@ -99,9 +100,8 @@ struct Found {
     parameters: Vec<(f64, bool)>,
     /// Per line the scores by [`DESCRIPTIONS`].
     after: Vec<[Score; 3]>,
-    /// Rows of the work in which the machine moves; of these trusted and of those outside the interval, for ratio and height.
-    trusted: [[usize; 2]; 2],
-    moving: usize,
+    /// Rows of the work in which the machine moves, for ratio and height.
+    work: [Tally; 2],
 }
 
 fn one(seed: u64) -> Result<Option<Found>, Error> {
@@ -109,7 +109,6 @@ fn one(seed: u64) -> Result<Option<Found>, Error> {
     let flat = truth.run(Scenario::WorkCycle, 1, None, LENGTH);
     let simulation = Simulation::new(&flat).map_err(Error::refused)?;
     let (machine, told) = (*simulation.machine(), *simulation.told());
-    let (gains, slope_bias) = (simulation.torque_gains(), simulation.slope_bias());
     let mut noise = Noise::channel(seed, 101);
     let mass = Quantity {
         value: machine.mass + LOAD + LOAD_STD * noise.normal(),
@@ -155,7 +154,28 @@ fn one(seed: u64) -> Result<Option<Found>, Error> {
     let Some((after, _)) = outcome.description(&before, &[]) else {
         return Ok(None);
     };
-    let true_value = |role: Role| match role {
+    let Some(parameters) = errors(&outcome, |role| true_value(role, &simulation, &truth)) else {
+        return Ok(None);
+    };
+    let mut found = Found {
+        lags: truth.slope_lags(),
+        parameters,
+        after: Vec::new(),
+        work: Default::default(),
+    };
+    for (course, (_, scenario, ..)) in LINES.into_iter().enumerate() {
+        let duration = scenario.duration().min(WORK);
+        let run = truth.run(scenario, 4 + course as u64, None, duration);
+        let rows = truth.rows(&run)?;
+        found.drive(&rows, scenario, [&before, &after, &same_ground(&after)])?;
+    }
+    Ok(Some(found))
+}
+
+/// What a parameter of the simulated machine is.
+fn true_value(role: Role, simulation: &Simulation, truth: &Truth) -> f64 {
+    let (machine, gains) = (simulation.machine(), simulation.torque_gains());
+    match role {
         Role::FrontRadius => machine.front_radius_error,
         Role::RearRadius => machine.rear_radius_error,
         Role::LoadSensitivity => machine.radius_load_sensitivity,
@@ -165,7 +185,7 @@ fn one(seed: u64) -> Result<Option<Found>, Error> {
         Role::StiffnessRatio => 1.0 + machine.stiffness_difference,
         Role::LoadExponent => machine.stiffness_exponent,
         Role::Rolling => machine.rolling_resistance,
-        Role::SlopeBias => slope_bias,
+        Role::SlopeBias => simulation.slope_bias(),
         Role::AccelerationOffset => truth.effects.acceleration_offset,
         Role::SlopeDelay => truth.effects.slope_lag,
         Role::SlopeFollows => truth.effects.slope_follows,
@@ -173,24 +193,7 @@ fn one(seed: u64) -> Result<Option<Found>, Error> {
         Role::Ratio(_) => machine.cg_ratio,
         Role::Height(_) => machine.cg_height,
         _ => 0.0,
-    };
-    let Some(parameters) = errors(&outcome, true_value) else {
-        return Ok(None);
-    };
-    let mut found = Found {
-        lags: truth.slope_lags(),
-        parameters,
-        after: Vec::new(),
-        trusted: [[0; 2]; 2],
-        moving: 0,
-    };
-    for (course, (_, scenario, ..)) in LINES.into_iter().enumerate() {
-        let duration = scenario.duration().min(WORK);
-        let run = truth.run(scenario, 4 + course as u64, None, duration);
-        let rows = truth.rows(&run)?;
-        found.drive(&rows, scenario, [&before, &after, &same_ground(&after)])?;
     }
-    Ok(Some(found))
 }
 
 fn errors(outcome: &Outcome, true_value: impl Fn(Role) -> f64) -> Option<Vec<(f64, bool)>> {
@@ -236,7 +239,6 @@ impl Found {
                 if k != 1 || scenario != Scenario::WorkCycle || row.truth.speed.abs() < 0.1 {
                     continue;
                 }
-                self.moving += 1;
                 let judged = [
                     (
                         estimate.trusted_ratio,
@@ -249,11 +251,15 @@ impl Found {
                         row.truth.cg_height,
                     ),
                 ];
-                for (count, (trusted, q, truth)) in self.trusted.iter_mut().zip(judged) {
-                    if trusted {
-                        count[0] += 1;
-                        count[1] += usize::from((q.value - truth).abs() > HALF_WIDTH_95 * q.std);
-                    }
+                for (tally, (trusted, q, truth)) in self.work.iter_mut().zip(judged) {
+                    tally.push(&Judged {
+                        truth,
+                        estimate: q.value,
+                        std: q.std,
+                        trusted,
+                        moving: true,
+                        reason: "",
+                    });
                 }
             }
         }
@@ -307,22 +313,20 @@ pub(super) fn evaluate(options: &Options) -> Result<Report, Error> {
         tables += &format!("{title} ({})\n{lines}\n", of.len());
         good &= met || lags.is_some();
     }
-    let moving: usize = found.iter().map(|f| f.moving).sum();
-    let share = |part: usize, whole: usize| 100.0 * part as f64 / whole.max(1) as f64;
     let mut text = format!(
         "Calibration of {machines} simulated loaders from two recordings of {LENGTH} s empty and one with {LOAD} kg ({refused} refused); errors in percent, of the slope in mrad, of delays in ms\n{table}\n\
          The estimator afterwards on new drives: largest error [%], median (p95) over the machines\n{tables}"
     );
     for (i, what) in ["ratio", "height"].into_iter().enumerate() {
-        let trusted: usize = found.iter().map(|f| f.trusted[i][0]).sum();
-        let outside: usize = found.iter().map(|f| f.trusted[i][1]).sum();
-        let (trusted, outside) = (share(trusted, moving), share(outside, trusted));
+        let mut work = Tally::default();
+        found.iter().for_each(|f| work.add(&f.work[i]));
+        let (trusted, wrong) = (100.0 * work.trusted(), 100.0 * work.wrong());
         text += &format!(
-            "  {what} after 100 s of work: trusted {trusted:.0} % of the motion, of these {outside:.1} % outside the interval\n"
+            "  {what} after 100 s of work: trusted {trusted:.0} % of the motion, of these {wrong:.1} % wrong\n"
         );
         json.insert(
             format!("{what}_after"),
-            json!({"trusted": trusted, "outside": outside}),
+            json!({"trusted": trusted, "wrong": wrong}),
         );
     }
     json.insert("machines".into(), json!(machines));

@@ -450,39 +450,20 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
 
     /// The consistent step with every rule.
     fn update(&mut self, model: &CgModel, sample: &Sample, step: &StepInputs) -> RowReport<M> {
-        let layout = const { Layout::of(N) };
         let mut ahead = self.belief.ahead(model);
-        let before = Before {
-            speed: self.belief.state()[SPEED],
-            ratio_variance: self.belief.variance(CG_RATIO),
-            sensitivity: layout.load_sensitivity.map_or((0.0, 0.0), |i| {
-                (self.belief.state()[i], self.belief.variance(i))
-            }),
-        };
+        let before = self.before();
         let state = *B::state_ahead(&ahead);
-        let unknown_force = layout.spade_force.map_or(0.0, |i| state[i]);
-        let force = step.inputs.spade_force_x + unknown_force;
-        let mut conditions = self
-            .monitor
-            .conditions(&self.settings, state[SPEED], force, model.dt);
-        let other_mass = self.settings.at_work() && self.disturbance.lighter() != 0.0;
-        if self.weighed.is_some_and(|w| w.open) || other_mass {
-            // Neither the mass nor where it sits is known.
-            (conditions.frozen, conditions.weak_wheels) = (true, true);
-        }
+        let conditions = self.conditions(&state, step, model.dt);
         let process_std = self.process_std(&conditions, sample.boom_moving, model.dt);
         let measured = measurements::<M>(sample, step.acceleration);
         self.quantum
             .see([measured[FRONT_WHEEL], measured[REAR_WHEEL]]);
-        let effect = self.effect;
         let mut std = self.measurement_std(&state, &conditions, model);
         let at_work = self.settings.at_work();
-        let mut disturbed = [0.0; M];
+        let disturbed = self.disturbed_slip(state[SPEED]);
         if at_work {
-            let slip = sqrt(effect.turn * effect.turn + effect.force * effect.force);
             for i in [FRONT_WHEEL, REAR_WHEEL] {
-                disturbed[i] = slip * state[SPEED].abs() / self.dynamics.wheel_radius;
-                std[i] = sqrt(std[i] * std[i] + disturbed[i] * disturbed[i]);
+                std[i] = sqrt(std[i] * std[i] + disturbed * disturbed);
             }
         }
         let mut expected = self.belief.predict(&mut ahead, model, &process_std);
@@ -502,32 +483,19 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
         let mut noise = [0.0; 2];
         if at_work {
-            let rows = self.monitor.row_variance(&self.settings.estimator);
-            noise = [FRONT_WHEEL, REAR_WHEEL]
-                .map(|j| disturbed[j] * disturbed[j] + rows[j - FRONT_WHEEL]);
+            let keys = &self.settings.estimator;
+            noise = self
+                .monitor
+                .row_variance(keys)
+                .map(|row| disturbed * disturbed + row);
             for (wheel, j) in [FRONT_WHEEL, REAR_WHEEL].into_iter().enumerate() {
                 let predicted = B::measurement_std(&expected, j);
-                let more = predicted * predicted + disturbed[j] * disturbed[j];
-                let keys = &self.settings.estimator;
+                let more = predicted * predicted + disturbed * disturbed;
                 std[j] *= self.monitor.far(keys, wheel, innovation[j], more);
             }
         }
-        let (mut accepted, mut deweighted) = ([false; M], [false; M]);
-        for j in 0..M {
-            let (kept, soft) = gate(&self.settings, innovation[j], &mut std[j], || {
-                B::measurement_std(&expected, j)
-            });
-            (accepted[j], deweighted[j]) = (kept, soft);
-        }
-        let mut set_aside = false;
-        if at_work {
-            // A held torque is of another time, and a wheel without its torque tells nothing.
-            let torques = [sample.front_torque, sample.rear_torque];
-            let driven = torques.iter().all(|torque| torque.is_some());
-            set_aside = driven && effect.braking && accepted[FRONT_WHEEL] && accepted[REAR_WHEEL];
-            accepted[FRONT_WHEEL] &= driven && !effect.braking;
-            accepted[REAR_WHEEL] &= driven && !effect.braking;
-        }
+        let gated = self.gates(sample, &innovation, &mut std, &expected);
+        let accepted = gated.accepted;
         let both = accepted[FRONT_WHEEL] && accepted[REAR_WHEEL] && !conditions.frozen;
         if let (true, Some(weighed)) = (both, &self.weighed) {
             let doubt = weighed.loading_std[0] / weighed.loading.share;
@@ -544,9 +512,81 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             .belief
             .update(&mut expected, &innovation, &std, &accepted);
         self.clamp();
+        self.loosen(&before, &process_std, state[SPEED], model.dt);
+        RowReport {
+            nis,
+            frozen: conditions.frozen,
+            ..gated
+        }
+    }
+
+    fn before(&self) -> Before {
+        let sensitivity = const { Layout::of(N) }.load_sensitivity;
+        Before {
+            speed: self.belief.state()[SPEED],
+            ratio_variance: self.belief.variance(CG_RATIO),
+            sensitivity: sensitivity.map_or((0.0, 0.0), |i| {
+                (self.belief.state()[i], self.belief.variance(i))
+            }),
+        }
+    }
+
+    /// Under which a row is taken.
+    fn conditions(&mut self, state: &[f64; N], step: &StepInputs, dt: f64) -> Conditions {
+        let place = const { Layout::of(N) }.spade_force;
+        let unknown_force = place.map_or(0.0, |i| state[i]);
+        let force = step.inputs.spade_force_x + unknown_force;
+        let mut conditions = self
+            .monitor
+            .conditions(&self.settings, state[SPEED], force, dt);
+        let other_mass = self.settings.at_work() && self.disturbance.lighter() != 0.0;
+        if self.weighed.is_some_and(|w| w.open) || other_mass {
+            // Neither the mass nor where it sits is known.
+            (conditions.frozen, conditions.weak_wheels) = (true, true);
+        }
+        conditions
+    }
+
+    /// What turns and forces that no model holds do to a wheel's speed [rad/s].
+    fn disturbed_slip(&self, speed: f64) -> f64 {
+        let effect = &self.effect;
+        let slip = sqrt(effect.turn * effect.turn + effect.force * effect.force);
+        slip * speed.abs() / self.dynamics.wheel_radius
+    }
+
+    /// Which measurements are used.
+    fn gates(
+        &self,
+        sample: &Sample,
+        innovation: &[f64; M],
+        std: &mut [f64; M],
+        expected: &B::Expected,
+    ) -> RowReport<M> {
+        let mut report = RowReport::without_update(Status::Updated, false);
+        for j in 0..M {
+            (report.accepted[j], report.deweighted[j]) =
+                gate(&self.settings, innovation[j], &mut std[j], || {
+                    B::measurement_std(expected, j)
+                });
+        }
+        if self.settings.at_work() {
+            // A held torque is of another time, and a wheel without its torque tells nothing.
+            let torques = [sample.front_torque, sample.rear_torque];
+            let driven = torques.iter().all(|torque| torque.is_some());
+            let (braking, accepted) = (self.effect.braking, &mut report.accepted);
+            report.set_aside = driven && braking && accepted[FRONT_WHEEL] && accepted[REAR_WHEEL];
+            accepted[FRONT_WHEEL] &= driven && !braking;
+            accepted[REAR_WHEEL] &= driven && !braking;
+        }
+        report
+    }
+
+    /// What the next step may change more than usual.
+    fn loosen(&mut self, before: &Before, process_std: &[f64; N], speed: f64, dt: f64) {
+        let layout = const { Layout::of(N) };
         self.loosened = self.loosening();
         let slowest = self.settings.estimator.v_freeze;
-        let driven = self.directions.drive(state[SPEED], slowest, model.dt);
+        let driven = self.directions.drive(speed, slowest, dt);
         if let Some(i) = layout.load_sensitivity {
             match driven {
                 Both::Never | Both::Formerly => {
@@ -566,15 +606,6 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
                     self.loosened[i] = prior.radius_std;
                 }
             }
-        }
-        let status = Status::Updated;
-        RowReport {
-            status,
-            nis,
-            accepted,
-            deweighted,
-            frozen: conditions.frozen,
-            set_aside,
         }
     }
 
