@@ -220,7 +220,6 @@ impl Regression {
             inertia_std: inertia.std,
             damping: fit.damping,
             torque: fit.torque,
-            payload: None,
             friction: fit.friction,
             offset: fit.offset,
             velocity: motion.velocity,
@@ -245,6 +244,7 @@ impl Regression {
             } else {
                 Reason::Method
             },
+            ..Estimate::default()
         }
     }
 }

@@ -395,7 +395,6 @@ impl SwingEstimator {
                 state.total_torque.map(quantity)
             },
             payload: state.payload.map(quantity),
-            friction: None,
             offset: state
                 .offset
                 .filter(|_| needs_torque)
@@ -415,7 +414,6 @@ impl SwingEstimator {
                 ..Flags::default()
             },
             method: self.method,
-            forgetting: [0.0; 3],
             refused: self.screen.refused(),
             reason: if self.screen.is_frozen() {
                 Reason::Frozen
@@ -424,6 +422,7 @@ impl SwingEstimator {
             } else {
                 state.reason
             },
+            ..Estimate::default()
         }
     }
 
