@@ -35,3 +35,9 @@ fn panic(_: &core::panic::PanicInfo) -> ! {
         core::hint::spin_loop();
     }
 }
+
+/// `core` of a target with an operating system is made to unwind and names this function; nothing here ever unwinds.
+#[cfg(all(target_os = "linux", not(any(feature = "std", test))))]
+#[allow(unsafe_code)]
+#[unsafe(no_mangle)]
+extern "C" fn rust_eh_personality() {}
