@@ -134,8 +134,8 @@ pub(super) struct CgFilter<const N: usize, const M: usize, B: Belief<N, M>> {
     payload: Option<Payload>,
     /// What the lift pressure says of this row.
     weighed: Option<Weighed>,
-    /// Least standard deviation of a weighed load's part of the ratio under which the slips were learnt.
-    learnt_under: Option<f64>,
+    /// What the errors of weighed loads have left in the ratio, as a standard deviation.
+    left_by_loads: f64,
     frozen: bool,
 }
 
@@ -193,7 +193,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             spade_force_x: 0.0,
             payload: None,
             weighed: None,
-            learnt_under: None,
+            left_by_loads: 0.0,
             frozen: false,
         };
         new.belief = B::new(new.prior_state(), &new.prior_std(), spread);
@@ -252,7 +252,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
                 ]
             };
             self.restore(centre);
-            self.learnt_under = None;
+            self.left_by_loads = 0.0;
         }
         self.weighed = weighed;
     }
@@ -260,7 +260,16 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     /// What the error of a weighed load has left in the ratio of the empty machine, as a standard deviation: what the slips told of
     /// that one they told under a load. Errors of many loads may have one cause, such as a lever, so none average out.
     pub(in crate::loader) fn left_by_loads(&self) -> f64 {
-        self.learnt_under.unwrap_or(0.0)
+        self.left_by_loads
+    }
+
+    /// The row has told of the ratio, whose variance was `predicted`, under the present load: with the gain of its error.
+    fn learn_under_load(&mut self, predicted: f64) {
+        if let Some(weighed) = &self.weighed {
+            let gain = (1.0 - self.belief.variance(CG_RATIO) / predicted).clamp(0.0, 1.0);
+            let doubt = weighed.loading_std[0] / weighed.loading.share;
+            self.left_by_loads += gain * (doubt - self.left_by_loads);
+        }
     }
 
     /// Takes one row.
@@ -497,10 +506,6 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let gated = self.gates(sample, &innovation, &mut std, &expected);
         let accepted = gated.accepted;
         let both = accepted[FRONT_WHEEL] && accepted[REAR_WHEEL] && !conditions.frozen;
-        if let (true, Some(weighed)) = (both, &self.weighed) {
-            let doubt = weighed.loading_std[0] / weighed.loading.share;
-            self.learnt_under = Some(self.learnt_under.map_or(doubt, |least| least.min(doubt)));
-        }
         if at_work && both {
             let wheel = |i: usize| (innovation[i], B::measurement_std(&expected, i));
             let wheels = [wheel(FRONT_WHEEL), wheel(REAR_WHEEL)];
@@ -511,6 +516,9 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let nis = self
             .belief
             .update(&mut expected, &innovation, &std, &accepted);
+        self.learn_under_load(
+            before.ratio_variance + process_std[CG_RATIO] * process_std[CG_RATIO],
+        );
         self.clamp();
         self.loosen(&before, &process_std, state[SPEED], model.dt);
         RowReport {
