@@ -29,6 +29,7 @@ mod run;
 pub mod score;
 pub mod stretches;
 pub mod top;
+pub mod weighed;
 pub mod words;
 
 pub use judgement::Judgement;

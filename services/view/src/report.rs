@@ -22,7 +22,6 @@ use crate::run::{MachineRun, Run};
 
 pub use compared::compared;
 pub(crate) use tables::state_name;
-pub use weighed::{Weighed, read as weighed};
 
 /// Width and height of a plot over the whole page, of half of it, and of a wide one on a phone.
 const WIDE: (u32, u32) = (900, 290);

@@ -6,7 +6,7 @@ use recording::{Reader, Sensors};
 use steps::stages::Pipeline;
 
 use crate::estimate::{Estimate, method};
-use crate::report::{Weighed, weighed};
+use crate::weighed::{self, Weighed};
 
 /// The estimates of one estimator, in the order of their time.
 #[derive(Debug, Clone)]
@@ -135,7 +135,7 @@ impl Run {
             parts: Parts::read(reader, &mut thinned)?,
             inputs: inputs_of_all(reader)?,
             motion: motions.take(MOTIONS).collect(),
-            loads: weighed(reader)?,
+            loads: weighed::read(reader)?,
             health: last_health.into_values().collect(),
             thinned,
             // All of it has been read by now, except the rest of the motion.
