@@ -391,6 +391,7 @@ pub(super) fn evaluate(options: &Options) -> Result<Report, Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use estimation::loader::Status;
 
     #[test]
     fn the_lift_arm_makes_ratio_and_height_trusted_and_weighs_the_loads() {
@@ -407,6 +408,7 @@ mod tests {
         assert!(loads.rms() < Some(0.08));
         assert!(loads.covered() >= Some(0.85));
     }
+
     /// With 12 t and a full bucket the rear axle carries a tenth of the weight while the machine sets off in reverse.
     #[test]
     fn a_wheel_that_spins_leads_nothing_astray() {
@@ -430,5 +432,35 @@ mod tests {
             next = machine.simulation.next();
         }
         assert!(spun > 20, "{spun}");
+    }
+    #[test]
+    fn a_wheel_of_another_radius_does_not_spin_for_ever() {
+        let machine = Machine::new(Told::Nothing, Effects::default(), 1).expect("a machine");
+        let Machine {
+            run,
+            simulation,
+            first,
+            ..
+        } = machine;
+        let mut settings = settings(Told::Nothing, &run, &simulation, &first);
+        settings.machine.wheel_radius *= 1.25;
+        let columns = Columns {
+            acceleration: true,
+            ..Columns::default()
+        };
+        let mut estimator = CgEstimator::new(&settings, Method::Full, columns).expect("settings");
+        let (mut moving, mut trusted, mut set_aside) = (0, 0, 0);
+        let told = *simulation.told();
+        for row in simulation {
+            let sample = Candidate::COLD.sample(&told, &row);
+            let estimate = estimator.step(&sample);
+            moving += u32::from(row.speed.abs() > 1.0);
+            trusted += u32::from(estimate.trusted_ratio);
+            set_aside += u32::from(row.speed.abs() > 1.0 && estimate.status == Status::Gap);
+        }
+        assert!(
+            moving > 3000 && set_aside * 2 < moving && trusted == 0,
+            "{set_aside} of {moving}, {trusted}"
+        );
     }
 }

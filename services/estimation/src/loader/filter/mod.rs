@@ -51,6 +51,9 @@ const WIDER: f64 = 2.5;
 /// transmit says nothing of slip stiffness and load (Wong, Theory of Ground Vehicles, 2.4). Slower than this it does not count [m/s].
 const SPINS: (f64, f64) = (0.15, 0.3);
 
+/// A wheel that seems to spin for longer, or for a third of its way, has another radius or unit than is described [s].
+const LONGEST_SPIN: f64 = 5.0;
+
 /// Acceleration beyond which the torques do not explain the motion [m/s^2].
 const UNEXPLAINED: f64 = 0.15;
 
@@ -136,6 +139,8 @@ pub(super) struct CgFilter<const N: usize, const M: usize, B: Belief<N, M>> {
     weighed: Option<Weighed>,
     /// What the errors of weighed loads have left in the ratio, as a standard deviation.
     left_by_loads: f64,
+    /// How long a wheel has spun, less half of the time in which all rolled [s].
+    spun: f64,
     frozen: bool,
 }
 
@@ -194,6 +199,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             payload: None,
             weighed: None,
             left_by_loads: 0.0,
+            spun: 0.0,
             frozen: false,
         };
         new.belief = B::new(new.prior_state(), &new.prior_std(), spread);
@@ -307,7 +313,15 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         self.evidence.stuck = self.stuck.first();
         self.boom_told |= sample.boom_moving;
         self.changed += dt;
-        if at_work && self.spins(sample) {
+        let slips = at_work && self.slips_far(sample);
+        let rolls = self.belief.state()[SPEED].abs() > SPINS.1;
+        self.spun += match (slips, rolls) {
+            (true, _) => dt,
+            (false, true) => -0.5 * dt,
+            (false, false) => 0.0,
+        };
+        self.spun = self.spun.clamp(0.0, LONGEST_SPIN);
+        if slips && self.spun < LONGEST_SPIN {
             self.evidence.set_aside();
             return self.bridge_gap(sample, 0.0);
         }
@@ -403,8 +417,8 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
     }
 
-    /// A wheel spins.
-    fn spins(&self, sample: &Sample) -> bool {
+    /// A wheel slips by more than a tyre that rolls.
+    fn slips_far(&self, sample: &Sample) -> bool {
         let speed = self.belief.state()[SPEED];
         let wheels = [sample.front_wheel_speed, sample.rear_wheel_speed];
         wheels.into_iter().flatten().any(|wheel| {
