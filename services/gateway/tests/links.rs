@@ -34,9 +34,7 @@ fn over(quality: Quality, seconds: u64, cut: f64) -> [i64; 2] {
     }
     machine.process.wait();
     let whole = expected(100, seconds);
-    until("the history is whole", || {
-        centre.numbers("ex-1", UKF).len() >= whole.len() && centre.account("ex-1").1 == 0
-    });
+    centre.until_whole("ex-1", UKF, whole.len());
     assert_eq!(centre.numbers("ex-1", UKF), whole);
     assert_eq!(centre.account("ex-1"), (0, 0));
     let ages = ages(&centre);
@@ -50,6 +48,21 @@ fn over(quality: Quality, seconds: u64, cut: f64) -> [i64; 2] {
 #[test]
 fn over_a_mobile_network_everything_arrives() {
     assert!(over(LTE, 20, 0.0)[0] >= 39, "the link is in between");
+}
+
+#[test]
+fn the_last_message_before_the_end_of_a_run_arrives() {
+    let router = Router::start();
+    let folder = tempfile::tempdir().expect("a folder");
+    let centre = collector(&router.address, &folder.path().join("fleet.sqlite"), &[]);
+    // Every sample is a message, and the run ends with the last: between two visits of the gateway.
+    let machine = machine(10.0, 8.0, None);
+    let _gateway = gateway(&machine, "ex-1", &router.address);
+    machine.process.wait();
+    let whole = expected(10, 8);
+    centre.until_whole("ex-1", UKF, whole.len());
+    assert_eq!(centre.numbers("ex-1", UKF), whole);
+    assert_eq!(centre.account("ex-1"), (0, 0));
 }
 
 #[test]

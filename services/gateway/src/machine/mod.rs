@@ -194,18 +194,21 @@ pub fn run(args: &GatewayArgs, stop: &AtomicBool) -> Result<(), String> {
     ));
     let mut looked = Instant::now();
     let is_over = || stop.load(Ordering::Relaxed) || publisher.is_finished();
-    while !is_over() && domain.plan_file().exists() {
+    loop {
+        let is_due = looked.elapsed() >= LOOK;
+        if is_due {
+            looked = Instant::now();
+        }
+        // Asked before the channels are read: what was sent between the last visit and the end is read too. A domain that
+        // is not alive was left behind by a supervisor that was killed.
+        let goes_on = !is_over() && domain.plan_file().exists() && (!is_due || domain.is_alive());
         let lost = taps.drain(&mut reader).lost;
         shared.overwritten.fetch_add(lost, Ordering::Relaxed);
         for (i, head) in shared.heads.iter().enumerate() {
             head.store(reader.thinner.head(i), Ordering::Relaxed);
         }
-        if looked.elapsed() >= LOOK {
-            looked = Instant::now();
-            // Left behind by a supervisor that was killed.
-            if !domain.is_alive() {
-                break;
-            }
+        if !goes_on {
+            break;
         }
         std::thread::sleep(visit);
     }

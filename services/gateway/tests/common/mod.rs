@@ -236,6 +236,35 @@ impl Collector {
             .collect()
     }
 
+    /// Waits until so many messages of a stream are here and no stream of the machine has a gap. What never closes is
+    /// named with its numbers: without them a failure tells nobody where to look.
+    pub fn until_whole(&self, machine: &str, stream: &str, messages: usize) {
+        let begun = Instant::now();
+        loop {
+            let (here, gaps) = (self.numbers(machine, stream).len(), self.gaps(machine));
+            if here >= messages && gaps.is_empty() {
+                return;
+            }
+            assert!(
+                begun.elapsed() < LIMIT,
+                "the history is whole: {here} of {messages} of {stream}; gaps (good, head, lost): {gaps:?}"
+            );
+            sleep(0.2);
+        }
+    }
+
+    /// Streams of a machine that have a gap: up to where each is whole, up to where it goes, and what is lost.
+    fn gaps(&self, machine: &str) -> Vec<(String, [i64; 3])> {
+        let sql = gateway::collector::query::open(&self.db).expect("a history");
+        let text = "SELECT s.name, good, head, lost FROM stream s JOIN machine m ON m.id = s.machine WHERE m.name = ? AND good < head";
+        let mut query = sql.prepare(text).expect("a query");
+        let all = query.query_map([machine], |row| {
+            Ok((row.get(0)?, [row.get(1)?, row.get(2)?, row.get(3)?]))
+        });
+        let all = all.expect("rows");
+        all.map(|stream| stream.expect("a stream")).collect()
+    }
+
     /// Messages lost and streams with a gap, of a machine.
     pub fn account(&self, machine: &str) -> (i64, i64) {
         let sql = gateway::collector::query::open(&self.db).expect("a history");
@@ -263,11 +292,14 @@ pub fn query(db: &Path, what: &str) -> Vec<serde_json::Value> {
         .collect()
 }
 
+/// What is not so by then never is.
+const LIMIT: Duration = Duration::from_secs(120);
+
 /// Waits until something holds.
 pub fn until(what: &str, mut holds: impl FnMut() -> bool) {
     let begun = Instant::now();
     while !holds() {
-        assert!(begun.elapsed() < Duration::from_secs(120), "{what}");
+        assert!(begun.elapsed() < LIMIT, "{what}");
         std::thread::sleep(Duration::from_millis(200));
     }
 }
