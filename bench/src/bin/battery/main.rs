@@ -42,6 +42,9 @@ usage: battery [--minutes N] [--seed S] [--only WORD] [--heft PATH]
        the third the cells of the trust matrix whose name holds WORD, as a table, with the fault from SECONDS (25) on;
        the fourth both machines in real time, with the slopes of memory, descriptors and disk";
 
+/// A long run prints its table this often: what stops it in the middle costs only the rest.
+const INTERIM: Duration = Duration::from_secs(600);
+
 /// The table of attacks: a row more is an attack more.
 fn attacks() -> Vec<Box<dyn Attack>> {
     let mut attacks: Vec<Box<dyn Attack>> = Vec::new();
@@ -191,7 +194,13 @@ fn attempts(arguments: &Arguments, begun: Instant) -> Rows {
     let mut rows: Rows = chosen.map(|a| (a, Tally::default())).collect();
     let limit = Duration::from_secs_f64(60.0 * arguments.minutes.max(0.0));
     let mut number = 0;
+    let mut printed = begun;
     while !rows.is_empty() {
+        if printed.elapsed() >= INTERIM {
+            printed = Instant::now();
+            println!("after {:.0} minutes:", begun.elapsed().as_secs_f64() / 60.0);
+            print(&rows);
+        }
         for (attack, tally) in &mut rows {
             if begun.elapsed() >= limit {
                 return rows;
