@@ -26,7 +26,7 @@ impl Attack for Flood {
         let address: SocketAddr = text
             .split("http://")
             .nth(1)
-            .and_then(|rest| rest.split_whitespace().next())
+            .and_then(|rest| rest.split([',', '/']).next().map(str::trim))
             .and_then(|address| address.parse().ok())
             .ok_or_else(|| format!("no address: {text}"))?;
         let mut held = Vec::new();
