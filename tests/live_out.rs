@@ -187,3 +187,33 @@ fn estimates_are_sent_as_frames_and_a_bus_that_goes_costs_no_estimate() {
     assert!(heard.lines().count() > 100, "{heard}");
     assert_eq!(estimates.len(), 1501, "no estimate is missing: {said}");
 }
+
+#[test]
+#[ignore = "needs vcan0; run through tests/tools/with-can"]
+fn two_machines_of_one_computer_are_two_nodes() {
+    let heard = vcan::Recorder::start("vcan1");
+    let start = |name, machine| {
+        let arguments = [machine, "--output", "can:vcan1", "--duration", "8"];
+        Running::start(name, &arguments)
+    };
+    let both_run = [start("node-a", "excavator"), start("node-b", "loader")];
+    for running in both_run {
+        running.wait();
+    }
+    let heard = heard.stop();
+    let (mut names, mut senders) = (BTreeMap::new(), BTreeMap::new());
+    for line in heard.lines() {
+        let (id, data) = line.rsplit_once(' ').expect("a frame").1.split_at(8);
+        let source = &id[6..];
+        if &id[2..4] == "EE" {
+            names.insert(data, source);
+        } else {
+            // 0xff1N are groups of the excavator, 0xff2N of the loader: the last address of each.
+            senders.insert(&id[2..5], source);
+        }
+    }
+    assert_eq!(names.len(), 2, "{heard}");
+    assert_eq!(senders.len(), 2, "{heard}");
+    let addresses: std::collections::BTreeSet<_> = senders.values().collect();
+    assert_eq!(addresses.len(), 2, "one address for both: {senders:?}");
+}

@@ -2,7 +2,7 @@
 """heft on a bus beside nodes of can-j1939: tests/tools/with-can python3 tests/tools/j1939_node.py HEFT [INTERFACE]
 
 Needs pip install can-j1939. Status 0 and "ok" if heft claims before it speaks, defends its address against a weaker NAME,
-answers requests, and makes way for a stronger NAME.
+answers requests, makes way for a stronger NAME, and is silent where it may not choose another address.
 """
 
 import subprocess
@@ -99,7 +99,33 @@ def main():
             heft.terminate()
             heft.wait()
             notifier.stop()
+    bus.shutdown()
+    fixed()
     print("ok")
+
+
+def fixed():
+    """A node that may not choose: "cannot claim", and nothing but that."""
+    print("a node without a choice", flush=True)
+    bus = can.Bus(interface="socketcan", channel=BUS)
+    heard = Heard()
+    notifier = can.Notifier(bus, [heard])
+    strong, _ = ca(1, 0)
+    time.sleep(1)
+    begun = time.monotonic()
+    with tempfile.TemporaryDirectory() as folder:
+        with open(f"{folder}/out.toml", "w") as out:
+            out.write("[can]\n[can.name]\narbitrary_address = false\n")
+        run = [HEFT, "run", "excavator", "--output", f"can:{BUS}", "--output-map", f"{folder}/out.toml"]
+        run += ["--duration", "8", "--out", f"{folder}/run", "--quiet", "--no-report"]
+        heft = subprocess.run(run, capture_output=True, text=True)
+    assert heft.returncode == 0 and "nothing is sent" in heft.stderr, heft.stderr
+    assert heard.since(begun, 0xFE, CLAIM), "cannot claim"
+    data = [f for f in heard.frames if f[0] >= begun and f[1] >> 16 & 0xFF == 0xFF]
+    assert not data, f"{len(data)} frames without an address"
+    strong.disconnect()
+    notifier.stop()
+    bus.shutdown()
 
 
 main()

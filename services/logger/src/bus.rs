@@ -36,8 +36,9 @@ pub struct BusWriter {
     address: Option<u8>,
     /// The frames from that address.
     addressed: Outgoing,
-    /// Whether it was told that there is no address.
+    /// Whether it was told that there is no address, and that another node has the same NAME.
     has_lost: bool,
+    has_double: bool,
 }
 
 /// Frames of others that are taken in one visit: a bus that floods the node does not hold up the estimates.
@@ -47,7 +48,7 @@ impl BusWriter {
     /// Sends `outgoing` on `interface`, which is opened when it is there.
     #[must_use]
     pub fn new(interface: &str, outgoing: Outgoing) -> Self {
-        let node = outgoing.node(identity());
+        let node = outgoing.node(rustix::system::uname().nodename().to_bytes());
         Self {
             interface: interface.to_owned(),
             addressed: outgoing.clone(),
@@ -55,6 +56,7 @@ impl BusWriter {
             address: None,
             latest: Vec::new(),
             has_lost: false,
+            has_double: false,
             outgoing,
             socket: None,
             tried: None,
@@ -113,23 +115,9 @@ impl BusWriter {
             }
         }
         let address = node.address(now_ns());
-        if address != self.address {
-            self.address = address;
-            if let Some(address) = address {
-                self.addressed = self.outgoing.from(address);
-                tracing::info!(interface = self.interface, address, "address claimed");
-            }
-        }
-        if node.has_lost() != self.has_lost {
-            self.has_lost = node.has_lost();
-            if self.has_lost {
-                tracing::warn!(
-                    "{}: no address: another node has it, by its NAME; nothing is sent",
-                    self.interface
-                );
-            }
-        }
         let asked = node.take_asked();
+        let (has_lost, has_double) = (node.has_lost(), node.has_double());
+        self.tell_address(address, has_lost, has_double);
         if asked.is_empty() {
             return Ok(());
         }
@@ -140,6 +128,29 @@ impl BusWriter {
             .filter_map(|f| out(&f))
             .collect();
         self.send(&asked)
+    }
+
+    /// Uses the address that the node has now, and tells once what became of it.
+    fn tell_address(&mut self, address: Option<u8>, has_lost: bool, has_double: bool) {
+        let interface = &self.interface;
+        if address != self.address {
+            self.address = address;
+            if let Some(address) = address {
+                self.addressed = self.outgoing.from(address);
+                tracing::info!(interface, address, "address claimed");
+            }
+        }
+        if has_lost && !self.has_lost {
+            tracing::warn!(
+                "{interface}: no address: another node has it, by its NAME; nothing is sent"
+            );
+        }
+        if has_double && !self.has_double {
+            tracing::warn!(
+                "{interface}: another node has the NAME of this one; give each its own `identity` in [can.name] of --output-map"
+            );
+        }
+        (self.has_lost, self.has_double) = (has_lost, has_double);
     }
 
     /// The frames of an estimate that may be sent now: those of J1939 need an address.
@@ -182,16 +193,6 @@ impl BusWriter {
 /// Flags beside an identifier.
 const EXTENDED: u32 = 1 << 31;
 const REMOTE: u32 = 1 << 30;
-
-/// A number that another computer hardly has: of the name of this one (FNV-1a), 21 bits.
-fn identity() -> u32 {
-    let name = rustix::system::uname();
-    let bytes = name.nodename().to_bytes().iter();
-    let hash = bytes.fold(0x811c_9dc5_u32, |hash, byte| {
-        (hash ^ u32::from(*byte)).wrapping_mul(0x0100_0193)
-    });
-    (hash ^ hash >> 21) & 0x1f_ffff
-}
 
 /// ENOBUFS: the interface's queue is full.
 const NO_BUFFERS: i32 = rustix::io::Errno::NOBUFS.raw_os_error();

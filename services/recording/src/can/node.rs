@@ -118,6 +118,8 @@ pub struct Node {
     /// Addresses that others have claimed, by their numbers.
     taken: [Option<u64>; 256],
     say: VecDeque<Said>,
+    /// Another node claims with the NAME of this one: no claim can part the two.
+    has_double: bool,
     /// Groups that somebody asked for and that this node sends.
     asked: Vec<u32>,
     groups: Vec<u32>,
@@ -133,6 +135,7 @@ impl Node {
             state: State::Silent,
             taken: [None; 256],
             say: VecDeque::new(),
+            has_double: false,
             asked: Vec::new(),
             groups,
         }
@@ -161,6 +164,12 @@ impl Node {
     #[must_use]
     pub fn has_lost(&self) -> bool {
         self.state == State::Lost
+    }
+
+    /// Whether another node was heard that has the same NAME.
+    #[must_use]
+    pub fn has_double(&self) -> bool {
+        self.has_double
     }
 
     /// The next frame that is due.
@@ -195,6 +204,7 @@ impl Node {
 
     fn other_claims(&mut self, address: u8, name: u64, now: u64) {
         let mine = self.name.bits();
+        self.has_double |= name == mine;
         if address >= NULL || name == mine {
             return;
         }
@@ -365,6 +375,17 @@ mod tests {
         assert!(node.has_lost());
         node.take(0x18ea_ff01, &[0x00, 0xee, 0x00], later);
         assert_eq!(said(&mut node, later + MOST_DELAY)[0].0, 0x18ee_fffe);
+    }
+
+    #[test]
+    fn a_node_of_the_same_name_is_noticed_wherever_it_is() {
+        for claim in [CLAIM_OF_80, 0x18ee_ff93] {
+            let mut node = node(true);
+            node.take(CLAIM_OF_80, &1_u64.to_le_bytes(), 1);
+            assert!(!node.has_double());
+            node.take(claim, &NAME.bits().to_le_bytes(), 2);
+            assert!(node.has_double());
+        }
     }
 
     #[test]

@@ -139,12 +139,12 @@ impl Outgoing {
         })
     }
 
-    /// The node of J1939 that sends these frames; none if all have identifiers of 11 bits. `identity` where the map
-    /// says none.
+    /// The node of J1939 that sends these frames; none if all have identifiers of 11 bits. Where the map gives no
+    /// identity, it follows from the name of the `computer` and the machine.
     #[must_use]
-    pub fn node(&self, identity: u32) -> Option<Node> {
+    pub fn node(&self, computer: &[u8]) -> Option<Node> {
         let (name, own) = self.name;
-        let identity = own.unwrap_or(identity);
+        let identity = own.unwrap_or_else(|| identity(computer, self.machine));
         let groups: Vec<u32> = self.kinds.iter().filter_map(Kind::group).collect();
         let is_node = !groups.is_empty();
         is_node.then(|| Node::new(Name { identity, ..name }, self.source, groups))
@@ -159,6 +159,15 @@ impl Outgoing {
         }
         other
     }
+}
+
+/// A number of 21 bits that another node hardly has (FNV-1a).
+fn identity(computer: &[u8], machine: Machine) -> u32 {
+    let bytes = computer.iter().chain(machine.name().as_bytes());
+    let hash = bytes.fold(0x811c_9dc5_u32, |hash, byte| {
+        (hash ^ u32::from(*byte)).wrapping_mul(0x0100_0193)
+    });
+    (hash ^ hash >> 21) & 0x1f_ffff
 }
 
 impl Content {
