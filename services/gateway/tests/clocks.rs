@@ -3,8 +3,11 @@
 
 mod common;
 
+use std::time::Instant;
+
 use common::{Collector, Router, collector, sleep, until};
 use gateway::label::Label;
+use gateway::machine::{END, Served};
 use gateway::status::{Status, Stream};
 use gateway::wall_ms;
 use messages::ExcavatorEstimate;
@@ -12,6 +15,8 @@ use zenoh::{Session, Wait};
 
 const STREAM: &str = "estimate/inertia_ukf";
 const HOUR_MS: i64 = 3_600_000;
+/// A gateway stays for so long after its run, unless told otherwise [s].
+const LINGER: u64 = 20;
 
 /// A machine, or somebody who says so.
 struct Speaker<'a> {
@@ -273,4 +278,51 @@ fn twenty_thousand_made_up_names_do_not_keep_out_an_honest_machine() {
     sleep(1.0);
     let page = centre.get("/", "localhost");
     assert!(page.contains("honest"), "and on the page");
+}
+
+#[test]
+fn a_question_that_is_lost_is_asked_again_before_a_gateway_whose_run_is_over_has_left() {
+    let router = Router::start();
+    let folder = tempfile::tempdir().expect("a folder");
+    let centre = collector(&router.address, &folder.path().join("fleet.sqlite"), &[]);
+    let session = router.client();
+    let machine = Speaker {
+        session: &session,
+        name: "mute",
+        run: 1,
+        count: 1,
+        ahead_ms: 0,
+    };
+    // It takes the first question of each stream and never ends it; what it is asked then, it does not have.
+    let (asked, questions) = std::sync::mpsc::channel();
+    let first = std::sync::Mutex::new(None);
+    let key = format!("heft/v1/north/mute/{STREAM}");
+    let its = key.clone();
+    let _answers = session
+        .declare_queryable(key)
+        .callback(move |query| {
+            let _ = asked.send(Instant::now());
+            let mut first = first.lock().expect("its own");
+            if first.is_none() {
+                *first = Some(query);
+                return;
+            }
+            let served = Served {
+                upto: 14,
+                messages: 0,
+                lost: 10,
+            };
+            let served = serde_json::to_vec(&served).expect("plain data");
+            let _ = query.reply(&its, served).attachment(END).wait();
+        })
+        .wait()
+        .expect("a key");
+    until("what it does not have is lost", || {
+        machine.speak(5);
+        machine.status(14, true);
+        centre.account("mute") == (10, 0)
+    });
+    let times: Vec<Instant> = questions.try_iter().collect();
+    let between = times[1] - times[0];
+    assert!(between.as_secs() < LINGER, "{between:?}");
 }

@@ -150,9 +150,7 @@ fn a_gateway_sends_answers_and_recovers_behind_such_a_router() {
     });
     machine.process.wait();
     let whole = common::expected(100, 20);
-    until("the history is whole", || {
-        centre.numbers("ex-1", UKF).len() >= whole.len() && centre.account("ex-1").1 == 0
-    });
+    centre.until_whole("ex-1", UKF, whole.len());
     assert_eq!(centre.numbers("ex-1", UKF), whole);
     assert_eq!(centre.account("ex-1"), (0, 0));
 }

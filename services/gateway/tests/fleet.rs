@@ -49,12 +49,8 @@ fn two_machines_are_on_the_page_and_in_the_history() {
         machine.process.wait();
     }
     let whole = expected(100, 14);
-    until("the history is whole", || {
-        ["ex-1", "ex-2"]
-            .iter()
-            .all(|id| centre.numbers(id, UKF).len() >= whole.len())
-    });
     for id in ["ex-1", "ex-2"] {
+        centre.until_whole(id, UKF, whole.len());
         assert_eq!(centre.numbers(id, UKF), whole, "{id}");
         // A swing from 2 to 5 s of each ten, told by its last estimate.
         assert_eq!(centre.numbers(id, "loads/inertia_ukf"), [499], "{id}");
@@ -85,9 +81,7 @@ fn after_a_cut_longer_than_the_cache_the_history_is_complete() {
         whole.len()
     );
     for centre in [&centre, &other] {
-        until("the history is whole", || {
-            centre.numbers("ex-1", UKF).len() >= whole.len() && centre.account("ex-1").1 == 0
-        });
+        centre.until_whole("ex-1", UKF, whole.len());
         assert_eq!(centre.numbers("ex-1", UKF), whole);
         assert_eq!(
             centre.numbers("ex-1", "loads/inertia_ukf"),
@@ -110,9 +104,7 @@ fn a_gateway_that_is_killed_and_started_again_leaves_no_gap() {
     let _second = gateway(&machine, "ex-1", &router.address);
     machine.process.wait();
     let whole = expected(100, 20);
-    until("the history is whole", || {
-        centre.numbers("ex-1", UKF).len() >= whole.len() && centre.account("ex-1").1 == 0
-    });
+    centre.until_whole("ex-1", UKF, whole.len());
     assert_eq!(centre.numbers("ex-1", UKF), whole);
     assert_eq!(centre.account("ex-1"), (0, 0));
 }
@@ -132,9 +124,7 @@ fn a_collector_that_was_away_asks_for_what_it_missed() {
     let centre = collector(&router.address, &db, &[]);
     machine.process.wait();
     let whole = expected(100, 20);
-    until("the history is whole", || {
-        centre.numbers("ex-1", UKF).len() >= whole.len() && centre.account("ex-1").1 == 0
-    });
+    centre.until_whole("ex-1", UKF, whole.len());
     assert_eq!(centre.numbers("ex-1", UKF), whole);
 }
 
@@ -258,9 +248,7 @@ fn a_router_that_is_away_holds_up_neither_machine_nor_collector() {
     router.up();
     machine.process.wait();
     let whole = expected(100, 12);
-    until("the history is whole", || {
-        centre.numbers("ex-1", UKF).len() >= whole.len() && centre.account("ex-1").1 == 0
-    });
+    centre.until_whole("ex-1", UKF, whole.len());
     assert_eq!(centre.numbers("ex-1", UKF), whole);
     router.down();
     gateway.end();

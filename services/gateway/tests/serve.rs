@@ -79,6 +79,21 @@ fn alone(heft: &Path, machine: &Machine) -> String {
     std::fs::read_to_string(out).expect("estimates")
 }
 
+/// The same rows, bit for bit.
+fn assert_same(found: &[BTreeMap<&str, &str>], expected: &[BTreeMap<&str, &str>]) {
+    assert_eq!(found.len(), expected.len());
+    for (found, expected) in found.iter().zip(expected) {
+        for column in COLUMNS {
+            let number = |row: &BTreeMap<&str, &str>| row[column].parse::<f64>().ok();
+            match number(expected) {
+                Some(x) => assert_eq!(number(found).map(f64::to_bits), Some(x.to_bits())),
+                // The method does not estimate it, or not yet.
+                None => assert_eq!(expected[column], "", "{column}"),
+            }
+        }
+    }
+}
+
 #[test]
 fn the_site_estimates_what_heft_estimate_does_bit_for_bit_also_when_its_processes_die() {
     let Some(heft) = heft() else { return };
@@ -129,17 +144,7 @@ fn the_site_estimates_what_heft_estimate_does_bit_for_bit_also_when_its_processe
         query.args(["query", "--what", "site", "--machine", name, "--db"]);
         let found = printed(query.arg(&centre.db));
         let found = rows(&found);
-        assert_eq!(found.len(), expected.len());
-        for (found, expected) in found.iter().zip(&expected) {
-            for column in COLUMNS {
-                let number = |row: &BTreeMap<&str, &str>| row[column].parse::<f64>().ok();
-                match number(expected) {
-                    Some(x) => assert_eq!(number(found).map(f64::to_bits), Some(x.to_bits())),
-                    // The method does not estimate it, or not yet.
-                    None => assert_eq!(expected[column], "", "{column}"),
-                }
-            }
-        }
+        assert_same(&found, &expected);
         assert!(
             expected.iter().any(|row| row["trusted"] == "1"),
             "not all alike"

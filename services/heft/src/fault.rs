@@ -110,7 +110,10 @@ impl Fault {
             Self::Unrecorded { samples } => {
                 format!("the recording has gaps of {samples} messages")
             }
-            Self::Disk => "the recording is incomplete: the disk took no more".into(),
+            Self::Disk => {
+                "the recording is incomplete: the disk took no more, or a file of it was deleted"
+                    .into()
+            }
             Self::NotJoined { why } => format!("the recording stays in parts: {why}"),
             Self::Late { service, samples } => {
                 format!("{samples} samples came to {service} later than a period")

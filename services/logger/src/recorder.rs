@@ -150,7 +150,9 @@ impl Recorder {
         }
         if writer.is_deleted() {
             let error = self.deleted();
-            return Err(self.stop(error));
+            self.stop(error.clone());
+            self.begin()?;
+            return Err(error);
         }
         let size = writer.size();
         self.look_at_the_clock()?;

@@ -35,7 +35,7 @@ impl Attack for SharedMemory {
         if !tried.is_ok_and(|status| status.success()) {
             return Ok(Outcome::Skipped);
         }
-        let run = ground.run_by(ground.heft_behind(&words), 14.0, &[])?;
+        let run = ground.run_by(ground.heft_behind(&words), 20.0, &[])?;
         run.wait_for_all()?;
         let shm = format!("/proc/{}/root/dev/shm", run.supervisor());
         let filler = Path::new(&shm).join("of-others");

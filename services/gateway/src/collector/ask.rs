@@ -1,8 +1,13 @@
 //! Questions to machines for what did not arrive.
+//!
+//! A thread of its own asks: Zenoh may end a question on the thread that asks it, and the end is told through a queue
+//! that the collector's thread alone empties. That thread calls nothing of Zenoh while it works.
 
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
+use zenoh::cancellation::CancellationToken;
 use zenoh::query::ConsolidationMode;
 use zenoh::{Session, Wait};
 
@@ -14,6 +19,8 @@ use crate::machine::{END, Served};
 const AT_A_TIME: usize = 8;
 /// A machine must have answered by then.
 const LIMIT: Duration = Duration::from_secs(60);
+/// Time between two looks at questions that nobody answers.
+const LOOK: Duration = Duration::from_millis(500);
 
 /// A question: what there is between two numbers of a stream.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -30,20 +37,22 @@ pub struct Question {
     pub after: i64,
     /// This much there is at least.
     pub upto: i64,
+    /// Given up when nothing came for so long.
+    pub patience: Duration,
 }
 
 /// Asks.
 pub struct Asker {
-    session: Session,
-    intake: Arc<Intake>,
+    questions: SyncSender<Question>,
     under_way: usize,
 }
 
 impl Asker {
     pub(super) fn new(session: Session, intake: Arc<Intake>) -> Self {
+        let (questions, waiting) = sync_channel(AT_A_TIME);
+        std::thread::spawn(move || ask_all(&session, &intake, &waiting));
         Self {
-            session,
-            intake,
+            questions,
             under_way: 0,
         }
     }
@@ -58,32 +67,76 @@ impl Asker {
         self.under_way = self.under_way.saturating_sub(1);
     }
 
-    /// Asks. The end is told as [`Event::Answered`], whatever it is.
+    /// Asks, within [`Self::room`]. The end is told as [`Event::Answered`], whatever it is. Waits for nothing.
     pub(super) fn ask(&mut self, question: Question) {
         self.under_way += 1;
-        let Question {
-            run, after, upto, ..
-        } = question;
-        let selector = format!(
-            "{}?run={run};after={after};upto={upto}",
-            question.id.key(&question.name)
-        );
-        let open = Open {
-            stream: question.stream,
-            intake: Arc::clone(&self.intake),
-            answer: Mutex::new(Answer::None),
-        };
-        let asked = self
-            .session
-            .get(selector)
-            .timeout(LIMIT)
-            .consolidation(ConsolidationMode::None)
-            .callback(move |reply| open.take(&reply))
-            .wait();
-        if let Err(error) = asked {
-            tracing::warn!("cannot ask a machine: {error}");
+        if self.questions.try_send(question).is_err() {
+            tracing::error!("a question to a machine found no place; please report this");
         }
     }
+}
+
+/// Asks what comes, and gives up what nobody answers, until there is no [`Asker`].
+fn ask_all(session: &Session, intake: &Arc<Intake>, questions: &Receiver<Question>) {
+    let mut under_way: Vec<UnderWay> = Vec::new();
+    loop {
+        match questions.recv_timeout(LOOK) {
+            Ok(question) => under_way.extend(ask(session, intake, &question)),
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => return,
+        }
+        under_way.retain(|question| Arc::strong_count(&question.heard) > 1);
+        for silent in under_way.iter().filter(|q| q.is_silent()) {
+            let _ = silent.end.cancel().wait();
+        }
+    }
+}
+
+/// A question, as the thread that asked it sees it.
+struct UnderWay {
+    /// When something came last; held by its callback until it has ended.
+    heard: Arc<Mutex<Instant>>,
+    patience: Duration,
+    end: CancellationToken,
+}
+
+impl UnderWay {
+    fn is_silent(&self) -> bool {
+        let heard = self.heard.lock().unwrap_or_else(PoisonError::into_inner);
+        heard.elapsed() > self.patience
+    }
+}
+
+fn ask(session: &Session, intake: &Arc<Intake>, question: &Question) -> Option<UnderWay> {
+    let Question {
+        run, after, upto, ..
+    } = question;
+    let key = question.id.key(&question.name);
+    let selector = format!("{key}?run={run};after={after};upto={upto}");
+    let heard = Arc::new(Mutex::new(Instant::now()));
+    let end = CancellationToken::default();
+    let open = Open {
+        stream: question.stream,
+        intake: Arc::clone(intake),
+        answer: Mutex::new(Answer::None),
+        heard: Arc::clone(&heard),
+    };
+    let asked = session
+        .get(selector)
+        .timeout(LIMIT)
+        .consolidation(ConsolidationMode::None)
+        .cancellation_token(end.clone())
+        .callback(move |reply| open.take(&reply))
+        .wait();
+    if let Err(error) = asked {
+        tracing::warn!("cannot ask a machine: {error}");
+        return None;
+    }
+    Some(UnderWay {
+        heard,
+        patience: question.patience,
+        end,
+    })
 }
 
 /// A question under way; dropped with the callback when it has ended.
@@ -91,10 +144,12 @@ struct Open {
     stream: i64,
     intake: Arc<Intake>,
     answer: Mutex<Answer>,
+    heard: Arc<Mutex<Instant>>,
 }
 
 impl Open {
     fn take(&self, reply: &zenoh::query::Reply) {
+        *self.heard.lock().unwrap_or_else(PoisonError::into_inner) = Instant::now();
         let said = match reply.result() {
             Ok(sample) if sample.attachment().is_some_and(|a| a.to_bytes() == END) => {
                 let served = serde_json::from_slice::<Served>(&sample.payload().to_bytes());
@@ -119,5 +174,44 @@ impl Drop for Open {
     fn drop(&mut self) {
         let answer = *self.answer.lock().unwrap_or_else(PoisonError::into_inner);
         self.intake.say(Event::Answered(self.stream, answer));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of whoever waits longer than this, nobody hears again.
+    const LONGEST: Duration = Duration::from_secs(60);
+
+    #[test]
+    fn a_question_that_zenoh_refuses_ends_and_holds_up_nobody_though_the_queue_is_full() {
+        let session = crate::link::router(Some("tcp/127.0.0.1:0"), None).unwrap();
+        let (events, waiting) = sync_channel(1);
+        let intake = Arc::new(Intake::new(events));
+        intake.say(Event::Answered(1, Answer::None));
+        session.close().wait().unwrap();
+        let mut asker = Asker::new(session, intake);
+        let (done, is_done) = sync_channel(1);
+        std::thread::spawn(move || {
+            for stream in 2..5 {
+                asker.ask(Question {
+                    stream,
+                    id: MachineId::new("north", "ex-1").unwrap(),
+                    name: "estimate/inertia_ukf".into(),
+                    run: 1,
+                    after: 0,
+                    upto: 1,
+                    patience: LIMIT,
+                });
+            }
+            done.send(asker).unwrap();
+        });
+        let asker = is_done.recv_timeout(LONGEST);
+        assert!(asker.is_ok(), "the thread that asks is not held up");
+        for wanted in 1..5 {
+            let event = waiting.recv_timeout(LONGEST);
+            assert!(matches!(event, Ok(Event::Answered(stream, Answer::None)) if stream == wanted));
+        }
     }
 }

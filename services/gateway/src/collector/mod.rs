@@ -140,6 +140,8 @@ pub fn run(args: &CollectorArgs, stop: &AtomicBool) -> Result<(), String> {
         said: (0, Instant::now() - ROOM),
     };
     let result = collector.work(&waiting, stop);
+    // Nobody takes anything any more: what Zenoh's threads still bring must not wait for a place.
+    drop(waiting);
     let _ = session.close().wait();
     result
 }

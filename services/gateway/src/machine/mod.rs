@@ -90,6 +90,30 @@ struct Shared {
 }
 
 impl Shared {
+    fn new(id: MachineId, plan: Plan, hz: f64, streams: Vec<StreamInfo>) -> Self {
+        let none = || streams.iter().map(|_| AtomicI64::new(-1)).collect();
+        Self {
+            id,
+            hz,
+            wall_offset_ns: wall_ms() as i64 * 1_000_000 - runtime::now_ns() as i64,
+            heads: none(),
+            counted: none(),
+            streams,
+            since_ms: wall_ms(),
+            overwritten: AtomicU64::new(0),
+            dropped: AtomicU64::new(0),
+            sent: AtomicU64::new(0),
+            served: AtomicU64::new(0),
+            lost: AtomicU64::new(0),
+            samples_sent: AtomicU64::new(0),
+            samples_lost: AtomicU64::new(0),
+            ended: AtomicBool::new(false),
+            leave: AtomicBool::new(false),
+            full_until: AtomicU64::new(0),
+            plan,
+        }
+    }
+
     /// The wall clock at a time of the monotonic one [ms since 1970].
     fn wall_ms(&self, measured_ns: u64) -> u64 {
         let wall = (measured_ns as i64).saturating_add(self.wall_offset_ns);
@@ -114,6 +138,43 @@ impl Shared {
 /// # Errors
 /// There is no such run, or an argument cannot be used.
 pub fn run(args: &GatewayArgs, stop: &AtomicBool) -> Result<(), String> {
+    let id = machine_id(args)?;
+    let domain = Domain::new(&args.domain).map_err(|e| e.to_string())?;
+    let plan = Plan::read(&domain)?;
+    domain.enter().map_err(|e| e.to_string())?;
+    let ports = Ports::new("gateway").map_err(|e| e.to_string())?;
+    let streams = crate::thin::streams(plan.pipeline()?, plan.rate, args.rate);
+    let sensors = args.samples.then(|| plan.sensors()).transpose()?;
+    let channels = channels(&streams, sensors);
+    let shared = Arc::new(Shared::new(id, plan, args.rate, streams));
+    // What a gateway that was killed held in the channels.
+    if !Cleaner::start().clean_up(Duration::from_secs(1)) {
+        tracing::warn!("what the dead held in the channels is not free yet");
+    }
+    // The channels first: what comes while Zenoh connects waits in the queue.
+    let mut taps = Taps::open(&ports, &channels).map_err(|e| e.to_string())?;
+    let (mut reader, waiting) = Reader::new(&shared, sensors);
+    let publisher = publish::start(args.link.clone(), Arc::clone(&shared), waiting, sensors);
+    let is_over = || stop.load(Ordering::Relaxed) || publisher.is_finished();
+    read(&domain, &mut taps, &mut reader, is_over);
+    drop((taps, ports));
+    shared.ended.store(true, Ordering::Relaxed);
+    let ended = Instant::now();
+    while !is_over() && ended.elapsed().as_secs_f64() < args.linger {
+        std::thread::sleep(VISIT);
+    }
+    shared.leave.store(true, Ordering::Relaxed);
+    publisher.join().map_err(|_| {
+        error(
+            "a thread of the gateway failed",
+            "heft-gateway",
+            "please report this",
+        )
+    })?
+}
+
+/// The name of the machine, and a rate that can be sent.
+fn machine_id(args: &GatewayArgs) -> Result<MachineId, String> {
     let id = MachineId::new(&args.site, &args.machine_id).ok_or_else(|| {
         error(
             format!(
@@ -131,69 +192,27 @@ pub fn run(args: &GatewayArgs, stop: &AtomicBool) -> Result<(), String> {
             "0.01 to 1000",
         ));
     }
-    let domain = Domain::new(&args.domain).map_err(|e| e.to_string())?;
-    let plan = Plan::read(&domain)?;
-    domain.enter().map_err(|e| e.to_string())?;
-    let ports = Ports::new("gateway").map_err(|e| e.to_string())?;
-    let pipeline = plan.pipeline()?;
-    let streams = crate::thin::streams(pipeline, plan.rate, args.rate);
+    Ok(id)
+}
+
+/// The channels of the streams, each once, and that of the sensors.
+fn channels(streams: &[StreamInfo], sensors: Option<&'static Channel>) -> Vec<&'static Channel> {
     let mut channels: Vec<&'static Channel> = Vec::new();
-    for stream in &streams {
+    for stream in streams {
         if !channels.iter().any(|c| c.name == stream.channel.name) {
             channels.push(stream.channel);
         }
     }
-    let sensors = args.samples.then(|| plan.sensors()).transpose()?;
     channels.extend(sensors);
-    let monotonic = runtime::now_ns() as i64;
-    let shared = Arc::new(Shared {
-        id,
-        hz: args.rate,
-        wall_offset_ns: wall_ms() as i64 * 1_000_000 - monotonic,
-        heads: streams.iter().map(|_| AtomicI64::new(-1)).collect(),
-        counted: streams.iter().map(|_| AtomicI64::new(-1)).collect(),
-        streams,
-        since_ms: wall_ms(),
-        overwritten: AtomicU64::new(0),
-        dropped: AtomicU64::new(0),
-        sent: AtomicU64::new(0),
-        served: AtomicU64::new(0),
-        lost: AtomicU64::new(0),
-        samples_sent: AtomicU64::new(0),
-        samples_lost: AtomicU64::new(0),
-        ended: AtomicBool::new(false),
-        leave: AtomicBool::new(false),
-        full_until: AtomicU64::new(0),
-        plan,
-    });
-    // What a gateway that was killed held in the channels.
-    if !Cleaner::start().clean_up(Duration::from_secs(1)) {
-        tracing::warn!("what the dead held in the channels is not free yet");
-    }
-    // The channels first: what comes while Zenoh connects waits in the queue.
-    let mut taps = Taps::open(&ports, &channels).map_err(|e| e.to_string())?;
-    let (queue, waiting) = RingBuffer::new(QUEUE);
-    let (full, full_waiting) = RingBuffer::new(full::QUEUE);
-    let (samples, samples_waiting) = RingBuffer::new(samples::QUEUE);
-    let mut reader = Reader {
-        thinner: shared.thinner(),
-        queue,
-        full,
-        sensors,
-        samples,
-        shared: Arc::clone(&shared),
-    };
-    let waiting = publish::Waiting {
-        selected: waiting,
-        full: full_waiting,
-        samples: samples_waiting,
-    };
-    let publisher = publish::start(args.link.clone(), Arc::clone(&shared), waiting, sensors);
-    let visit = VISIT.min(Duration::from_secs_f64(
-        VISIT_SAMPLES / shared.plan.rate.max(1.0),
-    ));
+    channels
+}
+
+/// Reads the channels until the run has ended.
+fn read(domain: &Domain, taps: &mut Taps<Reader>, reader: &mut Reader, is_over: impl Fn() -> bool) {
+    let shared = Arc::clone(&reader.shared);
+    let visit = Duration::from_secs_f64(VISIT_SAMPLES / shared.plan.rate.max(1.0));
+    let visit = VISIT.min(visit);
     let mut looked = Instant::now();
-    let is_over = || stop.load(Ordering::Relaxed) || publisher.is_finished();
     loop {
         let is_due = looked.elapsed() >= LOOK;
         if is_due {
@@ -202,30 +221,16 @@ pub fn run(args: &GatewayArgs, stop: &AtomicBool) -> Result<(), String> {
         // Asked before the channels are read: what was sent between the last visit and the end is read too. A domain that
         // is not alive was left behind by a supervisor that was killed.
         let goes_on = !is_over() && domain.plan_file().exists() && (!is_due || domain.is_alive());
-        let lost = taps.drain(&mut reader).lost;
+        let lost = taps.drain(reader).lost;
         shared.overwritten.fetch_add(lost, Ordering::Relaxed);
         for (i, head) in shared.heads.iter().enumerate() {
             head.store(reader.thinner.head(i), Ordering::Relaxed);
         }
         if !goes_on {
-            break;
+            return;
         }
         std::thread::sleep(visit);
     }
-    drop((taps, ports));
-    shared.ended.store(true, Ordering::Relaxed);
-    let ended = Instant::now();
-    while !is_over() && ended.elapsed().as_secs_f64() < args.linger {
-        std::thread::sleep(VISIT);
-    }
-    shared.leave.store(true, Ordering::Relaxed);
-    publisher.join().map_err(|_| {
-        error(
-            "a thread of the gateway failed",
-            "heft-gateway",
-            "please report this",
-        )
-    })?
 }
 
 /// Takes the messages of the channels.
@@ -237,6 +242,29 @@ struct Reader {
     sensors: Option<&'static Channel>,
     samples: Producer<samples::Sample>,
     shared: Arc<Shared>,
+}
+
+impl Reader {
+    /// The reader, and the other ends of its queues.
+    fn new(shared: &Arc<Shared>, sensors: Option<&'static Channel>) -> (Self, publish::Waiting) {
+        let (queue, selected) = RingBuffer::new(QUEUE);
+        let (full, full_waiting) = RingBuffer::new(full::QUEUE);
+        let (samples, samples_waiting) = RingBuffer::new(samples::QUEUE);
+        let reader = Self {
+            thinner: shared.thinner(),
+            queue,
+            full,
+            sensors,
+            samples,
+            shared: Arc::clone(shared),
+        };
+        let waiting = publish::Waiting {
+            selected,
+            full: full_waiting,
+            samples: samples_waiting,
+        };
+        (reader, waiting)
+    }
 }
 
 impl Sink for Reader {

@@ -105,6 +105,21 @@ fn a_disk_with_less_room_than_asked_for_stops_the_recording_with_a_whole_part() 
 }
 
 #[test]
+fn a_part_that_somebody_deletes_is_told_and_costs_no_more_than_itself() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let first = dir.path().join("run.mcap");
+    let mut recorder = begin(&first, Limits::default());
+    record(&mut recorder, 0..10);
+    std::fs::remove_file(&first).expect("it is there");
+    write(&mut recorder, 10..20);
+    let told = recorder.flush();
+    assert!(told.is_err_and(|e| e.what.contains("deleted")));
+    record(&mut recorder, 20..30);
+    recorder.finish().expect("room");
+    assert_eq!(numbers(dir.path()), (20..30).collect::<Vec<_>>());
+}
+
+#[test]
 fn a_wall_clock_that_jumps_is_said_in_the_recording_which_keeps_its_time() {
     let dir = tempfile::tempdir().expect("a folder");
     let first = dir.path().join("run.mcap");

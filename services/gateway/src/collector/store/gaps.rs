@@ -18,6 +18,10 @@ const GRACE: Duration = Duration::from_secs(5);
 /// Pause between two questions about the same gap; it doubles up to the longest.
 const PAUSE: Duration = Duration::from_secs(2);
 const LONGEST_PAUSE: Duration = Duration::from_secs(60);
+/// A question of which nothing was heard for so long is asked again, also of a run that is over: its gateway stays for
+/// 20 s. A machine that must read a long recording first gets twice the time at each attempt.
+const PATIENCE: Duration = Duration::from_secs(5);
+const LONGEST_PATIENCE: Duration = Duration::from_secs(60);
 
 /// A stream of one run.
 pub(super) struct Stream {
@@ -39,6 +43,7 @@ pub(super) struct Stream {
     asked: bool,
     next: Instant,
     pause: Duration,
+    patience: Duration,
 }
 
 impl Store {
@@ -87,6 +92,7 @@ impl Store {
                     run: stream.run,
                     after: stream.good,
                     upto: stream.head,
+                    patience: stream.patience,
                 });
             }
         }
@@ -116,6 +122,9 @@ impl Store {
             return Ok(());
         };
         stream.asked = false;
+        if answer == Answer::None {
+            stream.patience = (stream.patience * 2).min(LONGEST_PATIENCE);
+        }
         let upto = match answer {
             Answer::Whole(served) => served.upto.min(stream.head),
             Answer::Over => stream.head,
@@ -192,6 +201,7 @@ impl Stream {
             asked: false,
             next: Instant::now(),
             pause: PAUSE,
+            patience: PATIENCE,
         }
     }
 
