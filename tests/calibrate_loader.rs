@@ -248,7 +248,7 @@ fn what_cannot_be_believed_is_said_and_not_written() {
         (
             all,
             &["--mass", "loaded.csv=5450±30", "--weigh", scales][..],
-            "was told as 5450 kg",
+            "was stated as 5450 kg",
         ),
         (&all[..2], &["--weigh", scales], "the same load"),
         (&["still.csv"], &["--weigh", scales], "stands still"),

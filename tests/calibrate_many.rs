@@ -99,7 +99,7 @@ fn each_folder_is_a_machine_and_what_is_done_is_kept_until_something_else_is_ask
         lines.map(|l| l.split(',').count()).collect::<Vec<_>>(),
         [columns; 2]
     );
-    // The same again costs nothing; another load, and a machine without its recording, are told.
+    // The same again costs nothing; another load, and a machine without its recording, are reported.
     let again = run_all(&["a", "b"], "loaded.csv=423±0.5");
     assert_eq!(both(&again).matches("kept").count(), 2, "{}", both(&again));
     let other = run_all(&["a", "c"], "loaded.csv=423±1");

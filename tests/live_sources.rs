@@ -1,5 +1,5 @@
 //! Live sources: what comes on standard input or on a bus is what a log of it says, bit for bit;
-//! what cannot be used is told; nothing false is trusted.
+//! what cannot be used is reported; nothing false is trusted.
 //!
 //! The bus is a real one (`vcan0`) where the kernel has it, or one that `tests/tools/with-can`
 //! boots; where neither is possible the tests on it say so and pass.
@@ -185,14 +185,14 @@ fn rows_of_a_table_come_on_standard_input_and_give_the_bits_of_their_file() {
     let file = estimates("excavator", &table, None);
     assert_same("excavator", &out.path().join("run.mcap"), &file, false);
 
-    // A row of something else is left out and told.
+    // A row of something else is left out and reported.
     lines.push_str("nonsense\n5000,00;0,1;7\n");
     std::fs::write(&table, &lines).expect("writable");
     let rows = lines.lines().count() - 3;
     let output = piped("excavator", &table, None, out.path());
     assert!(output.status.success(), "{}", both(&output));
-    let told = format!("line {} of standard input is no row", rows + 2);
-    assert!(both(&output).contains(&told), "{}", both(&output));
+    let reported = format!("line {} of standard input is no row", rows + 2);
+    assert!(both(&output).contains(&reported), "{}", both(&output));
     let all = common::sequences::<ExcavatorSensors>(out.path(), EXCAVATOR_SENSORS.name);
     assert_eq!(all.len(), rows + 1);
 }
@@ -422,9 +422,9 @@ fn silence_costs_freshness_and_an_interface_may_go_and_come_back() {
     let mut checked = 0;
     for sequence in stale.map(|w| w[49].stamp.sequence) {
         let found = estimates.iter().find(|e| e.stamp.sequence == sequence);
-        let told = excavator_bits::FRESH | excavator_bits::TRUSTED;
+        let reported = excavator_bits::FRESH | excavator_bits::TRUSTED;
         assert!(
-            found.is_some_and(|e| e.flags & told == 0),
+            found.is_some_and(|e| e.flags & reported == 0),
             "sample {sequence}"
         );
         checked += 1;

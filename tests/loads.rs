@@ -73,15 +73,15 @@ fn a_loader_weighs_its_loads_by_the_lift_pressures_and_the_truck_gets_their_sum(
         (number(truck, "remaining") - (5000.0 - sum)).abs() < 1.0,
         "{truck}"
     );
-    // The run told the same on its channel.
+    // The run reported the same on its channel.
     let reader = Reader::open(Path::new(&recording)).expect("a recording");
-    let told: Vec<LoaderLoads> = reader.messages(LOADER_LOADS.name).expect("loads");
-    let last = told.last().expect("a message");
+    let reported: Vec<LoaderLoads> = reader.messages(LOADER_LOADS.name).expect("loads");
+    let last = reported.last().expect("a message");
     assert_eq!((last.load, last.truck, last.truck_loads), (2, 1, 2));
     assert!((last.truck_mass - sum).abs() < 0.02 * sum, "{last:?}");
     assert!(last.flags & (loads_bits::FINAL | SIMULATED) == loads_bits::FINAL | SIMULATED);
     let carried = |m: &&LoaderLoads| m.flags & loads_bits::CARRIED != 0 && m.load == 1;
-    let carried = told
+    let carried = reported
         .iter()
         .rfind(carried)
         .expect("the first load in the bucket");
@@ -89,7 +89,11 @@ fn a_loader_weighs_its_loads_by_the_lift_pressures_and_the_truck_gets_their_sum(
         (carried.mass - 1200.0).abs() < 1.96 * carried.mass_std,
         "{carried:?}"
     );
-    assert!(told.len() > 400, "ten times a second: {}", told.len());
+    assert!(
+        reported.len() > 400,
+        "ten times a second: {}",
+        reported.len()
+    );
     // What both loads share adds up: the sum is less certain than two independent ones.
     let own: f64 = loads
         .iter()

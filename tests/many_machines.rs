@@ -270,9 +270,12 @@ fn rows_come_no_more_often_than_asked() {
         let time = |r: &str| r.split(',').next().and_then(|t| t.parse().ok());
         rows.lines().map(|r| time(r).expect("a time")).collect()
     };
-    let told = times(&rows[&name(0)]);
-    assert_eq!(told.len(), 12, "{told:?}");
-    assert!(told.windows(2).all(|w| w[1] - w[0] >= 1.0), "{told:?}");
+    let reported = times(&rows[&name(0)]);
+    assert_eq!(reported.len(), 12, "{reported:?}");
+    assert!(
+        reported.windows(2).all(|w| w[1] - w[0] >= 1.0),
+        "{reported:?}"
+    );
 }
 
 #[test]

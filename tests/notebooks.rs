@@ -7,8 +7,8 @@ use std::process::Command;
 fn python() -> Option<String> {
     let python = std::env::var("HEFT_PYTHON").unwrap_or_else(|_| "python3".into());
     let needed = "import heft, pandas, matplotlib, nbconvert, ipykernel; print(heft.__version__)";
-    let told = Command::new(&python).args(["-c", needed]).output().ok()?;
-    let ours = String::from_utf8_lossy(&told.stdout).trim() == env!("CARGO_PKG_VERSION");
+    let reported = Command::new(&python).args(["-c", needed]).output().ok()?;
+    let ours = String::from_utf8_lossy(&reported.stdout).trim() == env!("CARGO_PKG_VERSION");
     ours.then_some(python)
 }
 

@@ -52,11 +52,11 @@ fn the_unit_refuses_to_start_without_a_description_and_says_what_to_write() {
         "{said}"
     );
     let command = command.split(' ').skip(1);
-    let told = Command::new(env!("CARGO_BIN_EXE_heft"))
+    let reported = Command::new(env!("CARGO_BIN_EXE_heft"))
         .args(command)
         .output();
-    let told = told.expect("heft starts");
-    assert!(told.status.success() && told.stdout.starts_with(b"[machine]"));
+    let reported = reported.expect("heft starts");
+    assert!(reported.status.success() && reported.stdout.starts_with(b"[machine]"));
 }
 
 #[test]

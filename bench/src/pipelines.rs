@@ -65,7 +65,7 @@ fn run(heft: &Path, machines: usize, seconds: u64) -> io::Result<(f64, f64, u64)
         .collect();
     std::thread::sleep(Duration::from_secs(seconds / 2 + 1));
     let bytes = memory(pipelines.iter().flatten()) / machines as f64;
-    // All are waited for before the first failure is told: the next measurement wants them gone.
+    // All are waited for before the first failure is reported: the next measurement wants them gone.
     let ended: Vec<io::Result<u64>> = pipelines.into_iter().map(|p| finish(p?)).collect();
     let _ = std::fs::remove_dir_all(&folder);
     let lost = ended.into_iter().sum::<io::Result<u64>>()?;

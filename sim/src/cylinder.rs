@@ -220,8 +220,8 @@ mod tests {
         };
         for moment in [-40e3, -1e3, 0.0, 1e3, 90e3] {
             let shown = exact(smooth).show(moment, 0.4, 0.01);
-            let told = smooth.lever(0.4) * force(&smooth, shown);
-            assert!((told - moment).abs() < 1e-6, "{moment} {told}");
+            let reported = smooth.lever(0.4) * force(&smooth, shown);
+            assert!((reported - moment).abs() < 1e-6, "{moment} {reported}");
             assert!(
                 shown.iter().all(|p| *p >= RETURN_PRESSURE - 1e-6),
                 "{shown:?}"

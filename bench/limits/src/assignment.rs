@@ -1,4 +1,4 @@
-//! What a stage is told on its command line.
+//! What a stage is given on its command line.
 
 use crate::{Options, Primitive, WARM_UP};
 use std::io;

@@ -9,7 +9,7 @@ use core::fmt::Write;
 use core::mem::{align_of, size_of};
 use core::ptr::addr_of_mut;
 
-use estimation::loads::Told;
+use estimation::loads::LoadReport;
 
 use crate::loads::{Loads, LoadsRow};
 use crate::settings::{Unfit, can_take, position, read, write};
@@ -163,7 +163,7 @@ unsafe fn init<M: Machine>(
     // SAFETY: the caller's promise.
     let settings = unsafe { settings::<M>(numbers) };
     let made = guarded(|| {
-        let told = match (missing::<M>(columns), settings) {
+        let report = match (missing::<M>(columns), settings) {
             (Some(group), _) => write!(text, "columns lack {}", group[0]),
             (None, Err(unfit)) => write!(text, "{unfit}"),
             (None, Ok(settings)) => match M::new(&settings, method as usize, columns) {
@@ -171,7 +171,7 @@ unsafe fn init<M: Machine>(
                 Err(error) => write!(text, "{error}"),
             },
         };
-        let _ = told;
+        let _ = report;
         None
     });
     match made {
@@ -298,12 +298,12 @@ struct LoadsBlock {
 }
 
 /// # Safety
-/// `memory` is null or was given to `heft_loads_init`; `out` is null or points to what is told. Nobody else uses them
+/// `memory` is null or was given to `heft_loads_init`; `out` is null or points to the report. Nobody else uses them
 /// meanwhile.
 unsafe fn with_loads(
     memory: *mut c_void,
-    out: *mut Told,
-    body: impl FnOnce(&mut Loads) -> Told,
+    out: *mut LoadReport,
+    body: impl FnOnce(&mut Loads) -> LoadReport,
 ) -> Code {
     let block = memory.cast::<LoadsBlock>();
     if memory.is_null() || out.is_null() {
@@ -319,9 +319,9 @@ unsafe fn with_loads(
     // SAFETY: the mark says that the loads are there.
     let loads = unsafe { &mut (*block).loads };
     match guarded(|| body(loads)) {
-        Some(told) => {
+        Some(report) => {
             // SAFETY: the caller's promise.
-            unsafe { out.write(told) };
+            unsafe { out.write(report) };
             Code::Ok
         }
         None => {
@@ -370,7 +370,7 @@ unsafe extern "C" fn heft_loads_init(
 unsafe extern "C" fn heft_loads_step(
     memory: *mut c_void,
     row: *const LoadsRow,
-    out: *mut Told,
+    out: *mut LoadReport,
 ) -> Code {
     if row.is_null() {
         return Code::Null;
@@ -380,7 +380,7 @@ unsafe extern "C" fn heft_loads_step(
 }
 
 #[unsafe(no_mangle)]
-unsafe extern "C" fn heft_loads_next_truck(memory: *mut c_void, out: *mut Told) -> Code {
+unsafe extern "C" fn heft_loads_next_truck(memory: *mut c_void, out: *mut LoadReport) -> Code {
     // SAFETY: the promise of the header.
     unsafe { with_loads(memory, out, Loads::next_truck) }
 }

@@ -1,7 +1,7 @@
 //! Loads: what was filled, carried and dumped, from the estimates of either machine.
 
 use estimation::Quantity;
-use estimation::loads::{Ledger, Load, Row, Settings, Told, Witness};
+use estimation::loads::{Ledger, Load, LoadReport, Row, Settings, Witness};
 
 use crate::table::present;
 
@@ -44,7 +44,7 @@ impl Loads {
         })
     }
 
-    pub(crate) fn step(&mut self, row: &LoadsRow) -> Told {
+    pub(crate) fn step(&mut self, row: &LoadsRow) -> LoadReport {
         let payload = present(row.payload).zip(present(row.payload_std));
         let witness = usize::try_from(row.witness).ok();
         let events = self.ledger.step(&Row {
@@ -61,15 +61,15 @@ impl Loads {
             truck: present(row.truck),
         });
         self.last = events.load.or(self.last);
-        self.told()
+        self.report()
     }
 
-    pub(crate) fn next_truck(&mut self) -> Told {
+    pub(crate) fn next_truck(&mut self) -> LoadReport {
         self.last = self.ledger.next_truck().load.or(self.last);
-        self.told()
+        self.report()
     }
 
-    fn told(&self) -> Told {
-        Told::of(&self.ledger, self.last.as_ref())
+    fn report(&self) -> LoadReport {
+        LoadReport::of(&self.ledger, self.last.as_ref())
     }
 }

@@ -58,7 +58,7 @@ fn compare<M: Machine, E: Message, const N: usize>(bytes: &[u8], expected: &[E],
         for (i, value) in M::VALUES.iter().enumerate() {
             let ours = f64::from_bits(word(8 * i));
             let theirs = field(message, value.name);
-            // A time that is no number is refused; C is told 0 in its place.
+            // A time that is no number is refused; C gets 0 in its place.
             let no_time = value.name == "t" && !theirs.as_f64().is_finite() && ours == 0.0;
             let same = no_time || theirs.same_bits(Value::F64(ours));
             assert!(

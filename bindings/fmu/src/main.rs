@@ -88,7 +88,7 @@ fn build(mut arguments: impl Iterator<Item = String>) -> Result<(), String> {
         }
     }
     let folder = folder.unwrap_or_else(|| target.join("fmu"));
-    std::fs::create_dir_all(&folder).map_err(|e| told("create", &folder, &e))?;
+    std::fs::create_dir_all(&folder).map_err(|e| file_error("create", &folder, &e))?;
     write::<Excavator>(&folder, &libraries, notices.as_deref())?;
     write::<Loader>(&folder, &libraries, notices.as_deref())
 }
@@ -137,10 +137,10 @@ fn library(folder: &Path, platform: &Platform) -> Result<Vec<u8>, String> {
 }
 
 fn read(path: &Path) -> Result<Vec<u8>, String> {
-    std::fs::read(path).map_err(|e| told("read", path, &e))
+    std::fs::read(path).map_err(|e| file_error("read", path, &e))
 }
 
-fn told(what: &str, path: &Path, error: &std::io::Error) -> String {
+fn file_error(what: &str, path: &Path, error: &std::io::Error) -> String {
     format!("cannot {what} {}: {error}", path.display())
 }
 
@@ -167,7 +167,7 @@ fn write<M: Words>(
         zip.add(&format!("binaries/{platform}/{name}.{ending}"), library);
     }
     let path = folder.join(format!("{name}.fmu"));
-    std::fs::write(&path, zip.finish()).map_err(|e| told("write", &path, &e))?;
+    std::fs::write(&path, zip.finish()).map_err(|e| file_error("write", &path, &e))?;
     println!("{}", path.display());
     Ok(())
 }

@@ -19,7 +19,7 @@ use crate::model::{Innovation, Model};
 use crate::parameter::{Law, Parameter, Source};
 
 /// A measured load is this much better than nothing: data, if only its own.
-const TOLD: f64 = 2.0;
+const STATED_WEIGHT: f64 = 2.0;
 
 /// A direction in the space of the parameters.
 #[derive(Debug, Clone, PartialEq)]
@@ -72,14 +72,14 @@ pub fn undetermined(
         return Vec::new();
     }
     let rows = data(information, parameters.len());
-    let told: Vec<usize> = (0..free.len())
+    let stated: Vec<usize> = (0..free.len())
         .filter(|&j| parameters[free[j]].source == Source::Measured)
         .collect();
-    let matrix = Mat::from_fn(rows.nrows() + told.len(), free.len(), |i, j| {
+    let matrix = Mat::from_fn(rows.nrows() + stated.len(), free.len(), |i, j| {
         if i < rows.nrows() {
             rows[(i, free[j])]
         } else {
-            TOLD * f64::from(told[i - rows.nrows()] == j)
+            STATED_WEIGHT * f64::from(stated[i - rows.nrows()] == j)
         }
     });
     let mut found: Vec<Direction> = algebra::directions(&matrix)
@@ -392,8 +392,8 @@ mod tests {
         assert!(found[0].shares[0] * found[0].shares[1] < 0.0);
         // One of them held, or measured: the other follows.
         assert!(undetermined(&of_the_sum(&[0.0; 4]), &both, &[false, true]).is_empty());
-        let told = [parameter(Source::Description), parameter(Source::Measured)];
-        assert!(undetermined(&of_the_sum(&[0.0; 4]), &told, &[false; 2]).is_empty());
+        let stated = [parameter(Source::Description), parameter(Source::Measured)];
+        assert!(undetermined(&of_the_sum(&[0.0; 4]), &stated, &[false; 2]).is_empty());
     }
 
     #[test]

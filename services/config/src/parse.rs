@@ -65,7 +65,7 @@ pub(crate) fn set_all<M: Keyed>(
     Ok(())
 }
 
-/// Keys that nobody has told, and so have the value of the machine's size `before`, get that of the size `changed`; true where
+/// Keys that nobody has stated, and so have the value of the machine's size `before`, get that of the size `changed`; true where
 /// there are any.
 fn follow<M: Keyed>(before: &M, changed: &mut M) -> bool {
     let (old, new) = (before.of_its_size(), changed.of_its_size());

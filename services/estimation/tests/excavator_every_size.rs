@@ -163,9 +163,9 @@ fn a_sample_of_any_size_is_forgotten_within_ten_seconds() {
                 }
                 let off = (clean[last][0] - found[last][0]).abs();
                 let room = 3.0 * clean[last][1].hypot(found[last][1]) + 0.02 * clean[last][0];
-                let told = found[last][1] < 30.0 * clean[last][1] + 0.1 * clean[last][0];
+                let reported = found[last][1] < 30.0 * clean[last][1] + 0.1 * clean[last][0];
                 assert!(
-                    off < room && told,
+                    off < room && reported,
                     "{what}: {:?} became {:?}",
                     clean[last],
                     found[last]

@@ -80,11 +80,11 @@ fn configuration(name: &str) -> (Method, Settings) {
     }
 }
 
-fn told(file: &Value, settings: Settings, told_sensitivity: f64) -> Settings {
+fn stated(file: &Value, settings: Settings, stated_sensitivity: f64) -> Settings {
     let initial = &file["initial_state"];
     Settings {
         machine: Machine {
-            radius_load_sensitivity: told_sensitivity,
+            radius_load_sensitivity: stated_sensitivity,
             radius_load_sensitivity_std: 0.001,
             ..Machine::default()
         },
@@ -144,7 +144,7 @@ fn check_run(
     };
     let (method, settings) = configuration(name);
     let mut estimator =
-        CgEstimator::new(&told(file, settings, sensitivity), method, columns).unwrap();
+        CgEstimator::new(&stated(file, settings, sensitivity), method, columns).unwrap();
     let mut first_rows = run["first_rows"].as_array().unwrap().iter().peekable();
     let mut rows = matrix(&run["rows"]).into_iter().peekable();
     let mut statuses = Vec::new();

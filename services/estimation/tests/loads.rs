@@ -123,10 +123,10 @@ fn a_load_is_told_within_a_second_of_the_swing_and_final_at_the_dump() {
     site.stand(3.0, PRIOR);
     let begun = site.time;
     site.swing(800.0);
-    let told = site.said.first().copied().expect("a load");
-    assert_eq!(told.stage, Stage::Carried);
+    let reported = site.said.first().copied().expect("a load");
+    assert_eq!(reported.stage, Stage::Carried);
     assert!(
-        told.filled - begun < 0.1,
+        reported.filled - begun < 0.1,
         "it was full when the swing began"
     );
     let opened = site.time;

@@ -91,7 +91,7 @@ fn a_load_that_is_told_wrong_is_noticed() {
         ],
         None,
     );
-    says(&outcome, "the load of loaded was told as 423 kg");
+    says(&outcome, "the load of loaded was stated as 423 kg");
 }
 
 #[test]
@@ -258,8 +258,8 @@ fn what_a_user_mixed_up_is_said_in_the_words_of_the_user() {
         ];
         says(&run(&inputs, None), words);
     };
-    judge(&empty, &empty, [0.0, 423.0], "loaded was told as 423 kg");
-    judge(&empty, &loaded, [423.0, 0.0], "empty was told as 423 kg");
+    judge(&empty, &empty, [0.0, 423.0], "loaded was stated as 423 kg");
+    judge(&empty, &loaded, [423.0, 0.0], "empty was stated as 423 kg");
     let kilo: fn(&mut Sample) = |s| s.torque = s.torque.map(|t| 1e-3 * t);
     let [e, l] = [&empty, &loaded].map(|s| changed(s, kilo));
     judge(

@@ -1,6 +1,6 @@
 //! A sensor of an excavator breaks in the middle of the work, for good: what it says is not trusted, and why not is said.
 
-mod told;
+mod estimates;
 
 use estimation::excavator::{Estimate, Method, Reason};
 use evaluate::excavator::honesty_lines::described;
@@ -11,7 +11,7 @@ const FROM: f64 = 28.0;
 const ROWS: usize = 6000;
 
 /// What is said of each row of a machine whose rows are changed from the fault on.
-fn told(seed: u64, wrong: impl Fn(&mut Row)) -> Vec<(Row, Estimate)> {
+fn estimates(seed: u64, wrong: impl Fn(&mut Row)) -> Vec<(Row, Estimate)> {
     let sizes = [Size::t13(), Size::t22(), Size::t36(), Size::reference()];
     let work = Work::new(sizes[seed as usize % 4], Effects::default(), seed);
     let settings = described(&work);
@@ -21,7 +21,7 @@ fn told(seed: u64, wrong: impl Fn(&mut Row)) -> Vec<(Row, Estimate)> {
         }
         row
     });
-    told::told(rows, &settings, Method::Auto)
+    estimates::estimates(rows, &settings, Method::Auto)
 }
 
 #[test]
@@ -29,10 +29,10 @@ fn a_joint_that_jumps_is_not_believed_any_more_and_named() {
     for seed in 0..4 {
         for joint in 0..3 {
             for offset in [-0.4, 0.15] {
-                let told = told(seed, |row| {
+                let estimates = estimates(seed, |row| {
                     row.posture[joint] = row.posture[joint].map(|angle| angle + offset);
                 });
-                for (row, e) in told.iter().filter(|(row, _)| row.time > FROM + 0.25) {
+                for (row, e) in estimates.iter().filter(|(row, _)| row.time > FROM + 0.25) {
                     let said = !e.flags.trusted() && e.reason == Reason::Jump;
                     assert!(said, "seed {seed}, joint {joint}, {} s: {e:?}", row.time);
                 }
@@ -47,7 +47,7 @@ fn a_torque_or_velocity_that_is_wrong_by_a_factor_is_contradicted_within_a_cycle
     for seed in 0..4 {
         for gain in [0.5, 0.8, 2.0] {
             for velocity in [false, true] {
-                let told = told(seed, |row| {
+                let estimates = estimates(seed, |row| {
                     let wrong = |value: Option<f64>| value.map(|v| gain * v);
                     if velocity {
                         row.swing_velocity = wrong(row.swing_velocity);
@@ -55,7 +55,7 @@ fn a_torque_or_velocity_that_is_wrong_by_a_factor_is_contradicted_within_a_cycle
                         row.swing_torque = wrong(row.swing_torque);
                     }
                 });
-                let later = told.iter().filter(|(row, _)| row.time > FROM + 14.0);
+                let later = estimates.iter().filter(|(row, _)| row.time > FROM + 14.0);
                 for (row, e) in later.filter(|(_, e)| e.flags.trusted()) {
                     let away = (e.inertia - row.truth.inertia).abs();
                     assert!(
@@ -64,7 +64,7 @@ fn a_torque_or_velocity_that_is_wrong_by_a_factor_is_contradicted_within_a_cycle
                         row.time
                     );
                 }
-                let contradicted = told
+                let contradicted = estimates
                     .iter()
                     .filter(|(_, e)| e.reason == Reason::Contradiction);
                 let mut rows = 0;
@@ -86,12 +86,12 @@ fn a_torque_or_velocity_that_is_wrong_by_a_factor_is_contradicted_within_a_cycle
 #[test]
 fn nothing_contradicts_a_sound_machine() {
     for seed in 0..4 {
-        let told = told(seed, |_| {});
+        let estimates = estimates(seed, |_| {});
         let against = [Reason::Jump, Reason::Contradiction];
-        assert!(told.iter().all(|(_, e)| !against.contains(&e.reason)));
+        assert!(estimates.iter().all(|(_, e)| !against.contains(&e.reason)));
         let moving = |row: &Row| row.truth.velocity.abs() > 0.05;
-        let moves = told.iter().filter(|(row, _)| moving(row)).count();
-        let trusted = told.iter().filter(|(_, e)| e.flags.trusted()).count();
+        let moves = estimates.iter().filter(|(row, _)| moving(row)).count();
+        let trusted = estimates.iter().filter(|(_, e)| e.flags.trusted()).count();
         assert!(trusted * 10 > moves * 7, "{trusted} of {moves}");
     }
 }

@@ -1,6 +1,6 @@
 //! Time stamps that jitter, or rows that come in bursts: nothing wrong is trusted, and no trust is lost.
 
-mod told;
+mod estimates;
 
 use estimation::excavator::{Estimate, Method};
 use evaluate::excavator::honesty_lines::described;
@@ -13,7 +13,7 @@ const BURST: usize = 4;
 const CLOSE: f64 = 2e-4;
 
 /// What is said of the rows of a machine, stamped anew.
-fn told(seed: u64, jitter: f64, stamped: impl Fn(usize, f64) -> f64) -> Vec<(Row, Estimate)> {
+fn estimates(seed: u64, jitter: f64, stamped: impl Fn(usize, f64) -> f64) -> Vec<(Row, Estimate)> {
     let sizes = [Size::t13(), Size::t22(), Size::t36(), Size::reference()];
     let effects = Effects {
         jitter,
@@ -25,29 +25,29 @@ fn told(seed: u64, jitter: f64, stamped: impl Fn(usize, f64) -> f64) -> Vec<(Row
         time: stamped(k, row.time),
         ..row
     });
-    told::told(rows, &settings, Method::Auto)
+    estimates::estimates(rows, &settings, Method::Auto)
 }
 
-fn trusted(told: &[(Row, Estimate)]) -> usize {
-    told.iter().filter(|(_, e)| e.flags.trusted()).count()
+fn trusted(estimates: &[(Row, Estimate)]) -> usize {
+    estimates.iter().filter(|(_, e)| e.flags.trusted()).count()
 }
 
 #[test]
 fn stamps_that_jitter_or_come_in_bursts_are_no_times() {
     for seed in 0..4 {
-        let steady = trusted(&told(seed, 0.0, |_, time| time));
+        let steady = trusted(&estimates(seed, 0.0, |_, time| time));
         let burst = |k: usize, _| (k / BURST * BURST) as f64 * 0.01 + (k % BURST) as f64 * CLOSE;
-        for (kind, told) in [
-            ("jitter", told(seed, 0.01, |_, time| time)),
-            ("bursts", told(seed, 0.0, burst)),
+        for (kind, estimates) in [
+            ("jitter", estimates(seed, 0.01, |_, time| time)),
+            ("bursts", estimates(seed, 0.0, burst)),
         ] {
-            let share = trusted(&told) as f64 / steady as f64;
+            let share = trusted(&estimates) as f64 / steady as f64;
             assert!(share > 0.9, "seed {seed}, {kind}: {share}");
-            let outside = told.iter().filter(|(row, e)| {
+            let outside = estimates.iter().filter(|(row, e)| {
                 let away = (e.inertia - row.truth.inertia).abs();
                 e.flags.trusted() && away > 1.96 * e.inertia_std
             });
-            let wrong = outside.count() as f64 / trusted(&told) as f64;
+            let wrong = outside.count() as f64 / trusted(&estimates) as f64;
             assert!(wrong < 0.05, "seed {seed}, {kind}: {wrong}");
         }
     }

@@ -1,19 +1,19 @@
 //! What the excavator's estimators say while something happens: a story each.
 
-mod told;
+mod estimates;
 
 use estimation::excavator::{Estimate, Method, Settings};
 use sim::excavator::{Row, Story};
 use sim::fault::{FaultKind, ROW};
 
 /// What a method says of each row of a story.
-fn told(story: &Story, method: Method) -> Vec<(Row, Estimate)> {
-    told::told(story.clone().rows(), &Settings::calibrated(), method)
+fn estimates(story: &Story, method: Method) -> Vec<(Row, Estimate)> {
+    estimates::estimates(story.clone().rows(), &Settings::calibrated(), method)
 }
 
 /// Nothing that is trusted lies outside of three standard deviations and more than 4 % off.
-fn assert_honest(told: &[(Row, Estimate)]) {
-    for (row, e) in told.iter().filter(|(_, e)| e.flags.trusted()) {
+fn assert_honest(estimates: &[(Row, Estimate)]) {
+    for (row, e) in estimates.iter().filter(|(_, e)| e.flags.trusted()) {
         let away = (e.inertia - row.truth.inertia).abs();
         assert!(
             away < 3.0 * e.inertia_std || away < 0.04 * row.truth.inertia,
@@ -26,30 +26,34 @@ fn assert_honest(told: &[(Row, Estimate)]) {
     }
 }
 
-fn trusted(told: &[(Row, Estimate)]) -> usize {
-    told.iter().filter(|(_, e)| e.flags.trusted()).count()
+fn trusted(estimates: &[(Row, Estimate)]) -> usize {
+    estimates.iter().filter(|(_, e)| e.flags.trusted()).count()
 }
 
 /// Those that see a load; posture alone is never trusted of one swing.
-const TOLD_BY: [Method; 3] = [Method::PostureTorque, Method::Torque, Method::Posture];
+const TESTED: [Method; 3] = [Method::PostureTorque, Method::Torque, Method::Posture];
 
 #[test]
 fn one_swing_tells_the_inertia() {
     for seed in 1..=3 {
-        let told = told(
+        let estimates = estimates(
             &Story::at_rest().seed(seed).swing_to(1.7),
             Method::PostureTorque,
         );
-        assert_honest(&told);
-        assert!(trusted(&told) > 50, "seed {seed}: {}", trusted(&told));
+        assert_honest(&estimates);
+        assert!(
+            trusted(&estimates) > 50,
+            "seed {seed}: {}",
+            trusted(&estimates)
+        );
     }
 }
 
 #[test]
 fn a_machine_that_stands_tells_nothing() {
-    for method in TOLD_BY {
-        let told = told(&Story::at_rest().rest(10.0), method);
-        assert_eq!(trusted(&told), 0, "{method:?}");
+    for method in TESTED {
+        let estimates = estimates(&Story::at_rest().rest(10.0), method);
+        assert_eq!(trusted(&estimates), 0, "{method:?}");
     }
 }
 
@@ -57,10 +61,10 @@ fn a_machine_that_stands_tells_nothing() {
 fn a_load_that_was_dumped_is_missing_from_the_next_swing() {
     let story = Story::at_rest().swing_to(1.7).dump(420.0).swing_to(0.0);
     for seed in 1..=3 {
-        let told = told(&story.clone().seed(seed), Method::PostureTorque);
-        assert_honest(&told);
+        let estimates = estimates(&story.clone().seed(seed), Method::PostureTorque);
+        assert_honest(&estimates);
         let of = |from: f64, to: f64| {
-            let rows = told
+            let rows = estimates
                 .iter()
                 .filter(|(row, _)| (from..to).contains(&row.time));
             let mut loads = rows
@@ -68,7 +72,7 @@ fn a_load_that_was_dumped_is_missing_from_the_next_swing() {
                 .filter_map(|(_, e)| e.payload);
             loads.next_back().expect("a trusted load")
         };
-        let dumped = told.iter().find(|(row, _)| row.truth.payload < 1.0);
+        let dumped = estimates.iter().find(|(row, _)| row.truth.payload < 1.0);
         let dumped = dumped.expect("it is dumped").0.time;
         let (before, after) = (of(0.0, dumped - 1.0), of(dumped, f64::INFINITY));
         assert!(
@@ -82,9 +86,9 @@ fn a_load_that_was_dumped_is_missing_from_the_next_swing() {
 #[test]
 fn a_load_that_was_taken_up_is_in_the_next_swing() {
     let story = Story::at_rest().swing_to(1.7).take_up(300.0).swing_to(0.0);
-    let told = told(&story, Method::PostureTorque);
-    assert_honest(&told);
-    let mut trusted = told.iter().filter(|(_, e)| e.flags.trusted());
+    let estimates = estimates(&story, Method::PostureTorque);
+    assert_honest(&estimates);
+    let mut trusted = estimates.iter().filter(|(_, e)| e.flags.trusted());
     let last = trusted
         .next_back()
         .and_then(|(_, e)| e.payload)
@@ -96,10 +100,10 @@ fn a_load_that_was_taken_up_is_in_the_next_swing() {
 fn what_needs_the_torque_is_not_trusted_without_it() {
     let story = Story::at_rest().lose("swing_torque", 60.0).swing_to(1.7);
     for method in [Method::PostureTorque, Method::Torque] {
-        assert_eq!(trusted(&told(&story, method)), 0, "{method:?}");
+        assert_eq!(trusted(&estimates(&story, method)), 0, "{method:?}");
     }
-    let told = told(&story, Method::Posture);
-    assert_honest(&told);
+    let estimates = estimates(&story, Method::Posture);
+    assert_honest(&estimates);
 }
 
 #[test]
@@ -107,10 +111,10 @@ fn a_sensor_that_is_silent_for_a_while_makes_nothing_wrong() {
     for channel in ["swing_velocity", "swing_torque", "boom_angle"] {
         let begin = Story::at_rest().rest(1.0).lose(channel, 2.0);
         let story = begin.swing_to(1.7).swing_to(0.0);
-        for method in TOLD_BY {
-            let told = told(&story, method);
-            assert_honest(&told);
-            let comes_back = trusted(&told) > 0 || method == Method::Posture;
+        for method in TESTED {
+            let estimates = estimates(&story, method);
+            assert_honest(&estimates);
+            let comes_back = trusted(&estimates) > 0 || method == Method::Posture;
             assert!(comes_back, "{channel} {method:?}");
         }
     }
@@ -122,15 +126,15 @@ fn a_velocity_that_freezes_is_not_trusted() {
     let story = begin
         .suffer("swing_velocity", FaultKind::Hold, 60.0)
         .swing_to(0.0);
-    for method in TOLD_BY {
-        let told = told(&story, method);
-        assert_honest(&told);
+    for method in TESTED {
+        let estimates = estimates(&story, method);
+        assert_honest(&estimates);
         let moves_again = |row: &Row| row.time > 7.0 && row.truth.velocity < -0.1;
-        let wrong = told
+        let wrong = estimates
             .iter()
             .filter(|(row, e)| moves_again(row) && e.flags.trusted());
         assert_eq!(wrong.count(), 0, "{method:?}");
-        let before = trusted(&told) > 0 || method == Method::Posture;
+        let before = trusted(&estimates) > 0 || method == Method::Posture;
         assert!(before, "{method:?}");
     }
 }
@@ -139,9 +143,9 @@ fn a_velocity_that_freezes_is_not_trusted() {
 fn a_long_gap_begins_anew_and_says_so() {
     let begin = Story::at_rest().swing_to(1.7);
     let story = begin.lose(ROW, 3.0).rest(3.0).swing_to(0.0);
-    for method in TOLD_BY {
-        let told = told(&story, method);
-        let resets: Vec<_> = told.iter().filter(|(_, e)| e.flags.reset).collect();
+    for method in TESTED {
+        let estimates = estimates(&story, method);
+        let resets: Vec<_> = estimates.iter().filter(|(_, e)| e.flags.reset).collect();
         assert_eq!(resets.len(), 1, "{method:?}");
         assert!(!resets[0].1.flags.trusted());
     }

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use zenoh::{Config, Session, Wait};
 
-/// Where a site's router listens unless told otherwise: this host only.
+/// Where a site's router listens unless stated otherwise: this host only.
 pub const DEFAULT: &str = "tcp/127.0.0.1:7447";
 
 /// Machines that a router of ours lets in.

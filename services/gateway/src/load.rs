@@ -20,7 +20,7 @@ pub struct Loads<E> {
 struct Stretch<E> {
     start: f64,
     end: f64,
-    told: E,
+    reported: E,
 }
 
 impl<E> Default for Loads<E> {
@@ -49,23 +49,23 @@ impl<E: Estimate> Loads<E> {
             match &mut self.open {
                 Some(stretch) => {
                     stretch.end = time;
-                    if estimate.trusted() || !stretch.told.trusted() {
-                        stretch.told = *estimate;
+                    if estimate.trusted() || !stretch.reported.trusted() {
+                        stretch.reported = *estimate;
                     }
                 }
                 None => {
                     self.open = Some(Stretch {
                         start: time,
                         end: time,
-                        told: *estimate,
+                        reported: *estimate,
                     });
                 }
             }
         }
-        over.filter(|s| s.end - s.start >= SHORTEST).map(|s| s.told)
+        over.filter(|s| s.end - s.start >= SHORTEST).map(|s| s.reported)
     }
 
-    /// Told that estimates were missed.
+    /// Is notified that estimates were missed.
     pub fn forget(&mut self) {
         self.open = None;
         self.skips = true;
@@ -96,11 +96,11 @@ mod tests {
     #[test]
     fn a_swing_is_told_once_by_its_last_trusted_estimate() {
         let mut loads = Loads::default();
-        let told: Vec<u64> = (0..80)
+        let reported: Vec<u64> = (0..80)
             .filter_map(|i| loads.take(&estimate(i)))
             .map(|e| e.stamp.sequence)
             .collect();
-        assert_eq!(told, [30]);
+        assert_eq!(reported, [30]);
     }
 
     #[test]

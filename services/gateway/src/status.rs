@@ -23,7 +23,7 @@ pub struct Status {
     /// Runs of this machine that it has counted, this one too; 0 where it cannot keep count.
     #[serde(default)]
     pub count: u64,
-    /// The machine's wall clock, the one by which its messages are told [ms since 1970].
+    /// The machine's wall clock, the one by which its messages are stamped [ms since 1970].
     pub wall_ms: u64,
     /// The run is over.
     pub ended: bool,
@@ -45,7 +45,7 @@ pub struct Stream {
 /// Counts of a gateway since its start.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Counts {
-    /// Starts of the gateway in this run are told apart by this [ms since 1970].
+    /// Starts of the gateway in this run are distinguished by this [ms since 1970].
     pub since_ms: u64,
     /// Samples that were overwritten in the channels before the gateway took them.
     pub overwritten: u64,

@@ -4,8 +4,8 @@
 //! | stream | message |
 //! |---|---|
 //! | `estimate/CHANNEL` | the first estimate of each second, and each at which the verdict changes (ten a second at most) |
-//! | `loads/CHANNEL` | the estimate that a swing or a drive is told by |
-//! | `ledger/MACHINE` | what is told of bucket, loads and trucks: the first of ten seconds, and each at which load, stage or truck change |
+//! | `loads/CHANNEL` | the estimate that reports a swing or a drive |
+//! | `ledger/MACHINE` | what is reported of bucket, loads and trucks: the first of ten seconds, and each at which load, stage or truck change |
 //! | `health/PROCESS` | the first report of each second |
 //! | `events/PROCESS` | the report at which state, fault or restarts differ from the one before |
 

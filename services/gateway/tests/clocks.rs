@@ -15,7 +15,7 @@ use zenoh::{Session, Wait};
 
 const STREAM: &str = "estimate/inertia_ukf";
 const HOUR_MS: i64 = 3_600_000;
-/// A gateway stays for so long after its run, unless told otherwise [s].
+/// A gateway stays for so long after its run, unless stated otherwise [s].
 const LINGER: u64 = 20;
 
 /// A machine, or somebody who says so.

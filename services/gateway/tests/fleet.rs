@@ -52,7 +52,7 @@ fn two_machines_are_on_the_page_and_in_the_history() {
     for id in ["ex-1", "ex-2"] {
         centre.until_whole(id, UKF, whole.len());
         assert_eq!(centre.numbers(id, UKF), whole, "{id}");
-        // A swing from 2 to 5 s of each ten, told by its last estimate.
+        // A swing from 2 to 5 s of each ten, reported by its last estimate.
         assert_eq!(centre.numbers(id, "loads/inertia_ukf"), [499], "{id}");
         assert_eq!(centre.account(id), (0, 0), "{id}");
     }

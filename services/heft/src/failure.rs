@@ -24,8 +24,8 @@ impl Failure {
         }
     }
 
-    /// Bad input, told in its three lines by another process.
-    pub fn told(message: String) -> Self {
+    /// Bad input, reported in its three lines by another process.
+    pub fn reported(message: String) -> Self {
         Self { message, status: 2 }
     }
 

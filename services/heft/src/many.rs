@@ -16,7 +16,7 @@ use crate::image;
 pub struct Job {
     /// Its name.
     pub input: PathBuf,
-    /// What a process of `heft` is told.
+    /// What a process of `heft` is given.
     pub arguments: Vec<OsString>,
     /// Its result is there already.
     pub is_done: bool,

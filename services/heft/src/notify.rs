@@ -1,4 +1,4 @@
-//! What systemd is told: that the pipeline runs, that its supervisor is awake, that it ends.
+//! What systemd is given: that the pipeline runs, that its supervisor is awake, that it ends.
 //!
 //! A datagram to the socket that the unit's environment names (`sd_notify(3)`); nothing without one.
 
@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 pub struct Notify {
     socket: Option<(UnixDatagram, SocketAddr)>,
     period: Option<Duration>,
-    told: Option<Instant>,
+    sent: Option<Instant>,
 }
 
 impl Notify {
@@ -32,7 +32,7 @@ impl Notify {
         Self {
             socket,
             period: limit.map(|us: u64| Duration::from_micros(us / 3)),
-            told: None,
+            sent: None,
         }
     }
 
@@ -48,8 +48,8 @@ impl Notify {
         let Some(period) = self.period else {
             return;
         };
-        if self.told.is_none_or(|told| told.elapsed() >= period) {
-            self.told = Some(Instant::now());
+        if self.sent.is_none_or(|sent| sent.elapsed() >= period) {
+            self.sent = Some(Instant::now());
             self.say("WATCHDOG=1");
         }
     }

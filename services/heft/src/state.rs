@@ -65,7 +65,7 @@ struct State {
 #[derive(Debug)]
 pub struct Memory {
     machine: Machine,
-    /// The channel that is listened to: the one that is told first.
+    /// The channel that is listened to: the one that is reported first.
     channel: Option<&'static str>,
     file: PathBuf,
     state: State,

@@ -47,7 +47,7 @@ impl Story {
         within.map(|t| t.1).reduce(f64::max)
     }
 
-    /// Takes what the ledger says of a load; a line where it is told anew.
+    /// Takes what the ledger says of a load; a line where it is new.
     pub fn add(&mut self, machine: Machine, load: &Load) -> Option<String> {
         let truth = self.truth(load);
         self.ended.retain(|(known, _)| known.number != load.number);
@@ -105,8 +105,8 @@ impl Story {
     /// How many are trusted, and how many of their intervals hold the truth.
     fn heading(&self) -> String {
         let trusted: Vec<_> = self.ended.iter().filter(|(load, _)| load.trusted).collect();
-        let (told, all) = (trusted.len(), self.ended.len());
-        let mut out = format!("{told} of {all} loads trusted");
+        let (reported, all) = (trusted.len(), self.ended.len());
+        let mut out = format!("{reported} of {all} loads trusted");
         let known: Vec<_> = trusted
             .iter()
             .filter_map(|(l, t)| Some((l, (*t)?)))
@@ -153,7 +153,7 @@ mod tests {
     use estimation::loads::Weight;
     use messages::{ExcavatorTruth, Stamp};
 
-    fn told(truth: f64) -> (Story, Option<String>) {
+    fn reported(truth: f64) -> (Story, Option<String>) {
         let mut story = Story::default();
         for i in 0..60 {
             let truth = ExcavatorTruth {
@@ -186,7 +186,7 @@ mod tests {
 
     #[test]
     fn a_load_has_one_line_with_its_interval_and_the_truth() {
-        let (_, line) = told(423.0);
+        let (_, line) = reported(423.0);
         let line = line.expect("a line");
         assert!(
             line.contains("437 kg, 95 %: 396 to 478") && line.contains("true 423"),
@@ -196,7 +196,7 @@ mod tests {
 
     #[test]
     fn the_table_has_the_numbers_of_the_line_and_says_how_many_intervals_hold_the_truth() {
-        let held = told(423.0).0.table(Machine::Excavator);
+        let held = reported(423.0).0.table(Machine::Excavator);
         assert!(
             held.contains("truth lies inside 1 of 1 intervals"),
             "{held}"
@@ -205,13 +205,13 @@ mod tests {
             held.contains("437 kg") && held.contains("396 to 478 kg") && held.contains("423 kg"),
             "{held}"
         );
-        let missed = told(300.0).0.table(Machine::Excavator);
+        let missed = reported(300.0).0.table(Machine::Excavator);
         assert!(missed.contains("truth lies inside 0 of 1"), "{missed}");
     }
 
     #[test]
     fn a_load_is_told_again_and_not_twice() {
-        let (mut story, _) = told(423.0);
+        let (mut story, _) = reported(423.0);
         let again = Load {
             stage: Stage::Settled,
             ..story.ended[0].0

@@ -16,7 +16,7 @@ use crate::watch::Watch;
 /// Columns of every terminal.
 const WIDTH: usize = 80;
 
-/// Writes the HTML report of a recording; `None`, with the reason told, if that fails.
+/// Writes the HTML report of a recording; `None`, with the reason printed, if that fails.
 pub fn report(recording: &Path) -> Option<PathBuf> {
     // run.mcap, report.html; run-2.mcap, report-2.html.
     let name = recording
@@ -38,7 +38,7 @@ pub fn report(recording: &Path) -> Option<PathBuf> {
 
 /// How much is said.
 #[derive(Debug, Clone, Copy)]
-pub struct Told {
+pub struct Detail {
     /// Loads in a table at the end, instead of the quantities one by one.
     pub is_story: bool,
     /// Statistics of the processes too.
@@ -51,7 +51,7 @@ pub fn text(
     watch: &Watch,
     recording: &Path,
     report: Option<&Path>,
-    told: Told,
+    detail: Detail,
 ) -> String {
     let simulated = if watch.is_simulated() {
         " (simulated)"
@@ -70,8 +70,8 @@ pub fn text(
             let _ = writeln!(out, "{indent}{part}");
         }
     };
-    if told.is_story {
-        for text in watch.told().take(1).flat_map(tally_lines) {
+    if detail.is_story {
+        for text in watch.headline().take(1).flat_map(tally_lines) {
             line(text);
         }
     } else {
@@ -80,13 +80,13 @@ pub fn text(
             line(text);
         }
     }
-    if told.is_verbose {
+    if detail.is_verbose {
         tell_processes(watch, &mut line);
     }
     for fault in watch.faults() {
         // Late samples of a demonstration are statistics of the host: nothing was lost.
         let is_statistics = matches!(fault, Fault::Late { .. });
-        if is_statistics && told.is_story && !told.is_verbose {
+        if is_statistics && detail.is_story && !detail.is_verbose {
             continue;
         }
         line(fault.words());
@@ -96,7 +96,7 @@ pub fn text(
     if let Some(report) = report {
         let _ = writeln!(out, "  report     {}", shown(report));
     }
-    if told.is_story {
+    if detail.is_story {
         tell_story(machine, watch, &mut out);
     }
     out
@@ -132,16 +132,16 @@ fn tell_processes(watch: &Watch, line: &mut impl FnMut(String)) {
     }
 }
 
-/// Age of the last trusted estimate, the largest over the quantities that are told first; `None` where one of
+/// Age of the last trusted estimate, the largest over the quantities that are reported first; `None` where one of
 /// them never was trusted \[s\].
 pub fn trust_age(watch: &Watch) -> Option<f64> {
-    let told = watch.told();
-    let ages: Option<Vec<f64>> = told.map(|s| Some(s.time - s.last_trusted?.0)).collect();
+    let headline = watch.headline();
+    let ages: Option<Vec<f64>> = headline.map(|s| Some(s.time - s.last_trusted?.0)).collect();
     ages?.into_iter().reduce(f64::max)
 }
 
 /// An estimate is judged by its last trusted value, which may be this old \[s\]: a machine that stands at the end
-/// has told its inertia while it moved.
+/// has shown its inertia while it moved.
 const TRUST_AGE: f64 = 30.0;
 
 /// What `--require-trust` asks: a trusted estimate, not too old.
@@ -177,7 +177,7 @@ macro_rules! in_words {
     ($( $machine:ident, $module:ident, $sensors:ident, $truth:ident, $estimate:ident, $others:tt; )*) => {
         /// The last estimate of the method that was asked for, with the method's name.
         fn in_words(watch: &Watch) -> String {
-            match watch.latest_told() {
+            match watch.latest_headline() {
                 $( Some(Envelope::$estimate(e)) => format!("by {}: {}", e.method_name(), verdict(e)), )*
                 _ => "no estimate was made".into(),
             }

@@ -29,7 +29,7 @@ const STARVED_LIMIT: Duration = Duration::from_secs(5);
 const LATE: Duration = Duration::from_millis(350);
 /// One that is found stopped is left alone for so long.
 const STOPPED_LIMIT: Duration = Duration::from_millis(350);
-/// One that has told its health and falls silent, though not stopped: longer than any load explains.
+/// One that has reported its health and falls silent, though not stopped: longer than any load explains.
 const SILENT_LIMIT: Duration = Duration::from_secs(5);
 /// A killed process is gone within a millisecond, unless the kernel itself holds it.
 const KILL_LIMIT: Duration = Duration::from_millis(200);
@@ -210,7 +210,7 @@ impl Supervised {
     }
 
     /// How long it has given no sign of life, if too long: it is stopped, silent, or at the same
-    /// sample though it had the processor. `health` is the latest that was told under its name.
+    /// sample though it had the processor. `health` is the latest that was reported under its name.
     pub fn hangs(&mut self, health: Option<&Health>) -> Option<Duration> {
         if self.next != Next::Lives || self.hung.is_some() {
             return None;

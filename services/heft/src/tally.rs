@@ -1,5 +1,5 @@
 //! How the quantities of a run do while it goes on: a few counts each, whatever its length. What a whole recording did
-//! is told by [`view::score`].
+//! is reported by [`view::score`].
 
 use statistics::judge::is_covered;
 

@@ -32,7 +32,7 @@ const TRUTHS: usize = 2048;
 #[derive(Default)]
 pub struct Watch {
     pipeline: Option<&'static Pipeline>,
-    told: Option<&'static Channel>,
+    headline: Option<&'static Channel>,
     show: Show,
     /// The loads with their truth, for a program that tells the story.
     story: Story,
@@ -57,7 +57,7 @@ pub struct Watch {
     teller: Option<LoadsTeller>,
     /// The sensors are read for them: they tell the truck, and a loader's mass.
     counts_sensors: bool,
-    /// That of the latest estimate that is told first.
+    /// That of the latest estimate that is reported first.
     reason: Option<Value>,
     faults: Vec<Fault>,
     /// The samples are the simulator's.
@@ -66,26 +66,26 @@ pub struct Watch {
     is_unpaced: bool,
     /// The logger died, and is not back. One that comes back counts what it could not be handed.
     logger_is_away: bool,
-    /// It has told its counts since it came.
+    /// It has reported its counts since it came.
     logger_is_heard: bool,
-    /// A logger died before it told its counts.
+    /// A logger died before it reported its counts.
     may_lack: bool,
     shown: Option<Instant>,
     begun: Option<Instant>,
 }
 
 impl Watch {
-    /// Watches a machine. `told`: the channel whose estimates are told first, those of the method
+    /// Watches a machine. `headline`: the channel whose estimates are reported first, those of the method
     /// that was asked for.
     pub fn new(
         machine: Machine,
-        told: Option<&'static Channel>,
+        headline: Option<&'static Channel>,
         feed: Option<Feed>,
         show: Show,
     ) -> Self {
         Self {
             pipeline: Some(Pipeline::of(machine)),
-            told,
+            headline,
             show,
             feed,
             begun: Some(Instant::now()),
@@ -98,12 +98,12 @@ impl Watch {
         self.window = Some(window);
     }
 
-    /// Told that the source is as fast as its readers.
+    /// Is notified that the source is as fast as its readers.
     pub fn unpaced(&mut self) {
         self.is_unpaced = true;
     }
 
-    /// Has the loads counted, told as they come; with what the sensors tell of truck and mass if `sensors`.
+    /// Has the loads counted, reported as they come; with what the sensors tell of truck and mass if `sensors`.
     pub fn count_loads(&mut self, loads: SharedLoads, sensors: bool) {
         (self.loads, self.counts_sensors) = (Some(loads), sensors);
     }
@@ -151,11 +151,11 @@ impl Watch {
             .unwrap_or_default()
     }
 
-    /// Scores of the quantities that are told first.
-    pub fn told(&self) -> impl Iterator<Item = &Tally> {
-        let told = self.told.map(|channel| channel.name);
+    /// Scores of the quantities that are reported first.
+    pub fn headline(&self) -> impl Iterator<Item = &Tally> {
+        let headline = self.headline.map(|channel| channel.name);
         let tallies = self.tallies.iter();
-        tallies.filter(move |s| Some(s.quantity.channel) == told)
+        tallies.filter(move |s| Some(s.quantity.channel) == headline)
     }
 
     /// Loads so far, with their truth.
@@ -163,9 +163,9 @@ impl Watch {
         &self.story
     }
 
-    /// Latest estimate that is told first.
-    pub fn latest_told(&self) -> Option<&Envelope> {
-        self.latest(self.told?)
+    /// Latest estimate that is reported first.
+    pub fn latest_headline(&self) -> Option<&Envelope> {
+        self.latest(self.headline?)
     }
 
     /// Scores of all quantities, in the order of their first estimate.
@@ -238,7 +238,7 @@ impl Watch {
         self.faults.push(fault);
     }
 
-    /// Told that a service is there, perhaps again.
+    /// Is notified that a service is there, perhaps again.
     pub fn is_there(&mut self, service: &str) {
         if service == "logger" {
             (self.logger_is_away, self.logger_is_heard) = (false, false);
@@ -318,7 +318,7 @@ impl Watch {
         self.end();
     }
 
-    /// Says when the reason of the estimates that are told first becomes another.
+    /// Says when the reason of the estimates that are reported first becomes another.
     fn note_reason<M: Message>(&mut self, message: &M) {
         let reason = M::index("reason").and_then(|i| message.get(i));
         if reason != self.reason {
@@ -333,7 +333,10 @@ impl Watch {
 
     fn note_estimate<M: Message>(&mut self, channel: &'static Channel, message: &M) {
         let sequence = message.stamp().sequence;
-        if self.told.is_some_and(|told| told.name == channel.name) {
+        if self
+            .headline
+            .is_some_and(|headline| headline.name == channel.name)
+        {
             self.note_reason(message);
         }
         for quantity in quantity::of_channel(channel.name) {
@@ -363,15 +366,17 @@ impl Watch {
         }
     }
 
-    /// Counts loads of the estimates that are told first, and says what happens to them.
+    /// Counts loads of the estimates that are reported first, and says what happens to them.
     fn count(&mut self, channel: &Channel, envelope: &Envelope) {
         let Some(loads) = &self.loads else { return };
-        let is_told = match channel.payload.carries() {
+        let is_headline = match channel.payload.carries() {
             Carries::Sensors => true,
-            Carries::Estimate => self.told.is_some_and(|told| told.name == channel.name),
+            Carries::Estimate => self
+                .headline
+                .is_some_and(|headline| headline.name == channel.name),
             Carries::Truth | Carries::Between | Carries::Common => false,
         };
-        if !is_told {
+        if !is_headline {
             return;
         }
         let mut counter = loads.lock();
@@ -386,10 +391,10 @@ impl Watch {
             }
         }
         drop(counter);
-        let told = events
+        let last_load = events
             .load
             .filter(|l| matches!(l.stage, Stage::Carried | Stage::Dumped));
-        if let Some(load) = told {
+        if let Some(load) = last_load {
             self.say(&view::loads::line(machine, &load));
         }
         if let (Show::Lines, Some(load)) = (self.show, &events.load) {

@@ -28,15 +28,15 @@ pub struct BusWriter {
     tried: Option<Instant>,
     /// The last message of each channel, for those who ask; its time is when frames were sent last.
     latest: Vec<Envelope>,
-    /// Whether the last attempt failed: told once.
+    /// Whether the last attempt failed: reported once.
     has_failed: bool,
     /// The node; none where no frame is J1939's.
     node: Option<Node>,
-    /// The address that it was last told to have.
+    /// The address that it was last reported to have.
     address: Option<u8>,
     /// The frames from that address.
     addressed: Outgoing,
-    /// Whether it was told that there is no address, and that another node has the same NAME.
+    /// Whether it was reported that there is no address, and that another node has the same NAME.
     has_lost: bool,
     has_double: bool,
 }

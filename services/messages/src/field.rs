@@ -1,4 +1,4 @@
-//! What a reader that knows nothing of heft is told of a field: its name, its unit, its type, its value; and the fields that every message begins with.
+//! What a reader that knows nothing of heft is given of a field: its name, its unit, its type, its value; and the fields that every message begins with.
 
 use crate::{Hops, Stamp};
 
@@ -45,7 +45,7 @@ impl Value {
     }
 }
 
-/// Description of a field: what a reader that knows nothing of heft must be told.
+/// Description of a field: what a reader that knows nothing of heft must be given.
 #[derive(Debug, Clone, Copy)]
 pub struct Field {
     /// Name, as in the CSV and in the recording.

@@ -14,7 +14,7 @@
 //! | `machine` | the machines, a row each: every crate makes its table from it |
 //! | [`channels`] | the table of channels: name, payload, depth, rate |
 //! | `words` | names of bits and codes, from the sheet |
-//! | `field`, `stamp` | what is told of a field, and what every payload begins with |
+//! | `field`, `stamp` | the description of a field, and what every payload begins with |
 //! | `message` | what every payload can do, and any of them |
 
 pub mod channels;

@@ -17,7 +17,7 @@ pub enum Said {
 }
 
 /// The flags of a message by the names that every output gives them: each with its mask and meaning. One that has
-/// the name of a field is told apart by `_now`.
+/// the name of a field is distinguished by `_now`.
 pub fn flags<M: Message>() -> impl Iterator<Item = (Cow<'static, str>, &'static Entry)> {
     let flags = match Words::of_field(M::WORDS, "flags") {
         Some(Words::Bits(entries)) => *entries,

@@ -11,7 +11,7 @@ pub const MAX_LINE: usize = 1 << 16;
 /// Remarks about lines that say nothing, until they are only counted.
 const MOST_REMARKS: u64 = 5;
 
-/// Makes rows of lines. Which kind they are is told by the map (`[can]`) and the first line.
+/// Makes rows of lines. Which kind they are is given by the map (`[can]`) and the first line.
 #[derive(Debug)]
 pub struct LineDecoder<S: Sensors> {
     map: Option<Map>,
@@ -51,7 +51,7 @@ impl<S: Sensors> LineDecoder<S> {
         })
     }
 
-    /// Takes a line that came at `now_ns`. A line that says nothing is left out and told.
+    /// Takes a line that came at `now_ns`. A line that says nothing is left out and reported.
     ///
     /// # Errors
     /// The header of a table lacks a column.

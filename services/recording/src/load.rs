@@ -34,7 +34,7 @@ pub struct Samples<S, T> {
     source: Source<S, T>,
     /// Why the reading of a file ended early.
     error: RefCell<Option<Error>>,
-    told: Option<Box<dyn Fn(f64)>>,
+    progress: Option<Box<dyn Fn(f64)>>,
     /// What of a file of others cannot be read.
     lacks: Lacks,
 }
@@ -47,15 +47,15 @@ enum Source<S, T> {
 /// Gives the next row of a file, with the bytes read so far.
 type FileRows<S, T> = Box<dyn FnMut() -> Result<Option<((S, T), u64)>, Error>>;
 
-/// Progress is told so often [rows].
-const TOLD: u64 = 1 << 12;
+/// Progress is reported so often [rows].
+const PROGRESS_EVERY: u64 = 1 << 12;
 
 impl<S: Message, T: Message> Samples<S, T> {
     fn of(source: Source<S, T>) -> Self {
         Self {
             source,
             error: RefCell::default(),
-            told: None,
+            progress: None,
             lacks: Lacks::default(),
         }
     }
@@ -80,15 +80,15 @@ impl<S: Message, T: Message> Samples<S, T> {
 
     fn of_file(&self, mut next: FileRows<S, T>, length: u64) -> impl Iterator<Item = (S, T)> {
         let tell = |share: f64| {
-            if let Some(told) = &self.told {
-                told(share);
+            if let Some(progress) = &self.progress {
+                progress(share);
             }
         };
         let mut count = 0;
         std::iter::from_fn(move || match next() {
             Ok(Some((row, read))) => {
                 count += 1;
-                if count % TOLD == 0 {
+                if count % PROGRESS_EVERY == 0 {
                     tell((read as f64 / length.max(1) as f64).min(0.999));
                 }
                 Some(row)
@@ -125,11 +125,11 @@ impl<S: Message, T: Message> Samples<S, T> {
         }
     }
 
-    /// Has `told` called with the share that is read (0 to 1).
-    pub fn on_progress(&mut self, told: impl Fn(f64) + 'static) {
+    /// Has `progress` called with the share that is read (0 to 1).
+    pub fn on_progress(&mut self, progress: impl Fn(f64) + 'static) {
         match &mut self.source {
-            Source::File(..) => self.told = Some(Box::new(told)),
-            Source::Recording(reader, _) => reader.on_progress(told),
+            Source::File(..) => self.progress = Some(Box::new(progress)),
+            Source::Recording(reader, _) => reader.on_progress(progress),
         }
     }
 }
@@ -182,7 +182,7 @@ fn table<S: Sensors>(path: &Path, map: Option<&Map>) -> Result<Samples<S, S::Tru
         let next = move || Ok(rows.row()?.map(|row| (row, rows.read())));
         Ok(Box::new(next) as FileRows<S, S::Truth>)
     };
-    // What is wrong with the header is told at once.
+    // What is wrong with the header is reported at once.
     drop(open()?);
     Ok(Samples::of(Source::File(Box::new(open), length)))
 }
@@ -214,7 +214,7 @@ fn log<S: Sensors>(path: &Path, map: &Map) -> Result<Samples<S, S::Truth>, Error
     Ok(Samples::of(Source::File(Box::new(open), length)))
 }
 
-/// Bytes of a file; 0 if that cannot be told.
+/// Bytes of a file; 0 if that is unknown.
 fn length(path: &Path) -> u64 {
     std::fs::metadata(path).map_or(0, |m| m.len())
 }

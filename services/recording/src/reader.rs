@@ -18,7 +18,7 @@ use crate::{Error, Metadata};
 
 /// Reads an MCAP recording with all of its parts, also one that is cut off or still being written:
 /// then up to its last whole chunk. Nothing is ever written, and only one chunk is in memory at a
-/// time. What is damaged is left out, and told by [`Reader::damage`].
+/// time. What is damaged is left out, and reported by [`Reader::damage`].
 pub struct Reader {
     pub(crate) parts: Vec<Part>,
     metadata: Metadata,
@@ -134,9 +134,9 @@ impl Reader {
         })
     }
 
-    /// Has `told` called with the share that is read (0 to 1) while a channel is read.
-    pub fn on_progress(&mut self, told: impl Fn(f64) + 'static) {
-        self.progress = Some(Box::new(told));
+    /// Has `report` called with the share that is read (0 to 1) while a channel is read.
+    pub fn on_progress(&mut self, report: impl Fn(f64) + 'static) {
+        self.progress = Some(Box::new(report));
     }
 
     /// What the recording says of its run.
@@ -316,9 +316,9 @@ impl Reader {
     }
 
     pub(crate) fn tell(&self, part: usize, at: u64) {
-        if let Some(told) = &self.progress {
+        if let Some(report) = &self.progress {
             let before: u64 = self.parts[..part].iter().map(|p| p.bytes.len).sum();
-            told((before + at) as f64 / self.size().max(1) as f64);
+            report((before + at) as f64 / self.size().max(1) as f64);
         }
     }
 

@@ -82,7 +82,7 @@ pub(crate) fn signals<S: Sensors>() -> Vec<Signal> {
 
 macro_rules! signals_of {
     ($( $machine:ident, $module:ident, $sensors:ident, $truth:ident, $estimate:ident, $others:tt; )*) => {
-        /// The same of a machine that the program is told.
+        /// The same of a machine that the program is given.
         pub(crate) fn signals_of(machine: Machine) -> Vec<Signal> {
             match machine {
                 $( Machine::$machine => signals::<messages::$sensors>(), )*

@@ -217,7 +217,7 @@ fn boundaries(bytes: &[u8]) -> Vec<usize> {
 }
 
 /// Every kind of record, every length field: one flipped bit invents no sample, hides at most what its
-/// own block holds, and what it hides is told, by readers and by `recover` alike.
+/// own block holds, and what it hides is reported, by readers and by `recover` alike.
 #[test]
 fn a_flipped_bit_costs_one_block_at_most_and_is_told() {
     let dir = folder();
@@ -245,19 +245,19 @@ fn a_flipped_bit_costs_one_block_at_most_and_is_told() {
             continue;
         };
         let read: Vec<ExcavatorSensors> = reader.messages("excavator/sensors").expect("sensors");
-        let told = !reader.damage().is_empty() || !reader.is_complete();
+        let reported = !reader.damage().is_empty() || !reader.is_complete();
         assert!(
             read.len() >= 40,
             "flipped at {at}: {} of 50 are left",
             read.len()
         );
-        assert!(read == good || told, "flipped at {at}: lost in silence");
+        assert!(read == good || reported, "flipped at {at}: lost in silence");
         assert!(
             read.iter().all(|m| good.contains(m)),
             "flipped at {at}: invented"
         );
         assert!(
-            reader.metadata() == &metadata() || told,
+            reader.metadata() == &metadata() || reported,
             "flipped at {at}: metadata"
         );
         if i % 16 != 0 {
@@ -266,7 +266,7 @@ fn a_flipped_bit_costs_one_block_at_most_and_is_told() {
         let recovered = recover(&path, Some(&copy)).expect("recoverable");
         assert_eq!(
             recovered.was_complete(),
-            !told,
+            !reported,
             "flipped at {at}: {recovered}"
         );
         if !recovered.was_complete() {

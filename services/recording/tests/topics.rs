@@ -82,20 +82,20 @@ swing_torque = { topic = "/drive", field = "torque.z" }
 
 #[test]
 fn what_is_not_there_is_named_with_what_is() {
-    let told = |from: &str, to: &str| {
+    let reported = |from: &str, to: &str| {
         let error = rows("ros2.zstd.mcap", &ROS.replace(from, to)).expect_err(to);
         error.to_string()
     };
-    let topic = told("/joint_states", "/joint_state");
+    let topic = reported("/joint_states", "/joint_state");
     assert!(
         topic.contains("/joint_states") && topic.contains("map.toml:5"),
         "{topic}"
     );
-    let joint = told("swing_joint", "arm_joint");
+    let joint = reported("swing_joint", "arm_joint");
     assert!(joint.contains("arm_joint"), "{joint}");
-    let field = told("fluid_pressure", "fluid_presure");
+    let field = reported("fluid_pressure", "fluid_presure");
     assert!(field.contains("did you mean fluid_pressure?"), "{field}");
-    assert!(told("field = \"velocity\"", "field = \"velo..city\"").contains("no path"));
+    assert!(reported("field = \"velocity\"", "field = \"velo..city\"").contains("no path"));
     let none = rows("ros2.zstd.mcap", "[columns]\nt = \"x\"\n").expect_err("no topics");
     assert!(none.to_string().contains("[topics.signals]"), "{none}");
     let without = load::<ExcavatorSensors>(file("ros2.zstd.mcap"), None).expect_err("no map");

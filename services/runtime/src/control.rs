@@ -273,7 +273,7 @@ pub struct Requests {
 }
 
 impl Requests {
-    /// Where to begin, once told to.
+    /// Where to begin, once asked to.
     #[must_use]
     pub fn begin(&self) -> Option<Begin> {
         self.go.load(Ordering::Acquire).then(|| Begin {
@@ -305,17 +305,17 @@ impl Requests {
 /// bell alone. Rings the bell on every wish.
 pub(crate) fn listen(control: Arc<Control>, bell: Bell) -> Arc<Requests> {
     let requests = Arc::new(Requests::default());
-    let told = Arc::clone(&requests);
+    let shared = Arc::clone(&requests);
     std::thread::spawn(move || {
         loop {
             // A supervisor that dies closes the socket: there is nothing to look at meanwhile.
             match control.hear(u32::MAX) {
-                Heard::Word(word) => obey(&told, &word),
+                Heard::Word(word) => obey(&shared, &word),
                 Heard::Nothing => continue,
-                Heard::Gone => told.exit.store(true, Ordering::Release),
+                Heard::Gone => shared.exit.store(true, Ordering::Release),
             }
             bell.ring();
-            if told.wants_exit() {
+            if shared.wants_exit() {
                 return;
             }
         }

@@ -203,7 +203,7 @@ impl Domain {
         self.folder().join(LOCK).exists() && self.open_lock().is_ok_and(|lock| !try_lock(&lock))
     }
 
-    /// Removes everything but the folder and its lock. Errors are not told: what cannot be
+    /// Removes everything but the folder and its lock. Errors are not reported: what cannot be
     /// removed now is found again by the next run and by `heft doctor`.
     fn wipe(&self) {
         let prefix = self.prefix();
@@ -226,7 +226,7 @@ impl Domain {
 
     /// Removes a domain that no supervisor holds; false if one does, or something unknown is in it.
     pub fn remove(&self) -> bool {
-        // Held while it is removed: a run that starts meanwhile is told so.
+        // Held while it is removed: a run that starts meanwhile is refused with the reason.
         let Ok(lock) = self.open_lock() else {
             return false;
         };

@@ -40,7 +40,7 @@ pub trait Live {
 }
 
 /// Sends everything that the source gives on `sensors` and `truth`, for `duration` \[s\] if there is
-/// one. `make` opens the source when the run begins, told where it does and how often the source was
+/// one. `make` opens the source when the run begins, given where it does and how often the source was
 /// restarted.
 ///
 /// # Errors

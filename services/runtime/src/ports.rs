@@ -32,7 +32,7 @@ fn max_publishers(channel: &Channel) -> usize {
 }
 
 /// Messages of a channel that its writer still holds after every reader has taken them, for a logger that is
-/// started again. Only those that can be told apart by their numbers are worth it.
+/// started again. Only those that can be distinguished by their numbers are worth it.
 fn held(channel: &Channel) -> usize {
     match channel.rate {
         Rate::Sensors => channel.depth,

@@ -14,7 +14,7 @@ const VISIT_SAMPLES: u64 = 128;
 /// Time between two visits when a lossless source waits for it.
 const QUICK_VISIT: Duration = Duration::from_micros(500);
 
-/// Hands every message on `channels` to `sink`; with `lossless` the source is told how far it got.
+/// Hands every message on `channels` to `sink`; with `lossless` the source is notified how far it got.
 ///
 /// # Errors
 /// A channel cannot be opened.
@@ -32,7 +32,7 @@ pub fn run_sink<S: Sink + 'static>(
     if worker.begin().is_none() {
         return Ok(());
     }
-    let mut told = 0;
+    let mut reported = 0;
     let pause = if lossless {
         QUICK_VISIT
     } else {
@@ -60,9 +60,9 @@ pub fn run_sink<S: Sink + 'static>(
             });
         }
         worker.reporter.fault(sink.fault());
-        if lossless && taps.through() > told {
-            told = taps.through();
-            tell(&worker, &mut credit, told);
+        if lossless && taps.through() > reported {
+            reported = taps.through();
+            tell(&worker, &mut credit, reported);
         }
         if draining {
             sink.drain();

@@ -19,12 +19,12 @@ pub trait Sink {
     }
     /// Takes one message.
     fn accept<M: Message>(&mut self, channel: &'static Channel, message: &M);
-    /// Told that `samples` of a channel were overwritten before they could be taken, because this
+    /// Is notified that `samples` of a channel were overwritten before they could be taken, because this
     /// process came too late; counted in sequence numbers, so those that nobody sent are among them.
     fn overwritten(&mut self, _channel: &'static Channel, _samples: u64) {}
-    /// Told that a visit to the channels is over, in which it took something.
+    /// Is notified that a visit to the channels is over, in which it took something.
     fn visited(&mut self) {}
-    /// Told at every visit, whether there was something to take or not.
+    /// Is called at every visit, whether there was something to take or not.
     fn look(&mut self) {}
     /// Whether it can take more without losing any.
     fn has_room(&self) -> bool;

@@ -181,7 +181,7 @@ pub(crate) fn is_ending(worker: &Worker) -> bool {
     worker.requests.wants_exit() || worker.requests.wants_drain()
 }
 
-/// Says that there is no more, and stays until told to go: readers may still be draining.
+/// Says that there is no more, and stays until asked to go: readers may still be draining.
 pub(crate) fn finish(worker: &Worker) {
     worker.control.say("ended");
     while !worker.requests.wants_exit() {

@@ -24,7 +24,7 @@ pub trait Step {
         false
     }
 
-    /// Told that it was restored in a new process, and that samples were missed.
+    /// Is notified that it was restored in a new process, and that samples were missed.
     fn resume(&mut self) {}
 }
 

@@ -36,7 +36,7 @@ pub struct Event {
 
 /// Samples that were counted without an event of their own.
 #[derive(Debug, Clone, Copy, Default)]
-struct Untold {
+struct Unsent {
     steps: u64,
     lost: u64,
     late: u64,
@@ -58,9 +58,9 @@ pub struct Identity {
 pub struct Reporter {
     // Declared first, dropped first: the half that is dropped last frees the buffer, and that
     // shall not be the stepping thread.
-    events: Producer<(Event, Untold)>,
+    events: Producer<(Event, Unsent)>,
     /// Samples that found the ring full, and the lost and the late ones among them.
-    untold: Untold,
+    unsent: Unsent,
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
 }
@@ -71,8 +71,8 @@ struct Shared {
     realtime: AtomicBool,
     turn: Turn,
     end: AtomicBool,
-    /// What was untold at the end.
-    rest: std::sync::Mutex<Untold>,
+    /// What was unsent at the end.
+    rest: std::sync::Mutex<Unsent>,
 }
 
 impl Reporter {
@@ -92,7 +92,7 @@ impl Reporter {
             .ok();
         Self {
             events,
-            untold: Untold::default(),
+            unsent: Unsent::default(),
             shared,
             thread,
         }
@@ -101,12 +101,12 @@ impl Reporter {
     /// Reports a sample. If the ring is full its times are dropped, and it is counted with the next one:
     /// telemetry never costs a sample.
     pub fn sample(&mut self, event: Event) {
-        match self.events.push((event, self.untold)) {
-            Ok(()) => self.untold = Untold::default(),
+        match self.events.push((event, self.unsent)) {
+            Ok(()) => self.unsent = Unsent::default(),
             Err(_) => {
-                self.untold.steps += 1;
-                self.untold.lost += event.lost;
-                self.untold.late += u64::from(event.late);
+                self.unsent.steps += 1;
+                self.unsent.lost += event.lost;
+                self.unsent.late += u64::from(event.late);
             }
         }
     }
@@ -136,7 +136,7 @@ impl Drop for Reporter {
     fn drop(&mut self) {
         // The steps are over: a lock costs nobody anything.
         if let Ok(mut rest) = self.shared.rest.lock() {
-            *rest = self.untold;
+            *rest = self.unsent;
         }
         self.shared.end.store(true, Ordering::Release);
         if let Some(thread) = self.thread.take() {
@@ -170,19 +170,19 @@ impl Counts {
         })
     }
 
-    fn add(&mut self, event: Event, untold: Untold) {
+    fn add(&mut self, event: Event, unsent: Unsent) {
         self.health.steps += 1;
         self.health.late += u64::from(event.late);
         self.health.lost += event.lost;
-        self.add_untold(untold);
+        self.add_unsent(unsent);
         self.steps.saturating_record(event.step_ns);
         self.ages.saturating_record(event.age_ns);
     }
 
-    fn add_untold(&mut self, untold: Untold) {
-        self.health.steps += untold.steps;
-        self.health.late += untold.late;
-        self.health.lost += untold.lost;
+    fn add_unsent(&mut self, unsent: Unsent) {
+        self.health.steps += unsent.steps;
+        self.health.late += unsent.late;
+        self.health.lost += unsent.lost;
     }
 
     fn message(&mut self, sequence: u64) -> Health {
@@ -204,7 +204,7 @@ impl Counts {
 
 fn report(
     identity: Identity,
-    mut events: Consumer<(Event, Untold)>,
+    mut events: Consumer<(Event, Unsent)>,
     shared: &Shared,
     mut pulse: Pulse,
 ) {
@@ -216,11 +216,11 @@ fn report(
     for sequence in 0.. {
         let ending = shared.end.load(Ordering::Acquire);
         let before = (counts.health.steps, counts.health.lost);
-        while let Ok((event, untold)) = events.pop() {
-            counts.add(event, untold);
+        while let Ok((event, unsent)) = events.pop() {
+            counts.add(event, unsent);
         }
         if let Some(rest) = shared.rest.lock().ok().filter(|_| ending) {
-            counts.add_untold(*rest);
+            counts.add_unsent(*rest);
         }
         quiet = if counts.health.steps == before.0 {
             quiet + 1

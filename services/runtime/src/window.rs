@@ -320,10 +320,10 @@ impl Shown {
     fn read(&self, place: Place, number: u64) -> Option<Vec<u64>> {
         let mut bytes = vec![0; place.size as usize];
         self.file.read_exact_at(&mut bytes, place.at(number)).ok()?;
-        let (content, told) = bytes.split_last_chunk()?;
+        let (content, stated) = bytes.split_last_chunk()?;
         let (words, _) = content.as_chunks();
         let words: Vec<u64> = words.iter().map(|w| u64::from_ne_bytes(*w)).collect();
-        let is_whole = sum(content) == u64::from_ne_bytes(*told) && words[0] == number + 1;
+        let is_whole = sum(content) == u64::from_ne_bytes(*stated) && words[0] == number + 1;
         is_whole.then(|| words[1..].to_vec())
     }
 }

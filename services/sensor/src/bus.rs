@@ -15,7 +15,7 @@ const PATIENCE: Duration = Duration::from_millis(20);
 const UNDER_WAY: i64 = 100_000_000;
 /// From one attempt to open the interface to the next.
 const RETRY: Duration = Duration::from_millis(200);
-/// A signal that has not come by then is told.
+/// A signal that has not come by then is named.
 const SILENT: Duration = Duration::from_secs(5);
 /// The clocks come apart by more than this if the time of day was set [ns].
 const STEP: i64 = 10_000_000;
@@ -29,7 +29,7 @@ pub struct CanBus<S: Sensors> {
     /// Whether the last word was that the interface is gone.
     is_down: bool,
     decoder: Decoder<S>,
-    /// When signals that have not come are told.
+    /// When signals that have not come are reported.
     check: Option<Instant>,
     /// Frames that the kernel dropped since that was last asked.
     dropped: u64,

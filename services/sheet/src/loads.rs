@@ -83,7 +83,7 @@ pub const STAGES: &[Entry] = &[
     entry(2, "settled", "What stays in the bucket is final too."),
 ];
 
-/// What told the mass of a load.
+/// Source of the mass of a load.
 pub const WITNESSES: &[Entry] = &[
     entry(0, "motion", "How the machine accelerates."),
     entry(1, "pressure", "Cylinder pressures."),
@@ -91,7 +91,7 @@ pub const WITNESSES: &[Entry] = &[
     entry(3, "scale", "A scale on the machine: its mass is measured."),
 ];
 
-/// What is told of loads: name, where the ledger has it, unit, meaning; then whole numbers, codes and bits.
+/// The quantities of loads: name, where the ledger has it, unit, meaning; then whole numbers, codes and bits.
 #[macro_export]
 macro_rules! loads_fields {
     ($then:ident) => {
@@ -133,7 +133,7 @@ pub const NEVER: f64 = 1e9;
 
 /// What has a frame of its own; groups count from the first one of the machine.
 pub const QUANTITIES: &[Quantity] = &[
-    // Always told: a controller gets the last known value, and a deviation that covers what may have happened since.
+    // Always sent: a controller gets the last known value, and a deviation that covers what may have happened since.
     mass("payload", "payload_std", "bucket", 0, 0),
     mass("mass", "mass_std", "load", 1, bits::TRUSTED),
     mass(

@@ -106,18 +106,18 @@ mod tests {
     #[test]
     fn an_answer_says_restarted_until_it_is_trusted_and_is_not_at_once() {
         let mut restart = Restart::default();
-        let told = |restart: &mut Restart, time, mut flags| {
+        let after = |restart: &mut Restart, time, mut flags| {
             let mut reason = 0;
             restart.tell(&BITS, time, &mut flags, &mut reason);
             (flags, reason)
         };
-        assert_eq!(told(&mut restart, 1.0, 6), (6, 0), "never restarted");
+        assert_eq!(after(&mut restart, 1.0, 6), (6, 0), "never restarted");
         restart.begin();
-        assert_eq!(told(&mut restart, 2.0, 6), (1, 9), "not at once");
-        assert_eq!(told(&mut restart, 2.4, 6), (1, 9));
-        assert_eq!(told(&mut restart, 2.6, 2), (3, 9), "not trusted by itself");
-        assert_eq!(told(&mut restart, 2.7, 6), (6, 0));
-        assert_eq!(told(&mut restart, 2.8, 2), (2, 0), "over");
+        assert_eq!(after(&mut restart, 2.0, 6), (1, 9), "not at once");
+        assert_eq!(after(&mut restart, 2.4, 6), (1, 9));
+        assert_eq!(after(&mut restart, 2.6, 2), (3, 9), "not trusted by itself");
+        assert_eq!(after(&mut restart, 2.7, 6), (6, 0));
+        assert_eq!(after(&mut restart, 2.8, 2), (2, 0), "over");
     }
 
     #[test]

@@ -14,9 +14,9 @@ use messages::{
     LoaderEstimate, LoaderSensors, Machine, excavator_bits, loader_bits,
 };
 
-mod told;
+mod report;
 
-pub use told::{channel, message};
+pub use report::{channel, message};
 
 /// Loads that are remembered; sums know all.
 const REMEMBERED: usize = 1000;
@@ -25,7 +25,7 @@ const RATED_STDS: f64 = 1.25;
 /// Rated payload of a wheel loader in machine masses: .29 to .33 for machines of 5 to 25 t (makers' sheets).
 const RATED_SHARE: f64 = 0.32;
 
-/// What the counter is told beside the description.
+/// What the counter is given beside the description.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
     /// What a truck shall hold \[kg\].
@@ -192,8 +192,8 @@ impl LoadCounter {
             return Events::default();
         }
         // A described arm whose pressure never comes tells a payload that may be anything.
-        let told = m.estimated & loader_bits::PAYLOAD != 0 && self.has_pressure;
-        let weighed = told.then_some(Quantity {
+        let estimated = m.estimated & loader_bits::PAYLOAD != 0 && self.has_pressure;
+        let weighed = estimated.then_some(Quantity {
             value: m.payload,
             std: m.payload_std,
         });
@@ -229,7 +229,7 @@ impl LoadCounter {
         self.note(events)
     }
 
-    /// Remembers what is told of a load.
+    /// Remembers what is reported of a load.
     fn note(&mut self, events: Events) -> Events {
         if let Some(load) = events.load {
             self.loads.retain(|known| known.number != load.number);
@@ -352,7 +352,7 @@ impl Scale {
     }
 }
 
-/// Whether a process tells a payload to count: the one whose estimate is told first.
+/// Whether a process tells a payload to count: the one whose estimate is reported first.
 #[must_use]
 pub fn counts(machine: Machine, channel: &str) -> bool {
     let pipeline = crate::stages::Pipeline::of(machine);

@@ -7,7 +7,7 @@ use config::{Description, Excavator, Form, Loader, Tables, Value};
 use estimation::{excavator, loader};
 use steps::idle_keys;
 
-/// Every key with another value than the default; what it was is not told.
+/// Every key with another value than the default; what it was is not stated.
 fn changes<M: Tables>() -> Vec<(String, M)> {
     let default = M::default();
     let mut all = Vec::new();
@@ -42,7 +42,7 @@ fn names<M: Tables>() -> BTreeSet<String> {
 
 /// Keys that are for others than the estimators.
 const ELSEWHERE: &[&str] = &[
-    // The simulator, and the period that a late sample is told by.
+    // The simulator, and the period that a late sample is recognized by.
     "sensors.rate",
     // The other defaults scale with them (`config::excavator`); the estimators read those.
     "machine.operating_mass",
@@ -70,10 +70,10 @@ fn every_key_of_the_excavator_reaches_its_settings_or_is_told_to_do_nothing() {
     for (name, changed) in changes::<Excavator>() {
         let reaches =
             excavator::Settings::of(&changed) != default || described(&changed) != with_cylinder;
-        let told = idle(Description::Excavator(Box::new(changed)), METHODS);
+        let reported = idle(Description::Excavator(Box::new(changed)), METHODS);
         assert_ne!(
             reaches || ELSEWHERE.contains(&name.as_str()),
-            told == [name.as_str()],
+            reported == [name.as_str()],
             "{name}"
         );
     }

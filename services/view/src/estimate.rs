@@ -26,7 +26,7 @@ pub trait Estimate: Message {
     const CONDITIONS: &'static [(&'static str, u32)];
     /// What a stretch of motion is called, and the least speed of one [rad/s, m/s].
     const MOTION_NAME: (&'static str, f64);
-    /// Keys of the parameters that are told of each stretch of motion.
+    /// Keys of the parameters that are reported of each stretch of motion.
     const STRETCH: &'static [&'static str];
 
     /// How fast the machine moves [rad/s, m/s].

@@ -26,7 +26,7 @@ use crate::monitor::Monitor;
 pub use loads::SharedLoads;
 pub use server::{MAX_VIEWERS, Server, serve};
 
-/// Where `--view` listens unless told otherwise: this host only.
+/// Where `--view` listens unless stated otherwise: this host only.
 pub const DEFAULT_ADDRESS: &str = "127.0.0.1:8440";
 
 /// Where messages go to be seen; clones share the same page.

@@ -108,7 +108,7 @@ pub struct Thinned {
 
 /// So many estimates of a channel are held in memory; beyond that they are thinned.
 const HELD: u64 = 60_000;
-/// Filtered motions that are read: those whose whiteness is told.
+/// Filtered motions that are read: those whose whiteness is reported.
 const MOTIONS: usize = 60_000;
 
 impl Run {

@@ -18,7 +18,7 @@ pub struct Stretch {
     pub duration: f64,
     /// What heft said of each headline quantity: the last value that it trusted within the stretch,
     /// else the last one.
-    pub told: Vec<Judgement>,
+    pub reported: Vec<Judgement>,
     /// Position of the estimate that the first of them is about.
     pub index: usize,
 }
@@ -50,7 +50,7 @@ pub fn stretches<E: Estimate>(
             start: time(first),
             duration: time(last) - time(first),
             index: first + judgements.first().map_or(0, |j| j.index),
-            told: judgements.into_iter().map(|j| j.told).collect(),
+            reported: judgements.into_iter().map(|j| j.reported).collect(),
         }
     })
     .collect()
@@ -97,7 +97,7 @@ mod tests {
     #[test]
     fn what_was_trusted_within_the_swing_is_told() {
         let found = stretches(&run(), |e| e.velocity.abs(), 0.05);
-        assert!(found[0].told[0].trusted);
+        assert!(found[0].reported[0].trusted);
         assert_eq!(found[0].index, 30);
     }
 }

@@ -49,7 +49,7 @@ const TREND_SECONDS: f64 = TREND_PERIOD.as_millis() as f64 / 1000.0;
 /// Lines of a terminal below which the default method alone is shown.
 const SMALL: u16 = 34;
 
-/// Draws the dashboard; ages are told up to the present.
+/// Draws the dashboard; ages are reported up to the present.
 pub fn draw(frame: &mut Frame, state: &TopState) {
     let now = Instant::now().max(state.now);
     let is_small = frame.area().height < SMALL;

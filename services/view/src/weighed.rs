@@ -7,7 +7,7 @@ use messages::{EXCAVATOR_REASONS, ExcavatorLoads, LOADER_REASONS, LoaderLoads, l
 use recording::{Error, Reader};
 use sheet::loads::WITNESSES;
 
-/// A load as the run told it last.
+/// A load as the run reported it last.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Weighed {
     /// From 1.
@@ -26,7 +26,7 @@ pub struct Weighed {
     pub is_carried: bool,
     /// Its mass may be believed.
     pub is_trusted: bool,
-    /// What told its mass.
+    /// Source of its mass.
     pub witness: &'static str,
     /// Why it is not trusted; empty where there is nothing to say.
     pub why: &'static str,

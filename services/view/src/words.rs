@@ -29,19 +29,19 @@ pub fn advice(message: &messages::Envelope) -> Option<&'static str> {
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunJudgement {
     /// The last estimate that heft trusted, else the last one.
-    pub told: Judgement,
+    pub reported: Judgement,
     /// Time of it \[s\].
     pub time: f64,
-    /// Where `told` is not the last: what heft says at the end.
+    /// Where `reported` is not the last: what heft says at the end.
     pub end: Option<Judgement>,
     /// Share of the samples that were trusted.
     pub trusted_share: f64,
-    /// Position of the estimate that `told` is about.
+    /// Position of the estimate that `reported` is about.
     pub index: usize,
 }
 
 /// What a whole run says of each headline quantity: a machine that stands still at the end has
-/// not lost what it told while it moved. Empty without an estimate.
+/// not lost what it learnt while it moved. Empty without an estimate.
 #[must_use]
 pub fn run_judgements<E: Estimate>(estimates: &[E]) -> Vec<RunJudgement> {
     let Some(last) = estimates.last() else {
@@ -54,7 +54,7 @@ pub fn run_judgements<E: Estimate>(estimates: &[E]) -> Vec<RunJudgement> {
         let at = index.unwrap_or(estimates.len() - 1);
         let end = (at + 1 != estimates.len()).then(|| last.judgements().swap_remove(i));
         RunJudgement {
-            told: estimates[at].judgements().swap_remove(i),
+            reported: estimates[at].judgements().swap_remove(i),
             time: estimates[at].stamp().time,
             end: end.filter(|e| !e.trusted),
             trusted_share: estimates.iter().filter(trusted).count() as f64 / estimates.len() as f64,
@@ -180,7 +180,7 @@ mod tests {
             inertia(ALL & !x::EXCITED | x::HELD),
         ];
         let judgement = run_judgements(&run).swap_remove(0);
-        assert!(judgement.told.trusted && judgement.index == 1);
+        assert!(judgement.reported.trusted && judgement.index == 1);
         assert!(
             judgement
                 .end

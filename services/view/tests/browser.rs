@@ -13,7 +13,7 @@ use messages::channels;
 use serde_json::json;
 use view::live::{Feed, serve};
 
-/// Pushes both machines at 100 Hz until told to stop.
+/// Pushes both machines at 100 Hz until asked to stop.
 fn feed_until(stop: &AtomicBool, feed: &Feed) {
     let mut noise = common::Noise(3);
     let mut n = 0;

@@ -251,15 +251,15 @@ mod tests {
     #[test]
     fn at_rest_the_moments_are_the_derivatives_of_the_potential() {
         let g = geometry();
-        let (told, _) = moments(&g, &STILL);
+        let (calculated, _) = moments(&g, &STILL);
         for joint in 0..2 {
             let mut q = [STILL.angles; 2];
             (q[0][joint], q[1][joint]) = (q[0][joint] - 1e-5, q[1][joint] + 1e-5);
             let [below, above] = q.map(|q| potential(&g, q, STILL.payload));
             let expected = (above - below) / 2e-5;
             assert!(
-                (told[joint] - expected).abs() < 1e-3,
-                "{joint} {told:?} {expected}"
+                (calculated[joint] - expected).abs() < 1e-3,
+                "{joint} {calculated:?} {expected}"
             );
         }
     }
@@ -319,8 +319,11 @@ mod tests {
         let power = (energy(0.501) - energy(0.499)) / 2e-3;
         let pose = at(0.5);
         let (m, _) = moments(&g, &pose);
-        let told = m[0] * pose.rates[0] + m[1] * pose.rates[1];
-        assert!((told / power - 1.0).abs() < 1e-3, "{told} {power}");
+        let calculated = m[0] * pose.rates[0] + m[1] * pose.rates[1];
+        assert!(
+            (calculated / power - 1.0).abs() < 1e-3,
+            "{calculated} {power}"
+        );
     }
 
     #[test]

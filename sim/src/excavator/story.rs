@@ -1,4 +1,4 @@
-//! An excavator that is told what to do, one thing after the other, so that a test reads as what happens:
+//! An excavator that is given a script, one thing after the other, so that a test reads as what happens:
 //!
 //! ```
 //! use sim::excavator::Story;

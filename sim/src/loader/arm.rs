@@ -55,7 +55,7 @@ pub struct LiftArm {
     pub payload_distance: f64,
     /// What lifts it.
     pub cylinder: Cylinder,
-    /// The machine's centre of gravity is told with the arm like this.
+    /// The machine's centre of gravity is stated with the arm like this.
     pub reference: Stance,
 }
 
@@ -302,7 +302,7 @@ mod tests {
             lift: -0.3,
             bucket: 0.6,
         };
-        let told = sensors.moment(&by, [&at; 3], 0.01);
+        let reported = sensors.moment(&by, [&at; 3], 0.01);
         // The bucket turns with the arm.
         let potential = |turn: f64| {
             let s = Stance {
@@ -312,7 +312,10 @@ mod tests {
             GRAVITY * (arm.mass * arm.own(&s)[1] + (arm.bucket_mass + 1200.0) * arm.load(&s)[1])
         };
         let expected = (potential(1e-5) - potential(-1e-5)) / 2e-5;
-        assert!((told / expected - 1.0).abs() < 1e-6, "{told} {expected}");
+        assert!(
+            (reported / expected - 1.0).abs() < 1e-6,
+            "{reported} {expected}"
+        );
     }
 
     #[test]

@@ -1,13 +1,13 @@
 //! The effects one at a time, at the severities that machines have, and together.
 
-use super::effects::{Effects, PayloadTold};
+use super::effects::{Effects, PayloadReport};
 
 const NONE: Effects = Effects {
     speed_delay: 0.0,
     brakes: 0.0,
-    brakes_told: true,
+    brakes_reported: true,
     steering: 0.0,
-    steering_told: true,
+    steering_reported: true,
     hinge: 0.0,
     locked_drive: false,
     slope_follows: 0.0,
@@ -28,7 +28,7 @@ const NONE: Effects = Effects {
     jitter: 0.0,
     mass_error: 0.0,
     radius_error: 0.0,
-    payload_told: PayloadTold::All,
+    payload_reported: PayloadReport::All,
 };
 
 const fn late(speed_delay: f64) -> Effects {
@@ -38,10 +38,10 @@ const fn late(speed_delay: f64) -> Effects {
     }
 }
 
-const fn brakes(brakes: f64, brakes_told: bool) -> Effects {
+const fn brakes(brakes: f64, brakes_reported: bool) -> Effects {
     Effects {
         brakes,
-        brakes_told,
+        brakes_reported,
         ..NONE
     }
 }
@@ -54,9 +54,9 @@ const fn steering(steering: f64) -> Effects {
     }
 }
 
-const fn payload(payload_told: PayloadTold) -> Effects {
+const fn payload(payload_reported: PayloadReport) -> Effects {
     Effects {
-        payload_told,
+        payload_reported,
         ..NONE
     }
 }
@@ -258,8 +258,8 @@ pub const CASES: [(&str, &str, Effects); 34] = [
             ..NONE
         },
     ),
-    ("payload", "mass told", payload(PayloadTold::Mass)),
-    ("payload", "not told", payload(PayloadTold::Nothing)),
+    ("payload", "mass told", payload(PayloadReport::Mass)),
+    ("payload", "not told", payload(PayloadReport::Nothing)),
     (
         "good machine",
         "all a little",

@@ -1,12 +1,12 @@
 //! A machine that nobody listed: each effect by chance, of a severity by chance up to the largest that the cases have.
 
 use super::cases::CASES;
-use super::effects::{Effects, PayloadTold};
+use super::effects::{Effects, PayloadReport};
 use crate::noise::Noise;
 
 /// Probability of each effect.
 const EACH: f64 = 0.3;
-/// Probability of a locked centre drive, and that a load is told by its mass alone, or not at all.
+/// Probability of a locked centre drive, and that a load is reported by its mass alone, or not at all.
 const SELDOM: f64 = 0.1;
 /// Of the channels of a seed this one draws the effects.
 const CHANNEL: u64 = 0x6566;
@@ -37,9 +37,9 @@ impl Effects {
         Self {
             speed_delay,
             brakes,
-            brakes_told: !noise.chance(EACH),
+            brakes_reported: !noise.chance(EACH),
             steering,
-            steering_told: !noise.chance(EACH),
+            steering_reported: !noise.chance(EACH),
             hinge,
             locked_drive: noise.chance(SELDOM),
             slope_follows,
@@ -48,12 +48,12 @@ impl Effects {
             stiffness_difference,
             stiffness_exponent,
             radius_sensitivity,
-            payload_told: if noise.chance(SELDOM) {
-                PayloadTold::Nothing
+            payload_reported: if noise.chance(SELDOM) {
+                PayloadReport::Nothing
             } else if noise.chance(SELDOM) {
-                PayloadTold::Mass
+                PayloadReport::Mass
             } else {
-                PayloadTold::All
+                PayloadReport::All
             },
             braking_stiffness,
             roughness,

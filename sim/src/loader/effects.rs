@@ -8,12 +8,12 @@
 //! | locked drive | the centre drive is locked: both axles turn alike, and the torques are not those of the split |
 //! | slope sensor | an inclinometer follows the acceleration by a share of a/g, and lags |
 //! | gear changes | the torque breaks in for 0.3 s at every change of gear, and is reported later than it acts |
-//! | tyres | the stiffness of the axles differs, and that of braking from that of driving; it falls with the load as (F_z/F_0)^-p; the radius gives more than is told |
+//! | tyres | the stiffness of the axles differs, and that of braking from that of driving; it falls with the load as (F_z/F_0)^-p; the radius gives more than is stated |
 //! | ground | the road is rougher; every other 15 m roll harder |
 //! | reversing | every other run is driven backwards, as a loader does |
 //! | sensors | torques with a gain, or late; a bias of the slope, a zero of the accelerometer; a speed that comes seldom; time stamps that jitter |
 //! | data sheet | the mass, the radii |
-//! | payload | the mass is told and the boom is not, or neither |
+//! | payload | the mass is reported and the boom is not, or neither |
 
 use std::collections::VecDeque;
 
@@ -32,9 +32,9 @@ const GEAR_SPEED: f64 = 2.5;
 /// How long a change of gear takes [s], and the torque that remains.
 const GEAR_CHANGE: (f64, f64) = (0.3, 0.3);
 
-/// What is told of a payload.
+/// What a payload report contains.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum PayloadTold {
+pub enum PayloadReport {
     /// The mass, and when the boom moves.
     #[default]
     All,
@@ -52,11 +52,11 @@ pub struct Effects {
     /// Share of the braking that friction brakes take.
     pub brakes: f64,
     /// There is a signal that says when they act.
-    pub brakes_told: bool,
+    pub brakes_reported: bool,
     /// Largest articulation \[rad\].
     pub steering: f64,
     /// Articulation and yaw rate are measured.
-    pub steering_told: bool,
+    pub steering_reported: bool,
     /// Way from the middle of the wheelbase to the hinge, in wheelbases, forward positive.
     pub hinge: f64,
     /// The centre drive is locked.
@@ -71,7 +71,7 @@ pub struct Effects {
     pub stiffness_difference: f64,
     /// Exponent p of the stiffness that falls with the load.
     pub stiffness_exponent: f64,
-    /// Load sensitivity of the radius beyond the told one.
+    /// Load sensitivity of the radius beyond the stated one.
     pub radius_sensitivity: f64,
     /// Slip stiffness in braking over that in driving, less one.
     pub braking_stiffness: f64,
@@ -93,12 +93,12 @@ pub struct Effects {
     pub speed_period: f64,
     /// Standard deviation of the time stamps \[s\].
     pub jitter: f64,
-    /// Told over true mass, less one.
+    /// Stated over true mass, less one.
     pub mass_error: f64,
-    /// Told over true rolling radius of both axles, less one.
+    /// Stated over true rolling radius of both axles, less one.
     pub radius_error: f64,
-    /// What is told of a payload.
-    pub payload_told: PayloadTold,
+    /// What a payload report contains.
+    pub payload_reported: PayloadReport,
 }
 
 /// The machine bent in its hinge.

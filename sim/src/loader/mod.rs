@@ -41,7 +41,7 @@ mod golden;
 
 pub use arm::{LiftArm, Seen, Stance};
 pub use cases::CASES;
-pub use effects::{Bend, Effects, PayloadTold};
+pub use effects::{Bend, Effects, PayloadReport};
 pub use payload::{Payload, loaded};
 pub use plant::{GRAVITY, Inputs, Machine, Motion, Plant, State};
 pub use road::{Phases, Road, Surface};
@@ -50,4 +50,4 @@ pub use run::{InvalidRun, Run};
 pub use scenario::Scenario;
 pub use sensors::Grade;
 pub use simulation::{CHANNELS, Simulation};
-pub use tier::{Size, Tier, Told};
+pub use tier::{Nominal, Size, Tier};

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::effects::{Effects, PayloadTold};
+use super::effects::{Effects, PayloadReport};
 use super::scenario::Scenario;
 use super::sensors::Grade;
 use super::tier::{Size, Tier};
@@ -68,12 +68,12 @@ impl Run {
         }
     }
 
-    /// A machine at work with these effects: with loads, where they are not all told.
+    /// A machine at work with these effects: with loads, where they are not all reported.
     pub fn at_work(effects: Effects) -> Self {
-        let told = effects.payload_told == PayloadTold::All;
+        let reported = effects.payload_reported == PayloadReport::All;
         Self {
             effects,
-            ..Self::new(if told {
+            ..Self::new(if reported {
                 Scenario::WorkCycle
             } else {
                 Scenario::LoadCycle

@@ -2,14 +2,14 @@
 
 use super::arm::{ArmSensors, LiftArm, Seen, Shaken};
 use super::driver::Driver;
-use super::effects::{self, Effects, Gears, Inclinometer, Late, PayloadTold};
+use super::effects::{self, Effects, Gears, Inclinometer, Late, PayloadReport};
 use super::payload::Payload;
 use super::plant::{GRAVITY, Inputs, Machine, Plant, State};
 use super::road::{Phases, Road};
 use super::row::{Row, Truth};
 use super::run::{InvalidRun, Run};
 use super::scenario::Scenario;
-use super::tier::{self, Calibration, Tier, Told};
+use super::tier::{self, Calibration, Nominal, Tier};
 use crate::fault::Injector;
 use crate::noise::Noise;
 
@@ -86,7 +86,7 @@ pub struct Simulation {
     inclinometer: Inclinometer,
     machine: Machine,
     calibration: Calibration,
-    told: Told,
+    nominal: Nominal,
     tells_mass: bool,
     arm: Option<ArmSensors>,
     noise: [Noise; 7],
@@ -106,7 +106,7 @@ impl Simulation {
         let stream = |channel| Noise::channel(run.seed, channel);
         let of = run.machine_seed.unwrap_or(run.seed);
         let mut machine_noise = Noise::channel(of, MACHINE_STREAM);
-        let (mut machine, mut calibration, mut told) =
+        let (mut machine, mut calibration, mut nominal) =
             tier::draw(run.size, run.tier, run.grade, &mut machine_noise);
         if let Some(of) = run.tyres_seed {
             let noise = &mut Noise::channel(of, MACHINE_STREAM);
@@ -125,8 +125,8 @@ impl Simulation {
             *gain *= 1.0 + run.effects.torque_gain;
         }
         calibration.mass_gain *= 1.0 + run.effects.mass_error;
-        told.mass *= 1.0 + run.effects.mass_error;
-        told.wheel_radius *= 1.0 + run.effects.radius_error;
+        nominal.mass *= 1.0 + run.effects.mass_error;
+        nominal.wheel_radius *= 1.0 + run.effects.radius_error;
         let mut surface = run.scenario.surface();
         if run.effects.roughness > 0.0 {
             surface.roughness = run.effects.roughness;
@@ -158,7 +158,7 @@ impl Simulation {
             inclinometer: Inclinometer::default(),
             machine,
             calibration,
-            told,
+            nominal,
             // A machine that weighs its bucket needs no scale under its axles.
             tells_mass: (run.tier == Tier::B || run.scenario.payload(run.payload) > 0.0)
                 && !(run.scenario == Scenario::Loading && run.gauges.is_some()),
@@ -173,9 +173,9 @@ impl Simulation {
         })
     }
 
-    /// What the estimator is told.
-    pub fn told(&self) -> &Told {
-        &self.told
+    /// What the estimator is given.
+    pub fn nominal(&self) -> &Nominal {
+        &self.nominal
     }
 
     /// Measured over true torque, front and rear.
@@ -199,7 +199,7 @@ impl Simulation {
         let motion = self.plant.motion();
         let inputs = self.plant.inputs();
         let &[speed, front_wheel_speed, rear_wheel_speed, ..] = self.plant.state();
-        let (grade, known) = (self.told.grade, &self.calibration);
+        let (grade, known) = (self.nominal.grade, &self.calibration);
         let noise: [f64; 7] = std::array::from_fn(|channel| self.noise[channel].normal());
         let torque = |true_torque: f64, gain: f64, n: f64| {
             true_torque * gain * (1.0 + grade.torque_std() * n)
@@ -207,7 +207,7 @@ impl Simulation {
         let acceleration = motion.rate[0];
         let effects = self.acts.effects;
         let bend = effects.bend(time);
-        let turning = (effects.steering != 0.0 && effects.steering_told).then_some(bend);
+        let turning = (effects.steering != 0.0 && effects.steering_reported).then_some(bend);
         let braking = inputs.front_brake + inputs.rear_brake != 0.0;
         let step = 1.0 / self.rate;
         let slope = self
@@ -216,8 +216,8 @@ impl Simulation {
         let shown_speed = self.late_speed.pass(time, speed, effects.speed_delay);
         let gears = &self.acts.gears;
         let reported = gears.share(time - effects.gear_delay) / gears.share(time);
-        let tells_mass = self.tells_mass && effects.payload_told != PayloadTold::Nothing;
-        let tells_boom = effects.payload_told == PayloadTold::All;
+        let tells_mass = self.tells_mass && effects.payload_reported != PayloadReport::Nothing;
+        let tells_boom = effects.payload_reported == PayloadReport::All;
         let specific_force = acceleration + GRAVITY * motion.slope.sin();
         let [front_torque, rear_torque] = [inputs.front_torque, inputs.rear_torque];
         let front_torque = self.late_torques[0].pass(time, front_torque, effects.torque_delay);
@@ -254,7 +254,7 @@ impl Simulation {
             boom_moving: tells_boom.then(|| self.driver.boom_moving(time)),
             articulation: turning.map(|bend| bend.angle),
             yaw_rate: turning.map(|bend| effects::yaw_rate(&self.machine, &bend, speed)),
-            brake: (effects.brakes > 0.0 && effects.brakes_told).then_some(braking),
+            brake: (effects.brakes > 0.0 && effects.brakes_reported).then_some(braking),
             arm,
             payload: self.weigh(time),
             truth: Truth {

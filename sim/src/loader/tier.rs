@@ -9,7 +9,7 @@ use crate::noise::Noise;
 pub enum Tier {
     /// The nominal machine, and the filter knows it exactly.
     A,
-    /// A machine off the line with its own tyres, radii, torque gains and slope bias; the filter is told
+    /// A machine off the line with its own tyres, radii, torque gains and slope bias; the filter is given
     /// nominal values, a mass that is 2 % off and no horizontal spading force.
     B,
 }
@@ -70,9 +70,9 @@ impl Size {
     }
 }
 
-/// What the estimator is told about the machine, and what it starts from.
+/// What the estimator is given about the machine, and what it starts from.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Told {
+pub struct Nominal {
     /// Mass without payload \[kg\].
     pub mass: f64,
     /// Rolling radius \[m\].
@@ -113,20 +113,20 @@ pub(super) struct Calibration {
     pub spade_force_z_gain: f64,
     /// Whether the horizontal spading force is measured.
     pub spade_force_x_known: bool,
-    /// Told mass over true mass.
+    /// Stated mass over true mass.
     pub mass_gain: f64,
     pub payload_gain: f64,
     pub payload_height_error: f64,
     pub payload_reach_error: f64,
 }
 
-/// Draws a machine, its sensors and what the filter is told of them.
+/// Draws a machine, its sensors and what the filter is given of them.
 pub(super) fn draw(
     size: Size,
     tier: Tier,
     grade: Grade,
     noise: &mut Noise,
-) -> (Machine, Calibration, Told) {
+) -> (Machine, Calibration, Nominal) {
     let typical = size.machine();
     let machine = match tier {
         Tier::A => typical,
@@ -149,7 +149,7 @@ pub(super) fn draw(
         rho = 0.0;
         centre = (machine.cg_height, machine.cg_ratio);
     }
-    let told = Told {
+    let nominal = Nominal {
         mass: machine.mass * calibration.mass_gain,
         wheel_radius: typical.wheel_radius,
         axle_inertia: typical.axle_inertia,
@@ -165,7 +165,7 @@ pub(super) fn draw(
         rear_radius_error: machine.rear_radius_error + 5e-4 * noise.normal(),
         grade,
     };
-    (machine, calibration, told)
+    (machine, calibration, nominal)
 }
 
 fn draw_machine(typical: &Machine, noise: &mut Noise) -> Machine {
@@ -210,15 +210,18 @@ mod tests {
 
     #[test]
     fn tier_a_is_told_everything_but_where_to_start() {
-        let (machine, _, told) = draw(
+        let (machine, _, nominal) = draw(
             Size::Reference,
             Tier::A,
             Grade::Resolver,
             &mut Noise::new(1),
         );
         assert_eq!(machine, Machine::NOMINAL);
-        assert_eq!((told.mass, told.radius_load_sensitivity), (4700.0, 0.0));
-        assert_ne!(told.cg_height, machine.cg_height);
+        assert_eq!(
+            (nominal.mass, nominal.radius_load_sensitivity),
+            (4700.0, 0.0)
+        );
+        assert_ne!(nominal.cg_height, machine.cg_height);
     }
 
     #[test]
@@ -229,7 +232,7 @@ mod tests {
                 draw(Size::Reference, Tier::B, Grade::Resolver, noise)
             })
             .collect();
-        let spread = |value: &dyn Fn(&(Machine, Calibration, Told)) -> f64| {
+        let spread = |value: &dyn Fn(&(Machine, Calibration, Nominal)) -> f64| {
             let mean = draws.iter().map(value).sum::<f64>() / draws.len() as f64;
             (draws.iter().map(|d| (value(d) - mean).powi(2)).sum::<f64>() / draws.len() as f64)
                 .sqrt()

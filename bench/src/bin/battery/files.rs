@@ -1,5 +1,5 @@
 //! Recordings cut at every border of a record and beside it, and with one bit flipped in every kind of
-//! record and in every length: what is read is the original, or less and that is told.
+//! record and in every length: what is read is the original, or less and that is reported.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -142,17 +142,17 @@ fn is_within(part: &[u64], whole: &[u64]) -> bool {
 /// Whether a damaged recording gives what the original has, or tells that it does not.
 fn judge(file: &Path, original: &Rows) -> Result<(), String> {
     let Ok(reader) = Reader::open(file) else {
-        return Ok(()); // refused is told
+        return Ok(()); // refused is reported
     };
     let found = rows(&reader);
-    let told = !reader.is_complete() || !reader.damage().is_empty();
+    let reported = !reader.is_complete() || !reader.damage().is_empty();
     for (channel, list) in &found {
         let whole = original.get(channel).map_or(&[][..], Vec::as_slice);
         if !is_within(list, whole) {
             return Err(format!("{channel} has messages that nobody wrote"));
         }
     }
-    if found != *original && !told {
+    if found != *original && !reported {
         return Err("messages are missing and nothing is said".into());
     }
     Ok(())

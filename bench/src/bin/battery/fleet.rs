@@ -62,8 +62,10 @@ impl Attack for Clocks {
         loop {
             let judged = judge(&runs(ground, &db)?, clocks.len());
             if judged.is_ok() || begun.elapsed() > Duration::from_secs(20) {
-                let told = |why| format!("clocks {clocks:?}: {why}");
-                return judged.map(|()| Outcome::Survived { gap: 0 }).map_err(told);
+                let explained = |why| format!("clocks {clocks:?}: {why}");
+                return judged
+                    .map(|()| Outcome::Survived { gap: 0 })
+                    .map_err(explained);
             }
             std::thread::sleep(Duration::from_millis(500));
         }

@@ -52,7 +52,7 @@ impl Attack for SharedMemory {
         let remains = run.remains(Duration::from_secs(25))?;
         if !remains.text.contains("died") {
             return Err(format!(
-                "the death of {victim} is not told: {}",
+                "the death of {victim} is not reported: {}",
                 remains.text
             ));
         }

@@ -270,10 +270,10 @@ impl Remains {
             .unwrap_or(0)
     }
 
-    /// Nothing is lost without being told: a gap in the data costs the status, and has words.
+    /// Nothing is lost without a report: a gap in the data costs the status, and has words.
     pub fn check(&self, limit: u64) -> Result<u64, String> {
         let gap = self.gap();
-        let told = [
+        let reported = [
             "were not answered",
             "were not measured",
             "may have a gap",
@@ -284,7 +284,8 @@ impl Remains {
         if self.samples.is_empty() {
             return Err(format!("nothing was recorded: {}", self.text));
         }
-        if gap > 0 && (self.status != 1 || !told.iter().any(|words| self.text.contains(words))) {
+        if gap > 0 && (self.status != 1 || !reported.iter().any(|words| self.text.contains(words)))
+        {
             return Err(format!(
                 "a gap of {gap}, status {}: {}",
                 self.status, self.text

@@ -95,12 +95,12 @@ impl Attack for Kill {
             GAP
         };
         let gap = remains.check(limit)?;
-        let told = victims
+        let reported = victims
             .iter()
             .any(|v| remains.text.contains(&format!("{v} died")));
-        if !told && self.phase != Phase::Drain {
+        if !reported && self.phase != Phase::Drain {
             return Err(format!(
-                "the death of {victims:?} is not told: {}",
+                "the death of {victims:?} is not reported: {}",
                 remains.text
             ));
         }

@@ -1,7 +1,7 @@
 //! `cargo run -p bench --bin battery -- --minutes N --seed S`: attacks whole pipelines in turn, and
 //! prints per attack how often it was tried and survived.
 //!
-//! Surviving means: the run ends in order and in time, what was lost is told and costs the status,
+//! Surviving means: the run ends in order and in time, what was lost is reported and costs the status,
 //! nothing is left behind. The gap is measured in the recorded data, not by the life of a process.
 
 mod attack;

@@ -77,17 +77,17 @@ fn all_methods<M: Machine, const N: usize>(
     let mut spoiled = rows.to_vec();
     spoiled[at][signal] = size;
     for (method, name) in M::METHODS.iter().enumerate() {
-        let told = |why| {
+        let explained = |why| {
             format!(
                 "{} {name}, {} = {size:e}: {why}",
                 M::NAME,
                 M::SIGNALS[signal].name
             )
         };
-        let clean = answers::<M, N>(method, rows).map_err(told)?;
-        let found = answers::<M, N>(method, &spoiled).map_err(told)?;
+        let clean = answers::<M, N>(method, rows).map_err(explained)?;
+        let found = answers::<M, N>(method, &spoiled).map_err(explained)?;
         if *name != AS_PRINTED {
-            is_forgotten::<M, N>(&clean, &found).map_err(told)?;
+            is_forgotten::<M, N>(&clean, &found).map_err(explained)?;
         }
     }
     Ok(())

@@ -87,7 +87,7 @@ pub fn run(heft: &Path, minutes: f64) -> Result<bool, String> {
             "{machine}: {status}\n{}",
             said.unwrap_or_default().trim_end()
         );
-        // What a crowded machine costs is told by the status.
+        // The status reports what a crowded machine costs.
         good &= status.code().is_some_and(|code| code < 2);
     }
     println!(

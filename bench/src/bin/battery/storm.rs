@@ -52,7 +52,7 @@ impl Attack for Storm {
             let reader = Reader::open(out.join("run.mcap")).map_err(|e| format!("{e}: {said}"))?;
             let samples = reader.messages::<ExcavatorSensors>("excavator/sensors");
             let samples = samples.map_err(|e| e.to_string())?.len();
-            // What a crowded machine costs is told by the status.
+            // The status reports what a crowded machine costs.
             if output.status.code().is_none_or(|code| code > 1) || samples == 0 {
                 outcome = Err(format!("{}, {samples} samples: {said}", output.status));
             }

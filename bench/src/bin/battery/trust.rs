@@ -2,7 +2,7 @@
 //! every method, or is another machine's. What counts is the share of what is trusted afterwards that is wrong, by
 //! the judge of `statistics`: the 95 % interval does not hold the truth, or it is more than 10 % away.
 //!
-//! Some faults cannot be told from another machine by anybody (a gain of the torque is an inertia). Those
+//! Some faults cannot be distinguished from another machine by anybody (a gain of the torque is an inertia). Those
 //! cells are in [`KNOWN`] and [`KNOWN_FROM_THE_START`], with the reason in `docs/trust-matrix.md`; every other has the bound.
 
 use std::fmt;

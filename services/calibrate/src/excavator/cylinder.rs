@@ -24,8 +24,8 @@ use crate::output::Pen;
 
 /// Least time in which the boom rises, and in which it sinks \[s\].
 const LEAST_MOTION: f64 = 3.0;
-/// What is known to more than this share of its description's tolerance has not been told.
-const TOLD: f64 = 0.7;
+/// What is known to more than this share of its description's tolerance has not been identified.
+const IDENTIFIED_STD_SHARE: f64 = 0.7;
 /// Standard deviation of a link's centre of mass, along its line of pins and beside it, as a share of the moment that it carries.
 const CENTRE: f64 = 0.02;
 /// A longer time between two moments ends what belongs together \[s\].
@@ -36,7 +36,7 @@ const LEAST_STD: f64 = 1e-3;
 const LEVEL: f64 = 0.01;
 /// So often the fit leaves out the moments beyond its gate: with the bucket on the ground.
 const ROUNDS: usize = 4;
-/// A bucket that weighs less than this share of the told load is another one's content: it was dumped.
+/// A bucket that weighs less than this share of the stated load is another one's content: it was dumped.
 const DUMPED: f64 = 0.5;
 
 /// Unknowns: span, zero, friction, the moment that the drawing misses (with cosine and sine of each link's angle), slopes, then the
@@ -145,7 +145,7 @@ fn fit(
             .ok_or("the boom's cylinders are not determined")?;
     }
     let learnt = solution.learnt(friction, &before);
-    if learnt.friction.std > TOLD * friction_std {
+    if learnt.friction.std > IDENTIFIED_STD_SHARE * friction_std {
         return Err("the boom's cylinders stay as described: their friction cannot be told from the zeros of the sensors; lift and lower the boom more often"
             .into());
     }
@@ -200,13 +200,13 @@ impl Equation {
 
     /// What the unknowns leave of it.
     fn residual(&self, unknowns: &Mat<f64>) -> f64 {
-        let told: f64 = self
+        let stated: f64 = self
             .row
             .iter()
             .enumerate()
             .map(|(i, a)| a * unknowns[(i, 0)])
             .sum();
-        self.value - told
+        self.value - stated
     }
 }
 
@@ -447,15 +447,15 @@ mod tests {
         let inputs = [0.0, 400.0].map(|payload| record(payload, up_and_down));
         let learnt = learn(&described(), &inputs)
             .expect("pressures")
-            .expect("told");
-        for (told, truth) in [
+            .expect("a value");
+        for (stated, truth) in [
             (learnt.friction, FRICTION),
             (learnt.zero, OFFSET),
             (learnt.span, SCALE - 1.0),
         ] {
             assert!(
-                (told.value - truth).abs() < 2.0 * told.std,
-                "{told:?} {truth}"
+                (stated.value - truth).abs() < 2.0 * stated.std,
+                "{stated:?} {truth}"
             );
         }
         let cylinder = Cylinder::of_boom(&described()).expect("described");
@@ -468,7 +468,7 @@ mod tests {
         let written = Cylinder::of_boom(&pen.description).expect("described");
         assert!((written.friction[0] - FRICTION).abs() < 3.0 * learnt.friction.std);
         assert!(written.friction[1] < cylinder.friction[1]);
-        // A third load, of which nothing was told.
+        // A third load, of which nothing was stated.
         let off = |d: &Description| weighed(d, &record(250.0, up_and_down)) - 250.0;
         assert!(off(&described()).abs() > 30.0, "{}", off(&described()));
         assert!(

@@ -118,7 +118,7 @@ pub fn innovations(series: &Series, swing: &Swing, guess: &Guess, out: &mut Vec<
         series,
         guess,
         payload: match swing.load {
-            Load::Told => guess.payload,
+            Load::Stated => guess.payload,
             Load::Empty => 0.0,
         },
         late: guess.delay.max(0.0),

@@ -1,4 +1,4 @@
-//! What is in the bucket: which swings of a loaded recording carry the load, and whether the told loads
+//! What is in the bucket: which swings of a loaded recording carry the load, and whether the stated loads
 //! fit together.
 
 use estimation::Quantity;
@@ -24,10 +24,10 @@ const MIXED: f64 = 0.3;
 pub fn sort(swings: &mut Swings, place: &[f64]) -> Option<String> {
     let values = values(swings, place);
     for recording in 0..swings.series.len() {
-        let Some(told) = swings.told[recording].filter(|t| t.value > 0.0) else {
+        let Some(stated) = swings.stated[recording].filter(|t| t.value > 0.0) else {
             continue;
         };
-        let found = weigh(swings, recording, &values, told.value);
+        let found = weigh(swings, recording, &values, stated.value);
         let large = percentile(found.iter().map(|m| m.value).collect(), 0.9);
         let loaded = found.iter().filter(|m| m.value > 0.5 * large);
         let load = percentile(loaded.map(|m| m.value).collect(), 0.5);
@@ -76,14 +76,14 @@ fn weigh(swings: &Swings, recording: usize, values: &[f64], guess: f64) -> Vec<Q
     let mut stds = vec![f64::INFINITY; blocks.len()];
     for _ in 0..3 {
         let each = blocks.iter().zip(&loads);
-        let told: Vec<[[f64; 4]; 3]> = each
+        let stated: Vec<[[f64; 4]; 3]> = each
             .map(|(&block, &load)| products(swings, block, &values, load, slopes))
             .collect();
         // The slope, in standard deviations of what was known of it.
         let place = slopes.map(|s| s.map_or(0.0, |s| swings.parameters[s].place(values[s])));
         let mut matrix = Mat::<f64>::identity(2, 2);
         let mut right = Mat::from_fn(2, 1, |i, _| -place[i]);
-        for p in told.iter().filter(|p| p[0][0] > 0.0) {
+        for p in stated.iter().filter(|p| p[0][0] > 0.0) {
             for i in 0..2 {
                 let share = p[0][i + 1] / p[0][0];
                 right[(i, 0)] -= p[i + 1][3] - share * p[0][3];
@@ -96,7 +96,7 @@ fn weigh(swings: &Swings, recording: usize, values: &[f64], guess: f64) -> Vec<Q
             break;
         };
         let step = &covariance * &right;
-        for ((load, std), p) in loads.iter_mut().zip(&mut stds).zip(&told) {
+        for ((load, std), p) in loads.iter_mut().zip(&mut stds).zip(&stated) {
             if p[0][0] > 0.0 {
                 let across = Mat::from_fn(2, 1, |i, _| p[0][i + 1] / p[0][0]);
                 let moved = (across.transpose() * &step)[(0, 0)];
@@ -169,23 +169,23 @@ pub fn differ(swings: &Swings) -> bool {
     let mut loads = Vec::new();
     for block in 0..swings.blocks() {
         let (_, swing) = swings.swing(block);
-        match (swing.load, swings.told[swings.recording(block)]) {
+        match (swing.load, swings.stated[swings.recording(block)]) {
             (Load::Empty, _) => loads.push(Quantity::default()),
-            (Load::Told, Some(told)) => loads.push(told),
-            (Load::Told, None) => {}
+            (Load::Stated, Some(stated)) => loads.push(stated),
+            (Load::Stated, None) => {}
         }
     }
     let far = |a: &Quantity, b: &Quantity| distance(a, b) > 5.0 && (a.value - b.value).abs() > 5e-9;
     loads.iter().any(|load| far(load, &loads[0]))
 }
 
-/// The load of a recording by the description alone: told, and found with all of it free.
+/// The load of a recording by the description alone: stated, and found with all of it free.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Doubt {
     /// Name of the recording.
     pub name: String,
-    /// As told \[kg\].
-    pub told: Quantity,
+    /// As stated \[kg\].
+    pub stated: Quantity,
     /// As the description's masses and torque say \[kg\].
     pub found: Quantity,
 }
@@ -194,7 +194,7 @@ impl Doubt {
     /// How far the two are apart, in standard deviations.
     #[must_use]
     pub fn distance(&self) -> f64 {
-        distance(&self.told, &self.found)
+        distance(&self.stated, &self.found)
     }
 }
 
@@ -203,30 +203,31 @@ fn distance(a: &Quantity, b: &Quantity) -> f64 {
     (a.value - b.value).abs() / (a.std.powi(2) + b.std.powi(2)).sqrt()
 }
 
-/// The told load that the description contradicts most, if it does clearly.
+/// The stated load that the description contradicts most, if it does clearly.
 pub fn doubt(task: &Task<'_, Swings>) -> Option<Doubt> {
     let swings = task.model;
     let heaviest = swings
-        .told
+        .stated
         .iter()
         .flatten()
         .fold(0.0, |h: f64, t| h.max(t.value));
     let mut doubts: Vec<Doubt> = Vec::new();
-    for (recording, told) in swings.told.iter().enumerate() {
-        let Some(told) = *told else { continue };
-        if told.value <= 0.0 {
+    for (recording, stated) in swings.stated.iter().enumerate() {
+        let Some(stated) = *stated else { continue };
+        if stated.value <= 0.0 {
             continue;
         }
-        let Some(found) = weigh_by_description(task, recording, told, heaviest) else {
+        let Some(found) = weigh_by_description(task, recording, stated, heaviest) else {
             continue;
         };
         doubts.push(Doubt {
             name: swings.series[recording].name.clone(),
-            told,
+            stated,
             found,
         });
     }
-    doubts.retain(|d| d.distance() > 3.5 && (d.told.value - d.found.value).abs() > 0.08 * heaviest);
+    doubts
+        .retain(|d| d.distance() > 3.5 && (d.stated.value - d.found.value).abs() > 0.08 * heaviest);
     doubts
         .into_iter()
         .max_by(|a, b| a.distance().total_cmp(&b.distance()))
@@ -235,13 +236,13 @@ pub fn doubt(task: &Task<'_, Swings>) -> Option<Doubt> {
 fn weigh_by_description(
     task: &Task<'_, Swings>,
     recording: usize,
-    told: Quantity,
+    stated: Quantity,
     heaviest: f64,
 ) -> Option<Quantity> {
     let mut open = task.model.clone();
     let wide = Quantity {
-        value: told.value,
-        std: heaviest.max(told.value).max(task.model.full_bucket),
+        value: stated.value,
+        std: heaviest.max(stated.value).max(task.model.full_bucket),
     };
     let at = open.release(recording, wide);
     let mut fixed = task.fixed.to_vec();

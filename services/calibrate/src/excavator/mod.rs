@@ -65,7 +65,7 @@ pub struct Outcome {
     pub faults: Vec<String>,
     /// What the reader should know.
     pub remarks: Vec<String>,
-    /// What pressures told of the boom's cylinders.
+    /// What pressures showed of the boom's cylinders.
     pub cylinder: Option<Learnt>,
 }
 
@@ -111,8 +111,8 @@ pub fn calibrate(inputs: &[Input], options: &Options<'_>) -> Result<Outcome, Str
         .iter()
         .map(|i| Series::new(&i.name, &i.samples, &geometry))
         .collect();
-    let told = inputs.iter().map(|i| i.payload).collect();
-    let swings = Swings::new(series, told, options.description);
+    let stated = inputs.iter().map(|i| i.payload).collect();
+    let swings = Swings::new(series, stated, options.description);
     let fixed = held(&swings, options.free)?;
     let free: Vec<Role> = swings
         .roles
@@ -134,7 +134,7 @@ pub fn calibrate(inputs: &[Input], options: &Options<'_>) -> Result<Outcome, Str
         outcome.faults = words::alike(&outcome.swings, &free);
         find(&mut outcome, &free, options);
     }
-    // By the masses that the swings have told; not where only some keys are asked for.
+    // By the masses that the swings have shown; not where only some keys are asked for.
     if options.free.is_none()
         && outcome.faults.is_empty()
         && let Some((found, _)) = outcome.description(options.description, &[])
@@ -205,7 +205,7 @@ fn find(outcome: &mut Outcome, free: &[Role], options: &Options<'_>) {
     if free.contains(&Role::Gain) && !loads::differ(&outcome.swings) {
         outcome.faults.push(words::ONE_LOAD.into());
     }
-    let told = outcome.faults.clone();
+    let before = outcome.faults.clone();
     let swings = &outcome.swings;
     let all: Vec<usize> = (0..swings.blocks()).collect();
     let task = |blocks| Task {
@@ -227,21 +227,21 @@ fn find(outcome: &mut Outcome, free: &[Role], options: &Options<'_>) {
         honesty::undetermined(&fit.information, &swings.parameters, &outcome.fixed);
     directions.retain(|d| !words::is_nuisance(swings, d));
     // What has been said need not be said again in the words of algebra.
-    let mut faults = told.clone();
-    if told.is_empty() {
+    let mut faults = before.clone();
+    if before.is_empty() {
         faults = words::far(swings, &fit.place, &outcome.fixed);
     }
     if faults.is_empty() {
         faults.extend(directions.iter().map(|d| words::undetermined(swings, d)));
     }
     if free.contains(&Role::Gain)
-        && told.is_empty()
+        && before.is_empty()
         && !fit.interrupted
         && let Some(d) = loads::doubt(&whole)
     {
         faults.insert(0, format!(
-            "the load of {} was told as {:.0} kg, but with the masses and the torque gain of the description it weighs {:.0} ± {:.0} kg; weigh it again, or check which recording is which",
-            d.name, d.told.value, d.found.value, d.found.std
+            "the load of {} was stated as {:.0} kg, but with the masses and the torque gain of the description it weighs {:.0} ± {:.0} kg; weigh it again, or check which recording is which",
+            d.name, d.stated.value, d.found.value, d.found.std
         ));
     }
     let held = tolerances(swings, options);
@@ -279,7 +279,7 @@ fn find(outcome: &mut Outcome, free: &[Role], options: &Options<'_>) {
 /// not stopped: half of it would sort wrongly.
 fn sort_loads(swings: &mut Swings, fixed: &[bool]) -> Option<String> {
     let empty: Vec<usize> = (0..swings.series.len())
-        .filter(|&r| swings.told[r].is_some_and(|t| t.value == 0.0))
+        .filter(|&r| swings.stated[r].is_some_and(|t| t.value == 0.0))
         .flat_map(|r| swings.blocks_of(r))
         .collect();
     let place = if empty.is_empty() {

@@ -40,7 +40,7 @@ pub enum Measured {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Load {
     /// The load of the recording.
-    Told,
+    Stated,
     /// Nothing.
     Empty,
 }
@@ -241,7 +241,7 @@ impl Series {
                 swings.push(Swing {
                     rows: first..last,
                     direction: self.velocity[first].signum(),
-                    load: Load::Told,
+                    load: Load::Stated,
                 });
             }
         }

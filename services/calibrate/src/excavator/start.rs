@@ -155,7 +155,7 @@ fn windows(series: &Series, swing: &Swing, guess: &Guess, rows: &mut Vec<([f64; 
     let end = time[swing.rows.end - 1];
     let mut from = time[swing.rows.start];
     let load = match swing.load {
-        Load::Told => guess.payload,
+        Load::Stated => guess.payload,
         Load::Empty => 0.0,
     };
     while from + WINDOW <= end {

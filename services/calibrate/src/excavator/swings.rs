@@ -71,8 +71,8 @@ impl Role {
 pub struct Swings {
     /// The recordings.
     pub series: Vec<Series>,
-    /// Their loads as told \[kg\].
-    pub told: Vec<Option<Quantity>>,
+    /// Their loads as stated \[kg\].
+    pub stated: Vec<Option<Quantity>>,
     /// What each parameter is.
     pub roles: Vec<Role>,
     /// The parameters.
@@ -84,17 +84,19 @@ pub struct Swings {
 }
 
 impl Swings {
-    /// The model of recordings with their loads as told, under a description.
+    /// The model of recordings with their loads as stated, under a description.
     #[must_use]
     pub fn new(
         series: Vec<Series>,
-        told: Vec<Option<Quantity>>,
+        stated: Vec<Option<Quantity>>,
         description: &Description,
     ) -> Self {
-        let (roles, parameters) = parameters(&series, &told, description).into_iter().unzip();
+        let (roles, parameters) = parameters(&series, &stated, description)
+            .into_iter()
+            .unzip();
         let mut swings = Self {
             series,
-            told,
+            stated,
             roles,
             parameters,
             full_bucket: description.prior.payload + description.prior.payload_std,
@@ -169,7 +171,7 @@ impl Swings {
             delay: 0.0,
             motion_std: 1.0,
             torque_std: 1.0,
-            payload: self.told[recording].map_or(0.0, |q| q.value),
+            payload: self.stated[recording].map_or(0.0, |q| q.value),
             lever: 1.0,
             upper_moment: 0.0,
             slope: [0.0; 2],
@@ -213,11 +215,11 @@ impl Model for Swings {
 
     fn acts(&self, parameter: usize, block: usize) -> bool {
         let (recording, number) = self.blocks[block];
-        let is_told = self.series[recording].swings[number].load == Load::Told;
+        let is_stated = self.series[recording].swings[number].load == Load::Stated;
         match self.roles[parameter] {
-            Role::Payload(r) => r == recording && is_told,
+            Role::Payload(r) => r == recording && is_stated,
             Role::Across(r) | Role::Along(r) => r == recording,
-            Role::Lever => is_told,
+            Role::Lever => is_stated,
             _ => true,
         }
     }
@@ -246,7 +248,7 @@ const NOISE_STD: f64 = 1.0;
 
 fn parameters(
     series: &[Series],
-    told: &[Option<Quantity>],
+    stated: &[Option<Quantity>],
     d: &Description,
 ) -> Vec<(Role, Parameter)> {
     let posture = series.iter().all(|s| s.has_posture);
@@ -262,9 +264,9 @@ fn parameters(
             let lever = Parameter::described("load inertia", words, "", 1.0, lever, (0.1, 10.0));
             all.push((Role::Lever, lever));
         }
-        let loads = series.iter().zip(told).enumerate();
-        all.extend(loads.filter_map(|(r, (series, told))| {
-            let payload = payload(&series.name, *told, d)?;
+        let loads = series.iter().zip(stated).enumerate();
+        all.extend(loads.filter_map(|(r, (series, stated))| {
+            let payload = payload(&series.name, *stated, d)?;
             Some((Role::Payload(r), payload))
         }));
     }
@@ -374,8 +376,8 @@ fn ground(series: &[Series], d: &Description) -> Vec<(Role, Parameter)> {
 }
 
 /// A load that is not known exactly.
-fn payload(name: &str, told: Option<Quantity>, d: &Description) -> Option<Parameter> {
-    let (load, source) = match told {
+fn payload(name: &str, stated: Option<Quantity>, d: &Description) -> Option<Parameter> {
+    let (load, source) = match stated {
         Some(load) if load.std <= 0.0 => return None,
         Some(load) => (load, Source::Measured),
         None => {

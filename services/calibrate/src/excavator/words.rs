@@ -21,7 +21,7 @@ const LEAST_POSTURE: f64 = 0.04;
 const MANY_REFUSED: f64 = 0.1;
 /// What is found so many of its tolerances away from the description is another thing than what is described.
 const FAR: f64 = 4.0;
-/// Masses so many standard deviations from their description are other ones, or another load was in the bucket than told.
+/// Masses so many standard deviations from their description are other ones, or another load was in the bucket than stated.
 const OTHER_MASSES: f64 = 3.0;
 /// A difference between recordings is clear beyond so many standard deviations, and matters beyond this share of what the
 /// description leaves open.
@@ -137,7 +137,7 @@ pub fn far(swings: &Swings, place: &[f64], fixed: &[bool]) -> Vec<String> {
     all.collect()
 }
 
-/// Masses that are not those of the description, whose relative standard deviation is `tolerance`: a load that was told wrong is
+/// Masses that are not those of the description, whose relative standard deviation is `tolerance`: a load that was stated wrong is
 /// taken up by the gain of the torque and by them.
 #[must_use]
 pub fn masses(swings: &Swings, found: &Found, fixed: &[bool], tolerance: f64) -> Option<String> {

@@ -1,27 +1,27 @@
-//! Whether the told masses fit what torques and motion say.
+//! Whether the stated masses fit what torques and motion say.
 
 use super::{Drives, Role};
 use crate::fit::{Fit, GOOD, Task};
 use crate::honesty;
 use crate::parameter::Source;
 
-/// A told mass is wrong where it lies so many standard deviations from what the torques say.
+/// A stated mass is wrong where it lies so many standard deviations from what the torques say.
 const DOUBTFUL: f64 = 3.0;
 /// How free a mass is that is asked for, relative.
 const ANY_MASS: f64 = 0.5;
 
-/// Told masses that torques and motion contradict, each asked for with the torque gains as described.
+/// Stated masses that torques and motion contradict, each asked for with the torque gains as described.
 pub fn doubts(drives: &Drives, task: &Task<'_, Drives>, fit: &Fit) -> Vec<String> {
     let mut sentences = Vec::new();
     for load in 1..drives.loads.len() {
-        let Some(told) = drives.loads[load].mass else {
+        let Some(stated) = drives.loads[load].mass else {
             continue;
         };
         let Some(at) = drives.index(Role::Mass(load)) else {
             continue;
         };
         let mut open = drives.clone();
-        open.parameters[at].std = ANY_MASS * told.value;
+        open.parameters[at].std = ANY_MASS * stated.value;
         open.parameters[at].source = Source::Description;
         let mut place = fit.place.clone();
         place[at] = 0.0;
@@ -39,16 +39,16 @@ pub fn doubts(drives: &Drives, task: &Task<'_, Drives>, fit: &Fit) -> Vec<String
         };
         let found = open.parameters[at].value(answer.place[at]);
         let std = open.parameters[at].value_std(answer.place[at], uncertainty.std(at));
-        if (found - told.value).abs() > DOUBTFUL * (std.powi(2) + told.std.powi(2)).sqrt() {
+        if (found - stated.value).abs() > DOUBTFUL * (std.powi(2) + stated.std.powi(2)).sqrt() {
             let recordings = drives.drives.iter().zip(&drives.load_of);
             let names: Vec<&str> = recordings
                 .filter(|(_, of)| **of == load)
                 .map(|(drive, _)| drive.name.as_str())
                 .collect();
             sentences.push(format!(
-                "the mass in {} was told as {:.0} kg, but with the torques as described it is {found:.0} ± {std:.0} kg; weigh it again, or check which recording is which",
+                "the mass in {} was stated as {:.0} kg, but with the torques as described it is {found:.0} ± {std:.0} kg; weigh it again, or check which recording is which",
                 names.join(", "),
-                told.value
+                stated.value
             ));
         }
     }

@@ -9,7 +9,7 @@ use super::drive::Drive;
 use super::guess::Guess;
 use super::known::{MASS_STD, described, mark, parameters, way_scatter};
 use super::residuals;
-use super::role::{Role, Told};
+use super::role::{Role, StatedLoad};
 use super::way::Way;
 use crate::model::{Innovation, Model};
 use crate::parameter::Parameter;
@@ -30,8 +30,8 @@ pub struct Drives {
     pub drives: Vec<Drive>,
     /// The load of each.
     pub load_of: Vec<usize>,
-    /// What is told of each load.
-    pub loads: Vec<Told>,
+    /// What is stated of each load.
+    pub loads: Vec<StatedLoad>,
     /// What each parameter is.
     pub roles: Vec<Role>,
     /// The parameters.
@@ -47,11 +47,16 @@ pub struct Drives {
 /// A mass on board that differs by this share is another load.
 const OTHER_LOAD: f64 = 0.08;
 impl Drives {
-    /// The model of recordings under a description; `told` is what is known of the load of each, and `empty`
+    /// The model of recordings under a description; `stated` is what is known of the load of each, and `empty`
     /// what scales say of the machine as described.
     #[must_use]
-    pub fn new(drives: Vec<Drive>, told: &[Told], empty: Told, d: &Description) -> Self {
-        let (load_of, loads) = loads(&drives, told, empty, d.machine.mass);
+    pub fn new(
+        drives: Vec<Drive>,
+        stated: &[StatedLoad],
+        empty: StatedLoad,
+        d: &Description,
+    ) -> Self {
+        let (load_of, loads) = loads(&drives, stated, empty, d.machine.mass);
         let (roles, parameters) = parameters(&drives, &loads, d).into_iter().unzip();
         let numbered = drives.iter().enumerate();
         let blocks = numbered
@@ -222,24 +227,29 @@ impl Model for Drives {
     }
 }
 
-/// The load of each recording and what is told of the loads: recordings of which nothing is told carry that of
+/// The load of each recording and what is stated of the loads: recordings of which nothing is stated carry that of
 /// the description, unless the mass on board says otherwise.
-fn loads(drives: &[Drive], told: &[Told], empty: Told, mass: f64) -> (Vec<usize>, Vec<Told>) {
+fn loads(
+    drives: &[Drive],
+    stated: &[StatedLoad],
+    empty: StatedLoad,
+    mass: f64,
+) -> (Vec<usize>, Vec<StatedLoad>) {
     let mut loads = vec![empty];
     let load_of = drives
         .iter()
-        .zip(told)
-        .map(|(drive, told)| {
+        .zip(stated)
+        .map(|(drive, stated)| {
             let on_board = drive.mass.filter(|m| (m / mass - 1.0).abs() > OTHER_LOAD);
             let measured = on_board.map(|value| Quantity {
                 value,
                 std: MASS_STD * value,
             });
-            let own = Told {
-                mass: told.mass.or(measured),
-                ..*told
+            let own = StatedLoad {
+                mass: stated.mass.or(measured),
+                ..*stated
             };
-            if own == Told::default() {
+            if own == StatedLoad::default() {
                 return 0;
             }
             let known = loads[1..].iter().position(|l| *l == own);

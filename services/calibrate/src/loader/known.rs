@@ -6,7 +6,7 @@ use estimation::Quantity;
 use super::drive::Drive;
 use super::guess::{Guess, Scatter};
 use super::residuals::LONGEST_DELAY;
-use super::role::{Role, Told};
+use super::role::{Role, StatedLoad};
 use crate::parameter::{Parameter, Source, rows};
 
 /// Tolerances where the description states none, or less than what only a calibration can know.
@@ -91,7 +91,11 @@ pub fn mark(there: &str, back: &str) -> Parameter {
 }
 
 /// The parameters of recordings with these loads: what each is, and what is known of it.
-pub fn parameters(drives: &[Drive], loads: &[Told], d: &Description) -> Vec<(Role, Parameter)> {
+pub fn parameters(
+    drives: &[Drive],
+    loads: &[StatedLoad],
+    d: &Description,
+) -> Vec<(Role, Parameter)> {
     let mut all = of_machine(d);
     all.extend(scatters());
     if drives.iter().any(|drive| drive.has_acceleration) {
@@ -105,7 +109,7 @@ pub fn parameters(drives: &[Drive], loads: &[Told], d: &Description) -> Vec<(Rol
         });
     }
     let numbered = loads.iter().enumerate();
-    all.extend(numbered.flat_map(|(l, told)| of_load(l, told, d)));
+    all.extend(numbered.flat_map(|(l, stated)| of_load(l, stated, d)));
     all
 }
 
@@ -197,9 +201,9 @@ fn of_accelerometer(d: &Description) -> Vec<(Role, Parameter)> {
     all
 }
 
-/// What is told of a parameter, where it is, as good as data.
-fn measured(parameter: Parameter, told: Option<Quantity>) -> Parameter {
-    match told {
+/// What is stated of a parameter, where it is, as good as data.
+fn measured(parameter: Parameter, stated: Option<Quantity>) -> Parameter {
+    match stated {
         Some(q) => Parameter {
             mean: q.value,
             std: q.std.max(1e-4 * q.value),
@@ -211,7 +215,7 @@ fn measured(parameter: Parameter, told: Option<Quantity>) -> Parameter {
 }
 
 /// The machine with load `l`: mass, share in front, height; or where the load lies, where no scales tell them.
-fn of_load(l: usize, told: &Told, d: &Description) -> [(Role, Parameter); 3] {
+fn of_load(l: usize, stated: &StatedLoad, d: &Description) -> [(Role, Parameter); 3] {
     let (m, p) = (&d.machine, &d.prior);
     let of = |empty: &str, what: &str| match l {
         0 => (empty.to_owned(), format!("the {what} without load")),
@@ -222,13 +226,13 @@ fn of_load(l: usize, told: &Told, d: &Description) -> [(Role, Parameter); 3] {
     };
     let linear = Parameter::described;
     let (key, words) = of("machine.mass", "mass");
-    let mass = told.mass.map_or(m.mass, |q| q.value);
+    let mass = stated.mass.map_or(m.mass, |q| q.value);
     let range = (0.3 * mass, 3.0 * mass);
     let mass = linear(&key, &words, "kg", m.mass, MASS_STD * m.mass, range);
-    let ratio = if l == 0 || told.ratio.is_some() {
+    let ratio = if l == 0 || stated.ratio.is_some() {
         let (key, words) = of("prior.cg_ratio", "share of the weight in front");
         let ratio = linear(&key, &words, "", p.cg_ratio, p.cg_ratio_std, (0.05, 0.95));
-        (Role::Ratio(l), measured(ratio, told.ratio))
+        (Role::Ratio(l), measured(ratio, stated.ratio))
     } else {
         let words = format!("how far load {l} lies ahead of the front axle");
         let (mean, std) = (REACH.0 * m.bucket_reach, REACH.1 * m.bucket_reach);
@@ -238,7 +242,7 @@ fn of_load(l: usize, told: &Told, d: &Description) -> [(Role, Parameter); 3] {
             linear(&format!("load {l}, reach"), &words, "m", mean, std, range),
         )
     };
-    let height = if l == 0 || told.height.is_some() {
+    let height = if l == 0 || stated.height.is_some() {
         let (key, words) = of("prior.cg_height", "height of the centre of gravity");
         let height = linear(
             &key,
@@ -248,7 +252,7 @@ fn of_load(l: usize, told: &Told, d: &Description) -> [(Role, Parameter); 3] {
             p.cg_height_std,
             (0.05, 10.0),
         );
-        (Role::Height(l), measured(height, told.height))
+        (Role::Height(l), measured(height, stated.height))
     } else {
         let words = format!("how high load {l} lies");
         let (mean, std) = (LIFT.0 * p.cg_height, LIFT.1 * p.cg_height);
@@ -264,5 +268,5 @@ fn of_load(l: usize, told: &Told, d: &Description) -> [(Role, Parameter); 3] {
             ),
         )
     };
-    [(Role::Mass(l), measured(mass, told.mass)), ratio, height]
+    [(Role::Mass(l), measured(mass, stated.mass)), ratio, height]
 }

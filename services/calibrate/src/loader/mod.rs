@@ -27,7 +27,7 @@ use estimation::loader::Sample;
 pub use drive::Drive;
 pub use drives::Drives;
 use noise::Noises;
-pub use role::{Role, Told};
+pub use role::{Role, StatedLoad};
 
 use crate::fit::{EXACT, Progress, Task, values};
 use crate::honesty;
@@ -45,8 +45,8 @@ pub struct Input {
     pub name: String,
     /// Its rows.
     pub samples: Vec<Sample>,
-    /// What is told of its load; nothing for the machine as described.
-    pub told: Told,
+    /// What is stated of its load; nothing for the machine as described.
+    pub stated: StatedLoad,
 }
 
 /// How to calibrate.
@@ -54,7 +54,7 @@ pub struct Options<'a> {
     /// What is known beforehand.
     pub description: &'a Description,
     /// What axle scales say of the machine as described.
-    pub weighed: Told,
+    pub weighed: StatedLoad,
     /// Recordings of the same way, there and back with the machine turned round.
     pub ways: &'a [[usize; 2]],
     /// Whether slices of the likelihood are wanted; they take as long as the rest.
@@ -129,8 +129,8 @@ pub fn calibrate(inputs: &[Input], options: &Options<'_>) -> Result<Outcome, Str
         .iter()
         .map(|i| Drive::new(&i.name, &i.samples, weight, machine.wheelbase))
         .collect();
-    let told: Vec<Told> = inputs.iter().map(|i| i.told).collect();
-    let drives = Drives::new(drives, &told, options.weighed, options.description);
+    let stated: Vec<StatedLoad> = inputs.iter().map(|i| i.stated).collect();
+    let drives = Drives::new(drives, &stated, options.weighed, options.description);
     let fixed = held(&drives, options.free)?;
     let faults = words::before(&drives);
     let noises = match options.free {
@@ -193,7 +193,7 @@ fn whole<'a>(
     }
 }
 
-/// Matches the ways that were told, and says what came of it; whether there is one.
+/// Matches the ways that were stated, and says what came of it; whether there is one.
 fn join(outcome: &mut Outcome, place: &[f64], ways: &[[usize; 2]]) -> bool {
     let drives = &mut outcome.drives;
     let values = values(drives, place);
@@ -206,7 +206,7 @@ fn join(outcome: &mut Outcome, place: &[f64], ways: &[[usize; 2]]) -> bool {
                 way.correlation
             ),
             Err(why) => format!(
-                "{there} and {back} were told as the same way there and back, but are not used as such: {why}"
+                "{there} and {back} were stated as the same way there and back, but are not used as such: {why}"
             ),
         });
     }

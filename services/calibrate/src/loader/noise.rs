@@ -127,7 +127,7 @@ fn noise(sizes: &[f64]) -> Option<Quantity> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::loader::Told;
+    use crate::loader::StatedLoad;
     use crate::loader::made::noise as uniform;
 
     fn inputs(noise: impl Fn(&mut u64) -> f64) -> [Input; 1] {
@@ -143,7 +143,7 @@ mod tests {
         [Input {
             name: "a".into(),
             samples: (0..6000).map(row).collect(),
-            told: Told::default(),
+            stated: StatedLoad::default(),
         }]
     }
 

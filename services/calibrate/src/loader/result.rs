@@ -12,7 +12,7 @@ const RADIUS_STD: f64 = 5e-4;
 const SLOPE_BIAS_STD: f64 = 2e-3;
 const OFFSET_STD: f64 = 0.01;
 const DELAY_STD: f64 = 2e-3;
-/// Gain of an accelerometer, which cannot be told from what the slope sensor follows.
+/// Gain of an accelerometer, which cannot be distinguished from what the slope sensor follows.
 const FOLLOWS_STD: f64 = 0.01;
 /// The slip stiffness differs from ground to ground by this share.
 const GROUND: f64 = 0.05;

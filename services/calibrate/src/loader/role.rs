@@ -111,7 +111,7 @@ impl Role {
 
 /// What is known of a load before.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Told {
+pub struct StatedLoad {
     /// Mass of the whole machine \[kg\].
     pub mass: Option<Quantity>,
     /// Share of the weight in front, from axle scales.
@@ -120,7 +120,7 @@ pub struct Told {
     pub height: Option<Quantity>,
 }
 
-impl Told {
+impl StatedLoad {
     /// What axle scales say; `scale_std` is the accuracy of one, relative, and it may be common to all readings.
     #[must_use]
     pub fn weighed(reference: &Reference, scale_std: f64) -> Self {

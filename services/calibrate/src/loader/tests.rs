@@ -4,7 +4,7 @@ use super::*;
 use config::Tables;
 use made::{guess, samples};
 
-fn run(inputs: &[Input], weighed: Told) -> Outcome {
+fn run(inputs: &[Input], weighed: StatedLoad) -> Outcome {
     let options = Options {
         description: &Description::default(),
         weighed,
@@ -21,7 +21,7 @@ fn quantity(value: f64, std: f64) -> Option<Quantity> {
     Some(Quantity { value, std })
 }
 
-fn inputs(told: f64) -> [Input; 2] {
+fn inputs(stated: f64) -> [Input; 2] {
     let empty = guess();
     let loaded = guess::Guess {
         mass: 6200.0,
@@ -31,18 +31,18 @@ fn inputs(told: f64) -> [Input; 2] {
     let input = |name: &str, g, mass| Input {
         name: name.into(),
         samples: samples(g, 0.2, 7),
-        told: Told {
+        stated: StatedLoad {
             mass,
-            ..Told::default()
+            ..StatedLoad::default()
         },
     };
     [
         input("flat", &empty, None),
-        input("loaded", &loaded, quantity(told, 30.0)),
+        input("loaded", &loaded, quantity(stated, 30.0)),
     ]
 }
 
-const SCALES: Told = Told {
+const SCALES: StatedLoad = StatedLoad {
     mass: None,
     ratio: Some(Quantity {
         value: 0.45,
@@ -80,8 +80,8 @@ fn a_machine_that_differs_from_its_description_is_found() {
 }
 
 /// The sentences of a run from changed recordings.
-fn faults(change: impl Fn(&mut Sample), told: f64, weighed: Told) -> String {
-    let mut inputs = inputs(told);
+fn faults(change: impl Fn(&mut Sample), stated: f64, weighed: StatedLoad) -> String {
+    let mut inputs = inputs(stated);
     for input in &mut inputs {
         input.samples.iter_mut().for_each(&change);
     }
@@ -91,7 +91,7 @@ fn faults(change: impl Fn(&mut Sample), told: f64, weighed: Told) -> String {
 #[test]
 fn what_cannot_be_believed_is_said() {
     let wrong = faults(|_| {}, 5450.0, SCALES);
-    assert!(wrong.contains("was told as 5450 kg"), "{wrong}");
+    assert!(wrong.contains("was stated as 5450 kg"), "{wrong}");
     let [flat, _] = inputs(6200.0);
     let one = run(&[flat], SCALES).faults.join("\n");
     assert!(one.contains("the same load"), "{one}");
@@ -166,9 +166,9 @@ fn there_and_back(g: guess::Guess, turned: Option<f64>) -> [Input; 3] {
     let input = |name: &str, samples, mass| Input {
         name: name.into(),
         samples,
-        told: Told {
+        stated: StatedLoad {
             mass,
-            ..Told::default()
+            ..StatedLoad::default()
         },
     };
     [

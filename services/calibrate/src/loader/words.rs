@@ -71,7 +71,7 @@ pub fn alike(model: &Drives, free: &[Role]) -> Vec<String> {
 #[must_use]
 pub fn far(model: &Drives, place: &[f64], fixed: &[bool]) -> Vec<String> {
     let is_far = |&i: &usize| {
-        // Told masses are asked for one by one.
+        // Stated masses are asked for one by one.
         let judged =
             !model.roles[i].is_noise() && !matches!(model.roles[i], Role::Mass(l) if l > 0);
         judged && !fixed[i] && place[i].abs() > FAR

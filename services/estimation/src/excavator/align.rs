@@ -1,21 +1,21 @@
-//! Signals that are told to come late, brought to one time.
+//! Signals that are stated to come late, brought to one time.
 //!
 //! A value stamped t of a signal that is d late was true at t - d. A late torque drives a model whose posture is already
-//! further on, and a late velocity differs by more than `d w'` where the torque changes fast; so what is told is taken
+//! further on, and a late velocity differs by more than `d w'` where the torque changes fast; so what is stated is taken
 //! out exactly, in whole ticks: every signal waits until the latest one has come. What is left, at most half a tick, and what
-//! nobody told is for the models ([`super::working`] has it as a state).
+//! nobody stated is for the models ([`super::working`] has it as a state).
 
 use super::grid::{PERIOD, Tick};
 
 /// Longest wait [ticks]; what is beyond is left to the models.
 const LONGEST: usize = 24;
 
-/// Told delays of velocity and torque, in whole ticks.
+/// Stated delays of velocity and torque, in whole ticks.
 fn ticks(delays: [f64; 2]) -> [usize; 2] {
     delays.map(|d| ((d / PERIOD + 0.5).max(0.0) as usize).min(LONGEST))
 }
 
-/// What whole ticks leave of the told delays: that of the velocity less that of the torque [s].
+/// What whole ticks leave of the stated delays: that of the velocity less that of the torque [s].
 pub(super) fn rest(delays: [f64; 2]) -> f64 {
     let [velocity, torque] = ticks(delays).map(|n| n as f64 * PERIOD);
     (delays[0] - velocity) - (delays[1] - torque)
@@ -36,7 +36,7 @@ struct Waiting {
 }
 
 impl Align {
-    /// For told delays of velocity and torque [s].
+    /// For stated delays of velocity and torque [s].
     pub(super) fn new(delays: [f64; 2]) -> Self {
         let late = ticks(delays);
         let latest = late[0].max(late[1]);

@@ -21,7 +21,7 @@ choice! {
 table! {
     /// The machine.
     pub struct Machine, "machine" {
-        /// Operating mass; with it all that is not told has the value that machines of this mass have, with their spread.
+        /// Operating mass; with it all that is not stated has the value that machines of this mass have, with their spread.
         operating_mass: Option<f64> = None, "kg", 200.0 to 1e6;
         /// Rated payload of the bucket; "none" takes that of machines of the operating mass.
         rated_payload: Option<f64> = None, "kg", 1.0 to 1e5;

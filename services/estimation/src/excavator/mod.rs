@@ -15,7 +15,7 @@
 //! | `size` | a description from the operating mass and a few more numbers |
 //! | `plausible` | whether data and description are of one machine |
 //! | `input` | rows on a grid, missing, late, held, noisy and coarse values, an encoder, a sensor that is frozen or jumps, standstill |
-//! | `align`, `consider` | told delays taken out; what is taken as known and is not |
+//! | `align`, `consider` | stated delays taken out; what is taken as known and is not |
 //! | `regression` | the paper's way: motion in, inertia out, by recursive least squares |
 //! | `swing`, `mode` | the state-space way: one step for all; the modes by the columns that exist |
 //! | `mode::{velocity, torque, posture, posture_torque}` | modes A, BM, C, D |

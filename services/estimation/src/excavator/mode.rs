@@ -163,13 +163,14 @@ impl Core {
             }
         };
         // Without torque or without posture, what a working machine does beside its description, and an arm
-        // that moves, cannot be told from its inertia.
-        let told = needs_torque && needs_posture || scale || settings.tells_by_half();
-        let basis = if told { basis } else { Basis::Nothing };
-        if !told {
+        // that moves, cannot be distinguished from its inertia.
+        let identified =
+            needs_torque && needs_posture || scale || settings.is_partly_identifiable();
+        let basis = if identified { basis } else { Basis::Nothing };
+        if !identified {
             state.reason = Reason::Method;
             let posture = needs_posture.then_some(tick.posture);
-            let half = settings.half_told(posture);
+            let half = settings.partial_range(posture);
             state.inertia_std = half.widened(state.inertia, state.inertia_std);
         }
         let accepted = tick.velocity.is_some();

@@ -24,7 +24,7 @@ const FASTEST: f64 = 4.0;
 const ENOUGH: f64 = 100.0;
 /// At least this share of the torque's mean square is explained.
 const EXPLAINED: f64 = 0.6;
-/// Another torque or payload than told, and masses of the class, stay within.
+/// Another torque or payload than stated, and masses of the class, stay within.
 const ALIKE: [f64; 2] = [0.5, 2.2];
 /// Factors of a torque in kN m, about.
 const KILO: [f64; 2] = [0.0003, 0.003];

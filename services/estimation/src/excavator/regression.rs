@@ -28,7 +28,7 @@ use super::estimate::{Estimate, Flags, Method};
 use super::joint::JointRegression;
 use super::motion::Motion;
 use super::reason::Reason;
-use super::settings::{HalfTold, Settings};
+use super::settings::{PartialRange, Settings};
 use super::settings_error::SettingsError;
 use super::single::SingleRegression;
 use crate::Quantity;
@@ -55,10 +55,10 @@ pub struct Regression {
     running_for: f64,
     /// Of the motion before [s].
     time: Option<f64>,
-    /// Whether a torque alone can tell the inertia of this machine, see [`Settings::tells_by_half`].
+    /// Whether a torque alone can tell the inertia of this machine, see [`Settings::is_partly_identifiable`].
     tells: bool,
     /// What the inertia can be where it cannot.
-    half_told: HalfTold,
+    partial_range: PartialRange,
     /// Time since the last torque; infinite before the first [s].
     torque_age: f64,
     refused: u64,
@@ -113,8 +113,8 @@ impl Regression {
             nis: NisWindow::new(16.0),
             running_for: 0.0,
             time: None,
-            tells: settings.tells_by_half(),
-            half_told: settings.half_told(None),
+            tells: settings.is_partly_identifiable(),
+            partial_range: settings.partial_range(None),
             torque_age: f64::INFINITY,
             refused: 0,
             last,
@@ -213,7 +213,7 @@ impl Regression {
         let fresh = motion.age <= e.fresh_velocity && (paper || self.torque_age <= e.fresh_others);
         let mut inertia = fit.inertia;
         if !self.tells {
-            inertia.std = self.half_told.widened(inertia.value, inertia.std);
+            inertia.std = self.partial_range.widened(inertia.value, inertia.std);
         }
         Estimate {
             inertia: inertia.value,

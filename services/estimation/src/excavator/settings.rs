@@ -39,7 +39,7 @@ pub struct Sensors {
     pub swing_torque_gain: f64,
     /// Torque that is measured where there is none, as calibrated [N m].
     pub swing_torque_offset: f64,
-    /// How late velocity and torque come, as told \[s\].
+    /// How late velocity and torque come, as stated \[s\].
     pub delays: [f64; 2],
 }
 
@@ -86,7 +86,7 @@ impl Settings {
 
     /// Whether torque alone, or posture alone, can tell the inertia: on a machine that is calibrated, at an inertia
     /// that is declared constant, or on an axis that is no excavator's (lighter than its geometry).
-    pub(super) fn tells_by_half(&self) -> bool {
+    pub(super) fn is_partly_identifiable(&self) -> bool {
         let lighter = self.inertia_max < self.geometry.folded_inertia();
         self.doubts.is_none() || self.estimator.constant_inertia || lighter
     }
@@ -94,17 +94,17 @@ impl Settings {
     /// The inertias that a machine can have of which torque or posture tells only a half: anywhere between folded
     /// and empty and stretched and full; with the `posture` known the content is left, and the damping, which is
     /// the scale.
-    pub(super) fn half_told(&self, posture: Option<[f64; 3]>) -> HalfTold {
+    pub(super) fn partial_range(&self, posture: Option<[f64; 3]>) -> PartialRange {
         let Some(posture) = posture else {
             let stretched = self.geometry.inertia([0.0; 3]);
-            return HalfTold {
+            return PartialRange {
                 least: self.geometry.folded_inertia(),
                 most: stretched.with_payload(self.rated_payload()),
                 scale: 0.0,
             };
         };
         let here = self.geometry.inertia(posture);
-        HalfTold {
+        PartialRange {
             least: here.empty,
             most: here.with_payload(self.rated_payload()),
             scale: (self.prior.damping_std / self.nominal_damping.max(f64::MIN_POSITIVE)).min(1.0),
@@ -120,16 +120,16 @@ impl Settings {
     }
 }
 
-/// What an inertia can be of which only a half is told.
+/// What an inertia can be of which only one half is identified.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct HalfTold {
+pub(super) struct PartialRange {
     least: f64,
     most: f64,
     scale: f64,
 }
 
-impl HalfTold {
+impl PartialRange {
     /// The standard deviation that covers the present inertia, `std` being that of the `inertia` which the method
     /// found [kg m^2]. That belongs to another posture or content than the present: the difference of two values
     /// that lie anywhere in a range has a sixth of its square as the variance. What lies outside the range is wrong

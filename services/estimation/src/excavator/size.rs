@@ -2,8 +2,8 @@
 //!
 //! Excavators are alike in their proportions: lengths grow with the cube root of the operating mass M, masses with M, inertias with
 //! M^(5/3), the swing torque with M^(4/3). The factors are means over tracked excavators of 8 to 40 t (data sheets and the four
-//! machines of `data/foreign`, whose true values lie within the stated spread). What is told takes the place of what is guessed,
-//! and scales what hangs on it: a told boom length its centre of mass, a told rated payload the bucket.
+//! machines of `data/foreign`, whose true values lie within the stated spread). What is stated takes the place of what is guessed,
+//! and scales what hangs on it: a stated boom length its centre of mass, a stated rated payload the bucket.
 
 use super::geometry::Geometry;
 use super::keys::Description;
@@ -56,14 +56,14 @@ impl Description {
         };
         let mut d = Self::default();
         let length = cbrt(mass);
-        let told = |value: f64, default: f64, guess: f64| {
+        let stated = |value: f64, default: f64, guess: f64| {
             if value == default { guess } else { value }
         };
         let (g, known) = (&mut d.geometry, &self.geometry);
         let rated = self.machine.rated_payload.unwrap_or(RATED * mass);
         let torque = self.machine.swing_torque.unwrap_or(TORQUE * mass * length);
-        g.boom_length = told(known.boom_length, g.boom_length, BOOM * length);
-        g.arm_length = told(known.arm_length, g.arm_length, ARM * length);
+        g.boom_length = stated(known.boom_length, g.boom_length, BOOM * length);
+        g.arm_length = stated(known.arm_length, g.arm_length, ARM * length);
         g.boom_pin = BOOM_PIN * g.boom_length;
         g.boom_centre = BOOM_CENTRE * g.boom_length;
         g.arm_centre = ARM_CENTRE * g.arm_length;

@@ -45,7 +45,7 @@ pub struct SwingEstimator {
     align: Align,
     /// Where torque and posture are measured of a machine that is not calibrated: how late they come, found from the data.
     lag: Option<Lag>,
-    /// How late velocity and torque come, as told or as found [s]; rows for which a torque stays.
+    /// How late velocity and torque come, as stated or as found [s]; rows for which a torque stays.
     delays: [f64; 2],
     held: usize,
     calibration: Option<Calibration>,
@@ -89,7 +89,7 @@ impl SwingEstimator {
             screen: Screen::new(&settings.sensors),
             grid: Grid::new(settings, !columns.velocity),
             align: Align::new(settings.sensors.delays),
-            lag: told_lag(settings, settings.sensors.delays, 0.0)
+            lag: stated_lag(settings, settings.sensors.delays, 0.0)
                 .filter(|_| method == Method::PostureTorque)
                 .map(Lag::new),
             delays: settings.sensors.delays,
@@ -237,7 +237,7 @@ impl SwingEstimator {
     }
 
     /// The torque is seen to be held, or not any more: joined by lines it is late by the hold, half of which was in what was
-    /// told, if anything was.
+    /// stated, if anything was.
     fn hold(&mut self, period: f64) -> bool {
         let rows = self.screen.torque_held();
         // Stamps that jitter make a hold longer and shorter by a row.
@@ -246,15 +246,15 @@ impl SwingEstimator {
             return false;
         }
         self.held = rows;
-        let told = self.settings.sensors.delays;
+        let stated = self.settings.sensors.delays;
         let late = (rows - 1) as f64 * period;
-        let unsaid = if told[1] > 0.0 { 0.5 * late } else { late };
-        let delays = [told[0], told[1] + unsaid];
-        self.lag = told_lag(&self.settings, delays, 0.5 * late).map(Lag::new);
+        let unsaid = if stated[1] > 0.0 { 0.5 * late } else { late };
+        let delays = [stated[0], stated[1] + unsaid];
+        self.lag = stated_lag(&self.settings, delays, 0.5 * late).map(Lag::new);
         self.is_late(delays)
     }
 
-    /// Whether torque and velocity come together as told; true where they do not and all begins anew.
+    /// Whether torque and velocity come together as stated; true where they do not and all begins anew.
     fn find_lag(&mut self, tick: &Tick) -> bool {
         if !self.grid.has_posture() {
             return false;
@@ -493,7 +493,7 @@ pub struct Details {
 
 /// How much later the torque comes than the velocity, and its standard deviation with what else may be late [s]; nothing where
 /// the machine is calibrated.
-fn told_lag(settings: &Settings, delays: [f64; 2], unsaid: f64) -> Option<[f64; 2]> {
+fn stated_lag(settings: &Settings, delays: [f64; 2], unsaid: f64) -> Option<[f64; 2]> {
     let std = settings.doubts?.delay_std;
     let total = crate::math::sqrt(std * std + unsaid * unsaid);
     Some([delays[1] - delays[0], total])

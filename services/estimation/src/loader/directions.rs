@@ -2,7 +2,7 @@
 //!
 //! An acceleration a moves the load m h a/l from axle to axle, and with it the radii, in proportion to a. The slips, which tell
 //! the ratio, go with a as well, but change their sign against it when the machine drives backward. Driven one way only, ratio
-//! and sensitivity are told apart by nothing but terms of second order, which brakes, uneven axles and pitching blur: a filter
+//! and sensitivity are distinguished by nothing but terms of second order, which brakes, uneven axles and pitching blur: a filter
 //! that takes them at their word is wrong and sure. So the sensitivity is what the description says until the machine has been driven
 //! both ways, and the interval carries its tolerance; then it is a state that is estimated. After a long drive one way it is considered
 //! and not estimated: its variance counts in everything, and neither it nor its value changes (S. F. Schmidt, "Application of

@@ -1,4 +1,4 @@
-//! What moves the wheels beside the torques that are told: brakes, steering, forces that nobody measures.
+//! What moves the wheels beside the torques that are reported: brakes, steering, forces that nobody measures.
 //!
 //! | symbol | code | meaning | unit |
 //! |---|---|---|---|
@@ -7,7 +7,7 @@
 //! | a_u | `unexplained` | specific force that the torques do not explain | m/s^2 |
 //!
 //! A turning machine's axles run on different circles: their speeds differ by some gamma^2 v, more or less by where the hinge
-//! lies. A force F_u = m a_u that no torque explains is the friction brakes', the bucket's, or a torque that is told late,
+//! lies. A force F_u = m a_u that no torque explains is the friction brakes', the bucket's, or a torque that is reported late,
 //! and passes through the tyres or not: it moves a slip by up to a_u/(g K). Both are errors of one sign for as long as they
 //! last, so they do not average out and count more than noise of their size. They count for 0.25 s longer, because
 //! tyres and body settle.
@@ -15,7 +15,7 @@
 use super::accelerometer::Shaking;
 use super::inertia::{Inertia, Push};
 use super::inputs::StepInputs;
-use super::untold::Untold;
+use super::unreported_load::UnreportedLoad;
 use super::wheel_dynamics::{GRAVITY, WheelDynamics};
 use crate::math::tanh;
 
@@ -28,7 +28,7 @@ const EXPLAINED: (f64, f64) = (0.05, 0.05);
 /// Weight of an unexplained force against noise of its size.
 const FORCE_WEIGHT: f64 = 4.0;
 /// A force against the motion beyond what is explained by more than this is the brakes' or the ground's [m/s^2].
-const UNTOLD: f64 = 0.15;
+const UNREPORTED: f64 = 0.15;
 /// Weight of the steering against noise of its size.
 const TURN_WEIGHT: f64 = 1.0;
 /// The gain is learnt over this many m/s^2 squared times seconds of driving, and starts with a tenth of it.
@@ -71,10 +71,10 @@ pub(super) struct Disturbance {
     fast: f64,
     /// Sums of the gain: force times pull, pull squared, per mass squared.
     sums: [f64; 2],
-    /// Whether the machine is as heavy as it is told: by all rows, and by those in which the torques drive.
+    /// Whether the machine is as heavy as stated: by all rows, and by those in which the torques drive.
     inertia: Inertia,
     driven: Inertia,
-    untold: Untold,
+    unreported_load: UnreportedLoad,
     /// What the accelerometer shows beside it.
     pub shaking: Shaking,
     /// Smoothed specific force that the torques do not explain, forward positive [m/s^2].
@@ -103,7 +103,7 @@ impl Default for Disturbance {
             sums: [0.1 * GAIN_MEMORY; 2],
             inertia: Inertia::default(),
             driven: Inertia::default(),
-            untold: Untold::default(),
+            unreported_load: UnreportedLoad::default(),
             shaking: Shaking::default(),
             unexplained: 0.0,
         }
@@ -125,8 +125,11 @@ impl Disturbance {
             self.explain(machine, step, [speed, a], dt);
             (self.fast.abs() - EXPLAINED.0 - EXPLAINED.1 * a.abs()).max(0.0)
         });
-        let untold = excess > UNTOLD && self.fast * speed < 0.0;
-        let braking = self.brake.update(f64::from(step.brake || untold), dt) > 0.0;
+        let unreported_braking = excess > UNREPORTED && self.fast * speed < 0.0;
+        let braking = self
+            .brake
+            .update(f64::from(step.brake || unreported_braking), dt)
+            > 0.0;
         let force = FORCE_WEIGHT * self.force.update(excess, dt) / (GRAVITY * stiffness);
         Effect {
             braking,
@@ -146,14 +149,14 @@ impl Disturbance {
         !(GAIN_RANGE.0..=GAIN_RANGE.1).contains(&gain)
     }
 
-    /// By how much the machine is lighter (or its torques larger) than told, beyond tolerances and chance; negative where it is
+    /// By how much the machine is lighter (or its torques larger) than stated, beyond tolerances and chance; negative where it is
     /// heavier. Brakes that nobody tells make it look lighter while it brakes, and leave it as it is while it drives.
     pub fn lighter(&self) -> f64 {
         let all = self.inertia.excess();
         all.min(self.driven.excess().max(0.0))
     }
 
-    /// By how much told and true mass differ, as a share, whatever tolerances explain.
+    /// By how much stated and true mass differ, as a share, whatever tolerances explain.
     pub fn off(&self) -> f64 {
         let by = if self.lighter() > 0.0 {
             &self.driven
@@ -163,19 +166,19 @@ impl Disturbance {
         (1.0 - by.gain()).abs()
     }
 
-    /// What force and acceleration show of a load that nobody told, as a share of the machine with it.
+    /// What force and acceleration show of a load that nobody reported, as a share of the machine with it.
     pub fn carried(&self) -> f64 {
         (1.0 - self.inertia.gain()).max(0.0)
     }
 
-    /// A load came or went with this row, and nobody told.
+    /// A load came or went with this row, and nobody reported it.
     pub fn load_stepped(&self) -> bool {
         self.inertia.stepped()
     }
 
     /// Probability that the load is another one than that under which the ratio was learnt.
     pub fn other_load(&self) -> f64 {
-        self.untold.probability()
+        self.unreported_load.probability()
     }
 
     /// Time since then [s].
@@ -216,9 +219,10 @@ impl Disturbance {
         let lighter = self.driven.excess() > 0.0;
         self.inertia.see(&row, tells, lighter, dt);
         if step.tells_mass || self.inertia.stepped() {
-            self.untold.settle();
+            self.unreported_load.settle();
         } else {
-            self.untold.see(&row, self.inertia.known(), tells, dt);
+            self.unreported_load
+                .see(&row, self.inertia.known(), tells, dt);
         }
         self.fast += (dt / TIME).min(1.0) * (residual - self.fast);
         self.unexplained += (dt / HOLD).min(1.0) * (residual - self.unexplained);

@@ -181,7 +181,7 @@ impl CgEstimator {
         answer
     }
 
-    /// Tells the payload from weighing and boom position for the rows to come, or that there is none to be told.
+    /// Tells the payload from weighing and boom position for the rows to come, or that there is none to be reported.
     ///
     /// From the first payload on, prior and states mean the empty machine, so tell it from the first row (mass 0 when
     /// empty). The reported values stay those of the loaded machine.

@@ -1,15 +1,15 @@
-//! Whether the machine is as heavy as it is told: force over acceleration, of late.
+//! Whether the machine is as heavy as stated: force over acceleration, of late.
 //!
 //! ```text
-//! a = kappa u - c sgn(v),   u = (T_f + T_r)/(r m_told)
+//! a = kappa u - c sgn(v),   u = (T_f + T_r)/(r m_stated)
 //! ```
 //! | symbol | code | meaning | unit |
 //! |---|---|---|---|
-//! | kappa | `gain` | told mass over true mass, times true over told torque | 1 |
+//! | kappa | `gain` | stated mass over true mass, times true over stated torque | 1 |
 //! | c | - | rolling and whatever else resists | m/s^2 |
 //!
 //! A Kalman filter of both, with signals smoothed over 0.2 s and a random walk by which the last ten seconds count. A sound
-//! machine shows 0.95 to 1.03; a full bucket that nobody tells 0.75 to 0.8, and so does a mass that is told late. A step of
+//! machine shows 0.95 to 1.03; a full bucket that nobody tells 0.75 to 0.8, and so does a mass that is reported late. A step of
 //! kappa means that a load came or went: what was learnt of the centre of gravity is of another machine.
 
 use crate::math::sqrt;
@@ -67,7 +67,7 @@ impl Default for Inertia {
 pub(super) struct Push {
     /// Acceleration with gravity's share of the slope [m/s^2].
     pub acceleration: f64,
-    /// Force of the torques over the told mass [m/s^2].
+    /// Force of the torques over the stated mass [m/s^2].
     pub pull: f64,
     /// Speed [m/s].
     pub speed: f64,
@@ -150,7 +150,7 @@ impl Inertia {
         sqrt(self.covariance[0][0].max(0.0))
     }
 
-    /// A load came or went with this row, and nobody told.
+    /// A load came or went with this row, and nobody reported it.
     pub fn stepped(&self) -> bool {
         self.stepped
     }
@@ -173,7 +173,7 @@ impl Inertia {
 mod tests {
     use super::*;
 
-    /// Drives to and fro with what the torques say of this told mass over the true one; the largest and the last excess, and the
+    /// Drives to and fro with what the torques say of this stated mass over the true one; the largest and the last excess, and the
     /// number of steps.
     fn drive(inertia: &mut Inertia, kappa: f64) -> (f64, u32) {
         let mut steps = 0;

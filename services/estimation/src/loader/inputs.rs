@@ -4,7 +4,7 @@ use super::sample::Sample;
 use super::wheel_dynamics::Inputs;
 use crate::math::sin_cos;
 
-/// A mass holds for so long after the last row that told it: then a bucket may have been filled or emptied \[s\].
+/// A mass holds for so long after the last row that stated it: then a bucket may have been filled or emptied \[s\].
 const HOLDS: f64 = 10.0;
 
 /// The last finite input of each kind, the mass, and the last specific force.
@@ -17,7 +17,7 @@ pub(super) struct InputHold {
     acceleration: Option<f64>,
     /// Mass with its load [kg].
     pub mass: f64,
-    /// When a row told it last \[s\].
+    /// When a row stated it last \[s\].
     weighed: f64,
 }
 
@@ -31,7 +31,7 @@ pub(super) struct StepInputs {
     pub acceleration: Option<f64>,
     /// Friction brakes act.
     pub brake: bool,
-    /// The mass with its load is told.
+    /// The mass with its load is stated.
     pub tells_mass: bool,
     /// Angle between front and rear body, where it is measured [rad].
     pub articulation: Option<f64>,

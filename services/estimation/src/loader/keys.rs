@@ -103,9 +103,9 @@ table! {
         payload_distance: f64 = 0.0, "m", 0.0 to 10.0;
         /// Its standard deviation.
         payload_distance_std: f64 = 0.0, "m", 0.0 to 5.0;
-        /// Arm angle at which the empty machine's centre of gravity is told, up from the horizontal.
+        /// Arm angle at which the empty machine's centre of gravity is stated, up from the horizontal.
         reference_angle: f64 = 0.0, "rad", -1.6 to 1.6;
-        /// Tilt angle at which it is told, bucket to arm.
+        /// Tilt angle at which it is stated, bucket to arm.
         reference_tilt: f64 = 0.0, "rad", -3.2 to 3.2;
         /// Mass of the empty machine; 0 for `machine.mass`.
         empty_mass: f64 = 0.0, "kg", 0.0 to 1e6;

@@ -23,7 +23,7 @@
 //! | `ripple` | slips that waver: rough roads |
 //! | `accelerometer` | its noise where it is mounted |
 //! | `inertia` | a load that nobody tells: force over acceleration |
-//! | `untold` | how probable it is that the bucket was filled or emptied since |
+//! | `unreported_load` | how probable it is that the bucket was filled or emptied since |
 //! | `stuck` | a sensor whose value never changes |
 //! | `relearning` | what was learnt wrongly: the start, the radii under another load |
 //! | `coupling` | a centre drive that is locked |
@@ -67,7 +67,7 @@ pub mod settings;
 mod slope;
 mod stuck;
 mod tangent;
-mod untold;
+mod unreported_load;
 mod verdict;
 pub mod weigh;
 pub mod wheel_dynamics;

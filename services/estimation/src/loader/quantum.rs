@@ -2,7 +2,7 @@
 //!
 //! A quantised signal changes by whole quanta, so the smallest change that is not zero is the quantum q, and its error
 //! has a standard deviation of q/sqrt(12). A signal with noise soon changes by next to nothing, and nothing is
-//! added. A filter that is told the noise of a resolver and gets steps of 0.05 rad/s is sure of a ratio that is 6 % off.
+//! added. A filter that is given the noise of a resolver and gets steps of 0.05 rad/s is sure of a ratio that is 6 % off.
 
 use crate::math::sqrt;
 

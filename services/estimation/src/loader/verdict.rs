@@ -326,7 +326,7 @@ pub(super) fn with_floors(
     } else {
         norm(&[settings.load_sensitivity_std(), unmodelled])
     };
-    let told_sensitivity = if learns.load_sensitivity || !settings.real_tyre() {
+    let stated_sensitivity = if learns.load_sensitivity || !settings.real_tyre() {
         0.0
     } else {
         settings.load_sensitivity_std()
@@ -351,7 +351,7 @@ pub(super) fn with_floors(
             settings.estimator.cg_height_floor,
             HEIGHT_PER_RADIUS * radius,
             height * machine.stiffness_load_exponent_std,
-            height * HEIGHT_PER_SENSITIVITY * told_sensitivity,
+            height * HEIGHT_PER_SENSITIVITY * stated_sensitivity,
         ]),
     }
 }

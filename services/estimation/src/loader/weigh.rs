@@ -23,7 +23,7 @@ use crate::math::{sin_cos, sqrt};
 /// Weight of the stated accuracy, in readings.
 const STATED_WEIGHT: f64 = 2.0;
 
-/// Range of inclinations, as tan, below which the height is not told.
+/// Range of inclinations, as tan, below which the height is not estimated.
 const LEAST_TILT: f64 = 0.02;
 
 /// One weighing.

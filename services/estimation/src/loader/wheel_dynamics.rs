@@ -74,7 +74,7 @@ pub struct Parameters<T> {
     pub rear_radius_error: T,
     /// Slope bias, true slope = measured - bias \[rad\].
     pub slope_bias: T,
-    /// Error of the load sensitivity of the rolling radii: true = told + error.
+    /// Error of the load sensitivity of the rolling radii: true = stated + error.
     pub load_sensitivity_error: T,
 }
 

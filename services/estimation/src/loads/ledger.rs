@@ -29,8 +29,8 @@ const SAME: f64 = 0.04;
 const EMPTY_STD: f64 = 0.05;
 /// A content counts when it has been seen for this long [s].
 const SETTLED: f64 = 0.3;
-/// A load is told when it has been weighed for this long [s].
-const TOLD: f64 = 0.4;
+/// A load is reported when it has been weighed for this long [s].
+const REPORTED_AFTER: f64 = 0.4;
 /// The content changes when the estimator has said so for this long [s].
 const CHANGING: f64 = 0.15;
 /// Motion for this long, unweighed, may have been the way back to the pile [s].
@@ -46,7 +46,7 @@ const SET_BACK: u32 = 5;
 /// Share of the variance of a payload that all loads of a machine share, where the estimator does not tell.
 const COMMON: f64 = 0.7;
 
-/// What the ledger is told.
+/// What the ledger is given.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Settings {
@@ -75,7 +75,7 @@ impl Settings {
 /// What one row has brought about.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Events {
-    /// A load came as far as its stage says, or is told better.
+    /// A load came as far as its stage says, or is reported better.
     pub load: Option<Load>,
     /// A truck is complete.
     pub truck: Option<Truck>,
@@ -95,7 +95,7 @@ impl Events {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Held {
     filled: f64,
-    told: bool,
+    is_reported: bool,
     /// It is said to leave since then.
     leaving: Option<f64>,
 }
@@ -334,9 +334,9 @@ impl Ledger {
         let staying = self.held.as_mut().filter(|held| held.leaving.is_none());
         if let Some(held) = staying.filter(|_| leaves) {
             held.leaving = Some(since);
-            let told = *held;
-            if told.told {
-                events.load = Some(self.load(&told, Stage::Dumped));
+            let reported = *held;
+            if reported.is_reported {
+                events.load = Some(self.load(&reported, Stage::Dumped));
             }
         }
         if self.held.is_none() && open_for(self.open, row.time) >= SETTLED {
@@ -404,7 +404,7 @@ impl Ledger {
         };
         held.leaving = None;
         let back = *held;
-        if back.told {
+        if back.is_reported {
             events.load = Some(self.load(&back, Stage::Carried));
         }
     }
@@ -422,7 +422,7 @@ impl Ledger {
             if rest {
                 self.held = Some(Held {
                     filled: next.from,
-                    told: false,
+                    is_reported: false,
                     leaving: None,
                 });
             }
@@ -447,7 +447,7 @@ impl Ledger {
     fn dump(&mut self, time: f64, rest: Option<Weight>, events: &mut Events) {
         self.settle(events);
         let Some(held) = self.held.take() else { return };
-        let told = held.leaving.is_some() && held.told;
+        let reported = held.leaving.is_some() && held.is_reported;
         let mut load = self.load(
             &Held {
                 leaving: Some(time),
@@ -467,7 +467,7 @@ impl Ledger {
             (load.carry_back, load.carry_back_weighed) = (rest, true);
         }
         self.pending = Some(load);
-        if !told {
+        if !reported {
             events.load = Some(load);
         }
         if rest.is_none() {
@@ -517,22 +517,22 @@ impl Ledger {
             }
             self.held = Some(Held {
                 filled: level.left,
-                told: false,
+                is_reported: false,
                 leaving: None,
             });
         }
         let moving = self.moving_since.map_or(0.0, |since| row.time - since);
         if let Some(held) = &mut self.held
-            && !held.told
+            && !held.is_reported
             && events.load.is_none()
-            && level.age().max(moving) >= TOLD
+            && level.age().max(moving) >= REPORTED_AFTER
         {
             if self.pending.is_some() {
                 return self.settle(events);
             }
-            held.told = true;
-            let told = *held;
-            events.load = Some(self.load(&told, Stage::Carried));
+            held.is_reported = true;
+            let reported = *held;
+            events.load = Some(self.load(&reported, Stage::Carried));
         }
     }
 
@@ -561,7 +561,7 @@ fn open_for(open: Option<Open>, time: f64) -> f64 {
     open.map_or(0.0, |open| time - open.since)
 }
 
-/// When the bucket was full: when it was weighed; where nothing told the content before, when the machine set off.
+/// When the bucket was full: when it was weighed; where nothing showed the content before, when the machine set off.
 fn filled(next: &Level, moving_since: Option<f64>, open: Option<Open>) -> f64 {
     match (open, moving_since) {
         (Some(open), Some(since)) => since.clamp(open.since.min(next.from), next.from),

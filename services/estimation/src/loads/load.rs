@@ -115,7 +115,7 @@ pub struct Load {
     pub trusted: bool,
     /// Why not, in the code of the rows.
     pub why: u32,
-    /// What told the weight.
+    /// Source of the weight.
     pub witness: Witness,
 }
 

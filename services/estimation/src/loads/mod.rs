@@ -12,7 +12,7 @@
 //! | `total` | sums with errors that loads share and errors that they do not |
 //! | `book` | trucks and days |
 //! | `now` | what the bucket holds now: always a value |
-//! | `told` | what other programs hear, in plain numbers |
+//! | `report` | what other programs hear, in plain numbers |
 //!
 //! ```
 //! use estimation::Quantity;
@@ -39,14 +39,14 @@ mod ledger;
 mod level;
 mod load;
 mod now;
+mod report;
 mod row;
-mod told;
 mod total;
 
 pub use book::{Day, Truck};
 pub use ledger::{Events, Ledger, Settings};
 pub use load::{Load, Stage, Weight};
 pub use now::Now;
+pub use report::LoadReport;
 pub use row::{Row, Witness};
-pub use told::Told;
 pub use total::Total;

@@ -2,7 +2,7 @@
 
 use crate::Quantity;
 
-/// What the payload was told by.
+/// Source of the payload.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Witness {
@@ -55,7 +55,7 @@ pub struct Row {
     pub trusted: bool,
     /// Why not, in a code of whoever hands the row in; carried along.
     pub why: u32,
-    /// What told it.
+    /// Its source.
     pub witness: Witness,
     /// Which truck is loaded: another value begins another truck.
     pub truck: Option<f64>,

@@ -320,7 +320,7 @@ fn names() -> impl Iterator<Item = &'static str> {
 fn one(seed: u64) -> Result<Option<Found>, Error> {
     let truth = Truth::new(seed);
     let mut noise = Noise::channel(seed, 101);
-    let told = Quantity {
+    let stated = Quantity {
         value: LOAD.value + LOAD.std * noise.normal(),
         std: LOAD.std,
     };
@@ -333,7 +333,7 @@ fn one(seed: u64) -> Result<Option<Found>, Error> {
         Input {
             name: "loaded".into(),
             samples: truth.record(LOAD.value, 2 * seed + 1),
-            payload: Some(told),
+            payload: Some(stated),
         },
     ];
     // Lengths are as drawn.

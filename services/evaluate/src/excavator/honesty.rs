@@ -1,7 +1,7 @@
 //! Of what is called trusted, how much is wrong: machines of four sizes at work, with the ordinary physics
 //! that no description has, one effect at a time and all together.
 //!
-//! JSON: [`crate::honesty::json`]. The machines are uncalibrated: what the estimators are told is the data
+//! JSON: [`crate::honesty::json`]. The machines are uncalibrated: what the estimators are given is the data
 //! sheet and the prudent default of everything else ([`estimation::excavator::Doubts`]).
 
 use super::estimators::Setup;

@@ -1,4 +1,4 @@
-//! The lines of the honesty table, and what the estimators are told of a simulated machine.
+//! The lines of the honesty table, and what the estimators are given of a simulated machine.
 
 use estimation::excavator::{Doubts, Geometry, Settings};
 use sim::excavator::{Effects, Work, cases};
@@ -50,24 +50,24 @@ pub fn effects() -> impl Iterator<Item = (&'static str, &'static str, Effects, A
 
 /// What a competent user states of a machine: its data sheet.
 pub fn described(work: &Work) -> Settings {
-    let (size, told) = (work.size(), work.told());
-    let tool = &told.attachment;
+    let (size, nominal) = (work.size(), work.nominal());
+    let tool = &nominal.attachment;
     let geometry = Geometry {
-        upper_inertia: told.upper_inertia,
-        boom_pin: told.boom_pin,
-        lengths: [told.boom_length, told.arm_length],
-        centres: [told.boom.centre, told.arm.centre, tool.link.centre],
+        upper_inertia: nominal.upper_inertia,
+        boom_pin: nominal.boom_pin,
+        lengths: [nominal.boom_length, nominal.arm_length],
+        centres: [nominal.boom.centre, nominal.arm.centre, tool.link.centre],
         payload_centre: tool.payload_centre,
         payload_gyration: tool.payload_gyration,
-        masses: [told.boom.mass, told.arm.mass, tool.link.mass],
+        masses: [nominal.boom.mass, nominal.arm.mass, tool.link.mass],
         inertias: [
-            told.boom.flat_inertia,
-            told.arm.flat_inertia,
+            nominal.boom.flat_inertia,
+            nominal.arm.flat_inertia,
             tool.link.flat_inertia,
         ],
         axial_inertias: [
-            told.boom.upright_inertia,
-            told.arm.upright_inertia,
+            nominal.boom.upright_inertia,
+            nominal.arm.upright_inertia,
             tool.link.upright_inertia,
         ],
     };
@@ -75,7 +75,7 @@ pub fn described(work: &Work) -> Settings {
         geometry,
         nominal_damping: size.damping,
         coulomb_friction: size.friction,
-        inertia_min: 0.95 * told.upper_inertia,
+        inertia_min: 0.95 * nominal.upper_inertia,
         ..Settings::calibrated()
     };
     s.prior.inertia = geometry

@@ -24,9 +24,9 @@ const NARROW: f64 = 0.05;
 /// Content that changes within this many rows is not knowable.
 const AROUND: usize = 20;
 
-/// What is told to the estimator.
+/// What the estimator is given.
 #[derive(Clone, Copy, PartialEq)]
-enum Told {
+enum Knowledge {
     /// No pressures.
     Motion,
     /// Pressures and cylinders, data-sheet tolerances.
@@ -37,7 +37,7 @@ enum Told {
     Scale,
 }
 
-impl Told {
+impl Knowledge {
     const fn name(self) -> &'static str {
         match self {
             Self::Motion => "no pressures",
@@ -51,7 +51,7 @@ impl Told {
 /// A machine of the table.
 struct Case {
     name: &'static str,
-    told: Told,
+    knowledge: Knowledge,
     effects: Effects,
     /// The described bucket over the true one.
     bucket: f64,
@@ -60,9 +60,9 @@ struct Case {
 }
 
 fn cases() -> Vec<Case> {
-    let case = |name, told, effects| Case {
+    let case = |name, knowledge, effects| Case {
         name,
-        told,
+        knowledge,
         effects,
         bucket: 1.0,
         names: None,
@@ -74,19 +74,19 @@ fn cases() -> Vec<Case> {
         ..good
     };
     vec![
-        case("good machine", Told::Motion, good),
-        case("good machine", Told::Described, good),
-        case("good machine", Told::Narrow, precise),
-        case("good machine", Told::Scale, good),
-        case("usual machine", Told::Described, Effects::usual()),
+        case("good machine", Knowledge::Motion, good),
+        case("good machine", Knowledge::Described, good),
+        case("good machine", Knowledge::Narrow, precise),
+        case("good machine", Knowledge::Scale, good),
+        case("usual machine", Knowledge::Described, Effects::usual()),
         Case {
             bucket: 1.0 / 1.25,
             names: Some(Reason::Attachment),
-            ..case("another bucket, +25 %", Told::Described, good)
+            ..case("another bucket, +25 %", Knowledge::Described, good)
         },
         case(
             "soil that sticks, 8 %",
-            Told::Described,
+            Knowledge::Described,
             Effects {
                 sticks: Some(0.08),
                 ..good
@@ -96,7 +96,7 @@ fn cases() -> Vec<Case> {
             names: Some(Reason::Gain),
             ..case(
                 "torque gain, +5 %",
-                Told::Described,
+                Knowledge::Described,
                 Effects {
                     torque_gain: 1.05,
                     ..good
@@ -107,7 +107,7 @@ fn cases() -> Vec<Case> {
             names: Some(Reason::Hanging),
             ..case(
                 "hanging load",
-                Told::Described,
+                Knowledge::Described,
                 Effects {
                     pendulum: 1.0,
                     pendulum_length: 1.5,
@@ -167,13 +167,13 @@ impl Sums {
     }
 }
 
-/// The settings of a machine that is told like this.
+/// The settings of a machine with this knowledge.
 fn settings(work: &Work, case: &Case) -> Settings {
     let mut settings = described(work);
     settings.geometry.masses[2] *= case.bucket;
     settings.geometry.inertias[2] *= case.bucket;
     let mut d = Description::default();
-    if case.told == Told::Narrow {
+    if case.knowledge == Knowledge::Narrow {
         d.machine.mass_tolerance = 0.005;
         d.machine.upper_tolerance = Some(0.01);
         d.machine.bucket_tolerance = Some(0.01);
@@ -185,13 +185,17 @@ fn settings(work: &Work, case: &Case) -> Settings {
             doubts.friction_std = friction;
         }
     }
-    if case.told != Told::Motion {
+    if case.knowledge != Knowledge::Motion {
         let [boom, _] = cylinders(&work.size().geometry);
         let c = &mut d.boom_cylinder;
         (c.count, c.head_area, c.rod_area) = (boom.count, boom.head_area, boom.rod_area);
         (c.base_distance, c.rod_distance) = (boom.base_distance, boom.rod_distance);
         (c.angle, c.friction) = (boom.angle, boom.friction);
-        c.friction_std = if case.told == Told::Narrow { 0.2 } else { 0.5 } * boom.friction;
+        c.friction_std = if case.knowledge == Knowledge::Narrow {
+            0.2
+        } else {
+            0.5
+        } * boom.friction;
         settings.boom = Cylinder::of_boom(&d);
     }
     settings
@@ -202,13 +206,13 @@ fn run(case: &Case, seed: u64) -> Result<Sums, Error> {
     let sizes = [Size::t13(), Size::t22(), Size::t36(), Size::reference()];
     let size = sizes[(seed as usize - 1) % sizes.len()];
     let mut work = Work::new(size, case.effects, seed);
-    if case.told != Told::Motion {
+    if case.knowledge != Knowledge::Motion {
         work = work.with_gauges(seed);
     }
     let setup = settings(&work, case);
     let rows: Vec<Row> = work.take(ROWS).collect();
-    let method = match case.told {
-        Told::Scale => Method::Posture,
+    let method = match case.knowledge {
+        Knowledge::Scale => Method::Posture,
         _ => Method::PostureTorque,
     };
     let points = Setup::working(case.name, method, setup).run(&rows)?;
@@ -286,11 +290,11 @@ impl Line {
         if let Some(named) = named {
             return honest && named >= 0.8;
         }
-        match (self.case.told, self.case.name) {
-            (Told::Described, "good machine") => {
+        match (self.case.knowledge, self.case.name) {
+            (Knowledge::Described, "good machine") => {
                 honest && least(narrow, 0.8) && least(covered, 0.95)
             }
-            (Told::Narrow, _) => {
+            (Knowledge::Narrow, _) => {
                 honest && most(rms, 0.015) && least(inside, 0.93) && least(trusted, 0.8)
             }
             _ => honest,
@@ -299,7 +303,7 @@ impl Line {
 
     fn json(&self, seeds: usize) -> Value {
         let mut line = json!({
-            "machine": self.case.name, "told": self.case.told.name(), "seeds": seeds,
+            "machine": self.case.name, "told": self.case.knowledge.name(), "seeds": seeds,
             "loads": self.sums.loads.all, "rows": self.sums.rows, "met": self.met(),
         });
         for (key, value) in COLUMNS.iter().zip(self.numbers()) {
@@ -337,7 +341,10 @@ fn text(lines: &[Line]) -> String {
         "",
     ]);
     for line in lines {
-        let mut cells = vec![line.case.name.to_owned(), line.case.told.name().to_owned()];
+        let mut cells = vec![
+            line.case.name.to_owned(),
+            line.case.knowledge.name().to_owned(),
+        ];
         for (i, value) in line.numbers().into_iter().enumerate() {
             let (factor, decimals) = if i == 8 {
                 (100.0, 1)
@@ -356,7 +363,7 @@ fn text(lines: &[Line]) -> String {
 pub(super) fn evaluate(options: &Options) -> Result<Report, Error> {
     let mut lines = Vec::new();
     for case in cases() {
-        let label = format!("{}, {}", case.name, case.told.name());
+        let label = format!("{}, {}", case.name, case.knowledge.name());
         let mut sums = Sums::default();
         for one in seeds(options, &label, |seed| run(&case, seed))? {
             sums.add(&one);

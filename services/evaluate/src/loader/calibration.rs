@@ -3,7 +3,7 @@
 //!
 //! Each seed is a machine of tier B (radii, torque gains, slope bias, tyres, resistance and mass not exactly known) whose
 //! speed comes up to 80 ms and whose torques come up to 20 ms late, whose axles differ in stiffness by up to 8 %, whose stiffness
-//! falls with the load by an exponent of up to 0.15, and whose load sensitivity is another by 0.002 (standard deviation) than told.
+//! falls with the load by an exponent of up to 0.15, and whose load sensitivity is another by 0.002 (standard deviation) than stated.
 //! The zero of its accelerometer is off by 0.04 m/s^2 (standard deviation), and the slope sensor of every other machine lags up to
 //! 0.5 s and follows up to 40 % of the acceleration.
 //! It drives two minutes empty, the same way back with the torque shifted between the axles, and elsewhere two minutes with 1500 kg,
@@ -18,7 +18,7 @@ mod machine;
 
 use std::sync::atomic::AtomicBool;
 
-use calibrate::loader::{self as calibration, Outcome, Role, Told};
+use calibrate::loader::{self as calibration, Outcome, Role, StatedLoad};
 use estimation::loader::{CgEstimator, Columns, Method, Settings};
 use estimation::{HALF_WIDTH_95, Quantity};
 use serde_json::{Map, Value, json};
@@ -108,7 +108,7 @@ fn one(seed: u64) -> Result<Option<Found>, Error> {
     let truth = Truth::new(seed);
     let flat = truth.run(Scenario::WorkCycle, 1, None, LENGTH);
     let simulation = Simulation::new(&flat).map_err(Error::refused)?;
-    let (machine, told) = (*simulation.machine(), *simulation.told());
+    let (machine, nominal) = (*simulation.machine(), *simulation.nominal());
     let mut noise = Noise::channel(seed, 101);
     let mass = Quantity {
         value: machine.mass + LOAD + LOAD_STD * noise.normal(),
@@ -124,16 +124,16 @@ fn one(seed: u64) -> Result<Option<Found>, Error> {
     let back = truth.rows(&back)?;
     let home = way(&back).take_while(|x| *x < length).count();
     let loaded = truth.run(Scenario::Dither, 3, Some(LOAD), LENGTH);
-    let load = Told {
+    let load = StatedLoad {
         mass: Some(mass),
-        ..Told::default()
+        ..StatedLoad::default()
     };
     let inputs = [
-        input("flat", &there, Told::default()),
-        input("back", &back[..home], Told::default()),
+        input("flat", &there, StatedLoad::default()),
+        input("back", &back[..home], StatedLoad::default()),
         input("loaded", &truth.rows(&loaded)?, load),
     ];
-    let before = described(&told);
+    let before = described(&nominal);
     let outcome = calibration::calibrate(
         &inputs,
         &calibration::Options {

@@ -1,11 +1,11 @@
-//! The filters under comparison: which method, with which settings, told what.
+//! The filters under comparison: which method, with which settings, given what.
 
 use estimation::loader::settings::Estimator;
 use estimation::loader::{
     CgEstimator, Columns, LoadTransfer, Machine, Method, Payload, Prior, Sample, Sensors, Settings,
     SettingsError,
 };
-use sim::loader::{Grade, Row, Told};
+use sim::loader::{Grade, Nominal, Row};
 
 /// One filter under comparison.
 #[derive(Clone, Copy, Debug)]
@@ -13,15 +13,15 @@ pub(super) struct Candidate {
     /// Name in the tables.
     pub name: &'static str,
     method: Method,
-    /// Before anything is told of the machine.
+    /// Before anything is stated of the machine.
     settings: Settings,
     /// Start from the truth instead of the initial guess.
     start_at_truth: bool,
     /// The wheel speeds are corrected with radii that were calibrated before.
     warm: bool,
-    /// The load sensitivity of the rolling radius is told exactly.
+    /// The load sensitivity of the rolling radius is stated exactly.
     knows_load_sensitivity: bool,
-    /// The payload is told by the weighing system.
+    /// The payload is reported by the weighing system.
     weighed: bool,
 }
 
@@ -72,13 +72,13 @@ impl Candidate {
         warm: true,
         ..Self::new("full, warm", Method::Full, CALIBRATED_RADII)
     };
-    /// The product that is told the one tolerance which it cannot learn and which moves the ratio most.
+    /// The product that is given the one tolerance which it cannot learn and which moves the ratio most.
     pub const CALIBRATED: Self = Self {
         knows_load_sensitivity: true,
         name: "full, load sensitivity known",
         ..Self::COLD
     };
-    /// The product that is told the payload.
+    /// The product that is given the payload.
     pub const WEIGHED: Self = Self {
         weighed: true,
         ..Self::new("full, weighed", Method::Full, WEIGHED)
@@ -119,21 +119,21 @@ impl Candidate {
         }
     }
 
-    /// What this filter is told of the machine.
-    pub fn told(&self, told: &Told, machine: &sim::loader::Machine) -> Told {
-        let mut told = *told;
+    /// What this filter is given of the machine.
+    pub fn nominal(&self, nominal: &Nominal, machine: &sim::loader::Machine) -> Nominal {
+        let mut nominal = *nominal;
         if self.knows_load_sensitivity {
-            told.radius_load_sensitivity = machine.radius_load_sensitivity;
+            nominal.radius_load_sensitivity = machine.radius_load_sensitivity;
         }
-        told
+        nominal
     }
 
-    /// The settings that follow from what is told.
-    pub fn settings(&self, told: &Told, first: &Row) -> Settings {
+    /// The settings that follow from what is stated.
+    pub fn settings(&self, nominal: &Nominal, first: &Row) -> Settings {
         let mut prior = Prior {
-            slip_stiffness: told.slip_stiffness,
-            cg_height: told.cg_height.max(0.3),
-            cg_ratio: told.cg_ratio,
+            slip_stiffness: nominal.slip_stiffness,
+            cg_height: nominal.cg_height.max(0.3),
+            cg_ratio: nominal.cg_ratio,
             ..self.settings.prior
         };
         if self.start_at_truth {
@@ -141,21 +141,21 @@ impl Candidate {
             prior.cg_height = first.truth.cg_height;
             prior.cg_ratio = first.truth.cg_ratio;
         }
-        let mut machine = machine(told);
+        let mut machine = machine(nominal);
         if self.knows_load_sensitivity {
             machine.radius_load_sensitivity_std = 0.0;
         }
         Settings {
             machine,
-            sensors: sensors(told.grade),
+            sensors: sensors(nominal.grade),
             prior,
             ..self.settings
         }
     }
 
     /// A filter that waits for the first row.
-    pub fn estimator(&self, told: &Told, first: &Row) -> Result<CgEstimator, SettingsError> {
-        self.started(&self.settings(told, first), first)
+    pub fn estimator(&self, nominal: &Nominal, first: &Row) -> Result<CgEstimator, SettingsError> {
+        self.started(&self.settings(nominal, first), first)
     }
 
     /// The same with settings of its own.
@@ -170,20 +170,26 @@ impl Candidate {
     }
 
     /// What this filter gets to see of a row.
-    pub fn sample(&self, told: &Told, row: &Row) -> Sample {
+    pub fn sample(&self, nominal: &Nominal, row: &Row) -> Sample {
         let mut sample = sample(row);
         if self.warm {
             let scale = |value: &mut Option<f64>, by: f64| *value = value.map(|v| v * by);
             // The same rim speed and the same tyre force on a wheel of nominal radius.
-            scale(&mut sample.front_wheel_speed, 1.0 + told.front_radius_error);
-            scale(&mut sample.rear_wheel_speed, 1.0 + told.rear_radius_error);
+            scale(
+                &mut sample.front_wheel_speed,
+                1.0 + nominal.front_radius_error,
+            );
+            scale(
+                &mut sample.rear_wheel_speed,
+                1.0 + nominal.rear_radius_error,
+            );
             scale(
                 &mut sample.front_torque,
-                1.0 / (1.0 + told.front_radius_error),
+                1.0 / (1.0 + nominal.front_radius_error),
             );
             scale(
                 &mut sample.rear_torque,
-                1.0 / (1.0 + told.rear_radius_error),
+                1.0 / (1.0 + nominal.rear_radius_error),
             );
         }
         sample.boom_moving &= !self.weighed;
@@ -219,7 +225,7 @@ const CALIBRATED_RADII: Settings = Settings {
     ..Settings::DEFAULT
 };
 
-/// A payload that is told moves no state: nothing to reopen.
+/// A payload that is reported moves no state: nothing to reopen.
 const WEIGHED: Settings = Settings {
     estimator: Estimator {
         reopen: 0.0,
@@ -232,16 +238,16 @@ const WEIGHED: Settings = Settings {
 /// How well the tables' makers know the load sensitivity of their tyres.
 const LOAD_SENSITIVITY_STD: f64 = 0.001;
 
-fn machine(told: &Told) -> Machine {
+fn machine(nominal: &Nominal) -> Machine {
     Machine {
-        mass: told.mass,
-        wheel_radius: told.wheel_radius,
-        axle_inertia: told.axle_inertia,
-        wheelbase: told.wheelbase,
-        bucket_reach: told.bucket_reach,
-        rolling_resistance: told.rolling_resistance,
-        friction: told.friction,
-        radius_load_sensitivity: told.radius_load_sensitivity,
+        mass: nominal.mass,
+        wheel_radius: nominal.wheel_radius,
+        axle_inertia: nominal.axle_inertia,
+        wheelbase: nominal.wheelbase,
+        bucket_reach: nominal.bucket_reach,
+        rolling_resistance: nominal.rolling_resistance,
+        friction: nominal.friction,
+        radius_load_sensitivity: nominal.radius_load_sensitivity,
         radius_load_sensitivity_std: LOAD_SENSITIVITY_STD,
         ..Machine::default()
     }

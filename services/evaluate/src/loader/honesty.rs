@@ -1,11 +1,11 @@
 //! Of what is called trusted, how much is wrong: loaders of three sizes at work, with the ordinary physics that no
 //! description has, one effect at a time and all together.
 //!
-//! JSON: [`crate::honesty::json`]. Every machine has the tolerances of tier B; the estimator is told the data sheet, its
+//! JSON: [`crate::honesty::json`]. Every machine has the tolerances of tier B; the estimator is given the data sheet, its
 //! noises and floors scaled with the size, and the default of everything else.
 
 use estimation::loader::{CgEstimator, Columns, Estimate, Method, Settings};
-use sim::loader::{CASES, Effects, PayloadTold, Row, Run, Simulation, Size, Tier};
+use sim::loader::{CASES, Effects, PayloadReport, Row, Run, Simulation, Size, Tier};
 
 use super::candidate::Candidate;
 use crate::honesty::{Judged, Line, Tally, json, text};
@@ -32,7 +32,7 @@ fn asked(effect: &str) -> Asked {
 /// Name of the line of machines that nobody listed, and the share of wrong that it may have.
 const BY_CHANCE: (&str, f64) = ("by chance", 0.10);
 
-/// Name of the line of a slope sensor whose delay, and what it follows of the acceleration, are told.
+/// Name of the line of a slope sensor whose delay, and what it follows of the acceleration, are stated.
 const CALIBRATED: &str = "slope sensor, calibrated";
 
 /// What a competent user states for a machine of that size: the default, scaled.
@@ -58,7 +58,7 @@ pub(super) fn scaled(mut settings: Settings, size: Size) -> Settings {
 /// A machine of one of the three sizes under these effects.
 fn work(effects: Effects, seed: u64) -> Run {
     let size = Size::REAL[(seed as usize - 1) % Size::REAL.len()];
-    let loads = effects.payload_told != PayloadTold::All;
+    let loads = effects.payload_reported != PayloadReport::All;
     Run {
         seed,
         tier: Tier::B,
@@ -79,11 +79,11 @@ fn drive(
     mut look: impl FnMut(usize, &Row, &Estimate),
 ) -> Result<(), Error> {
     let mut simulation = Simulation::new(run).map_err(Error::refused)?;
-    let (told, candidate) = (*simulation.told(), Candidate::COLD);
+    let (nominal, candidate) = (*simulation.nominal(), Candidate::COLD);
     let Some(first) = simulation.next() else {
         return Ok(());
     };
-    let mut settings = scaled(candidate.settings(&told, &first), run.size);
+    let mut settings = scaled(candidate.settings(&nominal, &first), run.size);
     tell(&mut settings);
     let columns = Columns {
         acceleration: true,
@@ -96,7 +96,7 @@ fn drive(
         full_ekf.map_err(Error::refused)?,
     ];
     for row in std::iter::once(first).chain(simulation) {
-        let sample = candidate.sample(&told, &row);
+        let sample = candidate.sample(&nominal, &row);
         for (k, estimator) in estimators.iter_mut().enumerate() {
             look(k, &row, &estimator.step(&sample));
         }

@@ -14,7 +14,7 @@ use estimation::loader::{LoadTransfer, Prior, Settings};
 use estimation::model::Model;
 use faer::Mat;
 use serde_json::{Value, json};
-use sim::loader::{Row, Run, Scenario, Simulation, Told};
+use sim::loader::{Nominal, Row, Run, Scenario, Simulation};
 use std::fmt::Write;
 
 use crate::text::{Table, plain};
@@ -178,7 +178,7 @@ fn roots(scenario: Scenario, times: &[f64]) -> Result<Vec<(f64, Mat<f64>)>, Erro
         ..Run::new(scenario)
     })
     .map_err(Error::refused)?;
-    let told = *simulation.told();
+    let nominal = *simulation.nominal();
     let mut root = Mat::from_fn(
         STATES,
         STATES,
@@ -187,7 +187,7 @@ fn roots(scenario: Scenario, times: &[f64]) -> Result<Vec<(f64, Mat<f64>)>, Erro
     let (mut previous, mut found) = (None, Vec::new());
     for row in simulation {
         if let Some(before) = previous.replace(row) {
-            root = step(&root, &told, &before, &row);
+            root = step(&root, &nominal, &before, &row);
         }
         if times
             .get(found.len())
@@ -200,11 +200,11 @@ fn roots(scenario: Scenario, times: &[f64]) -> Result<Vec<(f64, Mat<f64>)>, Erro
 }
 
 /// The root after a prediction along the truth and an update with all measurements.
-fn step(root: &Mat<f64>, told: &Told, before: &Row, row: &Row) -> Mat<f64> {
-    let (states, measurements) = jacobian(told, before, row);
+fn step(root: &Mat<f64>, nominal: &Nominal, before: &Row, row: &Row) -> Mat<f64> {
+    let (states, measurements) = jacobian(nominal, before, row);
     let keys = Settings::SPECIFIED.estimator;
     let process = [keys.q_speed, keys.q_wheel_speed, keys.q_wheel_speed];
-    let grade = told.grade;
+    let grade = nominal.grade;
     let sensor = [
         grade.speed_std(),
         grade.wheel_speed_std(),
@@ -261,7 +261,7 @@ fn step(root: &Mat<f64>, told: &Told, before: &Row, row: &Row) -> Mat<f64> {
 type Jacobian = ([[f64; STATES]; STATES], [[f64; STATES]; MEASUREMENTS]);
 
 /// Derivatives of the next state and of the measurements with respect to the state, along the truth.
-fn jacobian(told: &Told, before: &Row, row: &Row) -> Jacobian {
+fn jacobian(nominal: &Nominal, before: &Row, row: &Row) -> Jacobian {
     let t = &before.truth;
     let values = [
         t.speed,
@@ -281,7 +281,7 @@ fn jacobian(told: &Told, before: &Row, row: &Row) -> Jacobian {
             std::array::from_fn(|j| f64::from(u8::from(i == j))),
         )
     });
-    let model = model(told, before, row);
+    let model = model(nominal, before, row);
     let (next, measured) = Model::<STATES, MEASUREMENTS>::predict(&model, &state);
     (
         next.map(|x| x.derivative),
@@ -295,18 +295,18 @@ fn jacobian(told: &Told, before: &Row, row: &Row) -> Jacobian {
     )
 }
 
-fn model(told: &Told, before: &Row, row: &Row) -> CgModel {
+fn model(nominal: &Nominal, before: &Row, row: &Row) -> CgModel {
     let middle = |value: fn(&Row) -> f64| 0.5 * (value(before) + value(row));
     CgModel {
         dynamics: WheelDynamics {
-            mass: row.mass.unwrap_or(told.mass),
-            wheel_radius: told.wheel_radius,
-            axle_inertia: told.axle_inertia,
-            wheelbase: told.wheelbase,
-            bucket_reach: told.bucket_reach,
-            rolling_resistance: told.rolling_resistance,
-            friction: told.friction,
-            radius_load_sensitivity: told.radius_load_sensitivity,
+            mass: row.mass.unwrap_or(nominal.mass),
+            wheel_radius: nominal.wheel_radius,
+            axle_inertia: nominal.axle_inertia,
+            wheelbase: nominal.wheelbase,
+            bucket_reach: nominal.bucket_reach,
+            rolling_resistance: nominal.rolling_resistance,
+            friction: nominal.friction,
+            radius_load_sensitivity: nominal.radius_load_sensitivity,
             minimum_speed: Settings::SPECIFIED.estimator.v_min,
             load_transfer: LoadTransfer::Physical,
             tyres: Tyres::ALIKE,

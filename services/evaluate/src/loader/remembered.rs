@@ -106,19 +106,19 @@ type Learnt = (Option<Estimate>, Option<Estimate>);
 
 fn score(run: &Run, learnt: Option<Learnt>) -> Result<Score, Error> {
     let mut simulation = Simulation::new(run).map_err(Error::refused)?;
-    let told = *simulation.told();
+    let nominal = *simulation.nominal();
     let mut score = Score::default();
     let Some(first) = simulation.next() else {
         return Ok(score);
     };
     let filter = Candidate::COLD;
-    let mut settings = filter.settings(&told, &first);
+    let mut settings = filter.settings(&nominal, &first);
     if let Some(learnt) = learnt {
         restore(&mut settings.prior, &learnt);
     }
     let mut estimator = filter.started(&settings, &first).map_err(Error::refused)?;
     for row in std::iter::once(first).chain(simulation) {
-        let estimate = estimator.step(&filter.sample(&told, &row));
+        let estimate = estimator.step(&filter.sample(&nominal, &row));
         if row.time >= run.scenario.evaluated_from() {
             score.take(&row, &estimate);
         }

@@ -17,13 +17,13 @@ pub(super) fn each_row(
     mut look: impl FnMut(usize, &Row, &Estimate),
 ) -> Result<(), Error> {
     let mut simulation = Simulation::new(run).map_err(Error::refused)?;
-    let (told, machine) = (*simulation.told(), *simulation.machine());
+    let (nominal, machine) = (*simulation.nominal(), *simulation.machine());
     let Some(first) = simulation.next() else {
         return Ok(());
     };
     let mut filters = candidates
         .iter()
-        .map(|candidate| candidate.estimator(&candidate.told(&told, &machine), &first))
+        .map(|candidate| candidate.estimator(&candidate.nominal(&nominal, &machine), &first))
         .collect::<Result<Vec<_>, _>>()
         .map_err(Error::refused)?;
     for row in std::iter::once(first).chain(simulation) {
@@ -31,7 +31,7 @@ pub(super) fn each_row(
             if let Some(payload) = candidate.payload(&row) {
                 filter.set_payload(Some(payload));
             }
-            look(k, &row, &filter.step(&candidate.sample(&told, &row)));
+            look(k, &row, &filter.step(&candidate.sample(&nominal, &row)));
         }
     }
     Ok(())

@@ -22,13 +22,13 @@ use crate::{Error, Options, Report, seeds};
 const DURATION: f64 = 130.0;
 /// A full bucket, in masses of the machine.
 const RATED: f64 = 0.32;
-/// Standard deviations of the empty machine's ratio on axle scales, and of a height told to 5 %.
+/// Standard deviations of the empty machine's ratio on axle scales, and of a height stated to 5 %.
 const SCALES: f64 = 0.01;
-const TOLD_HEIGHT: f64 = 0.05;
+const STATED_HEIGHT: f64 = 0.05;
 
-/// What is told and measured.
+/// What is stated and measured.
 #[derive(Clone, Copy, PartialEq)]
-enum Told {
+enum Knowledge {
     /// No lift arm.
     Nothing,
     /// The drawing of the arm; the empty machine of the data sheet.
@@ -39,7 +39,7 @@ enum Told {
     Scale,
 }
 
-impl Told {
+impl Knowledge {
     const fn name(self) -> &'static str {
         match self {
             Self::Nothing => "no lift arm",
@@ -62,14 +62,14 @@ struct Judged {
 }
 
 impl Judged {
-    fn row(&mut self, truth: f64, told: Quantity, trusted: bool, carries: bool) {
+    fn row(&mut self, truth: f64, weighed: Quantity, trusted: bool, carries: bool) {
         self.rows += 1;
         self.trusted += usize::from(trusted);
-        self.covered += usize::from(is_covered(told.value, told.std, truth));
-        self.wrong += usize::from(trusted && is_wrong(told.value, told.std, truth));
+        self.covered += usize::from(is_covered(weighed.value, weighed.std, truth));
+        self.wrong += usize::from(trusted && is_wrong(weighed.value, weighed.std, truth));
         if trusted && carries {
             self.carried += 1;
-            self.squares += ((told.value - truth) / truth).powi(2);
+            self.squares += ((weighed.value - truth) / truth).powi(2);
         }
     }
 
@@ -137,16 +137,16 @@ fn drawing(size: Size) -> (LiftArm, LiftCylinder) {
     (arm, cylinder)
 }
 
-/// What the estimator of a machine is told.
-fn settings(told: Told, run: &Run, simulation: &Simulation, first: &Row) -> Settings {
+/// What the estimator of a machine is given.
+fn settings(knowledge: Knowledge, run: &Run, simulation: &Simulation, first: &Row) -> Settings {
     let candidate = Candidate::COLD;
-    let mut settings = scaled(candidate.settings(simulation.told(), first), run.size);
-    if told == Told::Nothing {
+    let mut settings = scaled(candidate.settings(simulation.nominal(), first), run.size);
+    if knowledge == Knowledge::Nothing {
         return settings;
     }
     settings.sensors.angle_offset_std = 0.009;
     (settings.lift_arm, settings.lift_cylinder) = drawing(run.size);
-    if told != Told::Drawing {
+    if knowledge != Knowledge::Drawing {
         let machine = simulation.machine();
         let mut noise = sim::noise::Noise::channel(run.seed, 900);
         let arm = &mut settings.lift_arm;
@@ -154,21 +154,21 @@ fn settings(told: Told, run: &Run, simulation: &Simulation, first: &Row) -> Sett
         arm.empty_mass_std = 0.005 * machine.mass;
         arm.empty_ratio = machine.cg_ratio + SCALES * noise.normal();
         arm.empty_ratio_std = SCALES;
-        arm.empty_height = machine.cg_height * (1.0 + TOLD_HEIGHT * noise.normal());
-        arm.empty_height_std = TOLD_HEIGHT * machine.cg_height;
+        arm.empty_height = machine.cg_height * (1.0 + STATED_HEIGHT * noise.normal());
+        arm.empty_height_std = STATED_HEIGHT * machine.cg_height;
     }
     settings
 }
 
-fn sample(told: Told, simulation: &Simulation, row: &Row) -> Sample {
-    let mut sample = Candidate::COLD.sample(simulation.told(), row);
-    if told == Told::Scale {
+fn sample(knowledge: Knowledge, simulation: &Simulation, row: &Row) -> Sample {
+    let mut sample = Candidate::COLD.sample(simulation.nominal(), row);
+    if knowledge == Knowledge::Scale {
         sample = Sample {
             time: row.time,
             ..Sample::default()
         };
     }
-    if let (false, Some(arm)) = (told == Told::Nothing, row.arm) {
+    if let (false, Some(arm)) = (knowledge == Knowledge::Nothing, row.arm) {
         sample.lift_angle = Some(arm.lift_angle);
         sample.tilt_angle = Some(arm.tilt_angle);
         sample.lift_head_pressure = Some(arm.head_pressure);
@@ -186,13 +186,13 @@ struct Machine {
 }
 
 impl Machine {
-    fn new(told: Told, effects: Effects, seed: u64) -> Result<Self, Error> {
+    fn new(knowledge: Knowledge, effects: Effects, seed: u64) -> Result<Self, Error> {
         let run = Run {
             seed,
             tier: Tier::B,
             size: Size::REAL[(seed as usize - 1) % Size::REAL.len()],
             duration: Some(DURATION),
-            gauges: (told != Told::Nothing).then(Gauges::default),
+            gauges: (knowledge != Knowledge::Nothing).then(Gauges::default),
             effects,
             ..Run::new(Scenario::Loading)
         };
@@ -205,7 +205,7 @@ impl Machine {
             mass: first.mass.is_some(),
             ..Columns::default()
         };
-        let settings = settings(told, &run, &simulation, &first);
+        let settings = settings(knowledge, &run, &simulation, &first);
         let estimator = CgEstimator::new(&settings, Method::Full, columns);
         Ok(Self {
             run,
@@ -217,19 +217,19 @@ impl Machine {
 }
 
 /// One seed.
-fn run(told: Told, effects: Effects, seed: u64) -> Result<Sums, Error> {
+fn run(knowledge: Knowledge, effects: Effects, seed: u64) -> Result<Sums, Error> {
     let Machine {
         run,
         mut simulation,
         first,
         mut estimator,
-    } = Machine::new(told, effects, seed)?;
+    } = Machine::new(knowledge, effects, seed)?;
     let rated = RATED * run.size.machine().mass;
     let mut sums = Sums::default();
     let mut book = Book::new(rated);
     let mut next = Some(first);
     while let Some(row) = next {
-        let estimate = estimator.step(&sample(told, &simulation, &row));
+        let estimate = estimator.step(&sample(knowledge, &simulation, &row));
         let carries = row.truth.payload > LOAD * rated;
         let (ratio, height) = (estimate.cg_ratio, estimate.cg_height);
         let truth = &row.truth;
@@ -255,7 +255,7 @@ fn run(told: Told, effects: Effects, seed: u64) -> Result<Sums, Error> {
 /// A line of the table.
 struct Line {
     name: &'static str,
-    told: Told,
+    knowledge: Knowledge,
     sums: Sums,
 }
 
@@ -310,7 +310,7 @@ impl Line {
         let most = |value: Option<f64>, limit: f64| value.is_none_or(|v| v <= limit);
         let least = |value: Option<f64>, limit: f64| value.is_some_and(|v| v >= limit);
         let honest = most(ratio_wrong, 0.03) && most(height_wrong, 0.03);
-        if self.told != Told::Weighed {
+        if self.knowledge != Knowledge::Weighed {
             return honest;
         }
         let precise = most(ratio_rms, 0.015) && most(height_rms, 0.05);
@@ -336,7 +336,7 @@ fn text(lines: &[Line]) -> String {
         "",
     ]);
     for line in lines {
-        let mut cells = vec![line.name.to_owned(), line.told.name().to_owned()];
+        let mut cells = vec![line.name.to_owned(), line.knowledge.name().to_owned()];
         for (i, value) in line.numbers().into_iter().enumerate() {
             let (factor, decimals) = match i {
                 3 | 7 | 10 => (100.0, 1),
@@ -351,25 +351,34 @@ fn text(lines: &[Line]) -> String {
     table.to_string()
 }
 
-/// Every machine with everything that may be told of it.
+/// Every machine with everything that may be stated of it.
 pub(super) fn evaluate(options: &Options) -> Result<Report, Error> {
     let good = CASES.iter().find(|case| case.0 == "good machine");
     let sound = ("sound machine", Effects::default());
     let machines = [Some(sound), good.map(|case| (case.0, case.2))];
     let mut lines = Vec::new();
     for (name, effects) in machines.into_iter().flatten() {
-        for told in [Told::Nothing, Told::Drawing, Told::Weighed, Told::Scale] {
-            let label = format!("{name}, {}", told.name());
+        for knowledge in [
+            Knowledge::Nothing,
+            Knowledge::Drawing,
+            Knowledge::Weighed,
+            Knowledge::Scale,
+        ] {
+            let label = format!("{name}, {}", knowledge.name());
             let mut sums = Sums::default();
-            for one in seeds(options, &label, |seed| run(told, effects, seed))? {
+            for one in seeds(options, &label, |seed| run(knowledge, effects, seed))? {
                 sums.add(&one);
             }
-            lines.push(Line { name, told, sums });
+            lines.push(Line {
+                name,
+                knowledge,
+                sums,
+            });
         }
     }
     let json_of = |line: &Line| -> Value {
         let mut out = json!({
-            "machine": line.name, "told": line.told.name(), "seeds": options.seeds, "loads": line.sums.loads.all, "met": line.met(),
+            "machine": line.name, "told": line.knowledge.name(), "seeds": options.seeds, "loads": line.sums.loads.all, "met": line.met(),
         });
         for (key, value) in COLUMNS.iter().zip(line.numbers()) {
             out[*key] = json!(value);
@@ -395,10 +404,10 @@ mod tests {
 
     #[test]
     fn the_lift_arm_makes_ratio_and_height_trusted_and_weighs_the_loads() {
-        let [without, with] = [Told::Nothing, Told::Weighed].map(|told| {
+        let [without, with] = [Knowledge::Nothing, Knowledge::Weighed].map(|knowledge| {
             let mut sums = Sums::default();
             for seed in 1..=3 {
-                sums.add(&run(told, Effects::default(), seed).expect("a run"));
+                sums.add(&run(knowledge, Effects::default(), seed).expect("a run"));
             }
             sums
         });
@@ -414,7 +423,7 @@ mod tests {
     fn a_wheel_that_spins_leads_nothing_astray() {
         let good = CASES.iter().find(|case| case.0 == "good machine");
         let effects = good.expect("a case").2;
-        let mut machine = Machine::new(Told::Drawing, effects, 8).expect("a machine");
+        let mut machine = Machine::new(Knowledge::Drawing, effects, 8).expect("a machine");
         let radius = machine.run.size.machine().wheel_radius;
         let mut spun = 0;
         let mut next = Some(machine.first);
@@ -422,7 +431,7 @@ mod tests {
             let estimate =
                 machine
                     .estimator
-                    .step(&sample(Told::Drawing, &machine.simulation, &row));
+                    .step(&sample(Knowledge::Drawing, &machine.simulation, &row));
             spun += u32::from((radius * row.rear_wheel_speed - row.speed).abs() > 5.0);
             assert!(
                 (estimate.speed - row.speed).abs() < 1.0,
@@ -435,14 +444,14 @@ mod tests {
     }
     #[test]
     fn a_wheel_of_another_radius_does_not_spin_for_ever() {
-        let machine = Machine::new(Told::Nothing, Effects::default(), 1).expect("a machine");
+        let machine = Machine::new(Knowledge::Nothing, Effects::default(), 1).expect("a machine");
         let Machine {
             run,
             simulation,
             first,
             ..
         } = machine;
-        let mut settings = settings(Told::Nothing, &run, &simulation, &first);
+        let mut settings = settings(Knowledge::Nothing, &run, &simulation, &first);
         settings.machine.wheel_radius *= 1.25;
         let columns = Columns {
             acceleration: true,
@@ -450,9 +459,9 @@ mod tests {
         };
         let mut estimator = CgEstimator::new(&settings, Method::Full, columns).expect("settings");
         let (mut moving, mut trusted, mut set_aside) = (0, 0, 0);
-        let told = *simulation.told();
+        let nominal = *simulation.nominal();
         for row in simulation {
-            let sample = Candidate::COLD.sample(&told, &row);
+            let sample = Candidate::COLD.sample(&nominal, &row);
             let estimate = estimator.step(&sample);
             moving += u32::from(row.speed.abs() > 1.0);
             trusted += u32::from(estimate.trusted_ratio);

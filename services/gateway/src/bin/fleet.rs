@@ -34,7 +34,7 @@ enum Command {
     Serve(ServeArgs),
     /// Be a router of Zenoh, as `zenohd` is, for machines and collectors to meet
     Router {
-        /// Where it listens: this host only, unless told otherwise
+        /// Where it listens: this host only, unless stated otherwise
         #[arg(long, value_name = "tcp/HOST:PORT")]
         listen: Option<String>,
         /// Keys, certificates, access: a configuration file of Zenoh

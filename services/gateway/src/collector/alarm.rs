@@ -11,10 +11,10 @@ use crate::key::MachineId;
 /// Two estimates that differ by more than this many standard deviations of their difference have drifted
 /// (a chance of 1 in 16 000 for independent normal errors; errors of one machine are not independent, so less).
 const DRIFT: f64 = 4.0;
-/// A clock that is off by more than this [ms] is told.
+/// A clock that is off by more than this [ms] is reported.
 const CLOCK_MS: i64 = 10_000;
 
-/// More machines with one alarm at once than this are told in one line.
+/// More machines with one alarm at once than this are reported in one line.
 const MANY: usize = 10;
 
 /// What is an alarm.

@@ -1,6 +1,6 @@
 //! Questions to machines for what did not arrive.
 //!
-//! A thread of its own asks: Zenoh may end a question on the thread that asks it, and the end is told through a queue
+//! A thread of its own asks: Zenoh may end a question on the thread that asks it, and the end is reported through a queue
 //! that the collector's thread alone empties. That thread calls nothing of Zenoh while it works.
 
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
@@ -67,7 +67,7 @@ impl Asker {
         self.under_way = self.under_way.saturating_sub(1);
     }
 
-    /// Asks, within [`Self::room`]. The end is told as [`Event::Answered`], whatever it is. Waits for nothing.
+    /// Asks, within [`Self::room`]. The end is reported as [`Event::Answered`], whatever it is. Waits for nothing.
     pub(super) fn ask(&mut self, question: Question) {
         self.under_way += 1;
         if self.questions.try_send(question).is_err() {

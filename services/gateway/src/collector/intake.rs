@@ -40,7 +40,7 @@ pub struct Taken {
     pub envelope: Envelope,
 }
 
-/// What the collector's thread is told.
+/// What the collector's thread is given.
 #[derive(Debug)]
 pub enum Event {
     /// A message of a stream.
@@ -58,7 +58,7 @@ pub enum Event {
 /// How a question ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Answer {
-    /// The machine has told what it has.
+    /// The machine has reported what it has.
     Whole(Served),
     /// The machine is in another run: that one is over.
     Over,
@@ -77,7 +77,7 @@ struct Bucket {
     left: f64,
     seen: Instant,
     heard: Heard,
-    told: Option<Instant>,
+    reported: Option<Instant>,
 }
 
 impl Intake {
@@ -168,7 +168,7 @@ impl Intake {
                 left: BURST,
                 seen: now,
                 heard: Heard::now(),
-                told: None,
+                reported: None,
             });
             bucket.heard.again();
             let earned = now.duration_since(bucket.seen).as_secs_f64() * RATE;
@@ -176,9 +176,9 @@ impl Intake {
             bucket.seen = now;
             if bucket.left < 1.0 {
                 // Said once a second: saying it each time would be a flood too.
-                let is_due = bucket.told.is_none_or(|t| t.elapsed().as_secs() >= 1);
+                let is_due = bucket.reported.is_none_or(|t| t.elapsed().as_secs() >= 1);
                 return is_due.then(|| {
-                    bucket.told = Some(now);
+                    bucket.reported = Some(now);
                     Event::Refused(id.clone(), "too many messages")
                 });
             }

@@ -41,7 +41,7 @@ pub struct Account {
 /// The latest of a machine.
 #[derive(Debug, Default)]
 pub struct Machine {
-    /// Kind: excavator, loader; empty before it was told.
+    /// Kind: excavator, loader; empty before it was reported.
     pub kind: String,
     /// Version of heft on it.
     pub version: String,
@@ -82,7 +82,7 @@ impl Machine {
         self.heard.is_some_and(|h| h.elapsed() < SILENT)
     }
 
-    /// The message of a kind that is told first: that of the stream of the loads where there is one.
+    /// The message of a kind that is reported first: that of the stream of the loads where there is one.
     #[must_use]
     pub fn main(&self, kind: &str) -> Option<&(Label, Envelope)> {
         let main = shown::main_channel(&self.kind)?;

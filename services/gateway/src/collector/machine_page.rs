@@ -19,7 +19,7 @@ use crate::key::{MachineId, SITE_ESTIMATE};
 /// Messages of a stream that are drawn: an hour at one a second.
 const DRAWN: i64 = 3600;
 
-/// What is told above the plots.
+/// What is reported above the plots.
 pub struct Head {
     kind: String,
     html: String,

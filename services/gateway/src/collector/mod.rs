@@ -55,10 +55,10 @@ const ROOM: Duration = Duration::from_secs(60);
 /// Why a run is refused.
 const RUNS: &str = "begins runs too fast";
 
-/// Where the page is unless told otherwise: this host only.
+/// Where the page is unless stated otherwise: this host only.
 pub const PAGE: &str = "127.0.0.1:8450";
 
-/// What a collector is told.
+/// What a collector is given.
 #[derive(Debug, Clone, clap::Args)]
 pub struct CollectorArgs {
     /// The router
@@ -154,7 +154,7 @@ struct Collector<'a> {
     args: &'a CollectorArgs,
     /// What was refused and is not written yet.
     refused: BTreeMap<(MachineId, &'static str), u64>,
-    /// Messages without room that were told, and when.
+    /// Messages without room that were reported, and when.
     said: (u64, Instant),
 }
 

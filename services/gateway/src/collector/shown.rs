@@ -104,7 +104,7 @@ pub fn headline(envelope: &Envelope) -> Option<Quantity> {
     quantities(envelope).into_iter().next()
 }
 
-/// What a load is told by: the payload where there is one.
+/// What reports a load: the payload where there is one.
 #[must_use]
 pub fn load(envelope: &Envelope) -> Option<Quantity> {
     let all = quantities(envelope);
@@ -112,7 +112,7 @@ pub fn load(envelope: &Envelope) -> Option<Quantity> {
     payload.or_else(|| all.into_iter().next())
 }
 
-/// Name of the channel that a kind of machine is told by.
+/// Name of the channel that a kind of machine reports on.
 #[must_use]
 pub fn main_channel(kind: &str) -> Option<&'static str> {
     let machine = Machine::from_name(kind)?;

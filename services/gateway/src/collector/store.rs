@@ -93,7 +93,7 @@ pub struct Store {
 
 struct Owner {
     id: i64,
-    told: (String, String),
+    reported: (String, String),
 }
 
 fn failed(error: rusqlite::Error) -> String {
@@ -152,7 +152,7 @@ impl Store {
             let name: String = row.get(7)?;
             self.machines.entry(machine.clone()).or_insert(Owner {
                 id: owner,
-                told: (row.get(4)?, row.get(5)?),
+                reported: (row.get(4)?, row.get(5)?),
             });
             self.ids.insert((owner, run, name.clone()), id);
             let mut stream = Stream::new(machine, name, run);
@@ -197,7 +197,7 @@ impl Store {
                 continue;
             };
             // Who was silent for days, and names that have never said what they are, are in the history alone.
-            let stays = if machine.told.0.is_empty() {
+            let stays = if machine.reported.0.is_empty() {
                 MOMENT_MS
             } else {
                 DAYS_MS
@@ -205,7 +205,7 @@ impl Store {
             if now.saturating_sub(received) > stays || fleet.machines.len() >= MACHINES {
                 continue;
             }
-            fleet.known(&stream.machine, &machine.told.0, &machine.told.1);
+            fleet.known(&stream.machine, &machine.reported.0, &machine.reported.1);
             if let Some(envelope) = decode(&stream.name, &payload) {
                 let label = Label {
                     machine: stream.machine.machine.clone(),
@@ -302,7 +302,7 @@ impl Store {
         let number = number.map_err(failed)?;
         let owner = Owner {
             id: number,
-            told: Default::default(),
+            reported: Default::default(),
         };
         self.machines.insert(id.clone(), owner);
         Ok(number)
@@ -385,24 +385,24 @@ impl Store {
             return Ok(None);
         };
         let ahead = (status.wall_ms as i64).saturating_sub(wall_ms() as i64);
-        self.told_of_run(owner, run, status.count, ahead)?;
-        for (name, told) in &status.streams {
+        self.reported_run(owner, run, status.count, ahead)?;
+        for (name, reported) in &status.streams {
             // Only what messages have made known, or would.
-            if told.head < 0 || !super::intake::is_stream(name) {
+            if reported.head < 0 || !super::intake::is_stream(name) {
                 continue;
             }
             let number = self.stream(id, owner, run, name)?;
             if let Some(stream) = self.streams.get_mut(&number) {
                 stream.is_written &=
-                    stream.head >= told.head && stream.per_period == told.per_period;
-                stream.head = stream.head.max(told.head);
-                stream.per_period = told.per_period;
+                    stream.head >= reported.head && stream.per_period == reported.per_period;
+                stream.head = stream.head.max(reported.head);
+                stream.per_period = reported.per_period;
             }
         }
         if let Some(owner) = self.machines.get_mut(id)
-            && (&owner.told.0, &owner.told.1) != (&status.kind, &status.version)
+            && (&owner.reported.0, &owner.reported.1) != (&status.kind, &status.version)
         {
-            owner.told = (status.kind.clone(), status.version.clone());
+            owner.reported = (status.kind.clone(), status.version.clone());
             let update = "UPDATE machine SET kind = ?, version = ? WHERE id = ?";
             let values = params![status.kind, status.version, owner.id];
             self.sql.execute(update, values).map_err(failed)?;

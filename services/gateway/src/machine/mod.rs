@@ -36,7 +36,7 @@ const VISIT_SAMPLES: f64 = 128.0;
 /// Time between two looks whether the run goes on.
 const LOOK: Duration = Duration::from_secs(1);
 
-/// What a gateway is told.
+/// What a gateway is given.
 #[derive(Debug, Clone, clap::Args)]
 pub struct GatewayArgs {
     /// The domain of the run

@@ -81,7 +81,7 @@ fn publish(
     let full = full::Full::declare(&session, shared).map_err(failed)?;
     let samples = sensors.map(|s| Samples::declare(&session, shared, s));
     let mut samples = samples.transpose().map_err(failed)?;
-    let mut told = Instant::now() - PERIOD;
+    let mut last_report = Instant::now() - PERIOD;
     loop {
         let leaving = shared.leave.load(Ordering::Relaxed);
         while let Ok(selected) = waiting.selected.pop() {
@@ -98,8 +98,8 @@ fn publish(
         if let Some(samples) = &mut samples {
             samples.send(&mut waiting.samples, leaving);
         }
-        if told.elapsed() >= PERIOD || leaving {
-            told = Instant::now();
+        if last_report.elapsed() >= PERIOD || leaving {
+            last_report = Instant::now();
             // Lost with the link, and said again in a second.
             let _ = said.put(status(shared)).wait();
         }

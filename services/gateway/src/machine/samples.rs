@@ -1,5 +1,5 @@
 //! The samples of the sensors as they are, for a site that estimates by itself (`heft fleet serve`); only where the
-//! machine was told to send them.
+//! machine was asked to send them.
 //!
 //! They go under `heft/v1/SITE/MACHINE/sample/CHANNEL`, those of a fifth of a second in one message, each with its
 //! length before it (varint). The label is that of the last one; its `after` is the last one of the message before.

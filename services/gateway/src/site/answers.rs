@@ -36,17 +36,17 @@ pub(super) struct Answers {
     stream: String,
     encoding: Encoding,
     intake: Arc<Intake>,
-    machines: HashMap<String, Told>,
+    machines: HashMap<String, Relay>,
 }
 
-/// What was told of a machine.
-struct Told {
+/// What was sent of a machine.
+struct Relay {
     publisher: Publisher<'static>,
-    /// The runs that were told last, with the number of the last estimate of each.
+    /// The runs that were reported last, with the number of the last estimate of each.
     last: VecDeque<(u64, i64)>,
 }
 
-impl Told {
+impl Relay {
     /// Notes an estimate of a run; returns the number of the one before, -1 before the first.
     fn follow(&mut self, run: u64, number: i64) -> i64 {
         if let Some((_, last)) = self.last.iter_mut().find(|(id, _)| *id == run) {
@@ -116,23 +116,23 @@ impl Answers {
         };
         if !self.machines.contains_key(machine) {
             let publisher = self.declare(machine)?;
-            let told = Told {
+            let relay = Relay {
                 publisher,
                 last: VecDeque::new(),
             };
-            self.machines.insert(machine.to_owned(), told);
+            self.machines.insert(machine.to_owned(), relay);
         }
-        let Some(told) = self.machines.get_mut(machine) else {
+        let Some(relay) = self.machines.get_mut(machine) else {
             return Ok(());
         };
         let label = Label {
             machine: machine.to_owned(),
             run,
             number: stamp.sequence,
-            after: Some(told.follow(run, stamp.sequence as i64)),
+            after: Some(relay.follow(run, stamp.sequence as i64)),
             wall_ms,
         };
-        let put = told.publisher.put(message).attachment(label.to_string());
+        let put = relay.publisher.put(message).attachment(label.to_string());
         // A link that is gone shows as a gap where somebody collects.
         let _ = put.wait();
         Ok(())

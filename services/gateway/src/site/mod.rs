@@ -45,7 +45,7 @@ pub struct ServeArgs {
     /// The site whose machines are served
     #[arg(long)]
     pub site: String,
-    /// Method; that which is told first if absent
+    /// Method; that which is reported first if absent
     #[arg(long)]
     pub method: Option<String>,
     /// At most one estimate a machine in so much of its time [s]; every one if 0
@@ -54,7 +54,7 @@ pub struct ServeArgs {
     /// The program heft; beside this one, or in the search path, if absent
     #[arg(long, value_name = "FILE")]
     pub heft: Option<PathBuf>,
-    /// What else `heft serve` is told, such as --config FILE, --shards N
+    /// What else `heft serve` is given, such as --config FILE, --shards N
     #[arg(last = true)]
     pub rest: Vec<String>,
 }

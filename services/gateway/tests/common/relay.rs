@@ -61,7 +61,7 @@ impl Relay {
         Self { address, is_cut }
     }
 
-    /// Nothing passes from now on, and nobody is told: both ends wait, as behind a dead radio.
+    /// Nothing passes from now on, and nobody is notified: both ends wait, as behind a dead radio.
     pub fn cut(&self) {
         self.is_cut.store(true, Ordering::Relaxed);
     }

@@ -5,7 +5,7 @@ mod each;
 pub mod inputs;
 pub mod outcome;
 mod page;
-pub mod told;
+pub mod stated;
 
 pub use self::args::CalibrateArgs;
 use crate::args::description;

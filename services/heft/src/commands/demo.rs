@@ -116,7 +116,7 @@ fn start(
     Ok(child)
 }
 
-/// What was told for good, and below it on a terminal a live line per machine, redrawn in place.
+/// What was printed for good, and below it on a terminal a live line per machine, redrawn in place.
 #[derive(Default)]
 struct Screen {
     lines: [String; Machine::ALL.len()],

@@ -158,8 +158,8 @@ fn method<'a>(metadata: &'a Metadata, stage: &Stage, file: &Path) -> Result<&'a 
         "first_method"
     };
     let key = method_key(stage.name);
-    let told = metadata.get(&key).or_else(|| metadata.get(old));
-    told.map(String::as_str).ok_or_else(|| missing(&key, file))
+    let value = metadata.get(&key).or_else(|| metadata.get(old));
+    value.map(String::as_str).ok_or_else(|| missing(&key, file))
 }
 
 fn names(reader: &Reader, channel: &str) -> Vec<String> {

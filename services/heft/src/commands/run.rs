@@ -86,11 +86,16 @@ fn watch(
         .map(|addr| crate::live::start(addr, machine, loads.clone()))
         .transpose()?;
     let (feed, server) = page.unzip();
-    // What the user asked for is told first, whichever process makes it.
+    // What the user asked for is reported first, whichever process makes it.
     let pipeline = Pipeline::of(machine);
     let asked = args.method.as_deref().and_then(|m| pipeline.with_method(m));
-    let told = asked.and_then(|stage| stage.output());
-    let mut watch = Watch::new(machine, told.or(pipeline.main_output()), feed, show(args));
+    let headline = asked.and_then(|stage| stage.output());
+    let mut watch = Watch::new(
+        machine,
+        headline.or(pipeline.main_output()),
+        feed,
+        show(args),
+    );
     watch.count_loads(
         loads.clone(),
         args.target.is_some() || args.input.is_some() || args.live_lines,
@@ -145,7 +150,7 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     let supervisor = Supervisor::start(&domain, plan, watch, Signals::catch()?)?;
     let (end, watch) = supervisor.run()?;
     if let End::Refused(error) = end {
-        return Err(Failure::told(error));
+        return Err(Failure::reported(error));
     }
     let report = (!args.no_report)
         .then(|| summary::report(&recording))
@@ -153,13 +158,13 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     if let (Some(report), Some(group)) = (&report, group) {
         group::share(report, group)?;
     }
-    let told = summary::Told {
+    let headline = summary::Detail {
         is_story: args.live_lines,
         is_verbose: args.verbose,
     };
     print!(
         "{}",
-        summary::text(machine, &watch, &recording, report.as_deref(), told)
+        summary::text(machine, &watch, &recording, report.as_deref(), headline)
     );
     if !args.live_lines {
         tell_loads(&loads);

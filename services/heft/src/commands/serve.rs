@@ -74,7 +74,7 @@ pub fn serve(args: &ServeArgs) -> Result<(), Failure> {
     entry.route(input, form, map.as_ref(), shards, &arguments)
 }
 
-/// What a shard is told.
+/// What a shard is given.
 pub fn shard_arguments(
     machine: Machine,
     method: &str,

@@ -14,8 +14,8 @@ use crate::failure::Failure;
 
 /// Largest sample \[bytes\].
 const LARGEST: usize = 4096;
-/// Messages that are told of when they are left out; the rest are only counted.
-const TOLD: u64 = 5;
+/// Messages that are reported when they are left out; the rest are only counted.
+const REPORTED: u64 = 5;
 
 /// Sends each sample to the shard of its machine.
 pub struct Records<'a> {
@@ -96,7 +96,7 @@ impl<'a> Records<'a> {
 
     fn refuse(&mut self, why: &str) {
         self.refused += 1;
-        if self.refused <= TOLD {
+        if self.refused <= REPORTED {
             tracing::warn!("a message {why}; left out");
         }
     }

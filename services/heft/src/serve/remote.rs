@@ -1,4 +1,4 @@
-//! A shard as the router sees it: a process, what it was sent since it last told its state, how far it has answered.
+//! A shard as the router sees it: a process, what it was sent since it last reported its state, how far it has answered.
 
 use std::collections::VecDeque;
 use std::ffi::OsString;
@@ -157,7 +157,7 @@ impl<'a> RemoteShard<'a> {
 
     /// Why it cannot go on.
     pub fn failure(&self) -> Option<Failure> {
-        lock(&self.output).failure.clone().map(Failure::told)
+        lock(&self.output).failure.clone().map(Failure::reported)
     }
 
     /// Takes its answers in a thread of their own, and replaces it when it dies.

@@ -79,7 +79,7 @@ impl Rows {
     ) -> Result<Self, Failure> {
         if form == Form::Table {
             let header = format!("{NAME},{columns}\n");
-            out.put(header.as_bytes()).map_err(Failure::told)?;
+            out.put(header.as_bytes()).map_err(Failure::reported)?;
         }
         Ok(Self {
             out: Mutex::new(out),

@@ -22,7 +22,7 @@ struct Member {
     /// Its steps, the estimate's last.
     way: Way,
     /// Time of its last row \[s\].
-    told: f64,
+    reported: f64,
 }
 
 /// Machines by their numbers.
@@ -75,8 +75,10 @@ pub fn serve<S: Message, E: Estimate>(
         match done {
             Ok(written) => written.map_err(Failure::internal)?,
             Err(failure) => {
-                let told = frames::write(&mut out, FAULT, &[failure.to_string().as_bytes()]);
-                told.and_then(|()| out.flush()).map_err(Failure::internal)?;
+                let reported = frames::write(&mut out, FAULT, &[failure.to_string().as_bytes()]);
+                reported
+                    .and_then(|()| out.flush())
+                    .map_err(Failure::internal)?;
                 return Err(failure);
             }
         }
@@ -90,7 +92,7 @@ impl<E: Estimate> Shard<'_, E> {
             Entry::Occupied(member) => Ok(member.into_mut()),
             Entry::Vacant(place) => Ok(place.insert(Member {
                 way: way(self.description, self.method)?,
-                told: f64::NEG_INFINITY,
+                reported: f64::NEG_INFINITY,
             })),
         }
     }
@@ -120,14 +122,14 @@ impl<E: Estimate> Shard<'_, E> {
         };
         let time = estimate.stamp().time;
         // A clock that was set back begins anew.
-        if (member.told..member.told + every).contains(&time) {
+        if (member.reported..member.reported + every).contains(&time) {
             return Ok(0);
         }
         let flags = estimate.bits().0;
         if flags & E::REFUSED != 0 {
             return Ok(flags);
         }
-        member.told = time;
+        member.reported = time;
         match form {
             Form::Table => {
                 // Empty, so it is text; it keeps its room.
@@ -147,7 +149,7 @@ impl<E: Estimate> Shard<'_, E> {
         let mut room = vec![0; ROOM];
         for (number, member) in &self.members {
             bytes.extend(number.to_le_bytes());
-            bytes.extend(member.told.to_le_bytes());
+            bytes.extend(member.reported.to_le_bytes());
             bytes.extend((member.way.len() as u32).to_le_bytes());
             for (_, step) in &member.way {
                 let length = step.save(&mut room).unwrap_or(0);
@@ -164,10 +166,10 @@ impl<E: Estimate> Shard<'_, E> {
         let _machines: [u8; 8] = take(&mut bytes).ok_or_else(broken)?;
         while !bytes.is_empty() {
             let number = u32::from_le_bytes(take(&mut bytes).ok_or_else(broken)?);
-            let told = f64::from_le_bytes(take(&mut bytes).ok_or_else(broken)?);
+            let reported = f64::from_le_bytes(take(&mut bytes).ok_or_else(broken)?);
             let steps = u32::from_le_bytes(take(&mut bytes).ok_or_else(broken)?);
             let member = self.member(number)?;
-            member.told = told;
+            member.reported = reported;
             if steps as usize != member.way.len() {
                 return Err(broken());
             }

@@ -17,7 +17,7 @@ const PREFIX: usize = 10;
 /// First word of a live line on standard output.
 pub const LIVE: &str = "live ";
 
-/// First word of a line that is told for good.
+/// First word of a line that is printed for good.
 pub const STORY: &str = "story ";
 
 /// Where the live line goes.
@@ -100,10 +100,10 @@ impl Watch {
     /// Time, quantities, losses, latency, as far as `width` goes: a line that wraps
     /// cannot be drawn again in place.
     fn line(&self, width: usize) -> String {
-        let time = self.told().next().map_or(0.0, |s| s.time);
+        let time = self.headline().next().map_or(0.0, |s| s.time);
         let mut parts = vec![format!("{time:5.1} s")];
         parts.extend(self.is_simulated.then(|| "simulated".to_owned()));
-        parts.extend(self.told().map(Tally::short));
+        parts.extend(self.headline().map(Tally::short));
         if self.lost() > 0 {
             parts.push(format!("lost {}", self.lost()));
         }

@@ -4,7 +4,7 @@ use messages::Stamp;
 use runtime::Teller;
 use steps::loads::LoadCounter;
 
-/// Loads are told so often in the time of the data \[s\]; a clock that goes back counts as due.
+/// Loads are reported so often in the time of the data \[s\]; a clock that goes back counts as due.
 const PERIOD: f64 = 0.1;
 
 /// Tells what is known of the loads beside an estimate, when that is due or something has changed.
@@ -29,7 +29,7 @@ impl LoadsTeller {
         }
     }
 
-    /// A load or a truck has changed: the next estimate is told.
+    /// A load or a truck has changed: the next estimate is reported.
     pub fn note_change(&mut self) {
         self.has_changed = true;
     }

@@ -112,8 +112,8 @@ fn a_part_that_somebody_deletes_is_told_and_costs_no_more_than_itself() {
     record(&mut recorder, 0..10);
     std::fs::remove_file(&first).expect("it is there");
     write(&mut recorder, 10..20);
-    let told = recorder.flush();
-    assert!(told.is_err_and(|e| e.what.contains("deleted")));
+    let reported = recorder.flush();
+    assert!(reported.is_err_and(|e| e.what.contains("deleted")));
     record(&mut recorder, 20..30);
     recorder.finish().expect("room");
     assert_eq!(numbers(dir.path()), (20..30).collect::<Vec<_>>());
@@ -135,7 +135,7 @@ fn a_wall_clock_that_jumps_is_said_in_the_recording_which_keeps_its_time() {
     recorder.finish().expect("room");
     assert_eq!(numbers(&first), (0..30).collect::<Vec<_>>());
     let reader = recording::Reader::open(&first).expect("a recording");
-    let jumps = reader.metadata().get("wall_clock.jumps").expect("told");
+    let jumps = reader.metadata().get("wall_clock.jumps").expect("a value");
     assert!(jumps.starts_with("3600.0"), "{jumps}");
     assert!(!jumps.contains(';'), "one jump: {jumps}");
 }

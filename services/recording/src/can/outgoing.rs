@@ -1,6 +1,6 @@
 //! Estimates and loads as CAN frames: one frame per quantity with its standard deviation, and one of flags for each
 //! of both. What is not trusted is sent as "not available", so that a receiver cannot use it by mistake; what the
-//! bucket holds is always told, its deviation covers what is not known.
+//! bucket holds is always sent, its deviation covers what is not known.
 //!
 //! | bytes of a quantity | meaning |
 //! |---|---|
@@ -182,11 +182,11 @@ impl Content {
             Self::Quantity(at, row) => {
                 let has = |bits: u32, all: u32| all == 0 || bits & all == all;
                 let estimated = row.estimated == 0 || bits("estimated") & row.estimated != 0;
-                let told = has(flags, row.trusted) && estimated;
+                let transmitted = has(flags, row.trusted) && estimated;
                 let [value, std] = at.map(|i| message.get(i).map(messages::Value::as_f64));
                 let value = value.and_then(|v| raw((v - row.offset) / row.scale));
                 let std = std.and_then(|s| raw(s / row.scale));
-                let both = value.zip(std).filter(|_| told);
+                let both = value.zip(std).filter(|_| transmitted);
                 let (value, std) = both.unwrap_or((NOT_AVAILABLE, NOT_AVAILABLE));
                 u64::from(value) | u64::from(std) << 32
             }
@@ -368,7 +368,7 @@ mod tests {
             truck: 2,
             ..ExcavatorLoads::default()
         };
-        let told = |loads: &ExcavatorLoads, name| match value(
+        let transmitted = |loads: &ExcavatorLoads, name| match value(
             &read_back(&outgoing, &loads.envelope()),
             name,
         )
@@ -377,24 +377,28 @@ mod tests {
             Reading::Value(value) => Some((value * 100.0).round() / 100.0),
             _ => None,
         };
-        assert_eq!(told(&loads, "payload"), Some(812.5));
-        assert_eq!(told(&loads, "payload_std"), Some(90.25));
+        assert_eq!(transmitted(&loads, "payload"), Some(812.5));
+        assert_eq!(transmitted(&loads, "payload_std"), Some(90.25));
         assert_eq!(
-            (told(&loads, "load"), told(&loads, "truck")),
+            (transmitted(&loads, "load"), transmitted(&loads, "truck")),
             (Some(12.0), Some(2.0))
         );
-        assert_eq!(told(&loads, "payload_age"), Some(3.0));
+        assert_eq!(transmitted(&loads, "payload_age"), Some(3.0));
         for name in ["mass", "truck_mass", "remaining"] {
-            assert_eq!(told(&loads, name), None, "{name} is not trusted");
+            assert_eq!(transmitted(&loads, name), None, "{name} is not trusted");
         }
         loads.flags = b::TRUSTED | b::TRUCK_TRUSTED;
-        assert_eq!(told(&loads, "mass"), Some(800.0));
-        assert_eq!(told(&loads, "truck_mass"), Some(9_100.0));
-        assert_eq!(told(&loads, "remaining"), None, "nobody said a target");
+        assert_eq!(transmitted(&loads, "mass"), Some(800.0));
+        assert_eq!(transmitted(&loads, "truck_mass"), Some(9_100.0));
+        assert_eq!(
+            transmitted(&loads, "remaining"),
+            None,
+            "nobody said a target"
+        );
         loads.flags |= b::HAS_TARGET;
-        assert_eq!(told(&loads, "remaining"), Some(-100.0));
+        assert_eq!(transmitted(&loads, "remaining"), Some(-100.0));
         loads.payload_age = sheet::loads::NEVER;
-        assert_eq!(told(&loads, "payload_age"), None, "never weighed");
+        assert_eq!(transmitted(&loads, "payload_age"), None, "never weighed");
         assert_eq!(outgoing.frames(&loads.envelope(), 0, "can0").count(), 5);
     }
 

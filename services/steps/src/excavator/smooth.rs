@@ -69,14 +69,14 @@ pub fn past(
     let mut moments: Vec<Smoothed> = trails.iter().rev().map(|t| smoother.back(t)).collect();
     moments.reverse();
     let mut last = None;
-    let told = ends.iter().map(|(end, posture)| {
+    let smoothed = ends.iter().map(|(end, posture)| {
         if let [Some(boom), Some(arm), Some(bucket)] = *posture {
             last = Some([boom, arm, bucket]);
         }
         let moment = moments.get(end.checked_sub(1)?)?;
         Some(at(&settings, moment, last?))
     });
-    Ok(told.collect())
+    Ok(smoothed.collect())
 }
 
 fn at(settings: &Settings, moment: &Smoothed, posture: [f64; 3]) -> Past {

@@ -121,7 +121,7 @@ impl Each for Judgements {
         // The product's filter, ukf, comes before the regression.
         let one = |(channel, tracked): (&&'static str, &Tracked<E>)| {
             let (last, headline) = (&tracked.last, E::PARAMETERS.iter().filter(|p| p.headline()));
-            let told = |p: &Parameter<E, E::Truth>, e: &E| {
+            let figures = |p: &Parameter<E, E::Truth>, e: &E| {
                 let (number, interval) = large(p.value(e), p.std(e), p.unit);
                 json!({"number": number, "interval": interval, "time": e.stamp().time})
             };
@@ -133,11 +133,11 @@ impl Each for Judgements {
             let words = words.map(|((j, p), trusted)| {
                 json!({
                     "title": p.label,
-                    "now": p.value(last).is_finite().then(|| told(p, last)),
+                    "now": p.value(last).is_finite().then(|| figures(p, last)),
                     "value": j.value.clone(),
                     "trusted": j.trusted,
                     "verdict": j.verdict(),
-                    "last": trusted.as_ref().map(|e| told(p, e)),
+                    "last": trusted.as_ref().map(|e| figures(p, e)),
                 })
             });
             json!({

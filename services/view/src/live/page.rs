@@ -20,7 +20,7 @@ const SCRIPT: &str = include_str!("../../assets/live.js");
 const UPLOT: &str = include_str!("../../assets/uPlot.iife.min.js");
 const UPLOT_STYLE: &str = include_str!("../../assets/uPlot.min.css");
 
-/// A page with what a browser may do with it: run the scripts that are in it now, each told by its hash, and read its own
+/// A page with what a browser may do with it: run the scripts that are in it now, each named by its hash, and read its own
 /// events. What was injected into the page does not run.
 pub(super) fn closed(page: String) -> Response {
     let policy = policy(&page);

@@ -23,7 +23,7 @@ use tokio::sync::{Notify, oneshot};
 use super::connections::Door;
 use super::{Feed, frame, loads, metrics, page};
 
-/// Viewers at a time; the next one is told to wait.
+/// Viewers at a time; the next one is asked to wait.
 pub const MAX_VIEWERS: usize = 16;
 /// Between two frames while nobody looks: the past, for whoever comes.
 const IDLE_PERIOD: Duration = Duration::from_millis(100);

@@ -54,7 +54,7 @@ fn together(runs: &[(String, Run)]) -> String {
     names.join(" and ")
 }
 
-/// A recording's name, the machine's part of it, and the estimator that is told first.
+/// A recording's name, the machine's part of it, and the estimator that is reported first.
 type Part<'a, E> = (&'a str, &'a Run, &'a MachineRun<E>, &'a Estimator<E>);
 
 fn parts<E: Estimate>(
@@ -83,9 +83,9 @@ fn machine<E: Estimate>(page: &mut Page, parts: &[Part<'_, E>]) {
 
 /// What each says of the headline quantities and of those of a single swing, and how far they are apart.
 fn verdicts<E: Estimate>(body: &mut String, parts: &[Part<'_, E>]) {
-    let told = |p: &&Parameter<E, E::Truth>| p.headline() || E::STRETCH.contains(&p.key);
+    let reported = |p: &&Parameter<E, E::Truth>| p.headline() || E::STRETCH.contains(&p.key);
     let mut rows = String::new();
-    for parameter in E::PARAMETERS.iter().filter(told) {
+    for parameter in E::PARAMETERS.iter().filter(reported) {
         let values: Vec<(String, f64, f64)> = parts
             .iter()
             .map(|(_, _, _, estimator)| value(estimator, parameter))
@@ -127,14 +127,14 @@ fn value<E: Estimate>(
     let own = headline
         .zip(&judgements)
         .find(|(p, _)| p.key == parameter.key);
-    // A quantity without a verdict of its own is told where the first of those that have one is.
+    // A quantity without a verdict of its own is reported where the first of those that have one is.
     let judgement = own.map(|(_, j)| j).or(judgements.first());
     let Some((judgement, estimate)) =
         judgement.and_then(|j| Some((j, estimator.estimates.get(j.index)?)))
     else {
         return ("–".into(), f64::NAN, f64::NAN);
     };
-    let verdict = match (own.is_some(), judgement.told.trusted) {
+    let verdict = match (own.is_some(), judgement.reported.trusted) {
         (false, _) => "",
         (true, true) => "<br>trusted",
         (true, false) => "<br>not trusted",
@@ -274,7 +274,7 @@ fn differences(body: &mut String, runs: &[(String, Run)]) {
     };
 }
 
-/// What a recording says of itself, a description key by key; when it was made is told elsewhere.
+/// What a recording says of itself, a description key by key; when it was made stands elsewhere.
 fn settings(run: &Run) -> BTreeMap<String, String> {
     let mut all = BTreeMap::new();
     for (name, value) in &run.metadata {

@@ -59,7 +59,7 @@ pub(super) fn write(body: &mut String, run: &Run) {
 /// How the machine stood when the first verdict's value was found.
 fn posture(body: &mut String, run: &Run, part: &dyn Part) {
     let posture = |time| Some((time, posture::at(&run.inputs, time)?));
-    let Some((time, posture)) = part.told_at().and_then(posture) else {
+    let Some((time, posture)) = part.reported_at().and_then(posture) else {
         return;
     };
     let _ = write!(

@@ -19,7 +19,7 @@ pub(super) fn page(title: &str, body: &str) -> String {
     whole(title, &[plot::STYLE, STYLE], "'none'", body, "")
 }
 
-/// A page whose `plots` can be looked at closer. The policy allows the script of the report, told by
+/// A page whose `plots` can be looked at closer. The policy allows the script of the report, named by
 /// its hash, and no other.
 pub(super) fn page_of_plots(title: &str, body: &str, plots: &[Plot]) -> String {
     if plots.is_empty() {

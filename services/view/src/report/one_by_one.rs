@@ -12,7 +12,7 @@ use crate::number::{decimals, grouped, unit};
 use crate::run::MachineRun;
 use crate::stretches::{Stretch, stretches};
 
-/// A row for each stretch of motion of the estimator that is told first.
+/// A row for each stretch of motion of the estimator that is reported first.
 pub(super) fn write<E: Estimate>(body: &mut String, part: &MachineRun<E>) {
     let Some(primary) = part.primary() else {
         return;
@@ -42,8 +42,8 @@ pub(super) fn write<E: Estimate>(body: &mut String, part: &MachineRun<E>) {
             format!("{} s", grouped(stretch.duration, 1)),
         ];
         cells.extend(shown.iter().map(|p| interval(p, estimate)));
-        let several = stretch.told.len() > 1;
-        let verdicts = stretch.told.iter().zip(headline::<E>()).map(|(j, p)| {
+        let several = stretch.reported.len() > 1;
+        let verdicts = stretch.reported.iter().zip(headline::<E>()).map(|(j, p)| {
             let of = if several {
                 format!("{}: ", p.label)
             } else {
@@ -72,8 +72,8 @@ fn parameter<E: Estimate>(key: &str) -> Option<&'static Parameter<E, E::Truth>> 
 fn trusted_counts<E: Estimate>(found: &[Stretch]) -> String {
     let headline: Vec<_> = headline::<E>().collect();
     let count = |i: usize| {
-        let told = |s: &&Stretch| s.told.get(i).is_some_and(|j| j.trusted);
-        found.iter().filter(told).count()
+        let reported = |s: &&Stretch| s.reported.get(i).is_some_and(|j| j.trusted);
+        found.iter().filter(reported).count()
     };
     if headline.len() < 2 {
         return format!("{} trusted", count(0));
@@ -86,7 +86,7 @@ fn trusted_counts<E: Estimate>(found: &[Stretch]) -> String {
 /// How many, how long, and the sum of what can be summed.
 fn together<E: Estimate>(estimates: &[E], found: &[Stretch]) -> String {
     let (name, _) = E::MOTION_NAME;
-    let trusted = |stretch: &&Stretch| stretch.told.iter().all(|judgement| judgement.trusted);
+    let trusted = |stretch: &&Stretch| stretch.reported.iter().all(|judgement| judgement.trusted);
     let duration: f64 = found.iter().map(|s| s.duration).sum();
     let good: Vec<&Stretch> = found.iter().filter(trusted).collect();
     let mut out = format!(
@@ -112,7 +112,7 @@ fn together<E: Estimate>(estimates: &[E], found: &[Stretch]) -> String {
 
 /// The sum with its two intervals: noise averages out over the stretches, while an error of the
 /// description (a nominal damping, a geometry) is the same in each. A standard deviation does not say how
-/// much of it is which, so both ends are told.
+/// much of it is which, so both ends are reported.
 fn sum(label: &str, of: &str, name: &str, known: &[(f64, f64)]) -> String {
     let value: f64 = known.iter().map(|k| k.0).sum();
     let apart = HALF_WIDTH_95 * known.iter().map(|k| k.1 * k.1).sum::<f64>().sqrt();

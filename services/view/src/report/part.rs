@@ -19,12 +19,12 @@ pub(super) trait Part {
     /// From the first estimate to the last [s].
     fn seconds(&self) -> Option<f64>;
     /// When the value of its first verdict was found [s].
-    fn told_at(&self) -> Option<f64>;
+    fn reported_at(&self) -> Option<f64>;
     /// Writes the verdicts at the top.
     fn verdicts(&self, body: &mut String);
     /// Writes all sections.
     fn sections(&self, page: &mut Page, run: &Run);
-    /// What is told first, over time.
+    /// What is reported first, over time.
     fn history(&self) -> Vec<Panel>;
 }
 
@@ -47,7 +47,7 @@ impl<E: Estimate> Part for MachineRun<E> {
         Some(estimates.last()?.stamp().time - estimates.first()?.stamp().time)
     }
 
-    fn told_at(&self) -> Option<f64> {
+    fn reported_at(&self) -> Option<f64> {
         let judgements = run_judgements(&self.primary()?.estimates);
         Some(judgements.first()?.time)
     }

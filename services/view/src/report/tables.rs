@@ -82,7 +82,7 @@ fn comparison_row<E: Estimate>(
     row(&cells)
 }
 
-/// Whether processes told how long their steps took; `heft estimate` has no processes.
+/// Whether processes reported how long their steps took; `heft estimate` has no processes.
 fn is_timed(run: &Run) -> bool {
     !run.health.is_empty()
 }

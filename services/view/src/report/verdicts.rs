@@ -29,7 +29,7 @@ pub(super) fn verdicts<E: Estimate>(body: &mut String, part: &MachineRun<E>) {
         let judgements = run_judgements(&other.estimates);
         let sentences: Vec<_> = judgements
             .iter()
-            .map(|j| text(&j.told.sentence()))
+            .map(|j| text(&j.reported.sentence()))
             .collect();
         let name = other.method();
         let _ = write!(
@@ -52,12 +52,12 @@ fn card<E: Estimate>(
     judgement: &RunJudgement,
     parameter: &Parameter<E, E::Truth>,
 ) {
-    let class = if judgement.told.trusted {
+    let class = if judgement.reported.trusted {
         "trusted"
     } else {
         "doubted"
     };
-    let word = if judgement.told.trusted {
+    let word = if judgement.reported.trusted {
         "trusted"
     } else {
         "not trusted"
@@ -69,9 +69,9 @@ fn card<E: Estimate>(
          <p><span class=\"badge\">{word}</span> {}</p><p class=\"when\">{}, method <b>{}</b>, at t\u{a0}=\u{a0}{at}\u{a0}s; trusted {}\u{a0}% of the run.",
         text(parameter.label),
         headline_number(estimator, judgement, parameter),
-        text(&judgement.told.value),
-        text(&judgement.told.verdict()),
-        if judgement.told.trusted {
+        text(&judgement.reported.value),
+        text(&judgement.reported.verdict()),
+        if judgement.reported.trusted {
             "Last trusted value"
         } else {
             "Last value"
@@ -109,7 +109,7 @@ fn headline_number<E: Estimate>(
     )
 }
 
-/// How far the told value is from the truth.
+/// How far the stated value is from the truth.
 fn truth_sentence<E: Estimate>(
     part: &MachineRun<E>,
     estimator: &Estimator<E>,

@@ -57,7 +57,7 @@ pub struct Work {
     machine: Machine,
     effects: Effects,
     /// What the machine is said to be.
-    told: Geometry,
+    nominal: Geometry,
     front: Option<Front>,
     noise: [Noise; 10],
     angle_errors: [f64; 3],
@@ -77,7 +77,7 @@ impl Work {
         Self {
             front: None,
             machine: Machine::new(size, effects, seed),
-            told: told(&size.geometry, &effects, &mut signs),
+            nominal: nominal(&size.geometry, &effects, &mut signs),
             angle_errors: std::array::from_fn(|_| effects.angle_error * sign(&mut signs)),
             noise: std::array::from_fn(|channel| Noise::channel(seed, channel as u64)),
             torque: Late::new(effects.torque_delay, effects.torque_lag),
@@ -115,8 +115,8 @@ impl Work {
     }
 
     /// Dimensions and masses as its description has them.
-    pub fn told(&self) -> &Geometry {
-        &self.told
+    pub fn nominal(&self) -> &Geometry {
+        &self.nominal
     }
 
     fn normal(&mut self, channel: usize) -> f64 {
@@ -221,7 +221,7 @@ fn sign(noise: &mut Noise) -> f64 {
 }
 
 /// The described geometry: each mass and length off by its share, to one side or the other.
-fn told(geometry: &Geometry, effects: &Effects, signs: &mut Noise) -> Geometry {
+fn nominal(geometry: &Geometry, effects: &Effects, signs: &mut Noise) -> Geometry {
     let mut g = *geometry;
     let mut off = |value: &mut f64, share: f64| *value *= 1.0 + share * sign(signs);
     for mass in [

@@ -1,6 +1,6 @@
 //! A joint angle without the noise that would pass for motion.
 //!
-//! The swing's equation has the rate of the inertia in it, and an opening bucket is told by its rate. Noise of an angle, divided
+//! The swing's equation has the rate of the inertia in it, and an opening bucket shows in its rate. Noise of an angle, divided
 //! by the period of the rows, makes both. So angles of a noisy sensor are those of an alpha-beta filter (steady state of a Kalman
 //! filter over angle and rate; Kalata, "The tracking index", 1984), which does not lag behind a steady motion:
 //! ```text
@@ -32,7 +32,7 @@ const JUMP: f64 = 0.3;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in crate::excavator) struct Angle {
     /// Noise as described [rad].
-    told: f64,
+    stated: f64,
     last: Option<f64>,
     step: f64,
     bend: f64,
@@ -46,9 +46,9 @@ pub(in crate::excavator) struct Angle {
 
 impl Angle {
     /// With its noise as described [rad].
-    pub(in crate::excavator) fn new(told: f64) -> Self {
+    pub(in crate::excavator) fn new(stated: f64) -> Self {
         Self {
-            told,
+            stated,
             ..Self::default()
         }
     }
@@ -76,7 +76,7 @@ impl Angle {
 
     /// Variance of the angle's noise [rad^2].
     fn variance(&self) -> f64 {
-        (self.told * self.told).max(-0.25 * self.product)
+        (self.stated * self.stated).max(-0.25 * self.product)
     }
 
     fn look(&mut self, angle: f64) {
@@ -111,8 +111,8 @@ mod tests {
     }
 
     /// Error of angle and of rate of a joint that moves, rms, with noise of this size [rad, rad/s].
-    fn error(told: f64, size: f64) -> (f64, f64) {
-        let mut sensor = Angle::new(told);
+    fn error(stated: f64, size: f64) -> (f64, f64) {
+        let mut sensor = Angle::new(stated);
         let truth =
             |k: u32| 0.3 * f64::from(k) * 0.01 + 0.2 * crate::math::sin_cos(0.02 * f64::from(k)).0;
         let (mut angles, mut rates, mut before) = (0.0, 0.0, None);
@@ -137,8 +137,8 @@ mod tests {
         let (angle, rate) = error(0.001, size);
         assert!(angle < 0.65 * size, "{angle}");
         assert!(rate < 0.3 * sqrt(2.0) * size / 0.01, "{rate}");
-        let (told, _) = error(0.007, size);
-        assert!((told - angle).abs() < 0.2 * angle, "{told} {angle}");
+        let (stated, _) = error(0.007, size);
+        assert!((stated - angle).abs() < 0.2 * angle, "{stated} {angle}");
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! A joint angle that jumps further than a joint can move.
 //!
 //! A joint moves on by its rate; what steps further between two values, and does not step back, is not the joint:
-//! a slipped or exchanged encoder, another zero, unit, sign or range. Where the joint really is cannot be told then.
+//! a slipped or exchanged encoder, another zero, unit, sign or range. Where the joint really is cannot be known then.
 
 use core::f64::consts::{PI, TAU};
 

@@ -5,7 +5,7 @@
 //! ```text
 //! T(t + l) = c1 L'(t) + c2 w(t) + c3 sgn w(t) + c4 sin psi(t) + c5 cos psi(t) + c6 |L'(t)| sgn w(t),  L = J_e(q) w
 //! ```
-//! leave least; the last summand is what a gear loses. The lag is mostly as told, within its standard deviation, and seldom any other:
+//! leave least; the last summand is what a gear loses. The lag is mostly as stated, within its standard deviation, and seldom any other:
 //! both belong to the odds. The estimators bear a few hundredths of a second and find them better themselves; this finds what is beyond.
 
 use crate::excavator::grid::{PERIOD, Tick};
@@ -30,9 +30,9 @@ const ENOUGH: f64 = 250.0;
 const CORRELATED: f64 = 30.0;
 /// Logarithm of the odds at which a lag is taken for the present one.
 const BETTER: f64 = 5.0;
-/// A lag is not as told with this probability: then each is as probable.
-const UNTOLD: f64 = 0.01;
-/// A lag is told no better than to this [ticks].
+/// A lag is not as stated with this probability: then each is as probable.
+const UNSTATED: f64 = 0.01;
+/// A lag is stated no better than to this [ticks].
 const CLOSELY: f64 = 0.5;
 /// The estimators bear less [ticks].
 const BORNE: i32 = 3;
@@ -61,15 +61,15 @@ pub(in crate::excavator) struct Lag {
     #[cfg_attr(feature = "serde", serde(with = "crate::written"))]
     left: [f64; LAGS],
     next: usize,
-    /// The lag as told, and its standard deviation [ticks].
-    told: [f64; 2],
+    /// The lag as stated, and its standard deviation [ticks].
+    stated: [f64; 2],
 }
 
 impl Lag {
-    /// Of a lag that is told with its standard deviation [s].
+    /// Of a lag that is stated with its standard deviation [s].
     pub(in crate::excavator) fn new([value, std]: [f64; 2]) -> Self {
         Self {
-            told: [value / PERIOD, (std / PERIOD).max(CLOSELY)],
+            stated: [value / PERIOD, (std / PERIOD).max(CLOSELY)],
             ring: [(0.0, 0.0, 0.0, 0.0); RING],
             recent: [0.0; 2 * HALF + 1],
             count: 0,
@@ -168,10 +168,10 @@ impl Lag {
 
     /// Logarithm of the probability of a lag before anything is measured.
     fn beforehand(&self, lag: i32) -> f64 {
-        let [value, std] = self.told;
+        let [value, std] = self.stated;
         let away = (f64::from(lag) - value) / std;
-        let as_told = exp(-0.5 * away * away) / (std * sqrt(TAU));
-        ln((1.0 - UNTOLD) * as_told + UNTOLD / LAGS as f64)
+        let as_stated = exp(-0.5 * away * away) / (std * sqrt(TAU));
+        ln((1.0 - UNSTATED) * as_stated + UNSTATED / LAGS as f64)
     }
 }
 

@@ -40,7 +40,7 @@ const ACCELERATION: f64 = 0.02;
 const MISSED: f64 = 0.15;
 
 /// Share of the seals' friction that nobody can tell, while the cylinder moves and while it stands.
-const UNTOLD: [f64; 2] = [0.15, 0.5];
+const UNMODELLED: [f64; 2] = [0.15, 0.5];
 /// Share of the moment that the drawing misses at each posture: centres of mass beside the lines of the pins.
 const DRAWN: f64 = 0.01;
 
@@ -104,9 +104,9 @@ impl Moment {
     /// Variance of f that friction of this size \[N\] and the drawing leave [N^2]: it lasts for [`FADING`].
     #[must_use]
     pub fn rest(&self, friction: f64) -> f64 {
-        let untold = UNTOLD[usize::from(!self.moves)] * friction;
+        let unmodelled = UNMODELLED[usize::from(!self.moves)] * friction;
         let drawn = DRAWN * self.measured / self.lever;
-        untold * untold + drawn * drawn
+        unmodelled * unmodelled + drawn * drawn
     }
 }
 

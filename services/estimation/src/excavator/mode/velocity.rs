@@ -4,7 +4,7 @@
 //! beta = b/J,  alpha = T_t/J:   w' = alpha - beta w
 //! ```
 //!
-//! While the inertia changes it cannot be told from the damping, so the interval is wide and the
+//! While the inertia changes it cannot be distinguished from the damping, so the interval is wide and the
 //! verdict is never `identifiable`. A caller who declares the inertia constant gets a number after
 //! about a second and a half of steady torque. A filter with states (w, ln J, T) must not be used
 //! here: it drifts by 90 %.

@@ -7,7 +7,7 @@
 use crate::excavator::keys::Description;
 use crate::math::{sin_cos, sqrt};
 
-/// Pressure at which the friction of the seals is told as a share of the piston's force \[Pa\].
+/// Pressure at which the friction of the seals is stated as a share of the piston's force \[Pa\].
 pub const FULL_PRESSURE: f64 = 20e6;
 /// Where nothing is stated, areas and lengths are known to these shares.
 const AREA: f64 = 0.005;

@@ -70,7 +70,7 @@ impl Contradiction {
         self.level = REGAINED;
     }
 
-    /// An emptied bucket weighs nothing, as told closely or not.
+    /// An emptied bucket weighs nothing, as stated closely or not.
     pub(super) fn agreed(&mut self, closely: bool) {
         if self.level == 1 || closely {
             self.level = self.level.saturating_sub(1);

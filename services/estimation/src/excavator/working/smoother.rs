@@ -87,8 +87,8 @@ impl Smoother {
         let own = trail.covariance[M];
         self.disagreement = self.disagreement.max(trail.disagreement);
         let left = |own: f64, known: f64| (own - known).clamp(0.0, own.max(0.0));
-        let (moved, told) = self.said(&trail.along);
-        let variance = left(trail.variance, told) * self.disagreement;
+        let (moved, identified) = self.said(&trail.along);
+        let variance = left(trail.variance, identified) * self.disagreement;
         Smoothed {
             payload: Quantity {
                 value: payload,

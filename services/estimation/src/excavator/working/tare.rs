@@ -18,13 +18,13 @@ const STICKING: [f64; 2] = [0.035, 0.04];
 const ALIKE: f64 = 3.0;
 /// Standard deviation of the payload, as a share of the rated one, below which the motion has said enough to
 /// tell an empty bucket from a loaded one.
-const TOLD: f64 = 0.15;
+const KNOWN_STD_SHARE: f64 = 0.15;
 /// What stays in an emptied bucket weighs the same in two swings, with this standard deviation as a share of the rated payload.
 const KEPT: f64 = 0.05;
 /// A load that stays (a hook, a clamp, clay) is so many times as frequent as a sensor that breaks.
 const STAYS: f64 = 100.0;
 
-/// A weight is told closely within this share of the empty machine's inertia.
+/// A weight is stated closely within this share of the empty machine's inertia.
 const CLOSE: f64 = 0.03;
 
 impl Working {
@@ -63,10 +63,10 @@ impl Working {
 
     /// An emptied bucket weighs next to nothing: that fixes the gain of the torque.
     pub(super) fn tare(&mut self, gate: f64, now: &Inertia, trail: &mut Option<Trail>) {
-        let told = TOLD * self.rated;
+        let limit = KNOWN_STD_SHARE * self.rated;
         let variance = self.filter.p[M][M];
         let claimed = variance * self.contradiction.usual();
-        if variance > told * told {
+        if variance > limit * limit {
             return;
         }
         if !self.bucket.is_emptied() {

@@ -104,10 +104,10 @@ impl Working {
             (DELAY, 0.005),
         ] {
             let stated = (self.stated[i] * self.stated[i]).max(least * least);
-            let told = (1.0 - p[i][i] / stated).max(0.0);
+            let learnt = (1.0 - p[i][i] / stated).max(0.0);
             let away = x[i] - self.described[i];
-            sum += told * (away * away / stated).min(SURPRISE);
-            count += told;
+            sum += learnt * (away * away / stated).min(SURPRISE);
+            count += learnt;
         }
         (sum / count).max(1.0)
     }

@@ -8,7 +8,7 @@ use crate::loader::layout::{
 };
 use crate::loader::load::HEIGHT_SPREAD;
 use crate::loader::reason::Reason;
-use crate::loader::untold::USUAL_LOAD;
+use crate::loader::unreported_load::USUAL_LOAD;
 use crate::loader::verdict::Doubt;
 use crate::math::{norm, sqrt};
 
@@ -26,9 +26,9 @@ const NOTED_SLOPE: f64 = 0.02;
 const LOAD_ARM: f64 = 0.75;
 /// Height of a load over where it is driven, in heights of the machine's centre: anything up to a truck's board, 2.
 const LIFTED: f64 = 1.15;
-/// How long a load that nobody told is felt [s], and what it may leave in the ratio, as a share of it.
-const AFTER_UNTOLD: f64 = 60.0;
-const UNTOLD: f64 = 0.06;
+/// How long a load that nobody reported is felt [s], and what it may leave in the ratio, as a share of it.
+const AFTER_UNREPORTED: f64 = 60.0;
+const UNREPORTED: f64 = 0.06;
 /// How long a change is shown [s].
 const CHANGE_SHOWN: f64 = 5.0;
 
@@ -50,8 +50,8 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             ((value - centre).abs() - EXPECTED * std).max(0.0)
         };
         let expected = self.expected_centre();
-        // A payload that is told in full may be told wrongly.
-        let [height, ratio] = if self.is_told_its_load() {
+        // A payload that is reported in full may be stated wrongly.
+        let [height, ratio] = if self.knows_its_load() {
             [0.0; 2]
         } else {
             [
@@ -113,7 +113,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
                 height: mixed(height, state[CG_HEIGHT], expected[0]),
             },
             at_limit,
-            unknown_height: self.lifts_untold(),
+            unknown_height: self.lifts_unreported(),
             reason,
             acts: self.acts(),
         }
@@ -141,7 +141,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
     }
 
-    /// What a load that nobody told, or may have told wrongly, adds to the doubt of height and ratio.
+    /// What a load that nobody reported, or may have stated wrongly, adds to the doubt of height and ratio.
     fn with_other_load(&self, Each { ratio, height }: Each<f64>) -> Each<f64> {
         let state = self.belief.state();
         let lighter = self.disturbance.lighter();
@@ -154,10 +154,10 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             x if x < 0.0 => ratio + off * ahead,
             _ => ratio + 2.0 * off * (1.0 - state[CG_RATIO]) * state[CG_RATIO],
         };
-        // After a load that nobody told, what slips and radii mean is known again only in part.
-        let untold = self.disturbance.since_load() < AFTER_UNTOLD;
-        let ratio = if untold && !self.is_told_its_load() {
-            ratio + UNTOLD * state[CG_RATIO]
+        // After a load that nobody reported, what slips and radii mean is known again only in part.
+        let unreported = self.disturbance.since_load() < AFTER_UNREPORTED;
+        let ratio = if unreported && !self.knows_its_load() {
+            ratio + UNREPORTED * state[CG_RATIO]
         } else {
             ratio
         };
@@ -166,7 +166,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         } else {
             height + off * state[CG_HEIGHT]
         };
-        if self.is_told_its_load() {
+        if self.knows_its_load() {
             return Each { ratio, height };
         }
         // The bucket may have been filled or emptied since: a mixture of both.

@@ -126,8 +126,8 @@ pub(super) struct CgFilter<const N: usize, const M: usize, B: Belief<N, M>> {
     /// How long ago something changed that the load may explain [s].
     changed: f64,
     pub(in crate::loader) load: Load,
-    /// The boom's motion is told.
-    boom_told: bool,
+    /// The boom's motion is reported.
+    boom_reported: bool,
     relearning: Relearning,
     /// Process noise of the next step beyond the usual, by state.
     #[cfg_attr(feature = "serde", serde(with = "crate::written"))]
@@ -192,7 +192,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             reopens: false,
             changed: f64::INFINITY,
             load: Load::default(),
-            boom_told: false,
+            boom_reported: false,
             relearning: Relearning::new([settings.prior.slip_stiffness, settings.prior.cg_ratio]),
             loosened: [0.0; N],
             spade_force_x: 0.0,
@@ -263,13 +263,13 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         self.weighed = weighed;
     }
 
-    /// What the error of a weighed load has left in the ratio of the empty machine, as a standard deviation: what the slips told of
-    /// that one they told under a load. Errors of many loads may have one cause, such as a lever, so none average out.
+    /// What the error of a weighed load has left in the ratio of the empty machine, as a standard deviation: what the slips showed of
+    /// that one they showed under a load. Errors of many loads may have one cause, such as a lever, so none average out.
     pub(in crate::loader) fn left_by_loads(&self) -> f64 {
         self.left_by_loads
     }
 
-    /// The row has told of the ratio, whose variance was `predicted`, under the present load: with the gain of its error.
+    /// The row has informed the ratio, whose variance was `predicted`, under the present load: with the gain of its error.
     fn learn_under_load(&mut self, predicted: f64) {
         if let Some(weighed) = &self.weighed {
             let gain = (1.0 - self.belief.variance(CG_RATIO) / predicted).clamp(0.0, 1.0);
@@ -311,7 +311,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         );
         self.evidence.receive(sample);
         self.evidence.stuck = self.stuck.first();
-        self.boom_told |= sample.boom_moving;
+        self.boom_reported |= sample.boom_moving;
         self.changed += dt;
         let slips = at_work && self.slips_far(sample);
         let rolls = self.belief.state()[SPEED].abs() > SPINS.1;
@@ -326,14 +326,14 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             return self.bridge_gap(sample, 0.0);
         }
         self.watch_slope(sample, dt);
-        if at_work && !self.is_told_its_load() {
+        if at_work && !self.knows_its_load() {
             self.weigh(dt);
         }
         let at = [SPEED, SLIP_STIFFNESS].map(|i| self.belief.state()[i]);
         self.effect = self.disturbance.update(&self.dynamics, &step, at, dt);
-        let told = self.is_told_its_load() || !self.relearning.settled();
-        if at_work && self.disturbance.load_stepped() && !told {
-            // A load came or went that nobody told, and was taken for another stiffness and other radii.
+        let known = self.knows_its_load() || !self.relearning.settled();
+        if at_work && self.disturbance.load_stepped() && !known {
+            // A load came or went that nobody reported, and was taken for another stiffness and other radii.
             self.changed = 0.0;
             self.reopens = true;
         }
@@ -389,20 +389,20 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
 
     fn loading(&self) -> Loading {
         let (mass, wheelbase) = (self.settings.machine.mass, self.dynamics.wheelbase);
-        let told = self.payload.map(|p| p.loading(mass, wheelbase));
+        let stated = self.payload.map(|p| p.loading(mass, wheelbase));
         let weighed = self.weighed.map(|w| w.loading);
-        told.or(weighed).unwrap_or(Loading::NONE)
+        stated.or(weighed).unwrap_or(Loading::NONE)
     }
 
     /// Mass with its load [kg].
     fn mass(&self) -> f64 {
-        let told = self.payload.map(|p| self.settings.machine.mass + p.mass);
+        let stated = self.payload.map(|p| self.settings.machine.mass + p.mass);
         let weighed = self.weighed.map(|w| w.mass);
-        told.or(weighed).unwrap_or(self.hold.mass)
+        stated.or(weighed).unwrap_or(self.hold.mass)
     }
 
-    /// Height and ratio are those of the empty machine: what it carries is told or weighed.
-    pub(in crate::loader) fn is_told_its_load(&self) -> bool {
+    /// Height and ratio are those of the empty machine: what it carries is reported or weighed.
+    pub(in crate::loader) fn knows_its_load(&self) -> bool {
         self.payload.is_some() || self.weighed.is_some()
     }
 
@@ -631,7 +631,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
     }
 
-    /// State `i` keeps its value and its variance of before the row, with its process noise; what the row would have told of it
+    /// State `i` keeps its value and its variance of before the row, with its process noise; what the row would have shown of it
     /// comes back with the next step's. What the row tells of the others takes its variance into account.
     fn consider(&mut self, i: usize, (value, variance): (f64, f64), process_std: f64) {
         self.belief.state_mut()[i] = value;

@@ -40,8 +40,8 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         if conditions.frozen {
             std[SLIP_STIFFNESS..=CG_RATIO].fill(0.0);
         }
-        if self.settings.protected() && !self.is_told_its_load() {
-            if boom_moving || self.lifts_untold() {
+        if self.settings.protected() && !self.knows_its_load() {
+            if boom_moving || self.lifts_unreported() {
                 std[CG_HEIGHT] = keys.boom_gain * scale * keys.q_cg_height;
                 std[CG_RATIO] = keys.boom_gain * scale * keys.q_cg_ratio;
             }
@@ -77,7 +77,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         std
     }
 
-    /// Height and ratio as they may be under the present load, where the motion has told nothing.
+    /// Height and ratio as they may be under the present load, where the motion has shown nothing.
     pub(super) fn expected_centre(&self) -> Centre {
         let prior = &self.settings.prior;
         let empty = [
@@ -89,8 +89,8 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     }
 
     /// The machine is loaded, and nobody would say if the boom moved.
-    pub(in crate::loader) fn lifts_untold(&self) -> bool {
-        self.settings.at_work() && !self.boom_told && self.load.share() > LEAST_LOAD
+    pub(in crate::loader) fn lifts_unreported(&self) -> bool {
+        self.settings.at_work() && !self.boom_reported && self.load.share() > LEAST_LOAD
     }
 
     /// A step of the mass moves the centre of gravity and makes it uncertain.

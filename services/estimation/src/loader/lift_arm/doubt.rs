@@ -3,7 +3,7 @@
 //! A number that is off is off in every row, so nothing averages it out: its effect is added to the answer. Twenty rows go round, in
 //! which an arm hardly moves.
 //!
-//! A bucket holds no less than nothing ([`crate::positive`]), and what is told of the payload is told of all that goes with it:
+//! A bucket holds no less than nothing ([`crate::positive`]), and what is known of the payload is known of all that goes with it:
 //! ```text
 //! m_p becomes m_p' with sigma':   lam' = lam + k d,   sigma_lam'^2 = k^2 sigma'^2 + max(1, d^2/sigma^2) (sigma_lam^2 - k^2 sigma^2)
 //! k = c/sigma^2,  d = m_p' - m_p
@@ -104,17 +104,17 @@ impl Doubts {
         let payload = positive(doubted.payload);
         let moved = payload.value - doubted.payload.value;
         let [old, new] = [doubted.payload, payload].map(|p| p.std * p.std);
-        let told = |i: usize| sums.with_payload[i] / sums.variances[0];
+        let gain = |i: usize| sums.with_payload[i] / sums.variances[0];
         let unlikely = (moved * moved / old).max(1.0);
-        let left = |std: f64, told: f64| {
-            let beside = (std * std - told * told * old).max(0.0);
-            sqrt(told * told * new + unlikely * beside)
+        let left = |std: f64, gain: f64| {
+            let beside = (std * std - gain * gain * old).max(0.0);
+            sqrt(gain * gain * new + unlikely * beside)
         };
         let cut = |i: usize, q: Quantity| Quantity {
-            value: q.value + told(i) * moved,
-            std: left(q.std, told(i)),
+            value: q.value + gain(i) * moved,
+            std: left(q.std, gain(i)),
         };
-        if !told(0).is_finite() || !told(1).is_finite() {
+        if !gain(0).is_finite() || !gain(1).is_finite() {
             return *doubted;
         }
         let Each { ratio, height } = doubted.centre;
@@ -125,8 +125,8 @@ impl Doubts {
                 height: cut(1, height),
             },
             moved: Each {
-                ratio: left(doubted.moved.ratio, told(0)),
-                height: left(doubted.moved.height, told(1)),
+                ratio: left(doubted.moved.ratio, gain(0)),
+                height: left(doubted.moved.height, gain(1)),
             },
         }
     }
@@ -158,29 +158,31 @@ mod tests {
 
     #[test]
     fn a_full_bucket_is_what_the_pressures_show() {
-        let [shown, told] = shown(1000.0);
-        assert_eq!(shown, told);
-        assert!((told.centre.ratio.std - 0.02_f64.hypot(0.005)).abs() < 1e-12);
-        assert!((told.moved.ratio - 0.02).abs() < 1e-12);
+        let [shown, widened] = shown(1000.0);
+        assert_eq!(shown, widened);
+        assert!((widened.centre.ratio.std - 0.02_f64.hypot(0.005)).abs() < 1e-12);
+        assert!((widened.moved.ratio - 0.02).abs() < 1e-12);
     }
 
     #[test]
     fn what_an_empty_bucket_tells_of_the_payload_it_tells_of_the_ratio() {
-        let [shown, told] = shown(0.0);
+        let [shown, widened] = shown(0.0);
         // Half a normal distribution: mean .798, standard deviation .603.
-        assert!((told.payload.value - 79.8).abs() < 0.1 && (told.payload.std - 60.3).abs() < 0.1);
-        let Each { ratio, height } = told.centre;
-        assert!((ratio.value - 0.5 - 2e-4 * told.payload.value).abs() < 1e-12);
-        assert!((ratio.std - (2e-4 * told.payload.std).hypot(0.005)).abs() < 1e-12);
+        assert!(
+            (widened.payload.value - 79.8).abs() < 0.1 && (widened.payload.std - 60.3).abs() < 0.1
+        );
+        let Each { ratio, height } = widened.centre;
+        assert!((ratio.value - 0.5 - 2e-4 * widened.payload.value).abs() < 1e-12);
+        assert!((ratio.std - (2e-4 * widened.payload.std).hypot(0.005)).abs() < 1e-12);
         assert!(height.std < 0.61 * shown.centre.height.std);
         // As if the load were known otherwise: only its part is left of the machine's centre.
-        assert!((told.moved.ratio - 2e-4 * told.payload.std).abs() < 1e-9);
+        assert!((widened.moved.ratio - 2e-4 * widened.payload.std).abs() < 1e-9);
     }
 
     #[test]
     fn a_bucket_far_below_zero_leaves_the_ratio_uncertain() {
-        let [_, told] = shown(-300.0);
-        let away = (told.payload.value + 300.0) / 100.0;
-        assert!(away > 3.0 && told.centre.ratio.std > 0.005 * away);
+        let [_, widened] = shown(-300.0);
+        let away = (widened.payload.value + 300.0) / 100.0;
+        assert!(away > 3.0 && widened.centre.ratio.std > 0.005 * away);
     }
 }

@@ -49,7 +49,7 @@ pub(super) struct Drawing {
     pub std: [f64; NUMBERS],
     count: f64,
     wheelbase: f64,
-    /// Angle of the arm, and of the bucket to the horizontal, at which the empty machine is told [rad].
+    /// Angle of the arm, and of the bucket to the horizontal, at which the empty machine is stated [rad].
     reference: [f64; 2],
     pub pressure_std: f64,
 }
@@ -97,7 +97,7 @@ impl Drawing {
         if described.iter().any(|x| *x <= 0.0) {
             return None;
         }
-        let or = |told: f64, usual: f64| if told > 0.0 { told } else { usual };
+        let or = |stated: f64, usual: f64| if stated > 0.0 { stated } else { usual };
         let empty_mass = or(arm.empty_mass, machine.mass);
         let by = |value: f64, std: f64, share: f64| (value, or(std, share * value.abs()));
         let both = [
@@ -245,9 +245,9 @@ impl Drawing {
     pub fn centre(&self, v: &[f64; NUMBERS], posture: &Posture, payload: f64) -> Each<f64> {
         let now = Self::places(v, posture.lift, posture.bucket);
         // The reference is where the arm truly stood.
-        let mut told = *v;
-        (told[LIFT_ZERO], told[TILT_ZERO]) = (0.0, 0.0);
-        let then = Self::places(&told, self.reference[0], self.reference[1]);
+        let mut stated = *v;
+        (stated[LIFT_ZERO], stated[TILT_ZERO]) = (0.0, 0.0);
+        let then = Self::places(&stated, self.reference[0], self.reference[1]);
         let moved = |axis: usize| {
             v[MASS] * (now.arm[axis] - then.arm[axis])
                 + v[BUCKET] * (now.load[axis] - then.load[axis])

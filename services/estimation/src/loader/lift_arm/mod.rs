@@ -253,14 +253,14 @@ impl LiftWitness {
             .doubts
             .doubted(payload.value, centre, rows, self.below.factor());
         // What may have come into the bucket meanwhile is no error about what it holds.
-        let told = if open {
+        let widened = if open {
             shown
         } else {
             self.doubts.not_less_than_nothing(&shown, rows)
         };
-        let mass = drawing.values[drawing::EMPTY_MASS] + told.payload.value;
+        let mass = drawing.values[drawing::EMPTY_MASS] + widened.payload.value;
         let share = drawing.values[drawing::EMPTY_MASS] / mass;
-        let (empty, Each { ratio, height }) = (self.empty(), told.centre);
+        let (empty, Each { ratio, height }) = (self.empty(), widened.centre);
         Weighed {
             payload: shown.payload,
             mass,
@@ -271,7 +271,7 @@ impl LiftWitness {
                 height: height.value - share * empty.height.0,
                 ratio: ratio.value - share * empty.ratio.0,
             },
-            loading_std: [told.moved.ratio, told.moved.height],
+            loading_std: [widened.moved.ratio, widened.moved.height],
             open,
             wrong: self.below.is_wrong(),
         }

@@ -5,7 +5,7 @@ use crate::loader::Method;
 use crate::loader::keys::{Description, Tuning};
 
 impl Settings {
-    /// What a method is told under a description: the keys that act, the others at the defaults of their filter.
+    /// What a method is given under a description: the keys that act, the others at the defaults of their filter.
     #[must_use]
     pub fn of(description: &Description, method: Method) -> Self {
         let keys = description.estimator;
@@ -36,7 +36,7 @@ impl Settings {
     }
 }
 
-/// The paper's filter, exactly; what the paper leaves open is as told.
+/// The paper's filter, exactly; what the paper leaves open is as stated.
 fn as_printed(keys: Estimator) -> Estimator {
     Estimator {
         load_transfer: keys.load_transfer,

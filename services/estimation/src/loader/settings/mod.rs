@@ -1,4 +1,4 @@
-//! What the estimator is told: the tables of a description, read as they are, and how much of a real machine the filter
+//! What the estimator is given: the tables of a description, read as they are, and how much of a real machine the filter
 //! reckons with. SI units.
 //!
 //! | file | idea |
@@ -35,7 +35,7 @@ pub enum Realism {
     AtWork,
 }
 
-/// Everything the estimator is told.
+/// Everything the estimator is given.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Settings {

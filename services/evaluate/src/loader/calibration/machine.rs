@@ -1,6 +1,6 @@
-//! The machines that are calibrated, their recordings, and what is told of them.
+//! The machines that are calibrated, their recordings, and what is stated of them.
 
-use calibrate::loader::{Input, Told};
+use calibrate::loader::{Input, StatedLoad};
 use estimation::loader::weigh::{Reading, Weighing};
 use sim::loader::{Effects, Machine, Row, Run, Scenario, Simulation, Tier};
 use sim::noise::Noise;
@@ -92,37 +92,37 @@ pub fn way(rows: &[Row]) -> impl Iterator<Item = f64> {
 }
 
 /// A recording for `heft calibrate`.
-pub fn input(name: &str, rows: &[Row], told: Told) -> Input {
+pub fn input(name: &str, rows: &[Row], stated: StatedLoad) -> Input {
     Input {
         name: name.into(),
         samples: rows.iter().map(sample).collect(),
-        told,
+        stated,
     }
 }
 
 /// What a competent user states of the machine before.
-pub fn described(told: &sim::loader::Told) -> config::Loader {
+pub fn described(nominal: &sim::loader::Nominal) -> config::Loader {
     let mut d = config::Loader::default();
-    d.machine.mass = told.mass;
-    d.machine.wheel_radius = told.wheel_radius;
-    d.machine.axle_inertia = told.axle_inertia;
-    d.machine.wheelbase = told.wheelbase;
-    d.machine.bucket_reach = told.bucket_reach;
-    d.machine.rolling_resistance = told.rolling_resistance;
-    d.machine.friction = told.friction;
-    d.machine.radius_load_sensitivity = told.radius_load_sensitivity;
-    d.prior.slip_stiffness = told.slip_stiffness;
-    d.prior.cg_height = told.cg_height.max(0.3);
-    d.prior.cg_ratio = told.cg_ratio;
-    d.sensors.speed_std = told.grade.speed_std();
-    d.sensors.wheel_speed_std = told.grade.wheel_speed_std();
-    d.sensors.slope_std = told.grade.slope_std();
-    d.sensors.acceleration_std = told.grade.acceleration_std();
+    d.machine.mass = nominal.mass;
+    d.machine.wheel_radius = nominal.wheel_radius;
+    d.machine.axle_inertia = nominal.axle_inertia;
+    d.machine.wheelbase = nominal.wheelbase;
+    d.machine.bucket_reach = nominal.bucket_reach;
+    d.machine.rolling_resistance = nominal.rolling_resistance;
+    d.machine.friction = nominal.friction;
+    d.machine.radius_load_sensitivity = nominal.radius_load_sensitivity;
+    d.prior.slip_stiffness = nominal.slip_stiffness;
+    d.prior.cg_height = nominal.cg_height.max(0.3);
+    d.prior.cg_ratio = nominal.cg_ratio;
+    d.sensors.speed_std = nominal.grade.speed_std();
+    d.sensors.wheel_speed_std = nominal.grade.wheel_speed_std();
+    d.sensors.slope_std = nominal.grade.slope_std();
+    d.sensors.acceleration_std = nominal.grade.acceleration_std();
     d
 }
 
 /// The empty machine on axle scales.
-pub fn weighed(machine: &Machine, noise: &mut Noise) -> Result<Told, Error> {
+pub fn weighed(machine: &Machine, noise: &mut Noise) -> Result<StatedLoad, Error> {
     let mut weighing = Weighing::new(machine.wheelbase, SCALE_STD).map_err(Error::refused)?;
     for pitch in TILTS {
         let share = machine.cg_ratio - machine.cg_height / machine.wheelbase * pitch.tan();
@@ -135,5 +135,5 @@ pub fn weighed(machine: &Machine, noise: &mut Noise) -> Result<Told, Error> {
         weighing.add(&reading).map_err(Error::refused)?;
     }
     let reference = weighing.reference().map_err(Error::refused)?;
-    Ok(Told::weighed(&reference, SCALE_STD))
+    Ok(StatedLoad::weighed(&reference, SCALE_STD))
 }

@@ -1,5 +1,5 @@
 //! Runs of machines. A run is named by an id drawn by chance; they are in order of when the collector first heard of
-//! them, by its own clock. A machine's clock and its count order nothing: they are told, and may be wrong.
+//! them, by its own clock. A machine's clock and its count order nothing: they are reported, and may be wrong.
 
 use std::collections::HashMap;
 use std::time::Instant;
@@ -96,7 +96,7 @@ impl Store {
     }
 
     /// Notes what a status says of a known run: its count, and how far its clock is off.
-    pub(super) fn told_of_run(
+    pub(super) fn reported_run(
         &mut self,
         machine: i64,
         run: i64,

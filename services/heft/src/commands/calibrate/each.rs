@@ -11,7 +11,7 @@ use view::number;
 
 use super::args::CalibrateArgs;
 use super::inputs;
-use super::told::scales;
+use super::stated::scales;
 use crate::build::IDENTITY;
 use crate::failure::Failure;
 use crate::many::{self, Ended, Job};
@@ -82,8 +82,8 @@ fn options(args: &CalibrateArgs, folder: &Path) -> Vec<String> {
     };
     let is_here = |text: &&String| is_meant(text.rsplit_once('=').map_or("", |(file, _)| file));
     let mut all = inputs::options(args);
-    for (name, told) in [("--payload", &args.payload), ("--mass", &args.mass)] {
-        all.extend(told.iter().filter(is_here).map(|t| format!("{name}={t}")));
+    for (name, stated) in [("--payload", &args.payload), ("--mass", &args.mass)] {
+        all.extend(stated.iter().filter(is_here).map(|t| format!("{name}={t}")));
     }
     let ways = args.there_and_back.iter();
     let own_ways = ways.filter(|text| text.split(',').all(is_meant));

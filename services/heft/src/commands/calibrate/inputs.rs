@@ -55,21 +55,21 @@ pub fn origin(args: &CalibrateArgs) -> Result<Vec<String>, Failure> {
             lines.push(format!("  {}  sha256 {hash}", part.display()));
         }
     }
-    let told = [
+    let stated = [
         ("--payload", &args.payload),
         ("--mass", &args.mass),
         ("--weigh", &args.weigh),
         ("--there-and-back", &args.there_and_back),
     ];
-    let told = told
+    let stated = stated
         .iter()
         .flat_map(|(option, given)| given.iter().map(move |g| format!("{option}={g}")));
-    let all: Vec<String> = options(args).into_iter().chain(told).collect();
+    let all: Vec<String> = options(args).into_iter().chain(stated).collect();
     lines.push(asked(&all));
     Ok(lines)
 }
 
-/// Options that decide what comes out, beside what is told of the recordings.
+/// Options that decide what comes out, beside what is stated of the recordings.
 pub(super) fn options(args: &CalibrateArgs) -> Vec<String> {
     let mut all = Vec::new();
     let mut option = |name: &str, value: &str| all.push(format!("{name}={value}"));

@@ -1,4 +1,4 @@
-//! What a calibration found: told, and written where it may be believed.
+//! What a calibration found: printed, and written where it may be believed.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -9,7 +9,7 @@ use calibrate::fit::Progress;
 use recording::output;
 
 use super::args::CalibrateArgs;
-use super::{page, told};
+use super::{page, stated};
 use crate::failure::Failure;
 use crate::results;
 
@@ -57,7 +57,7 @@ fn output_of(args: &CalibrateArgs) -> Result<&Path, Failure> {
 
 /// What is read, and must not be written over.
 fn taken(args: &CalibrateArgs) -> Vec<&Path> {
-    let scales = args.weigh.iter().map(|w| told::scales(w).1);
+    let scales = args.weigh.iter().map(|w| stated::scales(w).1);
     let files = args.files.iter().map(PathBuf::as_path);
     let others = [args.map.as_deref(), args.description.config.as_deref()];
     files

@@ -8,9 +8,9 @@ use view::estimate::Estimate;
 use crate::failure::Failure;
 use crate::results;
 
-/// What is told of one quantity.
+/// What is reported of one quantity.
 #[derive(Clone, Copy, Default)]
-struct Told {
+struct HeadlineTally {
     /// Rows that were trusted; of those in motion.
     trusted: [usize; 2],
     /// Time \[s\], value and standard deviation of the last that was trusted.
@@ -23,7 +23,7 @@ pub struct Found<E: Estimate> {
     moving: usize,
     first_time: f64,
     last: E,
-    told: Vec<Told>,
+    tally: Vec<HeadlineTally>,
 }
 
 impl<E: Estimate> Found<E> {
@@ -34,7 +34,7 @@ impl<E: Estimate> Found<E> {
             moving: 0,
             first_time: 0.0,
             last: E::default(),
-            told: headlines.map(|_| Told::default()).collect(),
+            tally: headlines.map(|_| HeadlineTally::default()).collect(),
         }
     }
 
@@ -48,11 +48,11 @@ impl<E: Estimate> Found<E> {
         self.moving += usize::from(moves);
         self.last = *estimate;
         let headlines = E::PARAMETERS.iter().filter(|p| p.headline());
-        for (told, p) in self.told.iter_mut().zip(headlines) {
+        for (tally, p) in self.tally.iter_mut().zip(headlines) {
             if estimate.flags() & p.trusted != 0 {
-                told.trusted[0] += 1;
-                told.trusted[1] += usize::from(moves);
-                told.last = Some([time, p.value(estimate), p.std(estimate)]);
+                tally.trusted[0] += 1;
+                tally.trusted[1] += usize::from(moves);
+                tally.last = Some([time, p.value(estimate), p.std(estimate)]);
             }
         }
     }
@@ -65,15 +65,15 @@ impl<E: Estimate> Found<E> {
     fn json(&self, refused: usize) -> Value {
         let share = |n: usize, of: usize| (of > 0).then(|| n as f64 / of as f64);
         let headlines = E::PARAMETERS.iter().filter(|p| p.headline());
-        let quantities = self.told.iter().zip(headlines).map(|(told, p)| {
-            let [time, value, std] = told.last.unwrap_or([f64::NAN; 3]);
+        let quantities = self.tally.iter().zip(headlines).map(|(tally, p)| {
+            let [time, value, std] = tally.last.unwrap_or([f64::NAN; 3]);
             json!({
                 "key": p.key, "label": p.label, "unit": p.unit,
                 "value": p.value(&self.last), "std": p.std(&self.last),
                 "trusted": self.last.flags() & p.trusted != 0,
-                "last_trusted": told.last.map(|_| json!({"time": time, "value": value, "std": std})),
-                "trusted_share": share(told.trusted[0], self.rows),
-                "trusted_share_in_motion": share(told.trusted[1], self.moving),
+                "last_trusted": tally.last.map(|_| json!({"time": time, "value": value, "std": std})),
+                "trusted_share": share(tally.trusted[0], self.rows),
+                "trusted_share_in_motion": share(tally.trusted[1], self.moving),
             })
         });
         json!({

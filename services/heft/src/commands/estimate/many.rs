@@ -154,7 +154,7 @@ fn text<'a>(quantity: &'a Value, key: &str) -> &'a str {
 }
 
 /// Value and standard deviation of what was trusted last, else of the last.
-fn told(quantity: &Value) -> (Option<[f64; 2]>, bool) {
+fn last_value(quantity: &Value) -> (Option<[f64; 2]>, bool) {
     let trusted = quantity.get("last_trusted").filter(|t| !t.is_null());
     let number = |key| trusted.unwrap_or(quantity).get(key)?.as_f64();
     (
@@ -185,7 +185,7 @@ fn terminal(rows: &[Row]) -> String {
                 cells.extend([String::new(), String::new()]);
                 continue;
             };
-            let (value, trusted) = told(quantity);
+            let (value, trusted) = last_value(quantity);
             let doubt = if trusted { "" } else { " (not trusted)" };
             let value = value.map_or(String::new(), |[v, s]| {
                 number::with_std(v, s, &number::unit(text(quantity, "unit")))
@@ -227,7 +227,7 @@ fn csv(rows: &[Row]) -> String {
         ];
         for n in 0..keys.len() {
             let quantity = row.quantities().get(n);
-            let (value, trusted) = quantity.map_or((None, false), told);
+            let (value, trusted) = quantity.map_or((None, false), last_value);
             let share = quantity.and_then(|q| q.get("trusted_share_in_motion")?.as_f64());
             cells.extend([
                 shown(value.map(|v| v[0])),

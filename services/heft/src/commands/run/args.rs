@@ -1,4 +1,4 @@
-//! What `heft run` is told.
+//! What `heft run` is given.
 
 use std::net::SocketAddr;
 use std::num::NonZeroUsize;
@@ -62,7 +62,7 @@ pub struct RunArgs {
         "live_lines", "probe",
     ])]
     pub machines: Option<NonZeroUsize>,
-    /// What a truck shall hold, in kg: loads are counted, told as they come, and shown at `/loads` of the live page
+    /// What a truck shall hold, in kg: loads are counted, reported as they come, and shown at `/loads` of the live page
     #[arg(long, value_name = "KG", value_parser = crate::commands::loads::positive)]
     pub target: Option<f64>,
     /// The machine's description

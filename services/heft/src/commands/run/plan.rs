@@ -124,7 +124,7 @@ impl Plan {
     }
 }
 
-/// Builds every part of the plan once, so that a mistake is told before any process starts.
+/// Builds every part of the plan once, so that a mistake is reported before any process starts.
 fn check(plan: &Plan, description: &Description) -> Result<(), Failure> {
     for (stage, row) in plan.pipeline().rows() {
         row.start(description, plan.method(stage.name))?;

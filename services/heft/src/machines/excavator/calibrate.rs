@@ -5,14 +5,14 @@ use calibrate::excavator::{self as machine, Input};
 use crate::commands::calibrate::args::CalibrateArgs;
 use crate::commands::calibrate::inputs::{map_for, names, origin};
 use crate::commands::calibrate::outcome::{finish, interrupt, tell_progress, unknown_key};
-use crate::commands::calibrate::told::told;
+use crate::commands::calibrate::stated::stated;
 use crate::failure::Failure;
 use crate::sources;
 
 /// The excavator's own parameters from recordings.
 pub(super) fn calibrate(args: &CalibrateArgs, d: &config::Excavator) -> Result<(), Failure> {
     let map = sources::map(args.map.as_deref())?;
-    let loads = told(args, &args.payload, "--payload")?;
+    let loads = stated(args, &args.payload, "--payload")?;
     let mut inputs = Vec::new();
     for ((file, name), payload) in args.files.iter().zip(names(&args.files)).zip(loads) {
         let rows =

@@ -1,11 +1,11 @@
 //! `heft calibrate loader`.
 
-use calibrate::loader::{self as machine, Told};
+use calibrate::loader::{self as machine, StatedLoad};
 
 use crate::commands::calibrate::args::CalibrateArgs;
 use crate::commands::calibrate::inputs::{map_for, names, origin};
 use crate::commands::calibrate::outcome::{finish, interrupt, tell_progress, unknown_key};
-use crate::commands::calibrate::told::{position, scales, told, ways};
+use crate::commands::calibrate::stated::{position, scales, stated, ways};
 use crate::commands::weigh::{SCALE_STD, reference};
 use crate::failure::Failure;
 use crate::sources;
@@ -13,7 +13,7 @@ use crate::sources;
 /// The loader's own parameters from recordings.
 pub(super) fn calibrate(args: &CalibrateArgs, d: &config::Loader) -> Result<(), Failure> {
     let map = sources::map(args.map.as_deref())?;
-    let masses = told(args, &args.mass, "--mass")?;
+    let masses = stated(args, &args.mass, "--mass")?;
     let scales = weighed(args, d.machine.wheelbase)?;
     let mut inputs = Vec::new();
     let files = args.files.iter().zip(names(&args.files)).zip(masses);
@@ -22,7 +22,7 @@ pub(super) fn calibrate(args: &CalibrateArgs, d: &config::Loader) -> Result<(), 
         inputs.push(machine::Input {
             name,
             samples: rows.iter().map(|(s, _)| steps::loader::sample(s)).collect(),
-            told: Told {
+            stated: StatedLoad {
                 mass,
                 ..scales[i + 1]
             },
@@ -47,8 +47,8 @@ pub(super) fn calibrate(args: &CalibrateArgs, d: &config::Loader) -> Result<(), 
 }
 
 /// What axle scales say of the machine as described, and then of the machine in each file: `SCALES` or `FILE=SCALES`.
-fn weighed(args: &CalibrateArgs, wheelbase: f64) -> Result<Vec<Told>, Failure> {
-    let mut all = vec![Told::default(); args.files.len() + 1];
+fn weighed(args: &CalibrateArgs, wheelbase: f64) -> Result<Vec<StatedLoad>, Failure> {
+    let mut all = vec![StatedLoad::default(); args.files.len() + 1];
     for text in &args.weigh {
         let (file, scales) = scales(text);
         let at = match file {
@@ -56,7 +56,7 @@ fn weighed(args: &CalibrateArgs, wheelbase: f64) -> Result<Vec<Told>, Failure> {
             Some(file) => 1 + position(args, file, "--weigh", text)?,
         };
         let reference = reference(scales, wheelbase)?;
-        all[at] = Told::weighed(&reference, SCALE_STD);
+        all[at] = StatedLoad::weighed(&reference, SCALE_STD);
     }
     Ok(all)
 }

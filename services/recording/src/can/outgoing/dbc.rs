@@ -66,7 +66,7 @@ const MOST_REASONS: usize = 0xfb;
 
 impl Kind {
     /// What its flags are of.
-    fn told(&self) -> &'static str {
+    fn transmitted(&self) -> &'static str {
         match self.channel.payload.carries() {
             Carries::Estimate => "the estimates",
             _ => "the loads",
@@ -93,7 +93,7 @@ impl Kind {
             Content::Flags(_, numbers) => {
                 let what = format!(
                     "whether {} of the {machine} may be believed, and why not",
-                    self.told()
+                    self.transmitted()
                 );
                 let _ = writeln!(out, "CM_ BO_ {id} \"{what}\";");
                 for (_, number) in numbers.iter().filter(|(_, n)| !n.doc.is_empty()) {

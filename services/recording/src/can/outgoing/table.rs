@@ -45,7 +45,7 @@ pub(crate) struct FrameTable {
     pub loads_group: u16,
 }
 
-/// What is told of loads, the same for every machine; groups count from the machine's first one.
+/// What is reported of loads, the same for every machine; groups count from the machine's first one.
 pub(crate) const LOADS: &[Quantity] =
     &quantities::<{ count_framed(loads::QUANTITIES) }>(loads::QUANTITIES);
 

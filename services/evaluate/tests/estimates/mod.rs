@@ -11,13 +11,13 @@ const COLUMNS: Columns = Columns {
 };
 
 /// Each row with what is said of it.
-pub fn told(
+pub fn estimates(
     rows: impl Iterator<Item = Row>,
     settings: &Settings,
     method: Method,
 ) -> Vec<(Row, Estimate)> {
     let mut estimator = SwingEstimator::new(settings, method, COLUMNS).expect("an estimator");
-    let told = rows.map(|row| {
+    let estimates = rows.map(|row| {
         let sample = Sample {
             time: row.time,
             velocity: row.swing_velocity,
@@ -27,5 +27,5 @@ pub fn told(
         };
         (row, estimator.step(&sample))
     });
-    told.collect()
+    estimates.collect()
 }

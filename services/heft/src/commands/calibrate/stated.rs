@@ -16,7 +16,7 @@ pub fn scales(text: &str) -> (Option<&str>, &Path) {
 }
 
 /// The load of each file: `FILE=KG`, `FILE=KG±KG` or `FILE=KG+-KG`.
-pub fn told(
+pub fn stated(
     args: &CalibrateArgs,
     given: &[String],
     option: &str,

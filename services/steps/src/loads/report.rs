@@ -1,6 +1,6 @@
 //! Loads as a message: what other programs hear of the ledger.
 
-use estimation::loads::Told;
+use estimation::loads::LoadReport;
 use messages::channels::{Channel, EXCAVATOR_LOADS, LOADER_LOADS};
 use messages::{Envelope, ExcavatorLoads, LoaderLoads, Machine, Message, Stamp};
 
@@ -12,17 +12,17 @@ macro_rules! fill {
         numbers { $( $name:ident $place:tt $unit:tt $doc:tt; )* }
         codes { $( $code:ident $code_place:tt $code_doc:tt; )* }
     ) => {
-        fn excavator(told: &Told) -> ExcavatorLoads {
+        fn excavator(report: &LoadReport) -> ExcavatorLoads {
             let mut message = ExcavatorLoads::default();
-            $( message.$name = told.$name; )*
-            $( message.$code = told.$code; )*
+            $( message.$name = report.$name; )*
+            $( message.$code = report.$code; )*
             message
         }
 
-        fn loader(told: &Told) -> LoaderLoads {
+        fn loader(report: &LoadReport) -> LoaderLoads {
             let mut message = LoaderLoads::default();
-            $( message.$name = told.$name; )*
-            $( message.$code = told.$code; )*
+            $( message.$name = report.$name; )*
+            $( message.$code = report.$code; )*
             message
         }
     };
@@ -33,17 +33,17 @@ sheet::loads_fields!(fill);
 /// What is known of the bucket, the latest load and its truck, as a message beside the estimate of this stamp.
 #[must_use]
 pub fn message(counter: &LoadCounter, stamp: &Stamp) -> Envelope {
-    let mut told = Told::of(counter.ledger(), counter.loads().next_back());
-    told.reason &= REASON;
+    let mut report = LoadReport::of(counter.ledger(), counter.loads().next_back());
+    report.reason &= REASON;
     match counter.machine() {
         Machine::Excavator => ExcavatorLoads {
             stamp: *stamp,
-            ..excavator(&told)
+            ..excavator(&report)
         }
         .envelope(),
         Machine::Loader => LoaderLoads {
             stamp: *stamp,
-            ..loader(&told)
+            ..loader(&report)
         }
         .envelope(),
     }

@@ -11,7 +11,7 @@
 //! | T | `BETWEEN` | slow time between two changes | s |
 //! | kappa, c | - | as they were known before (`inertia`) | 1, m/s^2 |
 //! | d | - | by how much another load would move kappa | 1 |
-//! | u, a | - | force over the told mass, acceleration | m/s^2 |
+//! | u, a | - | force over the stated mass, acceleration | m/s^2 |
 
 use super::inertia::{NOISE, Push, TOGETHER};
 use crate::math::exp;
@@ -30,13 +30,13 @@ const LEAST: f64 = 1e-3;
 /// Memory of what a bucket may hold.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Untold {
+pub(super) struct UnreportedLoad {
     probability: f64,
     /// kappa and c before the machine slowed down.
     before: Option<[f64; 2]>,
 }
 
-impl Untold {
+impl UnreportedLoad {
     /// Takes a row; `known` are kappa and c after it, `counts` where the torques alone move the machine.
     pub fn see(&mut self, row: &Push, known: [f64; 2], counts: bool, dt: f64) {
         if row.speed.abs() < SLOW {
@@ -58,7 +58,7 @@ impl Untold {
         let likelier = (residual * residual - other * other) / (2.0 * noise);
         let kept = (1.0 - self.probability).max(LEAST) * exp(-likelier);
         self.probability = (self.probability / (self.probability + kept)).min(1.0 - LEAST);
-        // Neither a certain row nor a bad one leaves anything to be told.
+        // Neither a certain row nor a bad one leaves anything to learn.
         if self.probability.is_nan() || self.probability < LEAST {
             self.settle();
         }
@@ -81,18 +81,19 @@ mod tests {
 
     /// Stands for `slow` seconds, then drives with this kappa; the probability before and after.
     fn drive(slow: u32, kappa: f64) -> [f64; 2] {
-        let mut untold = Untold::default();
+        let mut unreported_load = UnreportedLoad::default();
         let row = |acceleration: f64, pull: f64, speed: f64| Push {
             acceleration,
             pull,
             speed,
         };
-        (0..100 * slow).for_each(|_| untold.see(&row(0.0, 0.0, 0.2), [1.0, 0.2], true, 0.01));
-        let before = untold.probability();
+        (0..100 * slow)
+            .for_each(|_| unreported_load.see(&row(0.0, 0.0, 0.2), [1.0, 0.2], true, 0.01));
+        let before = unreported_load.probability();
         (0..300).for_each(|_| {
-            untold.see(&row(kappa * 0.8 - 0.2, 0.8, 2.0), [1.0, 0.2], true, 0.01);
+            unreported_load.see(&row(kappa * 0.8 - 0.2, 0.8, 2.0), [1.0, 0.2], true, 0.01);
         });
-        [before, untold.probability()]
+        [before, unreported_load.probability()]
     }
 
     #[test]

@@ -16,7 +16,7 @@ struct At {
 }
 
 /// The structure from the rows of the sheet.
-macro_rules! told {
+macro_rules! report {
     (
         numbers { $( $name:ident ($($place:tt)*) $unit:tt $doc:tt; )* }
         codes { $( $code:ident ($($code_place:tt)*) $code_doc:tt; )* }
@@ -24,12 +24,12 @@ macro_rules! told {
         /// What the bucket holds now, the latest load, and its truck.
         #[repr(C)]
         #[derive(Clone, Copy, Debug, Default, PartialEq)]
-        pub struct Told {
+        pub struct LoadReport {
             $( #[doc = $doc] pub $name: f64, )*
             $( #[doc = $code_doc] pub $code: u32, )*
         }
 
-        impl Told {
+        impl LoadReport {
             fn at(at: &At) -> Self {
                 Self {
                     $( $name: at.$($place)*, )*
@@ -40,10 +40,10 @@ macro_rules! told {
     };
 }
 
-sheet::loads_fields!(told);
+sheet::loads_fields!(report);
 
-impl Told {
-    /// What a ledger knows; `last`: the latest load that it has told.
+impl LoadReport {
+    /// What a ledger knows; `last`: the latest load that it has reported.
     pub fn of(ledger: &Ledger, last: Option<&Load>) -> Self {
         let (now, truck) = (ledger.now(), ledger.truck());
         // One that leaves may come back: nothing of it is final. One that was carried and is not any more is unknown.
@@ -103,10 +103,10 @@ mod tests {
             target: Some(2000.0),
             ..Settings::with_rated(1000.0)
         });
-        let (mut last, mut told) = (None, Told::of(&ledger, None));
-        assert_eq!((told.payload_age, told.load), (NEVER, 0));
-        assert!(told.payload_std > 500.0, "nothing is known");
-        assert_eq!(told.flags, bits::HAS_TARGET);
+        let (mut last, mut report) = (None, LoadReport::of(&ledger, None));
+        assert_eq!((report.payload_age, report.load), (NEVER, 0));
+        assert!(report.payload_std > 500.0, "nothing is known");
+        assert_eq!(report.flags, bits::HAS_TARGET);
         for i in 0..1200 {
             let time = f64::from(i) * 0.01;
             let value = if (200..500).contains(&i) { 900.0 } else { 20.0 };
@@ -119,19 +119,19 @@ mod tests {
                 ..Row::default()
             };
             last = ledger.step(&row).load.or(last);
-            told = Told::of(&ledger, last.as_ref());
+            report = LoadReport::of(&ledger, last.as_ref());
             if i == 450 {
                 let carried = bits::TRUSTED | bits::CARRIED | bits::WEIGHED | bits::HAS_TARGET;
-                assert_eq!((told.flags, told.load), (carried, 1));
-                assert!((told.mass - 900.0).abs() < 30.0 && told.dumped == 0.0);
+                assert_eq!((report.flags, report.load), (carried, 1));
+                assert!((report.mass - 900.0).abs() < 30.0 && report.dumped == 0.0);
             }
         }
-        let has = |bit: u32| told.flags & bit != 0;
+        let has = |bit: u32| report.flags & bit != 0;
         assert!(has(bits::FINAL) && has(bits::TRUCK_TRUSTED) && !has(bits::CARRIED));
-        assert!((told.truck_mass - 880.0).abs() < 30.0, "{told:?}");
-        assert!((told.remaining - 1120.0).abs() < 30.0, "{told:?}");
-        assert!((told.payload_age - 2.0).abs() < 0.02, "{told:?}");
-        assert!(told.payload.abs() < 60.0, "the last known value stays");
-        assert!(told.payload_std > 100.0, "and is less certain with time");
+        assert!((report.truck_mass - 880.0).abs() < 30.0, "{report:?}");
+        assert!((report.remaining - 1120.0).abs() < 30.0, "{report:?}");
+        assert!((report.payload_age - 2.0).abs() < 0.02, "{report:?}");
+        assert!(report.payload.abs() < 60.0, "the last known value stays");
+        assert!(report.payload_std > 100.0, "and is less certain with time");
     }
 }
