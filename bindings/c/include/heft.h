@@ -188,7 +188,7 @@ typedef struct {
 /* Settings, as in a description; flags are 0 or 1, choices count from 0, NAN is "none" and ends a list. */
 typedef struct {
   struct {
-    double operating_mass; /* Operating mass; with it all that is not told has the value that machines of this mass have, with their spread. [kg] */
+    double operating_mass; /* Operating mass; with it all that is not stated has the value that machines of this mass have, with their spread. [kg] */
     double rated_payload; /* Rated payload of the bucket; "none" takes that of machines of the operating mass. [kg] */
     double swing_torque; /* Largest torque of the swing; "none" takes that of machines of the operating mass. [N m] */
     double nominal_damping; /* Viscous damping of the swing, as known beforehand (b-bar). [N m s/rad] */
@@ -355,7 +355,7 @@ const char *heft_excavator_error(const void *memory);
 #define HEFT_LOADER_REASON_STUCK_ACCELERATION 8 /* the acceleration never changes */
 #define HEFT_LOADER_REASON_UNEXPLAINED 9 /* the motion does not follow the model */
 #define HEFT_LOADER_REASON_LATENCY 10 /* the speed comes later than a sensor may */
-#define HEFT_LOADER_REASON_STIFFNESS 11 /* the slip stiffness is none that tyres have */
+#define HEFT_LOADER_REASON_STIFFNESS 11 /* the slip stiffness is implausible for a tyre */
 #define HEFT_LOADER_REASON_BRAKES 12 /* friction brakes seem to act */
 #define HEFT_LOADER_REASON_STEERING 13 /* the machine turns */
 #define HEFT_LOADER_REASON_SLOPE 14 /* the slope does not fit the motion */
@@ -364,7 +364,7 @@ const char *heft_excavator_error(const void *memory);
 #define HEFT_LOADER_REASON_DISAGREEMENT 17 /* manoeuvres disagree by more than they claim */
 #define HEFT_LOADER_REASON_LIMIT 18 /* an estimate is at its limit */
 #define HEFT_LOADER_REASON_RESTARTED 19 /* the service was started again */
-#define HEFT_LOADER_REASON_LOCKED_DRIVE 20 /* the axles turn alike: the torques told are not theirs */
+#define HEFT_LOADER_REASON_LOCKED_DRIVE 20 /* the axles turn alike: the stated torques are not theirs */
 
 /* Name of a reason; empty for none. */
 static inline const char *heft_loader_reason(uint32_t code) {
@@ -680,7 +680,7 @@ typedef struct {
   uint32_t truck_loads; /* Loads that it holds. */
   uint32_t truck_untrusted; /* Of them those that may not be believed. */
   uint32_t stage; /* Code of how far the load has come. */
-  uint32_t witness; /* Code of what told its mass. */
+  uint32_t witness; /* Code of the source of its mass. */
   uint32_t reason; /* Code of the reason why it is not trusted. */
   uint32_t flags; /* Bits of this message. */
 } heft_loads;

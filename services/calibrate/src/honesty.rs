@@ -49,7 +49,7 @@ impl Direction {
         let names: Vec<&str> = members.iter().map(|&i| &*parameters[i].words).collect();
         let what = match names.as_slice() {
             [first @ .., last] if !first.is_empty() => format!(
-                "{} and {last} cannot be told apart by these recordings",
+                "{} and {last} cannot be distinguished by these recordings",
                 first.join(", ")
             ),
             _ => format!("{} is not determined by these recordings", names.concat()),

@@ -154,7 +154,7 @@ macro_rules! loader_reasons {
             8 StuckAcceleration "stuck acceleration" "the acceleration never changes";
             9 Unexplained "unexplained" "the motion does not follow the model";
             10 Latency "latency" "the speed comes later than a sensor may";
-            11 Stiffness "stiffness" "the slip stiffness is none that tyres have";
+            11 Stiffness "stiffness" "the slip stiffness is implausible for a tyre";
             12 Brakes "brakes" "friction brakes seem to act";
             13 Steering "steering" "the machine turns";
             14 Slope "slope" "the slope does not fit the motion";
@@ -163,7 +163,7 @@ macro_rules! loader_reasons {
             17 Disagreement "disagreement" "manoeuvres disagree by more than they claim";
             18 AtLimit "limit" "an estimate is at its limit";
             19 Restarted "restarted" "the service was started again";
-            20 Locked "locked drive" "the axles turn alike: the torques told are not theirs";
+            20 Locked "locked drive" "the axles turn alike: the stated torques are not theirs";
         }
     };
 }

@@ -120,7 +120,7 @@ macro_rules! loads_fields {
                 truck_loads (truck.total.loads) "Loads that it holds.";
                 truck_untrusted (truck.total.untrusted) "Of them those that may not be believed.";
                 stage (load.stage.code()) "Code of how far the load has come.";
-                witness (load.witness.code()) "Code of what told its mass.";
+                witness (load.witness.code()) "Code of the source of its mass.";
                 reason (load.why) "Code of the reason why it is not trusted.";
                 flags (flags) "Bits of this message.";
             }

@@ -146,7 +146,7 @@ fn fit(
     }
     let learnt = solution.learnt(friction, &before);
     if learnt.friction.std > IDENTIFIED_STD_SHARE * friction_std {
-        return Err("the boom's cylinders stay as described: their friction cannot be told from the zeros of the sensors; lift and lower the boom more often"
+        return Err("the boom's cylinders stay as described: their friction cannot be distinguished from the zeros of the sensors; lift and lower the boom more often"
             .into());
     }
     Ok(learnt)

@@ -10,8 +10,8 @@
 //! The disturbances are correlated over some 10 ms and more. Sampling faster than that tells nothing new about them, so at
 //! higher rates their standard deviation grows with the root of the rate.
 
-use super::ripple::{Ripple, Wavering};
 use super::settings::{Estimator, Settings};
+use super::slip_fluctuation::{SlipFluctuation, Wavering};
 use super::wheel_dynamics::{GRAVITY, Inputs, WheelDynamics};
 use crate::math::sqrt;
 
@@ -53,7 +53,7 @@ pub(super) struct Conditions {
 pub(super) struct Monitor {
     hold: f64,
     lagged_torque: [f64; 2],
-    ripple: Ripple,
+    slip_fluctuation: SlipFluctuation,
     /// Of the present row.
     wavering: [Wavering; 2],
 }
@@ -122,7 +122,7 @@ impl Monitor {
         let settle = (step.dt * speed.max(LEAST_ROLLING_SPEED) / RELAXATION_LENGTH).min(1.0);
         let usual = keys.c_b * keys.c_b;
         let square = if step.learns_ripple {
-            self.ripple.square(usual)
+            self.slip_fluctuation.square(usual)
         } else {
             usual
         };
@@ -155,7 +155,7 @@ impl Monitor {
 
     /// Variance of both wheel speeds in this row by itself, whether others waver with it or not [rad^2/s^2].
     pub fn row_variance(&self, keys: &Estimator) -> [f64; 2] {
-        let square = self.ripple.square(keys.c_b * keys.c_b);
+        let square = self.slip_fluctuation.square(keys.c_b * keys.c_b);
         self.wavering
             .map(|row| row.variance + square * row.by_slip * row.by_slip)
     }
@@ -163,18 +163,18 @@ impl Monitor {
     /// By what share slips that waver more than usual are larger in the mean.
     pub fn wavering(&self, keys: &Estimator) -> f64 {
         let usual = keys.c_b * keys.c_b;
-        self.ripple.square(usual) - usual
+        self.slip_fluctuation.square(usual) - usual
     }
 
     /// Innovations of both wheels that were accepted, with the standard deviations of their predictions, `dt` after the last [rad/s].
     pub fn see(&mut self, keys: &Estimator, wheels: [(f64, f64); 2], dt: f64) {
-        self.ripple.forget(dt);
+        self.slip_fluctuation.forget(dt);
         for ((innovation, predicted), row) in wheels.into_iter().zip(self.wavering) {
             let row = Wavering {
                 variance: row.variance + predicted * predicted,
                 ..row
             };
-            self.ripple.see(innovation, &row, keys.c_b);
+            self.slip_fluctuation.see(innovation, &row, keys.c_b);
         }
     }
 }

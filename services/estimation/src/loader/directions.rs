@@ -15,15 +15,15 @@ const TELLS: f64 = 1.0;
 
 /// Whether the machine has been driven both ways.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Both {
+pub(super) enum BothDirections {
     /// Not yet.
-    Never,
+    NotYet,
     /// With this row.
-    First,
+    JustNow,
     /// And of late.
-    Still,
+    Recently,
     /// But not of late.
-    Formerly,
+    LongAgo,
 }
 
 /// How long the machine has been driven forward and backward, of late [s].
@@ -37,7 +37,7 @@ pub(super) struct Directions {
 
 impl Directions {
     /// Adds `dt` [s] at a speed [m/s]; slower than `slowest` counts as standing.
-    pub fn drive(&mut self, speed: f64, slowest: f64, dt: f64) -> Both {
+    pub fn drive(&mut self, speed: f64, slowest: f64, dt: f64) -> BothDirections {
         let kept = 1.0 - (dt / MEMORY).min(1.0);
         self.forward *= kept;
         self.backward *= kept;
@@ -50,10 +50,10 @@ impl Directions {
         let before = self.known;
         self.known |= both;
         match (before, both) {
-            (false, false) => Both::Never,
-            (false, true) => Both::First,
-            (true, true) => Both::Still,
-            (true, false) => Both::Formerly,
+            (false, false) => BothDirections::NotYet,
+            (false, true) => BothDirections::JustNow,
+            (true, true) => BothDirections::Recently,
+            (true, false) => BothDirections::LongAgo,
         }
     }
 
@@ -72,16 +72,34 @@ mod tests {
     #[test]
     fn only_a_machine_that_has_driven_both_ways_of_late_tells() {
         let mut driven = Directions::default();
-        let mut drive = |speed: f64, time: f64| -> Vec<Both> {
+        let mut drive = |speed: f64, time: f64| -> Vec<BothDirections> {
             let rows = 0..(time * 100.0) as u32;
             rows.map(|_| driven.drive(speed, 0.5, 0.01)).collect()
         };
-        assert!(drive(3.0, 600.0).iter().all(|b| *b == Both::Never));
-        assert!(drive(-3.0, 0.9).iter().all(|b| *b == Both::Never));
+        assert!(
+            drive(3.0, 600.0)
+                .iter()
+                .all(|b| *b == BothDirections::NotYet)
+        );
+        assert!(
+            drive(-3.0, 0.9)
+                .iter()
+                .all(|b| *b == BothDirections::NotYet)
+        );
         let turned = drive(-3.0, 2.0);
-        assert_eq!(turned.iter().filter(|b| **b == Both::First).count(), 1);
-        assert!(drive(0.0, 10.0).iter().all(|b| *b == Both::Still));
-        assert_eq!(drive(3.0, 200.0).last(), Some(&Both::Formerly));
-        assert_eq!(drive(-3.0, 4.0).last(), Some(&Both::Still));
+        assert_eq!(
+            turned
+                .iter()
+                .filter(|b| **b == BothDirections::JustNow)
+                .count(),
+            1
+        );
+        assert!(
+            drive(0.0, 10.0)
+                .iter()
+                .all(|b| *b == BothDirections::Recently)
+        );
+        assert_eq!(drive(3.0, 200.0).last(), Some(&BothDirections::LongAgo));
+        assert_eq!(drive(-3.0, 4.0).last(), Some(&BothDirections::Recently));
     }
 }

@@ -18,9 +18,9 @@
 //! | `load` | a load that is weighed |
 //! | `inclinometer` | a slope sensor that is late and follows the acceleration |
 //! | `slope` | how far the slope sensor is to be believed |
-//! | `legs` | independent manoeuvres must agree |
-//! | `quantum` | wheel speeds in steps |
-//! | `ripple` | slips that waver: rough roads |
+//! | `manoeuvres` | independent manoeuvres must agree |
+//! | `quantisation` | wheel speeds in steps |
+//! | `slip_fluctuation` | slips that fluctuate: rough roads |
 //! | `accelerometer` | its noise where it is mounted |
 //! | `inertia` | a load that nobody tells: force over acceleration |
 //! | `unreported_load` | how probable it is that the bucket was filled or emptied since |
@@ -52,18 +52,18 @@ mod inertia;
 mod inputs;
 pub mod keys;
 mod layout;
-mod legs;
 mod lift_arm;
 mod load;
 mod machine;
+mod manoeuvres;
 mod method;
 pub mod payload;
-mod quantum;
+mod quantisation;
 mod reason;
 mod relearning;
-mod ripple;
 mod sample;
 pub mod settings;
+mod slip_fluctuation;
 mod slope;
 mod stuck;
 mod tangent;

@@ -34,7 +34,7 @@ const READING: &str = "\
   With Hall-grade wheel speeds the published size of the ratio's error comes out; where wheel speeds are
   better, so is a consistent filter, and the printed one gets worse: its gain leaves the process noise out.
   In runs of 10 to 30 s the height's error is the error of the initial guess (10 % here): an error of 4 %
-  says how good the guess was. The consistent ISR-UKF and the EKF of the same model cannot be told apart,
+  says how good the guess was. The consistent ISR-UKF and the EKF of the same model cannot be distinguished,
   and the EKF does not diverge over time on a known machine. On a real one (table tiers) both fail.
 ";
 

@@ -16,7 +16,7 @@ const MOST_STRANGE: u32 = 3;
 /// No bus is heard for longer, 73 years: sums of a few times cannot overflow.
 const LONGEST: i64 = i64::MAX / 4;
 /// A sender that was silent for so long has left the signal to another.
-const ABDICATION: i64 = 5 * SECOND;
+const SENDER_TIMEOUT: i64 = 5 * SECOND;
 /// Remarks that are kept.
 const MOST_REMARKS: usize = 20;
 
@@ -238,18 +238,18 @@ impl Bus {
             Reading::Value(value) => value,
         };
         let sender = source(frame.id);
-        let is_heeded = match self.name.source {
+        let is_accepted = match self.name.source {
             Some(wanted) => wanted == sender,
-            None => !self.message.j1939 || self.is_heeded(sender, clock, remarks),
+            None => !self.message.j1939 || self.is_accepted(sender, clock, remarks),
         };
-        self.has_value |= is_heeded && value.is_finite();
-        is_heeded.then_some(value)
+        self.has_value |= is_accepted && value.is_finite();
+        is_accepted.then_some(value)
     }
 
     /// Two senders of one parameter group measure at two places: only the first counts.
-    fn is_heeded(&mut self, sender: u8, clock: i64, remarks: &mut Vec<String>) -> bool {
+    fn is_accepted(&mut self, sender: u8, clock: i64, remarks: &mut Vec<String>) -> bool {
         match self.sender {
-            Some((first, heard)) if first != sender && clock - heard < ABDICATION => {
+            Some((first, heard)) if first != sender && clock - heard < SENDER_TIMEOUT => {
                 let text = format!(
                     "{}.{} comes from {first:#04x} and from {sender:#04x}; only {first:#04x} counts: say source = ... in the map",
                     self.name.message, self.name.signal

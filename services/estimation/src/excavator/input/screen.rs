@@ -7,7 +7,7 @@ use crate::excavator::frozen::Repetition;
 use crate::excavator::grid::LONG_GAP;
 use crate::excavator::hold::{Hold, Joined};
 use crate::excavator::jump::Jump;
-use crate::excavator::quantum::Quantum;
+use crate::excavator::quantisation::Quantisation;
 use crate::excavator::settings::Sensors;
 use crate::excavator::swing_angle::{Followed, SwingAngle};
 use crate::time_base::{Tick, TimeBase};
@@ -47,7 +47,7 @@ pub(in crate::excavator) struct Screen {
     jumps: [Jump; 3],
     angles: [Angle; 3],
     velocity: Hold,
-    quantum: Quantum,
+    quantisation: Quantisation,
     torque: Joined,
     swing_angle: SwingAngle,
 }
@@ -68,7 +68,7 @@ impl Screen {
             jumps: [Jump::default(); 3],
             angles: [Angle::new(sensors.angle_std); 3],
             velocity: Hold::default(),
-            quantum: Quantum::default(),
+            quantisation: Quantisation::default(),
             torque: Joined::default(),
             swing_angle: SwingAngle::default(),
         }
@@ -126,7 +126,7 @@ impl Screen {
 
     /// Variance that the steps of the velocity's sensor add to its noise [(rad/s)^2].
     pub(in crate::excavator) fn velocity_steps(&self) -> f64 {
-        self.quantum.variance(self.velocity_std)
+        self.quantisation.variance(self.velocity_std)
     }
 
     /// For so many rows a torque stays.
@@ -152,7 +152,7 @@ impl Screen {
         };
         let velocity = within(velocity.pass(sample.velocity), self.velocity_limit);
         let new = self.velocity.push(velocity);
-        self.quantum.push(velocity);
+        self.quantisation.push(velocity);
         let torque = within(torque.pass(sample.torque), 1e12)
             .map(|t| (t - self.torque_offset) / self.torque_gain);
         Sample {

@@ -2,7 +2,7 @@
 //!
 //! Sensors break while the machine works, and the filter takes a wrong torque, velocity or angle for another payload.
 //! Three things speak against that: an emptied bucket that weighs neither nothing nor what it did before, a payload that has changed
-//! though no joint moved it, and a rival filter that wins ([`super::rival`]). None says which sensor it is. What is contradicted is not
+//! though no joint moved it, and a parallel filter that wins ([`super::parallel`]). None says which sensor it is. What is contradicted is not
 //! believed until emptied buckets weigh nothing again, in swings without another contradiction; until then the interval says
 //! that the bucket may hold anything.
 

@@ -2,7 +2,7 @@
 //!
 //! One filter carries everything that the machine may differ by ([`filter`]); what no state explains raises
 //! the noise of the torque until the innovations are white again ([`noise`]); what the bucket holds is
-//! unknown as soon as it could have changed ([`bucket`], [`tare`]). Sensors that go wrong are contradicted ([`contradiction`], [`rival`]);
+//! unknown as soon as it could have changed ([`bucket`], [`tare`]). Sensors that go wrong are contradicted ([`contradiction`], [`parallel`]);
 //! the interval and the reasons are in [`verdict`].
 
 mod agreement;
@@ -10,7 +10,7 @@ mod bucket;
 mod contradiction;
 mod filter;
 mod noise;
-mod rival;
+mod parallel;
 mod smoother;
 mod states;
 mod tare;
@@ -26,7 +26,7 @@ use self::filter::{
     SLOPE, UPPER, Vector, W,
 };
 use self::noise::Noise;
-use self::rival::Rival;
+use self::parallel::ParallelFilter;
 pub use self::smoother::{Smoothed, Smoother};
 pub use self::trail::Trail;
 use self::weigh::Weigh;
@@ -93,7 +93,7 @@ pub(super) struct Working {
     /// What the bucket weighed before it was emptied [kg].
     carried: Option<f64>,
     /// Sensors that are wrong by a factor since the machine stood, weighed against those that are not.
-    rival: Rival,
+    parallel: ParallelFilter,
     contradiction: Contradiction,
     /// The boom's cylinders, where they are described.
     weigh: Option<Weigh>,
@@ -139,7 +139,7 @@ impl Working {
         }
         let filter = Filter::new(x, &std);
         Self {
-            rival: Rival::new(&filter),
+            parallel: ParallelFilter::new(&filter),
             filter,
             torque_share: doubts.torque_share,
             form_share: doubts.form_share,
@@ -197,13 +197,13 @@ impl Working {
             let opens = self.bucket.is_open() || self.bucket.is_settling();
             let doing = (content, opens);
             let moment = weigh.step(settings, drive, motion, doing);
-            let rival = &mut self.rival.filter;
-            weigh.begin(drive, [&mut self.filter, rival], trail);
+            let parallel = &mut self.parallel.filter;
+            weigh.begin(drive, [&mut self.filter, parallel], trail);
             if let Some(moment) = moment {
                 let said = weigh.measure(settings, &moment, &mut self.filter, trail);
-                let other = weigh.measure(settings, &moment, rival, &mut None);
+                let other = weigh.measure(settings, &moment, parallel, &mut None);
                 let gate = settings.estimator.gate;
-                self.rival
+                self.parallel
                     .weigh([said, other], gate, self.contradiction.usual());
                 weigh.watch(&moment, said, self.filter.x[M], stands);
                 if weigh.renews(said) {
@@ -238,12 +238,12 @@ impl Working {
 
     fn rest(&mut self, velocity: f64, variance: f64, trail: &mut Option<Trail>) -> Innovation {
         self.filter.set(W, velocity, variance, trail);
-        self.rival.filter.set(W, velocity, variance, &mut None);
+        self.parallel.filter.set(W, velocity, variance, &mut None);
         self.filter.acceleration = 0.0;
         self.noise.rest();
         self.change.clear();
         self.changed = false;
-        if self.rival.is_over() {
+        if self.parallel.is_over() {
             self.contradiction.swung(self.agreement.factor());
         }
         self.agreement.interrupt();
@@ -256,7 +256,7 @@ impl Working {
         let innovation = self.rest(velocity, drive.variance / 4.0 + 0.02 * 0.02, trail);
         let acceleration = drive.torque / drive.now.with_payload(self.filter.x[M]);
         self.filter.lag(acceleration, trail);
-        self.rival.filter.lag(acceleration, &mut None);
+        self.parallel.filter.lag(acceleration, &mut None);
         innovation
     }
 
@@ -274,11 +274,11 @@ impl Working {
         self.torque += share * (drive.torque - self.torque);
         self.largest = self.largest.max(self.torque.abs());
         let input = self.input(s, drive);
-        for filter in [&mut self.filter, &mut self.rival.filter] {
+        for filter in [&mut self.filter, &mut self.parallel.filter] {
             filter.p[GAIN][GAIN] += GAIN_DRIFT * GAIN_DRIFT * drive.period;
         }
         let (width, gate) = (s.estimator.friction_width, s.estimator.gate);
-        self.rival.set_off(&self.filter);
+        self.parallel.set_off(&self.filter);
         self.filter.predict(&input, width, s.inertia_min, trail);
         self.turn += self.filter.x[W] * drive.period;
         let mut innovation = Innovation::default();
@@ -288,9 +288,9 @@ impl Working {
         let measured = drive.velocity.map(|velocity| (velocity, drive.variance));
         let shape = (width, s.inertia_min);
         let usual = self.contradiction.usual();
-        self.rival
+        self.parallel
             .step(&input, shape, measured, gate, innovation, usual);
-        if self.rival.overtakes(&mut self.filter) {
+        if self.parallel.overtakes(&mut self.filter) {
             self.anew = true;
             self.contradiction.outright();
         }
@@ -305,7 +305,7 @@ impl Working {
                 self.contradiction.changed(before);
             }
             let anything = self.anything();
-            for filter in [&mut self.filter, &mut self.rival.filter] {
+            for filter in [&mut self.filter, &mut self.parallel.filter] {
                 filter.p[M][M] += anything;
             }
             self.agreement.contradict();
@@ -359,7 +359,7 @@ impl Working {
     fn drifting(&mut self, s: &Settings, drive: &Drive, trail: &mut Option<Trail>) -> Innovation {
         if let Some(velocity) = drive.velocity {
             self.filter.set(W, velocity, drive.variance, trail);
-            self.rival
+            self.parallel
                 .filter
                 .set(W, velocity, drive.variance, &mut None);
         }
@@ -378,14 +378,14 @@ impl Working {
                 let value = slope - self.filter.x[i];
                 let variance = INCLINOMETER * INCLINOMETER;
                 self.filter.measure([(i, 1.0)], value, variance, 1e3, trail);
-                let rival = &mut self.rival.filter;
-                let value = slope - rival.x[i];
-                rival.measure([(i, 1.0)], value, variance, 1e3, &mut None);
+                let parallel = &mut self.parallel.filter;
+                let value = slope - parallel.x[i];
+                parallel.measure([(i, 1.0)], value, variance, 1e3, &mut None);
             }
         }
     }
 
     pub(super) fn is_sound(&self) -> bool {
-        self.filter.is_sound() && self.rival.is_sound()
+        self.filter.is_sound() && self.parallel.is_sound()
     }
 }

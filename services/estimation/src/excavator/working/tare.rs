@@ -15,17 +15,17 @@ use crate::math::{ln, sqrt};
 /// mostly little of it (an exponential distribution has both alike).
 const STICKING: [f64; 2] = [0.035, 0.04];
 /// So many times what sticks is taken for the same as before; beyond, what is left of the error is small beside the bucket's.
-const ALIKE: f64 = 3.0;
+const MAX_TARES: f64 = 3.0;
 /// Standard deviation of the payload, as a share of the rated one, below which the motion has said enough to
 /// tell an empty bucket from a loaded one.
 const KNOWN_STD_SHARE: f64 = 0.15;
 /// What stays in an emptied bucket weighs the same in two swings, with this standard deviation as a share of the rated payload.
-const KEPT: f64 = 0.05;
+const RESIDUE_STD_SHARE: f64 = 0.05;
 /// A load that stays (a hook, a clamp, clay) is so many times as frequent as a sensor that breaks.
-const STAYS: f64 = 100.0;
+const STUCK_LOAD_ODDS: f64 = 100.0;
 
 /// A weight is stated closely within this share of the empty machine's inertia.
-const CLOSE: f64 = 0.03;
+const CONFIRMED_STD_SHARE: f64 = 0.03;
 
 impl Working {
     /// What the bucket holds from now on.
@@ -45,7 +45,7 @@ impl Working {
             weigh.forget();
         }
         self.filter.set(M, value, std * std, trail);
-        self.rival.filter.set(M, value, std * std, &mut None);
+        self.parallel.filter.set(M, value, std * std, &mut None);
         self.tared = content == Content::Emptied;
         self.tares += f64::from(u8::from(self.tared));
     }
@@ -58,7 +58,7 @@ impl Working {
     /// What an emptied bucket still holds, and its standard deviation [kg].
     fn sticking(&self) -> (f64, f64) {
         let [share, sticking] = STICKING.map(|share| share * self.rated);
-        (share, sticking * sqrt(1.0 + self.tares.min(ALIKE)))
+        (share, sticking * sqrt(1.0 + self.tares.min(MAX_TARES)))
     }
 
     /// An emptied bucket weighs next to nothing: that fixes the gain of the torque.
@@ -76,10 +76,10 @@ impl Working {
             return;
         }
         let (empty, std) = self.sticking();
-        let rival = &self.rival.filter;
-        let [value, other] = [empty - self.filter.x[M], empty - rival.x[M]];
+        let parallel = &self.parallel.filter;
+        let [value, other] = [empty - self.filter.x[M], empty - parallel.x[M]];
         let apart = value * value > 9.0 * (claimed + std * std);
-        let explained = other * other < 4.0 * (rival.p[M][M] + std * std);
+        let explained = other * other < 4.0 * (parallel.p[M][M] + std * std);
         if apart && self.is_kept(variance) {
             return;
         }
@@ -93,14 +93,15 @@ impl Working {
         }
         if !apart && !core::mem::replace(&mut self.weighed_nothing, true) && !self.changed {
             let (_, before) = self.filter.combination(&inertia_row(now));
-            self.contradiction.agreed(sqrt(before) < CLOSE * now.empty);
+            self.contradiction
+                .agreed(sqrt(before) < CONFIRMED_STD_SHARE * now.empty);
         }
         if !core::mem::replace(&mut self.tared, true) {
             let row = [(M, 1.0)];
             let said = self.filter.measure(row, value, std * std, gate, trail);
-            let rival = &mut self.rival.filter;
-            let other = rival.measure(row, other, std * std, gate, &mut None);
-            self.rival
+            let parallel = &mut self.parallel.filter;
+            let other = parallel.measure(row, other, std * std, gate, &mut None);
+            self.parallel
                 .weigh([said, other], gate, self.contradiction.usual());
             self.tares += 1.0;
             self.agreement.interrupt();
@@ -110,9 +111,9 @@ impl Working {
     /// Whether an emptied bucket has rather kept what it carried, as a hook or a clamp does: then it weighs as before. With a sensor that
     /// broke it weighs less by what left it, which may be any share of the rated payload: the likelihoods, and how frequent either is, decide.
     fn is_kept(&self, variance: f64) -> bool {
-        let stays = KEPT * self.rated;
+        let stays = RESIDUE_STD_SHARE * self.rated;
         let spread = variance + stays * stays;
-        let odds = STAYS * STAYS * self.rated * self.rated / (TAU * spread);
+        let odds = STUCK_LOAD_ODDS * STUCK_LOAD_ODDS * self.rated * self.rated / (TAU * spread);
         self.carried.is_some_and(|before| {
             let left = before - self.filter.x[M];
             left * left < spread * ln(odds.max(1.0))

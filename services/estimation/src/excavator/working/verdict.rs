@@ -14,23 +14,23 @@ use crate::kalman::Innovation;
 use crate::math::sqrt;
 
 /// A constant this many standard deviations from its description is named.
-const NAMED: f64 = 3.0;
+const NAMED_DEVIATION: f64 = 3.0;
 /// The description is believed as if so many constants had been as it says.
 const BELIEF: f64 = 4.0;
 /// Friction and damping change by this share with the oil's temperature.
-const WARMTH: f64 = 0.1;
+const OIL_TEMPERATURE_SHARE: f64 = 0.1;
 /// One constant says no more than this square.
 const SURPRISE: f64 = 16.0;
 /// No machine swings with its boom further down than this: the angle has the other sign [rad].
-const DOWN: f64 = -0.25;
+const LOWEST_BOOM_ANGLE: f64 = -0.25;
 /// Less than this share of what the description allows for is not worth a word.
-const MATERIAL: f64 = 0.33;
+const MIN_SHARE: f64 = 0.33;
 /// Factor of the torque's noise variance above which the motion does not follow the model.
 const UNEXPLAINED: f64 = 30.0;
 /// Gain and offset so many stated standard deviations from the described ones are faults; half of a wrong gain passes for inertia.
-const BEYOND: [(usize, f64); 2] = [(GAIN, 2.0), (OFFSET, 3.5)];
+const FAULT_DEVIATIONS: [(usize, f64); 2] = [(GAIN, 2.0), (OFFSET, 3.5)];
 /// No machine has less than this share of the described friction and damping.
-const LEAST: f64 = 0.25;
+const MIN_FRICTION_SHARE: f64 = 0.25;
 /// Mean ratio at which stretches of the swings disagree.
 const DISAGREEMENT: f64 = 3.0;
 
@@ -47,7 +47,7 @@ impl Working {
         let [least, most] = settings.payload_range();
         let payload = x[M].clamp(least, most);
         let at_limit = payload != x[M];
-        let down = !standing && drive.posture[0] < DOWN;
+        let down = !standing && drive.posture[0] < LOWEST_BOOM_ANGLE;
         let factor = self.agreement.factor() * self.doubt();
         let (_, inertia_variance) = self.filter.combination(&inertia_row(&drive.now));
         let contradicted = self.contradiction.is_open() || self.is_beyond();
@@ -59,14 +59,14 @@ impl Working {
             0.0
         };
         let inertia = self.filter.inertia(&drive.now, payload);
-        let rival = self.rival.variances(payload, inertia, &drive.now);
-        let payload_std = sqrt(p[M][M].max(0.0) * factor + rival[0] + anything);
+        let parallel = self.parallel.variances(payload, inertia, &drive.now);
+        let payload_std = sqrt(p[M][M].max(0.0) * factor + parallel[0] + anything);
         let form = self.form(&drive.now);
         let g = drive.now.per_payload;
         State {
             inertia,
             inertia_std: sqrt(
-                inertia_variance * factor + rival[1] + anything * g * g + form * form,
+                inertia_variance * factor + parallel[1] + anything * g * g + form * form,
             ),
             payload: Some((payload, payload_std)),
             damping: Some((x[DAMPING], std(DAMPING))),
@@ -98,8 +98,8 @@ impl Working {
         let (x, p) = (&self.filter.x, &self.filter.p);
         let (mut sum, mut count) = (BELIEF, BELIEF);
         for (i, least) in [
-            (FRICTION, WARMTH * self.described[FRICTION]),
-            (DAMPING, WARMTH * self.described[DAMPING]),
+            (FRICTION, OIL_TEMPERATURE_SHARE * self.described[FRICTION]),
+            (DAMPING, OIL_TEMPERATURE_SHARE * self.described[DAMPING]),
             (LOSS, 0.01),
             (DELAY, 0.005),
         ] {
@@ -137,7 +137,7 @@ impl Working {
         if self.agreement.factor() > DISAGREEMENT {
             return Reason::Disagreement;
         }
-        let mut most = (NAMED, Reason::None);
+        let mut most = (NAMED_DEVIATION, Reason::None);
         for (i, reason) in [
             (SLOPE, Reason::Slope),
             (SLOPE + 1, Reason::Slope),
@@ -150,7 +150,7 @@ impl Working {
             (BUCKET, Reason::Attachment),
         ] {
             let difference = (self.filter.x[i] - self.described[i]).abs();
-            if difference > MATERIAL * self.stated[i] {
+            if difference > MIN_SHARE * self.stated[i] {
                 let sizes = difference / sqrt(self.filter.p[i][i].max(1e-300));
                 if sizes > most.0 {
                     most = (sizes, reason);
@@ -170,9 +170,9 @@ impl Working {
             away * away > most * most * allowed
         };
         let absent = |i: usize| {
-            let lack = LEAST * self.described[i] - x[i];
+            let lack = MIN_FRICTION_SHARE * self.described[i] - x[i];
             lack > 0.0 && lack * lack > 9.0 * p[i][i]
         };
-        BEYOND.into_iter().any(apart) || [FRICTION, DAMPING].into_iter().any(absent)
+        FAULT_DEVIATIONS.into_iter().any(apart) || [FRICTION, DAMPING].into_iter().any(absent)
     }
 }

@@ -106,7 +106,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             sqrt(away * away + doubted * (moved * moved + std * std))
         };
         Doubt {
-            birge: self.legs.ratio(),
+            birge: self.manoeuvres.ratio(),
             wavering: self.monitor.wavering(&self.settings.estimator),
             beyond: Each {
                 ratio: mixed(ratio, state[CG_RATIO], expected[1]),
@@ -134,7 +134,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             Reason::Stiffness
         } else if self.changed < CHANGE_SHOWN || lighter < 0.0 {
             Reason::Load
-        } else if self.legs.ratio() > DISAGREE || signs.contradicted {
+        } else if self.manoeuvres.ratio() > DISAGREE || signs.contradicted {
             Reason::Disagreement
         } else {
             Reason::None

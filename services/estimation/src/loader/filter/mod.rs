@@ -4,7 +4,7 @@ use crate::loader::Method;
 use crate::loader::cg_model::{CgModel, Integration, Loading};
 use crate::loader::conditions::{Conditions, Monitor};
 use crate::loader::coupling::Coupling;
-use crate::loader::directions::{Both, Directions};
+use crate::loader::directions::{BothDirections, Directions};
 use crate::loader::disturbance::{Disturbance, Effect};
 use crate::loader::estimate::Status;
 use crate::loader::inclinometer::Inclinometer;
@@ -12,11 +12,11 @@ use crate::loader::inputs::{InputHold, StepInputs};
 use crate::loader::layout::{
     CG_HEIGHT, CG_RATIO, Each, FRONT_WHEEL, Layout, REAR_WHEEL, SLIP_STIFFNESS, SPEED,
 };
-use crate::loader::legs::{Legs, Slip};
 use crate::loader::lift_arm::Weighed;
 use crate::loader::load::Load;
+use crate::loader::manoeuvres::{Manoeuvres, Slip};
 use crate::loader::payload::Payload;
-use crate::loader::quantum::Quantum;
+use crate::loader::quantisation::Quantisation;
 use crate::loader::relearning::Relearning;
 use crate::loader::sample::Sample;
 use crate::loader::settings::{Inputs as Driven, Settings};
@@ -111,14 +111,14 @@ pub(super) struct CgFilter<const N: usize, const M: usize, B: Belief<N, M>> {
     pub(in crate::loader) evidence: Evidence,
     clock: TimeBase,
     windup: Windup,
-    quantum: Quantum,
+    quantisation: Quantisation,
     stuck: Stuck,
     disturbance: Disturbance,
     /// What it does to the wheels in this row.
     effect: Effect,
     inclinometer: Inclinometer,
     slope_error: SlopeError,
-    legs: Legs,
+    manoeuvres: Manoeuvres,
     coupling: Coupling,
     directions: Directions,
     /// Stiffness and radii are opened with the next change.
@@ -180,13 +180,13 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             evidence: Evidence::new(M > 3),
             clock: TimeBase::default(),
             windup: Windup::default(),
-            quantum: Quantum::default(),
+            quantisation: Quantisation::default(),
             stuck: Stuck::default(),
             disturbance: Disturbance::default(),
             effect: Effect::default(),
             inclinometer: Inclinometer::default(),
             slope_error: SlopeError::default(),
-            legs: Legs::default(),
+            manoeuvres: Manoeuvres::default(),
             coupling: Coupling::default(),
             directions: Directions::default(),
             reopens: false,
@@ -479,7 +479,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let conditions = self.conditions(&state, step, model.dt);
         let process_std = self.process_std(&conditions, sample.boom_moving, model.dt);
         let measured = measurements::<M>(sample, step.acceleration);
-        self.quantum
+        self.quantisation
             .see([measured[FRONT_WHEEL], measured[REAR_WHEEL]]);
         let mut std = self.measurement_std(&state, &conditions, model);
         let at_work = self.settings.at_work();
@@ -611,11 +611,11 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let driven = self.directions.drive(speed, slowest, dt);
         if let Some(i) = layout.load_sensitivity {
             match driven {
-                Both::Never | Both::Formerly => {
+                BothDirections::NotYet | BothDirections::LongAgo => {
                     self.consider(i, before.sensitivity, process_std[i])
                 }
-                Both::First => self.open_sensitivity(i),
-                Both::Still => {}
+                BothDirections::JustNow => self.open_sensitivity(i),
+                BothDirections::Recently => {}
             }
         }
         if self.changed == 0.0 {
@@ -698,7 +698,8 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             by_share: -speed.abs() * moved,
             driving: (inputs.front_torque + inputs.rear_torque) * speed > 0.0,
         };
-        if self.legs.take(&slip, before.ratio_variance, model.dt) && self.relearning.settled() {
+        if self.manoeuvres.take(&slip, before.ratio_variance, model.dt) && self.relearning.settled()
+        {
             self.changed = 0.0;
         }
     }

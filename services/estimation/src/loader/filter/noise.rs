@@ -184,7 +184,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     pub(super) fn wheel_sensor_std(&self) -> [f64; 2] {
         let stated = self.settings.sensors.wheel_speed_std;
         if self.settings.at_work() {
-            self.quantum.widen(stated)
+            self.quantisation.widen(stated)
         } else {
             [stated; 2]
         }

@@ -12,12 +12,12 @@ const ROUNDING: f64 = 1e-9;
 /// What has been seen of the front and the rear wheel speed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Quantum {
+pub(super) struct Quantisation {
     last: [Option<f64>; 2],
     least: [Option<f64>; 2],
 }
 
-impl Quantum {
+impl Quantisation {
     /// Takes both wheel speeds of a row [rad/s]; what is not finite is missing.
     pub fn see(&mut self, wheel_speeds: [f64; 2]) {
         for ((new, last), least) in wheel_speeds
@@ -48,19 +48,19 @@ mod tests {
 
     #[test]
     fn steps_are_noticed_and_noise_is_not_taken_for_steps() {
-        let mut quantum = Quantum::default();
+        let mut quantisation = Quantisation::default();
         for k in 0..1000 {
             let smooth = 5.0 + 0.013 * f64::from(k);
             // Steps of 0.05 rad/s in front; behind, a sawtooth of 2 mrad/s for noise.
             let noise = 0.002 * f64::from(k * 7 % 11) / 11.0;
             let front = f64::from((smooth / 0.05) as i32) * 0.05;
-            quantum.see([front, smooth + noise]);
-            quantum.see([f64::NAN, f64::NAN]);
+            quantisation.see([front, smooth + noise]);
+            quantisation.see([f64::NAN, f64::NAN]);
         }
-        let [front, rear] = quantum.widen(0.002);
+        let [front, rear] = quantisation.widen(0.002);
         assert!((front - 0.05 / sqrt(12.0)).abs() < 2e-4, "{front}");
         assert!(rear < 0.005, "{rear}");
         // A wheel that has not moved says nothing.
-        assert_eq!(Quantum::default().widen(0.002), [0.002; 2]);
+        assert_eq!(Quantisation::default().widen(0.002), [0.002; 2]);
     }
 }

@@ -28,12 +28,12 @@ const MOST: f64 = 5.0;
 /// The wavering of the slips.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Ripple {
+pub(super) struct SlipFluctuation {
     /// Weighted sum of c^2, and sum of the weights, in c_b^4.
     sums: [f64; 2],
 }
 
-impl Default for Ripple {
+impl Default for SlipFluctuation {
     fn default() -> Self {
         Self {
             sums: [START.1 * START.0 * START.0, START.1],
@@ -49,7 +49,7 @@ pub(super) struct Wavering {
     pub variance: f64,
 }
 
-impl Ripple {
+impl SlipFluctuation {
     /// c^2, at least `usual` (c_b^2).
     pub fn square(&self, usual: f64) -> f64 {
         let [sum, weight] = self.sums;
@@ -83,7 +83,7 @@ mod tests {
 
     /// c after a minute of rows whose innovations alternate between plus and minus their standard deviation.
     fn found(share: f64, slip: f64) -> f64 {
-        let mut ripple = Ripple::default();
+        let mut fluctuation = SlipFluctuation::default();
         let row = Wavering {
             by_slip: slip,
             variance: 4e-6,
@@ -91,17 +91,17 @@ mod tests {
         for k in 0..6000 {
             let size = (row.variance + (share * slip).powi(2)).sqrt();
             let innovation = if k % 2 == 0 { size } else { -size };
-            ripple.forget(0.01);
-            ripple.see(innovation, &row, 0.05);
+            fluctuation.forget(0.01);
+            fluctuation.see(innovation, &row, 0.05);
         }
-        ripple.square(0.05 * 0.05).sqrt()
+        fluctuation.square(0.05 * 0.05).sqrt()
     }
 
     #[test]
     fn at_the_start_a_rough_road_is_possible_and_an_even_one_is_soon_known() {
         let usual = 0.05 * 0.05;
-        let mut ripple = Ripple::default();
-        let start = ripple.square(usual).sqrt();
+        let mut fluctuation = SlipFluctuation::default();
+        let start = fluctuation.square(usual).sqrt();
         assert!((0.06..0.08).contains(&start), "{start}");
         let row = Wavering {
             by_slip: 0.1,
@@ -110,9 +110,9 @@ mod tests {
         // Four seconds of slips that waver as usual.
         for k in 0..400 {
             let size = (row.variance + usual * 0.01).sqrt();
-            ripple.see(if k % 2 == 0 { size } else { -size }, &row, 0.05);
+            fluctuation.see(if k % 2 == 0 { size } else { -size }, &row, 0.05);
         }
-        let then = ripple.square(usual).sqrt();
+        let then = fluctuation.square(usual).sqrt();
         assert!((0.05..0.057).contains(&then), "{then}");
     }
 

@@ -1,8 +1,8 @@
 //! Is the torque's gain another one than stated?
 //!
 //! A torque that is wrong by a factor, and a velocity that is by its inverse, look like another inertia: what the bucket holds is
-//! not known, and neither are upper body and bucket exactly. So a second filter goes along with the gain opened, does all that the
-//! first does, and the likelihoods of the innovations of both tell them apart (Bayes; a generalised likelihood ratio: Willsky,
+//! not known, and neither are upper body and bucket exactly. So a second filter runs in parallel with the gain opened, does all that the
+//! first does, and the likelihoods of the innovations of both distinguish them (Bayes; a generalised likelihood ratio: Willsky,
 //! Jones 1976). It begins anew with each swing, as probable as it has become, and at least as a sensor that has just broken. The
 //! interval is that of the mixture, and the filter that is far more probable is the estimate.
 
@@ -12,53 +12,53 @@ use crate::kalman::Innovation;
 use crate::math::{exp, ln};
 
 /// Standard deviation of the factor by which a sensor may be wrong.
-const FACTOR: f64 = 0.3;
+const GAIN_STD: f64 = 0.3;
 /// Logarithm of the odds that a sensor has broken since the last swing.
-const BEFOREHAND: f64 = -7.0;
+const PRIOR_LOG_ODDS: f64 = -7.0;
 /// The same of a torque that nobody has calibrated: of another machine, or in another unit (one machine in thirteen).
-const UNVERIFIED: f64 = -2.5;
+const UNCALIBRATED_LOG_ODDS: f64 = -2.5;
 /// A gain that is stated more closely than this was calibrated.
-const CALIBRATED: f64 = 0.01;
+const CALIBRATED_GAIN_STD: f64 = 0.01;
 /// Logarithm of the odds at which it is the estimate: what the model leaves out makes the innovations say more than they know.
-const EVIDENCE: f64 = 5.0;
+const ACCEPTED_LOG_ODDS: f64 = 5.0;
 /// One measurement says no more than this.
-const MOST: f64 = 8.0;
+const MAX_LOG_RATIO: f64 = 8.0;
 
 /// The second filter.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Rival {
+pub(super) struct ParallelFilter {
     pub(super) filter: Filter,
     /// Logarithm of its probability over the other's.
     odds: f64,
-    resting: bool,
+    idle: bool,
 }
 
-impl Rival {
+impl ParallelFilter {
     /// At the start.
     pub(super) fn new(filter: &Filter) -> Self {
         Self {
             filter: opened(filter),
-            odds: if filter.p[GAIN][GAIN] > CALIBRATED * CALIBRATED {
-                UNVERIFIED
+            odds: if filter.p[GAIN][GAIN] > CALIBRATED_GAIN_STD * CALIBRATED_GAIN_STD {
+                UNCALIBRATED_LOG_ODDS
             } else {
-                BEFOREHAND
+                PRIOR_LOG_ODDS
             },
-            resting: true,
+            idle: true,
         }
     }
 
     /// The machine moves: what was known of the sensors may have changed while it stood.
     pub(super) fn set_off(&mut self, filter: &Filter) {
-        if core::mem::take(&mut self.resting) {
+        if core::mem::take(&mut self.idle) {
             self.filter = opened(filter);
-            self.odds = self.odds.max(BEFOREHAND);
+            self.odds = self.odds.max(PRIOR_LOG_ODDS);
         }
     }
 
     /// The machine stands; whether it did not before.
     pub(super) fn is_over(&mut self) -> bool {
-        !core::mem::replace(&mut self.resting, true)
+        !core::mem::replace(&mut self.idle, true)
     }
 
     /// One tick of motion, and the velocity with its variance; `innovation` is that of the other filter.
@@ -86,12 +86,12 @@ impl Rival {
         let squares = both.map(|i| i.nis().min(gate * gate));
         let volumes = ln(both[0].variance / both[1].variance);
         let said = 0.5 * (squares[0] - squares[1] + volumes) / disagreement;
-        self.odds = (self.odds + said.clamp(-MOST, MOST)).clamp(-50.0, 50.0);
+        self.odds = (self.odds + said.clamp(-MAX_LOG_RATIO, MAX_LOG_RATIO)).clamp(-50.0, 50.0);
     }
 
     /// Changes places with the other filter where it is the more probable one.
     pub(super) fn overtakes(&mut self, filter: &mut Filter) -> bool {
-        let won = self.odds > EVIDENCE;
+        let won = self.odds > ACCEPTED_LOG_ODDS;
         if won {
             core::mem::swap(&mut self.filter, filter);
             self.odds = -self.odds;
@@ -100,7 +100,7 @@ impl Rival {
     }
 
     fn probability(&self) -> f64 {
-        let odds = exp(self.odds.min(EVIDENCE));
+        let odds = exp(self.odds.min(ACCEPTED_LOG_ODDS));
         odds / (1.0 + odds)
     }
 
@@ -125,7 +125,7 @@ impl Rival {
 }
 
 fn opened(filter: &Filter) -> Filter {
-    let mut rival = filter.clone();
-    rival.p[GAIN][GAIN] += FACTOR * FACTOR;
-    rival
+    let mut parallel = filter.clone();
+    parallel.p[GAIN][GAIN] += GAIN_STD * GAIN_STD;
+    parallel
 }

@@ -11,13 +11,13 @@ const ENOUGH: u32 = 20;
 /// What has been seen of the velocity.
 #[derive(Debug, Clone, Copy, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(in crate::excavator) struct Quantum {
+pub(in crate::excavator) struct Quantisation {
     last: Option<f64>,
     least: Option<f64>,
     changes: u32,
 }
 
-impl Quantum {
+impl Quantisation {
     /// Takes the velocity of a row [rad/s].
     pub(in crate::excavator) fn push(&mut self, velocity: Option<f64>) {
         let Some(new) = velocity else { return };
@@ -44,7 +44,7 @@ mod tests {
 
     #[test]
     fn steps_are_noticed_and_noise_is_not_taken_for_steps() {
-        let (mut coarse, mut fine) = (Quantum::default(), Quantum::default());
+        let (mut coarse, mut fine) = (Quantisation::default(), Quantisation::default());
         for k in 0..1000 {
             let smooth = crate::math::sin_cos(0.01 * f64::from(k)).0;
             coarse.push(Some((smooth / 0.015).round() * 0.015));
@@ -53,6 +53,6 @@ mod tests {
         assert!((coarse.variance(0.003) - 0.015 * 0.015 / 12.0).abs() < 1e-12);
         assert_eq!(coarse.variance(0.02), 0.0);
         assert_eq!(fine.variance(0.003), 0.0);
-        assert_eq!(Quantum::default().variance(0.0), 0.0);
+        assert_eq!(Quantisation::default().variance(0.0), 0.0);
     }
 }

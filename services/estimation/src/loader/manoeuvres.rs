@@ -6,9 +6,9 @@
 //! | G | - | its derivative by the load share of the front axle, -v (s_f/lam' + s_r/(1 - lam')), s the slips |
 //! | delta, 1/I | - | what one leg says beyond the filter: sum G y/R over sum G^2/R, and its variance |
 //! | z^2 | - | delta^2 over the variance that the filter claims for it, 1/I + P |
-//! | B | `ratio` | Birge ratio: root of the mean z^2 of the last legs, at least 1 |
+//! | B | `ratio` | Birge ratio: root of the mean z^2 of the last manoeuvres, at least 1 |
 //!
-//! Whatever the model leaves out (and nobody has listed all of it) makes legs disagree: accelerating with braking, uphill
+//! Whatever the model leaves out (and nobody has listed all of it) makes manoeuvres disagree: accelerating with braking, uphill
 //! with downhill, slow with fast. Their scatter beyond what they claim widens the interval, and a leg that lies far off
 //! means that something has changed: the load, most often.
 //!
@@ -20,15 +20,15 @@ use crate::math::sqrt;
 const LONGEST: f64 = 5.0;
 /// A leg counts when it knows the share at least this well.
 const KNOWN: f64 = 0.03;
-/// Number of legs that the mean looks back over.
+/// Number of manoeuvres that the mean looks back over.
 const MEMORY: f64 = 8.0;
 /// A leg that lies this far off (z^2) means a change.
 const CHANGED: f64 = 16.0;
 
-/// Memory of the legs.
+/// Memory of the manoeuvres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Legs {
+pub(super) struct Manoeuvres {
     /// Sums of G y/R and G^2/R of the present leg, its time [s], and whether the torques drive.
     sums: [f64; 2],
     time: f64,
@@ -50,7 +50,7 @@ pub(super) struct Slip {
     pub driving: bool,
 }
 
-impl Default for Legs {
+impl Default for Manoeuvres {
     fn default() -> Self {
         Self {
             sums: [0.0; 2],
@@ -61,7 +61,7 @@ impl Default for Legs {
     }
 }
 
-impl Legs {
+impl Manoeuvres {
     /// Takes a row that the filter used, `dt` after the one before; `claimed` is the variance of the share in the filter.
     /// True where a leg ends far off.
     pub fn take(&mut self, slip: &Slip, claimed: f64, dt: f64) -> bool {
@@ -96,9 +96,9 @@ impl Legs {
 mod tests {
     use super::*;
 
-    /// Legs of 1 s, each with an error of its own.
+    /// Manoeuvres of 1 s, each with an error of its own.
     fn ratio(errors: &[f64]) -> f64 {
-        let mut legs = Legs::default();
+        let mut manoeuvres = Manoeuvres::default();
         for (k, error) in errors.iter().enumerate() {
             for _ in 0..100 {
                 let slip = Slip {
@@ -107,10 +107,10 @@ mod tests {
                     by_share: 0.03,
                     driving: k % 2 == 0,
                 };
-                legs.take(&slip, 1e-5, 0.01);
+                manoeuvres.take(&slip, 1e-5, 0.01);
             }
         }
-        legs.ratio()
+        manoeuvres.ratio()
     }
 
     #[test]
