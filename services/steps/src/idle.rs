@@ -19,7 +19,7 @@ impl std::fmt::Display for Idle {
 
 macro_rules! idle_keys {
     ($( $machine:ident, $module:ident, $sensors:ident, $truth:ident, $estimate:ident, $others:tt; )*) => {
-        /// The keys of a description that differ from their defaults and do nothing under any of `methods`.
+        /// The keys of a description that differ from the defaults of a machine of its size and do nothing under any of `methods`.
         /// Only what is certain: a key that is not stated may still do nothing.
         #[must_use]
         pub fn idle_keys(description: &Description, methods: &[&str]) -> Vec<Idle> {
@@ -41,7 +41,7 @@ macro_rules! idle_keys {
 
 messages::machines!(idle_keys);
 
-/// A key that differs from its default.
+/// A key that differs from the default of a machine of this size.
 pub(crate) struct Change {
     pub path: &'static str,
     table: usize,
@@ -51,7 +51,7 @@ pub(crate) struct Change {
 impl Change {
     /// Sets the key back to its default.
     pub fn undo<M: Tables>(&self, machine: &mut M) {
-        let default = M::default();
+        let default = machine.of_its_size();
         let value = default.tables()[self.table].get(self.index);
         if let Some(value) = value {
             machine.tables_mut()[self.table].set(self.index, &value);
@@ -60,7 +60,7 @@ impl Change {
 }
 
 fn changed<M: Tables>(machine: &M) -> Vec<Change> {
-    let default = M::default();
+    let default = machine.of_its_size();
     let mut found = Vec::new();
     for (table, (now, then)) in machine.tables().iter().zip(default.tables()).enumerate() {
         let differs = |index: &usize| now.get(*index) != then.get(*index);
