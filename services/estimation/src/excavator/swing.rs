@@ -172,6 +172,7 @@ impl SwingEstimator {
             self.restart(false);
         }
         self.grid.steps(self.screen.velocity_steps());
+        self.grid.posture_noise(self.screen.posture_noise());
         reset |= self.hold(row.period);
         if let Some(fill) = self.grid.push(&sample, row.period) {
             if fill.restart {

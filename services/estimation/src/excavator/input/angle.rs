@@ -75,7 +75,7 @@ impl Angle {
     }
 
     /// Variance of the angle's noise [rad^2].
-    fn variance(&self) -> f64 {
+    pub(in crate::excavator) fn variance(&self) -> f64 {
         (self.stated * self.stated).max(-0.25 * self.product)
     }
 

@@ -36,6 +36,8 @@ pub(in crate::excavator) struct Tick {
     pub(in crate::excavator) torque: f64,
     /// Joint angles, the last valid ones where missing.
     pub(in crate::excavator) posture: [f64; 3],
+    /// Variance of a joint angle by the noise of its sensor [rad^2].
+    pub(in crate::excavator) posture_variance: f64,
     /// Share of a single row's noise variance that is left.
     pub(in crate::excavator) share: f64,
     /// Time since the last torque, infinite before the first [s].
@@ -86,6 +88,7 @@ impl Fill {
                 posture: core::array::from_fn(|j| {
                     from.posture[j] + share * (to.posture[j] - from.posture[j])
                 }),
+                posture_variance: to.posture_variance,
                 velocity_variance: to.velocity_variance,
                 // Between regular rows the torque has moved on; in a gap it is not known how.
                 torque: if regular {
@@ -147,6 +150,7 @@ pub(in crate::excavator) struct Grid {
     velocity_variance: f64,
     /// What steps of the sensor add to it.
     steps: f64,
+    posture_noise: f64,
     angle_variance: f64,
     block: Block,
     since: f64,
@@ -168,6 +172,7 @@ impl Grid {
             angle,
             velocity_variance: s.swing_velocity_std * s.swing_velocity_std,
             steps: 0.0,
+            posture_noise: 0.0,
             angle_variance: s.swing_angle_std * s.swing_angle_std,
             block: Block::default(),
             since: 0.0,
@@ -212,6 +217,11 @@ impl Grid {
         self.steps = variance;
     }
 
+    /// The joint angles of a row have noise of this variance [rad^2].
+    pub(in crate::excavator) fn posture_noise(&mut self, variance: f64) {
+        self.posture_noise = variance;
+    }
+
     /// Last valid torque (mean of its block).
     pub(in crate::excavator) fn torque(&self) -> Option<f64> {
         self.torque
@@ -238,6 +248,7 @@ impl Grid {
             velocity_variance,
             torque: self.torque.unwrap_or(0.0),
             posture: self.posture.map(|q| q.unwrap_or(0.0)),
+            posture_variance: self.posture_noise / f64::from(block.rows),
             share,
             torque_age: if block.torque.count > 0 {
                 0.0

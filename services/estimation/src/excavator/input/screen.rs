@@ -129,6 +129,11 @@ impl Screen {
         self.quantisation.variance(self.velocity_std)
     }
 
+    /// Variance of the noise of the noisiest joint angle [rad^2].
+    pub(in crate::excavator) fn posture_noise(&self) -> f64 {
+        self.angles.iter().map(Angle::variance).fold(0.0, f64::max)
+    }
+
     /// For so many rows a torque stays.
     pub(in crate::excavator) fn torque_held(&self) -> usize {
         self.torque.rows()

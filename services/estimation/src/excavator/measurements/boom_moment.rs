@@ -22,7 +22,7 @@
 
 use super::super::cylinder::Cylinder;
 use super::super::geometry::Geometry;
-use crate::math::{exp, sin_cos};
+use crate::math::{exp, sin_cos, sqrt};
 
 /// Standard gravity [m/s^2].
 pub const GRAVITY: f64 = 9.806_65;
@@ -31,8 +31,9 @@ const BLOCK: f64 = 0.2;
 const PRESENT: f64 = 0.3;
 /// Travel within which the seals' friction follows the motion (Dahl) \[m\].
 const TRAVEL: f64 = 0.5e-3;
-/// Less travel than this in a block is noise of the angle \[m\].
+/// Less travel than this in a block, or than so many deviations of the noise of two blocks' angles, is standing \[m\].
 const STILL: f64 = 1e-3;
+const NOISE: f64 = 3.0;
 /// Where the cylinder stands, leakage and vibration take the friction away within this time \[s\].
 pub const FADING: f64 = 3.0;
 /// Error of the mean acceleration of a link [rad/s^2], and the share of the dynamic part that three blocks miss.
@@ -61,6 +62,9 @@ struct Block {
     spin: f64,
     turn: [f64; 2],
     free: bool,
+    /// Ticks, and variance of the mean angle by the noise of the sensors [rad^2].
+    ticks: f64,
+    noise: f64,
 }
 
 /// The moment of a block with what it depends on.
@@ -117,6 +121,8 @@ pub(in crate::excavator) struct Front {
     pub(in crate::excavator) period: f64,
     /// Joint angles \[rad\].
     pub(in crate::excavator) posture: [f64; 3],
+    /// Variance of a joint angle by the noise of its sensor [rad^2].
+    pub(in crate::excavator) posture_variance: f64,
     /// Head and rod side of the boom's cylinders \[Pa\].
     pub(in crate::excavator) pressures: Option<[f64; 2]>,
     /// Swing velocity [rad/s], sine and cosine of the swing angle.
@@ -181,11 +187,13 @@ impl BoomMoment {
         let middle = middle?;
         let travel = newest.length - middle.length;
         let sign = travel.signum();
-        let follows = 1.0 - exp(-(travel.abs() - 0.5 * STILL).max(0.0) / TRAVEL);
+        let noise = middle.lever.abs() * sqrt(newest.noise + middle.noise);
+        let still = STILL.max(NOISE * noise);
+        let follows = 1.0 - exp(-(travel.abs() - 0.5 * still).max(0.0) / TRAVEL);
         // Of the middle block: half of the way there.
         let before = self.direction;
         self.direction += follows * (sign - self.direction);
-        let moves = travel.abs() > STILL;
+        let moves = travel.abs() > still;
         if !moves {
             self.direction *= exp(-BLOCK / FADING);
         }
@@ -230,6 +238,8 @@ impl Block {
             *sum += dt * angle;
         }
         let (length, lever) = cylinder.lever(q[0]);
+        self.ticks += 1.0;
+        self.noise += front.posture_variance;
         self.time += dt;
         self.moment += dt * lever * force;
         self.lever += dt * lever;
@@ -251,6 +261,7 @@ impl Block {
         ] {
             *sum *= share;
         }
+        self.noise /= self.ticks * self.ticks;
         self
     }
 }
@@ -296,7 +307,8 @@ fn moment(
         swinging += g.masses[i] * (x * x + z * z) + g.inertias[i];
     }
     let missed = MISSED * moving;
-    let noise = ACCELERATION * swinging;
+    let bends = blocks[0].noise + 4.0 * blocks[1].noise + blocks[2].noise;
+    let noise = swinging * sqrt(ACCELERATION * ACCELERATION + bends / (BLOCK * BLOCK * BLOCK * BLOCK));
     let empties = (0..3).map(|i| g.masses[i] * tilt[i]).sum();
     Moment {
         measured: smooth(&|b| b.moment),

@@ -1,6 +1,7 @@
 //! The moments of a whole recording, for whoever learns what the boom's cylinders do: `calibrate`.
 
 use super::boom_moment::{BoomMoment, Front, Moment};
+use crate::excavator::angle::Angle;
 use crate::excavator::cylinder::Cylinder;
 use crate::excavator::estimate::Sample;
 use crate::excavator::geometry::Geometry;
@@ -18,6 +19,7 @@ pub struct Lifts {
     geometry: Geometry,
     cylinder: Cylinder,
     moments: BoomMoment,
+    boom: Angle,
     time: Option<f64>,
     turn: f64,
     /// Time and swing angle a moment ago, where an encoder has it, and whether it turns.
@@ -35,6 +37,7 @@ impl Lifts {
             geometry,
             cylinder,
             moments: BoomMoment::new(),
+            boom: Angle::default(),
             time: None,
             turn: 0.0,
             angle: None,
@@ -81,9 +84,11 @@ impl Lifts {
         } else {
             Some(0.0)
         };
+        self.boom.pass(boom, period);
         let front = Front {
             period,
             posture,
+            posture_variance: self.boom.variance(),
             pressures: head.zip(rod).map(|(head, rod)| [head, rod]),
             velocity,
             turn: sin_cos(self.turn),

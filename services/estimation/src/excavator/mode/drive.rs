@@ -20,6 +20,8 @@ pub(in crate::excavator) struct Drive {
     pub(in crate::excavator) rate: Inertia,
     /// Joint angles [rad].
     pub(in crate::excavator) posture: [f64; 3],
+    /// Variance of a joint angle by the noise of its sensor [rad^2].
+    pub(in crate::excavator) posture_variance: f64,
     /// Pitch and roll of the upper body [rad].
     pub(in crate::excavator) inclination: Option<[f64; 2]>,
     /// Head and rod pressure of the boom's cylinders [Pa].
@@ -70,6 +72,7 @@ impl Driver {
             mean: now.with(&before, |a, b| 0.5 * (a + b)),
             rate: now.with(&before, |a, b| (a - b) / h),
             posture: tick.posture,
+            posture_variance: tick.posture_variance,
             inclination: tick.inclination,
             boom_pressure: tick.boom_pressure,
             share: tick.share,

@@ -143,6 +143,7 @@ impl Weigh {
         let front = Front {
             period: drive.period,
             posture: drive.posture,
+            posture_variance: drive.posture_variance,
             pressures: drive.boom_pressure,
             velocity,
             turn: sin_cos(turn),
