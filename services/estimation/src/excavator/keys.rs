@@ -43,7 +43,7 @@ table! {
         /// Its standard deviation; "none" takes 3 % of a stated moment, 30 % of one that is not.
         upper_first_moment_std: Option<f64> = None, "kg m", 0.0 to 1e7;
         /// Standard deviation of the slope of the ground along each of two axes.
-        slope_std: f64 = 0.03, "rad", 0.0 to 0.5;
+        slope_std: f64 = 0.05, "rad", 0.0 to 0.5;
         /// Relative standard deviation of the described masses and inertias of boom and arm.
         mass_tolerance: f64 = 0.018, "", 0.0 to 0.5;
         /// The same of the upper body's inertia: counterweight, tank, options; "none" takes 7 times mass_tolerance (0.126).
@@ -129,7 +129,7 @@ table! {
         /// Friction of the seals, as a share of all pistons at 20 MPa.
         friction: f64 = 0.03, "", 0.0 to 0.5;
         /// Its standard deviation.
-        friction_std: f64 = 0.015, "", 0.0 to 0.5;
+        friction_std: f64 = 0.02, "", 0.0 to 0.5;
         /// Force that the pressures show too much, by the zeros of their sensors.
         force_offset: f64 = 0.0, "N", -1e6 to 1e6;
         /// Its standard deviation; "none" takes that of the sensors' zeros.

@@ -65,7 +65,7 @@ table! {
         /// p, where the slip stiffness falls with the load F_z as F_z^-p, as calibrated.
         stiffness_load_exponent: f64 = 0.0, "", -1.0 to 1.0;
         /// Standard deviation of p where the slip stiffness falls with the load F_z as F_z^-p; widens the reported interval of the height.
-        stiffness_load_exponent_std: f64 = 0.1, "", 0.0 to 1.0;
+        stiffness_load_exponent_std: f64 = 0.2, "", 0.0 to 1.0;
         /// Relaxation length of the tyres; 0 for tyres that do not wind up.
         relaxation_length: f64 = 0.10, "m", 0.0 to 10.0;
     }

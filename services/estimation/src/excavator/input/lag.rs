@@ -20,6 +20,8 @@ const EARLIEST: usize = 16;
 const LATEST: usize = 20;
 const LAGS: usize = EARLIEST + LATEST + 1;
 const RING: usize = EARLIEST + LATEST + 2 * HALF + 2;
+/// Torque and angles missing for so long are not those of now [s].
+const STALE: f64 = 0.2;
 /// Below this the machine may as well stand [rad/s].
 const MOVING: f64 = 0.06;
 /// Share of one tick in the sums: those of 20 s of motion.
@@ -92,16 +94,15 @@ impl Lag {
         present: i32,
     ) -> Option<i32> {
         let steady = (tick.period - PERIOD).abs() < 0.5 * PERIOD;
-        let Some(velocity) = tick
-            .velocity
-            .filter(|_| steady && tick.torque_age.is_finite())
-        else {
+        let there = tick.torque_age.max(tick.posture_age) < STALE;
+        // The upper body turns on, whatever else is missing.
+        self.turn += tick.velocity.unwrap_or(0.0) * tick.period;
+        let Some(velocity) = tick.velocity.filter(|_| steady && there) else {
             self.count = 0;
             return None;
         };
         self.recent[self.count % self.recent.len()] = tick.torque;
         let mean = self.recent.iter().sum::<f64>() / self.recent.len() as f64;
-        self.turn += velocity * tick.period;
         self.ring[self.count % RING] = (velocity, mean, inertia, self.turn);
         self.count += 1;
         if self.count < RING {

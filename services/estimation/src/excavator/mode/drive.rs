@@ -28,14 +28,18 @@ pub(in crate::excavator) struct Drive {
     pub(in crate::excavator) boom_pressure: Option<[f64; 2]>,
     /// Share of a row's noise variance that is left after averaging.
     pub(in crate::excavator) share: f64,
-    /// A torque has been measured.
+    /// Torque and posture are known: what drives the swing, and what it moves.
     pub(in crate::excavator) driven: bool,
+    /// The posture is known.
+    pub(in crate::excavator) seen: bool,
     /// Variance of the torque beyond its noise, where it has been missing for long [(N m)^2].
     pub(in crate::excavator) stale_torque: f64,
 }
 
 /// A torque missing for longer than this is not held any more, but unknown [s].
 const TORQUE_HOLD: f64 = 0.10;
+/// A torque or a joint angle that is missing for longer: the swing tells nothing [s].
+const MISSING: f64 = 0.2;
 /// Standard deviation, per tick, of an unknown torque [sigma_T]: a swing's torque changes by
 /// thousands of newton metres in a quarter of a second, and an error that lasts counts more than
 /// noise of its size.
@@ -76,7 +80,8 @@ impl Driver {
             inclination: tick.inclination,
             boom_pressure: tick.boom_pressure,
             share: tick.share,
-            driven: tick.torque_age.is_finite(),
+            driven: tick.torque_age < MISSING && tick.posture_age < MISSING,
+            seen: tick.posture_age < MISSING,
             stale_torque: if tick.torque_age > TORQUE_HOLD {
                 (UNKNOWN_TORQUE * torque_std) * (UNKNOWN_TORQUE * torque_std)
             } else {

@@ -26,6 +26,11 @@ impl Opening {
         }
     }
 
+    /// The angle has not been seen for a while.
+    pub(in crate::excavator) fn forget(&mut self) {
+        *self = Self::new(self.threshold);
+    }
+
     /// The bucket opens, or has just done so.
     pub(in crate::excavator) fn is_open(&self) -> bool {
         self.left > 0

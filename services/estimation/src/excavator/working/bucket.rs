@@ -65,6 +65,10 @@ impl Bucket {
         standing: bool,
         digs: Option<bool>,
     ) -> Content {
+        if !drive.seen {
+            self.forget();
+            return Content::Unknown;
+        }
         self.rate = self.opening.step(drive);
         let was_settling = self.settling > 0;
         self.settling = if self.is_open() {
@@ -91,6 +95,15 @@ impl Bucket {
         } else {
             Content::Unchanged
         }
+    }
+
+    /// Nobody sees the joints: what they do meanwhile may fill or empty the bucket.
+    fn forget(&mut self) {
+        self.opening.forget();
+        *self = Self {
+            opening: self.opening.clone(),
+            ..Self::new(0.0)
+        };
     }
 
     fn follow(&mut self, bucket: f64, standing: bool) {

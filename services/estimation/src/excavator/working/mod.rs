@@ -355,7 +355,7 @@ impl Working {
         }
     }
 
-    /// Nobody knows what drives the swing: its velocity says where the machine is, and nothing of the load.
+    /// Nobody knows what drives the swing, or what it moves: its velocity says where the machine is, and nothing of the load.
     fn drifting(&mut self, s: &Settings, drive: &Drive, trail: &mut Option<Trail>) -> Innovation {
         if let Some(velocity) = drive.velocity {
             self.filter.set(W, velocity, drive.variance, trail);
@@ -363,6 +363,7 @@ impl Working {
                 .filter
                 .set(W, velocity, drive.variance, &mut None);
         }
+        self.filter.acceleration = 0.0;
         self.turn += self.filter.x[W] * drive.period;
         self.tare(s.estimator.gate, &drive.now, trail);
         Innovation::default()
