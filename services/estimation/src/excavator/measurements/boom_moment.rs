@@ -308,7 +308,8 @@ fn moment(
     }
     let missed = MISSED * moving;
     let bends = blocks[0].noise + 4.0 * blocks[1].noise + blocks[2].noise;
-    let noise = swinging * sqrt(ACCELERATION * ACCELERATION + bends / (BLOCK * BLOCK * BLOCK * BLOCK));
+    let noise =
+        swinging * sqrt(ACCELERATION * ACCELERATION + bends / (BLOCK * BLOCK * BLOCK * BLOCK));
     let empties = (0..3).map(|i| g.masses[i] * tilt[i]).sum();
     Moment {
         measured: smooth(&|b| b.moment),

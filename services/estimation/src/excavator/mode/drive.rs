@@ -49,7 +49,8 @@ const UNKNOWN_TORQUE: f64 = 300.0;
 #[derive(Debug, Clone, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in crate::excavator) struct Driver {
-    last: Option<(f64, Inertia)>,
+    torque: Option<f64>,
+    inertia: Option<Inertia>,
 }
 
 impl Driver {
@@ -61,10 +62,12 @@ impl Driver {
         torque_std: f64,
     ) -> Drive {
         let now = geometry.map_or(Inertia::default(), |g| g.inertia(tick.posture));
-        let (torque, before) = self
-            .last
-            .replace((tick.torque, now))
-            .unwrap_or((tick.torque, now));
+        let [driven, seen] = [tick.torque_age, tick.posture_age].map(|age| age < MISSING);
+        // What comes after a pause is no change since before.
+        let torque = self.torque.unwrap_or(tick.torque);
+        self.torque = driven.then_some(tick.torque);
+        let before = self.inertia.unwrap_or(now);
+        self.inertia = seen.then_some(now);
         let h = tick.period;
         Drive {
             time: tick.time,
@@ -80,8 +83,8 @@ impl Driver {
             inclination: tick.inclination,
             boom_pressure: tick.boom_pressure,
             share: tick.share,
-            driven: tick.torque_age < MISSING && tick.posture_age < MISSING,
-            seen: tick.posture_age < MISSING,
+            driven: driven && seen,
+            seen,
             stale_torque: if tick.torque_age > TORQUE_HOLD {
                 (UNKNOWN_TORQUE * torque_std) * (UNKNOWN_TORQUE * torque_std)
             } else {
