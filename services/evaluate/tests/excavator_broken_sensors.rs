@@ -102,7 +102,7 @@ fn a_signal_that_is_away_for_ten_seconds_is_trusted_again_soon_after_it_is_back(
     const BACK: f64 = FROM + 10.0;
     for seed in 0..4 {
         for signal in 0..4 {
-            let told = told(seed, |row| match signal {
+            let estimates = estimates(seed, |row| match signal {
                 _ if row.time >= BACK => {}
                 3 => row.swing_torque = None,
                 joint => row.posture[joint] = None,
@@ -110,12 +110,12 @@ fn a_signal_that_is_away_for_ten_seconds_is_trusted_again_soon_after_it_is_back(
             let held = |(row, e): &&(Row, Estimate)| {
                 (e.inertia - row.truth.inertia).abs() <= 1.96 * e.inertia_std
             };
-            let covered = told.iter().filter(held).count();
+            let covered = estimates.iter().filter(held).count();
             assert!(
-                covered * 100 > told.len() * 97,
+                covered * 100 > estimates.len() * 97,
                 "seed {seed}, signal {signal}: {covered}"
             );
-            let later = told.iter().filter(|(row, _)| row.time > BACK + 6.0);
+            let later = estimates.iter().filter(|(row, _)| row.time > BACK + 6.0);
             let swings = later.filter(|(row, _)| row.truth.velocity.abs() > 0.05);
             let (mut rows, mut trusted) = (0, 0);
             for (_, e) in swings {
