@@ -37,6 +37,47 @@ fn what_is_logged_as_json_names_its_process() {
     );
 }
 
+#[test]
+fn in_the_journal_each_line_has_its_priority_and_elsewhere_none() {
+    use std::os::unix::fs::MetadataExt;
+    let folder = tempfile::tempdir().expect("a folder");
+    let lines = |name: &str, inode_off: u64| {
+        let path = folder.path().join(name);
+        let file = std::fs::File::create(&path).expect("writable");
+        let about = file.metadata().expect("a file");
+        let stream = format!("{}:{}", about.dev(), about.ino() + inode_off);
+        let mut heft = heft();
+        heft.env("HEFT_LOG", "info,iceoryx2=off,iceoryx2_log=off");
+        heft.env("JOURNAL_STREAM", stream)
+            .stdout(std::process::Stdio::null())
+            .stderr(file);
+        heft.args([
+            "run",
+            "excavator",
+            "--duration",
+            "1",
+            "--quiet",
+            "--no-report",
+            "--domain",
+        ]);
+        heft.arg(common::domain(name))
+            .arg("--out")
+            .arg(folder.path().join(format!("{name}-out")));
+        heft.status().expect("heft starts");
+        let text = std::fs::read_to_string(path).expect("what it said");
+        let ready = text.lines().filter(|line| line.contains(" ready"));
+        ready.map(str::to_owned).collect::<Vec<_>>()
+    };
+    let (in_journal, elsewhere) = (lines("journal", 0), lines("elsewhere", 1));
+    assert_eq!(
+        (in_journal.len(), elsewhere.len()),
+        (5, 5),
+        "{in_journal:?}"
+    );
+    assert!(in_journal.iter().all(|line| line.starts_with("<6>")));
+    assert!(elsewhere.iter().all(|line| !line.contains("<6>")));
+}
+
 fn complete(numbers: &[u64], first: u64) {
     for (i, number) in numbers.iter().enumerate() {
         assert_eq!(*number, first + i as u64, "sample {i} of {}", numbers.len());

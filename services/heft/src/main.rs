@@ -16,6 +16,7 @@ mod fleet;
 mod fleet_run;
 mod group;
 mod image;
+mod journal;
 mod live;
 mod machines;
 mod many;
@@ -74,7 +75,8 @@ fn outlive_limits() {
 }
 
 /// Warnings go to standard error. `HEFT_LOG`, or else `RUST_LOG`, chooses otherwise, in the syntax of `env_logger`;
-/// `HEFT_LOG_FORMAT=json` writes objects with the process in `span`. The processes of a run inherit both.
+/// `HEFT_LOG_FORMAT=json` writes objects with the process in `span`. The processes of a run inherit both. In the journal
+/// of systemd each line has its priority.
 fn log() {
     use tracing_subscriber::EnvFilter;
     let filter = EnvFilter::try_from_env("HEFT_LOG")
@@ -89,6 +91,11 @@ fn log() {
             .flatten_event(true)
             .with_span_list(false)
             .init();
+    } else if journal::is_journal(std::io::stderr()) {
+        let format = tracing_subscriber::fmt::format()
+            .with_ansi(false)
+            .without_time();
+        lines.event_format(journal::Prioritized(format)).init();
     } else {
         lines.without_time().init();
     }

@@ -230,15 +230,11 @@ fn report(
         let lost = counts.health.lost - before.1;
         if lost > 0 {
             counts.health.fault = fault::LOST;
-            tracing::warn!(
-                process = identity.name,
-                lost,
-                "samples lost before this process"
-            );
+            tracing::warn!(lost, "samples lost before this process");
         }
         if quiet == QUIET && counts.health.steps > 0 && !ending {
             counts.health.fault = fault::DEADLINE;
-            tracing::warn!(process = identity.name, "no sample for a second");
+            tracing::warn!("no sample for a second");
         }
         match shared.fault.load(Ordering::Relaxed) {
             fault::NONE => {}
@@ -266,7 +262,7 @@ fn open(identity: Identity) -> Option<Output<Health>> {
     let opened = Ports::new(identity.name).and_then(|ports| ports.output::<Health>(&HEALTH));
     opened
         .inspect_err(|error| {
-            tracing::warn!(process = identity.name, %error, "health is not published");
+            tracing::warn!(%error, "health is not published");
         })
         .ok()
 }

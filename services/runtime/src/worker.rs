@@ -89,7 +89,7 @@ impl Worker {
         if let Some(result) = entered {
             self.reporter.realtime(result.fifo);
             for refused in &result.refused {
-                tracing::warn!(process = self.setup.identity.name, "real time: {refused}");
+                tracing::warn!("real time: {refused}");
             }
         }
         self.control.say("ready");
