@@ -110,7 +110,7 @@ fn files_that_do_not_exist_or_have_foreign_endings_are_refused() {
 }
 
 #[test]
-fn an_output_that_cannot_be_written_is_told() {
+fn an_output_that_cannot_be_written_is_reported() {
     let input = golden("excavator_input_base_case1.csv");
     let result = run(&[
         "estimate",
@@ -209,7 +209,7 @@ fn nan_backward_and_repeated_times_lose_nothing_but_their_rows() {
 }
 
 #[test]
-fn wrong_keys_and_values_of_a_description_are_told_with_line_and_suggestion() {
+fn wrong_keys_and_values_of_a_description_are_reported_with_line_and_suggestion() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("m.toml");
     let f = file.to_str().expect("a path");
@@ -278,7 +278,7 @@ fn with_own_mounts(script: &str) -> Option<std::process::Output> {
 }
 
 #[test]
-fn a_full_shared_memory_is_told_before_anything_starts() {
+fn a_full_shared_memory_is_reported_before_anything_starts() {
     let heft = env!("CARGO_BIN_EXE_heft");
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().display();

@@ -21,7 +21,7 @@ fn cycle(name: &str, seconds: &str) -> Running {
 }
 
 #[test]
-fn a_stopped_service_is_noticed_within_a_second_started_again_told_and_costs_the_status() {
+fn a_stopped_service_is_noticed_within_a_second_started_again_reported_and_costs_the_status() {
     let running = cycle("stop", "60");
     std::thread::sleep(Duration::from_secs(1));
     for name in ["ukf", "sensor", "logger"] {
@@ -99,7 +99,7 @@ fn a_death_before_the_service_is_ready_is_a_death_like_any_other() {
 }
 
 #[test]
-fn a_logger_that_dies_while_the_run_ends_is_told_and_its_recording_can_be_read() {
+fn a_logger_that_dies_while_the_run_ends_is_reported_and_its_recording_can_be_read() {
     let running = cycle("drain", "60");
     std::thread::sleep(Duration::from_millis(1500));
     // The drain waits for a stage that is held up.
@@ -193,7 +193,7 @@ fn few_open_files_are_refused_with_the_command_that_helps() {
 }
 
 #[test]
-fn the_service_manager_is_told_that_a_run_is_ready_and_awake() {
+fn the_service_manager_is_notified_that_a_run_is_ready_and_awake() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("notify");
     let socket = std::os::unix::net::UnixDatagram::bind(&path).expect("a socket");

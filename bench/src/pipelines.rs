@@ -195,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pipeline_that_fails_is_told_with_its_reason() {
+    fn a_pipeline_that_fails_is_reported_with_its_reason() {
         let script = "echo 'warning: slow' >&2; echo 'heft: kalman did not get ready' >&2; exit 1";
         let child = Command::new("sh")
             .args(["-c", script])

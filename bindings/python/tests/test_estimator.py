@@ -75,7 +75,7 @@ def test_an_estimate_has_verdict_reason_and_interval():
         first.interval("trusted")
 
 
-def test_what_cannot_be_fed_is_told():
+def test_what_cannot_be_fed_is_reported():
     with pytest.raises(heft.HeftError, match="did you mean swing_velocity"):
         heft.Estimator("excavator", signals=["swing_velocty"])
     with pytest.raises(heft.HeftError, match="swing_velocity or swing_angle"):

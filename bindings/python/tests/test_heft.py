@@ -69,7 +69,7 @@ def test_a_description_is_a_file_or_keys(tmp_path):
     assert not keys.equals(heft.estimate(data, "excavator"))
 
 
-def test_what_cannot_be_used_is_told():
+def test_what_cannot_be_used_is_reported():
     data = pandas.read_csv(GOLDEN / "excavator_input_base_case2.csv")
     with pytest.raises(heft.HeftError, match="swing_velocity"):
         heft.estimate(data[["t", "swing_torque"]], "excavator")

@@ -104,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn halves_that_tell_another_value_are_told_apart_and_equal_ones_are_not() {
+    fn halves_that_give_another_value_are_distinguished_and_equal_ones_are_not() {
         let same = clearest(&[1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0]).expect("two parts");
         assert!(same.sizes.abs() < 1e-9, "{same:?}");
         // Four residuals of 3 each way: means that differ by 6 noises of 0.1, each known to 0.05.

@@ -70,7 +70,7 @@ fn an_unknown_key_names_its_line_and_the_nearest_key() {
 }
 
 #[test]
-fn a_key_in_the_wrong_table_is_told_its_place() {
+fn a_key_in_the_wrong_table_is_answered_with_its_place() {
     let e = error("[machine]\nrate = 100\n");
     assert_eq!(e.remedy, "the key is sensors.rate: put it under [sensors]");
 }
@@ -94,7 +94,7 @@ fn an_unknown_table_names_its_line_and_the_nearest_table() {
 }
 
 #[test]
-fn a_number_out_of_range_is_told_the_range_and_the_unit() {
+fn a_number_out_of_range_is_answered_with_the_range_and_the_unit() {
     let e = error("[sensors]\nrate = -5\n");
     assert_eq!(e.what, "sensors.rate is -5 Hz, outside from 1 to 100000 Hz");
     assert_eq!(
@@ -111,7 +111,7 @@ fn a_number_out_of_range_is_told_the_range_and_the_unit() {
 }
 
 #[test]
-fn text_for_a_number_is_told_how_to_write_it() {
+fn text_for_a_number_is_answered_with_how_to_write_it() {
     let e = error("[sensors]\nrate = \"fast\"\n");
     assert_eq!(
         e.what,
@@ -168,7 +168,7 @@ fn a_mass_in_newtons_and_a_wheelbase_in_millimetres_are_found() {
 }
 
 #[test]
-fn all_defects_are_told_at_once_in_the_order_of_the_file() {
+fn all_defects_are_reported_at_once_in_the_order_of_the_file() {
     let text = "[sensors]\nrate = 0\nspeed = 3\n[prior]\npayload = true\n";
     let errors = Excavator::parse(text, "x.toml").expect_err("three defects");
     let lines: Vec<_> = errors.0.iter().map(|e| e.line).collect();
@@ -270,7 +270,7 @@ fn the_shipped_descriptions_are_valid() {
 }
 
 #[test]
-fn an_operating_mass_scales_what_is_not_told_and_nothing_that_is() {
+fn an_operating_mass_scales_what_is_not_stated_and_nothing_that_is() {
     let said = "[machine]\nkind = \"excavator\"\noperating_mass = 21500\nrated_payload = 1900\n[machine.geometry]\nboom_length = 5.7\n";
     let of_file = Excavator::parse(said, "m.toml").expect("valid");
     assert_eq!(of_file.geometry.boom_length, 5.7);

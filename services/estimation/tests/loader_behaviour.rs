@@ -322,7 +322,7 @@ fn the_interval_does_not_depend_on_the_rate() {
 }
 
 #[test]
-fn a_told_payload_is_added_to_the_empty_machine() {
+fn a_stated_payload_is_added_to_the_empty_machine() {
     let mut estimator = estimator(Method::Full);
     estimator.set_payload(Some(Payload::new(0.0, 0.0, 0.0)));
     drive(&mut estimator, 0..100);

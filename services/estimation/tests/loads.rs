@@ -118,7 +118,7 @@ fn each_dig_swing_dump_and_return_is_one_load_with_what_stays_behind() {
 }
 
 #[test]
-fn a_load_is_told_within_a_second_of_the_swing_and_final_at_the_dump() {
+fn a_load_is_reported_within_a_second_of_the_swing_and_final_at_the_dump() {
     let mut site = Site::new(None);
     site.stand(3.0, PRIOR);
     let begun = site.time;

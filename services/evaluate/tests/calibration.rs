@@ -82,7 +82,7 @@ fn two_recordings_find_the_machine_within_its_intervals_and_the_description_hold
 }
 
 #[test]
-fn a_load_that_is_told_wrong_is_noticed() {
+fn a_load_that_is_stated_wrong_is_noticed() {
     let truth = Truth::new(4);
     let outcome = run(
         &[
@@ -162,7 +162,7 @@ fn on_slope(truth: &Truth, mut samples: Vec<Sample>, load: f64, slope: [f64; 2])
 }
 
 #[test]
-fn a_slope_of_the_ground_is_taken_out_and_told() {
+fn a_slope_of_the_ground_is_taken_out_and_reported() {
     let truth = Truth {
         efficiency: 1.0,
         ..Truth::new(3)

@@ -94,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn a_swing_is_told_once_by_its_last_trusted_estimate() {
+    fn a_swing_is_reported_once_by_its_last_trusted_estimate() {
         let mut loads = Loads::default();
         let reported: Vec<u64> = (0..80)
             .filter_map(|i| loads.take(&estimate(i)))
@@ -104,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn a_swing_whose_beginning_was_missed_is_not_told() {
+    fn a_swing_whose_beginning_was_missed_is_not_reported() {
         let mut loads = Loads::default();
         loads.forget();
         assert!((25..80).all(|i| loads.take(&estimate(i)).is_none()));

@@ -91,7 +91,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn times_and_sizes_are_told_apart_by_their_unit() {
+    fn times_and_sizes_are_distinguished_by_their_unit() {
         assert_eq!(bound("10min"), Ok(Bound::Time(Duration::from_secs(600))));
         assert_eq!(bound("1.5 h"), Ok(Bound::Time(Duration::from_secs(5400))));
         assert_eq!(bound("7d"), Ok(Bound::Time(Duration::from_secs(604_800))));

@@ -300,7 +300,7 @@ mod tests {
     }
 
     #[test]
-    fn samples_lost_before_a_stage_and_answers_lost_behind_it_are_told_apart() {
+    fn samples_lost_before_a_stage_and_answers_lost_behind_it_are_distinguished() {
         let inputs = samples(1000);
         // Of 200 to 699 the oldest 300 never reached the stage; of the answers to the rest 100 are lost.
         let stage = answers(&inputs, |n| !(200..500).contains(&n), &[]);

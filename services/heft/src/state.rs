@@ -406,7 +406,7 @@ mod tests {
     }
 
     #[test]
-    fn a_state_that_does_not_fit_is_kept_aside_told_and_no_reason_not_to_run() {
+    fn a_state_that_does_not_fit_is_kept_aside_reported_and_no_reason_not_to_run() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("state.json");
         let other = BTreeMap::from([("ukf".to_owned(), "isr-ukf".to_owned())]);

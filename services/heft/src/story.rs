@@ -210,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn a_load_is_told_again_and_not_twice() {
+    fn a_load_is_reported_again_and_not_twice() {
         let (mut story, _) = reported(423.0);
         let again = Load {
             stage: Stage::Settled,

@@ -484,7 +484,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_may_lack_in_the_recording_is_told_unless_the_logger_has_counted_it() {
+    fn what_may_lack_in_the_recording_is_reported_unless_the_logger_has_counted_it() {
         let (dies, comes, is_back, tells) = (1, 2, 3, 4);
         let lost = |story: &[u32]| {
             let mut watch = Watch::new(Machine::Excavator, None, None, Show::Nothing);

@@ -167,7 +167,7 @@ pub fn open<S: Sensors>(
             "leave out --map for a recording of heft; name topics under [topics.signals] for one of others",
         )),
         _ => Err(Error::new(
-            "the kind of file cannot be told from its name",
+            "the kind of file is not known from its name",
             place(),
             "give a file that ends in .csv, .mcap or .log",
         )),

@@ -332,7 +332,7 @@ mod tests {
     }
 
     #[test]
-    fn silence_is_told_by_few_rows_and_a_gap_by_none() {
+    fn silence_is_reported_by_few_rows_and_a_gap_by_none() {
         for rate in [None, Some(100.0)] {
             let (mut rows, mut series) = (Rows::new(rate), series(0.0, false, 0.5));
             rows.hear(0);

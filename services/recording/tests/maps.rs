@@ -53,7 +53,7 @@ fn a_column_of_hefts_own_name_needs_no_entry() {
 }
 
 #[test]
-fn names_that_do_not_fit_are_told_with_the_nearest_ones() {
+fn names_that_do_not_fit_are_reported_with_the_nearest_ones() {
     let table = "t,swing_deg\n0,1\n";
     let error =
         through("[columns]\n\nswing_angle = \"swing_dge\"\n", table).expect_err("no such column");
@@ -192,7 +192,7 @@ fn a_log_can_be_read_at_a_rate() {
 }
 
 #[test]
-fn can_names_that_do_not_fit_are_told_with_the_nearest_ones() {
+fn can_names_that_do_not_fit_are_reported_with_the_nearest_ones() {
     let can = "master = \"swing_velocity\"";
     let of = |message: &str, signal: &str| {
         let signals =
@@ -231,7 +231,7 @@ fn speed(dbc_unit: &str, entry: &str) -> Result<f64, Error> {
 }
 
 #[test]
-fn the_unit_is_the_dbcs_where_the_map_is_silent_and_a_contradiction_is_told() {
+fn the_unit_is_the_dbcs_where_the_map_is_silent_and_a_contradiction_is_reported() {
     let close = |found: Result<f64, Error>, wanted: f64| {
         let found = found.expect("a value");
         assert!((found / wanted - 1.0).abs() < 1e-12, "{found} {wanted}");

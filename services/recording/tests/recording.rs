@@ -219,7 +219,7 @@ fn boundaries(bytes: &[u8]) -> Vec<usize> {
 /// Every kind of record, every length field: one flipped bit invents no sample, hides at most what its
 /// own block holds, and what it hides is reported, by readers and by `recover` alike.
 #[test]
-fn a_flipped_bit_costs_one_block_at_most_and_is_told() {
+fn a_flipped_bit_costs_one_block_at_most_and_is_reported() {
     let dir = folder();
     let path = dir.path().join("run.mcap");
     let copy = dir.path().join("copy.mcap");
@@ -338,7 +338,7 @@ fn a_full_disk_is_an_error_that_names_itself() {
 }
 
 #[test]
-fn what_cannot_be_opened_is_told_in_three_lines() {
+fn what_cannot_be_opened_is_reported_in_three_lines() {
     let dir = folder();
     let missing = Reader::open(dir.path().join("none.mcap")).expect_err("not there");
     assert_eq!(missing.to_string().lines().count(), 3);

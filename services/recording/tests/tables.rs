@@ -119,7 +119,7 @@ fn a_missing_column_is_named_with_the_nearest_one() {
 }
 
 #[test]
-fn text_in_a_number_is_told_with_line_and_column() {
+fn text_in_a_number_is_reported_with_line_and_column() {
     let error = excavator("t,swing_velocity\n0,1\n\n1,fast\n").expect_err("text");
     assert_eq!(error.what, "\"fast\" is no number");
     assert!(
@@ -364,7 +364,7 @@ fn a_recording_exports_to_tables_and_loads_as_samples() {
 }
 
 #[test]
-fn the_kind_of_file_is_told_from_its_ending() {
+fn the_kind_of_file_is_recognized_from_its_ending() {
     let (_dir, path) = file("t,swing_velocity\n0,1\n");
     assert!(load::<ExcavatorSensors>(&path, None).is_ok());
     let other = path.with_extension("xlsx");

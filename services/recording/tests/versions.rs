@@ -77,7 +77,7 @@ fn renumbered_unknown_missing_and_widened_fields_are_put_where_they_belong() {
 }
 
 #[test]
-fn a_message_that_is_not_whole_is_left_out_and_told() {
+fn a_message_that_is_not_whole_is_left_out_and_reported() {
     let dir = tempfile::tempdir().expect("a folder");
     let path = dir.path().join("broken.mcap");
     let payload = || vec![field("payload", 2, Type::Double)];

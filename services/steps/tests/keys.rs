@@ -51,7 +51,7 @@ const ELSEWHERE: &[&str] = &[
 ];
 
 #[test]
-fn every_key_of_the_excavator_reaches_its_settings_or_is_told_to_do_nothing() {
+fn every_key_of_the_excavator_reaches_its_settings_or_is_reported_to_do_nothing() {
     // A key of the boom's cylinder acts where the cylinder is described.
     let described = |description: &Excavator| {
         let mut described = description.clone();
@@ -156,7 +156,7 @@ fn with(machine: messages::Machine, set: &str) -> Description {
 }
 
 #[test]
-fn a_key_without_effect_under_the_methods_is_told() {
+fn a_key_without_effect_under_the_methods_is_reported() {
     use messages::Machine::{Excavator, Loader};
     let paper = || with(Excavator, "estimator.paper.torque=1000");
     assert_eq!(

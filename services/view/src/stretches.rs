@@ -95,7 +95,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_trusted_within_the_swing_is_told() {
+    fn what_was_trusted_within_the_swing_is_reported() {
         let found = stretches(&run(), |e| e.velocity.abs(), 0.05);
         assert!(found[0].reported[0].trusted);
         assert_eq!(found[0].index, 30);

@@ -159,7 +159,7 @@ fn a_recording_makes_the_same_report_as_the_run_in_memory() {
 }
 
 #[test]
-fn step_times_have_a_column_only_where_processes_told_them() {
+fn step_times_have_a_column_only_where_processes_reported_them() {
     let run = common::excavator(5.0, 100.0, true);
     assert!(report(&run).contains("<th>step p50 / p99</th>"));
     // As `heft estimate` makes it: one process, no telemetry.

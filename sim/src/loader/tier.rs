@@ -209,7 +209,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn tier_a_is_told_everything_but_where_to_start() {
+    fn tier_a_is_given_everything_but_where_to_start() {
         let (machine, _, nominal) = draw(
             Size::Reference,
             Tier::A,

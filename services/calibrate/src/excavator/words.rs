@@ -130,7 +130,7 @@ pub fn far(swings: &Swings, place: &[f64], fixed: &[bool]) -> Vec<String> {
     let all = (0..place.len()).filter(is_far).map(|i| {
         let p = &swings.parameters[i];
         format!(
-            "{} would be {:.4}, but {:.4} ± {:.4} {unit} was expected: a column of another unit or sign, recordings of another machine or another load than told, or the description is wrong",
+            "{} would be {:.4}, but {:.4} ± {:.4} {unit} was expected: a column of another unit or sign, recordings of another machine or another load than stated, or the description is wrong",
             p.words, p.value(place[i]), p.mean, p.std, unit = p.unit
         )
     });
@@ -148,7 +148,7 @@ pub fn masses(swings: &Swings, found: &Found, fixed: &[bool], tolerance: f64) ->
     let by = p.value(place) / p.mean - 1.0;
     (tolerance > 0.0 && by.abs() > OTHER_MASSES * std).then(|| {
         format!(
-            "{} would be {:+.1} % from the described ones, which are told within {:.1} %: another load was in the bucket than told, or the description is of another machine; weigh the load again, or state a larger machine.mass_tolerance",
+            "{} would be {:+.1} % from the described ones, which are stated within {:.1} %: another load was in the bucket than stated, or the description is of another machine; weigh the load again, or state a larger machine.mass_tolerance",
             p.words,
             100.0 * by,
             100.0 * tolerance
@@ -219,7 +219,7 @@ pub fn disagreement(
 }
 
 /// Why recordings disagree, and what to do.
-const OTHERWISE: &str = "another machine, oil that was cold, a load that spills or was told wrong; record both on the same day with the machine warm";
+const OTHERWISE: &str = "another machine, oil that was cold, a load that spills or was stated wrong; record both on the same day with the machine warm";
 
 /// Ground that is inclined, which is taken out.
 #[must_use]

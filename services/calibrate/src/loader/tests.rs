@@ -118,7 +118,7 @@ fn what_cannot_be_believed_is_said() {
 }
 
 #[test]
-fn equal_torques_leave_the_gains_untold_and_as_described() {
+fn equal_torques_leave_the_gains_undetermined_and_as_described() {
     let mut inputs = inputs(6200.0);
     let empty = guess();
     let loaded = guess::Guess {
@@ -263,7 +263,7 @@ fn driving_in_reverse_tells_the_zeros_too() {
 }
 
 #[test]
-fn another_way_told_as_the_same_is_not_used() {
+fn another_way_stated_as_the_same_is_not_used() {
     let g = askew();
     // The same way in the same direction, another one, and one that is half as long.
     let mut short = there_and_back(g, Some(181.0));

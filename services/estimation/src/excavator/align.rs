@@ -123,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn without_a_told_delay_nothing_waits() {
+    fn without_a_stated_delay_nothing_waits() {
         let tick = Tick {
             time: 5.0,
             ..Tick::default()

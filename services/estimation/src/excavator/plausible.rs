@@ -334,7 +334,7 @@ mod tests {
     }
 
     #[test]
-    fn angles_against_the_horizontal_are_told_from_those_of_joints() {
+    fn angles_against_the_horizontal_are_distinguished_from_those_of_joints() {
         let absolute = |s: &mut Sample| {
             let [Some(boom), Some(arm), Some(bucket)] = s.posture else {
                 return;

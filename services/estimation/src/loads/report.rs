@@ -98,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn a_load_is_told_from_before_it_is_weighed_until_its_truck_holds_it() {
+    fn a_load_is_reported_from_before_it_is_weighed_until_its_truck_holds_it() {
         let mut ledger = Ledger::new(Settings {
             target: Some(2000.0),
             ..Settings::with_rated(1000.0)

@@ -144,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn a_silent_machine_is_told_once_and_so_is_its_return() {
+    fn a_silent_machine_is_reported_once_and_so_is_its_return() {
         let mut fleet = Fleet::default();
         let id = MachineId::new("north", "ex-1").expect("names");
         fleet.known(&id, "excavator", "0.1");

@@ -105,7 +105,7 @@ fn a_disk_with_less_room_than_asked_for_stops_the_recording_with_a_whole_part() 
 }
 
 #[test]
-fn a_part_that_somebody_deletes_is_told_and_costs_no_more_than_itself() {
+fn a_part_that_somebody_deletes_is_reported_and_costs_no_more_than_itself() {
     let dir = tempfile::tempdir().expect("a folder");
     let first = dir.path().join("run.mcap");
     let mut recorder = begin(&first, Limits::default());

@@ -449,7 +449,7 @@ mod tests {
     }
 
     #[test]
-    fn one_wrong_time_is_left_out_and_told() {
+    fn one_wrong_time_is_left_out_and_reported() {
         let (found, remarks) = times(&[5.0, 6.0, 1e9, 7.0, -400.0, 8.0]);
         assert_eq!(
             found,

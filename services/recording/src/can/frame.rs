@@ -230,7 +230,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_frame_is_told_from_what_carries_no_data() {
+    fn what_is_no_frame_is_distinguished_from_what_carries_no_data() {
         for nothing in [
             "",
             "(0.1) can0 123#R",

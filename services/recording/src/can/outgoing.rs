@@ -352,7 +352,7 @@ mod tests {
     }
 
     #[test]
-    fn a_bucket_is_told_always_a_load_and_its_truck_where_they_are_trusted() {
+    fn a_bucket_is_reported_always_a_load_and_its_truck_where_they_are_trusted() {
         let outgoing = Outgoing::new(Machine::Excavator, None).expect("the usual frames");
         let mut loads = ExcavatorLoads {
             payload: 812.5,
@@ -412,7 +412,7 @@ mod tests {
     }
 
     #[test]
-    fn a_map_chooses_frames_and_identifiers_and_its_mistakes_are_told() {
+    fn a_map_chooses_frames_and_identifiers_and_its_mistakes_are_reported() {
         let text = "[can]\nrate = 5\nsource = 0x21\npriority = 3\n[can.frames]\ninertia = 0xff55\nverdict = { id = 0x321 }\n";
         let outgoing = with_map(text).expect("a map");
         let ids: Vec<(u32, bool)> = outgoing.kinds.iter().map(|k| (k.id, k.extended)).collect();

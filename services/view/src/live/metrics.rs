@@ -188,7 +188,7 @@ mod tests {
     use messages::{LoaderEstimate, Stamp, channels, loader_bits as bits};
 
     #[test]
-    fn the_last_trusted_value_and_its_age_are_told() {
+    fn the_last_trusted_value_and_its_age_are_reported() {
         let (mut monitor, start) = (Monitor::new(vec!["sensor".into()]), Instant::now());
         for (time, ratio, flags) in [(1.0, 0.4, bits::TRUSTED_RATIO), (3.5, 0.5, 0)] {
             let estimate = LoaderEstimate {

@@ -303,7 +303,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn settings_are_told_by_key() {
+    fn settings_are_reported_by_key() {
         let text = "# a remark\n[machine]\nmass = 3\n\n[sensors]\nrate = 100.0\n";
         let pairs = [
             ("description", text),

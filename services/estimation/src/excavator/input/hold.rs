@@ -142,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_repeated_or_left_out_is_told_from_what_is_slow_or_coarse() {
+    fn what_is_repeated_or_left_out_is_distinguished_from_what_is_slow_or_coarse() {
         let smooth = |k: u32| crate::math::sin_cos(0.01 * f64::from(k)).0;
         assert_eq!(rows(|k| Some(smooth(k))), 1);
         assert_eq!(rows(|k| Some(smooth(k / 5 * 5))), 5);

@@ -98,7 +98,7 @@ fn an_arm_that_is_not_described_weighs_nothing() {
 }
 
 #[test]
-fn a_payload_is_told_from_the_first_row_on_where_an_arm_is_described() {
+fn a_payload_is_reported_from_the_first_row_on_where_an_arm_is_described() {
     use crate::loader::{CgEstimator, Columns, Method};
     let settings = settings();
     let columns = Columns::default();
