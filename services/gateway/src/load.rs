@@ -62,7 +62,8 @@ impl<E: Estimate> Loads<E> {
                 }
             }
         }
-        over.filter(|s| s.end - s.start >= SHORTEST).map(|s| s.reported)
+        over.filter(|s| s.end - s.start >= SHORTEST)
+            .map(|s| s.reported)
     }
 
     /// Is notified that estimates were missed.
