@@ -235,8 +235,9 @@ const WEIGHED: Settings = Settings {
     ..Settings::DEFAULT
 };
 
-/// How well the tables' makers know the load sensitivity of their tyres.
+/// How well the tables' makers know the load sensitivity of their tyres, and the load exponent of their slip stiffness.
 const LOAD_SENSITIVITY_STD: f64 = 0.001;
+const LOAD_EXPONENT_STD: f64 = 0.1;
 
 fn machine(nominal: &Nominal) -> Machine {
     Machine {
@@ -249,6 +250,7 @@ fn machine(nominal: &Nominal) -> Machine {
         friction: nominal.friction,
         radius_load_sensitivity: nominal.radius_load_sensitivity,
         radius_load_sensitivity_std: LOAD_SENSITIVITY_STD,
+        stiffness_load_exponent_std: LOAD_EXPONENT_STD,
         ..Machine::default()
     }
 }
