@@ -364,7 +364,7 @@ const char *heft_excavator_error(const void *memory);
 #define HEFT_LOADER_REASON_DISAGREEMENT 17 /* manoeuvres disagree by more than they claim */
 #define HEFT_LOADER_REASON_LIMIT 18 /* an estimate is at its limit */
 #define HEFT_LOADER_REASON_RESTARTED 19 /* the service was started again */
-#define HEFT_LOADER_REASON_LOCKED_DRIVE 20 /* the axles turn alike: the stated torques are not theirs */
+#define HEFT_LOADER_REASON_LOCKED_DRIVE 20 /* the axles turn alike: the reported torques are not theirs */
 
 /* Name of a reason; empty for none. */
 static inline const char *heft_loader_reason(uint32_t code) {

@@ -65,7 +65,7 @@ struct State {
 #[derive(Debug)]
 pub struct Memory {
     machine: Machine,
-    /// The channel that is listened to: the one that is reported first.
+    /// The channel that is listened to: that of the headline estimate.
     channel: Option<&'static str>,
     file: PathBuf,
     state: State,

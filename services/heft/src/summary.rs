@@ -132,7 +132,7 @@ fn tell_processes(watch: &Watch, line: &mut impl FnMut(String)) {
     }
 }
 
-/// Age of the last trusted estimate, the largest over the quantities that are reported first; `None` where one of
+/// Age of the last trusted estimate, the largest over the headline quantities; `None` where one of
 /// them never was trusted \[s\].
 pub fn trust_age(watch: &Watch) -> Option<f64> {
     let headline = watch.headline();

@@ -57,7 +57,7 @@ pub struct Watch {
     teller: Option<LoadsTeller>,
     /// The sensors are read for them: they tell the truck, and a loader's mass.
     counts_sensors: bool,
-    /// That of the latest estimate that is reported first.
+    /// That of the latest headline estimate.
     reason: Option<Value>,
     faults: Vec<Fault>,
     /// The samples are the simulator's.
@@ -75,7 +75,7 @@ pub struct Watch {
 }
 
 impl Watch {
-    /// Watches a machine. `headline`: the channel whose estimates are reported first, those of the method
+    /// Watches a machine. `headline`: the channel of the headline estimates, those of the method
     /// that was asked for.
     pub fn new(
         machine: Machine,
@@ -151,7 +151,7 @@ impl Watch {
             .unwrap_or_default()
     }
 
-    /// Scores of the quantities that are reported first.
+    /// Scores of the headline quantities.
     pub fn headline(&self) -> impl Iterator<Item = &Tally> {
         let headline = self.headline.map(|channel| channel.name);
         let tallies = self.tallies.iter();
@@ -163,7 +163,7 @@ impl Watch {
         &self.story
     }
 
-    /// Latest estimate that is reported first.
+    /// Latest headline estimate.
     pub fn latest_headline(&self) -> Option<&Envelope> {
         self.latest(self.headline?)
     }
@@ -318,7 +318,7 @@ impl Watch {
         self.end();
     }
 
-    /// Says when the reason of the estimates that are reported first becomes another.
+    /// Says when the reason of the headline estimates becomes another.
     fn note_reason<M: Message>(&mut self, message: &M) {
         let reason = M::index("reason").and_then(|i| message.get(i));
         if reason != self.reason {
@@ -366,7 +366,7 @@ impl Watch {
         }
     }
 
-    /// Counts loads of the estimates that are reported first, and says what happens to them.
+    /// Counts loads of the headline estimates, and says what happens to them.
     fn count(&mut self, channel: &Channel, envelope: &Envelope) {
         let Some(loads) = &self.loads else { return };
         let is_headline = match channel.payload.carries() {

@@ -6,7 +6,7 @@ use messages::channels::Channel;
 use steps::Error;
 use steps::stages::{AnyStep, Pipeline};
 
-/// The method that was asked for, or that of the process whose estimate is reported first.
+/// The method that was asked for, or that of the headline estimate.
 pub fn method(machine: Machine, asked: Option<&str>) -> &str {
     let pipeline = Pipeline::of(machine);
     let main = pipeline.stage(pipeline.main);

@@ -163,7 +163,7 @@ macro_rules! loader_reasons {
             17 Disagreement "disagreement" "manoeuvres disagree by more than they claim";
             18 AtLimit "limit" "an estimate is at its limit";
             19 Restarted "restarted" "the service was started again";
-            20 Locked "locked drive" "the axles turn alike: the stated torques are not theirs";
+            20 Locked "locked drive" "the axles turn alike: the reported torques are not theirs";
         }
     };
 }

@@ -352,7 +352,7 @@ impl Scale {
     }
 }
 
-/// Whether a process tells a payload to count: the one whose estimate is reported first.
+/// Whether a process tells a payload to count: the one of the headline estimate.
 #[must_use]
 pub fn counts(machine: Machine, channel: &str) -> bool {
     let pipeline = crate::stages::Pipeline::of(machine);

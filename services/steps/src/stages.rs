@@ -27,7 +27,7 @@ pub struct Pipeline {
     pub about: &'static str,
     /// Its processes, upstream first; a `health` message names one by its place.
     pub stages: &'static [Stage],
-    /// The process whose estimate is reported first, and which `--method` means where it names none of
+    /// The process of the headline estimate, and which `--method` means where it names none of
     /// another's.
     pub main: &'static str,
 }
@@ -280,7 +280,7 @@ impl Pipeline {
             .map(|(_, row)| row.output())
     }
 
-    /// The channel of the estimate that is reported first.
+    /// The channel of the headline estimate.
     #[must_use]
     pub fn main_output(&self) -> Option<&'static Channel> {
         self.stage(self.main)?.output()

@@ -51,7 +51,7 @@ pub fn report(run: &Run) -> String {
     html::page_of_plots(&header::title(run), &page.body, &page.plots)
 }
 
-/// What is reported first, over time, with its interval, the truth where it is known, and the stretches that heft
+/// The headline estimate, over time, with its interval, the truth where it is known, and the stretches that heft
 /// trusts: one SVG file that follows the reader's light or dark setting.
 #[must_use]
 pub fn picture(run: &Run) -> String {

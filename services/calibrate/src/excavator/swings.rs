@@ -231,8 +231,6 @@ impl Model for Swings {
     }
 }
 
-/// Standard deviation of the ground's slope where a machine is calibrated: who does it chooses the place [rad].
-const NEARLY_LEVEL: f64 = 0.03;
 /// Tolerances where the description has none or states what only a calibration can know: gain of a torque
 /// sensor, efficiency of a swing gear, drawings against a machine, delays of a bus [s].
 const GAIN_STD: f64 = 0.05;
@@ -353,7 +351,7 @@ fn noises(series: &[Series], d: &Description) -> [(Role, Parameter); 2] {
 
 /// Slopes of the ground, and the moment that they pull at.
 fn ground(series: &[Series], d: &Description) -> Vec<(Role, Parameter)> {
-    let std = d.machine.slope_std.min(NEARLY_LEVEL);
+    let std = d.machine.slope_std;
     if std <= 0.0 {
         return Vec::new();
     }

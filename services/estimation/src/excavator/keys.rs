@@ -43,7 +43,7 @@ table! {
         /// Its standard deviation; "none" takes 3 % of a stated moment, 30 % of one that is not.
         upper_first_moment_std: Option<f64> = None, "kg m", 0.0 to 1e7;
         /// Standard deviation of the slope of the ground along each of two axes.
-        slope_std: f64 = 0.05, "rad", 0.0 to 0.5;
+        slope_std: f64 = 0.03, "rad", 0.0 to 0.5;
         /// Relative standard deviation of the described masses and inertias of boom and arm.
         mass_tolerance: f64 = 0.018, "", 0.0 to 0.5;
         /// The same of the upper body's inertia: counterweight, tank, options; "none" takes 7 times mass_tolerance (0.126).

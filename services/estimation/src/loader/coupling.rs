@@ -1,4 +1,4 @@
-//! Whether the centre drive is locked: then both axles turn alike, and the torques that are reported of them are not theirs.
+//! Whether the centre drive is locked: then both axles turn alike, and the reported torques are not theirs.
 //!
 //! | symbol | code | meaning | unit |
 //! |---|---|---|---|

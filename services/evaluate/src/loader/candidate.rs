@@ -65,6 +65,8 @@ impl Candidate {
     pub const TUNED: Self = Self::six("tuned 6 states", Method::IsrUkf, KNOWN_MACHINE);
     /// The product, nothing calibrated.
     pub const COLD: Self = Self::new("full, cold", Method::Full, Settings::DEFAULT);
+    /// The product on tyres whose load exponent was measured.
+    pub const MEASURED: Self = Self::new("full, tyres measured", Method::Full, MEASURED_TYRES);
     /// The product by the model's tangent.
     pub const TANGENT: Self = Self::new("full-ekf, cold", Method::FullEkf, Settings::DEFAULT);
     /// The product with rolling radii known to 5e-4.
@@ -141,7 +143,7 @@ impl Candidate {
             prior.cg_height = first.truth.cg_height;
             prior.cg_ratio = first.truth.cg_ratio;
         }
-        let mut machine = machine(nominal);
+        let mut machine = machine(nominal, &self.settings.machine);
         if self.knows_load_sensitivity {
             machine.radius_load_sensitivity_std = 0.0;
         }
@@ -217,6 +219,14 @@ const KNOWN_MACHINE: Settings = Settings {
     ..Settings::TUNED
 };
 
+const MEASURED_TYRES: Settings = Settings {
+    machine: Machine {
+        stiffness_load_exponent_std: LOAD_EXPONENT_STD,
+        ..Machine::DEFAULT
+    },
+    ..Settings::DEFAULT
+};
+
 const CALIBRATED_RADII: Settings = Settings {
     prior: Prior {
         radius_std: 5e-4,
@@ -235,11 +245,11 @@ const WEIGHED: Settings = Settings {
     ..Settings::DEFAULT
 };
 
-/// How well the tables' makers know the load sensitivity of their tyres, and the load exponent of their slip stiffness.
+/// How well the tables' makers know the load sensitivity of their tyres, and who has measured them the load exponent.
 const LOAD_SENSITIVITY_STD: f64 = 0.001;
 const LOAD_EXPONENT_STD: f64 = 0.1;
 
-fn machine(nominal: &Nominal) -> Machine {
+fn machine(nominal: &Nominal, known: &Machine) -> Machine {
     Machine {
         mass: nominal.mass,
         wheel_radius: nominal.wheel_radius,
@@ -250,8 +260,7 @@ fn machine(nominal: &Nominal) -> Machine {
         friction: nominal.friction,
         radius_load_sensitivity: nominal.radius_load_sensitivity,
         radius_load_sensitivity_std: LOAD_SENSITIVITY_STD,
-        stiffness_load_exponent_std: LOAD_EXPONENT_STD,
-        ..Machine::default()
+        ..*known
     }
 }
 

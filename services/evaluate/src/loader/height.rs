@@ -140,7 +140,7 @@ fn run(
                 tier,
                 ..Run::new(scenario)
             },
-            &[Candidate::COLD],
+            &[Candidate::MEASURED],
             |_, row, estimate| {
                 if times.get(looks.len()).is_some_and(|time| row.time >= *time) {
                     looks.push(Look {

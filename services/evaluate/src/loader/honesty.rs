@@ -4,7 +4,7 @@
 //! JSON: [`crate::honesty::json`]. Every machine has the tolerances of tier B; the estimator is given the data sheet, its
 //! noises and floors scaled with the size, and the default of everything else.
 
-use estimation::loader::{CgEstimator, Columns, Estimate, Machine, Method, Settings};
+use estimation::loader::{CgEstimator, Columns, Estimate, Method, Settings};
 use sim::loader::{CASES, Effects, PayloadReport, Row, Run, Simulation, Size, Tier};
 
 use super::candidate::Candidate;
@@ -84,8 +84,6 @@ fn drive(
         return Ok(());
     };
     let mut settings = scaled(candidate.settings(&nominal, &first), run.size);
-    // Nobody has measured these tyres.
-    settings.machine.stiffness_load_exponent_std = Machine::default().stiffness_load_exponent_std;
     tell(&mut settings);
     let columns = Columns {
         acceleration: true,

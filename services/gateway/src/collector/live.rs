@@ -82,7 +82,7 @@ impl Machine {
         self.heard.is_some_and(|h| h.elapsed() < SILENT)
     }
 
-    /// The message of a kind that is reported first: that of the stream of the loads where there is one.
+    /// The headline message of a kind: that of the stream of the loads where there is one.
     #[must_use]
     pub fn main(&self, kind: &str) -> Option<&(Label, Envelope)> {
         let main = shown::main_channel(&self.kind)?;

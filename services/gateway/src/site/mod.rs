@@ -45,7 +45,7 @@ pub struct ServeArgs {
     /// The site whose machines are served
     #[arg(long)]
     pub site: String,
-    /// Method; that which is reported first if absent
+    /// Method; the headline one if absent
     #[arg(long)]
     pub method: Option<String>,
     /// At most one estimate a machine in so much of its time [s]; every one if 0

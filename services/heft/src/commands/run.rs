@@ -86,7 +86,7 @@ fn watch(
         .map(|addr| crate::live::start(addr, machine, loads.clone()))
         .transpose()?;
     let (feed, server) = page.unzip();
-    // What the user asked for is reported first, whichever process makes it.
+    // What the user asked for is the headline, whichever process makes it.
     let pipeline = Pipeline::of(machine);
     let asked = args.method.as_deref().and_then(|m| pipeline.with_method(m));
     let headline = asked.and_then(|stage| stage.output());

@@ -1,11 +1,15 @@
 //! Does a link's sensor measure its angle from the horizontal, as an inclinometer does, or from the link before?
 //!
 //! While a link moves and the next one does not, a joint angle of the next one stays, and an angle from the horizontal moves along.
+//! Joints that are moved together have any ratio of rates: where 1 is chance, ratios beside it are as frequent (as in
+//! `estimation`'s `plausible`, which looks at what a map made of the angles).
 //! Names tell too, where the data do not say otherwise: all links may move at once.
 
 /// A link that has moved by this much has moved [rad]; the next one moves along within this share of it.
 const MOVES: f64 = 0.1;
 const ALONG: f64 = 0.15;
+/// Off by up to this share it moves at a rate beside the link's.
+const BESIDE: f64 = 2.0 * ALONG;
 /// So many rows at most for one motion: a link that is slower counts as standing.
 const LONGEST: usize = 200;
 /// Motions that tell something, and how many times more of one kind than of the other.
@@ -16,19 +20,21 @@ const NAMES: [&str; 7] = ["incl", "imu", "abs", "tilt", "neigung", "傾斜", "�
 
 /// Whether the angles `next` are from the horizontal, by those of the link before, both in rad, or else by the name.
 pub(super) fn is_absolute(name: &str, before: &[f64], next: &[f64]) -> Option<&'static str> {
-    let (mut along, mut alone, mut from) = (0, 0, 0);
+    let (mut along, mut alone, mut beside, mut from) = (0, 0, 0, 0);
     for at in 1..before.len().min(next.len()) {
         let (link, other) = (before[at] - before[from], next[at] - next[from]);
         if !(link.is_finite() && other.is_finite()) || at - from > LONGEST {
             from = at;
         } else if link.abs() > MOVES {
-            let within = |x: f64| x.abs() < ALONG * link.abs();
-            along += usize::from(within(other - link));
-            alone += usize::from(within(other));
+            let within = |x: f64, share: f64| x.abs() < share * link.abs();
+            let follows = within(other - link, ALONG);
+            along += usize::from(follows);
+            beside += usize::from(!follows && within(other - link, BESIDE));
+            alone += usize::from(within(other, ALONG));
             from = at;
         }
     }
-    if along >= ENOUGH && along > RATHER * alone {
+    if along >= ENOUGH && along > RATHER * alone.max(beside) {
         Some("it moves along with the link before")
     } else if (along + alone < ENOUGH || alone <= RATHER * along) && by_name(name) {
         Some(BY_NAME)
@@ -49,6 +55,16 @@ pub(super) fn by_name(name: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn joints_that_a_program_moves_together_are_no_absolute_angles() {
+        let turned = |k: u32| 0.4 * (1.0 - (0.02 * f64::from(k)).cos());
+        let arm: Vec<f64> = (0..4000).map(|k| -1.4 + turned(k)).collect();
+        // The bucket curls with the arm, in each motion at another ratio about 1.
+        let ratio = |k: u32| 0.76 + 0.04 * f64::from(k / 314);
+        let bucket: Vec<f64> = (0..4000).map(|k| -1.0 + ratio(k) * turned(k)).collect();
+        assert_eq!(is_absolute("bucket", &arm, &bucket), None);
+    }
 
     #[test]
     fn an_angle_that_moves_along_is_absolute_and_one_that_stays_is_not() {

@@ -5,7 +5,7 @@ use crate::estimate::Estimate;
 use crate::plot::{Plot, Style};
 use crate::run::{Estimator, MachineRun};
 
-/// The conditions of the estimator that is reported first, and each estimator's own panels.
+/// The conditions of the headline estimator, and each estimator's own panels.
 #[must_use]
 pub fn panels<E: Estimate>(run: &MachineRun<E>) -> Vec<Panel> {
     let own = run

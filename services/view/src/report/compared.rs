@@ -54,7 +54,7 @@ fn together(runs: &[(String, Run)]) -> String {
     names.join(" and ")
 }
 
-/// A recording's name, the machine's part of it, and the estimator that is reported first.
+/// A recording's name, the machine's part of it, and the headline estimator.
 type Part<'a, E> = (&'a str, &'a Run, &'a MachineRun<E>, &'a Estimator<E>);
 
 fn parts<E: Estimate>(

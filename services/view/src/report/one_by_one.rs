@@ -12,7 +12,7 @@ use crate::number::{decimals, grouped, unit};
 use crate::run::MachineRun;
 use crate::stretches::{Stretch, stretches};
 
-/// A row for each stretch of motion of the estimator that is reported first.
+/// A row for each stretch of motion of the headline estimator.
 pub(super) fn write<E: Estimate>(body: &mut String, part: &MachineRun<E>) {
     let Some(primary) = part.primary() else {
         return;

@@ -24,7 +24,7 @@ pub(super) trait Part {
     fn verdicts(&self, body: &mut String);
     /// Writes all sections.
     fn sections(&self, page: &mut Page, run: &Run);
-    /// What is reported first, over time.
+    /// The headline estimate, over time.
     fn history(&self) -> Vec<Panel>;
 }
 

@@ -22,6 +22,9 @@ const BLOCK: f64 = 0.99 * PERIOD;
 /// the truth in 85 % of the samples at 1 kHz, with 0.4 as at 100 Hz.
 const LEAST_SHARE: f64 = 0.4;
 
+/// A torque or a joint angle that is missing for longer: the swing tells nothing [s].
+const MISSING: f64 = 0.2;
+
 /// One sample on the grid.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -48,6 +51,18 @@ pub(in crate::excavator) struct Tick {
     pub(in crate::excavator) inclination: Option<[f64; 2]>,
     /// Head and rod pressure of the boom's cylinders, where they are measured [Pa].
     pub(in crate::excavator) boom_pressure: Option<[f64; 2]>,
+}
+
+impl Tick {
+    /// The torque is known.
+    pub(in crate::excavator) fn has_torque(&self) -> bool {
+        self.torque_age < MISSING
+    }
+
+    /// All three joint angles are known.
+    pub(in crate::excavator) fn has_posture(&self) -> bool {
+        self.posture_age < MISSING
+    }
 }
 
 /// What one row set off: some prediction-only ticks and a tick with data.

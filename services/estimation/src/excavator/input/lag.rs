@@ -20,8 +20,6 @@ const EARLIEST: usize = 16;
 const LATEST: usize = 20;
 const LAGS: usize = EARLIEST + LATEST + 1;
 const RING: usize = EARLIEST + LATEST + 2 * HALF + 2;
-/// Torque and angles missing for so long are not those of now [s].
-const STALE: f64 = 0.2;
 /// Below this the machine may as well stand [rad/s].
 const MOVING: f64 = 0.06;
 /// Share of one tick in the sums: those of 20 s of motion.
@@ -94,7 +92,7 @@ impl Lag {
         present: i32,
     ) -> Option<i32> {
         let steady = (tick.period - PERIOD).abs() < 0.5 * PERIOD;
-        let there = tick.torque_age.max(tick.posture_age) < STALE;
+        let there = tick.has_torque() && tick.has_posture();
         // The upper body turns on, whatever else is missing.
         self.turn += tick.velocity.unwrap_or(0.0) * tick.period;
         let Some(velocity) = tick.velocity.filter(|_| steady && there) else {

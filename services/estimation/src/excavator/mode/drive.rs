@@ -38,8 +38,6 @@ pub(in crate::excavator) struct Drive {
 
 /// A torque missing for longer than this is not held any more, but unknown [s].
 const TORQUE_HOLD: f64 = 0.10;
-/// A torque or a joint angle that is missing for longer: the swing tells nothing [s].
-const MISSING: f64 = 0.2;
 /// Standard deviation, per tick, of an unknown torque [sigma_T]: a swing's torque changes by
 /// thousands of newton metres in a quarter of a second, and an error that lasts counts more than
 /// noise of its size.
@@ -62,7 +60,7 @@ impl Driver {
         torque_std: f64,
     ) -> Drive {
         let now = geometry.map_or(Inertia::default(), |g| g.inertia(tick.posture));
-        let [driven, seen] = [tick.torque_age, tick.posture_age].map(|age| age < MISSING);
+        let (driven, seen) = (tick.has_torque(), tick.has_posture());
         // What comes after a pause is no change since before.
         let torque = self.torque.unwrap_or(tick.torque);
         self.torque = driven.then_some(tick.torque);

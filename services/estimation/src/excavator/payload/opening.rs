@@ -26,9 +26,9 @@ impl Opening {
         }
     }
 
-    /// The angle has not been seen for a while.
-    pub(in crate::excavator) fn forget(&mut self) {
-        *self = Self::new(self.threshold);
+    /// The rate from which on it counts [rad/s].
+    pub(in crate::excavator) fn threshold(&self) -> f64 {
+        self.threshold
     }
 
     /// The bucket opens, or has just done so.

@@ -60,7 +60,7 @@ impl Default for Doubts {
             efficiency: 1.0,
             efficiency_std: 0.03,
             friction_std: 75.0,
-            slope_std: 0.05,
+            slope_std: 0.03,
             upper_first_moment: None,
             upper_first_moment_std: None,
             delay: 0.0,

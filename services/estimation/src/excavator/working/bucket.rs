@@ -66,7 +66,8 @@ impl Bucket {
         digs: Option<bool>,
     ) -> Content {
         if !drive.seen {
-            self.forget();
+            // What the joints do meanwhile may fill or empty the bucket.
+            *self = Self::new(self.opening.threshold());
             return Content::Unknown;
         }
         self.rate = self.opening.step(drive);
@@ -95,15 +96,6 @@ impl Bucket {
         } else {
             Content::Unchanged
         }
-    }
-
-    /// Nobody sees the joints: what they do meanwhile may fill or empty the bucket.
-    fn forget(&mut self) {
-        self.opening.forget();
-        *self = Self {
-            opening: self.opening.clone(),
-            ..Self::new(0.0)
-        };
     }
 
     fn follow(&mut self, bucket: f64, standing: bool) {

@@ -101,7 +101,7 @@ fn absolute(arm: bool, bucket: bool) -> (String, String) {
         _ => "bucket_angle seems",
     };
     (
-        format!("{names} absolute, to the horizontal: a link that is told to turn moves along with the one before it"),
+        format!("{names} absolute, to the horizontal: each moves along with the link before it"),
         "give the angle to the link before: in the signal map subtract the angle of that link, as with `heft map`".into(),
     )
 }
