@@ -9,23 +9,23 @@
 //! | L | `log_odds` | log odds of locked against free | 1 |
 //!
 //! Two models for the same data, weighed by Bayes' rule. Free axles: the filter's, y ~ N(0, S + R). Locked ones: d ~ N(0, Q + R),
-//! whatever torques and radii.
+//! whatever torques and radii; a lock engages and opens by chance.
 //! ```text
-//! L += 1/2 [ln((S + R)/(Q + R)) + y^2/(S + R) - d^2/(Q + R)]
+//! L += w/2 [y^2/(S + R) - d^2/(Q + R)]
 //! ```
-//! Rolling radii that differ by a thousandth turn free axles apart by some standard deviations a row, and so does a torque;
-//! locked axles the filter explains by radii, share and height that just cancel, which it must find first, and that costs
-//! it the logarithm. Odds are bounded, so that a lock that engages or opens shows at once.
+//! Rolling radii that differ by a thousandth turn free axles apart by some standard deviations a row, and so do a torque and a load
+//! that moves from axle to axle; locked axles the filter explains by radii, share and height that just cancel, but not in every row.
+//! How unlikely it was that they cancel (the determinants of S + R and Q + R) is left out: axles with the same tyres, half the load
+//! and half the torque each are no rarity, and a load that may have changed widens S at every stop.
 
-use crate::math::{exp, ln};
+use crate::math::exp;
 
-/// Probability of a lock before the first row: the description says that the axles are free.
+/// Probability of a lock before the first row, and in the mean: the description says that the axles are free.
 const PRIOR: f64 = 0.04;
-/// Bound of the log odds: 1 in 1100.
-const BOUND: f64 = 7.0;
-/// Rows with more noise than this multiple of the sensors' are left out: what is added for disturbances is an upper bound, and
-/// where the noise is less than R the logarithm outweighs the squares.
-const PLAIN: f64 = 2.0;
+/// A lock stays for about so long [s].
+const HOLDS: f64 = 60.0;
+/// A tyre winds up over a tenth of a metre, at 2.5 m/s in so long: rows that are closer together share the errors of the model [s].
+const WINDING: f64 = 0.04;
 /// What is less probable than this an interval of 95 % leaves out.
 const EXCLUDED: f64 = 0.05;
 
@@ -42,21 +42,22 @@ pub(super) struct Turning {
     pub process: f64,
     /// Variance of its measurement [rad^2/s^2].
     pub noise: f64,
-    /// The part of it that is the sensors'.
-    pub sensors: f64,
+    /// Time since the last row [s].
+    pub dt: f64,
 }
 
 /// Memory of the two models.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Coupling {
-    log_odds: f64,
+    /// Probability that the axles are locked.
+    probability: f64,
 }
 
 impl Default for Coupling {
     fn default() -> Self {
         Self {
-            log_odds: ln(PRIOR / (1.0 - PRIOR)),
+            probability: PRIOR,
         }
     }
 }
@@ -64,21 +65,21 @@ impl Default for Coupling {
 impl Coupling {
     /// Takes a row in which the wheels tell something; what is not finite tells nothing.
     pub fn see(&mut self, row: &Turning) {
-        if row.noise > PLAIN * row.sensors {
-            return;
-        }
         let free = row.predicted.max(row.process) + row.noise;
         let locked = row.process + row.noise;
-        let evidence = ln(free / locked) + row.innovation * row.innovation / free
-            - row.difference * row.difference / locked;
-        if evidence.is_finite() {
-            self.log_odds = (self.log_odds + 0.5 * evidence).clamp(-BOUND, BOUND);
+        let evidence =
+            row.innovation * row.innovation / free - row.difference * row.difference / locked;
+        if !evidence.is_finite() {
+            return;
         }
+        let odds = exp(-0.5 * (row.dt / WINDING).min(1.0) * evidence);
+        let known = self.probability / (self.probability + (1.0 - self.probability) * odds);
+        self.probability = known + (PRIOR - known) * (row.dt / HOLDS).min(1.0);
     }
 
     /// Probability that the axles are locked; 0 where an interval may leave it out.
     pub fn locked(&self) -> f64 {
-        let probability = 1.0 / (1.0 + exp(-self.log_odds));
+        let probability = self.probability;
         if probability < EXCLUDED {
             0.0
         } else {
@@ -91,42 +92,45 @@ impl Coupling {
 mod tests {
     use super::*;
 
-    fn row(difference: f64, innovation: f64, predicted: f64) -> Turning {
+    fn row(difference: f64, innovation: f64) -> Turning {
         Turning {
             difference,
             innovation,
-            predicted,
+            predicted: 3e-6,
             process: 2e-6,
             noise: 8e-6,
-            sensors: 8e-6,
+            dt: 0.01,
         }
     }
 
     #[test]
     fn axles_that_turn_apart_are_free_and_those_that_never_do_are_locked() {
-        let mut free = Coupling::default();
-        assert_eq!(free.locked(), 0.0);
-        for _ in 0..3 {
-            free.see(&row(0.02, 0.001, 1e-4));
-        }
-        assert_eq!((free.locked(), free.log_odds), (0.0, -BOUND));
+        let mut drive = Coupling::default();
+        assert_eq!(drive.locked(), 0.0);
+        (0..100).for_each(|_| drive.see(&row(0.02, 0.001)));
+        assert_eq!(drive.locked(), 0.0);
         // The lock engages: the filter still expects what it has learnt of the free axles.
-        free.see(&row(0.001, -0.02, 3e-6));
-        assert!(free.locked() > 0.9);
+        (0..20).for_each(|_| drive.see(&row(0.001, -0.02)));
+        assert!(drive.locked() > 0.9);
+        // And opens.
+        (0..20).for_each(|_| drive.see(&row(0.02, 0.001)));
+        assert_eq!(drive.locked(), 0.0);
+    }
 
-        let mut locked = Coupling::default();
-        // Five parameters, each of which the filter could not know before.
-        (0..5).for_each(|_| locked.see(&row(0.001, 0.001, 1e-4)));
-        assert!(locked.locked() > 0.5, "{}", locked.locked());
-        // What the filter has found, and what is no number, tells nothing more.
-        let known = locked;
-        locked.see(&row(0.003, 0.003, 2e-6));
-        locked.see(&row(f64::NAN, 0.0, 1e-4));
-        // Nor does a row that is disturbed.
-        locked.see(&Turning {
-            noise: 1e-4,
-            ..row(0.001, 0.001, 1e-4)
-        });
-        assert_eq!(locked, known);
+    #[test]
+    fn what_both_models_explain_or_is_no_number_tells_nothing_and_a_lock_is_forgotten() {
+        let mut drive = Coupling::default();
+        (0..100).for_each(|_| drive.see(&row(0.001, -0.02)));
+        let locked = drive;
+        drive.see(&row(f64::NAN, 0.0));
+        drive.see(&row(0.0, f64::INFINITY));
+        assert_eq!(drive, locked);
+        // Ten minutes in which both models say the same.
+        let same = Turning {
+            predicted: 2e-6,
+            ..row(0.003, 0.003)
+        };
+        (0..60_000).for_each(|_| drive.see(&same));
+        assert!((drive.probability - PRIOR).abs() < 1e-3);
     }
 }

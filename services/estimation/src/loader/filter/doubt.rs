@@ -189,17 +189,17 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         expected: &B::Expected,
         process: &[f64; N],
         noise: [f64; 2],
+        dt: f64,
     ) {
         let [front, rear] = [FRONT_WHEEL, REAR_WHEEL];
         let squares = |std: &[f64]| std[front] * std[front] + std[rear] * std[rear];
-        let [front_sensor, rear_sensor] = self.wheel_sensor_std();
         self.coupling.see(&Turning {
             difference: measured[front] - measured[rear],
             innovation: innovation[front] - innovation[rear],
             predicted: B::difference_variance(expected, [front, rear]),
             process: squares(process),
             noise: noise[0] + noise[1],
-            sensors: front_sensor * front_sensor + rear_sensor * rear_sensor,
+            dt,
         });
     }
 
