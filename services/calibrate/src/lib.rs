@@ -13,6 +13,7 @@
 //! | [`fit`] | the maximum, by scoring steps with the damping of Levenberg and Marquardt |
 //! | [`honesty`] | what the data do not determine, the scatter between blocks, profiles, hold-out |
 //! | [`agreement`] | whether parts of the recordings tell the same machine |
+//! | `lasting` | least squares of equations whose errors last |
 //! | [`outcome`] | what came out, for any machine |
 //! | [`excavator`] | swings of an excavator |
 //! | [`loader`] | drives of a loader |
@@ -27,6 +28,7 @@ pub mod description;
 pub mod excavator;
 pub mod fit;
 pub mod honesty;
+mod lasting;
 pub mod loader;
 pub mod model;
 pub mod outcome;

@@ -5,8 +5,7 @@
 //! ```
 //! (`estimation::excavator::Moment`) is linear in the span s, the zero z and the seals' friction F_c. Masses of the links and of the
 //! bucket, the loads and the slope are known to their tolerances, and f, the rest, is correlated over some seconds: one least-squares
-//! fit with priors. Differences of neighbouring moments would be white, but the noise of the angles is in the unknowns' factors too, and
-//! weakens what differences say: what lasts counts as what it is, one measurement in twice its time.
+//! fit with priors ([`crate::lasting`]).
 
 use config::Excavator as Description;
 use estimation::Quantity;
@@ -14,12 +13,10 @@ use estimation::excavator::keys::Attachment;
 use estimation::excavator::{
     Cylinder, FADING, FULL_PRESSURE, GRAVITY, Geometry, Lifts, Moment, Settings,
 };
-use faer::Mat;
 
 use super::Input;
-use crate::algebra;
 use crate::description::number;
-use crate::fit::GATE;
+use crate::lasting::{Equation, GAP, Solution};
 use crate::output::Pen;
 
 /// Least time in which the boom rises, and in which it sinks \[s\].
@@ -28,14 +25,10 @@ const LEAST_MOTION: f64 = 3.0;
 const IDENTIFIED_STD_SHARE: f64 = 0.7;
 /// Standard deviation of a link's centre of mass, along its line of pins and beside it, as a share of the moment that it carries.
 const CENTRE: f64 = 0.02;
-/// A longer time between two moments ends what belongs together \[s\].
-const GAP: f64 = 0.3;
 /// Least standard deviation of a load \[kg\].
 const LEAST_STD: f64 = 1e-3;
 /// Slope of ground that is called level \[rad\].
 const LEVEL: f64 = 0.01;
-/// So often the fit leaves out the moments beyond its gate: with the bucket on the ground.
-const ROUNDS: usize = 4;
 /// A bucket that weighs less than this share of the stated load is another one's content: it was dumped.
 const DUMPED: f64 = 0.5;
 
@@ -127,24 +120,31 @@ fn fit(
     loads: &[Quantity],
 ) -> Result<Learnt, String> {
     let [friction, friction_std] = cylinder.friction;
-    let before = Solution::before(d, cylinder, loads);
+    let before = before(d, cylinder, loads);
     let equations: Vec<Equation> = runs
         .iter()
         .zip(loads)
         .enumerate()
         .flat_map(|(run, (moments, load))| {
-            let of = move |m| Equation::new(friction, m, (run, load.value), LOADS + runs.len());
+            let of = move |m| equation(friction, m, (run, load.value), LOADS + runs.len());
             moments.iter().map(of)
         })
         .collect();
     // What lies far from the first solution was on the ground.
-    let mut solution = before.clone();
-    for _ in 0..ROUNDS {
-        solution = before
-            .with(&equations, &solution)
-            .ok_or("the boom's cylinders are not determined")?;
-    }
-    let learnt = solution.learnt(friction, &before);
+    let solution = before
+        .after(&equations, FADING)
+        .ok_or("the boom's cylinders are not determined")?;
+    let of = |i: usize| solution.quantity(i, &before);
+    let learnt = Learnt {
+        span: of(SPAN),
+        zero: of(ZERO),
+        correlation: solution.correlation(SPAN, ZERO),
+        friction: Quantity {
+            value: (friction + of(FRICTION).value).max(0.0),
+            ..of(FRICTION)
+        },
+        missed: std::array::from_fn(|i| of(CURVE + i)),
+    };
     if learnt.friction.std > IDENTIFIED_STD_SHARE * friction_std {
         return Err("the boom's cylinders stay as described: their friction cannot be distinguished from the zeros of the sensors; lift and lower the boom more often"
             .into());
@@ -163,153 +163,46 @@ fn first_moments(g: &Attachment) -> [f64; 3] {
     .map(|first| GRAVITY * first)
 }
 
-/// A moment as an equation of the unknowns, in newtons of the cylinders.
-struct Equation {
-    row: Vec<f64>,
-    value: f64,
-    /// Variance of what lasts for some seconds, and of noise [N^2].
-    rest: f64,
-    noise: f64,
-    /// Time since the one before \[s\].
-    period: f64,
+/// A moment as an equation of the unknowns, in newtons of the cylinders, with this friction described \[N\]; the recording and its load
+/// \[kg\].
+fn equation(friction: f64, m: &Moment, (run, load): (usize, f64), unknowns: usize) -> Equation {
+    let tau = m.empty + load * m.per_payload;
+    let tilt = m.tilt + load * m.tilt_payload;
+    let mut row = vec![0.0; unknowns];
+    row[SPAN] = tau / m.lever;
+    row[ZERO] = 1.0;
+    row[FRICTION] = m.direction;
+    for (i, part) in m.directions.iter().flatten().enumerate() {
+        row[CURVE + i] = part / m.lever;
+    }
+    row[SLOPES] = tilt * m.turn[0] / m.lever;
+    row[SLOPES + 1] = tilt * m.turn[1] / m.lever;
+    row[LOADS + run] = m.per_payload / m.lever;
+    Equation {
+        row,
+        value: (m.measured - tau) / m.lever - friction * m.direction,
+        rest: m.rest(friction),
+        noise: m.variance / (m.lever * m.lever),
+        period: m.period,
+    }
 }
 
-impl Equation {
-    /// With this friction described \[N\]; the recording and its load \[kg\].
-    fn new(friction: f64, m: &Moment, (run, load): (usize, f64), unknowns: usize) -> Self {
-        let tau = m.empty + load * m.per_payload;
-        let tilt = m.tilt + load * m.tilt_payload;
-        let mut row = vec![0.0; unknowns];
-        row[SPAN] = tau / m.lever;
-        row[ZERO] = 1.0;
-        row[FRICTION] = m.direction;
-        for (i, part) in m.directions.iter().flatten().enumerate() {
-            row[CURVE + i] = part / m.lever;
-        }
-        row[SLOPES] = tilt * m.turn[0] / m.lever;
-        row[SLOPES + 1] = tilt * m.turn[1] / m.lever;
-        row[LOADS + run] = m.per_payload / m.lever;
-        Self {
-            row,
-            value: (m.measured - tau) / m.lever - friction * m.direction,
-            rest: m.rest(friction),
-            noise: m.variance / (m.lever * m.lever),
-            period: m.period,
-        }
-    }
-
-    /// What the unknowns leave of it.
-    fn residual(&self, unknowns: &Mat<f64>) -> f64 {
-        let stated: f64 = self
-            .row
+/// What is known before the data.
+fn before(d: &Description, cylinder: &Cylinder, loads: &[Quantity]) -> Solution {
+    let links = Settings::of(d)
+        .doubts
+        .map_or(0.0, |doubts| doubts.links_share);
+    let mut stds = vec![cylinder.span_std, cylinder.zero_std, cylinder.friction[1]];
+    let first = first_moments(&d.geometry);
+    stds.extend(
+        first
             .iter()
-            .enumerate()
-            .map(|(i, a)| a * unknowns[(i, 0)])
-            .sum();
-        self.value - stated
-    }
-}
-
-/// The unknowns with their covariance.
-#[derive(Clone)]
-struct Solution {
-    unknowns: Mat<f64>,
-    covariance: Mat<f64>,
-    /// Scatter of the data over what is stated.
-    widened: f64,
-}
-
-impl Solution {
-    /// Before the data.
-    fn before(d: &Description, cylinder: &Cylinder, loads: &[Quantity]) -> Self {
-        let links = Settings::of(d)
-            .doubts
-            .map_or(0.0, |doubts| doubts.links_share);
-        let mut stds = vec![cylinder.span_std, cylinder.zero_std, cylinder.friction[1]];
-        let first = first_moments(&d.geometry);
-        stds.extend(
-            first
-                .iter()
-                .flat_map(|m| [links.max(CENTRE) * m, CENTRE * m]),
-        );
-        stds.extend([LEVEL; 2]);
-        stds.extend(loads.iter().map(|load| load.std.max(LEAST_STD)));
-        let n = stds.len();
-        let mut covariance = Mat::from_fn(n, n, |i, j| {
-            if i == j {
-                stds[i].max(1e-9).powi(2)
-            } else {
-                0.0
-            }
-        });
-        let together = cylinder.correlation * cylinder.span_std * cylinder.zero_std;
-        (covariance[(SPAN, ZERO)], covariance[(ZERO, SPAN)]) = (together, together);
-        Self {
-            unknowns: Mat::zeros(n, 1),
-            covariance,
-            widened: 1.0,
-        }
-    }
-
-    /// This with the equations that another solution does not contradict; `None` where that determines nothing.
-    fn with(&self, equations: &[Equation], other: &Self) -> Option<Self> {
-        let mut information = algebra::inverse(&self.covariance)?;
-        let n = information.nrows();
-        let mut right = Mat::<f64>::zeros(n, 1);
-        let (mut scatter, mut count) = (0.0, 0.0);
-        for e in equations {
-            let stated = e.rest + e.noise;
-            let left = e.residual(&other.unknowns).powi(2);
-            let fits = left <= GATE * GATE * (stated + other.variance(&e.row));
-            if !fits {
-                continue;
-            }
-            // What lasts says the same again and again.
-            let variance = e.rest * (1.0 + 2.0 * FADING / e.period.min(GAP)) + e.noise;
-            for i in 0..n {
-                right[(i, 0)] += e.row[i] * e.value / variance;
-                for j in 0..n {
-                    information[(i, j)] += e.row[i] * e.row[j] / variance;
-                }
-            }
-            scatter += left / stated;
-            count += 1.0;
-        }
-        let covariance = algebra::inverse(&information)?;
-        Some(Self {
-            unknowns: &covariance * &right,
-            covariance,
-            widened: (scatter / f64::max(count, 1.0)).max(1.0).sqrt(),
-        })
-    }
-
-    /// Variance of a row of the unknowns.
-    fn variance(&self, row: &[f64]) -> f64 {
-        let n = row.len();
-        let pairs = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
-        pairs
-            .map(|(i, j)| row[i] * self.covariance[(i, j)] * row[j])
-            .sum()
-    }
-
-    /// What it says, at most as uncertain as `before`; the friction described \[N\].
-    fn learnt(&self, friction: f64, before: &Self) -> Learnt {
-        let c = &self.covariance;
-        let of = |i: usize| Quantity {
-            value: self.unknowns[(i, 0)],
-            std: (self.widened * c[(i, i)].sqrt()).min(before.covariance[(i, i)].sqrt()),
-        };
-        Learnt {
-            span: of(SPAN),
-            zero: of(ZERO),
-            correlation: c[(SPAN, ZERO)] / (c[(SPAN, SPAN)] * c[(ZERO, ZERO)]).sqrt(),
-            friction: Quantity {
-                value: (friction + self.unknowns[(FRICTION, 0)]).max(0.0),
-                ..of(FRICTION)
-            },
-            missed: std::array::from_fn(|i| of(CURVE + i)),
-        }
-    }
+            .flat_map(|m| [links.max(CENTRE) * m, CENTRE * m]),
+    );
+    stds.extend([LEVEL; 2]);
+    stds.extend(loads.iter().map(|load| load.std.max(LEAST_STD)));
+    let together = cylinder.correlation * cylinder.span_std * cylinder.zero_std;
+    Solution::before(&stds, &[(SPAN, ZERO, together)])
 }
 
 impl Learnt {

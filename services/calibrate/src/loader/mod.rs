@@ -6,6 +6,9 @@ mod drive;
 mod drives;
 mod guess;
 mod known;
+mod lift;
+#[cfg(test)]
+mod lift_tests;
 #[cfg(test)]
 mod made;
 mod noise;
@@ -22,10 +25,11 @@ use std::sync::atomic::AtomicBool;
 
 use config::Loader as Description;
 use estimation::Quantity;
-use estimation::loader::Sample;
+use estimation::loader::{Method, Sample, Settings};
 
 pub use drive::Drive;
 pub use drives::Drives;
+pub use lift::Learnt;
 use noise::Noises;
 pub use role::{Role, StatedLoad};
 
@@ -47,6 +51,8 @@ pub struct Input {
     pub samples: Vec<Sample>,
     /// What is stated of its load; nothing for the machine as described.
     pub stated: StatedLoad,
+    /// What is in the bucket \[kg\], where it was weighed: for the lift cylinders.
+    pub payload: Option<Quantity>,
 }
 
 /// How to calibrate.
@@ -82,6 +88,10 @@ pub struct Outcome {
     pub faults: Vec<String>,
     /// What the reader should know.
     pub remarks: Vec<String>,
+    /// What pressures showed of the lift cylinders.
+    pub lift: Option<Learnt>,
+    /// Recordings in which the machine stands and lifts its arm.
+    lifting: Vec<String>,
 }
 
 impl Outcome {
@@ -93,7 +103,10 @@ impl Outcome {
             machine: "loader",
             block: "stretch",
             model: &self.drives,
-            recordings: drives.iter().map(|d| d.name.clone()).collect(),
+            recordings: match drives.as_slice() {
+                [] => self.lifting.clone(),
+                driven => driven.iter().map(|d| d.name.clone()).collect(),
+            },
             contents: drives
                 .iter()
                 .map(|d| format!("{:.0} s of driving", d.driving_time()))
@@ -125,16 +138,29 @@ impl Outcome {
 pub fn calibrate(inputs: &[Input], options: &Options<'_>) -> Result<Outcome, String> {
     let machine = &options.description.machine;
     let weight = machine.mass * GRAVITY;
-    let drives: Vec<Drive> = inputs
+    let settings = Settings::of(options.description, Method::Full);
+    let drive = |i: &Input| Drive::new(&i.name, &i.samples, weight, machine.wheelbase);
+    let (driven, lifting): (Vec<_>, Vec<_>) = inputs
         .iter()
-        .map(|i| Drive::new(&i.name, &i.samples, weight, machine.wheelbase))
+        .enumerate()
+        .map(|(i, input)| (i, input, drive(input)))
+        .partition(|(_, input, drive)| {
+            !(words::stands(drive) && lift::lifts(&lift::moments(&settings, &input.samples)))
+        });
+    let stated: Vec<StatedLoad> = driven
+        .iter()
+        .map(|(_, input, _)| lift::stated(options.description, input))
         .collect();
-    let stated: Vec<StatedLoad> = inputs.iter().map(|i| i.stated).collect();
+    let (numbers, drives): (Vec<usize>, Vec<Drive>) =
+        driven.into_iter().map(|(i, _, drive)| (i, drive)).unzip();
     let drives = Drives::new(drives, &stated, options.weighed, options.description);
     let fixed = held(&drives, options.free)?;
     let faults = words::before(&drives);
     let noises = match options.free {
-        None => Noises::of(inputs, options.description),
+        None => {
+            let driving: Vec<&Input> = numbers.iter().map(|i| &inputs[*i]).collect();
+            Noises::of(&driving, options.description)
+        }
         Some(_) => Noises::default(),
     };
     let mut outcome = Outcome {
@@ -144,9 +170,40 @@ pub fn calibrate(inputs: &[Input], options: &Options<'_>) -> Result<Outcome, Str
         noises: noises.found,
         faults,
         remarks: noises.remarks,
+        lift: None,
+        lifting: lifting
+            .iter()
+            .map(|(_, input, _)| input.name.clone())
+            .collect(),
     };
-    if outcome.faults.is_empty() {
-        find(&mut outcome, options);
+    if outcome.faults.is_empty() && !numbers.is_empty() {
+        let driven = |way: &[usize; 2]| {
+            let at = |file: usize| numbers.iter().position(|i| *i == file);
+            Some([at(way[0])?, at(way[1])?])
+        };
+        let ways: Vec<[usize; 2]> = options.ways.iter().filter_map(driven).collect();
+        find(
+            &mut outcome,
+            &Options {
+                ways: &ways,
+                ..*options
+            },
+        );
+    }
+    // Not where only some keys are asked for.
+    if options.free.is_none()
+        && let Some(learnt) = lift::learn(options.description, inputs)
+    {
+        let words = learnt.as_ref().map_or_else(String::clone, Learnt::words);
+        if numbers.is_empty() && learnt.is_err() {
+            outcome.faults.push(words);
+        } else {
+            outcome.remarks.push(words);
+        }
+        outcome.lift = learnt.ok();
+    }
+    if numbers.is_empty() && outcome.lift.is_some() {
+        outcome.remarks.push(words::ONLY_LIFTS.into());
     }
     Ok(outcome)
 }

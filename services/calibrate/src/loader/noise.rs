@@ -49,7 +49,7 @@ pub struct Noises {
 impl Noises {
     /// The noises of recordings of one machine.
     #[must_use]
-    pub fn of(inputs: &[Input], described: &Description) -> Self {
+    pub fn of(inputs: &[&Input], described: &Description) -> Self {
         let mut noises = Self::default();
         for (key, name, of) in CHANNELS {
             let Some(seen) = seen(inputs, of) else {
@@ -81,7 +81,7 @@ impl Noises {
 }
 
 /// The noise of a channel at each stride; none of a channel that is not there.
-fn seen(inputs: &[Input], of: fn(&Sample) -> Option<f64>) -> Option<[Quantity; 3]> {
+fn seen(inputs: &[&Input], of: fn(&Sample) -> Option<f64>) -> Option<[Quantity; 3]> {
     let at = |stride| {
         let inputs = inputs.iter();
         let all: Vec<f64> = inputs
@@ -130,7 +130,7 @@ mod tests {
     use crate::loader::StatedLoad;
     use crate::loader::made::noise as uniform;
 
-    fn inputs(noise: impl Fn(&mut u64) -> f64) -> [Input; 1] {
+    fn inputs(noise: impl Fn(&mut u64) -> f64) -> Input {
         let mut state = 5;
         let row = |k: i32| {
             let time = f64::from(k) * 0.01;
@@ -140,11 +140,12 @@ mod tests {
                 ..Sample::default()
             }
         };
-        [Input {
+        Input {
             name: "a".into(),
             samples: (0..6000).map(row).collect(),
             stated: StatedLoad::default(),
-        }]
+            payload: None,
+        }
     }
 
     /// Nearly normal, variance 1.
@@ -158,7 +159,7 @@ mod tests {
             let far = if uniform(state) > 1.7 { 40.0 } else { 1.0 };
             0.03 * far * normal(state)
         };
-        let noises = Noises::of(&inputs(outlier), &Description::default());
+        let noises = Noises::of(&[&inputs(outlier)], &Description::default());
         let [(key, found)] = noises.found[..] else {
             panic!("one signal: {noises:?}");
         };
@@ -178,7 +179,7 @@ mod tests {
                 (fine / 0.2).round() * 0.2
             },
         ] {
-            let noises = Noises::of(&inputs(noise), &Description::default());
+            let noises = Noises::of(&[&inputs(noise)], &Description::default());
             assert_eq!(noises.found, []);
             assert!(noises.remarks[0].contains("sensors.speed_std stays 0.02"));
         }

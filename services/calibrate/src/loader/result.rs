@@ -29,7 +29,9 @@ impl Outcome {
         before: &Description,
         origin: &[String],
     ) -> Option<(Description, String)> {
-        self.found.as_ref()?;
+        if self.found.is_none() && self.lift.is_none() {
+            return None;
+        }
         let mut pen = Pen::new(before.clone());
         for (i, role) in self.drives.roles.iter().enumerate() {
             if let Some(q) = self.quantity(*role).filter(|_| self.is_found(i)) {
@@ -38,6 +40,9 @@ impl Outcome {
         }
         for &(key, noise) in &self.noises {
             pen.value(key, noise);
+        }
+        if let Some(learnt) = &self.lift {
+            learnt.write(&mut pen);
         }
         let text = pen.text(&self.summary(), origin);
         Some((pen.description, text))

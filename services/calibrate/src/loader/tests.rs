@@ -35,6 +35,7 @@ fn inputs(stated: f64) -> [Input; 2] {
             mass,
             ..StatedLoad::default()
         },
+        payload: None,
     };
     [
         input("flat", &empty, None),
@@ -170,6 +171,7 @@ fn there_and_back(g: guess::Guess, turned: Option<f64>) -> [Input; 3] {
             mass,
             ..StatedLoad::default()
         },
+        payload: None,
     };
     [
         input("flat", samples(&g, 0.2, 7), None),

@@ -1,5 +1,6 @@
 //! What is wrong with the recordings of a loader, in sentences that say what to record.
 
+use super::drive::Drive;
 use super::drives::Drives;
 use super::role::Role;
 use crate::column::percentile;
@@ -14,13 +15,25 @@ const LEAST_PULL: f64 = 0.05;
 /// What is found so many of its tolerances away from the description is another thing than what is described.
 const FAR: f64 = 4.0;
 
+/// What is said where no recording drives.
+pub const ONLY_LIFTS: &str = "the machine stands in all recordings, or has no wheel speeds: only its lift cylinders were calibrated";
+
+fn has_wheels(drive: &Drive) -> bool {
+    drive.wheels.iter().flatten().any(|w| w.is_finite())
+}
+
+/// Whether a recording says nothing of driving: the machine stands, or its wheels are not measured.
+#[must_use]
+pub fn stands(drive: &Drive) -> bool {
+    !has_wheels(drive) || drive.fastest() < STANDS
+}
+
 /// What the recordings lack before any fit.
 #[must_use]
 pub fn before(model: &Drives) -> Vec<String> {
     let mut faults = Vec::new();
     for drive in &model.drives {
-        let wheels = drive.wheels.iter().flatten().any(|w| w.is_finite());
-        if !wheels || !drive.speed.iter().any(|v| v.is_finite()) {
+        if !has_wheels(drive) || !drive.speed.iter().any(|v| v.is_finite()) {
             faults.push(format!(
                 "{}: speed and both wheel speeds are needed; check that the right columns are mapped",
                 drive.name

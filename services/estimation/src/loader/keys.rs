@@ -119,6 +119,14 @@ table! {
         empty_height: f64 = 0.0, "m", 0.0 to 20.0;
         /// Its standard deviation; 0 for `prior.cg_height_std`.
         empty_height_std: f64 = 0.0, "m", 0.0 to 10.0;
+        /// Moment about the pivot that the drawing misses: with the cosine of the arm's angle to the horizontal.
+        arm_cos: f64 = 0.0, "N m", -1e7 to 1e7;
+        /// With its sine.
+        arm_sin: f64 = 0.0, "N m", -1e7 to 1e7;
+        /// With the cosine of the bucket's angle to the horizontal.
+        bucket_cos: f64 = 0.0, "N m", -1e7 to 1e7;
+        /// With its sine.
+        bucket_sin: f64 = 0.0, "N m", -1e7 to 1e7;
     }
 }
 
@@ -151,6 +159,14 @@ table! {
         friction: f64 = 0.03, "", 0.0 to 0.5;
         /// Its standard deviation.
         friction_std: f64 = 0.0, "", 0.0 to 0.5;
+        /// Force that the pressures show too much, by the zeros of their sensors.
+        force_offset: f64 = 0.0, "N", -1e6 to 1e6;
+        /// Its standard deviation; 0 for that of the sensors' zeros.
+        force_offset_std: f64 = 0.0, "N", 0.0 to 1e6;
+        /// Relative standard deviation of the moment, as calibrated; 0 for those of areas, distances, angles and masses.
+        span_std: f64 = 0.0, "", 0.0 to 0.5;
+        /// Correlation of the errors of force offset and span.
+        span_offset_correlation: f64 = 0.0, "", -1.0 to 1.0;
     }
 }
 

@@ -76,6 +76,7 @@ mod witnesses;
 
 pub use estimate::{Estimate, Status};
 pub use estimator::CgEstimator;
+pub use lift_arm::{LiftKnown, LiftMoment, Lifts};
 pub use method::Method;
 pub use payload::Payload;
 pub use reason::Reason;

@@ -1,6 +1,6 @@
 //! What the doubts of the drawing do to payload and centre of gravity: each number moved by its standard deviation, one a row.
 //!
-//! A number that is off is off in every row, so nothing averages it out: its effect is added to the answer. Twenty rows go round, in
+//! A number that is off is off in every row, so nothing averages it out: its effect is added to the answer. Some twenty rows go round, in
 //! which an arm hardly moves.
 //!
 //! A bucket holds no less than nothing ([`crate::positive`]), and what is known of the payload is known of all that goes with it:
@@ -60,13 +60,12 @@ pub(super) struct Doubted {
 impl Doubts {
     /// Moves the next number by its standard deviation.
     pub fn see(&mut self, drawing: &Drawing, posture: &Posture, payload: f64) {
-        let mut moved = drawing.values;
-        moved[self.next] += drawing.std[self.next];
-        let shift = drawing.payload(&moved, posture) - drawing.payload(&drawing.values, posture);
+        let [moved, weighing] = drawing.off(self.next);
+        let shift = drawing.payload(&weighing, posture) - drawing.payload(&drawing.values, posture);
         let here = drawing.centre(&drawing.values, posture, payload);
         let there = drawing.centre(&moved, posture, payload + shift);
         self.effects[self.next] = [shift, there.ratio - here.ratio, there.height - here.height];
-        self.next = (self.next + 1) % NUMBERS;
+        self.next = (self.next + 1) % drawing.doubted;
         self.sums = self.effects.iter().fold(Sums::default(), Sums::add);
     }
 

@@ -26,11 +26,22 @@ pub(super) const HEAD_ZERO: usize = 16;
 pub(super) const ROD_ZERO: usize = 17;
 pub(super) const LIFT_ZERO: usize = 18;
 pub(super) const TILT_ZERO: usize = 19;
+/// Numbers of a calibration: relative error of the moment, and force that the pressures show too much.
+pub(super) const SPAN: usize = 20;
+pub(super) const OFFSET: usize = 21;
 /// How many there are.
-pub(super) const NUMBERS: usize = 20;
+pub(super) const NUMBERS: usize = 22;
+/// What a calibration leaves as the drawing has it: the load may lie elsewhere, angles and friction change with the posture.
+const LEFT: [usize; 5] = [
+    LOAD_DISTANCE,
+    CYLINDER_ANGLE,
+    FRICTION,
+    LIFT_ZERO,
+    TILT_ZERO,
+];
 
 /// The pressure at which a cylinder's largest force, and so its friction, is stated [Pa].
-const FULL_PRESSURE: f64 = 20e6;
+pub(super) const FULL_PRESSURE: f64 = 20e6;
 /// Pressure on the rod side where nobody measures it [Pa], and its standard deviation.
 pub(super) const USUAL_ROD_PRESSURE: f64 = 0.6e6;
 /// Angle of the bucket where nobody measures it: level, and anything between dumped and curled.
@@ -47,6 +58,14 @@ pub(super) struct Drawing {
     pub values: [f64; NUMBERS],
     /// Their standard deviations.
     pub std: [f64; NUMBERS],
+    /// The same as far as the payload depends on them: a calibration knows moments better than their parts.
+    weighing: [f64; NUMBERS],
+    /// How many of them are in doubt.
+    pub doubted: usize,
+    /// Correlation of the errors of span and offset.
+    pub correlation: f64,
+    /// Moments that the drawing misses, with cosine and sine of the angles of arm and bucket [N m].
+    missed: [f64; 4],
     count: f64,
     wheelbase: f64,
     /// Angle of the arm, and of the bucket to the horizontal, at which the empty machine is stated [rad].
@@ -77,6 +96,12 @@ pub(super) struct Posture {
 struct Places {
     arm: [f64; 2],
     load: [f64; 2],
+}
+
+/// Cosine and sine of the angles of arm and bucket to the horizontal.
+pub(super) fn turns(posture: &Posture) -> [f64; 4] {
+    let (arm, bucket) = (sin_cos(posture.lift), sin_cos(posture.bucket));
+    [arm.1, arm.0, bucket.1, bucket.0]
 }
 
 impl Drawing {
@@ -127,10 +152,28 @@ impl Drawing {
             (0.0, sensors.pressure_offset_std),
             (0.0, sensors.angle_offset_std),
             (0.0, sensors.angle_offset_std),
+            (0.0, cylinder.span_std),
+            (cylinder.force_offset, cylinder.force_offset_std),
         ];
+        let std = both.map(|(_, std)| std);
+        let (span, offset) = (cylinder.span_std > 0.0, cylinder.force_offset_std > 0.0);
+        let mut weighing = std;
+        for (number, std) in weighing[..SPAN].iter_mut().enumerate() {
+            let calibrated = match number {
+                HEAD_ZERO | ROD_ZERO => offset,
+                _ => span && !LEFT.contains(&number),
+            };
+            if calibrated {
+                *std = 0.0;
+            }
+        }
         Some(Self {
             values: both.map(|(value, _)| value),
-            std: both.map(|(_, std)| std),
+            std,
+            weighing,
+            doubted: if span || offset { NUMBERS } else { SPAN },
+            correlation: cylinder.span_offset_correlation,
+            missed: [arm.arm_cos, arm.arm_sin, arm.bucket_cos, arm.bucket_sin],
             count: cylinder.count,
             wheelbase: machine.wheelbase,
             reference: [
@@ -138,6 +181,21 @@ impl Drawing {
                 arm.reference_angle + arm.reference_tilt,
             ],
             pressure_std: sensors.pressure_std,
+        })
+    }
+
+    /// The numbers with one of them off by its deviation: as the centre of gravity depends on it, and as the payload does.
+    pub fn off(&self, number: usize) -> [[f64; NUMBERS]; 2] {
+        [&self.std, &self.weighing].map(|std| {
+            let mut values = self.values;
+            let (beside, along) = (1.0 - self.correlation * self.correlation, self.correlation);
+            match number {
+                SPAN => values[OFFSET] += along * std[OFFSET],
+                OFFSET => values[OFFSET] -= (1.0 - sqrt(beside.max(0.0))) * std[OFFSET],
+                _ => {}
+            }
+            values[number] += std[number];
+            values
         })
     }
 
@@ -220,8 +278,14 @@ impl Drawing {
         let places = Self::places(v, posture.lift, posture.bucket);
         let of = |[x, z]: [f64; 2]| x * posture.gravity - z * posture.acceleration;
         let per_load = of(places.load).max(LEAST_LEVER * v[LENGTH] * GRAVITY);
+        let missed: f64 = self
+            .missed
+            .iter()
+            .zip(turns(posture))
+            .map(|(m, turn)| m * turn)
+            .sum();
         (
-            v[MASS] * of(places.arm) + v[BUCKET] * of(places.load),
+            v[MASS] * of(places.arm) + v[BUCKET] * of(places.load) + missed,
             per_load,
         )
     }
@@ -232,7 +296,7 @@ impl Drawing {
         let head = v[HEAD_AREA] * (posture.head - v[HEAD_ZERO]);
         let rod = v[ROD_AREA] * (posture.rod - v[ROD_ZERO]);
         let friction = (posture.seals * v[FRICTION] + posture.rest) * self.full_force(v);
-        lever * (self.count * (head - rod) - friction)
+        lever * (self.count * (head - rod) - v[OFFSET] - friction) / (1.0 + v[SPAN])
     }
 
     /// The payload that the pressures of this row show [kg].

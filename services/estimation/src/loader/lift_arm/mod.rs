@@ -8,6 +8,7 @@
 //! | `content` | when the bucket's content may change, and when the ground carries it |
 //! | `scale` | payload and rest of friction from row to row |
 //! | `below` | a payload below zero: the description is off by more than it claims |
+//! | [`Lifts`] | the moments of a whole recording, to calibrate |
 //! | `doubt` | what the drawing's doubts do to the answer, one of them a row |
 //!
 //! ```text
@@ -28,6 +29,7 @@ mod below;
 mod content;
 mod doubt;
 mod drawing;
+mod lifts;
 mod scale;
 mod seals;
 
@@ -40,6 +42,7 @@ use below::Below;
 use content::Content;
 use doubt::Doubts;
 use drawing::{Drawing, Posture};
+pub use lifts::{LiftKnown, LiftMoment, Lifts};
 use scale::Scale;
 use seals::Seals;
 

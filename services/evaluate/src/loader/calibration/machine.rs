@@ -97,6 +97,7 @@ pub fn input(name: &str, rows: &[Row], stated: StatedLoad) -> Input {
         name: name.into(),
         samples: rows.iter().map(sample).collect(),
         stated,
+        payload: None,
     }
 }
 

@@ -14,6 +14,7 @@ use crate::sources;
 pub(super) fn calibrate(args: &CalibrateArgs, d: &config::Loader) -> Result<(), Failure> {
     let map = sources::map(args.map.as_deref())?;
     let masses = stated(args, &args.mass, "--mass")?;
+    let payloads = stated(args, &args.payload, "--payload")?;
     let scales = weighed(args, d.machine.wheelbase)?;
     let mut inputs = Vec::new();
     let files = args.files.iter().zip(names(&args.files)).zip(masses);
@@ -26,6 +27,7 @@ pub(super) fn calibrate(args: &CalibrateArgs, d: &config::Loader) -> Result<(), 
                 mass,
                 ..scales[i + 1]
             },
+            payload: payloads[i],
         });
     }
     let stop = interrupt()?;

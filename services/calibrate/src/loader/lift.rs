@@ -1,0 +1,367 @@
+//! Zero, span and friction of the lift cylinders, and the moment that the drawing of the arm misses, from slow lifts with known loads.
+//!
+//! ```text
+//! r F = (1 + s) tau + missed + r (z + F_c d + f)        tau: the moment of the described arm with the known load
+//! ```
+//! ([`LiftMoment`]) is linear in the span s, the zero z, the friction F_c and the missed moment, with cosine and sine of the angles of arm
+//! and bucket. Loads and slope are known to their tolerances, and f, the rest, lasts for some seconds: one least-squares fit with priors
+//! ([`crate::lasting`]). The place of the load in the bucket is taken as described: a load that lies elsewhere is a span.
+
+use config::Loader as Description;
+use estimation::Quantity;
+use estimation::loader::{LiftKnown, LiftMoment, Lifts, Method, Sample, Settings};
+
+use super::known::MASS_STD;
+use super::role::StatedLoad;
+use super::{GRAVITY, Input};
+use crate::description::number;
+use crate::lasting::{Equation, GAP, Solution};
+use crate::output::Pen;
+
+/// Least time in which the arm rises, and in which it sinks \[s\].
+const LEAST_MOTION: f64 = 3.0;
+/// What is known to more than this share of its description's tolerance has not been identified.
+const IDENTIFIED: f64 = 0.7;
+/// A friction known to this share of the full force, and a span known to this share, need no more.
+const KNOWN: [f64; 2] = [0.003, 0.005];
+/// Least written deviation of the span: loads lie elsewhere, and oil warms.
+const SPAN_FLOOR: f64 = 0.01;
+/// What lies so many of its tolerances from the description is another thing than what is described.
+const FAR: f64 = 4.0;
+/// Offset of a centre of mass from its line of pins, as a share of its distance: Z linkages, cylinders on the arm; and of the empty
+/// bucket from the line to the load.
+const BESIDE: [f64; 2] = [0.1, 0.3];
+/// How long friction and drawing leave the same \[s\].
+const FADING: f64 = 3.0;
+/// Slope of ground that is called level \[rad\].
+const LEVEL: f64 = 0.01;
+/// Least standard deviation of a load \[kg\].
+const LEAST_STD: f64 = 1e-3;
+/// Tolerances of a drawing: of the arm's and the bucket's mass and of their distances, as `machine.lift_arm` has them.
+const DRAWN: [f64; 4] = [0.05, 0.2, 0.05, 0.1];
+
+/// Unknowns: span, zero, friction, the moment that the drawing misses; then for each recording its load and its slope.
+const SPAN: usize = 0;
+const ZERO: usize = 1;
+const FRICTION: usize = 2;
+const CURVE: usize = 3;
+const LOADS: usize = 7;
+
+/// Keys of the moment that the drawing misses.
+const CURVES: [&str; 4] = [
+    "machine.lift_arm.arm_cos",
+    "machine.lift_arm.arm_sin",
+    "machine.lift_arm.bucket_cos",
+    "machine.lift_arm.bucket_sin",
+];
+
+/// What was learnt.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Learnt {
+    /// Relative error of the moment as described.
+    pub span: Quantity,
+    /// Force that the pressures show too much \[N\].
+    pub zero: Quantity,
+    /// Correlation of the errors of the two.
+    pub correlation: f64,
+    /// Friction of the seals \[N\].
+    pub friction: Quantity,
+    /// Moments that the drawing misses, with cosine and sine of the angles of arm and bucket to the horizontal [N m].
+    pub missed: [Quantity; 4],
+    /// Force of all cylinders at the pressure at which friction is stated \[N\].
+    full_force: f64,
+}
+
+/// Moments of a recording whose load is known.
+struct Run<'a> {
+    name: &'a str,
+    load: Quantity,
+    moments: Vec<LiftMoment>,
+}
+
+/// The moments of a recording: none where no arm is described, no pressure measured, or the arm never moves while the machine stands.
+pub fn moments(settings: &Settings, samples: &[Sample]) -> Vec<LiftMoment> {
+    let Some(mut lifts) = Lifts::new(settings) else {
+        return Vec::new();
+    };
+    samples.iter().filter_map(|s| lifts.step(s)).collect()
+}
+
+/// Time in which the arm rises (1) or sinks (-1) \[s\].
+fn moved<'a>(moments: impl Iterator<Item = &'a LiftMoment>, sign: f64) -> f64 {
+    let these = moments.filter(|m| m.direction * sign > 0.0);
+    these.map(|m| m.period.min(GAP)).sum()
+}
+
+/// Whether a recording lifts and lowers the arm long enough to tell something.
+pub fn lifts(moments: &[LiftMoment]) -> bool {
+    moved(moments.iter(), 1.0) >= LEAST_MOTION && moved(moments.iter(), -1.0) >= LEAST_MOTION
+}
+
+/// What the recordings tell of the described cylinders, or why they do not; `None` where no arm is described or no pressure measured.
+pub fn learn(d: &Description, inputs: &[Input]) -> Option<Result<Learnt, String>> {
+    let settings = Settings::of(d, Method::Full);
+    let known = Lifts::new(&settings)?.known();
+    let all = inputs
+        .iter()
+        .map(|input| (input, moments(&settings, &input.samples)));
+    let moving: Vec<_> = all.filter(|(_, moments)| !moments.is_empty()).collect();
+    if moving.is_empty() {
+        let measured = |s: &Sample| s.lift_head_pressure.is_some() && s.lift_angle.is_some();
+        let any = inputs
+            .iter()
+            .any(|input| input.samples.iter().any(measured));
+        return any.then(|| Err(NO_LIFTS.into()));
+    }
+    let runs: Vec<Run<'_>> = moving
+        .into_iter()
+        .filter_map(|(input, moments)| {
+            let load = load(d, input)?;
+            Some(Run {
+                name: &input.name,
+                load,
+                moments,
+            })
+        })
+        .collect();
+    if runs.is_empty() {
+        return Some(Err(NO_LOAD.into()));
+    }
+    let every = || runs.iter().flat_map(|run| &run.moments);
+    if [1.0, -1.0]
+        .into_iter()
+        .any(|sign| moved(every(), sign) < LEAST_MOTION)
+    {
+        return Some(Err(NO_LIFTS.into()));
+    }
+    Some(fit(d, &known, &runs))
+}
+
+/// What is said where the arm hardly moves.
+const NO_LIFTS: &str = "the lift cylinders stay as described: lift and lower the arm slowly and fully, twice, while the machine stands and the bucket is off the ground";
+/// What is said where no load is known.
+const NO_LOAD: &str = "the lift cylinders stay as described: the loads of the recordings with lifts are not known; tell them: --payload empty.mcap=0 --payload loaded.mcap=KG±KG";
+/// What is said where the loads do not tell the span.
+fn one_load(runs: &[Run<'_>]) -> String {
+    let loads: Vec<String> = runs
+        .iter()
+        .map(|run| {
+            format!(
+                "{}: {:.0} ± {:.0} kg",
+                run.name, run.load.value, run.load.std
+            )
+        })
+        .collect();
+    format!(
+        "the lift cylinders stay as described: the loads ({}) are too much alike, or not known well enough, to distinguish the areas from the weight of the arm; record slow lifts with the bucket empty and with a weighed load, and tell both: --payload FILE=KG±KG",
+        loads.join(", ")
+    )
+}
+
+/// Mass of the machine without load.
+fn empty(d: &Description) -> Quantity {
+    let arm = &d.lift_arm;
+    let or = |stated: f64, usual: f64| if stated > 0.0 { stated } else { usual };
+    let value = or(arm.empty_mass, d.machine.mass);
+    Quantity {
+        value,
+        std: or(arm.empty_mass_std, MASS_STD * value),
+    }
+}
+
+/// The load of a recording: as stated, or by the mass of the machine.
+fn load(d: &Description, input: &Input) -> Option<Quantity> {
+    let by_mass = |mass: Quantity| Quantity {
+        value: mass.value - empty(d).value,
+        std: mass.std.hypot(empty(d).std),
+    };
+    input.payload.or_else(|| input.stated.mass.map(by_mass))
+}
+
+/// What is stated of a recording that drives: a load in the bucket is a mass of the machine too.
+pub fn stated(d: &Description, input: &Input) -> StatedLoad {
+    let with = |load: Quantity| Quantity {
+        value: empty(d).value + load.value,
+        std: load.std.hypot(empty(d).std),
+    };
+    let loaded = input.payload.filter(|load| load.value > 0.0);
+    StatedLoad {
+        mass: input.stated.mass.or_else(|| loaded.map(with)),
+        ..input.stated
+    }
+}
+
+fn fit(d: &Description, known: &LiftKnown, runs: &[Run<'_>]) -> Result<Learnt, String> {
+    let before = before(d, known, runs);
+    let equations: Vec<Equation> = runs
+        .iter()
+        .enumerate()
+        .flat_map(|(run, r)| {
+            let of = move |m| equation(m, (run, r.load.value), LOADS + 2 * runs.len());
+            r.moments.iter().map(of)
+        })
+        .collect();
+    if let Some(run) = runs
+        .iter()
+        .find(|run| doubt(run, &before, runs.len()) > FAR)
+    {
+        return Err(contradicted(run));
+    }
+    // What lies far from the first solution was on the ground.
+    let solution = before
+        .after(&equations, FADING)
+        .ok_or("the lift cylinders are not determined")?;
+    let of = |i: usize| solution.quantity(i, &before);
+    let friction = known.friction;
+    let learnt = Learnt {
+        span: of(SPAN),
+        zero: of(ZERO),
+        correlation: solution.correlation(SPAN, ZERO),
+        friction: Quantity {
+            value: (friction.value + of(FRICTION).value).max(0.0),
+            ..of(FRICTION)
+        },
+        missed: std::array::from_fn(|i| of(CURVE + i)),
+        full_force: known.full_force,
+    };
+    let unknown =
+        |found: Quantity, std: f64, enough: f64| found.std > IDENTIFIED * std && found.std > enough;
+    if unknown(learnt.span, known.span_std, KNOWN[1]) {
+        return Err(one_load(runs));
+    }
+    if unknown(learnt.friction, friction.std, KNOWN[0] * known.full_force) {
+        return Err("the lift cylinders stay as described: their friction cannot be distinguished from the zeros of the sensors; lift and lower the arm more often".into());
+    }
+    Ok(learnt)
+}
+
+/// What a moment weighs as described \[kg\].
+fn weighed(m: &LiftMoment) -> f64 {
+    (m.measured - m.empty) / m.per_load
+}
+
+/// The moment of a recording that weighs the median.
+fn middle<'a>(run: &'a Run<'_>) -> &'a LiftMoment {
+    let mut order: Vec<&LiftMoment> = run.moments.iter().collect();
+    order.sort_by(|a, b| weighed(a).total_cmp(&weighed(b)));
+    order[order.len() / 2]
+}
+
+/// How far a recording is from its stated load, in deviations of what is described.
+fn doubt(run: &Run<'_>, before: &Solution, runs: usize) -> f64 {
+    let load = run.load.value;
+    let e = equation(middle(run), (0, load), LOADS + 2 * runs);
+    e.value.abs() / (before.variance(&e.row) + e.rest + e.noise).sqrt()
+}
+
+fn contradicted(run: &Run<'_>) -> String {
+    let Run { name, load, .. } = run;
+    format!(
+        "the lift cylinders stay as described: the load of {name} was stated as {:.0} kg, but as described they carry {:.0} kg; weigh it again, check which recording is which, and the areas and distances of machine.lift_arm",
+        load.value,
+        weighed(middle(run))
+    )
+}
+
+/// A moment as an equation of the unknowns, in newtons of the cylinders; the recording and its load \[kg\].
+fn equation(m: &LiftMoment, (run, load): (usize, f64), unknowns: usize) -> Equation {
+    let tau = m.empty + load * m.per_load;
+    let mut row = vec![0.0; unknowns];
+    row[SPAN] = tau / m.lever;
+    row[ZERO] = 1.0;
+    row[FRICTION] = m.direction;
+    for (i, turn) in m.turns.iter().enumerate() {
+        row[CURVE + i] = turn / m.lever;
+    }
+    row[LOADS + 2 * run] = m.per_load / m.lever;
+    row[LOADS + 2 * run + 1] = (m.tilt[0] + load * m.tilt[1]) / m.lever;
+    Equation {
+        row,
+        value: (m.measured - tau) / m.lever,
+        rest: m.rest,
+        noise: m.noise,
+        period: m.period,
+    }
+}
+
+/// What is known before the data.
+fn before(d: &Description, known: &LiftKnown, runs: &[Run<'_>]) -> Solution {
+    let arm = &d.lift_arm;
+    let or = |stated: f64, usual: f64| if stated > 0.0 { stated } else { usual };
+    let mass = or(arm.mass_std, DRAWN[0] * arm.mass);
+    let bucket = or(arm.bucket_mass_std, DRAWN[1] * arm.bucket_mass);
+    let far = or(arm.mass_distance_std, DRAWN[2] * arm.mass_distance);
+    let load = or(arm.payload_distance_std, DRAWN[3] * arm.payload_distance);
+    let own = arm.mass * arm.mass_distance + arm.bucket_mass * arm.length;
+    let turned = d.sensors.angle_offset_std;
+    let curve = [
+        norm(&[
+            mass * arm.mass_distance,
+            arm.mass * far,
+            bucket * arm.length,
+        ]),
+        own * BESIDE[0].hypot(turned),
+        norm(&[bucket * arm.payload_distance, arm.bucket_mass * load]),
+        arm.bucket_mass * arm.payload_distance * BESIDE[1].hypot(turned),
+    ];
+    let mut stds = vec![known.span_std, known.offset_std, known.friction.std];
+    stds.extend(curve.map(|first| GRAVITY * first));
+    stds.extend(
+        runs.iter()
+            .flat_map(|run| [run.load.std.max(LEAST_STD), LEVEL]),
+    );
+    let together = known.correlation * known.span_std * known.offset_std;
+    Solution::before(&stds, &[(SPAN, ZERO, together)])
+}
+
+fn norm(parts: &[f64]) -> f64 {
+    parts.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+impl Learnt {
+    /// The keys of the description.
+    pub fn write(&self, pen: &mut Pen<Description>) {
+        let c = pen.description.lift_cylinder;
+        let span = 1.0 + self.span.value;
+        let scaled = |value: f64, std: f64| Quantity {
+            value: value / span,
+            std,
+        };
+        for (key, area) in [("head_area", c.head_area), ("rod_area", c.rod_area)] {
+            let key = format!("machine.lift_arm.cylinder.{key}");
+            pen.value(&key, scaled(area, area * self.span.std));
+        }
+        let zero = scaled(c.force_offset + self.zero.value, self.zero.std);
+        pen.value("machine.lift_arm.cylinder.force_offset", zero);
+        pen.std("machine.lift_arm.cylinder.force_offset_std", zero.std);
+        let span_std = self.span.std.max(SPAN_FLOOR);
+        pen.std("machine.lift_arm.cylinder.span_std", span_std);
+        pen.std(
+            "machine.lift_arm.cylinder.span_offset_correlation",
+            self.correlation * self.span.std / span_std,
+        );
+        let friction = Quantity {
+            value: self.friction.value / self.full_force,
+            std: self.friction.std / self.full_force,
+        };
+        pen.value("machine.lift_arm.cylinder.friction", friction);
+        pen.std("machine.lift_arm.cylinder.friction_std", friction.std);
+        for (key, missed) in CURVES.iter().zip(self.missed) {
+            let was = number(&pen.description, key).unwrap_or(0.0);
+            pen.value(key, scaled(was + missed.value / span, missed.std));
+        }
+    }
+
+    /// In words.
+    pub fn words(&self) -> String {
+        format!(
+            "the lift cylinders: the moment is {:+.1} ± {:.1} % of what the drawing says, zero {:.0} ± {:.0} N, friction {:.0} ± {:.0} N",
+            100.0 * self.span.value,
+            100.0 * self.span.std,
+            self.zero.value,
+            self.zero.std,
+            self.friction.value,
+            self.friction.std
+        )
+    }
+}

@@ -1,0 +1,300 @@
+//! The moments of a whole recording, for whoever learns what the lift cylinders do: `calibrate`.
+//!
+//! ```text
+//! F - F_f = tau/r,   tau = empty + m_p k        means over blocks in which the machine stands and the arm moves
+//! ```
+//! A rod that moves has its friction fully against it. Blocks in which the bucket turns, the rod rests or the machine drives are left out.
+
+use super::super::sample::Sample;
+use super::super::settings::Settings;
+use super::super::wheel_dynamics::GRAVITY;
+use super::Quantity;
+use super::drawing::{
+    BASE, CYLINDER_ANGLE, Drawing, EYE, FRICTION, FULL_PRESSURE, HEAD_AREA, HEAD_ZERO, OFFSET,
+    Posture, ROD_AREA, ROD_ZERO, SPAN, USUAL_ROD_PRESSURE, turns,
+};
+use super::seals::Seals;
+use crate::math::{norm, sin_cos};
+
+/// Length of a block, and the longest gap between rows \[s\].
+const BLOCK: f64 = 0.2;
+const GAP: f64 = 0.25;
+/// A machine slower than this stands [m/s].
+const STANDS: f64 = 0.1;
+/// Rates of a bucket that turns, and of an arm that moves [rad/s].
+const TURNS: f64 = 0.05;
+const MOVES: f64 = 0.01;
+/// Share of the friction that is fully against the motion.
+const FULLY: f64 = 0.99;
+/// What friction that is fully against the motion leaves, as a share of it, and moments of a drawing, as a share of them.
+const FRICTION_LEFT: f64 = 0.15;
+const DRAWN: f64 = 0.003;
+
+/// What the cylinders carry in a block. Forces are those of all cylinders together.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LiftMoment {
+    /// Lever of the cylinders \[m\].
+    pub lever: f64,
+    /// Moment that the pressures show, less the friction that is described [N m].
+    pub measured: f64,
+    /// Moment of the empty arm as described [N m].
+    pub empty: f64,
+    /// Moment of a kilogram of load [N m/kg].
+    pub per_load: f64,
+    /// What a slope, nose up, adds to both [N m/rad], [N m/(rad kg)].
+    pub tilt: [f64; 2],
+    /// Cosine and sine of the angles of arm and bucket to the horizontal.
+    pub turns: [f64; 4],
+    /// Direction in which the rod moves.
+    pub direction: f64,
+    /// Variance of what lasts for seconds [N^2].
+    pub rest: f64,
+    /// Variance of noise [N^2].
+    pub noise: f64,
+    /// How long the block is \[s\].
+    pub period: f64,
+}
+
+/// What is known of the lift cylinders before a recording, forces of all of them together.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LiftKnown {
+    /// Friction of the seals \[N\].
+    pub friction: Quantity,
+    /// Relative standard deviation of the moment.
+    pub span_std: f64,
+    /// Standard deviation of the force that the pressures show too much \[N\].
+    pub offset_std: f64,
+    /// Correlation of the errors of the two.
+    pub correlation: f64,
+    /// Force of all cylinders at the pressure at which friction is stated \[N\].
+    pub full_force: f64,
+}
+
+/// Follows the rows of a recording.
+#[derive(Clone, Debug)]
+pub struct Lifts {
+    drawing: Drawing,
+    seals: Seals,
+    last: Option<Row>,
+    block: Block,
+    /// The rod side has a sensor.
+    rod: Option<f64>,
+}
+
+/// Arm and bucket in a row.
+#[derive(Clone, Copy, Debug)]
+struct Row {
+    time: f64,
+    lift: f64,
+    bucket: f64,
+}
+
+/// Sums over a block, and where it began.
+#[derive(Clone, Copy, Debug)]
+struct Block {
+    first: Option<Row>,
+    sums: [f64; 10],
+    rows: f64,
+    /// Direction of the rod, 0 where it is not the same in all rows.
+    direction: f64,
+}
+
+impl Block {
+    const NONE: Self = Self {
+        first: None,
+        sums: [0.0; 10],
+        rows: 0.0,
+        direction: 0.0,
+    };
+}
+
+impl Lifts {
+    /// None where no lift arm is described.
+    #[must_use]
+    pub fn new(settings: &Settings) -> Option<Self> {
+        let drawing = Drawing::of(
+            &settings.lift_arm,
+            &settings.lift_cylinder,
+            &settings.machine,
+            &settings.sensors,
+            &settings.prior,
+        )?;
+        Some(Self {
+            drawing,
+            seals: Seals::default(),
+            last: None,
+            block: Block::NONE,
+            rod: None,
+        })
+    }
+
+    /// What is known before.
+    #[must_use]
+    pub fn known(&self) -> LiftKnown {
+        let d = &self.drawing;
+        let full_force = d.full_force(&d.values);
+        let posture = Posture {
+            lift: 0.0,
+            bucket: 0.0,
+            head: 10e6,
+            rod: 0.0,
+            gravity: GRAVITY,
+            acceleration: 0.0,
+            seals: 0.0,
+            rest: 0.0,
+        };
+        let here = d.lifting(&d.values, &posture);
+        let effects = [HEAD_AREA, BASE, EYE, CYLINDER_ANGLE]
+            .map(|number| d.lifting(&d.off(number)[0], &posture) / here - 1.0);
+        let per_pascal = full_force / (d.values[HEAD_AREA] * FULL_PRESSURE);
+        let zeros = [(HEAD_ZERO, HEAD_AREA), (ROD_ZERO, ROD_AREA)]
+            .map(|(zero, area)| d.std[zero] * d.values[area] * per_pascal);
+        let or = |stated: f64, usual: f64| if stated > 0.0 { stated } else { usual };
+        LiftKnown {
+            friction: Quantity {
+                value: full_force * d.values[FRICTION],
+                std: full_force * d.std[FRICTION],
+            },
+            span_std: or(d.std[SPAN], norm(&effects)),
+            offset_std: or(d.std[OFFSET], norm(&zeros)),
+            correlation: d.correlation,
+            full_force,
+        }
+    }
+
+    /// A row; the moment of a block that ended with it.
+    pub fn step(&mut self, sample: &Sample) -> Option<LiftMoment> {
+        let (lift, head) = (sample.lift_angle?, sample.lift_head_pressure?);
+        self.rod = sample.lift_rod_pressure.or(self.rod);
+        let row = Row {
+            time: sample.time,
+            lift,
+            bucket: self.drawing.bucket_angle(lift, sample.tilt_angle),
+        };
+        if ![row.time, lift, row.bucket, head]
+            .iter()
+            .all(|x| x.is_finite())
+        {
+            return None;
+        }
+        let before = self.last.replace(row);
+        let dt = before.map_or(0.0, |before| row.time - before.time);
+        if !(dt > 0.0 && dt < GAP) {
+            self.seals.forget();
+            self.block = Block::NONE;
+            return None;
+        }
+        self.seals.take(self.drawing.rod_length(lift), dt);
+        let share = self.seals.share();
+        let stands = sample.speed.is_none_or(|v| v.abs() < STANDS);
+        if !stands || share.abs() < FULLY {
+            self.block = Block::NONE;
+            return None;
+        }
+        self.add(&row, head, sample, share.signum());
+        self.end(&row)
+    }
+
+    fn posture(&self, row: &Row, head: f64, sample: &Sample) -> Posture {
+        let slope = sample.slope.filter(|s| s.is_finite()).unwrap_or(0.0);
+        let specific = sample.acceleration.filter(|a| a.is_finite());
+        Posture {
+            lift: row.lift,
+            bucket: row.bucket,
+            head,
+            rod: self.rod.unwrap_or(USUAL_ROD_PRESSURE),
+            gravity: self.drawing.gravity(slope),
+            acceleration: specific.unwrap_or(GRAVITY * sin_cos(slope).0),
+            seals: 0.0,
+            rest: 0.0,
+        }
+    }
+
+    fn add(&mut self, row: &Row, head: f64, sample: &Sample, direction: f64) {
+        let (d, v) = (&self.drawing, &self.drawing.values);
+        let posture = self.posture(row, head, sample);
+        let (empty, per_load) = d.moments(v, &posture);
+        // A kilogram of force along the body instead of the weight.
+        let pushed = Posture {
+            acceleration: posture.acceleration + GRAVITY,
+            ..posture
+        };
+        let along = d.moments(v, &pushed);
+        let friction = direction * v[FRICTION] * d.full_force(v) * d.lever(row.lift);
+        let measured = d.lifting(v, &posture) - friction;
+        let [a, b, c, e] = turns(&posture);
+        let parts = [
+            d.lever(row.lift),
+            measured,
+            empty,
+            per_load,
+            along.0 - empty,
+            along.1 - per_load,
+            a,
+            b,
+            c,
+            e,
+        ];
+        let block = &mut self.block;
+        if block.first.is_none() {
+            *block = Block {
+                first: Some(*row),
+                direction,
+                ..Block::NONE
+            };
+        } else if block.direction != direction {
+            block.direction = 0.0;
+        }
+        block
+            .sums
+            .iter_mut()
+            .zip(parts)
+            .for_each(|(sum, part)| *sum += part);
+        block.rows += 1.0;
+    }
+
+    fn end(&mut self, row: &Row) -> Option<LiftMoment> {
+        let first = self.block.first?;
+        let period = row.time - first.time;
+        if period < BLOCK {
+            return None;
+        }
+        let block = core::mem::replace(&mut self.block, Block::NONE);
+        let [lift, bucket] = [row.lift - first.lift, row.bucket - first.bucket];
+        // Linkages keep the bucket to the arm, or to the horizontal.
+        let turning = bucket.abs().min((bucket - lift).abs()) > TURNS * period;
+        if turning || lift.abs() < MOVES * period || block.direction == 0.0 {
+            return None;
+        }
+        let [
+            lever,
+            measured,
+            empty,
+            per_load,
+            tilt,
+            tilt_load,
+            a,
+            b,
+            c,
+            e,
+        ] = block.sums.map(|sum| sum / block.rows);
+        let known = self.known();
+        let left = [
+            FRICTION_LEFT * known.friction.value,
+            DRAWN * measured / lever,
+        ];
+        let noise = self.drawing.force_std();
+        (lever.abs() > 1e-3).then_some(LiftMoment {
+            lever,
+            measured,
+            empty,
+            per_load,
+            tilt: [tilt, tilt_load],
+            turns: [a, b, c, e],
+            direction: block.direction,
+            rest: left[0] * left[0] + left[1] * left[1],
+            noise: noise * noise / block.rows,
+            period,
+        })
+    }
+}
