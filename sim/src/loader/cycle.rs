@@ -35,7 +35,7 @@ impl WorkCycle {
     pub fn new(scenario: Scenario, noise: Noise) -> Self {
         let planned = matches!(scenario, Scenario::WorkCycle | Scenario::Dither);
         let next = match scenario {
-            Scenario::Cruise | Scenario::Loading => f64::INFINITY,
+            Scenario::Cruise | Scenario::Loading | Scenario::Lifts => f64::INFINITY,
             _ if planned => 0.5,
             _ => scenario.duration(),
         };

@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use super::arm::{LiftArm, Stance};
 use super::cycle::WorkCycle;
+use super::lifts;
 use super::loading::Loading;
 use super::payload::{PAYLOAD_HEIGHT, PAYLOAD_REACH, Payload, loaded};
 use super::plant::{GRAVITY, Inputs, Machine};
@@ -47,7 +48,7 @@ impl Driver {
             machine: *machine,
             motor: scenario.motor_torque(machine, machine.mass + mass),
             arm: LiftArm::of(machine),
-            arm_counts: is_loading,
+            arm_counts: is_loading || scenario == Scenario::Lifts,
             loading,
             cycle: WorkCycle::new(scenario, noise),
             bucket: Profile::new(
@@ -100,6 +101,7 @@ impl Driver {
     pub fn stance(&self, t: f64) -> Stance {
         match &self.loading {
             Some(plan) => plan.stance(t),
+            None if self.scenario == Scenario::Lifts => lifts::stance(t),
             None => self.arm.stance(&self.payload(t)),
         }
     }
@@ -117,6 +119,14 @@ impl Driver {
         if let Some(plan) = &self.loading {
             return plan.payload(&self.arm, t);
         }
+        if self.scenario == Scenario::Lifts {
+            let [reach, height] = self.arm.place(&lifts::stance(t));
+            return Payload {
+                mass: self.payload.at(t),
+                height,
+                reach,
+            };
+        }
         Payload {
             mass: self.payload.at(t),
             height: PAYLOAD_HEIGHT + self.lift.at(t),
@@ -127,7 +137,8 @@ impl Driver {
     /// Whether the boom moves with a payload that changes the centre of gravity.
     pub fn boom_moving(&self, t: f64) -> bool {
         let loads = self.loading.as_ref().is_some_and(|plan| plan.moves(t));
-        loads || self.payload.moving(t) || self.lift.moving(t)
+        let lifts = self.scenario == Scenario::Lifts && lifts::moves(t);
+        loads || lifts || self.payload.moving(t) || self.lift.moving(t)
     }
 
     /// What acts at time `t`, to be asked in the order of time; `speed` is the machine's just before.
@@ -250,7 +261,7 @@ impl Scenario {
             Self::ConstantTorque => Profile::new(STEADY, 0.3),
             Self::AccelDecel => Profile::new(HARD, 0.2),
             Self::LoadCycle => Profile::new(LOAD, 0.3),
-            Self::WorkCycle | Self::Dither | Self::Loading => {
+            Self::WorkCycle | Self::Dither | Self::Loading | Self::Lifts => {
                 Profile::new(&[(0.0, 0.0)], WorkCycle::RAMP)
             }
             Self::Cruise => {

@@ -24,6 +24,7 @@ mod chance;
 mod cycle;
 mod driver;
 mod effects;
+mod lifts;
 mod loading;
 mod payload;
 mod plant;

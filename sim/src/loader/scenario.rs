@@ -11,10 +11,11 @@
 //! | `work-cycle` | S6 | random acceleration and braking | 300 s, 100 s |
 //! | `dither` | S6x | the same with the torque shifted between the axles | 300 s, 100 s |
 //! | `loading` | | fill, carry, dump into a truck, again and again | 260 s, 26 s |
+//! | `lifts` | | stands, and lifts its arm slowly up and down, twice: to calibrate | 64 s, 10 s |
 //! | `cruise` | | up to 2.5 m/s, then constant speed | 60 s, 20 s |
 
-use super::loading;
 use super::road::Surface;
+use super::{lifts, loading};
 
 /// Payload of a load cycle if the run does not say otherwise [kg].
 const LOAD_CYCLE_PAYLOAD: f64 = 1500.0;
@@ -42,6 +43,8 @@ pub enum Scenario {
     Cruise,
     /// Loads, dumped into a truck.
     Loading,
+    /// Slow lifts.
+    Lifts,
 }
 
 impl Scenario {
@@ -81,6 +84,10 @@ impl Scenario {
             "loading",
             "fill, carry, dump into a truck, again and again, 26 s each",
         ),
+        (
+            "lifts",
+            "stand and lift the arm slowly up and down, twice, to calibrate, 64 s",
+        ),
     ];
 
     /// The scenario of a name or code, in upper or lower case.
@@ -96,6 +103,7 @@ impl Scenario {
             "dither" | "s6x" => Self::Dither,
             "cruise" => Self::Cruise,
             "loading" => Self::Loading,
+            "lifts" => Self::Lifts,
             _ => return None,
         })
     }
@@ -114,6 +122,7 @@ impl Scenario {
             Self::LoadCycle | Self::Cruise => 60.0,
             Self::WorkCycle | Self::Dither => 300.0,
             Self::Loading => 10.0 * loading::PERIOD,
+            Self::Lifts => lifts::DURATION,
         }
     }
 
@@ -123,6 +132,7 @@ impl Scenario {
             Self::Bumpy | Self::Spading | Self::Digging => 4.0,
             Self::ConstantTorque => 6.0,
             Self::AccelDecel => 8.0,
+            Self::Lifts => 10.0,
             Self::LoadCycle | Self::Cruise => 20.0,
             Self::WorkCycle | Self::Dither => 100.0,
             Self::Loading => loading::PERIOD,
@@ -145,6 +155,7 @@ impl Scenario {
             Self::ConstantTorque | Self::AccelDecel | Self::Cruise => (0.3, 16e-6, 260.0),
             Self::LoadCycle | Self::Loading => (0.8, 32e-6, 260.0),
             Self::WorkCycle | Self::Dither => (1.0, 32e-6, 1400.0),
+            Self::Lifts => (0.0, 16e-6, 260.0),
         };
         Surface {
             slope_amplitude_deg,

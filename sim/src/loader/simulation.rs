@@ -161,10 +161,11 @@ impl Simulation {
             nominal,
             // A machine that weighs its bucket needs no scale under its axles.
             tells_mass: (run.tier == Tier::B || run.scenario.payload(run.payload) > 0.0)
-                && !(run.scenario == Scenario::Loading && run.gauges.is_some()),
+                && !(matches!(run.scenario, Scenario::Loading | Scenario::Lifts)
+                    && run.gauges.is_some()),
             arm: run
                 .gauges
-                .map(|gauges| ArmSensors::new(LiftArm::of(&machine), gauges, run.seed)),
+                .map(|gauges| ArmSensors::new(LiftArm::of(&machine), gauges, of)),
             noise: std::array::from_fn(|channel| stream(channel as u64 + 1)),
             faults: Injector::new(&run.faults, CHANNELS, run.seed)?,
             rate: run.rate,

@@ -3,6 +3,9 @@
 //! JSON: a list of lines, each with `machine`, `told`, `seeds`, and the numbers named by [`COLUMNS`]; null where there is nothing to
 //! count. Ratio and height are judged over all time; their errors while the machine carries a load.
 
+use std::sync::atomic::AtomicBool;
+
+use calibrate::loader::{Input, StatedLoad};
 use estimation::Quantity;
 use estimation::loader::keys::{LiftArm, LiftCylinder};
 use estimation::loader::{CgEstimator, Columns, Method, Reason, Sample, Settings};
@@ -25,6 +28,11 @@ const RATED: f64 = 0.32;
 /// Standard deviations of the empty machine's ratio on axle scales, and of a height stated to 5 %.
 const SCALES: f64 = 0.01;
 const STATED_HEIGHT: f64 = 0.05;
+/// Load that a calibration lifts, as a share of a full bucket, and how well it was weighed.
+const CALIBRATED: f64 = 0.7;
+const LOAD_STD: f64 = 0.005;
+/// Between the seeds of a machine's recordings.
+const LIFTS: u64 = 100_000;
 
 /// What is stated and measured.
 #[derive(Clone, Copy, PartialEq)]
@@ -35,7 +43,9 @@ enum Knowledge {
     Drawing,
     /// The empty machine stood on axle scales once.
     Weighed,
-    /// The same without wheels: a scale.
+    /// And slow lifts, empty and with a weighed load.
+    Calibrated,
+    /// The empty machine on axle scales, without wheels: a scale.
     Scale,
 }
 
@@ -45,6 +55,7 @@ impl Knowledge {
             Self::Nothing => "no lift arm",
             Self::Drawing => "drawing",
             Self::Weighed => "empty machine weighed",
+            Self::Calibrated => "weighed, lifts calibrated",
             Self::Scale => "weighed, no wheels",
         }
     }
@@ -160,6 +171,65 @@ fn settings(knowledge: Knowledge, run: &Run, simulation: &Simulation, first: &Ro
     settings
 }
 
+/// The settings after slow lifts with nothing in the bucket and with a load that was weighed.
+fn calibrated(settings: Settings, run: &Run) -> Result<Settings, Error> {
+    let load = CALIBRATED * RATED * run.size.machine().mass;
+    let mut noise = sim::noise::Noise::channel(run.seed, 901);
+    let mut lifts = |payload: f64, std: f64, number: u64| -> Result<Input, Error> {
+        let lifts = Run {
+            scenario: Scenario::Lifts,
+            payload: Some(payload),
+            machine_seed: Some(run.seed),
+            seed: LIFTS * number + run.seed,
+            duration: None,
+            ..run.clone()
+        };
+        let simulation = Simulation::new(&lifts).map_err(Error::refused)?;
+        let nominal = simulation.clone();
+        Ok(Input {
+            name: format!("{payload:.0} kg"),
+            samples: simulation
+                .map(|row| sample(Knowledge::Calibrated, &nominal, &row))
+                .collect(),
+            stated: StatedLoad::default(),
+            payload: Some(Quantity {
+                value: payload + std * noise.normal(),
+                std,
+            }),
+        })
+    };
+    let inputs = [lifts(0.0, 0.0, 1)?, lifts(load, LOAD_STD * load, 2)?];
+    let description = config::Loader {
+        machine: settings.machine,
+        lift_arm: settings.lift_arm,
+        lift_cylinder: settings.lift_cylinder,
+        sensors: settings.sensors,
+        prior: settings.prior,
+        ..config::Loader::default()
+    };
+    let outcome = calibrate::loader::calibrate(
+        &inputs,
+        &calibrate::loader::Options {
+            description: &description,
+            weighed: StatedLoad::default(),
+            ways: &[],
+            slices: false,
+            free: None,
+            stop: &AtomicBool::new(false),
+            progress: &|_| {},
+        },
+    )
+    .map_err(Error::refused)?;
+    let (found, _) = outcome
+        .description(&description, &[])
+        .ok_or_else(|| Error::refused(outcome.faults.join("; ")))?;
+    Ok(Settings {
+        lift_arm: found.lift_arm,
+        lift_cylinder: found.lift_cylinder,
+        ..settings
+    })
+}
+
 fn sample(knowledge: Knowledge, simulation: &Simulation, row: &Row) -> Sample {
     let mut sample = Candidate::COLD.sample(simulation.nominal(), row);
     if knowledge == Knowledge::Scale {
@@ -205,7 +275,10 @@ impl Machine {
             mass: first.mass.is_some(),
             ..Columns::default()
         };
-        let settings = settings(knowledge, &run, &simulation, &first);
+        let mut settings = settings(knowledge, &run, &simulation, &first);
+        if knowledge == Knowledge::Calibrated {
+            settings = calibrated(settings, &run)?;
+        }
         let estimator = CgEstimator::new(&settings, Method::Full, columns);
         Ok(Self {
             run,
@@ -362,6 +435,7 @@ pub(super) fn evaluate(options: &Options) -> Result<Report, Error> {
             Knowledge::Nothing,
             Knowledge::Drawing,
             Knowledge::Weighed,
+            Knowledge::Calibrated,
             Knowledge::Scale,
         ] {
             let label = format!("{name}, {}", knowledge.name());
@@ -416,6 +490,20 @@ mod tests {
         assert!(loads.all >= 12 && loads.found * 10 >= loads.all * 9);
         assert!(loads.rms() < Some(0.08));
         assert!(loads.covered() >= Some(0.85));
+    }
+
+    #[test]
+    fn slow_lifts_with_a_weighed_load_make_loads_exact() {
+        let [weighed, calibrated] = [Knowledge::Weighed, Knowledge::Calibrated].map(|knowledge| {
+            let mut sums = Sums::default();
+            for seed in 1..=4 {
+                sums.add(&run(knowledge, Effects::default(), seed).expect("a run"));
+            }
+            sums.loads
+        });
+        let [before, after] = [&weighed, &calibrated].map(|loads| loads.rms().expect("loads"));
+        assert!(after < 0.6 * before, "{before} {after}");
+        assert!(calibrated.covered() >= Some(0.9));
     }
 
     /// With 12 t and a full bucket the rear axle carries a tenth of the weight while the machine sets off in reverse.
