@@ -98,10 +98,20 @@ pub fn lifts(moments: &[LiftMoment]) -> bool {
     moved(moments.iter(), 1.0) >= LEAST_MOTION && moved(moments.iter(), -1.0) >= LEAST_MOTION
 }
 
-/// What the recordings tell of the described cylinders, or why they do not; `None` where no arm is described or no pressure measured.
+/// What the recordings tell of the described cylinders, or why they do not; `None` where no pressure is measured.
 pub fn learn(d: &Description, inputs: &[Input]) -> Option<Result<Learnt, String>> {
     let settings = Settings::of(d, Method::Full);
-    let known = Lifts::new(&settings)?.known();
+    let measured = |s: &Sample| s.lift_head_pressure.is_some() && s.lift_angle.is_some();
+    if !inputs
+        .iter()
+        .any(|input| input.samples.iter().any(measured))
+    {
+        return None;
+    }
+    let Some(lifts) = Lifts::new(&settings) else {
+        return Some(Err(NO_ARM.into()));
+    };
+    let known = lifts.known();
     let all = inputs
         .iter()
         .map(|input| (input, moments(&settings, &input.samples)));
@@ -137,6 +147,8 @@ pub fn learn(d: &Description, inputs: &[Input]) -> Option<Result<Learnt, String>
     Some(fit(d, &known, &runs))
 }
 
+/// What is said where there are pressures and no drawing.
+const NO_ARM: &str = "lift pressures are recorded, but no lift arm is described: its cylinders cannot be calibrated; measure the lengths of machine.lift_arm and machine.lift_arm.cylinder (docs/your-data.md)";
 /// What is said where the arm hardly moves.
 const NO_LIFTS: &str = "the lift cylinders stay as described: lift and lower the arm slowly and fully, twice, while the machine stands and the bucket is off the ground";
 /// What is said where no load is known.

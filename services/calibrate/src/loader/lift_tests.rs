@@ -219,6 +219,10 @@ fn what_cannot_be_told_apart_is_refused_in_words() {
         sample.lift_head_pressure = None;
     }
     assert_eq!(learn(&described(), &[silent]), None);
+    let nothing = learn(&Description::default(), &[truth.input(0.0, 1.0, 1)]);
+    assert!(
+        nothing.is_some_and(|said| said.is_err_and(|why| why.contains("no lift arm is described")))
+    );
 }
 
 #[test]
