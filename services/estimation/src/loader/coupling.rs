@@ -56,9 +56,7 @@ pub(super) struct Coupling {
 
 impl Default for Coupling {
     fn default() -> Self {
-        Self {
-            probability: PRIOR,
-        }
+        Self { probability: PRIOR }
     }
 }
 

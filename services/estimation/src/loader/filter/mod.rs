@@ -525,7 +525,14 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             let wheels = [wheel(FRONT_WHEEL), wheel(REAR_WHEEL)];
             self.monitor.see(&self.settings.estimator, wheels, model.dt);
             self.compare_legs(&before, &state, &innovation, &std, model, step.sine);
-            self.compare_axles(&measured, &innovation, &expected, &process_std, noise, model.dt);
+            self.compare_axles(
+                &measured,
+                &innovation,
+                &expected,
+                &process_std,
+                noise,
+                model.dt,
+            );
         }
         let nis = self
             .belief
