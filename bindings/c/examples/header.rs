@@ -326,6 +326,10 @@ int32_t heft_loads_step(void *memory, const heft_loads_row *row, heft_loads *loa
 
 /* Begins another truck: what is dumped from now on goes there. */
 int32_t heft_loads_next_truck(void *memory, heft_loads *loads);
+
+/* What this truck and the next ones shall hold from now on [kg]; NAN: nobody says. HEFT_REFUSED: no weight, and nothing
+ * changes. */
+int32_t heft_loads_set_target(void *memory, double target, heft_loads *loads);
 "#;
 
 /// `posture-torque` as in the name of a constant.

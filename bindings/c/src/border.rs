@@ -11,9 +11,9 @@ use core::ptr::addr_of_mut;
 
 use estimation::loads::LoadReport;
 
-use crate::loads::{Loads, LoadsRow};
+use crate::loads::{Loads, LoadsRow, can_be_target};
 use crate::settings::{Unfit, can_take, position, read, write};
-use crate::table::{Answer, Machine, answer, sample};
+use crate::table::{Answer, Machine, answer, present, sample};
 use crate::{Excavator, Loader};
 
 /// What a function returns.
@@ -383,6 +383,20 @@ unsafe extern "C" fn heft_loads_step(
 unsafe extern "C" fn heft_loads_next_truck(memory: *mut c_void, out: *mut LoadReport) -> Code {
     // SAFETY: the promise of the header.
     unsafe { with_loads(memory, out, Loads::next_truck) }
+}
+
+#[unsafe(no_mangle)]
+unsafe extern "C" fn heft_loads_set_target(
+    memory: *mut c_void,
+    target: f64,
+    out: *mut LoadReport,
+) -> Code {
+    let target = present(target);
+    if !can_be_target(target) {
+        return Code::Refused;
+    }
+    // SAFETY: the promise of the header.
+    unsafe { with_loads(memory, out, |loads| loads.set_target(target)) }
 }
 
 /// Nothing if `body` panicked: a panic must not cross the border. Without an operating system a

@@ -20,6 +20,11 @@ pub struct LoadsRow {
     witness: u32,
 }
 
+/// Whether a truck can hold it: nothing asked for, or a weight \[kg\].
+pub(crate) fn can_be_target(target: Option<f64>) -> bool {
+    target.is_none_or(|kg| kg.is_finite() && kg > 0.0)
+}
+
 /// Counts the loads of one machine.
 pub(crate) struct Loads {
     ledger: Ledger,
@@ -36,7 +41,7 @@ impl Loads {
             ..usual
         };
         let fits = rated.is_finite() && rated > 0.0;
-        let fits = fits && settings.target.is_none_or(|kg| kg.is_finite() && kg > 0.0);
+        let fits = fits && can_be_target(settings.target);
         let fits = fits && settings.pause >= 0.0 && settings.pause.is_finite();
         fits.then(|| Self {
             ledger: Ledger::new(settings),
@@ -66,6 +71,11 @@ impl Loads {
 
     pub(crate) fn next_truck(&mut self) -> LoadReport {
         self.last = self.ledger.next_truck().load.or(self.last);
+        self.report()
+    }
+
+    pub(crate) fn set_target(&mut self, target: Option<f64>) -> LoadReport {
+        self.ledger.set_target(target);
         self.report()
     }
 

@@ -50,5 +50,15 @@ int main(void)
     CHECK(fabs(loads.payload - 20.0) < 15.0 && loads.payload_std > 100.0 && loads.payload_age > 4.9);
     CHECK(heft_loads_next_truck(memory, &loads) == HEFT_OK);
     CHECK(loads.truck == 2 && loads.truck_loads == 0);
+    CHECK(fabs(loads.remaining - 2500.0) < 1e-9);
+    CHECK(heft_loads_set_target(memory, 18000.0, &loads) == HEFT_OK);
+    CHECK(loads.flags & HEFT_LOADS_FLAG_HAS_TARGET && fabs(loads.remaining - 18000.0) < 1e-9);
+    CHECK(heft_loads_set_target(memory, -1.0, &loads) == HEFT_REFUSED);
+    CHECK(heft_loads_set_target(memory, INFINITY, &loads) == HEFT_REFUSED);
+    CHECK(heft_loads_next_truck(memory, &loads) == HEFT_OK);
+    CHECK(fabs(loads.remaining - 18000.0) < 1e-9);
+    CHECK(heft_loads_set_target(memory, NAN, &loads) == HEFT_OK);
+    CHECK(!(loads.flags & HEFT_LOADS_FLAG_HAS_TARGET));
+    CHECK(heft_loads_set_target(memory, 18000.0, NULL) == HEFT_NULL);
     return 0;
 }

@@ -85,7 +85,7 @@ macro_rules! loader_quantities {
             }
             first {
                 speed (speed) [] "m/s" "Forward speed." {
-                    estimated: STATE, shown: 5, label: "Speed", column: Column::Always
+                    estimated: STATE, shown: 6, label: "Speed", column: Column::Always
                 };
                 front_wheel_speed (front_wheel_speed) [] "rad/s" "Speed of the front wheels." {
                     estimated: STATE, column: Column::Always
@@ -94,7 +94,7 @@ macro_rules! loader_quantities {
                     estimated: STATE, column: Column::Always
                 };
                 slip_stiffness (slip_stiffness.value) [slip_stiffness_std (slip_stiffness.std)] "" "Slip stiffness of the tyres, F_x = K slip F_z." {
-                    estimated: STATE, trusted: TRUSTED_RATIO, shown: 3, label: "Tyre slip stiffness", range: POSITIVE, is_of_machine: true,
+                    estimated: STATE, trusted: TRUSTED_RATIO, shown: 4, label: "Tyre slip stiffness", range: POSITIVE, is_of_machine: true,
                     column: Column::Always, kept: Some(["prior.slip_stiffness", "prior.slip_stiffness_std"])
                 };
                 cg_height (cg_height.value) [cg_height_std (cg_height.std)] "m" "Height of the centre of gravity above ground." {
@@ -113,16 +113,16 @@ macro_rules! loader_quantities {
                     estimated: STATE, column: Column::Always
                 };
                 spade_force_x (spade_force_x.unwrap_or_default().value) [spade_force_x_std (spade_force_x.unwrap_or_default().std)] "N" "Horizontal spade force, measured plus unknown." {
-                    estimated: ESTIMATED_SPADE_FORCE_X, shown: 4, label: "Horizontal spade force", column: Column::Always
+                    estimated: ESTIMATED_SPADE_FORCE_X, shown: 5, label: "Horizontal spade force", column: Column::Always
                 };
                 slope_bias (slope_bias.unwrap_or_default()) [] "rad" "Bias of the slope sensor (true slope = measured - bias)." {
-                    estimated: SLOPE_BIAS, shown: 6, label: "Bias of the slope sensor", column: Column::Always
+                    estimated: SLOPE_BIAS, shown: 7, label: "Bias of the slope sensor", column: Column::Always
                 };
                 front_radius_scale (front_radius_scale.unwrap_or_default()) [] "" "Rolling radius of the front wheels over its nominal value." {
-                    estimated: RADIUS_SCALES, shown: 7, label: "Front rolling radius over nominal", range: POSITIVE, column: Column::Always
+                    estimated: RADIUS_SCALES, shown: 8, label: "Front rolling radius over nominal", range: POSITIVE, column: Column::Always
                 };
                 rear_radius_scale (rear_radius_scale.unwrap_or_default()) [] "" "Rolling radius of the rear wheels over its nominal value." {
-                    estimated: RADIUS_SCALES, shown: 8, label: "Rear rolling radius over nominal", range: POSITIVE, column: Column::Always
+                    estimated: RADIUS_SCALES, shown: 9, label: "Rear rolling radius over nominal", range: POSITIVE, column: Column::Always
                 };
                 nis (nis) [] "" "Normalised innovation squared of this sample per accepted measurement." { column: Column::Always };
                 speed_delay (speed_delay.unwrap_or_default().value) [speed_delay_std (speed_delay.unwrap_or_default().std)] "s" "Delay of the measured speed." {
@@ -131,7 +131,7 @@ macro_rules! loader_quantities {
             }
             later {
                 payload (payload.unwrap_or_default().value) [payload_std (payload.unwrap_or_default().std)] "kg" "Payload." {
-                    estimated: PAYLOAD, trusted: TRUSTED_PAYLOAD, is_load: true, column: Column::WhereEstimated
+                    estimated: PAYLOAD, trusted: TRUSTED_PAYLOAD, shown: 3, label: "Payload", range: POSITIVE, is_load: true, column: Column::WhereEstimated
                 };
             }
         }

@@ -28,6 +28,8 @@ pub trait Estimate: Message {
     const MOTION_NAME: (&'static str, f64);
     /// Keys of the parameters that are reported of each stretch of motion.
     const STRETCH: &'static [&'static str];
+    /// Each stretch carries a load of its own, so that loads may be summed over them.
+    const LOAD_EACH: bool;
 
     /// How fast the machine moves [rad/s, m/s].
     fn motion(&self) -> f64;

@@ -38,6 +38,7 @@ impl Estimate for ExcavatorEstimate {
     ];
     const MOTION_NAME: (&'static str, f64) = ("swing", 0.05);
     const STRETCH: &'static [&'static str] = &["inertia", "payload"];
+    const LOAD_EACH: bool = true;
 
     fn motion(&self) -> f64 {
         self.velocity.abs()

@@ -35,7 +35,8 @@ impl Estimate for LoaderEstimate {
         ("height trusted", bits::TRUSTED_HEIGHT),
     ];
     const MOTION_NAME: (&'static str, f64) = ("drive", 0.3);
-    const STRETCH: &'static [&'static str] = &["cg_ratio", "cg_height"];
+    const STRETCH: &'static [&'static str] = &["cg_ratio", "cg_height", "payload"];
+    const LOAD_EACH: bool = false;
 
     fn motion(&self) -> f64 {
         self.speed.abs()

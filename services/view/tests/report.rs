@@ -57,6 +57,29 @@ fn the_report_tells_position_and_height_apart() {
 }
 
 #[test]
+fn a_loader_s_payload_is_drawn_and_listed_where_its_arm_weighs_it_and_never_summed_over_drives() {
+    let without = common::loader(60.0, 100.0, true);
+    let mut with = without.clone();
+    for estimate in with
+        .parts
+        .loader
+        .estimators
+        .iter_mut()
+        .flat_map(|e| &mut e.estimates)
+    {
+        (estimate.payload, estimate.payload_std) = (1234.0, 20.0);
+        estimate.estimated |= messages::loader_bits::PAYLOAD;
+        estimate.flags =
+            messages::loader_bits::TRUSTED_RATIO | messages::loader_bits::TRUSTED_HEIGHT;
+    }
+    let page = report(&with);
+    keep("loader_payload.html", &page);
+    assert!(page.contains("Payload [kg], 95 %") && page.contains("1\u{a0}234 ± 39"));
+    assert!(!page.contains("Payload of the trusted ones, summed"));
+    assert!(!report(&without).contains("Payload [kg]"));
+}
+
+#[test]
 fn without_truth_there_is_no_error_but_a_verdict() {
     let html = report(&common::excavator(10.0, 100.0, false));
     keep("no_truth.html", &html);

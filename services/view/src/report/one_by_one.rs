@@ -25,6 +25,11 @@ pub(super) fn write<E: Estimate>(body: &mut String, part: &MachineRun<E>) {
     let shown: Vec<_> = E::STRETCH
         .iter()
         .filter_map(|key| parameter::<E>(key))
+        // Not every method has all of them.
+        .filter(|p| {
+            let mut reported = found.iter().map(|s| p.value(&primary.estimates[s.index]));
+            reported.any(f64::is_finite)
+        })
         .collect();
     let titles: Vec<String> = shown
         .iter()
@@ -96,7 +101,8 @@ fn together<E: Estimate>(estimates: &[E], found: &[Stretch]) -> String {
         grouped(duration, 1),
         trusted_counts::<E>(found)
     );
-    for parameter in E::PARAMETERS.iter().filter(|p| p.is_load) {
+    let loads = |p: &&Parameter<E, E::Truth>| p.is_load && E::LOAD_EACH;
+    for parameter in E::PARAMETERS.iter().filter(loads) {
         let at = |s: &&Stretch| estimates.get(s.index);
         let values = good.iter().filter_map(at);
         let values = values.map(|e| (parameter.value(e), parameter.std(e)));
