@@ -343,3 +343,23 @@ fn cores_that_the_chain_cannot_use_are_refused() {
     let run = ["run", "excavator", "--core", "1000", "--out", o];
     refused(&run, &["core 1000", "--core", "one of 0"], &output);
 }
+
+#[test]
+fn a_key_by_its_old_name_is_read_with_a_note_and_a_file_without_end_is_named_as_such() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("loader.toml");
+    fs::write(&file, "[sensors]\nslope_follows = 0.3\n").expect("a file");
+    let output = run(&["check", file.to_str().expect("a path"), "--print"]);
+    let text = both(&output);
+    assert!(output.status.success(), "{text}");
+    let note = "slope_follows is called sensors.slope_acceleration_sensitivity today";
+    assert!(text.contains(note), "{text}");
+    assert!(
+        text.contains("slope_acceleration_sensitivity = 0.3"),
+        "{text}"
+    );
+
+    let endless = run(&["check", "/dev/zero"]);
+    assert_eq!(endless.status.code(), Some(2));
+    assert!(both(&endless).contains("give the description of a machine"));
+}

@@ -115,7 +115,7 @@ fn a_slope_sensor_that_was_calibrated_is_believed_in_every_moment() {
     let ratio = |delay: f64, follows: f64| {
         let mut sets = recordings[name]["sets"].clone();
         sets["sensors.slope_delay"] = delay.into();
-        sets["sensors.slope_follows"] = follows.into();
+        sets["sensors.slope_acceleration_sensitivity"] = follows.into();
         let [ratio, _] = tallies(name, &sets, Method::Full);
         assert!(ratio.wrong() <= 0.05 && ratio.covered() >= 0.93);
         (ratio.trusted(), ratio.rms())

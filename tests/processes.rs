@@ -2,10 +2,12 @@
 
 mod common;
 
+use std::collections::BTreeMap;
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use common::{Running, both, heft, kill, run, sequences, shared_memory, survivors, wait_until};
-use messages::{ExcavatorEstimate, ExcavatorSensors, LoaderEstimate, SwingMotion};
+use messages::{ExcavatorEstimate, ExcavatorSensors, Health, LoaderEstimate, SwingMotion};
 use rustix::process::Signal;
 
 #[test]
@@ -398,5 +400,19 @@ fn start_up_in_any_order_loses_nothing() {
             sequences::<ExcavatorEstimate>(&recording, "excavator/inertia_ukf"),
             "{slow}"
         );
+        let reports = reports_of_health(&recording);
+        assert_eq!(reports.len(), 5, "{slow}: {reports:?}");
+        reports.values().for_each(|numbers| complete(numbers, 0));
     }
+}
+
+/// The numbers of the reports of health, by process.
+fn reports_of_health(recording: &Path) -> BTreeMap<u32, Vec<u64>> {
+    let reader = recording::Reader::open(recording).expect("a recording");
+    let mut reports = BTreeMap::<u32, Vec<u64>>::new();
+    for health in reader.stream::<Health>("health").expect("reports") {
+        let numbers = reports.entry(health.process).or_default();
+        numbers.push(health.stamp.sequence);
+    }
+    reports
 }

@@ -529,8 +529,8 @@ typedef struct {
     double speed_delay_std; /* Its standard deviation before the first row. [s] */
     double slope_delay; /* Delay of the slope against the other signals: the time constant of an inclinometer, as calibrated. [s] */
     double slope_delay_std; /* Its standard deviation, from which a calibration starts; on line the errors of the slope show in the motion. [s] */
-    double slope_follows; /* Share of the acceleration that the slope sensor takes for a slope, as calibrated; acts where an accelerometer tells it. */
-    double slope_follows_std; /* Its standard deviation, from which a calibration starts. */
+    double slope_acceleration_sensitivity; /* Share of the acceleration that the slope sensor takes for a slope, as calibrated; acts where an accelerometer tells it. */
+    double slope_acceleration_sensitivity_std; /* Its standard deviation, from which a calibration starts. */
     double pressure_std; /* Noise of the cylinder pressures. [Pa] */
     double pressure_offset_std; /* Standard deviation of the zero of each pressure sensor. [Pa] */
     double angle_offset_std; /* Standard deviation of the zeros of lift and tilt angle; 0.009 (half a degree) where somebody set them. [rad] */

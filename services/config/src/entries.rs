@@ -4,10 +4,12 @@ use core::ops::Range as Span;
 
 use toml_edit::{Document, Item, TableLike};
 
+use crate::renamed::today;
 use crate::{Error, Errors, Key, Keyed, nearest};
 
 /// One `key = value` of a file.
 pub(crate) struct Entry<'a> {
+    /// The key by its name of today.
     pub(crate) path: String,
     pub(crate) item: &'a Item,
     pub(crate) line: Option<usize>,
@@ -70,9 +72,24 @@ impl<'a> Walk<'a, '_> {
             match item.as_table_like() {
                 Some(inner) if self.tables.contains(&path.as_str()) => self.visit(&path, inner),
                 Some(inner) => self.foreign(path, inner, line),
-                None => self.entries.push(Entry { path, item, line }),
+                None => self.key(today(&path), item, line),
             }
         }
+    }
+
+    fn key(&mut self, path: &str, item: &'a Item, line: Option<usize>) {
+        let path = path.to_owned();
+        if self.entries.iter().any(|entry| entry.path == path) {
+            self.errors.push(Error {
+                what: format!("{path} is stated twice, once by its old name"),
+                file: self.file.into(),
+                line,
+                key: path,
+                remedy: "keep one of them".into(),
+            });
+            return;
+        }
+        self.entries.push(Entry { path, item, line });
     }
 
     fn foreign(&mut self, path: String, inner: &dyn TableLike, line: Option<usize>) {

@@ -19,6 +19,7 @@ mod nearest;
 mod parse;
 mod print;
 mod remembered;
+mod renamed;
 mod tables;
 
 pub use class::class;
@@ -31,4 +32,5 @@ pub use estimation::loader::keys::{Inputs, LoadTransfer, Tuning};
 pub use keyed::Keyed;
 pub use nearest::nearest;
 pub use remembered::{LEAST_SHARE, widened};
+pub use renamed::{old_names, renamed};
 pub use tables::Tables;

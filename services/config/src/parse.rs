@@ -5,6 +5,7 @@ use toml_edit::Item;
 use messages::Machine;
 
 use crate::entries::{all_keys, document, entries, find, table_names};
+use crate::renamed::today;
 use crate::{Error, Errors, Keyed, Numbers, Table, Value, known, nearest, print};
 
 pub(crate) fn parse<M: Keyed>(text: &str, file: &str) -> Result<M, Errors> {
@@ -97,7 +98,7 @@ fn set_one<M: Keyed>(machine: &mut M, assignment: &str) -> Result<(), Error> {
             remedy: "write it like --set sensors.rate=100".into(),
         });
     };
-    let (path, text) = (path.trim(), text.trim());
+    let (path, text) = (today(path.trim()), text.trim());
     let item = match text.parse::<toml_edit::Value>() {
         Ok(value) => Item::Value(value),
         Err(_) => toml_edit::value(text), // a word without its quotes

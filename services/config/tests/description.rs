@@ -301,3 +301,30 @@ fn a_class_is_a_valid_machine_of_any_size() {
         }
     }
 }
+
+#[test]
+fn a_key_is_read_by_its_old_name_too_and_not_by_both() {
+    let old = "[sensors]\nslope_follows = 0.3\nslope_follows_std = 0.05\n";
+    let today = old.replace("slope_follows", "slope_acceleration_sensitivity");
+    let read = Loader::parse(old, "old.toml").expect("valid");
+    assert_eq!(read.sensors.slope_acceleration_sensitivity, 0.3);
+    assert_eq!(Ok(&read), Loader::parse(&today, "new.toml").as_ref());
+    assert!(!read.to_toml().contains("slope_follows"));
+    assert_eq!(
+        config::old_names(old),
+        ["sensors.slope_follows", "sensors.slope_follows_std"]
+    );
+    assert!(config::old_names(&today).is_empty());
+    let machine = Description::parse(old, "old.toml", None).map(|found| found.machine());
+    assert_eq!(machine, Ok(Machine::Loader), "by its keys alone");
+
+    let mut set = Loader::default();
+    set.set("sensors.slope_follows=0.3").expect("valid");
+    assert_eq!(set.sensors.slope_acceleration_sensitivity, 0.3);
+    let wrong = set.set("sensors.slope_follows=3").expect_err("too large");
+    assert_eq!(wrong.key, "sensors.slope_acceleration_sensitivity");
+
+    let both = format!("{old}slope_acceleration_sensitivity = 0.2\n");
+    let errors = Loader::parse(&both, "both.toml").expect_err("stated twice");
+    assert_eq!((errors.0.len(), errors.0[0].line), (1, Some(4)));
+}

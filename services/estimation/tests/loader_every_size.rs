@@ -50,7 +50,7 @@ fn put(sample: &mut Sample, signal: usize, value: f64) {
     *place = Some(value);
 }
 
-fn run(method: Method, wrong: Option<(usize, f64)>) -> Vec<[f64; 3]> {
+fn run(method: Method, wrong: Option<(usize, f64)>) -> Vec<[f64; 5]> {
     let settings = Settings::of(&Description::default(), method);
     let mut estimator = CgEstimator::new(&settings, method, COLUMNS).unwrap();
     let mut answers = Vec::new();
@@ -75,7 +75,14 @@ fn run(method: Method, wrong: Option<(usize, f64)>) -> Vec<[f64; 3]> {
             .all(|x| x.is_finite());
         assert!(is_finite, "{} {wrong:?}, row {k}: {e:?}", method.name());
         if k >= AFTER {
-            answers.push([e.cg_ratio.value, e.cg_ratio.std, e.speed]);
+            let stiffness = [e.slip_stiffness.value, e.slip_stiffness.std];
+            answers.push([
+                e.cg_ratio.value,
+                e.cg_ratio.std,
+                e.speed,
+                stiffness[0],
+                stiffness[1],
+            ]);
         }
     }
     answers
@@ -105,6 +112,35 @@ fn a_sample_of_any_size_is_forgotten_within_ten_seconds() {
                     "{what}: {:?} became {:?}",
                     clean[last],
                     found[last]
+                );
+            }
+        }
+    }
+}
+
+/// The paper's filters weigh every sample by its usual noise (docs/reliability.md): theirs are not forgotten so soon.
+#[test]
+fn the_slip_stiffness_of_a_protected_filter_outlives_one_wrong_wheel_speed() {
+    for method in [Method::Full, Method::FullEkf] {
+        let clean = run(method, None);
+        for (signal, value) in [
+            (1, 0.0),
+            (2, 0.0),
+            (1, 4.0),
+            (2, 4.0),
+            (1, -50.0),
+            (2, 20.0),
+        ] {
+            let found = run(method, Some((signal, value)));
+            for (c, f) in clean.iter().zip(&found) {
+                assert!(
+                    (c[3] - f[3]).abs() < c[4].hypot(f[4]),
+                    "{}, signal {signal} = {value}: slip stiffness {} +- {} became {} +- {}",
+                    method.name(),
+                    c[3],
+                    c[4],
+                    f[3],
+                    f[4]
                 );
             }
         }

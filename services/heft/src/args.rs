@@ -89,7 +89,8 @@ pub fn description(machine: Machine, args: &DescriptionArgs) -> Result<Descripti
     let mut description = match &args.config {
         None => Description::default_of(machine),
         Some(path) => {
-            let text = small_file::text(path).map_err(|e| Failure::file("read", path, &e))?;
+            let text = small_file::text(path)?;
+            tell_old_names(&config::old_names(&text));
             Description::parse(&text, &path.display().to_string(), Some(machine))?
         }
     };
@@ -108,8 +109,21 @@ pub fn description(machine: Machine, args: &DescriptionArgs) -> Result<Descripti
     }
     let class = args.class.map(|mass| config::class(machine, mass));
     let sets: Vec<&String> = class.iter().flatten().chain(&args.set).collect();
+    let keys = args.set.iter().filter_map(|set| set.split_once('='));
+    let keys = keys.map(|(key, _)| key.trim());
+    tell_old_names(&keys.collect::<Vec<_>>());
     description.set_all(&sets)?;
     Ok(description)
+}
+
+/// Notes the keys that have another name today.
+pub fn tell_old_names(keys: &[&str]) {
+    for (key, today) in keys
+        .iter()
+        .filter_map(|key| Some((key, config::renamed(key)?)))
+    {
+        eprintln!("note: the key {key} is called {today} today; the old name is still read");
+    }
 }
 
 /// Warns of keys that were set and do nothing.

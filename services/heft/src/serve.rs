@@ -83,7 +83,9 @@ pub fn route<S: Sensors>(
         Form::Table => Router::<S>::new(map, shards, &rows).take_all(input),
         Form::Messages => Records::new(shards, &rows).take_all::<S>(input),
     })?;
-    let machines = rows.finish()?.len();
+    // A name whose every line was left out is no machine.
+    let members = rows.finish()?;
+    let machines = members.iter().filter(|member| member.rows > 0).count();
     let seconds = began.elapsed().as_secs_f64();
     let parts = match form {
         Form::Table => "lines",

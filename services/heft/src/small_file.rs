@@ -1,21 +1,25 @@
 //! Files that people write by hand: read up to a size, so that a device or a wrong file is an error and not a wait.
 
 use std::fs::File;
-use std::io::{Error, Read};
+use std::io::Read;
 use std::path::Path;
+
+use crate::failure::Failure;
 
 /// Six times a description with every key and its meaning \[bytes\].
 const LARGEST: u64 = 100_000;
 
 /// The text of a description.
-pub fn text(file: &Path) -> std::io::Result<String> {
+pub fn text(file: &Path) -> Result<String, Failure> {
     let mut text = String::new();
-    File::open(file)?
-        .take(LARGEST + 1)
-        .read_to_string(&mut text)?;
+    let read = File::open(file).and_then(|f| f.take(LARGEST + 1).read_to_string(&mut text));
+    read.map_err(|error| Failure::file("read", file, &error))?;
     if text.len() as u64 > LARGEST {
-        let why = format!("it has more than {LARGEST} bytes: no description is so large");
-        return Err(Error::other(why));
+        return Err(Failure::input(
+            format!("the file has more than {LARGEST} bytes: no description is so large"),
+            file.display(),
+            "give the description of a machine, a text in TOML of some kilobytes",
+        ));
     }
     Ok(text)
 }

@@ -4,7 +4,7 @@
 //! made on a thread of its own: the supervisor waits for a limited time and goes on without.
 
 use std::sync::mpsc::{Receiver, Sender, channel};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use crate::Ports;
 
@@ -14,7 +14,8 @@ pub struct Cleaner {
     // `None` only while dropping: the thread ends when this half is gone.
     ask: Option<Sender<()>>,
     done: Receiver<()>,
-    waiting: bool,
+    /// When it was asked for what is not done yet.
+    asked_at: Option<Instant>,
 }
 
 impl Cleaner {
@@ -41,20 +42,22 @@ impl Cleaner {
         Self {
             ask: Some(ask),
             done,
-            waiting: false,
+            asked_at: None,
         }
     }
 
-    /// Cleans up; false if that is not done within `limit`, now or since an earlier call.
+    /// Cleans up; false if that is not done within `limit` since it was asked for, now or by an earlier call:
+    /// of many who need it nobody waits again.
     pub fn clean_up(&mut self, limit: Duration) -> bool {
-        if !self.waiting {
-            let asked = self.ask.as_ref().map(|ask| ask.send(()));
-            self.waiting = asked.is_some_and(|result| result.is_ok());
+        if self.asked_at.is_none() {
+            let asked = self.ask.as_ref().and_then(|ask| ask.send(()).ok());
+            self.asked_at = asked.map(|()| Instant::now());
         }
-        if self.done.recv_timeout(limit).is_ok() {
-            self.waiting = false;
+        let waited = self.asked_at.map_or(limit, |at| at.elapsed());
+        if self.done.recv_timeout(limit.saturating_sub(waited)).is_ok() {
+            self.asked_at = None;
         }
-        !self.waiting
+        self.asked_at.is_none()
     }
 }
 
@@ -77,10 +80,14 @@ mod tests {
         let mut cleaner = Cleaner {
             ask: Some(ask),
             done,
-            waiting: false,
+            asked_at: None,
         };
         assert!(!cleaner.clean_up(Duration::from_millis(1)));
         assert!(!cleaner.clean_up(Duration::from_millis(1)));
+        let (limit, now) = (Duration::from_secs(60), Instant::now());
+        cleaner.asked_at = now.checked_sub(limit);
+        assert!(!cleaner.clean_up(limit));
+        assert!(now.elapsed() < limit, "it waited again");
         assert_eq!(asked.try_iter().count(), 1);
         say.send(()).unwrap();
         assert!(cleaner.clean_up(Duration::from_millis(1)));

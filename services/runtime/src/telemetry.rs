@@ -70,13 +70,16 @@ struct Shared {
     fault: AtomicU32,
     realtime: AtomicBool,
     turn: Turn,
+    /// The run has begun: every reader of the run listens.
+    has_begun: AtomicBool,
     end: AtomicBool,
     /// What was unsent at the end.
     rest: std::sync::Mutex<Unsent>,
 }
 
 impl Reporter {
-    /// Starts the telemetry thread; the calling thread is the one that works, at a sample in every `period_ns`.
+    /// Starts the telemetry thread, which is silent until [`Reporter::run_begins`]; the calling thread is the one that
+    /// works, at a sample in every `period_ns`.
     #[must_use]
     pub fn start(identity: Identity, period_ns: u64) -> Self {
         let (looks, least, most) = RING;
@@ -108,6 +111,14 @@ impl Reporter {
                 self.unsent.lost += event.lost;
                 self.unsent.late += u64::from(event.late);
             }
+        }
+    }
+
+    /// Lets the first report out. Before, a reader that starts at the same time might miss it.
+    pub fn run_begins(&self) {
+        self.shared.has_begun.store(true, Ordering::Release);
+        if let Some(thread) = &self.thread {
+            thread.thread().unpark();
         }
     }
 
@@ -212,6 +223,9 @@ fn report(
         return;
     };
     let mut output = open(identity);
+    while !shared.has_begun.load(Ordering::Acquire) && !shared.end.load(Ordering::Acquire) {
+        std::thread::park();
+    }
     let mut quiet = 0;
     for sequence in 0.. {
         let ending = shared.end.load(Ordering::Acquire);

@@ -102,6 +102,7 @@ impl Worker {
             }
             self.bell.wait();
         };
+        self.reporter.run_begins();
         tracing::debug!(first = begin.first, "started");
         // Samples may have come, and rung, while this process still waited for `go`.
         self.bell.ring();

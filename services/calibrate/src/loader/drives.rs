@@ -161,7 +161,7 @@ impl Drives {
                 Role::SlopeBias => g.slope_bias = value,
                 Role::AccelerationOffset => g.acceleration_offset = value,
                 Role::SlopeDelay => g.slope_delay = value,
-                Role::SlopeFollows => g.slope_follows = value,
+                Role::SlopeFollows => g.slope_sensitivity = value,
                 Role::SpeedDelay => g.speed_delay = value,
                 Role::TorqueDelay => g.torque_delay = value,
                 Role::Relaxation => g.relaxation_length = value,

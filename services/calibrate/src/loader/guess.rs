@@ -37,7 +37,7 @@ pub struct Guess {
     /// How late the slope comes [s].
     pub slope_delay: f64,
     /// Share of the acceleration that the slope sensor follows.
-    pub slope_follows: f64,
+    pub slope_sensitivity: f64,
     /// How late the speed comes [s].
     pub speed_delay: f64,
     /// How late the torques come [s].
@@ -62,7 +62,7 @@ impl Guess {
     pub fn prompt_slope(&self, shown: f64, force: f64) -> f64 {
         let level = shown - self.slope_bias;
         if force.is_finite() {
-            (level - self.slope_follows * force / GRAVITY) / (1.0 - self.slope_follows)
+            (level - self.slope_sensitivity * force / GRAVITY) / (1.0 - self.slope_sensitivity)
         } else {
             level
         }
@@ -70,7 +70,7 @@ impl Guess {
 
     /// What the delay of the slope adds to the integral of gravity along the road, per radian of change [m/s].
     pub fn delayed(&self) -> f64 {
-        GRAVITY * self.slope_delay / (1.0 - self.slope_follows)
+        GRAVITY * self.slope_delay / (1.0 - self.slope_sensitivity)
     }
 }
 

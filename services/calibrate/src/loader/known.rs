@@ -57,7 +57,7 @@ pub fn described(d: &Description) -> Guess {
         slope_bias: d.prior.slope_bias,
         acceleration_offset: d.sensors.acceleration_offset,
         slope_delay: d.sensors.slope_delay,
-        slope_follows: d.sensors.slope_follows,
+        slope_sensitivity: d.sensors.slope_acceleration_sensitivity,
         speed_delay: d.sensors.speed_delay,
         torque_delay: 0.0,
         relaxation_length: m.relaxation_length,
@@ -193,8 +193,8 @@ fn of_accelerometer(d: &Description) -> Vec<(Role, Parameter)> {
     let force = noise("scatter of the force", words, "m/s^2", SCATTER.force);
     let mut all = vec![(Role::ForceScatter, force)];
     all.extend(rows! {
-        Role::SlopeFollows, "sensors.slope_follows", "the share of the acceleration that the slope sensor follows", "",
-            s.slope_follows, s.slope_follows_std, (-0.3, 0.9);
+        Role::SlopeFollows, "sensors.slope_acceleration_sensitivity", "the share of the acceleration that the slope sensor follows", "",
+            s.slope_acceleration_sensitivity, s.slope_acceleration_sensitivity_std, (-0.3, 0.9);
         Role::AccelerationOffset, "sensors.acceleration_offset", "the zero of the accelerometer", "m/s^2",
             s.acceleration_offset, s.acceleration_offset_std, (-2.0, 2.0);
     });

@@ -23,7 +23,7 @@ pub fn guess() -> Guess {
         slope_bias: 0.005,
         acceleration_offset: 0.0,
         slope_delay: 0.2,
-        slope_follows: 0.3,
+        slope_sensitivity: 0.3,
         speed_delay: 0.03,
         torque_delay: 0.01,
         relaxation_length: 0.1,
@@ -92,7 +92,7 @@ fn driven(g: &Guess, split: f64, seed: u64, turned: Option<f64>, gear: f64) -> V
                 (speed(t) * axle.faster + axle.wound) / axle.radius
             });
             let late = torque(t - g.torque_delay);
-            let seen = ground(t) + g.slope_follows * rate(t) / GRAVITY;
+            let seen = ground(t) + g.slope_sensitivity * rate(t) / GRAVITY;
             let weight = 0.02 / (0.02 + g.slope_delay);
             shown += weight * (seen + g.slope_bias - shown);
             Sample {

@@ -238,7 +238,7 @@ mod tests {
                 ..g
             },
             Guess {
-                slope_follows: 0.25,
+                slope_sensitivity: 0.25,
                 ..g
             },
         ] {

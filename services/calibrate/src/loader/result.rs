@@ -119,7 +119,10 @@ impl Outcome {
             }
             Role::SlopeFollows => {
                 pen.value(&key, q);
-                pen.std("sensors.slope_follows_std", q.std.max(FOLLOWS_STD));
+                pen.std(
+                    "sensors.slope_acceleration_sensitivity_std",
+                    q.std.max(FOLLOWS_STD),
+                );
             }
             Role::SpeedDelay => {
                 pen.value(&key, q);

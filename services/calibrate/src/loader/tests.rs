@@ -63,7 +63,7 @@ fn a_machine_that_differs_from_its_description_is_found() {
         (Role::SpeedDelay, truth.speed_delay, 3e-3),
         (Role::SlopeBias, truth.slope_bias, 5e-4),
         (Role::SlopeDelay, truth.slope_delay, 0.01),
-        (Role::SlopeFollows, truth.slope_follows, 0.01),
+        (Role::SlopeFollows, truth.slope_sensitivity, 0.01),
         (Role::FrontGain, truth.torque_gains[0], 0.01),
         (Role::StiffnessRatio, truth.stiffness_ratio, 0.03),
     ] {

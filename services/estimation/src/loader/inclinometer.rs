@@ -4,7 +4,7 @@
 //! |---|---|---|---|
 //! | s, b | `slope`, `bias` | what it shows, and shows on level ground at rest | rad |
 //! | tau | `slope_delay` | its time constant | s |
-//! | kappa | `slope_follows` | share of dv/dt that it takes for a slope of (dv/dt)/g | 1 |
+//! | kappa | `slope_acceleration_sensitivity` | share of dv/dt that it takes for a slope of (dv/dt)/g | 1 |
 //! | a_x | `acceleration` | the accelerometer's dv/dt + g sin th | m/s^2 |
 //!
 //! ```text
@@ -57,13 +57,15 @@ pub(super) struct Inclinometer {
 impl Inclinometer {
     /// b + th at a plausible row `dt` after the one before; exactly what the sensor shows where it has no such errors.
     pub fn road(&mut self, sensors: &Sensors, bias: f64, sample: &Sample, dt: f64) -> Option<f64> {
-        let (delay, follows) = (sensors.slope_delay, sensors.slope_follows);
-        if delay == 0.0 && follows == 0.0 {
+        let (delay, sensitivity) = (sensors.slope_delay, sensors.slope_acceleration_sensitivity);
+        if delay == 0.0 && sensitivity == 0.0 {
             return sample.slope;
         }
         let felt = self.acceleration.take(sample.acceleration, delay, dt);
         let slope = sample.slope.map(|shown| match felt {
-            Some(felt) => bias + (shown - bias - follows * felt / GRAVITY) / (1.0 - follows), // (2)
+            Some(felt) => {
+                bias + (shown - bias - sensitivity * felt / GRAVITY) / (1.0 - sensitivity)
+            } // (2)
             None => shown,
         });
         let smooth = self.slope.take(slope, SMOOTH, dt);
@@ -79,7 +81,7 @@ mod tests {
 
     const SENSORS: Sensors = Sensors {
         slope_delay: 0.3,
-        slope_follows: 0.4,
+        slope_acceleration_sensitivity: 0.4,
         ..Sensors::DEFAULT
     };
     const BIAS: f64 = 0.02;
@@ -94,7 +96,7 @@ mod tests {
             let t = f64::from(k) * 0.01;
             let slope = 0.05 * f64::sin(1.57 * t);
             let rate = 1.5 * f64::sin(4.0 * t);
-            let seen = slope + SENSORS.slope_follows * rate / GRAVITY;
+            let seen = slope + SENSORS.slope_acceleration_sensitivity * rate / GRAVITY;
             shown += 0.01 / (0.01 + SENSORS.slope_delay) * (seen - shown);
             dt += 0.01;
             if lost(k) {

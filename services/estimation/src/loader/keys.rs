@@ -202,9 +202,9 @@ table! {
         /// Its standard deviation, from which a calibration starts; on line the errors of the slope show in the motion.
         slope_delay_std: f64 = 0.3, "s", 1e-6 to 10.0;
         /// Share of the acceleration that the slope sensor takes for a slope, as calibrated; acts where an accelerometer tells it.
-        slope_follows: f64 = 0.0, "", 0.0 to 0.9;
+        slope_acceleration_sensitivity: f64 = 0.0, "", 0.0 to 0.9;
         /// Its standard deviation, from which a calibration starts.
-        slope_follows_std: f64 = 0.2, "", 1e-6 to 1.0;
+        slope_acceleration_sensitivity_std: f64 = 0.2, "", 1e-6 to 1.0;
         /// Noise of the cylinder pressures.
         pressure_std: f64 = 5e4, "Pa", 1.0 to 1e8;
         /// Standard deviation of the zero of each pressure sensor.

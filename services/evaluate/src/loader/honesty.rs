@@ -110,7 +110,7 @@ fn tally(run: &Run, calibrated: bool) -> Result<[[Tally; 2]; 2], Error> {
     let tell = |settings: &mut Settings| {
         if calibrated {
             settings.sensors.slope_delay = run.effects.slope_lag;
-            settings.sensors.slope_follows = run.effects.slope_follows;
+            settings.sensors.slope_acceleration_sensitivity = run.effects.slope_follows;
         }
     };
     drive(run, tell, |k, row, estimate| {

@@ -6,7 +6,7 @@ use clap::Args;
 use config::Description;
 use messages::Machine;
 
-use crate::args::machine;
+use crate::args::{machine, tell_old_names};
 use crate::failure::Failure;
 use crate::small_file;
 
@@ -26,7 +26,8 @@ pub struct CheckArgs {
 /// `heft check`
 pub fn check(args: &CheckArgs) -> Result<(), Failure> {
     let file = &args.file;
-    let text = small_file::text(file).map_err(|e| Failure::file("read", file, &e))?;
+    let text = small_file::text(file)?;
+    tell_old_names(&config::old_names(&text));
     let description = Description::parse(&text, &file.display().to_string(), args.machine)?;
     if args.print {
         print!("{}", description.to_toml());

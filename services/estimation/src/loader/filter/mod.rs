@@ -321,7 +321,9 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             (false, false) => 0.0,
         };
         self.spun = self.spun.clamp(0.0, LONGEST_SPIN);
-        if slips && self.spun < LONGEST_SPIN {
+        // Wheels that were taken from a row that spun, or from an outlier, say nothing of the tyre: the next that roll are taken anew.
+        let rolls_again = at_work && !slips && self.is_spinning();
+        if slips && self.spun < LONGEST_SPIN || rolls_again {
             self.evidence.set_aside();
             return self.bridge_gap(sample, 0.0);
         }
@@ -419,13 +421,21 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
 
     /// A wheel slips by more than a tyre that rolls.
     fn slips_far(&self, sample: &Sample) -> bool {
-        let speed = self.belief.state()[SPEED];
         let wheels = [sample.front_wheel_speed, sample.rear_wheel_speed];
-        wheels.into_iter().flatten().any(|wheel| {
-            let rim = self.dynamics.wheel_radius * wheel;
-            let (slip, fastest) = ((rim - speed).abs(), rim.abs().max(speed.abs()));
-            slip > SPINS.1 && slip > SPINS.0 * fastest
-        })
+        wheels.into_iter().flatten().any(|wheel| self.is_far(wheel))
+    }
+
+    /// The same of the filter's own wheels.
+    fn is_spinning(&self) -> bool {
+        let state = self.belief.state();
+        self.is_far(state[FRONT_WHEEL]) || self.is_far(state[REAR_WHEEL])
+    }
+
+    fn is_far(&self, wheel: f64) -> bool {
+        let speed = self.belief.state()[SPEED];
+        let rim = self.dynamics.wheel_radius * wheel;
+        let (slip, fastest) = ((rim - speed).abs(), rim.abs().max(speed.abs()));
+        slip > SPINS.1 && slip > SPINS.0 * fastest
     }
 
     /// What the motion says of a row beside its own signals.
