@@ -3,6 +3,7 @@
 use crate::measure::{Contender, contender};
 use crate::problem::Filter;
 use estimation::{excavator, loader};
+use sim::cylinder::Gauges;
 
 /// A problem whose rows carry a time, repeated with the time running on.
 struct Laps {
@@ -32,8 +33,14 @@ pub const ROWS: usize = 6000;
 
 /// Sixty seconds of loading cycles of the excavator.
 pub fn excavator_rows() -> Vec<excavator::Sample> {
+    excavator_rows_with(None)
+}
+
+/// The same, with pressure sensors or without.
+fn excavator_rows_with(gauges: Option<Gauges>) -> Vec<excavator::Sample> {
     let run = sim::excavator::Run {
         duration: 60.0,
+        gauges,
         ..sim::excavator::Run::new(sim::excavator::Scenario::Cycle)
     };
     let rows = sim::excavator::Simulation::new(&run)
@@ -46,6 +53,10 @@ pub fn excavator_rows() -> Vec<excavator::Sample> {
             torque: row.swing_torque,
             posture: row.posture,
             inclination: row.inclination,
+            boom_head_pressure: row.pressures[0],
+            boom_rod_pressure: row.pressures[1],
+            arm_head_pressure: row.pressures[2],
+            arm_rod_pressure: row.pressures[3],
             ..excavator::Sample::default()
         })
         .collect()
@@ -53,8 +64,14 @@ pub fn excavator_rows() -> Vec<excavator::Sample> {
 
 /// Sixty seconds of work of the loader.
 pub fn loader_rows() -> Vec<loader::Sample> {
+    loader_rows_with(None)
+}
+
+/// The same, with the sensors of a lift arm or without.
+fn loader_rows_with(gauges: Option<Gauges>) -> Vec<loader::Sample> {
     let run = sim::loader::Run {
         duration: Some(60.0),
+        gauges,
         ..sim::loader::Run::new(sim::loader::Scenario::WorkCycle)
     };
     let rows = sim::loader::Simulation::new(&run)
@@ -73,6 +90,10 @@ pub fn loader_rows() -> Vec<loader::Sample> {
             spade_force_x: row.spade_force_x,
             spade_force_z: row.spade_force_z,
             boom_moving: row.boom_moving.unwrap_or(false),
+            lift_angle: row.arm.map(|arm| arm.lift_angle),
+            tilt_angle: row.arm.map(|arm| arm.tilt_angle),
+            lift_head_pressure: row.arm.map(|arm| arm.head_pressure),
+            lift_rod_pressure: row.arm.map(|arm| arm.rod_pressure),
             ..loader::Sample::default()
         })
         .collect()
@@ -155,18 +176,37 @@ impl<const METHOD: usize> Filter<excavator::Motion, 1> for Regression<METHOD> {
     }
 }
 
-/// A state-space estimator of the excavator; `METHOD` counts in [`excavator::Method::ALL`].
-pub struct Swing<const METHOD: usize> {
+/// A state-space estimator of the excavator; `METHOD` counts in [`excavator::Method::ALL`], `CYLINDER` describes the boom's cylinders.
+pub struct Swing<const METHOD: usize, const CYLINDER: bool = false> {
     filter: excavator::SwingEstimator,
     laps: Laps,
     last: excavator::Estimate,
 }
 
-impl<const METHOD: usize> Default for Swing<METHOD> {
+/// The simulated cylinders of the boom.
+fn boom_cylinder() -> excavator::keys::BoomCylinder {
+    let [boom, _] = sim::excavator::cylinders(&sim::excavator::Size::reference().geometry);
+    excavator::keys::BoomCylinder {
+        count: boom.count,
+        head_area: boom.head_area,
+        rod_area: boom.rod_area,
+        base_distance: boom.base_distance,
+        rod_distance: boom.rod_distance,
+        angle: boom.angle,
+        friction: boom.friction,
+        friction_std: 0.5 * boom.friction,
+        ..excavator::keys::BoomCylinder::default()
+    }
+}
+
+impl<const METHOD: usize, const CYLINDER: bool> Default for Swing<METHOD, CYLINDER> {
     fn default() -> Self {
         let method = excavator::Method::ALL[METHOD];
         // As the product starts: a machine that nobody has calibrated.
-        let description = excavator::keys::Description::default();
+        let mut description = excavator::keys::Description::default();
+        if CYLINDER {
+            description.boom_cylinder = boom_cylinder();
+        }
         let settings = excavator::Settings::of(&description);
         let filter = excavator::SwingEstimator::new(&settings, method, EXCAVATOR_COLUMNS);
         let filter = filter.unwrap_or_else(|error| panic!("defaults are valid: {error}"));
@@ -178,7 +218,9 @@ impl<const METHOD: usize> Default for Swing<METHOD> {
     }
 }
 
-impl<const METHOD: usize> Filter<excavator::Sample, 1> for Swing<METHOD> {
+impl<const METHOD: usize, const CYLINDER: bool> Filter<excavator::Sample, 1>
+    for Swing<METHOD, CYLINDER>
+{
     fn step(&mut self, sample: &excavator::Sample) {
         let time = self.laps.time(sample.time);
         self.last = self.filter.step(&excavator::Sample { time, ..*sample });
@@ -189,16 +231,50 @@ impl<const METHOD: usize> Filter<excavator::Sample, 1> for Swing<METHOD> {
     }
 }
 
-/// An estimator of the loader; `METHOD` counts in [`loader::Method::ALL`].
-pub struct Loader<const METHOD: usize> {
+/// The simulated lift arm and its cylinders.
+fn lift_arm() -> (loader::keys::LiftArm, loader::keys::LiftCylinder) {
+    let arm = sim::loader::LiftArm::of(&sim::loader::Size::Reference.machine());
+    let cylinder = arm.cylinder;
+    (
+        loader::keys::LiftArm {
+            length: arm.length,
+            pivot_x: arm.pivot_x,
+            pivot_z: arm.pivot_z,
+            mass: arm.mass,
+            mass_distance: arm.mass_distance,
+            bucket_mass: arm.bucket_mass,
+            payload_distance: arm.payload_distance,
+            reference_angle: arm.reference.lift,
+            reference_tilt: arm.reference.bucket - arm.reference.lift,
+            ..loader::keys::LiftArm::default()
+        },
+        loader::keys::LiftCylinder {
+            count: cylinder.count,
+            head_area: cylinder.head_area,
+            rod_area: cylinder.rod_area,
+            base_distance: cylinder.base_distance,
+            rod_distance: cylinder.rod_distance,
+            angle: cylinder.angle,
+            friction: cylinder.friction,
+            ..loader::keys::LiftCylinder::default()
+        },
+    )
+}
+
+/// An estimator of the loader; `METHOD` counts in [`loader::Method::ALL`], `ARM` describes the lift arm.
+pub struct Loader<const METHOD: usize, const ARM: bool = false> {
     filter: loader::CgEstimator,
     laps: Laps,
 }
 
-impl<const METHOD: usize> Default for Loader<METHOD> {
+impl<const METHOD: usize, const ARM: bool> Default for Loader<METHOD, ARM> {
     fn default() -> Self {
         let method = loader::Method::ALL[METHOD];
-        let settings = loader::Settings::of(&loader::keys::Description::default(), method);
+        let mut description = loader::keys::Description::default();
+        if ARM {
+            (description.lift_arm, description.lift_cylinder) = lift_arm();
+        }
+        let settings = loader::Settings::of(&description, method);
         let filter = loader::CgEstimator::new(&settings, method, LOADER_COLUMNS);
         Self {
             filter: filter.unwrap_or_else(|error| panic!("defaults are valid: {error}")),
@@ -207,7 +283,7 @@ impl<const METHOD: usize> Default for Loader<METHOD> {
     }
 }
 
-impl<const METHOD: usize> Filter<loader::Sample, 2> for Loader<METHOD> {
+impl<const METHOD: usize, const ARM: bool> Filter<loader::Sample, 2> for Loader<METHOD, ARM> {
     fn step(&mut self, sample: &loader::Sample) {
         let time = self.laps.time(sample.time);
         self.filter.step(&loader::Sample { time, ..*sample });
@@ -280,6 +356,27 @@ pub fn steps() -> Vec<(&'static str, Contender)> {
         (
             "loader_full_ekf_12",
             contender::<Loader<4>, _, 2>("loader, full-ekf, 12 states", work),
+        ),
+        (
+            "excavator_posture_torque_pressures",
+            contender::<Swing<3, true>, _, 1>(
+                "excavator, posture-torque, pressures",
+                excavator_rows_with(Some(Gauges::default())),
+            ),
+        ),
+        (
+            "loader_full_12_arm",
+            contender::<Loader<0, true>, _, 2>(
+                "loader, full, lift arm",
+                loader_rows_with(Some(Gauges::default())),
+            ),
+        ),
+        (
+            "loader_full_ekf_12_arm",
+            contender::<Loader<4, true>, _, 2>(
+                "loader, full-ekf, lift arm",
+                loader_rows_with(Some(Gauges::default())),
+            ),
         ),
     ]
 }
