@@ -253,7 +253,7 @@ fn intervals<const N: usize, const M: usize, B: Belief<N, M>>(
         settings,
         Learns {
             radii: layout.radii.is_some(),
-            load_sensitivity: filter.learns_sensitivity(),
+            load_sensitivity: filter.sensitivity_left(),
             acceleration: M > 3,
         },
         centre,

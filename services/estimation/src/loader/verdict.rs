@@ -299,8 +299,8 @@ impl Evidence {
 pub(super) struct Learns {
     /// The rolling radii.
     pub radii: bool,
-    /// Their load sensitivity.
-    pub load_sensitivity: bool,
+    /// What it leaves of the standard deviation of their load sensitivity.
+    pub load_sensitivity: f64,
     /// What moves load between the axles, by an accelerometer.
     pub acceleration: bool,
 }
@@ -315,21 +315,12 @@ pub(super) fn with_floors(
     let Each { ratio, height } = centre;
     let machine = &settings.machine;
     let radius = if learns.radii { 0.0 } else { RADIUS_STD };
+    let left = learns.load_sensitivity;
     // A tyre modelled as rigid is wrong by the whole load sensitivity, not by its uncertainty.
-    let unmodelled = if settings.real_tyre() {
-        0.0
+    let (sensitivity, by_height) = if settings.real_tyre() {
+        (left, left)
     } else {
-        machine.radius_load_sensitivity
-    };
-    let sensitivity = if learns.load_sensitivity {
-        0.0
-    } else {
-        norm(&[settings.load_sensitivity_std(), unmodelled])
-    };
-    let stated_sensitivity = if learns.load_sensitivity || !settings.real_tyre() {
-        0.0
-    } else {
-        settings.load_sensitivity_std()
+        (norm(&[left, machine.radius_load_sensitivity]), 0.0)
     };
     let torque_ratio = core::f64::consts::SQRT_2 * settings.sensors.torque_gain_std;
     let relative = norm(&[
@@ -351,7 +342,7 @@ pub(super) fn with_floors(
             settings.estimator.cg_height_floor,
             HEIGHT_PER_RADIUS * radius,
             height * machine.stiffness_load_exponent_std,
-            height * HEIGHT_PER_SENSITIVITY * stated_sensitivity,
+            height * HEIGHT_PER_SENSITIVITY * by_height,
         ]),
     }
 }

@@ -19,8 +19,8 @@ pub(super) struct Candidate {
     start_at_truth: bool,
     /// The wheel speeds are corrected with radii that were calibrated before.
     warm: bool,
-    /// The load sensitivity of the rolling radius is stated exactly.
-    knows_load_sensitivity: bool,
+    /// Standard deviation of the load sensitivity of the rolling radius; 0 where it is stated exactly.
+    load_sensitivity_std: f64,
     /// The payload is reported by the weighing system.
     weighed: bool,
 }
@@ -41,7 +41,7 @@ impl Candidate {
             settings,
             start_at_truth: false,
             warm: false,
-            knows_load_sensitivity: false,
+            load_sensitivity_std: LOAD_SENSITIVITY_STD,
             weighed: false,
         }
     }
@@ -65,6 +65,11 @@ impl Candidate {
     pub const TUNED: Self = Self::six("tuned 6 states", Method::IsrUkf, KNOWN_MACHINE);
     /// The product, nothing calibrated.
     pub const COLD: Self = Self::new("full, cold", Method::Full, Settings::DEFAULT);
+    /// The product on a machine of which nobody knows more than its data sheet.
+    pub const DATA_SHEET: Self = Self {
+        load_sensitivity_std: Machine::DEFAULT.radius_load_sensitivity_std,
+        ..Self::COLD
+    };
     /// The product on tyres whose load exponent was measured.
     pub const MEASURED: Self = Self::new("full, tyres measured", Method::Full, MEASURED_TYRES);
     /// The product by the model's tangent.
@@ -76,7 +81,7 @@ impl Candidate {
     };
     /// The product that is given the one tolerance which it cannot learn and which moves the ratio most.
     pub const CALIBRATED: Self = Self {
-        knows_load_sensitivity: true,
+        load_sensitivity_std: 0.0,
         name: "full, load sensitivity known",
         ..Self::COLD
     };
@@ -124,7 +129,7 @@ impl Candidate {
     /// What this filter is given of the machine.
     pub fn nominal(&self, nominal: &Nominal, machine: &sim::loader::Machine) -> Nominal {
         let mut nominal = *nominal;
-        if self.knows_load_sensitivity {
+        if self.load_sensitivity_std == 0.0 {
             nominal.radius_load_sensitivity = machine.radius_load_sensitivity;
         }
         nominal
@@ -144,9 +149,7 @@ impl Candidate {
             prior.cg_ratio = first.truth.cg_ratio;
         }
         let mut machine = machine(nominal, &self.settings.machine);
-        if self.knows_load_sensitivity {
-            machine.radius_load_sensitivity_std = 0.0;
-        }
+        machine.radius_load_sensitivity_std = self.load_sensitivity_std;
         Settings {
             machine,
             sensors: sensors(nominal.grade),
@@ -259,7 +262,6 @@ fn machine(nominal: &Nominal, known: &Machine) -> Machine {
         rolling_resistance: nominal.rolling_resistance,
         friction: nominal.friction,
         radius_load_sensitivity: nominal.radius_load_sensitivity,
-        radius_load_sensitivity_std: LOAD_SENSITIVITY_STD,
         ..*known
     }
 }

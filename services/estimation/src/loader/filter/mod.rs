@@ -44,8 +44,8 @@ const NOT_MEASURED_STD: f64 = 1e6;
 /// A longer step between rows is a jump, whatever the settings take for a gap [s].
 const LONGEST_STEP: f64 = 1.0;
 
-/// A load sensitivity that is learnt may differ by this many times what counts where it is not: a guess costs nothing then.
-const WIDER: f64 = 2.5;
+/// A load sensitivity that is learnt may differ by as much, whatever is stated: a guess costs nothing then.
+const LEARNT_STD: f64 = 0.005;
 
 /// A wheel that slips by more than this share spins: tyres on soil have passed their proportional range, and the force that they
 /// transmit says nothing of slip stiffness and load (Wong, Theory of Ground Vehicles, 2.4). Slower than this it does not count [m/s].
@@ -659,10 +659,11 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     /// The load sensitivity can be learnt from now on: it may be what tyres are, the ratio what goes with it, and the height what
     /// leaves its product with the sensitivity, which moves the radii, as it is. One that is known exactly opens nothing.
     fn open_sensitivity(&mut self, i: usize) {
-        let std = WIDER * self.settings.load_sensitivity_std();
-        if std == 0.0 {
+        let stated = self.settings.load_sensitivity_std();
+        if stated == 0.0 {
             return;
         }
+        let std = stated.max(LEARNT_STD);
         let state = self.belief.state();
         let ratio = RATIO_PER_SENSITIVITY * std * state[CG_RATIO];
         let height = (state[CG_HEIGHT] * std / state[i]).abs();
@@ -672,9 +673,13 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
     }
 
-    /// The load sensitivity is a part of what is estimated.
-    pub(in crate::loader) fn learns_sensitivity(&self) -> bool {
-        const { Layout::of(N) }.load_sensitivity.is_some() && self.directions.known()
+    /// Standard deviation of the load sensitivity of the rolling radii that the covariance does not hold.
+    pub(in crate::loader) fn sensitivity_left(&self) -> f64 {
+        let before = self.settings.load_sensitivity_std();
+        match const { Layout::of(N) }.load_sensitivity {
+            Some(_) => self.directions.left(before, self.manoeuvres.ratio()),
+            None => before,
+        }
     }
 
     /// Wheels, specific force and slope of a row show how far the slope is to be believed.
