@@ -150,7 +150,7 @@ fn drawing(size: Size) -> (LiftArm, LiftCylinder) {
 
 /// What the estimator of a machine is given.
 fn settings(knowledge: Knowledge, run: &Run, simulation: &Simulation, first: &Row) -> Settings {
-    let candidate = Candidate::COLD;
+    let candidate = Candidate::DATA_SHEET;
     let mut settings = scaled(candidate.settings(simulation.nominal(), first), run.size);
     if knowledge == Knowledge::Nothing {
         return settings;
@@ -231,7 +231,7 @@ fn calibrated(settings: Settings, run: &Run) -> Result<Settings, Error> {
 }
 
 fn sample(knowledge: Knowledge, simulation: &Simulation, row: &Row) -> Sample {
-    let mut sample = Candidate::COLD.sample(simulation.nominal(), row);
+    let mut sample = Candidate::DATA_SHEET.sample(simulation.nominal(), row);
     if knowledge == Knowledge::Scale {
         sample = Sample {
             time: row.time,
@@ -549,7 +549,7 @@ mod tests {
         let (mut moving, mut trusted, mut set_aside) = (0, 0, 0);
         let nominal = *simulation.nominal();
         for row in simulation {
-            let sample = Candidate::COLD.sample(&nominal, &row);
+            let sample = Candidate::DATA_SHEET.sample(&nominal, &row);
             let estimate = estimator.step(&sample);
             moving += u32::from(row.speed.abs() > 1.0);
             trusted += u32::from(estimate.trusted_ratio);
