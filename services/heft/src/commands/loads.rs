@@ -187,7 +187,8 @@ fn print(account: &Account) {
     for truck in &account.trucks {
         println!("{}", loads::truck_line(truck));
     }
-    if account.trucks.len() != 1 {
+    // Of nothing there is no sum, and no interval of it.
+    if account.trucks.len() > 1 {
         println!("all: {}", loads::total_words(&account.all));
     }
 }
