@@ -6,7 +6,8 @@
 //! | y, S | `innovation`, `predicted` | its innovation in the filter, and the variance of its prediction | |
 //! | Q | `process` | what process noise adds to S: both models have it | rad^2/s^2 |
 //! | R | `noise` | variance of its measurement | rad^2/s^2 |
-//! | L | `log_odds` | log odds of locked against free | 1 |
+//! | L | - | log odds of locked against free; `probability` keeps them | 1 |
+//! | w | - | share of [`WINDING`] that the row lasts, at most 1 | 1 |
 //!
 //! Two models for the same data, weighed by Bayes' rule. Free axles: the filter's, y ~ N(0, S + R). Locked ones: d ~ N(0, Q + R),
 //! whatever torques and radii; a lock engages and opens by chance.

@@ -62,6 +62,8 @@ pub(super) struct Doubt {
     pub reason: Reason,
     /// What acts on the machine that its model does not have: names innovations that are too large.
     pub acts: Reason,
+    /// A drive the other way would tell what keeps the ratio from being trusted.
+    pub one_way: bool,
 }
 
 impl Doubt {
@@ -80,6 +82,7 @@ impl Doubt {
         unknown_height: false,
         reason: Reason::None,
         acts: Reason::None,
+        one_way: false,
     };
 }
 
@@ -282,13 +285,14 @@ impl Evidence {
         }
     }
 
-    /// Why the estimate is not fresh or not consistent.
+    /// Why the estimate is not fresh or not consistent, or what keeps it from being known.
     fn reason(&self, fresh: bool, consistent: bool, doubt: &Doubt) -> Reason {
         match self.stuck {
             Some(signal) => Reason::stuck(signal),
             None if !fresh => Reason::Missing,
             None if doubt.reason != Reason::None => doubt.reason,
             None if !consistent && doubt.acts == Reason::None => Reason::Unexplained,
+            None if doubt.acts == Reason::None && doubt.one_way => Reason::OneWay,
             None => doubt.acts,
         }
     }

@@ -50,9 +50,11 @@ impl Hold {
         if began && run <= LONGEST {
             self.seen += 1.0;
             let share = MEMORY.max(1.0 / self.seen);
-            for (length, kept) in self.shares.iter_mut().enumerate() {
-                *kept += share * (f64::from(u8::from(length == run)) - *kept);
-            }
+            let this = self.shares[run] + share * (1.0 - self.shares[run]);
+            self.shares
+                .iter_mut()
+                .for_each(|kept| *kept -= share * *kept);
+            self.shares[run] = this;
             self.rows = self.shortest();
         }
         true

@@ -9,7 +9,7 @@ use crate::loader::layout::{
 use crate::loader::load::HEIGHT_SPREAD;
 use crate::loader::reason::Reason;
 use crate::loader::unreported_load::USUAL_LOAD;
-use crate::loader::verdict::Doubt;
+use crate::loader::verdict::{Doubt, RATIO_PER_SENSITIVITY};
 use crate::math::{norm, sqrt};
 
 /// Standard deviations of the prior within which an estimate is as expected; twice as far it contradicts it by one more.
@@ -116,6 +116,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             unknown_height: self.lifts_unreported(),
             reason,
             acts: self.acts(),
+            one_way: self.wants_a_drive_back(),
         }
     }
 
@@ -139,6 +140,13 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         } else {
             Reason::None
         }
+    }
+
+    /// What is not known of the radii's load sensitivity keeps the ratio from being trusted, and a drive the other way tells it.
+    fn wants_a_drive_back(&self) -> bool {
+        let converged = self.settings.estimator.converged_ratio;
+        const { Layout::of(N) }.load_sensitivity.is_some()
+            && RATIO_PER_SENSITIVITY * self.sensitivity_left() > converged
     }
 
     /// What a load that nobody reported, or may have stated wrongly, adds to the doubt of height and ratio.
