@@ -4,7 +4,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::thread::JoinHandle;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use hdrhistogram::Histogram;
 use messages::channels::HEALTH;
@@ -268,7 +268,20 @@ fn report(
         if ending {
             break;
         }
-        std::thread::park_timeout(PERIOD);
+        rest(&shared.end);
+    }
+}
+
+/// Sleeps for a period or until the end. Whoever wakes it for anything else does not make the next look come sooner: two looks
+/// at once find every thread at the same piece of work.
+fn rest(end: &AtomicBool) {
+    let due = Instant::now() + PERIOD;
+    loop {
+        let left = due.saturating_duration_since(Instant::now());
+        if left.is_zero() || end.load(Ordering::Acquire) {
+            return;
+        }
+        std::thread::park_timeout(left);
     }
 }
 
@@ -287,5 +300,18 @@ fn state(ending: bool, quiet: u32, steps: u64) -> State {
         (_, _, 0) => State::Starting,
         (_, 0..QUIET, _) => State::Running,
         _ => State::Waiting,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_looks_are_a_period_apart_though_somebody_woke_the_thread_before() {
+        std::thread::current().unpark();
+        let begun = Instant::now();
+        rest(&AtomicBool::new(false));
+        assert!(begun.elapsed() >= PERIOD);
     }
 }
