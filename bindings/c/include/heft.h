@@ -365,7 +365,7 @@ const char *heft_excavator_error(const void *memory);
 #define HEFT_LOADER_REASON_LIMIT 18 /* an estimate is at its limit */
 #define HEFT_LOADER_REASON_RESTARTED 19 /* the service was started again */
 #define HEFT_LOADER_REASON_LOCKED_DRIVE 20 /* the axles turn alike: the reported torques are not theirs */
-#define HEFT_LOADER_REASON_ONE_WAY 21 /* driven one way only: how the tyres give under a load is not known */
+#define HEFT_LOADER_REASON_ONE_WAY 21 /* it was driven one way only: how its tyres give under a load is not known */
 
 /* Name of a reason; empty for none. */
 static inline const char *heft_loader_reason(uint32_t code) {

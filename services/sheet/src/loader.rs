@@ -164,7 +164,7 @@ macro_rules! loader_reasons {
             18 AtLimit "limit" "an estimate is at its limit";
             19 Restarted "restarted" "the service was started again";
             20 Locked "locked drive" "the axles turn alike: the reported torques are not theirs";
-            21 OneWay "one way" "driven one way only: how the tyres give under a load is not known";
+            21 OneWay "one way" "it was driven one way only: how its tyres give under a load is not known";
         }
     };
 }
