@@ -117,11 +117,7 @@ pub fn learn(d: &Description, inputs: &[Input]) -> Option<Result<Learnt, String>
         .map(|input| (input, moments(&settings, &input.samples)));
     let moving: Vec<_> = all.filter(|(_, moments)| !moments.is_empty()).collect();
     if moving.is_empty() {
-        let measured = |s: &Sample| s.lift_head_pressure.is_some() && s.lift_angle.is_some();
-        let any = inputs
-            .iter()
-            .any(|input| input.samples.iter().any(measured));
-        return any.then(|| Err(NO_LIFTS.into()));
+        return Some(Err(NO_LIFTS.into()));
     }
     let runs: Vec<Run<'_>> = moving
         .into_iter()

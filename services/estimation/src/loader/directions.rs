@@ -83,6 +83,11 @@ impl Directions {
         }
     }
 
+    /// It has been driven, but not yet both ways.
+    pub fn one_way(&self) -> bool {
+        !self.known && self.drives != [0; 2]
+    }
+
     /// What is left of a standard deviation `before` of the sensitivity, by manoeuvres of this Birge ratio.
     pub fn left(&self, before: f64, birge: f64) -> f64 {
         if !self.known {
@@ -138,6 +143,10 @@ mod tests {
     fn each_pair_of_drives_tells_a_part_of_the_sensitivity() {
         let mut driven = Directions::default();
         let mut left = std::vec![driven.left(0.006, 1.0)];
+        assert!(!driven.one_way(), "not driven at all");
+        let mut ahead = driven;
+        (0..500).for_each(|_| _ = ahead.drive(2.0, 0.5, 0.01));
+        assert!(ahead.one_way());
         for _ in 0..4 {
             for speed in [2.0, -2.0] {
                 (0..500).for_each(|_| _ = driven.drive(speed, 0.5, 0.01));
@@ -150,6 +159,7 @@ mod tests {
         for (n, left) in left.into_iter().enumerate() {
             assert!((left - expected(n as f64)).abs() < 1e-12, "{n}: {left}");
         }
+        assert!(!driven.one_way());
         assert!(driven.left(0.006, 2.0) > driven.left(0.006, 1.0));
         assert_eq!(driven.left(0.0, 1.0), 0.0);
     }

@@ -146,6 +146,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     fn wants_a_drive_back(&self) -> bool {
         let converged = self.settings.estimator.converged_ratio;
         const { Layout::of(N) }.load_sensitivity.is_some()
+            && self.directions.one_way()
             && RATIO_PER_SENSITIVITY * self.sensitivity_left() > converged
     }
 
