@@ -28,7 +28,8 @@ pub fn demo(is_verbose: bool) -> Result<(), Failure> {
     println!(
         "heft {}: an excavator and a wheel loader at work, simulated in real time for {DURATION} s.\n\
          heft sees the sensors only: motion, torque, cylinder pressures. It says what each bucket holds with\n\
-         a 95 % interval, and whether the number can be trusted. The true value stands beside it.\n",
+         a 95 % interval, and whether the number can be trusted. The true value stands beside it.\n\
+         Neither machine was calibrated; the loader stood on axle scales once, empty.\n",
         env!("CARGO_PKG_VERSION")
     );
     // Ctrl-C reaches both runs as well: they end in order, and this process waits for them.
