@@ -2,12 +2,12 @@
 //!
 //! | symbol | code | meaning | unit |
 //! |---|---|---|---|
-//! | gamma | `articulation` | angle between front and rear body | rad |
+//! | gamma | `angle` | angle between front and rear body | rad |
 //! | kappa | `gain` | force on the body over the force that the torques tell, learnt while they drive | 1 |
 //! | a_u | `unexplained` | specific force that the torques do not explain | m/s^2 |
 //!
 //! A turning machine's axles run on different circles: their speeds differ by some gamma^2 v, more or less by where the hinge
-//! lies. A force F_u = m a_u that no torque explains is the friction brakes', the bucket's, or a torque that is reported late,
+//! lies, and by gamma dgamma/dt L/4 while it bends (L: wheelbase). A force F_u = m a_u that no torque explains is the friction brakes', the bucket's, or a torque that is reported late,
 //! and passes through the tyres or not: it moves a slip by up to a_u/(g K). Both are errors of one sign for as long as they
 //! last, so they do not average out and count more than noise of their size. They count for 0.25 s longer, because
 //! tyres and body settle.
@@ -68,6 +68,8 @@ pub(super) struct Disturbance {
     brake: Peak,
     turn: Peak,
     force: Peak,
+    /// The angle between the bodies, [`HOLD`] late [rad].
+    late_angle: f64,
     fast: f64,
     /// Sums of the gain: force times pull, pull squared, per mass squared.
     sums: [f64; 2],
@@ -99,6 +101,7 @@ impl Default for Disturbance {
             brake: Peak::default(),
             turn: Peak::default(),
             force: Peak::default(),
+            late_angle: 0.0,
             fast: 0.0,
             sums: [0.1 * GAIN_MEMORY; 2],
             inertia: Inertia::default(),
@@ -120,7 +123,11 @@ impl Disturbance {
         dt: f64,
     ) -> Effect {
         let angle = step.turning(speed, machine.wheelbase);
-        let turn = TURN_WEIGHT * self.turn.update(angle * angle, dt);
+        let bending = (angle - self.late_angle) / HOLD;
+        self.late_angle += (dt / HOLD).min(1.0) * (angle - self.late_angle);
+        let passing = machine.wheelbase / speed.abs().max(LEAST_SPEED);
+        let by_turn = angle.abs() * (angle.abs() + bending.abs() * passing);
+        let turn = TURN_WEIGHT * self.turn.update(by_turn, dt);
         let excess = step.acceleration.map_or(0.0, |a| {
             self.explain(machine, step, [speed, a], dt);
             (self.fast.abs() - EXPLAINED.0 - EXPLAINED.1 * a.abs()).max(0.0)

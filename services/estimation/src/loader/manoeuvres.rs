@@ -17,11 +17,11 @@
 use crate::math::sqrt;
 
 /// A leg lasts no longer than this [s].
-const LONGEST: f64 = 5.0;
+const LONGEST: f64 = 2.0;
 /// A leg counts when it knows the share at least this well.
 const KNOWN: f64 = 0.03;
 /// Number of manoeuvres that the mean looks back over.
-const MEMORY: f64 = 8.0;
+const MEMORY: f64 = 20.0;
 /// A leg that lies this far off (z^2) means a change.
 const CHANGED: f64 = 16.0;
 

@@ -277,6 +277,19 @@ mod tests {
     }
 
     #[test]
+    fn a_machine_that_straightens_out_of_a_curve_tells_no_ratio_by_it() {
+        // Those of 20 t whose first rows that count follow a curve.
+        for seed in [9, 15] {
+            let run = work(effects("good machine", "all a little"), true, seed);
+            for [ratio, _] in tally(&run, false).unwrap() {
+                assert!(ratio.trusted() > 0.4, "{seed}: {}", ratio.trusted());
+                assert!(ratio.wrong() <= 0.05, "{seed}: {}", ratio.wrong());
+                assert!(ratio.covered() > 0.93, "{seed}: {}", ratio.covered());
+            }
+        }
+    }
+
+    #[test]
     fn axles_that_are_locked_are_named_and_nothing_is_trusted() {
         for seed in 1..=3 {
             let [both, by_tangent] =
