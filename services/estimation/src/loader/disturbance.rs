@@ -7,8 +7,10 @@
 //! | a_u | `unexplained` | specific force that the torques do not explain | m/s^2 |
 //!
 //! A turning machine's axles run on different circles: their speeds differ by some gamma^2 v, more or less by where the hinge
-//! lies, and by gamma dgamma/dt L/4 while it bends (L: wheelbase). A force F_u = m a_u that no torque explains is the friction brakes', the bucket's, or a torque that is reported late,
-//! and passes through the tyres or not: it moves a slip by up to a_u/(g K). Both are errors of one sign for as long as they
+//! lies. While it bends, its axles approach each other at gamma dgamma/dt L/4 (L: wheelbase; the hinge in the middle, where a
+//! little more or less changes nothing): the wheels are expected to turn so, and a share of it is noise of the slips.
+//! A force F_u = m a_u that no torque explains is the friction brakes', the bucket's, or a torque that is reported late,
+//! and passes through the tyres or not: it moves a slip by up to a_u/(g K). All are errors of one sign for as long as they
 //! last, so they do not average out and count more than noise of their size. They count for 0.25 s longer, because
 //! tyres and body settle.
 
@@ -31,6 +33,10 @@ const FORCE_WEIGHT: f64 = 4.0;
 const UNREPORTED: f64 = 0.15;
 /// Weight of the steering against noise of its size.
 const TURN_WEIGHT: f64 = 1.0;
+/// Averaging time of the speed at which the machine bends [s].
+const BENDING: f64 = 0.05;
+/// Share of what bending does that averaging, tyres and an unknown hinge leave. Without it the worst of 18 good machines covers .86 of its rows, with it .93.
+const BENDING_LEFT: f64 = 0.3;
 /// The gain is learnt over this many m/s^2 squared times seconds of driving, and starts with a tenth of it.
 const GAIN_MEMORY: f64 = 10.0;
 /// A force per mass beyond this is none of a drive [m/s^2].
@@ -68,7 +74,7 @@ pub(super) struct Disturbance {
     brake: Peak,
     turn: Peak,
     force: Peak,
-    /// The angle between the bodies, [`HOLD`] late [rad].
+    /// The angle between the bodies, [`BENDING`] late [rad].
     late_angle: f64,
     fast: f64,
     /// Sums of the gain: force times pull, pull squared, per mass squared.
@@ -91,6 +97,8 @@ pub(super) struct Effect {
     pub braking: bool,
     /// Standard deviation of both slips by steering.
     pub turn: f64,
+    /// Speed at which the axles approach each other because the machine bends [m/s].
+    pub closing: f64,
     /// Standard deviation of both slips by unexplained forces.
     pub force: f64,
 }
@@ -123,11 +131,14 @@ impl Disturbance {
         dt: f64,
     ) -> Effect {
         let angle = step.turning(speed, machine.wheelbase);
-        let bending = (angle - self.late_angle) / HOLD;
-        self.late_angle += (dt / HOLD).min(1.0) * (angle - self.late_angle);
-        let passing = machine.wheelbase / speed.abs().max(LEAST_SPEED);
-        let by_turn = angle.abs() * (angle.abs() + bending.abs() * passing);
-        let turn = TURN_WEIGHT * self.turn.update(by_turn, dt);
+        let bending = (angle - self.late_angle) / BENDING;
+        self.late_angle += (dt / BENDING).min(1.0) * (angle - self.late_angle);
+        let closing = 0.25 * machine.wheelbase * self.late_angle * bending;
+        let by_bending = closing.abs() / speed.abs().max(LEAST_SPEED);
+        let turn = TURN_WEIGHT
+            * self
+                .turn
+                .update(angle * angle + BENDING_LEFT * by_bending, dt);
         let excess = step.acceleration.map_or(0.0, |a| {
             self.explain(machine, step, [speed, a], dt);
             (self.fast.abs() - EXPLAINED.0 - EXPLAINED.1 * a.abs()).max(0.0)
@@ -141,6 +152,7 @@ impl Disturbance {
         Effect {
             braking,
             turn,
+            closing,
             force,
         }
     }

@@ -511,8 +511,10 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
                 model.dt,
                 at,
             );
-            innovation[FRONT_WHEEL] -= windup[0];
-            innovation[REAR_WHEEL] -= windup[1];
+            // Nobody says on which body the speed is measured: half of it each.
+            let closing = 0.5 * self.effect.closing / self.dynamics.wheel_radius;
+            innovation[FRONT_WHEEL] += closing - windup[0];
+            innovation[REAR_WHEEL] -= closing + windup[1];
         }
         let mut noise = [0.0; 2];
         if at_work {
