@@ -13,6 +13,7 @@ use super::change::ChangeDetector;
 use super::delay::Entry;
 use super::drive::Driver;
 use super::estimate::Method;
+use super::geometry::Inertia;
 use super::grid::Tick;
 use super::onset::WeakOnset;
 use super::posture::PostureMode;
@@ -96,6 +97,11 @@ impl Core {
                 .then(|| WeakOnset::new(settings, posture)),
             verdict: Verdict::new(),
         }
+    }
+
+    /// Inertia at a posture, which [`Self::step`] does not compute again.
+    pub(super) fn inertia(&mut self, settings: &Settings, posture: [f64; 3]) -> Inertia {
+        self.driver.inertia(&settings.geometry, posture)
     }
 
     /// One tick; what the default estimator does goes into the trail, where that is kept.

@@ -264,7 +264,7 @@ impl SwingEstimator {
             return false;
         };
         let [velocity, torque] = self.delays;
-        let inertia = self.settings.geometry.inertia(tick.posture).empty;
+        let inertia = self.core.inertia(&self.settings, tick.posture).empty;
         let present = crate::math::round((torque - velocity) / PERIOD) as i32;
         let Some(found) = lag.push(tick, inertia, present) else {
             return false;

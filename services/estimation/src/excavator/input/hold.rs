@@ -19,9 +19,10 @@ pub(in crate::excavator) struct Hold {
     last: Option<f64>,
     run: usize,
     seen: f64,
-    /// Share of runs of each length.
+    /// Share of runs of each length; none is longer than the longest.
     #[cfg_attr(feature = "serde", serde(with = "crate::written"))]
     shares: [f64; LONGEST + 1],
+    longest: usize,
     rows: usize,
 }
 
@@ -32,6 +33,7 @@ impl Default for Hold {
             run: 0,
             seen: 0.0,
             shares: [0.0; LONGEST + 1],
+            longest: 0,
             rows: 1,
         }
     }
@@ -51,7 +53,8 @@ impl Hold {
             self.seen += 1.0;
             let share = MEMORY.max(1.0 / self.seen);
             let this = self.shares[run] + share * (1.0 - self.shares[run]);
-            self.shares
+            self.longest = self.longest.max(run);
+            self.shares[..=self.longest]
                 .iter_mut()
                 .for_each(|kept| *kept -= share * *kept);
             self.shares[run] = this;

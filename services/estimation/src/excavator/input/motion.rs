@@ -181,7 +181,7 @@ impl MotionFilter {
     /// changes nothing, unless one stamp was wrong or the clock was set back for good. After a gap
     /// of more than a second the filter begins anew.
     pub fn step(&mut self, sample: &Sample) -> Motion {
-        let Some(row) = self.screen.accept(sample) else {
+        let Some(row) = self.screen.accept(&of_swing(sample)) else {
             return Motion {
                 refused: true,
                 ..self.last
@@ -381,6 +381,17 @@ impl MotionFilter {
             standstill: self.standing,
             refused: false,
         }
+    }
+}
+
+/// What this stage takes of a row: nothing of joints, slope and pressures.
+fn of_swing(sample: &Sample) -> Sample {
+    Sample {
+        time: sample.time,
+        velocity: sample.velocity,
+        angle: sample.angle,
+        torque: sample.torque,
+        ..Sample::default()
     }
 }
 

@@ -49,9 +49,27 @@ const UNKNOWN_TORQUE: f64 = 300.0;
 pub(in crate::excavator) struct Driver {
     torque: Option<f64>,
     inertia: Option<Inertia>,
+    /// The posture that was asked for last, and its inertia.
+    asked: Option<([f64; 3], Inertia)>,
 }
 
 impl Driver {
+    /// Inertia at a posture; asked for twice in a tick, its sines are taken once.
+    pub(in crate::excavator) fn inertia(
+        &mut self,
+        geometry: &Geometry,
+        posture: [f64; 3],
+    ) -> Inertia {
+        if let Some((asked, inertia)) = self.asked
+            && asked == posture
+        {
+            return inertia;
+        }
+        let inertia = geometry.inertia(posture);
+        self.asked = Some((posture, inertia));
+        inertia
+    }
+
     /// The step that leads to `tick`; the first one is at rest where it is.
     pub(in crate::excavator) fn step(
         &mut self,
@@ -59,7 +77,7 @@ impl Driver {
         geometry: Option<&Geometry>,
         torque_std: f64,
     ) -> Drive {
-        let now = geometry.map_or(Inertia::default(), |g| g.inertia(tick.posture));
+        let now = geometry.map_or(Inertia::default(), |g| self.inertia(g, tick.posture));
         let (driven, seen) = (tick.has_torque(), tick.has_posture());
         // What comes after a pause is no change since before.
         let torque = self.torque.unwrap_or(tick.torque);
