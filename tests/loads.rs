@@ -177,5 +177,51 @@ fn what_cannot_be_counted_is_refused_in_words_and_nothing_is_written() {
         let output = run(&args);
         assert_eq!(output.status.code(), Some(2), "{args:?}: {}", both(&output));
     }
+    let same = [
+        "loads",
+        &csv,
+        "--machine",
+        "excavator",
+        "-o",
+        &out,
+        "--json",
+        &out,
+    ];
+    let said = both(&run(&same));
+    assert!(said.contains("have the same name"), "{said}");
     assert!(!Path::new(&out).exists());
+}
+
+#[test]
+fn of_a_folder_what_can_be_read_is_counted_and_the_rest_is_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let more = ["--payload", "1200"];
+    let (recording, _) = recorded(folder.path(), "loader", "loading", &more);
+    let bytes = std::fs::read(&recording).expect("the recording");
+    let few = folder.path().join("few");
+    std::fs::create_dir(&few).expect("a folder");
+    let put = |name: &str, bytes: &[u8]| std::fs::write(few.join(name), bytes).expect("a file");
+    put("whole.mcap", &bytes);
+    put("cut.mcap", &bytes[..300_000]);
+    put("rain.csv", b"day,rain\n1,2\n");
+    // Its last row was cut off.
+    put("still.csv", b"t,swing_velocity\n0,0\n0.01,0\n0.0");
+    let out = common::path_in(folder.path(), "out.csv");
+    let few = few.to_str().expect("a path");
+    let output = run(&["loads", few, "--machine", "excavator", "-o", &out]);
+    let said = both(&output);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    for words in [
+        "whole.mcap: it is of the loader",
+        "cut.mcap: the recording is damaged",
+        "rain.csv: there is no column t",
+        "still.csv:4: the last row was cut off",
+        "only the swing motion weighs",
+        "2 of 4 inputs failed",
+    ] {
+        assert!(said.contains(words), "{words}: {said}");
+    }
+    let rows = std::fs::read_to_string(&out).expect("the loads");
+    let of_whole = rows.lines().filter(|l| l.contains("whole.mcap")).count();
+    assert_eq!(of_whole, 2, "{rows}");
 }

@@ -89,7 +89,7 @@ pub fn envelopes<'a>(
 /// Says that a recording ends early: a run that was killed leaves one, and it is no fault to read it.
 fn tell_cut(lacks: &Lacks) {
     if let Some(cut) = &lacks.cut_off {
-        eprintln!("{cut} (`heft recover` writes a whole copy)");
+        eprintln!("{cut}");
     }
 }
 

@@ -20,6 +20,30 @@ pub fn text(
     Ok(out.finish()?)
 }
 
+/// Knows an earlier result by its first bytes.
+pub type IsOurs<'a> = &'a dyn Fn(&[u8]) -> bool;
+
+/// Refuses to write over what is read (`taken`), over something else of value, or two results over one another.
+pub fn check<'a>(
+    mut taken: Vec<&'a Path>,
+    wanted: &[(Option<&'a Path>, IsOurs)],
+) -> Result<(), Failure> {
+    let whole = |p: &Path| std::path::absolute(p).ok();
+    for (result, is_ours) in wanted {
+        let Some(result) = result else { continue };
+        if taken.iter().any(|t| whole(t) == whole(result)) {
+            return Err(Failure::input(
+                "two results, or a result and an input, have the same name",
+                result.display(),
+                "choose another name",
+            ));
+        }
+        recording::output::check(result, &taken, is_ours)?;
+        taken.push(result);
+    }
+    Ok(())
+}
+
 /// Writes a JSON object. Its first key, `heft`, says which command made it, and `by` what; what is no object stands under
 /// `rows`.
 pub fn json(

@@ -1,5 +1,6 @@
 use std::cell::RefCell;
 use std::path::Path;
+use std::rc::Rc;
 
 use messages::Message;
 
@@ -35,8 +36,8 @@ pub struct Samples<S, T> {
     /// Why the reading of a file ended early.
     error: RefCell<Option<Error>>,
     progress: Option<Box<dyn Fn(f64)>>,
-    /// What of a file of others cannot be read.
-    lacks: Lacks,
+    /// What of a file of others cannot be read; of a table it is known at its end.
+    lacks: Rc<RefCell<Lacks>>,
 }
 
 enum Source<S, T> {
@@ -56,7 +57,7 @@ impl<S: Message, T: Message> Samples<S, T> {
             source,
             error: RefCell::default(),
             progress: None,
-            lacks: Lacks::default(),
+            lacks: Rc::default(),
         }
     }
 
@@ -113,7 +114,7 @@ impl<S: Message, T: Message> Samples<S, T> {
     #[must_use]
     pub fn lacks(&self) -> Lacks {
         self.recording()
-            .map_or_else(|| self.lacks.clone(), Reader::lacks)
+            .map_or_else(|| self.lacks.borrow().clone(), Reader::lacks)
     }
 
     /// The recording that they come from, if they do.
@@ -177,14 +178,26 @@ pub fn open<S: Sensors>(
 fn table<S: Sensors>(path: &Path, map: Option<&Map>) -> Result<Samples<S, S::Truth>, Error> {
     let (path, map) = (path.to_owned(), map.cloned());
     let length = length(&path);
+    let lacks = Rc::<RefCell<Lacks>>::default();
+    let found = Rc::clone(&lacks);
     let open = move || {
         let mut rows = csv::TableRows::<S>::open(&path, map.as_ref())?;
-        let next = move || Ok(rows.row()?.map(|row| (row, rows.read())));
+        let found = Rc::clone(&found);
+        let next = move || {
+            let row = rows.row()?;
+            if row.is_none() {
+                found.borrow_mut().cut_off = rows.cut_off().map(str::to_owned);
+            }
+            Ok(row.map(|row| (row, rows.read())))
+        };
         Ok(Box::new(next) as FileRows<S, S::Truth>)
     };
     // What is wrong with the header is reported at once.
     drop(open()?);
-    Ok(Samples::of(Source::File(Box::new(open), length)))
+    Ok(Samples {
+        lacks,
+        ..Samples::of(Source::File(Box::new(open), length))
+    })
 }
 
 fn topics<S: Sensors>(path: &Path, map: &Map) -> Result<Samples<S, S::Truth>, Error> {
@@ -197,7 +210,7 @@ fn topics<S: Sensors>(path: &Path, map: &Map) -> Result<Samples<S, S::Truth>, Er
     };
     let lacks = TopicRows::<S>::open(path, map)?.lacks;
     Ok(Samples {
-        lacks,
+        lacks: Rc::new(RefCell::new(lacks)),
         ..Samples::of(Source::File(Box::new(open), length))
     })
 }
@@ -223,17 +236,41 @@ fn recorded<S: Sensors>(path: &Path) -> Result<Samples<S, S::Truth>, Error> {
     let reader = Reader::open(path)?;
     let names = [S::SENSORS.name, S::TRUTH.name];
     if reader.stream::<S>(names[0])?.next().is_none() {
-        return Err(Error::new(
-            format!("the recording has no samples of the {}", S::MACHINE),
-            path.display().to_string(),
-            format!(
-                "it has {}; name topics and fields of it in a map: heft map {} > map.toml",
-                reader.channels().join(", "),
-                path.display()
-            ),
-        ));
+        return Err(without_samples::<S>(&reader, path));
     }
     Ok(Samples::of(Source::Recording(Box::new(reader), names)))
+}
+
+fn without_samples<S: Sensors>(reader: &Reader, path: &Path) -> Error {
+    let (lacks, place) = (reader.lacks(), path.display().to_string());
+    if reader.is_being_written() {
+        return Error::new(
+            format!("nothing of the {} is on disk yet", S::MACHINE),
+            place,
+            "wait until its run has written some",
+        );
+    }
+    // A recording of heft that was cut off before its first block was on disk.
+    let is_ours = reader.metadata().contains_key("machine") || reader.channels().is_empty();
+    if is_ours && !lacks.all().is_empty() {
+        return Error::new(
+            format!(
+                "the recording is damaged, and what is left has no samples of the {}",
+                S::MACHINE
+            ),
+            lacks.all().join("\n  in "),
+            "take another copy of it, if there is one",
+        );
+    }
+    Error::new(
+        format!("the recording has no samples of the {}", S::MACHINE),
+        place,
+        format!(
+            "it has {}; name topics and fields of it in a map: heft map {} > map.toml",
+            reader.channels().join(", "),
+            path.display()
+        ),
+    )
 }
 
 /// Machine, restart of the source, number: what sample and truth have in common.

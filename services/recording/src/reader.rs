@@ -191,7 +191,7 @@ impl Reader {
             damage: self.damage(),
             cut_off: is_cut.then(|| {
                 format!(
-                    "{}: it was cut off; {} bytes at the end belong to nothing whole",
+                    "{}: it was cut off; {} bytes at the end belong to nothing whole (`heft recover` writes a whole copy)",
                     self.files().next().unwrap_or(Path::new("")).display(),
                     self.lost_bytes()
                 )

@@ -8,7 +8,7 @@ use messages::{
     excavator_bits as e, loader_bits as l,
 };
 use recording::csv::{EstimateWriter, export, read, read_weighings};
-use recording::{Error, Map, Metadata, Reader, Writer, load};
+use recording::{Error, Map, Metadata, Reader, Writer, load, open};
 
 /// A file with this text in a folder of its own.
 fn file(text: impl AsRef<[u8]>) -> (tempfile::TempDir, PathBuf) {
@@ -179,6 +179,34 @@ fn files_without_samples_are_refused() {
         read::<ExcavatorSensors>(path, None).is_err(),
         "no text at all"
     );
+}
+
+#[test]
+fn a_last_row_that_was_cut_off_is_left_out_and_named() {
+    let read = |text: &[u8]| {
+        let (_dir, path) = file(text);
+        let samples = open::<ExcavatorSensors>(&path, None)?;
+        let rows = samples.rows()?.count();
+        samples.check()?;
+        Ok::<_, Error>((rows, samples.lacks().cut_off))
+    };
+    let whole = "t,swing_velocity\n0,1\n1,2\n";
+    assert_eq!(read(whole.as_bytes()).expect("rows"), (2, None));
+    assert_eq!(read(whole.trim_end().as_bytes()).expect("rows"), (2, None));
+    let wide = |text: &str| -> Vec<u8> {
+        let text = format!("\u{feff}{text}");
+        text.encode_utf16().flat_map(u16::to_le_bytes).collect()
+    };
+    let cut = format!("{whole}2");
+    for text in [cut.clone().into_bytes(), wide(&cut)] {
+        let (rows, said) = read(&text).expect("rows");
+        assert_eq!(rows, 2);
+        assert!(said.is_some_and(|s| s.contains("data.csv:4: the last row was cut off")));
+    }
+    // A short row in the midst, or with its line end, is a mistake in the table.
+    for text in ["t,swing_velocity\n0,1\n1\n2,3", "t,swing_velocity\n0"] {
+        assert!(read(text.as_bytes()).is_err(), "{text}");
+    }
 }
 
 fn estimate(n: u32) -> ExcavatorEstimate {

@@ -52,8 +52,12 @@ pub struct LoadCounter {
     scale: Scale,
     truck: Option<f64>,
     mass: Option<f64>,
-    /// The boom's pressures are there; described, before any sample is seen.
-    has_pressure: bool,
+    /// The cylinders are described: their pressures weigh.
+    is_described: bool,
+    /// The latest sample has pressures; unknown where only estimates are seen.
+    pressure: Option<bool>,
+    /// Samples have had pressures, and a mass.
+    measured: [bool; 2],
     loads: VecDeque<Load>,
 }
 
@@ -68,12 +72,12 @@ impl LoadCounter {
             }
             Description::Loader(d) => (RATED_SHARE * d.machine.mass, d.machine.mass),
         };
-        let has_pressure = match description {
+        let is_described = match description {
             Description::Excavator(d) => d.boom_cylinder.head_area > 0.0,
             Description::Loader(d) => d.lift_arm.length > 0.0,
         };
         Self {
-            has_pressure,
+            is_described,
             ..Self::rated(description.machine(), rated, empty, options)
         }
     }
@@ -92,7 +96,9 @@ impl LoadCounter {
             scale: Scale::new(empty),
             truck: None,
             mass: None,
-            has_pressure: false,
+            is_described: false,
+            pressure: None,
+            measured: [false; 2],
             loads: VecDeque::new(),
         }
     }
@@ -112,6 +118,31 @@ impl LoadCounter {
     /// The latest loads, the first one first.
     pub fn loads(&self) -> impl DoubleEndedIterator<Item = &Load> {
         self.loads.iter()
+    }
+
+    /// Pressures weigh: their cylinders are described, and no sample says that they are missing.
+    fn has_pressure(&self) -> bool {
+        self.is_described && self.pressure.unwrap_or(true)
+    }
+
+    /// What would weigh a load and is not there, and what to do, in words.
+    #[must_use]
+    pub fn lacks(&self) -> Option<&'static str> {
+        match (self.machine, self.is_described, self.measured) {
+            (Machine::Loader, _, [false, false]) => Some(
+                "a loader is weighed by its lift pressures or a column `mass`, and the data have neither: map one",
+            ),
+            (Machine::Loader, false, [true, false]) => Some(
+                "the data have lift pressures, and the description has no `machine.lift_arm`: describe it (--config)",
+            ),
+            (Machine::Excavator, false, [true, _]) => Some(
+                "the data have boom pressures, and the description has no `machine.boom_cylinder`: describe it (--config)",
+            ),
+            (Machine::Excavator, _, [false, _]) => Some(
+                "only the swing motion weighs: map the boom's pressures to weigh at standstill too",
+            ),
+            _ => None,
+        }
     }
 
     /// Begins another truck.
@@ -145,7 +176,9 @@ impl LoadCounter {
 
     fn excavator_sensors(&mut self, sample: &ExcavatorSensors) {
         let has = |bit: u32| sample.valid & bit != 0;
-        self.has_pressure = has(excavator_bits::BOOM_HEAD_PRESSURE);
+        let pressure = has(excavator_bits::BOOM_HEAD_PRESSURE);
+        self.pressure = Some(pressure);
+        self.measured[0] |= pressure;
         self.truck = has(excavator_bits::TRUCK)
             .then_some(sample.truck)
             .or(self.truck);
@@ -154,7 +187,10 @@ impl LoadCounter {
     fn loader_sensors(&mut self, sample: &LoaderSensors) {
         let has = |bit: u32| sample.valid & bit != 0;
         self.mass = has(loader_bits::MASS).then_some(sample.mass);
-        self.has_pressure |= has(loader_bits::LIFT_HEAD_PRESSURE);
+        self.measured[0] |= has(loader_bits::LIFT_HEAD_PRESSURE);
+        // The arm weighs on through a gap of its pressures.
+        self.pressure = Some(self.measured[0]);
+        self.measured[1] |= self.mass.is_some();
         self.truck = has(loader_bits::TRUCK)
             .then_some(sample.truck)
             .or(self.truck);
@@ -178,7 +214,7 @@ impl LoadCounter {
             changing: flag(excavator_bits::CHANGING),
             trusted,
             why: why(m.reason, m.flags, trusted),
-            witness: if self.has_pressure {
+            witness: if self.has_pressure() {
                 Witness::Both
             } else {
                 Witness::Motion
@@ -192,7 +228,7 @@ impl LoadCounter {
             return Events::default();
         }
         // A described arm whose pressure never comes tells a payload that may be anything.
-        let estimated = m.estimated & loader_bits::PAYLOAD != 0 && self.has_pressure;
+        let estimated = m.estimated & loader_bits::PAYLOAD != 0 && self.has_pressure();
         let weighed = estimated.then_some(Quantity {
             value: m.payload,
             std: m.payload_std,

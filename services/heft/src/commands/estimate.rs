@@ -8,12 +8,10 @@ pub mod one;
 
 use std::path::Path;
 
-use recording::output;
-
 pub use self::args::EstimateArgs;
 use crate::args::description;
 use crate::failure::Failure;
-use crate::results::is_json_of;
+use crate::results::{self, IsOurs, is_json_of};
 use crate::{machines, page};
 
 /// `heft estimate`
@@ -40,26 +38,11 @@ fn one(args: &EstimateArgs, file: &Path, output: &Path) -> Result<(), Failure> {
 fn check_outputs(args: &EstimateArgs, file: &Path, output: &Path) -> Result<(), Failure> {
     let config = args.with.description.config.as_deref();
     let inputs = [Some(file), args.with.map.as_deref(), config];
-    let mut taken: Vec<&Path> = inputs.into_iter().flatten().collect();
     let is_json = is_json_of("estimate");
-    type IsOurs<'a> = &'a dyn Fn(&[u8]) -> bool;
-    let results: [(_, IsOurs); 3] = [
+    let wanted: [(_, IsOurs); 3] = [
         (Some(output), &recording::csv::is_estimates),
         (args.report.as_deref(), &page::is_ours),
         (args.json.as_deref(), &is_json),
     ];
-    for (result, is_ours) in results {
-        let Some(result) = result else { continue };
-        output::check(result, &taken, is_ours)?;
-        let whole = |p: &Path| std::path::absolute(p).ok();
-        if taken.iter().any(|t| whole(t) == whole(result)) {
-            return Err(Failure::input(
-                "two results, or a result and an input, have the same name",
-                result.display(),
-                "choose another name",
-            ));
-        }
-        taken.push(result);
-    }
-    Ok(())
+    results::check(inputs.into_iter().flatten().collect(), &wanted)
 }

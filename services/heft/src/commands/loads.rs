@@ -6,7 +6,7 @@ use clap::Args;
 use config::Description;
 use evaluate::text::Table;
 use messages::Machine;
-use recording::{Reader, output};
+use recording::Reader;
 use serde_json::json;
 use steps::loads::{LoadCounter, Options, why_words};
 use view::loads::{self, Account};
@@ -14,7 +14,8 @@ use view::number::{interval_95, value_and_std};
 
 use crate::args::{EstimationArgs, description, machine};
 use crate::failure::Failure;
-use crate::{machines, many, page, results};
+use crate::results::{self, IsOurs};
+use crate::{machines, many, page};
 
 /// `heft loads`
 #[derive(Debug, Args)]
@@ -82,12 +83,46 @@ pub fn loads(args: &LoadsArgs) -> Result<(), Failure> {
     let inputs = many::inputs(&args.files, true)?;
     check_outputs(args, &inputs)?;
     let mut accounts = Vec::new();
+    let mut ends = Vec::new();
     for input in &inputs {
-        let account = count(args, input)?;
-        print(&account);
-        accounts.push(account);
+        let (account, end) = match count(args, input) {
+            Ok((account, end)) => (Some(account), end),
+            Err(failure) => (None, Err(failure)),
+        };
+        if let Err(failure) = &end
+            && inputs.len() > 1
+        {
+            eprintln!("heft: {}: {failure}", input.display());
+        }
+        account.iter().for_each(print);
+        accounts.extend(account);
+        ends.push(end);
     }
-    write(args, &accounts)
+    if !accounts.is_empty() {
+        write(args, &accounts)?;
+    }
+    judge(ends)
+}
+
+/// Of one input its own failure; of many, how many failed: each was named.
+fn judge(mut ends: Vec<Result<(), Failure>>) -> Result<(), Failure> {
+    if ends.len() == 1 {
+        return ends.remove(0);
+    }
+    let all = ends.len();
+    let failures: Vec<Failure> = ends.into_iter().filter_map(Result::err).collect();
+    let status = failures.iter().map(|f| f.status).max();
+    match (failures.len(), status) {
+        (0, _) => Ok(()),
+        (n, Some(1)) => Err(Failure::answer_is_no(format!(
+            "{n} of {all} inputs are damaged; what is whole was counted"
+        ))),
+        (n, _) => Err(Failure::input(
+            format!("{n} of {all} inputs failed; the others were counted"),
+            "the messages above",
+            "fix or remove them and run again",
+        )),
+    }
 }
 
 /// The machine of an input and its description.
@@ -99,7 +134,16 @@ fn described(args: &LoadsArgs, input: &Path) -> Result<Description, Failure> {
         let reader = Reader::open(input)?;
         let metadata = reader.metadata();
         let name = metadata.get("machine").map(String::as_str);
-        let known = args.machine.or_else(|| name.and_then(Machine::from_name));
+        let its = name.and_then(Machine::from_name);
+        if let (Some(its), Some(asked)) = (its, args.machine)
+            && its != asked
+        {
+            let name = input.display();
+            eprintln!(
+                "{name}: it is of the {its}, and is read so; --machine {asked} is for tables"
+            );
+        }
+        let known = its.or(args.machine);
         if let Some(text) = metadata.get("description") {
             let mut found = Description::parse(text, "the description in the recording", known)?;
             found.set_all(&args.with.description.set)?;
@@ -119,7 +163,8 @@ fn described(args: &LoadsArgs, input: &Path) -> Result<Description, Failure> {
     description(machine, &args.with.description)
 }
 
-fn count(args: &LoadsArgs, input: &Path) -> Result<Account, Failure> {
+/// The loads of an input, and whether all of it could be read.
+fn count(args: &LoadsArgs, input: &Path) -> Result<(Account, Result<(), Failure>), Failure> {
     let description = described(args, input)?;
     let options = Options {
         target: args.target,
@@ -128,12 +173,31 @@ fn count(args: &LoadsArgs, input: &Path) -> Result<Account, Failure> {
     let mut counter = LoadCounter::new(&description, options);
     let mut trucks = Vec::new();
     let entry = machines::entry(description.machine());
-    entry.follow(&args.with, input, &description, &mut |message| {
+    let read = entry.follow(&args.with, input, &description, &mut |message| {
         trucks.extend(counter.see(message).truck);
-    })?;
+    });
+    // Of a damaged recording, what is whole counts.
+    let read = match read {
+        Err(failure) if failure.status != 1 => return Err(failure),
+        read => read,
+    };
     trucks.extend(counter.finish().truck);
     let name = input.display().to_string();
-    Ok(Account::of(&name, &counter, trucks))
+    let account = Account::of(&name, &counter, trucks);
+    if account.loads.is_empty() && account.carried.is_none() {
+        tell_why_none(&name, &counter);
+    }
+    Ok((account, read))
+}
+
+fn tell_why_none(name: &str, counter: &LoadCounter) {
+    eprintln!("{name}: no load was clear of the empty bucket, carried and dumped");
+    if let Some(lacks) = counter.lacks() {
+        eprintln!("  {lacks}");
+    }
+    eprintln!(
+        "  `heft estimate` with --report draws what the bucket held and why it is not trusted"
+    );
 }
 
 fn print(account: &Account) {
@@ -174,7 +238,7 @@ fn print(account: &Account) {
         ]);
     }
     if account.loads.is_empty() {
-        println!("no load was carried and dumped, or none could be weighed");
+        println!("no load");
     } else {
         print!("{table}");
     }
@@ -197,19 +261,13 @@ fn check_outputs(args: &LoadsArgs, inputs: &[PathBuf]) -> Result<(), Failure> {
     let mut taken: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
     taken.extend(args.with.map.as_deref());
     taken.extend(args.with.description.config.as_deref());
-    type IsOurs<'a> = &'a dyn Fn(&[u8]) -> bool;
     let is_json = results::is_json_of("loads");
-    let wanted: [(Option<&PathBuf>, IsOurs); 3] = [
-        (args.output.as_ref(), &loads::is_csv),
-        (args.json.as_ref(), &is_json),
-        (args.report.as_ref(), &page::is_ours),
+    let wanted: [(_, IsOurs); 3] = [
+        (args.output.as_deref(), &loads::is_csv),
+        (args.json.as_deref(), &is_json),
+        (args.report.as_deref(), &page::is_ours),
     ];
-    for (file, is_ours) in wanted {
-        let Some(file) = file else { continue };
-        output::check(file, &taken, is_ours)?;
-        taken.push(file);
-    }
-    Ok(())
+    results::check(taken, &wanted)
 }
 
 fn write(args: &LoadsArgs, accounts: &[Account]) -> Result<(), Failure> {

@@ -126,6 +126,19 @@ impl Table {
         more.map_err(|e| Error::system("read the data", &self.path, &e))
     }
 
+    /// Whether a line end closes the last row.
+    fn is_closed(&self) -> Result<bool, Error> {
+        let failed = |e| Error::system("read the data", &self.path, &e);
+        if let Some(bytes) = &self.converted {
+            return Ok(bytes.ends_with(b"\n"));
+        }
+        let mut last = [0];
+        let mut file = File::open(&self.path).map_err(failed)?;
+        file.seek(SeekFrom::End(-1)).map_err(failed)?;
+        file.read_exact(&mut last).map_err(failed)?;
+        Ok(last == *b"\n")
+    }
+
     /// Line of the record that begins at this byte, counted from 1; empty lines before it are counted too.
     fn line(&self, start: u64) -> usize {
         let start = self.preface + start as usize;
@@ -146,6 +159,8 @@ pub(crate) struct TableRows<S: Sensors> {
     columns: Columns<S>,
     count: u64,
     has_ended: bool,
+    /// The last row was cut off: where.
+    cut_off: Option<String>,
 }
 
 impl<S: Sensors> TableRows<S> {
@@ -159,12 +174,18 @@ impl<S: Sensors> TableRows<S> {
             records,
             count: 0,
             has_ended: false,
+            cut_off: None,
         })
     }
 
     /// Bytes read.
     pub(crate) fn read(&self) -> u64 {
         self.records.end()
+    }
+
+    /// Words on a last row that was cut off, once the rows were read.
+    pub(crate) fn cut_off(&self) -> Option<&str> {
+        self.cut_off.as_deref()
     }
 
     /// The next row; nothing at the end.
@@ -185,12 +206,15 @@ impl<S: Sensors> TableRows<S> {
         let table = &self.table;
         if table.advance(&mut self.records)? {
             let (record, start) = (self.records.record(), self.records.start());
-            check_width(
-                record,
-                self.columns.width(),
-                || table.line(start),
-                &table.file,
-            )?;
+            let width = self.columns.width();
+            if let Err(error) = check_width(record, width, || table.line(start), &table.file) {
+                let is_short = record.len() < width;
+                return if is_short {
+                    self.end_early(error)
+                } else {
+                    Err(error)
+                };
+            }
             self.count += 1;
             return self
                 .columns
@@ -208,8 +232,27 @@ impl<S: Sensors> TableRows<S> {
                 remedy,
             ));
         }
+        self.end();
+        Ok(())
+    }
+
+    fn end(&mut self) {
         self.has_ended = true;
         self.columns.finish();
+    }
+
+    /// A last row that no line end closes was cut off while it was written: it is left out.
+    fn end_early(&mut self, too_short: Error) -> Result<(), Error> {
+        let (table, start) = (&self.table, self.records.start());
+        if self.count == 0 || table.is_closed()? || table.advance(&mut self.records)? {
+            return Err(too_short);
+        }
+        let line = table.line(start);
+        self.cut_off = Some(format!(
+            "{}:{line}: the last row was cut off; it is left out",
+            table.file
+        ));
+        self.end();
         Ok(())
     }
 }
