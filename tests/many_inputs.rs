@@ -158,3 +158,16 @@ fn several_inputs_and_one_output_are_refused() {
         both(&output)
     );
 }
+
+#[test]
+fn the_size_of_the_machine_counts_in_a_folder_as_for_one_file() {
+    let (folder, good) = site();
+    let one = folder.path().join("one.out");
+    let ask = ["estimate", "--machine", "excavator", "--class", "36t"];
+    run_ok(&[&ask[..], &["-o", text(&one), text(&good[0])]].concat());
+    let both = [&ask[..], &[text(&good[0]), text(&good[1])]].concat();
+    run_ok(&both);
+    assert_eq!(read(&one), read(&good[0].with_extension("estimates.csv")));
+    let again = run_ok(&both);
+    assert_eq!(again.matches("kept").count(), 2, "{again}");
+}

@@ -233,3 +233,24 @@ fn a_split_run_is_whole_in_every_part_and_as_one() {
     let text = run_ok(&["replay", path(folder.path()), "--verify"]);
     assert!(!text.contains("cannot be checked"), "{text}");
 }
+
+#[test]
+fn a_recording_brings_its_machine_and_its_description_unless_another_is_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    record(folder.path(), &["--set", "prior.payload=500"]);
+    let recording = folder.path().join("run.mcap");
+    let first_inertia = |more: &[&str]| -> f64 {
+        let out = folder.path().join("out.csv");
+        run_ok(&[&["estimate", path(&recording), "-o", path(&out)], more].concat());
+        let text = std::fs::read_to_string(&out).expect("estimates");
+        let cells = |line: usize| text.lines().nth(line).expect("a line").split(',');
+        let at = cells(0)
+            .position(|name| name == "inertia")
+            .expect("a column");
+        cells(1).nth(at).expect("a cell").parse().expect("a number")
+    };
+    let own = first_inertia(&[]);
+    assert_eq!(own, first_inertia(&["--machine", "excavator"]));
+    assert_ne!(own, first_inertia(&["--class", "36t"]));
+    assert_ne!(own, first_inertia(&["--set", "prior.payload=100"]));
+}

@@ -7,6 +7,7 @@ use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use config::Description;
 use messages::Machine;
+use recording::Reader;
 use steps::stages::Pipeline;
 
 use crate::failure::Failure;
@@ -114,6 +115,51 @@ pub fn description(machine: Machine, args: &DescriptionArgs) -> Result<Descripti
     tell_old_names(&keys.collect::<Vec<_>>());
     description.set_all(&sets)?;
     Ok(description)
+}
+
+/// The description of an input's machine: of a recording of heft, unless `--config` or `--class` say another, its own with
+/// `--set`.
+///
+/// # Errors
+/// The description cannot be read or does not hold, or nothing tells the machine.
+pub fn described(
+    machine: Option<Machine>,
+    args: &DescriptionArgs,
+    input: &Path,
+) -> Result<Description, Failure> {
+    let is_recording = input
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("mcap"));
+    let mut known = machine;
+    if is_recording && args.config.is_none() {
+        let reader = Reader::open(input)?;
+        let metadata = reader.metadata();
+        let its = metadata.get("machine").and_then(|m| Machine::from_name(m));
+        if let (Some(its), Some(asked)) = (its, machine)
+            && its != asked
+        {
+            let name = input.display();
+            eprintln!(
+                "{name}: it is of the {its}, and is read so; --machine {asked} is for tables"
+            );
+        }
+        known = its.or(machine);
+        if let Some(text) = metadata.get("description")
+            && args.class.is_none()
+        {
+            let mut found = Description::parse(text, "the description in the recording", known)?;
+            found.set_all(&args.set)?;
+            return Ok(found);
+        }
+    }
+    let known = known.ok_or_else(|| {
+        Failure::input(
+            "the machine is not known",
+            input.display(),
+            "add --machine excavator or --machine loader",
+        )
+    })?;
+    description(known, args)
 }
 
 /// Notes the keys that have another name today.

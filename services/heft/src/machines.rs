@@ -305,7 +305,7 @@ impl<M: Typed> Entry for M {
         let map = sources::map(args.with.map.as_deref())?;
         let samples = recording::open::<M::Sensors>(file, map.as_ref())?;
         hint_at_names::<M::Sensors>(file, map.as_ref());
-        let method = method(args.machine, args.with.method.as_deref());
+        let method = method(description.machine(), args.with.method.as_deref());
         if let Some((first, _)) = samples.rows()?.next() {
             M::check(description, method, &first)?;
         }

@@ -9,7 +9,7 @@ pub mod one;
 use std::path::Path;
 
 pub use self::args::EstimateArgs;
-use crate::args::description;
+use crate::args::described;
 use crate::failure::Failure;
 use crate::results::{self, IsOurs, is_json_of};
 use crate::{machines, page};
@@ -30,8 +30,8 @@ pub fn estimate(args: &EstimateArgs) -> Result<(), Failure> {
 /// One input in this process.
 fn one(args: &EstimateArgs, file: &Path, output: &Path) -> Result<(), Failure> {
     check_outputs(args, file, output)?;
-    let description = description(args.machine, &args.with.description)?;
-    machines::entry(args.machine).estimate(args, file, output, &description)
+    let description = described(args.machine, &args.with.description, file)?;
+    machines::entry(description.machine()).estimate(args, file, output, &description)
 }
 
 /// Refuses to write over what is read, or over something else of value.

@@ -3,16 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use config::Description;
 use evaluate::text::Table;
 use messages::Machine;
-use recording::Reader;
 use serde_json::json;
 use steps::loads::{LoadCounter, Options, why_words};
 use view::loads::{self, Account};
 use view::number::{interval_95, value_and_std};
 
-use crate::args::{EstimationArgs, description, machine};
+use crate::args::{EstimationArgs, described, machine};
 use crate::failure::Failure;
 use crate::results::{self, IsOurs};
 use crate::{machines, many, page};
@@ -125,47 +123,9 @@ fn judge(mut ends: Vec<Result<(), Failure>>) -> Result<(), Failure> {
     }
 }
 
-/// The machine of an input and its description.
-fn described(args: &LoadsArgs, input: &Path) -> Result<Description, Failure> {
-    let is_recording = input
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("mcap"));
-    if is_recording && args.with.description.config.is_none() {
-        let reader = Reader::open(input)?;
-        let metadata = reader.metadata();
-        let name = metadata.get("machine").map(String::as_str);
-        let its = name.and_then(Machine::from_name);
-        if let (Some(its), Some(asked)) = (its, args.machine)
-            && its != asked
-        {
-            let name = input.display();
-            eprintln!(
-                "{name}: it is of the {its}, and is read so; --machine {asked} is for tables"
-            );
-        }
-        let known = its.or(args.machine);
-        if let Some(text) = metadata.get("description") {
-            let mut found = Description::parse(text, "the description in the recording", known)?;
-            found.set_all(&args.with.description.set)?;
-            return Ok(found);
-        }
-        if let Some(known) = known {
-            return description(known, &args.with.description);
-        }
-    }
-    let machine = args.machine.ok_or_else(|| {
-        Failure::input(
-            "the machine is not known",
-            input.display(),
-            "add --machine excavator or --machine loader",
-        )
-    })?;
-    description(machine, &args.with.description)
-}
-
 /// The loads of an input, and whether all of it could be read.
 fn count(args: &LoadsArgs, input: &Path) -> Result<(Account, Result<(), Failure>), Failure> {
-    let description = described(args, input)?;
+    let description = described(args.machine, &args.with.description, input)?;
     let options = Options {
         target: args.target,
         pause: args.pause,

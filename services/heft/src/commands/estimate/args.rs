@@ -13,10 +13,10 @@ pub struct EstimateArgs {
     /// Recorded data: .csv, .mcap, or .log (candump); without --output many of them, and folders of them
     #[arg(required = true)]
     pub files: Vec<PathBuf>,
-    /// The machine
+    /// The machine; a recording of heft says it itself
     #[arg(long, value_parser = machine())]
-    pub machine: Machine,
-    /// What they are made with
+    pub machine: Option<Machine>,
+    /// What they are made with; a recording of heft brings its description
     #[command(flatten)]
     pub with: EstimationArgs,
     /// Estimates, one row per accepted row of the input (CSV); if absent NAME.estimates.csv beside each input, with a summary in NAME.estimates.json

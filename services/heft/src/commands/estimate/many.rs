@@ -9,7 +9,7 @@ use serde_json::Value;
 use view::number;
 
 use super::args::EstimateArgs;
-use crate::args::description;
+use crate::args::{described, description};
 use crate::failure::Failure;
 use crate::many::{self, Ended, Job};
 use crate::results;
@@ -21,30 +21,29 @@ pub fn identity(args: &EstimateArgs, description: &Description) -> String {
     format!(
         "{} --method {}{smooth}, description {}",
         crate::build::IDENTITY,
-        method(args.machine, args.with.method.as_deref()),
+        method(description.machine(), args.with.method.as_deref()),
         recording::sha256(description.to_toml())
     )
 }
 
 /// Each input in a process of its own.
 pub fn estimate(args: &EstimateArgs) -> Result<(), Failure> {
-    let description = description(args.machine, &args.with.description)?;
-    way(
-        &description,
-        method(args.machine, args.with.method.as_deref()),
-    )?;
+    if let Some(machine) = args.machine {
+        // What is wrong with the arguments is said once.
+        let description = description(machine, &args.with.description)?;
+        way(&description, method(machine, args.with.method.as_deref()))?;
+    }
     if let Some(summary) = &args.summary {
         recording::output::check(summary, &[], many::is_summary)?;
     }
     let inputs = many::inputs(&args.files, true)?;
     let tables = many::beside(&inputs, "estimates.csv");
     let summaries = many::beside(&inputs, "estimates.json");
-    let same = identity(args, &description);
     let jobs = inputs.iter().zip(tables.iter().zip(&summaries));
     let jobs = jobs.map(|(input, (table, summary))| Job {
         input: input.clone(),
         arguments: arguments(args, input, table, summary),
-        is_done: !args.many.again && is_done(args, input, table, summary, &same),
+        is_done: !args.many.again && is_done(args, input, table, summary),
     });
     let jobs: Vec<Job> = jobs.collect();
     let ends = many::run(&jobs, args.many.jobs);
@@ -61,14 +60,19 @@ pub fn estimate(args: &EstimateArgs) -> Result<(), Failure> {
     many::judge(&ends)
 }
 
-fn is_done(args: &EstimateArgs, input: &Path, table: &Path, summary: &Path, same: &str) -> bool {
+fn is_done(args: &EstimateArgs, input: &Path, table: &Path, summary: &Path) -> bool {
+    // Its own process says what is wrong with an input.
+    let Ok(description) = described(args.machine, &args.with.description, input) else {
+        return false;
+    };
+    let same = identity(args, &description);
     let parts = recording::Reader::open(input)
         .ok()
         .filter(|_| is_recording(input));
     let mut sources: Vec<&Path> = parts.iter().flat_map(|r| r.files()).collect();
     sources.push(input);
     sources.extend(args.with.map.as_deref());
-    let made_by = read(summary).and_then(|s| Some(s.get("heft")?.as_str()?.ends_with(same)));
+    let made_by = read(summary).and_then(|s| Some(s.get("heft")?.as_str()?.ends_with(&same)));
     many::is_newer(table, &sources) && many::is_newer(summary, &sources) && made_by == Some(true)
 }
 
@@ -77,11 +81,13 @@ fn is_recording(input: &Path) -> bool {
 }
 
 fn arguments(args: &EstimateArgs, input: &Path, table: &Path, summary: &Path) -> Vec<OsString> {
-    let mut all: Vec<OsString> = vec![
-        "estimate".into(),
-        "--machine".into(),
-        args.machine.name().into(),
-    ];
+    let mut all: Vec<OsString> = vec!["estimate".into()];
+    if let Some(machine) = args.machine {
+        all.extend(["--machine".into(), machine.name().into()]);
+    }
+    if let Some(mass) = args.with.description.class {
+        all.extend(["--class".into(), format!("{mass}kg").into()]);
+    }
     let mut option = |name: &str, value: &Path| all.extend([name.into(), value.into()]);
     option("--output", table);
     option("--json", summary);

@@ -31,11 +31,11 @@ pub fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
     samples.on_progress(parts::progress());
     let mut way = way(
         description,
-        method(args.machine, args.with.method.as_deref()),
+        method(description.machine(), args.with.method.as_deref()),
     )?;
     tell_idle_keys(
         description,
-        &[method(args.machine, args.with.method.as_deref())],
+        &[method(description.machine(), args.with.method.as_deref())],
     );
     let mut writer = EstimateWriter::<E>::create(output)?;
     let metadata = metadata(args, description);
@@ -173,7 +173,7 @@ fn metadata(args: &EstimateArgs, description: &Description) -> Metadata {
         ("input", names.collect::<Vec<_>>().join(", ")),
         (
             "method",
-            method(args.machine, args.with.method.as_deref()).to_owned(),
+            method(description.machine(), args.with.method.as_deref()).to_owned(),
         ),
         ("description.sha256", recording::sha256(&text)),
         ("description", text),
