@@ -143,7 +143,12 @@ pub fn described(
                 "{name}: it is of the {its}, and is read so; --machine {asked} is for tables"
             );
         }
-        known = its.or(machine);
+        // Where the metadata are damaged, the channels tell it.
+        let channels = reader.channels();
+        let of = |machine: &Machine| channels.iter().any(|c| c.starts_with(machine.name()));
+        known = its
+            .or(machine)
+            .or_else(|| Machine::ALL.into_iter().find(of));
         if let Some(text) = metadata.get("description")
             && args.class.is_none()
         {

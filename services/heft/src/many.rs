@@ -135,11 +135,16 @@ fn is_table(path: &Path) -> bool {
     matches!(kind, Some("csv" | "log")) && !is_ours(path)
 }
 
-/// Whether it is a table that heft has made: estimates, or a summary of inputs.
+/// Whether it is a table that heft has made: estimates, loads, or a summary of inputs.
 fn is_ours(path: &Path) -> bool {
     let mut head = Vec::new();
     let read = std::fs::File::open(path).and_then(|f| f.take(4096).read_to_end(&mut head));
-    read.is_ok() && (recording::csv::is_estimates(&head) || is_summary(&head))
+    let ours = [
+        recording::csv::is_estimates,
+        view::loads::is_csv,
+        is_summary,
+    ];
+    read.is_ok() && ours.iter().any(|is_ours| is_ours(&head))
 }
 
 /// First columns of a table of results.

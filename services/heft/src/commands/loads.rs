@@ -87,9 +87,8 @@ pub fn loads(args: &LoadsArgs) -> Result<(), Failure> {
             Ok((account, end)) => (Some(account), end),
             Err(failure) => (None, Err(failure)),
         };
-        if let Err(failure) = &end
-            && inputs.len() > 1
-        {
+        let is_one_of_many = inputs.len() > 1;
+        if let Some(failure) = end.as_ref().err().filter(|_| is_one_of_many) {
             eprintln!("heft: {}: {failure}", input.display());
         }
         account.iter().for_each(print);
@@ -108,15 +107,16 @@ fn judge(mut ends: Vec<Result<(), Failure>>) -> Result<(), Failure> {
         return ends.remove(0);
     }
     let all = ends.len();
-    let failures: Vec<Failure> = ends.into_iter().filter_map(Result::err).collect();
-    let status = failures.iter().map(|f| f.status).max();
-    match (failures.len(), status) {
-        (0, _) => Ok(()),
-        (n, Some(1)) => Err(Failure::answer_is_no(format!(
-            "{n} of {all} inputs are damaged; what is whole was counted"
+    let statuses = ends.iter().filter_map(|end| end.as_ref().err());
+    let (damaged, failed): (Vec<u8>, Vec<u8>) =
+        statuses.map(|f| f.status).partition(|status| *status == 1);
+    match (failed.len(), damaged.len()) {
+        (0, 0) => Ok(()),
+        (0, damaged) => Err(Failure::answer_is_no(format!(
+            "{damaged} of {all} inputs are damaged; what is whole in them was counted"
         ))),
-        (n, _) => Err(Failure::input(
-            format!("{n} of {all} inputs failed; the others were counted"),
+        (failed, _) => Err(Failure::input(
+            format!("{failed} of {all} inputs could not be counted"),
             "the messages above",
             "fix or remove them and run again",
         )),
