@@ -131,14 +131,12 @@ impl Disturbance {
         dt: f64,
     ) -> Effect {
         let angle = step.turning(speed, machine.wheelbase);
-        let bending = (angle - self.late_angle) / BENDING;
-        self.late_angle += (dt / BENDING).min(1.0) * (angle - self.late_angle);
-        let closing = 0.25 * machine.wheelbase * self.late_angle * bending;
-        let by_bending = closing.abs() / speed.abs().max(LEAST_SPEED);
-        let turn = TURN_WEIGHT
-            * self
-                .turn
-                .update(angle * angle + BENDING_LEFT * by_bending, dt);
+        let closing = self.closing(angle, machine.wheelbase, dt);
+        let mut by_turn = angle * angle;
+        if closing != 0.0 {
+            by_turn += BENDING_LEFT * closing.abs() / speed.abs().max(LEAST_SPEED);
+        }
+        let turn = TURN_WEIGHT * self.turn.update(by_turn, dt);
         let excess = step.acceleration.map_or(0.0, |a| {
             self.explain(machine, step, [speed, a], dt);
             (self.fast.abs() - EXPLAINED.0 - EXPLAINED.1 * a.abs()).max(0.0)
@@ -155,6 +153,16 @@ impl Disturbance {
             closing,
             force,
         }
+    }
+
+    /// Speed at which the axles approach each other because the machine bends [m/s].
+    fn closing(&mut self, angle: f64, wheelbase: f64, dt: f64) -> f64 {
+        if angle == self.late_angle {
+            return 0.0;
+        }
+        let bending = (angle - self.late_angle) / BENDING;
+        self.late_angle += (dt / BENDING).min(1.0) * (angle - self.late_angle);
+        0.25 * wheelbase * self.late_angle * bending
     }
 
     /// Force on the body over the force that the torques tell.
