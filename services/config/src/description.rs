@@ -1,6 +1,8 @@
 //! A description of any machine.
 
-use crate::{Error, Errors, Keyed, Tables, parse};
+use std::collections::BTreeMap;
+
+use crate::{Error, Errors, Keyed, Tables, parse, stated};
 use messages::Machine;
 
 macro_rules! descriptions {
@@ -66,6 +68,14 @@ macro_rules! descriptions {
                 }
             }
 
+            /// The keys that it states beside the defaults of a machine of its size, with their values in TOML.
+            #[must_use]
+            pub fn stated(&self) -> BTreeMap<&'static str, String> {
+                match self {
+                    $( Self::$name(m) => stated::stated(m.as_ref()), )*
+                }
+            }
+
             /// The whole description with its comments.
             #[must_use]
             pub fn to_toml(&self) -> String {
@@ -86,6 +96,13 @@ impl Description {
     /// No such key, or a value that it cannot have.
     pub fn set(&mut self, assignment: &str) -> Result<(), Error> {
         self.set_all(&[assignment])
+    }
+
+    /// The keys that it states otherwise than an earlier description of this machine, of which [`Self::stated`] of any version of
+    /// heft is left. A key that is new since, and has its default, is not among them.
+    #[must_use]
+    pub fn changed_since(&self, stated: &BTreeMap<String, String>) -> Vec<String> {
+        stated::changed(self.machine(), &self.stated(), stated)
     }
 }
 

@@ -20,6 +20,7 @@ mod parse;
 mod print;
 mod remembered;
 mod renamed;
+mod stated;
 mod tables;
 
 pub use class::class;

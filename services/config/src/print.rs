@@ -30,7 +30,7 @@ fn comment(key: &Key) -> String {
 }
 
 /// A value in TOML; a number with as few digits as give it back to the last bit.
-fn toml(value: &Value) -> String {
+pub(crate) fn toml(value: &Value) -> String {
     match value {
         Value::Number(x) => number(*x),
         Value::None => "\"none\"".into(),

@@ -328,3 +328,53 @@ fn a_key_is_read_by_its_old_name_too_and_not_by_both() {
     let errors = Loader::parse(&both, "both.toml").expect_err("stated twice");
     assert_eq!((errors.0.len(), errors.0[0].line), (1, Some(4)));
 }
+
+#[test]
+fn what_is_stated_are_the_keys_that_the_size_does_not_give() {
+    let stated = |d: &Description| d.stated().into_keys().collect::<Vec<_>>();
+    for machine in Machine::ALL {
+        assert!(stated(&Description::default_of(machine)).is_empty());
+    }
+    let mut sized = Description::default_of(Machine::Excavator);
+    let said = [
+        "machine.operating_mass=21500",
+        "machine.geometry.boom_length=5.7",
+    ];
+    sized.set_all(&said).expect("valid");
+    assert_eq!(
+        stated(&sized),
+        ["machine.geometry.boom_length", "machine.operating_mass"],
+        "and nothing that follows from them"
+    );
+    // The value of the reference machine, on a machine of another size.
+    let reference = Excavator::default().geometry.boom_mass;
+    let boom = format!("machine.geometry.boom_mass={reference}");
+    sized.set(&boom).expect("valid");
+    assert!(stated(&sized).contains(&"machine.geometry.boom_mass"));
+}
+
+#[test]
+fn a_description_differs_from_an_earlier_one_by_what_either_states() {
+    let mut now = Description::default_of(Machine::Loader);
+    now.set("sensors.slope_follows=0.3").expect("valid");
+    let earlier = |key: &str, value: &str| {
+        let pair = (key.to_owned(), value.to_owned());
+        now.changed_since(&[pair].into())
+    };
+    let key = "sensors.slope_acceleration_sensitivity";
+    assert!(earlier(key, "0.3").is_empty());
+    assert!(
+        earlier("sensors.slope_follows", "0.3").is_empty(),
+        "its old name"
+    );
+    assert_eq!(earlier(key, "0.2"), [key]);
+    assert_eq!(earlier("machine.mass", "11000.0"), ["machine.mass", key]);
+    assert_eq!(
+        now.changed_since(&Default::default()),
+        [key],
+        "it was a default"
+    );
+    let gone = [(key, "0.3"), ("machine.no_longer", "1.0")];
+    let gone = gone.map(|(key, value)| (key.to_owned(), value.to_owned()));
+    assert!(now.changed_since(&gone.into()).is_empty());
+}

@@ -4,6 +4,9 @@
 //! begins with it as its prior: widened for the pause, never narrower than a share of the described prior,
 //! and without a verdict. The description that a recording carries holds those priors, so a replay needs
 //! nothing else.
+//!
+//! A state outlives versions of heft: it holds what its description stated beside the defaults, its keys are read by their
+//! old names too, and fields that this version does not have are passed over. Its last line is the checksum of all before it.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -27,6 +30,12 @@ const PERIOD: Duration = Duration::from_secs(60);
 const MOST_KEPT: u32 = 1000;
 /// Largest file that is read as a state \[bytes\].
 const LARGEST: u64 = 1 << 20;
+/// Meaning of the fields: a larger number for one that this version could misread. A field that is new needs none.
+const FORMAT: u32 = 2;
+/// The format of files that do not say theirs: a hash of the whole description, no checksum.
+const FIRST_FORMAT: u32 = 1;
+/// What stands between the contents of a file and their checksum, in every format since the second.
+const SEAL: &str = ",\n  \"sha256\": \"";
 
 /// A parameter that is worth remembering, by the sheet of its machine: its row, the field of its standard deviation, and
 /// the keys that both restore. A content of the bucket or a load is not slow.
@@ -49,16 +58,27 @@ pub struct Remembered {
 }
 
 /// What the file holds.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct State {
+    /// The build that wrote it. The first field: by it a damaged file is known as one of heft.
     heft: String,
+    #[serde(default = "first_format")]
+    format: u32,
     machine: String,
-    /// Of the description without what was restored.
+    /// What the description stated beside the defaults, by key; without what was restored.
+    #[serde(default)]
+    stated: BTreeMap<String, String>,
+    /// Of the whole description, in the first format.
+    #[serde(default, skip_serializing)]
     description_sha256: String,
     /// Methods of the run, by process.
     methods: BTreeMap<String, String>,
     /// By the key that they restore.
     parameters: BTreeMap<String, Remembered>,
+}
+
+fn first_format() -> u32 {
+    FIRST_FORMAT
 }
 
 /// The memory of a run.
@@ -84,16 +104,17 @@ impl Memory {
     ) -> Result<(Self, String), Failure> {
         let fresh = State {
             heft: crate::build::IDENTITY.into(),
+            format: FORMAT,
             machine: description.machine().name().into(),
-            description_sha256: recording::sha256(description.to_toml()),
+            stated: stated(description),
+            description_sha256: String::new(),
             methods: methods.clone(),
             parameters: BTreeMap::new(),
         };
         let place = file.display();
-        let (state, line) = match read(file, &fresh) {
-            Ok(Some(old)) => {
-                let said = restore(&old.parameters, now(), description)?;
-                let parameters = old.parameters;
+        let (state, line) = match read(file, description, methods) {
+            Ok(Some(parameters)) => {
+                let said = restore(&parameters, now(), description);
                 (
                     State {
                         parameters,
@@ -179,7 +200,8 @@ impl Memory {
 
     /// In one step: at every moment there is the old state or the new one.
     fn write(&self) -> Result<(), Failure> {
-        let text = serde_json::to_string_pretty(&self.state).map_err(Failure::internal)? + "\n";
+        let text = serde_json::to_string_pretty(&self.state).map_err(Failure::internal)?;
+        let text = sealed(text.trim_end_matches("\n}"));
         let new = self
             .file
             .with_extension(format!("{}.new", std::process::id()));
@@ -246,85 +268,161 @@ fn text_of(file: &Path) -> std::io::Result<Option<String>> {
     if !opened.metadata()?.is_file() {
         return Err(std::io::Error::other("it is no regular file"));
     }
-    let mut text = String::new();
-    opened.take(LARGEST + 1).read_to_string(&mut text)?;
-    if text.len() as u64 > LARGEST {
+    let mut bytes = Vec::new();
+    opened.take(LARGEST + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > LARGEST {
         return Err(std::io::Error::other("it is too large for one"));
     }
-    Ok(Some(text))
+    // What is no text is damage like any other.
+    Ok(Some(String::from_utf8_lossy(&bytes).into_owned()))
 }
 
-/// Whether a damaged text was a state: it begins as heft writes them.
+/// What the description states, as a state holds it.
+fn stated(description: &Description) -> BTreeMap<String, String> {
+    let stated = description.stated().into_iter();
+    stated.map(|(key, value)| (key.into(), value)).collect()
+}
+
+/// Contents without their last bracket, as a file: closed by their checksum.
+fn sealed(contents: &str) -> String {
+    let sum = recording::sha256(contents);
+    format!("{contents}{SEAL}{sum}\"\n}}\n")
+}
+
+/// Whether a damaged text was a state: it begins or ends as heft writes them, or nothing is in it, which is what a host
+/// leaves that lost its power.
 fn is_ours(text: &str) -> bool {
     let begin: String = text.split_whitespace().take(2).collect();
     begin.starts_with("{\"heft\":")
+        || (text.contains("\n  \"parameters\": {") && text.contains(SEAL))
+        || text.chars().all(|c| c.is_whitespace() || c == '\0')
 }
 
-/// The state in a file; `None` if there is no file.
-fn read(file: &Path, run: &State) -> Result<Option<State>, Refusal> {
+/// The state in a text, whole.
+fn whole(text: &str) -> Result<State, String> {
+    let contents = text.rsplit_once(SEAL).map(|(contents, _)| contents);
+    if contents.is_some_and(|contents| sealed(contents) != text) {
+        return Err("its checksum is not that of its contents".into());
+    }
+    /// What is read first: a later format may lack what this one needs.
+    #[derive(Deserialize)]
+    struct Head {
+        #[serde(default = "first_format")]
+        format: u32,
+    }
+    let Head { format } = serde_json::from_str(text).map_err(|e| e.to_string())?;
+    if contents.is_none() && format > FIRST_FORMAT {
+        return Err("its checksum is missing".into());
+    }
+    if format > FORMAT {
+        return Err(format!(
+            "a newer heft wrote it: format {format}, this one reads up to {FORMAT}"
+        ));
+    }
+    serde_json::from_str(text).map_err(|e| e.to_string())
+}
+
+/// The parameters in a file, by their keys of today; `None` if there is no file.
+fn read(
+    file: &Path,
+    description: &Description,
+    methods: &BTreeMap<String, String>,
+) -> Result<Option<BTreeMap<String, Remembered>>, Refusal> {
     let text = text_of(file).map_err(|e| Refusal::Foreign(e.to_string()))?;
     let Some(text) = text else {
         return Ok(None);
     };
-    let old: State = serde_json::from_str(&text).map_err(|e| {
-        // Nothing at all is what a host leaves that lost its power.
-        if text.trim_start().is_empty() || is_ours(&text) {
-            Refusal::Unfit(format!("damaged: {e}"))
+    let old = whole(&text).map_err(|why| {
+        if is_ours(&text) {
+            Refusal::Unfit(format!("damaged: {why}"))
         } else {
-            Refusal::Foreign(e.to_string())
+            Refusal::Foreign(why)
         }
     })?;
-    fits(old, run).map(Some).map_err(Refusal::Unfit)
+    fits(&old, description, methods).map_err(Refusal::Unfit)?;
+    let today = |key: String| config::renamed(&key).map_or(key, str::to_owned);
+    let parameters = old.parameters.into_iter();
+    Ok(Some(parameters.map(|(k, v)| (today(k), v)).collect()))
 }
 
-/// The state if it fits this run, or why not.
-fn fits(old: State, run: &State) -> Result<State, String> {
-    if old.machine != run.machine {
+/// Whether a state fits this run, or why not.
+fn fits(
+    old: &State,
+    description: &Description,
+    methods: &BTreeMap<String, String>,
+) -> Result<(), String> {
+    if old.machine != description.machine().name() {
         return Err(format!("it is of the machine {}", old.machine));
     }
-    if old.description_sha256 != run.description_sha256 {
-        return Err("the description was changed since".into());
+    if old.format == FIRST_FORMAT {
+        // It cannot be told whether the user changed the description, or heft its keys.
+        if old.description_sha256 != recording::sha256(description.to_toml()) {
+            return Err("the description was changed since, or heft's defaults: \
+                 an older heft wrote it, which did not say what was stated"
+                .into());
+        }
+    } else {
+        let changed = description.changed_since(&old.stated);
+        if !changed.is_empty() {
+            let keys = changed.join(", ");
+            return Err(format!("the description was changed since: {keys}"));
+        }
     }
-    if old.methods != run.methods {
+    if old.methods != *methods {
         return Err("it was learnt by another method".into());
     }
     let sound = |r: &Remembered| r.value.is_finite() && r.std.is_finite() && r.std > 0.0;
     if !old.parameters.values().all(sound) {
         return Err("damaged: a number that is none".into());
     }
-    Ok(old)
+    Ok(())
 }
 
-/// Puts remembered parameters into a description; what was done, in words.
+/// Puts remembered parameters into a description; what was done, in words, and with which of them nothing was.
 fn restore(
     parameters: &BTreeMap<String, Remembered>,
     now: u64,
     description: &mut Description,
-) -> Result<String, Failure> {
-    let mut said = Vec::new();
-    for (row, _, [key, std_key]) in slow(description.machine()) {
-        let (Some(old), Some(prior)) = (parameters.get(key), number(description, std_key)) else {
+) -> String {
+    let (mut said, mut left) = (Vec::new(), Vec::new());
+    for (row, _, keys) in slow(description.machine()) {
+        let Some(old) = parameters.get(keys[0]) else {
             continue;
         };
-        // 0 says that it is known exactly.
-        if prior <= 0.0 {
-            continue;
-        }
-        // Learnt in the future: a clock was wrong, by that much at least.
-        let std = widened(old.std, prior, now.abs_diff(old.learnt) as f64);
-        let mut restored = description.clone();
-        let set = [format!("{key}={}", old.value), format!("{std_key}={std}")];
-        // Outside what the description allows: it begins from the prior.
-        if restored.set_all(&set).is_ok() {
-            *description = restored;
-            said.push(format!("{} {:.4} ± {:.2}", row.name, old.value, std));
+        match restore_one(keys, *old, now, description) {
+            Ok(std) => said.push(format!("{} {:.4} ± {std:.2}", row.name, old.value)),
+            Err(why) => left.push(format!("{} ({why})", keys[0])),
         }
     }
-    Ok(if said.is_empty() {
-        "nothing to restore".into()
-    } else {
-        format!("restored {}", said.join(", "))
-    })
+    let known: Vec<&str> = slow(description.machine()).map(|s| s.2[0]).collect();
+    let unknown = parameters.keys().filter(|k| !known.contains(&k.as_str()));
+    left.extend(unknown.map(|key| format!("{key} (this heft remembers no such key)")));
+    match (said.is_empty(), left.is_empty()) {
+        (true, true) => "nothing to restore: nothing was trusted yet".into(),
+        (true, false) => format!("nothing restored: {}", left.join(", ")),
+        (false, true) => format!("restored {}", said.join(", ")),
+        (false, false) => format!("restored {}; not {}", said.join(", "), left.join(", ")),
+    }
+}
+
+/// Puts a remembered parameter under its key and its standard deviation's; that standard deviation, or why the description
+/// begins from its own prior.
+fn restore_one(
+    [key, std_key]: [&str; 2],
+    old: Remembered,
+    now: u64,
+    description: &mut Description,
+) -> Result<f64, String> {
+    let prior = number(description, std_key).unwrap_or(0.0);
+    // 0 says that it is known exactly.
+    if prior <= 0.0 {
+        return Err(format!("{std_key} is 0: it is known exactly"));
+    }
+    // Learnt in the future: a clock was wrong, by that much at least.
+    let std = widened(old.std, prior, now.abs_diff(old.learnt) as f64);
+    let set = [format!("{key}={}", old.value), format!("{std_key}={std}")];
+    description.set_all(&set).map_err(|error| error.what)?;
+    Ok(std)
 }
 
 /// A number of a description by its key.
@@ -422,7 +520,7 @@ mod tests {
             ("another method", &mut || {
                 Memory::open(&file, &mut loader(), &other).unwrap().1
             }),
-            ("description was changed", &mut || {
+            ("description was changed since: machine.mass;", &mut || {
                 Memory::open(&file, &mut changed, &other).unwrap().1
             }),
             ("of the machine loader", &mut || {
@@ -477,5 +575,142 @@ mod tests {
             fs::read_to_string(file("my.csv")).unwrap(),
             "t,swing_velocity\n0,1\n"
         );
+    }
+
+    /// A state that was learnt with this description, written to a file.
+    fn learnt(file: &Path, description: &Description) -> String {
+        let _ = fs::remove_file(file);
+        let (mut memory, _) =
+            Memory::open(file, &mut description.clone(), &BTreeMap::new()).unwrap();
+        memory.see(&LOADER_CG_UKF, &estimate(0.47, loader_bits::TRUSTED_RATIO));
+        memory.save();
+        fs::read_to_string(file).unwrap()
+    }
+
+    /// What a run with this description says of this text as its state.
+    fn said_of(text: &str, description: &Description) -> String {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("state.json");
+        fs::write(&file, text).unwrap();
+        let opened = Memory::open(&file, &mut description.clone(), &BTreeMap::new());
+        opened.unwrap().1
+    }
+
+    /// The text with its checksum made anew: what another version of heft may have written.
+    fn resealed(text: &str) -> String {
+        sealed(text.rsplit_once(SEAL).unwrap().0)
+    }
+
+    #[test]
+    fn every_byte_that_is_damaged_is_noticed() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("state.json");
+        let text = learnt(&file, &loader());
+        assert_eq!(resealed(&text), text);
+        for at in 0..text.len() {
+            for bit in [1, 0x80] {
+                let mut bytes = text.clone().into_bytes();
+                bytes[at] ^= bit;
+                fs::write(&file, &bytes).unwrap();
+                let found = read(&file, &loader(), &BTreeMap::new());
+                let Err(Refusal::Unfit(why)) = found else {
+                    panic!("byte {at}, bit {bit}: used, or taken for a file of others");
+                };
+                assert!(why.starts_with("damaged: "), "byte {at}: {why}");
+            }
+        }
+        for cut in ["", "\0\0\0\0", &text[..40], &text[..text.len() - 80]] {
+            assert!(
+                said_of(cut, &loader()).contains("not used: damaged"),
+                "{cut}"
+            );
+        }
+    }
+
+    #[test]
+    fn states_of_other_versions_are_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("state.json");
+        let mut described = loader();
+        described.set("sensors.slope_follows=0.3").unwrap();
+        let text = learnt(&file, &described);
+
+        // Before keys were renamed, and after a field, a parameter and a key of a description came that this one does not have.
+        let old_name = text.replace("slope_acceleration_sensitivity", "slope_follows");
+        let more = text.replace("\"stated\": {", "\"stated\": { \"sensors.new\": \"1.0\",");
+        let more = more.replace("\"machine\":", "\"new\": [1],\n  \"machine\":");
+        for other in [&text, &resealed(&old_name), &resealed(&more)] {
+            let said = said_of(other, &described);
+            assert!(said.contains("restored slip_stiffness"), "{said}");
+        }
+        let said = said_of(&text, &loader());
+        let key = "description was changed since: sensors.slope_acceleration_sensitivity;";
+        assert!(said.contains(key), "{said}");
+
+        let newer = resealed(&text.replace("\"format\": 2", "\"format\": 3"));
+        let said = said_of(&newer, &described);
+        assert!(said.contains("a newer heft wrote it: format 3"), "{said}");
+        let bare = text.rsplit_once(SEAL).unwrap().0.to_owned() + "\n}\n";
+        let said = said_of(&bare, &described);
+        assert!(said.contains("its checksum is missing"), "{said}");
+    }
+
+    #[test]
+    fn a_state_of_the_first_format_is_read_if_it_is_sound() {
+        let first = |value: &str| {
+            let hash = recording::sha256(loader().to_toml());
+            format!(
+                "{{\n  \"heft\": \"0.2.0 abc\",\n  \"machine\": \"loader\",\n  \"description_sha256\": \"{hash}\",\n  \
+                 \"methods\": {{}},\n  \"parameters\": {{\n    \"prior.cg_ratio\": {{\n      \"value\": {value},\n      \
+                 \"std\": 0.01,\n      \"learnt\": 1700000000\n    }}\n  }}\n}}\n"
+            )
+        };
+        let said = said_of(&first("0.47"), &loader());
+        assert!(said.contains("restored cg_ratio 0.4700"), "{said}");
+        let mut changed = loader();
+        changed.set("machine.mass=11000").unwrap();
+        let said = said_of(&first("0.47"), &changed);
+        assert!(said.contains("an older heft wrote it"), "{said}");
+        for damaged in ["1e999", "\"0.47\"", "0.4.7"] {
+            let said = said_of(&first(damaged), &loader());
+            assert!(said.contains("not used: damaged"), "{damaged}: {said}");
+        }
+    }
+
+    #[test]
+    fn what_restores_nothing_is_named_with_its_reason() {
+        let learnt = 1_700_000_000;
+        let remembered = |value| Remembered {
+            value,
+            std: 0.01,
+            learnt,
+        };
+        let of = |pairs: &[(&str, f64)]| {
+            let pairs = pairs.iter();
+            pairs
+                .map(|(key, value)| ((*key).to_owned(), remembered(*value)))
+                .collect()
+        };
+        let outside = [("prior.cg_ratio", 7.0), ("prior.of_tomorrow", 1.0)];
+        let mut description = loader();
+        let said = restore(&of(&outside), learnt, &mut description);
+        let reasons = "nothing restored: prior.cg_ratio (prior.cg_ratio is 7, outside from 0.01 to 0.99), \
+                       prior.of_tomorrow (this heft remembers no such key)";
+        assert_eq!(said, reasons);
+        assert_eq!(description, loader());
+        let more = of(&[&outside[..], &[("prior.slip_stiffness", 24.0)]].concat());
+        let said = restore(&more, learnt, &mut description);
+        assert!(
+            said.starts_with("restored slip_stiffness 24.0000"),
+            "{said}"
+        );
+        assert!(said.contains("; not prior.cg_ratio ("), "{said}");
+
+        let mut exact = Description::default_of(Machine::Excavator);
+        exact.set("prior.damping_std=0").unwrap();
+        let damping = of(&[("machine.nominal_damping", 1600.0)]);
+        let said = restore(&damping, learnt, &mut exact);
+        assert!(said.contains("prior.damping_std is 0"), "{said}");
+        assert!(restore(&of(&[]), learnt, &mut exact).contains("nothing was trusted yet"));
     }
 }

@@ -84,7 +84,9 @@ impl Description {
         d.machine.operating_mass = Some(mass);
         d.machine.rated_payload = self.machine.rated_payload;
         d.machine.swing_torque = self.machine.swing_torque;
-        if self.machine.upper_inertia == Self::default().machine.upper_inertia {
+        // Nobody has measured it: nothing is said, or what was guessed before.
+        let upper = self.machine.upper_inertia;
+        if upper == Self::default().machine.upper_inertia || upper == d.machine.upper_inertia {
             d.machine.mass_tolerance = SPREAD;
             d.machine.upper_tolerance = Some(UPPER_SPREAD);
             d.machine.bucket_tolerance = Some(BUCKET_SPREAD);
@@ -156,6 +158,7 @@ mod tests {
             let mut d = Description::default();
             d.machine.operating_mass = Some(mass);
             let d = d.of_its_size();
+            assert_eq!(d.of_its_size(), d, "a guess is no statement");
             for (guess, truth, spread) in [
                 (d.geometry.boom_length, boom, 0.15),
                 (d.geometry.arm_length, arm, 0.15),
