@@ -7,7 +7,7 @@ use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use config::Description;
 use messages::Machine;
-use recording::Reader;
+use recording::{Kind, Reader};
 use steps::stages::Pipeline;
 
 use crate::failure::Failure;
@@ -127,9 +127,7 @@ pub fn described(
     args: &DescriptionArgs,
     input: &Path,
 ) -> Result<Description, Failure> {
-    let is_recording = input
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("mcap"));
+    let is_recording = !input.is_dir() && Kind::of(input).is_ok_and(|kind| kind == Kind::Recording);
     let mut known = machine;
     if is_recording && args.config.is_none() {
         let reader = Reader::open(input)?;

@@ -363,11 +363,7 @@ impl<M: Typed> Entry for M {
 
 /// Speaks of columns of a table that are left out and look like signals that it lacks.
 fn hint_at_names<S: Sensors>(file: &Path, map: Option<&recording::Map>) {
-    let is_table = file.extension().is_some_and(|e| {
-        ["csv", "txt"]
-            .iter()
-            .any(|known| e.eq_ignore_ascii_case(known))
-    });
+    let is_table = recording::Kind::by_name(file) == Some(recording::Kind::Table);
     if map.is_some() || !is_table {
         return;
     }

@@ -9,6 +9,8 @@ use std::process::Stdio;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use recording::Kind;
+
 use crate::failure::Failure;
 use crate::image;
 
@@ -130,9 +132,14 @@ fn walk(folder: &Path, tables: bool, found: &mut Vec<PathBuf>) -> std::io::Resul
 }
 
 fn is_table(path: &Path) -> bool {
-    let kind = path.extension().map(std::ffi::OsStr::to_ascii_lowercase);
-    let kind = kind.as_deref().and_then(std::ffi::OsStr::to_str);
-    matches!(kind, Some("csv" | "log")) && !is_ours(path)
+    // A text of any kind may end so.
+    let is_vague = path.extension().is_some_and(|e| {
+        ["txt", "dat", "tab"]
+            .iter()
+            .any(|v| e.eq_ignore_ascii_case(v))
+    });
+    let kind = Kind::by_name(path).filter(|_| !is_vague);
+    matches!(kind, Some(Kind::Table | Kind::Log)) && !is_ours(path)
 }
 
 /// Whether it is a table that heft has made: estimates, loads, or a summary of inputs.

@@ -5,6 +5,7 @@ mod columns;
 mod dialect;
 mod estimate;
 mod export;
+mod front;
 mod read;
 
 pub(crate) use cells::Cells;
@@ -13,7 +14,7 @@ pub(crate) use dialect::{Dialect, separator_line};
 pub use estimate::{Column, Estimate, EstimateRows, EstimateWriter, is_estimates};
 pub(crate) use estimate::{columns, columns_of, count, count_flags, extra};
 pub use export::export;
-pub(crate) use read::{TableRows, names, numbers};
+pub(crate) use read::{Look, TableRows, look, names};
 pub use read::{misspelt, read, read_weighings};
 
 /// A cell of a CSV, in quotes where it must be.

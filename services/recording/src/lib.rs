@@ -16,6 +16,7 @@ mod error;
 mod excavator;
 mod file;
 pub mod frame;
+mod kind;
 mod line_decoder;
 mod load;
 mod loader;
@@ -40,6 +41,7 @@ mod writer;
 
 pub use csv::EstimateWriter;
 pub use error::Error;
+pub use kind::Kind;
 pub use line_decoder::{LineDecoder, MAX_LINE, NameColumn};
 pub use load::{Samples, load, open};
 pub use map::Map;

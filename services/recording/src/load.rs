@@ -6,10 +6,9 @@ use messages::Message;
 
 use crate::signal::{Row, Sensors};
 use crate::topics::TopicRows;
-use crate::{Error, Lacks, Map, Reader, can, csv};
+use crate::{Error, Kind, Lacks, Map, Reader, can, csv};
 
-/// Reads the samples of a machine from a table (`.csv`), a recording (`.mcap`) or a CAN log (`.log`, which needs a
-/// map).
+/// Reads the samples of a machine from a table, a recording or a CAN log, which needs a map.
 ///
 /// # Errors
 /// The file cannot be read, is damaged or lacks something; the error says what and where. Of a recording that was cut
@@ -135,8 +134,7 @@ impl<S: Message, T: Message> Samples<S, T> {
     }
 }
 
-/// Opens the samples of a machine: a table (`.csv`), a recording (`.mcap` or its folder) or a CAN log
-/// (`.log`, which needs a map).
+/// Opens the samples of a machine: a table, a recording (or its folder) or a CAN log, which needs a map.
 ///
 /// # Errors
 /// The file cannot be read or lacks something; the error says what and where.
@@ -146,31 +144,20 @@ pub fn open<S: Sensors>(
 ) -> Result<Samples<S, S::Truth>, Error> {
     let path = path.as_ref();
     let place = || path.display().to_string();
-    let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
-    let ending = if path.is_dir() {
-        Some("mcap".into())
-    } else {
-        ending
-    };
-    match (ending.as_deref(), map) {
-        (Some("csv" | "txt"), _) => table::<S>(path, map),
-        (Some("log"), Some(map)) => log::<S>(path, map),
-        (Some("mcap"), None) => recorded::<S>(path),
-        (Some("log"), None) => Err(Error::new(
+    match (Kind::of(path)?, map) {
+        (Kind::Table, _) => table::<S>(path, map),
+        (Kind::Log, Some(map)) => log::<S>(path, map),
+        (Kind::Recording, None) => recorded::<S>(path),
+        (Kind::Log, None) => Err(Error::new(
             "a CAN log needs a signal map",
             place(),
             "give one with --map; it names the DBC file and the signals",
         )),
-        (Some("mcap"), Some(map)) if map.has_topics() => topics::<S>(path, map),
-        (Some("mcap"), Some(_)) => Err(Error::new(
+        (Kind::Recording, Some(map)) if map.has_topics() => topics::<S>(path, map),
+        (Kind::Recording, Some(_)) => Err(Error::new(
             "the signal map names no topics",
             place(),
             "leave out --map for a recording of heft; name topics under [topics.signals] for one of others",
-        )),
-        _ => Err(Error::new(
-            "the kind of file is not known from its name",
-            place(),
-            "give a file that ends in .csv, .mcap or .log",
         )),
     }
 }

@@ -14,10 +14,10 @@ use std::path::{Path, PathBuf};
 
 use messages::Machine;
 
-use crate::Error;
 use crate::can::dbc::Dbc;
 use crate::can::{Line, parse};
 use crate::signal::{self, Sensors};
+use crate::{Error, Kind};
 use names::{Wanted, fitting, wanted};
 use table::LINKS;
 
@@ -27,15 +27,11 @@ use table::LINKS;
 /// # Errors
 /// A file cannot be read, or is neither a table nor a log.
 pub fn suggest(path: &Path, dbc: &[PathBuf], machine: Option<Machine>) -> Result<String, Error> {
-    let is_log = path
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("log"));
-    if path
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("mcap"))
-    {
+    let kind = Kind::of(path)?;
+    if kind == Kind::Recording {
         return crate::topics::list::map(path, machine.unwrap_or(Machine::Excavator));
     }
+    let is_log = kind == Kind::Log;
     let of = |machine| guess(machine, path, is_log.then_some(dbc));
     let guesses = match machine {
         Some(machine) => vec![of(machine)?],
@@ -276,7 +272,7 @@ mod tests {
             std::fs::write(&file, format!("{header}\n0,1,2\n")).expect("writable");
             suggest(&file, &[], Some(machine)).expect("a table")
         };
-        let text = of("t,swing_rate,torque", Machine::Excavator);
+        let text = of("t,swing_rate,p_motor", Machine::Excavator);
         assert!(!text.contains("swing_angle"), "the rate will do: {text}");
         assert!(
             text.contains("helps: swing_torque [N m], boom_angle [rad]"),

@@ -75,11 +75,18 @@ impl Cells {
         }
         let mut start = 0;
         for end in &self.ends[..count] {
-            self.record.push_field(self.bytes[start..*end].trim_ascii());
+            self.record
+                .push_field(unquoted(self.bytes[start..*end].trim_ascii()));
             start = *end;
         }
         Ok(Some(taken))
     }
+}
+
+/// A cell whose quotes stand between blanks: `1, "2" ,3`.
+fn unquoted(cell: &[u8]) -> &[u8] {
+    let inner = cell.strip_prefix(b"\"").and_then(|c| c.strip_suffix(b"\""));
+    inner.map_or(cell, <[u8]>::trim_ascii)
 }
 
 /// A line without its end; nothing where it has quotes or other ends within.
@@ -201,6 +208,13 @@ mod tests {
             let expected = library(line.as_bytes()).pop().unwrap_or_default();
             assert_eq!(cells.split(line.as_bytes()), &expected, "{line:?}");
         }
+    }
+
+    #[test]
+    fn blanks_around_quotes_belong_to_nothing() {
+        let mut cells = Cells::new(Dialect { separator: b',' });
+        let found = cells.split(b"\"t\" , \"speed\" ,\"slope\"\n");
+        assert_eq!(found, &ByteRecord::from(vec!["t", "speed", "slope"]));
     }
 
     #[test]

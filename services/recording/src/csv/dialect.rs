@@ -34,15 +34,16 @@ impl Dialect {
         Self { separator }
     }
 
-    /// The number in a cell, NaN where it is empty; `None` where it is text. Where commas do not
-    /// separate, they may be the decimal mark.
+    /// The number in a cell, NaN where it is empty or says that there is none; `None` where it is text. Where commas do
+    /// not separate, they may be the decimal mark.
     pub(crate) fn number(self, cell: &[u8]) -> Option<f64> {
         if cell.is_empty() {
             return Some(f64::NAN);
         }
         // Reads bytes as the standard library reads text, of which a cell need not be.
         let number = fast_float2::parse(cell).ok();
-        number.or_else(|| self.with_decimal_comma(std::str::from_utf8(cell).ok()?))
+        let number = number.or_else(|| self.with_decimal_comma(std::str::from_utf8(cell).ok()?));
+        number.or_else(|| is_missing(cell).then_some(f64::NAN))
     }
 
     fn with_decimal_comma(self, text: &str) -> Option<f64> {
@@ -52,6 +53,17 @@ impl Dialect {
         let whole = whole.replace('.', "");
         (!has_point).then(|| format!("{whole}.{fraction}").parse().ok())?
     }
+}
+
+/// How others write that a sample is missing, in any capitals: as pandas reads it, and German Excel's `#NV`.
+const MISSING: [&str; 9] = [
+    "na", "n/a", "#n/a", "#na", "#nv", "<na>", "null", "none", "missing",
+];
+
+fn is_missing(cell: &[u8]) -> bool {
+    MISSING
+        .iter()
+        .any(|word| cell.eq_ignore_ascii_case(word.as_bytes()))
 }
 
 /// The separator in Excel's first line `sep=;`.
@@ -183,6 +195,16 @@ mod tests {
             assert!(same || both_nan, "{cell}: {found:?} {expected:?}");
         }
         assert_eq!(english.number(b"1\xff"), None);
+    }
+
+    #[test]
+    fn a_word_for_a_missing_sample_is_an_empty_cell() {
+        let english = Dialect { separator: b',' };
+        for word in ["NA", "n/a", "NULL", "None", "#N/A", "#NV"] {
+            let number = english.number(word.as_bytes());
+            assert!(number.is_some_and(f64::is_nan), "{word}");
+        }
+        assert_eq!(english.number(b"nothing"), None);
     }
 
     #[test]

@@ -1,15 +1,18 @@
 use std::fs::File;
-use std::io::{BufReader, Cursor, Read, Seek, SeekFrom};
+use std::io::{self, BufReader, Cursor, Read};
 use std::path::{Path, PathBuf};
 
 use ::csv::ByteRecord;
+use flate2::bufread::MultiGzDecoder;
 
 use super::cells::Records;
 use super::columns::{Columns, NoNumber, absent};
 use super::dialect::{self, Dialect};
+use super::front::Front;
 use crate::Error;
 use crate::map::Map;
 use crate::signal::{Row, Sensors};
+use crate::unit;
 
 /// Reads axle weights on level and tilted ground: `pitch` [rad, nose up positive], `front_load`
 /// and `rear_load` \[N\].
@@ -49,10 +52,21 @@ struct Table {
     path: PathBuf,
     file: String,
     dialect: Dialect,
-    /// The content where it was UTF-16; any other file is read as it goes.
-    converted: Option<Vec<u8>>,
-    /// Bytes before the header: a byte order mark, and Excel's line that names the separator.
+    storage: Storage,
+    /// Bytes before the header: a byte order mark, lines of comment, and Excel's line that names the separator.
     preface: usize,
+    /// Units in a row of their own below the header, a text for each column.
+    units: Option<Vec<String>>,
+}
+
+/// How the text lies in the file.
+enum Storage {
+    /// As it is: read as it goes.
+    Plain,
+    /// Packed by gzip: unpacked as it goes.
+    Packed,
+    /// The content where it was UTF-16.
+    Converted(Vec<u8>),
 }
 
 /// The lines below the header.
@@ -64,61 +78,94 @@ const HEAD: u64 = 1 << 18;
 impl Table {
     fn open(path: &Path) -> Result<Self, Error> {
         let failed = |e| Error::system("read the data", path, &e);
-        let mut head = Vec::new();
+        let mut magic = Vec::new();
         let mut opened = File::open(path).map_err(failed)?;
-        let begin = opened.by_ref().take(HEAD).read_to_end(&mut head);
+        let begin = opened.by_ref().take(2).read_to_end(&mut magic);
         begin.map_err(failed)?;
-        let is_wide = head.starts_with(&[0xff, 0xfe]) || head.starts_with(&[0xfe, 0xff]);
-        let mark = if head.starts_with(&[0xef, 0xbb, 0xbf]) {
-            3
+        let mut storage = if magic == GZIP {
+            Storage::Packed
         } else {
-            0
+            Storage::Plain
         };
-        if is_wide {
-            opened.read_to_end(&mut head).map_err(failed)?;
+        let mut head = Vec::new();
+        let mut content = content(path, &storage).map_err(failed)?;
+        let begin = content.by_ref().take(HEAD).read_to_end(&mut head);
+        begin.map_err(failed)?;
+        if head.starts_with(&[0xff, 0xfe]) || head.starts_with(&[0xfe, 0xff]) {
+            content.read_to_end(&mut head).map_err(failed)?;
             head = dialect::utf8(head);
+            storage = Storage::Converted(head.clone());
         }
-        let text = head.get(mark..).unwrap_or_default();
         let file = path.display().to_string();
-        if text.trim_ascii().is_empty() {
+        let Some(front) = Front::of(&head) else {
             let remedy = "give a CSV file with a header and a row per sample";
             return Err(Error::new("the file is empty", file, remedy));
-        }
-        let blank = text.iter().take_while(|b| b.is_ascii_whitespace()).count();
-        let line = text[blank..].split(|b| *b == b'\n').next();
-        let line = line.unwrap_or_default();
-        let preface = match dialect::separator_line(line) {
-            Some(_) => (blank + line.len() + 1).min(text.len()),
-            None => 0,
         };
         Ok(Self {
             path: path.to_owned(),
-            dialect: Dialect::of(line),
+            dialect: front.dialect,
             file,
-            preface: mark + preface,
-            converted: is_wide.then_some(head),
+            preface: front.start,
+            units: front.units,
+            storage,
         })
     }
 
     /// The content from byte `start`.
     fn content(&self, start: usize) -> Result<Box<dyn Read>, Error> {
         let failed = |e| Error::system("read the data", &self.path, &e);
-        if let Some(bytes) = &self.converted {
+        if let Storage::Converted(bytes) = &self.storage {
             let rest = bytes.get(start..).unwrap_or_default();
             return Ok(Box::new(Cursor::new(rest.to_vec())));
         }
-        let mut file = File::open(&self.path).map_err(failed)?;
-        file.seek(SeekFrom::Start(start as u64)).map_err(failed)?;
-        Ok(Box::new(file))
+        let mut content = content(&self.path, &self.storage).map_err(failed)?;
+        let before = &mut content.by_ref().take(start as u64);
+        std::io::copy(before, &mut std::io::sink()).map_err(failed)?;
+        Ok(content)
     }
 
-    /// The records, at the header, and the header.
+    /// The records, the last line above the samples taken, and the header.
     fn records(&self) -> Result<(Lines, Vec<String>), Error> {
         let content = BufReader::with_capacity(1 << 16, self.content(self.preface)?);
         let mut records = Records::new(content, self.dialect);
         self.advance(&mut records)?;
         let header = names(records.record(), &self.file)?;
+        let is_number = |cell: &[u8]| self.dialect.number(cell).is_some_and(|x| x.is_finite());
+        if records.record().iter().all(is_number) {
+            return Err(Error::new(
+                "the table has no header: its first line holds numbers",
+                format!("{}:{}", self.file, self.line(0)),
+                "write a line with the names of the columns above them",
+            ));
+        }
+        if self.units.is_some() {
+            self.advance(&mut records)?;
+        }
         Ok((records, header))
+    }
+
+    /// What has a signal's own name and no line in the map is taken in SI: its unit, where one stands below it, must be that.
+    fn check_units<S: Sensors>(&self, header: &[String], map: Option<&Map>) -> Result<(), Error> {
+        let units = self.units.iter().flatten();
+        for (name, text) in header.iter().zip(units) {
+            let signals = crate::signal::signals::<S>();
+            let is_mapped = map.is_some_and(|map| map.columns.iter().any(|e| e.signal == *name));
+            let signal = signals.iter().find(|s| s.name == *name && !is_mapped);
+            let (Some(signal), Some(unit)) = (signal, unit::guess(text)) else {
+                continue;
+            };
+            if unit.si != signal.unit || unit.factor != 1.0 {
+                return Err(Error::new(
+                    format!(
+                        "column {name} is in {}, and {} is expected",
+                        unit.name, signal.unit
+                    ),
+                    format!("{}:{}", self.file, self.line(0) + 1),
+                    "let `heft map` write a signal map, which converts it, and give that with --map",
+                ));
+            }
+        }
+        Ok(())
     }
 
     fn advance(&self, records: &mut Lines) -> Result<bool, Error> {
@@ -128,15 +175,11 @@ impl Table {
 
     /// Whether a line end closes the last row.
     fn is_closed(&self) -> Result<bool, Error> {
-        let failed = |e| Error::system("read the data", &self.path, &e);
-        if let Some(bytes) = &self.converted {
-            return Ok(bytes.ends_with(b"\n"));
+        let mut last = 0;
+        for byte in BufReader::new(self.content(0)?).bytes() {
+            last = byte.map_err(|e| Error::system("read the data", &self.path, &e))?;
         }
-        let mut last = [0];
-        let mut file = File::open(&self.path).map_err(failed)?;
-        file.seek(SeekFrom::End(-1)).map_err(failed)?;
-        file.read_exact(&mut last).map_err(failed)?;
-        Ok(last == *b"\n")
+        Ok(last == b'\n')
     }
 
     /// Line of the record that begins at this byte, counted from 1; empty lines before it are counted too.
@@ -150,6 +193,19 @@ impl Table {
         let before = bytes.take_while(|(at, b)| *at < start || b.is_ascii_whitespace());
         before.filter(|(_, b)| *b == b'\n').count() + 1
     }
+}
+
+/// First bytes of what gzip packs.
+const GZIP: [u8; 2] = [0x1f, 0x8b];
+
+/// The text of a file from its beginning.
+fn content(path: &Path, storage: &Storage) -> io::Result<Box<dyn Read>> {
+    let file = File::open(path)?;
+    Ok(match storage {
+        // Several packed one after the other are one text, as `cat` makes of them.
+        Storage::Packed => Box::new(MultiGzDecoder::new(BufReader::new(file))),
+        Storage::Plain | Storage::Converted(_) => Box::new(file),
+    })
 }
 
 /// The rows of a table, one after the other.
@@ -168,6 +224,7 @@ impl<S: Sensors> TableRows<S> {
     pub(crate) fn open(path: &Path, map: Option<&Map>) -> Result<Self, Error> {
         let table = Table::open(path)?;
         let (records, header) = table.records()?;
+        table.check_units::<S>(&header, map)?;
         Ok(Self {
             columns: Columns::choose(header, table.dialect, map, &table.file)?,
             table,
@@ -285,8 +342,18 @@ pub fn misspelt<S: Sensors>(path: &Path) -> Vec<(String, String)> {
         .collect()
 }
 
-/// Header and numbers of the first `most` rows, by column; NaN where a cell holds none.
-pub(crate) fn numbers(path: &Path, most: usize) -> Result<(Vec<String>, Vec<Vec<f64>>), Error> {
+/// The first rows of a table.
+pub(crate) struct Look {
+    /// Names of the columns.
+    pub header: Vec<String>,
+    /// Units in a row below the header, empty texts where there are none.
+    pub units: Vec<String>,
+    /// Numbers by column; NaN where a cell holds none.
+    pub columns: Vec<Vec<f64>>,
+}
+
+/// Header and the numbers of the first `most` rows.
+pub(crate) fn look(path: &Path, most: usize) -> Result<Look, Error> {
     let table = Table::open(path)?;
     let (mut records, header) = table.records()?;
     // Of a program, and of text in two bytes a character, half is zeros; one of them in quotes is a strange name.
@@ -313,7 +380,14 @@ pub(crate) fn numbers(path: &Path, most: usize) -> Result<(Vec<String>, Vec<Vec<
             column.push(number.unwrap_or(f64::NAN));
         }
     }
-    Ok((header, columns))
+    let units = table
+        .units
+        .unwrap_or_else(|| vec![String::new(); header.len()]);
+    Ok(Look {
+        header,
+        units,
+        columns,
+    })
 }
 
 /// The names in a header: UTF-8, or else Latin-1; none twice.

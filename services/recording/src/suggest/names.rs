@@ -1,6 +1,7 @@
 //! What others call heft's signals.
 
 use crate::signal::{self, Sensors};
+use crate::unit;
 
 use super::languages::english;
 
@@ -16,9 +17,22 @@ pub(super) fn wanted<S: Sensors>() -> Vec<Wanted> {
     measured.map(|s| Wanted { signal: s.name }).collect()
 }
 
-/// For each signal, words of which a name must have all, in the order of trust; `^word` only where a word of the name begins.
+/// For each signal, words of which a name must have all, in the order of trust: `^word` only where a word of the name begins,
+/// `=word` only where the name is no more than that and its unit.
 const WORDS: &[(&str, &[&[&str]])] = &[
-    ("t", &[&["timestamp"], &["time"], &["zeit"]]),
+    (
+        "t",
+        &[
+            &["timestamp"],
+            &["time"],
+            &["zeit"],
+            &["=t"],
+            &["=ts"],
+            &["=stamp"],
+            &["=epoch"],
+            &["=clock"],
+        ],
+    ),
     (
         "swing_velocity",
         &[
@@ -27,8 +41,12 @@ const WORDS: &[(&str, &[&[&str]])] = &[
             &["swing", "speed"],
             &["slew", "speed"],
             &["slew", "vel"],
+            &["swing", "omega"],
             &["gyro", "z"],
             &["yaw", "rate"],
+            &["=gyro"],
+            &["=omega"],
+            &["=angular_velocity"],
         ],
     ),
     (
@@ -46,6 +64,9 @@ const WORDS: &[(&str, &[&[&str]])] = &[
             &["swing", "torque"],
             &["slew", "torque"],
             &["swing", "moment"],
+            &["slew", "moment"],
+            &["=torque"],
+            &["=moment"],
         ],
     ),
     (
@@ -82,8 +103,11 @@ const WORDS: &[(&str, &[&[&str]])] = &[
             &["vehicle", "speed"],
             &["ground", "speed"],
             &["machine", "speed"],
+            &["travel", "speed"],
             &["gps", "speed"],
             &["ccvs"],
+            &["=speed"],
+            &["=velocity"],
         ],
     ),
     (
@@ -112,6 +136,7 @@ const WORDS: &[(&str, &[&[&str]])] = &[
         &[
             &["slope"],
             &["grade"],
+            &["gradient"],
             &["inclin"],
             &["pitch", "angle"],
             &["pitch"],
@@ -123,7 +148,13 @@ const WORDS: &[(&str, &[&[&str]])] = &[
     ),
     (
         "mass",
-        &[&["gross", "mass"], &["vehicle", "mass"], &["mass"]],
+        &[
+            &["gross", "mass"],
+            &["vehicle", "mass"],
+            &["mass"],
+            &["gross", "weight"],
+            &["=weight"],
+        ],
     ),
     ("pitch", &[&["pitch"]]),
     ("roll", &[&["roll"]]),
@@ -157,7 +188,10 @@ const WORDS: &[(&str, &[&[&str]])] = &[
         "arm_rod_pressure",
         &[&["arm", "rod", "press"], &["stick", "rod", "press"]],
     ),
-    ("lift_angle", &[&["lift", "angle"], &["lift", "arm"]]),
+    (
+        "lift_angle",
+        &[&["lift", "angle"], &["lift", "arm"], &["boom", "angle"]],
+    ),
     ("tilt_angle", &[&["tilt", "angle"], &["bucket", "angle"]]),
     (
         "lift_head_pressure",
@@ -168,11 +202,17 @@ const WORDS: &[(&str, &[&[&str]])] = &[
             &["lift", "cap", "press"],
             &["hoist", "head", "press"],
             &["hoist", "bottom", "press"],
+            &["boom", "head", "press"],
+            &["boom", "bottom", "press"],
         ],
     ),
     (
         "lift_rod_pressure",
-        &[&["lift", "rod", "press"], &["hoist", "rod", "press"]],
+        &[
+            &["lift", "rod", "press"],
+            &["hoist", "rod", "press"],
+            &["boom", "rod", "press"],
+        ],
     ),
     ("truck", &[&["truck", "number"], &["truck", "id"]]),
 ];
@@ -184,11 +224,26 @@ const OTHERS: [&str; 9] = [
 
 /// Whether a name has a word of [`WORDS`]: an alarm is no arm.
 fn has(name: &str, word: &str) -> bool {
+    if let Some(word) = word.strip_prefix('=') {
+        return stem(name).replace([' ', '-'], "_") == word;
+    }
     let Some(word) = word.strip_prefix('^') else {
         return name.contains(word);
     };
     let mut found = name.match_indices(word);
     found.any(|(at, _)| !name[..at].ends_with(char::is_alphabetic))
+}
+
+/// A name without the units behind it: `torque [Nm]`, `torque_Nm` and `omega_rad_s` without the last, the last and the last two.
+fn stem(name: &str) -> &str {
+    let mut name = name.split(['[', '(']).next().unwrap_or(name).trim();
+    while let Some((rest, _)) = name
+        .rsplit_once('_')
+        .filter(|(rest, unit)| !rest.is_empty() && unit::guess(unit).is_some())
+    {
+        name = rest;
+    }
+    name
 }
 
 /// Position of the name that fits a signal best and is not taken: heft's own name, else the first
@@ -219,6 +274,27 @@ pub(super) fn fitting(signal: &str, names: &[&str], taken: &[usize]) -> Option<u
 #[cfg(test)]
 mod tests {
     use super::fitting;
+
+    #[test]
+    fn a_bare_name_with_its_unit_is_enough_where_it_says_all() {
+        for (signal, name) in [
+            ("t", "ts_ms"),
+            ("t", "t [s]"),
+            ("swing_torque", "torque_Nm"),
+            ("swing_velocity", "omega_rad_s"),
+            ("speed", "Speed (km/h)"),
+            ("lift_angle", "boom_angle_deg"),
+        ] {
+            assert_eq!(fitting(signal, &["x", name], &[]), Some(1), "{name}");
+        }
+        for (signal, name) in [
+            ("swing_torque", "engine_torque_Nm"),
+            ("t", "ts_brake"),
+            ("speed", "engine_speed_rpm"),
+        ] {
+            assert_eq!(fitting(signal, &["x", name], &[]), None, "{name}");
+        }
+    }
 
     #[test]
     fn an_arm_is_found_by_its_bare_name_and_what_commands_it_is_not() {

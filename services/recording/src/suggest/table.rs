@@ -7,7 +7,7 @@ use super::absolute::is_absolute;
 use super::names::{fitting, wanted};
 use super::{lacking, opening, quoted, shown, unit_of};
 use crate::Error;
-use crate::csv::numbers;
+use crate::csv::{self, Look};
 use crate::signal::Sensors;
 use crate::unit::{self, Unit};
 
@@ -16,7 +16,11 @@ const LOOK: usize = 20_000;
 
 /// A map for a table, and how many signals were found.
 pub(crate) fn suggest<S: Sensors>(path: &Path) -> Result<(usize, String), Error> {
-    let (header, columns) = numbers(path, LOOK)?;
+    let Look {
+        header,
+        units,
+        columns,
+    } = csv::look(path, LOOK)?;
     let names: Vec<&str> = header.iter().map(String::as_str).collect();
     let mut out = opening::<S>(path);
     out.push_str("\n[columns]\n");
@@ -30,7 +34,11 @@ pub(crate) fn suggest<S: Sensors>(path: &Path) -> Result<(usize, String), Error>
             continue;
         };
         taken.push(at);
-        let guess = unit(&signal, unit_of::<S>(&signal), &header[at], &columns[at]);
+        let named = match units[at].as_str() {
+            "" => header[at].clone(),
+            unit => format!("{} [{unit}]", header[at]),
+        };
+        let guess = unit(&signal, unit_of::<S>(&signal), &named, &columns[at]);
         let name = quoted(&header[at]);
         let reason = guess.reason;
         let radians = guess.unit.map_or(1.0, |unit| unit.factor);

@@ -10,7 +10,7 @@ use crate::build::IDENTITY;
 use crate::failure::Failure;
 
 fn is_recording(file: &Path) -> bool {
-    file.is_dir() || file.extension().is_some_and(|e| e == "mcap")
+    recording::Kind::by_name(file) == Some(recording::Kind::Recording)
 }
 
 /// A recording of heft takes no signal map.

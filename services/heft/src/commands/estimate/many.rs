@@ -77,7 +77,7 @@ fn is_done(args: &EstimateArgs, input: &Path, table: &Path, summary: &Path) -> b
 }
 
 fn is_recording(input: &Path) -> bool {
-    input.extension().is_some_and(|e| e == "mcap")
+    recording::Kind::by_name(input) == Some(recording::Kind::Recording)
 }
 
 fn arguments(args: &EstimateArgs, input: &Path, table: &Path, summary: &Path) -> Vec<OsString> {
