@@ -86,12 +86,30 @@ pub(crate) fn with_unit(x: f64, unit: &str) -> String {
 fn short(x: f64) -> String {
     if x.fract() == 0.0 && x.abs() < 1e6 {
         format!("{x:.0}")
+    } else if x.abs() >= 1e6 {
+        format!("{x:e}")
     } else {
         format!("{x:?}")
     }
 }
 
-/// The default of a key, as an example of how to write it.
+/// A number of one digit within a range, in the middle of its orders of magnitude.
+fn within(Range { low, high }: Range) -> f64 {
+    let middle = if low > 0.0 {
+        (low * high).sqrt()
+    } else {
+        0.5 * (low + high)
+    };
+    let digit = 10_f64.powf(middle.abs().max(f64::MIN_POSITIVE).log10().floor());
+    let round = (middle / digit).round() * digit;
+    if (low..=high).contains(&round) {
+        round
+    } else {
+        middle
+    }
+}
+
+/// The default of a key, as an example of how to write it; a number within its range where it has none.
 pub(crate) fn example<M: Keyed>(path: &str) -> String {
     let machine = M::default();
     for table in machine.tables() {
@@ -101,7 +119,10 @@ pub(crate) fn example<M: Keyed>(path: &str) -> String {
                 .and_then(|p| p.strip_prefix('.'))
                 == Some(key.name)
             {
-                return table.get(index).map_or_else(String::new, |v| toml(&v));
+                return match (table.get(index), key.range) {
+                    (Some(Value::None), Some(range)) => short(within(range)),
+                    (value, _) => value.map_or_else(String::new, |v| toml(&v)),
+                };
             }
         }
     }

@@ -110,7 +110,7 @@ impl From<steps::Error> for Failure {
             ),
             _ => (
                 "the description or --method",
-                "`heft check FILE --print` shows every key with its range; the README lists the methods",
+                "`heft check FILE --print` shows every key with its range",
             ),
         };
         Self::input(error, place, remedy)

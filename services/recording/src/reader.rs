@@ -99,7 +99,7 @@ impl Reader {
             return Err(Error::new(
                 "this is no MCAP recording",
                 path.display().to_string(),
-                "give a .mcap file that heft has written, or a .csv with that ending",
+                "give a recording (.mcap); estimates of a table are made by `heft estimate`, with --report also a page",
             ));
         }
         let joined: Vec<String> = parts

@@ -109,12 +109,13 @@ pub fn large(value: f64, std: f64, of: &str) -> (String, String) {
     )
 }
 
-/// "5 753 to 5 993": the 95 % interval of a normal distribution.
+/// "5 753 to 5 993": the 95 % interval of a quantity that is not negative; of its normal distribution what is above zero.
 #[must_use]
 pub fn interval_95(value: f64, std: f64) -> String {
     let places = decimals(std);
     let half = estimation::HALF_WIDTH_95 * std;
     let (low, high) = (value - half, value + half);
+    let low = if high > 0.0 { low.max(0.0) } else { low };
     format!("{} to {}", grouped(low, places), grouped(high, places))
 }
 
@@ -153,6 +154,13 @@ mod tests {
         assert_eq!(shown(0.9, 0.0996), "0.90 ± 0.10 kg");
         assert_eq!(shown(0.001, 5.0), "0.0 ± 5.0 kg");
         assert_eq!(shown(1.0, f64::NAN), "1.000 ± – kg");
+    }
+
+    #[test]
+    fn an_interval_of_what_cannot_be_negative_is_not() {
+        assert_eq!(plain(&interval_95(5873.0, 61.2)), "5 753 to 5 993");
+        assert_eq!(interval_95(100.0, 100.0), "0 to 300");
+        assert_eq!(interval_95(-100.0, 20.0), "−139 to −61");
     }
 
     #[test]

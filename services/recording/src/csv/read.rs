@@ -89,8 +89,11 @@ impl Table {
         };
         let mut head = Vec::new();
         let mut content = content(path, &storage).map_err(failed)?;
-        let begin = content.by_ref().take(HEAD).read_to_end(&mut head);
-        begin.map_err(failed)?;
+        match content.by_ref().take(HEAD).read_to_end(&mut head) {
+            // A packed file that was cut off within its head still has a head.
+            Err(e) if e.kind() != io::ErrorKind::UnexpectedEof => return Err(failed(e)),
+            _ => {}
+        }
         if head.starts_with(&[0xff, 0xfe]) || head.starts_with(&[0xfe, 0xff]) {
             content.read_to_end(&mut head).map_err(failed)?;
             head = dialect::utf8(head);
@@ -171,6 +174,11 @@ impl Table {
     fn advance(&self, records: &mut Lines) -> Result<bool, Error> {
         let more = records.advance();
         more.map_err(|e| Error::system("read the data", &self.path, &e))
+    }
+
+    /// Whether this says that a packed file ends early.
+    fn is_cut(&self, error: &io::Error) -> bool {
+        matches!(self.storage, Storage::Packed) && error.kind() == io::ErrorKind::UnexpectedEof
     }
 
     /// Whether a line end closes the last row.
@@ -261,7 +269,20 @@ impl<S: Sensors> TableRows<S> {
     /// Takes a line, or the end.
     fn take(&mut self) -> Result<(), Error> {
         let table = &self.table;
-        if table.advance(&mut self.records)? {
+        let more = match self.records.advance() {
+            Ok(more) => more,
+            Err(e) if self.count > 0 && table.is_cut(&e) => {
+                self.cut_off = Some(format!(
+                    "{}: the packed file was cut off; the rows before the cut were read",
+                    table.file
+                ));
+                self.end();
+                return Ok(());
+            }
+            Err(e) => return Err(Error::system("read the data", &table.path, &e)),
+        };
+        let table = &self.table;
+        if more {
             let (record, start) = (self.records.record(), self.records.start());
             let width = self.columns.width();
             if let Err(error) = check_width(record, width, || table.line(start), &table.file) {

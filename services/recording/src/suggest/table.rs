@@ -185,7 +185,7 @@ fn time(times: &[f64]) -> Guess {
         s if s >= 1.0 => "ms",
         _ => "s",
     };
-    let reason = format!("median step {step}: {name}?");
+    let reason = format!("median step {}: {name}?", (step * 1e6).round() / 1e6);
     Guess {
         unit: unit::find(name).filter(|u| u.factor != 1.0),
         reason,

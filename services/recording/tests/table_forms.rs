@@ -1,0 +1,89 @@
+//! Tables as others write them are read as what they are.
+
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use messages::ExcavatorSensors;
+use recording::{Error, csv};
+
+const HEADER: &str = "t,swing_velocity,swing_torque";
+
+fn rows() -> Vec<String> {
+    (0..400)
+        .map(|i| format!("{},{},{}", 0.01 * f64::from(i), 0.001 * f64::from(i), 10 * i))
+        .collect()
+}
+
+fn written(folder: &Path, name: &str, content: &[u8]) -> PathBuf {
+    let path = folder.join(name);
+    std::fs::write(&path, content).expect("written");
+    path
+}
+
+fn read(path: &Path) -> Result<Vec<f64>, Error> {
+    let samples = recording::load::<ExcavatorSensors>(path, None)?;
+    Ok(samples.iter().map(|(s, _)| s.swing_torque).collect())
+}
+
+fn packed(text: &str) -> Vec<u8> {
+    let mut out = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
+    out.write_all(text.as_bytes()).expect("memory");
+    out.finish().expect("memory")
+}
+
+#[test]
+fn a_table_gives_the_same_rows_packed_with_comments_and_with_units() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let rows = rows().join("\n");
+    let plain = format!("{HEADER}\n{rows}\n");
+    let expected = read(&written(folder.path(), "a.csv", plain.as_bytes())).expect("rows");
+    assert_eq!(expected.len(), 400);
+    let tabs = plain.replace(',', "\t");
+    let numpy = format!("# {plain}");
+    let units = format!("# by a logger\n{HEADER}\ns,rad/s,N m\n{rows}\n");
+    for (name, content) in [
+        ("a.csv.gz", packed(&plain)),
+        ("two.gz", [packed(&plain[..100]), packed(&plain[100..])].concat()),
+        ("a.tsv", tabs.into_bytes()),
+        ("export", plain.clone().into_bytes()),
+        ("numpy.txt", numpy.into_bytes()),
+        ("units.dat", units.into_bytes()),
+    ] {
+        let found = read(&written(folder.path(), name, &content));
+        assert_eq!(found.as_ref().ok(), Some(&expected), "{name}: {found:?}");
+    }
+}
+
+#[test]
+fn a_unit_below_a_name_that_is_not_si_is_refused_and_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = format!("{HEADER}\ns,deg/s,N m\n0,1,2\n");
+    let error = read(&written(folder.path(), "a.csv", text.as_bytes())).expect_err("degrees");
+    assert!(error.what.contains("swing_velocity is in deg/s"), "{error}");
+    assert!(error.place.ends_with(":2"), "{error}");
+    assert!(error.remedy.contains("heft map"), "{error}");
+}
+
+#[test]
+fn a_packed_table_that_was_cut_gives_the_rows_before_the_cut_and_says_so() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let whole = packed(&format!("{HEADER}\n{}\n", rows().join("\n")));
+    let path = written(folder.path(), "cut.csv.gz", &whole[..whole.len() / 2]);
+    let samples = recording::open::<ExcavatorSensors>(&path, None).expect("a table");
+    let count = samples.rows().expect("rows").count();
+    samples.check().expect("no error");
+    assert!((10..400).contains(&count), "{count}");
+    let said = samples.lacks().cut_off.unwrap_or_default();
+    assert!(said.contains("cut off"), "{said}");
+}
+
+#[test]
+fn numbers_without_names_and_words_of_missing_samples() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let error = read(&written(folder.path(), "a.csv", b"0,1,2\n1,2,3\n")).expect_err("no header");
+    assert!(error.what.contains("no header"), "{error}");
+    let text = format!("{HEADER}\n0,1,NA\n0.01, \"1\" ,n/a\n0.02,1,5\n");
+    let path = written(folder.path(), "b.csv", text.as_bytes());
+    let rows = csv::read::<ExcavatorSensors>(&path, None).expect("rows");
+    assert_eq!(rows.len(), 3);
+}
