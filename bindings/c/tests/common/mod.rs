@@ -19,19 +19,19 @@ fn library() -> PathBuf {
         .expect("cargo builds the static library with the tests")
 }
 
-/// Compiles `source` (relative to the crate) without a warning.
+/// Compiles `source` (relative to the crate) without a warning, as C.
 pub fn compile(source: &str, folder: &Path) -> PathBuf {
+    compile_as(&["cc", "-std=c99"], source, folder)
+}
+
+/// The same with this compiler and language.
+pub fn compile_as(compiler: &[&str], source: &str, folder: &Path) -> PathBuf {
     let program = folder.join("program");
     let package = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let compiled = Command::new("cc")
-        .args([
-            "-std=c99",
-            "-O1",
-            "-Wall",
-            "-Wextra",
-            "-Wpedantic",
-            "-Werror",
-        ])
+    let compiled = Command::new(compiler[0])
+        .args(&compiler[1..])
+        .args(["-O1", "-Wall", "-Wextra", "-Wpedantic", "-Werror"])
+        .args(["-Wshadow", "-Wconversion"])
         .arg(format!("-I{}", package.join("include").display()))
         .arg(package.join(source))
         .arg(library())
