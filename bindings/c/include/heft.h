@@ -31,8 +31,8 @@ extern "C" {
 #endif
 
 /* Version of this header; HEFT_VERSION_NUMBER is 10000 major + 100 minor + patch. */
-#define HEFT_VERSION "0.2.0"
-#define HEFT_VERSION_NUMBER 200
+#define HEFT_VERSION "0.3.0"
+#define HEFT_VERSION_NUMBER 300
 
 /* Version of the library that the program runs with. */
 const char *heft_version(void);
