@@ -4,10 +4,22 @@ use std::path::Path;
 
 /// Files that write the version out, and what stands before it there.
 const PLACES: &[(&str, &str)] = &[
-    ("bindings/python/Cargo.toml", "name = \"heft_python\"\nversion = \""),
-    ("bindings/python/Cargo.lock", "name = \"heft_python\"\nversion = \""),
-    ("services/gateway/Cargo.toml", "name = \"gateway\"\nversion = \""),
-    ("services/gateway/Cargo.lock", "name = \"gateway\"\nversion = \""),
+    (
+        "bindings/python/Cargo.toml",
+        "name = \"heft_python\"\nversion = \"",
+    ),
+    (
+        "bindings/python/Cargo.lock",
+        "name = \"heft_python\"\nversion = \"",
+    ),
+    (
+        "services/gateway/Cargo.toml",
+        "name = \"gateway\"\nversion = \"",
+    ),
+    (
+        "services/gateway/Cargo.lock",
+        "name = \"gateway\"\nversion = \"",
+    ),
     ("bindings/c/include/heft.h", "#define HEFT_VERSION \""),
     ("CITATION.cff", "\nversion: "),
     ("docs/run.md", "./heft_"),
