@@ -1,10 +1,12 @@
 //! A C program against the library that cargo has just built.
 
+#![allow(dead_code)] // each test uses some of it
+
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
 /// The static library: cargo puts it beside the tests.
-fn library() -> PathBuf {
+pub fn library() -> PathBuf {
     let test = std::env::current_exe().expect("a path");
     let folder = test.parent().expect("a folder");
     let libraries = std::fs::read_dir(folder).expect("a folder").flatten();
