@@ -1,4 +1,5 @@
-//! What is installed beside the command: the package of a fleet, from programs that stand for those of `services/gateway`.
+//! What is handed out: where the command starts, and the package of a fleet, from programs that stand for those of
+//! `services/gateway`.
 
 use std::path::Path;
 use std::process::Command;
@@ -59,6 +60,25 @@ fn the_package_of_a_fleet_has_its_programs_units_and_defaults() {
         let text = output("dpkg-deb", &["--info", package, script]).expect("a script");
         assert!(text.starts_with("#!/bin/sh\nset -e\n"), "{script}");
     }
+}
+
+/// RHEL 9 has this one: `GLIBC_2.NEWEST`.
+const NEWEST: u32 = 34;
+
+#[test]
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
+fn the_command_starts_where_the_c_library_is_older() {
+    let program = std::fs::read(env!("CARGO_BIN_EXE_heft")).expect("the command");
+    let mark = b"GLIBC_2.";
+    let versions = program.windows(mark.len() + 2).filter_map(|window| {
+        let digits = window.strip_prefix(mark)?;
+        std::str::from_utf8(digits).ok()?.parse::<u32>().ok()
+    });
+    let newest = versions.max().expect("it is linked with the C library");
+    assert!(
+        newest <= NEWEST,
+        "GLIBC_2.{newest}: `objdump -T` names the function (f64::hypot was one)"
+    );
 }
 
 /// What a unit starts, with the options that its file of defaults has.
