@@ -13,6 +13,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("services/config", &["estimation", "messages"]),
     ("sim", &[]),
     ("bench/limits", &[]),
+    ("services/diagnostics", &[]),
     ("services/runtime", &["messages"]),
     ("services/recording", &["config", "messages", "sheet"]),
     (
@@ -40,6 +41,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     (
         "services/gateway",
         &[
+            "diagnostics",
             "messages",
             "recording",
             "runtime",
@@ -82,6 +84,7 @@ const ARROWS: &[(&str, &[&str])] = &[
         &[
             "calibrate",
             "config",
+            "diagnostics",
             "estimation",
             "evaluate",
             "limits",

@@ -2,8 +2,10 @@
  * t,swing_velocity,swing_torque,boom_angle,arm_angle,bucket_angle (extra columns after them are
  * ignored, an empty cell is a missing sample):
  *
- *     cc example.c -Iinclude -L../../target/release -lheft_c -lm -lpthread -ldl -o example
+ *     cc example.c $(pkg-config --cflags --libs heft) -o example
  *     ./example < data.csv
+ *
+ * Without an installed library README.md has the line. It is C and C++.
  */
 #include <math.h>
 #include <stdio.h>
@@ -28,8 +30,9 @@ int main(void)
 {
     heft_excavator_settings settings;
     heft_excavator_sample sample;
-    heft_excavator_estimate estimate = {0};
+    heft_excavator_estimate estimate;
     char line[1024];
+    int rows = 0;
 
     heft_excavator_defaults(&settings);
     settings.sensors.swing_velocity_std = 0.005;
@@ -44,16 +47,19 @@ int main(void)
         return 2;
     while (fgets(line, sizeof line, stdin)) {
         char *text = line;
+        heft_excavator_clear(&sample);
         sample.t = cell(&text);
         sample.swing_velocity = cell(&text);
-        sample.swing_angle = NAN;
         sample.swing_torque = cell(&text);
         sample.boom_angle = cell(&text);
         sample.arm_angle = cell(&text);
         sample.bucket_angle = cell(&text);
         if (heft_excavator_step(memory, &sample, &estimate) != HEFT_OK)
             return 1;
+        rows++;
     }
+    if (rows == 0)
+        return 2;
     printf("inertia %.0f +- %.0f kg m^2, payload %.0f +- %.0f kg, %s\n", estimate.inertia,
            1.96 * estimate.inertia_std, estimate.payload, 1.96 * estimate.payload_std,
            estimate.flags & HEFT_EXCAVATOR_FLAG_TRUSTED ? "trusted" : "not trusted");

@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use estimation::keys::Form;
 use heft_c::settings::places;
-use heft_c::{Bit, Code, Excavator, Loader, Machine, SIZE_MAX};
+use heft_c::{Bit, Code, Excavator, Loader, Machine, SIZE_MAX, abi};
 use messages::{
     ExcavatorEstimate, ExcavatorLoads, ExcavatorSensors, Field, HEAD, LoaderEstimate,
     LoaderSensors, Message, NumberType, Words,
@@ -35,6 +35,8 @@ const TOP: &str = r#"/* heft: mass properties of construction machines, estimate
  * bit in `estimated`. Believe an estimate where its TRUSTED flag is set; its interval of 95 % is the
  * value +- 1.96 standard deviations.
  *
+ * A method of a loader other than full-ekf may be left out of the library (feature every-method).
+ *
  * No function allocates, blocks, opens a file or reads a clock. One memory belongs to one thread at
  * a time; different memories are independent. Nothing has to be freed.
  *
@@ -55,6 +57,7 @@ extern "C" {
 /// The whole header.
 pub fn header() -> String {
     let mut out = TOP.to_owned();
+    version(&mut out);
     let _ = writeln!(out, "/* What a function returns. */");
     for (code, name, what) in Code::ALL {
         define(&mut out, name, &format!("({})", code as i32), what);
@@ -66,6 +69,29 @@ pub fn header() -> String {
     loads(&mut out);
     out += "\n#ifdef __cplusplus\n}\n#endif\n\n#endif\n";
     out
+}
+
+/// Which header this is.
+fn version(out: &mut String) {
+    let number = env!("CARGO_PKG_VERSION");
+    let parts = number
+        .split('.')
+        .map(|part| part.parse::<u32>().unwrap_or(0));
+    let ordered = parts.fold(0, |all, part| 100 * all + part);
+    let _ = write!(
+        out,
+        "/* Version of this header; HEFT_VERSION_NUMBER is 10000 major + 100 minor + patch. */\n\
+         #define HEFT_VERSION \"{number}\"\n\
+         #define HEFT_VERSION_NUMBER {ordered}\n\n\
+         /* Version of the library that the program runs with. */\n\
+         const char *heft_version(void);\n\n\
+         /* What a program compiles in: structures, bits, methods. A library of another header answers `init` with\n \
+         * HEFT_OTHER_HEADER. */\n\
+         #define HEFT_ABI 0x{:08x}u\n\n\
+         /* HEFT_ABI of the header that belongs to the library. */\n\
+         uint32_t heft_abi(void);\n\n",
+        abi::sum()
+    );
 }
 
 fn define(out: &mut String, name: &str, value: &str, doc: &str) {
@@ -248,10 +274,19 @@ int32_t heft_NAME_defaults(heft_NAME_settings *settings);
  * set) if the key cannot take the value. */
 int32_t heft_NAME_set(heft_NAME_settings *settings, const char *key, double value);
 
+/* What heft_NAME_init calls; other languages give `abi`, HEFT_ABI of the header whose structures they use. */
+int32_t heft_NAME_init_as(void *memory, size_t size, const heft_NAME_settings *settings,
+                          uint32_t method, uint32_t columns, uint32_t abi);
+
 /* Makes an estimator in the caller's memory (aligned to 8 bytes). `settings` may be NULL for those of
  * the reference machine; they are copied. HEFT_REFUSED: heft_NAME_error tells what is wrong. */
-int32_t heft_NAME_init(void *memory, size_t size, const heft_NAME_settings *settings,
-                       uint32_t method, uint32_t columns);
+static inline int32_t heft_NAME_init(void *memory, size_t size, const heft_NAME_settings *settings,
+                                     uint32_t method, uint32_t columns) {
+  return heft_NAME_init_as(memory, size, settings, method, columns, HEFT_ABI);
+}
+
+/* Sets all signals of a row to "missing"; then write those that there are. */
+int32_t heft_NAME_clear(heft_NAME_sample *sample);
 
 /* Takes one row and answers. A row whose time does not increase is refused: it changes nothing, and the
  * answer has the flag REFUSED. The memory must have been given to heft_NAME_init. */
@@ -259,6 +294,17 @@ int32_t heft_NAME_step(void *memory, const heft_NAME_sample *sample, heft_NAME_e
 
 /* Why the last heft_NAME_init on this memory returned HEFT_REFUSED; "" if it did not. */
 const char *heft_NAME_error(const void *memory);
+
+/* Bytes that heft_NAME_save needs. */
+size_t heft_NAME_state_size(void);
+
+/* Writes the whole state, settings and method included, to `state`, which may lie anywhere. Between two rows the
+ * memory may also be moved by memcpy to another place that is aligned to 8 bytes. */
+int32_t heft_NAME_save(const void *memory, void *state, size_t size);
+
+/* Goes on from a saved state, bit for bit; `memory` as for heft_NAME_init, which need not be called. HEFT_REFUSED, and
+ * `memory` is as it was: the state is damaged, of another machine, or of another build of the library. */
+int32_t heft_NAME_restore(void *memory, size_t size, const void *state, size_t state_size);
 "#;
     out.push_str(&text.replace("NAME", name));
 }
@@ -316,10 +362,15 @@ const LOADS_FUNCTIONS: &str = r#"} heft_loads;
 /* Bytes that heft_loads_init needs. */
 size_t heft_loads_size(void);
 
+/* What heft_loads_init calls. */
+int32_t heft_loads_init_as(void *memory, size_t size, double rated, double target, double pause, uint32_t abi);
+
 /* Makes an empty book in the caller's memory (aligned to 8 bytes). `rated`: payload of a full bucket, roughly [kg];
  * `target`: what a truck shall hold, NAN if nobody says [kg]; `pause`: a load this long after the one before goes to
  * another truck, 0 never, NAN: 300 [s]. HEFT_REFUSED: one of them is impossible. */
-int32_t heft_loads_init(void *memory, size_t size, double rated, double target, double pause);
+static inline int32_t heft_loads_init(void *memory, size_t size, double rated, double target, double pause) {
+  return heft_loads_init_as(memory, size, rated, target, pause, HEFT_ABI);
+}
 
 /* Takes an estimate. `payload` of the answer is always a value: the last known one, with a deviation that grows. */
 int32_t heft_loads_step(void *memory, const heft_loads_row *row, heft_loads *loads);

@@ -13,6 +13,8 @@
  * bit in `estimated`. Believe an estimate where its TRUSTED flag is set; its interval of 95 % is the
  * value +- 1.96 standard deviations.
  *
+ * A method of a loader other than full-ekf may be left out of the library (feature every-method).
+ *
  * No function allocates, blocks, opens a file or reads a clock. One memory belongs to one thread at
  * a time; different memories are independent. Nothing has to be freed.
  *
@@ -28,6 +30,20 @@
 extern "C" {
 #endif
 
+/* Version of this header; HEFT_VERSION_NUMBER is 10000 major + 100 minor + patch. */
+#define HEFT_VERSION "0.3.0"
+#define HEFT_VERSION_NUMBER 300
+
+/* Version of the library that the program runs with. */
+const char *heft_version(void);
+
+/* What a program compiles in: structures, bits, methods. A library of another header answers `init` with
+ * HEFT_OTHER_HEADER. */
+#define HEFT_ABI 0x284c55e7u
+
+/* HEFT_ABI of the header that belongs to the library. */
+uint32_t heft_abi(void);
+
 /* What a function returns. */
 #define HEFT_OK (0) /* done */
 #define HEFT_NULL (-1) /* a pointer is null */
@@ -36,6 +52,7 @@ extern "C" {
 #define HEFT_NOT_INITIALISED (-4) /* the memory holds no estimator of this machine */
 #define HEFT_NO_SUCH_KEY (-5) /* no key has this name */
 #define HEFT_INTERNAL (-6) /* a mistake of the library; initialise the memory anew */
+#define HEFT_OTHER_HEADER (-7) /* the program was compiled with the header of another library: take both from one */
 
 /* Enough memory for either machine on every platform; heft_..._size() tells the exact size. */
 #define HEFT_SIZE_MAX 32768
@@ -322,10 +339,19 @@ int32_t heft_excavator_defaults(heft_excavator_settings *settings);
  * set) if the key cannot take the value. */
 int32_t heft_excavator_set(heft_excavator_settings *settings, const char *key, double value);
 
+/* What heft_excavator_init calls; other languages give `abi`, HEFT_ABI of the header whose structures they use. */
+int32_t heft_excavator_init_as(void *memory, size_t size, const heft_excavator_settings *settings,
+                          uint32_t method, uint32_t columns, uint32_t abi);
+
 /* Makes an estimator in the caller's memory (aligned to 8 bytes). `settings` may be NULL for those of
  * the reference machine; they are copied. HEFT_REFUSED: heft_excavator_error tells what is wrong. */
-int32_t heft_excavator_init(void *memory, size_t size, const heft_excavator_settings *settings,
-                       uint32_t method, uint32_t columns);
+static inline int32_t heft_excavator_init(void *memory, size_t size, const heft_excavator_settings *settings,
+                                     uint32_t method, uint32_t columns) {
+  return heft_excavator_init_as(memory, size, settings, method, columns, HEFT_ABI);
+}
+
+/* Sets all signals of a row to "missing"; then write those that there are. */
+int32_t heft_excavator_clear(heft_excavator_sample *sample);
 
 /* Takes one row and answers. A row whose time does not increase is refused: it changes nothing, and the
  * answer has the flag REFUSED. The memory must have been given to heft_excavator_init. */
@@ -333,6 +359,17 @@ int32_t heft_excavator_step(void *memory, const heft_excavator_sample *sample, h
 
 /* Why the last heft_excavator_init on this memory returned HEFT_REFUSED; "" if it did not. */
 const char *heft_excavator_error(const void *memory);
+
+/* Bytes that heft_excavator_save needs. */
+size_t heft_excavator_state_size(void);
+
+/* Writes the whole state, settings and method included, to `state`, which may lie anywhere. Between two rows the
+ * memory may also be moved by memcpy to another place that is aligned to 8 bytes. */
+int32_t heft_excavator_save(const void *memory, void *state, size_t size);
+
+/* Goes on from a saved state, bit for bit; `memory` as for heft_excavator_init, which need not be called. HEFT_REFUSED, and
+ * `memory` is as it was: the state is damaged, of another machine, or of another build of the library. */
+int32_t heft_excavator_restore(void *memory, size_t size, const void *state, size_t state_size);
 
 /* ---- loader ---- */
 
@@ -612,10 +649,19 @@ int32_t heft_loader_defaults(heft_loader_settings *settings);
  * set) if the key cannot take the value. */
 int32_t heft_loader_set(heft_loader_settings *settings, const char *key, double value);
 
+/* What heft_loader_init calls; other languages give `abi`, HEFT_ABI of the header whose structures they use. */
+int32_t heft_loader_init_as(void *memory, size_t size, const heft_loader_settings *settings,
+                          uint32_t method, uint32_t columns, uint32_t abi);
+
 /* Makes an estimator in the caller's memory (aligned to 8 bytes). `settings` may be NULL for those of
  * the reference machine; they are copied. HEFT_REFUSED: heft_loader_error tells what is wrong. */
-int32_t heft_loader_init(void *memory, size_t size, const heft_loader_settings *settings,
-                       uint32_t method, uint32_t columns);
+static inline int32_t heft_loader_init(void *memory, size_t size, const heft_loader_settings *settings,
+                                     uint32_t method, uint32_t columns) {
+  return heft_loader_init_as(memory, size, settings, method, columns, HEFT_ABI);
+}
+
+/* Sets all signals of a row to "missing"; then write those that there are. */
+int32_t heft_loader_clear(heft_loader_sample *sample);
 
 /* Takes one row and answers. A row whose time does not increase is refused: it changes nothing, and the
  * answer has the flag REFUSED. The memory must have been given to heft_loader_init. */
@@ -623,6 +669,17 @@ int32_t heft_loader_step(void *memory, const heft_loader_sample *sample, heft_lo
 
 /* Why the last heft_loader_init on this memory returned HEFT_REFUSED; "" if it did not. */
 const char *heft_loader_error(const void *memory);
+
+/* Bytes that heft_loader_save needs. */
+size_t heft_loader_state_size(void);
+
+/* Writes the whole state, settings and method included, to `state`, which may lie anywhere. Between two rows the
+ * memory may also be moved by memcpy to another place that is aligned to 8 bytes. */
+int32_t heft_loader_save(const void *memory, void *state, size_t size);
+
+/* Goes on from a saved state, bit for bit; `memory` as for heft_loader_init, which need not be called. HEFT_REFUSED, and
+ * `memory` is as it was: the state is damaged, of another machine, or of another build of the library. */
+int32_t heft_loader_restore(void *memory, size_t size, const void *state, size_t state_size);
 
 /* ---- loads of either machine ---- */
 
@@ -690,10 +747,15 @@ typedef struct {
 /* Bytes that heft_loads_init needs. */
 size_t heft_loads_size(void);
 
+/* What heft_loads_init calls. */
+int32_t heft_loads_init_as(void *memory, size_t size, double rated, double target, double pause, uint32_t abi);
+
 /* Makes an empty book in the caller's memory (aligned to 8 bytes). `rated`: payload of a full bucket, roughly [kg];
  * `target`: what a truck shall hold, NAN if nobody says [kg]; `pause`: a load this long after the one before goes to
  * another truck, 0 never, NAN: 300 [s]. HEFT_REFUSED: one of them is impossible. */
-int32_t heft_loads_init(void *memory, size_t size, double rated, double target, double pause);
+static inline int32_t heft_loads_init(void *memory, size_t size, double rated, double target, double pause) {
+  return heft_loads_init_as(memory, size, rated, target, pause, HEFT_ABI);
+}
 
 /* Takes an estimate. `payload` of the answer is always a value: the last known one, with a deviation that grows. */
 int32_t heft_loads_step(void *memory, const heft_loads_row *row, heft_loads *loads);

@@ -9,12 +9,14 @@ use core::fmt::Write;
 use core::mem::{align_of, size_of};
 use core::ptr::addr_of_mut;
 
-use estimation::loads::LoadReport;
-
-use crate::loads::{Loads, LoadsRow, can_be_target};
 use crate::settings::{Unfit, can_take, position, read, write};
-use crate::table::{Answer, Machine, answer, present, sample};
-use crate::{Excavator, Loader};
+use crate::table::{Answer, Machine, answer, sample};
+use crate::{Excavator, Loader, abi};
+
+mod loads;
+mod state;
+
+use state::{restore, save, state_size};
 
 /// What a function returns.
 #[repr(i32)]
@@ -34,11 +36,13 @@ pub enum Code {
     NoSuchKey = -5,
     /// A mistake of the library; the memory must be initialised anew.
     Internal = -6,
+    /// The program was compiled with the header of another library.
+    OtherHeader = -7,
 }
 
 impl Code {
     /// All codes, with their names in the header and what they say.
-    pub const ALL: [(Self, &'static str, &'static str); 7] = [
+    pub const ALL: [(Self, &'static str, &'static str); 8] = [
         (Self::Ok, "HEFT_OK", "done"),
         (Self::Null, "HEFT_NULL", "a pointer is null"),
         (
@@ -61,6 +65,11 @@ impl Code {
             Self::Internal,
             "HEFT_INTERNAL",
             "a mistake of the library; initialise the memory anew",
+        ),
+        (
+            Self::OtherHeader,
+            "HEFT_OTHER_HEADER",
+            "the program was compiled with the header of another library: take both from one",
         ),
     ];
 }
@@ -138,10 +147,14 @@ unsafe fn init<M: Machine>(
     numbers: *const f64,
     method: u32,
     columns: u32,
+    abi: u32,
 ) -> Code {
     let block = memory.cast::<Block<M>>();
     if memory.is_null() {
         return Code::Null;
+    }
+    if abi != abi::sum() {
+        return Code::OtherHeader;
     }
     if bytes < size::<M>() || !block.is_aligned() {
         return Code::Memory;
@@ -164,6 +177,9 @@ unsafe fn init<M: Machine>(
     let settings = unsafe { settings::<M>(numbers) };
     let made = guarded(|| {
         let report = match (missing::<M>(columns), settings) {
+            _ if columns >> (M::SIGNALS.len() - 1) != 0 => {
+                write!(text, "columns have a bit that is no signal's")
+            }
             (Some(group), _) => write!(text, "columns lack {}", group[0]),
             (None, Err(unfit)) => write!(text, "{unfit}"),
             (None, Ok(settings)) => match M::new(&settings, method as usize, columns) {
@@ -286,119 +302,6 @@ unsafe fn error<M: Machine>(memory: *const c_void) -> *const c_char {
     unsafe { core::ptr::addr_of!((*block).text.bytes).cast() }
 }
 
-/// Tells initialised memory of loads from any other.
-const LOADS_MARK: u64 = 0x6865_6674_6c6f_6164;
-
-/// What the caller's memory holds where it counts loads.
-#[repr(C)]
-struct LoadsBlock {
-    /// [`LOADS_MARK`] where `loads` is there.
-    mark: u64,
-    loads: Loads,
-}
-
-/// # Safety
-/// `memory` is null or was given to `heft_loads_init`; `out` is null or points to the report. Nobody else uses them
-/// meanwhile.
-unsafe fn with_loads(
-    memory: *mut c_void,
-    out: *mut LoadReport,
-    body: impl FnOnce(&mut Loads) -> LoadReport,
-) -> Code {
-    let block = memory.cast::<LoadsBlock>();
-    if memory.is_null() || out.is_null() {
-        return Code::Null;
-    }
-    if !block.is_aligned() {
-        return Code::Memory;
-    }
-    // SAFETY: `heft_loads_init` wrote the mark, whatever the outcome.
-    if unsafe { addr_of_mut!((*block).mark).read() } != LOADS_MARK {
-        return Code::NotInitialised;
-    }
-    // SAFETY: the mark says that the loads are there.
-    let loads = unsafe { &mut (*block).loads };
-    match guarded(|| body(loads)) {
-        Some(report) => {
-            // SAFETY: the caller's promise.
-            unsafe { out.write(report) };
-            Code::Ok
-        }
-        None => {
-            // SAFETY: the block is ours alone.
-            unsafe { addr_of_mut!((*block).mark).write(0) };
-            Code::Internal
-        }
-    }
-}
-
-#[unsafe(no_mangle)]
-extern "C" fn heft_loads_size() -> usize {
-    const { assert!(size_of::<LoadsBlock>() <= SIZE_MAX && align_of::<LoadsBlock>() <= 8) };
-    size_of::<LoadsBlock>()
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn heft_loads_init(
-    memory: *mut c_void,
-    bytes: usize,
-    rated: f64,
-    target: f64,
-    pause: f64,
-) -> Code {
-    let block = memory.cast::<LoadsBlock>();
-    if memory.is_null() {
-        return Code::Null;
-    }
-    if bytes < size_of::<LoadsBlock>() || !block.is_aligned() {
-        return Code::Memory;
-    }
-    // SAFETY: the block is large enough, aligned, and ours alone; a plain number may be written over anything.
-    unsafe { addr_of_mut!((*block).mark).write(0) };
-    let Some(loads) = Loads::new(rated, target, pause) else {
-        return Code::Refused;
-    };
-    // SAFETY: as above; what was there before needs no destructor.
-    unsafe {
-        addr_of_mut!((*block).loads).write(loads);
-        addr_of_mut!((*block).mark).write(LOADS_MARK);
-    }
-    Code::Ok
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn heft_loads_step(
-    memory: *mut c_void,
-    row: *const LoadsRow,
-    out: *mut LoadReport,
-) -> Code {
-    if row.is_null() {
-        return Code::Null;
-    }
-    // SAFETY: the promise of the header.
-    unsafe { with_loads(memory, out, |loads| loads.step(&*row)) }
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn heft_loads_next_truck(memory: *mut c_void, out: *mut LoadReport) -> Code {
-    // SAFETY: the promise of the header.
-    unsafe { with_loads(memory, out, Loads::next_truck) }
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn heft_loads_set_target(
-    memory: *mut c_void,
-    target: f64,
-    out: *mut LoadReport,
-) -> Code {
-    let target = present(target);
-    if !can_be_target(target) {
-        return Code::Refused;
-    }
-    // SAFETY: the promise of the header.
-    unsafe { with_loads(memory, out, |loads| loads.set_target(target)) }
-}
-
 /// Nothing if `body` panicked: a panic must not cross the border. Without an operating system a
 /// panic ends in the panic handler.
 #[cfg(any(feature = "std", test))]
@@ -411,9 +314,40 @@ fn guarded<T>(body: impl FnOnce() -> T) -> Option<T> {
     Some(body())
 }
 
+/// # Safety
+/// `numbers` is null or points to as many doubles as the machine has signals.
+unsafe fn clear<M: Machine>(numbers: *mut f64) -> Code {
+    if numbers.is_null() {
+        return Code::Null;
+    }
+    for i in 0..M::SIGNALS.len() {
+        // SAFETY: the caller's promise.
+        unsafe { numbers.add(i).write(f64::NAN) };
+    }
+    Code::Ok
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn heft_version() -> *const c_char {
+    const VERSION: &CStr =
+        match CStr::from_bytes_with_nul(concat!(env!("CARGO_PKG_VERSION"), "\0").as_bytes()) {
+            Ok(version) => version,
+            Err(_) => c"",
+        };
+    VERSION.as_ptr()
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn heft_abi() -> u32 {
+    abi::sum()
+}
+
 /// The functions of one machine; `heft.h` describes them.
 macro_rules! export {
-    ($machine:ty, $size:ident, $init:ident, $step:ident, $error:ident, $defaults:ident, $set:ident) => {
+    (
+        $machine:ty, $size:ident, $init:ident, $step:ident, $error:ident, $defaults:ident, $set:ident, $clear:ident,
+        $state_size:ident, $save:ident, $restore:ident
+    ) => {
         #[unsafe(no_mangle)]
         extern "C" fn $size() -> usize {
             size::<$machine>()
@@ -426,9 +360,10 @@ macro_rules! export {
             settings: *const f64,
             method: u32,
             columns: u32,
+            abi: u32,
         ) -> Code {
             // SAFETY: the promise of the header.
-            unsafe { init::<$machine>(memory, bytes, settings, method, columns) }
+            unsafe { init::<$machine>(memory, bytes, settings, method, columns, abi) }
         }
 
         #[unsafe(no_mangle)]
@@ -458,24 +393,64 @@ macro_rules! export {
             // SAFETY: the promise of the header.
             unsafe { set::<$machine>(settings, key, value) }
         }
+
+        #[unsafe(no_mangle)]
+        unsafe extern "C" fn $clear(sample: *mut f64) -> Code {
+            // SAFETY: the promise of the header.
+            unsafe { clear::<$machine>(sample) }
+        }
+
+        #[unsafe(no_mangle)]
+        extern "C" fn $state_size() -> usize {
+            state_size::<$machine>()
+        }
+
+        #[unsafe(no_mangle)]
+        unsafe extern "C" fn $save(
+            memory: *const c_void,
+            state: *mut c_void,
+            bytes: usize,
+        ) -> Code {
+            // SAFETY: the promise of the header.
+            unsafe { save::<$machine>(memory, state, bytes) }
+        }
+
+        #[unsafe(no_mangle)]
+        unsafe extern "C" fn $restore(
+            memory: *mut c_void,
+            bytes: usize,
+            state: *const c_void,
+            state_bytes: usize,
+        ) -> Code {
+            // SAFETY: the promise of the header.
+            unsafe { restore::<$machine>(memory, bytes, state, state_bytes) }
+        }
     };
 }
 
 export!(
     Excavator,
     heft_excavator_size,
-    heft_excavator_init,
+    heft_excavator_init_as,
     heft_excavator_step,
     heft_excavator_error,
     heft_excavator_defaults,
-    heft_excavator_set
+    heft_excavator_set,
+    heft_excavator_clear,
+    heft_excavator_state_size,
+    heft_excavator_save,
+    heft_excavator_restore
 );
 export!(
     Loader,
     heft_loader_size,
-    heft_loader_init,
+    heft_loader_init_as,
     heft_loader_step,
     heft_loader_error,
     heft_loader_defaults,
-    heft_loader_set
+    heft_loader_set,
+    heft_loader_clear,
+    heft_loader_state_size,
+    heft_loader_save,
+    heft_loader_restore
 );

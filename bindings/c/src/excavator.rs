@@ -47,7 +47,17 @@ impl fmt::Display for Refusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NoSuchMethod => f.write_str("the excavator has no method of this number"),
+            #[cfg(feature = "std")]
             Self::Settings(error) => error.fmt(f),
+            // A number as text takes 20 kB of code.
+            #[cfg(not(feature = "std"))]
+            Self::Settings(error) => match error {
+                SettingsError::OutOfRange { key, .. } => write!(f, "{key} is outside its range"),
+                SettingsError::MissingColumn { method, column } => {
+                    write!(f, "the method {method} needs the column {column}")
+                }
+                SettingsError::WrongStage { method } => write!(f, "no method {method} here"),
+            },
         }
     }
 }

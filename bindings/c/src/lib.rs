@@ -11,9 +11,11 @@
 //! | `settings` | a description as doubles |
 //! | `excavator`, `loader` | the tables |
 //! | `loads` | from estimates to loads |
+//! | `abi` | one number for what the header promises |
 //! | `border` | memory and pointers of the caller: all the unsafe code |
 #![cfg_attr(not(any(feature = "std", test)), no_std)]
 
+pub mod abi;
 mod border;
 mod excavator;
 mod loader;

@@ -2,6 +2,8 @@
 
 use core::fmt;
 
+#[cfg(not(feature = "std"))]
+use estimation::loader::MustBe;
 use estimation::loader::keys::Description;
 use estimation::loader::{CgEstimator, Columns, Estimate, Method, Sample, Settings, SettingsError};
 
@@ -33,7 +35,15 @@ impl fmt::Display for Refusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NoSuchMethod => f.write_str("the loader has no method of this number"),
+            #[cfg(feature = "std")]
             Self::Settings(error) => error.fmt(f),
+            // A number as text takes 20 kB of code.
+            #[cfg(not(feature = "std"))]
+            Self::Settings(error) => match error.must_be {
+                MustBe::Within(_) => write!(f, "{} is outside its range", error.key),
+                MustBe::Below(other) => write!(f, "{} must be below {other}", error.key),
+                MustBe::FullEkf => f.write_str("this library has no method but full-ekf"),
+            },
         }
     }
 }

@@ -16,3 +16,15 @@ fn the_example_compiles_and_weighs_the_golden_load() {
     assert!(said.starts_with("inertia "), "{said}");
     assert!(said.contains("payload"), "{said}");
 }
+
+#[test]
+fn the_example_is_cpp_too() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for standard in ["-std=c++11", "-std=c++17"] {
+        let source = folder.path().join("example.cpp");
+        let text = std::fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/example.c"));
+        std::fs::write(&source, text.expect("the example")).expect("a file");
+        let source = source.to_str().expect("UTF-8");
+        common::compile_as(&["c++", standard], source, folder.path());
+    }
+}

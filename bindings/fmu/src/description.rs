@@ -1,5 +1,6 @@
 //! modelDescription.xml, from the tables of the machine, of the messages and of the keys.
 
+use std::f64::consts::PI;
 use std::fmt::Write;
 
 use estimation::keys::Form;
@@ -250,7 +251,7 @@ fn outputs<M: Words>(all: &mut Vec<Variable>) {
         ));
     }
     for (i, flag) in M::FLAGS.iter().enumerate() {
-        let text = "Bit of the verdict; believe what is trusted.".to_owned();
+        let text = meaning::<M::Answer>("flags", i);
         let name = format!("verdict.{}", flag.name);
         all.push(output(
             "Boolean",
@@ -261,7 +262,7 @@ fn outputs<M: Words>(all: &mut Vec<Variable>) {
         ));
     }
     for (i, bit) in M::ESTIMATED.iter().enumerate() {
-        let text = "The method has an opinion on this quantity.".to_owned();
+        let text = format!("The method has an opinion on: {}.", bit.name);
         let name = format!("estimated.{}", bit.name);
         all.push(output(
             "Boolean",
@@ -297,18 +298,43 @@ fn reasons<M: Message>() -> &'static [messages::Entry] {
     }
 }
 
+/// What a bit of a word of an estimate means.
+fn meaning<M: Message>(word: &str, bit: usize) -> String {
+    let entries = match messages::Words::of_field(M::WORDS, word) {
+        Some(messages::Words::Bits(entries)) => *entries,
+        _ => &[],
+    };
+    let found = entries.iter().find(|e| e.number == 1 << bit);
+    found.map_or_else(|| "Bit of the verdict.".to_owned(), |e| e.doc.to_owned())
+}
+
 /// Unit and words of a signal or a value; what is only a bit of the messages has no field.
 fn words<M: Message>(name: &str) -> (&'static str, &'static str) {
     let field = M::FIELDS.iter().find(|field| field.name == name);
     field.map_or(("", "Above 0 while it is so."), |f| (f.unit, f.doc.trim()))
 }
 
+/// Units that people read in others: the SI unit, the other one, and how many of it are one of the first.
+const SHOWN: [(&str, &str, f64); 5] = [
+    ("rad", "deg", 180.0 / PI),
+    ("rad/s", "deg/s", 180.0 / PI),
+    ("rad/s^2", "deg/s^2", 180.0 / PI),
+    ("Pa", "bar", 1e-5),
+    ("kg", "t", 1e-3),
+];
+
+/// Unit of a variable, and the one that is shown.
 fn unit_attribute(unit: &str) -> String {
     if unit.is_empty() {
-        String::new()
-    } else {
-        format!(" unit=\"{unit}\"")
+        return String::new();
     }
+    let shown = SHOWN.iter().find(|(si, ..)| *si == unit);
+    // A mass is shown in kg unless the user chooses.
+    let shown = shown.filter(|_| unit != "kg");
+    let shown = shown.map_or(String::new(), |(_, other, _)| {
+        format!(" displayUnit=\"{other}\"")
+    });
+    format!(" unit=\"{unit}\"{shown}")
 }
 
 /// The definitions of all units that the variables have.
@@ -333,7 +359,13 @@ fn units<M: Words>(out: &mut String) {
             let set: String = set.map(|(name, n)| format!(" {name}=\"{n}\"")).collect();
             format!("<BaseUnit{set}/>")
         });
-        let _ = writeln!(out, "    <Unit name=\"{unit}\">{base}</Unit>");
+        let shown = SHOWN.iter().filter(|(si, ..)| *si == unit);
+        let shown: String = shown
+            .map(|(_, other, factor)| {
+                format!("<DisplayUnit name=\"{other}\" factor=\"{factor:?}\"/>")
+            })
+            .collect();
+        let _ = writeln!(out, "    <Unit name=\"{unit}\">{base}{shown}</Unit>");
     }
     out.push_str("  </UnitDefinitions>\n");
 }
@@ -376,6 +408,20 @@ fn escape(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_flag_has_its_own_words_and_angles_are_shown_in_degrees() {
+        let flags = (0..Excavator::FLAGS.len()).map(|i| meaning::<ExcavatorEstimate>("flags", i));
+        let flags: std::collections::BTreeSet<String> = flags.collect();
+        assert_eq!(flags.len(), Excavator::FLAGS.len());
+        let description = xml::<Excavator>();
+        let unit = "<Unit name=\"rad\"><BaseUnit rad=\"1\"/><DisplayUnit name=\"deg\" factor=\"57.29577951308232\"/></Unit>";
+        assert!(description.contains(unit), "{description}");
+        let angle = description
+            .lines()
+            .find(|line| line.contains("name=\"boom_angle\""));
+        assert!(angle.is_some_and(|line| line.contains("unit=\"rad\" displayUnit=\"deg\"")));
+    }
 
     #[test]
     fn units_are_taken_apart() {

@@ -18,6 +18,16 @@ const LICENCES: &str = concat!(
     include_str!("../../../LICENSE-APACHE")
 );
 
+/// What an importer draws for a block, and how large.
+const ICON: [(&str, &[u8]); 3] = [
+    ("icon.svg", include_bytes!("../icon/icon.svg")),
+    ("icon.png", include_bytes!("../icon/icon.png")),
+    (
+        "terminalsAndIcons.xml",
+        include_bytes!("../icon/terminalsAndIcons.xml"),
+    ),
+];
+
 /// A platform of FMI.
 struct Platform {
     name: &'static str,
@@ -153,6 +163,9 @@ fn write<M: Words>(
     let mut zip = Zip::default();
     zip.add("modelDescription.xml", xml::<M>().as_bytes());
     zip.add("documentation/index.html", page::<M>().as_bytes());
+    for (file, content) in ICON {
+        zip.add(&format!("terminalsAndIcons/{file}"), content);
+    }
     let licences = "documentation/licenses";
     zip.add(&format!("{licences}/license.txt"), LICENCES.as_bytes());
     if let Some(notices) = notices {

@@ -1,4 +1,9 @@
-//! The file that an FMU is: a zip archive, its members stored as they are.
+//! The file that an FMU is: a zip archive, its members deflated where that makes them smaller.
+
+use miniz_oxide::deflate::compress_to_vec;
+
+/// Of 10; more takes longer and is hardly smaller.
+const LEVEL: u8 = 9;
 
 /// Appends members and then the table of contents.
 #[derive(Default)]
@@ -19,14 +24,21 @@ impl Zip {
     pub fn add(&mut self, name: &str, data: &[u8]) {
         let offset = u32::try_from(self.bytes.len()).expect("less than 4 GiB");
         let size = u32::try_from(data.len()).expect("less than 4 GiB");
+        let deflated = compress_to_vec(data, LEVEL);
+        let (method, packed) = if deflated.len() < data.len() {
+            (8, deflated.as_slice())
+        } else {
+            (0, data)
+        };
+        let packed_size = u32::try_from(packed.len()).expect("less than 4 GiB");
         let length = u16::try_from(name.len()).expect("a short name");
-        // What local header and table of contents have in common: version 2.0, no flags, stored,
-        // date, checksum, sizes, length of the name, no extra field.
+        // What local header and table of contents have in common: version 2.0, no flags, method
+        // (8 deflated, 0 stored), time, date, checksum, sizes, length of the name, no extra field.
         let mut common = Vec::new();
-        for half in [20, 0, 0, 0, DATE] {
+        for half in [20, 0, method, 0, DATE] {
             common.extend(u16::to_le_bytes(half));
         }
-        for word in [crc32fast::hash(data), size, size] {
+        for word in [crc32fast::hash(data), packed_size, size] {
             common.extend(word.to_le_bytes());
         }
         common.extend(length.to_le_bytes());
@@ -35,7 +47,7 @@ impl Zip {
         self.bytes.extend(b"PK\x03\x04");
         self.bytes.extend(&common);
         self.bytes.extend(name.as_bytes());
-        self.bytes.extend(data);
+        self.bytes.extend(packed);
 
         // Made by 2.0 under Unix; no comment, first disk, binary, readable and executable by all.
         self.contents.extend(b"PK\x01\x02\x14\x03");

@@ -108,12 +108,24 @@ fn estimate_file<'py>(
     settings: Vec<String>,
     method: Option<&str>,
 ) -> PyResult<Estimated<'py>> {
-    let description = described(self::machine(machine)?, text, &settings)?;
+    let machine = self::machine(machine)?;
+    let own = if text.is_none() { recorded_description(path)? } else { None };
+    let description = described(machine, text.or(own.as_deref()), &settings)?;
     let result = py.detach(|| {
         let map = map.map(|map| Map::read(Path::new(map))).transpose().map_err(refused)?;
         kind(&description).of_file(&description, method, Path::new(path), map.as_ref())
     });
     estimated(py, result?)
+}
+
+/// The description that a recording of heft brings.
+fn recorded_description(path: &str) -> PyResult<Option<String>> {
+    let path = Path::new(path);
+    if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("mcap")) {
+        return Ok(None);
+    }
+    let reader = Reader::open(path).map_err(refused)?;
+    Ok(reader.metadata().get("description").cloned())
 }
 
 fn estimated(py: Python<'_>, found: Found) -> PyResult<Estimated<'_>> {
@@ -185,8 +197,8 @@ fn nearest(word: &str, names: Vec<String>) -> Option<String> {
     config::nearest(word, names.iter().map(String::as_str)).map(str::to_owned)
 }
 
-/// Names of channels with their columns, and what of the recording cannot be given, in words.
-type Recorded<'py> = (Bound<'py, PyList>, Vec<String>);
+/// Names of channels with their columns, what of the recording cannot be given, in words, and its description.
+type Recorded<'py> = (Bound<'py, PyList>, Vec<String>, Option<String>);
 
 #[pyfunction]
 fn read<'py>(py: Python<'py>, path: &str) -> PyResult<Recorded<'py>> {
@@ -195,7 +207,8 @@ fn read<'py>(py: Python<'py>, path: &str) -> PyResult<Recorded<'py>> {
     for channel in reader.channels() {
         channels.append((channel, recorded(py, &reader, channel)?))?;
     }
-    Ok((channels, words(&reader.lacks())))
+    let description = reader.metadata().get("description").cloned();
+    Ok((channels, words(&reader.lacks()), description))
 }
 
 fn words(lacks: &Lacks) -> Vec<String> {

@@ -98,18 +98,33 @@ def test_a_recording_reads_back_with_units(tmp_path):
     channels = heft.read(recording)
     sensors = channels["excavator/sensors"]
     assert sensors.attrs["units"]["swing_velocity"] == "rad/s"
-    # One sensor row, one estimate: the recording replays through `estimate`.
-    again = heft.estimate(sensors, "excavator")
+    # One sensor row, one estimate: the recording replays through `estimate`, with the machine that it brings.
     recorded = channels["excavator/inertia_ukf"]
-    assert (bits(again["inertia"]) == bits(recorded["inertia"])).all()
+    for again in (heft.estimate(sensors, "excavator"), heft.estimate(recording, "excavator")):
+        assert (bits(again["inertia"]) == bits(recorded["inertia"])).all()
+    assert "[machine]" in channels.attrs["heft.description"]
+    changed = heft.estimate(sensors, "excavator", config={"sensors.swing_velocity_std": 0.05})
+    assert not (bits(changed["inertia"]) == bits(recorded["inertia"])).all()
+
+
+def largest(data):
+    """Where the largest block of a recording begins and how long it is: samples, not what lists them."""
+    at, found = 8, (0, 0)
+    while at + 9 < len(data) - 8:
+        length = int.from_bytes(data[at + 1 : at + 9], "little")
+        found = max(found, (length, at + 9))
+        at += 9 + length
+    return found[1], found[0]
 
 
 def damaged(whole, folder):
-    """Copies of a recording: one byte of its middle changed, and its second half cut off."""
+    """Copies of a recording: one byte among its samples changed, and all cut off from there."""
     data = bytearray(whole.read_bytes())
+    start, length = largest(data)
+    middle = start + length // 2
     cut = folder / "cut.mcap"
-    cut.write_bytes(data[: len(data) // 2])
-    data[len(data) // 2] ^= 0x40
+    cut.write_bytes(data[:middle])
+    data[middle] ^= 0x40
     flipped = folder / "flipped.mcap"
     flipped.write_bytes(data)
     return flipped, cut

@@ -43,18 +43,13 @@ pub fn wall_ms() -> u64 {
     now.map_or(0, |d| d.as_millis() as u64)
 }
 
-/// Warnings go to standard error; `HEFT_LOG` chooses otherwise, in the syntax of `env_logger`.
-pub fn log() {
-    use tracing_subscriber::EnvFilter;
-    let filter = EnvFilter::try_from_env("HEFT_LOG");
-    let filter = filter
-        .unwrap_or_else(|_| EnvFilter::new("error,gateway=info,iceoryx2=off,iceoryx2_log=off"));
-    tracing_subscriber::fmt()
-        .with_env_filter(filter)
-        .with_writer(std::io::stderr)
-        .without_time()
-        .with_target(false)
-        .init();
+/// What the programs of a fleet say on standard error, unless the environment chooses otherwise: what they do, and errors of
+/// all that they are made of. `program` stands in each line.
+#[must_use]
+pub fn log(program: &'static str) -> tracing::span::EnteredSpan {
+    diagnostics::start("error,gateway=info,iceoryx2=off,iceoryx2_log=off");
+    tracing::error_span!(target: "gateway", "process", pid = std::process::id(), process = program)
+        .entered()
 }
 
 /// Sets `stop` when the process is asked to end.

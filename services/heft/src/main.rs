@@ -16,7 +16,6 @@ mod fleet;
 mod fleet_run;
 mod group;
 mod image;
-mod journal;
 mod live;
 mod machines;
 mod many;
@@ -52,7 +51,8 @@ use failure::Failure;
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
-    log();
+    // Warnings, unless the environment chooses otherwise.
+    diagnostics::start("warn,iceoryx2=off,iceoryx2_log=off");
     let _process = span();
     outlive_limits();
     // Lists of processes would show the name that `image` starts it by.
@@ -71,33 +71,6 @@ fn outlive_limits() {
     let seen = std::sync::Arc::default();
     if let Err(error) = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, seen) {
         tracing::warn!(%error, "a limit of the size of files will end this program");
-    }
-}
-
-/// Warnings go to standard error. `HEFT_LOG`, or else `RUST_LOG`, chooses otherwise, in the syntax of `env_logger`;
-/// `HEFT_LOG_FORMAT=json` writes objects with the process in `span`. The processes of a run inherit both. In the journal
-/// of systemd each line has its priority.
-fn log() {
-    use tracing_subscriber::EnvFilter;
-    let filter = EnvFilter::try_from_env("HEFT_LOG")
-        .or_else(|_| EnvFilter::try_from_env("RUST_LOG"))
-        .unwrap_or_else(|_| EnvFilter::new("warn,iceoryx2=off,iceoryx2_log=off"));
-    let lines = tracing_subscriber::fmt()
-        .with_env_filter(filter)
-        .with_writer(std::io::stderr);
-    if std::env::var_os("HEFT_LOG_FORMAT").is_some_and(|format| format == "json") {
-        lines
-            .json()
-            .flatten_event(true)
-            .with_span_list(false)
-            .init();
-    } else if journal::is_journal(std::io::stderr()) {
-        let format = tracing_subscriber::fmt::format()
-            .with_ansi(false)
-            .without_time();
-        lines.event_format(journal::Prioritized(format)).init();
-    } else {
-        lines.without_time().init();
     }
 }
 

@@ -1,10 +1,12 @@
 //! A C program against the library that cargo has just built.
 
+#![allow(dead_code)] // each test uses some of it
+
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
 /// The static library: cargo puts it beside the tests.
-fn library() -> PathBuf {
+pub fn library() -> PathBuf {
     let test = std::env::current_exe().expect("a path");
     let folder = test.parent().expect("a folder");
     let libraries = std::fs::read_dir(folder).expect("a folder").flatten();
@@ -19,19 +21,19 @@ fn library() -> PathBuf {
         .expect("cargo builds the static library with the tests")
 }
 
-/// Compiles `source` (relative to the crate) without a warning.
+/// Compiles `source` (relative to the crate) without a warning, as C.
 pub fn compile(source: &str, folder: &Path) -> PathBuf {
+    compile_as(&["cc", "-std=c99"], source, folder)
+}
+
+/// The same with this compiler and language.
+pub fn compile_as(compiler: &[&str], source: &str, folder: &Path) -> PathBuf {
     let program = folder.join("program");
     let package = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let compiled = Command::new("cc")
-        .args([
-            "-std=c99",
-            "-O1",
-            "-Wall",
-            "-Wextra",
-            "-Wpedantic",
-            "-Werror",
-        ])
+    let compiled = Command::new(compiler[0])
+        .args(&compiler[1..])
+        .args(["-O1", "-Wall", "-Wextra", "-Wpedantic", "-Werror"])
+        .args(["-Wshadow", "-Wconversion"])
         .arg(format!("-I{}", package.join("include").display()))
         .arg(package.join(source))
         .arg(library())

@@ -65,7 +65,8 @@ class DamageWarning(HeftWarning):
 
 
 class Channels(Dict[str, Any]):
-    """The channels of a recording by their names; ``attrs["damage"]`` says what of it is lacking."""
+    """The channels of a recording by their names; ``attrs["damage"]`` says what of it is lacking,
+    ``attrs["heft.description"]`` with which machine it was recorded."""
 
     def __init__(self, channels: Mapping[str, Any]) -> None:
         super().__init__(channels)
@@ -116,7 +117,8 @@ def estimate(
         ``"excavator"`` or ``"loader"``.
     config
         A description of the machine: the path of a TOML file, or a mapping of keys to values such as
-        ``{"sensors.swing_velocity_std": 0.008}``. Without it, the reference machine.
+        ``{"sensors.swing_velocity_std": 0.008}``. Without it, and below the keys of a mapping, a recording
+        of heft brings its own, and so do the frames of ``heft.read``; else it is the reference machine.
     method
         As ``--method`` of the command line; without it, by the columns that there are.
     map
@@ -137,6 +139,8 @@ def estimate(
     if map is not None:
         raise HeftError("map is for files; rename the columns of a frame")
     known = _heft.signals(machine)
+    if text is None:
+        text = getattr(data, "attrs", {}).get("heft.description")
     data = _table(data, known)
     names = _names(data)
     _hint_at_names(names, known)
@@ -152,15 +156,17 @@ def read(recording: PathLike) -> Channels:
     sensor did not give is NaN.
 
     Of a recording that is damaged or was cut off, what is whole is given, with a DamageWarning. The result
-    has ``attrs["damage"]``, and so has each frame of pandas: what is lacking and where, one text each.
+    has ``attrs["damage"]``, and so has each frame of pandas: what is lacking and where, one text each. In the same
+    way ``attrs["heft.description"]`` is the machine that it was recorded with, as TOML, or None.
     """
-    channels, damage = _heft.read(os.fspath(recording))
+    channels, damage, description = _heft.read(os.fspath(recording))
     _warn_of_damage(damage)
     result = Channels({name: _frame(columns, "pandas") for name, columns in channels})
-    result.attrs["damage"] = damage
+    about = {"damage": damage, "heft.description": description}
+    result.attrs.update(about)
     for frame in result.values():
         if hasattr(frame, "attrs"):
-            frame.attrs["damage"] = damage
+            frame.attrs.update(about)
     return result
 
 

@@ -181,7 +181,7 @@ fn empty(d: &Description) -> Quantity {
 fn load(d: &Description, input: &Input) -> Option<Quantity> {
     let by_mass = |mass: Quantity| Quantity {
         value: mass.value - empty(d).value,
-        std: mass.std.hypot(empty(d).std),
+        std: norm(&[mass.std, empty(d).std]),
     };
     input.payload.or_else(|| input.stated.mass.map(by_mass))
 }
@@ -190,7 +190,7 @@ fn load(d: &Description, input: &Input) -> Option<Quantity> {
 pub fn stated(d: &Description, input: &Input) -> StatedLoad {
     let with = |load: Quantity| Quantity {
         value: empty(d).value + load.value,
-        std: load.std.hypot(empty(d).std),
+        std: norm(&[load.std, empty(d).std]),
     };
     let loaded = input.payload.filter(|load| load.value > 0.0);
     StatedLoad {
@@ -308,9 +308,9 @@ fn before(d: &Description, known: &LiftKnown, runs: &[Run<'_>]) -> Solution {
             arm.mass * far,
             bucket * arm.length,
         ]),
-        own * BESIDE[0].hypot(turned),
+        own * norm(&[BESIDE[0], turned]),
         norm(&[bucket * arm.payload_distance, arm.bucket_mass * load]),
-        arm.bucket_mass * arm.payload_distance * BESIDE[1].hypot(turned),
+        arm.bucket_mass * arm.payload_distance * norm(&[BESIDE[1], turned]),
     ];
     let mut stds = vec![known.span_std, known.offset_std, known.friction.std];
     stds.extend(curve.map(|first| GRAVITY * first));

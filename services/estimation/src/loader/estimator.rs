@@ -8,6 +8,8 @@ use super::layout::{
 };
 use super::lift_arm::{LiftWitness, Weighed};
 use super::payload::Payload;
+#[cfg(not(feature = "every-method"))]
+use super::settings::MustBe;
 use super::settings::{Settings, SettingsError};
 use super::verdict::{Doubt, Intervals, Learns, with_floors};
 use super::witnesses::Witnesses;
@@ -15,18 +17,26 @@ use super::{Columns, Method, Reason, Sample};
 use crate::Quantity;
 use crate::ekf::Ekf;
 use crate::math::norm;
+#[cfg(feature = "every-method")]
 use crate::srukf::SquareRootUkf;
 
-/// The filter that a method runs on.
+/// The filter that a method runs on. A controller with little flash has those of `full-ekf` alone (without the feature
+/// `every-method`).
 #[derive(Clone, Copy, Debug)]
 #[allow(clippy::large_enum_variant)] // no allocator
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 enum Filter {
+    #[cfg(feature = "every-method")]
     Six(CgFilter<6, 3, SquareRootUkf<6, 3>>),
+    #[cfg(feature = "every-method")]
     Eight(CgFilter<8, 3, SquareRootUkf<8, 3>>),
+    #[cfg(feature = "every-method")]
     Nine(CgFilter<9, 3, SquareRootUkf<9, 3>>),
+    #[cfg(feature = "every-method")]
     Ten(CgFilter<10, 4, SquareRootUkf<10, 4>>),
+    #[cfg(feature = "every-method")]
     Twelve(CgFilter<12, 4, SquareRootUkf<12, 4>>),
+    #[cfg(feature = "every-method")]
     SixByTangent(CgFilter<6, 3, Ekf<6, 3>>),
     EightByTangent(CgFilter<8, 3, Ekf<8, 3>>),
     NineByTangent(CgFilter<9, 3, Ekf<9, 3>>),
@@ -38,11 +48,17 @@ enum Filter {
 macro_rules! each {
     ($filter:expr, $f:ident => $then:expr) => {
         match $filter {
+            #[cfg(feature = "every-method")]
             Filter::Six($f) => $then,
+            #[cfg(feature = "every-method")]
             Filter::Eight($f) => $then,
+            #[cfg(feature = "every-method")]
             Filter::Nine($f) => $then,
+            #[cfg(feature = "every-method")]
             Filter::Ten($f) => $then,
+            #[cfg(feature = "every-method")]
             Filter::Twelve($f) => $then,
+            #[cfg(feature = "every-method")]
             Filter::SixByTangent($f) => $then,
             Filter::EightByTangent($f) => $then,
             Filter::NineByTangent($f) => $then,
@@ -94,16 +110,11 @@ impl CgEstimator {
             (false, true) => 10 + late,
         };
         let filter = match (states, method.takes_tangent()) {
-            (11, false) => Filter::Twelve(CgFilter::new(settings, method)),
-            (10, false) => Filter::Ten(CgFilter::new(settings, method)),
-            (9, false) => Filter::Nine(CgFilter::new(settings, method)),
-            (8, false) => Filter::Eight(CgFilter::new(settings, method)),
-            (_, false) => Filter::Six(CgFilter::new(settings, method)),
             (11, true) => Filter::TwelveByTangent(CgFilter::new(settings, method)),
             (10, true) => Filter::TenByTangent(CgFilter::new(settings, method)),
             (9, true) => Filter::NineByTangent(CgFilter::new(settings, method)),
             (8, true) => Filter::EightByTangent(CgFilter::new(settings, method)),
-            (_, true) => Filter::SixByTangent(CgFilter::new(settings, method)),
+            (states, tangent) => other(settings, method, states, tangent)?,
         };
         let mut last = each!(&filter, f => report(f, settings, method, &waiting()));
         let lift = LiftWitness::new(
@@ -208,6 +219,35 @@ impl CgEstimator {
     pub fn state_std(&self, i: usize) -> f64 {
         each!(&self.filter, f => f.std(i))
     }
+}
+
+/// The filters beside those of `full-ekf`.
+#[cfg(feature = "every-method")]
+#[allow(clippy::unnecessary_wraps)] // the other build refuses
+fn other(
+    settings: &Settings,
+    method: Method,
+    states: usize,
+    tangent: bool,
+) -> Result<Filter, SettingsError> {
+    Ok(match (states, tangent) {
+        (_, true) => Filter::SixByTangent(CgFilter::new(settings, method)),
+        (11, false) => Filter::Twelve(CgFilter::new(settings, method)),
+        (10, false) => Filter::Ten(CgFilter::new(settings, method)),
+        (9, false) => Filter::Nine(CgFilter::new(settings, method)),
+        (8, false) => Filter::Eight(CgFilter::new(settings, method)),
+        (_, false) => Filter::Six(CgFilter::new(settings, method)),
+    })
+}
+
+/// Left out of this build.
+#[cfg(not(feature = "every-method"))]
+fn other(_: &Settings, method: Method, _: usize, _: bool) -> Result<Filter, SettingsError> {
+    Err(SettingsError {
+        key: "method",
+        value: f64::from(method.index()),
+        must_be: MustBe::FullEkf,
+    })
 }
 
 fn waiting<const M: usize>() -> RowReport<M> {

@@ -81,4 +81,4 @@ pub use method::Method;
 pub use payload::Payload;
 pub use reason::Reason;
 pub use sample::{Columns, Sample};
-pub use settings::{LoadTransfer, Machine, Prior, Sensors, Settings, SettingsError};
+pub use settings::{LoadTransfer, Machine, MustBe, Prior, Sensors, Settings, SettingsError};

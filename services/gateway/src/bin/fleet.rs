@@ -47,7 +47,7 @@ enum Command {
 }
 
 fn main() -> ExitCode {
-    gateway::log();
+    let _process = gateway::log("heft-fleet");
     // What is written is for its user alone.
     rustix::process::umask(rustix::fs::Mode::RWXG | rustix::fs::Mode::RWXO);
     let cli = Cli::parse();

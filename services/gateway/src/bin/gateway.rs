@@ -18,7 +18,7 @@ struct Cli {
 }
 
 fn main() -> ExitCode {
-    gateway::log();
+    let _process = gateway::log("heft-gateway");
     let stop = Arc::new(AtomicBool::new(false));
     let result = gateway::on_signal(&stop).and_then(|()| run(&Cli::parse().args, &stop));
     gateway::exit("heft-gateway", result)

@@ -23,6 +23,8 @@ pub enum MustBe {
     Within(Range),
     /// Below another setting.
     Below(&'static str),
+    /// Method `full-ekf`: a build without the feature `every-method` has no other.
+    FullEkf,
 }
 
 impl fmt::Display for SettingsError {
@@ -31,6 +33,7 @@ impl fmt::Display for SettingsError {
         match self.must_be {
             MustBe::Within(Range { low, high }) => write!(f, "within {low} .. {high}"),
             MustBe::Below(other) => write!(f, "below {other}"),
+            MustBe::FullEkf => f.write_str("full-ekf, the only one of this build"),
         }
     }
 }
