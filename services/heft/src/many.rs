@@ -11,6 +11,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::failure::Failure;
 use crate::image;
+use crate::out::{self, Plain};
 
 /// One input.
 pub struct Job {
@@ -38,8 +39,8 @@ impl Ended {
     /// In a word, or what was said.
     pub fn word(&self) -> &str {
         match self {
-            Self::Kept => "kept",
-            Self::Made => "made",
+            Self::Kept => "up to date",
+            Self::Made => "done",
             Self::No(why) | Self::Failed(why) => why,
         }
     }
@@ -198,7 +199,8 @@ pub fn run(jobs: &[Job], most: Option<NonZeroUsize>) -> Vec<Ended> {
             }
             let count = ended.fetch_add(1, Ordering::Relaxed) + 1;
             if std::io::stderr().is_terminal() {
-                eprint!("\r\x1b[2K{count} of {} {}", jobs.len(), job.input.display());
+                let name = Plain(job.input.display());
+                out::draw(&format!("\r\x1b[2K{count} of {} {name}", jobs.len()));
             }
         }
     };
@@ -208,7 +210,7 @@ pub fn run(jobs: &[Job], most: Option<NonZeroUsize>) -> Vec<Ended> {
         }
     });
     if std::io::stderr().is_terminal() {
-        eprint!("\r\x1b[2K");
+        out::draw("\r\x1b[2K");
     }
     let results = results.into_inner().unwrap_or_default();
     let lost = || Ended::Failed("it was not begun".into());

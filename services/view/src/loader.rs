@@ -3,7 +3,8 @@
 pub mod figures;
 mod words;
 
-pub(crate) use words::advice;
+#[cfg(test)]
+pub(crate) use words::REMEDIES;
 
 use messages::{LOADER_METHODS, LoaderEstimate, LoaderTruth, Machine, loader_bits as bits};
 

@@ -237,7 +237,13 @@ impl Verdict {
 
     /// What leads, and what explains it.
     fn words(&self) -> (String, String) {
-        let (value, verdict) = (&self.judgement.value, self.judgement.verdict());
+        let value = &self.judgement.value;
+        let verdict = format!(
+            "{} {}",
+            self.judgement.verdict(),
+            self.judgement.what_to_do()
+        );
+        let verdict = verdict.trim_end().to_owned();
         match &self.last {
             Some(last) => (
                 format!("Last trusted: {last}. "),

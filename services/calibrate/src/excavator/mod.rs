@@ -240,7 +240,7 @@ fn find(outcome: &mut Outcome, free: &[Role], options: &Options<'_>) {
         && let Some(d) = loads::doubt(&whole)
     {
         faults.insert(0, format!(
-            "the load of {} was stated as {:.0} kg, but with the masses and the torque gain of the description it weighs {:.0} ± {:.0} kg; weigh it again, or check which recording is which",
+            "the load of {} was stated as {:.0} kg, but with the masses and the torque gain of the machine file it weighs {:.0} ± {:.0} kg; weigh it again, or check which recording is which",
             d.name, d.stated.value, d.found.value, d.found.std
         ));
     }

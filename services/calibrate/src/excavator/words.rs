@@ -130,7 +130,7 @@ pub fn far(swings: &Swings, place: &[f64], fixed: &[bool]) -> Vec<String> {
     let all = (0..place.len()).filter(is_far).map(|i| {
         let p = &swings.parameters[i];
         format!(
-            "{} would be {:.4}, but {:.4} ± {:.4} {unit} was expected: a column of another unit or sign, recordings of another machine or another load than stated, or the description is wrong",
+            "{} would be {:.4}, but {:.4} ± {:.4} {unit} was expected: a column of another unit or sign, recordings of another machine or another load than stated, or the machine file is wrong",
             p.words, p.value(place[i]), p.mean, p.std, unit = p.unit
         )
     });
@@ -242,7 +242,7 @@ pub fn ground(outcome: &Outcome) -> Vec<String> {
 }
 
 /// One load only.
-pub const ONE_LOAD: &str = "all swings carry the same load: torque, damping, friction and masses can all be larger by one factor; only something of known mass fixes it. Record one run with an empty bucket and one with a weighed load, and tell both: --payload FILE=0 --payload FILE=KG±KG";
+pub const ONE_LOAD: &str = "no two recordings have different stated loads: torque, damping, friction and masses could all be larger by one factor, and only a known mass fixes it. Record one run with an empty bucket and one with a weighed load, and state both: --payload FILE=0 --payload FILE=KG±KG";
 
 /// Whether a direction is about what has no use beyond the fit.
 #[must_use]

@@ -148,7 +148,7 @@ const NO_ARM: &str = "lift pressures are recorded, but no lift arm is described:
 /// What is said where the arm hardly moves.
 const NO_LIFTS: &str = "the lift cylinders stay as described: lift and lower the arm slowly and fully, twice, while the machine stands and the bucket is off the ground";
 /// What is said where no load is known.
-const NO_LOAD: &str = "the lift cylinders stay as described: the loads of the recordings with lifts are not known; tell them: --payload empty.mcap=0 --payload loaded.mcap=KG±KG";
+const NO_LOAD: &str = "the lift cylinders stay as described: the loads of the recordings with lifts are not known; state them: --payload empty.mcap=0 --payload loaded.mcap=KG±KG";
 /// What is said where the loads do not tell the span.
 fn one_load(runs: &[Run<'_>]) -> String {
     let loads: Vec<String> = runs
@@ -161,7 +161,7 @@ fn one_load(runs: &[Run<'_>]) -> String {
         })
         .collect();
     format!(
-        "the lift cylinders stay as described: the loads ({}) are too much alike, or not known well enough, to distinguish the areas from the weight of the arm; record slow lifts with the bucket empty and with a weighed load, and tell both: --payload FILE=KG±KG",
+        "the lift cylinders stay as described: the loads ({}) are too much alike, or not known well enough, to distinguish the areas from the weight of the arm; record slow lifts with the bucket empty and with a weighed load, and state both: --payload FILE=KG±KG",
         loads.join(", ")
     )
 }

@@ -19,14 +19,14 @@ pub(super) fn write(body: &mut String, loads: &[Weighed]) {
         "dumped",
         "in the bucket, kg",
         "95 %",
-        "stays, kg",
-        "by",
+        "left in it, kg",
+        "weighed by",
         "trusted",
     ];
     let rows: String = loads.iter().map(cells).map(|cells| row(&cells)).collect();
     let _ = write!(
         body,
-        "<section class=\"words\"><h2>What each bucket held</h2>{}<p class=\"note\">As the run counted it. \
+        "<section class=\"words loads\"><h2>What each bucket held</h2>{}<p class=\"note\">As the run counted it. \
          <code>heft loads</code> adds up trucks and days.</p></section>",
         table(1, &head, &rows)
     );

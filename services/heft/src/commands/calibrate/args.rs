@@ -46,18 +46,18 @@ pub struct CalibrateArgs {
     /// The machine's description
     #[command(flatten)]
     pub description: DescriptionArgs,
-    /// Description to write (TOML)
+    /// Machine file to write (TOML)
     #[arg(
         short,
         long,
-        value_name = "DESCRIPTION",
+        value_name = "MACHINE.toml",
         required_unless_present = "each"
     )]
     pub output: Option<PathBuf>,
     /// Also write an HTML report
     #[arg(long, value_name = "R.html")]
     pub report: Option<PathBuf>,
-    /// Write the description even if something speaks against it
+    /// Write the machine file even if something speaks against it
     #[arg(long)]
     pub accept: bool,
 }

@@ -41,7 +41,7 @@ fn verdict(body: &mut String, summary: &Summary<'_>) {
     let (class, word) = if summary.faults.is_empty() {
         ("verdict trusted", "calibrated")
     } else {
-        ("verdict", "not to be believed")
+        ("verdict", "not calibrated: no result that can be believed")
     };
     let _ = write!(
         body,
@@ -95,7 +95,11 @@ fn values(body: &mut String, summary: &Summary<'_>, found: &Found) {
                 std: p.value_std(0.0, 1.0),
             };
             let noise = p.value_std(found.fit.place[i], found.uncertainty.noise[i]);
-            let held = if summary.fixed[i] { " (held)" } else { "" };
+            let held = if summary.fixed[i] {
+                " (as described)"
+            } else {
+                ""
+            };
             Some(vec![
                 format!("{}{held}", p.words),
                 figure(before, p.unit),
@@ -130,15 +134,15 @@ fn unseen(body: &mut String, summary: &Summary<'_>, found: &Found) {
     let [before, after] = &found.unseen;
     table(
         body,
-        "On what the fit has not seen",
+        "Check on data left out of the fit",
         &format!(
-            "One {} in four was left out of a fit of its own. A right model has 1, 0 and 95.",
+            "Every fourth {} was left out, and predicted by a fit to the others. A right model has 1, 0 and 95.",
             summary.block
         ),
         &[
             "",
             "innovations",
-            "squares over expected",
+            "squares over predicted",
             "correlation with the next",
             "inside 95 %, %",
         ],
@@ -169,7 +173,7 @@ fn residuals(body: &mut String, summary: &Summary<'_>, found: &Found) {
             .map(|(i, z)| (i as f64, *z))
             .collect();
         let mut course = Plot::new(format!("residual, {name}"), "measurement");
-        course.line("innovation / expected", Style::Series(0), &points);
+        course.line("innovation / predicted", Style::Series(0), &points);
         course.level("95 %", Style::Limit, estimation::HALF_WIDTH_95);
         course.level("", Style::Limit, -estimation::HALF_WIDTH_95);
         plots.push(course);
@@ -178,7 +182,7 @@ fn residuals(body: &mut String, summary: &Summary<'_>, found: &Found) {
     panels(
         body,
         "Residuals",
-        "Innovations over their expected size: white, of size one, if the model holds.",
+        "Innovations over their predicted size. They are white and of size one if the model holds.",
         &plots,
     );
 }
@@ -203,7 +207,7 @@ fn histogram(residuals: &[f64], name: &str) -> Plot {
             )
         })
         .collect();
-    let mut plot = Plot::new(format!("density, {name}"), "innovation / expected");
+    let mut plot = Plot::new(format!("density, {name}"), "innovation / predicted");
     plot.bars("innovations", Style::Series(0), &edges, &heights);
     plot.line("normal", Style::Limit, &normal);
     plot
@@ -227,10 +231,10 @@ fn slices(body: &mut String, summary: &Summary<'_>, found: &Found) {
                 .map(|k| (p.value(best + k * std), 0.5 * k * k))
                 .collect();
             let mut plot = Plot::new(
-                "-ln likelihood above its least",
+                "-ln likelihood above its minimum",
                 format!("{} {}", p.words, p.unit),
             );
-            plot.line("all others fitted anew", Style::Series(0), &points);
+            plot.line("all others fitted again", Style::Series(0), &points);
             plot.line("the stated interval", Style::Limit, &parabola);
             plot
         })
@@ -238,7 +242,7 @@ fn slices(body: &mut String, summary: &Summary<'_>, found: &Found) {
     panels(
         body,
         "Slices of the likelihood",
-        "The two parameters that the recordings narrowed least. A curve above the other says that the stated interval is wide enough.",
+        "The two parameters that the recordings determine least. Where the first curve is above the second, the stated interval is wide enough.",
         &plots,
     );
 }
@@ -287,7 +291,7 @@ fn contributions(body: &mut String, summary: &Summary<'_>, found: &Found) {
         rows.push(row);
     }
     rows.push(
-        std::iter::once("it holds".to_owned())
+        std::iter::once("load".to_owned())
             .chain(summary.contents.iter().cloned())
             .collect(),
     );
@@ -295,7 +299,7 @@ fn contributions(body: &mut String, summary: &Summary<'_>, found: &Found) {
     table(
         body,
         "What each recording contributed",
-        "Share of the information about each parameter, all others known.",
+        "Share of the information about each parameter, if all others were known.",
         &head,
         &rows,
     );

@@ -74,7 +74,7 @@ pub struct RunArgs {
     /// Length of the run, in s; until the scenario ends if absent
     #[arg(long, value_name = "S")]
     pub duration: Option<f64>,
-    /// Sampling rate of the simulator, in Hz; that of the description if absent
+    /// Sampling rate of the simulator, in Hz; that of the machine file if absent
     #[arg(long, value_name = "HZ")]
     pub rate: Option<f64>,
     /// Seed of the simulator
