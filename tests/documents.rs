@@ -131,6 +131,21 @@ fn no_page_is_too_long_to_read() {
 }
 
 #[test]
+fn the_summary_of_the_site_lists_every_page_of_docs_once() {
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs");
+    let summary = std::fs::read_to_string(docs.join("SUMMARY.md")).expect("a summary");
+    let links = summary.split("](").skip(1);
+    let mut listed: Vec<PathBuf> = links
+        .filter_map(|rest| rest.split_once(')'))
+        .map(|(page, _)| docs.join(page))
+        .collect();
+    listed.sort();
+    let is_page = |p: &PathBuf| p.starts_with(&docs) && !p.ends_with("SUMMARY.md");
+    let expected: Vec<PathBuf> = pages().into_iter().filter(is_page).collect();
+    assert_eq!(listed, expected);
+}
+
+#[test]
 fn a_long_sentence_is_found_and_code_is_one_word() {
     let words = "word ".repeat(31);
     assert_eq!(length(&sentences(&words)[0]), 31);

@@ -15,7 +15,7 @@ pub struct Plain<T>(pub T);
 
 impl<T: Display> Display for Plain<T> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        write!(Writing(f), "{}", self.0)
+        fmt::Write::write_fmt(&mut Writing(f), format_args!("{}", self.0))
     }
 }
 

@@ -149,7 +149,9 @@ const NO_ARM: &str = "lift pressures are recorded, but no lift arm is described:
 const NO_LIFTS: &str = "the lift cylinders stay as described: lift and lower the arm slowly and fully, twice, while the machine stands and the bucket is off the ground";
 /// What is said where no load is known.
 const NO_LOAD: &str = "the lift cylinders stay as described: the loads of the recordings with lifts are not known; state them: --payload empty.mcap=0 --payload loaded.mcap=KG±KG";
-/// What is said where the loads do not tell the span.
+/// Loads differ clearly beyond so many standard deviations.
+const CLEARLY: f64 = 5.0;
+/// What is said where the span is not determined by the loads.
 fn one_load(runs: &[Run<'_>]) -> String {
     let loads: Vec<String> = runs
         .iter()
@@ -160,6 +162,16 @@ fn one_load(runs: &[Run<'_>]) -> String {
             )
         })
         .collect();
+    let loads_differ = |a: &Run<'_>, b: &Run<'_>| {
+        (a.load.value - b.load.value).abs() > CLEARLY * a.load.std.hypot(b.load.std).max(1.0)
+    };
+    let differ = |a| runs.iter().any(|b| loads_differ(a, b));
+    if runs.iter().any(differ) {
+        return format!(
+            "the lift cylinders stay as described: the loads ({}) differ, and still the areas cannot be distinguished from the weight of the arm; check that all recordings are of one machine and that its arm was lifted slowly and fully, twice",
+            loads.join(", ")
+        );
+    }
     format!(
         "the lift cylinders stay as described: the loads ({}) are too much alike, or not known well enough, to distinguish the areas from the weight of the arm; record slow lifts with the bucket empty and with a weighed load, and state both: --payload FILE=KG±KG",
         loads.join(", ")

@@ -86,7 +86,7 @@ fn card<E: Estimate>(
     if let Some(sentence) = truth_sentence(part, estimator, judgement, parameter) {
         let _ = write!(body, " {sentence}");
     }
-    body.push_str("</p></article>");
+    body.push_str(" ± is one standard deviation.</p></article>");
 }
 
 /// Why, or why not and what to do.

@@ -47,14 +47,35 @@ fn verdict(body: &mut String, summary: &Summary<'_>) {
         body,
         "<div class=\"{class}\"><p><span class=\"badge\">{word}</span></p>"
     );
+    if let Some(found) = summary.found {
+        let [before, after] = &found.unseen;
+        let _ = write!(
+            body,
+            "<p class=\"number\">{:.1}\u{a0}%</p><p>of the measurements left out of the fit lie inside their 95\u{a0}% interval; \
+             {:.1}\u{a0}% with the machine file as it was.</p>",
+            100.0 * after.covered,
+            100.0 * before.covered
+        );
+    }
     for line in summary.faults.iter().chain(summary.remarks) {
         let _ = write!(body, "<p>{}</p>", escape(line));
+    }
+    if summary.faults.is_empty() {
+        body.push_str(
+            "<p class=\"when\">Next: estimate another recording with the new machine file (--config), and compare its loads.</p>",
+        );
     }
     body.push_str("</div>");
 }
 
 fn table(body: &mut String, title: &str, note: &str, head: &[&str], rows: &[Vec<String>]) {
-    let _ = write!(body, "<section><h2>{}</h2>", escape(title));
+    const WIDE: usize = 12;
+    let class = if head.len() > WIDE { "dense" } else { "" };
+    let _ = write!(
+        body,
+        "<section class=\"{class}\"><h2>{}</h2>",
+        escape(title)
+    );
     if !note.is_empty() {
         let _ = write!(body, "<p class=\"note\">{}</p>", escape(note));
     }
@@ -104,7 +125,7 @@ fn values(body: &mut String, summary: &Summary<'_>, found: &Found) {
                 format!("{}{held}", p.words),
                 figure(before, p.unit),
                 figure(summary.quantity(i)?, p.unit),
-                format!("{noise:.2e}"),
+                number::significant(noise, 2),
                 p.key.clone(),
             ])
         })
@@ -291,7 +312,7 @@ fn contributions(body: &mut String, summary: &Summary<'_>, found: &Found) {
         rows.push(row);
     }
     rows.push(
-        std::iter::once("load".to_owned())
+        std::iter::once("content".to_owned())
             .chain(summary.contents.iter().cloned())
             .collect(),
     );
