@@ -82,7 +82,7 @@ fn a_folder_gives_a_result_beside_each_input_and_is_not_done_twice() {
 
     let before: Vec<SystemTime> = results.iter().map(|r| made(r)).collect();
     let again = both(&run(&command));
-    assert_eq!(again.matches(" kept\n").count(), 3, "{again}");
+    assert_eq!(again.matches(" up to date\n").count(), 3, "{again}");
     assert!(results.iter().map(|r| made(r)).eq(before.iter().copied()));
 
     // Another method, another result; and on request the same again.
@@ -113,7 +113,7 @@ fn results_of_the_last_time_are_no_inputs() {
     ]);
     let all: Vec<&str> = good[..2].iter().chain(&names).map(|p| text(p)).collect();
     let said = run_ok(&[&["estimate", "--machine", "excavator"], &all[..]].concat());
-    assert_eq!(said.matches(" kept\n").count(), 2, "{said}");
+    assert_eq!(said.matches(" up to date\n").count(), 2, "{said}");
     assert!(!said.contains("estimates.csv "), "{said}");
 }
 

@@ -41,7 +41,7 @@ impl Ended {
         match self {
             Self::Kept => "up to date",
             Self::Made => "done",
-            Self::No(why) | Self::Failed(why) => why,
+            Self::No(why) | Self::Failed(why) => why.lines().next().unwrap_or_default(),
         }
     }
 
@@ -55,24 +55,19 @@ impl Ended {
 pub fn judge(ends: &[Ended]) -> Result<(), Failure> {
     let failed = ends.iter().filter(|e| e.is_bad_input()).count();
     let no = ends.iter().filter(|e| matches!(e, Ended::No(_))).count();
-    match (failed, no) {
-        (0, 0) => Ok(()),
-        (0, no) => Err(Failure::answer_is_no(format!(
-            "{no} of {} inputs: no",
+    match (failed, no, ends) {
+        (0, 0, _) => Ok(()),
+        (_, _, [Ended::No(why)]) => Err(Failure::answer_is_no(why.as_str())),
+        (_, _, [Ended::Failed(why)]) => Err(Failure::reported(why.clone())),
+        (0, no, _) => Err(Failure::answer_is_no(format!(
+            "{no} of {} inputs have a result that is in doubt; the table above says why",
             ends.len()
         ))),
-        (failed, _) => match ends {
-            [Ended::Failed(why)] => Err(Failure::input(
-                format!("there is no result: {why}"),
-                "the table above",
-                "fix what it names and run again",
-            )),
-            ends => Err(Failure::input(
-                format!("{failed} of {} inputs failed", ends.len()),
-                "the table above",
-                "fix or remove them and run again; finished inputs are skipped",
-            )),
-        },
+        (failed, _, _) => Err(Failure::input(
+            format!("{failed} of {} inputs failed", ends.len()),
+            "the table above",
+            "fix or remove them and run again; finished inputs are skipped",
+        )),
     }
 }
 
@@ -137,7 +132,7 @@ fn is_table(path: &Path) -> bool {
 }
 
 /// Whether it is a table that heft has made: estimates, loads, or a summary of inputs.
-fn is_ours(path: &Path) -> bool {
+pub fn is_ours(path: &Path) -> bool {
     let mut head = Vec::new();
     let read = std::fs::File::open(path).and_then(|f| f.take(4096).read_to_end(&mut head));
     let ours = [
@@ -228,10 +223,7 @@ fn one(job: &Job) -> Ended {
         Ok(output) if output.status.success() => Ended::Made,
         Ok(output) => {
             let said = String::from_utf8_lossy(&output.stderr);
-            let mut reasons = said.lines().filter_map(|l| l.strip_prefix("heft: "));
-            let reason = reasons
-                .next_back()
-                .map_or_else(|| output.status.to_string(), Into::into);
+            let reason = last_words(&said).map_or_else(|| output.status.to_string(), Into::into);
             match output.status.code() {
                 Some(1) => Ended::No(reason),
                 _ => Ended::Failed(reason),
@@ -241,9 +233,31 @@ fn one(job: &Job) -> Ended {
     }
 }
 
+/// Why a process failed: the last failure that it reported, with all its lines.
+fn last_words(said: &str) -> Option<&str> {
+    const FIRST: &str = "heft: ";
+    let from = match said.rfind(&format!("\n{FIRST}")) {
+        Some(at) => at + 1,
+        None if said.starts_with(FIRST) => 0,
+        None => return None,
+    };
+    Some(said[from + FIRST.len()..].trim_end())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_last_failure_is_reported_with_what_to_do() {
+        let said = "heft: one\nnote: x\nheft: two\n  where: there\n  what to do: that\n";
+        assert_eq!(
+            last_words(said),
+            Some("two\n  where: there\n  what to do: that")
+        );
+        assert_eq!(last_words("heft: one\n"), Some("one"));
+        assert_eq!(last_words("note: heft: x\n"), None);
+    }
 
     #[test]
     fn a_folder_stands_for_every_recording_and_table_in_it() {

@@ -51,7 +51,10 @@ pub fn estimate(args: &EstimateArgs) -> Result<(), Failure> {
     let rows: Vec<Row> = rows
         .map(|((input, summary), end)| Row::of(input, summary, end))
         .collect();
-    print!("{}", terminal(&rows));
+    let is_one_failure = matches!(ends.as_slice(), [end] if end.is_bad_input());
+    if !is_one_failure {
+        print!("{}", terminal(&rows));
+    }
     if let Some(file) = &args.summary {
         let table = csv(&rows);
         results::text("write the summary", file, &[], many::is_summary, &table)?;
