@@ -141,7 +141,7 @@ static inline const char *heft_excavator_reason(uint32_t code) {
 
 /* A row of sensors; NAN where a sample is missing. */
 typedef struct {
-  double t; /* Time of the measurement as the data tell it. [s] */
+  double t; /* Time of the measurement, by the clock of the data. [s] */
   double swing_velocity; /* Swing rate, positive anticlockwise from above. [rad/s] */
   double swing_angle; /* Swing angle, same sign. [rad] */
   double swing_torque; /* Swing torque at the upper body, positive in the direction of positive motion. [N m] */
@@ -159,7 +159,7 @@ typedef struct {
 
 /* The answer to a row. */
 typedef struct {
-  double t; /* Time of the measurement as the data tell it. [s] */
+  double t; /* Time of the measurement, by the clock of the data. [s] */
   double inertia; /* Swing inertia. [kg m^2] */
   double inertia_std; /* Standard deviation of `inertia`, as reported. [kg m^2] */
   double damping; /* Viscous damping. [N m s/rad] */
@@ -445,7 +445,7 @@ static inline const char *heft_loader_reason(uint32_t code) {
 
 /* A row of sensors; NAN where a sample is missing. */
 typedef struct {
-  double t; /* Time of the measurement as the data tell it. [s] */
+  double t; /* Time of the measurement, by the clock of the data. [s] */
   double speed; /* Forward speed of the body. [m/s] */
   double front_wheel_speed; /* Speed of the front wheels. [rad/s] */
   double rear_wheel_speed; /* Speed of the rear wheels. [rad/s] */
@@ -469,7 +469,7 @@ typedef struct {
 
 /* The answer to a row. */
 typedef struct {
-  double t; /* Time of the measurement as the data tell it. [s] */
+  double t; /* Time of the measurement, by the clock of the data. [s] */
   double speed; /* Forward speed. [m/s] */
   double front_wheel_speed; /* Speed of the front wheels. [rad/s] */
   double rear_wheel_speed; /* Speed of the rear wheels. [rad/s] */
@@ -631,7 +631,7 @@ const char *heft_loader_error(const void *memory);
 #define HEFT_LOADS_FLAG_CARRIED 2u /* The load is in the bucket. */
 #define HEFT_LOADS_FLAG_FINAL 4u /* The load was dumped: its mass does not change any more. */
 #define HEFT_LOADS_FLAG_CARRY_BACK_WEIGHED 8u /* What stayed in the bucket was weighed after this load; else it is the mean of earlier ones. */
-#define HEFT_LOADS_FLAG_WEIGHED 16u /* The bucket was weighed at least once: `payload_age` tells when. */
+#define HEFT_LOADS_FLAG_WEIGHED 16u /* The bucket was weighed at least once, `payload_age` ago. */
 #define HEFT_LOADS_FLAG_TRUCK_TRUSTED 32u /* The truck has loads, and each of them may be believed. */
 #define HEFT_LOADS_FLAG_HAS_TARGET 64u /* Somebody said what the truck shall hold. */
 

@@ -24,7 +24,7 @@ pub struct Job {
 }
 
 /// How a job ended.
-pub enum Ended {
+pub enum Outcome {
     /// It was done before.
     Kept,
     /// It was done now.
@@ -35,7 +35,7 @@ pub enum Ended {
     Failed(String),
 }
 
-impl Ended {
+impl Outcome {
     /// In a word, or what was said.
     pub fn word(&self) -> &str {
         match self {
@@ -52,13 +52,13 @@ impl Ended {
 }
 
 /// Status of the whole: that of the worst.
-pub fn judge(ends: &[Ended]) -> Result<(), Failure> {
+pub fn judge(ends: &[Outcome]) -> Result<(), Failure> {
     let failed = ends.iter().filter(|e| e.is_bad_input()).count();
-    let no = ends.iter().filter(|e| matches!(e, Ended::No(_))).count();
+    let no = ends.iter().filter(|e| matches!(e, Outcome::No(_))).count();
     match (failed, no, ends) {
         (0, 0, _) => Ok(()),
-        (_, _, [Ended::No(why)]) => Err(Failure::answer_is_no(why.as_str())),
-        (_, _, [Ended::Failed(why)]) => Err(Failure::reported(why.clone())),
+        (_, _, [Outcome::No(why)]) => Err(Failure::answer_is_no(why.as_str())),
+        (_, _, [Outcome::Failed(why)]) => Err(Failure::reported(why.clone())),
         (0, no, _) => Err(Failure::answer_is_no(format!(
             "{no} of {} inputs have a result that is in doubt; the table above says why",
             ends.len()
@@ -178,17 +178,17 @@ pub fn is_newer(result: &Path, sources: &[&Path]) -> bool {
 }
 
 /// Does all jobs; how each ended, in their order.
-pub fn run(jobs: &[Job], most: Option<NonZeroUsize>) -> Vec<Ended> {
+pub fn run(jobs: &[Job], most: Option<NonZeroUsize>) -> Vec<Outcome> {
     let processors = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
     let workers = most.map_or(processors, NonZeroUsize::get).min(jobs.len());
     let (next, ended) = (AtomicUsize::new(0), AtomicUsize::new(0));
-    let results: Mutex<Vec<Option<Ended>>> = Mutex::new(jobs.iter().map(|_| None).collect());
+    let results: Mutex<Vec<Option<Outcome>>> = Mutex::new(jobs.iter().map(|_| None).collect());
     let work = || {
         while let Some((at, job)) = {
             let at = next.fetch_add(1, Ordering::Relaxed);
             jobs.get(at).map(|job| (at, job))
         } {
-            let end = if job.is_done { Ended::Kept } else { one(job) };
+            let end = if job.is_done { Outcome::Kept } else { one(job) };
             if let Ok(mut results) = results.lock() {
                 results[at] = Some(end);
             }
@@ -208,28 +208,28 @@ pub fn run(jobs: &[Job], most: Option<NonZeroUsize>) -> Vec<Ended> {
         out::draw("\r\x1b[2K");
     }
     let results = results.into_inner().unwrap_or_default();
-    let lost = || Ended::Failed("it was not begun".into());
+    let lost = || Outcome::Failed("it was not begun".into());
     results
         .into_iter()
         .map(|r| r.unwrap_or_else(lost))
         .collect()
 }
 
-fn one(job: &Job) -> Ended {
+fn one(job: &Job) -> Outcome {
     let mut command = image::command();
     command.args(&job.arguments);
     command.stdin(Stdio::null()).stdout(Stdio::null());
     match command.output() {
-        Ok(output) if output.status.success() => Ended::Made,
+        Ok(output) if output.status.success() => Outcome::Made,
         Ok(output) => {
             let said = String::from_utf8_lossy(&output.stderr);
             let reason = last_words(&said).map_or_else(|| output.status.to_string(), Into::into);
             match output.status.code() {
-                Some(1) => Ended::No(reason),
-                _ => Ended::Failed(reason),
+                Some(1) => Outcome::No(reason),
+                _ => Outcome::Failed(reason),
             }
         }
-        Err(error) => Ended::Failed(error.to_string()),
+        Err(error) => Outcome::Failed(error.to_string()),
     }
 }
 

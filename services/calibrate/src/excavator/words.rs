@@ -8,7 +8,7 @@ use super::swings::{Role, Swings};
 use crate::agreement::{Difference, differences};
 use crate::honesty::Direction;
 use crate::model::Model;
-use crate::outcome::Found;
+use crate::outcome::FitResult;
 use crate::output::rounded;
 
 /// Least time of motion for a calibration [s].
@@ -140,7 +140,12 @@ pub fn far(swings: &Swings, place: &[f64], fixed: &[bool]) -> Vec<String> {
 /// Masses that are not those of the description, whose relative standard deviation is `tolerance`: a load that was stated wrong is
 /// taken up by the gain of the torque and by them.
 #[must_use]
-pub fn masses(swings: &Swings, found: &Found, fixed: &[bool], tolerance: f64) -> Option<String> {
+pub fn masses(
+    swings: &Swings,
+    found: &FitResult,
+    fixed: &[bool],
+    tolerance: f64,
+) -> Option<String> {
     let i = swings.index(Role::Links).filter(|&i| !fixed[i])?;
     let (p, place) = (&swings.parameters[i], found.fit.place[i]);
     let own = p.value_std(place, found.uncertainty.std(i));
@@ -161,7 +166,7 @@ pub fn masses(swings: &Swings, found: &Found, fixed: &[bool], tolerance: f64) ->
 #[must_use]
 pub fn disagreement(
     swings: &Swings,
-    found: &Found,
+    found: &FitResult,
     fixed: &[bool],
 ) -> (Option<String>, Option<String>) {
     if found.fit.interrupted {
@@ -274,7 +279,7 @@ pub fn undetermined(swings: &Swings, direction: &Direction) -> String {
             .iter()
             .any(|&i| matches!(swings.roles[i], Role::Payload(_)))
         {
-            "tell the load of each recording: --payload FILE=KG±KG"
+            "state the load of each recording: --payload FILE=KG±KG"
         } else {
             "record more swings"
         };

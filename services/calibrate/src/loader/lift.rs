@@ -57,7 +57,7 @@ const CURVES: [&str; 4] = [
 
 /// What was learnt.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Learnt {
+pub struct CylinderFit {
     /// Relative error of the moment as described.
     pub span: Quantity,
     /// Force that the pressures show too much \[N\].
@@ -99,7 +99,7 @@ pub fn lifts(moments: &[LiftMoment]) -> bool {
 }
 
 /// What the recordings tell of the described cylinders, or why they do not; `None` where no pressure is measured.
-pub fn learn(d: &Description, inputs: &[Input]) -> Option<Result<Learnt, String>> {
+pub fn learn(d: &Description, inputs: &[Input]) -> Option<Result<CylinderFit, String>> {
     let settings = Settings::of(d, Method::Full);
     let measured = |s: &Sample| s.lift_head_pressure.is_some() && s.lift_angle.is_some();
     if !inputs
@@ -211,7 +211,7 @@ pub fn stated(d: &Description, input: &Input) -> StatedLoad {
     }
 }
 
-fn fit(d: &Description, known: &LiftKnown, runs: &[Run<'_>]) -> Result<Learnt, String> {
+fn fit(d: &Description, known: &LiftKnown, runs: &[Run<'_>]) -> Result<CylinderFit, String> {
     let before = before(d, known, runs);
     let equations: Vec<Equation> = runs
         .iter()
@@ -233,7 +233,7 @@ fn fit(d: &Description, known: &LiftKnown, runs: &[Run<'_>]) -> Result<Learnt, S
         .ok_or("the lift cylinders are not determined")?;
     let of = |i: usize| solution.quantity(i, &before);
     let friction = known.friction;
-    let learnt = Learnt {
+    let learnt = CylinderFit {
         span: of(SPAN),
         zero: of(ZERO),
         correlation: solution.correlation(SPAN, ZERO),
@@ -338,7 +338,7 @@ fn norm(parts: &[f64]) -> f64 {
     parts.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-impl Learnt {
+impl CylinderFit {
     /// The keys of the description.
     pub fn write(&self, pen: &mut Pen<Description>) {
         let c = pen.description.lift_cylinder;

@@ -64,7 +64,7 @@ pub fn alike(model: &Drives, free: &[Role]) -> Vec<String> {
     let [braking, driving] = pulls(model);
     if driving - braking < LEAST_PULL {
         faults.push(
-            "the machine rolls without pulling: slips are too small to tell the stiffness of the tyres; record hard acceleration and braking with the drive"
+            "the machine rolls without pulling: slips are too small to determine the stiffness of the tyres; record hard acceleration and braking with the drive"
                 .into(),
         );
     } else if driving < 0.25 * LEAST_PULL || braking > -0.25 * LEAST_PULL {

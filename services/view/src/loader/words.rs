@@ -90,7 +90,7 @@ impl Part {
         moving: "the machine accelerates and brakes",
         to_do: [
             "accelerate and brake hard",
-            "state how the tyres' stiffness falls with the load (machine.stiffness_load_exponent_std), or add lift pressures",
+            "add lift pressures, or state machine.stiffness_load_exponent_std of measured tyres",
         ],
     };
 }

@@ -5,10 +5,10 @@ use std::fmt::Write;
 use super::html::{row, table, text};
 use crate::loads::clock;
 use crate::number::{interval_95, value_and_std};
-use crate::weighed::Weighed;
+use crate::weighed::LoadRow;
 
 /// A table of the loads; nothing where none was counted.
-pub(super) fn write(body: &mut String, loads: &[Weighed]) {
+pub(super) fn write(body: &mut String, loads: &[LoadRow]) {
     if loads.is_empty() {
         return;
     }
@@ -32,7 +32,7 @@ pub(super) fn write(body: &mut String, loads: &[Weighed]) {
     );
 }
 
-fn cells(load: &Weighed) -> Vec<String> {
+fn cells(load: &LoadRow) -> Vec<String> {
     let kg = |(value, std): (f64, f64)| value_and_std(value, std).0;
     let trusted = match (load.is_trusted, load.why) {
         (true, _) => "yes".to_owned(),

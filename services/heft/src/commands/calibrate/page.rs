@@ -4,7 +4,7 @@
 use std::fmt::Write;
 
 use calibrate::honesty::Agreement;
-use calibrate::{Found, Summary};
+use calibrate::{FitResult, Summary};
 use estimation::Quantity;
 use view::number;
 use view::plot::{Plot, Style, escape};
@@ -107,7 +107,7 @@ fn panels(body: &mut String, title: &str, note: &str, plots: &[Plot]) {
     body.push_str("</div></section>");
 }
 
-fn values(body: &mut String, summary: &Summary<'_>, found: &Found) {
+fn values(body: &mut String, summary: &Summary<'_>, found: &FitResult) {
     let parameters = summary.model.parameters().iter().enumerate();
     let rows: Vec<Vec<String>> = parameters
         .filter_map(|(i, p)| {
@@ -142,7 +142,7 @@ fn values(body: &mut String, summary: &Summary<'_>, found: &Found) {
     );
 }
 
-fn unseen(body: &mut String, summary: &Summary<'_>, found: &Found) {
+fn unseen(body: &mut String, summary: &Summary<'_>, found: &FitResult) {
     let row = |name: &str, a: &Agreement| {
         vec![
             name.to_owned(),
@@ -172,7 +172,7 @@ fn unseen(body: &mut String, summary: &Summary<'_>, found: &Found) {
 }
 
 /// Normalised innovations of a recording with the found values, block after block.
-fn normalised(summary: &Summary<'_>, found: &Found, recording: usize) -> Vec<f64> {
+fn normalised(summary: &Summary<'_>, found: &FitResult, recording: usize) -> Vec<f64> {
     let values = calibrate::fit::values(summary.model, &found.fit.place);
     let mut innovations = Vec::new();
     for block in summary.blocks_of(recording) {
@@ -184,7 +184,7 @@ fn normalised(summary: &Summary<'_>, found: &Found, recording: usize) -> Vec<f64
         .collect()
 }
 
-fn residuals(body: &mut String, summary: &Summary<'_>, found: &Found) {
+fn residuals(body: &mut String, summary: &Summary<'_>, found: &FitResult) {
     let mut plots = Vec::new();
     for (r, name) in summary.recordings.iter().enumerate() {
         let residuals = normalised(summary, found, r);
@@ -234,7 +234,7 @@ fn histogram(residuals: &[f64], name: &str) -> Plot {
     plot
 }
 
-fn slices(body: &mut String, summary: &Summary<'_>, found: &Found) {
+fn slices(body: &mut String, summary: &Summary<'_>, found: &FitResult) {
     let plots: Vec<Plot> = found
         .profiles
         .iter()
@@ -268,7 +268,7 @@ fn slices(body: &mut String, summary: &Summary<'_>, found: &Found) {
     );
 }
 
-fn correlations(body: &mut String, summary: &Summary<'_>, found: &Found) {
+fn correlations(body: &mut String, summary: &Summary<'_>, found: &FitResult) {
     let free: Vec<usize> = (0..summary.fixed.len())
         .filter(|&i| !summary.fixed[i])
         .collect();
@@ -293,7 +293,7 @@ fn correlations(body: &mut String, summary: &Summary<'_>, found: &Found) {
 }
 
 /// Share of each recording in what the data say about a parameter.
-fn contributions(body: &mut String, summary: &Summary<'_>, found: &Found) {
+fn contributions(body: &mut String, summary: &Summary<'_>, found: &FitResult) {
     let mut head = vec!["".to_owned()];
     head.extend(summary.recordings.iter().map(|name| format!("{name}, %")));
     let mut rows: Vec<Vec<String>> = Vec::new();

@@ -11,7 +11,7 @@ use view::number;
 use super::args::EstimateArgs;
 use crate::args::{described, description};
 use crate::failure::Failure;
-use crate::many::{self, Ended, Job};
+use crate::many::{self, Job, Outcome};
 use crate::results;
 use crate::way::{method, way};
 
@@ -132,7 +132,7 @@ struct Row {
 }
 
 impl Row {
-    fn of(input: &Path, summary: &Path, end: &Ended) -> Self {
+    fn of(input: &Path, summary: &Path, end: &Outcome) -> Self {
         Self {
             input: input.to_owned(),
             end: end.word().into(),

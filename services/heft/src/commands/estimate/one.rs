@@ -10,7 +10,7 @@ use steps::stages::{Pipeline, Role};
 use view::estimate::Estimate;
 
 use super::args::EstimateArgs;
-use super::found::Found;
+use super::found::InputSummary;
 use super::look::Look;
 use super::many;
 use crate::args::tell_idle_keys;
@@ -39,7 +39,7 @@ pub fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
     );
     let mut writer = EstimateWriter::<E>::create(output)?;
     let metadata = metadata(args, description);
-    let mut found = Found::<E>::new();
+    let mut found = InputSummary::<E>::new();
     let report = args.report.as_deref();
     let mut notes = report.map(|r| Notes::create(r, &metadata)).transpose()?;
     let (mut rows, mut last, mut trusted) = (0, E::default(), None);
