@@ -77,7 +77,7 @@ pub struct EstimationArgs {
 /// Many inputs in one command.
 #[derive(Debug, Args)]
 pub struct ManyArgs {
-    /// Many inputs: do again what is done already
+    /// Many inputs: recompute results that are up to date
     #[arg(long, conflicts_with = "output")]
     pub again: bool,
     /// Many inputs: processes at the same time; as many as there are processors if absent

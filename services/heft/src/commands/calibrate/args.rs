@@ -25,7 +25,7 @@ pub struct CalibrateArgs {
     /// How many machines are treated
     #[command(flatten)]
     pub many: ManyArgs,
-    /// Load in the bucket in a recording, as weighed; of a loader for its lift cylinders
+    /// Load in the bucket of a recording, as weighed (of a loader: for its lift cylinders)
     #[arg(long, value_name = "FILE=KG±KG")]
     pub payload: Vec<String>,
     /// Mass of the whole machine in a recording of a loader, as weighed
