@@ -361,5 +361,66 @@ fn a_key_by_its_old_name_is_read_with_a_note_and_a_file_without_end_is_named_as_
 
     let endless = run(&["check", "/dev/zero"]);
     assert_eq!(endless.status.code(), Some(2));
-    assert!(both(&endless).contains("give the description of a machine"));
+    assert!(both(&endless).contains("name a machine file"));
+}
+
+#[test]
+fn no_name_of_a_file_or_column_steers_the_terminal() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let name = "a\x1b[31mred\x1b]0;title\x07";
+    let place = |ending: &str| folder.path().join(format!("{name}{ending}"));
+    let table = place(".csv");
+    let mut rows = String::from("t,swing_velocity,swing_torque,x\x1b[2J\n");
+    for i in 0..300 {
+        rows += &format!("{:.2},0.1,100,0\n", f64::from(i) * 0.01);
+    }
+    fs::write(&table, rows).expect("a table");
+    let text = |path: &std::path::Path| path.to_str().expect("a path").to_owned();
+    let (input, map, run_folder) = (text(&table), text(&place(".toml")), text(&place("")));
+    let (out, report, exported) = (
+        text(&place(".out.csv")),
+        text(&place(".html")),
+        text(&place("-x")),
+    );
+    let commands: [&[&str]; 12] = [
+        &["map", &input],
+        &["map", &input, "-o", &map],
+        &["estimate", &input, "--machine", "excavator"],
+        &[
+            "estimate",
+            &input,
+            "--machine",
+            "excavator",
+            "-o",
+            &out,
+            "--report",
+            &report,
+        ],
+        &["loads", &input, "--machine", "excavator", "-o", &out],
+        &["calibrate", "excavator", &input, "-o", &map],
+        &[
+            "run",
+            "excavator",
+            "--input",
+            &input,
+            "--pace",
+            "max",
+            "--out",
+            &run_folder,
+        ],
+        &["report", &run_folder],
+        &["export", &run_folder, "-o", &exported],
+        &["recover", &run_folder],
+        &["replay", &run_folder],
+        &["check", &input],
+    ];
+    for command in commands {
+        let said = both(&run(command));
+        let steers = |c: char| c.is_control() && c != '\n' && c != '\t';
+        assert!(
+            !said.contains(steers),
+            "{command:?}: {}",
+            said.escape_debug()
+        );
+    }
 }

@@ -101,10 +101,15 @@ fn each_folder_is_a_machine_and_what_is_done_is_kept_until_something_else_is_ask
     );
     // The same again costs nothing; another load, and a machine without its recording, are reported.
     let again = run_all(&["a", "b"], "loaded.csv=423±0.5");
-    assert_eq!(both(&again).matches("kept").count(), 2, "{}", both(&again));
+    assert_eq!(
+        both(&again).matches("up to date").count(),
+        2,
+        "{}",
+        both(&again)
+    );
     let other = run_all(&["a", "c"], "loaded.csv=423±1");
     assert_eq!(other.status.code(), Some(2), "{}", both(&other));
-    assert!(both(&other).contains("made") && !both(&other).contains("kept"));
+    assert!(both(&other).contains("done") && !both(&other).contains("up to date"));
     assert!(both(&other).contains("loaded.csv is none of the recordings"));
     assert!(!site.path("c/calibrated.toml").exists());
 }

@@ -146,7 +146,7 @@ fn on_a_real_bus() {
 fn estimates_are_sent_as_frames_and_a_bus_that_goes_costs_no_estimate() {
     let arguments = ["excavator", "--output", "can:vcan1", "--duration", "15"];
     let running = Running::start("sent", &arguments);
-    let heard = vcan::Recorder::start("vcan1");
+    let frames = vcan::Recorder::start("vcan1");
     running.wait_for_services();
     std::thread::sleep(Duration::from_secs(8));
     vcan::set_interface("vcan1", "down");
@@ -158,7 +158,7 @@ fn estimates_are_sent_as_frames_and_a_bus_that_goes_costs_no_estimate() {
         !said.contains("died") && !said.contains("panicked"),
         "{said}"
     );
-    let heard = heard.stop();
+    let frames = frames.stop();
     let outgoing = Outgoing::new(Machine::Excavator, None).expect("the usual frames");
     let estimates = recorded(folder.path());
     let reader = Reader::open(folder.path()).expect("a recording");
@@ -175,7 +175,7 @@ fn estimates_are_sent_as_frames_and_a_bus_that_goes_costs_no_estimate() {
     let unstamped = |line: &str| line.split_once(' ').map(|(_, rest)| rest.to_owned());
     let all: std::collections::BTreeSet<_> = all.iter().filter_map(|l| unstamped(l)).collect();
     let mut claims = 0;
-    for line in heard.lines() {
+    for line in frames.lines() {
         let frame = unstamped(line).expect("a frame");
         if frame.contains(" 18EEFF80#") {
             claims += 1;
@@ -184,14 +184,14 @@ fn estimates_are_sent_as_frames_and_a_bus_that_goes_costs_no_estimate() {
         assert!(all.contains(&frame), "{line} is of no estimate");
     }
     assert!(claims >= 2, "one at the start, one when the bus is back");
-    assert!(heard.lines().count() > 100, "{heard}");
+    assert!(frames.lines().count() > 100, "{frames}");
     assert_eq!(estimates.len(), 1501, "no estimate is missing: {said}");
 }
 
 #[test]
 #[ignore = "needs vcan0; run through tests/tools/with-can"]
 fn two_machines_of_one_computer_are_two_nodes() {
-    let heard = vcan::Recorder::start("vcan1");
+    let frames = vcan::Recorder::start("vcan1");
     let start = |name, machine| {
         let arguments = [machine, "--output", "can:vcan1", "--duration", "8"];
         Running::start(name, &arguments)
@@ -200,9 +200,9 @@ fn two_machines_of_one_computer_are_two_nodes() {
     for running in both_run {
         running.wait();
     }
-    let heard = heard.stop();
+    let frames = frames.stop();
     let (mut names, mut senders) = (BTreeMap::new(), BTreeMap::new());
-    for line in heard.lines() {
+    for line in frames.lines() {
         let (id, data) = line.rsplit_once(' ').expect("a frame").1.split_at(8);
         let source = &id[6..];
         if &id[2..4] == "EE" {
@@ -212,8 +212,8 @@ fn two_machines_of_one_computer_are_two_nodes() {
             senders.insert(&id[2..5], source);
         }
     }
-    assert_eq!(names.len(), 2, "{heard}");
-    assert_eq!(senders.len(), 2, "{heard}");
+    assert_eq!(names.len(), 2, "{frames}");
+    assert_eq!(senders.len(), 2, "{frames}");
     let addresses: std::collections::BTreeSet<_> = senders.values().collect();
     assert_eq!(addresses.len(), 2, "one address for both: {senders:?}");
 }

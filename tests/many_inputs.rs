@@ -82,19 +82,19 @@ fn a_folder_gives_a_result_beside_each_input_and_is_not_done_twice() {
 
     let before: Vec<SystemTime> = results.iter().map(|r| made(r)).collect();
     let again = both(&run(&command));
-    assert_eq!(again.matches(" kept\n").count(), 3, "{again}");
+    assert_eq!(again.matches(" up to date\n").count(), 3, "{again}");
     assert!(results.iter().map(|r| made(r)).eq(before.iter().copied()));
 
     // Another method, another result; and on request the same again.
     let other = run(&[&command[..], &["--method", "torque"]].concat());
     assert_eq!(
-        both(&other).matches(" made\n").count(),
+        both(&other).matches(" done\n").count(),
         3,
         "{}",
         both(&other)
     );
     let same = run(&[&command[..], &["--method", "torque", "--again"]].concat());
-    assert_eq!(both(&same).matches(" made\n").count(), 3, "{}", both(&same));
+    assert_eq!(both(&same).matches(" done\n").count(), 3, "{}", both(&same));
 }
 
 #[test]
@@ -113,7 +113,7 @@ fn results_of_the_last_time_are_no_inputs() {
     ]);
     let all: Vec<&str> = good[..2].iter().chain(&names).map(|p| text(p)).collect();
     let said = run_ok(&[&["estimate", "--machine", "excavator"], &all[..]].concat());
-    assert_eq!(said.matches(" kept\n").count(), 2, "{said}");
+    assert_eq!(said.matches(" up to date\n").count(), 2, "{said}");
     assert!(!said.contains("estimates.csv "), "{said}");
 }
 
@@ -124,10 +124,10 @@ fn each_recording_gets_a_page() {
     let said = run_ok(&command);
     let page = good[2].with_extension("html");
     assert!(
-        said.contains(&format!("{}: made", page.display())),
+        said.contains(&format!("{}: done", page.display())),
         "{said}"
     );
-    assert!(run_ok(&command).contains("html: kept"));
+    assert!(run_ok(&command).contains("html: up to date"));
 }
 
 #[test]
@@ -169,5 +169,5 @@ fn the_size_of_the_machine_counts_in_a_folder_as_for_one_file() {
     run_ok(&both);
     assert_eq!(read(&one), read(&good[0].with_extension("estimates.csv")));
     let again = run_ok(&both);
-    assert_eq!(again.matches("kept").count(), 2, "{again}");
+    assert_eq!(again.matches("up to date").count(), 2, "{again}");
 }

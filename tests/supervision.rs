@@ -228,14 +228,17 @@ fn the_service_manager_is_notified_that_a_run_is_ready_and_awake() {
         .stdout(Stdio::null())
         .spawn()
         .expect("heft starts");
-    let mut heard = Vec::new();
-    while heard.last().is_none_or(|w| w != "STOPPING=1") {
+    let mut received = Vec::new();
+    while received.last().is_none_or(|w| w != "STOPPING=1") {
         let mut word = [0; 64];
         let n = socket.recv(&mut word).expect("a word in time");
-        heard.push(String::from_utf8_lossy(&word[..n]).into_owned());
+        received.push(String::from_utf8_lossy(&word[..n]).into_owned());
     }
     assert!(child.wait().expect("it ends").success());
-    let ready = heard.iter().position(|w| w == "READY=1").expect("ready");
-    let awake = heard[ready..].iter().filter(|w| *w == "WATCHDOG=1").count();
-    assert!(awake >= 4, "{heard:?}");
+    let ready = received.iter().position(|w| w == "READY=1").expect("ready");
+    let awake = received[ready..]
+        .iter()
+        .filter(|w| *w == "WATCHDOG=1")
+        .count();
+    assert!(awake >= 4, "{received:?}");
 }

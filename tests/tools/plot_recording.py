@@ -17,7 +17,7 @@ from mcap_protobuf.decoder import DecoderFactory
 # What is worth a plot: title with unit, the channels, value and standard deviation, truth.
 PLOTS = [
     ("Swing inertia [kg m²]", ["excavator/inertia_rls", "excavator/inertia_ukf"], "inertia", ("excavator/truth", "inertia")),
-    ("Share of the weight on the front axle [–]", ["loader/cg_ekf", "loader/cg_ukf"], "cg_ratio", ("loader/truth", "cg_ratio")),
+    ("Front-axle load fraction [–]", ["loader/cg_ekf", "loader/cg_ukf"], "cg_ratio", ("loader/truth", "cg_ratio")),
     ("Height of the centre of gravity [m]", ["loader/cg_ekf", "loader/cg_ukf"], "cg_height", ("loader/truth", "cg_height")),
 ]
 

@@ -73,8 +73,8 @@ uint32_t heft_abi(void);
 #define HEFT_EXCAVATOR_REASON_SLOPE 1 /* the ground seems inclined */
 #define HEFT_EXCAVATOR_REASON_LOSSES 2 /* the swing drive seems to lose torque */
 #define HEFT_EXCAVATOR_REASON_FRICTION 3 /* the friction differs from the described one */
-#define HEFT_EXCAVATOR_REASON_GAIN 4 /* the torque's gain seems not to be 1 */
-#define HEFT_EXCAVATOR_REASON_DELAY 5 /* velocity and torque do not come together */
+#define HEFT_EXCAVATOR_REASON_GAIN 4 /* the torque reads too high or too low by a factor */
+#define HEFT_EXCAVATOR_REASON_DELAY 5 /* velocity and torque do not arrive together */
 #define HEFT_EXCAVATOR_REASON_OFFSET 6 /* the torque seems to have an offset */
 #define HEFT_EXCAVATOR_REASON_DAMPING 7 /* the damping differs from the described one */
 #define HEFT_EXCAVATOR_REASON_UNEXPLAINED 8 /* the motion does not follow the model */
@@ -83,7 +83,7 @@ uint32_t heft_abi(void);
 #define HEFT_EXCAVATOR_REASON_CONTENT 11 /* the bucket's content may have changed */
 #define HEFT_EXCAVATOR_REASON_FROZEN 12 /* a sensor repeats one value */
 #define HEFT_EXCAVATOR_REASON_SIGN 13 /* a sensor seems to have the other sign */
-#define HEFT_EXCAVATOR_REASON_METHOD 14 /* this method cannot tell the inertia of a machine that is not calibrated */
+#define HEFT_EXCAVATOR_REASON_METHOD 14 /* this method cannot determine the inertia of an uncalibrated machine */
 #define HEFT_EXCAVATOR_REASON_RESTARTED 15 /* the service was started again */
 #define HEFT_EXCAVATOR_REASON_JUMP 16 /* a joint angle has jumped further than a joint moves */
 #define HEFT_EXCAVATOR_REASON_CONTRADICTION 17 /* an emptied bucket or the friction contradicts what a sensor says */
@@ -158,7 +158,7 @@ static inline const char *heft_excavator_reason(uint32_t code) {
 
 /* A row of sensors; NAN where a sample is missing. */
 typedef struct {
-  double t; /* Time of the measurement as the data tell it. [s] */
+  double t; /* Time of the measurement, by the clock of the data. [s] */
   double swing_velocity; /* Swing rate, positive anticlockwise from above. [rad/s] */
   double swing_angle; /* Swing angle, same sign. [rad] */
   double swing_torque; /* Swing torque at the upper body, positive in the direction of positive motion. [N m] */
@@ -176,7 +176,7 @@ typedef struct {
 
 /* The answer to a row. */
 typedef struct {
-  double t; /* Time of the measurement as the data tell it. [s] */
+  double t; /* Time of the measurement, by the clock of the data. [s] */
   double inertia; /* Swing inertia. [kg m^2] */
   double inertia_std; /* Standard deviation of `inertia`, as reported. [kg m^2] */
   double damping; /* Viscous damping. [N m s/rad] */
@@ -391,7 +391,7 @@ int32_t heft_excavator_restore(void *memory, size_t size, const void *state, siz
 #define HEFT_LOADER_REASON_STUCK_SLOPE 7 /* the slope never changes */
 #define HEFT_LOADER_REASON_STUCK_ACCELERATION 8 /* the acceleration never changes */
 #define HEFT_LOADER_REASON_UNEXPLAINED 9 /* the motion does not follow the model */
-#define HEFT_LOADER_REASON_LATENCY 10 /* the speed comes later than a sensor may */
+#define HEFT_LOADER_REASON_LATENCY 10 /* the speed arrives later than a sensor may */
 #define HEFT_LOADER_REASON_STIFFNESS 11 /* the slip stiffness is implausible for a tyre */
 #define HEFT_LOADER_REASON_BRAKES 12 /* friction brakes seem to act */
 #define HEFT_LOADER_REASON_STEERING 13 /* the machine turns */
@@ -401,8 +401,8 @@ int32_t heft_excavator_restore(void *memory, size_t size, const void *state, siz
 #define HEFT_LOADER_REASON_DISAGREEMENT 17 /* manoeuvres disagree by more than they claim */
 #define HEFT_LOADER_REASON_LIMIT 18 /* an estimate is at its limit */
 #define HEFT_LOADER_REASON_RESTARTED 19 /* the service was started again */
-#define HEFT_LOADER_REASON_LOCKED_DRIVE 20 /* the axles turn alike: the reported torques are not theirs */
-#define HEFT_LOADER_REASON_ONE_WAY 21 /* it was driven one way only: how its tyres give under a load is not known */
+#define HEFT_LOADER_REASON_LOCKED_DRIVE 20 /* both axles turn alike: the reported axle torques are not theirs */
+#define HEFT_LOADER_REASON_ONE_WAY 21 /* driven one way only: how the tyres give under a load is not known */
 
 /* Name of a reason; empty for none. */
 static inline const char *heft_loader_reason(uint32_t code) {
@@ -482,7 +482,7 @@ static inline const char *heft_loader_reason(uint32_t code) {
 
 /* A row of sensors; NAN where a sample is missing. */
 typedef struct {
-  double t; /* Time of the measurement as the data tell it. [s] */
+  double t; /* Time of the measurement, by the clock of the data. [s] */
   double speed; /* Forward speed of the body. [m/s] */
   double front_wheel_speed; /* Speed of the front wheels. [rad/s] */
   double rear_wheel_speed; /* Speed of the rear wheels. [rad/s] */
@@ -506,7 +506,7 @@ typedef struct {
 
 /* The answer to a row. */
 typedef struct {
-  double t; /* Time of the measurement as the data tell it. [s] */
+  double t; /* Time of the measurement, by the clock of the data. [s] */
   double speed; /* Forward speed. [m/s] */
   double front_wheel_speed; /* Speed of the front wheels. [rad/s] */
   double rear_wheel_speed; /* Speed of the rear wheels. [rad/s] */
@@ -688,7 +688,7 @@ int32_t heft_loader_restore(void *memory, size_t size, const void *state, size_t
 #define HEFT_LOADS_FLAG_CARRIED 2u /* The load is in the bucket. */
 #define HEFT_LOADS_FLAG_FINAL 4u /* The load was dumped: its mass does not change any more. */
 #define HEFT_LOADS_FLAG_CARRY_BACK_WEIGHED 8u /* What stayed in the bucket was weighed after this load; else it is the mean of earlier ones. */
-#define HEFT_LOADS_FLAG_WEIGHED 16u /* The bucket was weighed at least once: `payload_age` tells when. */
+#define HEFT_LOADS_FLAG_WEIGHED 16u /* The bucket was weighed at least once, `payload_age` ago. */
 #define HEFT_LOADS_FLAG_TRUCK_TRUSTED 32u /* The truck has loads, and each of them may be believed. */
 #define HEFT_LOADS_FLAG_HAS_TARGET 64u /* Somebody said what the truck shall hold. */
 

@@ -36,5 +36,5 @@ pub mod output;
 pub mod parameter;
 
 pub use model::{Innovation, Model};
-pub use outcome::{Found, Summary};
+pub use outcome::{FitResult, Summary};
 pub use parameter::{Law, Parameter, Source};

@@ -13,7 +13,7 @@ const HELD_OUT: usize = 4;
 
 /// A fit and what it may claim.
 #[derive(Debug, Clone)]
-pub struct Found {
+pub struct FitResult {
     /// The fit.
     pub fit: Fit,
     /// Its uncertainty.
@@ -24,7 +24,7 @@ pub struct Found {
     pub unseen: [Agreement; 2],
 }
 
-impl Found {
+impl FitResult {
     /// What the fit of a task may claim. `held` is the tolerance of each parameter that was not free, in standard
     /// deviations of what was known; `minor` are those that no profile is worth. None where the data say nothing.
     pub fn of<M: Model>(
@@ -111,7 +111,7 @@ pub struct Summary<'a> {
     /// Which parameters are of a recording rather than of the machine.
     pub loads: Vec<bool>,
     /// The fit, if there is one.
-    pub found: Option<&'a Found>,
+    pub found: Option<&'a FitResult>,
     /// Why the result must not be believed.
     pub faults: &'a [String],
     /// What the reader should know.

@@ -17,14 +17,14 @@ pub struct Error {
 
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}\n  in {}", self.what, self.file)?;
+        write!(f, "{}\n  where: {}", self.what, self.file)?;
         if let Some(line) = self.line {
             write!(f, ":{line}")?;
         }
         if !self.key.is_empty() {
             write!(f, ", key {}", self.key)?;
         }
-        write!(f, "\n  {}", self.remedy)
+        write!(f, "\n  what to do: {}", self.remedy)
     }
 }
 

@@ -99,8 +99,8 @@ fn a_number_out_of_range_is_answered_with_the_range_and_the_unit() {
     assert_eq!(e.what, "sensors.rate is -5 Hz, outside from 1 to 100000 Hz");
     assert_eq!(
         e.to_string(),
-        "sensors.rate is -5 Hz, outside from 1 to 100000 Hz\n  in bench.toml:2, key sensors.rate\n  \
-         give a number from 1 to 100000 Hz"
+        "sensors.rate is -5 Hz, outside from 1 to 100000 Hz\n  where: bench.toml:2, key sensors.rate\n  \
+         what to do: give a number from 1 to 100000 Hz"
     );
     assert!(
         error("[estimator]\nforgetting = [0.9, 1.5, 0.9]")

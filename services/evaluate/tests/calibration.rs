@@ -97,7 +97,7 @@ fn a_load_that_is_stated_wrong_is_noticed() {
 #[test]
 fn one_load_only_fixes_no_scale() {
     let outcome = run(&[input("empty", Truth::new(5).record(0.0, 1), 0.0)], None);
-    says(&outcome, "all swings carry the same load");
+    says(&outcome, "no two recordings have different stated loads");
 }
 
 #[test]

@@ -24,13 +24,13 @@ pub fn machine() -> impl TypedValueParser<Value = Machine> {
 /// The machine's description.
 #[derive(Debug, Clone, Args)]
 pub struct DescriptionArgs {
-    /// Description of the machine (TOML)
+    /// Machine file (TOML)
     #[arg(long, value_name = "FILE")]
     pub config: Option<PathBuf>,
-    /// Size of the machine, such as 21t: what nothing else tells is that of machines of this mass
+    /// Size of the machine, such as 21t: what is not stated has the values of machines of this mass
     #[arg(long, value_name = "MASS", value_parser = tonnes)]
     pub class: Option<f64>,
-    /// Set one key of the description, such as sensors.swing_velocity_std=0.008
+    /// Set one key of the machine file, such as sensors.swing_velocity_std=0.008
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<String>,
 }
@@ -77,7 +77,7 @@ pub struct EstimationArgs {
 /// Many inputs in one command.
 #[derive(Debug, Args)]
 pub struct ManyArgs {
-    /// Many inputs: do again what is done already
+    /// Many inputs: recompute results that are up to date
     #[arg(long, conflicts_with = "output")]
     pub again: bool,
     /// Many inputs: processes at the same time; as many as there are processors if absent
@@ -98,14 +98,14 @@ pub fn description(machine: Machine, args: &DescriptionArgs) -> Result<Descripti
     if description.machine() != machine {
         return Err(Failure::input(
             format!(
-                "the description is for the {}, not for the {machine}",
+                "the machine file is for the {}, not for the {machine}",
                 description.machine()
             ),
             args.config
                 .as_deref()
                 .unwrap_or(Path::new("--config"))
                 .display(),
-            "give the description of this machine, or name the other one",
+            "give the file of this machine, or name the other machine",
         ));
     }
     let class = args.class.map(|mass| config::class(machine, mass));
@@ -127,7 +127,7 @@ pub fn described(
     args: &DescriptionArgs,
     input: &Path,
 ) -> Result<Description, Failure> {
-    let is_recording = !input.is_dir() && Kind::of(input).is_ok_and(|kind| kind == Kind::Recording);
+    let is_recording = Kind::of(input).is_ok_and(|kind| kind == Kind::Recording);
     let mut known = machine;
     if is_recording && args.config.is_none() {
         let reader = Reader::open(input)?;
@@ -150,7 +150,7 @@ pub fn described(
         if let Some(text) = metadata.get("description")
             && args.class.is_none()
         {
-            let mut found = Description::parse(text, "the description in the recording", known)?;
+            let mut found = Description::parse(text, "the machine file in the recording", known)?;
             found.set_all(&args.set)?;
             return Ok(found);
         }

@@ -3,31 +3,35 @@
 
 use messages::Machine;
 use messages::channels::Channel;
-use runtime::{Domain, Ports, Shown, Sink, Taps};
+use runtime::{Domain, GroupView, Ports, Sink, Taps};
 
 use crate::failure::Failure;
 use crate::plan::Plan;
 
 /// A running pipeline.
-pub enum Found {
+pub enum Run {
     /// Of this user.
     Own(Domain),
     /// Of another.
-    Shown(Box<Shown>),
+    GroupView(Box<GroupView>),
 }
 
 /// The pipeline in the domain of this name, or the only one there is. Own ones come first.
-pub fn find(name: Option<&str>) -> Result<Found, Failure> {
+pub fn find(name: Option<&str>) -> Result<Run, Failure> {
     let own = Domain::all()
         .into_iter()
         .filter(Domain::is_alive)
-        .map(Found::Own);
-    let mut all: Vec<Found> = own.collect();
-    let is_wanted = |found: &Found| name.is_none_or(|name| found.name() == name);
+        .map(Run::Own);
+    let mut all: Vec<Run> = own.collect();
+    let is_wanted = |found: &Run| name.is_none_or(|name| found.name() == name);
     if !all.iter().any(is_wanted) {
-        all.extend(Shown::all().into_iter().map(|s| Found::Shown(Box::new(s))));
+        all.extend(
+            GroupView::all()
+                .into_iter()
+                .map(|s| Run::GroupView(Box::new(s))),
+        );
     }
-    let names: Vec<String> = all.iter().map(Found::words).collect();
+    let names: Vec<String> = all.iter().map(Run::words).collect();
     if let Some(name) = name {
         // Not a name at all is another mistake.
         Domain::new(name)?;
@@ -35,7 +39,7 @@ pub fn find(name: Option<&str>) -> Result<Found, Failure> {
     let mut wanted = all.into_iter().filter(is_wanted);
     match (wanted.next(), wanted.next(), name) {
         (Some(found), None, _) => {
-            if let Found::Shown(_) = found {
+            if let Run::GroupView(_) = found {
                 eprintln!("{}", found.words());
             }
             Ok(found)
@@ -62,19 +66,19 @@ pub fn find(name: Option<&str>) -> Result<Found, Failure> {
     }
 }
 
-impl Found {
+impl Run {
     /// Name of its domain.
     pub fn name(&self) -> &str {
         match self {
             Self::Own(domain) => domain.name(),
-            Self::Shown(shown) => shown.domain(),
+            Self::GroupView(shown) => shown.domain(),
         }
     }
 
     fn words(&self) -> String {
         match self {
             Self::Own(domain) => domain.name().to_owned(),
-            Self::Shown(shown) => format!("{} of user {}", shown.domain(), shown.user),
+            Self::GroupView(shown) => format!("{} of user {}", shown.domain(), shown.user),
         }
     }
 
@@ -82,7 +86,7 @@ impl Found {
     pub fn machine(&self) -> Result<Machine, Failure> {
         match self {
             Self::Own(domain) => Ok(Plan::read(domain)?.machine),
-            Self::Shown(shown) => Ok(shown.machine()),
+            Self::GroupView(shown) => Ok(shown.machine()),
         }
     }
 
@@ -98,7 +102,7 @@ impl Found {
                 let taps = Taps::open(&Ports::new(reader)?, channels)?;
                 Attached::Own(domain, taps)
             }
-            Self::Shown(shown) => Attached::Shown(shown, channels.to_vec()),
+            Self::GroupView(shown) => Attached::GroupView(shown, channels.to_vec()),
         })
     }
 }
@@ -108,7 +112,7 @@ pub enum Attached<S: Sink> {
     /// Channels.
     Own(Domain, Taps<S>),
     /// A window.
-    Shown(Box<Shown>, Vec<&'static Channel>),
+    GroupView(Box<GroupView>, Vec<&'static Channel>),
 }
 
 impl<S: Sink + 'static> Attached<S> {
@@ -116,7 +120,7 @@ impl<S: Sink + 'static> Attached<S> {
     pub fn drain(&mut self, sink: &mut S) {
         match self {
             Self::Own(_, taps) => drop(taps.drain(sink)),
-            Self::Shown(shown, channels) => shown.drain(channels, sink),
+            Self::GroupView(shown, channels) => shown.drain(channels, sink),
         }
     }
 
@@ -124,7 +128,7 @@ impl<S: Sink + 'static> Attached<S> {
     pub fn is_alive(&self) -> bool {
         match self {
             Self::Own(domain, _) => domain.is_alive(),
-            Self::Shown(shown, _) => shown.is_alive(),
+            Self::GroupView(shown, _) => shown.is_alive(),
         }
     }
 }

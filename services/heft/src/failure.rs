@@ -3,6 +3,8 @@
 use std::fmt;
 use std::path::Path;
 
+use crate::out::Plain;
+
 /// A command ended without doing what it should.
 #[derive(Debug)]
 pub struct Failure {
@@ -46,10 +48,15 @@ impl Failure {
                 "check the name and the folder",
             );
         }
+        let remedy = match error.kind() {
+            std::io::ErrorKind::InvalidData => "name a text file",
+            std::io::ErrorKind::IsADirectory => "name a file, not a folder",
+            _ => "check the path, the permissions and the free space",
+        };
         Self::input(
             format!("cannot {action} the file: {error}"),
             path.display(),
-            "check the path, the permissions and the free space",
+            remedy,
         )
     }
 
@@ -74,13 +81,8 @@ impl Failure {
 
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // Names of columns and files are others' words: what steers a terminal is written out.
-        use fmt::Write;
-        self.message.chars().try_for_each(|c| match c {
-            '\n' | '\t' => f.write_char(c),
-            c if c.is_control() => write!(f, "{}", c.escape_unicode()),
-            c => f.write_char(c),
-        })
+        // Names of columns and files are others' words.
+        Plain(&self.message).fmt(f)
     }
 }
 
@@ -109,8 +111,8 @@ impl From<steps::Error> for Failure {
                 "choose another method, or name the column in a signal map (--map)",
             ),
             _ => (
-                "the description or --method",
-                "`heft check FILE --print` shows every key with its range",
+                "the machine file or --method",
+                "`heft check FILE --print` shows every key with its range, `heft estimate --help` the methods",
             ),
         };
         Self::input(error, place, remedy)

@@ -396,7 +396,7 @@ fn all_scenarios<'a>(
         .map(|(name, text)| ((*name).to_owned(), (*text).to_owned()));
     let work = cases.map(|(effect, severity)| {
         let text = if effect == "none" {
-            "dig, lift, swing, dump, return; a machine that is what its description says".to_owned()
+            "dig, lift, swing, dump, return; the machine is as its machine file says".to_owned()
         } else {
             format!("the same with {effect} {severity}")
                 .trim_end()

@@ -13,6 +13,7 @@ use recording::Kind;
 
 use crate::failure::Failure;
 use crate::image;
+use crate::out::{self, Plain};
 
 /// One input.
 pub struct Job {
@@ -25,7 +26,7 @@ pub struct Job {
 }
 
 /// How a job ended.
-pub enum Ended {
+pub enum Outcome {
     /// It was done before.
     Kept,
     /// It was done now.
@@ -36,13 +37,13 @@ pub enum Ended {
     Failed(String),
 }
 
-impl Ended {
+impl Outcome {
     /// In a word, or what was said.
     pub fn word(&self) -> &str {
         match self {
-            Self::Kept => "kept",
-            Self::Made => "made",
-            Self::No(why) | Self::Failed(why) => why,
+            Self::Kept => "up to date",
+            Self::Made => "done",
+            Self::No(why) | Self::Failed(why) => why.lines().next().unwrap_or_default(),
         }
     }
 
@@ -53,27 +54,22 @@ impl Ended {
 }
 
 /// Status of the whole: that of the worst.
-pub fn judge(ends: &[Ended]) -> Result<(), Failure> {
+pub fn judge(ends: &[Outcome]) -> Result<(), Failure> {
     let failed = ends.iter().filter(|e| e.is_bad_input()).count();
-    let no = ends.iter().filter(|e| matches!(e, Ended::No(_))).count();
-    match (failed, no) {
-        (0, 0) => Ok(()),
-        (0, no) => Err(Failure::answer_is_no(format!(
-            "{no} of {} inputs: no",
+    let no = ends.iter().filter(|e| matches!(e, Outcome::No(_))).count();
+    match (failed, no, ends) {
+        (0, 0, _) => Ok(()),
+        (_, _, [Outcome::No(why)]) => Err(Failure::answer_is_no(why.as_str())),
+        (_, _, [Outcome::Failed(why)]) => Err(Failure::reported(why.clone())),
+        (0, no, _) => Err(Failure::answer_is_no(format!(
+            "{no} of {} inputs have a result that is in doubt; the table above says why",
             ends.len()
         ))),
-        (failed, _) => match ends {
-            [Ended::Failed(why)] => Err(Failure::input(
-                format!("there is no result: {why}"),
-                "the table above",
-                "fix what it names and run again",
-            )),
-            ends => Err(Failure::input(
-                format!("{failed} of {} inputs failed", ends.len()),
-                "the table above",
-                "fix or remove them and run again; finished inputs are skipped",
-            )),
-        },
+        (failed, _, _) => Err(Failure::input(
+            format!("{failed} of {} inputs failed", ends.len()),
+            "the table above",
+            "fix or remove them and run again; finished inputs are skipped",
+        )),
     }
 }
 
@@ -143,7 +139,7 @@ fn is_table(path: &Path) -> bool {
 }
 
 /// Whether it is a table that heft has made: estimates, loads, or a summary of inputs.
-fn is_ours(path: &Path) -> bool {
+pub fn is_ours(path: &Path) -> bool {
     let mut head = Vec::new();
     let read = std::fs::File::open(path).and_then(|f| f.take(4096).read_to_end(&mut head));
     let ours = [
@@ -189,23 +185,24 @@ pub fn is_newer(result: &Path, sources: &[&Path]) -> bool {
 }
 
 /// Does all jobs; how each ended, in their order.
-pub fn run(jobs: &[Job], most: Option<NonZeroUsize>) -> Vec<Ended> {
+pub fn run(jobs: &[Job], most: Option<NonZeroUsize>) -> Vec<Outcome> {
     let processors = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
     let workers = most.map_or(processors, NonZeroUsize::get).min(jobs.len());
     let (next, ended) = (AtomicUsize::new(0), AtomicUsize::new(0));
-    let results: Mutex<Vec<Option<Ended>>> = Mutex::new(jobs.iter().map(|_| None).collect());
+    let results: Mutex<Vec<Option<Outcome>>> = Mutex::new(jobs.iter().map(|_| None).collect());
     let work = || {
         while let Some((at, job)) = {
             let at = next.fetch_add(1, Ordering::Relaxed);
             jobs.get(at).map(|job| (at, job))
         } {
-            let end = if job.is_done { Ended::Kept } else { one(job) };
+            let end = if job.is_done { Outcome::Kept } else { one(job) };
             if let Ok(mut results) = results.lock() {
                 results[at] = Some(end);
             }
             let count = ended.fetch_add(1, Ordering::Relaxed) + 1;
             if std::io::stderr().is_terminal() {
-                eprint!("\r\x1b[2K{count} of {} {}", jobs.len(), job.input.display());
+                let name = Plain(job.input.display());
+                out::draw(&format!("\r\x1b[2K{count} of {} {name}", jobs.len()));
             }
         }
     };
@@ -215,40 +212,59 @@ pub fn run(jobs: &[Job], most: Option<NonZeroUsize>) -> Vec<Ended> {
         }
     });
     if std::io::stderr().is_terminal() {
-        eprint!("\r\x1b[2K");
+        out::draw("\r\x1b[2K");
     }
     let results = results.into_inner().unwrap_or_default();
-    let lost = || Ended::Failed("it was not begun".into());
+    let lost = || Outcome::Failed("it was not begun".into());
     results
         .into_iter()
         .map(|r| r.unwrap_or_else(lost))
         .collect()
 }
 
-fn one(job: &Job) -> Ended {
+fn one(job: &Job) -> Outcome {
     let mut command = image::command();
     command.args(&job.arguments);
     command.stdin(Stdio::null()).stdout(Stdio::null());
     match command.output() {
-        Ok(output) if output.status.success() => Ended::Made,
+        Ok(output) if output.status.success() => Outcome::Made,
         Ok(output) => {
             let said = String::from_utf8_lossy(&output.stderr);
-            let mut reasons = said.lines().filter_map(|l| l.strip_prefix("heft: "));
-            let reason = reasons
-                .next_back()
-                .map_or_else(|| output.status.to_string(), Into::into);
+            let reason = last_words(&said).map_or_else(|| output.status.to_string(), Into::into);
             match output.status.code() {
-                Some(1) => Ended::No(reason),
-                _ => Ended::Failed(reason),
+                Some(1) => Outcome::No(reason),
+                _ => Outcome::Failed(reason),
             }
         }
-        Err(error) => Ended::Failed(error.to_string()),
+        Err(error) => Outcome::Failed(error.to_string()),
     }
+}
+
+/// Why a process failed: the last failure that it reported, with all its lines.
+fn last_words(said: &str) -> Option<&str> {
+    const FIRST: &str = "heft: ";
+    let from = match said.rfind(&format!("\n{FIRST}")) {
+        Some(at) => at + 1,
+        None if said.starts_with(FIRST) => 0,
+        None => return None,
+    };
+    Some(said[from + FIRST.len()..].trim_end())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_last_failure_is_reported_with_what_to_do() {
+        let said = "heft: one\nnote: x\nheft: two\n  where: there\n  what to do: that\n";
+        assert_eq!(
+            last_words(said),
+            Some("two\n  where: there\n  what to do: that")
+        );
+        assert_eq!(last_words("heft: one\n"), Some("one"));
+        assert_eq!(last_words("note: heft: x\n"), None);
+    }
 
     #[test]
     fn a_folder_stands_for_every_recording_and_table_in_it() {

@@ -4,7 +4,7 @@
 
 use std::cell::Cell;
 use std::fs;
-use std::io::{IsTerminal, Write};
+use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -15,6 +15,7 @@ use rustix::fs::{CWD, RenameFlags, renameat_with};
 
 use crate::failure::Failure;
 use crate::group;
+use crate::out;
 
 /// Opens a recording or the folder of one, and says what there is to know of its state. It is never
 /// written to.
@@ -41,8 +42,15 @@ fn note_others(folder: &Path, reader: &Reader) {
         return;
     };
     let others = recording::recordings(folder).len().saturating_sub(1);
-    eprint!("{}: the newest recording of the folder", first.display());
-    eprintln!(" ({others} older ones can be named)");
+    let name = first.display();
+    match others {
+        0 => {}
+        1 => eprintln!("{name}: the newest of two recordings in the folder"),
+        _ => eprintln!(
+            "{name}: the newest of {} recordings in the folder",
+            others + 1
+        ),
+    }
 }
 
 /// A line on the terminal while a long recording is read.
@@ -57,12 +65,11 @@ pub fn progress() -> impl Fn(f64) {
         }
         let now = Instant::now();
         if share >= 1.0 && is_shown.take() {
-            eprint!("\r\x1b[2K");
+            out::draw("\r\x1b[2K");
         } else if share < 1.0 && now >= shown.get() {
             shown.set(now + PERIOD);
             is_shown.set(true);
-            eprint!("\r\x1b[2Kreading {:.0} %", 100.0 * share);
-            let _ = std::io::stderr().flush();
+            out::draw(&format!("\r\x1b[2Kreading {:.0} %", 100.0 * share));
         }
     }
 }

@@ -33,6 +33,13 @@ impl Quantity {
         first.into_iter().flatten().chain(letters).collect()
     }
 
+    /// The same for a line that has little room: "swing inertia", "height".
+    pub fn short(&self) -> String {
+        let label = self.label();
+        let of = label.split_once(" of the ");
+        of.map_or(label.clone(), |(first, _)| first.to_owned())
+    }
+
     /// `value ± std`, rounded to two digits of the standard deviation.
     pub fn text(&self, value: f64, std: f64) -> String {
         number::with_std(value, std, &number::unit(self.row.unit))

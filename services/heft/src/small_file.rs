@@ -16,9 +16,9 @@ pub fn text(file: &Path) -> Result<String, Failure> {
     read.map_err(|error| Failure::file("read", file, &error))?;
     if text.len() as u64 > LARGEST {
         return Err(Failure::input(
-            format!("the file has more than {LARGEST} bytes: no description is so large"),
+            format!("the file has more than {LARGEST} bytes: no machine file is so large"),
             file.display(),
-            "give the description of a machine, a text in TOML of some kilobytes",
+            "name a machine file, a text in TOML of some kilobytes",
         ));
     }
     Ok(text)

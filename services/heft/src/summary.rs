@@ -75,9 +75,16 @@ pub fn text(
             line(text);
         }
     } else {
-        line(format!("at the end, {}", in_words(watch)));
-        for text in watch.tallies().iter().flat_map(tally_lines) {
+        for text in watch.headline().flat_map(tally_lines) {
             line(text);
+        }
+        line(format!("at the end, {}", in_words(watch)));
+        let main: Vec<_> = watch.headline().map(|t| t.quantity.channel).collect();
+        let others = watch.tallies().iter();
+        for tally in others.filter(|t| !main.contains(&t.quantity.channel)) {
+            for text in tally_lines(tally) {
+                line(format!("for comparison, {text}"));
+            }
         }
     }
     if detail.is_verbose {

@@ -8,7 +8,9 @@ use std::os::fd::AsFd;
 use std::time::{Duration, Instant};
 
 use messages::channels::{Channel, of_machine};
-use runtime::{Bell, Cleaner, Domain, Heard, Held, Owner, Ports, Taps, Window, now_ns};
+use runtime::{
+    Bell, ChannelOwner, Cleaner, ControlWord, Domain, Owner, Ports, Taps, Window, now_ns,
+};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use steps::stages::{Pipeline, Role};
 
@@ -61,7 +63,7 @@ pub struct Supervisor {
     taps: Taps<Watch>,
     cleaner: Cleaner,
     spare: Spare,
-    _channels: Vec<Held>,
+    _channels: Vec<ChannelOwner>,
     _ports: Ports,
     gateway: Option<Gateway>,
     signals: Signals,
@@ -302,7 +304,7 @@ impl Supervisor {
 
     fn hear(&mut self) {
         for i in 0..self.workers.len() {
-            while let Heard::Word(word) = self.workers[i].control.hear(0) {
+            while let ControlWord::Word(word) = self.workers[i].control.hear(0) {
                 match word.as_str() {
                     "ready" => self.is_ready(i),
                     "ended" => self.ended = true,

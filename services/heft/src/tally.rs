@@ -55,16 +55,20 @@ impl Tally {
         }
     }
 
-    /// For the live line; a tick says that it is trusted.
+    /// For the live line.
     pub fn short(&self) -> String {
         let q = self.quantity;
         let truth = self.truth.map_or(String::new(), |t| {
             format!(" (true {})", q.number(t, self.std))
         });
-        let verdict = if self.trusted { '✓' } else { '?' };
+        let verdict = if self.trusted {
+            "trusted"
+        } else {
+            "not trusted"
+        };
         format!(
             "{} {}{truth} {verdict}",
-            q.row.symbol,
+            q.short(),
             q.text(self.value, self.std)
         )
     }

@@ -16,7 +16,7 @@ use runtime::{Sink, Teller, Window};
 use steps::stages::Pipeline;
 use view::live::{Feed, SharedLoads};
 
-use self::counts::{Carried, Counts};
+use self::counts::{Counts, SampleCounts};
 pub use self::line::{LIVE, STORY, Show};
 use self::loads_teller::LoadsTeller;
 use crate::fault::Fault;
@@ -39,7 +39,7 @@ pub struct Watch {
     feed: Option<Feed>,
     /// For a group of other users.
     window: Option<Window>,
-    carried: BTreeMap<&'static str, Carried>,
+    carried: BTreeMap<&'static str, SampleCounts>,
     truths: VecDeque<(u64, Envelope)>,
     tallies: Vec<Tally>,
     latest: BTreeMap<&'static str, Envelope>,
@@ -67,7 +67,7 @@ pub struct Watch {
     /// The logger died, and is not back. One that comes back counts what it could not be handed.
     logger_is_away: bool,
     /// It has reported its counts since it came.
-    logger_is_heard: bool,
+    logger_has_reported: bool,
     /// A logger died before it reported its counts.
     may_lack: bool,
     shown: Option<Instant>,
@@ -140,7 +140,7 @@ impl Watch {
     }
 
     /// What the source sent. Every sample has a truth beside it, if an empty one.
-    fn sent(&self) -> Carried {
+    fn sent(&self) -> SampleCounts {
         let truths = self
             .carried
             .iter()
@@ -232,7 +232,7 @@ impl Watch {
         let logger_is_away = matches!(fault, Fault::Died { service, .. } | Fault::Hung { service, .. } if service == "logger");
         if logger_is_away {
             let was_there = !self.logger_is_away && self.next_sequence() > 0;
-            self.may_lack |= was_there && !self.logger_is_heard;
+            self.may_lack |= was_there && !self.logger_has_reported;
             self.logger_is_away = true;
         }
         self.faults.push(fault);
@@ -241,7 +241,7 @@ impl Watch {
     /// Is notified that a service is there, perhaps again.
     pub fn is_there(&mut self, service: &str) {
         if service == "logger" {
-            (self.logger_is_away, self.logger_is_heard) = (false, false);
+            (self.logger_is_away, self.logger_has_reported) = (false, false);
         }
     }
 
@@ -282,7 +282,7 @@ impl Watch {
     }
 
     /// Samples that were measured and have no answer, by service.
-    fn unanswered(&self, sent: Carried) -> Vec<Fault> {
+    fn unanswered(&self, sent: SampleCounts) -> Vec<Fault> {
         let Some(pipeline) = self.pipeline else {
             return Vec::new();
         };
@@ -452,7 +452,7 @@ impl Sink for Watch {
         }
         if let Envelope::Health(health) = &envelope {
             let process = self.pipeline.map(|p| p.process_name(health.process));
-            self.logger_is_heard |= process == Some("logger") && health.steps > 0;
+            self.logger_has_reported |= process == Some("logger") && health.steps > 0;
             let before = self.health.insert(health.process, *health);
             if let Some(before) = before.filter(|b| b.pid != health.pid) {
                 self.before.entry(health.process).or_default().add(&before);
@@ -512,10 +512,10 @@ mod tests {
         assert!(!lost(&[is_back, dies]), "nothing came");
         let whole = [is_back, comes, tells, dies, comes, is_back, comes];
         assert!(!lost(&whole), "it counts by itself what it lacks");
-        let unheard = [&whole[..], &[dies, is_back, tells]].concat();
-        assert!(lost(&unheard), "what the second one lacked is not known");
-        let heard = [&whole[..], &[tells, dies, is_back, tells]].concat();
-        assert!(!lost(&heard));
+        let silent = [&whole[..], &[dies, is_back, tells]].concat();
+        assert!(lost(&silent), "what the second one lacked is not known");
+        let reported = [&whole[..], &[tells, dies, is_back, tells]].concat();
+        assert!(!lost(&reported));
     }
 
     #[test]

@@ -78,7 +78,7 @@ pub(crate) const HEAD_FIELDS: [Field; HEAD] = [
     field(
         "t",
         "s",
-        "Time of the measurement as the data tell it.",
+        "Time of the measurement, by the clock of the data.",
         NumberType::F64,
     ),
     field(

@@ -67,7 +67,11 @@ impl Error {
 
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}\n  in {}\n  {}", self.what, self.place, self.remedy)
+        write!(
+            f,
+            "{}\n  where: {}\n  what to do: {}",
+            self.what, self.place, self.remedy
+        )
     }
 }
 

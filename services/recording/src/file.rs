@@ -57,7 +57,7 @@ impl Bytes {
 }
 
 /// Why a file could not be taken for writing.
-pub(crate) enum Taken {
+pub(crate) enum ClaimError {
     /// There is something in it, or somebody else writes it.
     Exists,
     /// The system refused.
@@ -69,25 +69,25 @@ const PATIENCE: Duration = Duration::from_millis(500);
 
 /// Takes `path` for writing: a new file, or an empty one that was reserved. Nothing that exists is
 /// cut off. The lock lasts as long as the file is open, so also no longer than the process.
-pub(crate) fn take(path: &Path) -> Result<File, Taken> {
+pub(crate) fn take(path: &Path) -> Result<File, ClaimError> {
     let mut options = OpenOptions::new();
     let file = options.write(true).create(true).truncate(false).open(path);
-    let file = file.map_err(Taken::System)?;
+    let file = file.map_err(ClaimError::System)?;
     let begun = Instant::now();
     loop {
         match file.try_lock() {
             Ok(()) => break,
             Err(TryLockError::WouldBlock) if begun.elapsed() > PATIENCE => {
-                return Err(Taken::Exists);
+                return Err(ClaimError::Exists);
             }
             Err(TryLockError::WouldBlock) => std::thread::sleep(Duration::from_millis(1)),
             // A file system without locks: then there are none.
             Err(TryLockError::Error(_)) => break,
         }
     }
-    let about = file.metadata().map_err(Taken::System)?;
+    let about = file.metadata().map_err(ClaimError::System)?;
     if about.is_file() && about.len() > 0 {
-        return Err(Taken::Exists);
+        return Err(ClaimError::Exists);
     }
     Ok(file)
 }

@@ -245,7 +245,7 @@ fn without_samples<S: Sensors>(reader: &Reader, path: &Path) -> Error {
                 "the recording is damaged, and what is left has no samples of the {}",
                 S::MACHINE
             ),
-            lacks.all().join("\n  in "),
+            lacks.all().join(", "),
             "take another copy of it, if there is one",
         );
     }

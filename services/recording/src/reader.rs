@@ -99,7 +99,7 @@ impl Reader {
             return Err(Error::new(
                 "this is no MCAP recording",
                 path.display().to_string(),
-                "give a recording (.mcap); estimates of a table are made by `heft estimate`, with --report also a page",
+                "name a recording of heft (.mcap); tables and CAN logs go through `heft estimate`",
             ));
         }
         let joined: Vec<String> = parts

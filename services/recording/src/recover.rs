@@ -4,7 +4,7 @@ use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
 use crate::copy::copy;
-use crate::file::{self, Taken};
+use crate::file::{self, ClaimError};
 use crate::parts::JOINED;
 use crate::reader::{Part, Reader};
 use crate::writer::{RECORD, failure, options, with_sum};
@@ -144,8 +144,8 @@ pub fn join(reader: &Reader, output: &Path) -> Result<(), Error> {
 /// Writes every whole message into a new file, with the metadata of the run and a note.
 fn write(reader: &Reader, path: &Path, note: &Metadata) -> Result<u64, Error> {
     let file = file::take(path).map_err(|e| match e {
-        Taken::System(e) => Error::system("write beside the recording", path, &e),
-        Taken::Exists => Error::new(
+        ClaimError::System(e) => Error::system("write beside the recording", path, &e),
+        ClaimError::Exists => Error::new(
             "this file exists already; it is not overwritten",
             path.display().to_string(),
             "choose another name with -o",

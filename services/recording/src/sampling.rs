@@ -113,7 +113,7 @@ pub(crate) struct Rows {
     resumed: i64,
     /// Latest arrival of all frames, and of those with a value for us.
     clock: i64,
-    heard: Option<i64>,
+    newest: Option<i64>,
 }
 
 /// Rows at a rate: row n is at n / rate.
@@ -162,7 +162,7 @@ impl Rows {
             pause: Some(SILENT),
             resumed: i64::MIN,
             clock: 0,
-            heard: None,
+            newest: None,
         }
     }
 
@@ -181,8 +181,8 @@ impl Rows {
     /// A value has come at `clock`.
     pub(crate) fn hear(&mut self, clock: i64) {
         // Before the first value there is silence from 0 on.
-        let silence = self.heard.unwrap_or(0) + GAP;
-        self.heard = Some(self.heard.map_or(clock, |heard| heard.max(clock)));
+        let silence = self.newest.unwrap_or(0) + GAP;
+        self.newest = Some(self.newest.map_or(clock, |newest| newest.max(clock)));
         if self.empty().is_some_and(|empty| empty > silence) {
             self.resumed = clock;
         }
@@ -214,7 +214,7 @@ impl Rows {
         let clock = self.clock;
         let is_settled =
             |time: i64, clock: i64| at_end || series.iter().all(|s| s.is_settled(time, clock));
-        let silence = self.heard.unwrap_or(0) + GAP;
+        let silence = self.newest.unwrap_or(0) + GAP;
         let row = if let Some(grid) = &mut self.grid {
             let time = grid.time();
             let is_due = time < clock && time <= silence && is_settled(time, clock - 1);

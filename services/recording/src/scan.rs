@@ -68,7 +68,7 @@ pub(crate) struct Scan {
 }
 
 /// What stands at a place.
-enum Found {
+enum Step {
     Next(u64),
     Footer(u64),
     Nothing,
@@ -89,15 +89,15 @@ impl Scan {
         let mut at = MAGIC.len() as u64;
         while at < bytes.len {
             match scan.take(bytes, at) {
-                Found::Next(end) => at = end,
-                Found::Footer(end) => {
+                Step::Next(end) => at = end,
+                Step::Footer(end) => {
                     scan.complete = end + MAGIC.len() as u64 == bytes.len
                         && bytes.range(end, bytes.len).as_deref() == Some(MAGIC)
                         && scan.index_is_whole(bytes, end);
                     at = if scan.complete { bytes.len } else { at };
                     break;
                 }
-                Found::Nothing => {
+                Step::Nothing => {
                     let found = scan.hidden_chunk(bytes, at);
                     let found = found.or_else(|| scan.step_over(bytes, at));
                     match found.or_else(|| scan.search(bytes, at)) {
@@ -116,13 +116,13 @@ impl Scan {
     }
 
     /// Takes in the record at `at`.
-    fn take(&mut self, bytes: &Bytes, at: u64) -> Found {
+    fn take(&mut self, bytes: &Bytes, at: u64) -> Step {
         let Some((opcode, length)) = head(bytes, at) else {
-            return Found::Nothing;
+            return Step::Nothing;
         };
         let start = at + HEAD;
         let Some(end) = start.checked_add(length).filter(|end| *end <= bytes.len) else {
-            return Found::Nothing;
+            return Step::Nothing;
         };
         let body = || bytes.range(start, end);
         let whole = match opcode {
@@ -150,9 +150,9 @@ impl Scan {
             }
             op::FOOTER => {
                 return if length == 20 {
-                    Found::Footer(end)
+                    Step::Footer(end)
                 } else {
-                    Found::Nothing
+                    Step::Nothing
                 };
             }
             op::DATA_END => (length == 4).then(|| self.data_ended = true),
@@ -164,7 +164,7 @@ impl Scan {
             }
             _ => None,
         };
-        whole.map_or(Found::Nothing, |()| Found::Next(end))
+        whole.map_or(Step::Nothing, |()| Step::Next(end))
     }
 
     /// A message outside of chunks, of a channel that was defined there too.

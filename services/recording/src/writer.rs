@@ -7,7 +7,7 @@ use mcap::records::MessageHeader;
 use messages::channels::Channel;
 use messages::{Hops, Message, Stamp};
 
-use crate::file::{self, Taken};
+use crate::file::{self, ClaimError};
 use crate::{Error, schema, wire};
 
 /// What a recording says of its run, by name: seed, configuration, version, host.
@@ -226,10 +226,10 @@ pub(crate) fn sum_of(metadata: &Metadata) -> String {
     sha256(pairs.collect::<String>())
 }
 
-fn refused(path: &Path, taken: Taken) -> Error {
+fn refused(path: &Path, taken: ClaimError) -> Error {
     match taken {
-        Taken::System(e) => Error::system("create the recording", path, &e),
-        Taken::Exists => Error::new(
+        ClaimError::System(e) => Error::system("create the recording", path, &e),
+        ClaimError::Exists => Error::new(
             "there is a recording already; it is not overwritten",
             path.display().to_string(),
             "choose another name or folder, or move the file away",

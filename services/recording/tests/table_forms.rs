@@ -10,7 +10,14 @@ const HEADER: &str = "t,swing_velocity,swing_torque";
 
 fn rows() -> Vec<String> {
     (0..400)
-        .map(|i| format!("{},{},{}", 0.01 * f64::from(i), 0.001 * f64::from(i), 10 * i))
+        .map(|i| {
+            format!(
+                "{},{},{}",
+                0.01 * f64::from(i),
+                0.001 * f64::from(i),
+                10 * i
+            )
+        })
         .collect()
 }
 
@@ -43,7 +50,10 @@ fn a_table_gives_the_same_rows_packed_with_comments_and_with_units() {
     let units = format!("# by a logger\n{HEADER}\ns,rad/s,N m\n{rows}\n");
     for (name, content) in [
         ("a.csv.gz", packed(&plain)),
-        ("two.gz", [packed(&plain[..100]), packed(&plain[100..])].concat()),
+        (
+            "two.gz",
+            [packed(&plain[..100]), packed(&plain[100..])].concat(),
+        ),
         ("a.tsv", tabs.into_bytes()),
         ("export", plain.clone().into_bytes()),
         ("numpy.txt", numpy.into_bytes()),

@@ -170,22 +170,24 @@ impl Control {
         })
     }
 
-    /// The next word within `timeout_ms`; `Heard::Nothing` on time-out, `Heard::Gone` if the
+    /// The next word within `timeout_ms`; `ControlWord::Nothing` on time-out, `ControlWord::Gone` if the
     /// other side has died.
-    pub fn hear(&self, timeout_ms: u32) -> Heard {
+    pub fn hear(&self, timeout_ms: u32) -> ControlWord {
         let timeout = Timespec {
             tv_sec: i64::from(timeout_ms / 1000),
             tv_nsec: i64::from(timeout_ms % 1000) * 1_000_000,
         };
         match poll(&mut [PollFd::new(&self.0, PollFlags::IN)], Some(&timeout)) {
-            Ok(0) | Err(_) => return Heard::Nothing,
+            Ok(0) | Err(_) => return ControlWord::Nothing,
             Ok(_) => {}
         }
         let mut buffer = [0u8; MAX_WORD];
         match rustix::net::recv(&self.0, &mut buffer, RecvFlags::empty()) {
-            Ok((n, _)) if n > 0 => Heard::Word(String::from_utf8_lossy(&buffer[..n]).into_owned()),
-            Err(rustix::io::Errno::INTR) => Heard::Nothing,
-            _ => Heard::Gone,
+            Ok((n, _)) if n > 0 => {
+                ControlWord::Word(String::from_utf8_lossy(&buffer[..n]).into_owned())
+            }
+            Err(rustix::io::Errno::INTR) => ControlWord::Nothing,
+            _ => ControlWord::Gone,
         }
     }
 }
@@ -239,9 +241,9 @@ impl AsFd for Control {
     }
 }
 
-/// What was heard.
+/// What the supervisor received.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Heard {
+pub enum ControlWord {
     /// A word.
     Word(String),
     /// Nothing so far.
@@ -310,9 +312,9 @@ pub(crate) fn listen(control: Arc<Control>, bell: Bell) -> Arc<Requests> {
         loop {
             // A supervisor that dies closes the socket: there is nothing to look at meanwhile.
             match control.hear(u32::MAX) {
-                Heard::Word(word) => obey(&shared, &word),
-                Heard::Nothing => continue,
-                Heard::Gone => shared.exit.store(true, Ordering::Release),
+                ControlWord::Word(word) => obey(&shared, &word),
+                ControlWord::Nothing => continue,
+                ControlWord::Gone => shared.exit.store(true, Ordering::Release),
             }
             bell.ring();
             if shared.wants_exit() {
@@ -388,10 +390,10 @@ mod tests {
         let (supervisor, worker) = Control::pair().unwrap();
         let worker = Control(worker);
         assert!(supervisor.say("go 7"));
-        assert_eq!(worker.hear(100), Heard::Word("go 7".into()));
-        assert_eq!(worker.hear(1), Heard::Nothing);
+        assert_eq!(worker.hear(100), ControlWord::Word("go 7".into()));
+        assert_eq!(worker.hear(1), ControlWord::Nothing);
         drop(supervisor);
-        assert_eq!(worker.hear(100), Heard::Gone);
+        assert_eq!(worker.hear(100), ControlWord::Gone);
         assert!(!worker.say("ready"));
     }
 }

@@ -50,7 +50,7 @@ pub struct Ports {
 }
 
 /// Keeps a channel in existence; what it is stays hidden because every channel has another type.
-pub struct Held {
+pub struct ChannelOwner {
     _service: Box<dyn Any>,
 }
 
@@ -73,7 +73,7 @@ impl Ports {
     ///
     /// # Errors
     /// The channel exists already or shared memory is exhausted.
-    pub fn create(&self, channel: &Channel) -> Result<Held, Error> {
+    pub fn create(&self, channel: &Channel) -> Result<ChannelOwner, Error> {
         channel.payload.visit(Create {
             ports: self,
             channel,
@@ -206,7 +206,7 @@ struct Create<'a> {
 }
 
 impl Visitor for Create<'_> {
-    type Output = Result<Held, Error>;
+    type Output = Result<ChannelOwner, Error>;
 
     fn visit<M: Message>(self) -> Self::Output {
         let failed = |e: &dyn std::fmt::Debug| Error::ipc("create", self.channel.name, e);
@@ -234,7 +234,7 @@ impl Visitor for Create<'_> {
             .max_nodes(MAX_NODES)
             .create()
             .map_err(|e| failed(&e))?;
-        Ok(Held {
+        Ok(ChannelOwner {
             _service: Box::new((data, event)),
         })
     }

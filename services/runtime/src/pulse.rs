@@ -102,12 +102,12 @@ mod tests {
     fn looks_at(work: impl FnOnce(Arc<Turn>) + Send + 'static) -> bool {
         let turn = Arc::new(Turn::default());
         let its = Arc::clone(&turn);
-        let (say, heard) = channel();
+        let (sender, receiver) = channel();
         std::thread::spawn(move || {
-            say.send(rustix::thread::gettid()).unwrap();
+            sender.send(rustix::thread::gettid()).unwrap();
             work(its);
         });
-        let mut pulse = Pulse::of(heard.recv().unwrap());
+        let mut pulse = Pulse::of(receiver.recv().unwrap());
         (0..3).any(|_| {
             std::thread::sleep(Duration::from_millis(150));
             pulse.hangs(&turn)

@@ -207,7 +207,7 @@ impl Drop for Window {
 
 /// The window of another user's run, as one of the group sees it.
 #[derive(Debug)]
-pub struct Shown {
+pub struct GroupView {
     file: File,
     domain: String,
     /// Whose run it is.
@@ -218,7 +218,7 @@ pub struct Shown {
     machine: Machine,
 }
 
-impl Shown {
+impl GroupView {
     /// The windows that other users open to a group of this one, of runs that go on.
     #[must_use]
     pub fn all() -> Vec<Self> {

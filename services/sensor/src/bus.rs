@@ -6,7 +6,7 @@ use recording::can::Decoder;
 use recording::{Error, Map, Sensors};
 use runtime::{Live, Polled, now_ns};
 
-use crate::socket::{CanSocket, Heard};
+use crate::socket::{BusRead, CanSocket};
 
 /// Longest wait for a frame.
 const PATIENCE: Duration = Duration::from_millis(20);
@@ -107,23 +107,23 @@ impl<S: Sensors> CanBus<S> {
         // Nothing in the queue later means that nothing was received before this moment.
         let before = signed(now_ns());
         let interface = self.interface.clone();
-        let heard = match socket.read(&interface) {
-            Ok((heard, dropped)) => {
+        let input = match socket.read(&interface) {
+            Ok((input, dropped)) => {
                 self.dropped += dropped;
-                heard
+                input
             }
             Err(error) => return self.gone(&error),
         };
         if std::mem::take(&mut self.is_down) {
             tracing::warn!("{interface} is back");
         }
-        match heard {
-            Heard::Frame(mut frame) => {
+        match input {
+            BusRead::Frame(mut frame) => {
                 frame.time_ns = self.monotonic(frame.time_ns);
                 self.decoder.take(&frame);
             }
-            Heard::Other => {}
-            Heard::Nothing => self.silence(before),
+            BusRead::Other => {}
+            BusRead::Nothing => self.silence(before),
         }
     }
 }
@@ -147,7 +147,7 @@ impl<S: Sensors> Live for CanBus<S> {
             self.silence(signed(now_ns()));
         }
         if self.check.take_if(|due| Instant::now() > *due).is_some()
-            && let Err(error) = self.decoder.check_heard(&self.interface)
+            && let Err(error) = self.decoder.check_senders(&self.interface)
         {
             tracing::warn!("{} in {} s: {}", error.what, SILENT.as_secs(), error.place);
         }

@@ -8,7 +8,7 @@ use messages::{ExcavatorSensors, ExcavatorTruth};
 use runtime::Source;
 use sim::excavator::{InvalidRun, Row, Run, Scenario, Simulation, Truth, Work};
 
-use crate::simulated::{Taken, mark};
+use crate::simulated::{Columns, mark};
 
 /// What every simulated excavator has: an encoder in place of the velocity is a matter of recordings.
 const COLUMNS: u32 = SWING_VELOCITY | SWING_TORQUE | BOOM_ANGLE | ARM_ANGLE | BUCKET_ANGLE;
@@ -77,7 +77,7 @@ impl Source for Simulator {
 }
 
 fn measured(row: &Row) -> ExcavatorSensors {
-    let mut taken = Taken::of(COLUMNS);
+    let mut taken = Columns::of(COLUMNS);
     let mut take = |value, bit| taken.take(value, bit);
     let [boom, arm, bucket] = row.posture;
     let [pitch, roll] = row.inclination;

@@ -9,7 +9,7 @@ use messages::{LoaderSensors, LoaderTruth};
 use runtime::Source;
 use sim::loader::{InvalidRun, Row, Run, Scenario, Simulation, Tier, Truth};
 
-use crate::simulated::{Taken, mark};
+use crate::simulated::{Columns, mark};
 
 /// What every simulated loader has.
 const COLUMNS: u32 = SPEED
@@ -66,7 +66,7 @@ impl Source for Simulator {
 }
 
 fn measured(row: &Row) -> LoaderSensors {
-    let mut taken = Taken::of(COLUMNS);
+    let mut taken = Columns::of(COLUMNS);
     let mut take = |value, bit| taken.take(value, bit);
     let message = LoaderSensors {
         speed: take(Some(row.speed), SPEED),

@@ -3,12 +3,12 @@
 use messages::Message;
 
 /// What a simulated sample has and what of it is valid.
-pub(crate) struct Taken {
+pub(crate) struct Columns {
     pub columns: u32,
     pub valid: u32,
 }
 
-impl Taken {
+impl Columns {
     /// Columns that are always there.
     pub(crate) fn of(columns: u32) -> Self {
         Self { columns, valid: 0 }

@@ -21,7 +21,7 @@ const ROOM: usize = 4 << 20;
 
 /// What a look at the socket found.
 #[derive(Debug)]
-pub(crate) enum Heard<'a> {
+pub(crate) enum BusRead<'a> {
     /// A data frame; its time is the time of day [ns].
     Frame(Frame<'a>),
     /// A frame without data.
@@ -61,7 +61,7 @@ impl CanSocket {
     }
 
     /// The next frame, and how many before it the kernel dropped.
-    pub(crate) fn read<'a>(&mut self, interface: &'a str) -> Result<(Heard<'a>, u64)> {
+    pub(crate) fn read<'a>(&mut self, interface: &'a str) -> Result<(BusRead<'a>, u64)> {
         let mut space = [IoSliceMut::new(&mut self.data)];
         let fd = self.socket.as_raw_fd();
         let control = Some(self.control.as_mut_slice());
@@ -81,7 +81,7 @@ impl CanSocket {
                 let error = Error::from(error);
                 return match error.kind() {
                     ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted => {
-                        Ok((Heard::Nothing, 0))
+                        Ok((BusRead::Nothing, 0))
                     }
                     _ => Err(error),
                 };
@@ -89,10 +89,10 @@ impl CanSocket {
         };
         let lost = dropped.wrapping_sub(self.dropped);
         self.dropped = dropped;
-        let time = time.ok_or_else(|| Error::other("the kernel tells no time of a frame"))?;
+        let time = time.ok_or_else(|| Error::other("the kernel gives no time of a frame"))?;
         let ns = time.tv_sec() * 1_000_000_000 + time.tv_nsec();
         let frame = frame(self.data.get(..bytes).unwrap_or_default(), ns, interface);
-        Ok((frame.map_or(Heard::Other, Heard::Frame), lost.into()))
+        Ok((frame.map_or(BusRead::Other, BusRead::Frame), lost.into()))
     }
 }
 

@@ -122,8 +122,8 @@ macro_rules! excavator_reasons {
             1 Slope "slope" "the ground seems inclined";
             2 Loss "losses" "the swing drive seems to lose torque";
             3 Friction "friction" "the friction differs from the described one";
-            4 Gain "gain" "the torque's gain seems not to be 1";
-            5 Delay "delay" "velocity and torque do not come together";
+            4 Gain "gain" "the torque reads too high or too low by a factor";
+            5 Delay "delay" "velocity and torque do not arrive together";
             6 Offset "offset" "the torque seems to have an offset";
             7 Damping "damping" "the damping differs from the described one";
             8 Unexplained "unexplained" "the motion does not follow the model";
@@ -132,7 +132,7 @@ macro_rules! excavator_reasons {
             11 Content "content" "the bucket's content may have changed";
             12 Frozen "frozen" "a sensor repeats one value";
             13 Sign "sign" "a sensor seems to have the other sign";
-            14 Method "method" "this method cannot tell the inertia of a machine that is not calibrated";
+            14 Method "method" "this method cannot determine the inertia of an uncalibrated machine";
             15 Restarted "restarted" "the service was started again";
             16 Jump "jump" "a joint angle has jumped further than a joint moves";
             17 Contradiction "contradiction" "an emptied bucket or the friction contradicts what a sensor says";

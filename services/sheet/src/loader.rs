@@ -105,7 +105,7 @@ macro_rules! loader_quantities {
                 };
                 cg_ratio (cg_ratio.value) [cg_ratio_std (cg_ratio.std)] "" "Share of the static weight on the front axle." {
                     estimated: STATE, trusted: TRUSTED_RATIO, is_headline: true,
-                    shown: 1, label: "Share of the weight on the front axle", symbol: "λ", range: (0.0, 1.0),
+                    shown: 1, label: "Front-axle load fraction", symbol: "λ", range: (0.0, 1.0),
                     column: Column::Always, frame: frame("ratio", 0xff20, 1e-6, 0.0),
                     kept: Some(["prior.cg_ratio", "prior.cg_ratio_std"])
                 };
@@ -153,7 +153,7 @@ macro_rules! loader_reasons {
             7 StuckSlope "stuck slope" "the slope never changes";
             8 StuckAcceleration "stuck acceleration" "the acceleration never changes";
             9 Unexplained "unexplained" "the motion does not follow the model";
-            10 Latency "latency" "the speed comes later than a sensor may";
+            10 Latency "latency" "the speed arrives later than a sensor may";
             11 Stiffness "stiffness" "the slip stiffness is implausible for a tyre";
             12 Brakes "brakes" "friction brakes seem to act";
             13 Steering "steering" "the machine turns";
@@ -163,8 +163,8 @@ macro_rules! loader_reasons {
             17 Disagreement "disagreement" "manoeuvres disagree by more than they claim";
             18 AtLimit "limit" "an estimate is at its limit";
             19 Restarted "restarted" "the service was started again";
-            20 Locked "locked drive" "the axles turn alike: the reported torques are not theirs";
-            21 OneWay "one way" "it was driven one way only: how its tyres give under a load is not known";
+            20 Locked "locked drive" "both axles turn alike: the reported axle torques are not theirs";
+            21 OneWay "one way" "driven one way only: how the tyres give under a load is not known";
         }
     };
 }

@@ -12,7 +12,7 @@ pub mod bits {
     pub const FINAL: u32 = 1 << 2;
     /// What stayed in the bucket was weighed after this load; else it is the mean of earlier ones.
     pub const CARRY_BACK_WEIGHED: u32 = 1 << 3;
-    /// The bucket was weighed at least once: `payload_age` tells when.
+    /// The bucket was weighed at least once, `payload_age` ago.
     pub const WEIGHED: u32 = 1 << 4;
     /// The truck has loads, and each of them may be believed.
     pub const TRUCK_TRUSTED: u32 = 1 << 5;
@@ -53,7 +53,7 @@ pub const FLAGS: &[Flag] = &[
         bits::WEIGHED,
         "weighed",
         4,
-        "The bucket was weighed at least once: `payload_age` tells when.",
+        "The bucket was weighed at least once, `payload_age` ago.",
     ),
     flag(
         bits::TRUCK_TRUSTED,

@@ -49,7 +49,7 @@ impl fmt::Display for Error {
                 known.join(", ")
             ),
             Self::OtherMachine(machine) => {
-                write!(f, "the description is for the {machine}, the step is not")
+                write!(f, "the machine file is for the {machine}, the step is not")
             }
             Self::MissingColumn { method, column } => write!(
                 f,

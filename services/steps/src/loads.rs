@@ -133,10 +133,10 @@ impl LoadCounter {
                 "a loader is weighed by its lift pressures or a column `mass`, and the data have neither: map one",
             ),
             (Machine::Loader, false, [true, false]) => Some(
-                "the data have lift pressures, and the description has no `machine.lift_arm`: describe it (--config)",
+                "the data have lift pressures, and the machine file has no `machine.lift_arm`: describe it (--config)",
             ),
             (Machine::Excavator, false, [true, _]) => Some(
-                "the data have boom pressures, and the description has no `machine.boom_cylinder`: describe it (--config)",
+                "the data have boom pressures, and the machine file has no `machine.boom_cylinder`: describe it (--config)",
             ),
             (Machine::Excavator, _, [false, _]) => Some(
                 "only the swing motion weighs: map the boom's pressures to weigh at standstill too",

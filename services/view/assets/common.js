@@ -22,3 +22,5 @@ function element(tag, text, className) {
 }
 
 const axis = { stroke: () => colour("--faint"), grid: { stroke: () => colour("--rule"), width: 1 }, ticks: { stroke: () => colour("--rule") }, font: "12px system-ui" };
+/** Room for the longest label beside an axis [px]. */
+const room = (u, labels) => 20 + 7 * Math.max(6, ...(labels || []).map((label) => label.length));

@@ -131,7 +131,7 @@ function make(wish, parent) {
     legend: { live: true },
     cursor: { drag: { x: true, y: false }, sync: { key: "heft" } },
     scales: { x: { time: false }, y: { range: () => range(wish.columns, visible(wish.key)) } },
-    axes: [{ ...axis, label: "time [s]", labelSize: 18, labelFont: "12px system-ui" }, { ...axis, size: 66, values: (u, ticks) => ticks.map((v) => grouped(v)) }],
+    axes: [{ ...axis, label: "time [s]", labelSize: 18, labelFont: "12px system-ui" }, { ...axis, size: room, values: (u, ticks) => ticks.map((v) => grouped(v)) }],
     hooks: {
       drawClear: [(u) => shade(u, wish.trust)],
       ready: [(u) => u.over.addEventListener("dblclick", () => { zoom = null; dirty = true; })],
@@ -217,6 +217,7 @@ function card(v, j, place) {
   }
   card.append(element("p", (j.trusted ? "" : "Now, not trusted" + time + ": ") + j.value + ".", "value"));
   card.append(element("p", j.verdict));
+  if (j.advice) card.append(element("p", j.advice, "advice"));
   card.append(element("p", v.channel + ", method " + v.method + ", t = " + v.time.toFixed(1) + " s", "when"));
   return card;
 }
@@ -253,9 +254,9 @@ function showLoads(loads) {
   const last = loads.carried || loads.loads[0], truck = loads.truck;
   const known = loads.now.age !== null;
   const tiles = [["in the bucket now", known ? kg(Math.max(0, loads.now.kg)) : "\u2013", known ? sure(loads.now) : "nothing was weighed yet"]];
-  if (last) tiles.push(["load " + last.load + ", " + last.stage, kg(last.in_bucket.kg), sure(last.in_bucket) + (last.trusted ? ", trusted" : ", not trusted: " + last.reason)]);
+  if (last) tiles.push(["load " + last.load + ", " + (last.stage === "settled" ? "final" : last.stage), kg(last.in_bucket.kg), sure(last.in_bucket) + (last.trusted ? ", trusted" : ", not trusted: " + last.reason)]);
   if (truck.total.loads) tiles.push(["truck " + truck.truck, kg(truck.total.kg), truck.total.loads + (truck.total.loads === 1 ? " load, " : " loads, ") + sure(truck.total)]);
-  if (truck.target !== null) tiles.push(["missing", kg(truck.remaining), "of " + kg(truck.target)]);
+  if (truck.target !== null) tiles.push([truck.remaining < 0 ? "too much" : "missing", kg(Math.abs(truck.remaining)), "of " + kg(truck.target)]);
   byId("tiles").replaceChildren(...tiles.map(([title, number, words]) => {
     const tile = element("div", undefined, "tile");
     tile.append(element("p", title, "title"), element("p", number, "number"), element("p", words, "when"));

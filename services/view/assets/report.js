@@ -126,7 +126,7 @@ function make(figure, data) {
   const places = data.names.map((n) => n[0]), names = data.names.map((n) => n[1]);
   const ordinate = names.length
     ? { ...axis, size: 24 + 7 * Math.max(...names.map((name) => name.length)), splits: () => places, values: () => names, grid: { show: false } }
-    : { ...axis, size: 66, values: (u, ticks) => ticks.map((v) => grouped(v)) };
+    : { ...axis, size: room, values: (u, ticks) => ticks.map((v) => grouped(v)) };
   const size = () => ({ width: figure.clientWidth || 360, height: figure.classList.contains("wide") ? WIDE : HALF });
   const plot = new uPlot({
     ...size(), series,

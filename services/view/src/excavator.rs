@@ -4,7 +4,8 @@ pub mod figures;
 mod panels;
 mod words;
 
-pub(crate) use words::advice;
+#[cfg(test)]
+pub(crate) use words::REMEDIES;
 
 use messages::{
     EXCAVATOR_METHODS, ExcavatorEstimate, ExcavatorTruth, Machine, excavator_bits as bits,

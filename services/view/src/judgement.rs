@@ -9,6 +9,8 @@ pub struct Judgement {
     pub trusted: bool,
     /// Why, or why not.
     pub reasons: Vec<String>,
+    /// What would bring trust; empty where it is there.
+    pub advice: &'static str,
 }
 
 impl Judgement {
@@ -23,10 +25,20 @@ impl Judgement {
         }
     }
 
-    /// Value, verdict and reasons.
+    /// What to do, as a sentence; empty where it is trusted.
+    #[must_use]
+    pub fn what_to_do(&self) -> String {
+        if self.advice.is_empty() {
+            return String::new();
+        }
+        format!("What to do: {}.", self.advice)
+    }
+
+    /// Value, verdict, reasons, and what to do.
     #[must_use]
     pub fn sentence(&self) -> String {
-        format!("{}. {}", self.value, self.verdict())
+        let text = format!("{}. {} {}", self.value, self.verdict(), self.what_to_do());
+        text.trim_end().to_owned()
     }
 }
 

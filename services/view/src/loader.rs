@@ -3,7 +3,8 @@
 pub mod figures;
 mod words;
 
-pub(crate) use words::advice;
+#[cfg(test)]
+pub(crate) use words::REMEDIES;
 
 use messages::{LOADER_METHODS, LoaderEstimate, LoaderTruth, Machine, loader_bits as bits};
 
@@ -27,9 +28,9 @@ impl Estimate for LoaderEstimate {
     const CONDITIONS: &'static [(&'static str, u32)] = &[
         ("consistent", bits::CONSISTENT),
         ("fresh", bits::FRESH),
-        ("ratio excited", bits::EXCITED_RATIO),
-        ("ratio converged", bits::CONVERGED_RATIO),
-        ("ratio trusted", bits::TRUSTED_RATIO),
+        ("load fraction excited", bits::EXCITED_RATIO),
+        ("load fraction converged", bits::CONVERGED_RATIO),
+        ("load fraction trusted", bits::TRUSTED_RATIO),
         ("height excited", bits::EXCITED_HEIGHT),
         ("height converged", bits::CONVERGED_HEIGHT),
         ("height trusted", bits::TRUSTED_HEIGHT),

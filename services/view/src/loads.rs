@@ -3,12 +3,12 @@
 use std::fmt::Write;
 
 use estimation::HALF_WIDTH_95;
-use estimation::loads::{Load, Now, Total, Truck, Weight};
+use estimation::loads::{Load, Now, Stage, Total, Truck, Weight};
 use messages::Machine;
 use serde_json::{Value, json};
 use steps::loads::{LoadCounter, why_words};
 
-use crate::number::{grouped, interval_95, value_and_std};
+use crate::number::{interval_95, value_and_std};
 
 /// What one recording, or a run so far, adds up to.
 #[derive(Debug, Clone)]
@@ -196,14 +196,18 @@ pub fn line(machine: Machine, load: &Load) -> String {
     };
     let rest = if load.carry_back_weighed {
         let (kg, _) = value_and_std(load.carry_back.kg, load.carry_back.std);
-        format!(", {kg} kg stay in the bucket")
+        format!(", {kg} kg left in the bucket")
     } else {
         String::new()
     };
+    // After the next weighing nothing changes any more.
+    let stage = match load.stage {
+        Stage::Settled => "final",
+        stage => stage.name(),
+    };
     format!(
-        "load {} {}: {} (by {}){rest}{doubt}",
+        "load {} {stage}: {} (by {}){rest}{doubt}",
         load.number,
-        load.stage.name(),
         weight_words(&load.weight),
         load.witness.name(),
     )
@@ -215,7 +219,7 @@ pub fn truck_line(truck: &Truck) -> String {
     let total = &truck.total;
     let mut text = format!("truck {}: {}", truck.number, total_words(total));
     if let Some(missing) = truck.remaining() {
-        let amount = grouped(missing.abs(), 0);
+        let (amount, _) = value_and_std(missing.abs(), total.std().max(1.0));
         let what = if missing >= 0.0 {
             "missing"
         } else {
@@ -263,7 +267,7 @@ pub fn page(accounts: &[Account]) -> String {
         }
     }
     body += "<p class=\"note\">Delivered is what was in the bucket less what stayed in it. Errors that all loads share \
-        (span, zero, gain, description) add up; those of each load average out. Times are those of the recording.</p></main>";
+        (scale, offset, machine file) add up; those of each load average out. Times are those of the recording.</p></main>";
     crate::page("heft report: loads", &body)
 }
 
@@ -271,7 +275,7 @@ fn truck_table(body: &mut String, account: &Account, truck: &Truck) {
     let _ = write!(
         body,
         "<h3>{}</h3><div class=\"scroll\"><table><thead><tr><th>load</th><th>filled</th><th>dumped</th>\
-         <th>in the bucket, kg</th><th>95 %</th><th>stays, kg</th><th>delivered, kg</th><th>by</th><th>trusted</th></tr></thead><tbody>",
+         <th>in the bucket, kg</th><th>95 %</th><th>left in it, kg</th><th>delivered, kg</th><th>weighed by</th><th>trusted</th></tr></thead><tbody>",
         escape(&truck_line(truck))
     );
     for load in account.loads.iter().filter(|l| l.truck == truck.number) {
@@ -329,7 +333,6 @@ fn escape(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use estimation::loads::Stage;
 
     fn account() -> Account {
         let weight = |kg, std| Weight {

@@ -85,7 +85,7 @@ impl Joint {
 #[must_use]
 pub fn svg(machine: Machine, posture: &Posture) -> String {
     let mut out = format!(
-        "<svg class=\"posture\" viewBox=\"0 0 640 330\" role=\"img\" aria-label=\"posture of the {0}\" data-machine=\"{0}\">\
+        "<svg class=\"posture\" viewBox=\"0 0 640 350\" role=\"img\" aria-label=\"posture of the {0}\" data-machine=\"{0}\">\
          <path class=\"ground\" d=\"M0 316H640\"/>",
         machine.name()
     );

@@ -6,7 +6,7 @@ use recording::{Reader, Sensors};
 use steps::stages::Pipeline;
 
 use crate::estimate::{Estimate, method};
-use crate::weighed::{self, Weighed};
+use crate::weighed::{self, LoadRow};
 
 /// The estimates of one estimator, in the order of their time.
 #[derive(Debug, Clone)]
@@ -87,7 +87,7 @@ pub struct Run {
     /// Estimators of which only a part is in memory, because the run is long.
     pub thinned: Vec<Thinned>,
     /// Loads that the run counted.
-    pub loads: Vec<Weighed>,
+    pub loads: Vec<LoadRow>,
     /// What was found damaged in the recording, in words.
     pub damage: Vec<String>,
 }
@@ -256,7 +256,7 @@ fn machine<E: Estimate>(
     };
     for channel in Pipeline::of(E::MACHINE).estimates() {
         let stretch = counts.get(channel.name).map_or(1, |n| n.div_ceil(HELD / 3));
-        let mut lost = Lost::default();
+        let mut lost = Losses::default();
         let mut received = 0;
         let all = reader.stream::<E>(channel.name)?.inspect(|e| {
             received += 1;
@@ -328,20 +328,20 @@ fn thin<E: Estimate>(estimates: impl Iterator<Item = E>, stretch: u64) -> Vec<E>
 /// Samples that never arrived, by the gaps of the sequence within each life of the source.
 #[must_use]
 pub fn lost<M: Message>(messages: &[M]) -> u64 {
-    let mut lost = Lost::default();
+    let mut lost = Losses::default();
     messages.iter().for_each(|m| lost.add(m));
     lost.count
 }
 
 /// Counts them one after the other.
 #[derive(Debug, Default)]
-struct Lost {
+struct Losses {
     /// Machine and number of the last one.
     last: Option<(u32, u64)>,
     count: u64,
 }
 
-impl Lost {
+impl Losses {
     fn add<M: Message>(&mut self, message: &M) {
         let (machine, number) = (message.stamp().machine, message.stamp().sequence);
         if let Some((_, before)) = self.last.filter(|last| last.0 == machine) {

@@ -94,7 +94,16 @@ impl Heights {
         let fair = (left / (verdicts.len().max(1) as u16)).max(2);
         let mut heights: Vec<u16> = verdicts
             .iter()
-            .map(|v| (1 + v.lines(area.width)).min(fair))
+            .map(|v| {
+                // What to do gives way where there is no room for it.
+                let whole = 1 + v.lines(area.width, true);
+                let short = 1 + v.lines(area.width, false);
+                if whole <= fair {
+                    whole
+                } else {
+                    short.min(fair)
+                }
+            })
             .collect();
         left = left.saturating_sub(heights.iter().sum());
         let mut spare = |lines: u16| {
@@ -229,27 +238,28 @@ impl Trend {
 }
 
 impl Verdict {
-    /// The last trusted value if it is not the present one, value and reasons.
-    fn text(&self) -> String {
-        let (bold, plain) = self.words();
-        bold + &plain
-    }
-
-    /// What leads, and what explains it.
-    fn words(&self) -> (String, String) {
-        let (value, verdict) = (&self.judgement.value, self.judgement.verdict());
+    /// What leads (the last trusted value if it is not the present one), and what explains it: reasons, and what to do
+    /// if that is wanted.
+    fn words(&self, is_whole: bool) -> (String, String) {
+        let value = &self.judgement.value;
+        let mut verdict = self.judgement.verdict();
+        if is_whole {
+            verdict = format!("{verdict} {}", self.judgement.what_to_do());
+        }
+        let verdict = verdict.trim_end();
         match &self.last {
             Some(last) => (
                 format!("Last trusted: {last}. "),
                 format!("Now: {value}. {verdict}"),
             ),
-            None => (format!("{value}. "), verdict),
+            None => (format!("{value}. "), verdict.to_owned()),
         }
     }
 
     /// Lines that its words take.
-    fn lines(&self, width: u16) -> u16 {
-        wrapped(&self.text(), usize::from(width)).len() as u16
+    fn lines(&self, width: u16, is_whole: bool) -> u16 {
+        let (bold, plain) = self.words(is_whole);
+        wrapped(&(bold + &plain), usize::from(width)).len() as u16
     }
 
     fn draw(&self, frame: &mut Frame, area: Rect, trend: bool) {
@@ -273,7 +283,7 @@ impl Verdict {
         let [words, line] =
             Layout::vertical([Constraint::Min(1), Constraint::Length(u16::from(trend))])
                 .areas(inner);
-        let (bold, plain) = self.words();
+        let (bold, plain) = self.words(self.lines(words.width, true) <= words.height);
         let value = Span::styled(bold, Style::new().add_modifier(Modifier::BOLD));
         let text = Line::from(vec![value, Span::raw(plain)]);
         frame.render_widget(Paragraph::new(text).wrap(Wrap { trim: true }), words);

@@ -9,7 +9,7 @@ use sheet::loads::WITNESSES;
 
 /// A load as the run reported it last.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Weighed {
+pub struct LoadRow {
     /// From 1.
     pub number: u32,
     /// The truck that it was put on.
@@ -41,7 +41,7 @@ macro_rules! weighed {
         let why = reasons
             .get(m.reason as usize)
             .map_or("", |(_, words)| *words);
-        Weighed {
+        LoadRow {
             number: m.load,
             truck: m.truck,
             mass: (m.mass, m.mass_std),
@@ -60,15 +60,15 @@ macro_rules! weighed {
 ///
 /// # Errors
 /// The recording is damaged.
-pub fn read(reader: &Reader) -> Result<Vec<Weighed>, Error> {
+pub fn read(reader: &Reader) -> Result<Vec<LoadRow>, Error> {
     let mut loads = BTreeMap::new();
-    let mut take = |load: Weighed| {
+    let mut take = |load: LoadRow| {
         // A truck's number moves on when the next one comes: a load stays with the one it was put on.
         let truck = loads
             .get(&load.number)
-            .map_or(load.truck, |l: &Weighed| l.truck);
+            .map_or(load.truck, |l: &LoadRow| l.truck);
         if load.number > 0 {
-            loads.insert(load.number, Weighed { truck, ..load });
+            loads.insert(load.number, LoadRow { truck, ..load });
         }
     };
     for m in reader.stream::<ExcavatorLoads>(EXCAVATOR_LOADS.name)? {
@@ -82,6 +82,6 @@ pub fn read(reader: &Reader) -> Result<Vec<Weighed>, Error> {
 
 /// A loader's load.
 #[cfg(test)]
-pub(crate) fn of_loader(m: &LoaderLoads) -> Weighed {
+pub(crate) fn of_loader(m: &LoaderLoads) -> LoadRow {
     weighed!(m, LOADER_REASONS)
 }

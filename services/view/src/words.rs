@@ -15,14 +15,19 @@ pub fn verdict<E: Estimate>(estimate: &E) -> String {
     sentences.join(" ")
 }
 
-/// What would bring trust, in a few words; `None` of a message that is no estimate.
-#[must_use]
-pub fn advice(message: &messages::Envelope) -> Option<&'static str> {
-    match message {
-        messages::Envelope::ExcavatorEstimate(e) => Some(crate::excavator::advice(e)),
-        messages::Envelope::LoaderEstimate(e) => Some(crate::loader::advice(e)),
-        _ => None,
-    }
+/// What to do while nothing was accepted.
+pub(crate) const NO_SAMPLE: &str =
+    "check that the sensors send, and that the map names the right columns";
+
+/// What to do about the reason `code`, by the names of all reasons.
+pub(crate) fn remedy(
+    code: u32,
+    reasons: &[(&str, &str)],
+    remedies: &[(&str, &'static str)],
+) -> Option<&'static str> {
+    let (name, _) = reasons.get(code as usize)?;
+    let row = remedies.iter().find(|(reason, _)| reason == name)?;
+    Some(row.1)
 }
 
 /// A headline quantity over a whole run.
@@ -130,6 +135,51 @@ mod tests {
         let none = inertia(0).judgements().swap_remove(0);
         let distinct: std::collections::HashSet<_> = none.reasons.iter().collect();
         assert_eq!(distinct.len(), 5);
+    }
+
+    /// The rows of a table in docs/reasons.md are these reasons, each with what to do.
+    fn is_documented(heading: &str, reasons: &[(&str, &str)], remedies: &[(&str, &str)]) {
+        let page = include_str!("../../../docs/reasons.md");
+        let (_, table) = page.split_once(heading).expect("a heading");
+        let table = table.split("\n## ").next().expect("a section");
+        for (name, _) in reasons.iter().skip(1) {
+            let remedy = remedies.iter().find(|r| r.0 == *name);
+            let (_, remedy) = remedy.unwrap_or_else(|| panic!("{name}: what to do?"));
+            let row = table
+                .lines()
+                .find(|l| l.starts_with(&format!("| `{name}` |")));
+            let row = row.unwrap_or_else(|| panic!("docs/reasons.md has no row of {name}"));
+            let said = row.replace('`', "");
+            assert!(said.contains(remedy), "{name}: {remedy}\n{row}");
+        }
+        assert_eq!(
+            reasons.len() - 1,
+            remedies.len(),
+            "no remedy without a reason"
+        );
+    }
+
+    #[test]
+    fn page_and_programs_say_the_same_to_do_about_each_reason() {
+        use crate::{excavator, loader};
+        let (of_excavator, of_loader) = (messages::EXCAVATOR_REASONS, messages::LOADER_REASONS);
+        is_documented(
+            "## Reasons of the excavator",
+            of_excavator,
+            excavator::REMEDIES,
+        );
+        is_documented(
+            "## Reasons of the wheel loader",
+            of_loader,
+            loader::REMEDIES,
+        );
+    }
+
+    #[test]
+    fn what_is_not_trusted_says_what_to_do() {
+        let still = verdict(&inertia(ALL & !x::EXCITED | x::HELD));
+        assert!(still.contains("What to do: swing"), "{still}");
+        assert!(!verdict(&inertia(ALL | x::TRUSTED)).contains("What to do"));
     }
 
     #[test]

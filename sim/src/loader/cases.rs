@@ -69,7 +69,7 @@ pub const CASES: [(&str, &str, Effects); 34] = [
     ("late speed", "100 ms", late(0.1)),
     ("brakes", "20 %", brakes(0.2, true)),
     ("brakes", "50 %", brakes(0.5, true)),
-    ("brakes, not told", "50 %", brakes(0.5, false)),
+    ("brakes, not stated", "50 %", brakes(0.5, false)),
     ("steering", "10 deg", steering(0.175)),
     ("steering", "20 deg", steering(0.349)),
     (
@@ -258,8 +258,8 @@ pub const CASES: [(&str, &str, Effects); 34] = [
             ..NONE
         },
     ),
-    ("payload", "mass told", payload(PayloadReport::Mass)),
-    ("payload", "not told", payload(PayloadReport::Nothing)),
+    ("payload", "mass stated", payload(PayloadReport::Mass)),
+    ("payload", "not stated", payload(PayloadReport::Nothing)),
     (
         "good machine",
         "all a little",

@@ -53,7 +53,7 @@ const CURVES: [&str; 6] = [
 
 /// What was learnt.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Learnt {
+pub struct CylinderFit {
     /// Relative error of the moment as described.
     pub span: Quantity,
     /// Force that the pressures show too much \[N\].
@@ -68,7 +68,7 @@ pub struct Learnt {
 
 /// What the recordings tell of the described cylinders, or why they do not; `None` where no cylinder is described or no pressure
 /// measured.
-pub fn learn(d: &Description, inputs: &[Input]) -> Option<Result<Learnt, String>> {
+pub fn learn(d: &Description, inputs: &[Input]) -> Option<Result<CylinderFit, String>> {
     let cylinder = Cylinder::of_boom(d)?;
     let geometry = Geometry::of(d);
     let known: Vec<(&Input, Quantity)> = inputs
@@ -118,7 +118,7 @@ fn fit(
     cylinder: &Cylinder,
     runs: &[Vec<Moment>],
     loads: &[Quantity],
-) -> Result<Learnt, String> {
+) -> Result<CylinderFit, String> {
     let [friction, friction_std] = cylinder.friction;
     let before = before(d, cylinder, loads);
     let equations: Vec<Equation> = runs
@@ -135,7 +135,7 @@ fn fit(
         .after(&equations, FADING)
         .ok_or("the boom's cylinders are not determined")?;
     let of = |i: usize| solution.quantity(i, &before);
-    let learnt = Learnt {
+    let learnt = CylinderFit {
         span: of(SPAN),
         zero: of(ZERO),
         correlation: solution.correlation(SPAN, ZERO),
@@ -205,7 +205,7 @@ fn before(d: &Description, cylinder: &Cylinder, loads: &[Quantity]) -> Solution 
     Solution::before(&stds, &[(SPAN, ZERO, together)])
 }
 
-impl Learnt {
+impl CylinderFit {
     /// The keys of the description.
     pub fn write(&self, pen: &mut Pen<Description>) {
         let c = pen.description.boom_cylinder;

@@ -16,7 +16,7 @@ use config::Excavator as Description;
 use estimation::Quantity;
 use estimation::excavator::{Geometry, Sample};
 
-pub use cylinder::Learnt;
+pub use cylinder::CylinderFit;
 pub use loads::Doubt;
 pub use series::{Load, Measured, Series, Swing};
 pub use swings::{Role, Swings};
@@ -26,7 +26,7 @@ use crate::description::number;
 use crate::fit::{EXACT, Progress, Task};
 use crate::honesty;
 use crate::model::Model;
-use crate::outcome::{Found, Summary};
+use crate::outcome::{FitResult, Summary};
 use crate::parameter::Parameter;
 
 /// A recording and what is known of it.
@@ -60,13 +60,13 @@ pub struct Outcome {
     /// Which parameters were held.
     pub fixed: Vec<bool>,
     /// The fit, from all swings; none if the recordings cannot be fitted at all.
-    pub found: Option<Found>,
+    pub found: Option<FitResult>,
     /// Why the result must not be believed; empty if nothing speaks against it.
     pub faults: Vec<String>,
     /// What the reader should know.
     pub remarks: Vec<String>,
     /// What pressures showed of the boom's cylinders.
-    pub cylinder: Option<Learnt>,
+    pub cylinder: Option<CylinderFit>,
 }
 
 impl Outcome {
@@ -140,7 +140,9 @@ pub fn calibrate(inputs: &[Input], options: &Options<'_>) -> Result<Outcome, Str
         && let Some((found, _)) = outcome.description(options.description, &[])
         && let Some(learnt) = cylinder::learn(&found, inputs)
     {
-        let words = learnt.as_ref().map_or_else(String::clone, Learnt::words);
+        let words = learnt
+            .as_ref()
+            .map_or_else(String::clone, CylinderFit::words);
         outcome.remarks.push(words);
         outcome.cylinder = learnt.ok();
     }
@@ -240,7 +242,7 @@ fn find(outcome: &mut Outcome, free: &[Role], options: &Options<'_>) {
         && let Some(d) = loads::doubt(&whole)
     {
         faults.insert(0, format!(
-            "the load of {} was stated as {:.0} kg, but with the masses and the torque gain of the description it weighs {:.0} ± {:.0} kg; weigh it again, or check which recording is which",
+            "the load of {} was stated as {:.0} kg, but with the masses and the torque gain of the machine file it weighs {:.0} ± {:.0} kg; weigh it again, or check which recording is which",
             d.name, d.stated.value, d.found.value, d.found.std
         ));
     }
@@ -255,7 +257,7 @@ fn find(outcome: &mut Outcome, free: &[Role], options: &Options<'_>) {
             ) || role.is_nuisance()
         })
         .collect();
-    let Some(found) = Found::of(&whole, fit, &held, &minor) else {
+    let Some(found) = FitResult::of(&whole, fit, &held, &minor) else {
         outcome.faults = vec!["the recordings determine nothing".into()];
         return;
     };

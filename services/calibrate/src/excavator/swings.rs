@@ -260,7 +260,7 @@ fn parameters(
         all.extend(ground(series, d));
         let lever = 2.0 * d.machine.geometry_tolerance;
         if lever > 0.0 {
-            let words = "the inertia of a load, by its place";
+            let words = "the place of a load in the bucket (inertia over described)";
             let lever = Parameter::described("load inertia", words, "", 1.0, lever, (0.1, 10.0));
             all.push((Role::Lever, lever));
         }
@@ -303,11 +303,11 @@ fn of_posture(d: &Description) -> Vec<(Role, Parameter)> {
     let rows = rows! {
         Role::Efficiency, "machine.drive_efficiency", "the efficiency of the drive", "",
             stated("machine.drive_efficiency", 1.0), efficiency_std, (0.5, 1.1);
-        Role::Gain, "sensors.swing_torque_gain", "the gain of the torque", "",
+        Role::Gain, "sensors.swing_torque_gain", "the gain of the torque (measured over true)", "",
             stated("sensors.swing_torque_gain", 1.0), gain_std, (0.2, 5.0);
         Role::Inertia, "machine.upper_inertia", "the inertia of the upper body", "kg m^2",
             upper, UPPER_INERTIA_STD * upper, (0.0, 1e9);
-        Role::Links, "machine.geometry", "the masses of boom, arm and bucket", "",
+        Role::Links, "machine.geometry", "the masses of boom, arm and bucket over described", "",
             1.0, LINKS_STD, (0.2, 5.0);
     };
     rows.into()

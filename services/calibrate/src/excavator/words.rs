@@ -8,7 +8,7 @@ use super::swings::{Role, Swings};
 use crate::agreement::{Difference, differences};
 use crate::honesty::Direction;
 use crate::model::Model;
-use crate::outcome::Found;
+use crate::outcome::FitResult;
 use crate::output::rounded;
 
 /// Least time of motion for a calibration [s].
@@ -130,7 +130,7 @@ pub fn far(swings: &Swings, place: &[f64], fixed: &[bool]) -> Vec<String> {
     let all = (0..place.len()).filter(is_far).map(|i| {
         let p = &swings.parameters[i];
         format!(
-            "{} would be {:.4}, but {:.4} ± {:.4} {unit} was expected: a column of another unit or sign, recordings of another machine or another load than stated, or the description is wrong",
+            "{} would be {:.4}, but {:.4} ± {:.4} {unit} was expected: a column of another unit or sign, recordings of another machine or another load than stated, or the machine file is wrong",
             p.words, p.value(place[i]), p.mean, p.std, unit = p.unit
         )
     });
@@ -140,7 +140,12 @@ pub fn far(swings: &Swings, place: &[f64], fixed: &[bool]) -> Vec<String> {
 /// Masses that are not those of the description, whose relative standard deviation is `tolerance`: a load that was stated wrong is
 /// taken up by the gain of the torque and by them.
 #[must_use]
-pub fn masses(swings: &Swings, found: &Found, fixed: &[bool], tolerance: f64) -> Option<String> {
+pub fn masses(
+    swings: &Swings,
+    found: &FitResult,
+    fixed: &[bool],
+    tolerance: f64,
+) -> Option<String> {
     let i = swings.index(Role::Links).filter(|&i| !fixed[i])?;
     let (p, place) = (&swings.parameters[i], found.fit.place[i]);
     let own = p.value_std(place, found.uncertainty.std(i));
@@ -161,7 +166,7 @@ pub fn masses(swings: &Swings, found: &Found, fixed: &[bool], tolerance: f64) ->
 #[must_use]
 pub fn disagreement(
     swings: &Swings,
-    found: &Found,
+    found: &FitResult,
     fixed: &[bool],
 ) -> (Option<String>, Option<String>) {
     if found.fit.interrupted {
@@ -242,7 +247,7 @@ pub fn ground(outcome: &Outcome) -> Vec<String> {
 }
 
 /// One load only.
-pub const ONE_LOAD: &str = "all swings carry the same load: torque, damping, friction and masses can all be larger by one factor; only something of known mass fixes it. Record one run with an empty bucket and one with a weighed load, and tell both: --payload FILE=0 --payload FILE=KG±KG";
+pub const ONE_LOAD: &str = "no two recordings have different stated loads: torque, damping, friction and masses could all be larger by one factor, and only a known mass fixes it. Record one run with an empty bucket and one with a weighed load, and state both: --payload FILE=0 --payload FILE=KG±KG";
 
 /// Whether a direction is about what has no use beyond the fit.
 #[must_use]
@@ -274,7 +279,7 @@ pub fn undetermined(swings: &Swings, direction: &Direction) -> String {
             .iter()
             .any(|&i| matches!(swings.roles[i], Role::Payload(_)))
         {
-            "tell the load of each recording: --payload FILE=KG±KG"
+            "state the load of each recording: --payload FILE=KG±KG"
         } else {
             "record more swings"
         };

@@ -71,7 +71,7 @@ pub fn described(d: &Description) -> Guess {
 pub fn way_scatter() -> Parameter {
     Parameter::noise(
         "scatter of the way",
-        "the scatter of the slopes there and back",
+        "the scatter of the slopes out and back",
         "rad",
         SCATTER.way,
         SCATTER_STD,
@@ -104,7 +104,7 @@ pub fn parameters(
     let friction = d.machine.friction;
     if friction > 0.0 {
         all.extend(rows! {
-            Role::Friction, "machine.friction", "the limit of the tyres' friction", "",
+            Role::Friction, "machine.friction", "the friction coefficient of the tyres", "",
                 friction, FRICTION_STD * friction, (0.3 * friction, 3.0 * friction);
         });
     }
@@ -125,9 +125,9 @@ fn of_machine(d: &Description) -> Vec<(Role, Parameter)> {
     let stiffness = p.slip_stiffness;
     let rolling_std = (ROLLING_STD * m.rolling_resistance).max(1e-3);
     let rows = rows! {
-        Role::FrontRadius, "prior.front_radius_error", "the error of the front rolling radius", "",
+        Role::FrontRadius, "prior.front_radius_error", "the relative error of the front rolling radius", "",
             p.front_radius_error, p.radius_std, (-0.2, 0.2);
-        Role::RearRadius, "prior.rear_radius_error", "the error of the rear rolling radius", "",
+        Role::RearRadius, "prior.rear_radius_error", "the relative error of the rear rolling radius", "",
             p.rear_radius_error, p.radius_std, (-0.2, 0.2);
         Role::LoadSensitivity, "machine.radius_load_sensitivity", "the load sensitivity of the rolling radius", "",
             sensitivity, sensitivity_std, (0.0, 0.2);
@@ -137,15 +137,15 @@ fn of_machine(d: &Description) -> Vec<(Role, Parameter)> {
             s.rear_torque_gain, gain_std, (0.2, 5.0);
         Role::Stiffness, "prior.slip_stiffness", "the slip stiffness", "",
             stiffness, p.slip_stiffness_std, (0.2 * stiffness, 5.0 * stiffness);
-        Role::StiffnessRatio, "machine.stiffness_ratio", "the slip stiffness in front over that behind", "",
+        Role::StiffnessRatio, "machine.stiffness_ratio", "the front to rear ratio of the slip stiffness", "",
             m.stiffness_ratio, m.stiffness_ratio_std.max(1e-3), (0.1, 10.0);
-        Role::LoadExponent, "machine.stiffness_load_exponent", "the fall of the slip stiffness with the load", "",
+        Role::LoadExponent, "machine.stiffness_load_exponent", "the load exponent of the slip stiffness", "",
             m.stiffness_load_exponent, m.stiffness_load_exponent_std.max(1e-3), (-1.0, 1.0);
         Role::Rolling, "machine.rolling_resistance", "the rolling resistance", "",
             m.rolling_resistance, rolling_std, (0.0, 1.0);
-        Role::SlopeBias, "prior.slope_bias", "the zero of the slope", "rad",
+        Role::SlopeBias, "prior.slope_bias", "the bias of the slope sensor", "rad",
             p.slope_bias, p.slope_bias_std, (-0.5, 0.5);
-        Role::SlopeDelay, "sensors.slope_delay", "the delay of the slope", "s",
+        Role::SlopeDelay, "sensors.slope_delay", "the delay of the slope sensor", "s",
             s.slope_delay, s.slope_delay_std, (-0.2, 5.0);
         Role::SpeedDelay, "sensors.speed_delay", "the delay of the speed", "s",
             s.speed_delay, s.speed_delay_std, (-0.1, LONGEST_DELAY);
@@ -170,18 +170,18 @@ fn scatters() -> [(Role, Parameter); 3] {
             Role::WheelScatter,
             noise(
                 wheels,
-                "the scatter between the wheels",
+                "the noise of the wheel speeds' difference",
                 "m/s",
                 SCATTER.wheels,
             ),
         ),
         (
             Role::SpeedScatter,
-            noise(speed, "the scatter of the speed", "m/s", SCATTER.speed),
+            noise(speed, "the noise of the speed", "m/s", SCATTER.speed),
         ),
         (
             Role::MotionScatter,
-            noise(motion, "the scatter of the motion", "m/s", SCATTER.motion),
+            noise(motion, "the unmodelled motion", "m/s", SCATTER.motion),
         ),
     ]
 }
@@ -189,13 +189,13 @@ fn scatters() -> [(Role, Parameter); 3] {
 /// What an accelerometer brings.
 fn of_accelerometer(d: &Description) -> Vec<(Role, Parameter)> {
     let s = &d.sensors;
-    let words = "the scatter of the balance of force";
+    let words = "the unmodelled force per mass";
     let force = noise("scatter of the force", words, "m/s^2", SCATTER.force);
     let mut all = vec![(Role::ForceScatter, force)];
     all.extend(rows! {
-        Role::SlopeFollows, "sensors.slope_acceleration_sensitivity", "the share of the acceleration that the slope sensor follows", "",
+        Role::SlopeFollows, "sensors.slope_acceleration_sensitivity", "the sensitivity of the slope sensor to acceleration", "",
             s.slope_acceleration_sensitivity, s.slope_acceleration_sensitivity_std, (-0.3, 0.9);
-        Role::AccelerationOffset, "sensors.acceleration_offset", "the zero of the accelerometer", "m/s^2",
+        Role::AccelerationOffset, "sensors.acceleration_offset", "the bias of the accelerometer", "m/s^2",
             s.acceleration_offset, s.acceleration_offset_std, (-2.0, 2.0);
     });
     all
@@ -230,11 +230,11 @@ fn of_load(l: usize, stated: &StatedLoad, d: &Description) -> [(Role, Parameter)
     let range = (0.3 * mass, 3.0 * mass);
     let mass = linear(&key, &words, "kg", m.mass, MASS_STD * m.mass, range);
     let ratio = if l == 0 || stated.ratio.is_some() {
-        let (key, words) = of("prior.cg_ratio", "share of the weight in front");
+        let (key, words) = of("prior.cg_ratio", "front-axle load fraction");
         let ratio = linear(&key, &words, "", p.cg_ratio, p.cg_ratio_std, (0.05, 0.95));
         (Role::Ratio(l), measured(ratio, stated.ratio))
     } else {
-        let words = format!("how far load {l} lies ahead of the front axle");
+        let words = format!("the distance of load {l} ahead of the front axle");
         let (mean, std) = (REACH.0 * m.bucket_reach, REACH.1 * m.bucket_reach);
         let range = (-m.wheelbase, 2.0 * m.bucket_reach);
         (
@@ -254,7 +254,7 @@ fn of_load(l: usize, stated: &StatedLoad, d: &Description) -> [(Role, Parameter)
         );
         (Role::Height(l), measured(height, stated.height))
     } else {
-        let words = format!("how high load {l} lies");
+        let words = format!("the height of load {l} above the ground");
         let (mean, std) = (LIFT.0 * p.cg_height, LIFT.1 * p.cg_height);
         (
             Role::Lift(l),

@@ -57,7 +57,7 @@ const CURVES: [&str; 4] = [
 
 /// What was learnt.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Learnt {
+pub struct CylinderFit {
     /// Relative error of the moment as described.
     pub span: Quantity,
     /// Force that the pressures show too much \[N\].
@@ -99,7 +99,7 @@ pub fn lifts(moments: &[LiftMoment]) -> bool {
 }
 
 /// What the recordings tell of the described cylinders, or why they do not; `None` where no pressure is measured.
-pub fn learn(d: &Description, inputs: &[Input]) -> Option<Result<Learnt, String>> {
+pub fn learn(d: &Description, inputs: &[Input]) -> Option<Result<CylinderFit, String>> {
     let settings = Settings::of(d, Method::Full);
     let measured = |s: &Sample| s.lift_head_pressure.is_some() && s.lift_angle.is_some();
     if !inputs
@@ -148,8 +148,10 @@ const NO_ARM: &str = "lift pressures are recorded, but no lift arm is described:
 /// What is said where the arm hardly moves.
 const NO_LIFTS: &str = "the lift cylinders stay as described: lift and lower the arm slowly and fully, twice, while the machine stands and the bucket is off the ground";
 /// What is said where no load is known.
-const NO_LOAD: &str = "the lift cylinders stay as described: the loads of the recordings with lifts are not known; tell them: --payload empty.mcap=0 --payload loaded.mcap=KG±KG";
-/// What is said where the loads do not tell the span.
+const NO_LOAD: &str = "the lift cylinders stay as described: the loads of the recordings with lifts are not known; state them: --payload empty.mcap=0 --payload loaded.mcap=KG±KG";
+/// Loads differ clearly beyond so many standard deviations.
+const CLEARLY: f64 = 5.0;
+/// What is said where the span is not determined by the loads.
 fn one_load(runs: &[Run<'_>]) -> String {
     let loads: Vec<String> = runs
         .iter()
@@ -160,8 +162,18 @@ fn one_load(runs: &[Run<'_>]) -> String {
             )
         })
         .collect();
+    let loads_differ = |a: &Run<'_>, b: &Run<'_>| {
+        (a.load.value - b.load.value).abs() > CLEARLY * a.load.std.hypot(b.load.std).max(1.0)
+    };
+    let differ = |a| runs.iter().any(|b| loads_differ(a, b));
+    if runs.iter().any(differ) {
+        return format!(
+            "the lift cylinders stay as described: the loads ({}) differ, and still the areas cannot be distinguished from the weight of the arm; check that all recordings are of one machine and that its arm was lifted slowly and fully, twice",
+            loads.join(", ")
+        );
+    }
     format!(
-        "the lift cylinders stay as described: the loads ({}) are too much alike, or not known well enough, to distinguish the areas from the weight of the arm; record slow lifts with the bucket empty and with a weighed load, and tell both: --payload FILE=KG±KG",
+        "the lift cylinders stay as described: the loads ({}) are too much alike, or not known well enough, to distinguish the areas from the weight of the arm; record slow lifts with the bucket empty and with a weighed load, and state both: --payload FILE=KG±KG",
         loads.join(", ")
     )
 }
@@ -199,7 +211,7 @@ pub fn stated(d: &Description, input: &Input) -> StatedLoad {
     }
 }
 
-fn fit(d: &Description, known: &LiftKnown, runs: &[Run<'_>]) -> Result<Learnt, String> {
+fn fit(d: &Description, known: &LiftKnown, runs: &[Run<'_>]) -> Result<CylinderFit, String> {
     let before = before(d, known, runs);
     let equations: Vec<Equation> = runs
         .iter()
@@ -221,7 +233,7 @@ fn fit(d: &Description, known: &LiftKnown, runs: &[Run<'_>]) -> Result<Learnt, S
         .ok_or("the lift cylinders are not determined")?;
     let of = |i: usize| solution.quantity(i, &before);
     let friction = known.friction;
-    let learnt = Learnt {
+    let learnt = CylinderFit {
         span: of(SPAN),
         zero: of(ZERO),
         correlation: solution.correlation(SPAN, ZERO),
@@ -326,7 +338,7 @@ fn norm(parts: &[f64]) -> f64 {
     parts.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-impl Learnt {
+impl CylinderFit {
     /// The keys of the description.
     pub fn write(&self, pen: &mut Pen<Description>) {
         let c = pen.description.lift_cylinder;

@@ -6,7 +6,7 @@ use config::Loader as Description;
 use estimation::Quantity;
 use estimation::loader::{CgEstimator, Columns, Method, Sample, Settings};
 
-use super::lift::{Learnt, learn};
+use super::lift::{CylinderFit, learn};
 use super::made::noise;
 use super::{GRAVITY, Input, Options, StatedLoad, calibrate};
 use crate::output::Pen;
@@ -104,7 +104,7 @@ fn up_and_down(time: f64) -> f64 {
     -0.1 - 0.6 * (0.42 * time).cos()
 }
 
-fn learnt(truth: &Truth, seed: u64) -> Learnt {
+fn learnt(truth: &Truth, seed: u64) -> CylinderFit {
     let inputs = [
         truth.input(0.0, 1.0, seed),
         truth.input(3200.0, 15.0, seed + 1),
@@ -114,7 +114,7 @@ fn learnt(truth: &Truth, seed: u64) -> Learnt {
         .expect("a value")
 }
 
-fn calibrated(learnt: &Learnt) -> Description {
+fn calibrated(learnt: &CylinderFit) -> Description {
     let mut pen = Pen::new(described());
     learnt.write(&mut pen);
     pen.description

@@ -29,14 +29,14 @@ use estimation::loader::{Method, Sample, Settings};
 
 pub use drive::Drive;
 pub use drives::Drives;
-pub use lift::Learnt;
+pub use lift::CylinderFit;
 use noise::Noises;
 pub use role::{Role, StatedLoad};
 
 use crate::fit::{EXACT, Progress, Task, values};
 use crate::honesty;
 use crate::model::Model;
-use crate::outcome::{Found, Summary};
+use crate::outcome::{FitResult, Summary};
 
 const GRAVITY: f64 = 9.81;
 /// The fit begins with scatters this much larger than usual, in their tolerances.
@@ -81,7 +81,7 @@ pub struct Outcome {
     /// Which parameters were held.
     pub fixed: Vec<bool>,
     /// The fit; none if the recordings cannot be fitted at all.
-    pub found: Option<Found>,
+    pub found: Option<FitResult>,
     /// Noises of the sensors.
     pub noises: Vec<(&'static str, Quantity)>,
     /// Why the result must not be believed; empty if nothing speaks against it.
@@ -89,7 +89,7 @@ pub struct Outcome {
     /// What the reader should know.
     pub remarks: Vec<String>,
     /// What pressures showed of the lift cylinders.
-    pub lift: Option<Learnt>,
+    pub lift: Option<CylinderFit>,
     /// Recordings in which the machine stands and lifts its arm.
     lifting: Vec<String>,
 }
@@ -194,7 +194,9 @@ pub fn calibrate(inputs: &[Input], options: &Options<'_>) -> Result<Outcome, Str
     if options.free.is_none()
         && let Some(learnt) = lift::learn(options.description, inputs)
     {
-        let words = learnt.as_ref().map_or_else(String::clone, Learnt::words);
+        let words = learnt
+            .as_ref()
+            .map_or_else(String::clone, CylinderFit::words);
         if numbers.is_empty() && learnt.is_err() {
             outcome.faults.push(words);
         } else {
@@ -337,7 +339,7 @@ fn find(outcome: &mut Outcome, options: &Options<'_>) {
         .iter()
         .map(|r| !options.slices || r.is_nuisance() || r.load().is_some_and(|load| load > 0))
         .collect();
-    outcome.found = Found::of(&task, fit, &held, &minor);
+    outcome.found = FitResult::of(&task, fit, &held, &minor);
     if outcome.found.is_none() {
         faults = vec!["the recordings determine nothing".into()];
     }

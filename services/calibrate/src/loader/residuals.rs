@@ -36,7 +36,7 @@ const WINDOW: usize = 2;
 pub const LONGEST_DELAY: f64 = 0.45;
 
 /// What a row shows under a guess; NaN where a signal is missing.
-struct Shown {
+struct Expected {
     /// Speeds that the wheels show [m/s].
     speeds: [f64; 2],
     /// Specific force that the torques make [m/s^2].
@@ -45,7 +45,7 @@ struct Shown {
     rate: f64,
 }
 
-impl Shown {
+impl Expected {
     fn of(drive: &Drive, g: &Guess, k: usize) -> Self {
         let acting = Acting::at(drive, g, k);
         let wheels = [drive.wheels[0][k], drive.wheels[1][k]];
@@ -78,7 +78,7 @@ impl Shown {
 /// Appends the residuals of a stretch, equally many at any guess.
 pub fn residuals(drive: &Drive, block: &Range<usize>, g: &Guess, out: &mut Vec<Innovation>) {
     let first = block.start;
-    let shown: Vec<Shown> = block.clone().map(|k| Shown::of(drive, g, k)).collect();
+    let shown: Vec<Expected> = block.clone().map(|k| Expected::of(drive, g, k)).collect();
     for bin in drive.bins(block) {
         let mean = |of: &dyn Fn(usize) -> f64| mean(bin.clone().map(of));
         let wheels = mean(&|k| shown[k - first].speeds[0] - shown[k - first].speeds[1]);
@@ -89,7 +89,7 @@ pub fn residuals(drive: &Drive, block: &Range<usize>, g: &Guess, out: &mut Vec<I
             let at = |row: usize| {
                 shown
                     .get(row.wrapping_sub(first))
-                    .map_or(f64::NAN, Shown::speed)
+                    .map_or(f64::NAN, Expected::speed)
             };
             let before = at(row);
             let then = if share > 0.0 { at(row + 1) } else { before };

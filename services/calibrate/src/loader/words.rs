@@ -64,7 +64,7 @@ pub fn alike(model: &Drives, free: &[Role]) -> Vec<String> {
     let [braking, driving] = pulls(model);
     if driving - braking < LEAST_PULL {
         faults.push(
-            "the machine rolls without pulling: slips are too small to tell the stiffness of the tyres; record hard acceleration and braking with the drive"
+            "the machine rolls without pulling: slips are too small to determine the stiffness of the tyres; record hard acceleration and braking with the drive"
                 .into(),
         );
     } else if driving < 0.25 * LEAST_PULL || braking > -0.25 * LEAST_PULL {
@@ -94,7 +94,7 @@ pub fn far(model: &Drives, place: &[f64], fixed: &[bool]) -> Vec<String> {
         .map(|i| {
             let p = &model.parameters[i];
             format!(
-                "{} would be {:.4}, but {:.4} ± {:.4} was expected: the machine does what the model does not know (a locked centre drive, a friction brake, ground that gives way), or the description is wrong",
+                "{} would be {:.4}, but {:.4} ± {:.4} was expected: the machine does what the model does not know (a locked centre drive, a friction brake, ground that gives way), or the machine file is wrong",
                 p.words,
                 p.value(place[i]),
                 p.mean,
@@ -114,7 +114,7 @@ pub fn at_limit(model: &Drives, place: &[f64], fixed: &[bool]) -> Vec<(String, b
             let value = p.value(place[i]);
             (value <= p.range.0 || value >= p.range.1).then(|| {
                 let sentence = format!(
-                    "{} is at the limit of what is possible, {value}: its interval means nothing, and what it should explain is something else",
+                    "{} is at the limit of what is possible, {value}: its interval means nothing, and another cause is likely",
                     p.words
                 );
                 let is_written = !role.is_nuisance() && role.load().is_none_or(|load| load == 0);
@@ -125,7 +125,7 @@ pub fn at_limit(model: &Drives, place: &[f64], fixed: &[bool]) -> Vec<(String, b
 }
 
 /// All recordings carry the same load.
-pub const ONE_LOAD: &str = "all recordings carry the same load: rolling radii and their load sensitivity, torque gains and masses look alike; record one run with the bucket empty and one with a weighed load, and tell it: --mass FILE=KG±KG";
+pub const ONE_LOAD: &str = "all recordings carry the same load, as far as it is stated: rolling radii and their load sensitivity, torque gains and masses cannot be distinguished; record one run with the bucket empty and one with a weighed load, and state the mass of the machine: --mass FILE=KG±KG";
 
 /// Strongest braking and driving, as shares of the weight.
 fn pulls(model: &Drives) -> [f64; 2] {

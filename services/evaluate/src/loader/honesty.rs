@@ -264,7 +264,7 @@ mod tests {
         for (effect, severity) in [
             ("rough road", "ISO 8608 D"),
             ("jitter", "10 ms"),
-            ("brakes, not told", "50 %"),
+            ("brakes, not stated", "50 %"),
         ] {
             let run = work(effects(effect, severity), true, 4);
             for [ratio, _] in tally(&run, false).unwrap() {

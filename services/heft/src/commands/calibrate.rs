@@ -8,7 +8,9 @@ mod page;
 pub mod stated;
 
 pub use self::args::CalibrateArgs;
-use crate::args::description;
+use config::Description;
+
+use crate::args::{described, description};
 use crate::failure::Failure;
 use crate::machines;
 
@@ -18,6 +20,22 @@ pub fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {
         return each::calibrate(args);
     }
     outcome::check_outputs(args)?;
-    let description = description(args.machine, &args.description)?;
+    let description = before(args)?;
     machines::entry(args.machine).calibrate(args, &description)
+}
+
+/// What is known before: the machine file that is named, else that of the first recording, as `heft estimate` has it.
+fn before(args: &CalibrateArgs) -> Result<Description, Failure> {
+    let Some(first) = args.files.first() else {
+        return description(args.machine, &args.description);
+    };
+    let found = described(Some(args.machine), &args.description, first)?;
+    if found.machine() == args.machine {
+        return Ok(found);
+    }
+    Err(Failure::input(
+        format!("this is a recording of the {}", found.machine()),
+        first.display(),
+        format!("heft calibrate {} ...", found.machine()),
+    ))
 }

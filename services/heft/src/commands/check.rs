@@ -1,4 +1,4 @@
-//! `heft check`: validates a description of a machine.
+//! `heft check`: validates a machine file.
 
 use std::path::PathBuf;
 
@@ -13,28 +13,30 @@ use crate::small_file;
 /// `heft check`
 #[derive(Debug, Args)]
 pub struct CheckArgs {
-    /// The description (TOML)
-    pub file: PathBuf,
+    /// The machine file (TOML); with --print the reference machine if absent
+    #[arg(required_unless_present = "print")]
+    pub file: Option<PathBuf>,
     /// Machine, where the file does not say
     #[arg(long, value_parser = machine())]
     pub machine: Option<Machine>,
-    /// Print the complete description, every key with its unit, range and meaning
+    /// Print the complete machine file, every key with its unit, range and meaning
     #[arg(long)]
     pub print: bool,
 }
 
 /// `heft check`
 pub fn check(args: &CheckArgs) -> Result<(), Failure> {
-    let file = &args.file;
-    let text = small_file::text(file)?;
+    let text = args.file.as_deref().map(small_file::text).transpose()?;
+    let text = text.unwrap_or_default();
     tell_old_names(&config::old_names(&text));
-    let description = Description::parse(&text, &file.display().to_string(), args.machine)?;
+    let name = args.file.as_ref().map(|file| file.display().to_string());
+    let name = name.unwrap_or_else(|| "--print".to_owned());
+    let description = Description::parse(&text, &name, args.machine)?;
     if args.print {
         print!("{}", description.to_toml());
     } else {
         println!(
-            "{}: a valid description of the {}",
-            file.display(),
+            "{name}: a valid machine file of the {}",
             description.machine()
         );
     }

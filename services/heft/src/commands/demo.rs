@@ -64,13 +64,14 @@ pub fn demo(is_verbose: bool) -> Result<(), Failure> {
             "a pipeline of the demonstration failed; see above",
         ));
     }
+    print!("{}", summaries.concat());
     println!(
-        "Open the reports in a browser. With your own data:\n  \
+        "\nOpen the reports in a browser. With your own data:\n  \
          heft map data.csv -o map.toml                  a first signal map: check it\n  \
-         heft estimate data.csv --machine excavator --map map.toml -o out.csv --report out.html\n\
+         heft loads data.csv --machine excavator --map map.toml --class 21t\n  \
+         heft estimate data.csv --machine excavator --map map.toml --class 21t --report out.html\n\
          docs/sensors.md says which sensors, docs/your-data.md how to map them."
     );
-    print!("{}", summaries.concat());
     Ok(())
 }
 
@@ -170,8 +171,9 @@ impl Screen {
     }
 
     fn finish(&mut self) {
-        print!("{}", self.erased());
-        let _ = std::io::stdout().flush();
+        let mut out = std::io::stdout().lock();
+        let _ = out.write_all(self.erased().as_bytes());
+        let _ = out.flush();
     }
 }
 

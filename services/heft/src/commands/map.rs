@@ -7,6 +7,7 @@ use messages::Machine;
 
 use crate::args::machine;
 use crate::failure::Failure;
+use crate::many;
 use crate::results;
 
 /// `heft map`
@@ -27,6 +28,13 @@ pub struct MapArgs {
 
 /// `heft map`
 pub fn map(args: &MapArgs) -> Result<(), Failure> {
+    if many::is_ours(&args.file) {
+        return Err(Failure::input(
+            "this table is a result of heft",
+            args.file.display(),
+            "name the table of sensors that it was made from",
+        ));
+    }
     let text = recording::suggest(&args.file, &args.dbc, args.machine)?;
     match &args.output {
         None => print!("{text}"),

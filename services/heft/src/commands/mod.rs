@@ -75,7 +75,7 @@ commands! {
     Latency(latency::LatencyArgs) => latency::latency;
     /// Say what this host lacks for real-time work, and what killed runs left behind
     Doctor(doctor::DoctorArgs) => doctor::doctor;
-    /// Validate a description of a machine
+    /// Validate a machine file, or print one with every key
     Check(check::CheckArgs) => check::check;
     /// Write a first signal map for a table or a CAN log, each line with its reason
     Map(map::MapArgs) => map::map;

@@ -129,11 +129,11 @@ fn description(metadata: &Metadata, file: &Path) -> Result<Description, Failure>
         .get("description")
         .ok_or_else(|| missing("description", file))?;
     if metadata.get("description.sha256") != Some(&recording::sha256(text)) {
-        println!("the description in the recording was changed after the run");
+        println!("the machine file in the recording was changed after the run");
     }
     Ok(Description::parse(
         text,
-        "the description in the recording",
+        "the machine file in the recording",
         Some(machine),
     )?)
 }

@@ -99,6 +99,7 @@ fn side_by_side(files: &[PathBuf], output: Option<&Path>) -> Result<(), Failure>
     let readers = files.iter().map(|file| parts::open(file));
     let readers = readers.collect::<Result<Vec<_>, _>>()?;
     readers.iter().try_for_each(parts::has_content)?;
+    are_of_one_machine(files, &readers)?;
     let mut runs = Vec::new();
     for (name, reader) in names(files).into_iter().zip(&readers) {
         runs.push((name, Run::from_recording(reader)?));
@@ -109,6 +110,21 @@ fn side_by_side(files: &[PathBuf], output: Option<&Path>) -> Result<(), Failure>
     put(&view::compared(&runs), &page, &inputs)?;
     println!("{}", page.display());
     readers.iter().try_for_each(parts::tell_damage)
+}
+
+/// Only recordings of the same machine can be compared.
+fn are_of_one_machine(files: &[PathBuf], readers: &[Reader]) -> Result<(), Failure> {
+    let machines = readers.iter().filter_map(|r| r.metadata().get("machine"));
+    let distinct: std::collections::BTreeSet<&String> = machines.collect();
+    if distinct.len() < 2 {
+        return Ok(());
+    }
+    let names: Vec<_> = files.iter().map(|f| f.display().to_string()).collect();
+    Err(Failure::input(
+        "these are recordings of different machines: there is nothing to compare",
+        names.join(", "),
+        "name recordings of one machine, or add --each for a page of each",
+    ))
 }
 
 /// The names of the files, whole paths where two have the same name.

@@ -21,9 +21,9 @@ const ONCE: Duration = Duration::from_millis(1500);
 const ONCE_SIZE: (u16, u16) = (110, 36);
 
 /// What the dashboard sees.
-struct Seen(TopState);
+struct Screen(TopState);
 
-impl Sink for Seen {
+impl Sink for Screen {
     fn accept<M: Message>(&mut self, channel: &'static Channel, message: &M) {
         self.0.push(channel, message, Instant::now());
     }
@@ -62,7 +62,7 @@ pub fn top(args: &TopArgs) -> Result<(), Failure> {
         .iter()
         .map(|p| p.name.to_owned())
         .collect();
-    let mut seen = Seen(TopState::new(&name, names));
+    let mut seen = Screen(TopState::new(&name, names));
     if args.once {
         print_once(&mut run, &mut seen)
     } else {
@@ -70,7 +70,7 @@ pub fn top(args: &TopArgs) -> Result<(), Failure> {
     }
 }
 
-fn print_once(run: &mut Attached<Seen>, seen: &mut Seen) -> Result<(), Failure> {
+fn print_once(run: &mut Attached<Screen>, seen: &mut Screen) -> Result<(), Failure> {
     let begun = Instant::now();
     while begun.elapsed() < ONCE {
         run.drain(seen);
@@ -89,7 +89,7 @@ fn print_once(run: &mut Attached<Seen>, seen: &mut Seen) -> Result<(), Failure> 
     Ok(())
 }
 
-fn show(name: &str, run: &mut Attached<Seen>, seen: &mut Seen) -> Result<(), Failure> {
+fn show(name: &str, run: &mut Attached<Screen>, seen: &mut Screen) -> Result<(), Failure> {
     let mut terminal = ratatui::try_init().map_err(|e| {
         Failure::input(
             format!("cannot draw here: {e}"),

@@ -72,7 +72,7 @@ fn line(name: &str, quantity: Quantity, unit: &str) -> String {
 }
 
 fn text(r: &Reference) -> String {
-    let mut out = line("front share of the weight", r.cg_ratio, "");
+    let mut out = line("front-axle load fraction", r.cg_ratio, "");
     out += &line("front axle to centre of gravity", r.cg_distance, " m");
     out += &match r.cg_height {
         Some(height) => line("height of the centre of gravity", height, " m"),
@@ -80,7 +80,10 @@ fn text(r: &Reference) -> String {
             "height of the centre of gravity      unknown: no readings on tilted ground\n".into()
         }
     };
-    out + &format!("from {} readings\n", r.readings)
+    out + &format!(
+        "from {} readings; ± is one standard deviation\n",
+        r.readings
+    )
 }
 
 fn to_json(r: &Reference) -> serde_json::Value {

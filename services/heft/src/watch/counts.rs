@@ -4,7 +4,7 @@ use messages::{Health, Stamp};
 
 /// What a channel carried.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Carried {
+pub(super) struct SampleCounts {
     /// Number after that of the latest sample.
     pub next: u64,
     /// Time of the latest sample, as the data tell it \[s\].
@@ -15,7 +15,7 @@ pub(super) struct Carried {
     pub unseen: u64,
 }
 
-impl Carried {
+impl SampleCounts {
     pub(super) fn add(&mut self, stamp: &Stamp) {
         if stamp.sequence >= self.next {
             (self.next, self.time) = (stamp.sequence + 1, stamp.time);

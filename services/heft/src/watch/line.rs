@@ -4,6 +4,7 @@ use std::io::{IsTerminal, Write};
 use std::time::{Duration, Instant};
 
 use super::Watch;
+use crate::out::Plain;
 use crate::tally::Tally;
 
 const SHOW_PERIOD: Duration = Duration::from_millis(200);
@@ -53,7 +54,13 @@ impl Watch {
         }
         self.shown = Some(Instant::now());
         let terminal = ratatui::crossterm::terminal::size();
-        let width = terminal.map_or(WIDTH, |(columns, _)| usize::from(columns));
+        let columns = terminal.map_or(WIDTH, |(columns, _)| usize::from(columns));
+        // Only a line that is drawn again must not wrap.
+        let width = if self.show == Show::Terminal && !in_place {
+            usize::MAX
+        } else {
+            columns
+        };
         let prefix = if self.show == Show::Lines { PREFIX } else { 0 };
         let width = width.saturating_sub(prefix + 1);
         let line = match (self.show, &self.loads) {
@@ -87,7 +94,7 @@ impl Watch {
         } else {
             ""
         };
-        let _ = writeln!(std::io::stderr(), "{clear}{text}");
+        let _ = writeln!(std::io::stderr(), "{clear}{}", Plain(text));
     }
 
     /// Ends it.
@@ -108,7 +115,10 @@ impl Watch {
             parts.push(format!("lost {}", self.lost()));
         }
         if let Some(health) = self.pipeline.and_then(|p| self.health(p.main)) {
-            parts.push(format!("p99 {:.0} µs", health.age_p99_ns as f64 / 1e3));
+            parts.push(format!(
+                "answers within {:.1} ms",
+                health.age_p99_ns as f64 / 1e6
+            ));
         }
         let mut line = String::new();
         for part in parts {

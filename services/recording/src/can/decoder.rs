@@ -13,7 +13,7 @@ const DISORDER: i64 = SECOND;
 const JUMP: i64 = 10 * SECOND;
 /// Strange times in a row after which any time is believed.
 const MOST_STRANGE: u32 = 3;
-/// No bus is heard for longer, 73 years: sums of a few times cannot overflow.
+/// No bus is read for longer, 73 years: sums of a few times cannot overflow.
 const LONGEST: i64 = i64::MAX / 4;
 /// A sender that was silent for so long has left the signal to another.
 const SENDER_TIMEOUT: i64 = 5 * SECOND;
@@ -57,7 +57,7 @@ struct Bus {
     place: Place,
     conversion: Conversion,
     series: usize,
-    /// Who sends it, and when it was last heard, where nothing says who should.
+    /// Who sends it, and when it last sent, where nothing says who should.
     sender: Option<(u8, i64)>,
     has_value: bool,
 }
@@ -129,20 +129,20 @@ impl<S: Sensors> Decoder<S> {
         self.rows.pass(clock);
         // What was complete before this frame is not its business.
         self.build(false);
-        let mut heard = false;
+        let mut accepted = false;
         for source in self.lines.iter_mut().flat_map(|l| &mut l.terms) {
             let Source::Bus(bus) = source else { continue };
             let Some(value) = bus.read(frame, clock, &mut self.remarks) else {
                 continue;
             };
-            heard = true;
+            accepted = true;
             let series = &mut self.series[bus.series];
             series.push(clock, value);
             if self.master == Some(bus.series) {
                 self.rows.add(series.measured(clock));
             }
         }
-        if heard {
+        if accepted {
             self.rows.hear(clock);
         }
         self.build(false);
@@ -182,7 +182,7 @@ impl<S: Sensors> Decoder<S> {
     ///
     /// # Errors
     /// One has had none.
-    pub fn check_heard(&self, log: &str) -> Result<(), Error> {
+    pub fn check_senders(&self, log: &str) -> Result<(), Error> {
         let is_silent = |s: &Source| matches!(s, Source::Bus(bus) if !bus.has_value);
         let silent = self.lines.iter().find(|l| l.terms.iter().any(is_silent));
         silent.map_or(Ok(()), |line| {
@@ -249,7 +249,7 @@ impl Bus {
     /// Two senders of one parameter group measure at two places: only the first counts.
     fn is_accepted(&mut self, sender: u8, clock: i64, remarks: &mut Vec<String>) -> bool {
         match self.sender {
-            Some((first, heard)) if first != sender && clock - heard < SENDER_TIMEOUT => {
+            Some((first, last)) if first != sender && clock - last < SENDER_TIMEOUT => {
                 let text = format!(
                     "{}.{} comes from {first:#04x} and from {sender:#04x}; only {first:#04x} counts: say source = ... in the map",
                     self.name.message, self.name.signal

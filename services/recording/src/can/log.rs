@@ -72,7 +72,7 @@ impl<S: Sensors> Log<S> {
             Some(Line::Frame { frame, timed: true }) => self.decoder.take(&frame),
             Some(Line::Frame { .. }) => {
                 let remedy = "record it with candump -L, or with candump -ta";
-                return error("the log tells no times".into(), remedy);
+                return error("the log has no times".into(), remedy);
             }
             Some(Line::Nothing) => {}
             // The last line of a log whose writer was switched off.
@@ -93,6 +93,6 @@ impl<S: Sensors> Log<S> {
         for remark in self.decoder.take_remarks() {
             tracing::warn!("{log}: {remark}");
         }
-        self.decoder.check_heard(&format!("the log {log}"))
+        self.decoder.check_senders(&format!("the log {log}"))
     }
 }

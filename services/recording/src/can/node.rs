@@ -166,7 +166,7 @@ impl Node {
         self.state == State::Lost
     }
 
-    /// Whether another node was heard that has the same NAME.
+    /// Whether another node has the same NAME.
     #[must_use]
     pub fn has_double(&self) -> bool {
         self.has_double
@@ -368,9 +368,9 @@ mod tests {
         said(&mut node, 0);
         node.take(CLAIM_OF_80, &1_u64.to_le_bytes(), 1);
         let later = 1 + MOST_DELAY;
-        let heard = said(&mut node, later);
-        assert_eq!(heard.len(), 1);
-        assert_eq!(heard[0].0, 0x18ee_fffe);
+        let answers = said(&mut node, later);
+        assert_eq!(answers.len(), 1);
+        assert_eq!(answers[0].0, 0x18ee_fffe);
         assert_eq!(node.address(10 * WAIT), None);
         assert!(node.has_lost());
         node.take(0x18ea_ff01, &[0x00, 0xee, 0x00], later);

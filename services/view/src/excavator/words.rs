@@ -5,6 +5,7 @@ use messages::{EXCAVATOR_REASONS, ExcavatorEstimate, excavator_bits as bits};
 
 use crate::judgement::Judgement;
 use crate::number::{self, significant};
+use crate::words::{NO_SAMPLE, remedy};
 
 /// What heft says of the swing inertia.
 pub(crate) fn inertia(e: &ExcavatorEstimate) -> Judgement {
@@ -13,6 +14,7 @@ pub(crate) fn inertia(e: &ExcavatorEstimate) -> Judgement {
             value: "There is no swing inertia yet".into(),
             trusted: false,
             reasons: vec!["no sample has been accepted so far".into()],
+            advice: NO_SAMPLE,
         };
     }
     let trusted = e.flags & bits::TRUSTED != 0;
@@ -24,6 +26,7 @@ pub(crate) fn inertia(e: &ExcavatorEstimate) -> Judgement {
         } else {
             reasons_against(e)
         },
+        advice: if trusted { "" } else { advice(e) },
     }
 }
 
@@ -57,7 +60,7 @@ fn reasons_for(e: &ExcavatorEstimate) -> Vec<String> {
         "the inputs are complete and can determine the inertia".into(),
         "the measurements agree with the model".into(),
         format!(
-            "the 95\u{a0}% interval is narrow (±\u{a0}{}\u{a0}%)",
+            "the 95\u{a0}% interval is narrow (half width {}\u{a0}%)",
             percent(e)
         ),
     ];
@@ -78,7 +81,7 @@ fn reasons_against(e: &ExcavatorEstimate) -> Vec<String> {
         let why = if has(bits::HELD) {
             "the machine stands still (the value is held)"
         } else {
-            "the machine swings too slowly to tell its inertia"
+            "the machine swings too slowly to determine its inertia"
         };
         reasons.push(why.into());
     }
@@ -92,7 +95,7 @@ fn reasons_against(e: &ExcavatorEstimate) -> Vec<String> {
         reasons.push("the payload is changing".into());
     } else if !has(bits::CONVERGED) {
         reasons.push(format!(
-            "the 95\u{a0}% interval is still wide (±\u{a0}{}\u{a0}%)",
+            "the 95\u{a0}% interval is still wide (half width {}\u{a0}%)",
             percent(e)
         ));
     }
@@ -106,22 +109,80 @@ fn cause(e: &ExcavatorEstimate) -> Option<String> {
     (!words.is_empty()).then(|| (*words).to_owned())
 }
 
-/// What would bring trust: the first thing that is missing, and what to do about it.
-pub(crate) fn advice(e: &ExcavatorEstimate) -> &'static str {
+/// What to do about each reason; docs/reasons.md says the same.
+pub(crate) const REMEDIES: &[(&str, &str)] = &[
+    (
+        "slope",
+        "measure pitch and roll, or work on: small slopes are estimated",
+    ),
+    ("losses", "calibrate, or set machine.drive_efficiency"),
+    ("friction", "warm up, then calibrate"),
+    (
+        "gain",
+        "check displacement, gear ratio and unit of the torque; calibrate with a weighed load",
+    ),
+    (
+        "delay",
+        "calibrate, or set sensors.swing_torque_delay or sensors.swing_velocity_delay",
+    ),
+    (
+        "offset",
+        "zero the torque sensor at standstill, or calibrate",
+    ),
+    ("damping", "warm up, then calibrate"),
+    (
+        "unexplained",
+        "look for a brake, a collision, a swinging load, or a wrong column",
+    ),
+    (
+        "disagreement",
+        "look for what changes between swings: slope, temperature, load that spills",
+    ),
+    ("limit", "check units and signs of torque and velocity"),
+    ("content", "swing on: the next swing decides"),
+    ("frozen", "check the sensor and its cable"),
+    ("sign", "check the signs in the map (sign = -1)"),
+    (
+        "method",
+        "use the method auto with torque and angles, or calibrate",
+    ),
+    ("restarted", "wait for half a second of motion"),
+    (
+        "jump",
+        "check the angle sensor; restart heft after a repair",
+    ),
+    (
+        "contradiction",
+        "check torque and velocity; two swings with an emptied bucket clear it",
+    ),
+    (
+        "hanging",
+        "wait until the load hangs still; a bucket is weighed better than a hook",
+    ),
+    (
+        "attachment",
+        "state machine.geometry.bucket_mass of the bucket that is mounted",
+    ),
+];
+
+/// What would bring trust: what the reason asks for, else the first condition that is missing.
+fn advice(e: &ExcavatorEstimate) -> &'static str {
     let has = |bit| e.flags & bit != 0;
+    let of_reason = remedy(e.reason, EXCAVATOR_REASONS, REMEDIES);
     if !has(bits::FRESH) {
-        "check the sensors and the map: an input is missing, rejected or old"
+        of_reason
+            .unwrap_or("check the sensors and the map: an input is missing, rejected or too old")
     } else if !has(bits::EXCITED) {
-        "swing at more than 0.1 rad/s"
+        "swing, faster than 0.1 rad/s"
+    } else if let Some(of_reason) = of_reason {
+        of_reason
     } else if !has(bits::IDENTIFIABLE) {
-        "swing on; torque and three joint angles are needed"
+        "swing on; torque and the three joint angles are needed"
     } else if !has(bits::CONSISTENT) {
-        "look up the reason in docs/reasons.md"
+        "swing on; if it stays so, check the sensors and the machine file"
     } else if has(bits::CHANGING) {
         "keep the bucket still while swinging"
-    } else if !has(bits::CONVERGED) {
-        "one more swing, best with an empty bucket; or calibrate"
     } else {
-        "look up the reason in docs/reasons.md"
+        "swing once more, best with an empty bucket; or calibrate"
     }
 }

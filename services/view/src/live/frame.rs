@@ -137,6 +137,7 @@ impl Each for Judgements {
                     "value": j.value.clone(),
                     "trusted": j.trusted,
                     "verdict": j.verdict(),
+                    "advice": j.what_to_do(),
                     "last": trusted.as_ref().map(|e| figures(p, e)),
                 })
             });

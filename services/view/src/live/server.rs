@@ -186,13 +186,7 @@ async fn take_frames(period: Duration, shared: Arc<Shared>) {
         }
         shared.take_series();
         if viewers > 0 && turn.is_multiple_of(STATUS_EVERY) {
-            let skipped = shared.skipped.load(Ordering::Relaxed);
-            let loads = shared.feed.loads.as_ref();
-            let loads = loads.map(|loads| crate::loads::live_json(&loads.lock()));
-            let monitor = shared.feed.lock();
-            let status = frame::status(&monitor, loads, Instant::now(), viewers, skipped);
-            drop(monitor);
-            shared.send("status", status.into());
+            shared.send("status", shared.status().into());
         }
     }
 }
@@ -212,6 +206,16 @@ impl Shared {
         let data: Arc<str> = series.into();
         self.remember(Arc::clone(&data));
         self.send("series", data);
+    }
+
+    /// What is said now, in words.
+    fn status(&self) -> String {
+        let viewers = self.viewers.load(Ordering::Relaxed);
+        let skipped = self.skipped.load(Ordering::Relaxed);
+        let loads = self.feed.loads.as_ref();
+        let loads = loads.map(|loads| crate::loads::live_json(&loads.lock()));
+        let monitor = self.feed.lock();
+        frame::status(&monitor, loads, Instant::now(), viewers, skipped)
     }
 
     fn send(&self, kind: &'static str, data: Arc<str>) {
@@ -319,11 +323,12 @@ impl Viewer {
         Some(Self { shared, frames })
     }
 
-    /// The last minute, then every frame that the viewer is fast enough for.
+    /// The last minute and what is said now, then every frame that the viewer is fast enough for.
     fn stream(self) -> impl Stream<Item = Result<Event, Infallible>> {
         let history = Event::default()
             .event("history")
             .data(self.shared.history());
+        let status = Event::default().event("status").data(self.shared.status());
         let live = stream::unfold(self, |mut viewer| async move {
             let frame = viewer.next().await?;
             Some((
@@ -331,7 +336,7 @@ impl Viewer {
                 viewer,
             ))
         });
-        stream::once(async move { Ok(history) }).chain(live)
+        stream::iter([Ok(history), Ok(status)]).chain(live)
     }
 
     async fn next(&mut self) -> Option<Frame> {

@@ -5,6 +5,7 @@ use messages::{LOADER_REASONS, LoaderEstimate, loader_bits as bits};
 
 use crate::judgement::Judgement;
 use crate::number::{self, significant};
+use crate::words::{NO_SAMPLE, remedy};
 
 /// What heft says of the centre of gravity along the machine.
 pub(crate) fn position(e: &LoaderEstimate) -> Judgement {
@@ -22,7 +23,7 @@ pub(crate) fn position(e: &LoaderEstimate) -> Judgement {
         number::with_std(100.0 * e.cg_ratio, 100.0 * e.cg_ratio_std, "%"),
     );
     let width = format!(
-        "±\u{a0}{}\u{a0}%",
+        "half width {}\u{a0}%",
         significant(196.0 * e.cg_ratio_std / e.cg_ratio.abs().max(1e-9), 2)
     );
     judgement(e, value, &Part::POSITION, &width)
@@ -40,8 +41,7 @@ pub(crate) fn height(e: &LoaderEstimate) -> Judgement {
         number::GROUP,
     );
     let width = format!(
-        "±{}{}\u{a0}m",
-        number::GROUP,
+        "half width {}\u{a0}m",
         significant(HALF_WIDTH_95 * e.cg_height_std, 2)
     );
     judgement(e, value, &Part::HEIGHT, &width)
@@ -52,6 +52,7 @@ fn none(value: &str) -> Judgement {
         value: value.into(),
         trusted: false,
         reasons: vec!["no sample has been accepted so far".into()],
+        advice: NO_SAMPLE,
     }
 }
 
@@ -63,6 +64,8 @@ struct Part {
     identifiable: u32,
     idle: &'static str,
     moving: &'static str,
+    /// What to do while it is idle, and while the interval is wide.
+    to_do: [&'static str; 2],
 }
 
 impl Part {
@@ -71,16 +74,24 @@ impl Part {
         excited: bits::EXCITED_RATIO,
         converged: bits::CONVERGED_RATIO,
         identifiable: bits::IDENTIFIABLE_RATIO,
-        idle: "the axle torques hardly change, which tells nothing about the position",
+        idle: "the axle torques hardly change, and only changes determine the position",
         moving: "the axle torques change",
+        to_do: [
+            "accelerate and brake with the drive",
+            "accelerate and brake some more; or calibrate",
+        ],
     };
     const HEIGHT: Self = Self {
         trusted: bits::TRUSTED_HEIGHT,
         excited: bits::EXCITED_HEIGHT,
         converged: bits::CONVERGED_HEIGHT,
         identifiable: bits::IDENTIFIABLE_HEIGHT,
-        idle: "the machine hardly accelerates or brakes, and only that tells the height",
+        idle: "the machine hardly accelerates or brakes, and only that determines the height",
         moving: "the machine accelerates and brakes",
+        to_do: [
+            "accelerate and brake hard",
+            "add lift pressures, or state machine.stiffness_load_exponent_std of measured tyres",
+        ],
     };
 }
 
@@ -100,6 +111,7 @@ fn judgement(e: &LoaderEstimate, value: String, part: &Part, width: &str) -> Jud
         value,
         trusted,
         reasons,
+        advice: if trusted { "" } else { advice(e, part) },
     }
 }
 
@@ -140,20 +152,68 @@ fn reasons_against(e: &LoaderEstimate, part: &Part, width: &str) -> Vec<String> 
     reasons
 }
 
-/// What would bring trust in the front-axle load: the first thing that is missing, and what to do about it.
-pub(crate) fn advice(e: &LoaderEstimate) -> &'static str {
+/// What to do about each reason; docs/reasons.md says the same.
+pub(crate) const REMEDIES: &[(&str, &str)] = &[
+    ("missing", "check the wiring, the bus and max_age"),
+    ("stuck speed", "check the sensor"),
+    ("stuck front wheel", "check the sensor"),
+    ("stuck rear wheel", "check the sensor"),
+    ("stuck front torque", "check the signal of the front motor"),
+    ("stuck rear torque", "check the signal of the rear motor"),
+    ("stuck slope", "check the inclinometer"),
+    ("stuck acceleration", "check the accelerometer"),
+    (
+        "unexplained",
+        "look for soft ground, a collision or a wrong column",
+    ),
+    ("latency", "calibrate, or set sensors.speed_delay"),
+    ("stiffness", "check wheel radius, speeds and torques"),
+    ("brakes", "map the brake signal, or brake with the drive"),
+    (
+        "steering",
+        "drive straight, or map articulation or yaw rate",
+    ),
+    (
+        "slope",
+        "check sign and unit of the slope; calibrate its sensitivity to acceleration",
+    ),
+    (
+        "torque",
+        "check unit, sign and gear ratio of the torques; state the mass",
+    ),
+    ("load", "drive on; map the payload if it is weighed"),
+    (
+        "disagreement",
+        "look for what changes between manoeuvres: ground, load, tyres",
+    ),
+    ("limit", "check units; check the mass in the machine file"),
+    ("restarted", "wait for one acceleration"),
+    (
+        "locked drive",
+        "open the lock; a rigid centre drive cannot be used",
+    ),
+    (
+        "one way",
+        "drive both ways once, or state machine.radius_load_sensitivity_std",
+    ),
+];
+
+/// What would bring trust: what the reason asks for, else the first condition that is missing.
+fn advice(e: &LoaderEstimate, part: &Part) -> &'static str {
     let has = |bit| e.flags & bit != 0;
+    let of_reason = remedy(e.reason, LOADER_REASONS, REMEDIES);
     if !has(bits::FRESH) {
-        "check the sensors and the map: an input is missing, rejected or old"
+        of_reason
+            .unwrap_or("check the sensors and the map: an input is missing, rejected or too old")
     } else if has(bits::FROZEN) {
-        "drive faster than walking speed, without digging"
-    } else if !has(bits::EXCITED_RATIO) {
-        "accelerate and brake with the drive"
+        "drive, faster than 0.5 m/s and without digging"
+    } else if let Some(of_reason) = of_reason {
+        of_reason
+    } else if !has(part.excited) {
+        part.to_do[0]
     } else if !has(bits::CONSISTENT) {
-        "look up the reason in docs/reasons.md"
-    } else if !has(bits::IDENTIFIABLE_RATIO) || !has(bits::CONVERGED_RATIO) {
-        "some more accelerations; or calibrate"
+        "drive on; if it stays so, check the sensors and the machine file"
     } else {
-        "look up the reason in docs/reasons.md"
+        part.to_do[1]
     }
 }

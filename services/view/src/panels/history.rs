@@ -30,17 +30,12 @@ fn panel<E: Estimate>(run: &MachineRun<E>, parameter: &Parameter<E, E::Truth>) -
             plot.shade(label, Style::Trusted, &spans);
         }
     }
-    let mut label = "95 % interval";
-    // The interval of a method that never was trusted is as wide as what it cannot know: it would flatten the rest.
-    let trusted = |estimator: &&&Estimator<E>| {
-        let primary = run.primary().map(|p| &p.channel) == Some(&estimator.channel);
-        let flags = |e: &E| e.flags() & parameter.trusted != 0;
-        primary || estimator.estimates.iter().any(flags)
-    };
-    for estimator in estimators.iter().filter(trusted) {
-        if add_band(&mut plot, run, estimator, parameter, label) {
-            label = "";
-        }
+    // One band, with its colour in the legend: two of them cannot be told apart.
+    let primary = run.primary().map(|p| &p.channel);
+    let first = estimators.iter().find(|e| Some(&e.channel) == primary);
+    if let Some(estimator) = first.or(estimators.first()) {
+        let label = format!("95 % interval of {}", estimator.method());
+        add_band(&mut plot, run, estimator, parameter, &label);
     }
     add_truth(&mut plot, run, parameter);
     for estimator in &estimators {
@@ -69,7 +64,7 @@ fn add_band<E: Estimate>(
     estimator: &Estimator<E>,
     parameter: &Parameter<E, E::Truth>,
     label: &str,
-) -> bool {
+) {
     let point = |e: &E| {
         let (value, half) = (parameter.value(e), HALF_WIDTH_95 * parameter.std(e));
         (e.stamp().time, value - half, value + half)
@@ -79,7 +74,6 @@ fn add_band<E: Estimate>(
     if known {
         plot.band(label, style(run, estimator), &points);
     }
-    known
 }
 
 fn add_truth<E: Estimate>(

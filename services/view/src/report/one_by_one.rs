@@ -61,7 +61,7 @@ pub(super) fn write<E: Estimate>(body: &mut String, part: &MachineRun<E>) {
     }
     let _ = write!(
         body,
-        "<section class=\"words\"><h2>One by one</h2>{}<p>{}</p><p class=\"note\">By {}: the last value that heft trusted within each {name}, \
+        "<section class=\"words\"><h2>Each {name}</h2>{}<p>{}</p><p class=\"note\">By {}: the last value that heft trusted within each {name}, \
          else the last one, ± half the 95 % interval.</p></section>",
         table(1, &head, &rows),
         together(&primary.estimates, &found),
@@ -125,8 +125,8 @@ fn sum(label: &str, of: &str, name: &str, known: &[(f64, f64)]) -> String {
     let alike = HALF_WIDTH_95 * known.iter().map(|k| k.1).sum::<f64>();
     let places = decimals(apart);
     format!(
-        " {label} of the trusted ones, summed: {}\u{a0}{}, 95\u{a0}% ± {} where the errors of the {name}s are independent, \
-         ± {} where they are all alike, as those of the description are.",
+        " {label} of the trusted {name}s, summed: {}\u{a0}{}; 95\u{a0}% ± {} if the errors of the {name}s are random, \
+         ± {} if all {name}s share them, as with a wrong machine file.",
         grouped(value, places),
         unit(of),
         grouped(apart, places),
@@ -165,7 +165,7 @@ mod tests {
         let text = sum("Payload", "kg", "swing", &[(300.0, 10.0), (400.0, 10.0)]);
         let text = text.replace(GROUP, " ");
         // 1.96 sqrt(2) 10 and 1.96 2 10.
-        assert!(text.contains("700 kg, 95 % ± 28 where"), "{text}");
-        assert!(text.contains("± 39 where they are all alike"), "{text}");
+        assert!(text.contains("700 kg; 95 % ± 28 if"), "{text}");
+        assert!(text.contains("± 39 if all swings share them"), "{text}");
     }
 }

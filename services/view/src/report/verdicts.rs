@@ -6,6 +6,7 @@ use messages::Message;
 
 use super::html::text;
 use crate::estimate::{Estimate, Parameter};
+use crate::judgement::Judgement;
 use crate::number::{grouped, large, significant, unit};
 use crate::run::{Estimator, MachineRun};
 use crate::words::{RunJudgement, run_judgements};
@@ -70,7 +71,7 @@ fn card<E: Estimate>(
         text(parameter.label),
         headline_number(estimator, judgement, parameter),
         text(&judgement.reported.value),
-        text(&judgement.reported.verdict()),
+        text(&explained(&judgement.reported)),
         if judgement.reported.trusted {
             "Last trusted value"
         } else {
@@ -80,12 +81,18 @@ fn card<E: Estimate>(
         significant(100.0 * judgement.trusted_share, 3),
     );
     if let Some(end) = &judgement.end {
-        let _ = write!(body, " At the end: {}", text(&end.verdict()));
+        let _ = write!(body, " At the end: {}", text(&explained(end)));
     }
     if let Some(sentence) = truth_sentence(part, estimator, judgement, parameter) {
         let _ = write!(body, " {sentence}");
     }
-    body.push_str("</p></article>");
+    body.push_str(" ± is one standard deviation.</p></article>");
+}
+
+/// Why, or why not and what to do.
+fn explained(judgement: &Judgement) -> String {
+    let text = format!("{} {}", judgement.verdict(), judgement.what_to_do());
+    text.trim_end().to_owned()
 }
 
 /// The number by itself, to be read from afar; nothing where there is none.

@@ -5,10 +5,10 @@ use std::fmt::Write;
 use super::html::{row, table, text};
 use crate::loads::clock;
 use crate::number::{interval_95, value_and_std};
-use crate::weighed::Weighed;
+use crate::weighed::LoadRow;
 
 /// A table of the loads; nothing where none was counted.
-pub(super) fn write(body: &mut String, loads: &[Weighed]) {
+pub(super) fn write(body: &mut String, loads: &[LoadRow]) {
     if loads.is_empty() {
         return;
     }
@@ -19,20 +19,20 @@ pub(super) fn write(body: &mut String, loads: &[Weighed]) {
         "dumped",
         "in the bucket, kg",
         "95 %",
-        "stays, kg",
-        "by",
+        "left in it, kg",
+        "weighed by",
         "trusted",
     ];
     let rows: String = loads.iter().map(cells).map(|cells| row(&cells)).collect();
     let _ = write!(
         body,
-        "<section class=\"words\"><h2>What each bucket held</h2>{}<p class=\"note\">As the run counted it. \
+        "<section class=\"words loads\"><h2>What each bucket held</h2>{}<p class=\"note\">As the run counted it. \
          <code>heft loads</code> adds up trucks and days.</p></section>",
         table(1, &head, &rows)
     );
 }
 
-fn cells(load: &Weighed) -> Vec<String> {
+fn cells(load: &LoadRow) -> Vec<String> {
     let kg = |(value, std): (f64, f64)| value_and_std(value, std).0;
     let trusted = match (load.is_trusted, load.why) {
         (true, _) => "yes".to_owned(),

@@ -25,7 +25,7 @@ pub struct CalibrateArgs {
     /// How many machines are treated
     #[command(flatten)]
     pub many: ManyArgs,
-    /// Load in the bucket in a recording, as weighed; of a loader for its lift cylinders
+    /// Load in the bucket of a recording, as weighed (of a loader: for its lift cylinders)
     #[arg(long, value_name = "FILE=KG±KG")]
     pub payload: Vec<String>,
     /// Mass of the whole machine in a recording of a loader, as weighed
@@ -46,18 +46,18 @@ pub struct CalibrateArgs {
     /// The machine's description
     #[command(flatten)]
     pub description: DescriptionArgs,
-    /// Description to write (TOML)
+    /// Machine file to write (TOML)
     #[arg(
         short,
         long,
-        value_name = "DESCRIPTION",
+        value_name = "MACHINE.toml",
         required_unless_present = "each"
     )]
     pub output: Option<PathBuf>,
     /// Also write an HTML report
     #[arg(long, value_name = "R.html")]
     pub report: Option<PathBuf>,
-    /// Write the description even if something speaks against it
+    /// Write the machine file even if something speaks against it
     #[arg(long)]
     pub accept: bool,
 }

@@ -14,7 +14,7 @@ use super::inputs;
 use super::stated::scales;
 use crate::build::IDENTITY;
 use crate::failure::Failure;
-use crate::many::{self, Ended, Job};
+use crate::many::{self, Job, Outcome};
 use crate::results;
 
 /// Names of the results in a folder.
@@ -107,11 +107,11 @@ struct Machine {
 }
 
 impl Machine {
-    fn of((folder, end): (&PathBuf, &Ended)) -> Self {
+    fn of((folder, end): (&PathBuf, &Outcome)) -> Self {
         let text = match end {
-            Ended::Kept | Ended::Made => std::fs::read_to_string(folder.join(DESCRIPTION)).ok(),
+            Outcome::Kept | Outcome::Made => std::fs::read_to_string(folder.join(DESCRIPTION)).ok(),
             // What lies there is of an earlier run.
-            Ended::No(_) | Ended::Failed(_) => None,
+            Outcome::No(_) | Outcome::Failed(_) => None,
         };
         Self {
             folder: folder.clone(),

@@ -32,11 +32,14 @@ pub fn interrupt() -> Result<Arc<AtomicBool>, Failure> {
 pub fn tell_progress(progress: Progress) {
     use std::io::IsTerminal;
     if std::io::stderr().is_terminal() {
-        eprint!("\rstep {:<3} cost {:<16.3}", progress.step, progress.cost);
+        crate::out::draw(&format!(
+            "\rstep {:<3} cost {:<16.3}",
+            progress.step, progress.cost
+        ));
     }
 }
 
-const DOING: &str = "write the description";
+const DOING: &str = "write the machine file";
 /// How the first line of a calibrated description begins.
 const FIRST_WORDS: &str = "# Calibrated by heft ";
 
@@ -47,7 +50,7 @@ fn is_ours(head: &[u8]) -> bool {
 fn output_of(args: &CalibrateArgs) -> Result<&Path, Failure> {
     let missing = || {
         Failure::input(
-            "no name for the description",
+            "no name for the machine file",
             "--output",
             "give one: -o machine.toml",
         )
@@ -76,7 +79,7 @@ pub(super) fn check_outputs(args: &CalibrateArgs) -> Result<(), Failure> {
         output::check(report, &taken, page::is_ours)?;
         if report == description {
             return Err(Failure::input(
-                "description and page have the same name",
+                "machine file and page have the same name",
                 report.display(),
                 "choose another name for one of them",
             ));
@@ -103,9 +106,9 @@ pub fn finish(
         Some(text) if sure || args.accept => {
             let output = output_of(args)?;
             results::text(DOING, output, &taken, is_ours, &text)?;
-            println!("description in {}", output.display());
+            println!("machine file in {}", output.display());
         }
-        Some(_) | None => println!("no description written"),
+        Some(_) | None => println!("no machine file written"),
     }
     if sure || (args.accept && summary.found.is_some()) {
         return Ok(());
@@ -126,6 +129,7 @@ fn text(summary: &Summary<'_>) -> String {
     let Some(found) = summary.found else {
         return out;
     };
+    out += "found, ± one standard deviation:\n";
     let parameters = summary.model.parameters();
     let width = parameters
         .iter()
@@ -136,19 +140,24 @@ fn text(summary: &Summary<'_>) -> String {
         let Some(q) = summary.quantity(i) else {
             continue;
         };
-        let held = if summary.fixed[i] { "  (held)" } else { "" };
-        out += &format!("{:<width$} {}{held}\n", p.words, page::figure(q, p.unit));
+        let held = if summary.fixed[i] {
+            "  (as described)"
+        } else {
+            ""
+        };
+        out += &format!("  {:<width$} {}{held}\n", p.words, page::figure(q, p.unit));
     }
     let [before, after] = &found.unseen;
     out += &format!(
-        "on what took no part in the fit: squared innovations {:.2} of the expected ({:.2} as described), {:.1} % inside the 95 % interval ({:.1} %)\n",
+        "check on every fourth {}, left out of the fit: squared residuals {:.2} times the predicted (1 is right; {:.2} before), {:.1} % inside their 95 % interval ({:.1} % before)\n",
+        summary.block,
         after.nis,
         before.nis,
         100.0 * after.covered,
         100.0 * before.covered
     );
     out += &format!(
-        "intervals widened {:.2} times by the scatter from {} to {}\n",
+        "the standard deviations were widened {:.2} times, by the scatter from {} to {}\n",
         found.uncertainty.widened, summary.block, summary.block
     );
     out

@@ -4,7 +4,7 @@
 use std::fmt::Write;
 
 use calibrate::honesty::Agreement;
-use calibrate::{Found, Summary};
+use calibrate::{FitResult, Summary};
 use estimation::Quantity;
 use view::number;
 use view::plot::{Plot, Style, escape};
@@ -41,20 +41,41 @@ fn verdict(body: &mut String, summary: &Summary<'_>) {
     let (class, word) = if summary.faults.is_empty() {
         ("verdict trusted", "calibrated")
     } else {
-        ("verdict", "not to be believed")
+        ("verdict", "not calibrated: no result that can be believed")
     };
     let _ = write!(
         body,
         "<div class=\"{class}\"><p><span class=\"badge\">{word}</span></p>"
     );
+    if let Some(found) = summary.found {
+        let [before, after] = &found.unseen;
+        let _ = write!(
+            body,
+            "<p class=\"number\">{:.1}\u{a0}%</p><p>of the measurements left out of the fit lie inside their 95\u{a0}% interval; \
+             {:.1}\u{a0}% with the machine file as it was.</p>",
+            100.0 * after.covered,
+            100.0 * before.covered
+        );
+    }
     for line in summary.faults.iter().chain(summary.remarks) {
         let _ = write!(body, "<p>{}</p>", escape(line));
+    }
+    if summary.faults.is_empty() {
+        body.push_str(
+            "<p class=\"when\">Next: estimate another recording with the new machine file (--config), and compare its loads.</p>",
+        );
     }
     body.push_str("</div>");
 }
 
 fn table(body: &mut String, title: &str, note: &str, head: &[&str], rows: &[Vec<String>]) {
-    let _ = write!(body, "<section><h2>{}</h2>", escape(title));
+    const WIDE: usize = 12;
+    let class = if head.len() > WIDE { "dense" } else { "" };
+    let _ = write!(
+        body,
+        "<section class=\"{class}\"><h2>{}</h2>",
+        escape(title)
+    );
     if !note.is_empty() {
         let _ = write!(body, "<p class=\"note\">{}</p>", escape(note));
     }
@@ -86,7 +107,7 @@ fn panels(body: &mut String, title: &str, note: &str, plots: &[Plot]) {
     body.push_str("</div></section>");
 }
 
-fn values(body: &mut String, summary: &Summary<'_>, found: &Found) {
+fn values(body: &mut String, summary: &Summary<'_>, found: &FitResult) {
     let parameters = summary.model.parameters().iter().enumerate();
     let rows: Vec<Vec<String>> = parameters
         .filter_map(|(i, p)| {
@@ -95,12 +116,16 @@ fn values(body: &mut String, summary: &Summary<'_>, found: &Found) {
                 std: p.value_std(0.0, 1.0),
             };
             let noise = p.value_std(found.fit.place[i], found.uncertainty.noise[i]);
-            let held = if summary.fixed[i] { " (held)" } else { "" };
+            let held = if summary.fixed[i] {
+                " (as described)"
+            } else {
+                ""
+            };
             Some(vec![
                 format!("{}{held}", p.words),
                 figure(before, p.unit),
                 figure(summary.quantity(i)?, p.unit),
-                format!("{noise:.2e}"),
+                number::significant(noise, 2),
                 p.key.clone(),
             ])
         })
@@ -117,7 +142,7 @@ fn values(body: &mut String, summary: &Summary<'_>, found: &Found) {
     );
 }
 
-fn unseen(body: &mut String, summary: &Summary<'_>, found: &Found) {
+fn unseen(body: &mut String, summary: &Summary<'_>, found: &FitResult) {
     let row = |name: &str, a: &Agreement| {
         vec![
             name.to_owned(),
@@ -130,15 +155,15 @@ fn unseen(body: &mut String, summary: &Summary<'_>, found: &Found) {
     let [before, after] = &found.unseen;
     table(
         body,
-        "On what the fit has not seen",
+        "Check on data left out of the fit",
         &format!(
-            "One {} in four was left out of a fit of its own. A right model has 1, 0 and 95.",
+            "Every fourth {} was left out, and predicted by a fit to the others. A right model has 1, 0 and 95.",
             summary.block
         ),
         &[
             "",
             "innovations",
-            "squares over expected",
+            "squares over predicted",
             "correlation with the next",
             "inside 95 %, %",
         ],
@@ -147,7 +172,7 @@ fn unseen(body: &mut String, summary: &Summary<'_>, found: &Found) {
 }
 
 /// Normalised innovations of a recording with the found values, block after block.
-fn normalised(summary: &Summary<'_>, found: &Found, recording: usize) -> Vec<f64> {
+fn normalised(summary: &Summary<'_>, found: &FitResult, recording: usize) -> Vec<f64> {
     let values = calibrate::fit::values(summary.model, &found.fit.place);
     let mut innovations = Vec::new();
     for block in summary.blocks_of(recording) {
@@ -159,7 +184,7 @@ fn normalised(summary: &Summary<'_>, found: &Found, recording: usize) -> Vec<f64
         .collect()
 }
 
-fn residuals(body: &mut String, summary: &Summary<'_>, found: &Found) {
+fn residuals(body: &mut String, summary: &Summary<'_>, found: &FitResult) {
     let mut plots = Vec::new();
     for (r, name) in summary.recordings.iter().enumerate() {
         let residuals = normalised(summary, found, r);
@@ -169,7 +194,7 @@ fn residuals(body: &mut String, summary: &Summary<'_>, found: &Found) {
             .map(|(i, z)| (i as f64, *z))
             .collect();
         let mut course = Plot::new(format!("residual, {name}"), "measurement");
-        course.line("innovation / expected", Style::Series(0), &points);
+        course.line("innovation / predicted", Style::Series(0), &points);
         course.level("95 %", Style::Limit, estimation::HALF_WIDTH_95);
         course.level("", Style::Limit, -estimation::HALF_WIDTH_95);
         plots.push(course);
@@ -178,7 +203,7 @@ fn residuals(body: &mut String, summary: &Summary<'_>, found: &Found) {
     panels(
         body,
         "Residuals",
-        "Innovations over their expected size: white, of size one, if the model holds.",
+        "Innovations over their predicted size. They are white and of size one if the model holds.",
         &plots,
     );
 }
@@ -203,13 +228,13 @@ fn histogram(residuals: &[f64], name: &str) -> Plot {
             )
         })
         .collect();
-    let mut plot = Plot::new(format!("density, {name}"), "innovation / expected");
+    let mut plot = Plot::new(format!("density, {name}"), "innovation / predicted");
     plot.bars("innovations", Style::Series(0), &edges, &heights);
     plot.line("normal", Style::Limit, &normal);
     plot
 }
 
-fn slices(body: &mut String, summary: &Summary<'_>, found: &Found) {
+fn slices(body: &mut String, summary: &Summary<'_>, found: &FitResult) {
     let plots: Vec<Plot> = found
         .profiles
         .iter()
@@ -227,10 +252,10 @@ fn slices(body: &mut String, summary: &Summary<'_>, found: &Found) {
                 .map(|k| (p.value(best + k * std), 0.5 * k * k))
                 .collect();
             let mut plot = Plot::new(
-                "-ln likelihood above its least",
+                "-ln likelihood above its minimum",
                 format!("{} {}", p.words, p.unit),
             );
-            plot.line("all others fitted anew", Style::Series(0), &points);
+            plot.line("all others fitted again", Style::Series(0), &points);
             plot.line("the stated interval", Style::Limit, &parabola);
             plot
         })
@@ -238,12 +263,12 @@ fn slices(body: &mut String, summary: &Summary<'_>, found: &Found) {
     panels(
         body,
         "Slices of the likelihood",
-        "The two parameters that the recordings narrowed least. A curve above the other says that the stated interval is wide enough.",
+        "The two parameters that the recordings determine least. Where the first curve is above the second, the stated interval is wide enough.",
         &plots,
     );
 }
 
-fn correlations(body: &mut String, summary: &Summary<'_>, found: &Found) {
+fn correlations(body: &mut String, summary: &Summary<'_>, found: &FitResult) {
     let free: Vec<usize> = (0..summary.fixed.len())
         .filter(|&i| !summary.fixed[i])
         .collect();
@@ -268,7 +293,7 @@ fn correlations(body: &mut String, summary: &Summary<'_>, found: &Found) {
 }
 
 /// Share of each recording in what the data say about a parameter.
-fn contributions(body: &mut String, summary: &Summary<'_>, found: &Found) {
+fn contributions(body: &mut String, summary: &Summary<'_>, found: &FitResult) {
     let mut head = vec!["".to_owned()];
     head.extend(summary.recordings.iter().map(|name| format!("{name}, %")));
     let mut rows: Vec<Vec<String>> = Vec::new();
@@ -287,7 +312,7 @@ fn contributions(body: &mut String, summary: &Summary<'_>, found: &Found) {
         rows.push(row);
     }
     rows.push(
-        std::iter::once("it holds".to_owned())
+        std::iter::once("content".to_owned())
             .chain(summary.contents.iter().cloned())
             .collect(),
     );
@@ -295,7 +320,7 @@ fn contributions(body: &mut String, summary: &Summary<'_>, found: &Found) {
     table(
         body,
         "What each recording contributed",
-        "Share of the information about each parameter, all others known.",
+        "Share of the information about each parameter, if all others were known.",
         &head,
         &rows,
     );

@@ -70,7 +70,7 @@ pub fn position(
     option: &str,
     text: &str,
 ) -> Result<usize, Failure> {
-    let bad = |what: &str, remedy| {
+    let bad = |what: &str, remedy: String| {
         Failure::input(
             format!("{file} is {what}"),
             format!("{option} {text}"),
@@ -82,13 +82,14 @@ pub fn position(
     let mut meant = (0..args.files.len()).filter(|&i| is_meant(&args.files[i]));
     match (meant.next(), meant.next()) {
         (Some(at), None) => Ok(at),
-        (None, _) => Err(bad(
-            "none of the recordings",
-            "name one of them, with or without its folder",
-        )),
+        (None, _) => {
+            let names: Vec<_> = args.files.iter().map(|f| f.display().to_string()).collect();
+            let remedy = format!("name one as it stands in the command: {}", names.join(", "));
+            Err(bad("none of the recordings", remedy))
+        }
         (Some(_), Some(_)) => Err(bad(
             "more than one of the recordings",
-            "name its folder too",
+            "name its folder too".to_owned(),
         )),
     }
 }

@@ -22,7 +22,7 @@ pub struct EstimateArgs {
     /// Estimates, one row per accepted row of the input (CSV); if absent NAME.estimates.csv beside each input, with a summary in NAME.estimates.json
     #[arg(short, long, value_name = "OUT.csv")]
     pub output: Option<PathBuf>,
-    /// Also let every later row speak of each moment (excavator, torque and posture)
+    /// Run a fixed-interval smoother, so that each estimate uses the whole recording (excavator with torque and posture)
     #[arg(long)]
     pub smooth: bool,
     /// Also write an HTML report

@@ -18,7 +18,7 @@ struct HeadlineTally {
 }
 
 /// Counts while estimates are made.
-pub struct Found<E: Estimate> {
+pub struct InputSummary<E: Estimate> {
     rows: usize,
     moving: usize,
     first_time: f64,
@@ -26,7 +26,7 @@ pub struct Found<E: Estimate> {
     tally: Vec<HeadlineTally>,
 }
 
-impl<E: Estimate> Found<E> {
+impl<E: Estimate> InputSummary<E> {
     pub fn new() -> Self {
         let headlines = E::PARAMETERS.iter().filter(|p| p.headline());
         Self {

@@ -11,7 +11,7 @@ use view::number;
 use super::args::EstimateArgs;
 use crate::args::{described, description};
 use crate::failure::Failure;
-use crate::many::{self, Ended, Job};
+use crate::many::{self, Job, Outcome};
 use crate::results;
 use crate::way::{method, way};
 
@@ -51,7 +51,10 @@ pub fn estimate(args: &EstimateArgs) -> Result<(), Failure> {
     let rows: Vec<Row> = rows
         .map(|((input, summary), end)| Row::of(input, summary, end))
         .collect();
-    print!("{}", terminal(&rows));
+    let is_one_failure = matches!(ends.as_slice(), [end] if end.is_bad_input());
+    if !is_one_failure {
+        print!("{}", terminal(&rows));
+    }
     if let Some(file) = &args.summary {
         let table = csv(&rows);
         results::text("write the summary", file, &[], many::is_summary, &table)?;
@@ -129,7 +132,7 @@ struct Row {
 }
 
 impl Row {
-    fn of(input: &Path, summary: &Path, end: &Ended) -> Self {
+    fn of(input: &Path, summary: &Path, end: &Outcome) -> Self {
         Self {
             input: input.to_owned(),
             end: end.word().into(),

@@ -10,7 +10,7 @@ use steps::stages::{Pipeline, Role};
 use view::estimate::Estimate;
 
 use super::args::EstimateArgs;
-use super::found::Found;
+use super::found::InputSummary;
 use super::look::Look;
 use super::many;
 use crate::args::tell_idle_keys;
@@ -39,7 +39,7 @@ pub fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
     );
     let mut writer = EstimateWriter::<E>::create(output)?;
     let metadata = metadata(args, description);
-    let mut found = Found::<E>::new();
+    let mut found = InputSummary::<E>::new();
     let report = args.report.as_deref();
     let mut notes = report.map(|r| Notes::create(r, &metadata)).transpose()?;
     let (mut rows, mut last, mut trusted) = (0, E::default(), None);
@@ -86,18 +86,18 @@ pub fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
             &many::identity(args, description),
         )?;
     }
-    tell(args, output, written, rows, &view::words::verdict(&last));
+    let age = trusted.map(|e| last.stamp().time - e.stamp().time);
+    tell(
+        args,
+        output,
+        written,
+        rows,
+        &in_words(&last, trusted.zip(age)),
+    );
     if let Some(hint) = time_hint(&times, description.rate()) {
         eprintln!("{hint}");
     }
     look.tell();
-    let age = trusted.map(|e| last.stamp().time - e.stamp().time);
-    if let Some((trusted, age)) = trusted.zip(age).filter(|(_, age)| *age > 0.0) {
-        println!(
-            "last trusted {age:.1} s before the end: {}",
-            view::words::verdict(&trusted)
-        );
-    }
     if args.require_trust {
         summary::require_trust(age)?;
     }
@@ -105,6 +105,21 @@ pub fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
     parts::tell_lacks(&samples.lacks())?;
     look.fault()
         .map_or(Ok(()), |fault| Err(Failure::answer_is_no(fault)))
+}
+
+/// The last trusted estimate with its age, where it is not the last of all; then what is said at the end. Without any, the
+/// last.
+fn in_words<E: Estimate>(last: &E, trusted: Option<(E, f64)>) -> Vec<String> {
+    match trusted.filter(|(_, age)| *age > 0.0) {
+        None => vec![view::words::verdict(last)],
+        Some((trusted, age)) => vec![
+            format!(
+                "Last trusted, {age:.1} s before the end: {}",
+                view::words::verdict(&trusted)
+            ),
+            format!("At the end: {}", view::words::verdict(last)),
+        ],
+    }
 }
 
 /// Rows by which the unit of the time is judged.
@@ -146,9 +161,11 @@ fn is_known<T: Message>(truth: &T) -> bool {
     known.is_some_and(|bits| bits.as_f64() != 0.0)
 }
 
-fn tell(args: &EstimateArgs, output: &Path, written: usize, rows: usize, verdict: &str) {
-    for line in view::words::wrapped(verdict, 79) {
-        println!("{line}");
+fn tell(args: &EstimateArgs, output: &Path, written: usize, rows: usize, verdicts: &[String]) {
+    for verdict in verdicts {
+        for line in view::words::wrapped(verdict, 79) {
+            println!("{line}");
+        }
     }
     let refused = rows.saturating_sub(written);
     let refused = if refused == 0 {

@@ -14,7 +14,7 @@ use crate::fleet::FleetArgs;
 /// How fast a run goes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Pace {
-    /// At the times that the samples tell.
+    /// At the times of the samples.
     Realtime,
     /// As fast as the processes take it, without losing a sample.
     Max,
@@ -55,8 +55,8 @@ pub struct RunArgs {
     /// Which estimates, in which frames (TOML); all of the machine's in J1939 proprietary B if absent
     #[arg(long, requires = "output", value_name = "FILE")]
     pub output_map: Option<PathBuf>,
-    /// So many machines in one run, simulated with seeds one apart or those of the recordings in the folder --input: no pipeline
-    /// each, but a process a processor that steps them all, and one table of estimates
+    /// Number of machines in one run, simulated (seeds one apart) or from the recordings in the folder --input. One process per
+    /// processor steps them all; the estimates are one table
     #[arg(long, value_name = "N", conflicts_with_all = [
         "output", "rt", "spin", "view", "split", "min_free", "fleet", "state", "domain", "group", "require_trust", "no_report",
         "live_lines", "probe",
@@ -74,7 +74,7 @@ pub struct RunArgs {
     /// Length of the run, in s; until the scenario ends if absent
     #[arg(long, value_name = "S")]
     pub duration: Option<f64>,
-    /// Sampling rate of the simulator, in Hz; that of the description if absent
+    /// Sampling rate of the simulator, in Hz; that of the machine file if absent
     #[arg(long, value_name = "HZ")]
     pub rate: Option<f64>,
     /// Seed of the simulator
@@ -86,7 +86,7 @@ pub struct RunArgs {
     /// Real-time scheduling: SCHED_FIFO by stage, one core, locked memory
     #[arg(long)]
     pub rt: bool,
-    /// Core of the run, whose processes wake each other for less then; under --rt that of the stages, the last one if absent
+    /// Core of all processes of the run: they wake each other faster there; under --rt that of the stages, the last one if absent
     #[arg(long, conflicts_with = "spin")]
     pub core: Option<usize>,
     /// Cores of the stages under --rt, in turn along the chain (for `latency`)
@@ -98,8 +98,8 @@ pub struct RunArgs {
         value_delimiter = ','
     )]
     pub spread: Vec<usize>,
-    /// These processes look for messages all the time, each on a core of its own (isolated ones first), instead of sleeping until
-    /// they are woken; every step if none is named
+    /// These processes poll for messages, each on a core of its own (isolated ones first), instead of sleeping; every step if none is
+    /// named
     #[arg(long, value_name = "PROCESS,...", num_args = 0..=1, require_equals = true, default_missing_value = crate::spin::ALL,
         conflicts_with = "rt")]
     pub spin: Option<String>,

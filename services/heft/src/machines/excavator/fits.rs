@@ -87,7 +87,7 @@ fn words(mismatch: Mismatch, mass: f64) -> (String, String) {
         Mismatch::Absolute { arm, bucket } => absolute(arm, bucket),
         Mismatch::Size(ratio) => (
             format!(
-                "data and description are of different machines: its torque moves {ratio:.2} times the inertia that is described"
+                "data and machine file are of different machines: the torque moves {ratio:.2} times the described inertia"
             ),
             size(mass, ratio),
         ),
@@ -111,7 +111,7 @@ fn size(mass: f64, ratio: f64) -> String {
     let tonnes = mass * ratio.abs().powf(0.6) / 1000.0;
     if (0.5..300.0).contains(&tonnes) {
         format!(
-            "describe the machine; an excavator of about {tonnes:.0} t would fit: --class {tonnes:.0}t, or machine.operating_mass in the description"
+            "describe your machine: an excavator of about {tonnes:.0} t would fit: --class {tonnes:.0}t, or machine.operating_mass in the machine file"
         )
     } else {
         "check the unit of swing_torque, and whether it is the torque at the swing bearing and not at the motor".into()
