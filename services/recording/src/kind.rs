@@ -53,7 +53,7 @@ const FOREIGN: [(&[u8], &str, &str); 12] = [
     (
         b"MDF ",
         "an MDF file",
-        "export it as CSV: mdfconvert of asammdf, or the tool that wrote it",
+        "frames: `can_logconvert FILE OUT.log` (pip install \"python-can[mf4]\"); channels: export them as CSV",
     ),
     (
         b"UnFinMF",
@@ -75,7 +75,7 @@ const FOREIGN: [(&[u8], &str, &str); 12] = [
 ];
 const PYTHON: &str = "read it in Python and give the table to heft.estimate, or write it as CSV";
 const CAN: &str =
-    "convert it to a log of candump: python3 -m can.logconvert FILE OUT.log (python-can)";
+    "convert it to a log of candump: `can_logconvert FILE OUT.log` (pip install python-can)";
 
 impl Kind {
     /// What a name says; nothing where it says nothing.
@@ -190,8 +190,8 @@ mod tests {
         for (content, what, remedy) in [
             (&b"PK\x03\x04"[..], "spreadsheet", "save the sheet as CSV"),
             (b"PAR1\0", "Parquet", "Python"),
-            (b"MDF     4.10", "MDF", "asammdf"),
-            (b"LOGG\x90", "Vector", "can.logconvert"),
+            (b"MDF     4.10", "MDF", "can_logconvert"),
+            (b"LOGG\x90", "Vector", "can_logconvert"),
             (b"{\"t\": 0}", "JSON", "CSV"),
         ] {
             let error = of("a.csv", content).expect_err("not read").to_string();
