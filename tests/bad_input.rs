@@ -104,7 +104,7 @@ fn files_that_do_not_exist_or_have_foreign_endings_are_refused() {
             "-o",
             o,
         ],
-        &[".csv"],
+        &["spreadsheet", "save the sheet as CSV", "in.xlsx"],
         &output,
     );
 }
