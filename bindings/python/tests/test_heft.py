@@ -81,6 +81,18 @@ def test_what_cannot_be_used_is_reported():
         heft.estimate(data, "crane")
 
 
+def test_data_in_other_units_are_spoken_of():
+    data = pandas.read_csv(GOLDEN / "excavator_input_two_swings.csv")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        heft.estimate(data, "excavator")
+    with pytest.warns(heft.HeftWarning, match="is the time in ms"):
+        heft.estimate(data.assign(t=1000 * data["t"]), "excavator")
+    angles = {name: np.degrees(data[name]) for name in ("boom_angle", "arm_angle", "bucket_angle")}
+    with pytest.warns(heft.HeftWarning, match="in degrees"):
+        heft.estimate(data.assign(**angles), "excavator")
+
+
 def test_missing_values_are_missing_samples():
     data = pandas.read_csv(GOLDEN / "excavator_input_base_case2.csv")
     data["swing_torque"] = data["swing_torque"].astype("Float64")
