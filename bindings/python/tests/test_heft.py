@@ -119,20 +119,21 @@ def test_a_recording_reads_back_with_units(tmp_path):
     assert not (bits(changed["inertia"]) == bits(recorded["inertia"])).all()
 
 
-def largest(data):
-    """Where the largest block of a recording begins and how long it is: samples, not what lists them."""
-    at, found = 8, (0, 0)
+def last_large(data):
+    """Where the last large block of a recording begins and how long it is: samples, not what lists them, and not the first."""
+    at, blocks = 8, []
     while at + 9 < len(data) - 8:
         length = int.from_bytes(data[at + 1 : at + 9], "little")
-        found = max(found, (length, at + 9))
+        blocks.append((at + 9, length))
         at += 9 + length
-    return found[1], found[0]
+    large = max(length for _, length in blocks) // 2
+    return [block for block in blocks if block[1] > large][-1]
 
 
 def damaged(whole, folder):
     """Copies of a recording: one byte among its samples changed, and all cut off from there."""
     data = bytearray(whole.read_bytes())
-    start, length = largest(data)
+    start, length = last_large(data)
     middle = start + length // 2
     cut = folder / "cut.mcap"
     cut.write_bytes(data[:middle])
@@ -143,7 +144,7 @@ def damaged(whole, folder):
 
 
 def test_what_a_recording_lacks_is_said(tmp_path):
-    run = ["run", "excavator", "--duration", "5", "--pace", "max", "--out", str(tmp_path / "run")]
+    run = ["run", "excavator", "--duration", "20", "--pace", "max", "--out", str(tmp_path / "run")]
     subprocess.run([heft.command(), *run], check=True, capture_output=True)
     (whole,) = (tmp_path / "run").rglob("*.mcap")
     with warnings.catch_warnings():
