@@ -23,6 +23,7 @@ const PLACES: &[(&str, &str)] = &[
     ("bindings/c/include/heft.h", "#define HEFT_VERSION \""),
     ("CITATION.cff", "\nversion: "),
     ("docs/run.md", "./heft_"),
+    ("docs/fleet.md", "./heft_"),
 ];
 
 fn text(file: &str) -> String {

@@ -49,7 +49,7 @@ impl fmt::Display for Refusal {
             Self::NoSuchMethod => f.write_str("the excavator has no method of this number"),
             #[cfg(feature = "std")]
             Self::Settings(error) => error.fmt(f),
-            // A number as text takes 20 kB of code.
+            // A number as text takes 15 kB of code.
             #[cfg(not(feature = "std"))]
             Self::Settings(error) => match error {
                 SettingsError::OutOfRange { key, .. } => write!(f, "{key} is outside its range"),

@@ -37,7 +37,7 @@ impl fmt::Display for Refusal {
             Self::NoSuchMethod => f.write_str("the loader has no method of this number"),
             #[cfg(feature = "std")]
             Self::Settings(error) => error.fmt(f),
-            // A number as text takes 20 kB of code.
+            // A number as text takes 15 kB of code.
             #[cfg(not(feature = "std"))]
             Self::Settings(error) => match error.must_be {
                 MustBe::Within(_) => write!(f, "{} is outside its range", error.key),

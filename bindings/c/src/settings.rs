@@ -139,7 +139,7 @@ impl fmt::Display for Unfit {
         }
     }
 
-    /// Without numbers: as text they take 20 kB of code.
+    /// Without numbers: as text they take 15 kB of code.
     #[cfg(not(feature = "std"))]
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Place { table, key, .. } = self.place;

@@ -51,11 +51,7 @@ impl Estimator {
         feed.check(&description, &method)?;
         Ok(Self {
             signals: names.iter().map(|name| PyString::intern(py, name).unbind()).collect(),
-            state: Mutex::new(State {
-                feed,
-                way,
-                values: vec![f64::NAN; names.len()],
-            }),
+            state: Mutex::new(State { feed, way, values: vec![f64::NAN; names.len()] }),
             description,
             method,
         })
@@ -85,7 +81,8 @@ impl Estimator {
             return Err(self.unknown(py, values));
         }
         let estimate = answer(way, feed.sample(row));
-        let estimate = estimate.ok_or_else(|| refused("the sample has no answer; please report this"))?;
+        let estimate =
+            estimate.ok_or_else(|| refused("the sample has no answer; please report this"))?;
         let mut cells: Vec<Bound<'py, PyAny>> = Vec::with_capacity(32);
         feed.cells(&estimate, &mut |cell| {
             cells.push(match cell {
@@ -118,7 +115,8 @@ impl Estimator {
     /// The estimator that wrote this state.
     #[staticmethod]
     fn from_state(py: Python<'_>, state: &[u8]) -> PyResult<Self> {
-        let foreign = || refused("these bytes are no state of this version of heft, or damaged; begin anew");
+        let foreign =
+            || refused("these bytes are no state of this version of heft, or damaged; begin anew");
         let (rest, sum) = state.split_last_chunk::<8>().ok_or_else(foreign)?;
         let mut rest = rest.strip_prefix(HEAD.as_bytes()).ok_or_else(foreign)?;
         if *sum != sum_of(&state[..state.len() - 8]).to_le_bytes() {
@@ -203,7 +201,8 @@ fn put(into: &mut Vec<u8>, bytes: &[u8]) {
 /// Takes bytes that follow their length.
 fn take<'a>(from: &mut &'a [u8]) -> Option<&'a [u8]> {
     let (length, rest) = from.split_first_chunk::<8>()?;
-    let (bytes, rest) = rest.split_at_checked(usize::try_from(u64::from_le_bytes(*length)).ok()?)?;
+    let (bytes, rest) =
+        rest.split_at_checked(usize::try_from(u64::from_le_bytes(*length)).ok()?)?;
     *from = rest;
     Some(bytes)
 }

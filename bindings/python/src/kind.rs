@@ -10,6 +10,7 @@ use recording::frame::{self, Cell, Cells, Feed, NamedColumn, Table};
 use recording::{Lacks, Map, Sensors};
 use steps::stages::{AnyStep, Pipeline};
 
+use crate::hints::Hints;
 use crate::refused;
 
 /// What was estimated.
@@ -20,6 +21,8 @@ pub struct Found {
     pub rows: usize,
     /// What of the file cannot be read.
     pub lacks: Lacks,
+    /// What seems wrong with the data.
+    pub hints: Vec<String>,
 }
 
 /// The stages that lead to an estimate.
@@ -119,19 +122,23 @@ fn run<S: Message, T, E: Estimate>(
     let method = method(description, asked);
     let mut way = way(description, method)?;
     let mut table = Table::<E>::with_capacity(room);
+    let mut hints = Hints::new(description);
     let mut count = 0;
     for (sample, _) in rows {
         if count == 0 {
             check(description, method, &sample)?;
         }
         count += 1;
-        if let Some(estimate) = answer(&mut way, sample.envelope()).as_ref().and_then(E::inside) {
+        let sample = sample.envelope();
+        hints.add(&sample);
+        if let Some(estimate) = answer(&mut way, sample).as_ref().and_then(E::inside) {
             table.push(estimate);
         }
     }
     let refused = table.refused().to_vec();
     let (columns, lacks) = (table.finish(), Lacks::default());
-    Ok(Found { columns, refused, rows: count, lacks })
+    let hints = hints.words();
+    Ok(Found { columns, refused, rows: count, lacks, hints })
 }
 
 impl<S: Sensors, E: Estimate> Kind for Of<S, E> {

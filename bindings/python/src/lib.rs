@@ -2,6 +2,7 @@
 //! columns, the tables of messages. Numbers cross the border as the bytes of their array.
 
 mod estimator;
+mod hints;
 mod kind;
 
 use std::path::Path;
@@ -74,9 +75,9 @@ fn description(machine: &str, text: Option<&str>, settings: Vec<String>) -> PyRe
     Ok(described(self::machine(machine)?, text, &settings)?.to_toml())
 }
 
-/// Columns of the estimates, the places of the rows that were refused, the number of rows, and what of the file cannot
-/// be read.
-type Estimated<'py> = (Bound<'py, PyList>, Vec<u32>, usize, Vec<String>);
+/// Columns of the estimates, the places of the rows that were refused, the number of rows, what of the file cannot be
+/// read, and what seems wrong with the data.
+type Estimated<'py> = (Bound<'py, PyList>, Vec<u32>, usize, Vec<String>, Vec<String>);
 
 #[pyfunction]
 fn estimate<'py>(
@@ -88,12 +89,11 @@ fn estimate<'py>(
     method: Option<&str>,
 ) -> PyResult<Estimated<'py>> {
     let description = described(self::machine(machine)?, text, &settings)?;
-    let columns: Vec<(&str, Vec<f64>)> = columns
-        .iter()
-        .map(|(name, bytes)| (name.as_str(), numbers(bytes.as_bytes())))
-        .collect();
+    let columns: Vec<(&str, Vec<f64>)> =
+        columns.iter().map(|(name, bytes)| (name.as_str(), numbers(bytes.as_bytes()))).collect();
     let length = columns.first().map_or(0, |(_, values)| values.len());
-    let result = py.detach(|| kind(&description).of_columns(&description, method, &columns, length));
+    let result =
+        py.detach(|| kind(&description).of_columns(&description, method, &columns, length));
     estimated(py, result?)
 }
 
@@ -129,10 +129,11 @@ fn recorded_description(path: &str) -> PyResult<Option<String>> {
 }
 
 fn estimated(py: Python<'_>, found: Found) -> PyResult<Estimated<'_>> {
-    let Found { columns, refused, rows, lacks } = found;
-    let columns = columns.into_iter().map(|(name, unit, values)| to_python(py, name, unit, "", values));
+    let Found { columns, refused, rows, lacks, hints } = found;
+    let columns =
+        columns.into_iter().map(|(name, unit, values)| to_python(py, name, unit, "", values));
     let columns = PyList::new(py, columns.collect::<PyResult<Vec<_>>>()?)?;
-    Ok((columns, refused, rows, words(&lacks)))
+    Ok((columns, refused, rows, words(&lacks), hints))
 }
 
 /// The doubles of an array.
@@ -226,8 +227,12 @@ fn recorded<'py>(
     let numbers = columns.into_iter().filter(|column| !by_name(&column.field.name));
     let numbers = numbers.map(|column| {
         let bytes: Vec<u8> = match column.field.kind {
-            NumberType::F64 => column.values.iter().flat_map(|v| v.as_f64().to_le_bytes()).collect(),
-            NumberType::U32 => column.values.iter().flat_map(|v| word(*v).to_le_bytes()[..4].to_vec()).collect(),
+            NumberType::F64 => {
+                column.values.iter().flat_map(|v| v.as_f64().to_le_bytes()).collect()
+            }
+            NumberType::U32 => {
+                column.values.iter().flat_map(|v| word(*v).to_le_bytes()[..4].to_vec()).collect()
+            }
             NumberType::U64 => column.values.iter().flat_map(|v| word(*v).to_le_bytes()).collect(),
         };
         let kind = match column.field.kind {

@@ -81,6 +81,18 @@ def test_what_cannot_be_used_is_reported():
         heft.estimate(data, "crane")
 
 
+def test_data_in_other_units_are_spoken_of():
+    data = pandas.read_csv(GOLDEN / "excavator_input_two_swings.csv")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        heft.estimate(data, "excavator")
+    with pytest.warns(heft.HeftWarning, match="is the time in ms"):
+        heft.estimate(data.assign(t=1000 * data["t"]), "excavator")
+    angles = {name: np.degrees(data[name]) for name in ("boom_angle", "arm_angle", "bucket_angle")}
+    with pytest.warns(heft.HeftWarning, match="in degrees"):
+        heft.estimate(data.assign(**angles), "excavator")
+
+
 def test_missing_values_are_missing_samples():
     data = pandas.read_csv(GOLDEN / "excavator_input_base_case2.csv")
     data["swing_torque"] = data["swing_torque"].astype("Float64")
@@ -107,20 +119,21 @@ def test_a_recording_reads_back_with_units(tmp_path):
     assert not (bits(changed["inertia"]) == bits(recorded["inertia"])).all()
 
 
-def largest(data):
-    """Where the largest block of a recording begins and how long it is: samples, not what lists them."""
-    at, found = 8, (0, 0)
+def last_large(data):
+    """Where the last large block of a recording begins and how long it is: samples, not what lists them, and not the first."""
+    at, blocks = 8, []
     while at + 9 < len(data) - 8:
         length = int.from_bytes(data[at + 1 : at + 9], "little")
-        found = max(found, (length, at + 9))
+        blocks.append((at + 9, length))
         at += 9 + length
-    return found[1], found[0]
+    large = max(length for _, length in blocks) // 2
+    return [block for block in blocks if block[1] > large][-1]
 
 
 def damaged(whole, folder):
     """Copies of a recording: one byte among its samples changed, and all cut off from there."""
     data = bytearray(whole.read_bytes())
-    start, length = largest(data)
+    start, length = last_large(data)
     middle = start + length // 2
     cut = folder / "cut.mcap"
     cut.write_bytes(data[:middle])
@@ -131,7 +144,7 @@ def damaged(whole, folder):
 
 
 def test_what_a_recording_lacks_is_said(tmp_path):
-    run = ["run", "excavator", "--duration", "5", "--pace", "max", "--out", str(tmp_path / "run")]
+    run = ["run", "excavator", "--duration", "20", "--pace", "max", "--out", str(tmp_path / "run")]
     subprocess.run([heft.command(), *run], check=True, capture_output=True)
     (whole,) = (tmp_path / "run").rglob("*.mcap")
     with warnings.catch_warnings():

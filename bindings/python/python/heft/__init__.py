@@ -126,7 +126,8 @@ def estimate(
 
     Returns a frame of the same kind (of pandas for others, if it is installed, else a dictionary of
     arrays). A quantity that the method does not estimate is NaN (null in polars). A frame of pandas
-    keeps the index of the rows. Rows that are refused are left out, with a HeftWarning. Of a recording that
+    keeps the index of the rows. Rows that are refused are left out, with a HeftWarning; one more says where times,
+    angles or torque seem to be in another unit or of another machine. Of a recording that
     is damaged or was cut off, the rest is used, with a DamageWarning and the places in ``attrs["damage"]``.
 
     Raises HeftError where the data or the description cannot be used; it says what to do.
@@ -399,8 +400,10 @@ def _array(values: Any) -> np.ndarray:
 
 def _estimates(result: Any, library: str, index: Any) -> Any:
     """The frame of estimates; its rows keep their index, and those that were refused are spoken of."""
-    columns, refused, rows, damage = result
+    columns, refused, rows, damage, hints = result
     _warn_of_damage(damage)
+    for hint in hints:
+        warnings.warn(hint, HeftWarning, stacklevel=3)
     if refused:
         warnings.warn(
             f"{len(refused)} of {rows} rows are left out: their time is missing or does not increase"

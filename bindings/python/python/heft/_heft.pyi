@@ -8,7 +8,7 @@ class HeftError(ValueError):
     """What is wrong, where, and what to do about it."""
 
 Column = Tuple[str, str, str, Tuple[str, Any]]
-Estimated = Tuple[List[Column], List[int], int, List[str]]
+Estimated = Tuple[List[Column], List[int], int, List[str], List[str]]
 
 class Estimator:
     def __init__(

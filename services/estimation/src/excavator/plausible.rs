@@ -73,6 +73,37 @@ pub enum Mismatch {
     Size(f64),
 }
 
+impl core::fmt::Display for Mismatch {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::Size(ratio) => {
+                return write!(
+                    f,
+                    "data and machine file are of different machines: the torque moves {ratio:.2} times the described inertia"
+                );
+            }
+            Self::Degrees => "swing_velocity seems to be in degrees per second",
+            Self::AngleDegrees => "the joint angles seem to be in degrees",
+            Self::Kilonewtons => {
+                "swing_torque seems to be in kN m: the machine accelerates a thousand times more than it"
+            }
+            Self::Sign => "swing_torque and swing_velocity seem to have opposite signs",
+            Self::Exchanged => {
+                "boom_angle and arm_angle seem to be exchanged: the boom points down and the arm up in all swings"
+            }
+            Self::Absolute { arm: true, bucket: true } => {
+                "arm_angle and bucket_angle seem absolute, to the horizontal: each moves along with the link before it"
+            }
+            Self::Absolute { arm: true, .. } => {
+                "arm_angle seems absolute, to the horizontal: each moves along with the link before it"
+            }
+            Self::Absolute { .. } => {
+                "bucket_angle seems absolute, to the horizontal: each moves along with the link before it"
+            }
+        })
+    }
+}
+
 /// Looks at the rows of a recording.
 #[derive(Debug, Clone)]
 pub struct Plausible {

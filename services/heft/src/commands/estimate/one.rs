@@ -125,19 +125,9 @@ fn in_words<E: Estimate>(last: &E, trusted: Option<(E, f64)>) -> Vec<String> {
 /// Rows by which the unit of the time is judged.
 const LOOKED_AT: usize = 1000;
 
-/// Words on times that seem to be in another unit: the rows are some power of thousand further apart than the sensors'
-/// rate says.
+/// Words on times that seem to be in another unit.
 fn time_hint(times: &[f64], rate: f64) -> Option<String> {
-    const UNITS: [(&str, f64); 3] = [("ms", 1e3), ("us", 1e6), ("ns", 1e9)];
-    let mut steps: Vec<f64> = times.windows(2).map(|w| w[1] - w[0]).collect();
-    steps.retain(|step| *step > 0.0);
-    steps.sort_by(f64::total_cmp);
-    let step = *steps.get(steps.len() / 2)?;
-    let apart = step * rate;
-    // Sensors of a third to three times the described rate.
-    let (unit, _) = UNITS
-        .into_iter()
-        .find(|(_, factor)| (0.3..=3.0).contains(&(apart / factor)))?;
+    let (step, unit) = recording::time_unit(times, rate)?;
     Some(format!(
         "the rows are {step} s apart, and sensors.rate is {rate} Hz: is the time in {unit}? write t = {{ column = \"t\", unit = \"{unit}\" }} in a signal map"
     ))

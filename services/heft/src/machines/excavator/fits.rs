@@ -56,54 +56,23 @@ impl Look<ExcavatorSensors> for Fits {
 
     fn fault(&self) -> Option<String> {
         let mismatch = self.plausible.as_ref()?.mismatch()?;
-        let (what, remedy) = words(mismatch, self.mass);
-        Some(format!("{what}\n  what to do: {remedy}"))
+        let remedy = remedy(mismatch, self.mass);
+        Some(format!("{mismatch}\n  what to do: {remedy}"))
     }
 }
 
-fn words(mismatch: Mismatch, mass: f64) -> (String, String) {
+/// What to do about it.
+fn remedy(mismatch: Mismatch, mass: f64) -> String {
     let map = |column: &str, line: &str| format!("write {line} for {column} in a signal map");
     match mismatch {
-        Mismatch::Degrees => (
-            "swing_velocity seems to be in degrees per second".into(),
-            map("swing_velocity", "`unit = \"deg/s\"`"),
-        ),
-        Mismatch::AngleDegrees => (
-            "the joint angles seem to be in degrees".into(),
-            map("boom_angle, arm_angle and bucket_angle", "`unit = \"deg\"`"),
-        ),
-        Mismatch::Kilonewtons => (
-            "swing_torque seems to be in kN m: the machine accelerates a thousand times more than it".into(),
-            map("swing_torque", "`unit = \"kNm\"`"),
-        ),
-        Mismatch::Sign => (
-            "swing_torque and swing_velocity seem to have opposite signs".into(),
-            map("swing_torque", "`sign = -1`"),
-        ),
-        Mismatch::Exchanged => (
-            "boom_angle and arm_angle seem to be exchanged: the boom points down and the arm up in all swings".into(),
-            "exchange the two in the signal map".into(),
-        ),
-        Mismatch::Absolute { arm, bucket } => absolute(arm, bucket),
-        Mismatch::Size(ratio) => (
-            format!(
-                "data and machine file are of different machines: the torque moves {ratio:.2} times the described inertia"
-            ),
-            size(mass, ratio),
-        ),
+        Mismatch::Degrees => map("swing_velocity", "`unit = \"deg/s\"`"),
+        Mismatch::AngleDegrees => map("boom_angle, arm_angle and bucket_angle", "`unit = \"deg\"`"),
+        Mismatch::Kilonewtons => map("swing_torque", "`unit = \"kNm\"`"),
+        Mismatch::Sign => map("swing_torque", "`sign = -1`"),
+        Mismatch::Exchanged => "exchange the two in the signal map".into(),
+        Mismatch::Absolute { .. } => "give the angle to the link before: in the signal map subtract the angle of that link, as with `heft map`".into(),
+        Mismatch::Size(ratio) => size(mass, ratio),
     }
-}
-
-fn absolute(arm: bool, bucket: bool) -> (String, String) {
-    let names = match (arm, bucket) {
-        (true, true) => "arm_angle and bucket_angle seem",
-        (true, false) => "arm_angle seems",
-        _ => "bucket_angle seems",
-    };
-    (
-        format!("{names} absolute, to the horizontal: each moves along with the link before it"),
-        "give the angle to the link before: in the signal map subtract the angle of that link, as with `heft map`".into(),
-    )
 }
 
 /// Machines are alike: inertia grows with the mass to the power of 5/3.
