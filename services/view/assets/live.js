@@ -296,6 +296,9 @@ function status(s) {
 
 // ---- start
 
+// What was known when the page was made: the verdict stands before the first event comes.
+status(JSON.parse(byId("first").textContent));
+
 const source = new EventSource("/events");
 source.addEventListener("history", (e) => { frames.length = 0; JSON.parse(e.data).forEach(add); });
 source.addEventListener("series", (e) => add(JSON.parse(e.data)));
