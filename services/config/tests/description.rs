@@ -202,7 +202,7 @@ fn set_overrides_one_key_and_refuses_without_a_change() {
     let unknown = excavator.set("sensors.rat=5").expect_err("no such key");
     assert_eq!(unknown.remedy, "did you mean sensors.rate?");
     assert!(
-        unknown.to_string().contains("in --set sensors.rat=5"),
+        unknown.to_string().contains("where: --set sensors.rat=5"),
         "{unknown}"
     );
     for wrong in [

@@ -8,12 +8,12 @@ use std::any::Any;
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
+use gateway::downsample::streams;
 use gateway::key::MachineId;
 use gateway::label::Label;
 use gateway::link::{LinkArgs, client};
 use gateway::machine::{publisher, publishes};
 use gateway::status::{Status, Stream};
-use gateway::thin::streams;
 use gateway::wall_ms;
 use messages::{ExcavatorEstimate, excavator_bits as x};
 use steps::stages::Pipeline;

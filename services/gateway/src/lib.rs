@@ -8,13 +8,14 @@
 //! |---|---|
 //! | [`key`], [`label`], [`status`] | the words of the protocol: keys, attachments, what a machine says of itself |
 //! | [`schema`] | what the messages mean |
-//! | [`thin`], [`load`] | which messages are sent; the same rule, live and from a recording |
+//! | [`downsample`], [`load`] | which messages are sent; the same rule, live and from a recording |
 //! | [`link`] | sessions and routers of Zenoh |
 //! | [`machine`] | the gateway: reading, publishing, answering from the recording |
 //! | [`site`] | estimates at the site, of the samples that machines send as they are |
 //! | [`collector`] | the collector: intake, store, repair, alarms, page, queries |
 
 pub mod collector;
+pub mod downsample;
 pub mod key;
 pub mod label;
 pub mod link;
@@ -23,7 +24,6 @@ pub mod machine;
 pub mod schema;
 pub mod site;
 pub mod status;
-pub mod thin;
 mod track;
 
 /// An error in heft's three lines: what, where, what to do.

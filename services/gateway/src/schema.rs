@@ -8,7 +8,7 @@ use steps::stages::Pipeline;
 use zenoh::key_expr::KeyExpr;
 use zenoh::{Session, Wait};
 
-use crate::thin::streams;
+use crate::downsample::streams;
 
 struct Describe;
 

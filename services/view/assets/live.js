@@ -212,6 +212,10 @@ function card(v, j, place) {
     const shown = j.trusted ? j.now : j.last;
     card.append(element("p", shown.number, "number"), element("p", "95 %: " + shown.interval, "value"));
     card.append(element("p", j.trusted ? "trusted" + time : "last trusted value, " + age(v.time - j.last.time) + " old", "badge"));
+  } else if (j.now) {
+    // Faint: nobody should take it for a result.
+    card.append(element("p", j.now.number, "number none"), element("p", "95 %: " + j.now.interval, "value"));
+    card.append(element("p", "not trusted yet", "badge"));
   } else {
     card.append(element("p", "not trusted yet", "number none"));
   }
@@ -295,6 +299,9 @@ function status(s) {
 }
 
 // ---- start
+
+// What was known when the page was made: the verdict stands before the first event comes.
+status(JSON.parse(byId("first").textContent));
 
 const source = new EventSource("/events");
 source.addEventListener("history", (e) => { frames.length = 0; JSON.parse(e.data).forEach(add); });

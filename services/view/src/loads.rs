@@ -190,7 +190,7 @@ pub fn weight_words(weight: &Weight) -> String {
 pub fn line(machine: Machine, load: &Load) -> String {
     let why = why_words(machine, load);
     let doubt = if load.trusted {
-        String::new()
+        ", trusted".to_owned()
     } else {
         format!(", not trusted: {why}")
     };

@@ -13,11 +13,11 @@ use steps::stages::Pipeline;
 use zenoh::sample::Sample;
 
 use super::strangers::{Heard, MACHINES, leave};
+use crate::downsample::{health_number, streams};
 use crate::key::{MachineId, SITE_ESTIMATE};
 use crate::label::Label;
 use crate::machine::Served;
 use crate::status::Status;
-use crate::thin::{health_number, streams};
 
 /// Largest message [bytes].
 pub const LARGEST: usize = 2048;

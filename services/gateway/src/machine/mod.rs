@@ -19,9 +19,9 @@ use messages::channels::Channel;
 use rtrb::{Producer, RingBuffer};
 use runtime::{Cleaner, Domain, Ports, Sink, Taps};
 
+use crate::downsample::{Downsampler, Selected, StreamInfo};
 use crate::key::MachineId;
 use crate::link::LinkArgs;
-use crate::thin::{Selected, StreamInfo, Thinner};
 use crate::{error, wall_ms};
 pub use full::LONGEST;
 pub use plan::Plan;
@@ -120,10 +120,10 @@ impl Shared {
         wall.max(0) as u64 / 1_000_000
     }
 
-    fn thinner(&self) -> Thinner {
+    fn downsampler(&self) -> Downsampler {
         let machine = &self.id.machine;
         let run = self.plan.run;
-        Thinner::new(
+        Downsampler::new(
             self.streams.clone(),
             machine,
             run,
@@ -143,7 +143,7 @@ pub fn run(args: &GatewayArgs, stop: &AtomicBool) -> Result<(), String> {
     let plan = Plan::read(&domain)?;
     domain.enter().map_err(|e| e.to_string())?;
     let ports = Ports::new("gateway").map_err(|e| e.to_string())?;
-    let streams = crate::thin::streams(plan.pipeline()?, plan.rate, args.rate);
+    let streams = crate::downsample::streams(plan.pipeline()?, plan.rate, args.rate);
     let sensors = args.samples.then(|| plan.sensors()).transpose()?;
     let channels = channels(&streams, sensors);
     let shared = Arc::new(Shared::new(id, plan, args.rate, streams));
@@ -224,7 +224,7 @@ fn read(domain: &Domain, taps: &mut Taps<Reader>, reader: &mut Reader, is_over: 
         let lost = taps.drain(reader).lost;
         shared.overwritten.fetch_add(lost, Ordering::Relaxed);
         for (i, head) in shared.heads.iter().enumerate() {
-            head.store(reader.thinner.head(i), Ordering::Relaxed);
+            head.store(reader.downsampler.head(i), Ordering::Relaxed);
         }
         if !goes_on {
             return;
@@ -235,7 +235,7 @@ fn read(domain: &Domain, taps: &mut Taps<Reader>, reader: &mut Reader, is_over: 
 
 /// Takes the messages of the channels.
 struct Reader {
-    thinner: Thinner,
+    downsampler: Downsampler,
     queue: Producer<Selected>,
     full: Producer<full::Sample>,
     /// The channel whose samples are sent as they are.
@@ -251,7 +251,7 @@ impl Reader {
         let (full, full_waiting) = RingBuffer::new(full::QUEUE);
         let (samples, samples_waiting) = RingBuffer::new(samples::QUEUE);
         let reader = Self {
-            thinner: shared.thinner(),
+            downsampler: shared.downsampler(),
             queue,
             full,
             sensors,
@@ -275,7 +275,7 @@ impl Sink for Reader {
             return;
         }
         let (queue, shared) = (&mut self.queue, &self.shared);
-        self.thinner.take(channel, message, &mut |selected| {
+        self.downsampler.take(channel, message, &mut |selected| {
             if queue.push(selected).is_err() {
                 shared.dropped.fetch_add(1, Ordering::Relaxed);
             }

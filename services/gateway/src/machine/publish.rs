@@ -14,11 +14,11 @@ use zenoh_ext::{AdvancedPublisher, AdvancedPublisherBuilderExt, CacheConfig, Mis
 
 use super::samples::{self, Samples};
 use super::{Shared, full, store};
+use crate::downsample::{Selected, StreamInfo};
 use crate::key::MachineId;
 use crate::link::{LinkArgs, client_unless};
 use crate::schema;
 use crate::status::{Counts, Status, Stream};
-use crate::thin::{Selected, StreamInfo};
 
 /// Messages of a stream that Zenoh keeps to mend a short gap by itself; a longer one is mended from the recording.
 const CACHE: usize = 32;

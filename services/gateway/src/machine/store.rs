@@ -17,8 +17,8 @@ use zenoh::query::Query;
 use zenoh::{Session, Wait};
 
 use super::Shared;
+use crate::downsample::Selected;
 use crate::label::{lost, lost_behind};
-use crate::thin::Selected;
 
 /// Answers to one question; the rest is asked for again.
 pub const MOST: u64 = 5000;
@@ -130,11 +130,11 @@ impl Visitor for Reading<'_> {
             return served;
         };
         let per_period = self.shared.streams[self.stream].per_period;
-        let mut thinner = self.shared.thinner();
+        let mut downsampler = self.shared.downsampler();
         let mut last = self.after;
         let mut is_full = false;
         for message in messages {
-            thinner.take(self.channel, &message, &mut |selected| {
+            downsampler.take(self.channel, &message, &mut |selected| {
                 let number = selected.label.number as i64;
                 if selected.stream != self.stream
                     || number <= self.after
@@ -157,7 +157,7 @@ impl Visitor for Reading<'_> {
         }
         // Behind the last message of a live recording more may be on its way to the disk.
         let is_whole = !is_full
-            && (thinner.seen(self.stream) >= self.upto
+            && (downsampler.seen(self.stream) >= self.upto
                 || self.shared.ended.load(Ordering::Relaxed));
         served.upto = last;
         if is_whole && self.upto > last {

@@ -69,7 +69,7 @@ pub fn demo(is_verbose: bool) -> Result<(), Failure> {
         "\nOpen the reports in a browser. With your own data:\n  \
          heft map data.csv -o map.toml                  a first signal map: check it\n  \
          heft loads data.csv --machine excavator --map map.toml --class 21t\n  \
-         heft estimate data.csv --machine excavator --map map.toml --class 21t --report out.html\n\
+         heft estimate data.csv --machine excavator --map map.toml --class 21t -o out.csv --report out.html\n\
          docs/sensors.md says which sensors, docs/your-data.md how to map them."
     );
     Ok(())

@@ -46,6 +46,12 @@ fn policy(page: &str) -> String {
     )
 }
 
+/// The page with what is said now, as JSON: the verdict is there before the first event.
+pub(super) fn with(status: &str) -> String {
+    // No text in it ends the element.
+    page().replace("<!--FIRST-->", &status.replace('<', "\\u003c"))
+}
+
 /// The page with scripts, styles and the tables of parameters put in.
 pub(super) fn page() -> String {
     let none = Machines::default();

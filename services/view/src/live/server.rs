@@ -210,7 +210,8 @@ impl Shared {
 
     /// What is said now, in words.
     fn status(&self) -> String {
-        let viewers = self.viewers.load(Ordering::Relaxed);
+        // Whoever asks is one.
+        let viewers = self.viewers.load(Ordering::Relaxed).max(1);
         let skipped = self.skipped.load(Ordering::Relaxed);
         let loads = self.feed.loads.as_ref();
         let loads = loads.map(|loads| crate::loads::live_json(&loads.lock()));
@@ -260,7 +261,7 @@ async fn show(State(shared): State<Arc<Shared>>, headers: HeaderMap) -> Response
     if !shared.admits(&headers) {
         return StatusCode::FORBIDDEN.into_response();
     }
-    page::closed(page::page())
+    page::closed(page::with(&shared.status()))
 }
 
 async fn show_loads(State(shared): State<Arc<Shared>>, headers: HeaderMap) -> Response {

@@ -97,6 +97,11 @@ fn a_viewer_gets_the_page_the_past_the_numbers_and_the_words() {
     );
     push_all(&feed, 0);
     std::thread::sleep(Duration::from_millis(100));
+    let later = read_until(&mut request(&server, "/", "127.0.0.1"), &["</html>"]);
+    assert!(
+        later.contains("behind the front axle"),
+        "the verdict is in the page itself"
+    );
     let mut events = request(&server, "/events", "localhost:1234");
     read_until(&mut events, &["event: history", "loader/cg_ukf"]);
     push_all(&feed, 1);

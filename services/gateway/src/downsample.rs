@@ -138,7 +138,7 @@ macro_rules! machines {
         #[derive(Debug, Default)]
         struct Stretches { $( $module: Loads<messages::$estimate>, )* }
 
-        impl Thinner {
+        impl Downsampler {
             /// Takes the next message of a channel and hands on what is to be sent.
             pub fn take<M: Message>(
                 &mut self,
@@ -163,7 +163,7 @@ messages::machines!(machines);
 
 /// Selects messages.
 #[derive(Debug)]
-pub struct Thinner {
+pub struct Downsampler {
     streams: Vec<StreamInfo>,
     tracks: Vec<Track>,
     stretches: Stretches,
@@ -174,7 +174,7 @@ pub struct Thinner {
     wall_offset_ns: i64,
 }
 
-impl Thinner {
+impl Downsampler {
     /// For the run `run` of `machine`, with estimates `hz` times a second.
     #[must_use]
     pub fn new(
@@ -326,9 +326,9 @@ mod tests {
     use messages::channels::{EXCAVATOR_INERTIA_UKF as CHANNEL, EXCAVATOR_LOADS};
     use messages::{ExcavatorEstimate, ExcavatorLoads, Machine, excavator_bits as x};
 
-    fn thinner() -> Thinner {
+    fn downsampler() -> Downsampler {
         let streams = streams(Pipeline::of(Machine::Excavator), 100.0, 1.0);
-        Thinner::new(streams, "ex-17", 7, 1.0, 0)
+        Downsampler::new(streams, "ex-17", 7, 1.0, 0)
     }
 
     fn estimate(i: u64) -> ExcavatorEstimate {
@@ -345,12 +345,12 @@ mod tests {
     }
 
     fn selected(
-        thinner: &mut Thinner,
+        downsampler: &mut Downsampler,
         numbers: impl Iterator<Item = u64>,
     ) -> Vec<(u64, Option<i64>)> {
         let mut found = Vec::new();
         for i in numbers {
-            thinner.take(&CHANNEL, &estimate(i), &mut |s: Selected| {
+            downsampler.take(&CHANNEL, &estimate(i), &mut |s: Selected| {
                 found.push((s.label.number, s.label.after));
             });
         }
@@ -359,7 +359,7 @@ mod tests {
 
     #[test]
     fn each_second_and_each_change_of_verdict_is_sent_and_names_the_one_before() {
-        let found = selected(&mut thinner(), 0..350);
+        let found = selected(&mut downsampler(), 0..350);
         let expected = [
             (0, Some(-1)),
             (100, Some(0)),
@@ -373,11 +373,11 @@ mod tests {
 
     #[test]
     fn behind_missed_samples_the_message_before_is_not_known() {
-        let found = selected(&mut thinner(), (0..120).chain(190..320));
+        let found = selected(&mut downsampler(), (0..120).chain(190..320));
         assert_eq!(found[..3], [(0, Some(-1)), (100, Some(0)), (190, None)]);
         assert_eq!(found[3], (200, Some(190)));
         // What the recording would have given is a part of it.
-        let joined = selected(&mut thinner(), 130..320);
+        let joined = selected(&mut downsampler(), 130..320);
         assert_eq!(
             joined,
             [
@@ -391,12 +391,12 @@ mod tests {
 
     #[test]
     fn a_verdict_that_flickers_does_not_flood() {
-        let mut thinner = thinner();
+        let mut downsampler = downsampler();
         let mut sent = 0;
         for i in 0..1000 {
             let mut message = estimate(i);
             message.flags = if i % 2 == 0 { x::TRUSTED } else { 0 };
-            thinner.take(&CHANNEL, &message, &mut |_| sent += 1);
+            downsampler.take(&CHANNEL, &message, &mut |_| sent += 1);
         }
         assert!(
             sent <= 10 * (1 + crate::track::CHANGES as usize + 1),
@@ -406,7 +406,7 @@ mod tests {
 
     #[test]
     fn every_change_of_a_processes_state_is_an_event_however_many_there_are() {
-        let mut thinner = thinner();
+        let mut downsampler = downsampler();
         let mut events = 0;
         for i in 0..400_u64 {
             // Another state every four seconds.
@@ -415,8 +415,8 @@ mod tests {
                 ..Health::default()
             };
             (health.stamp.sequence, health.stamp.time) = (i, i as f64 * 0.3);
-            let streams = thinner.streams.clone();
-            thinner.take(&HEALTH, &health, &mut |s: Selected| {
+            let streams = downsampler.streams.clone();
+            downsampler.take(&HEALTH, &health, &mut |s: Selected| {
                 events += u32::from(streams[s.stream].kind == Kind::Events);
             });
         }
@@ -425,7 +425,7 @@ mod tests {
 
     #[test]
     fn of_loads_each_change_is_sent_and_one_in_ten_seconds() {
-        let mut thinner = thinner();
+        let mut downsampler = downsampler();
         let mut found = Vec::new();
         for i in 0..250_u64 {
             let mut message = ExcavatorLoads {
@@ -435,7 +435,7 @@ mod tests {
                 ..Default::default()
             };
             (message.stamp.sequence, message.stamp.time) = (i, i as f64 * 0.1);
-            thinner.take(&EXCAVATOR_LOADS, &message, &mut |s: Selected| {
+            downsampler.take(&EXCAVATOR_LOADS, &message, &mut |s: Selected| {
                 found.push((s.label.number, s.label.after));
             });
         }
@@ -451,7 +451,7 @@ mod tests {
 
     #[test]
     fn events_are_changes_and_a_restart_is_one() {
-        let mut thinner = thinner();
+        let mut downsampler = downsampler();
         let mut found = Vec::new();
         let mut say = |sequence: u64, restarts: u32, state: u32| {
             let mut health = Health {
@@ -461,8 +461,8 @@ mod tests {
                 ..Default::default()
             };
             (health.stamp.sequence, health.stamp.time) = (sequence, sequence as f64 * 0.3);
-            let names = thinner.streams.clone();
-            thinner.take(&HEALTH, &health, &mut |s: Selected| {
+            let names = downsampler.streams.clone();
+            downsampler.take(&HEALTH, &health, &mut |s: Selected| {
                 if names[s.stream].name == "events/ukf" {
                     found.push((s.label.number, s.label.after));
                 }
