@@ -383,6 +383,13 @@ pub fn free_shared_memory() -> u64 {
 }
 
 fn check_room() -> Result<(), Error> {
+    if !Path::new(SHARED_MEMORY).is_dir() {
+        return Err(Error::new(
+            "there is no shared memory",
+            SHARED_MEMORY,
+            "mount it: mount -t tmpfs -o size=256m tmpfs /dev/shm",
+        ));
+    }
     let free = free_shared_memory();
     if free < ROOM_BYTES {
         return Err(Error::new(
