@@ -202,7 +202,12 @@ fn estimation_depends_on_nalgebra_and_the_sheet_alone_and_has_no_std() {
         .lines()
         .find(|l| l.starts_with("serde = { version"));
     assert!(serde.is_some_and(|l| l.contains("optional = true")));
-    assert!(!manifest.contains("default = ["), "it is off by default");
+    let default = manifest.lines().find(|l| l.starts_with("default = ["));
+    assert_eq!(
+        default,
+        Some("default = [\"every-method\"]"),
+        "serde is off by default"
+    );
     let lib = fs::read_to_string(root().join("services/estimation/src/lib.rs")).expect("a crate");
     assert!(lib.contains("#![no_std]"));
 }
