@@ -1,5 +1,5 @@
 //! Tells the program which build it is: recordings carry it, so that a replay by another build can
-//! say why it differs. In a source archive without git the commit is "unknown".
+//! say why it differs. Without git, as in a container, HEFT_COMMIT says it; else, as in a source archive, it is "unknown".
 
 use std::process::Command;
 
@@ -27,6 +27,9 @@ fn main() {
         let changed = git(&paths).is_some_and(|text| !text.is_empty());
         commit + if changed { "-changed" } else { "" }
     });
+    // Where an image is built there is no git, but who builds it knows.
+    let given = std::env::var("HEFT_COMMIT").ok();
+    let commit = commit.or(given.filter(|commit| !commit.is_empty()));
     let variable = |name: &str| std::env::var(name).unwrap_or_else(|_| "unknown".into());
     println!(
         "cargo::rustc-env=HEFT_BUILD={}, {} {}, {}",
@@ -44,4 +47,5 @@ fn main() {
         }
     }
     println!("cargo::rerun-if-changed=build.rs");
+    println!("cargo::rerun-if-env-changed=HEFT_COMMIT");
 }

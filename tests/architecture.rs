@@ -202,7 +202,7 @@ fn estimation_depends_on_nalgebra_and_the_sheet_alone_and_has_no_std() {
         .lines()
         .find(|l| l.starts_with("serde = { version"));
     assert!(serde.is_some_and(|l| l.contains("optional = true")));
-    let default = manifest.lines().find(|l| l.starts_with("default = "));
+    let default = manifest.lines().find(|l| l.starts_with("default = ["));
     assert_eq!(
         default,
         Some("default = [\"every-method\"]"),

@@ -43,7 +43,7 @@ def main(fmus):
             with open(GOLDEN / file, newline="") as text:
                 rows = list(csv.DictReader(text))
             inputs = [name for name in rows[0] if name in variables and name != "t"]
-            outputs = [r for name, r in variables.items() if name.startswith("estimate.") and name != "estimate.method"]
+            outputs = [r for name, r in variables.items() if name.startswith("estimate.") and name not in ("estimate.method", "estimate.reason")]
             has = [str(variables["has." + name]) for name in inputs if "has." + name in variables]
             data = "".join(" ".join(number(row[name]) for name in ["t", *inputs]) + "\n" for row in rows)
             references = [",".join(map(str, refs)) for refs in ([variables[name] for name in inputs], outputs)]

@@ -88,9 +88,9 @@ def test_data_in_other_units_are_spoken_of():
         heft.estimate(data, "excavator")
     with pytest.warns(heft.HeftWarning, match="is the time in ms"):
         heft.estimate(data.assign(t=1000 * data["t"]), "excavator")
-    angles = {name: np.degrees(data[name]) for name in ("boom_angle", "arm_angle", "bucket_angle")}
-    with pytest.warns(heft.HeftWarning, match="in degrees"):
-        heft.estimate(data.assign(**angles), "excavator")
+    data = pandas.read_csv(GOLDEN / "excavator_input_constant.csv")
+    with pytest.warns(heft.HeftWarning, match="in degrees per second"):
+        heft.estimate(data.assign(swing_velocity=np.degrees(data["swing_velocity"])), "excavator")
 
 
 def test_missing_values_are_missing_samples():

@@ -383,6 +383,22 @@ pub fn free_shared_memory() -> u64 {
 }
 
 fn check_room() -> Result<(), Error> {
+    for (place, remedy) in [
+        (
+            SHARED_MEMORY,
+            "mount it: mount -t tmpfs -o size=256m tmpfs /dev/shm",
+        ),
+        ("/proc/self", "mount it: mount -t proc proc /proc"),
+        (
+            "/dev/urandom",
+            "give this root the devices of the computer: mount --rbind /dev ...",
+        ),
+    ] {
+        if !Path::new(place).exists() {
+            let what = "a run needs what this root does not have";
+            return Err(Error::new(what, place, remedy));
+        }
+    }
     let free = free_shared_memory();
     if free < ROOM_BYTES {
         return Err(Error::new(

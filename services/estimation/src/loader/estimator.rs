@@ -24,6 +24,7 @@ use crate::srukf::SquareRootUkf;
 /// `every-method`).
 #[derive(Clone, Copy, Debug)]
 #[allow(clippy::large_enum_variant)] // no allocator
+#[cfg_attr(not(feature = "every-method"), allow(clippy::enum_variant_names))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 enum Filter {
     #[cfg(feature = "every-method")]
