@@ -224,6 +224,30 @@ fn lengths_within_their_tolerance_leave_the_gain_inside_its_interval() {
 }
 
 #[test]
+fn a_boom_pin_that_is_guessed_must_be_measured_first() {
+    let truth = Truth::new(3);
+    let inputs = [
+        input("empty", truth.record(0.0, 1), 0.0),
+        input("loaded", truth.record(423.0, 2), 423.0),
+    ];
+    let mut description = config::Excavator::default();
+    let asks = |description: &config::Excavator| {
+        let options = Options {
+            description,
+            free: None,
+            stop: &AtomicBool::new(false),
+            progress: &|_| {},
+        };
+        let outcome = calibrate(&inputs, &options).expect("known keys");
+        outcome.faults.iter().any(|f| f.contains("boom_pin"))
+    };
+    description.machine.operating_mass = Some(5500.0);
+    assert!(!asks(&description), "stated");
+    description.geometry.boom_pin = description.of_its_size().geometry.boom_pin;
+    assert!(asks(&description));
+}
+
+#[test]
 fn recordings_of_two_machines_do_not_fit_together() {
     let (one, other) = (
         Truth::new(3),

@@ -146,6 +146,10 @@ pub fn calibrate(inputs: &[Input], options: &Options<'_>) -> Result<Outcome, Str
         outcome.remarks.push(words);
         outcome.cylinder = learnt.ok();
     }
+    let needs_radius = outcome.found.is_some() && free.contains(&Role::Gain);
+    if needs_radius && swings::is_pin_guessed(options.description) {
+        outcome.faults.push(words::GUESSED_PIN.into());
+    }
     Ok(outcome)
 }
 

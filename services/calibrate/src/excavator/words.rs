@@ -246,6 +246,9 @@ pub fn ground(outcome: &Outcome) -> Vec<String> {
     series.filter_map(inclined).collect()
 }
 
+/// A length that decides, and nobody has stated.
+pub const GUESSED_PIN: &str = "the distance of the boom's foot from the swing axis is guessed from the operating mass, and a load of known mass fixes gain and masses only at a known radius; measure it with a tape and state machine.geometry.boom_pin";
+
 /// One load only.
 pub const ONE_LOAD: &str = "no two recordings have different stated loads: torque, damping, friction and masses could all be larger by one factor, and only a known mass fixes it. Record one run with an empty bucket and one with a weighed load, and state both: --payload FILE=0 --payload FILE=KG±KG";
 

@@ -213,6 +213,8 @@ fn advice(e: &LoaderEstimate, part: &Part) -> &'static str {
         part.to_do[0]
     } else if !has(bits::CONSISTENT) {
         "drive on; if it stays so, check the sensors and the machine file"
+    } else if e.estimated & bits::PAYLOAD != 0 {
+        "weigh the axles of the empty machine once, level and on a ramp (heft weigh); or calibrate"
     } else {
         part.to_do[1]
     }

@@ -109,8 +109,14 @@ fn headline_number<E: Estimate>(
         return String::new();
     }
     let (number, interval) = large(value, std, parameter.unit);
+    // Faint where nobody should take it for a result.
+    let class = if judgement.reported.trusted {
+        "number"
+    } else {
+        "number none"
+    };
     format!(
-        "<p class=\"number\">{}</p><p>95\u{a0}%: {}</p>",
+        "<p class=\"{class}\">{}</p><p>95\u{a0}%: {}</p>",
         text(&number),
         text(&interval)
     )

@@ -94,22 +94,11 @@ pub fn finish(
     summary: &Summary<'_>,
     written: Option<String>,
 ) -> Result<(), Failure> {
-    print!("{}", text(summary));
-    let taken = taken(args);
-    if let Some(report) = &args.report {
-        let page = page::page(summary);
-        results::text("write the page", report, &taken, page::is_ours, &page)?;
-        println!("report in {}", report.display());
-    }
+    // Files first: whoever reads the terminal may leave early.
+    let files = write(args, summary, written);
+    print!("{}{}", text(summary), files.as_deref().unwrap_or_default());
+    files?;
     let sure = summary.faults.is_empty();
-    match written {
-        Some(text) if sure || args.accept => {
-            let output = output_of(args)?;
-            results::text(DOING, output, &taken, is_ours, &text)?;
-            println!("machine file in {}", output.display());
-        }
-        Some(_) | None => println!("no machine file written"),
-    }
     if sure || (args.accept && summary.found.is_some()) {
         return Ok(());
     }
@@ -118,6 +107,30 @@ pub fn finish(
         summary.faults.join("\n"),
         summary.recordings.join(", ")
     )))
+}
+
+/// Writes what was asked for; where it is.
+fn write(
+    args: &CalibrateArgs,
+    summary: &Summary<'_>,
+    written: Option<String>,
+) -> Result<String, Failure> {
+    let taken = taken(args);
+    let mut places = String::new();
+    if let Some(report) = &args.report {
+        let page = page::page(summary);
+        results::text("write the page", report, &taken, page::is_ours, &page)?;
+        places += &format!("report in {}\n", report.display());
+    }
+    match written {
+        Some(text) if summary.faults.is_empty() || args.accept => {
+            let output = output_of(args)?;
+            results::text(DOING, output, &taken, is_ours, &text)?;
+            places += &format!("machine file in {}\n", output.display());
+        }
+        Some(_) | None => places += "no machine file written\n",
+    }
+    Ok(places)
 }
 
 /// What a terminal shows of the result.

@@ -41,7 +41,7 @@ fn verdict(body: &mut String, summary: &Summary<'_>) {
     let (class, word) = if summary.faults.is_empty() {
         ("verdict trusted", "calibrated")
     } else {
-        ("verdict", "not calibrated: no result that can be believed")
+        ("verdict", "not calibrated")
     };
     let _ = write!(
         body,
