@@ -282,10 +282,11 @@ impl Working {
         self.filter.predict(&input, width, s.inertia_min, trail);
         self.turn += self.filter.x[W] * drive.period;
         let mut innovation = Innovation::default();
+        let variance = drive.variance + self.noise.vibration();
         if let Some(velocity) = drive.velocity {
-            innovation = self.filter.correct(velocity, drive.variance, gate, trail);
+            innovation = self.filter.correct(velocity, variance, gate, trail);
         }
-        let measured = drive.velocity.map(|velocity| (velocity, drive.variance));
+        let measured = drive.velocity.map(|velocity| (velocity, variance));
         let shape = (width, s.inertia_min);
         let usual = self.contradiction.usual();
         self.parallel
