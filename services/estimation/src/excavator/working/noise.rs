@@ -62,8 +62,10 @@ impl Noise {
         let slow = all * all / BLOCKS as f64;
         let fast = (squares - slow) / (BLOCKS - 1) as f64;
         for (i, excess) in [slow, fast].into_iter().enumerate() {
-            let [least, most] = RANGES[i].map(ln);
-            let step = RATES[i] * (excess.min(9.0) - 1.0);
+            let [mut least, most] = RANGES[i].map(ln);
+            if i == 1 { least = ln(crate::tune(0, 0.25)); } else { least = ln(crate::tune(1, 0.25)); }
+            let e = excess.min(9.0) - 1.0;
+            let step = e * if i == 0 { crate::tune(2, 0.1) } else if e > 0.0 { crate::tune(3, 0.3) } else { crate::tune(4, 0.03) };
             self.logarithms[i] = (self.logarithms[i] + step).clamp(least, most);
             self.scales[i] = exp(self.logarithms[i]);
         }
