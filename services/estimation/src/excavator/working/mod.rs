@@ -276,6 +276,9 @@ impl Working {
         let input = self.input(s, drive);
         for filter in [&mut self.filter, &mut self.parallel.filter] {
             filter.p[GAIN][GAIN] += GAIN_DRIFT * GAIN_DRIFT * drive.period;
+            for (i, k) in [(FRICTION, 6), (DAMPING, 6), (OFFSET, 7), (LOSS, 8), (SLOPE, 9), (SLOPE + 1, 9)] {
+                filter.p[i][i] += self.stated[i] * self.stated[i] * drive.period * crate::tune(k, if k == 6 { 1.0 / 60.0 } else { 0.0 });
+            }
         }
         let (width, gate) = (s.estimator.friction_width, s.estimator.gate);
         self.parallel.set_off(&self.filter);
