@@ -28,6 +28,8 @@ const HOLDS: f64 = 1.0;
 /// a hook: .0035 to .03); time over which it is looked at \[s\], and by how much its lever may move from block to block \[m\].
 const WAVERING: f64 = 0.003;
 const WATCHED: f64 = 2.5;
+/// Blocks that a joint which changed the content, and what swings with it, needs to come to rest (1 s).
+const SETTLES: u32 = 5;
 const STILL: f64 = 0.02;
 
 /// The moment while the machine stands.
@@ -41,6 +43,8 @@ struct Watched {
     /// Mean of what the moment is apart from the expected one, and the last difference from it, as shares of it.
     mean: f64,
     last: f64,
+    /// Blocks until the joints that changed the content have come to rest.
+    settling: u32,
 }
 
 /// The second witness.
@@ -238,7 +242,8 @@ impl Weigh {
         let payload = *watched.payload.get_or_insert(payload);
         let whole = m.measured.abs().max(f64::MIN_POSITIVE);
         let apart = (m.measured - m.still - payload * m.still_payload) / whole;
-        if !begun {
+        watched.settling = watched.settling.saturating_sub(1);
+        if !begun || watched.settling > 0 {
             (watched.mean, watched.last) = (apart, 0.0);
             return;
         }
@@ -253,6 +258,7 @@ impl Weigh {
     pub(super) fn forget(&mut self) {
         self.wavering = 0.0;
         self.watched.payload = None;
+        self.watched.settling = SETTLES;
     }
 
     /// The load hangs, or swings otherwise.
