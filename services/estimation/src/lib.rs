@@ -114,9 +114,3 @@ impl Quantity {
         (self.value - truth).abs() <= self.half_width()
     }
 }
-// TUNING ONLY
-pub static TUNE: [core::sync::atomic::AtomicU64; 16] = [const { core::sync::atomic::AtomicU64::new(u64::MAX) }; 16];
-pub fn tune(i: usize, default: f64) -> f64 {
-    let v = TUNE[i].load(core::sync::atomic::Ordering::Relaxed);
-    if v == u64::MAX { default } else { f64::from_bits(v) }
-}

@@ -92,7 +92,7 @@ impl Doubts {
             links_share: both(m.mass_tolerance, 2.0 * m.geometry_tolerance),
             upper_share: m.upper_tolerance.unwrap_or(UPPER * m.mass_tolerance),
             bucket_share: m.bucket_tolerance.unwrap_or(BUCKET * m.mass_tolerance),
-            form_share: crate::tune(5, 2.0) * m.geometry_tolerance,
+            form_share: 2.0 * m.geometry_tolerance,
         }
     }
 }

@@ -43,6 +43,8 @@ use crate::math::{exp, sin_cos};
 const GAIN_DRIFT: f64 = 0.001;
 /// So far may it have walked in 100 s of motion, however closely it was calibrated: that is no fault.
 const GAIN_WALK: f64 = 10.0 * GAIN_DRIFT;
+/// Friction and damping wander by their standard deviations in this time of motion: oil warms up, a brake drags [s].
+const WARMING: f64 = 60.0;
 /// Noise of a sample of the inclinometer, and its mounting error [rad].
 const INCLINOMETER: f64 = 0.03;
 const MOUNTING: f64 = 0.004;
@@ -276,8 +278,8 @@ impl Working {
         let input = self.input(s, drive);
         for filter in [&mut self.filter, &mut self.parallel.filter] {
             filter.p[GAIN][GAIN] += GAIN_DRIFT * GAIN_DRIFT * drive.period;
-            for (i, k) in [(FRICTION, 6), (DAMPING, 6), (OFFSET, 7), (LOSS, 8), (SLOPE, 9), (SLOPE + 1, 9)] {
-                filter.p[i][i] += self.stated[i] * self.stated[i] * drive.period * crate::tune(k, if k == 6 { 1.0 / 60.0 } else { 0.0 });
+            for i in [FRICTION, DAMPING] {
+                filter.p[i][i] += self.stated[i] * self.stated[i] * drive.period / WARMING;
             }
         }
         let (width, gate) = (s.estimator.friction_width, s.estimator.gate);

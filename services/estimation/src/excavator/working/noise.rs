@@ -10,10 +10,13 @@ use crate::math::{exp, ln, sqrt};
 /// Ticks of a sum, and sums that are compared.
 const BLOCK: u32 = 10;
 const BLOCKS: usize = 4;
-/// Steps of the logarithms of torque and velocity per sum and unit of excess.
-const RATES: [f64; 2] = [0.1, 0.1];
+/// Steps of the logarithms of torque and velocity per sum and unit of too much, and of too little. What has vibrated will do so
+/// again with the next change of the torque.
+const RATES: [[f64; 2]; 2] = [[0.1, 0.1], [0.3, 0.03]];
+/// One sum says no more than this square.
+const LARGEST: f64 = 9.0;
 /// Smallest and largest factor of the variance of the torque, and of the velocity.
-const RANGES: [[f64; 2]; 2] = [[0.25, 400.0], [0.16, 36.0]];
+const RANGES: [[f64; 2]; 2] = [[0.25, 400.0], [0.25, 36.0]];
 /// Standard deviation of the velocity of an upper body about that of a rigid one [rad/s]: .003 to .007 where booms give way
 /// sideways at 3 Hz.
 const VIBRATION: f64 = 0.01;
@@ -62,10 +65,9 @@ impl Noise {
         let slow = all * all / BLOCKS as f64;
         let fast = (squares - slow) / (BLOCKS - 1) as f64;
         for (i, excess) in [slow, fast].into_iter().enumerate() {
-            let [mut least, most] = RANGES[i].map(ln);
-            if i == 1 { least = ln(crate::tune(0, 0.25)); } else { least = ln(crate::tune(1, 0.25)); }
-            let e = excess.min(9.0) - 1.0;
-            let step = e * if i == 0 { crate::tune(2, 0.1) } else if e > 0.0 { crate::tune(3, 0.3) } else { crate::tune(4, 0.03) };
+            let [least, most] = RANGES[i].map(ln);
+            let excess = excess.min(LARGEST) - 1.0;
+            let step = RATES[i][usize::from(excess < 0.0)] * excess;
             self.logarithms[i] = (self.logarithms[i] + step).clamp(least, most);
             self.scales[i] = exp(self.logarithms[i]);
         }
