@@ -77,3 +77,26 @@ impl Default for Doubts {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::excavator::keys::Description;
+
+    #[test]
+    fn an_unstated_counterweight_is_within_its_spread_on_machines_of_all_sizes() {
+        // Operating mass, first moment of the upper body [kg m].
+        for (mass, known) in [
+            (14_000.0, -7176.0),
+            (18_000.0, -10_200.0),
+            (22_000.0, -14_100.0),
+            (36_000.0, -27_236.0),
+        ] {
+            let mut d = Description::default();
+            d.machine.operating_mass = Some(mass);
+            let geometry = Geometry::of(&d.of_its_size());
+            let (moment, std) = Doubts::default().upper_moment(&geometry);
+            assert!((moment - known).abs() < 1.5 * std, "{mass} {moment} {std}");
+        }
+    }
+}

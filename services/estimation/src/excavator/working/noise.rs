@@ -88,3 +88,30 @@ impl Noise {
         self.scales[1] * VIBRATION * VIBRATION
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::sin_cos;
+    use core::f64::consts::TAU;
+
+    /// Factors of torque and vibration after 10 s of these innovations.
+    fn after(innovation: impl Fn(f64) -> f64) -> [f64; 2] {
+        let mut noise = Noise::new();
+        (0..1000).for_each(|k| noise.push(innovation(f64::from(k) * 0.01)));
+        [noise.scale(), noise.vibration() / VIBRATION.powi(2)]
+    }
+
+    #[test]
+    fn what_changes_its_sign_is_a_vibration_and_what_keeps_it_a_torque() {
+        for frequency in [2.5, 3.1, 4.7] {
+            let [torque, velocity] = after(|t| 2.0 * sin_cos(TAU * frequency * t).0);
+            assert!(
+                velocity > 10.0 && torque < 1.0,
+                "{frequency} {torque} {velocity}"
+            );
+        }
+        let [torque, velocity] = after(|t| 1.5 * sin_cos(0.8 * t).0.signum());
+        assert!(torque > 10.0 && velocity < 1.0, "{torque} {velocity}");
+    }
+}

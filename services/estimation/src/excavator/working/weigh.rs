@@ -300,6 +300,7 @@ mod tests {
             value: 0.0,
             variance: 1.0,
         };
+        weigh.forget();
         for block in 0..30 {
             let moment = Moment {
                 measured: MOMENT * (1.0 + share(0.2 * f64::from(block))),
@@ -310,6 +311,12 @@ mod tests {
             weigh.watch(&moment, fits, 0.0, true);
         }
         weigh.swings()
+    }
+
+    #[test]
+    fn a_bucket_that_settles_after_a_dump_does_not_hang() {
+        let settles = |t: f64| 0.04 * exp(-t / 0.3);
+        assert!(!stands(settles), "4 %, gone within a second");
     }
 
     #[test]
