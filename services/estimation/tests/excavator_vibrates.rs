@@ -1,11 +1,12 @@
 //! A boom that gives way sideways makes the velocity waver about that of a rigid machine, with a drive whose friction grows as it
-//! works: neither takes the trust in a right estimate away, nor makes a wrong one trusted.
+//! works: neither takes the trust away, nor makes a wrong estimate trusted.
 
 use estimation::excavator::keys::Description;
 use estimation::excavator::{Columns, Method, Sample, Settings, SwingEstimator};
 
 const RATE: f64 = 100.0;
-const POSTURE: [f64; 3] = [0.6, -1.2, -0.8];
+/// Stretched and folded: it swings in one and in the other by turns.
+const POSTURES: [[f64; 3]; 2] = [[0.6, -1.2, -0.8], [1.1, -2.3, -1.5]];
 const PAYLOAD: f64 = 300.0;
 
 /// What a machine does beside the model.
@@ -21,7 +22,6 @@ struct Machine {
 fn shares(machine: &Machine) -> (f64, f64) {
     let settings = Settings::of(&Description::default());
     let geometry = settings.geometry;
-    let inertia = geometry.inertia(POSTURE).with_payload(PAYLOAD);
     let columns = Columns {
         velocity: true,
         torque: true,
@@ -37,16 +37,16 @@ fn shares(machine: &Machine) -> (f64, f64) {
     let (mut moving, mut trusted, mut wrong) = (0.0, 0.0, 0.0_f64);
     for k in 0..9000 {
         let time = f64::from(k) / RATE;
-        // 2 s of standing, a swing of 4 s; the next one goes back.
-        let (phase, side) = (time % 6.0, if time % 12.0 < 6.0 { 1.0 } else { -1.0 });
-        let turn = core::f64::consts::PI * (phase - 2.0) / 4.0;
-        let (velocity, acceleration) = if phase < 2.0 {
-            (0.0, 0.0)
-        } else {
-            let rate = core::f64::consts::PI / 4.0;
-            let (sin, cos) = turn.sin_cos();
-            (side * 0.8 * sin * sin, side * 1.6 * rate * sin * cos)
-        };
+        // 2 s of standing, in which the joints move, and a swing of 4 s; the next one goes back.
+        let (swing, phase) = ((time / 6.0) as usize, time % 6.0);
+        let side = if swing % 2 == 0 { 1.0 } else { -1.0 };
+        let [before, after] = [swing + 1, swing].map(|swing| POSTURES[swing % 2]);
+        let moved = phase.min(1.0);
+        let posture = [0, 1, 2].map(|i| before[i] + moved * (after[i] - before[i]));
+        let inertia = geometry.inertia(posture).with_payload(PAYLOAD);
+        let rate = core::f64::consts::PI / 4.0;
+        let (sin, cos) = (rate * (phase - 2.0).max(0.0)).sin_cos();
+        let (velocity, acceleration) = (side * 0.8 * sin * sin, side * 1.6 * rate * sin * cos);
         let friction = settings.coulomb_friction * (1.0 + (machine.friction - 1.0) * time / 90.0);
         let torque = inertia * acceleration
             + settings.nominal_damping * velocity
@@ -57,7 +57,7 @@ fn shares(machine: &Machine) -> (f64, f64) {
             time,
             velocity: Some(velocity + moves * wavers + 0.01 * drawn()),
             torque: Some(torque + 100.0 * drawn()),
-            posture: POSTURE.map(|q| Some(q + 1e-3 * drawn())),
+            posture: posture.map(|q| Some(q + 1e-3 * drawn())),
             ..Sample::default()
         };
         let e = estimator.step(&sample);
@@ -79,14 +79,14 @@ fn a_velocity_that_wavers_is_noise_of_the_velocity_and_no_torque() {
         vibration: 0.012,
         friction: 1.0,
     });
-    assert!(trusted > 0.6 && wrong < 0.05, "{trusted} {wrong}");
+    assert!(trusted > 0.5 && wrong < 0.05, "{trusted} {wrong}");
 }
 
 #[test]
-fn friction_that_grows_makes_nothing_wrong() {
+fn friction_that_grows_takes_no_trust_away() {
     let (trusted, wrong) = shares(&Machine {
         vibration: 0.0,
-        friction: 3.0,
+        friction: 4.0,
     });
-    assert!(trusted > 0.3 && wrong < 0.05, "{trusted} {wrong}");
+    assert!(trusted > 0.7 && wrong < 0.05, "{trusted} {wrong}");
 }
