@@ -207,7 +207,7 @@ impl Working {
                 let gate = settings.estimator.gate;
                 self.parallel
                     .weigh([said, other], gate, self.contradiction.usual());
-                weigh.watch(&moment, said, self.filter.x[M], stands);
+                weigh.watch(&moment, said, (self.filter.x[M], self.rated), stands);
                 if weigh.renews(said) {
                     self.hold(settings, Content::Unknown, trail);
                     self.agreement.interrupt();

@@ -28,9 +28,11 @@ const HOLDS: f64 = 1.0;
 /// a hook: .0035 to .03); time over which it is looked at \[s\], and by how much its lever may move from block to block \[m\].
 const WAVERING: f64 = 0.003;
 const WATCHED: f64 = 2.5;
-/// Blocks that a joint which changed the content, and what swings with it, needs to come to rest (1 s).
-const SETTLES: u32 = 5;
+/// Blocks that a joint which changed the content, and what swings with it, needs to come to rest (0.6 s).
+const SETTLES: u32 = 3;
 const STILL: f64 = 0.02;
+/// Share of the rated payload below which nothing is in the bucket, or on the hook, that could swing.
+const EMPTY: f64 = 0.1;
 
 /// The moment while the machine stands.
 #[derive(Debug, Clone, Copy, Default)]
@@ -222,7 +224,18 @@ impl Weigh {
     }
 
     /// A load that hangs or sloshes swings on while the machine stands; friction, drawing and noise do not waver from block to block.
-    pub(super) fn watch(&mut self, m: &Moment, innovation: Innovation, payload: f64, stands: bool) {
+    /// What is empty does not.
+    pub(super) fn watch(
+        &mut self,
+        m: &Moment,
+        innovation: Innovation,
+        (payload, rated): (f64, f64),
+        stands: bool,
+    ) {
+        if payload < EMPTY * rated {
+            self.forget();
+            return;
+        }
         let watched = &mut self.watched;
         let share = (m.period / WATCHED).min(1.0);
         if m.moves {
@@ -289,8 +302,8 @@ mod tests {
 
     const MOMENT: f64 = 70e3;
 
-    /// A machine that stands for 6 s with a moment that differs by a share from block to block.
-    fn stands(share: impl Fn(f64) -> f64) -> bool {
+    /// A machine that stands for 6 s with a load and a moment that differs by a share from block to block.
+    fn stands(payload: f64, share: impl Fn(f64) -> f64) -> bool {
         let mut d = Description::default();
         let c = &mut d.boom_cylinder;
         (c.count, c.head_area, c.rod_area) = (1.0, 0.01, 0.007);
@@ -308,24 +321,29 @@ mod tests {
                 period: 0.2,
                 ..Moment::default()
             };
-            weigh.watch(&moment, fits, 0.0, true);
+            weigh.watch(&moment, fits, (payload, 1000.0), true);
         }
         weigh.swings()
     }
 
     #[test]
     fn a_bucket_that_settles_after_a_dump_does_not_hang() {
-        let settles = |t: f64| 0.04 * exp(-t / 0.3);
-        assert!(!stands(settles), "4 %, gone within a second");
+        let settles = |t: f64| 0.04 * exp(-t / 0.2);
+        assert!(!stands(800.0, settles), "4 %, gone within a second");
     }
 
     #[test]
     fn a_load_that_swings_wavers_slowly_and_noise_does_not() {
-        assert!(stands(|t| 0.01 * sin_cos(2.0 * t).0), "1 % at 2 rad/s");
-        assert!(!stands(|_| 0.01), "another load");
+        assert!(
+            stands(800.0, |t| 0.01 * sin_cos(2.0 * t).0),
+            "1 % at 2 rad/s"
+        );
+        assert!(!stands(800.0, |_| 0.01), "another load");
+        let relaxes = |t: f64| 0.04 * exp(-t / 3.0);
+        assert!(!stands(20.0, relaxes), "nothing in it");
         let noise = [0.003, -0.002, -0.003, 0.001, 0.002, -0.001, 0.003, -0.003];
         assert!(
-            !stands(|t| noise[(t * 5.0) as usize % 8]),
+            !stands(800.0, |t| noise[(t * 5.0) as usize % 8]),
             "0.24 % of noise"
         );
     }
