@@ -95,23 +95,27 @@ mod tests {
     use crate::math::sin_cos;
     use core::f64::consts::TAU;
 
-    /// Factors of torque and vibration after 10 s of these innovations.
-    fn after(innovation: impl Fn(f64) -> f64) -> [f64; 2] {
+    /// Factors of torque and vibration after 10 s of innovations that are the smaller, the more noise is assumed.
+    fn after(innovation: impl Fn(f64, &Noise) -> f64) -> [f64; 2] {
         let mut noise = Noise::new();
-        (0..1000).for_each(|k| noise.push(innovation(f64::from(k) * 0.01)));
-        [noise.scale(), noise.vibration() / VIBRATION.powi(2)]
+        for k in 0..1000 {
+            noise.push(innovation(f64::from(k) * 0.01, &noise));
+        }
+        noise.scales
     }
 
     #[test]
     fn what_changes_its_sign_is_a_vibration_and_what_keeps_it_a_torque() {
         for frequency in [2.5, 3.1, 4.7] {
-            let [torque, velocity] = after(|t| 2.0 * sin_cos(TAU * frequency * t).0);
+            let waver = |t: f64| 3.0 * sin_cos(TAU * frequency * t).0;
+            let [torque, velocity] = after(|t, noise| waver(t) / sqrt(noise.scales[1]));
             assert!(
-                velocity > 10.0 && torque < 1.0,
+                velocity > 5.0 && torque < 2.0,
                 "{frequency} {torque} {velocity}"
             );
         }
-        let [torque, velocity] = after(|t| 1.5 * sin_cos(0.8 * t).0.signum());
-        assert!(torque > 10.0 && velocity < 1.0, "{torque} {velocity}");
+        let push = |t: f64| 1.5 * sin_cos(0.8 * t).0.signum();
+        let [torque, velocity] = after(|t, noise| push(t) / sqrt(noise.scales[0]));
+        assert!(torque > 5.0 && velocity < 1.0, "{torque} {velocity}");
     }
 }

@@ -328,8 +328,8 @@ mod tests {
 
     #[test]
     fn a_bucket_that_settles_after_a_dump_does_not_hang() {
-        let settles = |t: f64| 0.04 * exp(-t / 0.2);
-        assert!(!stands(800.0, settles), "4 %, gone within a second");
+        let settles = |t: f64| 0.04 * exp(-t / 0.1);
+        assert!(!stands(800.0, settles), "4 %, gone within half a second");
     }
 
     #[test]
