@@ -88,8 +88,8 @@ pub(super) struct Working {
     changed: bool,
     /// An emptied bucket has weighed nothing in this swing.
     weighed_nothing: bool,
-    /// One has not, after it had been used as a weight.
-    weighed_something: bool,
+    /// One seems to weigh something: what that says for another gain, as logarithm of the odds.
+    weighed_something: f64,
     /// The emptied bucket has been used as a weight of nearly nothing.
     tared: bool,
     /// How often it has been: what sticks is the same in all of them, so that they are worth little more than one.
@@ -160,7 +160,7 @@ impl Working {
             change: Cusum::new(0.5, CHANGE),
             changed: false,
             weighed_nothing: false,
-            weighed_something: false,
+            weighed_something: 0.0,
             tared: false,
             tares: 0.0,
             carried: None,
@@ -253,7 +253,7 @@ impl Working {
         }
         self.agreement.interrupt();
         self.weighed_nothing = false;
-        self.weighed_something = false;
+        self.weighed_something = 0.0;
         Innovation::default()
     }
 

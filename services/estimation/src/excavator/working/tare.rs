@@ -91,14 +91,16 @@ impl Working {
             self.contradiction.outright();
             return;
         }
-        if apart && self.tared && !core::mem::replace(&mut self.weighed_something, true) {
-            // Explained by another gain only: that speaks for it, once in a swing.
-            let said = [(value, variance), (other, parallel_variance)];
-            let said = said.map(|(value, variance)| Innovation {
+        let doubtful = value * value > 4.0 * (claimed + sticks * sticks);
+        if doubtful && self.tared {
+            // Another gain may explain it: what speaks for it is known better with each row.
+            let both = [(value, variance), (other, parallel_variance)];
+            let both = both.map(|(value, variance)| Innovation {
                 value,
                 variance: variance + sticks * sticks,
             });
-            self.parallel.weigh(said, gate, self.contradiction.usual());
+            let (usual, before) = (self.contradiction.usual(), self.weighed_something);
+            self.weighed_something = self.parallel.weigh_anew(both, gate, usual, before);
         }
         let close = value * value < 4.0 * (variance + std * std);
         if !apart && !close {
