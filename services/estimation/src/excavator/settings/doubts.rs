@@ -40,9 +40,9 @@ pub struct Doubts {
     pub form_share: f64,
 }
 
-/// Counterweight and engine over what balances the folded, empty attachment, and the standard deviation of this ratio: 1.35 to 1.65
-/// on machines of 13 to 40 t. They balance it at some way between folded and stretched.
-const COUNTERWEIGHT: [f64; 2] = [1.45, 0.3];
+/// Counterweight and engine over what balances the folded, empty attachment, and the standard deviation of this ratio: 1.05 to 1.65
+/// on machines of 5 to 40 t. They balance it at some way between folded and stretched.
+const COUNTERWEIGHT: [f64; 2] = [1.15, 0.4];
 
 impl Doubts {
     /// First moment of the upper body and its standard deviation [kg m].
