@@ -14,6 +14,8 @@ use crate::model::Model;
 
 /// A swing with less than this share of the load is one with an empty bucket.
 const EMPTY: f64 = 0.35;
+/// Less than this share of the stated load is none: that it was stated is said later.
+const NOTHING: f64 = 0.1;
 /// A load may differ by this share from the others and still be the same.
 const SAME: f64 = 0.25;
 /// More swings than this share with another load: the recording is not of one load.
@@ -32,7 +34,7 @@ pub fn sort(swings: &mut Swings, place: &[f64]) -> Option<String> {
         let loaded = found.iter().filter(|m| m.value > 0.5 * large);
         let load = percentile(loaded.map(|m| m.value).collect(), 0.5);
         let series = &mut swings.series[recording];
-        if load <= 0.0 {
+        if load <= NOTHING * stated.value {
             continue;
         }
         let is_load = |m: &Quantity| (m.value - load).abs() < (SAME * load).max(4.0 * m.std);

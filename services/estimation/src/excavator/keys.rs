@@ -38,9 +38,9 @@ table! {
         /// Its standard deviation.
         drive_efficiency_std: f64 = 0.03, "", 0.0 to 0.5;
         /// First moment of the upper body without boom, arm and bucket about the swing axis, forward positive (a
-        /// counterweight makes it negative); "none" takes one that balances the folded, empty attachment.
+        /// counterweight makes it negative); "none" takes 1.15 times what balances the folded, empty attachment, as machines have.
         upper_first_moment: Option<f64> = None, "kg m", -1e7 to 1e7;
-        /// Its standard deviation; "none" takes 3 % of a stated moment, 30 % of one that is not.
+        /// Its standard deviation; "none" takes 3 % of a stated moment, a third of one that is not.
         upper_first_moment_std: Option<f64> = None, "kg m", 0.0 to 1e7;
         /// Standard deviation of the slope of the ground along each of two axes.
         slope_std: f64 = 0.03, "rad", 0.0 to 0.5;

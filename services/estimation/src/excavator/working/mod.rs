@@ -43,6 +43,8 @@ use crate::math::{exp, sin_cos};
 const GAIN_DRIFT: f64 = 0.001;
 /// So far may it have walked in 100 s of motion, however closely it was calibrated: that is no fault.
 const GAIN_WALK: f64 = 10.0 * GAIN_DRIFT;
+/// Friction and damping wander by their standard deviations in this time of motion: oil warms up, a brake drags [s].
+const WARMING: f64 = 60.0;
 /// Noise of a sample of the inclinometer, and its mounting error [rad].
 const INCLINOMETER: f64 = 0.03;
 const MOUNTING: f64 = 0.004;
@@ -86,6 +88,8 @@ pub(super) struct Working {
     changed: bool,
     /// An emptied bucket has weighed nothing in this swing.
     weighed_nothing: bool,
+    /// One seems to weigh something: what that says for another gain, as logarithm of the odds.
+    weighed_something: f64,
     /// The emptied bucket has been used as a weight of nearly nothing.
     tared: bool,
     /// How often it has been: what sticks is the same in all of them, so that they are worth little more than one.
@@ -156,6 +160,7 @@ impl Working {
             change: Cusum::new(0.5, CHANGE),
             changed: false,
             weighed_nothing: false,
+            weighed_something: 0.0,
             tared: false,
             tares: 0.0,
             carried: None,
@@ -205,7 +210,7 @@ impl Working {
                 let gate = settings.estimator.gate;
                 self.parallel
                     .weigh([said, other], gate, self.contradiction.usual());
-                weigh.watch(&moment, said, self.filter.x[M], stands);
+                weigh.watch(&moment, said, (self.filter.x[M], self.rated), stands);
                 if weigh.renews(said) {
                     self.hold(settings, Content::Unknown, trail);
                     self.agreement.interrupt();
@@ -248,6 +253,7 @@ impl Working {
         }
         self.agreement.interrupt();
         self.weighed_nothing = false;
+        self.weighed_something = 0.0;
         Innovation::default()
     }
 
@@ -276,16 +282,20 @@ impl Working {
         let input = self.input(s, drive);
         for filter in [&mut self.filter, &mut self.parallel.filter] {
             filter.p[GAIN][GAIN] += GAIN_DRIFT * GAIN_DRIFT * drive.period;
+            for i in [FRICTION, DAMPING] {
+                filter.p[i][i] += self.stated[i] * self.stated[i] * drive.period / WARMING;
+            }
         }
         let (width, gate) = (s.estimator.friction_width, s.estimator.gate);
         self.parallel.set_off(&self.filter);
         self.filter.predict(&input, width, s.inertia_min, trail);
         self.turn += self.filter.x[W] * drive.period;
         let mut innovation = Innovation::default();
+        let variance = drive.variance + self.noise.vibration();
         if let Some(velocity) = drive.velocity {
-            innovation = self.filter.correct(velocity, drive.variance, gate, trail);
+            innovation = self.filter.correct(velocity, variance, gate, trail);
         }
-        let measured = drive.velocity.map(|velocity| (velocity, drive.variance));
+        let measured = drive.velocity.map(|velocity| (velocity, variance));
         let shape = (width, s.inertia_min);
         let usual = self.contradiction.usual();
         self.parallel

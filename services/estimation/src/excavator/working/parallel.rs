@@ -80,13 +80,26 @@ impl ParallelFilter {
 
     /// Innovations of both filters to one measurement, as variances disagree by a factor.
     pub(super) fn weigh(&mut self, both: [Innovation; 2], gate: f64, disagreement: f64) {
+        self.weigh_anew(both, gate, disagreement, 0.0);
+    }
+
+    /// The same of a measurement that was weighed before, and is known better now; what it says, of which `before` is in the odds.
+    pub(super) fn weigh_anew(
+        &mut self,
+        both: [Innovation; 2],
+        gate: f64,
+        disagreement: f64,
+        before: f64,
+    ) -> f64 {
         if both.iter().any(|i| i.variance <= 0.0) {
-            return;
+            return before;
         }
         let squares = both.map(|i| i.nis().min(gate * gate));
         let volumes = ln(both[0].variance / both[1].variance);
         let said = 0.5 * (squares[0] - squares[1] + volumes) / disagreement;
-        self.odds = (self.odds + said.clamp(-MAX_LOG_RATIO, MAX_LOG_RATIO)).clamp(-50.0, 50.0);
+        let said = said.clamp(-MAX_LOG_RATIO, MAX_LOG_RATIO);
+        self.odds = (self.odds + said - before).clamp(-50.0, 50.0);
+        said
     }
 
     /// Changes places with the other filter where it is the more probable one.

@@ -9,6 +9,7 @@ use super::filter::{M, inertia_row};
 use super::trail::Trail;
 use crate::excavator::geometry::Inertia;
 use crate::excavator::settings::Settings;
+use crate::kalman::Innovation;
 use crate::math::{ln, sqrt};
 
 /// An emptied bucket still holds this share of the rated payload, with this standard deviation: soil sticks, from nothing to 15 %, and
@@ -78,14 +79,28 @@ impl Working {
         let (empty, std) = self.sticking();
         let parallel = &self.parallel.filter;
         let [value, other] = [empty - self.filter.x[M], empty - parallel.x[M]];
-        let apart = value * value > 9.0 * (claimed + std * std);
-        let explained = other * other < 4.0 * (parallel.p[M][M] + std * std);
+        // How much sticks is not the less certain for having been a weight before.
+        let sticks = STICKING[1] * self.rated;
+        let apart = value * value > 9.0 * (claimed + sticks * sticks);
+        let parallel_variance = parallel.p[M][M];
+        let explained = other * other < 4.0 * (parallel_variance + std * std);
         if apart && self.is_kept(variance) {
             return;
         }
         if apart && !explained {
             self.contradiction.outright();
             return;
+        }
+        let doubtful = value * value > 4.0 * (claimed + sticks * sticks);
+        if doubtful && self.tared {
+            // Another gain may explain it: what speaks for it is known better with each row.
+            let both = [(value, variance), (other, parallel_variance)];
+            let both = both.map(|(value, variance)| Innovation {
+                value,
+                variance: variance + sticks * sticks,
+            });
+            let (usual, before) = (self.contradiction.usual(), self.weighed_something);
+            self.weighed_something = self.parallel.weigh_anew(both, gate, usual, before);
         }
         let close = value * value < 4.0 * (variance + std * std);
         if !apart && !close {
@@ -101,8 +116,11 @@ impl Working {
             let said = self.filter.measure(row, value, std * std, gate, trail);
             let parallel = &mut self.parallel.filter;
             let other = parallel.measure(row, other, std * std, gate, &mut None);
-            self.parallel
-                .weigh([said, other], gate, self.contradiction.usual());
+            let both = [said, other].map(|said| Innovation {
+                variance: said.variance - std * std + sticks * sticks,
+                ..said
+            });
+            self.parallel.weigh(both, gate, self.contradiction.usual());
             self.tares += 1.0;
             self.agreement.interrupt();
         }

@@ -28,7 +28,11 @@ const HOLDS: f64 = 1.0;
 /// a hook: .0035 to .03); time over which it is looked at \[s\], and by how much its lever may move from block to block \[m\].
 const WAVERING: f64 = 0.003;
 const WATCHED: f64 = 2.5;
+/// Blocks that a joint which changed the content, and what swings with it, needs to come to rest (0.6 s).
+const SETTLES: u32 = 3;
 const STILL: f64 = 0.02;
+/// Share of the rated payload below which nothing is in the bucket, or on the hook, that could swing.
+const EMPTY: f64 = 0.1;
 
 /// The moment while the machine stands.
 #[derive(Debug, Clone, Copy, Default)]
@@ -41,6 +45,8 @@ struct Watched {
     /// Mean of what the moment is apart from the expected one, and the last difference from it, as shares of it.
     mean: f64,
     last: f64,
+    /// Blocks until the joints that changed the content have come to rest.
+    settling: u32,
 }
 
 /// The second witness.
@@ -218,7 +224,18 @@ impl Weigh {
     }
 
     /// A load that hangs or sloshes swings on while the machine stands; friction, drawing and noise do not waver from block to block.
-    pub(super) fn watch(&mut self, m: &Moment, innovation: Innovation, payload: f64, stands: bool) {
+    /// What is empty does not.
+    pub(super) fn watch(
+        &mut self,
+        m: &Moment,
+        innovation: Innovation,
+        (payload, rated): (f64, f64),
+        stands: bool,
+    ) {
+        if payload < EMPTY * rated {
+            self.forget();
+            return;
+        }
         let watched = &mut self.watched;
         let share = (m.period / WATCHED).min(1.0);
         if m.moves {
@@ -238,7 +255,8 @@ impl Weigh {
         let payload = *watched.payload.get_or_insert(payload);
         let whole = m.measured.abs().max(f64::MIN_POSITIVE);
         let apart = (m.measured - m.still - payload * m.still_payload) / whole;
-        if !begun {
+        watched.settling = watched.settling.saturating_sub(1);
+        if !begun || watched.settling > 0 {
             (watched.mean, watched.last) = (apart, 0.0);
             return;
         }
@@ -253,6 +271,7 @@ impl Weigh {
     pub(super) fn forget(&mut self) {
         self.wavering = 0.0;
         self.watched.payload = None;
+        self.watched.settling = SETTLES;
     }
 
     /// The load hangs, or swings otherwise.
@@ -283,8 +302,8 @@ mod tests {
 
     const MOMENT: f64 = 70e3;
 
-    /// A machine that stands for 6 s with a moment that differs by a share from block to block.
-    fn stands(share: impl Fn(f64) -> f64) -> bool {
+    /// A machine that stands for 6 s with a load and a moment that differs by a share from block to block.
+    fn stands(payload: f64, share: impl Fn(f64) -> f64) -> bool {
         let mut d = Description::default();
         let c = &mut d.boom_cylinder;
         (c.count, c.head_area, c.rod_area) = (1.0, 0.01, 0.007);
@@ -294,6 +313,7 @@ mod tests {
             value: 0.0,
             variance: 1.0,
         };
+        weigh.forget();
         for block in 0..30 {
             let moment = Moment {
                 measured: MOMENT * (1.0 + share(0.2 * f64::from(block))),
@@ -301,18 +321,29 @@ mod tests {
                 period: 0.2,
                 ..Moment::default()
             };
-            weigh.watch(&moment, fits, 0.0, true);
+            weigh.watch(&moment, fits, (payload, 1000.0), true);
         }
         weigh.swings()
     }
 
     #[test]
+    fn a_bucket_that_settles_after_a_dump_does_not_hang() {
+        let settles = |t: f64| 0.04 * exp(-t / 0.1);
+        assert!(!stands(800.0, settles), "4 %, gone within half a second");
+    }
+
+    #[test]
     fn a_load_that_swings_wavers_slowly_and_noise_does_not() {
-        assert!(stands(|t| 0.01 * sin_cos(2.0 * t).0), "1 % at 2 rad/s");
-        assert!(!stands(|_| 0.01), "another load");
+        assert!(
+            stands(800.0, |t| 0.01 * sin_cos(2.0 * t).0),
+            "1 % at 2 rad/s"
+        );
+        assert!(!stands(800.0, |_| 0.01), "another load");
+        let relaxes = |t: f64| 0.04 * exp(-t / 3.0);
+        assert!(!stands(20.0, relaxes), "nothing in it");
         let noise = [0.003, -0.002, -0.003, 0.001, 0.002, -0.001, 0.003, -0.003];
         assert!(
-            !stands(|t| noise[(t * 5.0) as usize % 8]),
+            !stands(800.0, |t| noise[(t * 5.0) as usize % 8]),
             "0.24 % of noise"
         );
     }
