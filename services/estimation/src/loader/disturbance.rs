@@ -248,8 +248,8 @@ impl Disturbance {
         if step.tells_mass || self.inertia.stepped() {
             self.unreported_load.settle();
         } else {
-            self.unreported_load
-                .see(&row, self.inertia.known(), tells, dt);
+            let (signals, known) = (self.inertia.signals(), self.inertia.known());
+            self.unreported_load.see(speed, signals, known, tells, dt);
         }
         self.fast += (dt / TIME).min(1.0) * (residual - self.fast);
         self.unexplained += (dt / HOLD).min(1.0) * (residual - self.unexplained);
