@@ -15,11 +15,11 @@
 //! tyres and body settle.
 
 use super::accelerometer::Shaking;
-use super::inertia::{Inertia, Push};
+use super::inertia::{Force, Inertia, Push};
 use super::inputs::StepInputs;
-use super::unreported_load::UnreportedLoad;
+use super::unreported_load::{SLOW, UnreportedLoad};
 use super::wheel_dynamics::{GRAVITY, WheelDynamics};
-use crate::math::tanh;
+use crate::math::{exp, sqrt, tanh};
 
 /// How long a disturbance outlasts its cause [s].
 const HOLD: f64 = 0.25;
@@ -47,6 +47,11 @@ const LEAST_SPEED: f64 = 0.5;
 const STRAIGHT: f64 = 0.1;
 /// A gain beyond these is no tolerance of mass and torque.
 const GAIN_RANGE: (f64, f64) = (0.75, 1.33);
+
+/// Tolerances of mass, rolling radius and both torques together, as a standard deviation of kappa.
+const USUAL_GAIN: f64 = 0.03;
+/// How often one axle's torque is off whatever its tolerance says (a gear ratio, a motor's constant, a displacement), and by how much.
+const ONE_AXLE: (f64, f64) = (0.1, 0.15);
 
 /// The largest value of the last quarter second.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -101,6 +106,20 @@ pub(super) struct Effect {
     pub closing: f64,
     /// Standard deviation of both slips by unexplained forces.
     pub force: f64,
+}
+
+/// Bayes' rule on kappa - 1: tolerances of mass, radius and both torques together, or one axle's torque, which moves it half as far.
+fn one_axle(force: &Force) -> (f64, f64) {
+    let away = force.state[0] - 1.0;
+    let usual = USUAL_GAIN * USUAL_GAIN + force.covariance[0][0];
+    let own = ONE_AXLE.1 * ONE_AXLE.1;
+    let other = usual + 0.25 * own;
+    let odds = (1.0 - ONE_AXLE.0) / ONE_AXLE.0
+        * sqrt(other / usual)
+        * exp(0.5 * away * away * (1.0 / other - 1.0 / usual));
+    let (probability, gain) = (1.0 / (1.0 + odds), 0.5 * own / other);
+    let square = gain * gain * away * away + own - 0.5 * gain * own;
+    (probability, sqrt(probability * square))
 }
 
 impl Default for Disturbance {
@@ -193,6 +212,16 @@ impl Disturbance {
         (1.0 - by.gain()).abs()
     }
 
+    /// Whether the torque of one axle is off: probability, and what the mixture makes of its relative error, as a standard deviation.
+    pub fn axle_torque(&self) -> (f64, f64) {
+        let filter = if self.inertia.gain() > 1.0 {
+            &self.driven
+        } else {
+            &self.inertia
+        };
+        one_axle(filter.known())
+    }
+
     /// What force and acceleration show of a load that nobody reported, as a share of the machine with it.
     pub fn carried(&self) -> f64 {
         (1.0 - self.inertia.gain()).max(0.0)
@@ -203,9 +232,9 @@ impl Disturbance {
         self.inertia.stepped()
     }
 
-    /// Probability that the load is another one than that under which the ratio was learnt.
+    /// By how much the load is another one than that under which the ratio was learnt, as a share of the machine, as far as that is probable.
     pub fn other_load(&self) -> f64 {
-        self.unreported_load.probability()
+        self.unreported_load.share()
     }
 
     /// Time since then [s].
@@ -236,6 +265,10 @@ impl Disturbance {
         let straight = step.turning(speed, machine.wheelbase).abs() < STRAIGHT;
         let free = u.spade_force_x == 0.0 && !step.brake && speed.abs() > LEAST_SPEED;
         self.shaking.see(residual, free, dt);
+        if step.tells_mass {
+            self.inertia.mass_is_told();
+            self.driven.mass_is_told();
+        }
         let tells = free && straight && pull.abs() < LARGEST && measured.abs() < LARGEST;
         let row = Push {
             acceleration: measured,
@@ -249,7 +282,13 @@ impl Disturbance {
             self.unreported_load.settle();
         } else {
             let (signals, known) = (self.inertia.signals(), self.inertia.known());
-            self.unreported_load.see(speed, signals, known, tells, dt);
+            let pushes = self.fast.abs() > UNREPORTED + EXPLAINED.0 + EXPLAINED.1 * measured.abs();
+            // Who has carried a load that nobody reported may do so whenever it is slow.
+            let carries = self.inertia.since_step().is_finite();
+            let slow = speed.abs() < SLOW;
+            let idle = speed.abs() < LEAST_SPEED || slow && (pushes || carries);
+            let tells = tells && !(slow && carries);
+            self.unreported_load.see(signals, known, [idle, tells], dt);
         }
         self.fast += (dt / TIME).min(1.0) * (residual - self.fast);
         self.unexplained += (dt / HOLD).min(1.0) * (residual - self.unexplained);

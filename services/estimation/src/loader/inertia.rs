@@ -13,6 +13,8 @@
 //! machine shows 0.95 to 1.03; a full bucket that nobody tells 0.75 to 0.8, and so does a mass that is reported late. A step of
 //! kappa means that a load came or went: what was learnt of the centre of gravity is of another machine.
 //! Without z a machine that turns round seems to resist by 2 z more or less at once, and while it only accelerates, heavier or lighter.
+//! Where the mass is reported with its load, that is likelier than a load of which nobody knows, and z is a state; where it is not,
+//! z is nothing and such a row speaks for a load: after each stop there may be one.
 
 use crate::math::sqrt;
 
@@ -25,8 +27,10 @@ const TOGETHER: f64 = 0.3;
 pub(super) const STATES: usize = 3;
 /// Random walk of kappa, c and z [1/sqrt(s)], [m/s^2/sqrt(s)].
 const WALK: [f64; STATES] = [0.02, 0.01, 0.01];
-/// Standard deviations at the start; c starts at a usual rolling resistance, z is a third of a degree [m/s^2].
-const START: [f64; STATES] = [0.1, 0.1, 0.06];
+/// Standard deviations at the start; c starts at a usual rolling resistance [m/s^2].
+const START: [f64; STATES] = [0.1, 0.1, 1e-6];
+/// Standard deviation of z: a third of a degree [m/s^2].
+pub(super) const ZERO_STD: f64 = 0.06;
 const ROLLING: f64 = 0.2;
 /// An innovation beyond this is a bad row or a force, no load [m/s^2].
 pub(super) const LARGEST: f64 = 0.4;
@@ -57,12 +61,25 @@ impl Default for Force {
 }
 
 impl Force {
+    /// Whatever it may be that changes kappa, c and, where that is open, z goes on for `dt`.
+    fn walk(&mut self, opens_zero: bool, dt: f64) {
+        for (i, walk) in WALK
+            .into_iter()
+            .enumerate()
+            .take(if opens_zero { 3 } else { 2 })
+        {
+            self.covariance[i][i] += walk * walk * dt;
+        }
+    }
+
+    /// The accelerometer's zero is not known.
+    pub fn open_zero(&mut self) {
+        self.covariance[2][2] += ZERO_STD * ZERO_STD;
+    }
+
     /// Takes smoothed acceleration, force over mass and direction, `dt` after the last: innovation and its variance. One that is
     /// too large changes nothing.
     pub fn see(&mut self, [acceleration, pull, direction]: [f64; 3], dt: f64) -> [f64; 2] {
-        for (i, walk) in WALK.into_iter().enumerate() {
-            self.covariance[i][i] += walk * walk * dt;
-        }
         let by = [pull, -direction, 1.0];
         let p = self.covariance;
         let with = |row: &[f64; STATES]| row[0] * by[0] + row[1] * by[1] + row[2] * by[2];
@@ -95,6 +112,8 @@ pub(super) struct Inertia {
     stepped: bool,
     /// Time since the last step [s].
     since: f64,
+    /// The mass has been reported with its load.
+    mass_told: bool,
 }
 
 impl Default for Inertia {
@@ -105,6 +124,7 @@ impl Default for Inertia {
             anchor: 1.0,
             stepped: false,
             since: f64::INFINITY,
+            mass_told: false,
         }
     }
 }
@@ -136,15 +156,24 @@ impl Inertia {
         if !counts {
             return;
         }
+        self.force.walk(self.mass_told, dt);
         let [innovation, _] = self.force.see(self.smooth, dt);
         if innovation.abs() > LARGEST {
             // What was found was of bad rows, or of a force that begins: anew.
-            let Self { smooth, since, .. } = *self;
+            let Self {
+                smooth,
+                since,
+                mass_told,
+                ..
+            } = *self;
             *self = Self {
                 smooth,
                 since,
                 ..Self::default()
             };
+            if mass_told {
+                self.mass_is_told();
+            }
             return;
         }
         let away = (self.force.state[0] - self.anchor).abs();
@@ -156,6 +185,14 @@ impl Inertia {
         }
     }
 
+    /// The mass is reported with its load.
+    pub fn mass_is_told(&mut self) {
+        if !self.mass_told {
+            self.force.open_zero();
+        }
+        self.mass_told = true;
+    }
+
     /// What was found fades to what is usual: nothing is remembered for ever.
     fn fade(&mut self, dt: f64) {
         let kept = 1.0 - (dt / FADES).min(1.0);
@@ -165,7 +202,8 @@ impl Inertia {
             self.force.covariance[0][i] *= kept;
             self.force.covariance[i][0] *= kept;
         }
-        self.force.covariance[0][0] = kept * kept * self.force.covariance[0][0] + (1.0 - kept * kept) * fresh;
+        self.force.covariance[0][0] =
+            kept * kept * self.force.covariance[0][0] + (1.0 - kept * kept) * fresh;
     }
 
     /// kappa.
