@@ -48,6 +48,8 @@ const STRAIGHT: f64 = 0.1;
 /// A gain beyond these is no tolerance of mass and torque.
 const GAIN_RANGE: (f64, f64) = (0.75, 1.33);
 
+/// A reported mass that changes by this share is weighed.
+const WEIGHS: f64 = 0.01;
 /// Tolerances of mass, rolling radius and both torques together, as a standard deviation of kappa.
 const USUAL_GAIN: f64 = 0.03;
 /// How often one axle's torque is off whatever its tolerance says (a gear ratio, a motor's constant, a displacement), and by how much.
@@ -82,6 +84,9 @@ pub(super) struct Disturbance {
     /// The angle between the bodies, [`BENDING`] late [rad].
     late_angle: f64,
     fast: f64,
+    /// Mass of the first row [kg], and whether a reported one has changed since: then it is weighed, and not only stated.
+    first_mass: f64,
+    mass_told: bool,
     /// Sums of the gain: force times pull, pull squared, per mass squared.
     sums: [f64; 2],
     /// Whether the machine is as heavy as stated: by all rows, and by those in which the torques drive.
@@ -130,6 +135,8 @@ impl Default for Disturbance {
             force: Peak::default(),
             late_angle: 0.0,
             fast: 0.0,
+            first_mass: 0.0,
+            mass_told: false,
             sums: [0.1 * GAIN_MEMORY; 2],
             inertia: Inertia::default(),
             driven: Inertia::default(),
@@ -265,7 +272,12 @@ impl Disturbance {
         let straight = step.turning(speed, machine.wheelbase).abs() < STRAIGHT;
         let free = u.spade_force_x == 0.0 && !step.brake && speed.abs() > LEAST_SPEED;
         self.shaking.see(residual, free, dt);
-        if step.tells_mass {
+        self.mass_told |=
+            step.tells_mass && (machine.mass - self.first_mass).abs() > WEIGHS * machine.mass;
+        if self.first_mass == 0.0 {
+            self.first_mass = machine.mass;
+        }
+        if self.mass_told {
             self.inertia.mass_is_told();
             self.driven.mass_is_told();
         }
@@ -278,7 +290,7 @@ impl Disturbance {
         self.driven.see(&row, tells && drives, true, dt);
         let lighter = self.driven.excess() > 0.0;
         self.inertia.see(&row, tells, lighter, dt);
-        if step.tells_mass || self.inertia.stepped() {
+        if self.mass_told || self.inertia.stepped() {
             self.unreported_load.settle();
         } else {
             let (signals, known) = (self.inertia.signals(), self.inertia.known());

@@ -48,9 +48,6 @@ pub(super) const USUAL_ROD_PRESSURE: f64 = 0.6e6;
 const UNKNOWN_BUCKET: f64 = 0.4;
 /// Least lever of the load, as a share of the arm's length: an arm that stands upright weighs nothing.
 const LEAST_LEVER: f64 = 0.2;
-/// What somebody states of the empty machine's share in front is a mixture: one statement in five is off by three times what it says
-/// (scales that were not level, another tyre, a tank that was full). Its deviation over the stated one.
-const MISSTATED: f64 = 1.6;
 /// The ground can carry the bucket while its pin is below this share of the arm's length.
 const LOW: f64 = 0.4;
 
@@ -144,7 +141,7 @@ impl Drawing {
             by(empty_mass, arm.empty_mass_std, 0.02),
             (
                 or(arm.empty_ratio, prior.cg_ratio),
-                or(MISSTATED * arm.empty_ratio_std, prior.cg_ratio_std),
+                or(arm.empty_ratio_std, prior.cg_ratio_std),
             ),
             (
                 or(arm.empty_height, prior.cg_height),
