@@ -51,9 +51,9 @@ const GAIN_RANGE: (f64, f64) = (0.75, 1.33);
 /// A reported mass that changes by this share is weighed.
 const WEIGHS: f64 = 0.01;
 /// Tolerances of mass, rolling radius and both torques together, as a standard deviation of kappa.
-const USUAL_GAIN: f64 = 0.03;
+const USUAL_GAIN: f64 = 0.035;
 /// How often one axle's torque is off whatever its tolerance says (a gear ratio, a motor's constant, a displacement), and by how much.
-const ONE_AXLE: (f64, f64) = (0.1, 0.15);
+const ONE_AXLE: (f64, f64) = (0.05, 0.15);
 
 /// The largest value of the last quarter second.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

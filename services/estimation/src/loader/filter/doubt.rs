@@ -194,7 +194,10 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         };
         // A torque that is one axle's is taken for a load on the other.
         let torque = self.disturbance.axle_torque().1 * state[CG_RATIO] * (1.0 - state[CG_RATIO]);
-        let ratio = norm(&[ratio, torque, self.by_shared_slip()]);
+        // The floor is what no doubt has a name for: those that have one take its place.
+        let floor = self.settings.estimator.cg_ratio_floor * state[CG_RATIO];
+        let named = norm(&[torque, self.by_shared_slip()]);
+        let ratio = norm(&[ratio, sqrt((named * named - floor * floor).max(0.0))]);
         if self.knows_its_load() {
             return Each { ratio, height };
         }
