@@ -17,7 +17,7 @@
 use super::accelerometer::Shaking;
 use super::inertia::{Force, Inertia, Push};
 use super::inputs::StepInputs;
-use super::unreported_load::{SLOW, UnreportedLoad};
+use super::unreported_load::{BETWEEN, BETWEEN_STATED, SLOW, UnreportedLoad};
 use super::wheel_dynamics::{GRAVITY, WheelDynamics};
 use crate::math::{exp, sqrt, tanh};
 
@@ -272,11 +272,11 @@ impl Disturbance {
         let straight = step.turning(speed, machine.wheelbase).abs() < STRAIGHT;
         let free = u.spade_force_x == 0.0 && !step.brake && speed.abs() > LEAST_SPEED;
         self.shaking.see(residual, free, dt);
-        self.mass_told |=
-            step.tells_mass && (machine.mass - self.first_mass).abs() > WEIGHS * machine.mass;
         if self.first_mass == 0.0 {
             self.first_mass = machine.mass;
         }
+        let changed = (machine.mass - self.first_mass).abs() > WEIGHS * machine.mass;
+        self.mass_told |= step.tells_mass && changed;
         if self.mass_told {
             self.inertia.mass_is_told();
             self.driven.mass_is_told();
@@ -300,7 +300,13 @@ impl Disturbance {
             let slow = speed.abs() < SLOW;
             let idle = speed.abs() < LEAST_SPEED || slow && (pushes || carries);
             let tells = tells && !(slow && carries);
-            self.unreported_load.see(signals, known, [idle, tells], dt);
+            let between = if step.tells_mass {
+                BETWEEN_STATED
+            } else {
+                BETWEEN
+            };
+            let idle = if idle { (dt / between).min(1.0) } else { 0.0 };
+            self.unreported_load.see(signals, known, idle, tells, dt);
         }
         self.fast += (dt / TIME).min(1.0) * (residual - self.fast);
         self.unexplained += (dt / HOLD).min(1.0) * (residual - self.unexplained);

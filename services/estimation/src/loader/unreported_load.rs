@@ -22,7 +22,9 @@ use crate::math::{exp, ln, sqrt};
 /// Slower than this a bucket is filled against the ground: penetration of a V cycle [m/s].
 pub(super) const SLOW: f64 = 1.5;
 /// Idle time between two changes: a V cycle of 40 s has two, and is idle for half of it [s].
-const BETWEEN: f64 = 10.0;
+pub(super) const BETWEEN: f64 = 10.0;
+/// The same where each row states a mass that has never changed: one change in thirty is not in it [s].
+pub(super) const BETWEEN_STATED: f64 = 300.0;
 /// Share of the loaded machine that a usual load is: rated payload over operating mass with it.
 const USUAL_LOAD: f64 = 0.22;
 /// From this share of it on the machine counts as loaded.
@@ -42,11 +44,11 @@ pub(super) struct UnreportedLoad {
 }
 
 impl UnreportedLoad {
-    /// Takes a row; `known` is kappa after it, `signals` are smoothed. The content may change where the machine is `idle`, and the row
-    /// `counts` where the torques alone move it.
-    pub fn see(&mut self, signals: [f64; 3], known: &Force, [idle, counts]: [bool; 2], dt: f64) {
-        if idle {
-            self.idle(known, (dt / BETWEEN).min(1.0));
+    /// Takes a row; `known` is kappa after it, `signals` are smoothed. It is `idle` by this share of the time between two changes, and
+    /// `counts` where the torques alone move the machine.
+    pub fn see(&mut self, signals: [f64; 3], known: &Force, idle: f64, counts: bool, dt: f64) {
+        if idle > 0.0 {
+            self.idle(known, idle);
         }
         let Some([same, other]) = &mut self.filters else {
             return;
@@ -63,7 +65,7 @@ impl UnreportedLoad {
         }
         // Neither a certain row nor a bad one leaves anything to learn.
         let least = LEAST * USUAL_LOAD * USUAL_LOAD;
-        if self.probability.is_nan() || self.square() < least && !idle {
+        if self.probability.is_nan() || self.square() < least && idle == 0.0 {
             self.settle();
         }
     }
@@ -133,14 +135,15 @@ mod tests {
         let mut known = Force::default();
         known.covariance[0][0] = 1e-4;
         let mut unreported_load = UnreportedLoad::default();
-        (0..100 * slow)
-            .for_each(|_| unreported_load.see([zero, 0.0, 1.0], &known, [true, false], 0.01));
+        (0..100 * slow).for_each(|_| {
+            unreported_load.see([zero, 0.0, 1.0], &known, 0.01 / BETWEEN, false, 0.01)
+        });
         let before = unreported_load.probability();
         for k in 0..600 {
             let pull = f64::from(k % 300 < 200) * 0.8_f64.copysign(speed);
             let resists = 0.2_f64.copysign(speed);
             let signals = [kappa * pull - resists + zero, pull, 1.0_f64.copysign(speed)];
-            unreported_load.see(signals, &known, [false, true], 0.01);
+            unreported_load.see(signals, &known, 0.0, true, 0.01);
         }
         [before, unreported_load.probability()]
     }
