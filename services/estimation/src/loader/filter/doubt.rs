@@ -196,7 +196,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let torque = self.disturbance.axle_torque().1 * state[CG_RATIO] * (1.0 - state[CG_RATIO]);
         // The floor is what no doubt has a name for: those that have one take its place.
         let floor = self.settings.estimator.cg_ratio_floor * state[CG_RATIO];
-        let named = norm(&[torque, self.by_shared_slip()]);
+        let named = norm(&[torque, self.by_shared_slip(), self.curves.ratio_std()]);
         let ratio = norm(&[ratio, sqrt((named * named - floor * floor).max(0.0))]);
         if self.knows_its_load() {
             return Each { ratio, height };
@@ -235,12 +235,18 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         });
     }
 
+    /// Curves that nobody reports are more than the ratio's interval may be.
+    fn seems_to_turn(&self) -> bool {
+        let least = self.settings.estimator.converged_ratio * self.belief.state()[CG_RATIO];
+        self.curves.ratio_std() > least
+    }
+
     /// What acts on the machine that its model does not have.
     fn acts(&self) -> Reason {
         let slowed = self.disturbance.unexplained * self.belief.state()[SPEED] < 0.0;
         if self.effect.braking || self.effect.force > NOTED_SLIP && slowed {
             Reason::Brakes
-        } else if self.effect.turn > NOTED_SLIP {
+        } else if self.effect.turn > NOTED_SLIP || self.seems_to_turn() {
             Reason::Steering
         } else if self.slope_error.size() > NOTED_SLOPE {
             Reason::Slope
