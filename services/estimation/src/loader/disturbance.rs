@@ -53,7 +53,7 @@ const WEIGHS: f64 = 0.01;
 /// Tolerances of mass, rolling radius and both torques together, as a standard deviation of kappa.
 const USUAL_GAIN: f64 = 0.035;
 /// How often one axle's torque is off whatever its tolerance says (a gear ratio, a motor's constant, a displacement), and by how much.
-const ONE_AXLE: (f64, f64) = (0.05, 0.15);
+const ONE_AXLE: (f64, f64) = (0.03, 0.15);
 
 /// The largest value of the last quarter second.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -310,5 +310,26 @@ impl Disturbance {
         }
         self.fast += (dt / TIME).min(1.0) * (residual - self.fast);
         self.unexplained += (dt / HOLD).min(1.0) * (residual - self.unexplained);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_torque_that_reads_low_on_one_axle_is_likelier_the_further_force_and_acceleration_are_apart()
+     {
+        let at = |kappa: f64| {
+            let mut force = Force::default();
+            force.state[0] = kappa;
+            force.covariance[0][0] = 4e-4;
+            one_axle(&force)
+        };
+        let [sound, off, far] = [1.01, 1.08, 1.15].map(at);
+        assert!(sound.0 < 0.02 && sound.1 < 0.02, "{sound:?}");
+        assert!(off.1 > 0.025 && off.1 > 2.0 * sound.1, "{off:?}");
+        assert!(far.0 > 0.5 && far.1 > 0.15, "{far:?}");
+        assert!(at(0.85).0 > 0.5);
     }
 }

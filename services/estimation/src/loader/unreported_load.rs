@@ -23,8 +23,8 @@ use crate::math::{exp, ln, sqrt};
 pub(super) const SLOW: f64 = 1.5;
 /// Idle time between two changes: a V cycle of 40 s has two, and is idle for half of it [s].
 pub(super) const BETWEEN: f64 = 10.0;
-/// The same where each row states a mass that has never changed: one change in thirty is not in it [s].
-pub(super) const BETWEEN_STATED: f64 = 300.0;
+/// The same where each row states a mass that has never changed: one change in a hundred is not in it [s].
+pub(super) const BETWEEN_STATED: f64 = 1000.0;
 /// Share of the loaded machine that a usual load is: rated payload over operating mass with it.
 const USUAL_LOAD: f64 = 0.22;
 /// From this share of it on the machine counts as loaded.

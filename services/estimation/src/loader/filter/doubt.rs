@@ -29,8 +29,8 @@ const LIFTED: f64 = 1.15;
 const AFTER_UNREPORTED: f64 = 60.0;
 const UNREPORTED: f64 = 0.06;
 /// An error that both slips share (signals that do not come together, a speed that is not the body's) looks like another stiffness: as
-/// much of what the stiffness deviates from its prior. Three milliseconds at 1.5 m/s are a sixth of the slip.
-const SHARED_SLIP: f64 = 0.15;
+/// much of what the stiffness deviates from its prior. A millisecond at 1.5 m/s is a twelfth of the slip.
+const SHARED_SLIP: f64 = 0.07;
 /// How long a change is shown [s].
 const CHANGE_SHOWN: f64 = 5.0;
 
