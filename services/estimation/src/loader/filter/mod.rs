@@ -68,6 +68,18 @@ struct Before {
     sensitivity: (f64, f64),
 }
 
+/// What a row in which both wheels count shows.
+#[derive(Clone, Copy, Debug)]
+struct Seen<const N: usize, const M: usize> {
+    before: Before,
+    /// Predicted state.
+    state: [f64; N],
+    innovation: [f64; M],
+    std: [f64; M],
+    /// Variance of each wheel that is no other row's [rad^2/s^2].
+    noise: [f64; 2],
+}
+
 /// What a row did.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct RowReport<const M: usize> {
@@ -540,33 +552,14 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let accepted = gated.accepted;
         let both = accepted[FRONT_WHEEL] && accepted[REAR_WHEEL] && !conditions.frozen;
         if at_work && both {
-            let wheel = |i: usize| (innovation[i], B::measurement_std(&expected, i));
-            let wheels = [wheel(FRONT_WHEEL), wheel(REAR_WHEEL)];
-            self.monitor.see(&self.settings.estimator, wheels, model.dt);
-            let slip = self.slip(&before, &state, &innovation, &std, model, step.sine);
-            if self.manoeuvres.take(&slip, before.ratio_variance, model.dt)
-                && self.relearning.settled()
-            {
-                // A leg that lies far off reopens height and ratio.
-                self.changed = 0.0;
-            }
-            if !self.turning_reported {
-                let predicted = B::difference_variance(&expected, [FRONT_WHEEL, REAR_WHEEL]);
-                self.watch_curves(
-                    &slip,
-                    state[SPEED],
-                    [predicted, noise[0] + noise[1]],
-                    model.dt,
-                );
-            }
-            self.compare_axles(
-                &measured,
-                &innovation,
-                &expected,
-                &process_std,
+            let seen = Seen {
+                before,
+                state,
+                innovation,
+                std,
                 noise,
-                model.dt,
-            );
+            };
+            self.learn_from_wheels(&seen, &measured, &expected, &process_std, model, step.sine);
         }
         let nis = self
             .belief
@@ -581,6 +574,51 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             frozen: conditions.frozen,
             ..gated
         }
+    }
+
+    /// What a row in which both wheels count shows beside the state: fluctuation of the slips, the leg, curves, the centre drive.
+    fn learn_from_wheels(
+        &mut self,
+        seen: &Seen<N, M>,
+        measured: &[f64; M],
+        expected: &B::Expected,
+        process_std: &[f64; N],
+        model: &CgModel,
+        sine: f64,
+    ) {
+        let Seen {
+            before,
+            state,
+            innovation,
+            std,
+            noise,
+        } = *seen;
+        let wheel = |i: usize| (innovation[i], B::measurement_std(expected, i));
+        let wheels = [wheel(FRONT_WHEEL), wheel(REAR_WHEEL)];
+        self.monitor.see(&self.settings.estimator, wheels, model.dt);
+        let slip = self.slip(&before, &state, &innovation, &std, model, sine);
+        if self.manoeuvres.take(&slip, before.ratio_variance, model.dt) && self.relearning.settled()
+        {
+            // A leg that lies far off reopens height and ratio.
+            self.changed = 0.0;
+        }
+        if !self.turning_reported {
+            let predicted = B::difference_variance(expected, [FRONT_WHEEL, REAR_WHEEL]);
+            self.watch_curves(
+                &slip,
+                state[SPEED],
+                [predicted, noise[0] + noise[1]],
+                model.dt,
+            );
+        }
+        self.compare_axles(
+            measured,
+            &innovation,
+            expected,
+            process_std,
+            noise,
+            model.dt,
+        );
     }
 
     fn before(&self) -> Before {
