@@ -17,6 +17,10 @@ const TELLS: f64 = 1.0;
 /// What a pair of drives leaves open of the sensitivity. With .002 each line of `heft evaluate loader --table honesty` but that of
 /// everything at once is wrong for at most .03 of the trusted time, without it for up to .15; with .003 a sound machine is trusted for .65, not .74.
 const PAIR_STD: f64 = 0.002;
+/// What all pairs leave: errors that change their sign with the direction do not average out. Rolling resistance f moves the load by
+/// f r/l against the motion, half a percent of it, which shifts the ratio by about a percent.
+/// The size was chosen as that of `SHARED_SLIP` was.
+const COMMON_STD: f64 = 0.0005;
 
 /// Whether the machine has been driven both ways.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -94,8 +98,10 @@ impl Directions {
             return before;
         }
         let pairs = f64::from(self.drives[0].min(self.drives[1]));
-        let told = before / (PAIR_STD * birge.max(1.0));
-        before / sqrt(1.0 + pairs * told * told)
+        let pair = PAIR_STD * birge.max(1.0);
+        // n pairs tell it as well as one with the error sqrt(pair^2/n + common^2).
+        let told = before * before * pairs / (pair * pair + pairs * COMMON_STD * COMMON_STD);
+        before / sqrt(1.0 + told)
     }
 }
 
@@ -155,7 +161,7 @@ mod tests {
             }
             left.push(driven.left(0.006, 1.0));
         }
-        let expected = |n: f64| 0.006 / (1.0 + 9.0 * n).sqrt();
+        let expected = |n: f64| 0.006 / (1.0 + 36.0 * n / (4.0 + 0.25 * n)).sqrt();
         for (n, left) in left.into_iter().enumerate() {
             assert!((left - expected(n as f64)).abs() < 1e-12, "{n}: {left}");
         }

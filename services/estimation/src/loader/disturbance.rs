@@ -15,11 +15,11 @@
 //! tyres and body settle.
 
 use super::accelerometer::Shaking;
-use super::inertia::{Inertia, Push};
+use super::inertia::{Force, Inertia, Push};
 use super::inputs::StepInputs;
-use super::unreported_load::UnreportedLoad;
+use super::unreported_load::{BETWEEN, BETWEEN_STATED, SLOW, UnreportedLoad};
 use super::wheel_dynamics::{GRAVITY, WheelDynamics};
-use crate::math::tanh;
+use crate::math::{exp, sqrt, tanh};
 
 /// How long a disturbance outlasts its cause [s].
 const HOLD: f64 = 0.25;
@@ -47,6 +47,14 @@ const LEAST_SPEED: f64 = 0.5;
 const STRAIGHT: f64 = 0.1;
 /// A gain beyond these is no tolerance of mass and torque.
 const GAIN_RANGE: (f64, f64) = (0.75, 1.33);
+
+/// A reported mass that changes by this share is weighed.
+const WEIGHS: f64 = 0.01;
+/// Tolerances of mass, rolling radius and both torques together, as a standard deviation of kappa.
+const USUAL_GAIN: f64 = 0.035;
+/// How often one axle's torque is off whatever its tolerance says (a gear ratio, a motor's constant, a displacement), and by how much. How often was
+/// chosen as `SHARED_SLIP` was.
+const ONE_AXLE: (f64, f64) = (0.03, 0.15);
 
 /// The largest value of the last quarter second.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -77,6 +85,9 @@ pub(super) struct Disturbance {
     /// The angle between the bodies, [`BENDING`] late [rad].
     late_angle: f64,
     fast: f64,
+    /// Mass of the first row [kg], and whether a reported one has changed since: then it is weighed, and not only stated.
+    first_mass: f64,
+    mass_told: bool,
     /// Sums of the gain: force times pull, pull squared, per mass squared.
     sums: [f64; 2],
     /// Whether the machine is as heavy as stated: by all rows, and by those in which the torques drive.
@@ -103,6 +114,20 @@ pub(super) struct Effect {
     pub force: f64,
 }
 
+/// Bayes' rule on kappa - 1: tolerances of mass, radius and both torques together, or one axle's torque, which moves it half as far.
+fn one_axle(force: &Force) -> (f64, f64) {
+    let away = force.state[0] - 1.0;
+    let usual = USUAL_GAIN * USUAL_GAIN + force.covariance[0][0];
+    let own = ONE_AXLE.1 * ONE_AXLE.1;
+    let other = usual + 0.25 * own;
+    let odds = (1.0 - ONE_AXLE.0) / ONE_AXLE.0
+        * sqrt(other / usual)
+        * exp(0.5 * away * away * (1.0 / other - 1.0 / usual));
+    let (probability, gain) = (1.0 / (1.0 + odds), 0.5 * own / other);
+    let square = gain * gain * away * away + own - 0.5 * gain * own;
+    (probability, sqrt(probability * square))
+}
+
 impl Default for Disturbance {
     fn default() -> Self {
         Self {
@@ -111,6 +136,8 @@ impl Default for Disturbance {
             force: Peak::default(),
             late_angle: 0.0,
             fast: 0.0,
+            first_mass: 0.0,
+            mass_told: false,
             sums: [0.1 * GAIN_MEMORY; 2],
             inertia: Inertia::default(),
             driven: Inertia::default(),
@@ -193,6 +220,16 @@ impl Disturbance {
         (1.0 - by.gain()).abs()
     }
 
+    /// Whether the torque of one axle is off: probability, and what the mixture makes of its relative error, as a standard deviation.
+    pub fn axle_torque(&self) -> (f64, f64) {
+        let filter = if self.inertia.gain() > 1.0 {
+            &self.driven
+        } else {
+            &self.inertia
+        };
+        one_axle(filter.known())
+    }
+
     /// What force and acceleration show of a load that nobody reported, as a share of the machine with it.
     pub fn carried(&self) -> f64 {
         (1.0 - self.inertia.gain()).max(0.0)
@@ -203,9 +240,9 @@ impl Disturbance {
         self.inertia.stepped()
     }
 
-    /// Probability that the load is another one than that under which the ratio was learnt.
+    /// By how much the load is another one than that under which the ratio was learnt, as a share of the machine, as far as that is probable.
     pub fn other_load(&self) -> f64 {
-        self.unreported_load.probability()
+        self.unreported_load.share()
     }
 
     /// Time since then [s].
@@ -236,6 +273,15 @@ impl Disturbance {
         let straight = step.turning(speed, machine.wheelbase).abs() < STRAIGHT;
         let free = u.spade_force_x == 0.0 && !step.brake && speed.abs() > LEAST_SPEED;
         self.shaking.see(residual, free, dt);
+        if self.first_mass == 0.0 {
+            self.first_mass = machine.mass;
+        }
+        let changed = (machine.mass - self.first_mass).abs() > WEIGHS * machine.mass;
+        self.mass_told |= step.tells_mass && changed;
+        if self.mass_told {
+            self.inertia.mass_is_told();
+            self.driven.mass_is_told();
+        }
         let tells = free && straight && pull.abs() < LARGEST && measured.abs() < LARGEST;
         let row = Push {
             acceleration: measured,
@@ -245,13 +291,46 @@ impl Disturbance {
         self.driven.see(&row, tells && drives, true, dt);
         let lighter = self.driven.excess() > 0.0;
         self.inertia.see(&row, tells, lighter, dt);
-        if step.tells_mass || self.inertia.stepped() {
+        if self.mass_told || self.inertia.stepped() {
             self.unreported_load.settle();
         } else {
-            self.unreported_load
-                .see(&row, self.inertia.known(), tells, dt);
+            let (signals, known) = (self.inertia.signals(), self.inertia.known());
+            let pushes = self.fast.abs() > UNREPORTED + EXPLAINED.0 + EXPLAINED.1 * measured.abs();
+            // Who has carried a load that nobody reported may do so whenever it is slow.
+            let carries = self.inertia.since_step().is_finite();
+            let slow = speed.abs() < SLOW;
+            let idle = speed.abs() < LEAST_SPEED || slow && (pushes || carries);
+            let tells = tells && !(slow && carries);
+            let between = if step.tells_mass {
+                BETWEEN_STATED
+            } else {
+                BETWEEN
+            };
+            let idle = if idle { (dt / between).min(1.0) } else { 0.0 };
+            self.unreported_load.see(signals, known, idle, tells, dt);
         }
         self.fast += (dt / TIME).min(1.0) * (residual - self.fast);
         self.unexplained += (dt / HOLD).min(1.0) * (residual - self.unexplained);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_torque_that_reads_low_on_one_axle_is_likelier_the_further_force_and_acceleration_are_apart()
+     {
+        let at = |kappa: f64| {
+            let mut force = Force::default();
+            force.state[0] = kappa;
+            force.covariance[0][0] = 4e-4;
+            one_axle(&force)
+        };
+        let [sound, off, far] = [1.01, 1.08, 1.15].map(at);
+        assert!(sound.0 < 0.02 && sound.1 < 0.02, "{sound:?}");
+        assert!(off.1 > 0.025 && off.1 > 2.0 * sound.1, "{off:?}");
+        assert!(far.0 > 0.5 && far.1 > 0.15, "{far:?}");
+        assert!(at(0.85).0 > 0.5);
     }
 }

@@ -1,31 +1,39 @@
 //! Whether the machine is as heavy as stated: force over acceleration, of late.
 //!
 //! ```text
-//! a = kappa u - c sgn(v),   u = (T_f + T_r)/(r m_stated)
+//! a = kappa u - c sgn(v) + z,   u = (T_f + T_r)/(r m_stated)
 //! ```
 //! | symbol | code | meaning | unit |
 //! |---|---|---|---|
 //! | kappa | `gain` | stated mass over true mass, times true over stated torque | 1 |
 //! | c | - | rolling and whatever else resists | m/s^2 |
+//! | z | - | zero of the accelerometer, with gravity's share where load or mounting pitch it | m/s^2 |
 //!
-//! A Kalman filter of both, with signals smoothed over 0.2 s and a random walk by which the last ten seconds count. A sound
+//! A Kalman filter of the three, with signals smoothed over 0.2 s and a random walk by which the last ten seconds count. A sound
 //! machine shows 0.95 to 1.03; a full bucket that nobody tells 0.75 to 0.8, and so does a mass that is reported late. A step of
 //! kappa means that a load came or went: what was learnt of the centre of gravity is of another machine.
+//! Without z a machine that turns round seems to resist by 2 z more or less at once, and while it only accelerates, heavier or lighter.
+//! Where the mass is reported with its load, that is likelier than a load of which nobody knows, and z is a state; where it is not,
+//! z is nothing and such a row speaks for a load: after each stop there may be one.
 
 use crate::math::sqrt;
 
 /// Smoothing of the signals [s].
 const SMOOTH: f64 = 0.2;
 /// Noise of the smoothed acceleration in rows that tell the same for 0.3 s [m/s^2].
-pub(super) const NOISE: f64 = 0.05;
-pub(super) const TOGETHER: f64 = 0.3;
-/// Random walk of kappa and of c [1/sqrt(s)], [m/s^2/sqrt(s)].
-const WALK: [f64; 2] = [0.02, 0.01];
+const NOISE: f64 = 0.05;
+const TOGETHER: f64 = 0.3;
+/// kappa, c and z.
+pub(super) const STATES: usize = 3;
+/// Random walk of kappa, c and z [1/sqrt(s)], [m/s^2/sqrt(s)].
+const WALK: [f64; STATES] = [0.02, 0.01, 0.01];
 /// Standard deviations at the start; c starts at a usual rolling resistance [m/s^2].
-const START: [f64; 2] = [0.1, 0.1];
+const START: [f64; STATES] = [0.1, 0.1, 1e-6];
+/// Standard deviation of z: a third of a degree [m/s^2].
+pub(super) const ZERO_STD: f64 = 0.06;
 const ROLLING: f64 = 0.2;
 /// An innovation beyond this is a bad row or a force, no load [m/s^2].
-const LARGEST: f64 = 0.4;
+pub(super) const LARGEST: f64 = 0.4;
 /// Without news kappa is 1 again after so long [s].
 const FADES: f64 = 30.0;
 /// Tolerances of mass, torques and wheels that explain a kappa beside 1.
@@ -33,31 +41,90 @@ const TOLERANCE: f64 = 0.05;
 /// A step of kappa that means another load, and in standard deviations.
 const STEP: (f64, f64) = (0.08, 3.0);
 
+/// kappa, c and z, as rows have told them so far.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Force {
+    pub state: [f64; STATES],
+    pub covariance: [[f64; STATES]; STATES],
+}
+
+impl Default for Force {
+    fn default() -> Self {
+        Self {
+            state: [1.0, ROLLING, 0.0],
+            covariance: core::array::from_fn(|i| {
+                core::array::from_fn(|j| if i == j { START[i] * START[i] } else { 0.0 })
+            }),
+        }
+    }
+}
+
+impl Force {
+    /// Whatever it may be that changes kappa, c and, where that is open, z goes on for `dt`.
+    fn walk(&mut self, opens_zero: bool, dt: f64) {
+        for (i, walk) in WALK
+            .into_iter()
+            .enumerate()
+            .take(if opens_zero { 3 } else { 2 })
+        {
+            self.covariance[i][i] += walk * walk * dt;
+        }
+    }
+
+    /// The accelerometer's zero is not known.
+    pub fn open_zero(&mut self) {
+        self.covariance[2][2] += ZERO_STD * ZERO_STD;
+    }
+
+    /// Takes smoothed acceleration, force over mass and direction, `dt` after the last: innovation and its variance. One that is
+    /// too large changes nothing.
+    pub fn see(&mut self, [acceleration, pull, direction]: [f64; 3], dt: f64) -> [f64; 2] {
+        let by = [pull, -direction, 1.0];
+        let p = self.covariance;
+        let with = |row: &[f64; STATES]| row[0] * by[0] + row[1] * by[1] + row[2] * by[2];
+        let cross = [with(&p[0]), with(&p[1]), with(&p[2])];
+        let noise = NOISE * NOISE * (TOGETHER / dt).max(1.0);
+        let total = with(&cross) + noise;
+        let innovation = acceleration - with(&self.state);
+        if innovation.abs() > LARGEST {
+            return [innovation, total];
+        }
+        for i in 0..STATES {
+            self.state[i] += cross[i] / total * innovation;
+            for j in 0..STATES {
+                self.covariance[i][j] = p[i][j] - cross[i] * cross[j] / total;
+            }
+        }
+        [innovation, total]
+    }
+}
+
 /// Memory of force and acceleration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Inertia {
     /// Smoothed acceleration, force over mass, and direction.
     smooth: [f64; 3],
-    /// kappa and c.
-    state: [f64; 2],
-    covariance: [[f64; 2]; 2],
+    force: Force,
     /// kappa when the load changed last.
     anchor: f64,
     stepped: bool,
     /// Time since the last step [s].
     since: f64,
+    /// The mass has been reported with its load.
+    mass_told: bool,
 }
 
 impl Default for Inertia {
     fn default() -> Self {
         Self {
             smooth: [0.0; 3],
-            state: [1.0, ROLLING],
-            covariance: [[START[0] * START[0], 0.0], [0.0, START[1] * START[1]]],
+            force: Force::default(),
             anchor: 1.0,
             stepped: false,
             since: f64::INFINITY,
+            mass_told: false,
         }
     }
 }
@@ -89,65 +156,73 @@ impl Inertia {
         if !counts {
             return;
         }
-        let [acceleration, pull, direction] = self.smooth;
-        self.covariance[0][0] += WALK[0] * WALK[0] * dt;
-        self.covariance[1][1] += WALK[1] * WALK[1] * dt;
-        let by = [pull, -direction];
-        let p = self.covariance;
-        let cross = [
-            p[0][0] * by[0] + p[0][1] * by[1],
-            p[1][0] * by[0] + p[1][1] * by[1],
-        ];
-        let noise = NOISE * NOISE * (TOGETHER / dt).max(1.0);
-        let total = by[0] * cross[0] + by[1] * cross[1] + noise;
-        let innovation = acceleration - by[0] * self.state[0] - by[1] * self.state[1];
+        self.force.walk(self.mass_told, dt);
+        let [innovation, _] = self.force.see(self.smooth, dt);
         if innovation.abs() > LARGEST {
             // What was found was of bad rows, or of a force that begins: anew.
-            let Self { smooth, since, .. } = *self;
+            let Self {
+                smooth,
+                since,
+                mass_told,
+                ..
+            } = *self;
             *self = Self {
                 smooth,
                 since,
                 ..Self::default()
             };
+            if mass_told {
+                self.mass_is_told();
+            }
             return;
         }
-        for i in 0..2 {
-            self.state[i] += cross[i] / total * innovation;
-            for j in 0..2 {
-                self.covariance[i][j] = p[i][j] - cross[i] * cross[j] / total;
-            }
-        }
-        let away = (self.state[0] - self.anchor).abs();
-        let braked = self.state[0] > 1.0 + TOLERANCE && !may_be_lighter;
+        let away = (self.force.state[0] - self.anchor).abs();
+        let braked = self.force.state[0] > 1.0 + TOLERANCE && !may_be_lighter;
         if away > STEP.0.max(STEP.1 * self.std()) && !braked {
-            self.anchor = self.state[0];
+            self.anchor = self.force.state[0];
             self.stepped = true;
             self.since = 0.0;
         }
+    }
+
+    /// The mass is reported with its load.
+    pub fn mass_is_told(&mut self) {
+        if !self.mass_told {
+            self.force.open_zero();
+        }
+        self.mass_told = true;
     }
 
     /// What was found fades to what is usual: nothing is remembered for ever.
     fn fade(&mut self, dt: f64) {
         let kept = 1.0 - (dt / FADES).min(1.0);
         let fresh = START[0] * START[0];
-        self.state[0] = 1.0 + kept * (self.state[0] - 1.0);
-        self.covariance[0][1] *= kept;
-        self.covariance[1][0] *= kept;
-        self.covariance[0][0] = kept * kept * self.covariance[0][0] + (1.0 - kept * kept) * fresh;
+        self.force.state[0] = 1.0 + kept * (self.force.state[0] - 1.0);
+        for i in 1..STATES {
+            self.force.covariance[0][i] *= kept;
+            self.force.covariance[i][0] *= kept;
+        }
+        self.force.covariance[0][0] =
+            kept * kept * self.force.covariance[0][0] + (1.0 - kept * kept) * fresh;
     }
 
     /// kappa.
     pub fn gain(&self) -> f64 {
-        self.state[0]
+        self.force.state[0]
     }
 
-    /// kappa and c [-, m/s^2].
-    pub fn known(&self) -> [f64; 2] {
-        self.state
+    /// kappa, c and z with their covariance.
+    pub fn known(&self) -> &Force {
+        &self.force
+    }
+
+    /// Acceleration, force over mass and direction, smoothed.
+    pub fn signals(&self) -> [f64; 3] {
+        self.smooth
     }
 
     fn std(&self) -> f64 {
-        sqrt(self.covariance[0][0].max(0.0))
+        sqrt(self.force.covariance[0][0].max(0.0))
     }
 
     /// A load came or went with this row, and nobody reported it.
@@ -162,7 +237,7 @@ impl Inertia {
 
     /// By how much kappa lies beside 1 beyond tolerances and chance, with its sign.
     pub fn excess(&self) -> f64 {
-        let away = self.state[0] - 1.0;
+        let away = self.force.state[0] - 1.0;
         (away.abs() - 2.0 * self.std() - TOLERANCE)
             .max(0.0)
             .copysign(away)

@@ -27,6 +27,7 @@
 //! | `stuck` | a sensor whose value never changes |
 //! | `relearning` | what was learnt wrongly: the start, the radii under another load |
 //! | `coupling` | a centre drive that is locked |
+//! | `curves` | curves that nobody reports |
 //! | `directions` | whether the load sensitivity of the radii can be learnt |
 //! | `disturbance` | brakes, steering, forces that nobody measures |
 //! | `lift_arm` | the second witness: lift pressure and arm geometry |
@@ -42,6 +43,7 @@ pub mod axle_loads;
 pub mod cg_model;
 mod conditions;
 mod coupling;
+mod curves;
 mod directions;
 mod disturbance;
 mod estimate;

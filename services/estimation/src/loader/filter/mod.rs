@@ -4,6 +4,7 @@ use crate::loader::Method;
 use crate::loader::cg_model::{CgModel, Integration, Loading};
 use crate::loader::conditions::{Conditions, Monitor};
 use crate::loader::coupling::Coupling;
+use crate::loader::curves::{Curves, Difference};
 use crate::loader::directions::{BothDirections, Directions};
 use crate::loader::disturbance::{Disturbance, Effect};
 use crate::loader::estimate::Status;
@@ -67,6 +68,18 @@ struct Before {
     sensitivity: (f64, f64),
 }
 
+/// What a row in which both wheels count shows.
+#[derive(Clone, Copy, Debug)]
+struct Seen<const N: usize, const M: usize> {
+    before: Before,
+    /// Predicted state.
+    state: [f64; N],
+    innovation: [f64; M],
+    std: [f64; M],
+    /// Variance of each wheel that is no other row's [rad^2/s^2].
+    noise: [f64; 2],
+}
+
 /// What a row did.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct RowReport<const M: usize> {
@@ -120,6 +133,9 @@ pub(super) struct CgFilter<const N: usize, const M: usize, B: Belief<N, M>> {
     slope_error: SlopeError,
     manoeuvres: Manoeuvres,
     coupling: Coupling,
+    curves: Curves,
+    /// Somebody reports how the machine turns.
+    turning_reported: bool,
     directions: Directions,
     /// Stiffness and radii are opened with the next change.
     reopens: bool,
@@ -188,6 +204,8 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             slope_error: SlopeError::default(),
             manoeuvres: Manoeuvres::default(),
             coupling: Coupling::default(),
+            curves: Curves::default(),
+            turning_reported: false,
             directions: Directions::default(),
             reopens: false,
             changed: f64::INFINITY,
@@ -312,6 +330,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         self.evidence.receive(sample);
         self.evidence.stuck = self.stuck.first();
         self.boom_reported |= sample.boom_moving;
+        self.turning_reported |= sample.articulation.is_some() || sample.yaw_rate.is_some();
         self.changed += dt;
         let slips = at_work && self.slips_far(sample);
         let rolls = self.belief.state()[SPEED].abs() > SPINS.1;
@@ -533,18 +552,14 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let accepted = gated.accepted;
         let both = accepted[FRONT_WHEEL] && accepted[REAR_WHEEL] && !conditions.frozen;
         if at_work && both {
-            let wheel = |i: usize| (innovation[i], B::measurement_std(&expected, i));
-            let wheels = [wheel(FRONT_WHEEL), wheel(REAR_WHEEL)];
-            self.monitor.see(&self.settings.estimator, wheels, model.dt);
-            self.compare_legs(&before, &state, &innovation, &std, model, step.sine);
-            self.compare_axles(
-                &measured,
-                &innovation,
-                &expected,
-                &process_std,
+            let seen = Seen {
+                before,
+                state,
+                innovation,
+                std,
                 noise,
-                model.dt,
-            );
+            };
+            self.learn_from_wheels(&seen, &measured, &expected, &process_std, model, step.sine);
         }
         let nis = self
             .belief
@@ -559,6 +574,51 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             frozen: conditions.frozen,
             ..gated
         }
+    }
+
+    /// What a row in which both wheels count shows beside the state: fluctuation of the slips, the leg, curves, the centre drive.
+    fn learn_from_wheels(
+        &mut self,
+        seen: &Seen<N, M>,
+        measured: &[f64; M],
+        expected: &B::Expected,
+        process_std: &[f64; N],
+        model: &CgModel,
+        sine: f64,
+    ) {
+        let Seen {
+            before,
+            state,
+            innovation,
+            std,
+            noise,
+        } = *seen;
+        let wheel = |i: usize| (innovation[i], B::measurement_std(expected, i));
+        let wheels = [wheel(FRONT_WHEEL), wheel(REAR_WHEEL)];
+        self.monitor.see(&self.settings.estimator, wheels, model.dt);
+        let slip = self.slip(&before, &state, &innovation, &std, model, sine);
+        if self.manoeuvres.take(&slip, before.ratio_variance, model.dt) && self.relearning.settled()
+        {
+            // A leg that lies far off reopens height and ratio.
+            self.changed = 0.0;
+        }
+        if !self.turning_reported {
+            let predicted = B::difference_variance(expected, [FRONT_WHEEL, REAR_WHEEL]);
+            self.watch_curves(
+                &slip,
+                state[SPEED],
+                [predicted, noise[0] + noise[1]],
+                model.dt,
+            );
+        }
+        self.compare_axles(
+            measured,
+            &innovation,
+            expected,
+            process_std,
+            noise,
+            model.dt,
+        );
     }
 
     fn before(&self) -> Before {
@@ -694,16 +754,16 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
     }
 
-    /// Adds a row to the present leg; a leg that lies far off reopens height and ratio.
-    fn compare_legs(
-        &mut self,
+    /// What a row shows of the difference of the rim speeds.
+    fn slip(
+        &self,
         before: &Before,
         state: &[f64; N],
         innovation: &[f64; M],
         std: &[f64; M],
         model: &CgModel,
         sine: f64,
-    ) {
+    ) -> Slip {
         let (machine, inputs) = (&self.dynamics, &model.inputs);
         let radius = machine.wheel_radius;
         let [speed, stiffness, height, ratio] =
@@ -714,18 +774,28 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let per_weight = 1.0 / (radius * stiffness * machine.mass * GRAVITY);
         let slip = |torque: f64, share: f64| torque * per_weight / (share * share);
         let moved = slip(inputs.front_torque, front) + slip(inputs.rear_torque, 1.0 - front);
-        let slip = Slip {
+        Slip {
             innovation: radius * (innovation[FRONT_WHEEL] - innovation[REAR_WHEEL]),
             variance: radius
                 * radius
                 * (std[FRONT_WHEEL] * std[FRONT_WHEEL] + std[REAR_WHEEL] * std[REAR_WHEEL]),
             by_share: -speed.abs() * moved,
             driving: (inputs.front_torque + inputs.rear_torque) * speed > 0.0,
-        };
-        if self.manoeuvres.take(&slip, before.ratio_variance, model.dt) && self.relearning.settled()
-        {
-            self.changed = 0.0;
         }
+    }
+
+    /// A row of a machine of which nobody says how it turns; `variances` are those of prediction and row [rad^2/s^2].
+    fn watch_curves(&mut self, slip: &Slip, speed: f64, variances: [f64; 2], dt: f64) {
+        let per_speed = 1.0 / speed.abs().max(self.settings.estimator.v_freeze);
+        let radius = self.dynamics.wheel_radius * per_speed;
+        let [predicted, noise] = variances.map(|variance| radius * radius * variance);
+        let row = Difference {
+            innovation: slip.innovation * per_speed,
+            predicted,
+            noise,
+            by_share: slip.by_share * per_speed,
+        };
+        self.curves.see(&row, dt);
     }
 
     /// The step as printed; only held inputs and missing measurements are treated beyond the paper.

@@ -3,6 +3,7 @@
 use super::{Belief, CgFilter, RowReport};
 use crate::loader::conditions::Conditions;
 use crate::loader::coupling::Coupling;
+use crate::loader::curves::Curves;
 use crate::loader::directions::Directions;
 use crate::loader::estimate::Status;
 use crate::loader::layout::{CG_HEIGHT, CG_RATIO, REAR_WHEEL, SLIP_STIFFNESS};
@@ -78,6 +79,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         self.belief.separate(&prior, &[0.0; N]);
         self.evidence.restart();
         self.coupling = Coupling::default();
+        self.curves = Curves::default();
         self.directions = Directions::default();
         let state = self.belief.state();
         self.relearning = Relearning::new([state[SLIP_STIFFNESS], state[CG_RATIO]]);
