@@ -260,7 +260,7 @@ pub(super) fn is_pin_guessed(d: &Description) -> bool {
 fn lengths(d: &Description) -> f64 {
     let stated = d.machine.geometry_tolerance;
     if is_pin_guessed(d) {
-        stated.hypot(GUESSED_LENGTHS)
+        (stated * stated + GUESSED_LENGTHS * GUESSED_LENGTHS).sqrt()
     } else {
         stated
     }

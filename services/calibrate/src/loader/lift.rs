@@ -163,7 +163,8 @@ fn one_load(runs: &[Run<'_>]) -> String {
         })
         .collect();
     let loads_differ = |a: &Run<'_>, b: &Run<'_>| {
-        (a.load.value - b.load.value).abs() > CLEARLY * a.load.std.hypot(b.load.std).max(1.0)
+        let std = norm(&[a.load.std, b.load.std]);
+        (a.load.value - b.load.value).abs() > CLEARLY * std.max(1.0)
     };
     let differ = |a| runs.iter().any(|b| loads_differ(a, b));
     if runs.iter().any(differ) {
