@@ -213,8 +213,8 @@ typedef struct {
     double coulomb_friction_std; /* Standard deviation of the Coulomb friction; "none" takes prior.friction_std. [N m] */
     double drive_efficiency; /* Efficiency of the swing drive: driving torque arrives times it, braking torque divided by it. */
     double drive_efficiency_std; /* Its standard deviation. */
-    double upper_first_moment; /* First moment of the upper body without boom, arm and bucket about the swing axis, forward positive (a counterweight makes it negative); "none" takes one that balances the folded, empty attachment. [kg m] */
-    double upper_first_moment_std; /* Its standard deviation; "none" takes 3 % of a stated moment, 30 % of one that is not. [kg m] */
+    double upper_first_moment; /* First moment of the upper body without boom, arm and bucket about the swing axis, forward positive (a counterweight makes it negative); "none" takes 1.15 times what balances the folded, empty attachment, as machines have. [kg m] */
+    double upper_first_moment_std; /* Its standard deviation; "none" takes 3 % of a stated moment, a third of one that is not. [kg m] */
     double slope_std; /* Standard deviation of the slope of the ground along each of two axes. [rad] */
     double mass_tolerance; /* Relative standard deviation of the described masses and inertias of boom and arm. */
     double upper_tolerance; /* The same of the upper body's inertia: counterweight, tank, options; "none" takes 7 times mass_tolerance (0.126). */

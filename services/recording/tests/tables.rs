@@ -392,20 +392,29 @@ fn a_recording_exports_to_tables_and_loads_as_samples() {
 }
 
 #[test]
-fn the_kind_of_file_is_recognized_from_its_ending() {
+fn the_kind_of_file_is_recognized_from_its_content_and_its_ending() {
     let (_dir, path) = file("t,swing_velocity\n0,1\n");
     assert!(load::<ExcavatorSensors>(&path, None).is_ok());
     let other = path.with_extension("xlsx");
     std::fs::rename(&path, &other).expect("renamed");
-    let error = load::<ExcavatorSensors>(&other, None).expect_err("not known");
-    assert_eq!(error.remedy, "give a file that ends in .csv, .mcap or .log");
     assert!(
-        load::<ExcavatorSensors>("x.log", None)
+        load::<ExcavatorSensors>(&other, None).is_ok(),
+        "a table all the same"
+    );
+    std::fs::write(&other, b"PK\x03\x04 and so on").expect("writable");
+    let error = load::<ExcavatorSensors>(&other, None).expect_err("a spreadsheet");
+    assert!(error.remedy.contains("save the sheet as CSV"), "{error}");
+    let log = path.with_extension("log");
+    std::fs::write(&log, "(0.0) can0 123#00\n").expect("writable");
+    assert!(
+        load::<ExcavatorSensors>(&log, None)
             .is_err_and(|e| e.what == "a CAN log needs a signal map")
     );
     let map = Map::parse("[columns]\nt = \"time\"\n", "m.toml").expect("a map");
+    let recording = path.with_extension("mcap");
+    std::fs::write(&recording, b"\x89MCAP0\r\n").expect("writable");
     assert!(
-        load::<ExcavatorSensors>("x.mcap", Some(&map))
+        load::<ExcavatorSensors>(&recording, Some(&map))
             .is_err_and(|e| e.remedy.starts_with("leave out --map"))
     );
 }

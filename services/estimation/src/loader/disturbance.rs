@@ -54,7 +54,7 @@ const WEIGHS: f64 = 0.01;
 const USUAL_GAIN: f64 = 0.035;
 /// How often one axle's torque is off whatever its tolerance says (a gear ratio, a motor's constant, a displacement), and by how much. How often was
 /// chosen as `SHARED_SLIP` was.
-const ONE_AXLE: (f64, f64) = (0.03, 0.15);
+const ONE_AXLE: (f64, f64) = (0.015, 0.15);
 
 /// The largest value of the last quarter second.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
