@@ -18,8 +18,8 @@ use crate::math::sqrt;
 use crate::positive::positive;
 
 /// What somebody states is a mixture: one number in five is off by three times what it says (scales that were not level, another tyre,
-/// a full tank). Its deviation over the stated one. Zeros of angles are as wide as sensors that nobody set already, and the height hangs on
-/// the empty machine's alone, which nobody states to better than a twentieth.
+/// a full tank). Its deviation over the stated one, for the centre of gravity; a payload's interval is as the numbers are stated. Zeros of
+/// angles are as wide as sensors that nobody set already.
 const MISSTATED: f64 = 1.6;
 
 /// Effects of each number on payload, ratio and height.
@@ -31,7 +31,7 @@ pub(super) struct Doubts {
     next: usize,
 }
 
-/// Variances of payload, ratio and height, and covariances of the payload with the latter two. That of the ratio holds misstatements.
+/// Variances of payload, ratio and height, and covariances of the payload with the latter two. Those of the centre hold misstatements.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Sums {
@@ -40,9 +40,9 @@ struct Sums {
 }
 
 impl Sums {
-    /// Adds the effects of a number that is `wider` than it was stated, for the ratio.
+    /// Adds the effects of a number that is `wider` than it was stated, for the centre.
     fn add(mut self, effects: &[f64; 3], wider: f64) -> Self {
-        let scales = [1.0, wider, 1.0];
+        let scales = [1.0, wider, wider];
         for ((sum, effect), scale) in self.variances.iter_mut().zip(effects).zip(scales) {
             *sum += scale * scale * effect * effect;
         }
@@ -102,8 +102,7 @@ impl Doubts {
         let std = |variance: f64| wider * sqrt(variance.max(0.0));
         let of = |i: usize| std(sums.variances[i]);
         let without = |number: usize, i: usize| {
-            let scale = if i == 1 { misstated(number) } else { 1.0 };
-            let own = scale * self.effects[number][i];
+            let own = misstated(number) * self.effects[number][i];
             std(sums.variances[i] - own * own)
         };
         let quantity = |value: f64, std: f64| Quantity { value, std };
@@ -201,7 +200,10 @@ mod tests {
             (2e-4 * widened.payload.std).hypot(beside.sqrt())
         };
         assert!((ratio.std - left(0.02_f64.hypot(0.005))).abs() < 1e-12);
-        assert!(height.std < 0.61 * shown.centre.height.std);
+        let height_left =
+            (1e-3 * widened.payload.std).hypot(0.1 * (MISSTATED * MISSTATED - 1.0).sqrt());
+        assert!((height.std - height_left).abs() < 1e-12);
+        assert!(height.std < shown.centre.height.std);
         // As if the load were known otherwise: only its part is left of the machine's centre.
         assert!((widened.moved.ratio - left(0.02)).abs() < 1e-9);
     }
