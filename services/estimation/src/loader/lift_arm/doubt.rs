@@ -12,7 +12,9 @@
 //! a number is off by more than it claims, nobody says which, and what goes with it is uncertain in proportion.
 
 use super::super::layout::Each;
-use super::drawing::{Drawing, EMPTY_HEIGHT, EMPTY_RATIO, LIFT_ZERO, NUMBERS, Posture, TILT_ZERO};
+use super::drawing::{
+    Drawing, EMPTY_HEIGHT, EMPTY_RATIO, Empty, LIFT_ZERO, NUMBERS, Posture, TILT_ZERO,
+};
 use crate::Quantity;
 use crate::math::sqrt;
 use crate::positive::positive;
@@ -28,6 +30,8 @@ const MISSTATED: f64 = 1.6;
 pub(super) struct Doubts {
     effects: [[f64; 3]; NUMBERS],
     sums: Sums,
+    /// The sums of this round.
+    round: Sums,
     next: usize,
 }
 
@@ -40,14 +44,14 @@ struct Sums {
 }
 
 impl Sums {
-    /// Adds the effects of a number that is `wider` than it was stated, for the centre.
-    fn add(mut self, effects: &[f64; 3], wider: f64) -> Self {
-        let scales = [1.0, wider, wider];
+    /// Adds the effects of a number that is `wider` than it was stated, for the centre; takes them away with a `sign` of -1.
+    fn add(mut self, effects: &[f64; 3], wider: f64, sign: f64) -> Self {
+        let scales = [sign, sign * wider * wider, sign * wider * wider];
         for ((sum, effect), scale) in self.variances.iter_mut().zip(effects).zip(scales) {
-            *sum += scale * scale * effect * effect;
+            *sum += scale * effect * effect;
         }
         for (sum, effect) in self.with_payload.iter_mut().zip(&effects[1..]) {
-            *sum += effects[0] * effect;
+            *sum += sign * effects[0] * effect;
         }
         self
     }
@@ -73,32 +77,37 @@ fn misstated(number: usize) -> f64 {
 }
 
 impl Doubts {
-    /// Moves the next number by its standard deviation.
-    pub fn see(&mut self, drawing: &Drawing, posture: &Posture, payload: f64) {
+    /// Moves the next number by its standard deviation. `empty`: the machine as it is described.
+    pub fn see(&mut self, drawing: &Drawing, posture: &Posture, payload: f64, empty: &Empty) {
         let [moved, weighing] = drawing.off(self.next);
         let shift = drawing.payload(&weighing, posture) - drawing.payload(&drawing.values, posture);
-        let here = drawing.centre(&drawing.values, posture, payload);
-        let there = drawing.centre(&moved, posture, payload + shift);
-        self.effects[self.next] = [shift, there.ratio - here.ratio, there.height - here.height];
-        self.next = (self.next + 1) % drawing.doubted;
-        self.sum();
+        let here = empty.with(payload);
+        let there = drawing.empty_at(&moved, posture).with(payload + shift);
+        let effects = [shift, there.ratio - here.ratio, there.height - here.height];
+        self.put(self.next, effects);
+        self.next += 1;
+        if self.next == drawing.doubted {
+            self.next = 0;
+            // As new: what rounding left of taken away effects is gone.
+            self.sums = core::mem::take(&mut self.round);
+        }
     }
 
-    fn sum(&mut self) {
-        let all = self.effects.iter().enumerate();
-        self.sums = all.fold(Sums::default(), |sums, (number, effects)| {
-            sums.add(effects, misstated(number))
-        });
+    fn put(&mut self, number: usize, effects: [f64; 3]) {
+        let (old, wider) = (self.effects[number], misstated(number));
+        self.sums = self.sums.add(&old, wider, -1.0).add(&effects, wider, 1.0);
+        self.round = self.round.add(&effects, wider, 1.0);
+        self.effects[number] = effects;
     }
 
     /// Standard deviation of the payload by all numbers [kg].
     pub fn payload(&self) -> f64 {
-        sqrt(self.sums.variances[0])
+        sqrt(self.sums.variances[0].max(0.0))
     }
 
     /// The answer with all doubts, each `wider` than it was stated. `rows`: what the rows leave open, as effects like those of a number.
     pub fn doubted(&self, payload: f64, centre: Each<f64>, rows: [f64; 3], wider: f64) -> Doubted {
-        let sums = self.sums.add(&rows, 1.0);
+        let sums = self.sums.add(&rows, 1.0, 1.0);
         let std = |variance: f64| wider * sqrt(variance.max(0.0));
         let of = |i: usize| std(sums.variances[i]);
         let without = |number: usize, i: usize| {
@@ -121,7 +130,7 @@ impl Doubts {
 
     /// The same, the bucket holding no less than nothing.
     pub fn not_less_than_nothing(&self, doubted: &Doubted, rows: [f64; 3]) -> Doubted {
-        let sums = self.sums.add(&rows, 1.0);
+        let sums = self.sums.add(&rows, 1.0, 1.0);
         let payload = positive(doubted.payload);
         let moved = payload.value - doubted.payload.value;
         let [old, new] = [doubted.payload, payload].map(|p| p.std * p.std);
@@ -160,9 +169,9 @@ mod tests {
     /// Two numbers: one moves payload and ratio together, one the ratio alone.
     fn doubts() -> Doubts {
         let mut doubts = Doubts::default();
-        doubts.effects[0] = [100.0, 0.02, 0.1];
-        doubts.effects[EMPTY_RATIO] = [0.0, 0.005, 0.0];
-        doubts.sum();
+        doubts.put(0, [30.0, 0.01, 0.2]);
+        doubts.put(0, [100.0, 0.02, 0.1]);
+        doubts.put(EMPTY_RATIO, [0.0, 0.005, 0.0]);
         doubts
     }
 

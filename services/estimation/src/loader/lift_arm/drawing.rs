@@ -3,6 +3,7 @@
 use super::super::keys::{LiftArm, LiftCylinder, Machine, Prior, Sensors};
 use super::super::layout::Each;
 use super::super::wheel_dynamics::GRAVITY;
+use super::turn::Turn;
 use crate::math::{norm, sin_cos, sqrt};
 
 /// Numbers of the drawing, in this order.
@@ -70,18 +71,22 @@ pub(super) struct Drawing {
     missed: [f64; 4],
     count: f64,
     wheelbase: f64,
-    /// Angle of the arm, and of the bucket to the horizontal, at which the empty machine is stated [rad].
-    reference: [f64; 2],
+    /// Arm, and bucket to the horizontal, as the empty machine is stated.
+    reference: [Turn; 2],
+    /// The cylinder's angle.
+    cylinder: Turn,
+    /// The payload whose weight the cylinders hold with a level arm at full pressure [kg].
+    pub capacity: f64,
     pub pressure_std: f64,
 }
 
 /// Arm, bucket and what is measured in a row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Posture {
-    /// Angle of the arm from the horizontal [rad].
-    pub lift: f64,
-    /// Angle of the bucket, pin to load, from the horizontal [rad].
-    pub bucket: f64,
+    /// The arm to the horizontal.
+    pub arm: Turn,
+    /// The bucket, pin to load, to the horizontal.
+    pub bucket: Turn,
     /// Pressures [Pa].
     pub head: f64,
     pub rod: f64,
@@ -100,10 +105,33 @@ struct Places {
     load: [f64; 2],
 }
 
+/// The machine with its arm where it is, before a payload is added.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Empty {
+    mass: f64,
+    /// First moments over the wheelbase, and above the ground [kg], [kg m].
+    front: f64,
+    up: f64,
+    /// What a kilogram of load adds to them [-], [m].
+    ahead: f64,
+    height: f64,
+}
+
+impl Empty {
+    /// Ratio and height of the centre of gravity with this payload.
+    pub fn with(&self, payload: f64) -> Each<f64> {
+        let mass = self.mass + payload;
+        Each {
+            ratio: (self.front + payload * self.ahead) / mass,
+            height: (self.up + payload * self.height) / mass,
+        }
+    }
+}
+
 /// Cosine and sine of the angles of arm and bucket to the horizontal.
 pub(super) fn turns(posture: &Posture) -> [f64; 4] {
-    let (arm, bucket) = (sin_cos(posture.lift), sin_cos(posture.bucket));
-    [arm.1, arm.0, bucket.1, bucket.0]
+    let (arm, bucket) = (posture.arm, posture.bucket);
+    [arm.cosine, arm.sine, bucket.cosine, bucket.sine]
 }
 
 impl Drawing {
@@ -175,8 +203,10 @@ impl Drawing {
                 *std = 0.0;
             }
         }
+        let values = both.map(|(value, _)| value);
         Some(Self {
-            values: both.map(|(value, _)| value),
+            capacity: capacity(cylinder.count, &values),
+            values,
             std,
             weighing,
             doubted: if span || offset { NUMBERS } else { SPAN },
@@ -185,9 +215,10 @@ impl Drawing {
             count: cylinder.count,
             wheelbase: machine.wheelbase,
             reference: [
-                arm.reference_angle,
-                arm.reference_angle + arm.reference_tilt,
+                Turn::of(arm.reference_angle),
+                Turn::of(arm.reference_angle + arm.reference_tilt),
             ],
+            cylinder: Turn::of(cylinder.angle),
             pressure_std: sensors.pressure_std,
         })
     }
@@ -227,21 +258,13 @@ impl Drawing {
     }
 
     /// The ground may carry the bucket.
-    pub fn is_low(&self, lift: f64) -> bool {
-        self.values[PIVOT_Z] + self.values[LENGTH] * sin_cos(lift).0 < LOW * self.values[LENGTH]
-    }
-
-    /// The payload whose weight the cylinders hold with a level arm at full pressure [kg].
-    pub fn capacity(&self) -> f64 {
-        let v = &self.values;
-        let (base, eye) = (v[BASE], v[EYE]);
-        let lever = base * eye / sqrt(base * base + eye * eye);
-        self.full_force(v) * lever / ((v[LENGTH] + v[LOAD_DISTANCE]) * GRAVITY)
+    pub fn is_low(&self, arm: Turn) -> bool {
+        self.values[PIVOT_Z] + self.values[LENGTH] * arm.sine < LOW * self.values[LENGTH]
     }
 
     /// Force of the cylinders at full pressure [N].
     pub fn full_force(&self, v: &[f64; NUMBERS]) -> f64 {
-        self.count * v[HEAD_AREA] * FULL_PRESSURE
+        full_force(self.count, v)
     }
 
     /// Standard deviation of the cylinders' force by the noise of the pressures [N].
@@ -250,40 +273,46 @@ impl Drawing {
         self.count * self.pressure_std * sqrt(head * head + rod * rod)
     }
 
-    /// Length of the cylinder at an arm angle [m].
-    pub fn rod_length(&self, lift: f64) -> f64 {
-        self.cylinder(&self.values, lift).0
+    /// Length of the cylinder [m].
+    pub fn rod_length(&self, arm: Turn) -> f64 {
+        self.cylinder(&self.values, arm).0
+    }
+
+    /// Lever of the cylinder [m].
+    pub fn lever(&self, arm: Turn) -> f64 {
+        self.cylinder(&self.values, arm).1
     }
 
     /// Length of the cylinder and its lever [m].
-    fn cylinder(&self, v: &[f64; NUMBERS], lift: f64) -> (f64, f64) {
-        let (sine, cosine) = sin_cos(lift + v[LIFT_ZERO] + v[CYLINDER_ANGLE]);
+    fn cylinder(&self, v: &[f64; NUMBERS], arm: Turn) -> (f64, f64) {
+        let off = v[LIFT_ZERO] + v[CYLINDER_ANGLE] - self.values[CYLINDER_ANGLE];
+        let Turn { sine, cosine } = arm.and(self.cylinder).by(off);
         let (base, eye) = (v[BASE], v[EYE]);
         let square = base * base + eye * eye - 2.0 * base * eye * cosine;
         let length = sqrt(square.max(1e-6));
         (length, base * eye * sine / length)
     }
 
-    /// Lever of the cylinder [m].
-    pub fn lever(&self, lift: f64) -> f64 {
-        self.cylinder(&self.values, lift).1
-    }
-
-    fn places(v: &[f64; NUMBERS], lift: f64, bucket: f64) -> Places {
-        let arm = sin_cos(lift + v[LIFT_ZERO]);
-        let load = sin_cos(bucket + v[LIFT_ZERO] + v[TILT_ZERO]);
+    fn places(v: &[f64; NUMBERS], arm: Turn, bucket: Turn) -> Places {
         Places {
-            arm: [v[MASS_DISTANCE] * arm.1, v[MASS_DISTANCE] * arm.0],
+            arm: [v[MASS_DISTANCE] * arm.cosine, v[MASS_DISTANCE] * arm.sine],
             load: [
-                v[LENGTH] * arm.1 + v[LOAD_DISTANCE] * load.1,
-                v[LENGTH] * arm.0 + v[LOAD_DISTANCE] * load.0,
+                v[LENGTH] * arm.cosine + v[LOAD_DISTANCE] * bucket.cosine,
+                v[LENGTH] * arm.sine + v[LOAD_DISTANCE] * bucket.sine,
             ],
         }
     }
 
+    /// Where the masses are, the sensors' zeros being off.
+    fn places_now(v: &[f64; NUMBERS], posture: &Posture) -> Places {
+        let arm = posture.arm.by(v[LIFT_ZERO]);
+        let bucket = posture.bucket.by(v[LIFT_ZERO] + v[TILT_ZERO]);
+        Self::places(v, arm, bucket)
+    }
+
     /// Moment of the empty arm and bucket, and that of a kilogram of load [N m], [N m/kg].
     pub fn moments(&self, v: &[f64; NUMBERS], posture: &Posture) -> (f64, f64) {
-        let places = Self::places(v, posture.lift, posture.bucket);
+        let places = Self::places_now(v, posture);
         let of = |[x, z]: [f64; 2]| x * posture.gravity - z * posture.acceleration;
         let per_load = of(places.load).max(LEAST_LEVER * v[LENGTH] * GRAVITY);
         let missed: f64 = self
@@ -300,7 +329,7 @@ impl Drawing {
 
     /// Moment of the cylinders less their friction [N m].
     pub fn lifting(&self, v: &[f64; NUMBERS], posture: &Posture) -> f64 {
-        let (_, lever) = self.cylinder(v, posture.lift);
+        let (_, lever) = self.cylinder(v, posture.arm);
         let head = v[HEAD_AREA] * (posture.head - v[HEAD_ZERO]);
         let rod = v[ROD_AREA] * (posture.rod - v[ROD_ZERO]);
         let friction = (posture.seals * v[FRICTION] + posture.rest) * self.full_force(v);
@@ -313,24 +342,33 @@ impl Drawing {
         (self.lifting(v, posture) - empty) / per_load
     }
 
-    /// Centre of gravity of the machine with this payload.
-    pub fn centre(&self, v: &[f64; NUMBERS], posture: &Posture, payload: f64) -> Each<f64> {
-        let now = Self::places(v, posture.lift, posture.bucket);
+    /// The machine with its arm in this posture.
+    pub fn empty_at(&self, v: &[f64; NUMBERS], posture: &Posture) -> Empty {
+        let now = Self::places_now(v, posture);
         // The reference is where the arm truly stood.
-        let mut stated = *v;
-        (stated[LIFT_ZERO], stated[TILT_ZERO]) = (0.0, 0.0);
-        let then = Self::places(&stated, self.reference[0], self.reference[1]);
+        let then = Self::places(v, self.reference[0], self.reference[1]);
         let moved = |axis: usize| {
             v[MASS] * (now.arm[axis] - then.arm[axis])
                 + v[BUCKET] * (now.load[axis] - then.load[axis])
         };
-        let mass = v[EMPTY_MASS] + payload;
-        let ahead = self.wheelbase + v[PIVOT_X] + now.load[0];
-        let forward = moved(0) + payload * ahead;
-        let up = moved(1) + payload * (v[PIVOT_Z] + now.load[1]);
-        Each {
-            ratio: (v[EMPTY_MASS] * v[EMPTY_RATIO] + forward / self.wheelbase) / mass,
-            height: (v[EMPTY_MASS] * v[EMPTY_HEIGHT] + up) / mass,
+        Empty {
+            mass: v[EMPTY_MASS],
+            front: v[EMPTY_MASS] * v[EMPTY_RATIO] + moved(0) / self.wheelbase,
+            up: v[EMPTY_MASS] * v[EMPTY_HEIGHT] + moved(1),
+            ahead: (self.wheelbase + v[PIVOT_X] + now.load[0]) / self.wheelbase,
+            height: v[PIVOT_Z] + now.load[1],
         }
     }
+}
+
+/// Force of the cylinders at full pressure [N].
+fn full_force(count: f64, v: &[f64; NUMBERS]) -> f64 {
+    count * v[HEAD_AREA] * FULL_PRESSURE
+}
+
+/// The payload whose weight the cylinders hold with a level arm at full pressure [kg].
+fn capacity(count: f64, v: &[f64; NUMBERS]) -> f64 {
+    let (base, eye) = (v[BASE], v[EYE]);
+    let lever = base * eye / sqrt(base * base + eye * eye);
+    full_force(count, v) * lever / ((v[LENGTH] + v[LOAD_DISTANCE]) * GRAVITY)
 }

@@ -14,6 +14,7 @@ use super::drawing::{
     Posture, ROD_AREA, ROD_ZERO, SPAN, USUAL_ROD_PRESSURE, turns,
 };
 use super::seals::Seals;
+use super::turn::Turn;
 use crate::math::{norm, sin_cos};
 
 /// Length of a block, and the longest gap between rows \[s\].
@@ -134,8 +135,8 @@ impl Lifts {
         let d = &self.drawing;
         let full_force = d.full_force(&d.values);
         let posture = Posture {
-            lift: 0.0,
-            bucket: 0.0,
+            arm: Turn::of(0.0),
+            bucket: Turn::of(0.0),
             head: 10e6,
             rod: 0.0,
             gravity: GRAVITY,
@@ -184,7 +185,7 @@ impl Lifts {
             self.block = Block::NONE;
             return None;
         }
-        self.seals.take(self.drawing.rod_length(lift), dt);
+        self.seals.take(self.drawing.rod_length(Turn::of(lift)), dt);
         let share = self.seals.share();
         let stands = sample.speed.is_none_or(|v| v.abs() < STANDS);
         if !stands || share.abs() < FULLY {
@@ -199,8 +200,8 @@ impl Lifts {
         let slope = sample.slope.filter(|s| s.is_finite()).unwrap_or(0.0);
         let specific = sample.acceleration.filter(|a| a.is_finite());
         Posture {
-            lift: row.lift,
-            bucket: row.bucket,
+            arm: Turn::of(row.lift),
+            bucket: Turn::of(row.bucket),
             head,
             rod: self.rod.unwrap_or(USUAL_ROD_PRESSURE),
             gravity: self.drawing.gravity(slope),
@@ -220,11 +221,11 @@ impl Lifts {
             ..posture
         };
         let along = d.moments(v, &pushed);
-        let friction = direction * v[FRICTION] * d.full_force(v) * d.lever(row.lift);
+        let friction = direction * v[FRICTION] * d.full_force(v) * d.lever(posture.arm);
         let measured = d.lifting(v, &posture) - friction;
         let [a, b, c, e] = turns(&posture);
         let parts = [
-            d.lever(row.lift),
+            d.lever(posture.arm),
             measured,
             empty,
             per_load,

@@ -6,6 +6,7 @@
 //! | `drawing` | the described numbers, each with its doubt; moment, payload and centre of gravity by geometry |
 //! | `seals` | friction of the seals remembers which way the rod moved last |
 //! | `content` | when the bucket's content may change, and when the ground carries it |
+//! | `turn` | sine and cosine of an angle, taken once a row |
 //! | `scale` | payload and rest of friction from row to row |
 //! | `below` | a payload below zero: the description is off by more than it claims |
 //! | [`Lifts`] | the moments of a whole recording, to calibrate |
@@ -32,6 +33,7 @@ mod drawing;
 mod lifts;
 mod scale;
 mod seals;
+mod turn;
 
 use super::cg_model::Loading;
 use super::keys::{LiftArm, LiftCylinder, Machine, Prior, Sensors};
@@ -41,10 +43,11 @@ use crate::Quantity;
 use below::Below;
 use content::Content;
 use doubt::Doubts;
-use drawing::{Drawing, Posture};
+use drawing::{Drawing, Empty, Posture};
 pub use lifts::{LiftKnown, LiftMoment, Lifts};
 use scale::Scale;
 use seals::Seals;
+use turn::Turn;
 
 /// Arm signals older than this say nothing [s].
 const FRESH: f64 = 0.5;
@@ -201,8 +204,8 @@ impl LiftWitness {
     fn posture(&mut self, head: f64, sample: &Sample) -> Posture {
         let [lift, bucket] = self.angles.unwrap_or_default();
         Posture {
-            lift,
-            bucket,
+            arm: Turn::of(lift),
+            bucket: Turn::of(bucket),
             head,
             rod: self.rod,
             gravity: self.drawing.gravity(sample.slope.unwrap_or(0.0)),
@@ -213,9 +216,9 @@ impl LiftWitness {
     }
 
     fn weigh(&mut self, posture: &Posture, accelerated: bool, dt: f64) -> Weighed {
-        let rod_length = self.drawing.rod_length(posture.lift);
+        let rod_length = self.drawing.rod_length(posture.arm);
         self.seals.take(rod_length, dt);
-        let low = self.drawing.is_low(posture.lift);
+        let low = self.drawing.is_low(posture.arm);
         let motion = self.content.motion(self.rates, low, dt);
         let posture = Posture {
             seals: self.seals.share(),
@@ -232,21 +235,23 @@ impl LiftWitness {
             ..posture
         };
         let payload = self.scale.payload();
-        self.doubts.see(&self.drawing, &posture, payload.value);
+        let empty = self.drawing.empty_at(&self.drawing.values, &posture);
+        self.doubts
+            .see(&self.drawing, &posture, payload.value, &empty);
         if !motion.open {
             let std = crate::math::norm(&[payload.std, self.doubts.payload()]);
             self.below.see(Quantity { std, ..payload }, dt);
         }
-        let answer = self.answer(&posture, payload, motion.open);
+        let answer = self.answer(&empty, payload, motion.open);
         self.answer = Some(answer);
         answer
     }
 
     /// The centre of gravity with this payload, with all doubts.
-    fn answer(&self, posture: &Posture, payload: Quantity, open: bool) -> Weighed {
+    fn answer(&self, machine: &Empty, payload: Quantity, open: bool) -> Weighed {
         let drawing = &self.drawing;
-        let centre = drawing.centre(&drawing.values, posture, payload.value);
-        let more = drawing.centre(&drawing.values, posture, payload.value + payload.std);
+        let centre = machine.with(payload.value);
+        let more = machine.with(payload.value + payload.std);
         let rows = [
             payload.std,
             more.ratio - centre.ratio,

@@ -59,7 +59,7 @@ pub(super) struct Scale {
 impl Scale {
     /// A bucket that holds anything.
     pub fn new(drawing: &Drawing) -> Self {
-        let capacity = drawing.capacity();
+        let capacity = drawing.capacity;
         let friction = 1.5 * drawing.values[super::drawing::FRICTION];
         Self {
             state: [JUMP * capacity, 0.0],
@@ -91,7 +91,7 @@ impl Scale {
     ) {
         self.walk(drawing, seals, motion, dt);
         let (empty, per_load) = drawing.moments(&drawing.values, posture);
-        let lever = drawing.lever(posture.lift).abs();
+        let lever = drawing.lever(posture.arm).abs();
         let full = lever * drawing.full_force(&drawing.values);
         // The friction that is expected is in the moment already, its rest is a state.
         let shown = drawing.lifting(&drawing.values, posture);
@@ -106,7 +106,7 @@ impl Scale {
             && self.is_jump([carried, predicted, noise])
             && !motion.held;
         if self.jumped {
-            let open = JUMP * drawing.capacity();
+            let open = JUMP * drawing.capacity;
             self.covariance[0][0] += open * open;
             self.fast = 0.0;
         }
@@ -136,7 +136,7 @@ impl Scale {
         } else {
             CARRIED_WALK
         };
-        let walk = walk * drawing.capacity();
+        let walk = walk * drawing.capacity;
         self.covariance[0][0] += walk * walk * dt;
         let unknown = seals.unknown() * drawing.values[super::drawing::FRICTION];
         let time = if motion.lifting {
@@ -177,7 +177,7 @@ impl Scale {
 
     /// The ground carries a part: the content may become anything.
     fn dig(&mut self, drawing: &Drawing, dt: f64) {
-        let capacity = drawing.capacity();
+        let capacity = drawing.capacity;
         let (walk, most) = (DUG_WALK * capacity, DUG * capacity);
         let variance = &mut self.covariance[0][0];
         if *variance < most * most {

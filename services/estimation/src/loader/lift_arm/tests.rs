@@ -66,8 +66,8 @@ fn run(seconds: &[Second]) -> Vec<Option<Weighed>> {
             );
             time += 0.01;
             let posture = Posture {
-                lift,
-                bucket,
+                arm: Turn::of(lift),
+                bucket: Turn::of(bucket),
                 head: 0.0,
                 rod: 0.7e6,
                 gravity: 9.81,
@@ -77,7 +77,7 @@ fn run(seconds: &[Second]) -> Vec<Option<Weighed>> {
             };
             let (empty, per_load) = drawing.moments(&drawing.values, &posture);
             let missing = empty + second.2 * per_load - drawing.lifting(&drawing.values, &posture);
-            let per_pascal = drawing.lever(lift) * 2.0 * 4.33e-3;
+            let per_pascal = drawing.lever(posture.arm) * 2.0 * 4.33e-3;
             said.push(witness.step(&Sample {
                 time,
                 lift_angle: Some(lift),
