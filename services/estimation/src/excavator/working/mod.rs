@@ -56,8 +56,14 @@ const SMOOTHING: f64 = 0.05;
 /// An upper body slower than this for so long may be digging [rad/s, s].
 const CREEPING: f64 = 0.05;
 const CREPT: f64 = 0.3;
-/// Below this velocity a holding brake or stiction may take any part of the torque [rad/s].
+/// Time constant of what it gains of velocity: the torque of one that is held gains nothing [s].
+const GAINS: f64 = 0.1;
+/// Below this velocity a holding brake, one that opens late, or oil shut in may take any part of the torque [rad/s], the same for so
+/// long [s].
 const BRAKED: f64 = 0.04;
+const BRAKE_LASTS: f64 = 0.1;
+/// Only a faster motion tells another gain or payload from a brake [rad/s].
+const FREE: f64 = 0.1;
 
 /// The default estimator with torque and posture.
 #[derive(Debug, Clone)]
@@ -101,8 +107,10 @@ pub(super) struct Working {
     contradiction: Contradiction,
     /// The boom's cylinders, where they are described.
     weigh: Option<Weigh>,
-    /// The upper body hardly moves for this time [s].
+    /// The upper body hardly moves for this time [s]; its velocity a tick ago [rad/s] and what it gains, smoothed [rad/s^2].
     slow_for: f64,
+    before: f64,
+    gaining: f64,
     /// What each tick does is kept; the next one is the first.
     trailing: bool,
     anew: bool,
@@ -167,6 +175,8 @@ impl Working {
             contradiction: Contradiction::new(),
             weigh: settings.boom.map(Weigh::new),
             slow_for: 0.0,
+            before: 0.0,
+            gaining: 0.0,
             trailing: false,
             anew: true,
         }
@@ -185,7 +195,10 @@ impl Working {
             *trail = Some(Trail::NOTHING);
         }
         let share = 1.0 - exp(-drive.period / SMOOTHING);
-        let reached = self.filter.x[W].abs() + CREPT * self.filter.acceleration.abs();
+        let gained = (self.filter.x[W] - self.before) / drive.period;
+        self.before = self.filter.x[W];
+        self.gaining += (1.0 - exp(-drive.period / GAINS)) * (gained - self.gaining);
+        let reached = self.filter.x[W].abs() + CREPT * self.gaining.abs();
         self.slow_for = if standing || reached < CREEPING {
             self.slow_for + drive.period
         } else {
@@ -298,8 +311,9 @@ impl Working {
         let measured = drive.velocity.map(|velocity| (velocity, variance));
         let shape = (width, s.inertia_min);
         let usual = self.contradiction.usual();
-        self.parallel
-            .step(&input, shape, measured, gate, innovation, usual);
+        let free = self.filter.x[W].abs() > FREE;
+        let other = free.then_some((innovation, usual));
+        self.parallel.step(&input, shape, measured, gate, other);
         if self.parallel.overtakes(&mut self.filter) {
             self.anew = true;
             self.contradiction.outright();
@@ -309,7 +323,7 @@ impl Working {
         }
         let z = innovation.normalised();
         self.noise.push(z);
-        if self.change.push(z.clamp(-3.0, 3.0)) {
+        if free && self.change.push(z.clamp(-3.0, 3.0)) {
             if !self.changed {
                 let before = (self.filter.x[M], self.filter.p[M][M]);
                 self.contradiction.changed(before);
@@ -356,7 +370,7 @@ impl Working {
             turn: sin_cos(self.turn),
             torque_variance: model * model * self.noise.scale() * 0.01 / drive.period
                 + sensor * sensor * drive.share
-                + braked * braked
+                + braked * braked * BRAKE_LASTS / drive.period
                 + pushed * pushed * CREPT / drive.period
                 + drive.stale_torque,
             leaving: (s.estimator.opening_decay * opening).min(0.5),

@@ -61,20 +61,22 @@ impl ParallelFilter {
         !core::mem::replace(&mut self.idle, true)
     }
 
-    /// One tick of motion, and the velocity with its variance; `innovation` is that of the other filter.
+    /// One tick of motion, and the velocity with its variance. `other`: the innovation of the other filter, and the ratio by which
+    /// variances disagree; none where the motion says nothing of the torque.
     pub(super) fn step(
         &mut self,
         input: &Input,
         (width, least): (f64, f64),
         measured: Option<(f64, f64)>,
         gate: f64,
-        innovation: Innovation,
-        disagreement: f64,
+        other: Option<(Innovation, f64)>,
     ) {
         self.filter.predict(input, width, least, &mut None);
         if let Some((velocity, variance)) = measured {
-            let other = self.filter.correct(velocity, variance, gate, &mut None);
-            self.weigh([innovation, other], gate, disagreement);
+            let own = self.filter.correct(velocity, variance, gate, &mut None);
+            if let Some((innovation, disagreement)) = other {
+                self.weigh([innovation, own], gate, disagreement);
+            }
         }
     }
 

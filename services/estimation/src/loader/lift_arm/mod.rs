@@ -196,8 +196,9 @@ impl LiftWitness {
         };
         for ((smooth, rate), new) in smooth.iter_mut().zip(&mut self.rates).zip(angles) {
             let away = new - *smooth;
-            *rate = away / SMOOTH.max(dt);
             *smooth += weight * away;
+            // Smoothed once more: the noise of an angle is no turning bucket.
+            *rate += weight * (away / SMOOTH.max(dt) - *rate);
         }
     }
 

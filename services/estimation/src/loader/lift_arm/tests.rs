@@ -46,7 +46,7 @@ fn witness(settings: &Settings) -> Option<LiftWitness> {
     )
 }
 
-/// One second of work: angles of arm and bucket at its end, payload, and friction's direction.
+/// One second of work: angles of arm and bucket and payload at its end, and friction's direction.
 struct Second(f64, f64, f64, f64);
 
 /// What the witness says at the end of each second.
@@ -54,16 +54,17 @@ fn run(seconds: &[Second]) -> Vec<Option<Weighed>> {
     let settings = settings();
     let mut witness = witness(&settings).expect("a described arm");
     let drawing = witness.drawing;
-    let (mut lift, mut bucket, mut time) = (seconds[0].0, seconds[0].1, 0.0);
+    let (mut lift, mut bucket, mut load, mut time) = (seconds[0].0, seconds[0].1, 0.0, 0.0);
     let mut said = Vec::new();
     for second in seconds {
-        let (from, turned) = (lift, bucket);
+        let (from, turned, held) = (lift, bucket, load);
         for k in 1..=100 {
             let part = f64::from(k) / 100.0;
             (lift, bucket) = (
                 from + part * (second.0 - from),
                 turned + part * (second.1 - turned),
             );
+            load = held + part * (second.2 - held);
             time += 0.01;
             let posture = Posture {
                 arm: Turn::of(lift),
@@ -76,7 +77,7 @@ fn run(seconds: &[Second]) -> Vec<Option<Weighed>> {
                 rest: 0.0,
             };
             let (empty, per_load) = drawing.moments(&drawing.values, &posture);
-            let missing = empty + second.2 * per_load - drawing.lifting(&drawing.values, &posture);
+            let missing = empty + load * per_load - drawing.lifting(&drawing.values, &posture);
             let per_pascal = drawing.lever(posture.arm) * 2.0 * 4.33e-3;
             said.push(witness.step(&Sample {
                 time,
