@@ -20,18 +20,27 @@ fn rows(file: &Path) -> Vec<String> {
 }
 
 fn processes_agree_with_one_thread(machine: &str, method: &str, input: &Path, channel: &str) {
-    let running = Running::start(
-        &format!("det-{machine}-{method}"),
-        &[
-            machine,
-            "--input",
-            path(input),
-            "--pace",
-            "max",
-            "--method",
-            method,
-        ],
-    );
+    services_agree_with_one_thread(machine, method, input, channel, &[]);
+}
+
+fn services_agree_with_one_thread(
+    machine: &str,
+    method: &str,
+    input: &Path,
+    channel: &str,
+    more: &[&str],
+) {
+    let args = [
+        machine,
+        "--input",
+        path(input),
+        "--pace",
+        "max",
+        "--method",
+        method,
+    ];
+    let name = format!("det-{machine}-{method}-{}", more.len());
+    let running = Running::start(&name, &[&args[..], more].concat());
     let (output, folder) = running.wait();
     assert!(output.status.success(), "{}", both(&output));
     let recording = folder.path().join("run.mcap");
@@ -90,6 +99,46 @@ fn processes_agree_with_one_thread(machine: &str, method: &str, input: &Path, ch
 fn excavator_processes_and_one_thread_agree_to_the_last_bit() {
     let input = golden("excavator_input_drop.csv");
     processes_agree_with_one_thread("excavator", "auto", &input, "excavator/inertia_ukf");
+}
+
+#[test]
+fn threads_of_one_process_agree_to_the_last_bit_too() {
+    for (machine, method, input, channel) in [
+        (
+            "excavator",
+            "auto",
+            "excavator_input_drop.csv",
+            "excavator/inertia_ukf",
+        ),
+        (
+            "loader",
+            "full",
+            "loader_input_S4_tierB.csv",
+            "loader/cg_ukf",
+        ),
+    ] {
+        services_agree_with_one_thread(machine, method, &golden(input), channel, &["--threads"]);
+    }
+}
+
+#[test]
+fn a_run_of_threads_has_one_process_and_ends_in_order_when_it_is_asked_to() {
+    let running = Running::start("one-process", &["excavator", "--threads", "--view"]);
+    common::wait_until("a recording", std::time::Duration::from_secs(20), || {
+        running
+            .recording()
+            .metadata()
+            .is_ok_and(|file| file.len() > 50_000)
+    });
+    assert_eq!(running.service("logger"), None, "no process of its own");
+    running.signal(rustix::process::Signal::INT);
+    let (output, folder) = running.wait();
+    assert!(output.status.success(), "{}", both(&output));
+    let recording = folder.path().join("run.mcap");
+    let sent = common::sequences::<ExcavatorSensors>(&recording, "excavator/sensors");
+    let answered = common::sequences::<ExcavatorEstimate>(&recording, "excavator/inertia_ukf");
+    assert!(sent.len() > 20);
+    assert_eq!(sent, answered);
 }
 
 #[test]

@@ -16,6 +16,7 @@ mod fleet;
 mod fleet_run;
 mod group;
 mod image;
+mod life;
 mod live;
 mod machines;
 mod many;

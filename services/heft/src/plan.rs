@@ -48,6 +48,8 @@ pub struct Plan {
     pub seed: u64,
     /// As fast as the readers take it instead of real time.
     pub lossless: bool,
+    /// Its services are threads of the supervisor instead of processes.
+    pub threads: bool,
     /// Real-time scheduling was asked for.
     pub realtime: bool,
     /// Cores for the stages of this machine under real-time scheduling, taken in turn along the
@@ -157,6 +159,9 @@ impl Plan {
         }
         if let Some(restored) = &self.restored {
             put("state", restored.clone());
+        }
+        if self.threads {
+            put("services", "threads of one process".to_owned());
         }
         put("rate_hz", self.rate.to_string());
         put(

@@ -1,9 +1,9 @@
-//! One service of a run, in a process of its own.
+//! One service of a run, in a process or on a thread of its own.
 
 use clap::Args;
 use messages::Message;
 use messages::channels::{Channel, Visitor, of_machine};
-use runtime::{Arrival, Domain, Identity, Setup, Wake, Worker, run_probe, run_sink};
+use runtime::{Arrival, Control, Domain, Identity, Setup, Wake, Worker, run_probe, run_sink};
 use steps::stages::{Role, Row, Stage};
 
 use crate::failure::Failure;
@@ -23,45 +23,56 @@ pub struct ServiceArgs {
     pub restarts: u32,
 }
 
-/// Is the service `name` of a run until the run ends.
+/// Is the service `name` of a run, in this process, until the run ends.
 pub fn serve(args: &ServiceArgs) -> Result<(), Failure> {
-    let name = &args.name;
     let domain = Domain::new(&args.domain)?;
     let plan = Plan::read(&domain)?;
     domain.enter()?;
     let stages = plan.pipeline().stages;
-    let Some(index) = stages.iter().position(|p| p.name == *name) else {
+    let Some(stage) = stages.iter().find(|p| p.name == args.name) else {
         let names: Vec<&str> = stages.iter().map(|p| p.name).collect();
         return Err(Failure::input(
-            format!("there is no service `{name}`"),
+            format!("there is no service `{}`", args.name),
             "heft service",
             format!("one of {}", names.join(", ")),
         ));
     };
-    let stage = &stages[index];
     let span = tracing::Span::current();
     span.record("process", stage.name);
     span.record("machine", plan.machine.name());
     span.record("domain", &args.domain);
     span.record("restarts", args.restarts);
+    run(stage, args.restarts, Control::of_worker()?, &domain, &plan)
+}
+
+/// Is a stage of a run, on this thread, until the run ends; the domain has been entered before.
+pub fn run(
+    stage: &'static Stage,
+    restarts: u32,
+    control: Control,
+    domain: &Domain,
+    plan: &Plan,
+) -> Result<(), Failure> {
+    let mut stages = plan.pipeline().stages.iter();
+    let index = stages.position(|p| p.name == stage.name);
     let setup = Setup {
         identity: Identity {
-            process: index as u32,
-            restarts: args.restarts,
+            process: index.unwrap_or_default() as u32,
+            restarts,
             name: stage.name,
         },
         realtime: (plan.realtime && stage.priority > 0)
-            .then(|| (stage.priority, core(&plan, stage))),
+            .then(|| (stage.priority, core(plan, stage))),
         spins_on: plan.spinners.get(stage.name).copied(),
         period_ns: (1e9 / plan.rate) as u64,
     };
-    let worker = Worker::start(setup)?;
+    let worker = Worker::start(setup, control)?;
     match &stage.role {
-        Role::Source { .. } => machines::entry(plan.machine).serve_source(worker, &plan),
-        Role::Step(row) => serve_step(worker, &plan, stage, *row),
-        Role::Sink => serve_logger(worker, &plan, &domain),
-        Role::Probe(channel) => serve_probe(worker, &plan, channel),
-        Role::Sender => serve_sender(worker, &plan),
+        Role::Source { .. } => machines::entry(plan.machine).serve_source(worker, plan),
+        Role::Step(row) => serve_step(worker, plan, stage, *row),
+        Role::Sink => serve_logger(worker, plan, domain),
+        Role::Probe(channel) => serve_probe(worker, plan, channel),
+        Role::Sender => serve_sender(worker, plan),
     }
 }
 

@@ -1,17 +1,16 @@
-//! One service of a run as its supervisor sees it: a process, the way to talk to it, its deaths.
+//! One service of a run as its supervisor sees it: its life, the way to talk to it, its deaths.
 
-use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
-use std::os::unix::process::CommandExt;
-use std::process::{Child, ExitStatus, Stdio};
+use std::os::fd::{AsFd, BorrowedFd};
+use std::process::ExitStatus;
 use std::time::{Duration, Instant};
 
 use messages::{Health, State};
 use runtime::{Bell, Control, Domain, is_stopped, now_ns};
-use rustix::process::{Pid, PidfdFlags, pidfd_open};
 use steps::stages::Stage;
 
 use crate::failure::Failure;
-use crate::image;
+use crate::life::Life;
+use crate::plan::Plan;
 
 /// A worker that lives no longer than this after its start died quickly.
 const QUICK: Duration = Duration::from_millis(300);
@@ -31,8 +30,6 @@ const LATE: Duration = Duration::from_millis(350);
 const STOPPED_LIMIT: Duration = Duration::from_millis(350);
 /// One that has reported its health and falls silent, though not stopped: longer than any load explains.
 const SILENT_LIMIT: Duration = Duration::from_secs(5);
-/// A killed process is gone within a millisecond, unless the kernel itself holds it.
-const KILL_LIMIT: Duration = Duration::from_millis(200);
 
 /// What shared memory lacks for a service to start.
 fn lack_of_shared_memory() -> Option<String> {
@@ -45,7 +42,7 @@ fn lack_of_shared_memory() -> Option<String> {
     is_short.then(|| "shared memory (/dev/shm) takes no more names".into())
 }
 
-/// A service and its process.
+/// A service and its life.
 pub struct Supervised {
     /// Its row in the table of processes.
     pub process: &'static Stage,
@@ -61,9 +58,7 @@ pub struct Supervised {
     pub restarts: u32,
     /// How long it had given no sign of life when it was ended for that.
     pub hung: Option<Duration>,
-    child: Child,
-    /// Becomes readable when the process ends; missing on old kernels.
-    end: Option<OwnedFd>,
+    life: Life,
     started: Instant,
     started_ns: u64,
     /// Since when it was found stopped.
@@ -87,9 +82,13 @@ enum Next {
 }
 
 impl Supervised {
-    /// Starts the process.
-    pub fn start(process: &'static Stage, bell: Bell, domain: &Domain) -> Result<Self, Failure> {
-        let (control, child) = spawn(process, 0, domain)?;
+    /// Starts it.
+    pub fn start(
+        process: &'static Stage,
+        bell: Bell,
+        run: (&Domain, &Plan),
+    ) -> Result<Self, Failure> {
+        let (control, life) = Life::begin(process, 0, run)?;
         Ok(Self {
             process,
             bell,
@@ -98,8 +97,7 @@ impl Supervised {
             drained: false,
             restarts: 0,
             hung: None,
-            end: end_of(&child),
-            child,
+            life,
             started: Instant::now(),
             started_ns: now_ns(),
             stopped: None,
@@ -110,13 +108,12 @@ impl Supervised {
         })
     }
 
-    /// Starts the process again. Where the system refuses, another try is planned; `Err` with the
+    /// Starts it again. Where the system refuses, another try is planned; `Err` with the
     /// reason when there were too many.
-    pub fn restart(&mut self, domain: &Domain) -> Result<(), String> {
-        match spawn(self.process, self.restarts + 1, domain) {
-            Ok((control, child)) => {
-                self.end = end_of(&child);
-                (self.control, self.child) = (control, child);
+    pub fn restart(&mut self, run: (&Domain, &Plan)) -> Result<(), String> {
+        match Life::begin(self.process, self.restarts + 1, run) {
+            Ok((control, life)) => {
+                (self.control, self.life) = (control, life);
                 self.restarts += 1;
                 self.refusals = 0;
                 self.hung = None;
@@ -141,15 +138,15 @@ impl Supervised {
         self.quick_deaths > 0
     }
 
-    /// Whether the process lives.
+    /// Whether it lives.
     pub fn is_alive(&mut self) -> bool {
-        self.next == Next::Lives && matches!(self.child.try_wait(), Ok(None))
+        self.next == Next::Lives && self.life.ended().is_none()
     }
 
-    /// How the process ended, if it did and that was not dealt with yet.
+    /// How it ended, if it did and that was not dealt with yet.
     pub fn died(&mut self) -> Option<ExitStatus> {
         match self.next {
-            Next::Lives => self.child.try_wait().ok().flatten(),
+            Next::Lives => self.life.ended(),
             _ => None,
         }
     }
@@ -205,7 +202,7 @@ impl Supervised {
     pub fn signs(&self) -> impl Iterator<Item = BorrowedFd<'_>> {
         let lives = self.next == Next::Lives;
         let control = lives.then(|| self.control.as_fd());
-        let end = self.end.as_ref().filter(|_| lives).map(AsFd::as_fd);
+        let end = lives.then(|| self.life.end()).flatten();
         control.into_iter().chain(end)
     }
 
@@ -215,7 +212,7 @@ impl Supervised {
         if self.next != Next::Lives || self.hung.is_some() {
             return None;
         }
-        let pid = self.child.id();
+        let pid = self.life.pid();
         let health = health.filter(|h| h.pid == pid);
         let last = health.map_or(self.started_ns, |h| h.stamp.measured_ns);
         let silence = Duration::from_nanos(now_ns().saturating_sub(last));
@@ -224,7 +221,9 @@ impl Supervised {
         self.stopped =
             (silence > LATE && is_stopped(pid)).then(|| self.stopped.unwrap_or_else(Instant::now));
         let stopped = self.stopped.is_some_and(|s| s.elapsed() >= STOPPED_LIMIT);
-        (stuck || silent || stopped).then_some(silence)
+        // Threads are stopped with their supervisor: one that stands alone is stuck.
+        let held = (silent || stopped) && self.can_be_killed();
+        (stuck || held).then_some(silence)
     }
 
     /// Whether it is found stopped, and not yet ended for that.
@@ -232,46 +231,19 @@ impl Supervised {
         self.stopped.is_some() && self.hung.is_none()
     }
 
-    /// Ends the process by force, and does not wait for that.
-    pub fn kill(&mut self) {
-        let _ = self.child.kill();
+    /// Whether it can be ended by force.
+    pub fn can_be_killed(&self) -> bool {
+        self.life.can_be_killed()
     }
 
-    /// Ends the process by force and waits until it is gone, but not for ever.
+    /// Ends it by force, and does not wait for that.
+    pub fn kill(&mut self) {
+        self.life.kill();
+    }
+
+    /// Ends it by force and waits until it is gone, but not for ever.
     pub fn kill_and_wait(&mut self) {
-        self.kill();
-        let begun = Instant::now();
-        while matches!(self.child.try_wait(), Ok(None)) && begun.elapsed() < KILL_LIMIT {
-            std::thread::sleep(Duration::from_millis(1));
-        }
+        self.life.kill_and_wait();
         self.give_up();
     }
-}
-
-/// What tells the end of a process.
-fn end_of(child: &Child) -> Option<OwnedFd> {
-    let pid = Pid::from_raw(i32::try_from(child.id()).ok()?)?;
-    pidfd_open(pid, PidfdFlags::empty()).ok()
-}
-
-fn spawn(process: &Stage, restarts: u32, domain: &Domain) -> Result<(Control, Child), Failure> {
-    let (control, theirs): (Control, OwnedFd) = Control::pair()?;
-    let child = image::command()
-        .args(["service", process.name, "--domain", domain.name()])
-        .args(["--restarts", &restarts.to_string()])
-        .stdin(Stdio::from(theirs))
-        // A group of its own: Ctrl-C reaches the supervisor alone, which ends the run in order.
-        .process_group(0)
-        // Those are for the supervisor alone.
-        .env_remove("NOTIFY_SOCKET")
-        .env_remove("WATCHDOG_USEC")
-        .spawn()
-        .map_err(|e| {
-            Failure::input(
-                format!("cannot start the service {}: {e}", process.name),
-                "the supervisor",
-                "check the limits on processes, open files (ulimit -n 4096) and memory",
-            )
-        })?;
-    Ok((control, child))
 }

@@ -1,4 +1,4 @@
-//! The supervisor: creates and holds every channel, starts each service as a process of its own,
+//! The supervisor: creates and holds every channel, starts each service as a process of its own (with `--threads` as a thread),
 //! restarts what dies or hangs, and ends the run with everything drained.
 //!
 //! It sleeps until something happens: a word of a worker, the end of a process, a signal, a restart
@@ -41,7 +41,7 @@ const SUSPECT_LOOK: Duration = Duration::from_millis(50);
 /// The same at most so many samples long, a quarter of the depth of a channel.
 const LOOK_SAMPLES: f64 = 128.0;
 /// The same where the source is as fast as its readers.
-const QUICK_LOOK: Duration = Duration::from_millis(5);
+const QUICK_LOOK: Duration = Duration::from_millis(2);
 
 /// How a run ended.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -148,7 +148,8 @@ impl Supervisor {
             Role::Source { .. } | Role::Step(_) | Role::Sink => true,
         });
         for process in wanted {
-            let worker = Supervised::start(process, Bell::new()?, self.owner.domain())?;
+            let worker =
+                Supervised::start(process, Bell::new()?, (self.owner.domain(), &self.plan))?;
             self.workers.push(worker);
         }
         for i in 0..self.workers.len() {
@@ -263,6 +264,14 @@ impl Supervisor {
             }
         }
         self.end_hanging();
+        // Nothing ends a thread but the end of the run.
+        let stuck = |w: &&Supervised| w.hung.is_some() && !w.can_be_killed();
+        if let Some(worker) = self.workers.iter().find(stuck) {
+            return Some(End::Failed(format!(
+                "the thread {} stands still; without --threads it would be started again",
+                worker.process.name
+            )));
+        }
         if let Some(gateway) = &mut self.gateway {
             gateway.keep_alive();
         }
@@ -299,7 +308,18 @@ impl Supervisor {
         let _ = poll(&mut fds, Some(&timeout));
         self.hear();
         self.taps.drain(&mut self.watch);
+        if self.plan.lossless {
+            self.say_seen();
+        }
         self.notify.awake();
+    }
+
+    /// A source that loses nothing waits for this process too: what it missed, it would not have shown or counted.
+    fn say_seen(&self) {
+        let is_source = |w: &&Supervised| matches!(w.process.role, Role::Source { .. });
+        if let Some(source) = self.workers.iter().find(is_source) {
+            source.control.say(&format!("seen {}", self.taps.through()));
+        }
     }
 
     fn hear(&mut self) {
@@ -390,7 +410,8 @@ impl Supervisor {
             );
         }
         self.taps.drain(&mut self.watch);
-        let restarted = self.workers[i].restart(self.owner.domain());
+        let run = (self.owner.domain(), &self.plan);
+        let restarted = self.workers[i].restart(run);
         tracing::info!(service = self.workers[i].process.name, "started again");
         if restarted.is_ok() && self.workers[i].due().is_none() {
             self.hand_over(i);

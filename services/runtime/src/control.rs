@@ -9,6 +9,7 @@
 //! | supervisor | `go N T L` | begin; a source begins with sample N, sample 0 was due at T ns, and the latest has the time L ns |
 //! | worker | `ended` | the source has no more samples |
 //! | worker | `refused E` | the source cannot use its input; E is the error in its three lines |
+//! | supervisor | `seen N` | it has seen N samples in every channel; a source that loses nothing goes no further ahead |
 //! | supervisor | `drain` | answer what is waiting, then say so |
 //! | worker | `drained` | nothing was left to answer |
 //! | supervisor | `exit` | end |
@@ -192,6 +193,13 @@ impl Control {
     }
 }
 
+/// The worker's end of a pair, for a worker that is a thread.
+impl From<OwnedFd> for Control {
+    fn from(fd: OwnedFd) -> Self {
+        Self(fd)
+    }
+}
+
 /// First word of a state.
 const STATE: &str = "state";
 
@@ -264,14 +272,30 @@ pub struct Begin {
 }
 
 /// What the supervisor wants, for the loop of a worker to look at.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Requests {
     first: AtomicU64,
     start_ns: AtomicU64,
     latest_ns: AtomicU64,
+    /// The largest number: nothing was said of it.
+    seen: AtomicU64,
     go: AtomicBool,
     drain: AtomicBool,
     exit: AtomicBool,
+}
+
+impl Default for Requests {
+    fn default() -> Self {
+        Self {
+            first: AtomicU64::default(),
+            start_ns: AtomicU64::default(),
+            latest_ns: AtomicU64::default(),
+            seen: AtomicU64::new(u64::MAX),
+            go: AtomicBool::default(),
+            drain: AtomicBool::default(),
+            exit: AtomicBool::default(),
+        }
+    }
 }
 
 impl Requests {
@@ -283,6 +307,12 @@ impl Requests {
             start_ns: self.start_ns.load(Ordering::Relaxed),
             latest_ns: self.latest_ns.load(Ordering::Relaxed),
         })
+    }
+
+    /// How many samples the supervisor has seen in every channel; the largest number where it says nothing of it.
+    #[must_use]
+    pub fn seen(&self) -> u64 {
+        self.seen.load(Ordering::Relaxed)
     }
 
     /// Whether to answer what is waiting and say so; asked for once.
@@ -334,6 +364,9 @@ fn obey(requests: &Requests, word: &str) {
             }
             requests.go.store(true, Ordering::Release);
         }
+        ("seen", number) => requests
+            .seen
+            .store(number.parse().unwrap_or(u64::MAX), Ordering::Relaxed),
         ("drain", _) => requests.drain.store(true, Ordering::Release),
         ("exit", _) => requests.exit.store(true, Ordering::Release),
         _ => {}

@@ -90,7 +90,9 @@ pub(crate) struct Sender<S: Message, T: Message> {
     sensors: Output<S>,
     truth: Output<T>,
     credit: Input<Credit>,
+    /// Samples that have passed through every channel, for the logger; and without whose passing the source went on.
     through: u64,
+    given_up: u64,
 }
 
 impl<S: Message, T: Message> Sender<S, T> {
@@ -104,6 +106,7 @@ impl<S: Message, T: Message> Sender<S, T> {
             truth: worker.ports.output::<T>(truth)?,
             credit: worker.ports.input::<Credit>(&CREDIT, CREDIT.depth)?,
             through: 0,
+            given_up: 0,
         })
     }
 
@@ -136,11 +139,12 @@ impl<S: Message, T: Message> Sender<S, T> {
             while let Some((credit, _)) = self.credit.receive() {
                 self.through = self.through.max(credit.through);
             }
-            if sequence < self.through + WINDOW {
+            let seen = worker.requests.seen();
+            if sequence < self.through.min(seen).max(self.given_up) + WINDOW {
                 return true;
             }
             if now_ns() - begun > GIVE_UP_NS {
-                self.through = sequence + 1;
+                self.given_up = sequence + 1;
                 return true;
             }
             worker.bell.wait();

@@ -1,4 +1,4 @@
-//! The life of a worker process: get the bells, open the ports, say `ready`, loop, end.
+//! The life of a worker, a process or a thread: get the bells, open the ports, say `ready`, loop, end.
 
 use std::os::fd::OwnedFd;
 use std::sync::Arc;
@@ -38,13 +38,13 @@ pub struct Worker {
 }
 
 impl Worker {
-    /// Receives the bells from the supervisor and announces the process to iceoryx2; the domain
+    /// Receives the bells from the supervisor over `control` and announces the service to iceoryx2; the domain
     /// has been entered before.
     ///
     /// # Errors
     /// There is no supervisor, or iceoryx2 refuses.
-    pub fn start(setup: Setup) -> Result<Self, Error> {
-        let control = Arc::new(Control::of_worker()?);
+    pub fn start(setup: Setup, control: Control) -> Result<Self, Error> {
+        let control = Arc::new(control);
         let Handed {
             bell,
             readers,

@@ -59,7 +59,7 @@ pub struct RunArgs {
     /// processor steps them all; the estimates are one table
     #[arg(long, value_name = "N", conflicts_with_all = [
         "output", "rt", "spin", "view", "split", "min_free", "fleet", "state", "domain", "group", "require_trust", "no_report",
-        "live_lines", "probe",
+        "live_lines", "probe", "threads",
     ])]
     pub machines: Option<NonZeroUsize>,
     /// What a truck shall hold, in kg: loads are counted, reported as they come, and shown at `/loads` of the live page
@@ -86,6 +86,10 @@ pub struct RunArgs {
     /// Real-time scheduling: SCHED_FIFO by stage, one core, locked memory
     #[arg(long)]
     pub rt: bool,
+    /// One process with a thread for each service instead of a process for each: fewer of them to look after and less memory, but an
+    /// error of one ends them all
+    #[arg(long)]
+    pub threads: bool,
     /// Core of all processes of the run: they wake each other faster there; under --rt that of the stages, the last one if absent
     #[arg(long, conflicts_with = "spin")]
     pub core: Option<usize>,

@@ -101,6 +101,7 @@ impl Plan {
             rate,
             seed: args.seed,
             lossless: args.pace == Pace::Max,
+            threads: args.threads,
             realtime: args.rt,
             cores: cores(args),
             spinners: args.spin.as_deref().map_or(Ok(Spinners::new()), |wanted| {

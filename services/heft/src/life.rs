@@ -1,0 +1,146 @@
+//! What a service lives in: a process of its own, or with `--threads` a thread of its supervisor.
+
+use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
+use std::os::unix::process::{CommandExt, ExitStatusExt};
+use std::process::{Child, ExitStatus, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU8, Ordering};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use runtime::{Control, Domain};
+use rustix::process::{Pid, PidfdFlags, pidfd_open};
+use steps::stages::Stage;
+
+use crate::failure::Failure;
+use crate::image;
+use crate::plan::Plan;
+use crate::service;
+
+/// A killed process is gone within a millisecond, unless the kernel itself holds it.
+const KILL_LIMIT: Duration = Duration::from_millis(200);
+
+/// One life of a service.
+pub enum Life {
+    /// A process, and what becomes readable when it ends; missing on old kernels.
+    Process(Child, Option<OwnedFd>),
+    /// A thread, and the status that a process would have ended with.
+    Thread(JoinHandle<()>, Arc<AtomicU8>),
+}
+
+impl Life {
+    /// Begins one, as the plan wants it, after so many restarts; with the way to talk to it.
+    pub fn begin(
+        stage: &'static Stage,
+        restarts: u32,
+        (domain, plan): (&Domain, &Plan),
+    ) -> Result<(Control, Self), Failure> {
+        let (control, theirs) = Control::pair()?;
+        let life = if plan.threads {
+            thread(stage, restarts, Control::from(theirs), domain, plan)?
+        } else {
+            process(stage, restarts, theirs, domain)?
+        };
+        Ok((control, life))
+    }
+
+    /// How it ended, if it did.
+    pub fn ended(&mut self) -> Option<ExitStatus> {
+        match self {
+            Self::Process(child, _) => child.try_wait().ok().flatten(),
+            Self::Thread(thread, status) => thread
+                .is_finished()
+                .then(|| ExitStatus::from_raw(i32::from(status.load(Ordering::Acquire)) << 8)),
+        }
+    }
+
+    /// What becomes readable when it ends.
+    pub fn end(&self) -> Option<BorrowedFd<'_>> {
+        match self {
+            Self::Process(_, end) => end.as_ref().map(AsFd::as_fd),
+            Self::Thread(..) => None,
+        }
+    }
+
+    /// The process that it is or belongs to.
+    pub fn pid(&self) -> u32 {
+        match self {
+            Self::Process(child, _) => child.id(),
+            Self::Thread(..) => std::process::id(),
+        }
+    }
+
+    /// Whether it can be ended by force: a thread cannot.
+    pub fn can_be_killed(&self) -> bool {
+        matches!(self, Self::Process(..))
+    }
+
+    /// Ends it by force, where that is possible, and does not wait for that.
+    pub fn kill(&mut self) {
+        if let Self::Process(child, _) = self {
+            let _ = child.kill();
+        }
+    }
+
+    /// The same, and waits until it is gone, but not for ever.
+    pub fn kill_and_wait(&mut self) {
+        self.kill();
+        let begun = Instant::now();
+        while self.ended().is_none() && begun.elapsed() < KILL_LIMIT {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+}
+
+fn cannot_start(stage: &Stage, error: &std::io::Error) -> Failure {
+    Failure::input(
+        format!("cannot start the service {}: {error}", stage.name),
+        "the supervisor",
+        "check the limits on processes, open files (ulimit -n 4096) and memory",
+    )
+}
+
+fn process(
+    stage: &Stage,
+    restarts: u32,
+    control: OwnedFd,
+    domain: &Domain,
+) -> Result<Life, Failure> {
+    let child = image::command()
+        .args(["service", stage.name, "--domain", domain.name()])
+        .args(["--restarts", &restarts.to_string()])
+        .stdin(Stdio::from(control))
+        // A group of its own: Ctrl-C reaches the supervisor alone, which ends the run in order.
+        .process_group(0)
+        // Those are for the supervisor alone.
+        .env_remove("NOTIFY_SOCKET")
+        .env_remove("WATCHDOG_USEC")
+        .spawn()
+        .map_err(|e| cannot_start(stage, &e))?;
+    let end = i32::try_from(child.id()).ok().and_then(Pid::from_raw);
+    let end = end.and_then(|pid| pidfd_open(pid, PidfdFlags::empty()).ok());
+    Ok(Life::Process(child, end))
+}
+
+fn thread(
+    stage: &'static Stage,
+    restarts: u32,
+    control: Control,
+    domain: &Domain,
+    plan: &Plan,
+) -> Result<Life, Failure> {
+    let (domain, plan) = (domain.clone(), plan.clone());
+    let status = Arc::new(AtomicU8::new(0));
+    let its = Arc::clone(&status);
+    let thread = std::thread::Builder::new()
+        .name(stage.name.to_owned())
+        .spawn(move || {
+            // As the main function of a process.
+            if let Err(failure) = service::run(stage, restarts, control, &domain, &plan) {
+                eprintln!("heft: {failure}");
+                its.store(failure.status, Ordering::Release);
+            }
+        })
+        .map_err(|e| cannot_start(stage, &e))?;
+    Ok(Life::Thread(thread, status))
+}
