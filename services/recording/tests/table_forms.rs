@@ -4,7 +4,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use messages::ExcavatorSensors;
-use recording::{Error, csv};
+use recording::{Error, LineDecoder, csv};
 
 const HEADER: &str = "t,swing_velocity,swing_torque";
 
@@ -62,6 +62,49 @@ fn a_table_gives_the_same_rows_packed_with_comments_and_with_units() {
         let found = read(&written(folder.path(), name, &content));
         assert_eq!(found.as_ref().ok(), Some(&expected), "{name}: {found:?}");
     }
+}
+
+/// What comes of a text line by line, as standard input and live sources read it.
+fn lines(text: &str) -> Result<Vec<f64>, Error> {
+    let mut decoder = LineDecoder::<ExcavatorSensors>::new(None)?;
+    let mut found = Vec::new();
+    for line in text.split_inclusive('\n') {
+        decoder.take(line.as_bytes(), 0)?;
+        found.extend(std::iter::from_fn(|| decoder.row()).map(|(s, _)| s.swing_torque));
+    }
+    assert!(decoder.take_remarks().is_empty(), "no line is left out");
+    decoder.finish();
+    found.extend(std::iter::from_fn(|| decoder.row()).map(|(s, _)| s.swing_torque));
+    Ok(found)
+}
+
+#[test]
+fn lines_that_come_one_by_one_are_read_as_a_file_of_them_is() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let rows = rows().join("\n");
+    let plain = format!("{HEADER}\n{rows}\n");
+    for text in [
+        plain.clone(),
+        format!("\u{feff}# machine 14 t\n\n// by a logger, v3\n{plain}"),
+        format!("sep=;\n{}", plain.replace(',', ";")),
+        format!("# a, b\n# {plain}"),
+        format!("% {HEADER}\n{HEADER}\n\n[s],[rad/s],[N m]\n{rows}\n"),
+    ] {
+        let expected = read(&written(folder.path(), "a.csv", text.as_bytes())).expect("a file");
+        assert_eq!(expected.len(), 400);
+        assert_eq!(lines(&text), Ok(expected), "{}", &text[..60]);
+    }
+    for (text, what) in [
+        (format!("{HEADER}\ns,deg/s,N m\n"), "is in deg/s"),
+        ("0,1,2\n".into(), "has no header"),
+    ] {
+        let error = lines(&text).expect_err(what);
+        assert!(error.what.contains(what), "{error}");
+        assert!(error.place.starts_with("standard input"), "{error}");
+    }
+    let mut decoder = LineDecoder::<ExcavatorSensors>::new(None).expect("a decoder");
+    let error = decoder.take(&packed(&plain), 0).expect_err("packed");
+    assert!(error.remedy.contains("zcat"), "{error}");
 }
 
 #[test]
