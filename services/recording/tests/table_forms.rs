@@ -118,6 +118,33 @@ fn a_unit_below_a_name_that_is_not_si_is_refused_and_named() {
 }
 
 #[test]
+fn what_is_no_table_is_named_as_what_it_is() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let plain = format!("{HEADER}\n{}\n", rows().join("\n"));
+    let wide: Vec<u8> = plain.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    for (content, what, remedy) in [
+        (wide, "no text", "UTF-8"),
+        (b"\x28\xb5\x2f\xfdxx".to_vec(), "packed by zstd", "zstd -d"),
+        (b"BZh91AY".to_vec(), "packed by bzip2", "bunzip2"),
+        (b"\xfd7zXZ\0".to_vec(), "packed by xz", "unxz"),
+        (
+            format!("# {}\n{plain}", "x".repeat(400_000)).into_bytes(),
+            "does not begin with a table",
+            "header",
+        ),
+        (
+            [packed(&plain), b"more than that follows".to_vec()].concat(),
+            "invalid gzip header",
+            "get the file anew",
+        ),
+    ] {
+        let error = read(&written(folder.path(), "a.csv", &content)).expect_err(what);
+        assert!(error.what.contains(what), "{error}");
+        assert!(error.remedy.contains(remedy), "{error}");
+    }
+}
+
+#[test]
 fn a_packed_table_that_was_cut_gives_the_rows_before_the_cut_and_says_so() {
     let folder = tempfile::tempdir().expect("a folder");
     let whole = packed(&format!("{HEADER}\n{}\n", rows().join("\n")));

@@ -101,8 +101,13 @@ impl Table {
         }
         let file = path.display().to_string();
         let Some(front) = Front::of(&head) else {
+            let what = if head.trim_ascii().is_empty() {
+                "the file is empty"
+            } else {
+                "the file does not begin with a table: no line of its beginning is a header"
+            };
             let remedy = "give a CSV file with a header and a row per sample";
-            return Err(Error::new("the file is empty", file, remedy));
+            return Err(Error::new(what, file, remedy));
         };
         Ok(Self {
             path: path.to_owned(),
@@ -366,19 +371,6 @@ pub(crate) struct Look {
 pub(crate) fn look(path: &Path, most: usize) -> Result<Look, Error> {
     let table = Table::open(path)?;
     let (mut records, header) = table.records()?;
-    // Of a program, and of text in two bytes a character, half is zeros; one of them in quotes is a strange name.
-    let zeros = header
-        .iter()
-        .flat_map(|name| name.chars())
-        .filter(|c| *c == '\0');
-    let length: usize = header.iter().map(String::len).sum();
-    if 10 * zeros.count() > length {
-        return Err(Error::new(
-            "this is no table: it holds bytes that are no text",
-            table.file,
-            "give a table (.csv), a CAN log (.log) or an MCAP file (.mcap)",
-        ));
-    }
     let mut columns = vec![Vec::new(); header.len()];
     for _ in 0..most {
         if !table.advance(&mut records)? {
@@ -408,6 +400,16 @@ pub(crate) fn header(
     place: impl Fn() -> String,
 ) -> Result<Vec<String>, Error> {
     let header = names(record, file)?;
+    // Of a program, and of text in two bytes a character, half is zeros; one of them in quotes is a strange name.
+    let zeros = record.iter().flatten().filter(|b| **b == 0).count();
+    let length: usize = record.iter().map(<[u8]>::len).sum();
+    if 10 * zeros > length {
+        return Err(Error::new(
+            "this is no table: it holds bytes that are no text",
+            place(),
+            "give a table in UTF-8 (.csv), a CAN log (.log) or an MCAP file (.mcap)",
+        ));
+    }
     let is_number = |cell: &[u8]| dialect.number(cell).is_some_and(f64::is_finite);
     if record.iter().all(is_number) {
         return Err(Error::new(
