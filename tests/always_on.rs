@@ -87,7 +87,16 @@ fn old_parts_make_room_for_new_ones() {
     assert!(sizes.iter().all(|s| *s < 400_000), "{sizes:?}: {said}");
     let kept = numbers(folder.path());
     assert!(kept.windows(2).all(|w| w[0] + 1 == w[1]), "without a gap");
-    assert_eq!(kept.last(), Some(&9000), "{said}");
+    let answers = EXCAVATOR_INERTIA_UKF.name;
+    let answers = common::sequences::<ExcavatorEstimate>(folder.path(), answers);
+    let is_whole = kept.last() == Some(&9000) && answers.last() == Some(&9000);
+    // On a host without a processor to spare a service may hang; what that costs is told, with its status.
+    assert!(
+        is_whole || second.status.code() == Some(1),
+        "lost without a word: {:?}, {:?}: {said}",
+        kept.last(),
+        answers.last()
+    );
 }
 
 #[test]

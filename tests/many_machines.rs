@@ -125,6 +125,31 @@ fn serve(lines: &[String], deaths: &[usize]) -> (String, String) {
 }
 
 #[test]
+fn comments_and_units_above_the_rows_change_nothing() {
+    let lines: Vec<String> = table().into_iter().take(2000).collect();
+    let units: Vec<&str> = lines[0]
+        .split(',')
+        .map(|name| match name {
+            "t" => "s",
+            "swing_velocity" => "rad/s",
+            "swing_torque" => "N m",
+            _ => "",
+        })
+        .collect();
+    let above = [
+        "# by a gateway".into(),
+        "# of a site, v3".into(),
+        lines[0].clone(),
+        units.join(","),
+    ];
+    let with: Vec<String> = above.iter().chain(&lines[1..]).cloned().collect();
+    let (plain, _) = serve(&lines, &[]);
+    let (found, said) = serve(&with, &[]);
+    assert!(said.contains("; 0 lines left out"), "{said}");
+    assert_eq!(by_machine(&found), by_machine(&plain));
+}
+
+#[test]
 fn each_machine_gets_what_it_would_get_alone() {
     let lines = table();
     let (text, said) = serve(&lines, &[]);

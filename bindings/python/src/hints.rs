@@ -1,8 +1,8 @@
 //! What a user is told beside the estimates: data that seem to be in other units, or of another machine.
 
 use config::Description;
-use estimation::excavator::{Geometry, Plausible, Sample};
-use messages::{Envelope, excavator_bits as bits};
+use estimation::excavator::{Geometry, Plausible};
+use messages::Envelope;
 
 /// Looks at the rows on their way.
 pub struct Hints {
@@ -28,21 +28,9 @@ impl Hints {
         if self.times.len() < TIMES && time.is_finite() {
             self.times.push(time);
         }
-        let (Some(plausible), Envelope::ExcavatorSensors(s)) = (&mut self.plausible, sample) else {
-            return;
-        };
-        let value = |bit, value| (s.valid & bit == bit).then_some(value);
-        plausible.push(&Sample {
-            time,
-            velocity: value(bits::SWING_VELOCITY, s.swing_velocity),
-            torque: value(bits::SWING_TORQUE, s.swing_torque),
-            posture: [
-                value(bits::BOOM_ANGLE, s.boom_angle),
-                value(bits::ARM_ANGLE, s.arm_angle),
-                value(bits::BUCKET_ANGLE, s.bucket_angle),
-            ],
-            ..Sample::default()
-        });
+        if let (Some(plausible), Envelope::ExcavatorSensors(s)) = (&mut self.plausible, sample) {
+            plausible.push(&steps::excavator::sample(s));
+        }
     }
 
     /// In words, as `heft estimate` says them.

@@ -15,7 +15,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::{BufRead, BufReader, Read};
 use std::time::{Duration, Instant};
 
-use recording::{LineDecoder, MAX_LINE, Map, NameColumn, Sensors};
+use recording::{LineDecoder, MAX_LINE, Map, NameColumn, NamedLine, Sensors};
 
 pub use self::play::{Machines, Played, play};
 use self::records::Records;
@@ -115,9 +115,7 @@ struct Router<'a, S: Sensors> {
     map: Option<&'a Map>,
     shards: &'a [RemoteShard<'a>],
     rows: &'a Rows,
-    /// What stands before the rows: a line that tells the separator, the header.
-    head: Vec<Vec<u8>>,
-    column: Option<NameColumn>,
+    column: NameColumn,
     numbers: HashMap<String, usize>,
     decoders: Vec<(LineDecoder<S>, usize)>,
     bytes: Vec<u8>,
@@ -131,8 +129,7 @@ impl<'a, S: Sensors> Router<'a, S> {
             map,
             shards,
             rows,
-            head: Vec::new(),
-            column: None,
+            column: NameColumn::new(NAME),
             numbers: HashMap::new(),
             decoders: Vec::new(),
             bytes: Vec::new(),
@@ -166,7 +163,7 @@ impl<'a, S: Sensors> Router<'a, S> {
             }
             self.take(line.trim_ascii_end())?;
         }
-        if self.column.is_none() {
+        if !self.column.is_found() {
             return Err(Failure::input(
                 "the input ended without a header",
                 "standard input",
@@ -184,17 +181,17 @@ impl<'a, S: Sensors> Router<'a, S> {
         if line.trim_ascii().is_empty() {
             return Ok(());
         }
-        let Some(column) = &mut self.column else {
-            self.head.push(line.to_vec());
-            if !NameColumn::is_separator(line) {
-                let said = self.head.first().filter(|_| self.head.len() > 1);
-                self.column = Some(NameColumn::find(line, said.map(Vec::as_slice), NAME)?);
-                // What the header lacks is said now, not at the first row.
-                self.decoder()?;
+        let name = match self.column.take(line)? {
+            NamedLine::Row(name) => name,
+            NamedLine::Above => {
+                if self.column.is_found() {
+                    // What the header lacks is said now, not at the first row.
+                    self.decoder()?;
+                }
+                return Ok(());
             }
-            return Ok(());
         };
-        let Some(name) = column.of(line).filter(|n| n.len() <= LONGEST_NAME) else {
+        let Some(name) = name.filter(|n| n.len() <= LONGEST_NAME) else {
             self.refuse("names no machine");
             return Ok(());
         };
@@ -213,7 +210,7 @@ impl<'a, S: Sensors> Router<'a, S> {
 
     fn decoder(&self) -> Result<LineDecoder<S>, Failure> {
         let mut decoder = LineDecoder::new(self.map.cloned())?;
-        for line in &self.head {
+        for line in self.column.above() {
             decoder.take(line, 0)?;
         }
         Ok(decoder)

@@ -97,7 +97,8 @@ fn serve_logger(worker: Worker, plan: &Plan, domain: &Domain) -> Result<(), Fail
     };
     let (metadata, mark) = (plan.metadata(), domain.mark_file());
     let logger = logger::Logger::create(&plan.recording, &metadata, limits, &mark)?;
-    Ok(run_sink(worker, &channels, plan.lossless, logger)?)
+    let logger = run_sink(worker, &channels, plan.lossless, logger)?;
+    Ok(logger.finish()?)
 }
 
 /// Sends estimates to a CAN bus.
@@ -108,7 +109,8 @@ fn serve_sender(worker: Worker, plan: &Plan) -> Result<(), Failure> {
     let outgoing = output.outgoing(plan.machine)?;
     let channels = outgoing.channels();
     let writer = logger::BusWriter::new(&output.interface, outgoing);
-    Ok(run_sink(worker, &channels, false, writer)?)
+    run_sink(worker, &channels, false, writer)?;
+    Ok(())
 }
 
 fn serve_probe(worker: Worker, plan: &Plan, channel: &'static Channel) -> Result<(), Failure> {

@@ -6,7 +6,7 @@
 
 use std::path::Path;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
@@ -49,13 +49,15 @@ pub struct Logger {
     /// The first visit to the channels is over: its messages are written at once.
     has_visited: bool,
     shared: Arc<Shared>,
-    thread: Option<JoinHandle<()>>,
+    thread: Option<JoinHandle<Result<(), Error>>>,
 }
 
 #[derive(Debug, Default)]
 struct Shared {
     fault: AtomicU32,
     unwritten: AtomicU64,
+    /// Everything is to be written and flushed now; the writer takes it back when that is done.
+    drain: AtomicBool,
 }
 
 impl Logger {
@@ -77,9 +79,8 @@ impl Logger {
         let shared = Arc::new(Shared::default());
         let its = Arc::clone(&shared);
         let span = tracing::Span::current();
-        let thread = std::thread::spawn(move || {
-            span.in_scope(|| write_all(recorder, consumer, &its));
-        });
+        let thread =
+            std::thread::spawn(move || span.in_scope(|| write_all(recorder, consumer, &its)));
         Ok(Self {
             records: Some(records),
             recorded,
@@ -87,6 +88,22 @@ impl Logger {
             shared,
             thread: Some(thread),
         })
+    }
+
+    /// Ends the recording.
+    ///
+    /// # Errors
+    /// Its end cannot be written: everything before it is there, and read as a recording that was cut off.
+    pub fn finish(mut self) -> Result<(), Error> {
+        self.end()
+    }
+
+    fn end(&mut self) -> Result<(), Error> {
+        drop(self.records.take());
+        self.wake();
+        let ended = self.thread.take().map(JoinHandle::join);
+        // A panic of the writer is on the terminal already.
+        ended.and_then(Result::ok).unwrap_or(Ok(()))
     }
 
     /// Wakes the writer, if it sleeps.
@@ -132,8 +149,9 @@ impl Sink for Logger {
 
     fn drain(&mut self) {
         let begun = Instant::now();
+        self.shared.drain.store(true, Ordering::Release);
         self.wake();
-        while self.room() < RING && begun.elapsed() < DRAIN_LIMIT {
+        while self.shared.drain.load(Ordering::Acquire) && begun.elapsed() < DRAIN_LIMIT {
             std::thread::sleep(Duration::from_millis(1));
         }
     }
@@ -141,11 +159,7 @@ impl Sink for Logger {
 
 impl Drop for Logger {
     fn drop(&mut self) {
-        drop(self.records.take());
-        self.wake();
-        if let Some(thread) = self.thread.take() {
-            let _ = thread.join();
-        }
+        let _ = self.end();
         let unwritten = self.shared.unwritten.load(Ordering::Relaxed);
         if unwritten > 0 {
             tracing::error!(unwritten, "messages could not be recorded");
@@ -155,11 +169,19 @@ impl Drop for Logger {
 
 /// Writes until the process has let go of its end of the ring and nothing is left in it. While the
 /// disk takes nothing it goes on emptying the ring, so that the process never waits for a dead disk.
-fn write_all(mut recorder: Recorder, mut records: Consumer<Record>, shared: &Shared) {
+///
+/// # Errors
+/// The end of the recording cannot be written.
+fn write_all(
+    mut recorder: Recorder,
+    mut records: Consumer<Record>,
+    shared: &Shared,
+) -> Result<(), Error> {
     // What comes first is flushed at once: it may be what a predecessor took along.
     let mut flushed = None::<Instant>;
     loop {
         let ending = records.is_abandoned();
+        let draining = shared.drain.load(Ordering::Acquire);
         let mut is_empty = true;
         while let Ok((channel, envelope)) = records.pop() {
             is_empty = false;
@@ -168,11 +190,14 @@ fn write_all(mut recorder: Recorder, mut records: Consumer<Record>, shared: &Sha
                 shared.unwritten.fetch_add(1, Ordering::Relaxed);
             }
         }
-        if flushed.map_or(!is_empty, |at| at.elapsed() >= FLUSH_PERIOD) {
+        if draining || flushed.map_or(!is_empty, |at| at.elapsed() >= FLUSH_PERIOD) {
             flushed = Some(Instant::now());
             if let Err(error) = recorder.flush() {
                 tell(shared, &error);
             }
+        }
+        if draining {
+            shared.drain.store(false, Ordering::Release);
         }
         if ending {
             break;
@@ -180,9 +205,7 @@ fn write_all(mut recorder: Recorder, mut records: Consumer<Record>, shared: &Sha
         let since = flushed.map_or(Duration::ZERO, |at| at.elapsed());
         std::thread::park_timeout(FLUSH_PERIOD.saturating_sub(since));
     }
-    if let Err(error) = recorder.finish() {
-        tell(shared, &error);
-    }
+    recorder.finish()
 }
 
 /// Says that the disk takes no more: not recorded.

@@ -10,11 +10,12 @@ mod read;
 
 pub(crate) use cells::Cells;
 pub(crate) use columns::Columns;
-pub(crate) use dialect::{Dialect, separator_line};
+pub(crate) use dialect::Dialect;
 pub use estimate::{Column, Estimate, EstimateRows, EstimateWriter, is_estimates};
 pub(crate) use estimate::{columns, columns_of, count, count_flags, extra};
 pub use export::export;
-pub(crate) use read::{Look, TableRows, look, names};
+pub(crate) use front::{Line, Lines, comment};
+pub(crate) use read::{GZIP, Look, TableRows, check_units, header, look};
 pub use read::{misspelt, read, read_weighings};
 
 /// A cell of a CSV, in quotes where it must be.

@@ -40,6 +40,9 @@ impl Error {
                 "make room, or choose another folder with --out"
             }
             Kind::IsADirectory => "give a file, not a folder",
+            Kind::InvalidData | Kind::InvalidInput => {
+                "its content is damaged, the disk is not: mend it, or get the file anew"
+            }
             _ => "check the file and the disk",
         };
         let what = match error.kind() {

@@ -31,7 +31,7 @@ const GZIP: &[u8] = b"\x1f\x8b";
 const WIDE: [&[u8]; 2] = [b"\xff\xfe", b"\xfe\xff"];
 
 /// First bytes of what others write, what it is, and how it becomes a table.
-const FOREIGN: [(&[u8], &str, &str); 12] = [
+const FOREIGN: [(&[u8], &str, &str); 15] = [
     (
         b"PK",
         "a spreadsheet or a zip archive",
@@ -72,6 +72,13 @@ const FOREIGN: [(&[u8], &str, &str); 12] = [
         "a database, perhaps a bag of ROS 2",
         "convert a bag to MCAP: ros2 bag convert",
     ),
+    (
+        b"\x28\xb5\x2f\xfd",
+        "packed by zstd",
+        "unpack it: zstd -d FILE",
+    ),
+    (b"BZh", "packed by bzip2", "unpack it: bunzip2 -k FILE"),
+    (b"\xfd7zXZ", "packed by xz", "unpack it: unxz -k FILE"),
 ];
 const PYTHON: &str = "read it in Python and give the table to heft.estimate, or write it as CSV";
 const CAN: &str =

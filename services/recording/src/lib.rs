@@ -43,7 +43,7 @@ mod writer;
 pub use csv::EstimateWriter;
 pub use error::Error;
 pub use kind::Kind;
-pub use line_decoder::{LineDecoder, MAX_LINE, NameColumn};
+pub use line_decoder::{LineDecoder, MAX_LINE, NameColumn, NamedLine};
 pub use load::{Samples, load, open};
 pub use map::Map;
 pub use output::Output;

@@ -2,7 +2,7 @@
 
 use crate::Error;
 use crate::can::{Decoder, Line, parse};
-use crate::csv::{Cells, Columns, Dialect, names, separator_line};
+use crate::csv::{self, Cells, Columns, Dialect, GZIP};
 use crate::map::Map;
 use crate::signal::{Row, Sensors};
 
@@ -16,6 +16,8 @@ const MOST_REMARKS: u64 = 5;
 pub struct LineDecoder<S: Sensors> {
     map: Option<Map>,
     kind: Kind<S>,
+    /// What the lines of a table are.
+    lines: csv::Lines,
     count: u64,
     refused: u64,
     remarks: Vec<String>,
@@ -26,8 +28,8 @@ pub struct LineDecoder<S: Sensors> {
 #[derive(Debug)]
 enum Kind<S: Sensors> {
     Frames(Box<Decoder<S>>),
-    /// A table whose header has not come; the separator, if a line said it.
-    Headless(Option<u8>),
+    /// A table whose header has not come.
+    Headless,
     Table(Box<Columns<S>>, Box<Cells>),
 }
 
@@ -39,11 +41,12 @@ impl<S: Sensors> LineDecoder<S> {
     pub fn new(map: Option<Map>) -> Result<Self, Error> {
         let kind = match &map {
             Some(map) if map.has_can() => Kind::Frames(Box::new(Decoder::new(map)?)),
-            _ => Kind::Headless(None),
+            _ => Kind::Headless,
         };
         Ok(Self {
             map,
             kind,
+            lines: csv::Lines::default(),
             count: 0,
             refused: 0,
             remarks: Vec::new(),
@@ -76,29 +79,47 @@ impl<S: Sensors> LineDecoder<S> {
                     None => self.refuse("is no frame"),
                 }
             }
-            Kind::Headless(separator) => {
-                if let Some(said) = separator_line(line) {
-                    *separator = Some(said);
-                    return Ok(());
-                }
-                let dialect = match *separator {
-                    Some(separator) => Dialect { separator },
-                    None => Dialect::of(line),
-                };
-                let mut cells = Cells::new(dialect);
-                let header = names(cells.split(line), INPUT)?;
-                let columns = Columns::choose(header, dialect, self.map.as_ref(), INPUT)?;
-                self.kind = Kind::Table(Box::new(columns), Box::new(cells));
-            }
-            Kind::Table(columns, cells) => {
-                let record = cells.split(line);
-                let is_whole = record.len() == columns.width();
-                if !is_whole || columns.take(record).is_err() {
-                    self.refuse("is no row of the table");
-                }
-            }
+            Kind::Headless | Kind::Table(..) => self.take_line(line)?,
         }
         Ok(())
+    }
+
+    /// Takes a line of a table.
+    fn take_line(&mut self, line: &[u8]) -> Result<(), Error> {
+        match self.lines.take(line) {
+            csv::Line::Nothing | csv::Line::Comment => {}
+            csv::Line::Header(dialect) => self.begin(line, dialect)?,
+            csv::Line::FirstRow { header, dialect } => {
+                self.begin(&header, dialect)?;
+                self.take_row(line);
+            }
+            csv::Line::Units(units) => {
+                if let Kind::Table(columns, _) = &self.kind {
+                    let place = || format!("{INPUT}:{}", self.count);
+                    csv::check_units::<S>(columns.header(), &units, self.map.as_ref(), place)?;
+                }
+            }
+            csv::Line::Row => self.take_row(line),
+        }
+        Ok(())
+    }
+
+    /// Begins a table with this header.
+    fn begin(&mut self, line: &[u8], dialect: Dialect) -> Result<(), Error> {
+        let (cells, header) = head(line, dialect)?;
+        let columns = Columns::choose(header, dialect, self.map.as_ref(), INPUT)?;
+        self.kind = Kind::Table(Box::new(columns), Box::new(cells));
+        Ok(())
+    }
+
+    fn take_row(&mut self, line: &[u8]) {
+        if let Kind::Table(columns, cells) = &mut self.kind {
+            let record = cells.split(line);
+            let is_whole = record.len() == columns.width();
+            if !is_whole || columns.take(record).is_err() {
+                self.refuse("is no row of the table");
+            }
+        }
     }
 
     /// Nothing came until `now_ns`: silence makes rows of frames too.
@@ -113,7 +134,7 @@ impl<S: Sensors> LineDecoder<S> {
         match &mut self.kind {
             Kind::Frames(decoder) => decoder.finish(),
             Kind::Table(columns, _) => columns.finish(),
-            Kind::Headless(_) => {}
+            Kind::Headless => {}
         }
     }
 
@@ -122,7 +143,7 @@ impl<S: Sensors> LineDecoder<S> {
         let (mut sensors, truth) = match &mut self.kind {
             Kind::Frames(decoder) => decoder.row(),
             Kind::Table(columns, _) => columns.row(),
-            Kind::Headless(_) => None,
+            Kind::Headless => None,
         }?;
         sensors.stamp_mut().measured_ns = 0;
         Some((sensors, truth))
@@ -152,42 +173,100 @@ impl<S: Sensors> LineDecoder<S> {
     }
 }
 
+/// The cells of a header, and the names in it.
+fn head(line: &[u8], dialect: Dialect) -> Result<(Cells, Vec<String>), Error> {
+    if line.starts_with(&GZIP) {
+        return Err(Error::new(
+            "the input is packed by gzip",
+            INPUT,
+            "unpack it on its way: zcat FILE | heft ...",
+        ));
+    }
+    let mut cells = Cells::new(dialect);
+    let header = csv::header(cells.split(line), dialect, INPUT, || INPUT.to_owned())?;
+    Ok((cells, header))
+}
+
 /// A column of text in the rows of a table, such as the name of the machine that each row is of.
 #[derive(Debug)]
 pub struct NameColumn {
-    cells: Cells,
-    at: usize,
+    name: &'static str,
+    lines: csv::Lines,
+    /// What a decoder of the rows is to be given before them.
+    above: Vec<Vec<u8>>,
+    found: Option<(Cells, usize)>,
+}
+
+/// What a line of such a table is.
+#[derive(Debug, PartialEq)]
+pub enum NamedLine {
+    /// It stands above the rows: see [`NameColumn::above`].
+    Above,
+    /// A row, and what it says in the column; nothing where it says nothing.
+    Row(Option<String>),
 }
 
 impl NameColumn {
-    /// The column of this name; `said` is the line before the header, if that tells the separator.
+    /// The column of this name.
+    #[must_use]
+    pub fn new(name: &'static str) -> Self {
+        Self {
+            name,
+            lines: csv::Lines::default(),
+            above: Vec::new(),
+            found: None,
+        }
+    }
+
+    /// What stood above the rows: a line that tells the separator, a comment that may be the header, the header, units.
+    #[must_use]
+    pub fn above(&self) -> &[Vec<u8>] {
+        &self.above
+    }
+
+    /// Whether the header has come.
+    #[must_use]
+    pub fn is_found(&self) -> bool {
+        self.found.is_some()
+    }
+
+    /// Takes the next line.
     ///
     /// # Errors
     /// The header has no such column.
-    pub fn find(header: &[u8], said: Option<&[u8]>, name: &str) -> Result<Self, Error> {
-        let header = header.strip_prefix(b"\xef\xbb\xbf").unwrap_or(header);
-        let dialect = Dialect::of(said.unwrap_or(header));
-        let mut cells = Cells::new(dialect);
-        let names = names(cells.split(header), INPUT)?;
-        let at = names.iter().position(|n| n == name).ok_or_else(|| {
-            let what = format!("there is no column {name}");
+    pub fn take(&mut self, line: &[u8]) -> Result<NamedLine, Error> {
+        let text = line.strip_prefix(b"\xef\xbb\xbf").unwrap_or(line);
+        match self.lines.take(text) {
+            csv::Line::Row => return Ok(NamedLine::Row(self.of(line))),
+            csv::Line::FirstRow { header, dialect } => {
+                self.find(&header, dialect)?;
+                return Ok(NamedLine::Row(self.of(line)));
+            }
+            csv::Line::Header(dialect) => self.find(text, dialect)?,
+            // Only the last comment can be the header: they may be without end.
+            csv::Line::Comment => self.above.retain(|line| csv::comment(line).is_none()),
+            csv::Line::Nothing if text.trim_ascii().is_empty() => return Ok(NamedLine::Above),
+            csv::Line::Nothing | csv::Line::Units(_) => {}
+        }
+        self.above.push(text.to_vec());
+        Ok(NamedLine::Above)
+    }
+
+    fn find(&mut self, header: &[u8], dialect: Dialect) -> Result<(), Error> {
+        let (cells, names) = head(header, dialect)?;
+        let at = names.iter().position(|n| n == self.name).ok_or_else(|| {
+            let what = format!("there is no column {}", self.name);
             let remedy = format!("add it; the table has {}", names.join(", "));
             Error::new(what, format!("{INPUT}:1"), remedy)
         })?;
-        Ok(Self { cells, at })
+        self.found = Some((cells, at));
+        Ok(())
     }
 
-    /// Whether a line tells the separator and is no header.
-    #[must_use]
-    pub fn is_separator(line: &[u8]) -> bool {
-        separator_line(line).is_some()
-    }
-
-    /// What a row says there; nothing where it says nothing.
-    #[must_use]
-    pub fn of(&mut self, line: &[u8]) -> Option<String> {
-        let record = self.cells.split(line);
-        let text = String::from_utf8_lossy(record.get(self.at)?).into_owned();
+    fn of(&mut self, line: &[u8]) -> Option<String> {
+        let (cells, at) = self.found.as_mut()?;
+        let record = cells.split(line);
+        let text = String::from_utf8_lossy(record.get(*at)?).into_owned();
         // A quote that is left open, or a line end inside of one, is half a name.
         let is_whole = !text.chars().any(|c| c.is_control() || c == '"');
         (is_whole && !text.is_empty()).then_some(text)

@@ -4,7 +4,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use messages::ExcavatorSensors;
-use recording::{Error, csv};
+use recording::{Error, LineDecoder, csv};
 
 const HEADER: &str = "t,swing_velocity,swing_torque";
 
@@ -64,6 +64,49 @@ fn a_table_gives_the_same_rows_packed_with_comments_and_with_units() {
     }
 }
 
+/// What comes of a text line by line, as standard input and live sources read it.
+fn lines(text: &str) -> Result<Vec<f64>, Error> {
+    let mut decoder = LineDecoder::<ExcavatorSensors>::new(None)?;
+    let mut found = Vec::new();
+    for line in text.split_inclusive('\n') {
+        decoder.take(line.as_bytes(), 0)?;
+        found.extend(std::iter::from_fn(|| decoder.row()).map(|(s, _)| s.swing_torque));
+    }
+    assert!(decoder.take_remarks().is_empty(), "no line is left out");
+    decoder.finish();
+    found.extend(std::iter::from_fn(|| decoder.row()).map(|(s, _)| s.swing_torque));
+    Ok(found)
+}
+
+#[test]
+fn lines_that_come_one_by_one_are_read_as_a_file_of_them_is() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let rows = rows().join("\n");
+    let plain = format!("{HEADER}\n{rows}\n");
+    for text in [
+        plain.clone(),
+        format!("\u{feff}# machine 14 t\n\n// by a logger, v3\n{plain}"),
+        format!("sep=;\n{}", plain.replace(',', ";")),
+        format!("# a, b\n# {plain}"),
+        format!("% {HEADER}\n{HEADER}\n\n[s],[rad/s],[N m]\n{rows}\n"),
+    ] {
+        let expected = read(&written(folder.path(), "a.csv", text.as_bytes())).expect("a file");
+        assert_eq!(expected.len(), 400);
+        assert_eq!(lines(&text), Ok(expected), "{}", &text[..60]);
+    }
+    for (text, what) in [
+        (format!("{HEADER}\ns,deg/s,N m\n"), "is in deg/s"),
+        ("0,1,2\n".into(), "has no header"),
+    ] {
+        let error = lines(&text).expect_err(what);
+        assert!(error.what.contains(what), "{error}");
+        assert!(error.place.starts_with("standard input"), "{error}");
+    }
+    let mut decoder = LineDecoder::<ExcavatorSensors>::new(None).expect("a decoder");
+    let error = decoder.take(&packed(&plain), 0).expect_err("packed");
+    assert!(error.remedy.contains("zcat"), "{error}");
+}
+
 #[test]
 fn a_unit_below_a_name_that_is_not_si_is_refused_and_named() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -72,6 +115,33 @@ fn a_unit_below_a_name_that_is_not_si_is_refused_and_named() {
     assert!(error.what.contains("swing_velocity is in deg/s"), "{error}");
     assert!(error.place.ends_with(":2"), "{error}");
     assert!(error.remedy.contains("heft map"), "{error}");
+}
+
+#[test]
+fn what_is_no_table_is_named_as_what_it_is() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let plain = format!("{HEADER}\n{}\n", rows().join("\n"));
+    let wide: Vec<u8> = plain.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    for (content, what, remedy) in [
+        (wide, "no text", "UTF-8"),
+        (b"\x28\xb5\x2f\xfdxx".to_vec(), "packed by zstd", "zstd -d"),
+        (b"BZh91AY".to_vec(), "packed by bzip2", "bunzip2"),
+        (b"\xfd7zXZ\0".to_vec(), "packed by xz", "unxz"),
+        (
+            format!("# {}\n{plain}", "x".repeat(400_000)).into_bytes(),
+            "does not begin with a table",
+            "header",
+        ),
+        (
+            [packed(&plain), b"more than that follows".to_vec()].concat(),
+            "invalid gzip header",
+            "get the file anew",
+        ),
+    ] {
+        let error = read(&written(folder.path(), "a.csv", &content)).expect_err(what);
+        assert!(error.what.contains(what), "{error}");
+        assert!(error.remedy.contains(remedy), "{error}");
+    }
 }
 
 #[test]

@@ -14,7 +14,8 @@ const VISIT_SAMPLES: u64 = 128;
 /// Time between two visits when a lossless source waits for it.
 const QUICK_VISIT: Duration = Duration::from_micros(500);
 
-/// Hands every message on `channels` to `sink`; with `lossless` the source is notified how far it got.
+/// Hands every message on `channels` to `sink`; with `lossless` the source is notified how far it got. Gives the sink
+/// back when the run has ended and the sink has taken everything.
 ///
 /// # Errors
 /// A channel cannot be opened.
@@ -23,14 +24,14 @@ pub fn run_sink<S: Sink + 'static>(
     channels: &[&'static Channel],
     lossless: bool,
     mut sink: S,
-) -> Result<(), Error> {
+) -> Result<S, Error> {
     let mut taps = match worker.setup.identity.restarts {
         0 => Taps::open(&worker.ports, channels)?,
         _ => Taps::open_for(&worker.ports, channels, &sink)?,
     };
     let mut credit = worker.ports.output::<Credit>(&CREDIT)?;
     if worker.begin().is_none() {
-        return Ok(());
+        return Ok(sink);
     }
     let mut reported = 0;
     let pause = if lossless {
@@ -41,37 +42,54 @@ pub fn run_sink<S: Sink + 'static>(
     };
     while !worker.requests.wants_exit() {
         let draining = worker.requests.take_drain();
-        let begun = now_ns();
-        worker.reporter.begin();
-        let visit = taps.drain(&mut sink);
-        if visit.taken > 0 {
-            sink.visited();
-        }
-        sink.look();
-        worker.reporter.end();
-        let step_ns = (now_ns() - begun) / visit.taken.max(1);
-        for i in 0..visit.taken {
-            let lost = if i == 0 { visit.lost } else { 0 };
-            worker.reporter.sample(Event {
-                age_ns: 0,
-                step_ns,
-                lost,
-                late: false,
-            });
-        }
-        worker.reporter.fault(sink.fault());
+        visit(&mut worker, &mut taps, &mut sink);
         if lossless && taps.through() > reported {
             reported = taps.through();
             tell(&worker, &mut credit, reported);
         }
         if draining {
-            sink.drain();
+            take_rest(&mut sink, |sink| visit(&mut worker, &mut taps, sink));
             worker.control.say("drained");
         }
         worker.bell.wait_at_most(pause);
     }
-    sink.drain();
-    Ok(())
+    // Whoever was too slow to be drained in time has sent more since.
+    take_rest(&mut sink, |sink| visit(&mut worker, &mut taps, sink));
+    Ok(sink)
+}
+
+/// Takes what waits on the channels, as far as the sink has room; how many messages.
+fn visit<S: Sink + 'static>(worker: &mut Worker, taps: &mut Taps<S>, sink: &mut S) -> u64 {
+    let begun = now_ns();
+    worker.reporter.begin();
+    let visit = taps.drain(sink);
+    if visit.taken > 0 {
+        sink.visited();
+    }
+    sink.look();
+    worker.reporter.end();
+    let step_ns = (now_ns() - begun) / visit.taken.max(1);
+    for i in 0..visit.taken {
+        let lost = if i == 0 { visit.lost } else { 0 };
+        worker.reporter.sample(Event {
+            age_ns: 0,
+            step_ns,
+            lost,
+            late: false,
+        });
+    }
+    worker.reporter.fault(sink.fault());
+    visit.taken
+}
+
+/// Takes everything that waits. A sink that is slow has no room for it at once, so it is drained between the visits.
+fn take_rest<S: Sink>(sink: &mut S, mut visit: impl FnMut(&mut S) -> u64) {
+    loop {
+        sink.drain();
+        if visit(sink) == 0 {
+            break;
+        }
+    }
 }
 
 /// Tells the source how many samples have passed through every channel.
@@ -83,4 +101,48 @@ fn tell(worker: &Worker, credit: &mut Output<Credit>, through: u64) {
     message.stamp.sequence = through;
     credit.send(&message);
     worker.ring();
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use messages::Message;
+
+    /// A sink with room for three messages until it is drained.
+    #[derive(Default)]
+    struct Slow {
+        waiting: u64,
+        permanent: u64,
+    }
+
+    impl Sink for Slow {
+        fn accept<M: Message>(&mut self, _: &'static Channel, _: &M) {
+            self.waiting += 1;
+        }
+        fn has_room(&self) -> bool {
+            self.waiting < 3
+        }
+        fn fault(&self) -> u32 {
+            0
+        }
+        fn drain(&mut self) {
+            self.permanent += std::mem::take(&mut self.waiting);
+        }
+    }
+
+    #[test]
+    fn a_slow_sink_has_made_everything_permanent_when_it_says_that_it_is_drained() {
+        let (mut sink, mut sent) = (Slow::default(), 10);
+        // Full when it is asked.
+        sink.waiting = 3;
+        take_rest(&mut sink, |sink| {
+            let before = sent;
+            while sink.has_room() && sent > 0 {
+                sink.accept(&CREDIT, &Credit::default());
+                sent -= 1;
+            }
+            before - sent
+        });
+        assert_eq!((sent, sink.waiting, sink.permanent), (0, 0, 13));
+    }
 }

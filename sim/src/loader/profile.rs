@@ -6,6 +6,9 @@ pub(super) fn smoothstep(u: f64) -> f64 {
     u * u * (3.0 - 2.0 * u)
 }
 
+/// So many points are kept at least while others are pushed: more than ever have ramps under way.
+const KEPT: usize = 64;
+
 /// A value over time: each point begins a ramp from the level before to its own.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Profile {
@@ -23,8 +26,12 @@ impl Profile {
         }
     }
 
-    /// Begins another ramp at `time`, which is not before the last point.
+    /// Begins another ramp at `time`, which is not before the last point. What is long over is forgotten: a machine may
+    /// work for ever.
     pub fn push(&mut self, time: f64, level: f64) {
+        if self.points.len() >= 2 * KEPT {
+            self.points.drain(..KEPT);
+        }
         self.points.push((time, level));
     }
 
@@ -62,6 +69,18 @@ mod tests {
         let at = [-1.0, 0.0, 2.0, 2.5, 3.0, 5.0, 6.5, 7.0, 99.0].map(|t| p.at(t));
         assert_eq!(at, [1.0, 1.0, 1.0, 3.0, 5.0, 5.0, 2.0, -1.0, -1.0]);
         assert!(p.moving(2.0) && p.moving(2.9) && !p.moving(3.0));
+    }
+
+    #[test]
+    fn a_profile_that_goes_on_for_ever_stays_short_and_gives_the_same() {
+        let level = |i: u32| f64::from(i * 7919 % 13);
+        let all: Vec<_> = (0..5000).map(|i| (f64::from(i), level(i))).collect();
+        let (whole, mut p) = (Profile::new(&all, 2.5), Profile::new(&all[..1], 2.5));
+        for (time, level) in &all[1..] {
+            p.push(*time, *level);
+            assert_eq!(p.at(*time), whole.at(*time));
+        }
+        assert!(p.points.len() <= 2 * KEPT);
     }
 
     #[test]

@@ -102,6 +102,11 @@ impl<S: Sensors> Columns<S> {
         })
     }
 
+    /// Names of the columns.
+    pub(crate) fn header(&self) -> &[String] {
+        &self.header
+    }
+
     /// Number of cells that a row must have.
     pub(crate) fn width(&self) -> usize {
         self.header.len()

@@ -9,6 +9,85 @@ use crate::unit;
 /// Marks of a line that is a comment.
 const COMMENT: [&[u8]; 3] = [b"#", b"%", b"//"];
 
+/// What a line of a table is, for one who takes them in turn.
+#[derive(Debug, PartialEq)]
+pub(crate) enum Line {
+    /// Blank, or the line that names the separator.
+    Nothing,
+    /// A comment; it may be the header of the numbers below it.
+    Comment,
+    /// The header.
+    Header(Dialect),
+    /// The first row of samples: the comment above it is the header.
+    FirstRow {
+        /// The comment without its mark.
+        header: Vec<u8>,
+        /// How it is written.
+        dialect: Dialect,
+    },
+    /// Units in a row of their own below the header, a text for each column.
+    Units(Vec<String>),
+    /// A row of samples.
+    Row,
+}
+
+/// Tells what the lines of a table are, in the order in which they come.
+///
+/// A line of comment above numbers is the header, as `numpy.savetxt` writes it, where it has as many cells as they.
+#[derive(Debug, Default)]
+pub(crate) struct Lines {
+    separator: Option<u8>,
+    /// The last comment, without its mark.
+    comment: Option<Vec<u8>>,
+    /// The header, until the line below it has come.
+    header: Option<(ByteRecord, Dialect)>,
+    is_below: bool,
+}
+
+impl Lines {
+    /// What the next line is.
+    pub(crate) fn take(&mut self, line: &[u8]) -> Line {
+        if line.trim_ascii().is_empty() {
+            return Line::Nothing;
+        }
+        if self.is_below {
+            let header = self.header.take();
+            let units = header.and_then(|(header, its)| units(&header, &cells(line, its), its));
+            return units.map_or(Line::Row, Line::Units);
+        }
+        if let Some(said) = separator_line(line) {
+            self.separator = Some(said);
+            return Line::Nothing;
+        }
+        if let Some(name) = comment(line) {
+            self.comment = Some(name.to_vec());
+            return Line::Comment;
+        }
+        self.is_below = true;
+        if let Some(header) = self.comment.take()
+            && is_header_of(&header, self.dialect(&header), line)
+        {
+            let dialect = self.dialect(&header);
+            return Line::FirstRow { header, dialect };
+        }
+        let dialect = self.dialect(line);
+        self.header = Some((cells(line, dialect), dialect));
+        Line::Header(dialect)
+    }
+
+    fn dialect(&self, line: &[u8]) -> Dialect {
+        self.separator
+            .map_or_else(|| Dialect::of(line), |separator| Dialect { separator })
+    }
+}
+
+/// What a line of comment says.
+pub(crate) fn comment(line: &[u8]) -> Option<&[u8]> {
+    let text = line.trim_ascii_start();
+    let mark = COMMENT.iter().find(|mark| text.starts_with(mark))?;
+    Some(text[mark.len()..].trim_ascii_start())
+}
+
 /// The front of a table.
 pub(super) struct Front {
     /// Bytes before the header.
@@ -20,8 +99,6 @@ pub(super) struct Front {
 
 impl Front {
     /// That of a text which begins like this; nothing where there is nothing in it.
-    ///
-    /// A line of comment above numbers is the header, as `numpy.savetxt` writes it, where it has as many cells as they.
     pub(super) fn of(head: &[u8]) -> Option<Self> {
         let mark: &[u8] = b"\xef\xbb\xbf";
         let begin = if head.starts_with(mark) {
@@ -29,40 +106,33 @@ impl Front {
         } else {
             0
         };
-        let mut lines = lines(head, begin).peekable();
-        let (mut separator, mut comment) = (None, None);
+        let (mut kinds, mut after_mark) = (Lines::default(), begin);
+        let mut lines = lines(head, begin);
         while let Some((at, line)) = lines.next() {
-            let text = line.trim_ascii_start();
-            if let Some(said) = separator_line(line) {
-                separator = Some(said);
-                continue;
+            let end_of = |text: &[u8]| at + line.len() - text.len();
+            match kinds.take(line) {
+                Line::Comment => after_mark = comment(line).map_or(at, end_of),
+                Line::Header(dialect) => {
+                    let units = match lines.next().map(|(_, line)| kinds.take(line)) {
+                        Some(Line::Units(units)) => Some(units),
+                        _ => None,
+                    };
+                    let start = end_of(line.trim_ascii_start());
+                    return Some(Self {
+                        start,
+                        dialect,
+                        units,
+                    });
+                }
+                Line::FirstRow { dialect, .. } => {
+                    return Some(Self {
+                        start: after_mark,
+                        dialect,
+                        units: None,
+                    });
+                }
+                Line::Nothing | Line::Units(_) | Line::Row => {}
             }
-            let start = at + (line.len() - text.len());
-            if let Some(mark) = COMMENT.iter().find(|mark| text.starts_with(mark)) {
-                let name = text[mark.len()..].trim_ascii_start();
-                comment = Some((at + line.len() - name.len(), name));
-                continue;
-            }
-            let of = |line: &[u8]| {
-                separator.map_or_else(|| Dialect::of(line), |separator| Dialect { separator })
-            };
-            let its = of(text);
-            if let Some((start, name)) =
-                comment.filter(|(_, name)| is_header_of(name, of(name), text))
-            {
-                return Some(Self {
-                    start,
-                    dialect: of(name),
-                    units: None,
-                });
-            }
-            let next = lines.peek().map(|(_, line)| *line);
-            let units = next.and_then(|next| units(&cells(text, its), &cells(next, its), its));
-            return Some(Self {
-                start,
-                dialect: its,
-                units,
-            });
         }
         None
     }

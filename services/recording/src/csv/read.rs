@@ -1,5 +1,5 @@
 use std::fs::File;
-use std::io::{self, BufReader, Cursor, Read};
+use std::io::{self, BufReader, Cursor, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use ::csv::ByteRecord;
@@ -101,8 +101,13 @@ impl Table {
         }
         let file = path.display().to_string();
         let Some(front) = Front::of(&head) else {
+            let what = if head.trim_ascii().is_empty() {
+                "the file is empty"
+            } else {
+                "the file does not begin with a table: no line of its beginning is a header"
+            };
             let remedy = "give a CSV file with a header and a row per sample";
-            return Err(Error::new("the file is empty", file, remedy));
+            return Err(Error::new(what, file, remedy));
         };
         Ok(Self {
             path: path.to_owned(),
@@ -132,43 +137,12 @@ impl Table {
         let content = BufReader::with_capacity(1 << 16, self.content(self.preface)?);
         let mut records = Records::new(content, self.dialect);
         self.advance(&mut records)?;
-        let header = names(records.record(), &self.file)?;
-        let is_number = |cell: &[u8]| self.dialect.number(cell).is_some_and(|x| x.is_finite());
-        if records.record().iter().all(is_number) {
-            return Err(Error::new(
-                "the table has no header: its first line holds numbers",
-                format!("{}:{}", self.file, self.line(0)),
-                "write a line with the names of the columns above them",
-            ));
-        }
+        let place = || format!("{}:{}", self.file, self.line(0));
+        let header = header(records.record(), self.dialect, &self.file, place)?;
         if self.units.is_some() {
             self.advance(&mut records)?;
         }
         Ok((records, header))
-    }
-
-    /// What has a signal's own name and no line in the map is taken in SI: its unit, where one stands below it, must be that.
-    fn check_units<S: Sensors>(&self, header: &[String], map: Option<&Map>) -> Result<(), Error> {
-        let units = self.units.iter().flatten();
-        for (name, text) in header.iter().zip(units) {
-            let signals = crate::signal::signals::<S>();
-            let is_mapped = map.is_some_and(|map| map.columns.iter().any(|e| e.signal == *name));
-            let signal = signals.iter().find(|s| s.name == *name && !is_mapped);
-            let (Some(signal), Some(unit)) = (signal, unit::guess(text)) else {
-                continue;
-            };
-            if unit.si != signal.unit || unit.factor != 1.0 {
-                return Err(Error::new(
-                    format!(
-                        "column {name} is in {}, and {} is expected",
-                        unit.name, signal.unit
-                    ),
-                    format!("{}:{}", self.file, self.line(0) + 1),
-                    "let `heft map` write a signal map, which converts it, and give that with --map",
-                ));
-            }
-        }
-        Ok(())
     }
 
     fn advance(&self, records: &mut Lines) -> Result<bool, Error> {
@@ -183,11 +157,17 @@ impl Table {
 
     /// Whether a line end closes the last row.
     fn is_closed(&self) -> Result<bool, Error> {
-        let mut last = 0;
-        for byte in BufReader::new(self.content(0)?).bytes() {
-            last = byte.map_err(|e| Error::system("read the data", &self.path, &e))?;
-        }
-        Ok(last == b'\n')
+        let failed = |e| Error::system("read the data", &self.path, &e);
+        let last = match &self.storage {
+            Storage::Plain => last_byte(&self.path).map_err(failed)?,
+            Storage::Converted(text) => text.last().copied(),
+            // To where it ends there is no way but through it; nor is there in a pipe.
+            Storage::Packed => {
+                let bytes = BufReader::new(self.content(0)?).bytes();
+                bytes.last().transpose().map_err(failed)?
+            }
+        };
+        Ok(last == Some(b'\n'))
     }
 
     /// Line of the record that begins at this byte, counted from 1; empty lines before it are counted too.
@@ -203,8 +183,19 @@ impl Table {
     }
 }
 
+fn last_byte(path: &Path) -> io::Result<Option<u8>> {
+    let mut file = File::open(path)?;
+    if file.seek(SeekFrom::End(0))? == 0 {
+        return Ok(None);
+    }
+    let mut last = [0];
+    file.seek(SeekFrom::End(-1))?;
+    file.read_exact(&mut last)?;
+    Ok(Some(last[0]))
+}
+
 /// First bytes of what gzip packs.
-const GZIP: [u8; 2] = [0x1f, 0x8b];
+pub(crate) const GZIP: [u8; 2] = [0x1f, 0x8b];
 
 /// The text of a file from its beginning.
 fn content(path: &Path, storage: &Storage) -> io::Result<Box<dyn Read>> {
@@ -232,7 +223,10 @@ impl<S: Sensors> TableRows<S> {
     pub(crate) fn open(path: &Path, map: Option<&Map>) -> Result<Self, Error> {
         let table = Table::open(path)?;
         let (records, header) = table.records()?;
-        table.check_units::<S>(&header, map)?;
+        if let Some(units) = &table.units {
+            let place = || format!("{}:{}", table.file, table.line(0) + 1);
+            check_units::<S>(&header, units, map, place)?;
+        }
         Ok(Self {
             columns: Columns::choose(header, table.dialect, map, &table.file)?,
             table,
@@ -377,19 +371,6 @@ pub(crate) struct Look {
 pub(crate) fn look(path: &Path, most: usize) -> Result<Look, Error> {
     let table = Table::open(path)?;
     let (mut records, header) = table.records()?;
-    // Of a program, and of text in two bytes a character, half is zeros; one of them in quotes is a strange name.
-    let zeros = header
-        .iter()
-        .flat_map(|name| name.chars())
-        .filter(|c| *c == '\0');
-    let length: usize = header.iter().map(String::len).sum();
-    if 10 * zeros.count() > length {
-        return Err(Error::new(
-            "this is no table: it holds bytes that are no text",
-            table.file,
-            "give a table (.csv), a CAN log (.log) or an MCAP file (.mcap)",
-        ));
-    }
     let mut columns = vec![Vec::new(); header.len()];
     for _ in 0..most {
         if !table.advance(&mut records)? {
@@ -411,8 +392,65 @@ pub(crate) fn look(path: &Path, most: usize) -> Result<Look, Error> {
     })
 }
 
+/// The names in the header of a table, which numbers are not.
+pub(crate) fn header(
+    record: &ByteRecord,
+    dialect: Dialect,
+    file: &str,
+    place: impl Fn() -> String,
+) -> Result<Vec<String>, Error> {
+    let header = names(record, file)?;
+    // Of a program, and of text in two bytes a character, half is zeros; one of them in quotes is a strange name.
+    let zeros = record.iter().flatten().filter(|b| **b == 0).count();
+    let length: usize = record.iter().map(<[u8]>::len).sum();
+    if 10 * zeros > length {
+        return Err(Error::new(
+            "this is no table: it holds bytes that are no text",
+            place(),
+            "give a table in UTF-8 (.csv), a CAN log (.log) or an MCAP file (.mcap)",
+        ));
+    }
+    let is_number = |cell: &[u8]| dialect.number(cell).is_some_and(f64::is_finite);
+    if record.iter().all(is_number) {
+        return Err(Error::new(
+            "the table has no header: its first line holds numbers",
+            place(),
+            "write a line with the names of the columns above them",
+        ));
+    }
+    Ok(header)
+}
+
+/// What has a signal's own name and no line in the map is taken in SI: its unit, where one stands below it, must be that.
+pub(crate) fn check_units<S: Sensors>(
+    header: &[String],
+    units: &[String],
+    map: Option<&Map>,
+    place: impl Fn() -> String,
+) -> Result<(), Error> {
+    let signals = crate::signal::signals::<S>();
+    for (name, text) in header.iter().zip(units) {
+        let is_mapped = map.is_some_and(|map| map.columns.iter().any(|e| e.signal == *name));
+        let signal = signals.iter().find(|s| s.name == *name && !is_mapped);
+        let (Some(signal), Some(unit)) = (signal, unit::guess(text)) else {
+            continue;
+        };
+        if unit.si != signal.unit || unit.factor != 1.0 {
+            return Err(Error::new(
+                format!(
+                    "column {name} is in {}, and {} is expected",
+                    unit.name, signal.unit
+                ),
+                place(),
+                "let `heft map` write a signal map, which converts it, and give that with --map",
+            ));
+        }
+    }
+    Ok(())
+}
+
 /// The names in a header: UTF-8, or else Latin-1; none twice.
-pub(crate) fn names(header: &ByteRecord, file: &str) -> Result<Vec<String>, Error> {
+fn names(header: &ByteRecord, file: &str) -> Result<Vec<String>, Error> {
     let names: Vec<String> = header
         .iter()
         .map(|name| dialect::text(name).trim().to_owned())
