@@ -82,6 +82,13 @@ impl LoadCounter {
         }
     }
 
+    /// A counter for the machine of a written description; `None` where it cannot be read.
+    #[must_use]
+    pub fn of_text(description: &str, options: Options) -> Option<Self> {
+        let description = Description::parse(description, "the recording", None).ok()?;
+        Some(Self::new(&description, options))
+    }
+
     /// A counter for a machine of which only the payload of a full bucket and the empty mass are known \[kg\].
     #[must_use]
     pub fn rated(machine: Machine, rated: f64, empty: f64, options: Options) -> Self {

@@ -12,6 +12,7 @@
 //! | [`words`], [`number`] | verdicts in sentences, numbers rounded to their uncertainty |
 //! | [`score`], [`stretches`] | errors against the truth; swings and loads |
 
+mod counted;
 pub mod estimate;
 pub mod excavator;
 pub mod figures;
@@ -29,7 +30,6 @@ mod run;
 pub mod score;
 pub mod stretches;
 pub mod top;
-pub mod weighed;
 pub mod words;
 
 pub use judgement::Judgement;

@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 use steps::loads::{LoadCounter, why_words};
 
 use crate::number::{interval_95, value_and_std};
+use crate::plot::escape;
 
 /// What one recording, or a run so far, adds up to.
 #[derive(Debug, Clone)]
@@ -25,6 +26,8 @@ pub struct Account {
     pub trucks: Vec<Truck>,
     /// Everything.
     pub all: Total,
+    /// What would weigh a load and is not there, and what to do.
+    pub lacks: Option<&'static str>,
 }
 
 impl Account {
@@ -42,6 +45,7 @@ impl Account {
             carried: counter.ledger().carried(),
             trucks,
             all: counter.ledger().all(),
+            lacks: counter.lacks(),
         }
     }
 }
@@ -249,7 +253,7 @@ pub fn total_words(total: &Total) -> String {
 /// The printable page: what each truck got, load by load, and the sum of the day.
 #[must_use]
 pub fn page(accounts: &[Account]) -> String {
-    let mut body = String::from("<main><h1>Loads</h1>");
+    let mut body = String::from("<h1>Loads</h1>");
     for account in accounts {
         let _ = write!(
             body,
@@ -266,40 +270,88 @@ pub fn page(accounts: &[Account]) -> String {
             let _ = write!(body, "<p>In the bucket at the end: {line}</p>");
         }
     }
-    body += "<p class=\"note\">Delivered is what was in the bucket less what stayed in it. Errors that all loads share \
-        (scale, offset, machine file) add up; those of each load average out. Times are those of the recording.</p></main>";
+    let _ = write!(
+        body,
+        "<p class=\"note\">{DELIVERED} Errors that all loads share (scale, offset, machine file) add up; those of each \
+         load average out. Times are those of the recording.</p>"
+    );
     crate::page("heft report: loads", &body)
 }
 
-fn truck_table(body: &mut String, account: &Account, truck: &Truck) {
-    let _ = write!(
-        body,
-        "<h3>{}</h3><div class=\"scroll\"><table><thead><tr><th>load</th><th>filled</th><th>dumped</th>\
-         <th>in the bucket, kg</th><th>95 %</th><th>left in it, kg</th><th>delivered, kg</th><th>weighed by</th><th>trusted</th></tr></thead><tbody>",
-        escape(&truck_line(truck))
-    );
-    for load in account.loads.iter().filter(|l| l.truck == truck.number) {
-        let (kg, _) = value_and_std(load.weight.kg, load.weight.std);
-        let (rest, _) = value_and_std(load.carry_back.kg, load.carry_back.std);
-        let delivered = load.delivered();
-        let (got, _) = value_and_std(delivered.kg, delivered.std);
-        let trusted = if load.trusted {
-            "yes"
-        } else {
-            why_words(account.machine, load)
-        };
+/// The loads of a recording for its report: the sum, and a row a load.
+pub(crate) fn section(body: &mut String, account: &Account) {
+    body.push_str("<section class=\"words loads\"><h2>Loads</h2>");
+    let rows: Vec<&Load> = account.loads.iter().chain(&account.carried).collect();
+    if rows.is_empty() {
+        let lacks = account.lacks.map(|l| format!(" ({})", escape(l)));
         let _ = write!(
             body,
-            "<tr><td>{}</td><td>{}</td><td>{}</td><td>{kg}</td><td>{}</td><td>{rest}</td><td>{got}</td><td>{}</td><td>{}</td></tr>",
-            load.number,
-            clock(load.filled),
-            load.dumped.map_or(String::new(), clock),
-            interval_95(load.weight.kg, load.weight.std),
-            load.witness.name(),
-            escape(trusted),
+            "<p>No load was clear of the empty bucket, carried and dumped{}.</p></section>",
+            lacks.unwrap_or_default()
+        );
+        return;
+    }
+    if account.all.loads > 1 {
+        let _ = write!(
+            body,
+            "<p>Delivered: {}.</p>",
+            escape(&total_words(&account.all))
         );
     }
-    body.push_str("</tbody></table></div>");
+    let _ = write!(
+        body,
+        "{}<p class=\"note\">{DELIVERED} <code>heft loads</code> adds up trucks and days.</p></section>",
+        table(account.machine, &rows)
+    );
+}
+
+const DELIVERED: &str = "Delivered is what was in the bucket less what stayed in it.";
+
+fn truck_table(body: &mut String, account: &Account, truck: &Truck) {
+    let of_truck = account.loads.iter().filter(|l| l.truck == truck.number);
+    let _ = write!(
+        body,
+        "<section class=\"words loads\"><h3>{}</h3>{}</section>",
+        escape(&truck_line(truck)),
+        table(account.machine, &of_truck.collect::<Vec<_>>())
+    );
+}
+
+/// A row a load. A narrow screen leaves out what its style names by place.
+fn table(machine: Machine, loads: &[&Load]) -> String {
+    let head = [
+        "load",
+        "filled",
+        "dumped",
+        "in the bucket, kg",
+        "95 %",
+        "left in it, kg",
+        "delivered, kg",
+        "weighed by",
+        "trusted",
+    ];
+    let rows: String = loads.iter().map(|load| cells(machine, load)).collect();
+    crate::report::table(1, &head, &rows)
+}
+
+fn cells(machine: Machine, load: &Load) -> String {
+    let kg = |weight: Weight| value_and_std(weight.kg, weight.std).0;
+    let after_dump = |weight| load.dumped.map_or(String::new(), |_| kg(weight));
+    let trusted = match load.trusted {
+        true => "yes".to_owned(),
+        false => format!("no: {}", escape(why_words(machine, load))),
+    };
+    crate::report::row(&[
+        load.number.to_string(),
+        clock(load.filled),
+        load.dumped.map_or("not yet".to_owned(), clock),
+        kg(load.weight),
+        interval_95(load.weight.kg, load.weight.std),
+        after_dump(load.carry_back),
+        after_dump(load.delivered()),
+        load.witness.name().to_owned(),
+        trusted,
+    ])
 }
 
 /// Seconds of a recording as people read them: "1:02:03", or the time of day in UTC where they count from 1970.
@@ -322,12 +374,6 @@ pub fn clock(time: f64) -> String {
     } else {
         format!("{minutes}:{seconds:02}.{tenths}")
     }
-}
-
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
 }
 
 #[cfg(test)]
@@ -367,6 +413,7 @@ mod tests {
             carried: None,
             trucks: vec![truck],
             all: total,
+            lacks: None,
         }
     }
 
@@ -388,12 +435,35 @@ mod tests {
     #[test]
     fn the_page_says_what_the_truck_got_and_what_is_missing_and_lets_no_name_in_as_markup() {
         let text = page(&[account()]);
-        assert!(crate::loads::escape("<") == "&lt;" && !text.contains("<i>"));
+        assert!(!text.contains("<i>"));
         for part in ["22\u{202f}906 kg missing", "22 906 kg missing"] {
             let plain = text.replace(['\u{a0}', '\u{202f}'], " ");
             assert!(plain.contains(&part.replace('\u{202f}', " ")), "{plain}");
         }
         assert!(text.contains("12.7"));
+    }
+
+    #[test]
+    fn a_load_in_the_bucket_has_nothing_left_or_delivered_yet_and_none_says_what_lacks() {
+        let mut account = account();
+        let mut body = String::new();
+        section(&mut body, &account);
+        assert!(body.contains("<td>0:12.7</td>"), "{body}");
+        assert!(body.contains("no: the bucket"), "{body}");
+        let mut carried = account.loads.remove(0);
+        carried.dumped = None;
+        account.carried = Some(carried);
+        body.clear();
+        section(&mut body, &account);
+        assert!(body.contains("<td>not yet</td>"), "{body}");
+        assert!(body.contains("<td></td><td></td>"), "{body}");
+        (account.carried, account.lacks) = (None, Some("map the pressures"));
+        body.clear();
+        section(&mut body, &account);
+        assert!(
+            !body.contains("<table") && body.contains("(map the pressures)"),
+            "{body}"
+        );
     }
 
     #[test]

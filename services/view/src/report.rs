@@ -4,18 +4,18 @@
 mod compared;
 mod header;
 mod html;
-pub(crate) use html::hash;
+pub(crate) use html::{hash, row, table};
 mod one_by_one;
 mod part;
 mod tables;
 mod verdicts;
-mod weighed;
 
 use std::fmt::Write;
 
 use messages::Health;
 
 use crate::estimate::Estimate;
+use crate::loads;
 use crate::panels::{self, Panel};
 use crate::plot::Plot;
 use crate::run::{MachineRun, Run};
@@ -40,7 +40,9 @@ struct Page {
 pub fn report(run: &Run) -> String {
     let mut page = Page::default();
     header::write(&mut page.body, run);
-    weighed::write(&mut page.body, &run.loads);
+    if let Some(account) = &run.loads {
+        loads::section(&mut page.body, account);
+    }
     for part in part::all(run) {
         part.sections(&mut page, run);
     }

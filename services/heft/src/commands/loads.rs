@@ -145,14 +145,17 @@ fn count(args: &LoadsArgs, input: &Path) -> Result<(Account, Result<(), Failure>
     let name = input.display().to_string();
     let account = Account::of(&name, &counter, trucks);
     if account.loads.is_empty() && account.carried.is_none() {
-        tell_why_none(&name, &counter);
+        tell_why_none(&account);
     }
     Ok((account, read))
 }
 
-fn tell_why_none(name: &str, counter: &LoadCounter) {
-    eprintln!("{name}: no load was clear of the empty bucket, carried and dumped");
-    if let Some(lacks) = counter.lacks() {
+fn tell_why_none(account: &Account) {
+    eprintln!(
+        "{}: no load was clear of the empty bucket, carried and dumped",
+        account.name
+    );
+    if let Some(lacks) = account.lacks {
         eprintln!("  {lacks}");
     }
     eprintln!(
