@@ -133,7 +133,7 @@ fn count(args: &LoadsArgs, input: &Path) -> Result<(Account, Result<(), Failure>
     let mut counter = LoadCounter::new(&description, options);
     let mut trucks = Vec::new();
     let entry = machines::entry(description.machine());
-    let read = entry.follow(&args.with, input, &description, &mut |message| {
+    let read = (entry.follow)(&args.with, input, &description, &mut |message| {
         trucks.extend(counter.see(message).truck);
     });
     // Of a damaged recording, what is whole counts.
