@@ -1,8 +1,8 @@
-//! What a user is told beside the estimates: data that seem to be in other units, or of another machine.
+//! Warnings beside the estimates: data that seem to be in other units, or of another machine.
 
 use config::Description;
-use estimation::excavator::{Geometry, Plausible, Sample};
-use messages::{Envelope, excavator_bits as bits};
+use estimation::excavator::{Geometry, Plausible};
+use messages::Envelope;
 
 /// Looks at the rows on their way.
 pub struct Hints {
@@ -20,7 +20,11 @@ impl Hints {
             Description::Excavator(d) => Some(Plausible::new(Geometry::of(d))),
             Description::Loader(_) => None,
         };
-        Self { plausible, times: Vec::new(), rate: description.rate() }
+        Self {
+            plausible,
+            times: Vec::new(),
+            rate: description.rate(),
+        }
     }
 
     pub fn add(&mut self, sample: &Envelope) {
@@ -31,18 +35,7 @@ impl Hints {
         let (Some(plausible), Envelope::ExcavatorSensors(s)) = (&mut self.plausible, sample) else {
             return;
         };
-        let value = |bit, value| (s.valid & bit == bit).then_some(value);
-        plausible.push(&Sample {
-            time,
-            velocity: value(bits::SWING_VELOCITY, s.swing_velocity),
-            torque: value(bits::SWING_TORQUE, s.swing_torque),
-            posture: [
-                value(bits::BOOM_ANGLE, s.boom_angle),
-                value(bits::ARM_ANGLE, s.arm_angle),
-                value(bits::BUCKET_ANGLE, s.bucket_angle),
-            ],
-            ..Sample::default()
-        });
+        plausible.push(&steps::excavator::sample(s));
     }
 
     /// In words, as `heft estimate` says them.
@@ -54,6 +47,8 @@ impl Hints {
                 "the rows are {step} s apart, and sensors.rate is {rate} Hz: is the time in {unit}?"
             )
         });
-        unit.into_iter().chain(mismatch.map(|m| m.to_string())).collect()
+        unit.into_iter()
+            .chain(mismatch.map(|m| m.to_string()))
+            .collect()
     }
 }

@@ -1,8 +1,8 @@
 //! Are data and description of one machine?
 
 use config::Description;
-use estimation::excavator::{Geometry, Mismatch, Plausible, Sample};
-use messages::{ExcavatorSensors, excavator_bits as bits};
+use estimation::excavator::{Geometry, Mismatch, Plausible};
+use messages::ExcavatorSensors;
 
 use super::boom::Boom;
 use crate::commands::estimate::look::Look;
@@ -34,19 +34,8 @@ impl Look<ExcavatorSensors> for Fits {
 
     fn add(&mut self, s: &ExcavatorSensors) {
         self.boom.add(s);
-        let value = |bit, value| (s.valid & bit == bit).then_some(value);
         if let Some(plausible) = &mut self.plausible {
-            plausible.push(&Sample {
-                time: s.stamp.time,
-                velocity: value(bits::SWING_VELOCITY, s.swing_velocity),
-                torque: value(bits::SWING_TORQUE, s.swing_torque),
-                posture: [
-                    value(bits::BOOM_ANGLE, s.boom_angle),
-                    value(bits::ARM_ANGLE, s.arm_angle),
-                    value(bits::BUCKET_ANGLE, s.bucket_angle),
-                ],
-                ..Sample::default()
-            });
+            plausible.push(&steps::excavator::sample(s));
         }
     }
 
