@@ -395,15 +395,6 @@ impl Scale {
     }
 }
 
-/// Whether a process tells a payload to count: the one of the headline estimate.
-#[must_use]
-pub fn counts(machine: Machine, channel: &str) -> bool {
-    let pipeline = crate::stages::Pipeline::of(machine);
-    let main = pipeline.stage(pipeline.main);
-    main.and_then(crate::stages::Stage::output)
-        .is_some_and(|c| c.name == channel)
-}
-
 const _: () = {
     // Reason and flags fit in one number.
     assert!(EXCAVATOR_REASONS.len() < REASON as usize && LOADER_REASONS.len() < REASON as usize);

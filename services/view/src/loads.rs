@@ -9,7 +9,6 @@ use serde_json::{Value, json};
 use steps::loads::{LoadCounter, why_words};
 
 use crate::number::{interval_95, value_and_std};
-use crate::plot::escape;
 
 /// What one recording, or a run so far, adds up to.
 #[derive(Debug, Clone)]
@@ -250,110 +249,6 @@ pub fn total_words(total: &Total) -> String {
     )
 }
 
-/// The printable page: what each truck got, load by load, and the sum of the day.
-#[must_use]
-pub fn page(accounts: &[Account]) -> String {
-    let mut body = String::from("<h1>Loads</h1>");
-    for account in accounts {
-        let _ = write!(
-            body,
-            "<h2>{}</h2><p class=\"facts\">{}, {}</p>",
-            escape(&account.name),
-            account.machine,
-            escape(&total_words(&account.all))
-        );
-        for truck in &account.trucks {
-            truck_table(&mut body, account, truck);
-        }
-        if let Some(load) = &account.carried {
-            let line = escape(&line(account.machine, load));
-            let _ = write!(body, "<p>In the bucket at the end: {line}</p>");
-        }
-    }
-    let _ = write!(
-        body,
-        "<p class=\"note\">{DELIVERED} Errors that all loads share (scale, offset, machine file) add up; those of each \
-         load average out. Times are those of the recording.</p>"
-    );
-    crate::page("heft report: loads", &body)
-}
-
-/// The loads of a recording for its report: the sum, and a row a load.
-pub(crate) fn section(body: &mut String, account: &Account) {
-    body.push_str("<section class=\"words loads\"><h2>Loads</h2>");
-    let rows: Vec<&Load> = account.loads.iter().chain(&account.carried).collect();
-    if rows.is_empty() {
-        let lacks = account.lacks.map(|l| format!(" ({})", escape(l)));
-        let _ = write!(
-            body,
-            "<p>No load was clear of the empty bucket, carried and dumped{}.</p></section>",
-            lacks.unwrap_or_default()
-        );
-        return;
-    }
-    if account.all.loads > 1 {
-        let _ = write!(
-            body,
-            "<p>Delivered: {}.</p>",
-            escape(&total_words(&account.all))
-        );
-    }
-    let _ = write!(
-        body,
-        "{}<p class=\"note\">{DELIVERED} <code>heft loads</code> adds up trucks and days.</p></section>",
-        table(account.machine, &rows)
-    );
-}
-
-const DELIVERED: &str = "Delivered is what was in the bucket less what stayed in it.";
-
-fn truck_table(body: &mut String, account: &Account, truck: &Truck) {
-    let of_truck = account.loads.iter().filter(|l| l.truck == truck.number);
-    let _ = write!(
-        body,
-        "<section class=\"words loads\"><h3>{}</h3>{}</section>",
-        escape(&truck_line(truck)),
-        table(account.machine, &of_truck.collect::<Vec<_>>())
-    );
-}
-
-/// A row a load. A narrow screen leaves out what its style names by place.
-fn table(machine: Machine, loads: &[&Load]) -> String {
-    let head = [
-        "load",
-        "filled",
-        "dumped",
-        "in the bucket, kg",
-        "95 %",
-        "left in it, kg",
-        "delivered, kg",
-        "weighed by",
-        "trusted",
-    ];
-    let rows: String = loads.iter().map(|load| cells(machine, load)).collect();
-    crate::report::table(1, &head, &rows)
-}
-
-fn cells(machine: Machine, load: &Load) -> String {
-    let kg = |weight: Weight| value_and_std(weight.kg, weight.std).0;
-    let after_dump = |weight| load.dumped.map_or(String::new(), |_| kg(weight));
-    let trusted = match load.trusted {
-        true => "yes".to_owned(),
-        false => format!("no: {}", escape(why_words(machine, load))),
-    };
-    crate::report::row(&[
-        load.number.to_string(),
-        clock(load.filled),
-        load.dumped.map_or("not yet".to_owned(), clock),
-        kg(load.weight),
-        interval_95(load.weight.kg, load.weight.std),
-        after_dump(load.carry_back),
-        after_dump(load.delivered()),
-        load.witness.name().to_owned(),
-        trusted,
-    ])
-}
-
 /// Seconds of a recording as people read them: "1:02:03", or the time of day in UTC where they count from 1970.
 #[must_use]
 pub fn clock(time: f64) -> String {
@@ -376,46 +271,48 @@ pub fn clock(time: f64) -> String {
     }
 }
 
+/// An account with one load that is not trusted.
+#[cfg(test)]
+pub(crate) fn account() -> Account {
+    let weight = |kg, std| Weight {
+        kg,
+        std,
+        common_std: 0.8 * std,
+    };
+    let load = Load {
+        number: 1,
+        truck: 1,
+        stage: Stage::Settled,
+        filled: 8.5,
+        dumped: Some(12.7),
+        weight: weight(1139.0, 60.0),
+        carry_back: weight(45.0, 20.0),
+        carry_back_weighed: true,
+        trusted: false,
+        why: 11,
+        ..Load::default()
+    };
+    let total = Total::default().with(Some(&load));
+    let truck = Truck {
+        number: 1,
+        total,
+        target: Some(24_000.0),
+        ..Truck::default()
+    };
+    Account {
+        name: "a,b <i>.csv".to_owned(),
+        machine: Machine::Excavator,
+        loads: vec![load],
+        carried: None,
+        trucks: vec![truck],
+        all: total,
+        lacks: None,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn account() -> Account {
-        let weight = |kg, std| Weight {
-            kg,
-            std,
-            common_std: 0.8 * std,
-        };
-        let load = Load {
-            number: 1,
-            truck: 1,
-            stage: Stage::Settled,
-            filled: 8.5,
-            dumped: Some(12.7),
-            weight: weight(1139.0, 60.0),
-            carry_back: weight(45.0, 20.0),
-            carry_back_weighed: true,
-            trusted: false,
-            why: 11,
-            ..Load::default()
-        };
-        let total = Total::default().with(Some(&load));
-        let truck = Truck {
-            number: 1,
-            total,
-            target: Some(24_000.0),
-            ..Truck::default()
-        };
-        Account {
-            name: "a,b <i>.csv".to_owned(),
-            machine: Machine::Excavator,
-            loads: vec![load],
-            carried: None,
-            trucks: vec![truck],
-            all: total,
-            lacks: None,
-        }
-    }
 
     #[test]
     fn each_line_of_the_table_has_the_columns_of_its_header() {
@@ -429,40 +326,6 @@ mod tests {
         assert!(
             line.contains("the bucket's content may have changed"),
             "{line}"
-        );
-    }
-
-    #[test]
-    fn the_page_says_what_the_truck_got_and_what_is_missing_and_lets_no_name_in_as_markup() {
-        let text = page(&[account()]);
-        assert!(!text.contains("<i>"));
-        for part in ["22\u{202f}906 kg missing", "22 906 kg missing"] {
-            let plain = text.replace(['\u{a0}', '\u{202f}'], " ");
-            assert!(plain.contains(&part.replace('\u{202f}', " ")), "{plain}");
-        }
-        assert!(text.contains("12.7"));
-    }
-
-    #[test]
-    fn a_load_in_the_bucket_has_nothing_left_or_delivered_yet_and_none_says_what_lacks() {
-        let mut account = account();
-        let mut body = String::new();
-        section(&mut body, &account);
-        assert!(body.contains("<td>0:12.7</td>"), "{body}");
-        assert!(body.contains("no: the bucket"), "{body}");
-        let mut carried = account.loads.remove(0);
-        carried.dumped = None;
-        account.carried = Some(carried);
-        body.clear();
-        section(&mut body, &account);
-        assert!(body.contains("<td>not yet</td>"), "{body}");
-        assert!(body.contains("<td></td><td></td>"), "{body}");
-        (account.carried, account.lacks) = (None, Some("map the pressures"));
-        body.clear();
-        section(&mut body, &account);
-        assert!(
-            !body.contains("<table") && body.contains("(map the pressures)"),
-            "{body}"
         );
     }
 

@@ -4,7 +4,8 @@
 mod compared;
 mod header;
 mod html;
-pub(crate) use html::{hash, row, table};
+mod loads;
+pub(crate) use html::hash;
 mod one_by_one;
 mod part;
 mod tables;
@@ -15,12 +16,12 @@ use std::fmt::Write;
 use messages::Health;
 
 use crate::estimate::Estimate;
-use crate::loads;
 use crate::panels::{self, Panel};
 use crate::plot::Plot;
 use crate::run::{MachineRun, Run};
 
 pub use compared::compared;
+pub use loads::loads_page;
 pub(crate) use tables::state_name;
 
 /// Width and height of a plot over the whole page, of half of it, and of a wide one on a phone.
@@ -40,9 +41,6 @@ struct Page {
 pub fn report(run: &Run) -> String {
     let mut page = Page::default();
     header::write(&mut page.body, run);
-    if let Some(account) = &run.loads {
-        loads::section(&mut page.body, account);
-    }
     for part in part::all(run) {
         part.sections(&mut page, run);
     }

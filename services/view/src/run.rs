@@ -132,10 +132,9 @@ impl Run {
             last_health.insert(health.process, health);
         }
         let motions = reader.stream(channels::EXCAVATOR_MOTION.name)?;
-        let parts = Parts::read(reader, &mut thinned)?;
         Ok(Self {
-            loads: counted::read(reader, &parts)?,
-            parts,
+            loads: counted::read(reader)?,
+            parts: Parts::read(reader, &mut thinned)?,
             inputs: inputs_of_all(reader)?,
             motion: motions.take(MOTIONS).collect(),
             health: last_health.into_values().collect(),

@@ -246,7 +246,7 @@ fn write(args: &LoadsArgs, accounts: &[Account]) -> Result<(), Failure> {
         println!("summary in {}", file.display());
     }
     if let Some(file) = &args.report {
-        page::put(&loads::page(accounts), file, &[])?;
+        page::put(&view::loads_page(accounts), file, &[])?;
         println!("page in {}", file.display());
     }
     Ok(())

@@ -72,14 +72,14 @@ fn base64(bytes: &[u8]) -> String {
 }
 
 /// A table row of cells that are already HTML.
-pub(crate) fn row(cells: &[String]) -> String {
+pub(super) fn row(cells: &[String]) -> String {
     let cells: String = cells.iter().map(|c| format!("<td>{c}</td>")).collect();
     format!("<tr>{cells}</tr>")
 }
 
 /// A table in a frame that scrolls where the screen is narrow.
 /// The first `names` columns hold names, the others numbers.
-pub(crate) fn table(names: usize, head: &[&str], rows: &str) -> String {
+pub(super) fn table(names: usize, head: &[&str], rows: &str) -> String {
     let head: String = head.iter().map(|h| format!("<th>{h}</th>")).collect();
     format!(
         "<div class=\"scroll\"><table class=\"names{names}\"><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>"
