@@ -44,6 +44,40 @@ fn counted(folder: &Path, recording: &str, more: &[&str]) -> Value {
     serde_json::from_str(&text).expect("JSON")
 }
 
+/// The report of a recording, and that of its estimates made anew, have a row for each counted load.
+fn the_pages_show(folder: &Path, recording: &str, loads: &[Value]) {
+    let [of_run, of_estimates, rows] =
+        ["run.html", "est.html", "est.csv"].map(|name| common::path_in(folder, name));
+    run_ok(&["report", recording, "-o", &of_run]);
+    run_ok(&[
+        "estimate",
+        recording,
+        "-o",
+        &rows,
+        "--report",
+        &of_estimates,
+    ]);
+    for page in [of_run, of_estimates] {
+        let page = std::fs::read_to_string(page).expect("a page");
+        let (_, after) = page.split_once("<h2>Loads</h2>").expect("a table of loads");
+        let (table, _) = after.split_once("</section>").expect("its end");
+        assert_eq!(
+            table.matches("<td>yes</td>").count(),
+            loads.len(),
+            "{table}"
+        );
+        for load in loads {
+            let held = &load["in_bucket"];
+            let (kg, _) = view::number::value_and_std(number(held, "kg"), number(held, "std"));
+            let interval = view::number::interval_95(number(held, "kg"), number(held, "std"));
+            assert!(
+                table.contains(&format!("<td>{kg}</td><td>{interval}</td>")),
+                "{kg}, {interval}: {table}"
+            );
+        }
+    }
+}
+
 #[test]
 fn a_loader_weighs_its_loads_by_the_lift_pressures_and_the_truck_gets_their_sum() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -73,6 +107,7 @@ fn a_loader_weighs_its_loads_by_the_lift_pressures_and_the_truck_gets_their_sum(
         (number(truck, "remaining") - (5000.0 - sum)).abs() < 1.0,
         "{truck}"
     );
+    the_pages_show(folder.path(), &recording, loads);
     // The run reported the same on its channel.
     let reader = Reader::open(Path::new(&recording)).expect("a recording");
     let reported: Vec<LoaderLoads> = reader.messages(LOADER_LOADS.name).expect("loads");

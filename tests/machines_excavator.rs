@@ -7,7 +7,7 @@ use std::path::PathBuf;
 
 use config::Tables as _;
 use estimation::excavator::{Columns, Method, Sample, Settings, Smoother, SwingEstimator, Trail};
-use evaluate::honesty::{Judged, Tally};
+use evaluate::honesty::{JudgedRow, Tally};
 
 /// True velocity above which the machine moves [rad/s].
 const MOVING: f64 = 0.05;
@@ -64,7 +64,7 @@ fn tally(name: &str, sets: &serde_json::Value, method: Method) -> Tally {
     let mut tally = Tally::default();
     for (sample, truth, moving) in rows(name) {
         let estimate = estimator.step(&sample);
-        tally.push(&Judged {
+        tally.push(&JudgedRow {
             truth,
             estimate: estimate.inertia,
             std: estimate.inertia_std,

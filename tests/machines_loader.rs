@@ -7,7 +7,7 @@ use std::path::PathBuf;
 
 use config::Tables as _;
 use estimation::loader::{CgEstimator, Columns, Method, Sample, Settings};
-use evaluate::honesty::{Judged, Tally};
+use evaluate::honesty::{JudgedRow, Tally};
 
 /// True speed above which the machine moves [m/s].
 const MOVING: f64 = 0.1;
@@ -64,7 +64,7 @@ fn tallies(name: &str, sets: &serde_json::Value, method: Method) -> [Tally; 2] {
             ),
         ];
         for (tally, (truth, quantity, trusted)) in tallies.iter_mut().zip(judged) {
-            tally.push(&Judged {
+            tally.push(&JudgedRow {
                 truth: value(truth).expect("the truth"),
                 estimate: quantity.value,
                 std: quantity.std,

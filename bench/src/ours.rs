@@ -71,80 +71,44 @@ impl<const SOLVE: bool> Filter<[f64; 3], 3> for Regression<SOLVE> {
     }
 }
 
-/// Square-root unscented filter 6/3.
-pub struct Unscented {
-    filter: SquareRootUkf<6, 3>,
-    rover: Rover,
-    process_std: [f64; 6],
-    measurement_std: [f64; 3],
-}
-
-impl Default for Unscented {
-    fn default() -> Self {
-        Self {
-            filter: SquareRootUkf::new(ROVER.state, &ROVER.initial_std, Spread::UNIT),
-            rover: ROVER.rover,
-            process_std: ROVER.process_std,
-            measurement_std: ROVER.measurement_std,
+macro_rules! on_rover {
+    ($( #[$doc:meta] $name:ident: $filter:ty = $start:expr; )*) => { $(
+        #[$doc]
+        pub struct $name {
+            filter: $filter,
+            rover: Rover,
+            process_std: [f64; 6],
+            measurement_std: [f64; 3],
         }
-    }
-}
 
-impl Filter<RoverSample, 6> for Unscented {
-    #[inline(always)]
-    fn step(&mut self, sample: &RoverSample) {
-        let rover = Rover {
-            torque: sample.torque,
-            ..self.rover
-        };
-        self.filter.step(
-            &rover,
-            &self.process_std,
-            &sample.measured,
-            &self.measurement_std,
-        );
-    }
-
-    fn state(&self) -> [f64; 6] {
-        self.filter.state
-    }
-}
-
-/// Extended Kalman filter 6/3, on the covariance, with the derivatives from dual numbers.
-pub struct Extended {
-    filter: Ekf<6, 3>,
-    rover: Rover,
-    process_std: [f64; 6],
-    measurement_std: [f64; 3],
-}
-
-impl Default for Extended {
-    fn default() -> Self {
-        Self {
-            filter: Ekf::new(ROVER.state, &ROVER.initial_std),
-            rover: ROVER.rover,
-            process_std: ROVER.process_std,
-            measurement_std: ROVER.measurement_std,
+        impl Default for $name {
+            fn default() -> Self {
+                Self {
+                    filter: $start,
+                    rover: ROVER.rover,
+                    process_std: ROVER.process_std,
+                    measurement_std: ROVER.measurement_std,
+                }
+            }
         }
-    }
+
+        impl Filter<RoverSample, 6> for $name {
+            #[inline(always)]
+            fn step(&mut self, sample: &RoverSample) {
+                let rover = Rover { torque: sample.torque, ..self.rover };
+                self.filter.step(&rover, &self.process_std, &sample.measured, &self.measurement_std);
+            }
+
+            fn state(&self) -> [f64; 6] {
+                self.filter.state
+            }
+        }
+    )* };
 }
 
-impl Filter<RoverSample, 6> for Extended {
-    #[inline(always)]
-    fn step(&mut self, sample: &RoverSample) {
-        let rover = Rover {
-            torque: sample.torque,
-            ..self.rover
-        };
-        self.filter.step(
-            &rover,
-            &self.process_std,
-            &sample.measured,
-            &self.measurement_std,
-        );
-    }
-
-    fn state(&self) -> [f64; 6] {
-        self.filter.state
-    }
+on_rover! {
+    /// Square-root unscented filter 6/3.
+    Unscented: SquareRootUkf<6, 3> = SquareRootUkf::new(ROVER.state, &ROVER.initial_std, Spread::UNIT);
+    /// Extended Kalman filter 6/3, on the covariance, with the derivatives from dual numbers.
+    Extended: Ekf<6, 3> = Ekf::new(ROVER.state, &ROVER.initial_std);
 }

@@ -297,9 +297,19 @@ impl<const METHOD: usize, const ARM: bool> Filter<loader::Sample, 2> for Loader<
     }
 }
 
-/// Every real step with the key it has in the JSON.
-pub fn steps() -> Vec<(&'static str, Contender)> {
-    let (rows, work) = (excavator_rows(), loader_rows());
+/// A step with the key that it has in the JSON.
+type Row = (&'static str, Contender);
+
+/// Every real step.
+pub fn steps() -> Vec<Row> {
+    [excavator_steps(), loader_steps(), cylinder_steps()]
+        .into_iter()
+        .flatten()
+        .collect()
+}
+
+fn excavator_steps() -> Vec<Row> {
+    let rows = excavator_rows();
     let mut filter = Motion::default();
     let motions: Vec<excavator::Motion> = rows
         .iter()
@@ -337,6 +347,12 @@ pub fn steps() -> Vec<(&'static str, Contender)> {
             "excavator_velocity",
             contender::<Swing<6>, _, 1>("excavator, velocity", rows),
         ),
+    ]
+}
+
+fn loader_steps() -> Vec<Row> {
+    let work = loader_rows();
+    vec![
         (
             "loader_full_12",
             contender::<Loader<0>, _, 2>("loader, full, 12 states", work.clone()),
@@ -357,26 +373,25 @@ pub fn steps() -> Vec<(&'static str, Contender)> {
             "loader_full_ekf_12",
             contender::<Loader<4>, _, 2>("loader, full-ekf, 12 states", work),
         ),
+    ]
+}
+
+/// Those of machines whose cylinders are measured.
+fn cylinder_steps() -> Vec<Row> {
+    let rows = excavator_rows_with(Some(Gauges::default()));
+    let work = loader_rows_with(Some(Gauges::default()));
+    vec![
         (
             "excavator_posture_torque_pressures",
-            contender::<Swing<3, true>, _, 1>(
-                "excavator, posture-torque, pressures",
-                excavator_rows_with(Some(Gauges::default())),
-            ),
+            contender::<Swing<3, true>, _, 1>("excavator, posture-torque, pressures", rows),
         ),
         (
             "loader_full_12_arm",
-            contender::<Loader<0, true>, _, 2>(
-                "loader, full, lift arm",
-                loader_rows_with(Some(Gauges::default())),
-            ),
+            contender::<Loader<0, true>, _, 2>("loader, full, lift arm", work.clone()),
         ),
         (
             "loader_full_ekf_12_arm",
-            contender::<Loader<4, true>, _, 2>(
-                "loader, full-ekf, lift arm",
-                loader_rows_with(Some(Gauges::default())),
-            ),
+            contender::<Loader<4, true>, _, 2>("loader, full-ekf, lift arm", work),
         ),
     ]
 }

@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyString, PyTuple};
 use recording::frame::Cell;
 
-use crate::kind::{AnyFeed, Way, answer, kind, method, way};
+use crate::kind::{AnyFeed, Stages, answer, kind, method, way};
 use crate::{described, machine, refused};
 
 /// Steps through samples as they come; `heft.Estimator` stands before it.
@@ -22,7 +22,7 @@ pub struct Estimator {
 
 struct State {
     feed: Box<dyn AnyFeed>,
-    way: Way,
+    way: Stages,
     values: Vec<f64>,
 }
 
@@ -45,13 +45,25 @@ impl Estimator {
         let description = described(machine(kind_of)?, text, &settings)?;
         let method = method(&description, asked).to_owned();
         let mut names = vec!["t"];
-        names.extend(signals.iter().map(String::as_str).filter(|name| *name != "t"));
+        names.extend(
+            signals
+                .iter()
+                .map(String::as_str)
+                .filter(|name| *name != "t"),
+        );
         let feed = kind(&description).feed(&names)?;
         let way = way(&description, &method)?;
         feed.check(&description, &method)?;
         Ok(Self {
-            signals: names.iter().map(|name| PyString::intern(py, name).unbind()).collect(),
-            state: Mutex::new(State { feed, way, values: vec![f64::NAN; names.len()] }),
+            signals: names
+                .iter()
+                .map(|name| PyString::intern(py, name).unbind())
+                .collect(),
+            state: Mutex::new(State {
+                feed,
+                way,
+                values: vec![f64::NAN; names.len()],
+            }),
             description,
             method,
         })
@@ -65,7 +77,11 @@ impl Estimator {
         values: &Bound<'py, PyDict>,
     ) -> PyResult<Bound<'py, PyTuple>> {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
-        let State { feed, way, values: row } = &mut *state;
+        let State {
+            feed,
+            way,
+            values: row,
+        } = &mut *state;
         let mut taken = 0;
         row[0] = t;
         for (place, name) in row.iter_mut().zip(&self.signals).skip(1) {
@@ -73,7 +89,11 @@ impl Estimator {
                 None => f64::NAN,
                 Some(value) => {
                     taken += 1;
-                    if value.is_none() { f64::NAN } else { value.extract()? }
+                    if value.is_none() {
+                        f64::NAN
+                    } else {
+                        value.extract()?
+                    }
                 }
             };
         }
@@ -100,7 +120,12 @@ impl Estimator {
         let mut bytes = HEAD.as_bytes().to_vec();
         let names: Vec<String> = self.signals.iter().map(|s| s.to_string()).collect();
         let machine = self.description.machine().name();
-        for text in [machine, &self.method, &names.join(","), &self.description.to_toml()] {
+        for text in [
+            machine,
+            &self.method,
+            &names.join(","),
+            &self.description.to_toml(),
+        ] {
             put(&mut bytes, text.as_bytes());
         }
         bytes.extend(state.feed.count().to_le_bytes());
@@ -128,7 +153,14 @@ impl Estimator {
         };
         let (machine, method, signals, description) = (text()?, text()?, text()?, text()?);
         let signals = signals.split(',').map(str::to_owned).collect();
-        let new = Self::new(py, &machine, Some(&description), Vec::new(), signals, Some(&method))?;
+        let new = Self::new(
+            py,
+            &machine,
+            Some(&description),
+            Vec::new(),
+            signals,
+            Some(&method),
+        )?;
         let (count, mut rest) = rest.split_first_chunk::<8>().ok_or_else(foreign)?;
         {
             let mut state = new.state.lock().unwrap_or_else(PoisonError::into_inner);
@@ -168,7 +200,11 @@ impl Estimator {
     /// The error that names a value which is none of the signals.
     fn unknown(&self, _py: Python<'_>, values: &Bound<'_, PyDict>) -> PyErr {
         let known: Vec<String> = self.signals[1..].iter().map(|s| s.to_string()).collect();
-        let given = values.keys().iter().map(|k| k.to_string()).collect::<Vec<_>>();
+        let given = values
+            .keys()
+            .iter()
+            .map(|k| k.to_string())
+            .collect::<Vec<_>>();
         let other = given.iter().find(|name| !known.contains(name));
         let other = other.map_or("", String::as_str);
         refused(format!(

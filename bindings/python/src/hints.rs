@@ -1,4 +1,4 @@
-//! What a user is told beside the estimates: data that seem to be in other units, or of another machine.
+//! Warnings beside the estimates: data that seem to be in other units, or of another machine.
 
 use config::Description;
 use estimation::excavator::{Geometry, Plausible};
@@ -20,7 +20,11 @@ impl Hints {
             Description::Excavator(d) => Some(Plausible::new(Geometry::of(d))),
             Description::Loader(_) => None,
         };
-        Self { plausible, times: Vec::new(), rate: description.rate() }
+        Self {
+            plausible,
+            times: Vec::new(),
+            rate: description.rate(),
+        }
     }
 
     pub fn add(&mut self, sample: &Envelope) {
@@ -42,6 +46,8 @@ impl Hints {
                 "the rows are {step} s apart, and sensors.rate is {rate} Hz: is the time in {unit}?"
             )
         });
-        unit.into_iter().chain(mismatch.map(|m| m.to_string())).collect()
+        unit.into_iter()
+            .chain(mismatch.map(|m| m.to_string()))
+            .collect()
     }
 }

@@ -14,7 +14,7 @@ use crate::hints::Hints;
 use crate::refused;
 
 /// What was estimated.
-pub struct Found {
+pub struct Estimates {
     pub columns: Vec<NamedColumn>,
     /// Places of the rows that were refused.
     pub refused: Vec<u32>,
@@ -26,7 +26,7 @@ pub struct Found {
 }
 
 /// The stages that lead to an estimate.
-pub type Way = Vec<Box<dyn AnyStep>>;
+pub type Stages = Vec<Box<dyn AnyStep>>;
 
 /// A machine.
 pub trait Kind: Sync {
@@ -38,14 +38,14 @@ pub trait Kind: Sync {
         method: Option<&str>,
         columns: &[(&str, Vec<f64>)],
         length: usize,
-    ) -> PyResult<Found>;
+    ) -> PyResult<Estimates>;
     fn of_file(
         &self,
         description: &Description,
         method: Option<&str>,
         path: &Path,
         map: Option<&Map>,
-    ) -> PyResult<Found>;
+    ) -> PyResult<Estimates>;
     fn feed(&self, signals: &[&str]) -> PyResult<Box<dyn AnyFeed>>;
 }
 
@@ -84,22 +84,26 @@ messages::machines!(kinds);
 /// The method that was asked for, or the usual one.
 pub fn method<'a>(description: &Description, asked: Option<&'a str>) -> &'a str {
     let pipeline = Pipeline::of(description.machine());
-    let main = pipeline.stage(pipeline.main).and_then(|s| s.methods().first().copied());
+    let main = pipeline
+        .stage(pipeline.main)
+        .and_then(|s| s.methods().first().copied());
     asked.or(main).unwrap_or_default()
 }
 
 /// The way to the estimate of a method.
-pub fn way(description: &Description, method: &str) -> PyResult<Way> {
+pub fn way(description: &Description, method: &str) -> PyResult<Stages> {
     let pipeline = Pipeline::of(description.machine());
     let stage = pipeline.with_method(method);
     let stage = stage.ok_or_else(|| refused(pipeline.unknown(method)))?;
     let rows = pipeline.way_to(stage).into_iter();
-    rows.map(|row| row.start(description, method).map_err(refused)).collect()
+    rows.map(|row| row.start(description, method).map_err(refused))
+        .collect()
 }
 
 /// The answer at the end of the way.
-pub fn answer(way: &mut Way, sample: Envelope) -> Option<Envelope> {
-    way.iter_mut().try_fold(sample, |message, step| step.answer(&message))
+pub fn answer(way: &mut Stages, sample: Envelope) -> Option<Envelope> {
+    way.iter_mut()
+        .try_fold(sample, |message, step| step.answer(&message))
 }
 
 /// Refuses samples that the method cannot use.
@@ -118,7 +122,7 @@ fn run<S: Message, T, E: Estimate>(
     asked: Option<&str>,
     rows: impl Iterator<Item = (S, T)>,
     room: usize,
-) -> PyResult<Found> {
+) -> PyResult<Estimates> {
     let method = method(description, asked);
     let mut way = way(description, method)?;
     let mut table = Table::<E>::with_capacity(room);
@@ -138,7 +142,13 @@ fn run<S: Message, T, E: Estimate>(
     let refused = table.refused().to_vec();
     let (columns, lacks) = (table.finish(), Lacks::default());
     let hints = hints.words();
-    Ok(Found { columns, refused, rows: count, lacks, hints })
+    Ok(Estimates {
+        columns,
+        refused,
+        rows: count,
+        lacks,
+        hints,
+    })
 }
 
 impl<S: Sensors, E: Estimate> Kind for Of<S, E> {
@@ -156,7 +166,7 @@ impl<S: Sensors, E: Estimate> Kind for Of<S, E> {
         method: Option<&str>,
         columns: &[(&str, Vec<f64>)],
         length: usize,
-    ) -> PyResult<Found> {
+    ) -> PyResult<Estimates> {
         let rows = frame::rows::<S>(columns).map_err(refused)?;
         run::<_, _, E>(description, method, rows, length)
     }
@@ -167,11 +177,14 @@ impl<S: Sensors, E: Estimate> Kind for Of<S, E> {
         method: Option<&str>,
         path: &Path,
         map: Option<&Map>,
-    ) -> PyResult<Found> {
+    ) -> PyResult<Estimates> {
         let samples = recording::open::<S>(path, map).map_err(refused)?;
         let found = run::<_, _, E>(description, method, samples.rows().map_err(refused)?, 0)?;
         samples.check().map_err(refused)?;
-        Ok(Found { lacks: samples.lacks(), ..found })
+        Ok(Estimates {
+            lacks: samples.lacks(),
+            ..found
+        })
     }
 
     fn feed(&self, signals: &[&str]) -> PyResult<Box<dyn AnyFeed>> {

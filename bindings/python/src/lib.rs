@@ -18,9 +18,14 @@ use recording::frame::{self, Values};
 use recording::{Lacks, Map, Reader};
 use steps::stages::Pipeline;
 
-use crate::kind::{Found, kind};
+use crate::kind::{Estimates, kind};
 
-create_exception!(_heft, HeftError, PyValueError, "What is wrong, where, and what to do about it.");
+create_exception!(
+    _heft,
+    HeftError,
+    PyValueError,
+    "What is wrong, where, and what to do about it."
+);
 
 fn refused(error: impl std::fmt::Display) -> PyErr {
     HeftError::new_err(error.to_string())
@@ -46,7 +51,10 @@ fn _heft(m: &Bound<'_, PyModule>) -> PyResult<()> {
 fn machine(name: &str) -> PyResult<Machine> {
     Machine::from_name(name).ok_or_else(|| {
         let known: Vec<&str> = Machine::ALL.iter().map(|m| m.name()).collect();
-        refused(format!("there is no machine {name}; machines are {}", known.join(", ")))
+        refused(format!(
+            "there is no machine {name}; machines are {}",
+            known.join(", ")
+        ))
     })
 }
 
@@ -64,7 +72,10 @@ fn described(machine: Machine, text: Option<&str>, settings: &[String]) -> PyRes
     };
     if description.machine() != machine {
         let other = description.machine().name();
-        return Err(refused(format!("the description is for a {other}, not a {}", machine.name())));
+        return Err(refused(format!(
+            "the description is for a {other}, not a {}",
+            machine.name()
+        )));
     }
     description.set_all(settings).map_err(refused)?;
     Ok(description)
@@ -77,7 +88,13 @@ fn description(machine: &str, text: Option<&str>, settings: Vec<String>) -> PyRe
 
 /// Columns of the estimates, the places of the rows that were refused, the number of rows, what of the file cannot be
 /// read, and what seems wrong with the data.
-type Estimated<'py> = (Bound<'py, PyList>, Vec<u32>, usize, Vec<String>, Vec<String>);
+type EstimateColumns<'py> = (
+    Bound<'py, PyList>,
+    Vec<u32>,
+    usize,
+    Vec<String>,
+    Vec<String>,
+);
 
 #[pyfunction]
 fn estimate<'py>(
@@ -87,10 +104,12 @@ fn estimate<'py>(
     text: Option<&str>,
     settings: Vec<String>,
     method: Option<&str>,
-) -> PyResult<Estimated<'py>> {
+) -> PyResult<EstimateColumns<'py>> {
     let description = described(self::machine(machine)?, text, &settings)?;
-    let columns: Vec<(&str, Vec<f64>)> =
-        columns.iter().map(|(name, bytes)| (name.as_str(), numbers(bytes.as_bytes()))).collect();
+    let columns: Vec<(&str, Vec<f64>)> = columns
+        .iter()
+        .map(|(name, bytes)| (name.as_str(), numbers(bytes.as_bytes())))
+        .collect();
     let length = columns.first().map_or(0, |(_, values)| values.len());
     let result =
         py.detach(|| kind(&description).of_columns(&description, method, &columns, length));
@@ -107,12 +126,19 @@ fn estimate_file<'py>(
     text: Option<&str>,
     settings: Vec<String>,
     method: Option<&str>,
-) -> PyResult<Estimated<'py>> {
+) -> PyResult<EstimateColumns<'py>> {
     let machine = self::machine(machine)?;
-    let own = if text.is_none() { recorded_description(path)? } else { None };
+    let own = if text.is_none() {
+        recorded_description(path)?
+    } else {
+        None
+    };
     let description = described(machine, text.or(own.as_deref()), &settings)?;
     let result = py.detach(|| {
-        let map = map.map(|map| Map::read(Path::new(map))).transpose().map_err(refused)?;
+        let map = map
+            .map(|map| Map::read(Path::new(map)))
+            .transpose()
+            .map_err(refused)?;
         kind(&description).of_file(&description, method, Path::new(path), map.as_ref())
     });
     estimated(py, result?)
@@ -121,24 +147,36 @@ fn estimate_file<'py>(
 /// The description that a recording of heft brings.
 fn recorded_description(path: &str) -> PyResult<Option<String>> {
     let path = Path::new(path);
-    if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("mcap")) {
+    if !path
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("mcap"))
+    {
         return Ok(None);
     }
     let reader = Reader::open(path).map_err(refused)?;
     Ok(reader.metadata().get("description").cloned())
 }
 
-fn estimated(py: Python<'_>, found: Found) -> PyResult<Estimated<'_>> {
-    let Found { columns, refused, rows, lacks, hints } = found;
-    let columns =
-        columns.into_iter().map(|(name, unit, values)| to_python(py, name, unit, "", values));
+fn estimated(py: Python<'_>, found: Estimates) -> PyResult<EstimateColumns<'_>> {
+    let Estimates {
+        columns,
+        refused,
+        rows,
+        lacks,
+        hints,
+    } = found;
+    let columns = columns
+        .into_iter()
+        .map(|(name, unit, values)| to_python(py, name, unit, "", values));
     let columns = PyList::new(py, columns.collect::<PyResult<Vec<_>>>()?)?;
     Ok((columns, refused, rows, words(&lacks), hints))
 }
 
 /// The doubles of an array.
 fn numbers(bytes: &[u8]) -> Vec<f64> {
-    let words = bytes.chunks_exact(8).map(|b| <[u8; 8]>::try_from(b).unwrap_or_default());
+    let words = bytes
+        .chunks_exact(8)
+        .map(|b| <[u8; 8]>::try_from(b).unwrap_or_default());
     words.map(f64::from_le_bytes).collect()
 }
 
@@ -176,20 +214,30 @@ fn header(machine: &str) -> PyResult<Vec<(&'static str, &'static str, &'static s
         frame::Kind::Method => "method",
         frame::Kind::Reason => "reason",
     };
-    Ok(header.into_iter().map(|(name, unit, kind)| (name, unit, word(kind))).collect())
+    Ok(header
+        .into_iter()
+        .map(|(name, unit, kind)| (name, unit, word(kind)))
+        .collect())
 }
 
 /// Names and words of a machine's reasons.
 #[pyfunction]
 fn reasons(machine: &str) -> PyResult<Vec<(&'static str, &'static str)>> {
-    Ok(kind(&Description::default_of(self::machine(machine)?)).reasons().to_vec())
+    Ok(kind(&Description::default_of(self::machine(machine)?))
+        .reasons()
+        .to_vec())
 }
 
 /// The methods of a machine.
 #[pyfunction]
 fn methods(machine: &str) -> PyResult<Vec<&'static str>> {
     let pipeline = Pipeline::of(self::machine(machine)?);
-    Ok(pipeline.stages.iter().flat_map(|s| s.methods()).copied().collect())
+    Ok(pipeline
+        .stages
+        .iter()
+        .flat_map(|s| s.methods())
+        .copied()
+        .collect())
 }
 
 /// The name among these that is nearest to a word, if one is near.
@@ -199,10 +247,10 @@ fn nearest(word: &str, names: Vec<String>) -> Option<String> {
 }
 
 /// Names of channels with their columns, what of the recording cannot be given, in words, and its description.
-type Recorded<'py> = (Bound<'py, PyList>, Vec<String>, Option<String>);
+type RecordedChannels<'py> = (Bound<'py, PyList>, Vec<String>, Option<String>);
 
 #[pyfunction]
-fn read<'py>(py: Python<'py>, path: &str) -> PyResult<Recorded<'py>> {
+fn read<'py>(py: Python<'py>, path: &str) -> PyResult<RecordedChannels<'py>> {
     let reader = Reader::open(path).map_err(refused)?;
     let channels = PyList::empty(py);
     for channel in reader.channels() {
@@ -224,16 +272,26 @@ fn recorded<'py>(
     let columns = frame::channel(reader, channel).map_err(refused)?;
     let verdict = frame::verdict(channel, &columns);
     let by_name = |name: &str| verdict.iter().any(|v| v.name == name);
-    let numbers = columns.into_iter().filter(|column| !by_name(&column.field.name));
+    let numbers = columns
+        .into_iter()
+        .filter(|column| !by_name(&column.field.name));
     let numbers = numbers.map(|column| {
         let bytes: Vec<u8> = match column.field.kind {
-            NumberType::F64 => {
-                column.values.iter().flat_map(|v| v.as_f64().to_le_bytes()).collect()
-            }
-            NumberType::U32 => {
-                column.values.iter().flat_map(|v| word(*v).to_le_bytes()[..4].to_vec()).collect()
-            }
-            NumberType::U64 => column.values.iter().flat_map(|v| word(*v).to_le_bytes()).collect(),
+            NumberType::F64 => column
+                .values
+                .iter()
+                .flat_map(|v| v.as_f64().to_le_bytes())
+                .collect(),
+            NumberType::U32 => column
+                .values
+                .iter()
+                .flat_map(|v| word(*v).to_le_bytes()[..4].to_vec())
+                .collect(),
+            NumberType::U64 => column
+                .values
+                .iter()
+                .flat_map(|v| word(*v).to_le_bytes())
+                .collect(),
         };
         let kind = match column.field.kind {
             NumberType::F64 => "numbers",
@@ -241,7 +299,13 @@ fn recorded<'py>(
             NumberType::U64 => "u8",
         };
         let content = (kind, PyBytes::new(py, &bytes));
-        (column.field.name, column.field.unit, column.meaning, content).into_pyobject(py)
+        (
+            column.field.name,
+            column.field.unit,
+            column.meaning,
+            content,
+        )
+            .into_pyobject(py)
     });
     let mut all: Vec<Bound<'py, PyTuple>> = numbers.collect::<PyResult<_>>()?;
     for v in verdict.clone() {
@@ -273,7 +337,9 @@ fn schema() -> Vec<(&'static str, Fields)> {
                 NumberType::U32 => "u32",
                 NumberType::U64 => "u64",
             };
-            let fields = M::FIELDS.iter().map(|f| (f.name, f.unit, f.doc.trim(), kind(f.kind)));
+            let fields = M::FIELDS
+                .iter()
+                .map(|f| (f.name, f.unit, f.doc.trim(), kind(f.kind)));
             (M::NAME, fields.collect())
         }
     }

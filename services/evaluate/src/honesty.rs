@@ -5,7 +5,7 @@
 use crate::text::{Table, plain};
 use serde_json::{Value, json};
 
-pub use statistics::judge::{Judged, Tally};
+pub use statistics::judge::{JudgedRow, Tally};
 
 /// One line of the table: an effect at one severity.
 #[derive(Clone, Debug, PartialEq)]

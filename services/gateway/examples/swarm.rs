@@ -56,68 +56,15 @@ fn main() {
     let step = Duration::from_secs_f64(1.0 / (hz * machines as f64));
     let mut bytes = Vec::new();
     for round in 0..total {
-        for (
-            i,
-            Machine {
-                id,
-                estimates,
-                said,
-                ..
-            },
-        ) in all.iter().enumerate()
-        {
+        for (i, machine) in all.iter().enumerate() {
             let due = step.mul_f64((round as usize * machines + i) as f64);
             std::thread::sleep(due.saturating_sub(begun.elapsed()));
-            let value = (round as f64 * 0.1 + i as f64).sin();
-            let mut message = ExcavatorEstimate {
-                inertia: 5800.0 + 100.0 * value,
-                inertia_std: 60.0 + value,
-                payload: 400.0 + 30.0 * value,
-                payload_std: 25.0 + value,
-                damping: 900.0 + value,
-                damping_std: 80.0 + value,
-                nis: 1.0 + 0.1 * value,
-                estimated: x::INERTIA | x::PAYLOAD | x::DAMPING,
-                flags: x::TRUSTED,
-                ..ExcavatorEstimate::default()
-            };
-            (message.stamp.sequence, message.stamp.time) = (round, round as f64 / hz);
+            let message = estimate(round, i, hz);
             bytes.clear();
             recording::payload::encode(&message, &mut bytes);
-            let label = Label {
-                machine: id.machine.clone(),
-                run,
-                number: round,
-                after: Some(round as i64 - 1),
-                wall_ms: wall_ms(),
-            };
-            let _ = match estimates {
-                Estimates::Plain(publisher) => publisher
-                    .put(bytes.as_slice())
-                    .attachment(label.to_string())
-                    .wait(),
-                Estimates::Advanced(publishers) => publishers[0]
-                    .put(bytes.as_slice())
-                    .attachment(label.to_string())
-                    .wait(),
-            };
+            machine.send(&bytes, run, round);
             if round % (hz.ceil() as u64) == 0 {
-                let head = Stream {
-                    head: round as i64,
-                    per_period: 1.0,
-                };
-                let status = Status {
-                    machine: id.machine.clone(),
-                    kind: "excavator".into(),
-                    version: "swarm".into(),
-                    run,
-                    wall_ms: wall_ms(),
-                    streams: BTreeMap::from([(STREAM.to_owned(), head)]),
-                    ..Status::default()
-                };
-                let _ = said
-                    .put(serde_json::to_vec(&status).unwrap_or_default())
-                    .wait();
+                machine.report(run, round);
             }
         }
     }
@@ -127,6 +74,25 @@ fn main() {
         begun.elapsed().as_secs_f64()
     );
     std::thread::sleep(Duration::from_secs(1));
+}
+
+/// What machine `i` estimates in this round.
+fn estimate(round: u64, i: usize, hz: f64) -> ExcavatorEstimate {
+    let value = (round as f64 * 0.1 + i as f64).sin();
+    let mut message = ExcavatorEstimate {
+        inertia: 5800.0 + 100.0 * value,
+        inertia_std: 60.0 + value,
+        payload: 400.0 + 30.0 * value,
+        payload_std: 25.0 + value,
+        damping: 900.0 + value,
+        damping_std: 80.0 + value,
+        nis: 1.0 + 0.1 * value,
+        estimated: x::INERTIA | x::PAYLOAD | x::DAMPING,
+        flags: x::TRUSTED,
+        ..ExcavatorEstimate::default()
+    };
+    (message.stamp.sequence, message.stamp.time) = (round, round as f64 / hz);
+    message
 }
 
 /// A machine and what it has declared.
@@ -157,6 +123,41 @@ impl Machine {
             id,
             _more: None,
         }
+    }
+
+    /// Sends an encoded estimate with its label.
+    fn send(&self, bytes: &[u8], run: u64, round: u64) {
+        let label = Label {
+            machine: self.id.machine.clone(),
+            run,
+            number: round,
+            after: Some(round as i64 - 1),
+            wall_ms: wall_ms(),
+        };
+        let label = label.to_string();
+        let _ = match &self.estimates {
+            Estimates::Plain(publisher) => publisher.put(bytes).attachment(label).wait(),
+            Estimates::Advanced(publishers) => publishers[0].put(bytes).attachment(label).wait(),
+        };
+    }
+
+    /// Says how it is, and how far its stream has got.
+    fn report(&self, run: u64, round: u64) {
+        let head = Stream {
+            head: round as i64,
+            per_period: 1.0,
+        };
+        let status = Status {
+            machine: self.id.machine.clone(),
+            kind: "excavator".into(),
+            version: "swarm".into(),
+            run,
+            wall_ms: wall_ms(),
+            streams: BTreeMap::from([(STREAM.to_owned(), head)]),
+            ..Status::default()
+        };
+        let bytes = serde_json::to_vec(&status).unwrap_or_default();
+        let _ = self.said.put(bytes).wait();
     }
 
     fn alone(session: Session, id: MachineId) -> Self {

@@ -16,7 +16,7 @@ use view::estimate::Estimate;
 
 use crate::label::Label;
 use crate::load::Loads;
-use crate::track::{Seen, Track};
+use crate::track::{Continuity, Track};
 
 /// Reports of health a second.
 const HEALTH_RATE: f64 = 1.0 / 0.3;
@@ -123,7 +123,7 @@ pub fn streams(pipeline: &Pipeline, rate: f64, hz: f64) -> Vec<StreamInfo> {
 
 /// A message that is sent.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Selected {
+pub struct Selection {
     /// Position of its stream in [`streams`].
     pub stream: usize,
     /// Whose, which.
@@ -144,7 +144,7 @@ macro_rules! machines {
                 &mut self,
                 channel: &Channel,
                 message: &M,
-                out: &mut impl FnMut(Selected),
+                out: &mut impl FnMut(Selection),
             ) {
                 match message.envelope() {
                     $( Envelope::$estimate(e) => self.estimate(channel, &e, |t| &mut t.stretches.$module, out), )*
@@ -212,7 +212,7 @@ impl Downsampler {
         channel: &Channel,
         estimate: &E,
         loads: impl Fn(&mut Self) -> &mut Loads<E>,
-        out: &mut impl FnMut(Selected),
+        out: &mut impl FnMut(Selection),
     ) {
         let number = estimate.stamp().sequence;
         let verdicts = E::PARAMETERS.iter().fold(0, |bits, p| bits | p.trusted);
@@ -224,7 +224,7 @@ impl Downsampler {
                 continue;
             }
             let seen = self.tracks[i].see(number, false);
-            if seen == Seen::Before {
+            if seen == Continuity::Before {
                 continue;
             }
             if self.streams[i].kind == Kind::Estimate {
@@ -233,7 +233,7 @@ impl Downsampler {
                 }
                 continue;
             }
-            if seen == Seen::Gap {
+            if seen == Continuity::Gap {
                 loads(self).forget();
             }
             if let Some(load) = loads(self).take(estimate) {
@@ -247,7 +247,7 @@ impl Downsampler {
         &mut self,
         message: &M,
         [load, stage, truck]: [u32; 3],
-        out: &mut impl FnMut(Selected),
+        out: &mut impl FnMut(Selection),
     ) {
         let number = message.stamp().sequence;
         let bucket = (message.stamp().time / LEDGER_PERIOD + 1e-6).floor() as i64;
@@ -255,7 +255,7 @@ impl Downsampler {
         for i in 0..self.streams.len() {
             let is_ledger = self.streams[i].kind == Kind::Ledger;
             if is_ledger
-                && self.tracks[i].see(number, false) != Seen::Before
+                && self.tracks[i].see(number, false) != Continuity::Before
                 && self.tracks[i].is_due(number, bucket, mark)
             {
                 self.send(i, number, message, out);
@@ -263,7 +263,7 @@ impl Downsampler {
         }
     }
 
-    fn health(&mut self, health: &Health, out: &mut impl FnMut(Selected)) {
+    fn health(&mut self, health: &Health, out: &mut impl FnMut(Selection)) {
         let number = health_number(health);
         let is_first = health.stamp.sequence == 0;
         let bucket = (health.stamp.time + 1e-6).floor() as i64;
@@ -274,7 +274,9 @@ impl Downsampler {
                 Kind::Events => health.state << 8 ^ health.fault ^ health.restarts << 16,
                 _ => continue,
             };
-            if process != health.process || self.tracks[i].see(number, is_first) == Seen::Before {
+            if process != health.process
+                || self.tracks[i].see(number, is_first) == Continuity::Before
+            {
                 continue;
             }
             let track = &mut self.tracks[i];
@@ -293,7 +295,7 @@ impl Downsampler {
         stream: usize,
         number: u64,
         message: &M,
-        out: &mut impl FnMut(Selected),
+        out: &mut impl FnMut(Selection),
     ) {
         let mut payload = Vec::with_capacity(256);
         recording::payload::encode(message, &mut payload);
@@ -306,7 +308,7 @@ impl Downsampler {
             after: self.tracks[stream].select(number),
             wall_ms,
         };
-        out(Selected {
+        out(Selection {
             stream,
             label,
             payload,
@@ -350,7 +352,7 @@ mod tests {
     ) -> Vec<(u64, Option<i64>)> {
         let mut found = Vec::new();
         for i in numbers {
-            downsampler.take(&CHANNEL, &estimate(i), &mut |s: Selected| {
+            downsampler.take(&CHANNEL, &estimate(i), &mut |s: Selection| {
                 found.push((s.label.number, s.label.after));
             });
         }
@@ -416,7 +418,7 @@ mod tests {
             };
             (health.stamp.sequence, health.stamp.time) = (i, i as f64 * 0.3);
             let streams = downsampler.streams.clone();
-            downsampler.take(&HEALTH, &health, &mut |s: Selected| {
+            downsampler.take(&HEALTH, &health, &mut |s: Selection| {
                 events += u32::from(streams[s.stream].kind == Kind::Events);
             });
         }
@@ -435,7 +437,7 @@ mod tests {
                 ..Default::default()
             };
             (message.stamp.sequence, message.stamp.time) = (i, i as f64 * 0.1);
-            downsampler.take(&EXCAVATOR_LOADS, &message, &mut |s: Selected| {
+            downsampler.take(&EXCAVATOR_LOADS, &message, &mut |s: Selection| {
                 found.push((s.label.number, s.label.after));
             });
         }
@@ -462,7 +464,7 @@ mod tests {
             };
             (health.stamp.sequence, health.stamp.time) = (sequence, sequence as f64 * 0.3);
             let names = downsampler.streams.clone();
-            downsampler.take(&HEALTH, &health, &mut |s: Selected| {
+            downsampler.take(&HEALTH, &health, &mut |s: Selection| {
                 if names[s.stream].name == "events/ukf" {
                     found.push((s.label.number, s.label.after));
                 }

@@ -5,7 +5,7 @@ pub(crate) const CHANGES: u32 = 10;
 
 /// How a sample follows the one before.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Seen {
+pub(crate) enum Continuity {
     Next,
     Gap,
     Before,
@@ -39,15 +39,19 @@ impl Default for Track {
 
 impl Track {
     /// Notes a sample; `is_first`: of a process that counts from 0 again.
-    pub fn see(&mut self, number: u64, is_first: bool) -> Seen {
+    pub fn see(&mut self, number: u64, is_first: bool) -> Continuity {
         let number = number as i64;
         if number <= self.seen {
-            return Seen::Before;
+            return Continuity::Before;
         }
         let follows = number == self.seen + 1 || is_first;
         self.whole &= follows;
         self.seen = number;
-        if follows { Seen::Next } else { Seen::Gap }
+        if follows {
+            Continuity::Next
+        } else {
+            Continuity::Gap
+        }
     }
 
     /// Whether the sample is the first of its second, or of a verdict. Of a stream that was joined on

@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use common::{Collector, Router, collector, sleep, until};
 use gateway::label::Label;
-use gateway::machine::{END, Served};
+use gateway::machine::{AnswerSummary, END};
 use gateway::status::{Status, Stream};
 use gateway::wall_ms;
 use messages::ExcavatorEstimate;
@@ -307,7 +307,7 @@ fn a_question_that_is_lost_is_asked_again_before_a_gateway_whose_run_is_over_has
                 *first = Some(query);
                 return;
             }
-            let served = Served {
+            let served = AnswerSummary {
                 upto: 14,
                 messages: 0,
                 lost: 10,

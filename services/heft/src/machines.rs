@@ -52,9 +52,9 @@ const SEED: u64 = 1;
 macro_rules! entries {
     ($( $machine:ident, $module:ident, $sensors:ident, $truth:ident, $estimate:ident, $others:tt; )*) => {
         /// Everything that the command line asks of a machine.
-        pub fn entry(machine: Machine) -> &'static dyn Entry {
+        pub fn entry(machine: Machine) -> &'static Entry {
             match machine {
-                $( Machine::$machine => &$module::$machine, )*
+                $( Machine::$machine => const { &Entry::of::<$module::$machine>() }, )*
             }
         }
     };
@@ -62,109 +62,79 @@ macro_rules! entries {
 
 messages::machines!(entries);
 
-/// A machine as the command line sees it.
-pub trait Entry: Sync {
+/// `Ok`, or why not.
+type Outcome<T = ()> = Result<T, Failure>;
+/// Where the samples of many machines come from.
+type Input = Box<dyn Read>;
+/// What is shown each sample and each estimate.
+type See<'a> = &'a mut dyn FnMut(&Envelope);
+
+/// A machine as the command line sees it: a row of values and functions. What a function fails with, it says in words.
+pub struct Entry {
     /// The scenario of a run that names none.
-    fn usual_scenario(&self) -> &'static str;
+    pub usual_scenario: &'static str,
     /// The scenario of the demonstration.
-    fn shown_scenario(&self) -> &'static str;
+    pub shown_scenario: &'static str,
     /// What the demonstration states of the simulated machine beside the defaults, as `KEY=VALUE`.
-    fn shown_settings(&self) -> &'static [&'static str];
+    pub shown_settings: &'static [&'static str],
     /// The cylinders of the simulated machine, as `KEY=VALUE` of its description.
-    fn simulated_cylinders(&self) -> Vec<String>;
+    pub simulated_cylinders: fn() -> Vec<String>,
     /// Names and texts of the scenarios.
-    fn scenarios(&self) -> Vec<(String, String)>;
-    /// Whether the source of a plan can be made.
-    ///
-    /// # Errors
-    /// It cannot; says why.
-    fn check_source(&self, plan: &Plan) -> Result<(), Failure>;
-    /// Is the source of a plan until the run ends.
-    ///
-    /// # Errors
-    /// The source or a channel cannot be opened.
-    fn serve_source(&self, worker: Worker, plan: &Plan) -> Result<(), Failure>;
-    /// Shares the samples of many machines among shards started with these arguments.
-    ///
-    /// # Errors
-    /// The input cannot be read, or a shard cannot go on.
-    fn route(
-        &self,
-        input: Box<dyn Read>,
-        form: Form,
-        map: Option<&Map>,
-        shards: usize,
-        arguments: &[OsString],
-    ) -> Result<(), Failure>;
-    /// Plays the machines of a run to shards started with these arguments; a table of the estimates goes to `out`.
-    ///
-    /// # Errors
-    /// A source cannot be made, or a shard cannot go on.
-    fn play(
-        &self,
-        machines: &Machines,
-        out: Out,
-        shards: usize,
-        arguments: &[OsString],
-        signals: &Signals,
-    ) -> Result<Played, Failure>;
+    pub scenarios: fn() -> Vec<(String, String)>,
     /// Names of the quantities that have a verdict.
-    fn quantities(&self) -> Vec<&'static str>;
-    /// Is such a shard.
-    ///
-    /// # Errors
-    /// The description does not fit, or the router is gone.
-    fn serve_shard(
-        &self,
-        description: &Description,
-        method: &str,
-        every: f64,
-        form: Form,
-    ) -> Result<(), Failure>;
-    /// `heft estimate` of one input.
-    ///
-    /// # Errors
-    /// The input cannot be read, or the output not written.
-    fn estimate(
-        &self,
-        args: &EstimateArgs,
-        file: &Path,
-        output: &Path,
-        description: &Description,
-    ) -> Result<(), Failure>;
+    pub quantities: fn() -> Vec<&'static str>,
+    /// Whether the source of a plan can be made.
+    pub check_source: fn(&Plan) -> Outcome,
+    /// Is the source of a plan until the run ends.
+    pub serve_source: fn(Worker, &Plan) -> Outcome,
+    /// Shares the samples of many machines among so many shards, started with these arguments.
+    pub route: fn(Input, Form, Option<&Map>, usize, &[OsString]) -> Outcome,
+    /// Plays the machines of a run to so many shards, started with these arguments; a table of the estimates goes out.
+    pub play: fn(&Machines, Out, usize, &[OsString], &Signals) -> Outcome<Played>,
+    /// Is such a shard: description, method, time between rows \[s\], form.
+    pub serve_shard: fn(&Description, &str, f64, Form) -> Outcome,
+    /// `heft estimate` of one input: arguments, input, output, description.
+    pub estimate: fn(&EstimateArgs, &Path, &Path, &Description) -> Outcome,
     /// Takes an input through the steps of a method, and shows each sample and its estimate.
-    ///
-    /// # Errors
-    /// The input cannot be read, or does not fit the method.
-    fn follow(
-        &self,
-        with: &EstimationArgs,
-        file: &Path,
-        description: &Description,
-        see: &mut dyn FnMut(&Envelope),
-    ) -> Result<(), Failure>;
+    pub follow: fn(&EstimationArgs, &Path, &Description, See<'_>) -> Outcome,
     /// `heft calibrate`.
-    ///
-    /// # Errors
-    /// The recordings cannot be read, or do not tell the parameters.
-    fn calibrate(&self, args: &CalibrateArgs, description: &Description) -> Result<(), Failure>;
+    pub calibrate: fn(&CalibrateArgs, &Description) -> Outcome,
     /// The tables of `heft evaluate`.
-    ///
-    /// # Errors
-    /// The table is unknown.
-    fn evaluate(&self, options: &evaluate::Options) -> Result<evaluate::Report, evaluate::Error>;
+    pub evaluate: fn(&evaluate::Options) -> Result<evaluate::Report, evaluate::Error>,
     /// The figures of the paper.
-    ///
-    /// # Errors
-    /// A run cannot be simulated.
-    fn figures(&self) -> Result<Vec<Figure>, Failure>;
+    pub figures: fn() -> Outcome<Vec<Figure>>,
+}
+
+impl Entry {
+    const fn of<M: MachineKind>() -> Self {
+        Self {
+            usual_scenario: M::USUAL,
+            shown_scenario: M::SHOWN,
+            shown_settings: M::SHOWN_SETTINGS,
+            simulated_cylinders: M::simulated_cylinders,
+            scenarios: M::scenarios,
+            quantities: || headlines::<M::Estimate>().map(|p| p.label).collect(),
+            check_source: |plan| sources::check::<M::Sensors, _>(plan, || M::simulator(plan)),
+            serve_source: |worker, plan| {
+                sources::serve::<M::Sensors, _>(worker, plan, || M::simulator(plan))
+            },
+            route: route::<M>,
+            play: play::<M>,
+            serve_shard: serve::serve_shard::<M::Sensors, M::Estimate>,
+            estimate: estimate::<M>,
+            follow: follow::<M>,
+            calibrate: M::calibrate,
+            evaluate: M::evaluate,
+            figures: M::figures,
+        }
+    }
 }
 
 /// Says of the estimate of a row what later rows know.
 type Later<E> = Box<dyn Fn(usize, &mut E)>;
 
-/// A machine with its types: what [`Entry`] is made of.
-trait Typed: Sync {
+/// A machine with its types: what its [`Entry`] is made of.
+trait MachineKind {
     /// What its sensors measure.
     type Sensors: Sensors;
     /// What is estimated of it.
@@ -224,141 +194,81 @@ trait Typed: Sync {
     fn figures() -> Result<Vec<Figure>, Failure>;
 }
 
-impl<M: Typed> Entry for M {
-    fn usual_scenario(&self) -> &'static str {
-        M::USUAL
-    }
+fn route<M: MachineKind>(
+    input: Input,
+    form: Form,
+    map: Option<&Map>,
+    shards: usize,
+    arguments: &[OsString],
+) -> Result<(), Failure> {
+    let header = EstimateRows::<M::Estimate>::new(u32::MAX).header();
+    let rows = Rows::begin(Out::standard(), form, &header, Vec::new())?;
+    serve::route::<M::Sensors>(input, form, map, shards, arguments, rows)
+}
 
-    fn shown_scenario(&self) -> &'static str {
-        M::SHOWN
-    }
+fn play<M: MachineKind>(
+    machines: &Machines,
+    out: Out,
+    shards: usize,
+    arguments: &[OsString],
+    signals: &Signals,
+) -> Result<Played, Failure> {
+    let header = EstimateRows::<M::Estimate>::new(u32::MAX).header();
+    let flags = headlines::<M::Estimate>().map(|p| p.trusted).collect();
+    let rows = Rows::begin(out, Form::Table, &header, flags)?;
+    let make = |plan: &Plan| sources::not_live::<M::Sensors, _>(plan, || M::simulator(plan));
+    serve::play::<M::Sensors>(machines, make, rows, shards, arguments, signals)
+}
 
-    fn shown_settings(&self) -> &'static [&'static str] {
-        M::SHOWN_SETTINGS
+fn estimate<M: MachineKind>(
+    args: &EstimateArgs,
+    file: &Path,
+    output: &Path,
+    description: &Description,
+) -> Result<(), Failure> {
+    let map = sources::map(args.with.map.as_deref())?;
+    let samples = recording::open::<M::Sensors>(file, map.as_ref())?;
+    hint_at_names::<M::Sensors>(file, map.as_ref());
+    let method = method(description.machine(), args.with.method.as_deref());
+    if let Some((first, _)) = samples.rows()?.next() {
+        M::check(description, method, &first)?;
     }
-
-    fn simulated_cylinders(&self) -> Vec<String> {
-        M::simulated_cylinders()
+    samples.check()?;
+    let look = M::Look::of(description);
+    if !args.smooth {
+        let put = |_, _: &mut M::Estimate| {};
+        return one::run(args, output, description, samples, look, put);
     }
+    let put = M::past(description, method, samples.rows()?.map(|(row, _)| row))?;
+    one::run(args, output, description, samples, look, put)
+}
 
-    fn scenarios(&self) -> Vec<(String, String)> {
-        M::scenarios()
+fn follow<M: MachineKind>(
+    with: &EstimationArgs,
+    file: &Path,
+    description: &Description,
+    see: See<'_>,
+) -> Result<(), Failure> {
+    let map = sources::map(with.map.as_deref())?;
+    let samples = recording::open::<M::Sensors>(file, map.as_ref())?;
+    let method = method(description.machine(), with.method.as_deref());
+    if let Some((first, _)) = samples.rows()?.next() {
+        M::check(description, method, &first)?;
     }
-
-    fn check_source(&self, plan: &Plan) -> Result<(), Failure> {
-        sources::check::<M::Sensors, _>(plan, || M::simulator(plan))
-    }
-
-    fn serve_source(&self, worker: Worker, plan: &Plan) -> Result<(), Failure> {
-        sources::serve::<M::Sensors, _>(worker, plan, || M::simulator(plan))
-    }
-
-    fn route(
-        &self,
-        input: Box<dyn Read>,
-        form: Form,
-        map: Option<&Map>,
-        shards: usize,
-        arguments: &[OsString],
-    ) -> Result<(), Failure> {
-        let header = EstimateRows::<M::Estimate>::new(u32::MAX).header();
-        let rows = Rows::begin(Out::standard(), form, &header, Vec::new())?;
-        serve::route::<M::Sensors>(input, form, map, shards, arguments, rows)
-    }
-
-    fn play(
-        &self,
-        machines: &Machines,
-        out: Out,
-        shards: usize,
-        arguments: &[OsString],
-        signals: &Signals,
-    ) -> Result<Played, Failure> {
-        let header = EstimateRows::<M::Estimate>::new(u32::MAX).header();
-        let flags = headlines::<M::Estimate>().map(|p| p.trusted).collect();
-        let rows = Rows::begin(out, Form::Table, &header, flags)?;
-        let make = |plan: &Plan| sources::not_live::<M::Sensors, _>(plan, || M::simulator(plan));
-        serve::play::<M::Sensors>(machines, make, rows, shards, arguments, signals)
-    }
-
-    fn quantities(&self) -> Vec<&'static str> {
-        headlines::<M::Estimate>().map(|p| p.label).collect()
-    }
-
-    fn serve_shard(
-        &self,
-        description: &Description,
-        method: &str,
-        every: f64,
-        form: Form,
-    ) -> Result<(), Failure> {
-        serve::serve_shard::<M::Sensors, M::Estimate>(description, method, every, form)
-    }
-
-    fn estimate(
-        &self,
-        args: &EstimateArgs,
-        file: &Path,
-        output: &Path,
-        description: &Description,
-    ) -> Result<(), Failure> {
-        let map = sources::map(args.with.map.as_deref())?;
-        let samples = recording::open::<M::Sensors>(file, map.as_ref())?;
-        hint_at_names::<M::Sensors>(file, map.as_ref());
-        let method = method(description.machine(), args.with.method.as_deref());
-        if let Some((first, _)) = samples.rows()?.next() {
-            M::check(description, method, &first)?;
+    let mut stages = way(description, method)?;
+    for (sample, _) in samples.rows()? {
+        let sample = sample.envelope();
+        see(&sample);
+        let mut message = Some(sample);
+        for (_, step) in &mut stages {
+            message = message.and_then(|m| step.answer(&m));
         }
-        samples.check()?;
-        let look = M::Look::of(description);
-        if !args.smooth {
-            let put = |_, _: &mut M::Estimate| {};
-            return one::run(args, output, description, samples, look, put);
+        if let Some(estimate) = message {
+            see(&estimate);
         }
-        let put = M::past(description, method, samples.rows()?.map(|(row, _)| row))?;
-        one::run(args, output, description, samples, look, put)
     }
-
-    fn follow(
-        &self,
-        with: &EstimationArgs,
-        file: &Path,
-        description: &Description,
-        see: &mut dyn FnMut(&Envelope),
-    ) -> Result<(), Failure> {
-        let map = sources::map(with.map.as_deref())?;
-        let samples = recording::open::<M::Sensors>(file, map.as_ref())?;
-        let method = method(description.machine(), with.method.as_deref());
-        if let Some((first, _)) = samples.rows()?.next() {
-            M::check(description, method, &first)?;
-        }
-        let mut stages = way(description, method)?;
-        for (sample, _) in samples.rows()? {
-            let sample = sample.envelope();
-            see(&sample);
-            let mut message = Some(sample);
-            for (_, step) in &mut stages {
-                message = message.and_then(|m| step.answer(&m));
-            }
-            if let Some(estimate) = message {
-                see(&estimate);
-            }
-        }
-        samples.check()?;
-        crate::parts::tell_lacks(&samples.lacks())
-    }
-
-    fn calibrate(&self, args: &CalibrateArgs, description: &Description) -> Result<(), Failure> {
-        M::calibrate(args, description)
-    }
-
-    fn evaluate(&self, options: &evaluate::Options) -> Result<evaluate::Report, evaluate::Error> {
-        M::evaluate(options)
-    }
-
-    fn figures(&self) -> Result<Vec<Figure>, Failure> {
-        M::figures()
-    }
+    samples.check()?;
+    crate::parts::tell_lacks(&samples.lacks())
 }
 
 /// Speaks of columns of a table that are left out and look like signals that it lacks.

@@ -68,7 +68,7 @@ pub fn run(
     };
     let worker = Worker::start(setup, control)?;
     match &stage.role {
-        Role::Source { .. } => machines::entry(plan.machine).serve_source(worker, plan),
+        Role::Source { .. } => (machines::entry(plan.machine).serve_source)(worker, plan),
         Role::Step(row) => serve_step(worker, plan, stage, *row),
         Role::Sink => serve_logger(worker, plan, domain),
         Role::Probe(channel) => serve_probe(worker, plan, channel),

@@ -8,6 +8,8 @@
 //! A state outlives versions of heft: it holds what its description stated beside the defaults, its keys are read by their
 //! old names too, and fields that this version does not have are passed over. Its last line is the checksum of all before it.
 
+mod file;
+
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::Write;
@@ -18,24 +20,13 @@ use std::time::{Duration, Instant, SystemTime};
 use config::{Description, widened};
 use messages::channels::Channel;
 use messages::{Machine, Message};
-use serde::{Deserialize, Serialize};
 use steps::stages::Pipeline;
 
+use self::file::{FORMAT, Refusal, Remembered, State, read, sealed, set_aside, stated};
 use crate::failure::Failure;
 
 /// Time between two writes.
 const PERIOD: Duration = Duration::from_secs(60);
-
-/// Refused states that are kept beside a state.
-const MOST_KEPT: u32 = 1000;
-/// Largest file that is read as a state \[bytes\].
-const LARGEST: u64 = 1 << 20;
-/// Meaning of the fields: a larger number for one that this version could misread. A field that is new needs none.
-const FORMAT: u32 = 2;
-/// The format of files that do not say theirs: a hash of the whole description, no checksum.
-const FIRST_FORMAT: u32 = 1;
-/// What stands between the contents of a file and their checksum, in every format since the second.
-const SEAL: &str = ",\n  \"sha256\": \"";
 
 /// A parameter that is worth remembering, by the sheet of its machine: its row, the field of its standard deviation, and
 /// the keys that both restore. A content of the bucket or a load is not slow.
@@ -44,41 +35,6 @@ type Slow = (&'static sheet::Quantity, &'static str, [&'static str; 2]);
 fn slow(machine: Machine) -> impl Iterator<Item = Slow> {
     let rows = machine.quantities().iter();
     rows.filter_map(|row| Some((row, row.std?, row.kept?)))
-}
-
-/// A remembered parameter.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Remembered {
-    /// In the unit of its key.
-    value: f64,
-    /// Its standard deviation when it was last trusted.
-    std: f64,
-    /// When that was [s since 1970].
-    learnt: u64,
-}
-
-/// What the file holds.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-struct State {
-    /// The build that wrote it. The first field: by it a damaged file is known as one of heft.
-    heft: String,
-    #[serde(default = "first_format")]
-    format: u32,
-    machine: String,
-    /// What the description stated beside the defaults, by key; without what was restored.
-    #[serde(default)]
-    stated: BTreeMap<String, String>,
-    /// Of the whole description, in the first format.
-    #[serde(default, skip_serializing)]
-    description_sha256: String,
-    /// Methods of the run, by process.
-    methods: BTreeMap<String, String>,
-    /// By the key that they restore.
-    parameters: BTreeMap<String, Remembered>,
-}
-
-fn first_format() -> u32 {
-    FIRST_FORMAT
 }
 
 /// The memory of a run.
@@ -223,161 +179,6 @@ impl Memory {
     }
 }
 
-/// Why a file is not used.
-enum Refusal {
-    /// It is no state of heft: it stays as it is.
-    Foreign(String),
-    /// A state that does not fit this run.
-    Unfit(String),
-}
-
-/// Moves a file beside itself, under the first name that is free.
-fn set_aside(file: &Path) -> std::io::Result<PathBuf> {
-    let name = file.file_name().unwrap_or_default().to_os_string();
-    for number in 1..=MOST_KEPT {
-        let mut aside = name.clone();
-        aside.push(match number {
-            1 => ".refused".to_owned(),
-            n => format!(".refused-{n}"),
-        });
-        let aside = file.with_file_name(aside);
-        // Never over something that is there, also where two runs do it at a time.
-        let flags = rustix::fs::RenameFlags::NOREPLACE;
-        match rustix::fs::renameat_with(rustix::fs::CWD, file, rustix::fs::CWD, &aside, flags) {
-            Ok(()) => return Ok(aside),
-            Err(rustix::io::Errno::EXIST) => {}
-            Err(error) => return Err(error.into()),
-        }
-    }
-    Err(std::io::Error::other(format!(
-        "{MOST_KEPT} refused states are beside it: remove those that nobody needs"
-    )))
-}
-
-/// The text of a regular file of the size of a state; `None` if there is nothing.
-fn text_of(file: &Path) -> std::io::Result<Option<String>> {
-    use std::io::Read;
-    let mut options = fs::OpenOptions::new();
-    // A pipe is not waited for.
-    let flags = rustix::fs::OFlags::NONBLOCK.bits() as i32;
-    let opened = match options.read(true).custom_flags(flags).open(file) {
-        Ok(opened) => opened,
-        Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(None),
-        Err(e) => return Err(e),
-    };
-    if !opened.metadata()?.is_file() {
-        return Err(std::io::Error::other("it is no regular file"));
-    }
-    let mut bytes = Vec::new();
-    opened.take(LARGEST + 1).read_to_end(&mut bytes)?;
-    if bytes.len() as u64 > LARGEST {
-        return Err(std::io::Error::other("it is too large for one"));
-    }
-    // What is no text is damage like any other.
-    Ok(Some(String::from_utf8_lossy(&bytes).into_owned()))
-}
-
-/// What the description states, as a state holds it.
-fn stated(description: &Description) -> BTreeMap<String, String> {
-    let stated = description.stated().into_iter();
-    stated.map(|(key, value)| (key.into(), value)).collect()
-}
-
-/// Contents without their last bracket, as a file: closed by their checksum.
-fn sealed(contents: &str) -> String {
-    let sum = recording::sha256(contents);
-    format!("{contents}{SEAL}{sum}\"\n}}\n")
-}
-
-/// Whether a damaged text was a state: it begins or ends as heft writes them, or nothing is in it, which is what a host
-/// leaves that lost its power.
-fn is_ours(text: &str) -> bool {
-    let begin: String = text.split_whitespace().take(2).collect();
-    begin.starts_with("{\"heft\":")
-        || (text.contains("\n  \"parameters\": {") && text.contains(SEAL))
-        || text.chars().all(|c| c.is_whitespace() || c == '\0')
-}
-
-/// The state in a text, whole.
-fn whole(text: &str) -> Result<State, String> {
-    let contents = text.rsplit_once(SEAL).map(|(contents, _)| contents);
-    if contents.is_some_and(|contents| sealed(contents) != text) {
-        return Err("its checksum is not that of its contents".into());
-    }
-    /// What is read first: a later format may lack what this one needs.
-    #[derive(Deserialize)]
-    struct Head {
-        #[serde(default = "first_format")]
-        format: u32,
-    }
-    let Head { format } = serde_json::from_str(text).map_err(|e| e.to_string())?;
-    if contents.is_none() && format > FIRST_FORMAT {
-        return Err("its checksum is missing".into());
-    }
-    if format > FORMAT {
-        return Err(format!(
-            "a newer heft wrote it: format {format}, this one reads up to {FORMAT}"
-        ));
-    }
-    serde_json::from_str(text).map_err(|e| e.to_string())
-}
-
-/// The parameters in a file, by their keys of today; `None` if there is no file.
-fn read(
-    file: &Path,
-    description: &Description,
-    methods: &BTreeMap<String, String>,
-) -> Result<Option<BTreeMap<String, Remembered>>, Refusal> {
-    let text = text_of(file).map_err(|e| Refusal::Foreign(e.to_string()))?;
-    let Some(text) = text else {
-        return Ok(None);
-    };
-    let old = whole(&text).map_err(|why| {
-        if is_ours(&text) {
-            Refusal::Unfit(format!("damaged: {why}"))
-        } else {
-            Refusal::Foreign(why)
-        }
-    })?;
-    fits(&old, description, methods).map_err(Refusal::Unfit)?;
-    let today = |key: String| config::renamed(&key).map_or(key, str::to_owned);
-    let parameters = old.parameters.into_iter();
-    Ok(Some(parameters.map(|(k, v)| (today(k), v)).collect()))
-}
-
-/// Whether a state fits this run, or why not.
-fn fits(
-    old: &State,
-    description: &Description,
-    methods: &BTreeMap<String, String>,
-) -> Result<(), String> {
-    if old.machine != description.machine().name() {
-        return Err(format!("it is of the machine {}", old.machine));
-    }
-    if old.format == FIRST_FORMAT {
-        // It cannot be told whether the user changed the description, or heft its keys.
-        if old.description_sha256 != recording::sha256(description.to_toml()) {
-            return Err("the description was changed since, or heft's defaults: \
-                 an older heft wrote it, which did not say what was stated"
-                .into());
-        }
-    } else {
-        let changed = description.changed_since(&old.stated);
-        if !changed.is_empty() {
-            let keys = changed.join(", ");
-            return Err(format!("the description was changed since: {keys}"));
-        }
-    }
-    if old.methods != *methods {
-        return Err("it was learnt by another method".into());
-    }
-    let sound = |r: &Remembered| r.value.is_finite() && r.std.is_finite() && r.std > 0.0;
-    if !old.parameters.values().all(sound) {
-        return Err("damaged: a number that is none".into());
-    }
-    Ok(())
-}
-
 /// Puts remembered parameters into a description; what was done, in words, and with which of them nothing was.
 fn restore(
     parameters: &BTreeMap<String, Remembered>,
@@ -449,6 +250,7 @@ mod tests {
     use messages::channels::LOADER_CG_UKF;
     use messages::{LoaderEstimate, Machine, loader_bits};
 
+    use super::file::SEAL;
     use super::*;
 
     fn loader() -> Description {

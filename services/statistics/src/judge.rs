@@ -21,7 +21,7 @@ pub fn is_wrong(value: f64, std: f64, truth: f64) -> bool {
 
 /// One row of an estimator beside its truth.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Judged {
+pub struct JudgedRow {
     /// What is so.
     pub truth: f64,
     /// What the estimator says.
@@ -36,7 +36,7 @@ pub struct Judged {
     pub reason: &'static str,
 }
 
-impl Judged {
+impl JudgedRow {
     fn covered(&self) -> bool {
         is_covered(self.estimate, self.std, self.truth)
     }
@@ -62,7 +62,7 @@ pub struct Tally {
 
 impl Tally {
     /// Counts one row.
-    pub fn push(&mut self, row: &Judged) {
+    pub fn push(&mut self, row: &JudgedRow) {
         self.rows += 1;
         self.covered += u64::from(row.covered());
         self.moving += u64::from(row.moving);
@@ -132,8 +132,8 @@ fn share(part: u64, whole: u64) -> f64 {
 mod tests {
     use super::*;
 
-    fn row(estimate: f64, std: f64, trusted: bool) -> Judged {
-        Judged {
+    fn row(estimate: f64, std: f64, trusted: bool) -> JudgedRow {
+        JudgedRow {
             truth: 100.0,
             estimate,
             std,
@@ -163,7 +163,7 @@ mod tests {
     fn the_reason_most_often_given_is_named() {
         let mut tally = Tally::default();
         for reason in ["slope", "gain", "slope", ""] {
-            let judged = Judged {
+            let judged = JudgedRow {
                 reason,
                 ..row(100.0, 1.0, true)
             };

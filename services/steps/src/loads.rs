@@ -82,6 +82,13 @@ impl LoadCounter {
         }
     }
 
+    /// A counter for the machine of a written description; `None` where it cannot be read.
+    #[must_use]
+    pub fn of_text(description: &str, options: Options) -> Option<Self> {
+        let description = Description::parse(description, "the recording", None).ok()?;
+        Some(Self::new(&description, options))
+    }
+
     /// A counter for a machine of which only the payload of a full bucket and the empty mass are known \[kg\].
     #[must_use]
     pub fn rated(machine: Machine, rated: f64, empty: f64, options: Options) -> Self {
@@ -386,15 +393,6 @@ impl Scale {
         let std = norm(&[SCALE_STD[0] * mass, common]);
         Some((Quantity { value, std }, common))
     }
-}
-
-/// Whether a process tells a payload to count: the one of the headline estimate.
-#[must_use]
-pub fn counts(machine: Machine, channel: &str) -> bool {
-    let pipeline = crate::stages::Pipeline::of(machine);
-    let main = pipeline.stage(pipeline.main);
-    main.and_then(crate::stages::Stage::output)
-        .is_some_and(|c| c.name == channel)
 }
 
 const _: () = {

@@ -6,12 +6,13 @@
 //! | `report`, [`live`], [`top`], [`figures`] | page of a run, live page, terminal, figures of the papers |
 //! | [`estimate`] | what a machine has to show: parameters, flags, innovation |
 //! | [`excavator`], [`loader`] | that of a machine, with its words, panels and figures |
-//! | [`loads`] | loads and trucks: table, JSON, a page to print |
+//! | [`loads`] | loads and trucks: table, JSON, words |
 //! | `run`, [`monitor`] | a run in memory; the latest of everything |
 //! | [`panels`], [`plot`] | what is plotted, and how |
 //! | [`words`], [`number`] | verdicts in sentences, numbers rounded to their uncertainty |
 //! | [`score`], [`stretches`] | errors against the truth; swings and loads |
 
+mod counted;
 pub mod estimate;
 pub mod excavator;
 pub mod figures;
@@ -29,11 +30,10 @@ mod run;
 pub mod score;
 pub mod stretches;
 pub mod top;
-pub mod weighed;
 pub mod words;
 
 pub use judgement::Judgement;
-pub use report::{compared, page, picture, report};
+pub use report::{compared, loads_page, page, picture, report};
 pub use run::{Estimator, Input, MachineRun, Parts, Run, lost};
 
 /// A layout of Foxglove for recordings of both machines.

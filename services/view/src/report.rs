@@ -4,12 +4,12 @@
 mod compared;
 mod header;
 mod html;
+mod loads;
 pub(crate) use html::hash;
 mod one_by_one;
 mod part;
 mod tables;
 mod verdicts;
-mod weighed;
 
 use std::fmt::Write;
 
@@ -21,6 +21,7 @@ use crate::plot::Plot;
 use crate::run::{MachineRun, Run};
 
 pub use compared::compared;
+pub use loads::loads_page;
 pub(crate) use tables::state_name;
 
 /// Width and height of a plot over the whole page, of half of it, and of a wide one on a phone.
@@ -40,7 +41,6 @@ struct Page {
 pub fn report(run: &Run) -> String {
     let mut page = Page::default();
     header::write(&mut page.body, run);
-    weighed::write(&mut page.body, &run.loads);
     for part in part::all(run) {
         part.sections(&mut page, run);
     }

@@ -5,8 +5,9 @@ use messages::{Health, Message, SwingMotion};
 use recording::{Reader, Sensors};
 use steps::stages::Pipeline;
 
+use crate::counted;
 use crate::estimate::{Estimate, method};
-use crate::weighed::{self, LoadRow};
+use crate::loads::Account;
 
 /// The estimates of one estimator, in the order of their time.
 #[derive(Debug, Clone)]
@@ -86,8 +87,8 @@ pub struct Run {
     pub processes: Vec<String>,
     /// Estimators of which only a part is in memory, because the run is long.
     pub thinned: Vec<Thinned>,
-    /// Loads that the run counted.
-    pub loads: Vec<LoadRow>,
+    /// Its loads; `None` where nobody can count them.
+    pub loads: Option<Account>,
     /// What was found damaged in the recording, in words.
     pub damage: Vec<String>,
 }
@@ -132,10 +133,10 @@ impl Run {
         }
         let motions = reader.stream(channels::EXCAVATOR_MOTION.name)?;
         Ok(Self {
+            loads: counted::read(reader)?,
             parts: Parts::read(reader, &mut thinned)?,
             inputs: inputs_of_all(reader)?,
             motion: motions.take(MOTIONS).collect(),
-            loads: weighed::read(reader)?,
             health: last_health.into_values().collect(),
             thinned,
             // All of it has been read by now, except the rest of the motion.

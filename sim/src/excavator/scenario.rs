@@ -9,10 +9,21 @@ use super::plants::{at_rest, swing, working_swing};
 use super::plateaus::Targets;
 use super::torque::Swing;
 
-/// A named course of events. The order is that of [`Scenario::ALL`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(missing_docs, reason = "Scenario::ALL describes them")]
-pub enum Scenario {
+macro_rules! scenarios {
+    ($( $name:ident, )*) => {
+        /// A named course of events. The order is that of [`Scenario::ALL`].
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[allow(missing_docs, reason = "Scenario::ALL describes them")]
+        pub enum Scenario { $( $name, )* }
+
+        use Scenario::*;
+
+        /// The scenarios in the order of [`Scenario::ALL`].
+        const IN_ORDER: &[Scenario] = &[$( $name ),*];
+    };
+}
+
+scenarios! {
     Base,
     Gentle,
     Paper,
@@ -36,34 +47,6 @@ pub enum Scenario {
     PickUpBraking,
     Cycle,
 }
-
-use Scenario::*;
-
-/// The scenarios in the order of [`Scenario::ALL`].
-const IN_ORDER: [Scenario; 22] = [
-    Base,
-    Gentle,
-    Paper,
-    Constant,
-    TwoSwings,
-    SoftBrake,
-    Drop,
-    DropAccelerating,
-    DropReversal,
-    DropBraking,
-    HalfAccelerating,
-    HalfBraking,
-    SlowDrop,
-    SlowBraking,
-    OpenAccelerating,
-    OpenBraking,
-    OpenEmpty,
-    StillAccelerating,
-    StillBraking,
-    PickUpAccelerating,
-    PickUpBraking,
-    Cycle,
-];
 
 impl Scenario {
     /// Name and one line of explanation.
@@ -145,7 +128,7 @@ impl Scenario {
 
     /// All scenarios.
     pub fn all() -> impl Iterator<Item = Self> {
-        IN_ORDER.into_iter()
+        IN_ORDER.iter().copied()
     }
 
     /// Its name.

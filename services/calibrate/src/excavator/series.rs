@@ -91,6 +91,26 @@ pub struct Series {
     pub bias: f64,
 }
 
+/// What was measured in each row; NaN is missing.
+fn values(samples: &[Sample], measured: Measured) -> Vec<f64> {
+    let value = |s: &Sample| match measured {
+        Measured::Velocity => s.velocity,
+        Measured::Angle => s.angle,
+    };
+    samples
+        .iter()
+        .map(|s| finite(value(s)).unwrap_or(f64::NAN))
+        .collect()
+}
+
+/// The inertia of each row by its joint angles.
+fn inertias(geometry: &Geometry, [boom, arm, bucket]: &[Vec<f64>; 3]) -> Vec<Inertia> {
+    let angles = boom.iter().zip(arm).zip(bucket);
+    angles
+        .map(|((boom, arm), bucket)| geometry.inertia([*boom, *arm, *bucket]))
+        .collect()
+}
+
 impl Series {
     /// Makes a recording ready. Rows whose time does not increase are left out.
     #[must_use]
@@ -108,14 +128,7 @@ impl Series {
         };
         let has_posture = (0..3).all(|i| has(&|s| s.posture[i]));
         let time: Vec<f64> = samples.iter().map(|s| s.time).collect();
-        let mut value: Vec<f64> = samples
-            .iter()
-            .map(|s| match measured {
-                Measured::Velocity => s.velocity,
-                Measured::Angle => s.angle,
-            })
-            .map(|v| finite(v).unwrap_or(f64::NAN))
-            .collect();
+        let mut value = values(&samples, measured);
         let mut velocity = smoothed(&time, &value, measured);
         let limit = moving_limit(&time, &value, &velocity, measured);
         let bias = match measured {
@@ -129,9 +142,8 @@ impl Series {
             let angle = filled(&time, &samples, |s| s.posture[i]);
             moving_mean(&time, &angle, WINDOW)
         });
-        let inertia = |k: usize| geometry.inertia([postures[0][k], postures[1][k], postures[2][k]]);
-        let postured: Vec<Inertia> = if has_posture {
-            (0..time.len()).map(inertia).collect()
+        let inertias = if has_posture {
+            inertias(geometry, &postures)
         } else {
             // Nothing but a constant inertia.
             let none = Inertia {
@@ -140,8 +152,8 @@ impl Series {
             };
             vec![none; time.len()]
         };
-        let of = |f: fn(&Inertia) -> f64| postured.iter().map(f).collect::<Vec<f64>>();
-        let links = postured.iter().map(|j| j.empty - geometry.upper_inertia);
+        let of = |f: fn(&Inertia) -> f64| inertias.iter().map(f).collect::<Vec<f64>>();
+        let links = inertias.iter().map(|j| j.empty - geometry.upper_inertia);
         let torque: Vec<(f64, f64)> = samples
             .iter()
             .filter_map(|s| finite(s.torque).map(|v| (s.time, v)))

@@ -23,7 +23,7 @@ const TRUSTED_WRONG: f64 = 0.5;
 
 /// What is asked of a mode in trouble.
 #[derive(Clone, Copy)]
-enum Asked {
+enum Requirement {
     /// A largest error (p95) [%], and honesty.
     Accuracy(f64),
     /// Nothing trusted and wrong.
@@ -32,7 +32,7 @@ enum Asked {
     Nothing,
 }
 
-use Asked::{Accuracy, Honesty, Nothing};
+use Requirement::{Accuracy, Honesty, Nothing};
 
 /// What is wrong.
 struct Trouble {
@@ -46,7 +46,7 @@ struct Trouble {
     /// default variants, which do not rely on that.
     calibrated: bool,
     /// What is asked of D, BM and C.
-    asked: [Asked; 3],
+    asked: [Requirement; 3],
 }
 
 /// Evaluates the table.
@@ -93,7 +93,7 @@ pub fn evaluate(options: &Options) -> Result<Report, Error> {
     })
 }
 
-fn targets(s: &Summary, asked: Asked) -> Vec<Target> {
+fn targets(s: &Summary, asked: Requirement) -> Vec<Target> {
     let honest =
         Target::most("wrong", s.trusted_wrong, TRUSTED_WRONG).known_to(s.error.trusted_wrong);
     match asked {
@@ -166,15 +166,15 @@ fn entry(input: &str, mode: &str, payload: f64, summary: &Summary, targets: &[Ta
 }
 
 /// As accurate as without the fault: a quarter above the figures of the undisturbed runs.
-const AS_NONE: [Asked; 3] = [Accuracy(8.0), Accuracy(9.0), Accuracy(18.0)];
+const AS_NONE: [Requirement; 3] = [Accuracy(8.0), Accuracy(9.0), Accuracy(18.0)];
 /// The stated uncertainty covers it: D learns it on the way, the others must know their limits.
-const STATED: [Asked; 3] = [Accuracy(10.0), Honesty, Honesty];
+const STATED: [Requirement; 3] = [Accuracy(10.0), Honesty, Honesty];
 /// Twice the stated uncertainty of a constant torque.
-const FRICTION: [Asked; 3] = [Nothing, Honesty, Honesty];
+const FRICTION: [Requirement; 3] = [Nothing, Honesty, Honesty];
 /// No mode can tell.
-const RECORD: [Asked; 3] = [Nothing; 3];
+const RECORD: [Requirement; 3] = [Nothing; 3];
 
-fn trouble(name: &'static str, asked: [Asked; 3], faults: Vec<Fault>) -> Trouble {
+fn trouble(name: &'static str, asked: [Requirement; 3], faults: Vec<Fault>) -> Trouble {
     Trouble {
         name,
         noise: Sensors::default(),
@@ -186,7 +186,7 @@ fn trouble(name: &'static str, asked: [Asked; 3], faults: Vec<Fault>) -> Trouble
     }
 }
 
-fn wrong(name: &'static str, asked: [Asked; 3], settings: fn(&mut Settings)) -> Trouble {
+fn wrong(name: &'static str, asked: [Requirement; 3], settings: fn(&mut Settings)) -> Trouble {
     Trouble {
         settings,
         calibrated: false,

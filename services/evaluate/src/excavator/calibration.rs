@@ -22,7 +22,7 @@ use sim::noise::Noise;
 
 use crate::text::{Table, plain, verdict};
 use crate::{Error, Options, Report, seeds};
-use statistics::judge::{Judged, Tally};
+use statistics::judge::{JudgedRow, Tally};
 use statistics::{median, p95, percentage};
 
 /// Length of a recording [s], of a cycle [s], sampling rate [Hz].
@@ -217,7 +217,7 @@ fn at(exact: &[Exact], time: f64, of: impl Fn(&Exact) -> f64) -> f64 {
 }
 
 /// What one machine gave.
-struct Found {
+struct MachineResult {
     /// Per parameter the error and whether the interval holds.
     parameters: Vec<(f64, bool)>,
     /// The inertia estimated afterwards.
@@ -240,7 +240,7 @@ fn afterwards(truth: &Truth, description: &config::Excavator, seed: u64) -> Resu
     for (sample, exact) in truth.measure(&exact, seed).iter().zip(&exact) {
         let estimate = estimator.step(sample);
         if exact.truth.velocity.abs() >= MOVING {
-            after.push(&Judged {
+            after.push(&JudgedRow {
                 truth: exact.truth.inertia,
                 estimate: estimate.inertia,
                 std: estimate.inertia_std,
@@ -260,7 +260,7 @@ fn afterwards(truth: &Truth, description: &config::Excavator, seed: u64) -> Resu
 pub fn evaluate(options: &Options) -> Result<Report, Error> {
     let all = seeds(options, "calibration", one)?;
     let (machines, refused) = (all.len(), all.iter().filter(|f| f.is_none()).count());
-    let found: Vec<Found> = all.into_iter().flatten().collect();
+    let found: Vec<MachineResult> = all.into_iter().flatten().collect();
     let mut table = Table::new(&["parameter", "median", "p95", "covered %", "target", ""]);
     let mut json = Map::new();
     let mut met = refused == 0;
@@ -317,7 +317,7 @@ fn names() -> impl Iterator<Item = &'static str> {
         .chain(OTHERS.iter().map(|o| o.0))
 }
 
-fn one(seed: u64) -> Result<Option<Found>, Error> {
+fn one(seed: u64) -> Result<Option<MachineResult>, Error> {
     let truth = Truth::new(seed);
     let mut noise = Noise::channel(seed, 101);
     let stated = Quantity {
@@ -376,5 +376,5 @@ fn one(seed: u64) -> Result<Option<Found>, Error> {
             ))
         })
         .collect();
-    Ok(parameters.map(|parameters| Found { parameters, after }))
+    Ok(parameters.map(|parameters| MachineResult { parameters, after }))
 }

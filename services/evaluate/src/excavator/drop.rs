@@ -19,30 +19,30 @@ use statistics::{largest, mean, mean_error, median, p95, percentage};
 
 /// What is asked of an event; none is asked of a part that the swing does not reach.
 #[derive(Clone, Copy)]
-struct Asked {
+struct Requirement {
     during: Option<f64>,
     later: f64,
     /// Whether the bucket is seen to open.
     visible: bool,
 }
 
-const fn seen(during: f64) -> Asked {
-    Asked {
+const fn seen(during: f64) -> Requirement {
+    Requirement {
         during: Some(during),
         later: 5.5,
         visible: true,
     }
 }
 
-const fn unseen() -> Asked {
-    Asked {
+const fn unseen() -> Requirement {
+    Requirement {
         during: None,
         later: 11.0,
         visible: false,
     }
 }
 
-const EVENTS: [(Scenario, Asked); 15] = [
+const EVENTS: [(Scenario, Requirement); 15] = [
     (DropAccelerating, seen(12.0)),
     (DropReversal, seen(25.0)),
     (Drop, seen(37.0)),
@@ -52,7 +52,7 @@ const EVENTS: [(Scenario, Asked); 15] = [
     (SlowDrop, seen(17.0)),
     (
         SlowBraking,
-        Asked {
+        Requirement {
             later: 7.0,
             ..seen(17.0)
         },
@@ -190,7 +190,7 @@ struct Event {
 }
 
 impl Event {
-    fn of(scenario: Scenario, asked: Asked, outcomes: &[Outcome]) -> Self {
+    fn of(scenario: Scenario, asked: Requirement, outcomes: &[Outcome]) -> Self {
         let summary = |part: fn(&Outcome) -> Score| {
             Summary::of(&outcomes.iter().map(part).collect::<Vec<_>>())
         };
@@ -214,7 +214,7 @@ impl Event {
         event
     }
 
-    fn asked(&self, asked: Asked) -> Vec<Target> {
+    fn asked(&self, asked: Requirement) -> Vec<Target> {
         let mut targets = vec![Target::most("missed", self.missed, 0.0)];
         targets.extend(asked.during.map(|most| {
             Target::most("during", self.during.max_p95, most).known_to(self.during.error.max_p95)

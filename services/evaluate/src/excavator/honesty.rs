@@ -6,7 +6,7 @@
 
 use super::estimators::Setup;
 use super::honesty_lines::{USUAL, described, effects};
-use crate::honesty::{Judged, Line, Tally, json, text};
+use crate::honesty::{JudgedRow, Line, Tally, json, text};
 use crate::{Error, Options, Report, seeds};
 use estimation::excavator::{Estimate, Method};
 use sim::excavator::{Effects, Row, Size, Work};
@@ -33,7 +33,7 @@ fn tally(work: &Work, rows: &[Row], method: (&'static str, Method, bool)) -> Res
     settings.estimator.estimate_friction = joint;
     let mut tally = Tally::default();
     for point in Setup::working(name, method, settings).run(rows)? {
-        tally.push(&Judged {
+        tally.push(&JudgedRow {
             truth: point.truth.inertia,
             estimate: point.estimate.inertia,
             std: point.estimate.inertia_std,

@@ -5,7 +5,7 @@ use sim::excavator::{Effects, Work, cases};
 
 /// What is asked of a line.
 #[derive(Clone, Copy)]
-pub struct Asked {
+pub struct Requirement {
     /// Largest share of wrong among the trusted.
     pub wrong: f64,
     /// Least trusted share of the moving time.
@@ -14,29 +14,29 @@ pub struct Asked {
     pub covered: f64,
 }
 
-const EFFECT: Asked = Asked {
+const EFFECT: Requirement = Requirement {
     wrong: 0.05,
     trusted: 0.0,
     covered: 0.0,
 };
-const SOUND: Asked = Asked {
+const SOUND: Requirement = Requirement {
     trusted: 0.70,
     covered: 0.93,
     ..EFFECT
 };
-const GOOD: Asked = Asked {
+const GOOD: Requirement = Requirement {
     trusted: 0.50,
     covered: 0.93,
     ..EFFECT
 };
 /// Everything at once, as on most machines.
-pub const USUAL: Asked = Asked {
+pub const USUAL: Requirement = Requirement {
     wrong: 0.10,
     ..EFFECT
 };
 
 /// The effects with their severities, and what is asked of each.
-pub fn effects() -> impl Iterator<Item = (&'static str, &'static str, Effects, Asked)> {
+pub fn effects() -> impl Iterator<Item = (&'static str, &'static str, Effects, Requirement)> {
     cases().into_iter().map(|(effect, severity, effects)| {
         let asked = match effect {
             "none" => SOUND,

@@ -1,6 +1,6 @@
 //! The second witness: how much of all time the pressures of the boom's cylinders make trustworthy, and how well each load is weighed.
 //!
-//! JSON: a list of lines, each with `machine`, `told`, `seeds`, and the numbers of [`Sums`]; a share or error that no row or load has is
+//! JSON: a list of lines, each with `machine`, `stated`, `seeds`, and the numbers of [`Sums`]; a share or error that no row or load has is
 //! null. `knowable` is the time in which the bucket neither digs nor empties. Targets: those of a described machine with pressures.
 
 use estimation::HALF_WIDTH_95;
@@ -303,7 +303,7 @@ impl Line {
 
     fn json(&self, seeds: usize) -> Value {
         let mut line = json!({
-            "machine": self.case.name, "told": self.case.knowledge.name(), "seeds": seeds,
+            "machine": self.case.name, "stated": self.case.knowledge.name(), "seeds": seeds,
             "loads": self.sums.loads.all, "rows": self.sums.rows, "met": self.met(),
         });
         for (key, value) in COLUMNS.iter().zip(self.numbers()) {
@@ -328,7 +328,7 @@ const COLUMNS: [&str; 9] = [
 fn text(lines: &[Line]) -> String {
     let mut table = Table::new(&[
         "machine",
-        "told",
+        "stated",
         "narrow",
         "trusted",
         "wrong",

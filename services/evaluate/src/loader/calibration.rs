@@ -31,7 +31,7 @@ use super::candidate::sample;
 use super::score::{Score, Summary};
 use crate::text::{Table, plain, verdict};
 use crate::{Error, Options, Report, seeds};
-use statistics::judge::{Judged, Tally};
+use statistics::judge::{JudgedRow, Tally};
 use statistics::{median, p95, percentage};
 
 /// Length of a recording, and of the work afterwards [s].
@@ -93,7 +93,7 @@ fn same_ground(calibrated: &config::Loader) -> config::Loader {
 }
 
 /// What one machine gave.
-struct Found {
+struct MachineResult {
     /// Its slope sensor lags.
     lags: bool,
     /// Per judged parameter the error and whether the interval holds.
@@ -104,7 +104,7 @@ struct Found {
     work: [Tally; 2],
 }
 
-fn one(seed: u64) -> Result<Option<Found>, Error> {
+fn one(seed: u64) -> Result<Option<MachineResult>, Error> {
     let truth = Truth::new(seed);
     let flat = truth.run(Scenario::WorkCycle, 1, None, LENGTH);
     let simulation = Simulation::new(&flat).map_err(Error::refused)?;
@@ -157,7 +157,7 @@ fn one(seed: u64) -> Result<Option<Found>, Error> {
     let Some(parameters) = errors(&outcome, |role| true_value(role, &simulation, &truth)) else {
         return Ok(None);
     };
-    let mut found = Found {
+    let mut found = MachineResult {
         lags: truth.slope_lags(),
         parameters,
         after: Vec::new(),
@@ -213,7 +213,7 @@ fn errors(outcome: &Outcome, true_value: impl Fn(Role) -> f64) -> Option<Vec<(f6
         .collect()
 }
 
-impl Found {
+impl MachineResult {
     /// The estimator under both descriptions on the rows of a line.
     fn drive(
         &mut self,
@@ -252,7 +252,7 @@ impl Found {
                     ),
                 ];
                 for (tally, (trusted, q, truth)) in self.work.iter_mut().zip(judged) {
-                    tally.push(&Judged {
+                    tally.push(&JudgedRow {
                         truth,
                         estimate: q.value,
                         std: q.std,
@@ -272,7 +272,7 @@ impl Found {
 pub(super) fn evaluate(options: &Options) -> Result<Report, Error> {
     let all = seeds(options, "calibration", one)?;
     let (machines, refused) = (all.len(), all.iter().filter(|f| f.is_none()).count());
-    let found: Vec<Found> = all.into_iter().flatten().collect();
+    let found: Vec<MachineResult> = all.into_iter().flatten().collect();
     let mut json = Map::new();
     let mut table = Table::new(&["parameter", "median", "p95", "covered %"]);
     for (i, (name, ..)) in JUDGED.into_iter().enumerate() {
@@ -304,7 +304,7 @@ pub(super) fn evaluate(options: &Options) -> Result<Report, Error> {
             Some(true),
         ),
     ] {
-        let of: Vec<&Found> = found
+        let of: Vec<&MachineResult> = found
             .iter()
             .filter(|f| lags.is_none_or(|lags| f.lags == lags))
             .collect();
@@ -339,7 +339,7 @@ pub(super) fn evaluate(options: &Options) -> Result<Report, Error> {
 }
 
 /// The lines of the estimator, their records, and whether all targets are met.
-fn lines(found: &[&Found]) -> (Table, Vec<Value>, bool) {
+fn lines(found: &[&MachineResult]) -> (Table, Vec<Value>, bool) {
     let mut table = Table::new(&[
         "line",
         "",

@@ -9,7 +9,7 @@ use estimation::loader::{CgEstimator, Columns, Estimate, Method, Settings};
 use sim::loader::{CASES, Effects, PayloadReport, Row, Run, Simulation, Size, Tier};
 
 use super::candidate::Candidate;
-use crate::honesty::{Judged, Line, Tally, json, text};
+use crate::honesty::{JudgedRow, Line, Tally, json, text};
 use crate::{Error, Options, Report, seeds};
 
 /// Length of a record [s].
@@ -20,9 +20,9 @@ const MOVING: f64 = 0.1;
 const PAYLOAD: f64 = 0.25;
 
 /// What a line asks for: least trusted share of the moving time, least coverage of all rows.
-type Asked = (f64, f64);
+type Requirement = (f64, f64);
 
-fn asked(effect: &str) -> Asked {
+fn requirement(effect: &str) -> Requirement {
     match effect {
         "none" => (0.65, 0.93),
         "good machine" => (0.50, 0.93),
@@ -129,9 +129,9 @@ fn tally(run: &Run, calibrated: bool) -> Result<[[Tally; 2]; 2], Error> {
 }
 
 /// Ratio and height.
-fn judge(row: &Row, estimate: &Estimate) -> [Judged; 2] {
+fn judge(row: &Row, estimate: &Estimate) -> [JudgedRow; 2] {
     let moving = row.truth.speed.abs() > MOVING;
-    let judged = |truth: f64, quantity: estimation::Quantity, trusted: bool| Judged {
+    let judged = |truth: f64, quantity: estimation::Quantity, trusted: bool| JudgedRow {
         truth,
         estimate: quantity.value,
         std: quantity.std,
@@ -179,7 +179,7 @@ pub(super) fn evaluate(options: &Options) -> Result<Report, Error> {
                     other => format!("{what}, {other}"),
                 };
                 let mut line = Line::new(effect, severity, &what, sum);
-                (line.least_trusted, line.least_covered) = asked(effect);
+                (line.least_trusted, line.least_covered) = requirement(effect);
                 if effect == BY_CHANCE.0 {
                     line.allowed = BY_CHANCE.1;
                 }

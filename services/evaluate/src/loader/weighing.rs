@@ -1,6 +1,6 @@
 //! What the lift arm's pressures and angles add: centre of gravity while standing and driving, loads in kilograms.
 //!
-//! JSON: a list of lines, each with `machine`, `told`, `seeds`, and the numbers named by [`COLUMNS`]; null where there is nothing to
+//! JSON: a list of lines, each with `machine`, `stated`, `seeds`, and the numbers named by [`COLUMNS`]; null where there is nothing to
 //! count. Ratio and height are judged over all time; their errors while the machine carries a load.
 
 use std::sync::atomic::AtomicBool;
@@ -63,7 +63,7 @@ impl Knowledge {
 
 /// Sums over rows, of one quantity.
 #[derive(Clone, Copy, Default)]
-struct Judged {
+struct QuantitySums {
     rows: usize,
     trusted: usize,
     wrong: usize,
@@ -72,7 +72,7 @@ struct Judged {
     squares: f64,
 }
 
-impl Judged {
+impl QuantitySums {
     fn row(&mut self, truth: f64, weighed: Quantity, trusted: bool, carries: bool) {
         self.rows += 1;
         self.trusted += usize::from(trusted);
@@ -106,8 +106,8 @@ impl Judged {
 
 #[derive(Clone, Copy, Default)]
 struct Sums {
-    ratio: Judged,
-    height: Judged,
+    ratio: QuantitySums,
+    height: QuantitySums,
     loads: Tally,
 }
 
@@ -394,7 +394,7 @@ impl Line {
 fn text(lines: &[Line]) -> String {
     let mut table = Table::new(&[
         "machine",
-        "told",
+        "stated",
         "ratio",
         "wrong",
         "covered",
@@ -452,7 +452,7 @@ pub(super) fn evaluate(options: &Options) -> Result<Report, Error> {
     }
     let json_of = |line: &Line| -> Value {
         let mut out = json!({
-            "machine": line.name, "told": line.knowledge.name(), "seeds": options.seeds, "loads": line.sums.loads.all, "met": line.met(),
+            "machine": line.name, "stated": line.knowledge.name(), "seeds": options.seeds, "loads": line.sums.loads.all, "met": line.met(),
         });
         for (key, value) in COLUMNS.iter().zip(line.numbers()) {
             out[*key] = json!(value);

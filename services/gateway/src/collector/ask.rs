@@ -13,7 +13,7 @@ use zenoh::{Session, Wait};
 
 use super::intake::{Answer, Event, Intake};
 use crate::key::MachineId;
-use crate::machine::{END, Served};
+use crate::machine::{AnswerSummary, END};
 
 /// Questions at a time.
 const AT_A_TIME: usize = 8;
@@ -152,7 +152,7 @@ impl Open {
         *self.heard.lock().unwrap_or_else(PoisonError::into_inner) = Instant::now();
         let said = match reply.result() {
             Ok(sample) if sample.attachment().is_some_and(|a| a.to_bytes() == END) => {
-                let served = serde_json::from_slice::<Served>(&sample.payload().to_bytes());
+                let served = serde_json::from_slice::<AnswerSummary>(&sample.payload().to_bytes());
                 served.map_or(Answer::None, Answer::Whole)
             }
             Ok(sample) => return self.intake.answer(sample),

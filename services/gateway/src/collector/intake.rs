@@ -12,11 +12,11 @@ use messages::{Envelope, Machine, Message, Value};
 use steps::stages::Pipeline;
 use zenoh::sample::Sample;
 
-use super::strangers::{Heard, MACHINES, leave};
+use super::strangers::{Contact, MACHINES, leave};
 use crate::downsample::{health_number, streams};
 use crate::key::{MachineId, SITE_ESTIMATE};
 use crate::label::Label;
-use crate::machine::Served;
+use crate::machine::AnswerSummary;
 use crate::status::Status;
 
 /// Largest message [bytes].
@@ -27,7 +27,7 @@ const BURST: f64 = 1000.0;
 
 /// A message that was checked.
 #[derive(Debug, Clone)]
-pub struct Taken {
+pub struct StreamMessage {
     /// Whose.
     pub id: MachineId,
     /// `KIND/NAME`.
@@ -44,7 +44,7 @@ pub struct Taken {
 #[derive(Debug)]
 pub enum Event {
     /// A message of a stream.
-    Message(Box<Taken>),
+    Message(Box<StreamMessage>),
     /// A machine on itself.
     Status(MachineId, Box<Status>),
     /// A machine's token came or went.
@@ -59,7 +59,7 @@ pub enum Event {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Answer {
     /// The machine has reported what it has.
-    Whole(Served),
+    Whole(AnswerSummary),
     /// The machine is in another run: that one is over.
     Over,
     /// Nothing came, or not all of it.
@@ -76,7 +76,7 @@ pub struct Intake {
 struct Bucket {
     left: f64,
     seen: Instant,
-    heard: Heard,
+    heard: Contact,
     reported: Option<Instant>,
 }
 
@@ -167,7 +167,7 @@ impl Intake {
             let bucket = rates.entry(id.clone()).or_insert(Bucket {
                 left: BURST,
                 seen: now,
-                heard: Heard::now(),
+                heard: Contact::now(),
                 reported: None,
             });
             bucket.heard.again();
@@ -212,7 +212,7 @@ fn check(id: &MachineId, stream: &str, sample: &Sample) -> Result<Event, &'stati
     if number != label.number {
         return Err("a label of another message");
     }
-    Ok(Event::Message(Box::new(Taken {
+    Ok(Event::Message(Box::new(StreamMessage {
         id: id.clone(),
         stream: stream.to_owned(),
         label,

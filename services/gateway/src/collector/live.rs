@@ -6,9 +6,9 @@ use std::time::{Duration, Instant};
 use messages::Envelope;
 
 use super::alarm_state::State;
-use super::intake::Taken;
+use super::intake::StreamMessage;
 use super::shown::{self, Quantity};
-use super::strangers::{Heard, MACHINES, leave};
+use super::strangers::{Contact, MACHINES, leave};
 use crate::key::{MachineId, SITE_ESTIMATE};
 use crate::label::Label;
 use crate::status::Status;
@@ -48,7 +48,7 @@ pub struct Machine {
     /// Place of its run among all runs of all machines, in the order in which the collector first heard of them.
     pub run: i64,
     /// When it was first and last heard; `None` where the history alone knows it.
-    pub times: Option<Heard>,
+    pub times: Option<Contact>,
     /// What it says of itself.
     pub status: Option<Status>,
     /// When it last said so.
@@ -114,7 +114,7 @@ impl Fleet {
     /// The machine, which is heard now.
     fn heard(&mut self, id: &MachineId) -> &mut Machine {
         let machine = self.machine(id);
-        machine.times.get_or_insert_with(Heard::now).again();
+        machine.times.get_or_insert_with(Contact::now).again();
         machine
     }
 
@@ -132,7 +132,7 @@ impl Fleet {
     }
 
     /// Takes in a message, old or new, of the run at this place among all.
-    pub fn message(&mut self, taken: &Taken, run: i64) {
+    pub fn message(&mut self, taken: &StreamMessage, run: i64) {
         let machine = self.heard(&taken.id);
         if machine.kind.is_empty() {
             machine.kind = shown::kind_of(&taken.envelope).to_owned();

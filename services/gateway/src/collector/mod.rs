@@ -38,7 +38,7 @@ use crate::key::{STATUS, STREAMS, TOKENS};
 use crate::link::LinkArgs;
 use intake::{Event, Intake};
 use live::Fleet;
-use store::{Store, Stored};
+use store::{Store, StoreOutcome};
 
 /// Events that may wait for the disk.
 const QUEUE: usize = 65_536;
@@ -241,9 +241,9 @@ impl Collector<'_> {
         for event in events {
             match event {
                 Event::Message(message) => match self.store.insert(&message)? {
-                    Stored::New(run) => fleet.message(&message, run),
-                    Stored::Known => {}
-                    Stored::Refused => refused(&mut fleet, message.id, RUNS),
+                    StoreOutcome::New(run) => fleet.message(&message, run),
+                    StoreOutcome::Known => {}
+                    StoreOutcome::Refused => refused(&mut fleet, message.id, RUNS),
                 },
                 Event::Status(id, status) => match self.store.status(&id, &status)? {
                     Some(run) => fleet.status(&id, *status, run),

@@ -13,7 +13,7 @@ use super::table::Format;
 
 /// A learnt parameter of a machine: the last that was trusted.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Learnt {
+pub struct ParameterValue {
     /// Site and machine.
     pub names: [String; 2],
     /// When [ms since 1970].
@@ -27,14 +27,18 @@ pub struct Learnt {
 }
 
 /// By kind of machine and parameter, by site and machine.
-pub type Compared = BTreeMap<(&'static str, &'static str), Vec<Learnt>>;
+pub type Comparison = BTreeMap<(&'static str, &'static str), Vec<ParameterValue>>;
 
 /// The last trusted value of every learnt parameter of every machine since a moment, compared within its kind.
 ///
 /// # Errors
 /// The history cannot be read.
-pub fn compare(sql: &Connection, since_ms: i64, site: Option<&str>) -> rusqlite::Result<Compared> {
-    let mut all = Compared::new();
+pub fn compare(
+    sql: &Connection,
+    since_ms: i64,
+    site: Option<&str>,
+) -> rusqlite::Result<Comparison> {
+    let mut all = Comparison::new();
     let mut machines = sql.prepare(
         "SELECT id, site, name FROM machine WHERE kind = ?1 AND (?2 IS NULL OR site = ?2) ORDER BY site, name",
     )?;
@@ -44,7 +48,7 @@ pub fn compare(sql: &Connection, since_ms: i64, site: Option<&str>) -> rusqlite:
             let names = [row.get(1)?, row.get(2)?];
             for (wall_ms, quantity) in latest(sql, row.get(0)?, kind, since_ms)? {
                 let like = all.entry((kind.name(), quantity.key)).or_default();
-                like.push(Learnt {
+                like.push(ParameterValue {
                     names: names.clone(),
                     wall_ms,
                     quantity,
@@ -99,7 +103,7 @@ fn latest(
     Ok(found)
 }
 
-fn judge(machines: &mut [Learnt]) {
+fn judge(machines: &mut [ParameterValue]) {
     let values: Vec<_> = machines
         .iter()
         .map(|m| (m.quantity.value, m.quantity.std))
@@ -111,7 +115,7 @@ fn judge(machines: &mut [Learnt]) {
     }
 }
 
-impl Learnt {
+impl ParameterValue {
     fn stands_out(&self) -> bool {
         self.standing
             .is_some_and(|z| z.abs() > statistics::STANDS_OUT)
@@ -122,7 +126,7 @@ impl Learnt {
 ///
 /// # Errors
 /// Nothing more can be written.
-pub fn write(compared: &Compared, format: Format, out: &mut impl Write) -> io::Result<()> {
+pub fn write(compared: &Comparison, format: Format, out: &mut impl Write) -> io::Result<()> {
     if format == Format::Csv {
         writeln!(
             out,
@@ -159,14 +163,14 @@ pub fn write(compared: &Compared, format: Format, out: &mut impl Write) -> io::R
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::collector::intake::Taken;
+    use crate::collector::intake::StreamMessage;
     use crate::collector::store::Store;
     use crate::key::MachineId;
     use crate::label::Label;
     use crate::status::Status;
     use messages::{Envelope, ExcavatorEstimate, excavator_bits};
 
-    fn taken(machine: usize, number: u64, damping: f64, trusted: bool) -> Taken {
+    fn taken(machine: usize, number: u64, damping: f64, trusted: bool) -> StreamMessage {
         let estimate = ExcavatorEstimate {
             damping,
             damping_std: 15.0,
@@ -177,7 +181,7 @@ mod tests {
         let mut payload = Vec::new();
         recording::payload::encode(&estimate, &mut payload);
         let id = MachineId::new("north", &format!("ex-{machine}")).expect("names");
-        Taken {
+        StreamMessage {
             label: Label {
                 machine: id.machine.clone(),
                 run: 1,
@@ -219,7 +223,7 @@ mod tests {
         let found = &compared[&("excavator", "damping")];
         let values: Vec<f64> = found.iter().map(|l| l.quantity.value).collect();
         assert_eq!(values, [1490.0, 1510.0, 1500.0, 1505.0, 1900.0]);
-        let odd: Vec<bool> = found.iter().map(Learnt::stands_out).collect();
+        let odd: Vec<bool> = found.iter().map(ParameterValue::stands_out).collect();
         assert_eq!(odd, [false, false, false, false, true]);
         for format in [Format::Csv, Format::Json] {
             let mut out = Vec::new();

@@ -111,12 +111,12 @@ pub fn query(args: &QueryArgs, out: &mut impl Write) -> Result<(), String> {
         What::Events => messages(&sql, args, "events/", out),
     };
     done.map_err(|e| match e {
-        Failed::Sql(e) => error(
+        QueryError::Sql(e) => error(
             format!("the history: {e}"),
             args.db.display(),
             "a collector of the same version made it?",
         ),
-        Failed::Io(e) => error(
+        QueryError::Io(e) => error(
             format!("cannot write: {e}"),
             "standard output",
             "check where it goes",
@@ -124,25 +124,25 @@ pub fn query(args: &QueryArgs, out: &mut impl Write) -> Result<(), String> {
     })
 }
 
-enum Failed {
+enum QueryError {
     Sql(rusqlite::Error),
     Io(io::Error),
 }
 
-impl From<rusqlite::Error> for Failed {
+impl From<rusqlite::Error> for QueryError {
     fn from(error: rusqlite::Error) -> Self {
         Self::Sql(error)
     }
 }
 
-impl From<io::Error> for Failed {
+impl From<io::Error> for QueryError {
     fn from(error: io::Error) -> Self {
         Self::Io(error)
     }
 }
 
 /// All machines are compared, also where only one is shown.
-fn parameters(sql: &Connection, args: &QueryArgs, out: &mut impl Write) -> Result<(), Failed> {
+fn parameters(sql: &Connection, args: &QueryArgs, out: &mut impl Write) -> Result<(), QueryError> {
     let since = wall_ms() as i64 - args.since;
     let mut compared = super::parameters::compare(sql, since, args.site.as_deref())?;
     if let Some(name) = &args.machine {
@@ -159,7 +159,7 @@ fn messages(
     args: &QueryArgs,
     kind: &str,
     out: &mut impl Write,
-) -> Result<(), Failed> {
+) -> Result<(), QueryError> {
     let mut query = sql.prepare(
         // A message comes after it was measured; when that was by our clock is known from the machine's status.
         "SELECT m.site, m.name, s.run, s.name, e.wall_ms, e.payload, r.first_ms FROM message e JOIN stream s ON s.id = e.stream
@@ -191,7 +191,7 @@ fn messages(
     Ok(())
 }
 
-fn alarms(sql: &Connection, args: &QueryArgs, out: &mut impl Write) -> Result<(), Failed> {
+fn alarms(sql: &Connection, args: &QueryArgs, out: &mut impl Write) -> Result<(), QueryError> {
     let mut query = sql.prepare(
         "SELECT at_ms, site, name, kind, text FROM alarm
          WHERE at_ms >= ?1 AND (?2 IS NULL OR site = ?2) AND (?3 IS NULL OR name = ?3) ORDER BY at_ms",

@@ -13,7 +13,7 @@ use std::time::Duration;
 use rusqlite::{Connection, OptionalExtension, params};
 
 use super::alarm::Alarm;
-use super::intake::{Taken, decode};
+use super::intake::{StreamMessage, decode};
 use super::live::Fleet;
 use super::strangers::MACHINES;
 use crate::key::MachineId;
@@ -72,7 +72,7 @@ const FORGET_NAMES: &str = "
 
 /// What became of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Stored {
+pub enum StoreOutcome {
     /// It is new, of the run at this place among all.
     New(i64),
     /// It was here already.
@@ -216,7 +216,7 @@ impl Store {
                 };
                 let id = stream.machine.clone();
                 let stream = stream.name.clone();
-                let taken = Taken {
+                let taken = StreamMessage {
                     id,
                     stream,
                     label,
@@ -329,11 +329,11 @@ impl Store {
     ///
     /// # Errors
     /// The disk takes no more.
-    pub fn insert(&mut self, taken: &Taken) -> Result<Stored, String> {
+    pub fn insert(&mut self, taken: &StreamMessage) -> Result<StoreOutcome, String> {
         let label = &taken.label;
         let (owner, run) = (self.owner(&taken.id)?, label.run as i64);
         let Some(order) = self.run(owner, run)? else {
-            return Ok(Stored::Refused);
+            return Ok(StoreOutcome::Refused);
         };
         let id = self.stream(&taken.id, owner, run, &taken.stream)?;
         let number = label.number as i64;
@@ -369,9 +369,9 @@ impl Store {
             }
         }
         Ok(if changed > 0 {
-            Stored::New(order)
+            StoreOutcome::New(order)
         } else {
-            Stored::Known
+            StoreOutcome::Known
         })
     }
 

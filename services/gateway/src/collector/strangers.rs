@@ -11,12 +11,12 @@ const LONG: Duration = Duration::from_secs(86_400);
 
 /// When something was first and last heard.
 #[derive(Debug, Clone, Copy)]
-pub struct Heard {
+pub struct Contact {
     first: Instant,
     last: Instant,
 }
 
-impl Heard {
+impl Contact {
     /// Heard now, for the first time.
     pub fn now() -> Self {
         let now = Instant::now();
@@ -39,7 +39,10 @@ impl Heard {
 
 /// Who makes way: of the strangers those that were heard longest ago, and whoever was silent for long. A quarter of the
 /// room at once, so that a flood of names costs a look through them now and then.
-pub fn leave<'a, K: Clone + 'a>(all: impl Iterator<Item = (&'a K, Heard)>, most: usize) -> Vec<K> {
+pub fn leave<'a, K: Clone + 'a>(
+    all: impl Iterator<Item = (&'a K, Contact)>,
+    most: usize,
+) -> Vec<K> {
     let mut going: Vec<(Instant, K)> = all
         .filter(|(_, heard)| heard.is_stranger() || heard.last.elapsed() > LONG)
         .map(|(key, heard)| (heard.last, key.clone()))
@@ -56,7 +59,7 @@ mod tests {
     #[test]
     fn strangers_make_way_the_oldest_first_and_who_stays_does_not() {
         let begin = Instant::now();
-        let at = |first: u64, last: u64| Heard {
+        let at = |first: u64, last: u64| Contact {
             first: begin + Duration::from_secs(first),
             last: begin + Duration::from_secs(last),
         };

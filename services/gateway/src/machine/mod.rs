@@ -19,14 +19,14 @@ use messages::channels::Channel;
 use rtrb::{Producer, RingBuffer};
 use runtime::{Cleaner, Domain, Ports, Sink, Taps};
 
-use crate::downsample::{Downsampler, Selected, StreamInfo};
+use crate::downsample::{Downsampler, Selection, StreamInfo};
 use crate::key::MachineId;
 use crate::link::LinkArgs;
 use crate::{error, wall_ms};
 pub use full::LONGEST;
 pub use plan::Plan;
 pub use publish::{publisher, publishes};
-pub use store::{END, Served};
+pub use store::{AnswerSummary, END};
 
 /// Messages that may wait for Zenoh: ten minutes of a machine.
 const QUEUE: usize = 8192;
@@ -236,7 +236,7 @@ fn read(domain: &Domain, taps: &mut Taps<Reader>, reader: &mut Reader, is_over: 
 /// Takes the messages of the channels.
 struct Reader {
     downsampler: Downsampler,
-    queue: Producer<Selected>,
+    queue: Producer<Selection>,
     full: Producer<full::Sample>,
     /// The channel whose samples are sent as they are.
     sensors: Option<&'static Channel>,
@@ -246,7 +246,7 @@ struct Reader {
 
 impl Reader {
     /// The reader, and the other ends of its queues.
-    fn new(shared: &Arc<Shared>, sensors: Option<&'static Channel>) -> (Self, publish::Waiting) {
+    fn new(shared: &Arc<Shared>, sensors: Option<&'static Channel>) -> (Self, publish::Outbox) {
         let (queue, selected) = RingBuffer::new(QUEUE);
         let (full, full_waiting) = RingBuffer::new(full::QUEUE);
         let (samples, samples_waiting) = RingBuffer::new(samples::QUEUE);
@@ -258,7 +258,7 @@ impl Reader {
             samples,
             shared: Arc::clone(shared),
         };
-        let waiting = publish::Waiting {
+        let waiting = publish::Outbox {
             selected,
             full: full_waiting,
             samples: samples_waiting,

@@ -14,7 +14,7 @@ use zenoh_ext::{AdvancedPublisher, AdvancedPublisherBuilderExt, CacheConfig, Mis
 
 use super::samples::{self, Samples};
 use super::{Shared, full, store};
-use crate::downsample::{Selected, StreamInfo};
+use crate::downsample::{Selection, StreamInfo};
 use crate::key::MachineId;
 use crate::link::{LinkArgs, client_unless};
 use crate::schema;
@@ -28,8 +28,8 @@ const NAP: Duration = Duration::from_millis(50);
 const PERIOD: Duration = Duration::from_secs(1);
 
 /// What waits to be handed to Zenoh.
-pub(super) struct Waiting {
-    pub selected: Consumer<Selected>,
+pub(super) struct Outbox {
+    pub selected: Consumer<Selection>,
     pub full: Consumer<full::Sample>,
     pub samples: Consumer<samples::Sample>,
 }
@@ -37,7 +37,7 @@ pub(super) struct Waiting {
 pub(super) fn start(
     link: LinkArgs,
     shared: Arc<Shared>,
-    waiting: Waiting,
+    waiting: Outbox,
     sensors: Option<&'static Channel>,
 ) -> JoinHandle<Result<(), String>> {
     std::thread::spawn(move || publish(&link, &shared, waiting, sensors))
@@ -46,7 +46,7 @@ pub(super) fn start(
 fn publish(
     link: &LinkArgs,
     shared: &Arc<Shared>,
-    mut waiting: Waiting,
+    mut waiting: Outbox,
     sensors: Option<&'static Channel>,
 ) -> Result<(), String> {
     let publishes = publishes(&shared.id);

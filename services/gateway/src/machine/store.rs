@@ -17,7 +17,7 @@ use zenoh::query::Query;
 use zenoh::{Session, Wait};
 
 use super::Shared;
-use crate::downsample::Selected;
+use crate::downsample::Selection;
 use crate::label::{lost, lost_behind};
 
 /// Answers to one question; the rest is asked for again.
@@ -29,7 +29,7 @@ pub const END: &[u8] = b"end";
 
 /// How far the answers to a question go.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Served {
+pub struct AnswerSummary {
     /// Everything up to this number that can be had was sent, -1 for nothing.
     pub upto: i64,
     /// Messages sent.
@@ -85,14 +85,14 @@ fn answer(shared: &Shared, query: &Query, stream: usize) {
         let _ = query.reply_err("the recording cannot be read").wait();
         return;
     };
-    let reading = Reading {
+    let reading = StoredReader {
         shared,
         stream,
         after,
         upto,
         reader: &reader,
         channel: shared.streams[stream].channel,
-        send: &mut |selected: Selected| {
+        send: &mut |selected: Selection| {
             let reply = query.reply(key.clone(), selected.payload);
             reply.attachment(selected.label.to_string()).wait().is_ok()
         },
@@ -108,23 +108,23 @@ fn answer(shared: &Shared, query: &Query, stream: usize) {
 }
 
 /// Selects from the recording what a question asks for.
-struct Reading<'a> {
+struct StoredReader<'a> {
     shared: &'a Shared,
     stream: usize,
     after: i64,
     upto: i64,
     reader: &'a Reader,
     channel: &'static Channel,
-    send: &'a mut dyn FnMut(Selected) -> bool,
+    send: &'a mut dyn FnMut(Selection) -> bool,
 }
 
-impl Visitor for Reading<'_> {
-    type Output = Served;
+impl Visitor for StoredReader<'_> {
+    type Output = AnswerSummary;
 
-    fn visit<M: Message>(self) -> Served {
-        let mut served = Served {
+    fn visit<M: Message>(self) -> AnswerSummary {
+        let mut served = AnswerSummary {
             upto: self.after,
-            ..Served::default()
+            ..AnswerSummary::default()
         };
         let Ok(messages) = self.reader.stream::<M>(self.channel.name) else {
             return served;

@@ -10,10 +10,10 @@ use super::ServeArgs;
 use crate::error;
 
 /// The process with both its ends.
-type Started = (Child, BufWriter<ChildStdin>, BufReader<ChildStdout>);
+type ChildPipes = (Child, BufWriter<ChildStdin>, BufReader<ChildStdout>);
 
 /// Starts it.
-pub(super) fn start(args: &ServeArgs) -> Result<Started, String> {
+pub(super) fn start(args: &ServeArgs) -> Result<ChildPipes, String> {
     let program = args.heft.clone().unwrap_or_else(beside);
     let mut command = Command::new(&program);
     command.args(["serve", &args.kind, "--messages", "--every"]);

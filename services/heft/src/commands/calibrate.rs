@@ -21,7 +21,7 @@ pub fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {
     }
     outcome::check_outputs(args)?;
     let description = before(args)?;
-    machines::entry(args.machine).calibrate(args, &description)
+    (machines::entry(args.machine).calibrate)(args, &description)
 }
 
 /// What is known before: the machine file that is named, else that of the first recording, as `heft estimate` has it.

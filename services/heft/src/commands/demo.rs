@@ -87,13 +87,13 @@ fn start(
             "run",
             machine.name(),
             "--scenario",
-            machines::entry(machine).shown_scenario(),
+            machines::entry(machine).shown_scenario,
             "--duration",
             DURATION,
         ])
         .args(
             machines::entry(machine)
-                .shown_settings()
+                .shown_settings
                 .iter()
                 .flat_map(|setting| ["--set", setting]),
         )

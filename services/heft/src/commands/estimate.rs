@@ -31,7 +31,7 @@ pub fn estimate(args: &EstimateArgs) -> Result<(), Failure> {
 fn one(args: &EstimateArgs, file: &Path, output: &Path) -> Result<(), Failure> {
     check_outputs(args, file, output)?;
     let description = described(args.machine, &args.with.description, file)?;
-    machines::entry(description.machine()).estimate(args, file, output, &description)
+    (machines::entry(description.machine()).estimate)(args, file, output, &description)
 }
 
 /// Refuses to write over what is read, or over something else of value.

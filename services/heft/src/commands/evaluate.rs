@@ -36,7 +36,7 @@ pub struct EvaluateArgs {
 pub fn evaluate(args: &EvaluateArgs) -> Result<(), Failure> {
     if let Some(folder) = &args.figures {
         fs::create_dir_all(folder).map_err(|e| Failure::folder(folder, &e))?;
-        for (name, svg) in machines::entry(args.machine).figures()? {
+        for (name, svg) in (machines::entry(args.machine).figures)()? {
             let path = folder.join(format!("{}-{name}.svg", args.machine));
             results::text(
                 "write the figure",
@@ -57,7 +57,7 @@ pub fn evaluate(args: &EvaluateArgs) -> Result<(), Failure> {
         seeds: args.seeds,
         ..Default::default()
     };
-    let report = machines::entry(args.machine).evaluate(&options);
+    let report = (machines::entry(args.machine).evaluate)(&options);
     let report = report.map_err(|e| {
         let hint = match &e {
             evaluate::Error::UnknownTable { name, known } => {

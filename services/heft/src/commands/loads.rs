@@ -133,7 +133,7 @@ fn count(args: &LoadsArgs, input: &Path) -> Result<(Account, Result<(), Failure>
     let mut counter = LoadCounter::new(&description, options);
     let mut trucks = Vec::new();
     let entry = machines::entry(description.machine());
-    let read = entry.follow(&args.with, input, &description, &mut |message| {
+    let read = (entry.follow)(&args.with, input, &description, &mut |message| {
         trucks.extend(counter.see(message).truck);
     });
     // Of a damaged recording, what is whole counts.
@@ -145,14 +145,17 @@ fn count(args: &LoadsArgs, input: &Path) -> Result<(Account, Result<(), Failure>
     let name = input.display().to_string();
     let account = Account::of(&name, &counter, trucks);
     if account.loads.is_empty() && account.carried.is_none() {
-        tell_why_none(&name, &counter);
+        tell_why_none(&account);
     }
     Ok((account, read))
 }
 
-fn tell_why_none(name: &str, counter: &LoadCounter) {
-    eprintln!("{name}: no load was clear of the empty bucket, carried and dumped");
-    if let Some(lacks) = counter.lacks() {
+fn tell_why_none(account: &Account) {
+    eprintln!(
+        "{}: no load was clear of the empty bucket, carried and dumped",
+        account.name
+    );
+    if let Some(lacks) = account.lacks {
         eprintln!("  {lacks}");
     }
     eprintln!(
@@ -243,7 +246,7 @@ fn write(args: &LoadsArgs, accounts: &[Account]) -> Result<(), Failure> {
         println!("summary in {}", file.display());
     }
     if let Some(file) = &args.report {
-        page::put(&loads::page(accounts), file, &[])?;
+        page::put(&view::loads_page(accounts), file, &[])?;
         println!("page in {}", file.display());
     }
     Ok(())

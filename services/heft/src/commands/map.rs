@@ -12,6 +12,9 @@ use crate::results;
 
 /// `heft map`
 #[derive(Debug, Args)]
+#[command(after_help = "\
+A signal map says which column or CAN signal is which quantity, in which unit. Check units and signs, then use it:
+  heft estimate day.csv --machine excavator --map day.toml -o out.csv")]
 pub struct MapArgs {
     /// The table (.csv), the CAN log (.log), or an MCAP file of others (.mcap), whose topics and numbers are listed
     pub file: PathBuf,

@@ -49,45 +49,45 @@ macro_rules! commands {
 }
 
 commands! {
-    /// Run the pipeline as separate processes, on the simulator or on recorded data
-    Run(run::RunArgs) => run::run;
-    /// Run the same steps in one process on recorded data
+    /// Write a first signal map for a table or a CAN log, each line with its reason
+    Map(map::MapArgs) => map::map;
+    /// Estimate from recorded data: a table (CSV), a CAN log or a recording
     Estimate(estimate::EstimateArgs) => estimate::estimate;
-    /// Estimate for many machines at once: a table with a column `machine` in, estimates out
-    Serve(serve::ServeArgs) => serve::serve;
-    /// Recompute every estimate of a recording
-    Replay(replay::ReplayArgs) => replay::replay;
-    /// Evaluate the estimators by Monte-Carlo simulation, next to the published figures
-    Evaluate(evaluate::EvaluateArgs) => evaluate::evaluate;
     /// Count loads, trucks and days in recordings: kilograms with intervals, one row a load
     Loads(loads::LoadsArgs) => loads::loads;
+    /// Validate a machine file, or print one with every key
+    Check(check::CheckArgs) => check::check;
     /// Find the machine's own parameters from recordings, with intervals
     Calibrate(calibrate::CalibrateArgs) => calibrate::calibrate;
-    /// Write a whole copy of a recording that was cut off, damaged or left in parts
-    Recover(recover::RecoverArgs) => recover::recover;
-    /// Make one offline HTML page of a recording
+    /// Centre of gravity of a loader from its axle weights on level and tilted ground
+    Weigh(weigh::WeighArgs) => weigh::weigh;
+    /// Estimate live, as separate processes: from a CAN bus, the simulator or recorded data
+    Run(run::RunArgs) => run::run;
+    /// Dashboard of a run in the terminal
+    Top(top::TopArgs) => top::top;
+    /// Follow a channel of a run, a line per sample
+    Tail(tail::TailArgs) => tail::tail;
+    /// Make one HTML page of a recording, which needs no network
     Report(report::ReportArgs) => report::report;
     /// Write every channel of a recording as CSV
     Export(export::ExportArgs) => export::export;
-    /// Dashboard of a running pipeline in the terminal
-    Top(top::TopArgs) => top::top;
-    /// Measure the latency of the real processes next to the machine's own limits
-    Latency(latency::LatencyArgs) => latency::latency;
-    /// Say what this host lacks for real-time work, and what killed runs left behind
-    Doctor(doctor::DoctorArgs) => doctor::doctor;
-    /// Validate a machine file, or print one with every key
-    Check(check::CheckArgs) => check::check;
-    /// Write a first signal map for a table or a CAN log, each line with its reason
-    Map(map::MapArgs) => map::map;
-    /// Print the messages as types of another language
-    Schema(schema::SchemaArgs) => schema::schema;
-    /// Follow a channel of a running pipeline, a line per sample
-    Tail(tail::TailArgs) => tail::tail;
-    /// Centre of gravity from axle weights on level and tilted ground
-    Weigh(weigh::WeighArgs) => weigh::weigh;
+    /// Compute every estimate of a recording again, and compare
+    Replay(replay::ReplayArgs) => replay::replay;
+    /// Write a whole copy of a recording that was cut off, damaged or left in parts
+    Recover(recover::RecoverArgs) => recover::recover;
+    /// Estimate for many machines at once: a table with a column `machine` in, estimates out
+    Serve(serve::ServeArgs) => serve::serve;
     /// Keep and show what many machines send (needs heft-fleet)
     #[command(disable_help_flag = true)]
     Fleet(crate::fleet::PassedArgs) => crate::fleet::fleet;
+    /// Say what this computer lacks for real-time work, and what killed runs left behind
+    Doctor(doctor::DoctorArgs) => doctor::doctor;
+    /// Measure the latency of the real processes next to the limits of this computer
+    Latency(latency::LatencyArgs) => latency::latency;
+    /// Evaluate the estimators by Monte-Carlo simulation, next to the published figures
+    Evaluate(evaluate::EvaluateArgs) => evaluate::evaluate;
+    /// Print the messages as types of another language
+    Schema(schema::SchemaArgs) => schema::schema;
     /// Print a completion script for a shell
     Completions(completions::CompletionsArgs) => completions::completions;
     /// Write manual pages and completion scripts into a folder (for packages)

@@ -106,7 +106,7 @@ fn watch(
 /// `heft run`
 pub fn run(args: &RunArgs) -> Result<(), Failure> {
     if args.scenario.as_deref() == Some("list") {
-        let all = machines::entry(args.machine).scenarios();
+        let all = (machines::entry(args.machine).scenarios)();
         print!("{}", machines::scenario_lines(&all));
         return Ok(());
     }

@@ -56,7 +56,7 @@ pub fn serve(args: &ServeArgs) -> Result<(), Failure> {
         Form::Table
     };
     if args.shard {
-        return entry.serve_shard(&description, method, args.every, form);
+        return (entry.serve_shard)(&description, method, args.every, form);
     }
     // What cannot work is said once, here.
     way(&description, method)?;
@@ -71,7 +71,7 @@ pub fn serve(args: &ServeArgs) -> Result<(), Failure> {
     if args.messages {
         arguments.push("--messages".into());
     }
-    entry.route(input, form, map.as_ref(), shards, &arguments)
+    (entry.route)(input, form, map.as_ref(), shards, &arguments)
 }
 
 /// What a shard is given.

@@ -13,14 +13,14 @@ use sim::cylinder::Gauges;
 use sim::excavator::{Effects, Run, Scenario, Size, Work, cases, cylinders};
 use sim::named;
 
-use super::{Figure, Later, Typed, all_scenarios, bad_run, cylinder_settings, no_scenario};
+use super::{Figure, Later, MachineKind, all_scenarios, bad_run, cylinder_settings, no_scenario};
 use crate::commands::calibrate::args::CalibrateArgs;
 use crate::failure::Failure;
 use crate::plan::Plan;
 
 pub(super) struct Excavator;
 
-impl Typed for Excavator {
+impl MachineKind for Excavator {
     type Sensors = ExcavatorSensors;
     type Estimate = ExcavatorEstimate;
     type Look = fits::Fits;

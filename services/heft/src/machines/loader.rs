@@ -10,14 +10,14 @@ use sim::cylinder::Gauges;
 use sim::loader::{CASES, LiftArm, Run, Scenario, Size, Tier};
 use sim::named;
 
-use super::{Figure, Typed, all_scenarios, bad_run, cylinder_settings, no_scenario};
+use super::{Figure, MachineKind, all_scenarios, bad_run, cylinder_settings, no_scenario};
 use crate::commands::calibrate::args::CalibrateArgs;
 use crate::failure::Failure;
 use crate::plan::Plan;
 
 pub(super) struct Loader;
 
-impl Typed for Loader {
+impl MachineKind for Loader {
     type Sensors = LoaderSensors;
     type Estimate = messages::LoaderEstimate;
     type Look = ();

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use super::html::text;
+use super::loads;
 use super::part::{self, Part};
 use crate::number::grouped;
 use crate::posture;
@@ -51,6 +52,12 @@ pub(super) fn write(body: &mut String, run: &Run) {
     }
     for part in part::all(run) {
         part.verdicts(body);
+    }
+    // Before the picture, so that a printed page has them first.
+    if let Some(account) = &run.loads {
+        loads::section(body, account);
+    }
+    for part in part::all(run) {
         posture(body, run, part);
     }
     body.push_str("</header>");

@@ -9,6 +9,9 @@ use crate::args::{DescriptionArgs, ManyArgs, machine};
 
 /// `heft calibrate`
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Example, with one weighed load:
+  heft calibrate excavator empty.mcap loaded.mcap --payload empty.mcap=0 --payload loaded.mcap=423±2 -o m.toml")]
 pub struct CalibrateArgs {
     /// The machine
     #[arg(value_parser = machine())]

@@ -9,6 +9,10 @@ use crate::args::{EstimationArgs, ManyArgs, machine};
 
 /// `heft estimate`
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Example, with a table of your own (`heft map` writes the map, which you check):
+  heft map day.csv -o day.toml
+  heft estimate day.csv --machine excavator --map day.toml --class 21t -o out.csv --report out.html")]
 pub struct EstimateArgs {
     /// Recorded data: .csv, .mcap, or .log (candump); without --output many of them, and folders of them
     #[arg(required = true)]

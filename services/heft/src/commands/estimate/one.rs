@@ -15,7 +15,7 @@ use super::look::Look;
 use super::many;
 use crate::args::tell_idle_keys;
 use crate::failure::Failure;
-use crate::way::{method, way};
+use crate::way::{Way, method, way};
 use crate::{page, parts, summary};
 
 /// Takes sample after sample through the stages, so that the length of the data does not matter; `put` may say of a
@@ -29,14 +29,9 @@ pub fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
     put: impl Fn(usize, &mut E),
 ) -> Result<(), Failure> {
     samples.on_progress(parts::progress());
-    let mut way = way(
-        description,
-        method(description.machine(), args.with.method.as_deref()),
-    )?;
-    tell_idle_keys(
-        description,
-        &[method(description.machine(), args.with.method.as_deref())],
-    );
+    let method = method(description.machine(), args.with.method.as_deref());
+    let mut way = way(description, method)?;
+    tell_idle_keys(description, &[method]);
     let mut writer = EstimateWriter::<E>::create(output)?;
     let metadata = metadata(args, description);
     let mut found = InputSummary::<E>::new();
@@ -49,24 +44,12 @@ pub fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
         if times.len() < LOOKED_AT {
             times.push(sample.stamp().time);
         }
-        let mut message = sample.envelope();
+        let message = sample.envelope();
         look.add(&sample);
         if let Some(notes) = &mut notes {
             notes.add_sample(description, &message, &truth)?;
         }
-        for (channel, step) in &mut way {
-            let Some(mut answer) = step.answer(&message) else {
-                break;
-            };
-            if let Some(mut estimate) = E::inside(&answer).copied() {
-                put(rows - 1, &mut estimate);
-                answer = estimate.envelope();
-            }
-            if let Some(notes) = &mut notes {
-                notes.add(channel, &answer)?;
-            }
-            message = answer;
-        }
+        let message = last_answer(&mut way, message, notes.as_mut(), |e| put(rows - 1, e))?;
         if let Some(estimate) = E::inside(&message) {
             writer.write(estimate)?;
             found.add(estimate);
@@ -105,6 +88,29 @@ pub fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
     parts::tell_lacks(&samples.lacks())?;
     look.fault()
         .map_or(Ok(()), |fault| Err(Failure::answer_is_no(fault)))
+}
+
+/// Takes a sample through the stages, and notes what each answers.
+fn last_answer<E: Estimate>(
+    way: &mut Way,
+    mut message: Envelope,
+    mut notes: Option<&mut Notes>,
+    put: impl Fn(&mut E),
+) -> Result<Envelope, Failure> {
+    for (channel, step) in way {
+        let Some(mut answer) = step.answer(&message) else {
+            break;
+        };
+        if let Some(mut estimate) = E::inside(&answer).copied() {
+            put(&mut estimate);
+            answer = estimate.envelope();
+        }
+        if let Some(notes) = &mut notes {
+            notes.add(channel, &answer)?;
+        }
+        message = answer;
+    }
+    Ok(message)
 }
 
 /// The last trusted estimate with its age, where it is not the last of all; then what is said at the end. Without any, the

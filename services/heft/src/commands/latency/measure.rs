@@ -165,10 +165,7 @@ fn run_pipeline(
     let mut command = image::command();
     command
         .args(["run", chain.machine.name(), "--quiet", "--no-report"])
-        .args([
-            "--scenario",
-            machines::entry(chain.machine).shown_scenario(),
-        ])
+        .args(["--scenario", machines::entry(chain.machine).shown_scenario])
         .args(["--rate", &conditions.rate.to_string()])
         .args(["--duration", &seconds.to_string()])
         .args(["--seed", &(round + 1).to_string()])

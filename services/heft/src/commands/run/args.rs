@@ -29,6 +29,10 @@ pub enum Equipment {
 
 /// `heft run`
 #[derive(Debug, Clone, Args)]
+#[command(after_help = "\
+Examples:
+  heft run excavator --scenario cycle --view                          # simulated, with a live page
+  heft run loader --input can:can0 --map map.toml --config loader.toml --view")]
 pub struct RunArgs {
     /// The machine
     #[arg(value_parser = machine())]
@@ -68,7 +72,7 @@ pub struct RunArgs {
     /// The machine's description
     #[command(flatten)]
     pub description: DescriptionArgs,
-    /// Method of the ukf process
+    /// Method of the main estimate; the usual one if absent (`heft estimate --help` lists them)
     #[arg(long)]
     pub method: Option<String>,
     /// Length of the run, in s; until the scenario ends if absent
@@ -107,7 +111,7 @@ pub struct RunArgs {
     #[arg(long, value_name = "PROCESS,...", num_args = 0..=1, require_equals = true, default_missing_value = crate::spin::ALL,
         conflicts_with = "rt")]
     pub spin: Option<String>,
-    /// Show a live page
+    /// Show a live page; this computer alone reaches it, unless an address is given
     #[arg(long, value_name = "ADDR", num_args = 0..=1, default_missing_value = view::live::DEFAULT_ADDRESS)]
     pub view: Option<SocketAddr>,
     /// Folder for the recording and the report
@@ -122,7 +126,7 @@ pub struct RunArgs {
     /// Remember slow parameters from run to run in this file: what was trusted is the prior of the next run
     #[arg(long, value_name = "FILE")]
     pub state: Option<PathBuf>,
-    /// Name of the run's corner of shared memory
+    /// Name of the run, by which `top` and `tail` find it; each run has shared memory of its own
     #[arg(long)]
     pub domain: Option<String>,
     /// Let this group of users read the recording and follow the run (tail, top); nobody else may, and nobody may write

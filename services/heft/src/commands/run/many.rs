@@ -36,7 +36,7 @@ pub fn run(args: &RunArgs, count: usize) -> Result<(), Failure> {
         inputs: inputs.transpose()?.unwrap_or_default(),
         count,
     };
-    entry.check_source(&machines.plan(0))?;
+    (entry.check_source)(&machines.plan(0))?;
     let folder = absolute(&folder(args.out.as_deref(), machine.name())?)?;
     let table = folder.join(TABLE);
     let out = Output::create("write the estimates", &table, &[], is_table)?;
@@ -46,9 +46,9 @@ pub fn run(args: &RunArgs, count: usize) -> Result<(), Failure> {
     let given = described(args, plan.pressures);
     let arguments = shard_arguments(machine, method, &given, 0.0);
     let (signals, shards) = (Signals::catch()?, usual_shards().min(count));
-    let played = entry.play(&machines, Out::File(out), shards, &arguments, &signals)?;
+    let played = (entry.play)(&machines, Out::File(out), shards, &arguments, &signals)?;
     println!("\n{machine}, {count} machines by {method} in {shards} processes");
-    print!("{}", text(&entry.quantities(), &played, &table));
+    print!("{}", text(&(entry.quantities)(), &played, &table));
     let unanswered = played.samples.saturating_sub(played.served.answered);
     if unanswered > 0 {
         return Err(Failure::answer_is_no(format!(

@@ -58,7 +58,7 @@ pub(super) fn described(args: &RunArgs, pressures: bool) -> DescriptionArgs {
     let is_simulated = args.input.is_none() && given.config.is_none() && given.class.is_none();
     let mut with = given.clone();
     if is_simulated && pressures {
-        with.set = machines::entry(args.machine).simulated_cylinders();
+        with.set = (machines::entry(args.machine).simulated_cylinders)();
         with.set.extend(given.set.iter().cloned());
     }
     with
@@ -85,7 +85,7 @@ impl Plan {
         let plan = Plan {
             machine,
             scenario: scenario
-                .unwrap_or(machines::entry(machine).usual_scenario())
+                .unwrap_or(machines::entry(machine).usual_scenario)
                 .to_owned(),
             payload: args.payload,
             pressures,
@@ -133,7 +133,7 @@ fn check(plan: &Plan, description: &Description) -> Result<(), Failure> {
     if let Some(output) = &plan.output {
         output.outgoing(plan.machine)?;
     }
-    machines::entry(plan.machine).check_source(plan)
+    (machines::entry(plan.machine).check_source)(plan)
 }
 
 /// The input of a run: a file, or a live source as it was named.

@@ -1,0 +1,155 @@
+//! Loads as HTML: the section of a report, and a page that a foreman prints.
+
+use std::fmt::Write;
+
+use estimation::loads::{Load, Truck, Weight};
+use messages::Machine;
+use steps::loads::why_words;
+
+use super::html::{self, text};
+use crate::loads::{Account, clock, line, total_words, truck_line};
+use crate::number::{interval_95, value_and_std};
+
+/// The printable page: what each truck got, load by load, and the sum of the day.
+#[must_use]
+pub fn loads_page(accounts: &[Account]) -> String {
+    let mut body = String::from("<h1>Loads</h1>");
+    for account in accounts {
+        let _ = write!(
+            body,
+            "<h2>{}</h2><p class=\"facts\">{}, {}</p>",
+            text(&account.name),
+            account.machine,
+            text(&total_words(&account.all))
+        );
+        for truck in &account.trucks {
+            truck_table(&mut body, account, truck);
+        }
+        if let Some(load) = &account.carried {
+            let line = text(&line(account.machine, load));
+            let _ = write!(body, "<p>In the bucket at the end: {line}</p>");
+        }
+    }
+    let _ = write!(
+        body,
+        "<p class=\"note\">{DELIVERED} Errors that all loads share (scale, offset, machine file) add up; those of each \
+         load average out. Times are those of the recording.</p>"
+    );
+    html::page("heft report: loads", &body)
+}
+
+/// The loads of a recording for its report: the sum, and a row a load.
+pub(super) fn section(body: &mut String, account: &Account) {
+    body.push_str("<section class=\"words loads\"><h2>Loads</h2>");
+    let rows: Vec<&Load> = account.loads.iter().chain(&account.carried).collect();
+    if rows.is_empty() {
+        let lacks = account.lacks.map(|l| format!(" ({})", text(l)));
+        let _ = write!(
+            body,
+            "<p>No load was clear of the empty bucket, carried and dumped{}.</p></section>",
+            lacks.unwrap_or_default()
+        );
+        return;
+    }
+    if account.all.loads > 1 {
+        let _ = write!(
+            body,
+            "<p>Delivered: {}.</p>",
+            text(&total_words(&account.all))
+        );
+    }
+    let _ = write!(
+        body,
+        "{}<p class=\"note\">{DELIVERED} <code>heft loads</code> adds up trucks and days.</p></section>",
+        table(account.machine, &rows)
+    );
+}
+
+const DELIVERED: &str = "Delivered is what was in the bucket less what stayed in it.";
+
+fn truck_table(body: &mut String, account: &Account, truck: &Truck) {
+    let of_truck = account.loads.iter().filter(|l| l.truck == truck.number);
+    let _ = write!(
+        body,
+        "<section class=\"words loads\"><h3>{}</h3>{}</section>",
+        text(&truck_line(truck)),
+        table(account.machine, &of_truck.collect::<Vec<_>>())
+    );
+}
+
+/// A row a load. A narrow screen leaves out what its style names by place.
+fn table(machine: Machine, loads: &[&Load]) -> String {
+    let head = [
+        "load",
+        "filled",
+        "dumped",
+        "in the bucket, kg",
+        "95 %",
+        "left in it, kg",
+        "delivered, kg",
+        "weighed by",
+        "trusted",
+    ];
+    let rows: String = loads.iter().map(|load| cells(machine, load)).collect();
+    html::table(1, &head, &rows)
+}
+
+fn cells(machine: Machine, load: &Load) -> String {
+    let kg = |weight: Weight| value_and_std(weight.kg, weight.std).0;
+    let after_dump = |weight| load.dumped.map_or(String::new(), |_| kg(weight));
+    let trusted = match load.trusted {
+        true => "yes".to_owned(),
+        false => format!("no: {}", text(why_words(machine, load))),
+    };
+    html::row(&[
+        load.number.to_string(),
+        clock(load.filled),
+        load.dumped.map_or("not yet".to_owned(), clock),
+        kg(load.weight),
+        interval_95(load.weight.kg, load.weight.std),
+        after_dump(load.carry_back),
+        after_dump(load.delivered()),
+        load.witness.name().to_owned(),
+        trusted,
+    ])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::loads::account;
+
+    #[test]
+    fn the_page_says_what_the_truck_got_and_what_is_missing_and_lets_no_name_in_as_markup() {
+        let text = loads_page(&[account()]);
+        assert!(!text.contains("<i>"));
+        for part in ["22\u{202f}906 kg missing", "22 906 kg missing"] {
+            let plain = text.replace(['\u{a0}', '\u{202f}'], " ");
+            assert!(plain.contains(&part.replace('\u{202f}', " ")), "{plain}");
+        }
+        assert!(text.contains("12.7"));
+    }
+
+    #[test]
+    fn a_load_in_the_bucket_has_nothing_left_or_delivered_yet_and_none_says_what_lacks() {
+        let mut account = account();
+        let mut body = String::new();
+        section(&mut body, &account);
+        assert!(body.contains("<td>0:12.7</td>"), "{body}");
+        assert!(body.contains("no: the bucket"), "{body}");
+        let mut carried = account.loads.remove(0);
+        carried.dumped = None;
+        account.carried = Some(carried);
+        body.clear();
+        section(&mut body, &account);
+        assert!(body.contains("<td>not yet</td>"), "{body}");
+        assert!(body.contains("<td></td><td></td>"), "{body}");
+        (account.carried, account.lacks) = (None, Some("map the pressures"));
+        body.clear();
+        section(&mut body, &account);
+        assert!(
+            !body.contains("<table") && body.contains("(map the pressures)"),
+            "{body}"
+        );
+    }
+}
