@@ -142,6 +142,8 @@ impl CgEstimator {
 
     /// Takes one row and answers.
     pub fn step(&mut self, sample: &Sample) -> Estimate {
+        let machine = &self.settings.machine;
+        let sample = &sample.plausible(machine.mass, machine.wheel_radius);
         let weighed = self.weigh(sample);
         let (settings, method) = (&self.settings, self.method);
         let mut answer = each!(&mut self.filter, f => step(f, settings, method, sample));
@@ -168,12 +170,10 @@ impl CgEstimator {
         answer
     }
 
-    /// What the lift pressure says of a row that the clock will take.
+    /// What the lift pressure says of a plausible row that the clock will take.
     fn weigh(&mut self, sample: &Sample) -> Option<Weighed> {
         let lift = self.lift.as_mut()?;
-        let machine = &self.settings.machine;
-        let sample = sample.plausible(machine.mass, machine.wheel_radius);
-        let weighed = lift.step(&sample);
+        let weighed = lift.step(sample);
         let empty = lift.empty();
         each!(&mut self.filter, f => f.set_weighed(weighed, empty));
         weighed

@@ -296,10 +296,9 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
     }
 
-    /// Takes one row.
+    /// Takes one plausible row.
     pub fn step(&mut self, sample: &Sample) -> RowReport<M> {
-        let machine = &self.settings.machine;
-        let mut sample = sample.plausible(machine.mass, machine.wheel_radius);
+        let mut sample = *sample;
         self.correct(&mut sample);
         let gap = self.settings.gap();
         let dt = match self.clock.tick(sample.time, gap.min(LONGEST_STEP)) {
