@@ -143,8 +143,8 @@ impl CgEstimator {
     /// Takes one row and answers.
     pub fn step(&mut self, sample: &Sample) -> Estimate {
         let machine = &self.settings.machine;
-        let sample = &sample.plausible(machine.mass, machine.wheel_radius);
-        let weighed = self.weigh(sample);
+        let sample = sample.plausible(machine.mass, machine.wheel_radius);
+        let weighed = self.weigh(&sample);
         let (settings, method) = (&self.settings, self.method);
         let mut answer = each!(&mut self.filter, f => step(f, settings, method, sample));
         if answer.status == Status::Refused {
@@ -266,7 +266,7 @@ fn step<const N: usize, const M: usize, B: Belief<N, M>>(
     filter: &mut CgFilter<N, M, B>,
     settings: &Settings,
     method: Method,
-    sample: &Sample,
+    sample: Sample,
 ) -> Estimate {
     let row = filter.step(sample);
     report(filter, settings, method, &row)

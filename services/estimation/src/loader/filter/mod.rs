@@ -297,8 +297,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     }
 
     /// Takes one plausible row.
-    pub fn step(&mut self, sample: &Sample) -> RowReport<M> {
-        let mut sample = *sample;
+    pub fn step(&mut self, mut sample: Sample) -> RowReport<M> {
         self.correct(&mut sample);
         let gap = self.settings.gap();
         let dt = match self.clock.tick(sample.time, gap.min(LONGEST_STEP)) {
