@@ -70,6 +70,8 @@ pub struct Supervisor {
     notify: Notify,
     look: Duration,
     start_ns: u64,
+    /// What a source that loses nothing knows of how far this process is.
+    said_seen: Option<u64>,
     ended: bool,
     refused: Option<String>,
     plan: Plan,
@@ -128,6 +130,7 @@ impl Supervisor {
             notify: Notify::of_environment(),
             look,
             start_ns: 0,
+            said_seen: None,
             ended: false,
             refused: None,
             plan,
@@ -314,11 +317,18 @@ impl Supervisor {
         self.notify.awake();
     }
 
-    /// A source that loses nothing waits for this process too: what it missed, it would not have shown or counted.
-    fn say_seen(&self) {
+    /// A source that loses nothing waits for this process too: what it missed, it would not have shown or counted. Said where it is
+    /// news, so that the words to a source that is stopped are few.
+    fn say_seen(&mut self) {
+        let seen = Some(self.taps.through());
         let is_source = |w: &&Supervised| matches!(w.process.role, Role::Source { .. });
-        if let Some(source) = self.workers.iter().find(is_source) {
-            source.control.say(&format!("seen {}", self.taps.through()));
+        if seen != self.said_seen
+            && let Some(source) = self.workers.iter().find(is_source)
+        {
+            source
+                .control
+                .say(&format!("seen {}", seen.unwrap_or_default()));
+            self.said_seen = seen;
         }
     }
 
@@ -413,6 +423,7 @@ impl Supervisor {
         let run = (self.owner.domain(), &self.plan);
         let restarted = self.workers[i].restart(run);
         tracing::info!(service = self.workers[i].process.name, "started again");
+        self.said_seen = None;
         if restarted.is_ok() && self.workers[i].due().is_none() {
             self.hand_over(i);
         }
