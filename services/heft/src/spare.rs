@@ -11,6 +11,8 @@ use crate::failure::Failure;
 const SPARE: usize = 24;
 /// What a run takes in its supervisor, without viewers, and in each service.
 const NEEDED: u64 = 192;
+/// The same where its services are threads of the supervisor: 390 counted, without viewers.
+const NEEDED_WITH_THREADS: u64 = 512;
 
 /// Descriptors in reserve.
 #[derive(Default)]
@@ -33,10 +35,11 @@ impl Spare {
 }
 
 /// Whether a run has what it needs.
-pub fn check_limit() -> Result<(), Failure> {
+pub fn check_limit(threads: bool) -> Result<(), Failure> {
+    let needed = if threads { NEEDED_WITH_THREADS } else { NEEDED };
     match getrlimit(Resource::Nofile).current {
-        Some(limit) if limit < NEEDED => Err(Failure::input(
-            format!("{limit} open files are permitted, a process of a run needs {NEEDED}"),
+        Some(limit) if limit < needed => Err(Failure::input(
+            format!("{limit} open files are permitted, a process of a run needs {needed}"),
             "the limits of this shell or unit",
             "ulimit -n 4096, or LimitNOFILE=4096 in the systemd unit",
         )),

@@ -86,7 +86,7 @@ impl Supervisor {
         mut watch: Watch,
         signals: Signals,
     ) -> Result<Self, Failure> {
-        spare::check_limit()?;
+        spare::check_limit(plan.threads)?;
         if plan.lossless {
             watch.unpaced();
         }
