@@ -320,15 +320,13 @@ impl Supervisor {
     /// A source that loses nothing waits for this process too: what it missed, it would not have shown or counted. Said where it is
     /// news, so that the words to a source that is stopped are few.
     fn say_seen(&mut self) {
-        let seen = Some(self.taps.through());
+        let seen = self.taps.through();
         let is_source = |w: &&Supervised| matches!(w.process.role, Role::Source { .. });
-        if seen != self.said_seen
+        if self.said_seen != Some(seen)
             && let Some(source) = self.workers.iter().find(is_source)
         {
-            source
-                .control
-                .say(&format!("seen {}", seen.unwrap_or_default()));
-            self.said_seen = seen;
+            source.control.say(&format!("seen {seen}"));
+            self.said_seen = Some(seen);
         }
     }
 
