@@ -65,7 +65,7 @@ const GAINS: f64 = 0.1;
 /// long [s].
 const BRAKED: f64 = 0.04;
 const BRAKE_LASTS: f64 = 0.1;
-/// Only a faster motion tells another gain or payload from a brake [rad/s].
+/// Only a faster motion tells another gain from a brake [rad/s].
 const FREE: f64 = 0.1;
 
 /// The default estimator with torque and posture.
@@ -331,7 +331,7 @@ impl Working {
         }
         let z = innovation.normalised();
         self.noise.push(z);
-        if free && self.change.push(z.clamp(-3.0, 3.0)) {
+        if self.change.push(z.clamp(-3.0, 3.0)) {
             if !self.changed {
                 let before = (self.filter.x[M], self.filter.p[M][M]);
                 self.contradiction.changed(before);
