@@ -123,7 +123,9 @@ fn threads_of_one_process_agree_to_the_last_bit_too() {
 
 #[test]
 fn a_run_of_threads_has_one_process_and_ends_in_order_when_it_is_asked_to() {
-    let running = Running::start("one-process", &["excavator", "--threads", "--view"]);
+    let mut heft = common::heft();
+    heft.env("HEFT_LOG", "debug").env("HEFT_LOG_FORMAT", "json");
+    let running = Running::start_with(heft, "one-process", &["excavator", "--threads", "--view"]);
     common::wait_until("a recording", std::time::Duration::from_secs(20), || {
         running
             .recording()
@@ -134,6 +136,10 @@ fn a_run_of_threads_has_one_process_and_ends_in_order_when_it_is_asked_to() {
     running.signal(rustix::process::Signal::INT);
     let (output, folder) = running.wait();
     assert!(output.status.success(), "{}", both(&output));
+    for service in ["sensor", "kalman", "rls", "ukf", "logger"] {
+        let named = format!("\"process\":\"{service}\"");
+        assert!(both(&output).contains(&named), "{service} logs as itself");
+    }
     let recording = folder.path().join("run.mcap");
     let sent = common::sequences::<ExcavatorSensors>(&recording, "excavator/sensors");
     let answered = common::sequences::<ExcavatorEstimate>(&recording, "excavator/inertia_ukf");

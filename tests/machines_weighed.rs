@@ -133,7 +133,8 @@ fn machines_with_pressures_are_trusted_and_what_is_trusted_is_right() {
             found.covered()
         );
         println!("{said}");
-        if found.trusted() < 0.6 || found.wrong() > 0.05 || found.covered() < 0.95 {
+        let least = about["least_trusted"].as_f64().expect("a share");
+        if found.trusted() < least || found.wrong() > 0.05 || found.covered() < 0.95 {
             failed.push(said);
         }
     }

@@ -132,9 +132,19 @@ fn thread(
     let (domain, plan) = (domain.clone(), plan.clone());
     let status = Arc::new(AtomicU8::new(0));
     let its = Arc::clone(&status);
+    // What a process says of itself beside everything that it logs.
+    let span = tracing::error_span!(
+        "process",
+        pid = std::process::id(),
+        process = stage.name,
+        machine = plan.machine.name(),
+        domain = domain.name(),
+        restarts
+    );
     let thread = std::thread::Builder::new()
         .name(stage.name.to_owned())
         .spawn(move || {
+            let _process = span.entered();
             // As the main function of a process.
             if let Err(failure) = service::run(stage, restarts, control, &domain, &plan) {
                 eprintln!("heft: {failure}");

@@ -193,22 +193,12 @@ impl Drawing {
         ];
         let std = both.map(|(_, std)| std);
         let (span, offset) = (cylinder.span_std > 0.0, cylinder.force_offset_std > 0.0);
-        let mut weighing = std;
-        for (number, std) in weighing[..SPAN].iter_mut().enumerate() {
-            let calibrated = match number {
-                HEAD_ZERO | ROD_ZERO => offset,
-                _ => span && !LEFT.contains(&number),
-            };
-            if calibrated {
-                *std = 0.0;
-            }
-        }
         let values = both.map(|(value, _)| value);
         Some(Self {
             capacity: capacity(cylinder.count, &values),
             values,
             std,
-            weighing,
+            weighing: weighing(std, span, offset),
             doubted: if span || offset { NUMBERS } else { SPAN },
             correlation: cylinder.span_offset_correlation,
             missed: [arm.arm_cos, arm.arm_sin, arm.bucket_cos, arm.bucket_sin],
@@ -359,6 +349,21 @@ impl Drawing {
             height: v[PIVOT_Z] + now.load[1],
         }
     }
+}
+
+/// The deviations that are left for the payload where the moment's span or offset was calibrated.
+fn weighing(std: [f64; NUMBERS], span: bool, offset: bool) -> [f64; NUMBERS] {
+    let mut left = std;
+    for (number, std) in left[..SPAN].iter_mut().enumerate() {
+        let calibrated = match number {
+            HEAD_ZERO | ROD_ZERO => offset,
+            _ => span && !LEFT.contains(&number),
+        };
+        if calibrated {
+            *std = 0.0;
+        }
+    }
+    left
 }
 
 /// Force of the cylinders at full pressure [N].
