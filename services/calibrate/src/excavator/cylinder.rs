@@ -224,7 +224,7 @@ impl CylinderFit {
         pen.value("machine.boom_cylinder.force_offset", zero);
         pen.std("machine.boom_cylinder.force_offset_std", self.zero.std);
         pen.std("machine.boom_cylinder.span_std", self.span.std);
-        pen.std(
+        pen.correlation(
             "machine.boom_cylinder.span_offset_correlation",
             self.correlation,
         );
