@@ -7,7 +7,7 @@ use messages::Message;
 use super::html::text;
 use crate::estimate::{Estimate, Parameter};
 use crate::judgement::Judgement;
-use crate::number::{grouped, large, significant, unit};
+use crate::number::{grouped, large, significant};
 use crate::run::{Estimator, MachineRun};
 use crate::words::{RunJudgement, run_judgements};
 
@@ -35,7 +35,7 @@ pub(super) fn verdicts<E: Estimate>(body: &mut String, part: &MachineRun<E>) {
         let name = other.method();
         let _ = write!(
             body,
-            "<p class=\"other\"><b>{name}</b>: {}</p>",
+            "<p class=\"other\">Another method, <b>{name}</b>: {}</p>",
             sentences.join(" ")
         );
     }
@@ -143,17 +143,12 @@ fn truth_sentence<E: Estimate>(
     } else {
         "outside"
     };
-    let unit = unit(parameter.unit);
-    let unit = if unit.is_empty() {
-        unit
-    } else {
-        format!("{}{unit}", crate::number::GROUP)
-    };
+    // With the digits of the large number above it.
+    let (shown, _) = large(truth, std, parameter.unit);
     error.is_finite().then(|| {
         format!(
-            "The truth was {}{unit}: the error is {}\u{a0}%, {inside} the 95\u{a0}% interval.",
-            grouped(truth, crate::number::decimals(std)),
-            grouped(error, 2),
+            "The truth was {shown}: the error is {}\u{a0}%, {inside} the 95\u{a0}% interval.",
+            grouped(error, 1),
         )
     })
 }
