@@ -171,7 +171,7 @@ fn print(account: &Account) {
         "dumped",
         "kg",
         "95 %",
-        "stays",
+        "left in it",
         "delivered",
         "truck",
         "by",

@@ -36,7 +36,12 @@ fn panel(inputs: &[Input], of: &str) -> Panel {
     let same: Vec<&Input> = inputs.iter().filter(|input| input.unit == of).collect();
     let names: Vec<String> = same
         .iter()
-        .map(|input| input.name.replace('_', " "))
+        .map(|input| {
+            input
+                .name
+                .replace("spade_force", "bucket_force")
+                .replace('_', " ")
+        })
         .collect();
     let (kind, unit, divisor) = kind(of);
     let title = match names.as_slice() {
