@@ -107,7 +107,7 @@ impl Part {
         moving: "the machine accelerates and brakes",
         to_do: [
             "accelerate and brake hard",
-            "add lift pressures, or state machine.stiffness_load_exponent_std of measured tyres",
+            "add lift pressures, or state stiffness_load_exponent_std and radius_load_sensitivity_std of measured tyres",
         ],
     };
 }
