@@ -27,18 +27,24 @@ pub(super) fn verdicts<E: Estimate>(body: &mut String, part: &MachineRun<E>) {
         .iter()
         .filter(|e| e.channel != primary.channel)
     {
-        let judgements = run_judgements(&other.estimates);
-        let sentences: Vec<_> = judgements
-            .iter()
-            .map(|j| text(&j.reported.sentence()))
-            .collect();
         let name = other.method();
+        let (said, first) = (sentences(other), sentences(primary));
+        let said = match said == first {
+            true => "the same.".to_owned(),
+            false => text(&said),
+        };
         let _ = write!(
             body,
-            "<p class=\"other\">Another method, <b>{name}</b>: {}</p>",
-            sentences.join(" ")
+            "<p class=\"other\">Another method, <b>{name}</b>: {said}</p>"
         );
     }
+}
+
+/// All that an estimator says.
+fn sentences<E: Estimate>(estimator: &Estimator<E>) -> String {
+    let judgements = run_judgements(&estimator.estimates);
+    let sentences: Vec<_> = judgements.iter().map(|j| j.reported.sentence()).collect();
+    sentences.join(" ")
 }
 
 /// The quantities that have a verdict, in the order of the judgements.
