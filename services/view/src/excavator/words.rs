@@ -136,7 +136,7 @@ pub(crate) const REMEDIES: &[(&str, &str)] = &[
     ),
     (
         "disagreement",
-        "look for what changes between swings: slope, temperature, load that spills",
+        "look for changes between swings: slope, temperature, load that spills",
     ),
     ("limit", "check units and signs of torque and velocity"),
     ("content", "swing on: the next swing decides"),

@@ -201,7 +201,7 @@ pub(crate) const REMEDIES: &[(&str, &str)] = &[
     ("load", "drive on; map the payload if it is weighed"),
     (
         "disagreement",
-        "look for what changes between manoeuvres: ground, load, tyres",
+        "look for changes between manoeuvres: ground, load, tyres",
     ),
     ("limit", "check units; check the mass in the machine file"),
     ("restarted", "wait for one acceleration"),
