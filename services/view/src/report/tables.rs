@@ -191,7 +191,11 @@ fn process_row(run: &Run, h: &Health) -> String {
         let parts: Vec<_> = ns.iter().map(|&n| nanoseconds(n as f64)).collect();
         // Of a process that takes no steps, or receives nothing, there is nothing to say.
         let is_known = ns.iter().any(|&n| n > 0);
-        is_known.then(|| parts.join(" / ")).unwrap_or("–".into())
+        if is_known {
+            parts.join(" / ")
+        } else {
+            "–".into()
+        }
     };
     row(&[
         text(&run.process_name(h.process)),
