@@ -216,31 +216,9 @@ impl Working {
         let digs = weighs.map(Weigh::digs);
         let content = self.bucket.step(drive, share, stands, digs);
         self.hold(settings, content, trail);
-        if let Some(weigh) = &mut self.weigh {
-            let motion = (self.turn, self.filter.x[W]);
-            let opens = self.bucket.is_open() || self.bucket.is_settling();
-            let doing = (content, opens);
-            let moment = weigh.step(settings, drive, motion, doing);
-            let parallel = &mut self.parallel.filter;
-            weigh.begin(drive, [&mut self.filter, parallel], trail);
-            if let Some(moment) = moment {
-                let said = weigh.measure(settings, &moment, &mut self.filter, trail);
-                let other = weigh.measure(settings, &moment, parallel, &mut None);
-                let load = (self.filter.x[M], self.rated);
-                let anew = if moment.touches {
-                    weigh.sets_down(said, load)
-                } else {
-                    let gate = settings.estimator.gate;
-                    self.parallel
-                        .weigh([said, other], gate, self.contradiction.usual());
-                    weigh.watch(&moment, said, load, stands);
-                    weigh.renews(said)
-                };
-                if anew {
-                    self.hold(settings, Content::Unknown, trail);
-                    self.agreement.interrupt();
-                }
-            }
+        if self.weigh(settings, drive, (content, stands), trail) {
+            self.hold(settings, Content::Unknown, trail);
+            self.agreement.interrupt();
         }
         if let (true, Some(inclination)) = (standing, drive.inclination) {
             self.incline(inclination, trail);
@@ -259,6 +237,37 @@ impl Working {
             trail.disagreement = self.agreement.factor() * self.doubt();
         }
         self.state(settings, drive, innovation, standing)
+    }
+
+    /// The moment of the boom's cylinders, where one is there; whether the load must be another one.
+    fn weigh(
+        &mut self,
+        settings: &Settings,
+        drive: &Drive,
+        (content, stands): (Content, bool),
+        trail: &mut Option<Trail>,
+    ) -> bool {
+        let Some(weigh) = &mut self.weigh else {
+            return false;
+        };
+        let motion = (self.turn, self.filter.x[W]);
+        let opens = self.bucket.is_open() || self.bucket.is_settling();
+        let moment = weigh.step(settings, drive, motion, (content, opens));
+        let parallel = &mut self.parallel.filter;
+        weigh.begin(drive, [&mut self.filter, parallel], trail);
+        let Some(moment) = moment else {
+            return false;
+        };
+        let said = weigh.measure(settings, &moment, &mut self.filter, trail);
+        let other = weigh.measure(settings, &moment, parallel, &mut None);
+        let load = (self.filter.x[M], self.rated);
+        if moment.touches {
+            return weigh.sets_down(said, load);
+        }
+        let (gate, usual) = (settings.estimator.gate, self.contradiction.usual());
+        self.parallel.weigh([said, other], gate, usual);
+        weigh.watch(&moment, said, load, stands);
+        weigh.renews(said)
     }
 
     /// Keeps from now on what each tick does.
