@@ -2,10 +2,10 @@
 //! that no description has, one effect at a time and all together.
 //!
 //! JSON: [`crate::honesty::json`]. The machines are uncalibrated: what the estimators are given is the data
-//! sheet and the prudent default of everything else ([`estimation::excavator::Doubts`]).
+//! sheet and the default of everything else ([`estimation::excavator::Doubts`]): what a machine file means that says no more.
 
 use super::estimators::Setup;
-use super::honesty_lines::{USUAL, described, effects};
+use super::honesty_lines::{EFFECT, Requirement, USUAL, described, effects};
 use crate::honesty::{JudgedRow, Line, Tally, json, text};
 use crate::{Error, Options, Report, seeds};
 use estimation::excavator::{Estimate, Method};
@@ -26,9 +26,62 @@ const METHODS: [(&str, Method, bool); 6] = [
     ("svf-rls joint", Method::SvfRls, true),
 ];
 
-fn tally(work: &Work, rows: &[Row], method: (&'static str, Method, bool)) -> Result<Tally, Error> {
+/// A torque as far off as a machine file should say that it may be.
+const STATED_GAIN_STD: f64 = 0.05;
+const STATED: [(&str, f64); 2] = [("+10 %", 1.10), ("-10 %", 0.90)];
+
+/// A line: the effects, or those of each seed by chance, and the gain of the torque that is stated.
+struct Case {
+    effect: &'static str,
+    severity: &'static str,
+    effects: Option<Effects>,
+    gain_std: Option<f64>,
+    asked: Requirement,
+}
+
+fn cases() -> Vec<Case> {
+    let case = |effect, severity, effects, asked| Case {
+        effect,
+        severity,
+        effects,
+        gain_std: None,
+        asked,
+    };
+    let stated = STATED.map(|(severity, torque_gain)| Case {
+        gain_std: Some(STATED_GAIN_STD),
+        ..case(
+            "torque gain, 5 % stated",
+            severity,
+            Some(Effects {
+                torque_gain,
+                ..Effects::default()
+            }),
+            EFFECT,
+        )
+    });
+    let mut cases: Vec<Case> = effects()
+        .map(|(effect, severity, effects, asked)| case(effect, severity, Some(effects), asked))
+        .collect();
+    let after = cases.iter().rposition(|case| case.effect == "torque gain");
+    let at = after.map_or(cases.len(), |i| i + 1);
+    cases.splice(at..at, stated);
+    // Machines that nobody listed.
+    cases.push(case("by chance", "", None, USUAL));
+    cases
+}
+
+fn tally(
+    work: &Work,
+    rows: &[Row],
+    method: (&'static str, Method, bool),
+    gain_std: Option<f64>,
+) -> Result<Tally, Error> {
     let (name, method, joint) = method;
     let mut settings = described(work);
+    if let (Some(std), Some(doubts)) = (gain_std, &mut settings.doubts) {
+        doubts.gain_std = std;
+        settings.sensors.swing_torque_gain_std = std;
+    }
     settings.estimator.estimate_damping = joint;
     settings.estimator.estimate_friction = joint;
     let mut tally = Tally::default();
@@ -53,18 +106,16 @@ fn reason(estimate: &Estimate) -> &'static str {
 pub(super) fn evaluate(options: &Options) -> Result<Report, Error> {
     let sizes = [Size::t13(), Size::t22(), Size::t36(), Size::reference()];
     let mut lines = Vec::new();
-    let listed =
-        effects().map(|(name, severity, effects, asked)| (name, severity, Some(effects), asked));
-    // Machines that nobody listed.
-    for (effect, severity, effects, asked) in listed.chain([("by chance", "", None, USUAL)]) {
+    for case in cases() {
+        let (effect, severity, asked) = (case.effect, case.severity, case.asked);
         let found = seeds(options, &format!("{effect} {severity}"), |seed| {
             let size = sizes[(seed as usize - 1) % sizes.len()];
-            let effects = effects.unwrap_or_else(|| Effects::by_chance(seed));
+            let effects = case.effects.unwrap_or_else(|| Effects::by_chance(seed));
             let work = Work::new(size, effects, seed);
             let rows: Vec<Row> = work.clone().take(ROWS).collect();
             METHODS
                 .iter()
-                .map(|&method| tally(&work, &rows, method))
+                .map(|&method| tally(&work, &rows, method, case.gain_std))
                 .collect::<Result<Vec<_>, _>>()
         })?;
         for (i, (name, method, _)) in METHODS.iter().enumerate() {

@@ -14,7 +14,8 @@ pub struct Requirement {
     pub covered: f64,
 }
 
-const EFFECT: Requirement = Requirement {
+/// One effect.
+pub const EFFECT: Requirement = Requirement {
     wrong: 0.05,
     trusted: 0.0,
     covered: 0.0,

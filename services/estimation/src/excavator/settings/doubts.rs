@@ -1,6 +1,7 @@
 //! What a description of a working machine leaves open, and how far.
 
 use crate::excavator::geometry::Geometry;
+use crate::excavator::keys::Description;
 
 /// Standard deviations of what a described machine may differ by. Each enters the default estimator as a
 /// state, so that its interval carries the doubt and the motion can remove it; 0 says that it is exactly so.
@@ -84,32 +85,15 @@ impl Doubts {
 }
 
 impl Default for Doubts {
-    /// A machine that nobody has calibrated.
+    /// Those of a machine file that says nothing of them.
     fn default() -> Self {
-        Self {
-            gain_std: 0.05,
-            efficiency: 1.0,
-            efficiency_std: 0.03,
-            friction_std: 75.0,
-            slope_std: 0.03,
-            upper_first_moment: None,
-            upper_first_moment_std: None,
-            delay: 0.0,
-            delay_std: 0.02,
-            torque_share: 0.10,
-            links_share: 0.024,
-            upper_share: 0.1,
-            bucket_share: 0.2,
-            form_share: 0.016,
-            found: None,
-        }
+        Self::of(&Description::default())
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::excavator::keys::Description;
 
     #[test]
     fn correlations_that_contradict_each_other_are_refused() {
