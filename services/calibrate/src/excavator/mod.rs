@@ -140,9 +140,7 @@ pub fn calibrate(inputs: &[Input], options: &Options<'_>) -> Result<Outcome, Str
         && let Some((found, _)) = outcome.description(options.description, &[])
         && let Some(learnt) = cylinder::learn(&found, inputs)
     {
-        let words = learnt
-            .as_ref()
-            .map_or_else(String::clone, CylinderFit::words);
+        let words = learnt.as_ref().map_or_else(String::clone, cylinder::words);
         outcome.remarks.push(words);
         outcome.cylinder = learnt.ok();
     }

@@ -3,7 +3,7 @@
 use config::Excavator as Description;
 use estimation::Quantity;
 
-use super::{Outcome, Role};
+use super::{Outcome, Role, cylinder};
 use crate::column::percentile;
 use crate::description::number;
 use crate::model::Model;
@@ -44,7 +44,7 @@ impl Outcome {
             pen.std("machine.mass_tolerance", tolerance);
         }
         if let Some(learnt) = &self.cylinder {
-            learnt.write(&mut pen);
+            cylinder::write(learnt, &mut pen);
         }
         let text = pen.text(&self.summary(), origin);
         Some((pen.description, text))
