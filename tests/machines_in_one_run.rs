@@ -69,10 +69,7 @@ fn the_second_is_the_one<E: Message>(
     for (row, estimate) in found["6"].iter().zip(&alone) {
         for name in fields {
             let number = row.number(name);
-            let its = estimate
-                .get(E::index(name).expect("a field"))
-                .expect("a value")
-                .as_f64();
+            let its = estimate.number(name).expect("a field");
             assert_eq!(
                 number.to_bits(),
                 its.to_bits(),

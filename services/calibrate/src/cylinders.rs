@@ -8,7 +8,6 @@
 use config::Tables;
 use estimation::Quantity;
 
-use crate::description::number;
 use crate::lasting::Solution;
 use crate::output::Pen;
 
@@ -84,11 +83,11 @@ impl<const N: usize> CylinderFit<N> {
             std,
         };
         for area in ["head_area", "rod_area"].map(key) {
-            let was = number(&pen.description, &area).unwrap_or(0.0);
+            let was = pen.description.number(&area).unwrap_or(0.0);
             pen.value(&area, scaled(was, was * self.span.std));
         }
         let offset = key("force_offset");
-        let was = number(&pen.description, &offset).unwrap_or(0.0);
+        let was = pen.description.number(&offset).unwrap_or(0.0);
         pen.value(&offset, scaled(was + self.zero.value, self.zero.std));
         pen.std(&key("force_offset_std"), self.zero.std);
         let span_std = self.span.std.max(least_span_std);
@@ -104,7 +103,7 @@ impl<const N: usize> CylinderFit<N> {
         pen.value(&key("friction"), friction);
         pen.std(&key("friction_std"), friction.std);
         for (key, missed) in curves.iter().zip(self.missed) {
-            let was = number(&pen.description, key).unwrap_or(0.0);
+            let was = pen.description.number(key).unwrap_or(0.0);
             let more = scaled(missed.value, missed.std);
             pen.value(
                 key,

@@ -20,13 +20,11 @@
 //! | [`loader`] | drives of a loader |
 //! | [`output`] | the description with its origin |
 //! | [`algebra`] | faer |
-//! | [`description`] | keys by name |
 
 pub mod agreement;
 pub mod algebra;
 mod column;
 pub mod cylinders;
-pub mod description;
 pub mod excavator;
 pub mod fit;
 pub mod honesty;

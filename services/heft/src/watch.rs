@@ -199,7 +199,7 @@ impl Watch {
 
     /// Says when the reason of the headline estimates becomes another.
     fn note_reason<M: Message>(&mut self, message: &M) {
-        let reason = M::index("reason").and_then(|i| message.get(i));
+        let reason = message.field("reason");
         if reason != self.reason {
             let words = Words::of_field(M::WORDS, "reason");
             if let (Some(Value::U32(code)), Some(words)) = (reason, words) {

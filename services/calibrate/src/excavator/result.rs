@@ -1,11 +1,10 @@
 //! The calibrated description of an excavator.
 
-use config::Excavator as Description;
+use config::{Excavator as Description, Tables as _};
 use estimation::Quantity;
 
 use super::{Outcome, Role, cylinder};
 use crate::column::percentile;
-use crate::description::number;
 use crate::model::Model;
 use crate::output::Pen;
 
@@ -86,7 +85,7 @@ impl Outcome {
             }
             Role::Links => {
                 for key in LINKS {
-                    let part = number(&pen.description, key).unwrap_or(0.0);
+                    let part = pen.description.number(key).unwrap_or(0.0);
                     let scaled = Quantity {
                         value: part * q.value,
                         std: part * q.std,

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use messages::channels::Channel;
-use messages::{Envelope, Message, Value};
+use messages::{Envelope, Message};
 
 use crate::quantity;
 use crate::tally::Tally;
@@ -39,21 +39,16 @@ impl Scores {
 
     /// Counts every quantity of an estimate.
     pub(super) fn add<M: Message>(&mut self, channel: &'static Channel, message: &M) {
-        let number = |name: &str| {
-            let value = M::index(name).and_then(|i| message.get(i));
-            value.map(Value::as_f64)
-        };
         for quantity in quantity::of_channel(channel.name) {
-            let (Some(value), Some(std), Some(flags)) = (
-                number(quantity.row.name),
-                number(quantity.std),
-                number("flags"),
+            let (Some(value), Some(std)) = (
+                message.number(quantity.row.name),
+                message.number(quantity.std),
             ) else {
                 continue;
             };
             let truth = self.truth(message.stamp().sequence);
             let truth = truth.and_then(|truth| quantity.truth(truth));
-            let trusted = (flags as u32) & quantity.row.trusted != 0;
+            let trusted = message.bits_of("flags") & quantity.row.trusted != 0;
             let at = self.tallies.iter().position(|t| t.quantity == quantity);
             let at = at.unwrap_or_else(|| {
                 self.tallies.push(Tally::new(quantity));
