@@ -9,6 +9,7 @@
 
 use config::Loader as Description;
 use estimation::Quantity;
+use estimation::math::norm;
 use estimation::loader::{LiftKnown, LiftMoment, Lifts, Method, Sample, Settings};
 
 use super::known::MASS_STD;
@@ -298,10 +299,6 @@ fn before(d: &Description, known: &LiftKnown, runs: &[Run<'_>]) -> Solution {
     );
     let together = known.correlation * known.span_std * known.offset_std;
     Solution::before(&stds, &[(SPAN, ZERO, together)])
-}
-
-fn norm(parts: &[f64]) -> f64 {
-    parts.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
 /// The keys of the description.
