@@ -9,8 +9,8 @@
 
 use config::Loader as Description;
 use estimation::Quantity;
-use estimation::math::norm;
 use estimation::loader::{LiftKnown, LiftMoment, Lifts, Method, Sample, Settings};
+use estimation::math::norm;
 
 use super::known::MASS_STD;
 use super::role::StatedLoad;

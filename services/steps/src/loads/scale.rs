@@ -60,4 +60,3 @@ impl Scale {
         Some((Quantity { value, std }, common))
     }
 }
-

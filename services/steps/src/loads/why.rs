@@ -60,4 +60,3 @@ pub fn why_words(machine: Machine, load: &Load) -> &'static str {
     let found = missing.iter().find(|(bit, _)| flags & bit == 0);
     found.map_or("nothing confirms it", |(_, words)| words)
 }
-
