@@ -1,6 +1,8 @@
 //! The second witness: how much of all time the pressures of the boom's cylinders make trustworthy, and how well each load is weighed.
 //!
-//! JSON: a list of lines ([`Line::json`]), with `rows` of each. `knowable` is the time in which the bucket neither digs nor empties. Targets: those of a described machine with pressures.
+//! JSON: a list of lines, each with `machine`, `stated`, `seeds`, `loads`, `rows`, `met`, and a number by the key of each column; null
+//! where there is nothing to count. `knowable` is the time in which the bucket neither digs nor empties. Targets: those of a described
+//! machine with pressures.
 
 use estimation::HALF_WIDTH_95;
 use estimation::excavator::keys::Description;

@@ -1,6 +1,6 @@
 //! What the lift arm's pressures and angles add: centre of gravity while standing and driving, loads in kilograms.
 //!
-//! JSON: a list of lines ([`Line::json`]). Ratio and height are judged over all time; their errors while the machine carries a load.
+//! JSON: a list of lines, as that of the excavator. Ratio and height are judged over all time; their errors while the machine carries a load.
 
 mod machine;
 
