@@ -4,7 +4,7 @@ use std::marker::PhantomData;
 
 use messages::Value;
 
-use crate::csv::{Column, Estimate};
+use crate::csv::{Codes, Column, Estimate};
 
 /// One column of estimates.
 #[derive(Debug, Clone, PartialEq)]
@@ -67,7 +67,12 @@ impl<E: Estimate> Table<E> {
 
     /// Adds a row; one that was refused is noted as such.
     pub fn push(&mut self, estimate: &E) {
-        let (flags, estimated, method) = estimate.bits();
+        let Codes {
+            flags,
+            estimated,
+            method,
+            reason,
+        } = estimate.codes();
         self.rows += 1;
         if flags & E::REFUSED != 0 {
             self.refused.push(self.rows - 1);
@@ -85,8 +90,7 @@ impl<E: Estimate> Table<E> {
             }
         }
         self.methods.push(u8::try_from(method).unwrap_or(u8::MAX));
-        self.reasons
-            .push(u8::try_from(estimate.reason()).unwrap_or(u8::MAX));
+        self.reasons.push(u8::try_from(reason).unwrap_or(u8::MAX));
     }
 
     /// Places of the rows that were refused.
@@ -116,10 +120,8 @@ impl<E: Estimate> Table<E> {
             "",
             Values::Words(self.methods, E::METHODS.to_vec()),
         ));
-        if !E::REASONS.is_empty() {
-            let names = E::REASONS.iter().map(|(name, _)| *name);
-            columns.push(("reason", "", Values::Words(self.reasons, names.collect())));
-        }
+        let names = E::REASONS.iter().map(|(name, _)| *name);
+        columns.push(("reason", "", Values::Words(self.reasons, names.collect())));
         columns
     }
 }
@@ -197,7 +199,9 @@ impl<E: Estimate> Default for Cells<E> {
 impl<E: Estimate> Cells<E> {
     /// Calls `put` with the cells of an estimate in the order of [`header`].
     pub fn of(&self, estimate: &E, put: &mut dyn FnMut(Cell)) {
-        let (flags, estimated, method) = estimate.bits();
+        let Codes {
+            flags, estimated, ..
+        } = estimate.codes();
         put(Cell::Number(estimate.stamp().time));
         for (column, index) in &self.columns {
             put(match *column {
@@ -208,9 +212,9 @@ impl<E: Estimate> Cells<E> {
             });
         }
         put(Cell::Flag(flags & E::REFUSED != 0));
-        let method = E::METHODS.get(method as usize);
-        put(Cell::Word(method.copied().unwrap_or_default()));
-        let reason = E::REASONS.get(estimate.reason() as usize);
-        put(Cell::Word(reason.map_or("", |(name, _)| *name)));
+        estimate
+            .names()
+            .into_iter()
+            .for_each(|n| put(Cell::Word(n)));
     }
 }
