@@ -92,7 +92,7 @@ impl<const N: usize> CylinderFit<N> {
         pen.std(&key("force_offset_std"), self.zero.std);
         let span_std = self.span.std.max(least_span_std);
         pen.std(&key("span_std"), span_std);
-        pen.std(
+        pen.correlation(
             &key("span_offset_correlation"),
             self.correlation * (self.span.std / span_std),
         );

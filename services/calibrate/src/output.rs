@@ -47,6 +47,13 @@ impl<D: Tables + Default> Pen<D> {
         }
     }
 
+    /// A correlation, to three decimals.
+    pub fn correlation(&mut self, key: &str, correlation: f64) {
+        if self.description.set_number(key, rounded(correlation, 1.0)) {
+            self.notes.insert(key.into(), " # calibrated".into());
+        }
+    }
+
     /// The description as text, with its origin as comments.
     #[must_use]
     pub fn text(&self, summary: &Summary<'_>, origin: &[String]) -> String {

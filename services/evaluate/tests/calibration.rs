@@ -77,6 +77,10 @@ fn two_recordings_find_the_machine_within_its_intervals_and_the_description_hold
         config::Excavator::parse(&text, "written"),
         Ok(after.clone())
     );
+    // Gain and masses were found together, and err together.
+    let m = &after.machine;
+    assert!(m.links_gain_correlation < Some(-0.5), "{m:?}");
+    assert!(m.upper_tolerance < Some(0.06) && m.bucket_tolerance < Some(0.07));
     let gain = outcome.quantity(Role::Gain).expect("a value");
     assert!((after.sensors.swing_torque_gain - gain.value).abs() < 1e-3 * gain.std + 1e-9);
 }

@@ -113,7 +113,7 @@ macro_rules! loader_quantities {
                     estimated: STATE, column: Column::Always
                 };
                 spade_force_x (spade_force_x.unwrap_or_default().value) [spade_force_x_std (spade_force_x.unwrap_or_default().std)] "N" "Horizontal spade force, measured plus unknown." {
-                    estimated: ESTIMATED_SPADE_FORCE_X, shown: 5, label: "Horizontal spade force", column: Column::Always
+                    estimated: ESTIMATED_SPADE_FORCE_X, shown: 5, label: "Horizontal bucket force", column: Column::Always
                 };
                 slope_bias (slope_bias.unwrap_or_default()) [] "rad" "Bias of the slope sensor (true slope = measured - bias)." {
                     estimated: SLOPE_BIAS, shown: 7, label: "Bias of the slope sensor", column: Column::Always

@@ -1,5 +1,6 @@
 //! Loads for people and programs: a table, JSON, a page that a foreman prints.
 
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use estimation::HALF_WIDTH_95;
@@ -27,6 +28,8 @@ pub struct Account {
     pub all: Total,
     /// What would weigh a load and is not there, and what to do.
     pub lacks: Option<&'static str>,
+    /// What really was in the bucket, by the number of the load [kg]; empty where nobody knows it.
+    pub truths: BTreeMap<u32, f64>,
 }
 
 impl Account {
@@ -45,7 +48,22 @@ impl Account {
             trucks,
             all: counter.ledger().all(),
             lacks: counter.lacks(),
+            truths: BTreeMap::new(),
         }
+    }
+
+    /// Of the trusted loads whose truth is known: how many intervals hold it, and how many there are.
+    #[must_use]
+    pub fn covered(&self) -> (usize, usize) {
+        let trusted = self.loads.iter().chain(&self.carried).filter(|l| l.trusted);
+        let known = trusted.filter_map(|l| Some((l, self.truths.get(&l.number)?)));
+        let held = known.map(|(load, truth)| {
+            let [low, high] = load.weight.interval();
+            (low..=high).contains(truth)
+        });
+        held.fold((0, 0), |(held, all), holds| {
+            (held + usize::from(holds), all + 1)
+        })
     }
 }
 
@@ -307,6 +325,7 @@ pub(crate) fn account() -> Account {
         trucks: vec![truck],
         all: total,
         lacks: None,
+        truths: BTreeMap::new(),
     }
 }
 

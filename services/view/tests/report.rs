@@ -75,6 +75,8 @@ fn a_loader_s_payload_is_drawn_and_listed_where_its_arm_weighs_it_and_never_summ
     let page = report(&with);
     keep("loader_payload.html", &page);
     assert!(page.contains("Payload [kg], 95 %") && page.contains("1\u{a0}234 ± 39"));
+    let said = "; payload 1\u{a0}234\u{a0}±\u{a0}20\u{a0}kg, not trusted)";
+    assert!(page.contains(said) && !report(&without).contains("; payload"));
     assert!(!page.contains("Payload of the trusted ones, summed"));
     assert!(!report(&without).contains("Payload [kg]"));
 }

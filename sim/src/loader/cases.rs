@@ -4,6 +4,7 @@ use super::effects::{Effects, PayloadReport};
 
 const NONE: Effects = Effects {
     speed_delay: 0.0,
+    spins: false,
     brakes: 0.0,
     brakes_reported: true,
     steering: 0.0,

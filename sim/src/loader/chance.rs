@@ -35,6 +35,7 @@ impl Effects {
         let jitter = draw.some(|e| e.jitter);
         let Draw(mut noise) = draw;
         Self {
+            spins: false,
             speed_delay,
             brakes,
             brakes_reported: !noise.chance(EACH),

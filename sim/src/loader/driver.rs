@@ -141,6 +141,11 @@ impl Driver {
         loads || lifts || self.payload.moving(t) || self.lift.moving(t)
     }
 
+    /// Whether it loads a truck.
+    pub fn loads(&self) -> bool {
+        self.loading.is_some()
+    }
+
     /// What acts at time `t`, to be asked in the order of time; `speed` is the machine's just before.
     pub fn inputs(&mut self, t: f64, speed: f64) -> Inputs {
         let (mass, mut cg_height, mut cg_ratio) = loaded(&self.machine, &self.payload(t));

@@ -12,6 +12,7 @@
 //! | ground | the road is rougher; every other 15 m roll harder |
 //! | reversing | every other run is driven backwards, as a loader does |
 //! | sensors | torques with a gain, or late; a bias of the slope, a zero of the accelerometer; a speed that comes seldom; time stamps that jitter |
+//! | spin | nothing keeps a wheel from spinning or locking where its torque is more than the tyre holds |
 //! | data sheet | the mass, the radii |
 //! | payload | the mass is reported and the boom is not, or neither |
 
@@ -49,6 +50,8 @@ pub enum PayloadReport {
 pub struct Effects {
     /// Delay of the speed \[s\].
     pub speed_delay: f64,
+    /// No control of the drive takes torque from a wheel that spins or locks (scenario `loading`).
+    pub spins: bool,
     /// Share of the braking that friction brakes take.
     pub brakes: f64,
     /// There is a signal that says when they act.
@@ -108,6 +111,18 @@ pub struct Bend {
     pub angle: f64,
     /// Its rate [rad/s].
     pub rate: f64,
+}
+
+/// Slip from which on the drive takes torque from an axle, and that at which none is left.
+const SLIPPING: (f64, f64) = (0.25, 0.5);
+/// Slips are of a speed of at least this [m/s].
+const LEAST_SPEED: f64 = 0.5;
+
+/// What the control of the drive leaves of the torque of an axle whose wheels run at this speed over ground [m/s, rad/s].
+pub(super) fn held(machine: &Machine, torque: f64, speed: f64, wheel_speed: f64) -> f64 {
+    let slip = (machine.wheel_radius * wheel_speed - speed) / speed.abs().max(LEAST_SPEED);
+    let beyond = (slip * torque.signum() - SLIPPING.0) / (SLIPPING.1 - SLIPPING.0);
+    torque * (1.0 - beyond.clamp(0.0, 1.0))
 }
 
 impl Effects {

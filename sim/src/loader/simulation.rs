@@ -51,6 +51,11 @@ struct Acts {
 impl Acts {
     fn inputs(&mut self, driver: &mut Driver, t: f64, state: &State) -> Inputs {
         let mut inputs = driver.inputs(t, state[0]);
+        if driver.loads() && !self.effects.spins {
+            let held = |torque, wheel| effects::held(&self.machine, torque, state[0], wheel);
+            inputs.front_torque = held(inputs.front_torque, state[1]);
+            inputs.rear_torque = held(inputs.rear_torque, state[2]);
+        }
         if self.effects == Effects::default() {
             return inputs;
         }
@@ -397,6 +402,28 @@ mod tests {
             })[50]
                 .speed
         );
+    }
+
+    #[test]
+    fn the_drive_keeps_the_wheels_of_a_machine_that_loads_from_spinning() {
+        let most = |spins| {
+            let mut run = Run {
+                duration: Some(26.0),
+                tier: Tier::B,
+                payload: Some(1100.0),
+                ..Run::new(Scenario::Loading)
+            };
+            run.effects.spins = spins;
+            let radius = Simulation::new(&run).expect("a run").nominal().wheel_radius;
+            let away = |r: &Row, wheel: f64| (radius * wheel - r.truth.speed).abs();
+            let rows = rows(&run);
+            let both = rows
+                .iter()
+                .map(|r| away(r, r.front_wheel_speed).max(away(r, r.rear_wheel_speed)));
+            both.fold(0.0, f64::max)
+        };
+        assert!(most(false) < 1.2, "{} m/s", most(false));
+        assert!(most(true) > 3.0, "{} m/s", most(true));
     }
 
     #[test]

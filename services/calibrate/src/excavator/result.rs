@@ -4,8 +4,6 @@ use config::{Excavator as Description, Tables as _};
 use estimation::Quantity;
 
 use super::{Outcome, Role, cylinder};
-use crate::column::percentile;
-use crate::model::Model;
 use crate::output::Pen;
 
 /// Masses and inertias that share one scale.
@@ -20,6 +18,10 @@ const LINKS: [&str; 9] = [
     "machine.geometry.arm_axial_inertia",
     "machine.geometry.bucket_axial_inertia",
 ];
+
+/// How far the bucket may be from the factor that it shares with boom and arm: one that was calibrated is hardly another, but its share
+/// of the factor is not found.
+const BUCKET_STD: f64 = 0.05;
 
 impl Outcome {
     /// The description with what was found, and its text with `origin` as comments above; none where
@@ -37,10 +39,8 @@ impl Outcome {
                 self.write(&mut pen, *role);
             }
         }
-        if self.swings.has_posture()
-            && let Some(tolerance) = self.inertia_tolerance()
-        {
-            pen.std("machine.mass_tolerance", tolerance);
+        if self.swings.has_posture() {
+            self.together(&mut pen);
         }
         if let Some(learnt) = &self.cylinder {
             cylinder::write(learnt, &mut pen);
@@ -124,32 +124,31 @@ impl Outcome {
         }
     }
 
-    /// Relative standard deviation of the empty machine's inertia, with upper body and attachment
-    /// correlated as found.
-    fn inertia_tolerance(&self) -> Option<f64> {
-        let found = self.found.as_ref()?;
-        let (upper, links) = (
-            self.swings.index(Role::Inertia)?,
-            self.swings.index(Role::Links)?,
-        );
-        let mut attachment = Vec::new();
-        for block in 0..self.swings.blocks() {
-            let (series, swing) = self.swings.swing(block);
-            attachment.extend(&series.links[swing.rows.clone()]);
+    /// How far masses and gain may be off, each by itself and together.
+    fn together(&self, pen: &mut Pen<Description>) {
+        let share = |role| {
+            let i = self.swings.index(role).filter(|&i| !self.fixed[i])?;
+            let q = self.quantity(role)?;
+            Some((i, q.std / q.value))
+        };
+        let (Some((links, links_share)), Some((upper, upper_share))) =
+            (share(Role::Links), share(Role::Inertia))
+        else {
+            return;
+        };
+        pen.std("machine.mass_tolerance", links_share);
+        pen.std("machine.upper_tolerance", upper_share);
+        let bucket = (links_share * links_share + BUCKET_STD * BUCKET_STD).sqrt();
+        pen.std("machine.bucket_tolerance", bucket);
+        let (Some((gain, _)), Some(found)) = (share(Role::Gain), &self.found) else {
+            return;
+        };
+        for (key, i, j) in [
+            ("machine.links_gain_correlation", links, gain),
+            ("machine.upper_gain_correlation", upper, gain),
+            ("machine.upper_links_correlation", upper, links),
+        ] {
+            pen.correlation(key, found.uncertainty.correlation(i, j));
         }
-        let worst = [0.05, 0.5, 0.95].map(|share| {
-            let part = percentile(attachment.clone(), share);
-            let slope = [
-                self.swings.parameters[upper].std,
-                part * self.swings.parameters[links].std,
-            ];
-            let c = &found.uncertainty.covariance;
-            let variance = slope[0] * slope[0] * c[(upper, upper)]
-                + 2.0 * slope[0] * slope[1] * c[(upper, links)]
-                + slope[1] * slope[1] * c[(links, links)];
-            let value = |i: usize| self.swings.parameters[i].value(found.fit.place[i]);
-            variance.max(0.0).sqrt() / (value(upper) + part * value(links))
-        });
-        worst.into_iter().reduce(f64::max)
     }
 }

@@ -263,7 +263,7 @@ fn join(outcome: &mut Outcome, place: &[f64], ways: &[[usize; 2]]) -> bool {
                 way.correlation
             ),
             Err(why) => format!(
-                "{there} and {back} were stated as the same way there and back, but are not used as such: {why}"
+                "{there} and {back} were stated as an out-and-back run, but are not used as such: {why}"
             ),
         });
     }

@@ -216,7 +216,7 @@ fn driving_forward_alone_leaves_the_zeros_open_and_says_so() {
     // What the tolerances of 10 mrad, 0.05 m/s^2 and 0.006 leave of their sum.
     assert!(slope > 3e-3 && acceleration > 0.03 && rolling > 3e-3);
     let said = outcome.remarks.join("\n");
-    assert!(said.contains("the same way there and back"), "{said}");
+    assert!(said.contains("the same path out and back"), "{said}");
     assert_eq!(outcome.faults, [""; 0]);
 }
 

@@ -92,7 +92,7 @@ impl Way {
         }
         if same < SAME {
             return Err(format!(
-                "the slopes there and back do not mirror each other (correlation {same:.2}, of the same way {SAME} or more): it is another way, or one too even to tell"
+                "the slopes out and back do not mirror each other (correlation {same:.2}, of one path {SAME} or more): it is another path, or one too even to tell"
             ));
         }
         let cells_back = cells(back, &home, |x| best - x);

@@ -192,7 +192,7 @@ pub fn undetermined(model: &Drives, direction: &Direction) -> String {
         )
     };
     let remedy = if members.first().is_some_and(|&i| zero(model.roles[i])) {
-        "drive the same way there and back, the machine turned round (--there-and-back FILE,FILE), or some of it in reverse"
+        "drive the same path out and back, the machine turned round (--out-and-back FILE,FILE), or some of it in reverse"
     } else if members.first().is_some_and(|&i| gain(model.roles[i])) {
         EACH_AXLE
     } else if has(place) && has(tyres) {

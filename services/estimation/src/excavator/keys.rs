@@ -50,6 +50,13 @@ table! {
         upper_tolerance: Option<f64> = None, "", 0.0 to 1.0;
         /// The same of the bucket's mass: attachments are changed; "none" takes 11 times mass_tolerance (0.2).
         bucket_tolerance: Option<f64> = None, "", 0.0 to 1.0;
+        /// Correlation of the errors of the masses of boom and arm with that of sensors.swing_torque_gain, where `heft calibrate` has found
+        /// them together; "none": nobody has, and what the lengths do to the inertia comes on top of mass_tolerance.
+        links_gain_correlation: Option<f64> = None, "", -1.0 to 1.0;
+        /// The same of the upper body's inertia with that gain.
+        upper_gain_correlation: f64 = 0.0, "", -1.0 to 1.0;
+        /// The same of the upper body's inertia with the masses of boom and arm.
+        upper_links_correlation: f64 = 0.0, "", -1.0 to 1.0;
         /// Relative standard deviation of the described lengths.
         geometry_tolerance: f64 = 0.008, "", 0.0 to 0.2;
         /// Inertia of the upper body without boom, arm and bucket, about the swing axis (J_u).

@@ -53,7 +53,7 @@ use settings::{cylinder, doubts, geometry, settings_error};
 
 pub use crate::Quantity;
 pub use cylinder::{Cylinder, FULL_PRESSURE};
-pub use doubts::Doubts;
+pub use doubts::{Correlations, Doubts};
 pub use estimate::{Columns, Estimate, Flags, Method, Sample};
 pub use geometry::{Geometry, Inertia};
 pub use measurements::boom_moment::{FADING, GRAVITY, Moment};

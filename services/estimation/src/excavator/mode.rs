@@ -11,7 +11,7 @@ pub(in crate::excavator) mod velocity;
 
 use super::change::ChangeDetector;
 use super::delay::Entry;
-use super::drive::Driver;
+use super::drive::{Drive, Driver};
 use super::estimate::Method;
 use super::geometry::Inertia;
 use super::grid::Tick;
@@ -129,44 +129,23 @@ impl Core {
         self.standstill.count(phase, tick.period);
         let geometry = needs_posture.then_some(&settings.geometry);
         let torque_std = settings.sensors.swing_torque_std;
-        let drive = self.driver.step(&tick, geometry, torque_std);
+        let drive = if needs_torque {
+            self.driver.step(&tick, geometry, torque_std)
+        } else {
+            // A method without torque does not see one that was measured.
+            let torque_age = f64::INFINITY;
+            let tick = Tick { torque_age, ..tick };
+            self.driver.step(&tick, geometry, torque_std)
+        };
         if let Some(onset) = &mut self.onset {
             event |= onset.step(settings, &drive, phase);
         }
-        // With the load weighed, posture alone is a scale: the default filter, whose torque is unknown.
-        let weighs = method == Method::Posture && settings.boom.is_some();
-        if weighs
-            && settings.doubts.is_some()
-            && drive.boom_pressure.is_some()
-            && matches!(self.mode, Mode::Posture(_))
-        {
-            self.mode = Mode::PostureTorque(PostureTorque::new(settings));
-        }
-        let scale = weighs && matches!(self.mode, Mode::PostureTorque(_));
-        let mut held = phase == Phase::Held;
-        let constant = settings.estimator.constant_inertia;
-        let (mut state, basis) = match &mut self.mode {
-            Mode::PostureTorque(mode) => {
-                let state = mode.step(settings, &drive, (phase, reopen), trail);
-                (state, Basis::PostureTorque)
-            }
-            Mode::Torque(mode) => {
-                let stood = self.standstill.seen();
-                let state = mode.step(settings, &drive, phase, reopen);
-                (state, Basis::Torque { stood })
-            }
-            Mode::Posture(mode) => {
-                let state = mode.step(settings, &drive, (phase, reopen), event);
-                held = mode.held();
-                (state, Basis::Steady(mode.unflagged_for()))
-            }
-            Mode::Velocity(mode) => {
-                let entry = Entry::new(&drive, phase, reopen);
-                let state = mode.step(settings, entry, event);
-                held = mode.held();
-                let steady = Basis::Steady(mode.unflagged_for());
-                (state, if constant { steady } else { Basis::Nothing })
-            }
+        let scale = self.is_scale(settings, method, &drive);
+        let (mut state, basis) = self.advance(settings, &drive, (phase, reopen), event, trail);
+        let held = match &self.mode {
+            Mode::Posture(mode) => mode.held(),
+            Mode::Velocity(mode) => mode.held(),
+            Mode::PostureTorque(_) | Mode::Torque(_) => phase == Phase::Held,
         };
         // Without torque or without posture, what a working machine does beside its description, and an arm
         // that moves, cannot be distinguished from its inertia.
@@ -192,6 +171,51 @@ impl Core {
                 Phase::Released(_) => 2,
                 _ => 0,
             },
+        }
+    }
+
+    /// With the load weighed, posture alone is a scale: the default filter, whose torque is unknown.
+    fn is_scale(&mut self, settings: &Settings, method: Method, drive: &Drive) -> bool {
+        let weighs = method == Method::Posture && settings.boom.is_some();
+        if weighs
+            && settings.doubts.is_some()
+            && drive.boom_pressure.is_some()
+            && matches!(self.mode, Mode::Posture(_))
+        {
+            self.mode = Mode::PostureTorque(PostureTorque::new(settings));
+        }
+        weighs && matches!(self.mode, Mode::PostureTorque(_))
+    }
+
+    /// The mode takes a step: its state, and what speaks for it.
+    fn advance(
+        &mut self,
+        settings: &Settings,
+        drive: &Drive,
+        (phase, reopen): (Phase, bool),
+        event: bool,
+        trail: &mut Option<Trail>,
+    ) -> (State, Basis) {
+        match &mut self.mode {
+            Mode::PostureTorque(mode) => {
+                let state = mode.step(settings, drive, (phase, reopen), trail);
+                (state, Basis::PostureTorque)
+            }
+            Mode::Torque(mode) => {
+                let stood = self.standstill.seen();
+                let state = mode.step(settings, drive, phase, reopen);
+                (state, Basis::Torque { stood })
+            }
+            Mode::Posture(mode) => {
+                let state = mode.step(settings, drive, (phase, reopen), event);
+                (state, Basis::Steady(mode.unflagged_for()))
+            }
+            Mode::Velocity(mode) => {
+                let state = mode.step(settings, Entry::new(drive, phase, reopen), event);
+                let steady = Basis::Steady(mode.unflagged_for());
+                let constant = settings.estimator.constant_inertia;
+                (state, if constant { steady } else { Basis::Nothing })
+            }
         }
     }
 

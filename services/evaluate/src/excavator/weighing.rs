@@ -79,6 +79,14 @@ fn cases() -> Vec<Case> {
         case("good machine", Knowledge::Described, good),
         case("good machine", Knowledge::Narrow, precise),
         case("good machine", Knowledge::Scale, good),
+        case(
+            "emptied while it swings",
+            Knowledge::Scale,
+            Effects {
+                dumps_swinging: true,
+                ..good
+            },
+        ),
         case("usual machine", Knowledge::Described, Effects::usual()),
         Case {
             bucket: 1.0 / 1.25,
@@ -341,6 +349,19 @@ pub(super) fn evaluate(options: &Options) -> Result<Report, Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_scale_sees_a_load_that_leaves_while_the_machine_swings() {
+        let case = &cases()[4];
+        assert!(case.effects.dumps_swinging && case.knowledge == Knowledge::Scale);
+        let mut sums = Sums::default();
+        for seed in 1..=2 {
+            sums.add(&run(case, seed).expect("a run"));
+        }
+        assert!(sums.trusted > sums.rows / 10, "{sums:?}");
+        assert!(20 * sums.wrong <= sums.trusted, "{sums:?}");
+        assert!(sums.covered * 100 >= sums.rows * 95, "{sums:?}");
+    }
 
     #[test]
     fn pressures_make_more_of_the_time_narrow_and_the_loads_no_worse() {

@@ -182,6 +182,8 @@ fn messages(
             ("site", json!(words[0])),
             ("machine", json!(words[1])),
             ("run", json!(run)),
+            ("run_first_received_ms", json!(first)),
+            // Its old name, for a version.
             ("run_heard_ms", json!(first)),
             ("stream", json!(stream)),
             ("wall_ms", json!(wall)),

@@ -1,8 +1,10 @@
-//! Messages as lines of CSV or JSON.
+//! Messages as lines of CSV or JSON: codes by their names, and each flag as a column of its own.
 
+use std::borrow::Cow;
 use std::io::{self, Write};
 
-use messages::{Envelope, Field, Value};
+use messages::words::{Said, said};
+use messages::{Envelope, Message, Receiver, Value};
 use serde_json::{Map, json};
 
 /// How a table is written.
@@ -18,7 +20,7 @@ pub enum Format {
 pub struct Table {
     format: Format,
     /// Columns of the last row.
-    columns: Vec<&'static str>,
+    columns: Vec<Cow<'static, str>>,
 }
 
 impl Table {
@@ -41,32 +43,50 @@ impl Table {
         said: &[(&str, serde_json::Value)],
         message: &Envelope,
     ) -> io::Result<()> {
+        let cells = message.open(Cells);
         if self.format == Format::Json {
             let own = said.iter().map(|(n, v)| ((*n).to_owned(), v.clone()));
-            let all = fields(message).map(|(f, v)| (f.name.to_owned(), number(v)));
+            let all = cells.into_iter().map(|(name, v)| (name.into_owned(), v));
             let object: Map<_, _> = own.chain(all).collect();
             return writeln!(out, "{}", serde_json::Value::from(object));
         }
-        let columns: Vec<&str> = fields(message).map(|(f, _)| f.name).collect();
+        let (columns, values): (Vec<_>, Vec<_>) = cells.into_iter().unzip();
         if columns != self.columns {
             let own: Vec<&str> = said.iter().map(|(n, _)| *n).collect();
             writeln!(out, "{},{}", own.join(","), columns.join(","))?;
             self.columns = columns;
         }
-        // Names of sites and machines have no comma, see `MachineId`.
-        let plain = |v: &serde_json::Value| v.as_str().map_or_else(|| v.to_string(), str::to_owned);
-        let own = said.iter().map(|(_, v)| plain(v));
-        let all: Vec<String> = own
-            .chain(fields(message).map(|(_, v)| number(v).to_string()))
-            .collect();
+        // Names of sites and machines have no comma, see `MachineId`, and neither have those of codes.
+        let all = said.iter().map(|(_, v)| v).chain(&values);
+        let all: Vec<String> = all.map(plain).collect();
         writeln!(out, "{}", all.join(","))
     }
 }
 
-/// The fields of a message; the machine's number within its host is not the fleet's.
-fn fields(message: &Envelope) -> impl Iterator<Item = (&'static Field, Value)> {
-    let all = message.fields().iter().enumerate().skip(1);
-    all.filter_map(|(i, field)| Some((field, message.get(i)?)))
+/// A flag is 1 or 0, as in the tables of `heft estimate`.
+fn plain(value: &serde_json::Value) -> String {
+    match value {
+        serde_json::Value::String(text) => text.clone(),
+        serde_json::Value::Bool(flag) => u8::from(*flag).to_string(),
+        other => other.to_string(),
+    }
+}
+
+/// Names and values of a message; the machine's number within its host is not the fleet's.
+struct Cells;
+
+impl Receiver for Cells {
+    type Output = Vec<(Cow<'static, str>, serde_json::Value)>;
+
+    fn receive<M: Message>(self, message: &M) -> Self::Output {
+        let value = |value| match value {
+            Said::Number(number) => self::number(number),
+            Said::Flag(flag) => json!(flag),
+            Said::Word(word) => json!(word),
+        };
+        let all = said(message).skip(1);
+        all.map(|(name, said)| (name, value(said))).collect()
+    }
 }
 
 fn number(value: Value) -> serde_json::Value {
@@ -74,5 +94,38 @@ fn number(value: Value) -> serde_json::Value {
         Value::U32(v) => json!(v),
         Value::U64(v) => json!(v),
         Value::F64(v) => json!(v),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use messages::{ExcavatorEstimate, excavator_bits};
+
+    #[test]
+    fn the_verdict_is_a_column_and_codes_are_names() {
+        let message = Envelope::ExcavatorEstimate(ExcavatorEstimate {
+            flags: excavator_bits::TRUSTED,
+            method: 3,
+            reason: 11,
+            ..ExcavatorEstimate::default()
+        });
+        let mut out = Vec::new();
+        let said = [("site", json!("north"))];
+        let mut table = Table::new(Format::Csv);
+        table.row(&mut out, &said, &message).expect("written");
+        let text = String::from_utf8(out).expect("text");
+        let (header, row) = text.split_once('\n').expect("a header");
+        let cells: std::collections::BTreeMap<&str, &str> =
+            header.split(',').zip(row.trim_end().split(',')).collect();
+        assert_eq!(
+            (cells["site"], cells["trusted"], cells["excited"]),
+            ("north", "1", "0")
+        );
+        assert_eq!(
+            (cells["method"], cells["reason"]),
+            ("posture-torque", "content")
+        );
+        assert!(!cells.contains_key("machine"), "{header}");
     }
 }

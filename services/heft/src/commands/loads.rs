@@ -18,7 +18,7 @@ use crate::{machines, many, page};
 /// `heft loads`
 #[derive(Debug, Args)]
 #[command(after_help = "\
-A load is what was in the bucket between filling and dumping; `kg` has a 95 % interval. `stays` is what was weighed in
+A load is what was in the bucket between filling and dumping; `kg` has a 95 % interval. `left in it` is what was weighed in
 the bucket after the dump (carry-back); a truck gets the difference. Errors that all loads share add up in a truck's
 interval, those of each load average out. A truck ends where the signal `truck` changes, or after --pause.
 Times are those of the recording [s].")]
@@ -171,7 +171,7 @@ fn print(account: &Account) {
         "dumped",
         "kg",
         "95 %",
-        "stays",
+        "left in it",
         "delivered",
         "truck",
         "by",

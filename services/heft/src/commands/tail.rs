@@ -48,7 +48,7 @@ pub struct TailArgs {
     /// With --format candump: which estimates, in which frames (TOML)
     #[arg(long, value_name = "FILE")]
     pub output_map: Option<PathBuf>,
-    /// The domain to attach to; the only one there is if absent
+    /// Name of the run (`--domain` of `heft run`); the only one there is if absent
     #[arg(long)]
     pub domain: Option<String>,
 }

@@ -42,7 +42,7 @@ impl Sink for Screen {
 /// `heft top`
 #[derive(Debug, Args)]
 pub struct TopArgs {
-    /// The domain to attach to; the only one there is if absent
+    /// Name of the run (`--domain` of `heft run`); the only one there is if absent
     #[arg(long)]
     pub domain: Option<String>,
     /// Print one picture as text and end

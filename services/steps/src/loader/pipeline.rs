@@ -11,7 +11,7 @@ use crate::stages::{LOGGER, Pipeline, Role, RowOf, SENDER, Stage};
 /// The loader's processes, upstream first.
 pub static PIPELINE: Pipeline = Pipeline {
     machine: Machine::Loader,
-    about: "Centre of gravity, slip stiffness, digging force",
+    about: "Payload, centre of gravity, slip stiffness, bucket force",
     main: "ukf",
     stages: &[
         Stage {

@@ -136,7 +136,7 @@ pub(crate) const REMEDIES: &[(&str, &str)] = &[
     ),
     (
         "disagreement",
-        "look for what changes between swings: slope, temperature, load that spills",
+        "look for changes between swings: slope, temperature, load that spills",
     ),
     ("limit", "check units and signs of torque and velocity"),
     ("content", "swing on: the next swing decides"),
@@ -173,7 +173,7 @@ fn advice(e: &ExcavatorEstimate) -> &'static str {
         of_reason
             .unwrap_or("check the sensors and the map: an input is missing, rejected or too old")
     } else if !has(bits::EXCITED) {
-        "swing, faster than 0.1 rad/s"
+        "swing faster than 6 degrees a second (0.1 rad/s)"
     } else if let Some(of_reason) = of_reason {
         of_reason
     } else if !has(bits::IDENTIFIABLE) {

@@ -16,17 +16,34 @@ pub(crate) fn position(e: &LoaderEstimate) -> Judgement {
     let wheelbase = e.cg_distance / (1.0 - e.cg_ratio).max(1e-9);
     let std = e.cg_ratio_std * wheelbase;
     let value = format!(
-        "The centre of gravity lies {} behind the front axle (95\u{a0}%: {}{}m; {} of the weight on the front axle)",
+        "The centre of gravity lies {} behind the front axle (95\u{a0}%: {}{}m; {} of the weight on the front axle{})",
         number::with_std(e.cg_distance, std, "m"),
         number::interval_95(e.cg_distance, std),
         number::GROUP,
         number::with_std(100.0 * e.cg_ratio, 100.0 * e.cg_ratio_std, "%"),
+        payload(e),
     );
     let width = format!(
         "half width {}\u{a0}%",
         significant(196.0 * e.cg_ratio_std / e.cg_ratio.abs().max(1e-9), 2)
     );
     judgement(e, value, &Part::POSITION, &width)
+}
+
+/// The payload, which has a verdict of its own; nothing where nothing weighs it.
+fn payload(e: &LoaderEstimate) -> String {
+    if e.estimated & bits::PAYLOAD == 0 {
+        return String::new();
+    }
+    let verdict = if e.flags & bits::TRUSTED_PAYLOAD != 0 {
+        "trusted"
+    } else {
+        "not trusted"
+    };
+    format!(
+        "; payload {}, {verdict}",
+        number::with_std(e.payload, e.payload_std, "kg")
+    )
 }
 
 /// What heft says of the height of the centre of gravity.
@@ -90,7 +107,7 @@ impl Part {
         moving: "the machine accelerates and brakes",
         to_do: [
             "accelerate and brake hard",
-            "add lift pressures, or state machine.stiffness_load_exponent_std of measured tyres",
+            "add lift pressures, or state stiffness_load_exponent_std and radius_load_sensitivity_std of measured tyres",
         ],
     };
 }
@@ -184,7 +201,7 @@ pub(crate) const REMEDIES: &[(&str, &str)] = &[
     ("load", "drive on; map the payload if it is weighed"),
     (
         "disagreement",
-        "look for what changes between manoeuvres: ground, load, tyres",
+        "look for changes between manoeuvres: ground, load, tyres",
     ),
     ("limit", "check units; check the mass in the machine file"),
     ("restarted", "wait for one acceleration"),

@@ -21,7 +21,7 @@ pub fn panels<E: Estimate>(run: &MachineRun<E>) -> Vec<Panel> {
             let title = format!("Error of {}", parameter.label.to_lowercase());
             let (label, style) = (estimator.method(), style(run, estimator));
             let plot = histogram(&title, label, &score.errors, style);
-            let note = "While the motion informs about it; bars are shares of samples per 1\u{a0}% of error.";
+            let note = "Samples with enough motion (excited), trusted or not; bars: share of samples per 1\u{a0}% of error.";
             panels.extend(plot.map(|plot| Panel::half(plot, note)));
         }
     }
@@ -37,8 +37,8 @@ pub fn histogram(title: &str, label: &str, errors: &[f64], style: Style) -> Opti
     if summary.std > 0.0 {
         let fit = format!(
             "normal fit: mean {} %, std {} %",
-            grouped(summary.mean, 2),
-            grouped(summary.std, 2)
+            grouped(summary.mean, 1),
+            grouped(summary.std, 1)
         );
         plot.line(fit, Style::Truth, &normal_curve(&summary));
     }

@@ -3,12 +3,11 @@
 use std::fmt::Write;
 
 use estimation::loads::{Load, Truck, Weight};
-use messages::Machine;
 use steps::loads::why_words;
 
 use super::html::{self, text};
 use crate::loads::{Account, clock, line, total_words, truck_line};
-use crate::number::{interval_95, value_and_std};
+use crate::number::{grouped, interval_95, value_and_std};
 
 /// The printable page: what each truck got, load by load, and the sum of the day.
 #[must_use]
@@ -58,10 +57,17 @@ pub(super) fn section(body: &mut String, account: &Account) {
             text(&total_words(&account.all))
         );
     }
+    let (held, known) = account.covered();
+    if known > 0 {
+        let _ = write!(
+            body,
+            "<p>The truth lies inside {held} of {known} intervals of the trusted loads.</p>"
+        );
+    }
     let _ = write!(
         body,
         "{}<p class=\"note\">{DELIVERED} <code>heft loads</code> adds up trucks and days.</p></section>",
-        table(account.machine, &rows)
+        table(account, &rows)
     );
 }
 
@@ -73,13 +79,13 @@ fn truck_table(body: &mut String, account: &Account, truck: &Truck) {
         body,
         "<section class=\"words loads\"><h3>{}</h3>{}</section>",
         text(&truck_line(truck)),
-        table(account.machine, &of_truck.collect::<Vec<_>>())
+        table(account, &of_truck.collect::<Vec<_>>())
     );
 }
 
-/// A row a load. A narrow screen leaves out what its style names by place.
-fn table(machine: Machine, loads: &[&Load]) -> String {
-    let head = [
+/// A row a load; the truth only where it is known. A narrow screen leaves out what its style names by place.
+fn table(account: &Account, loads: &[&Load]) -> String {
+    let mut head = vec![
         "load",
         "filled",
         "dumped",
@@ -90,18 +96,24 @@ fn table(machine: Machine, loads: &[&Load]) -> String {
         "weighed by",
         "trusted",
     ];
-    let rows: String = loads.iter().map(|load| cells(machine, load)).collect();
+    if !account.truths.is_empty() {
+        head.insert(TRUTH_AT, "truth, kg");
+    }
+    let rows: String = loads.iter().map(|load| cells(account, load)).collect();
     html::table(1, &head, &rows)
 }
 
-fn cells(machine: Machine, load: &Load) -> String {
+/// The truth stands behind the interval.
+const TRUTH_AT: usize = 5;
+
+fn cells(account: &Account, load: &Load) -> String {
     let kg = |weight: Weight| value_and_std(weight.kg, weight.std).0;
     let after_dump = |weight| load.dumped.map_or(String::new(), |_| kg(weight));
     let trusted = match load.trusted {
         true => "yes".to_owned(),
-        false => format!("no: {}", text(why_words(machine, load))),
+        false => format!("no: {}", text(why_words(account.machine, load))),
     };
-    html::row(&[
+    let mut cells = vec![
         load.number.to_string(),
         clock(load.filled),
         load.dumped.map_or("not yet".to_owned(), clock),
@@ -111,7 +123,12 @@ fn cells(machine: Machine, load: &Load) -> String {
         after_dump(load.delivered()),
         load.witness.name().to_owned(),
         trusted,
-    ])
+    ];
+    if !account.truths.is_empty() {
+        let truth = account.truths.get(&load.number);
+        cells.insert(TRUTH_AT, truth.map_or(String::new(), |t| grouped(*t, 0)));
+    }
+    html::row(&cells)
 }
 
 #[cfg(test)]
@@ -151,5 +168,27 @@ mod tests {
             !body.contains("<table") && body.contains("(map the pressures)"),
             "{body}"
         );
+    }
+
+    #[test]
+    fn the_truth_has_a_column_only_where_it_is_known_and_says_how_many_intervals_hold_it() {
+        let mut account = account();
+        let page = |account: &Account| {
+            let mut body = String::new();
+            section(&mut body, account);
+            body
+        };
+        assert!(!page(&account).contains("truth"), "{}", page(&account));
+        account.truths.insert(1, 1100.4);
+        let unreported = page(&account);
+        assert!(unreported.contains("<th>truth, kg</th>"), "{unreported}");
+        assert!(unreported.contains("<td>1\u{a0}100</td>"), "{unreported}");
+        assert!(!unreported.contains("The truth lies"), "{unreported}");
+        account.loads[0].trusted = true;
+        assert!(page(&account).contains("inside 1 of 1 intervals"));
+        account.truths.insert(1, 1300.0);
+        assert!(page(&account).contains("inside 0 of 1 intervals"));
+        account.loads[0].number = 2;
+        assert!(page(&account).contains("<td></td>"), "a load without truth");
     }
 }

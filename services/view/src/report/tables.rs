@@ -45,9 +45,8 @@ pub(super) fn comparison<E: Estimate>(body: &mut String, run: &Run, part: &Machi
     }
     let _ = write!(
         body,
-        "<section><h2>The estimators compared</h2>{}<p class=\"note\">Errors are relative, while the motion informs about \
-         the quantity; coverage is the share of these samples whose 95 % interval held the truth. A dash: no truth, \
-         or no sample of that kind.</p></section>",
+        "<section><h2>The estimators compared</h2>{}<p class=\"note\">Relative errors of the samples with enough motion \
+         (excited), and the share of them whose 95 % interval holds the truth. A dash: no truth, or no sample of that kind.</p></section>",
         table(2, &head, &rows)
     );
 }
@@ -61,10 +60,10 @@ fn comparison_row<E: Estimate>(
     let score = Score::of(part, estimator, parameter);
     let largest = |errors: &[f64]| {
         let summary = statistics::Summary::of(errors);
-        summary.map_or("–".into(), |s| format!("{} %", grouped(s.max_abs, 2)))
+        summary.map_or("–".into(), |s| format!("{} %", grouped(s.max_abs, 1)))
     };
     let mean = score.summary().map_or("–".into(), |s| {
-        format!("{} ± {} %", grouped(s.mean, 2), grouped(s.std, 2))
+        format!("{} ± {} %", grouped(s.mean, 1), grouped(s.std, 1))
     });
     let mut cells = vec![
         parameter.label.into(),
@@ -190,7 +189,13 @@ pub(super) fn processes(body: &mut String, run: &Run) {
 fn process_row(run: &Run, h: &Health) -> String {
     let times = |ns: &[u64]| {
         let parts: Vec<_> = ns.iter().map(|&n| nanoseconds(n as f64)).collect();
-        parts.join(" / ")
+        // Of a process that takes no steps, or receives nothing, there is nothing to say.
+        let is_known = ns.iter().any(|&n| n > 0);
+        if is_known {
+            parts.join(" / ")
+        } else {
+            "–".into()
+        }
     };
     row(&[
         text(&run.process_name(h.process)),

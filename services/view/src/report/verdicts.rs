@@ -7,7 +7,7 @@ use messages::Message;
 use super::html::text;
 use crate::estimate::{Estimate, Parameter};
 use crate::judgement::Judgement;
-use crate::number::{grouped, large, significant, unit};
+use crate::number::{grouped, large, significant};
 use crate::run::{Estimator, MachineRun};
 use crate::words::{RunJudgement, run_judgements};
 
@@ -27,18 +27,24 @@ pub(super) fn verdicts<E: Estimate>(body: &mut String, part: &MachineRun<E>) {
         .iter()
         .filter(|e| e.channel != primary.channel)
     {
-        let judgements = run_judgements(&other.estimates);
-        let sentences: Vec<_> = judgements
-            .iter()
-            .map(|j| text(&j.reported.sentence()))
-            .collect();
         let name = other.method();
+        let (said, first) = (sentences(other), sentences(primary));
+        let said = match said == first {
+            true => "the same.".to_owned(),
+            false => text(&said),
+        };
         let _ = write!(
             body,
-            "<p class=\"other\"><b>{name}</b>: {}</p>",
-            sentences.join(" ")
+            "<p class=\"other\">Another method, <b>{name}</b>: {said}</p>"
         );
     }
+}
+
+/// All that an estimator says.
+fn sentences<E: Estimate>(estimator: &Estimator<E>) -> String {
+    let judgements = run_judgements(&estimator.estimates);
+    let sentences: Vec<_> = judgements.iter().map(|j| j.reported.sentence()).collect();
+    sentences.join(" ")
 }
 
 /// The quantities that have a verdict, in the order of the judgements.
@@ -143,17 +149,12 @@ fn truth_sentence<E: Estimate>(
     } else {
         "outside"
     };
-    let unit = unit(parameter.unit);
-    let unit = if unit.is_empty() {
-        unit
-    } else {
-        format!("{}{unit}", crate::number::GROUP)
-    };
+    // With the digits of the large number above it.
+    let (shown, _) = large(truth, std, parameter.unit);
     error.is_finite().then(|| {
         format!(
-            "The truth was {}{unit}: the error is {}\u{a0}%, {inside} the 95\u{a0}% interval.",
-            grouped(truth, crate::number::decimals(std)),
-            grouped(error, 2),
+            "The truth was {shown}: the error is {}\u{a0}%, {inside} the 95\u{a0}% interval.",
+            grouped(error, 1),
         )
     })
 }

@@ -36,12 +36,15 @@ const STILL: f64 = 1e-3;
 const NOISE: f64 = 3.0;
 /// Where the cylinder stands, leakage and vibration take the friction away within this time \[s\].
 pub const FADING: f64 = 3.0;
+/// Share of it that is left when the cylinder stops: all of it where it stops at once, none where it bounces; half of it, give or
+/// take [`UNMODELLED`].
+const KEPT: f64 = 0.5;
 /// Error of the mean acceleration of a link [rad/s^2], and the share of the dynamic part that three blocks miss.
 const ACCELERATION: f64 = 0.02;
 const MISSED: f64 = 0.15;
 
 /// Share of the seals' friction that nobody can tell, while the cylinder moves and while it stands.
-const UNMODELLED: [f64; 2] = [0.15, 0.5];
+const UNMODELLED: [f64; 2] = [0.15, 0.7];
 /// Share of the moment that the drawing misses at each posture: centres of mass beside the lines of the pins.
 const DRAWN: f64 = 0.01;
 
@@ -61,7 +64,8 @@ struct Block {
     length: f64,
     spin: f64,
     turn: [f64; 2],
-    free: bool,
+    constant: bool,
+    touches: bool,
     /// Ticks, and variance of the mean angle by the noise of the sensors [rad^2].
     ticks: f64,
     noise: f64,
@@ -96,6 +100,8 @@ pub struct Moment {
     pub direction: f64,
     /// The cylinder moves.
     pub moves: bool,
+    /// The ground may carry part of it.
+    pub touches: bool,
     /// Sine and cosine of the swing angle.
     pub turn: [f64; 2],
     /// Variance of what the accelerations miss [(N m)^2].
@@ -152,17 +158,18 @@ impl BoomMoment {
         }
     }
 
-    /// One tick; whether the bucket is free and its content constant. The moment of the block before the last, where three are
-    /// there.
+    /// One tick; whether the bucket's content is constant, and whether it may touch the ground. The moment of the block before the
+    /// last, where three are there.
     pub(in crate::excavator) fn step(
         &mut self,
         geometry: &Geometry,
         cylinder: &Cylinder,
         front: &Front,
-        free: bool,
+        (constant, touches): (bool, bool),
     ) -> Option<Moment> {
         let dt = front.period;
-        self.block.free = free && (self.elapsed == 0.0 || self.block.free);
+        self.block.constant = constant && (self.elapsed == 0.0 || self.block.constant);
+        self.block.touches |= touches;
         self.elapsed += dt;
         if let Some(pressures) = front.pressures {
             let force = cylinder.force(pressures);
@@ -197,13 +204,15 @@ impl BoomMoment {
         if !moves {
             self.direction *= exp(-BLOCK / FADING);
         }
-        let direction = 0.5 * (before + self.direction);
+        let kept = if moves { 1.0 } else { KEPT };
+        let direction = kept * 0.5 * (before + self.direction);
         let oldest = oldest?;
-        if !(oldest.free && middle.free && newest.free) {
+        if !(oldest.constant && middle.constant && newest.constant) {
             return None;
         }
         let blocks = [&oldest, &middle, &newest];
-        let moment = moment(geometry, cylinder, blocks, direction, moves, self.since);
+        let mut moment = moment(geometry, cylinder, blocks, direction, moves, self.since);
+        moment.touches = blocks.iter().any(|block| block.touches);
         self.since = 0.0;
         Some(moment)
     }
@@ -325,6 +334,7 @@ fn moment(
         lever: smooth(&|b| b.lever),
         direction,
         moves,
+        touches: false,
         turn: [smooth(&|b| b.turn[0]), smooth(&|b| b.turn[1])],
         variance: missed * missed + noise * noise,
         period,

@@ -94,6 +94,6 @@ impl Lifts {
             turn: sin_cos(self.turn),
         };
         self.moments
-            .step(&self.geometry, &self.cylinder, &front, stands)
+            .step(&self.geometry, &self.cylinder, &front, (stands, false))
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::excavator::align;
 use crate::excavator::cylinder::Cylinder;
-use crate::excavator::doubts::Doubts;
+use crate::excavator::doubts::{Correlations, Doubts};
 use crate::excavator::geometry::Geometry;
 use crate::excavator::keys::{Description, Paper, Variant};
 use crate::excavator::settings::{Sensors, Settings};
@@ -89,10 +89,19 @@ impl Doubts {
             delay: align::rest([s.swing_velocity_delay, s.swing_torque_delay]),
             delay_std: both(s.swing_velocity_delay_std, s.swing_torque_delay_std),
             torque_share: d.estimator.torque_noise_share,
-            links_share: both(m.mass_tolerance, 2.0 * m.geometry_tolerance),
+            // Who found the masses by swinging found what the lengths do to them.
+            links_share: match m.links_gain_correlation {
+                Some(_) => m.mass_tolerance,
+                None => both(m.mass_tolerance, 2.0 * m.geometry_tolerance),
+            },
             upper_share: m.upper_tolerance.unwrap_or(UPPER * m.mass_tolerance),
             bucket_share: m.bucket_tolerance.unwrap_or(BUCKET * m.mass_tolerance),
             form_share: 2.0 * m.geometry_tolerance,
+            found: m.links_gain_correlation.map(|links_gain| Correlations {
+                links_gain,
+                upper_gain: m.upper_gain_correlation,
+                upper_links: m.upper_links_correlation,
+            }),
         }
     }
 }

@@ -38,7 +38,34 @@ pub struct Doubts {
     /// What the drawing misses of the inertia at each posture, as a share of boom, arm and bucket: lengths, and
     /// centres beside the lines of the pins.
     pub form_share: f64,
+    /// What a calibration has found together.
+    pub found: Option<Correlations>,
 }
+
+/// Correlations of the errors of what a calibration has found from the same swings.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Correlations {
+    /// Masses of boom and arm, and the gain of the torque sensor (measured over true).
+    pub links_gain: f64,
+    /// Inertia of the upper body, and that gain.
+    pub upper_gain: f64,
+    /// Inertia of the upper body, and masses of boom and arm.
+    pub upper_links: f64,
+}
+
+impl Correlations {
+    /// Whether three quantities can have them.
+    #[must_use]
+    pub fn are_possible(&self) -> bool {
+        let [a, b, c] = [self.links_gain, self.upper_gain, self.upper_links];
+        let determinant = 1.0 + 2.0 * a * b * c - a * a - b * b - c * c;
+        [a, b, c].iter().all(|r| r.abs() <= 1.0) && determinant >= -ROUNDING
+    }
+}
+
+/// Correlations are written with so many digits.
+const ROUNDING: f64 = 1e-3;
 
 /// Counterweight and engine over what balances the folded, empty attachment, and the standard deviation of this ratio: 1.05 to 1.65
 /// on machines of 5 to 40 t. They balance it at some way between folded and stretched.
@@ -74,6 +101,7 @@ impl Default for Doubts {
             upper_share: 0.1,
             bucket_share: 0.2,
             form_share: 0.016,
+            found: None,
         }
     }
 }
@@ -82,6 +110,20 @@ impl Default for Doubts {
 mod tests {
     use super::*;
     use crate::excavator::keys::Description;
+
+    #[test]
+    fn correlations_that_contradict_each_other_are_refused() {
+        let settings = |links: f64, upper: f64, both: f64| {
+            let mut d = Description::default();
+            d.machine.links_gain_correlation = Some(links);
+            d.machine.upper_gain_correlation = upper;
+            d.machine.upper_links_correlation = both;
+            crate::excavator::Settings::of(&d).check()
+        };
+        assert_eq!(settings(-0.97, -0.94, 0.85), Ok(()));
+        assert!(settings(-0.97, -0.94, -0.85).is_err());
+        assert!(settings(-0.97, 0.0, 0.9).is_err());
+    }
 
     #[test]
     fn an_unstated_counterweight_is_within_its_spread_on_machines_of_all_sizes() {

@@ -12,6 +12,8 @@ pub enum SettingsError {
         /// The value.
         value: f64,
     },
+    /// Correlations that no three quantities can have.
+    Correlations,
     /// The method needs a column that the source does not have.
     MissingColumn {
         /// The method.
@@ -30,6 +32,9 @@ impl core::fmt::Display for SettingsError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::OutOfRange { key, value } => write!(f, "{key} = {value} is out of range"),
+            Self::Correlations => f.write_str(
+                "machine.links_gain_correlation, upper_gain_correlation and upper_links_correlation contradict each other: take all three of one calibration",
+            ),
             Self::MissingColumn { method, column } => {
                 write!(f, "the method {method} needs the column {column}")
             }
@@ -100,8 +105,16 @@ impl Settings {
                 .find(|(_, value)| !(value.is_finite() && *value >= 0.0)));
         match bad {
             Some(&(key, value)) => Err(SettingsError::OutOfRange { key, value }),
+            None if self.contradicts() => Err(SettingsError::Correlations),
             None => Ok(()),
         }
+    }
+}
+
+impl Settings {
+    fn contradicts(&self) -> bool {
+        let found = self.doubts.and_then(|doubts| doubts.found);
+        found.is_some_and(|correlations| !correlations.are_possible())
     }
 }
 

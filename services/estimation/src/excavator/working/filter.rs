@@ -146,7 +146,7 @@ impl Filter {
     }
 
     /// Part of the payload leaves, and more or less of it than thought.
-    fn leave(&mut self, input: &Input, trail: &mut Option<Trail>) {
+    pub(super) fn leave(&mut self, input: &Input, trail: &mut Option<Trail>) {
         if input.leaving > 0.0 {
             let kept = 1.0 - input.leaving;
             if let Some(trail) = trail {

@@ -30,14 +30,14 @@ use self::parallel::ParallelFilter;
 pub use self::smoother::{Smoothed, Smoother};
 pub use self::trail::Trail;
 use self::weigh::Weigh;
-use super::doubts::Doubts;
+use super::doubts::{Correlations, Doubts};
 use super::drive::Drive;
 use super::settings::Settings;
 use super::standstill::Phase;
 use super::state::State;
 use crate::consistency::Cusum;
 use crate::kalman::Innovation;
-use crate::math::{exp, sin_cos};
+use crate::math::{exp, sin_cos, sqrt};
 
 /// Random walk of the torque's gain: weights of zero all err alike, and must not add up [1/sqrt(s)].
 const GAIN_DRIFT: f64 = 0.001;
@@ -152,7 +152,10 @@ impl Working {
             x[i] = value;
             std[i] = deviation;
         }
-        let filter = Filter::new(x, &std);
+        let mut filter = Filter::new(x, &std);
+        if let Some(found) = doubts.found {
+            correlate(&mut filter, doubts, found);
+        }
         Self {
             parallel: ParallelFilter::new(&filter),
             filter,
@@ -213,25 +216,9 @@ impl Working {
         let digs = weighs.map(Weigh::digs);
         let content = self.bucket.step(drive, share, stands, digs);
         self.hold(settings, content, trail);
-        if let Some(weigh) = &mut self.weigh {
-            let motion = (self.turn, self.filter.x[W]);
-            let opens = self.bucket.is_open() || self.bucket.is_settling();
-            let doing = (content, opens);
-            let moment = weigh.step(settings, drive, motion, doing);
-            let parallel = &mut self.parallel.filter;
-            weigh.begin(drive, [&mut self.filter, parallel], trail);
-            if let Some(moment) = moment {
-                let said = weigh.measure(settings, &moment, &mut self.filter, trail);
-                let other = weigh.measure(settings, &moment, parallel, &mut None);
-                let gate = settings.estimator.gate;
-                self.parallel
-                    .weigh([said, other], gate, self.contradiction.usual());
-                weigh.watch(&moment, said, (self.filter.x[M], self.rated), stands);
-                if weigh.renews(said) {
-                    self.hold(settings, Content::Unknown, trail);
-                    self.agreement.interrupt();
-                }
-            }
+        if self.weigh(settings, drive, (content, stands), trail) {
+            self.hold(settings, Content::Unknown, trail);
+            self.agreement.interrupt();
         }
         if let (true, Some(inclination)) = (standing, drive.inclination) {
             self.incline(inclination, trail);
@@ -250,6 +237,37 @@ impl Working {
             trail.disagreement = self.agreement.factor() * self.doubt();
         }
         self.state(settings, drive, innovation, standing)
+    }
+
+    /// The moment of the boom's cylinders, where one is there; whether the load must be another one.
+    fn weigh(
+        &mut self,
+        settings: &Settings,
+        drive: &Drive,
+        (content, stands): (Content, bool),
+        trail: &mut Option<Trail>,
+    ) -> bool {
+        let Some(weigh) = &mut self.weigh else {
+            return false;
+        };
+        let motion = (self.turn, self.filter.x[W]);
+        let opens = self.bucket.is_open() || self.bucket.is_settling();
+        let moment = weigh.step(settings, drive, motion, (content, opens));
+        let parallel = &mut self.parallel.filter;
+        weigh.begin(drive, [&mut self.filter, parallel], trail);
+        let Some(moment) = moment else {
+            return false;
+        };
+        let said = weigh.measure(settings, &moment, &mut self.filter, trail);
+        let other = weigh.measure(settings, &moment, parallel, &mut None);
+        let load = (self.filter.x[M], self.rated);
+        if moment.touches {
+            return weigh.sets_down(said, load);
+        }
+        let (gate, usual) = (settings.estimator.gate, self.contradiction.usual());
+        self.parallel.weigh([said, other], gate, usual);
+        weigh.watch(&moment, said, load, stands);
+        weigh.renews(said)
     }
 
     /// Keeps from now on what each tick does.
@@ -397,6 +415,10 @@ impl Working {
         }
         self.filter.acceleration = 0.0;
         self.turn += self.filter.x[W] * drive.period;
+        // A bucket that opens loses its load, whatever drives the swing.
+        let input = self.input(s, drive);
+        self.filter.leave(&input, trail);
+        self.parallel.filter.leave(&input, &mut None);
         self.tare(s.estimator.gate, &drive.now, trail);
         Innovation::default()
     }
@@ -420,5 +442,63 @@ impl Working {
 
     pub(super) fn is_sound(&self) -> bool {
         self.filter.is_sound() && self.parallel.is_sound()
+    }
+}
+
+/// What a calibration has found together errs together. It scales boom, arm and bucket by one factor, and the bucket differs by more than
+/// that: it shares that part. The state of the gain is the inverse of the sensor's.
+fn correlate(filter: &mut Filter, doubts: &Doubts, found: Correlations) {
+    let shared = (doubts.links_share / doubts.bucket_share.max(f64::MIN_POSITIVE)).min(1.0);
+    for (i, j, correlation) in [
+        (GAIN, LINKS, -found.links_gain),
+        (GAIN, UPPER, -found.upper_gain),
+        (GAIN, BUCKET, -shared * found.links_gain),
+        (UPPER, LINKS, found.upper_links),
+        (UPPER, BUCKET, shared * found.upper_links),
+        (LINKS, BUCKET, shared),
+    ] {
+        let covariance = correlation * sqrt(filter.p[i][i] * filter.p[j][j]);
+        (filter.p[i][j], filter.p[j][i]) = (covariance, covariance);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::excavator::keys::Description;
+
+    /// Relative standard deviation of the inertia of the empty machine over the gain of the torque.
+    fn of_the_ratio(correlated: bool) -> f64 {
+        let mut d = Description::default();
+        d.machine.mass_tolerance = 0.02;
+        d.machine.upper_tolerance = Some(0.02);
+        d.machine.bucket_tolerance = Some(0.02);
+        d.sensors.swing_torque_gain_std = Some(0.02);
+        if correlated {
+            d.machine.links_gain_correlation = Some(-0.97);
+            d.machine.upper_gain_correlation = -0.94;
+            d.machine.upper_links_correlation = 0.85;
+        } else {
+            d.machine.geometry_tolerance = 0.0;
+        }
+        let settings = Settings::of(&d);
+        let doubts = settings.doubts.expect("doubts");
+        let filter = Working::new(&settings, &doubts).filter;
+        let now = settings.geometry.inertia([0.6, -1.8, -0.5]);
+        // T (1 + k) = J w'.
+        let row = [
+            (GAIN, -now.empty),
+            (UPPER, 1.0),
+            (BUCKET, now.per_bucket),
+            (LINKS, now.links),
+        ];
+        sqrt(filter.combination(&row).1) / now.empty
+    }
+
+    #[test]
+    fn masses_and_gain_that_were_found_together_err_together() {
+        // The swings that were calibrated on tell the inertia over the gain far better than either.
+        assert!(of_the_ratio(true) < 0.4 * of_the_ratio(false));
+        assert!(of_the_ratio(false) > 0.02);
     }
 }

@@ -18,7 +18,7 @@ use crate::math::sqrt;
 const NAMED_DEVIATION: f64 = 3.0;
 const NAMED_GAIN: f64 = 1.65;
 const NAMED_BUCKET: f64 = 2.3;
-/// The description is believed as if so many constants had been as it says: one of four.
+/// The description is believed as if so many constants had been as it says: one of five.
 const BELIEF: f64 = 1.0;
 /// Friction and damping change by this share with the oil's temperature.
 const OIL_TEMPERATURE_SHARE: f64 = 0.1;
@@ -96,20 +96,33 @@ impl Working {
     }
 
     /// Factor of the variances that the description states, at least 1: where constants that the motion tells lie further from
-    /// their description than it allows for, what the motion does not tell will too (inverse-gamma prior of the common scale).
+    /// their description than it allows for, what the motion does not tell will too (inverse-gamma prior of the common scale). Where
+    /// the description holds, the squares add up to what was learnt. A delay is the bus's, and says nothing of the drawing.
     pub(super) fn doubt(&self) -> f64 {
         let (x, p) = (&self.filter.x, &self.filter.p);
         let (mut sum, mut count) = (BELIEF, BELIEF);
-        for (i, least) in [
-            (FRICTION, OIL_TEMPERATURE_SHARE * self.described[FRICTION]),
-            (DAMPING, OIL_TEMPERATURE_SHARE * self.described[DAMPING]),
-            (LOSS, 0.01),
-            (DELAY, 0.005),
+        for (i, least, wanders) in [
+            (
+                FRICTION,
+                OIL_TEMPERATURE_SHARE * self.described[FRICTION],
+                true,
+            ),
+            (
+                DAMPING,
+                OIL_TEMPERATURE_SHARE * self.described[DAMPING],
+                true,
+            ),
+            (LOSS, 0.01, false),
+            (OFFSET, 0.0, false),
+            (GAIN, 0.0, false),
         ] {
             let stated = (self.stated[i] * self.stated[i]).max(least * least);
             let learnt = (1.0 - p[i][i] / stated).max(0.0);
             let away = x[i] - self.described[i];
-            sum += learnt * (away * away / stated).min(SURPRISE);
+            let square = away * away / stated;
+            // What wanders with the oil is not only the description's.
+            let told = if wanders { learnt * square } else { square };
+            sum += told.min(SURPRISE * learnt);
             count += learnt;
         }
         (sum / count).max(1.0)

@@ -145,7 +145,8 @@ impl Weigh {
             // What lies on the ground swings no more.
             self.forget();
         }
-        let free = content == Content::Unchanged && !opens && !self.ground.may_touch();
+        let constant = content == Content::Unchanged && !opens;
+        let touches = self.ground.may_touch();
         let front = Front {
             period: drive.period,
             posture: drive.posture,
@@ -154,7 +155,8 @@ impl Weigh {
             velocity,
             turn: sin_cos(turn),
         };
-        self.moments.step(g, &self.cylinder, &front, free)
+        self.moments
+            .step(g, &self.cylinder, &front, (constant, touches))
     }
 
     /// What the rest of the friction may be, and what it keeps of what it was.
@@ -181,7 +183,7 @@ impl Weigh {
         filter.p[SPAN][SPAN] += lost * c.span_std * c.span_std;
     }
 
-    /// A filter takes in a moment, unless it is too far from what it expects; the innovation.
+    /// A filter takes in a moment, unless it is too far from what it expects, or the ground may carry part of it; the innovation.
     pub(super) fn measure(
         &self,
         settings: &Settings,
@@ -217,7 +219,7 @@ impl Weigh {
             value,
             variance: total,
         };
-        if innovation.nis() < GATE * GATE {
+        if !m.touches && innovation.nis() < GATE * GATE {
             filter.measure(row, value, m.variance, GATE, trail);
         }
         innovation
@@ -277,6 +279,21 @@ impl Weigh {
     /// The load hangs, or swings otherwise.
     pub(super) fn swings(&self) -> bool {
         self.wavering > WAVERING * WAVERING
+    }
+
+    /// The innovation of a measurement where the ground may carry part of it; whether a load of this weight may have been set down:
+    /// who lowers a hook or a clamp leaves it there. A bucket keeps it, and weighs as before when it is lifted.
+    pub(super) fn sets_down(
+        &mut self,
+        innovation: Innovation,
+        (payload, rated): (f64, f64),
+    ) -> bool {
+        let lighter = innovation.value < 0.0 && innovation.nis() > GATE * GATE;
+        if !lighter || payload < EMPTY * rated {
+            return false;
+        }
+        self.strange = (self.strange + 1) % LASTS;
+        self.strange == 0
     }
 
     /// The innovation of a measurement; whether the load must be another one. Where less is carried, the ground may carry the rest.

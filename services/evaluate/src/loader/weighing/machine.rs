@@ -242,7 +242,10 @@ mod tests {
     #[test]
     fn a_wheel_that_spins_leads_nothing_astray() {
         let good = CASES.iter().find(|case| case.0 == "good machine");
-        let effects = good.expect("a case").2;
+        let effects = Effects {
+            spins: true,
+            ..good.expect("a case").2
+        };
         let mut machine = Machine::new(Knowledge::Drawing, effects, 8).expect("a machine");
         let radius = machine.run.size.machine().wheel_radius;
         let mut spun = 0;

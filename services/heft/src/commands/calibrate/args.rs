@@ -37,8 +37,12 @@ pub struct CalibrateArgs {
     /// Axle scales of a loader (as for heft weigh): of the machine without load, or in a recording
     #[arg(long, value_name = "[FILE=]SCALES.csv")]
     pub weigh: Vec<String>,
-    /// Two recordings of a loader go the same way, the second back with the machine turned round
-    #[arg(long, value_name = "FILE,FILE")]
+    /// An out-and-back run of a loader: two recordings of one path, the second back with the machine turned round
+    #[arg(
+        long = "out-and-back",
+        alias = "there-and-back",
+        value_name = "FILE,FILE"
+    )]
     pub there_and_back: Vec<String>,
     /// Find these keys only
     #[arg(long, value_name = "KEY,...", value_delimiter = ',')]

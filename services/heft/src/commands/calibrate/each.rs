@@ -87,7 +87,7 @@ fn options(args: &CalibrateArgs, folder: &Path) -> Vec<String> {
     }
     let ways = args.there_and_back.iter();
     let own_ways = ways.filter(|text| text.split(',').all(is_meant));
-    all.extend(own_ways.map(|text| format!("--there-and-back={text}")));
+    all.extend(own_ways.map(|text| format!("--out-and-back={text}")));
     // Scales of this name in the folder of the machine, or else the file that is named.
     all.extend(args.weigh.iter().filter(is_here).map(|text| {
         let (file, named) = scales(text);

@@ -59,7 +59,7 @@ pub fn origin(args: &CalibrateArgs) -> Result<Vec<String>, Failure> {
         ("--payload", &args.payload),
         ("--mass", &args.mass),
         ("--weigh", &args.weigh),
-        ("--there-and-back", &args.there_and_back),
+        ("--out-and-back", &args.there_and_back),
     ];
     let stated = stated
         .iter()

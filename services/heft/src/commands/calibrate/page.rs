@@ -70,7 +70,12 @@ fn verdict(body: &mut String, summary: &Summary<'_>) {
 
 fn table(body: &mut String, title: &str, note: &str, head: &[&str], rows: &[Vec<String>]) {
     const WIDE: usize = 12;
-    let class = if head.len() > WIDE { "dense" } else { "" };
+    // What a narrow screen cuts must not be what was found.
+    let class = match head {
+        ["", "before", ..] => "found",
+        head if head.len() > WIDE => "dense",
+        _ => "",
+    };
     let _ = write!(
         body,
         "<section class=\"{class}\"><h2>{}</h2>",
@@ -252,7 +257,7 @@ fn slices(body: &mut String, summary: &Summary<'_>, found: &FitResult) {
                 .map(|k| (p.value(best + k * std), 0.5 * k * k))
                 .collect();
             let mut plot = Plot::new(
-                "-ln likelihood above its minimum",
+                "−ln likelihood above its minimum",
                 format!("{} {}", p.words, p.unit),
             );
             plot.line("all others fitted again", Style::Series(0), &points);

@@ -41,7 +41,7 @@ pub fn stated(
 
 /// The recordings of each way there and back: `FILE,FILE`.
 pub fn ways(args: &CalibrateArgs) -> Result<Vec<[usize; 2]>, Failure> {
-    const OPTION: &str = "--there-and-back";
+    const OPTION: &str = "--out-and-back";
     let pair = |text: &String| {
         let bad = |what| {
             Failure::input(
