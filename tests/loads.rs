@@ -4,6 +4,7 @@ mod common;
 
 use std::path::Path;
 
+use common::table::Table;
 use common::{both, run, run_ok};
 use messages::channels::LOADER_LOADS;
 use messages::{LoaderLoads, SIMULATED, loads_bits};
@@ -163,21 +164,14 @@ fn an_excavator_s_loads_are_rows_of_a_table_and_of_a_page_and_the_witness_is_bot
     let said = run_ok(&[
         "loads", &recording, "-o", &table, "--report", &page, "--pause", "12",
     ]);
-    let text = std::fs::read_to_string(&table).expect("a table");
-    let mut lines = text.lines();
-    let header: Vec<&str> = lines.next().expect("a header").split(',').collect();
-    let column = |name: &str| header.iter().position(|h| *h == name).expect("a column");
     // What the cycle carries, in turn.
-    let mut found = 0;
-    for (line, truth) in lines.zip([288.0, 423.0, 200.0]) {
-        let cells: Vec<&str> = line.split(',').collect();
-        let cell = |name: &str| cells[column(name)];
-        let [low, high] = ["kg_low", "kg_high"].map(|n| cell(n).parse::<f64>().expect("a number"));
-        assert!(low < truth && truth < high, "{line}");
-        assert_eq!(cell("witness"), "motion and pressure");
-        found += 1;
+    let table = Table::read(&table);
+    assert!(table.rows().len() >= 3, "{said}");
+    for (row, truth) in table.rows().zip([288.0, 423.0, 200.0]) {
+        let (low, high) = (row.number("kg_low"), row.number("kg_high"));
+        assert!(low < truth && truth < high, "{low} to {high}: {truth}");
+        assert_eq!(row.cell("witness"), "motion and pressure");
     }
-    assert_eq!(found, 3, "{text}");
     // Twelve seconds without a load: another truck each.
     assert!(said.contains("truck 3:"), "{said}");
     let page = std::fs::read_to_string(&page).expect("a page");

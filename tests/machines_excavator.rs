@@ -3,18 +3,18 @@
 //! The recordings and the settings that a competent user states are in `golden/machines`. A trusted row is
 //! wrong if its 95 % interval misses the truth or the value is more than 10 % off.
 
-use std::path::PathBuf;
+mod common;
 
+use common::golden;
+use common::machines::{self, Limits};
+use common::table::Table;
 use config::Tables as _;
 use estimation::excavator::{Columns, Method, Sample, Settings, Smoother, SwingEstimator, Trail};
-use evaluate::honesty::{JudgedRow, Tally};
+use serde_json::{Map, Value};
+use statistics::judge::{JudgedRow, Tally};
 
 /// True velocity above which the machine moves [rad/s].
 const MOVING: f64 = 0.05;
-
-fn folder() -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/golden/machines")
-}
 
 const COLUMNS: Columns = Columns {
     velocity: true,
@@ -24,41 +24,32 @@ const COLUMNS: Columns = Columns {
 };
 
 /// What a competent user states.
-fn settings(sets: &serde_json::Value) -> Settings {
-    let sets = sets.as_object().expect("settings by key");
-    let sets: Vec<String> = sets
-        .iter()
-        .map(|(key, value)| format!("{key}={value}"))
-        .collect();
+fn settings(stated: &Value) -> Settings {
     let mut description = config::Excavator::default();
+    let sets = machines::sets(stated);
     description.set_all(&sets).expect("settings that exist");
     Settings::of(&description)
 }
 
 /// The rows of a recording: sample, true inertia, whether the machine moves.
 fn rows(name: &str) -> Vec<(Sample, f64, bool)> {
-    let text = std::fs::read_to_string(folder().join(format!("{name}.csv"))).expect("a recording");
-    let mut lines = text.lines().map(|line| line.split(',').collect::<Vec<_>>());
-    let header = lines.next().expect("a header");
-    let column = |name: &str| header.iter().position(|found| *found == name);
-    lines
-        .map(|cells| {
-            let value = |name: &str| column(name).and_then(|i| cells[i].parse::<f64>().ok());
-            let sample = Sample {
-                time: value("t").expect("a time"),
-                velocity: value("swing_velocity"),
-                torque: value("swing_torque"),
-                posture: ["boom_angle", "arm_angle", "bucket_angle"].map(value),
-                ..Sample::default()
-            };
-            let moves = value("true_velocity").expect("the truth").abs() > MOVING;
-            (sample, value("true_inertia").expect("the truth"), moves)
-        })
-        .collect()
+    let recording = Table::read(golden(&format!("machines/{name}.csv")));
+    let rows = recording.rows().map(|row| {
+        let sample = Sample {
+            time: row.number("t"),
+            velocity: row.measured("swing_velocity"),
+            torque: row.measured("swing_torque"),
+            posture: ["boom_angle", "arm_angle", "bucket_angle"].map(|name| row.measured(name)),
+            ..Sample::default()
+        };
+        let moves = row.number("true_velocity").abs() > MOVING;
+        (sample, row.number("true_inertia"), moves)
+    });
+    rows.collect()
 }
 
 /// The estimator of a recording as `heft estimate` makes it, and the tally over its rows.
-fn tally(name: &str, sets: &serde_json::Value, method: Method) -> Tally {
+fn tally(name: &str, sets: &Value, method: Method) -> Tally {
     let mut estimator =
         SwingEstimator::new(&settings(sets), method, COLUMNS).expect("an estimator");
     let mut tally = Tally::default();
@@ -76,13 +67,12 @@ fn tally(name: &str, sets: &serde_json::Value, method: Method) -> Tally {
     tally
 }
 
-fn recordings() -> serde_json::Map<String, serde_json::Value> {
-    let text = std::fs::read_to_string(folder().join("excavator.json")).expect("the settings");
-    serde_json::from_str(&text).expect("JSON")
+fn recordings() -> Map<String, Value> {
+    machines::described("machines/excavator.json")
 }
 
 /// A maker who states the masses of his machine: the spread that all of them had once by default.
-fn stated(sets: &serde_json::Value) -> serde_json::Value {
+fn stated(sets: &Value) -> Value {
     let mut stated = sets.clone();
     for key in ["machine.upper_tolerance", "machine.bucket_tolerance"] {
         stated[key] = 0.024.into();
@@ -101,23 +91,19 @@ fn what_is_trusted_on_other_machines_is_right_and_the_interval_holds_all_the_tim
     });
     for (name, sets, masses) in described {
         let found = tally(&name, &sets, Method::Auto);
-        let said = format!(
-            "{name} {masses}: trusted {:.2} wrong {:.3} rms {:.2} % covered {:.3}",
-            found.trusted(),
-            found.wrong(),
-            found.rms(),
-            found.covered()
-        );
+        let said = format!("{name} {masses}: {}", machines::scores(&found));
         println!("{said}");
-        assert!(found.wrong() <= 0.05, "{said}");
-        assert!(found.covered() >= 0.93, "{said}");
-        let least = match (name.contains("level"), name.contains("flexible"), masses) {
+        let trusted = match (name.contains("level"), name.contains("flexible"), masses) {
             (true, ..) => 0.70,
             // A boom that gives sideways hides what the masses of any machine of the class leave open.
             (_, true, "") => 0.30,
             _ => 0.50,
         };
-        assert!(found.trusted() >= least, "{said}");
+        let limits = Limits {
+            trusted,
+            covered: 0.93,
+        };
+        assert!(limits.hold(&found), "{said}");
     }
 }
 
@@ -126,12 +112,7 @@ fn other_methods_are_right_or_not_trusted() {
     for (name, about) in recordings() {
         for method in [Method::Torque, Method::Posture, Method::Velocity] {
             let found = tally(&name, &about["sets"], method);
-            let said = format!(
-                "{name}, {}: trusted {:.2} wrong {:.3}",
-                method.name(),
-                found.trusted(),
-                found.wrong()
-            );
+            let said = format!("{name}, {}: {}", method.name(), machines::scores(&found));
             println!("{said}");
             assert!(found.wrong() <= 0.05, "{said}");
         }
@@ -139,7 +120,7 @@ fn other_methods_are_right_or_not_trusted() {
 }
 
 /// On-line and smoothed errors of the rows in motion, in standard deviations and relative to the truth.
-fn smoothed(name: &str, sets: &serde_json::Value) -> Vec<[[f64; 2]; 2]> {
+fn smoothed(name: &str, sets: &Value) -> Vec<[[f64; 2]; 2]> {
     let settings = settings(sets);
     let mut estimator =
         SwingEstimator::new(&settings, Method::Auto, COLUMNS).expect("an estimator");

@@ -7,29 +7,17 @@ use std::path::Path;
 use std::process::Stdio;
 use std::time::Duration;
 
+use common::table::{Row, Table};
 use common::{both, golden, heft, kill, path_in, processes, run, run_ok, wait_until};
 use messages::{ExcavatorEstimate, LoaderEstimate, Message};
 use recording::Reader;
 use rustix::process::Signal;
 
-/// Rows by machine, the cells of each by the names of their columns.
-type Table = BTreeMap<String, Vec<BTreeMap<String, String>>>;
-
-fn table(file: &Path) -> Table {
-    let text = std::fs::read_to_string(file).expect("a table");
-    let mut lines = text.lines();
-    let names: Vec<&str> = lines.next().expect("a header").split(',').collect();
-    let mut found = Table::new();
-    for line in lines {
-        let cells: BTreeMap<String, String> = names
-            .iter()
-            .zip(line.split(','))
-            .map(|(n, c)| ((*n).into(), c.into()))
-            .collect();
-        found
-            .entry(cells["machine"].clone())
-            .or_default()
-            .push(cells);
+/// The rows of a table of many machines, by machine.
+fn by_machine(table: &Table) -> BTreeMap<&str, Vec<Row<'_>>> {
+    let mut found = BTreeMap::<_, Vec<_>>::new();
+    for row in table.rows() {
+        found.entry(row.cell("machine")).or_default().push(row);
     }
     found
 }
@@ -71,23 +59,26 @@ fn the_second_is_the_one<E: Message>(
         said.contains(" 0 refused, 0 not answered, 0 sent later"),
         "{said}"
     );
-    let found = table(&Path::new(&three).join("estimates.csv"));
-    let names: Vec<&str> = found.keys().map(String::as_str).collect();
+    let table = Table::read(Path::new(&three).join("estimates.csv"));
+    let found = by_machine(&table);
+    let names: Vec<&str> = found.keys().copied().collect();
     assert_eq!(names, ["5", "6", "7"], "machines are called by their seeds");
     let reader = Reader::open(Path::new(&alone).join("run.mcap")).expect("a recording");
     let alone: Vec<E> = reader.messages(channel).expect("estimates");
     assert_eq!(found["6"].len(), alone.len());
     for (row, estimate) in found["6"].iter().zip(&alone) {
         for name in fields {
-            let number: f64 = row[*name].parse().expect("a number");
-            let its = estimate
-                .get(E::index(name).expect("a field"))
-                .expect("a value")
-                .as_f64();
-            assert_eq!(number.to_bits(), its.to_bits(), "{name} at {}", row["t"]);
+            let number = row.number(name);
+            let its = estimate.number(name).expect("a field");
+            assert_eq!(
+                number.to_bits(),
+                its.to_bits(),
+                "{name} at {}",
+                row.cell("t")
+            );
         }
     }
-    let last = |machine: &str| found[machine].last().expect("rows")[fields[0]].clone();
+    let last = |machine: &str| found[machine].last().expect("rows").cell(fields[0]);
     assert_ne!(last("5"), last("6"), "seeds tell machines apart");
 }
 
@@ -135,7 +126,8 @@ fn recordings_are_a_machine_each() {
         "--quiet",
     ];
     run_ok(&[&run_them[..], &["--machines", "2", "--out", &path("out")]].concat());
-    let found = table(&folder.path().join("out/estimates.csv"));
+    let together = Table::read(folder.path().join("out/estimates.csv"));
+    let found = by_machine(&together);
     for name in names {
         let (recording, alone) = (
             path(&format!("in/{name}.csv")),
@@ -149,17 +141,14 @@ fn recordings_are_a_machine_each() {
             "-o",
             &alone,
         ]);
-        let text = std::fs::read_to_string(alone).expect("estimates");
-        let names: Vec<&str> = text.lines().next().expect("a header").split(',').collect();
-        let rows: Vec<String> = text.lines().skip(1).map(Into::into).collect();
-        let same = found[&recording].iter().map(|row| {
-            names
-                .iter()
-                .map(|n| row[*n].as_str())
-                .collect::<Vec<_>>()
-                .join(",")
-        });
-        assert_eq!(same.collect::<Vec<_>>(), rows, "{name}");
+        let alone = Table::read(alone);
+        let its = &found[recording.as_str()];
+        assert_eq!(its.len(), alone.rows().len(), "{name}");
+        for (row, alone_row) in its.iter().zip(alone.rows()) {
+            for column in alone.names() {
+                assert_eq!(row.cell(column), alone_row.cell(column), "{name}");
+            }
+        }
     }
     let output = run(&[&run_them[..], &["--machines", "3"]].concat());
     assert_eq!(output.status.code(), Some(2));
@@ -250,14 +239,12 @@ fn in_real_time_with_a_death_and_an_early_end_nothing_is_lost() {
         ]
         .concat(),
     );
-    let (live, quick) = (
-        table(&folder.path().join("live/estimates.csv")),
-        table(&folder.path().join("quick/estimates.csv")),
-    );
+    let [live, quick] = ["live", "quick"].map(|name| Table::read(path(name) + "/estimates.csv"));
+    let (live, quick) = (by_machine(&live), by_machine(&quick));
     assert_eq!(live.len(), 4);
     for (machine, rows) in live {
         assert!(rows.len() > before + 50, "{}", rows.len());
-        assert_eq!(rows[..], quick[&machine][..rows.len()]);
+        assert_eq!(rows[..], quick[machine][..rows.len()]);
     }
 }
 

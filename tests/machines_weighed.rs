@@ -5,45 +5,11 @@
 
 mod common;
 
-use std::path::{Path, PathBuf};
-
-use common::run_ok;
-use evaluate::honesty::{JudgedRow, Tally};
+use common::machines::{self, Limits};
+use common::table::Table;
+use common::{golden, path_in, run_ok};
 use serde_json::Value;
-
-fn folder() -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/golden/weighed")
-}
-
-/// A table with the names of its columns.
-struct Table {
-    names: Vec<String>,
-    rows: Vec<Vec<f64>>,
-}
-
-impl Table {
-    fn read(path: &Path) -> Self {
-        let text = std::fs::read_to_string(path).expect("a table");
-        let mut lines = text.lines();
-        let names = lines.next().expect("a header").split(',');
-        Self {
-            names: names.map(str::to_owned).collect(),
-            rows: lines
-                .map(|line| {
-                    line.split(',')
-                        .map(|c| c.parse().unwrap_or(f64::NAN))
-                        .collect()
-                })
-                .collect(),
-        }
-    }
-
-    fn column(&self, name: &str) -> impl Iterator<Item = f64> + '_ {
-        let place = self.names.iter().position(|found| found == name);
-        let place = place.unwrap_or_else(|| panic!("no column {name}"));
-        self.rows.iter().map(move |row| row[place])
-    }
-}
+use statistics::judge::{JudgedRow, Tally};
 
 /// A quantity, by the columns of value, deviation and verdict, its truth, and above which true speed the machine moves.
 struct Quantity {
@@ -55,34 +21,27 @@ struct Quantity {
 
 fn tally(recording: &Table, estimates: &Table, quantity: &Quantity) -> Tally {
     let std = format!("{}_std", quantity.value);
-    let found = estimates.column(quantity.value).zip(estimates.column(&std));
-    let found = found.zip(estimates.column(quantity.trusted));
-    let truth = recording
-        .column(quantity.truth)
-        .zip(recording.column(quantity.speed.0));
+    let (speed, still) = quantity.speed;
     let mut tally = Tally::default();
-    for (((estimate, std), trusted), (truth, speed)) in found.zip(truth) {
+    for (truth, found) in recording.rows().zip(estimates.rows()) {
         tally.push(&JudgedRow {
-            truth,
-            estimate,
-            std,
-            trusted: trusted > 0.5,
-            moving: speed.abs() > quantity.speed.1,
+            truth: truth.number(quantity.truth),
+            estimate: found.number(quantity.value),
+            std: found.number(&std),
+            trusted: found.number(quantity.trusted) > 0.5,
+            moving: truth.number(speed).abs() > still,
             reason: "",
         });
     }
     tally
 }
 
+/// A recording, and what `heft estimate` makes of it.
 fn estimated(name: &str, about: &Value) -> (Table, Table) {
     let scratch = tempfile::tempdir().expect("a folder");
-    let recording = folder().join(format!("{name}.csv"));
-    let output = common::path_in(scratch.path(), "estimates.csv");
-    let sets = about["sets"].as_object().expect("settings by key");
-    let sets: Vec<String> = sets
-        .iter()
-        .map(|(key, value)| format!("{key}={value}"))
-        .collect();
+    let recording = golden(&format!("weighed/{name}.csv"));
+    let output = path_in(scratch.path(), "estimates.csv");
+    let sets = machines::sets(&about["sets"]);
     let mut args = vec![
         "estimate",
         recording.to_str().expect("a path"),
@@ -92,19 +51,15 @@ fn estimated(name: &str, about: &Value) -> (Table, Table) {
     args.extend(["--machine", about["machine"].as_str().expect("a machine")]);
     args.extend(sets.iter().flat_map(|set| ["--set", set.as_str()]));
     run_ok(&args);
-    let tables = (Table::read(&recording), Table::read(Path::new(&output)));
-    assert_eq!(
-        tables.0.rows.len(),
-        tables.1.rows.len(),
-        "{name}: a row each"
-    );
-    tables
+    let (recording, estimates) = (Table::read(&recording), Table::read(&output));
+    let rows = [&recording, &estimates].map(|table| table.rows().len());
+    assert_eq!(rows[0], rows[1], "{name}: a row each");
+    (recording, estimates)
 }
 
 #[test]
 fn machines_with_pressures_are_trusted_and_what_is_trusted_is_right() {
-    let text = std::fs::read_to_string(folder().join("machines.json")).expect("the settings");
-    let machines: serde_json::Map<String, Value> = serde_json::from_str(&text).expect("JSON");
+    let machines = machines::described("weighed/machines.json");
     assert_eq!(machines.len(), 4);
     let mut failed = Vec::new();
     for (name, about) in &machines {
@@ -125,16 +80,13 @@ fn machines_with_pressures_are_trusted_and_what_is_trusted_is_right() {
         };
         let (recording, estimates) = estimated(name, about);
         let found = tally(&recording, &estimates, &quantity);
-        let said = format!(
-            "{name}: trusted {:.2} wrong {:.3} rms {:.2} % covered {:.3}",
-            found.trusted(),
-            found.wrong(),
-            found.rms(),
-            found.covered()
-        );
+        let said = format!("{name}: {}", machines::scores(&found));
         println!("{said}");
-        let least = about["least_trusted"].as_f64().expect("a share");
-        if found.trusted() < least || found.wrong() > 0.05 || found.covered() < 0.95 {
+        let limits = Limits {
+            trusted: about["least_trusted"].as_f64().expect("a share"),
+            covered: 0.95,
+        };
+        if !limits.hold(&found) {
             failed.push(said);
         }
     }

@@ -6,6 +6,7 @@ mod theirs;
 
 use std::path::{Path, PathBuf};
 
+use common::table::Table;
 use common::{both, run};
 use theirs::data;
 
@@ -15,22 +16,12 @@ fn shipped(name: &str) -> PathBuf {
         .join(name)
 }
 
-/// Header and last row of a CSV file.
+/// Names and cells of the last row of a table.
 fn last_row(file: &Path) -> Vec<(String, String)> {
-    let text = std::fs::read_to_string(file).expect("the estimates");
-    let header = text
-        .lines()
-        .next()
-        .expect("a header")
-        .split(',')
-        .map(str::to_owned);
-    let last = text
-        .lines()
-        .last()
-        .expect("a row")
-        .split(',')
-        .map(str::to_owned);
-    header.zip(last).collect()
+    let table = Table::read(file);
+    let last = table.rows().next_back().expect("a row");
+    let pair = |name: &String| (name.clone(), last.cell(name).to_owned());
+    table.names().iter().map(pair).collect()
 }
 
 fn number(row: &[(String, String)], name: &str) -> f64 {

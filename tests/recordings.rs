@@ -5,6 +5,7 @@ mod common;
 use std::path::Path;
 use std::time::Duration;
 
+use common::table::Table;
 use common::{Running, both, kill, run, run_ok, sequences, wait_until};
 use messages::ExcavatorSensors;
 use recording::Reader;
@@ -242,12 +243,8 @@ fn a_recording_brings_its_machine_and_its_description_unless_another_is_named() 
     let first_inertia = |more: &[&str]| -> f64 {
         let out = folder.path().join("out.csv");
         run_ok(&[&["estimate", path(&recording), "-o", path(&out)], more].concat());
-        let text = std::fs::read_to_string(&out).expect("estimates");
-        let cells = |line: usize| text.lines().nth(line).expect("a line").split(',');
-        let at = cells(0)
-            .position(|name| name == "inertia")
-            .expect("a column");
-        cells(1).nth(at).expect("a cell").parse().expect("a number")
+        let first = Table::read(&out).rows().next().map(|r| r.number("inertia"));
+        first.expect("a row")
     };
     let own = first_inertia(&[]);
     assert_eq!(own, first_inertia(&["--machine", "excavator"]));

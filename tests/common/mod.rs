@@ -1,6 +1,9 @@
 //! What the integration tests share: running the binary as a user does.
 #![allow(dead_code, reason = "each test uses its own part")]
 
+pub mod machines;
+pub mod table;
+
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};

@@ -19,15 +19,13 @@ fn golden(name: &str) -> String {
 
 /// The rows as C takes them: NaN where the sample lacks a signal.
 fn rows<M: Machine, S: Message>(messages: &[S]) -> Vec<u8> {
-    let valid = S::index("valid").expect("signal bits");
     let mut bytes = Vec::new();
     for message in messages {
-        let bits = message.get(valid).map_or(0, |v| v.as_f64() as u32);
+        let bits = message.bits_of("valid");
         for (i, signal) in M::SIGNALS.iter().enumerate() {
             let there = i == 0 || bits & 1 << (i - 1) != 0;
-            let value = S::index(signal.name).and_then(|at| message.get(at));
-            let number = match value {
-                Some(value) if there => value.as_f64(),
+            let number = match message.number(signal.name) {
+                Some(value) if there => value,
                 // The boom's motion is a bit alone.
                 None if there => 1.0,
                 _ => f64::NAN,
@@ -39,8 +37,7 @@ fn rows<M: Machine, S: Message>(messages: &[S]) -> Vec<u8> {
 }
 
 fn columns<S: Message>(messages: &[S]) -> u32 {
-    let at = S::index("columns").expect("column bits");
-    messages[0].get(at).map_or(0, |v| v.as_f64() as u32)
+    messages[0].bits_of("columns")
 }
 
 /// What C answered, number by number, must be what the steps answered.
@@ -51,7 +48,7 @@ fn compare<M: Machine, E: Message, const N: usize>(bytes: &[u8], expected: &[E],
         size * expected.len(),
         "{what}: one answer per row"
     );
-    let field = |e: &E, name: &str| e.get(E::index(name).expect("a field")).expect("a value");
+    let field = |e: &E, name: &str| e.field(name).expect("a field");
     for (row, (raw, message)) in bytes.chunks_exact(size).zip(expected).enumerate() {
         let word = |at: usize| u64::from_le_bytes(raw[at..at + 8].try_into().expect("8 bytes"));
         let half = |at: usize| u32::from_le_bytes(raw[at..at + 4].try_into().expect("4 bytes"));

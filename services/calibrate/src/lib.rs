@@ -14,17 +14,17 @@
 //! | [`honesty`] | what the data do not determine, the scatter between blocks, profiles, hold-out |
 //! | [`agreement`] | whether parts of the recordings tell the same machine |
 //! | `lasting` | least squares of equations whose errors last |
+//! | [`cylinders`] | cylinders whose pressures weigh |
 //! | [`outcome`] | what came out, for any machine |
 //! | [`excavator`] | swings of an excavator |
 //! | [`loader`] | drives of a loader |
 //! | [`output`] | the description with its origin |
 //! | [`algebra`] | faer |
-//! | [`description`] | keys by name |
 
 pub mod agreement;
 pub mod algebra;
 mod column;
-pub mod description;
+pub mod cylinders;
 pub mod excavator;
 pub mod fit;
 pub mod honesty;

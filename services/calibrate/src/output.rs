@@ -6,7 +6,6 @@ use std::fmt::Write;
 use config::Tables;
 use estimation::Quantity;
 
-use crate::description::{number, set};
 use crate::outcome::Summary;
 
 /// What stands behind a value that was found, before its standard deviation.
@@ -31,8 +30,8 @@ impl<D: Tables + Default> Pen<D> {
 
     /// A value with its accuracy.
     pub fn value(&mut self, key: &str, q: Quantity) {
-        let was = number(&self.description, key);
-        if set(&mut self.description, key, rounded(q.value, q.std)) {
+        let was = self.description.number(key);
+        if self.description.set_number(key, rounded(q.value, q.std)) {
             let was = was.map_or(String::new(), |w| {
                 format!(", described {}", rounded(w, 0.0))
             });
@@ -43,14 +42,14 @@ impl<D: Tables + Default> Pen<D> {
 
     /// A standard deviation.
     pub fn std(&mut self, key: &str, std: f64) {
-        if set(&mut self.description, key, rounded(std, std)) {
+        if self.description.set_number(key, rounded(std, std)) {
             self.notes.insert(key.into(), " # calibrated".into());
         }
     }
 
     /// A correlation, to three decimals.
     pub fn correlation(&mut self, key: &str, correlation: f64) {
-        if set(&mut self.description, key, rounded(correlation, 1.0)) {
+        if self.description.set_number(key, rounded(correlation, 1.0)) {
             self.notes.insert(key.into(), " # calibrated".into());
         }
     }

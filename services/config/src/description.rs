@@ -68,6 +68,14 @@ macro_rules! descriptions {
                 }
             }
 
+            /// The number under a key; none if there is no such key or no number.
+            #[must_use]
+            pub fn number(&self, key: &str) -> Option<f64> {
+                match self {
+                    $( Self::$name(m) => m.number(key), )*
+                }
+            }
+
             /// The keys that it states beside the defaults of a machine of its size, with their values in TOML.
             #[must_use]
             pub fn stated(&self) -> BTreeMap<&'static str, String> {

@@ -112,11 +112,9 @@ impl<'a> Walk<'a, '_> {
 }
 
 pub(crate) fn find<M: Keyed>(path: &str) -> Option<Key> {
-    let (table_name, name) = path.rsplit_once('.')?;
     let machine = M::default();
-    let tables = machine.tables();
-    let table = tables.iter().find(|t| t.name() == table_name)?;
-    table.keys().iter().find(|k| k.name == name).copied()
+    let (table, index) = machine.place(path)?;
+    Some(machine.tables()[table].keys()[index])
 }
 
 pub(crate) fn table_names<M: Keyed>() -> Vec<&'static str> {

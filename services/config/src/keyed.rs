@@ -18,6 +18,14 @@ pub trait Keyed: Default + Clone {
     fn of_its_size(&self) -> Self {
         Self::default()
     }
+    /// Where a key such as `sensors.rate` stands: its table, and its place in that.
+    fn place(&self, path: &str) -> Option<(usize, usize)> {
+        let (table_name, name) = path.rsplit_once('.')?;
+        let tables = self.tables();
+        let at = tables.iter().position(|t| t.name() == table_name)?;
+        let index = tables[at].keys().iter().position(|k| k.name == name)?;
+        Some((at, index))
+    }
     /// What contradicts itself between keys that are each in range (`file` and `line` left empty).
     fn contradictions(&self) -> Vec<Error>;
 }

@@ -171,16 +171,8 @@ fn assign<M: Keyed>(machine: &mut M, path: &str, value: &Value) -> Result<(), De
             Err(Defect::OtherMachine)
         };
     }
-    let (table_name, name) = path.rsplit_once('.').ok_or(Defect::Unknown)?;
-    for table in machine.tables_mut() {
-        if table.name() != table_name {
-            continue;
-        }
-        let at = table.keys().iter().position(|key| key.name == name);
-        let index = at.ok_or(Defect::Unknown)?;
-        return store(table, index, value);
-    }
-    Err(Defect::Unknown)
+    let (table, index) = machine.place(path).ok_or(Defect::Unknown)?;
+    store(machine.tables_mut().swap_remove(table), index, value)
 }
 
 fn store(table: &mut dyn Table, index: usize, value: &Value) -> Result<(), Defect> {

@@ -1,6 +1,6 @@
 //! A complete description: read, changed, printed.
 
-use crate::{Error, Errors, Keyed, parse, print};
+use crate::{Error, Errors, Keyed, Value, parse, print};
 
 /// A complete description: the tables of a machine, and their form as text.
 pub trait Tables: Keyed {
@@ -28,6 +28,27 @@ pub trait Tables: Keyed {
         parse::set_all(self, assignments)
     }
 
+    /// The number under a key such as `sensors.swing_torque_std`; none if there is no such key or no number.
+    #[must_use]
+    fn number(&self, key: &str) -> Option<f64> {
+        let (table, index) = self.place(key)?;
+        match self.tables()[table].get(index) {
+            Some(Value::Number(number)) => Some(number),
+            _ => None,
+        }
+    }
+
+    /// Sets a number, moved into the key's range; false if there is no such key.
+    fn set_number(&mut self, key: &str, value: f64) -> bool {
+        let Some((table, index)) = self.place(key) else {
+            return false;
+        };
+        let table = self.tables_mut().swap_remove(table);
+        let range = table.keys()[index].range;
+        let value = range.map_or(value, |range| value.clamp(range.low, range.high));
+        table.set(index, &Value::Number(value))
+    }
+
     /// The whole description with its comments; [`Self::parse`] gives the same value back, every
     /// number to the last bit.
     #[must_use]
@@ -37,3 +58,18 @@ pub trait Tables: Keyed {
 }
 
 impl<M: Keyed> Tables for M {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_read_and_set_within_their_range() {
+        let mut d = crate::Excavator::default();
+        assert_eq!(d.number("machine.nominal_damping"), Some(1500.0));
+        assert!(d.set_number("sensors.rate", 1e9));
+        assert_eq!(d.sensors.rate, 100_000.0);
+        assert!(!d.set_number("machine.nothing", 1.0));
+        assert_eq!(d.number("machine.nothing"), None);
+    }
+}

@@ -16,7 +16,9 @@ pub mod loader;
 mod loads;
 mod options;
 mod parallel;
+mod tables;
 pub mod text;
+mod weighing;
 
 pub use error::Error;
 pub use options::{Options, Report};

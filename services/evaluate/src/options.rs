@@ -1,8 +1,5 @@
 //! What to evaluate, and what came out.
 
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
-
 /// What to evaluate.
 #[derive(Clone, Debug)]
 pub struct Options {
@@ -10,10 +7,6 @@ pub struct Options {
     pub table: Option<String>,
     /// Seeds per case.
     pub seeds: usize,
-    /// Threads; 0 for one per core.
-    pub threads: usize,
-    /// Set it to stop early: what is done by then is reported.
-    pub stop: Arc<AtomicBool>,
 }
 
 impl Default for Options {
@@ -21,8 +14,16 @@ impl Default for Options {
         Self {
             table: None,
             seeds: 100,
-            threads: 0,
-            stop: Arc::default(),
+        }
+    }
+}
+
+impl Options {
+    /// The same with one of so many seeds, for what takes long.
+    pub(crate) fn one_of(&self, many: usize) -> Self {
+        Self {
+            seeds: self.seeds.div_ceil(many),
+            ..self.clone()
         }
     }
 }

@@ -3,10 +3,8 @@
 use crate::{Error, Options};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
-use std::sync::atomic::Ordering;
 
-/// The results of `run` for the seeds 1 to `options.seeds`, in their order. When `options.stop` is set the
-/// seeds not yet begun are left out. The bar on stderr shows only on a terminal.
+/// The results of `run` for the seeds 1 to `options.seeds`, in their order. The bar on stderr shows only on a terminal.
 ///
 /// # Errors
 /// The first error of a run; [`Error::NoSeeds`] if no seed was run.
@@ -16,17 +14,10 @@ pub fn seeds<T: Send>(
     run: impl Fn(u64) -> Result<T, Error> + Sync,
 ) -> Result<Vec<T>, Error> {
     let bar = bar(options.seeds as u64, label);
-    let work = || {
-        (1..=options.seeds as u64)
-            .into_par_iter()
-            .filter(|_| !options.stop.load(Ordering::Relaxed))
-            .map(|seed| run(seed).inspect(|_| bar.inc(1)))
-            .collect::<Result<Vec<_>, _>>()
-    };
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(options.threads)
-        .build();
-    let results = pool.map_err(Error::refused)?.install(work)?;
+    let results = (1..=options.seeds as u64)
+        .into_par_iter()
+        .map(|seed| run(seed).inspect(|_| bar.inc(1)))
+        .collect::<Result<Vec<_>, _>>()?;
     bar.finish_and_clear();
     if results.is_empty() {
         Err(Error::NoSeeds)
@@ -46,41 +37,22 @@ fn bar(length: u64, label: &str) -> ProgressBar {
 mod tests {
     use super::*;
 
-    #[test]
-    fn results_keep_the_order_of_the_seeds() {
-        let options = Options {
-            seeds: 50,
+    fn of(seeds: usize) -> Options {
+        Options {
+            seeds,
             ..Options::default()
-        };
-        assert_eq!(seeds(&options, "order", Ok), Ok((1..=50).collect()));
+        }
     }
 
     #[test]
-    fn an_interrupted_evaluation_keeps_what_is_done() {
-        let options = Options {
-            seeds: 1000,
-            threads: 1,
-            ..Options::default()
-        };
-        let done = seeds(&options, "stop", |seed| {
-            options.stop.fetch_or(seed == 5, Ordering::Relaxed);
-            Ok(seed)
-        });
-        assert!(done.is_ok_and(|done| (1..1000).contains(&done.len())));
+    fn results_keep_the_order_of_the_seeds() {
+        assert_eq!(seeds(&of(50), "order", Ok), Ok((1..=50).collect()));
     }
 
     #[test]
     fn an_error_and_no_seeds_are_reported() {
         let fails = |_| Err::<u64, _>(Error::refused("no"));
-        let options = Options {
-            seeds: 3,
-            ..Options::default()
-        };
-        assert_eq!(seeds(&options, "error", fails), Err(Error::refused("no")));
-        let none = Options {
-            seeds: 0,
-            ..Options::default()
-        };
-        assert_eq!(seeds(&none, "none", Ok), Err(Error::NoSeeds));
+        assert_eq!(seeds(&of(3), "error", fails), Err(Error::refused("no")));
+        assert_eq!(seeds(&of(0), "none", Ok), Err(Error::NoSeeds));
     }
 }

@@ -10,7 +10,6 @@ fn table(name: &str, seeds: usize) -> Report {
     let options = Options {
         table: Some(name.into()),
         seeds,
-        ..Options::default()
     };
     evaluate::excavator::evaluate(&options).expect("a table")
 }

@@ -70,10 +70,7 @@ impl Receiver for Truth {
         let index = M::index(self.0)?;
         // Bit i of `known` belongs to the i-th field of the message itself.
         let own = index.checked_sub(messages::HEAD)?;
-        let Some(Value::U32(known)) = message.get(M::index("known")?) else {
-            return None;
-        };
-        (known >> own & 1 == 1).then(|| message.get(index).map(Value::as_f64))?
+        (message.bits_of("known") >> own & 1 == 1).then(|| message.get(index).map(Value::as_f64))?
     }
 }
 

@@ -117,18 +117,11 @@ impl Memory {
             return;
         }
         for (row, std, [key, _]) in slow(self.machine) {
-            let number = |name| {
-                M::index(name)
-                    .and_then(|i| message.get(i))
-                    .map(messages::Value::as_f64)
-            };
-            let (Some(value), Some(std), Some(flags)) =
-                (number(row.name), number(std), number("flags"))
-            else {
+            let (Some(value), Some(std)) = (message.number(row.name), message.number(std)) else {
                 continue;
             };
-            if flags as u32 & row.trusted != 0 && std > 0.0 && value.is_finite() && std.is_finite()
-            {
+            let trusted = message.bits_of("flags") & row.trusted != 0;
+            if trusted && std > 0.0 && value.is_finite() && std.is_finite() {
                 let learnt = now();
                 let remembered = Remembered { value, std, learnt };
                 self.state.parameters.insert(key.into(), remembered);
@@ -214,7 +207,7 @@ fn restore_one(
     now: u64,
     description: &mut Description,
 ) -> Result<f64, String> {
-    let prior = number(description, std_key).unwrap_or(0.0);
+    let prior = description.number(std_key).unwrap_or(0.0);
     // 0 says that it is known exactly.
     if prior <= 0.0 {
         return Err(format!("{std_key} is 0: it is known exactly"));
@@ -224,19 +217,6 @@ fn restore_one(
     let set = [format!("{key}={}", old.value), format!("{std_key}={std}")];
     description.set_all(&set).map_err(|error| error.what)?;
     Ok(std)
-}
-
-/// A number of a description by its key.
-fn number(description: &Description, key: &str) -> Option<f64> {
-    let (table, name) = key.split_once('.')?;
-    let text = description.to_toml();
-    let mut lines = text
-        .lines()
-        .skip_while(|l| l.trim() != format!("[{table}]"));
-    lines.next()?;
-    let mut own = lines.take_while(|l| !l.starts_with('['));
-    let line = own.find_map(|l| l.strip_prefix(name)?.trim_start().strip_prefix('='))?;
-    line.split('#').next()?.trim().parse().ok()
 }
 
 fn now() -> u64 {
@@ -290,12 +270,12 @@ mod tests {
         let (_, said) = Memory::open(&file, &mut next, &methods).unwrap();
         assert!(said.contains("restored slip_stiffness 24"), "{said}");
         let (before, after) = (loader(), next);
-        assert_eq!(number(&after, "prior.cg_ratio"), Some(0.47));
+        assert_eq!(after.number("prior.cg_ratio"), Some(0.47));
         assert_eq!(
-            number(&after, "prior.cg_height"),
-            number(&before, "prior.cg_height")
+            after.number("prior.cg_height"),
+            before.number("prior.cg_height")
         );
-        let std = |d: &Description| number(d, "prior.cg_ratio_std").unwrap();
+        let std = |d: &Description| d.number("prior.cg_ratio_std").unwrap();
         assert!(
             (std(&after) / std(&before) - LEAST_SHARE).abs() < 1e-9,
             "floored"

@@ -120,11 +120,15 @@ fn tell_story(machine: Machine, watch: &Watch, out: &mut String) {
 
 /// Latencies and losses of each process.
 fn tell_processes(watch: &Watch, line: &mut impl FnMut(String)) {
-    for (name, health) in watch.all_health().filter(|(_, h)| h.age_max_ns > 0) {
+    for (name, health) in watch
+        .processes()
+        .all_health()
+        .filter(|(_, h)| h.age_max_ns > 0)
+    {
         if name == "sensor" {
             continue;
         }
-        let counts = watch.counts_of(name);
+        let counts = watch.processes().counts_of(name);
         line(format!(
             "{name} answers after p50 {:.0}, p99 {:.0}, p99.9 {:.0}, max {:.0} µs; step p50 {:.2} µs; {} samples, {} lost, {} late",
             us(health.age_p50_ns),

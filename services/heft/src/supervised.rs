@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use messages::{Health, State};
 use runtime::{Bell, Control, Domain, is_stopped, now_ns};
-use steps::stages::Stage;
+use steps::stages::{Role, Stage};
 
 use crate::failure::Failure;
 use crate::life::Life;
@@ -82,6 +82,11 @@ enum Next {
 }
 
 impl Supervised {
+    /// Whether it makes the samples.
+    pub fn is_source(&self) -> bool {
+        matches!(self.process.role, Role::Source { .. })
+    }
+
     /// Starts it.
     pub fn start(
         process: &'static Stage,

@@ -4,36 +4,29 @@
 //! It sleeps until something happens: a word of a worker, the end of a process, a signal, a restart
 //! that is due. Only the channels that it shows are looked at on a clock, five times a second.
 
+mod end;
+mod restarts;
+mod words;
+
 use std::os::fd::AsFd;
 use std::time::{Duration, Instant};
 
 use messages::channels::{Channel, of_machine};
-use runtime::{
-    Bell, ChannelOwner, Cleaner, ControlWord, Domain, Owner, Ports, Taps, Window, now_ns,
-};
+use runtime::{Bell, ChannelOwner, Cleaner, Domain, Owner, Ports, Taps, Window, now_ns};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use steps::stages::{Pipeline, Role};
 
 use crate::failure::Failure;
-use crate::fault::Fault;
 use crate::fleet::Gateway;
 use crate::notify::Notify;
-use crate::parts;
 use crate::plan::Plan;
 use crate::signals::Signals;
-use crate::sources::{self, LiveInput};
 use crate::spare::{self, Spare};
 use crate::supervised::Supervised;
 use crate::watch::Watch;
 
 /// A worker must have its ports open by then.
 const READY_LIMIT: Duration = Duration::from_secs(20);
-/// All workers must have answered what was waiting by then, and the disk taken it.
-const DRAIN_LIMIT: Duration = Duration::from_millis(3500);
-/// All workers must have ended so long after that.
-const EXIT_LIMIT: Duration = Duration::from_secs(1);
-/// What dead processes held is usually freed within a millisecond.
-const CLEAN_UP_LIMIT: Duration = Duration::from_millis(200);
 /// Longest time between two looks at the channels: health tells of a hanging service.
 const LOOK: Duration = Duration::from_millis(200);
 /// The same while a service stands still.
@@ -161,32 +154,6 @@ impl Supervisor {
         Ok(())
     }
 
-    /// Gives a worker its own bell and those of the processes that it wakes, who do not spin. One that cannot take
-    /// them is dead, or is ended: its death is noticed as any other.
-    fn hand_over(&mut self, index: usize) {
-        let worker = &self.workers[index];
-        let mut bells = vec![&worker.bell];
-        for name in worker.process.wakes {
-            bells.extend(
-                self.workers
-                    .iter()
-                    .filter(|w| w.process.name == *name && !self.plan.spinners.contains_key(*name))
-                    .map(|w| &w.bell),
-            );
-        }
-        // One that dies at once may die of its state.
-        let before = (worker.restarts > 0 && !worker.died_quickly())
-            .then(|| self.watch.state(worker.process.name));
-        // The run's own standard input belongs to the source that was asked to read it.
-        let reads = matches!(worker.process.role, Role::Source { .. })
-            && sources::live(&self.plan) == Some(LiveInput::Lines);
-        let input = reads.then(rustix::stdio::stdin);
-        let handed = worker.control.hand_over(&bells, before.flatten(), input);
-        if handed.is_err() {
-            self.workers[index].kill();
-        }
-    }
-
     /// Runs until the source ends, a signal comes, or a service cannot be kept alive; then drains
     /// and ends every process. Returns what was seen.
     pub fn run(mut self) -> Result<(End, Watch), Failure> {
@@ -213,14 +180,6 @@ impl Supervisor {
         self.watch.finish();
         self.finish_recording();
         Ok((end, std::mem::take(&mut self.watch)))
-    }
-
-    /// Joins what several loggers wrote.
-    fn finish_recording(&mut self) {
-        if let Err(failure) = parts::finish(&self.plan.recording, self.plan.group) {
-            let why = failure.to_string().replace('\n', ";");
-            self.watch.note(Fault::NotJoined { why });
-        }
     }
 
     fn wait_until_ready(&mut self) -> Option<End> {
@@ -315,197 +274,6 @@ impl Supervisor {
             self.say_seen();
         }
         self.notify.awake();
-    }
-
-    /// A source that loses nothing waits for this process too: what it missed, it would not have shown or counted. Said where it is
-    /// news, so that the words to a source that is stopped are few.
-    fn say_seen(&mut self) {
-        let seen = self.taps.through();
-        let is_source = |w: &&Supervised| matches!(w.process.role, Role::Source { .. });
-        if self.said_seen != Some(seen)
-            && let Some(source) = self.workers.iter().find(is_source)
-        {
-            source.control.say(&format!("seen {seen}"));
-            self.said_seen = Some(seen);
-        }
-    }
-
-    fn hear(&mut self) {
-        for i in 0..self.workers.len() {
-            while let ControlWord::Word(word) = self.workers[i].control.hear(0) {
-                match word.as_str() {
-                    "ready" => self.is_ready(i),
-                    "ended" => self.ended = true,
-                    "drained" => self.workers[i].drained = true,
-                    other => {
-                        if let Some(error) = other.strip_prefix("refused ") {
-                            self.refused = Some(error.to_owned());
-                        }
-                    }
-                }
-            }
-        }
-    }
-
-    fn is_ready(&mut self, i: usize) {
-        self.workers[i].ready = true;
-        tracing::info!(service = self.workers[i].process.name, "ready");
-        self.taps.drain(&mut self.watch);
-        self.watch.is_there(self.workers[i].process.name);
-        if self.start_ns != 0 {
-            self.say_go(i);
-        }
-    }
-
-    /// A source begins after the last sample that was seen: 0, unless it has been restarted.
-    fn say_go(&self, i: usize) {
-        let (first, latest) = (self.watch.next_sequence(), self.watch.latest_time());
-        let latest_ns = (latest.max(0.0) * 1e9) as u64;
-        self.workers[i]
-            .control
-            .say(&format!("go {first} {} {latest_ns}", self.start_ns));
-    }
-
-    /// Notices a death and restarts; `Err` with the reason when there is no point in it.
-    fn keep_alive(&mut self, i: usize) -> Result<(), String> {
-        let worker = &mut self.workers[i];
-        if let Some(due) = worker.due() {
-            return if due <= Instant::now() {
-                self.restart(i)
-            } else {
-                Ok(())
-            };
-        }
-        let Some(status) = worker.died() else {
-            return Ok(());
-        };
-        let service = worker.process.name;
-        let hung = worker.hung;
-        worker.plan_restart(status)?;
-        self.watch.note(match hung {
-            Some(silence) => Fault::Hung {
-                service,
-                silence,
-                again: true,
-            },
-            None => {
-                tracing::warn!(service, %status, "a service died; it is started again");
-                let how = status.to_string();
-                Fault::Died { service, how }
-            }
-        });
-        Ok(())
-    }
-
-    /// Ends what hangs; the death is noticed as any other.
-    fn end_hanging(&mut self) {
-        for worker in &mut self.workers {
-            let service = worker.process.name;
-            if let Some(silence) = worker.hangs(self.watch.health(service)) {
-                tracing::warn!(service, ?silence, "a service hangs; it is ended");
-                worker.hung = Some(silence);
-                worker.kill();
-            }
-        }
-    }
-
-    fn restart(&mut self, i: usize) -> Result<(), String> {
-        self.spare.release();
-        // What the dead process held in the channels would otherwise count against their limits.
-        if !self.cleaner.clean_up(CLEAN_UP_LIMIT) {
-            tracing::warn!(
-                "what the dead held is not free yet; the service is started all the same"
-            );
-        }
-        self.taps.drain(&mut self.watch);
-        let run = (self.owner.domain(), &self.plan);
-        let restarted = self.workers[i].restart(run);
-        tracing::info!(service = self.workers[i].process.name, "started again");
-        self.said_seen = None;
-        if restarted.is_ok() && self.workers[i].due().is_none() {
-            self.hand_over(i);
-        }
-        self.spare.fill();
-        restarted
-    }
-
-    /// A source that is away when the run ends leaves no gap in the numbers, but samples were due.
-    fn note_what_was_due(&mut self) {
-        let is_source = |w: &&Supervised| matches!(w.process.role, Role::Source { .. });
-        let away = self
-            .workers
-            .iter()
-            .find(is_source)
-            .is_some_and(|w| !w.ready);
-        if away && !self.plan.lossless {
-            let seconds = now_ns().saturating_sub(self.start_ns) as f64 * 1e-9;
-            let due = (seconds * self.plan.rate) as u64;
-            let samples = due.saturating_sub(self.watch.next_sequence());
-            self.watch.note(Fault::Unmeasured { samples });
-        }
-    }
-
-    /// Upstream first, so that nobody is asked before its writer has said its last word.
-    fn drain(&mut self) {
-        let begun = Instant::now();
-        for i in 0..self.workers.len() {
-            self.workers[i].drained = false;
-            self.workers[i].control.say("drain");
-            while !self.workers[i].drained && begun.elapsed() < DRAIN_LIMIT {
-                self.wait(QUICK_LOOK);
-                self.end_hanging();
-                self.bury();
-                if !self.workers[i].is_alive() {
-                    break;
-                }
-            }
-        }
-    }
-
-    /// Notes the deaths of those that shall not live on.
-    fn bury(&mut self) {
-        for worker in &mut self.workers {
-            let service = worker.process.name;
-            // Dead, and never to be started again.
-            if worker.due().is_some() {
-                worker.give_up();
-            }
-            let Some(status) = worker.died() else {
-                continue;
-            };
-            worker.give_up();
-            if let Some(silence) = worker.hung {
-                self.watch.note(Fault::Hung {
-                    service,
-                    silence,
-                    again: false,
-                });
-            } else if !status.success() {
-                let how = status.to_string();
-                self.watch.note(Fault::DiedAtEnd { service, how });
-            }
-        }
-    }
-
-    fn end_all(&mut self) {
-        for worker in &self.workers {
-            worker.control.say("exit");
-        }
-        let begun = Instant::now();
-        while self.workers.iter_mut().any(Supervised::is_alive) && begun.elapsed() < EXIT_LIMIT {
-            self.wait(QUICK_LOOK);
-            self.bury();
-        }
-        self.bury();
-        for worker in &mut self.workers {
-            if worker.is_alive() {
-                let service = worker.process.name;
-                if worker.ready {
-                    self.watch.note(Fault::DidNotEnd { service });
-                }
-                worker.kill_and_wait();
-            }
-        }
     }
 }
 

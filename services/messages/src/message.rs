@@ -49,6 +49,27 @@ pub trait Message: ZeroCopySend + Copy + Debug + Default + PartialEq + Send + 's
     fn index(name: &str) -> Option<usize> {
         Self::FIELDS.iter().position(|f| f.name == name)
     }
+
+    /// Value of the field called `name`.
+    #[must_use]
+    fn field(&self, name: &str) -> Option<Value> {
+        self.get(Self::index(name)?)
+    }
+
+    /// The number in the field called `name`.
+    #[must_use]
+    fn number(&self, name: &str) -> Option<f64> {
+        self.field(name).map(Value::as_f64)
+    }
+
+    /// The bits in the field called `name`; none where there is no such field.
+    #[must_use]
+    fn bits_of(&self, name: &str) -> u32 {
+        match self.field(name) {
+            Some(Value::U32(bits)) => bits,
+            _ => 0,
+        }
+    }
 }
 
 /// A function that works on any payload type; [`Payload::visit`] calls it with the right one.

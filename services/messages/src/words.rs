@@ -50,10 +50,7 @@ pub fn said<M: Message>(message: &M) -> impl Iterator<Item = (Cow<'static, str>,
         };
         Some((Cow::Borrowed(field.name), said))
     });
-    let bits = match M::index("flags").and_then(|i| message.get(i)) {
-        Some(Value::U32(bits)) => bits,
-        _ => 0,
-    };
+    let bits = message.bits_of("flags");
     let flags = flags::<M>().map(move |(name, f)| (name, Said::Flag(bits & f.number != 0)));
     fields.chain(flags)
 }

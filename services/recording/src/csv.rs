@@ -6,16 +6,18 @@ mod dialect;
 mod estimate;
 mod export;
 mod front;
+mod header;
 mod read;
 
 pub(crate) use cells::Cells;
 pub(crate) use columns::Columns;
 pub(crate) use dialect::Dialect;
-pub use estimate::{Column, Estimate, EstimateRows, EstimateWriter, is_estimates};
-pub(crate) use estimate::{columns, columns_of, count, count_flags, extra};
+pub use estimate::{Codes, Column, Estimate, EstimateRows, EstimateWriter, is_estimates};
+pub(crate) use estimate::{columns, count, count_flags, estimate_of, extra};
 pub use export::export;
 pub(crate) use front::{Line, Lines, comment};
-pub(crate) use read::{GZIP, Look, TableRows, check_units, header, look};
+pub(crate) use header::{check_units, header};
+pub(crate) use read::{GZIP, Look, TableRows, look};
 pub use read::{misspelt, read, read_weighings};
 
 /// A cell of a CSV, in quotes where it must be.

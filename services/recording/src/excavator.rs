@@ -4,16 +4,13 @@ use messages::channels::{
     ChannelOf, EXCAVATOR_INERTIA_RLS, EXCAVATOR_INERTIA_UKF, EXCAVATOR_LOADS, EXCAVATOR_SENSORS,
     EXCAVATOR_TRUTH,
 };
-use messages::{
-    EXCAVATOR_METHODS, EXCAVATOR_REASONS, ExcavatorEstimate, ExcavatorSensors, ExcavatorTruth,
-    Machine, excavator_bits as bits,
-};
+use messages::{ExcavatorEstimate, ExcavatorSensors, ExcavatorTruth, Machine};
 
 use sheet::excavator::{FLAGS, LOADS_GROUP, QUANTITIES, VERDICT_FRAME};
 use sheet::{count_framed, count_framed_flags};
 
 use crate::can::{FrameTable, flags, quantities};
-use crate::csv::{Estimate, columns_of};
+use crate::csv::{Estimate, estimate_of};
 use crate::signal::Sensors;
 
 impl Sensors for ExcavatorSensors {
@@ -26,16 +23,12 @@ impl Sensors for ExcavatorSensors {
 }
 
 impl Estimate for ExcavatorEstimate {
-    columns_of!(excavator);
-    const REFUSED: u32 = bits::REFUSED;
-    const METHODS: &'static [&'static str] = EXCAVATOR_METHODS;
-    const REASONS: &'static [(&'static str, &'static str)] = EXCAVATOR_REASONS;
-    fn reason(&self) -> u32 {
-        self.reason
-    }
-    fn bits(&self) -> (u32, u32, u32) {
-        (self.flags, self.estimated, self.method)
-    }
+    estimate_of!(
+        excavator,
+        excavator_bits,
+        EXCAVATOR_METHODS,
+        EXCAVATOR_REASONS
+    );
 }
 
 /// Its frames.

@@ -22,6 +22,7 @@ mod load;
 mod loader;
 mod machines;
 mod map;
+mod mapped;
 pub mod output;
 mod parts;
 pub mod payload;

@@ -3,16 +3,13 @@
 use messages::channels::{
     ChannelOf, LOADER_CG_EKF, LOADER_CG_UKF, LOADER_LOADS, LOADER_SENSORS, LOADER_TRUTH,
 };
-use messages::{
-    LOADER_METHODS, LOADER_REASONS, LoaderEstimate, LoaderSensors, LoaderTruth, Machine,
-    loader_bits as bits,
-};
+use messages::{LoaderEstimate, LoaderSensors, LoaderTruth, Machine};
 
 use sheet::loader::{FLAGS, LOADS_GROUP, QUANTITIES, VERDICT_FRAME};
 use sheet::{count_framed, count_framed_flags};
 
 use crate::can::{FrameTable, flags, quantities};
-use crate::csv::{Estimate, columns_of};
+use crate::csv::{Estimate, estimate_of};
 use crate::signal::Sensors;
 
 impl Sensors for LoaderSensors {
@@ -25,16 +22,7 @@ impl Sensors for LoaderSensors {
 }
 
 impl Estimate for LoaderEstimate {
-    columns_of!(loader);
-    const REFUSED: u32 = bits::REFUSED;
-    const METHODS: &'static [&'static str] = LOADER_METHODS;
-    const REASONS: &'static [(&'static str, &'static str)] = LOADER_REASONS;
-    fn reason(&self) -> u32 {
-        self.reason
-    }
-    fn bits(&self) -> (u32, u32, u32) {
-        (self.flags, self.estimated, self.method)
-    }
+    estimate_of!(loader, loader_bits, LOADER_METHODS, LOADER_REASONS);
 }
 
 /// Its frames.

@@ -245,7 +245,7 @@ impl<S: Sensors> Builder<S> {
 
     /// The columns are those that had a value so far, and those that need none.
     fn settle_now(&mut self) {
-        let seen = |bits, (sensors, _): &Row<S>| bits | valid(sensors);
+        let seen = |bits, (sensors, _): &Row<S>| bits | sensors.bits_of("valid");
         let early = self.rows.iter().fold(0, seen);
         let header = self.header();
         let mut columns = header & (!S::OPTIONAL | early);
@@ -256,13 +256,6 @@ impl<S: Sensors> Builder<S> {
         for (sensors, _) in &mut self.rows {
             set(sensors, self.has, columns);
         }
-    }
-}
-
-fn valid<M: Message>(message: &M) -> u32 {
-    match M::index("valid").and_then(|i| message.get(i)) {
-        Some(Value::U32(bits)) => bits,
-        _ => 0,
     }
 }
 

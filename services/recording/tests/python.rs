@@ -137,8 +137,7 @@ impl Rows {
         trusted: bool,
     ) {
         for signal in [name.to_owned(), format!("{name}_std")] {
-            let value = M::index(&signal).and_then(|i| estimate.get(i));
-            let value = value.expect("a field of the estimate").as_f64();
+            let value = estimate.number(&signal).expect("a field of the estimate");
             let wanted = if trusted {
                 format!("{value:?}")
             } else {

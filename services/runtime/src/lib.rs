@@ -11,7 +11,7 @@
 //! | `step` | what they drive |
 //! | `ports`, `taps` | channels: one, several |
 //! | `bell` | wake-ups |
-//! | `worker`, `control` | the life of a process, and how the supervisor speaks to it |
+//! | `worker`, `control`, `requests` | the life of a process, how the supervisor speaks to it, what it asks |
 //! | `domain`, `home`, `cleaner` | where the files of a run are, who owns them, who removes them |
 //! | `window` | what a group of other users may see of a run |
 //! | `telemetry`, `pulse` | counting, and noticing that a step hangs |
@@ -30,6 +30,7 @@ mod ports;
 mod probe;
 mod pulse;
 pub mod realtime;
+mod requests;
 mod run_sink;
 mod sink;
 mod source;
@@ -43,7 +44,7 @@ mod worker;
 pub use bell::Bell;
 pub use cleaner::Cleaner;
 pub use clock::{now_ns, processor_time, processor_time_of, sleep_until};
-pub use control::{Begin, Control, ControlWord};
+pub use control::{Control, ControlWord};
 pub use domain::{Domain, Owner, free_shared_memory};
 pub use error::Error;
 pub use home::make as home;
@@ -51,6 +52,7 @@ pub use live::{Live, Polled, run_live};
 pub use ports::{ChannelOwner, EventListener, Input, Output, Ports, Received, Teller};
 pub use probe::{Arrival, Wake, run_probe};
 pub use pulse::is_stopped;
+pub use requests::Begin;
 pub use run_sink::run_sink;
 pub use sink::Sink;
 pub use source::{Pace, run_source};

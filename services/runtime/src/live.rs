@@ -4,7 +4,7 @@ use messages::Message;
 use messages::channels::ChannelOf;
 
 use crate::clock::now_ns;
-use crate::control::Begin;
+use crate::requests::Begin;
 use crate::source::{Pace, Sender, finish, is_ending};
 use crate::telemetry::Event;
 use crate::{Error, Worker};

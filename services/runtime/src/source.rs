@@ -4,7 +4,7 @@ use messages::channels::{CREDIT, ChannelOf};
 use messages::{Credit, Message, fault};
 
 use crate::clock::{now_ns, sleep_until};
-use crate::control::Begin;
+use crate::requests::Begin;
 use crate::step::Source;
 use crate::telemetry::Event;
 use crate::{Error, Input, Output, Worker};

@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use messages::Snapshot;
 
-use crate::control::{self, Begin, Handed, Requests};
+use crate::control::Handed;
+use crate::requests::{self, Begin, Requests};
 use crate::telemetry::{Identity, Reporter};
 use crate::{Bell, Control, Error, Ports, realtime};
 
@@ -52,7 +53,7 @@ impl Worker {
             input,
         } = control.receive_bells()?;
         let ports = Ports::new(setup.identity.name)?;
-        let requests = control::listen(Arc::clone(&control), bell.try_clone()?);
+        let requests = requests::listen(Arc::clone(&control), bell.try_clone()?);
         let reporter = Reporter::start(setup.identity, setup.period_ns);
         Ok(Self {
             setup,

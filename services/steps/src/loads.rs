@@ -8,15 +8,19 @@ use config::Description;
 use estimation::Quantity;
 use estimation::loader::Reason;
 use estimation::loads::{Events, Ledger, Load, Row, Settings, Witness};
-use estimation::math::norm;
 use messages::{
-    EXCAVATOR_REASONS, Envelope, ExcavatorEstimate, ExcavatorSensors, LOADER_REASONS,
-    LoaderEstimate, LoaderSensors, Machine, excavator_bits, loader_bits,
+    Envelope, ExcavatorEstimate, ExcavatorSensors, LoaderEstimate, LoaderSensors, Machine,
+    excavator_bits, loader_bits,
 };
 
 mod report;
+mod scale;
+mod why;
 
 pub use report::{channel, message};
+use scale::Scale;
+use why::why;
+pub use why::why_words;
 
 /// Loads that are remembered; sums know all.
 const REMEMBERED: usize = 1000;
@@ -284,122 +288,6 @@ impl LoadCounter {
         events
     }
 }
-
-/// Bits of the reason; those of the flags are above.
-const REASON: u32 = 0xff;
-
-/// Reason and flags in one number.
-fn why(reason: u32, flags: u32, trusted: bool) -> u32 {
-    if trusted {
-        0
-    } else {
-        reason.min(REASON) | flags << 8
-    }
-}
-
-/// Why a load is not trusted, in words; empty where it is.
-#[must_use]
-pub fn why_words(machine: Machine, load: &Load) -> &'static str {
-    if load.trusted {
-        return "";
-    }
-    let (reason, flags) = (load.why & REASON, load.why >> 8);
-    let reasons = match machine {
-        Machine::Excavator => EXCAVATOR_REASONS,
-        Machine::Loader => LOADER_REASONS,
-    };
-    if let Some((_, words)) = reasons.get(reason as usize).filter(|_| reason != 0) {
-        return words;
-    }
-    let missing: &[(u32, &str)] = match machine {
-        Machine::Excavator => &[
-            (excavator_bits::FRESH, "an input is missing or too old"),
-            (
-                excavator_bits::IDENTIFIABLE,
-                "the motion does not determine it yet",
-            ),
-            (
-                excavator_bits::CONSISTENT,
-                "the measurements do not agree with the model",
-            ),
-            (excavator_bits::EXCITED, "the machine did not swing"),
-            (excavator_bits::CONVERGED, "the interval is still wide"),
-        ],
-        Machine::Loader => &[
-            (loader_bits::FRESH, "an input is missing or too old"),
-            (
-                loader_bits::TRUSTED_PAYLOAD,
-                "the load is not weighed closely yet",
-            ),
-        ],
-    };
-    let found = missing.iter().find(|(bit, _)| flags & bit == 0);
-    found.map_or("nothing confirms it", |(_, words)| words)
-}
-
-/// The machine's mass is measured: its payload is what it has more than empty.
-///
-/// Nobody states what such a scale is worth: half a percent of the machine, two percent of the load.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Scale {
-    /// Described mass of the empty machine [kg].
-    described: f64,
-    /// Least mass that has held [kg].
-    empty: Option<f64>,
-    /// Mass that holds, and since when [kg], [s].
-    anchor: Option<(f64, f64)>,
-}
-
-/// Standard deviation of a mass, in masses, and of a load, in loads.
-const SCALE_STD: [f64; 2] = [0.005, 0.02];
-/// A mass holds that has stayed within this share for this long [s].
-const HOLDS: (f64, f64) = (0.01, 1.0);
-/// A mass further below the described one is not that of this machine, in masses.
-const BELOW: f64 = 0.2;
-/// The empty machine weighs at most so much more than described, in masses.
-const EMPTY: f64 = 0.05;
-
-impl Scale {
-    fn new(described: f64) -> Self {
-        Self {
-            described,
-            empty: None,
-            anchor: None,
-        }
-    }
-
-    /// Payload of this mass, and the standard deviation of what all loads share.
-    fn step(&mut self, mass: f64, time: f64) -> Option<(Quantity, f64)> {
-        if !(mass.is_finite() && mass > (1.0 - BELOW) * self.described) {
-            return None;
-        }
-        match self.anchor {
-            Some((anchor, since)) if (mass - anchor).abs() < HOLDS.0 * anchor => {
-                if time - since >= HOLDS.1 {
-                    self.empty = Some(self.empty.map_or(anchor, |e| e.min(anchor)));
-                }
-            }
-            _ => self.anchor = Some((mass, time)),
-        }
-        // Until it has been about as light as described, the machine that began may have been loaded already.
-        let learnt = self.empty.filter(|e| *e < (1.0 + EMPTY) * self.described);
-        let zero = if learnt.is_some() {
-            0.0
-        } else {
-            EMPTY * self.described
-        };
-        let value = mass - learnt.unwrap_or(self.described);
-        let common = norm(&[SCALE_STD[1] * value, zero]);
-        let std = norm(&[SCALE_STD[0] * mass, common]);
-        Some((Quantity { value, std }, common))
-    }
-}
-
-const _: () = {
-    // Reason and flags fit in one number.
-    assert!(EXCAVATOR_REASONS.len() < REASON as usize && LOADER_REASONS.len() < REASON as usize);
-    assert!(excavator_bits::RESTARTED < 1 << 24 && loader_bits::RESTARTED < 1 << 24);
-};
 
 #[cfg(test)]
 mod tests {

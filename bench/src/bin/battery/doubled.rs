@@ -16,18 +16,7 @@ impl Attack for Doubled {
     fn attempt(&mut self, rng: &mut Rng, ground: &Ground) -> Result<Outcome, String> {
         let first = ground.run(2.5, &[])?;
         let other = |seconds: &str| {
-            let mut command = ground.heft();
-            command
-                .args([
-                    "run",
-                    "excavator",
-                    "--quiet",
-                    "--no-report",
-                    "--duration",
-                    seconds,
-                    "--out",
-                ])
-                .arg(ground.folder().join("out"));
+            let mut command = ground.quiet_run(seconds, &ground.folder().join("out"));
             command.output().map_err(|e| e.to_string())
         };
         std::thread::sleep(Duration::from_millis(rng.between(0, 1000)));

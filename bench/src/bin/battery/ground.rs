@@ -68,6 +68,16 @@ impl Ground {
         command
     }
 
+    /// A run of so many seconds that records into this folder and says little.
+    pub fn quiet_run(&self, seconds: &str, out: &Path) -> Command {
+        let mut command = self.heft();
+        command
+            .args(["run", "excavator", "--quiet", "--no-report"])
+            .args(["--duration", seconds, "--out"])
+            .arg(out);
+        command
+    }
+
     /// Starts a run of so many seconds.
     pub fn run(&self, seconds: f64, more: &[&str]) -> Result<Run, String> {
         self.run_by(self.heft(), seconds, more)

@@ -25,22 +25,14 @@ mod supply;
 mod trust;
 mod users;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
+use clap::Parser;
+
 use attack::{Attack, Outcome, Rng};
 use ground::Ground;
-
-const USAGE: &str = "\
-usage: battery [--minutes N] [--seed S] [--only WORD] [--heft PATH]
-       battery --fuzz TARGET [--seconds N] [--seed S]
-       battery --trust WORD [--seed S] [--from SECONDS]
-       battery --soak MINUTES [--heft PATH]
-       N minutes (1) of the attacks whose name holds WORD (all), on the heft at PATH (beside this program);
-       the second form is one target of the fuzzer alone, in this folder;
-       the third the cells of the trust matrix whose name holds WORD, as a table, with the fault from SECONDS (25) on;
-       the fourth both machines in real time, with the slopes of memory, descriptors and disk";
 
 /// A long run prints its table this often: what stops it in the middle costs only the rest.
 const INTERIM: Duration = Duration::from_secs(600);
@@ -68,48 +60,44 @@ fn attacks() -> Vec<Box<dyn Attack>> {
     attacks
 }
 
+/// Attacks whole pipelines in turn, and prints per attack how often it was tried and survived.
+#[derive(Parser)]
 struct Arguments {
+    /// How long
+    #[arg(long, value_name = "N", default_value_t = 1.0)]
     minutes: f64,
+    /// What chance begins with
+    #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
+    /// The attacks whose name holds this word
+    #[arg(long, value_name = "WORD", default_value = "")]
     only: String,
-    heft: PathBuf,
+    /// The program that is attacked; the one beside this if absent
+    #[arg(long, value_name = "PATH")]
+    heft: Option<PathBuf>,
+    /// One target of the fuzzer alone, in this folder, for so many --seconds
+    #[arg(long, value_name = "TARGET")]
     fuzz: Option<String>,
+    /// The cells of the trust matrix whose name holds this word, as a table, with the fault --from so many seconds on
+    #[arg(long, value_name = "WORD")]
     trust: Option<String>,
+    /// Both machines in real time for so many minutes, with the slopes of memory, descriptors and disk
+    #[arg(long, value_name = "MINUTES")]
     soak: Option<f64>,
+    /// With --fuzz
+    #[arg(long, value_name = "N", default_value_t = 1.0)]
     seconds: f64,
+    /// With --trust
+    #[arg(long, value_name = "SECONDS", default_value_t = trust::FROM)]
     from: f64,
 }
 
-fn arguments() -> Option<Arguments> {
-    let beside = std::env::current_exe().ok()?.with_file_name("heft");
-    let mut found = Arguments {
-        minutes: 1.0,
-        seed: 1,
-        only: String::new(),
-        heft: beside,
-        fuzz: None,
-        trust: None,
-        soak: None,
-        seconds: 1.0,
-        from: trust::FROM,
-    };
-    let mut words = std::env::args().skip(1);
-    while let Some(word) = words.next() {
-        let value = words.next()?;
-        match word.as_str() {
-            "--minutes" => found.minutes = value.parse().ok()?,
-            "--seed" => found.seed = value.parse().ok()?,
-            "--only" => found.only = value,
-            "--fuzz" => found.fuzz = Some(value),
-            "--trust" => found.trust = Some(value),
-            "--soak" => found.soak = Some(value.parse().ok()?),
-            "--from" => found.from = value.parse().ok()?,
-            "--seconds" => found.seconds = value.parse().ok()?,
-            "--heft" => found.heft = value.into(),
-            _ => return None,
-        }
+impl Arguments {
+    fn heft(&self) -> PathBuf {
+        let beside = || std::env::current_exe().map(|own| own.with_file_name("heft"));
+        let named = self.heft.clone();
+        named.unwrap_or_else(|| beside().unwrap_or_default())
     }
-    Some(found)
 }
 
 /// What became of one attack.
@@ -143,17 +131,15 @@ impl Tally {
 type Rows = Vec<(Box<dyn Attack>, Tally)>;
 
 fn main() -> ExitCode {
-    let Some(arguments) = arguments() else {
-        eprintln!("{USAGE}");
-        return ExitCode::from(2);
-    };
+    let arguments = Arguments::parse();
+    let heft = arguments.heft();
     let needs_heft = arguments.fuzz.is_none() && arguments.trust.is_none();
-    if needs_heft && !arguments.heft.exists() {
-        let place = arguments.heft.display();
+    if needs_heft && !heft.exists() {
+        let place = heft.display();
         eprintln!("{place} is not there: run `cargo build` first");
         return ExitCode::from(2);
     }
-    match run(&arguments) {
+    match run(&arguments, &heft) {
         Ok(good) => ExitCode::from(u8::from(!good)),
         Err(why) => {
             eprintln!("{why}");
@@ -163,7 +149,7 @@ fn main() -> ExitCode {
 }
 
 /// Does what the arguments ask for; whether all of it survived.
-fn run(arguments: &Arguments) -> Result<bool, String> {
+fn run(arguments: &Arguments, heft: &Path) -> Result<bool, String> {
     if let Some(target) = &arguments.fuzz {
         return fuzz::run(target, arguments.seconds, arguments.seed).map(|()| true);
     }
@@ -171,10 +157,10 @@ fn run(arguments: &Arguments) -> Result<bool, String> {
         return trust::print(word, arguments.seed, arguments.from);
     }
     if let Some(minutes) = arguments.soak {
-        return soak::run(&arguments.heft, minutes);
+        return soak::run(heft, minutes);
     }
     let begun = Instant::now();
-    let rows = attempts(arguments, begun);
+    let rows = attempts(arguments, heft, begun);
     print(&rows);
     println!(
         "{} attacks in {:.1} minutes, seed {}; gaps in samples at {} Hz",
@@ -187,7 +173,7 @@ fn run(arguments: &Arguments) -> Result<bool, String> {
 }
 
 /// The attacks in turn, until the time is over.
-fn attempts(arguments: &Arguments, begun: Instant) -> Rows {
+fn attempts(arguments: &Arguments, heft: &Path, begun: Instant) -> Rows {
     let mut rng = Rng::new(arguments.seed);
     let chosen = attacks().into_iter();
     let chosen = chosen.filter(|a| a.name().contains(&arguments.only));
@@ -206,7 +192,7 @@ fn attempts(arguments: &Arguments, begun: Instant) -> Rows {
                 return rows;
             }
             number += 1;
-            let ground = Ground::new(&arguments.heft, number);
+            let ground = Ground::new(heft, number);
             if let Some(why) = tally.count(attack.attempt(&mut rng, &ground)) {
                 println!("{} (number {number}): {why}", attack.name());
             }

@@ -2,7 +2,7 @@
 //! seconds the answer is what it is without that sample.
 
 use heft_c::{Excavator, Loader, Machine, answer, sample};
-use messages::{Message, Value};
+use messages::Message;
 use runtime::Source;
 
 use crate::attack::{Attack, Outcome, Rng};
@@ -51,9 +51,7 @@ fn rows<M: Machine, S: Source>(mut source: S) -> Vec<Vec<f64>> {
     let row = |(sensors, _): (S::Sensors, S::Truth)| {
         let number = |name: &str| match name {
             "time" => sensors.stamp().time,
-            _ => S::Sensors::index(name)
-                .and_then(|i| sensors.get(i))
-                .map_or(f64::NAN, Value::as_f64),
+            _ => sensors.number(name).unwrap_or(f64::NAN),
         };
         M::SIGNALS
             .iter()

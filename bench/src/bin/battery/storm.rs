@@ -20,18 +20,8 @@ impl Attack for Storm {
         let mut children = Vec::new();
         for n in 0..rng.between(4, 13) {
             let out = ground.folder().join(n.to_string());
-            let mut command = ground.heft();
+            let mut command = ground.quiet_run("1", &out);
             command
-                .args([
-                    "run",
-                    "excavator",
-                    "--quiet",
-                    "--no-report",
-                    "--duration",
-                    "1",
-                    "--out",
-                ])
-                .arg(&out)
                 .args(["--domain", &format!("{}-{n}", ground.domain())])
                 .stdout(Stdio::null())
                 .stderr(Stdio::piped());

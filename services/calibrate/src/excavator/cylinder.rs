@@ -15,31 +15,20 @@ use estimation::excavator::{
 };
 
 use super::Input;
-use crate::description::number;
+use crate::cylinders::{
+    self, CURVE, FRICTION, IDENTIFIED, LEAST_MOTION, LEAST_STD, LEVEL, SPAN, ZERO,
+};
 use crate::lasting::{Equation, GAP, Solution};
 use crate::output::Pen;
 
-/// Least time in which the boom rises, and in which it sinks \[s\].
-const LEAST_MOTION: f64 = 3.0;
-/// What is known to more than this share of its description's tolerance has not been identified.
-const IDENTIFIED_STD_SHARE: f64 = 0.7;
 /// Standard deviation of a link's centre of mass, along its line of pins and beside it, as a share of the moment that it carries.
 const CENTRE: f64 = 0.02;
-/// Least standard deviation of a load \[kg\].
-const LEAST_STD: f64 = 1e-3;
-/// Slope of ground that is called level \[rad\].
-const LEVEL: f64 = 0.01;
 /// A bucket that weighs less than this share of the stated load is another one's content: it was dumped.
 const DUMPED: f64 = 0.5;
 
-/// Unknowns: span, zero, friction, the moment that the drawing misses (with cosine and sine of each link's angle), slopes, then the
-/// load of each recording.
-const SPAN: usize = 0;
-const ZERO: usize = 1;
-const FRICTION: usize = 2;
-const CURVE: usize = 3;
-const SLOPES: usize = 9;
-const LOADS: usize = 11;
+/// Unknowns behind those of every cylinder and the six moments that the drawing misses: slopes, then the load of each recording.
+const SLOPES: usize = CURVE + CURVES.len();
+const LOADS: usize = SLOPES + 2;
 
 /// Keys of the moment that the drawing misses.
 const CURVES: [&str; 6] = [
@@ -51,20 +40,8 @@ const CURVES: [&str; 6] = [
     "machine.boom_cylinder.bucket_sin",
 ];
 
-/// What was learnt.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CylinderFit {
-    /// Relative error of the moment as described.
-    pub span: Quantity,
-    /// Force that the pressures show too much \[N\].
-    pub zero: Quantity,
-    /// Correlation of the errors of the two.
-    pub correlation: f64,
-    /// Friction of the seals \[N\].
-    pub friction: Quantity,
-    /// Moments that the drawing misses, with cosine and sine of the angles of boom, arm and bucket to the horizontal [N m].
-    pub missed: [Quantity; 6],
-}
+/// What was learnt: the missed moments are those of boom, arm and bucket.
+pub type CylinderFit = cylinders::CylinderFit<{ CURVES.len() }>;
 
 /// What the recordings tell of the described cylinders, or why they do not; `None` where no cylinder is described or no pressure
 /// measured.
@@ -134,18 +111,10 @@ fn fit(
     let solution = before
         .after(&equations, FADING)
         .ok_or("the boom's cylinders are not determined")?;
-    let of = |i: usize| solution.quantity(i, &before);
-    let learnt = CylinderFit {
-        span: of(SPAN),
-        zero: of(ZERO),
-        correlation: solution.correlation(SPAN, ZERO),
-        friction: Quantity {
-            value: (friction + of(FRICTION).value).max(0.0),
-            ..of(FRICTION)
-        },
-        missed: std::array::from_fn(|i| of(CURVE + i)),
-    };
-    if learnt.friction.std > IDENTIFIED_STD_SHARE * friction_std {
+    let c = &d.boom_cylinder;
+    let full_force = c.count * c.head_area * FULL_PRESSURE;
+    let learnt = CylinderFit::of(&solution, &before, friction, full_force);
+    if learnt.friction.std > IDENTIFIED * friction_std {
         return Err("the boom's cylinders stay as described: their friction cannot be distinguished from the zeros of the sensors; lift and lower the boom more often"
             .into());
     }
@@ -205,58 +174,14 @@ fn before(d: &Description, cylinder: &Cylinder, loads: &[Quantity]) -> Solution 
     Solution::before(&stds, &[(SPAN, ZERO, together)])
 }
 
-impl CylinderFit {
-    /// The keys of the description.
-    pub fn write(&self, pen: &mut Pen<Description>) {
-        let c = pen.description.boom_cylinder;
-        let span = 1.0 + self.span.value;
-        for (key, area) in [("head_area", c.head_area), ("rod_area", c.rod_area)] {
-            let area = Quantity {
-                value: area / span,
-                std: area * self.span.std,
-            };
-            pen.value(&format!("machine.boom_cylinder.{key}"), area);
-        }
-        let zero = Quantity {
-            value: (c.force_offset + self.zero.value) / span,
-            std: self.zero.std,
-        };
-        pen.value("machine.boom_cylinder.force_offset", zero);
-        pen.std("machine.boom_cylinder.force_offset_std", self.zero.std);
-        pen.std("machine.boom_cylinder.span_std", self.span.std);
-        pen.correlation(
-            "machine.boom_cylinder.span_offset_correlation",
-            self.correlation,
-        );
-        for (key, missed) in CURVES.iter().zip(self.missed) {
-            let was = number(&pen.description, key).unwrap_or(0.0);
-            let missed = Quantity {
-                value: was + missed.value,
-                ..missed
-            };
-            pen.value(key, missed);
-        }
-        let full = c.count * c.head_area * FULL_PRESSURE;
-        let friction = Quantity {
-            value: self.friction.value / full,
-            std: self.friction.std / full,
-        };
-        pen.value("machine.boom_cylinder.friction", friction);
-        pen.std("machine.boom_cylinder.friction_std", friction.std);
-    }
+/// The keys of the description.
+pub fn write(learnt: &CylinderFit, pen: &mut Pen<Description>) {
+    learnt.write(pen, "machine.boom_cylinder", &CURVES, 0.0);
+}
 
-    /// In words.
-    pub fn words(&self) -> String {
-        format!(
-            "the boom's cylinders: the moment is {:+.1} ± {:.1} % of what the drawing says, zero {:.0} ± {:.0} N, friction {:.0} ± {:.0} N",
-            100.0 * self.span.value,
-            100.0 * self.span.std,
-            self.zero.value,
-            self.zero.std,
-            self.friction.value,
-            self.friction.std
-        )
-    }
+/// In words.
+pub fn words(learnt: &CylinderFit) -> String {
+    learnt.words("the boom's cylinders")
 }
 
 #[cfg(test)]
@@ -357,7 +282,7 @@ mod tests {
             "{learnt:?}"
         );
         let mut pen = Pen::new(described());
-        learnt.write(&mut pen);
+        write(&learnt, &mut pen);
         let written = Cylinder::of_boom(&pen.description).expect("described");
         assert!((written.friction[0] - FRICTION).abs() < 3.0 * learnt.friction.std);
         assert!(written.friction[1] < cylinder.friction[1]);

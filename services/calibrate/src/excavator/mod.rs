@@ -12,7 +12,7 @@ mod words;
 
 use std::sync::atomic::AtomicBool;
 
-use config::Excavator as Description;
+use config::{Excavator as Description, Tables as _};
 use estimation::Quantity;
 use estimation::excavator::{Geometry, Sample};
 
@@ -22,7 +22,6 @@ pub use series::{Load, Measured, Series, Swing};
 pub use swings::{Role, Swings};
 pub use torque::{Impulse, Torque};
 
-use crate::description::number;
 use crate::fit::{EXACT, Progress, Task};
 use crate::honesty;
 use crate::model::Model;
@@ -140,9 +139,7 @@ pub fn calibrate(inputs: &[Input], options: &Options<'_>) -> Result<Outcome, Str
         && let Some((found, _)) = outcome.description(options.description, &[])
         && let Some(learnt) = cylinder::learn(&found, inputs)
     {
-        let words = learnt
-            .as_ref()
-            .map_or_else(String::clone, CylinderFit::words);
+        let words = learnt.as_ref().map_or_else(String::clone, cylinder::words);
         outcome.remarks.push(words);
         outcome.cylinder = learnt.ok();
     }
@@ -311,7 +308,7 @@ fn tolerances(swings: &Swings, options: &Options<'_>) -> Vec<f64> {
         Role::Lever => p.std,
         Role::Damping => d.prior.damping_std,
         Role::Offset => d.prior.torque_offset_std,
-        Role::Gain => number(d, "sensors.swing_torque_gain_std").unwrap_or(0.0),
+        Role::Gain => d.number("sensors.swing_torque_gain_std").unwrap_or(0.0),
         _ => 0.0,
     };
     let parameters = swings.roles.iter().zip(&swings.parameters);

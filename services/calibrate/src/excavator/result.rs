@@ -1,10 +1,9 @@
 //! The calibrated description of an excavator.
 
-use config::Excavator as Description;
+use config::{Excavator as Description, Tables as _};
 use estimation::Quantity;
 
-use super::{Outcome, Role};
-use crate::description::number;
+use super::{Outcome, Role, cylinder};
 use crate::output::Pen;
 
 /// Masses and inertias that share one scale.
@@ -44,7 +43,7 @@ impl Outcome {
             self.together(&mut pen);
         }
         if let Some(learnt) = &self.cylinder {
-            learnt.write(&mut pen);
+            cylinder::write(learnt, &mut pen);
         }
         let text = pen.text(&self.summary(), origin);
         Some((pen.description, text))
@@ -86,7 +85,7 @@ impl Outcome {
             }
             Role::Links => {
                 for key in LINKS {
-                    let part = number(&pen.description, key).unwrap_or(0.0);
+                    let part = pen.description.number(key).unwrap_or(0.0);
                     let scaled = Quantity {
                         value: part * q.value,
                         std: part * q.std,

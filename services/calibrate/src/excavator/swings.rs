@@ -1,13 +1,12 @@
 //! The swings of an excavator as a model: parameters, priors, blocks.
 
-use config::Excavator as Description;
+use config::{Excavator as Description, Tables as _};
 use estimation::Quantity;
 use estimation::excavator::{Doubts, Geometry};
 
 use super::filter::{self, Guess};
 use super::series::{Load, Measured, Series, Swing};
 use crate::column::percentile;
-use crate::description::number;
 use crate::model::{Innovation, Model};
 use crate::parameter::{Law, Parameter, Source, rows};
 
@@ -296,7 +295,7 @@ fn parameters(
 /// What acts on the swing; `torque` is a large one.
 fn of_motion(torque: f64, d: &Description) -> Vec<(Role, Parameter)> {
     let (m, p) = (&d.machine, &d.prior);
-    let stated = |key| number(d, key).unwrap_or(0.0);
+    let stated = |key| d.number(key).unwrap_or(0.0);
     let damping_std = p.damping_std.max(DAMPING_STD * m.nominal_damping);
     let friction_std = p.friction_std.max(FRICTION_STD * m.coulomb_friction);
     let offset_std = p.torque_offset_std.max(OFFSET_STD * torque);
@@ -317,7 +316,7 @@ fn of_motion(torque: f64, d: &Description) -> Vec<(Role, Parameter)> {
 /// The machine, its drive and its torque sensor, where the posture is known.
 fn of_posture(d: &Description) -> Vec<(Role, Parameter)> {
     let upper = d.machine.upper_inertia;
-    let stated = |key, otherwise| number(d, key).unwrap_or(otherwise);
+    let stated = |key, otherwise| d.number(key).unwrap_or(otherwise);
     let efficiency_std = stated("machine.drive_efficiency_std", 0.0).max(EFFICIENCY_STD);
     let gain_std = stated("sensors.swing_torque_gain_std", 0.0).max(GAIN_STD);
     let rows = rows! {

@@ -57,8 +57,6 @@ pub struct Drive {
     pub blocks: Vec<Range<usize>>,
     /// Whether there is an accelerometer.
     pub has_acceleration: bool,
-    /// So many rows of the recording make one.
-    pub averaged: usize,
 }
 
 impl Drive {
@@ -71,7 +69,7 @@ impl Drive {
                 rows.push(*sample);
             }
         }
-        let (rows, averaged) = averaged(&rows);
+        let rows = averaged(&rows);
         let column = |of: fn(&Sample) -> Option<f64>| -> Vec<f64> {
             rows.iter().map(|s| of(s).unwrap_or(f64::NAN)).collect()
         };
@@ -114,7 +112,6 @@ impl Drive {
             has_acceleration: acceleration.iter().any(|a| a.is_finite()),
             acceleration,
             blocks: Vec::new(),
-            averaged,
             time,
         };
         drive.blocks = drive.stretches(&drives);
@@ -191,7 +188,7 @@ impl Drive {
 }
 
 /// Rows that come fast, averaged by so many: the noise is averaged with them, and a fit has less to do.
-fn averaged(rows: &[Sample]) -> (Vec<Sample>, usize) {
+fn averaged(rows: &[Sample]) -> Vec<Sample> {
     let steps = rows.windows(2).map(|w| w[1].time - w[0].time).collect();
     let period = percentile(steps, 0.5);
     let count = if period > 0.0 {
@@ -230,7 +227,7 @@ fn averaged(rows: &[Sample]) -> (Vec<Sample>, usize) {
         lift_rod_pressure: mean(chunk, |s| s.lift_rod_pressure),
         truck: chunk[0].truck,
     });
-    (means.collect(), count)
+    means.collect()
 }
 
 fn digs(s: &Sample, weight: f64) -> bool {

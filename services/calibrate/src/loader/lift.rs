@@ -10,18 +10,17 @@
 use config::Loader as Description;
 use estimation::Quantity;
 use estimation::loader::{LiftKnown, LiftMoment, Lifts, Method, Sample, Settings};
+use estimation::math::norm;
 
 use super::known::MASS_STD;
 use super::role::StatedLoad;
 use super::{GRAVITY, Input};
-use crate::description::number;
+use crate::cylinders::{
+    self, CURVE, FRICTION, IDENTIFIED, LEAST_MOTION, LEAST_STD, LEVEL, SPAN, ZERO,
+};
 use crate::lasting::{Equation, GAP, Solution};
 use crate::output::Pen;
 
-/// Least time in which the arm rises, and in which it sinks \[s\].
-const LEAST_MOTION: f64 = 3.0;
-/// What is known to more than this share of its description's tolerance has not been identified.
-const IDENTIFIED: f64 = 0.7;
 /// A friction known to this share of the full force, and a span known to this share, need no more.
 const KNOWN: [f64; 2] = [0.003, 0.005];
 /// Least written deviation of the span: loads lie elsewhere, and oil warms.
@@ -33,19 +32,11 @@ const FAR: f64 = 4.0;
 const BESIDE: [f64; 2] = [0.1, 0.3];
 /// How long friction and drawing leave the same \[s\].
 const FADING: f64 = 3.0;
-/// Slope of ground that is called level \[rad\].
-const LEVEL: f64 = 0.01;
-/// Least standard deviation of a load \[kg\].
-const LEAST_STD: f64 = 1e-3;
 /// Tolerances of a drawing: of the arm's and the bucket's mass and of their distances, as `machine.lift_arm` has them.
 const DRAWN: [f64; 4] = [0.05, 0.2, 0.05, 0.1];
 
-/// Unknowns: span, zero, friction, the moment that the drawing misses; then for each recording its load and its slope.
-const SPAN: usize = 0;
-const ZERO: usize = 1;
-const FRICTION: usize = 2;
-const CURVE: usize = 3;
-const LOADS: usize = 7;
+/// Unknowns behind those of every cylinder and the four moments that the drawing misses: for each recording its load and its slope.
+const LOADS: usize = CURVE + CURVES.len();
 
 /// Keys of the moment that the drawing misses.
 const CURVES: [&str; 4] = [
@@ -55,22 +46,8 @@ const CURVES: [&str; 4] = [
     "machine.lift_arm.bucket_sin",
 ];
 
-/// What was learnt.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CylinderFit {
-    /// Relative error of the moment as described.
-    pub span: Quantity,
-    /// Force that the pressures show too much \[N\].
-    pub zero: Quantity,
-    /// Correlation of the errors of the two.
-    pub correlation: f64,
-    /// Friction of the seals \[N\].
-    pub friction: Quantity,
-    /// Moments that the drawing misses, with cosine and sine of the angles of arm and bucket to the horizontal [N m].
-    pub missed: [Quantity; 4],
-    /// Force of all cylinders at the pressure at which friction is stated \[N\].
-    full_force: f64,
-}
+/// What was learnt: the missed moments are those of arm and bucket.
+pub type CylinderFit = cylinders::CylinderFit<{ CURVES.len() }>;
 
 /// Moments of a recording whose load is known.
 struct Run<'a> {
@@ -232,19 +209,8 @@ fn fit(d: &Description, known: &LiftKnown, runs: &[Run<'_>]) -> Result<CylinderF
     let solution = before
         .after(&equations, FADING)
         .ok_or("the lift cylinders are not determined")?;
-    let of = |i: usize| solution.quantity(i, &before);
     let friction = known.friction;
-    let learnt = CylinderFit {
-        span: of(SPAN),
-        zero: of(ZERO),
-        correlation: solution.correlation(SPAN, ZERO),
-        friction: Quantity {
-            value: (friction.value + of(FRICTION).value).max(0.0),
-            ..of(FRICTION)
-        },
-        missed: std::array::from_fn(|i| of(CURVE + i)),
-        full_force: known.full_force,
-    };
+    let learnt = CylinderFit::of(&solution, &before, friction.value, known.full_force);
     let unknown =
         |found: Quantity, std: f64, enough: f64| found.std > IDENTIFIED * std && found.std > enough;
     if unknown(learnt.span, known.span_std, KNOWN[1]) {
@@ -335,54 +301,12 @@ fn before(d: &Description, known: &LiftKnown, runs: &[Run<'_>]) -> Solution {
     Solution::before(&stds, &[(SPAN, ZERO, together)])
 }
 
-fn norm(parts: &[f64]) -> f64 {
-    parts.iter().map(|x| x * x).sum::<f64>().sqrt()
+/// The keys of the description.
+pub fn write(learnt: &CylinderFit, pen: &mut Pen<Description>) {
+    learnt.write(pen, "machine.lift_arm.cylinder", &CURVES, SPAN_FLOOR);
 }
 
-impl CylinderFit {
-    /// The keys of the description.
-    pub fn write(&self, pen: &mut Pen<Description>) {
-        let c = pen.description.lift_cylinder;
-        let span = 1.0 + self.span.value;
-        let scaled = |value: f64, std: f64| Quantity {
-            value: value / span,
-            std,
-        };
-        for (key, area) in [("head_area", c.head_area), ("rod_area", c.rod_area)] {
-            let key = format!("machine.lift_arm.cylinder.{key}");
-            pen.value(&key, scaled(area, area * self.span.std));
-        }
-        let zero = scaled(c.force_offset + self.zero.value, self.zero.std);
-        pen.value("machine.lift_arm.cylinder.force_offset", zero);
-        pen.std("machine.lift_arm.cylinder.force_offset_std", zero.std);
-        let span_std = self.span.std.max(SPAN_FLOOR);
-        pen.std("machine.lift_arm.cylinder.span_std", span_std);
-        pen.std(
-            "machine.lift_arm.cylinder.span_offset_correlation",
-            self.correlation * self.span.std / span_std,
-        );
-        let friction = Quantity {
-            value: self.friction.value / self.full_force,
-            std: self.friction.std / self.full_force,
-        };
-        pen.value("machine.lift_arm.cylinder.friction", friction);
-        pen.std("machine.lift_arm.cylinder.friction_std", friction.std);
-        for (key, missed) in CURVES.iter().zip(self.missed) {
-            let was = number(&pen.description, key).unwrap_or(0.0);
-            pen.value(key, scaled(was + missed.value / span, missed.std));
-        }
-    }
-
-    /// In words.
-    pub fn words(&self) -> String {
-        format!(
-            "the lift cylinders: the moment is {:+.1} ± {:.1} % of what the drawing says, zero {:.0} ± {:.0} N, friction {:.0} ± {:.0} N",
-            100.0 * self.span.value,
-            100.0 * self.span.std,
-            self.zero.value,
-            self.zero.std,
-            self.friction.value,
-            self.friction.std
-        )
-    }
+/// In words.
+pub fn words(learnt: &CylinderFit) -> String {
+    learnt.words("the lift cylinders")
 }

@@ -6,7 +6,7 @@ use config::Loader as Description;
 use estimation::Quantity;
 use estimation::loader::{CgEstimator, Columns, Method, Sample, Settings};
 
-use super::lift::{CylinderFit, learn};
+use super::lift::{CylinderFit, learn, write};
 use super::made::noise;
 use super::{GRAVITY, Input, Options, StatedLoad, calibrate};
 use crate::output::Pen;
@@ -116,7 +116,7 @@ fn learnt(truth: &Truth, seed: u64) -> CylinderFit {
 
 fn calibrated(learnt: &CylinderFit) -> Description {
     let mut pen = Pen::new(described());
-    learnt.write(&mut pen);
+    write(learnt, &mut pen);
     pen.description
 }
 

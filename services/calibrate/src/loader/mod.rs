@@ -194,9 +194,7 @@ pub fn calibrate(inputs: &[Input], options: &Options<'_>) -> Result<Outcome, Str
     if options.free.is_none()
         && let Some(learnt) = lift::learn(options.description, inputs)
     {
-        let words = learnt
-            .as_ref()
-            .map_or_else(String::clone, CylinderFit::words);
+        let words = learnt.as_ref().map_or_else(String::clone, lift::words);
         if numbers.is_empty() && learnt.is_err() {
             outcome.faults.push(words);
         } else {

@@ -4,13 +4,12 @@
 //! its amplitude at 100 Hz. White noise is the same seen in successive rows, in every second and in every third; where
 //! it is not (a filtered sensor, a coarse one, a fast motion), what is described stays, and a sentence says so.
 
-use config::Loader as Description;
+use config::{Loader as Description, Tables as _};
 use estimation::Quantity;
 use estimation::loader::Sample;
 
 use super::Input;
 use crate::column::percentile;
-use crate::description::number;
 
 /// Rows between the terms of a difference.
 const STRIDES: [usize; 3] = [1, 2, 3];
@@ -55,7 +54,7 @@ impl Noises {
             let Some(seen) = seen(inputs, of) else {
                 continue;
             };
-            let was = number(described, key).unwrap_or(f64::NAN);
+            let was = described.number(key).unwrap_or(f64::NAN);
             let [low, high] = [f64::min, f64::max]
                 .map(|f| seen.iter().map(|q| q.value).reduce(f).unwrap_or_default());
             if low <= 0.0 || high > WHITE * low {

@@ -3,7 +3,7 @@
 use config::Loader as Description;
 use estimation::Quantity;
 
-use super::{Outcome, Role};
+use super::{Outcome, Role, lift};
 use crate::output::Pen;
 use crate::parameter::Source;
 
@@ -42,7 +42,7 @@ impl Outcome {
             pen.value(key, noise);
         }
         if let Some(learnt) = &self.lift {
-            learnt.write(&mut pen);
+            lift::write(learnt, &mut pen);
         }
         let text = pen.text(&self.summary(), origin);
         Some((pen.description, text))

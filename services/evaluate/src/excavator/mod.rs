@@ -33,22 +33,19 @@ pub use estimators::{Point, Setup, series};
 pub use score::{Score, Summary, Window};
 pub use target::Target;
 
+use crate::tables::{self, NamedTable};
 use crate::{Error, Options, Report};
-use serde_json::{Map, Value};
-use std::sync::atomic::Ordering;
 
-type Evaluation = fn(&Options) -> Result<Report, Error>;
-
-const TABLES: [(&str, Evaluation); 9] = [
-    ("table1", table1::evaluate),
-    ("modes", modes::evaluate),
-    ("drop", drop::evaluate),
-    ("bad-input", bad_input::evaluate),
-    ("identifiability", identifiability::evaluate),
-    ("attachments", attachments::evaluate),
-    ("calibration", calibration::evaluate),
-    ("honesty", honesty::evaluate),
-    ("weighing", weighing::evaluate),
+const TABLES: [NamedTable; 9] = [
+    NamedTable::new("table1", table1::evaluate),
+    NamedTable::new("modes", modes::evaluate),
+    NamedTable::new("drop", drop::evaluate),
+    NamedTable::new("bad-input", bad_input::evaluate),
+    NamedTable::new("identifiability", identifiability::evaluate),
+    NamedTable::new("attachments", attachments::evaluate),
+    NamedTable::new("calibration", calibration::evaluate),
+    NamedTable::new("honesty", honesty::evaluate),
+    NamedTable::new("weighing", weighing::evaluate),
 ];
 
 /// The table asked for, or all of them: then the JSON has one key per table.
@@ -56,41 +53,5 @@ const TABLES: [(&str, Evaluation); 9] = [
 /// # Errors
 /// The table is unknown, or the estimators refuse their settings.
 pub fn evaluate(options: &Options) -> Result<Report, Error> {
-    match &options.table {
-        Some(name) => named(name)?(options),
-        None => everything(options),
-    }
-}
-
-fn named(name: &str) -> Result<Evaluation, Error> {
-    let found = TABLES.iter().find(|(known, _)| *known == name);
-    found
-        .map(|(_, evaluation)| *evaluation)
-        .ok_or_else(|| Error::UnknownTable {
-            name: name.to_owned(),
-            known: TABLES.iter().map(|(known, _)| *known).collect(),
-        })
-}
-
-fn everything(options: &Options) -> Result<Report, Error> {
-    let mut report = Report {
-        text: String::new(),
-        json: Value::Null,
-        met: true,
-    };
-    let mut json = Map::new();
-    for (name, evaluation) in TABLES {
-        if options.stop.load(Ordering::Relaxed) {
-            report.text += "interrupted: the remaining tables are left out\n";
-            report.met = false;
-            break;
-        }
-        let table = evaluation(options)?;
-        report.text += &table.text;
-        report.text.push('\n');
-        report.met &= table.met;
-        json.insert(name.to_owned(), table.json);
-    }
-    report.json = Value::Object(json);
-    Ok(report)
+    tables::evaluate(&TABLES, options)
 }

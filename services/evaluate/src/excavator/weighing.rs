@@ -1,20 +1,21 @@
 //! The second witness: how much of all time the pressures of the boom's cylinders make trustworthy, and how well each load is weighed.
 //!
-//! JSON: a list of lines, each with `machine`, `stated`, `seeds`, and the numbers of [`Sums`]; a share or error that no row or load has is
-//! null. `knowable` is the time in which the bucket neither digs nor empties. Targets: those of a described machine with pressures.
+//! JSON: a list of lines, each with `machine`, `stated`, `seeds`, `loads`, `rows`, `met`, and a number by the key of each column; null
+//! where there is nothing to count. `knowable` is the time in which the bucket neither digs nor empties. Targets: those of a described
+//! machine with pressures.
 
 use estimation::HALF_WIDTH_95;
 use estimation::excavator::keys::Description;
 use estimation::excavator::{Cylinder, Estimate, Method, Reason, Settings};
 use estimation::loads::Row as Weighing;
-use serde_json::{Value, json};
+use serde_json::json;
 use sim::excavator::{Effects, Row, Size, Work, cylinders};
 use statistics::judge::is_wrong;
 
 use super::estimators::{Point, Setup};
 use super::honesty_lines::described;
 use crate::loads::{Book, Tally, share};
-use crate::text::{Table, plain};
+use crate::weighing::{Column, Line, at_least, at_most, text};
 use crate::{Error, Options, Report, seeds};
 
 /// Length of a record: 90 s at 100 Hz, five or six loads.
@@ -128,7 +129,7 @@ fn cases() -> Vec<Case> {
 
 /// Sums over rows and loads.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Sums {
+struct Sums {
     rows: usize,
     knowable: usize,
     narrow: usize,
@@ -267,126 +268,81 @@ fn weigh(points: &[Point], rated: f64) -> Tally {
     book.judge()
 }
 
-/// A line with what is asked of it.
-struct Line {
-    case: Case,
-    sums: Sums,
-}
-
-impl Line {
-    fn numbers(&self) -> [Option<f64>; 9] {
-        let s = &self.sums;
-        [
-            share(s.narrow, s.knowable),
-            share(s.trusted_knowable, s.knowable),
-            share(s.wrong, s.trusted),
-            share(s.covered, s.rows),
-            self.case.names.and_then(|_| share(s.named, s.runs)),
-            s.loads.found(),
-            s.loads.trusted(),
-            s.loads.covered(),
-            s.loads.rms(),
-        ]
-    }
-
-    /// Whether the line meets what section "acceptance" of the weighing specification asks.
-    fn met(&self) -> bool {
-        let [narrow, _, wrong, covered, named, _, trusted, inside, rms] = self.numbers();
-        let most = |value: Option<f64>, limit: f64| value.is_none_or(|v| v <= limit);
-        let least = |value: Option<f64>, limit: f64| value.is_some_and(|v| v >= limit);
-        let honest = most(wrong, 0.03);
-        if let Some(named) = named {
-            return honest && named >= 0.8;
-        }
-        match (self.case.knowledge, self.case.name) {
-            (Knowledge::Described, "good machine") => {
-                honest && least(narrow, 0.8) && least(covered, 0.95)
-            }
-            (Knowledge::Narrow, _) => {
-                honest && most(rms, 0.015) && least(inside, 0.93) && least(trusted, 0.8)
-            }
-            _ => honest,
-        }
-    }
-
-    fn json(&self, seeds: usize) -> Value {
-        let mut line = json!({
-            "machine": self.case.name, "stated": self.case.knowledge.name(), "seeds": seeds,
-            "loads": self.sums.loads.all, "rows": self.sums.rows, "met": self.met(),
-        });
-        for (key, value) in COLUMNS.iter().zip(self.numbers()) {
-            line[*key] = json!(value);
-        }
-        line
-    }
-}
-
-const COLUMNS: [&str; 9] = [
-    "narrow_of_knowable",
-    "trusted_of_knowable",
-    "wrong_of_trusted",
-    "covered",
-    "named",
-    "loads_found",
-    "loads_trusted",
-    "loads_covered",
-    "load_rms_of_rated",
+const COLUMNS: [Column; 9] = [
+    Column::share("narrow_of_knowable", "narrow", 2),
+    Column::share("trusted_of_knowable", "trusted", 2),
+    Column::share("wrong_of_trusted", "wrong", 3),
+    Column::share("covered", "covered", 2),
+    Column::share("named", "named", 2),
+    Column::share("loads_found", "found", 2),
+    Column::share("loads_trusted", "trusted", 2),
+    Column::share("loads_covered", "covered", 2),
+    Column::error("load_rms_of_rated", "rms, % rated"),
 ];
 
-fn text(lines: &[Line]) -> String {
-    let mut table = Table::new(&[
-        "machine",
-        "stated",
-        "narrow",
-        "trusted",
-        "wrong",
-        "covered",
-        "named",
-        "found",
-        "trusted",
-        "covered",
-        "rms, % rated",
-        "",
-    ]);
-    for line in lines {
-        let mut cells = vec![
-            line.case.name.to_owned(),
-            line.case.knowledge.name().to_owned(),
-        ];
-        for (i, value) in line.numbers().into_iter().enumerate() {
-            let (factor, decimals) = if i == 8 {
-                (100.0, 1)
-            } else {
-                (1.0, if i == 2 { 3 } else { 2 })
-            };
-            cells.push(value.map_or("-".into(), |v| plain(factor * v, decimals)));
-        }
-        cells.push(if line.met() { "met" } else { "missed" }.into());
-        table.row(cells);
+fn line(case: &Case, s: &Sums) -> Line<9> {
+    let numbers = [
+        share(s.narrow, s.knowable),
+        share(s.trusted_knowable, s.knowable),
+        share(s.wrong, s.trusted),
+        share(s.covered, s.rows),
+        case.names.and_then(|_| share(s.named, s.runs)),
+        s.loads.found(),
+        s.loads.trusted(),
+        s.loads.covered(),
+        s.loads.rms(),
+    ];
+    Line {
+        machine: case.name,
+        stated: case.knowledge.name(),
+        loads: s.loads.all,
+        numbers,
+        met: met(case, numbers),
     }
-    table.to_string()
+}
+
+/// Whether a line meets what section "acceptance" of the weighing specification asks.
+fn met(case: &Case, numbers: [Option<f64>; 9]) -> bool {
+    let [narrow, _, wrong, covered, named, _, trusted, inside, rms] = numbers;
+    let honest = at_most(wrong, 0.03);
+    if let Some(named) = named {
+        return honest && named >= 0.8;
+    }
+    match (case.knowledge, case.name) {
+        (Knowledge::Described, "good machine") => {
+            honest && at_least(narrow, 0.8) && at_least(covered, 0.95)
+        }
+        (Knowledge::Narrow, _) => {
+            honest && at_most(rms, 0.015) && at_least(inside, 0.93) && at_least(trusted, 0.8)
+        }
+        _ => honest,
+    }
 }
 
 /// Every case; the sizes take turns with the seeds.
 pub(super) fn evaluate(options: &Options) -> Result<Report, Error> {
-    let mut lines = Vec::new();
+    let (mut lines, mut json) = (Vec::new(), Vec::new());
     for case in cases() {
         let label = format!("{}, {}", case.name, case.knowledge.name());
         let mut sums = Sums::default();
         for one in seeds(options, &label, |seed| run(&case, seed))? {
             sums.add(&one);
         }
-        lines.push(Line { case, sums });
+        let line = line(&case, &sums);
+        let mut of_line = line.json(&COLUMNS, options.seeds);
+        of_line["rows"] = json!(sums.rows);
+        json.push(of_line);
+        lines.push(line);
     }
     Ok(Report {
         text: format!(
             "Excavators that weigh their loads by the boom's cylinder, {} seeds of 90 s: rows (narrow: half width below 5 %, of the time \
              in which the bucket neither digs nor empties), then loads\n{}",
             options.seeds,
-            text(&lines)
+            text(&COLUMNS, &lines)
         ),
-        json: lines.iter().map(|line| line.json(options.seeds)).collect(),
-        met: lines.iter().all(Line::met),
+        json: json.into(),
+        met: lines.iter().all(|line| line.met),
     })
 }
 

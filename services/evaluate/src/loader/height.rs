@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use sim::loader::{Run, Scenario, Tier};
 
 use super::candidate::Candidate;
-use super::{fewer, trial};
+use super::trial;
 use crate::text::{Table, plain, verdict};
 use crate::{Error, Options, Report, seeds};
 use statistics::{mean, median};
@@ -128,7 +128,7 @@ fn run(
 ) -> Result<Vec<Vec<Look>>, Error> {
     let long = scenario == Scenario::WorkCycle;
     let options = if long {
-        fewer(options, FEWER_WORK_CYCLES)
+        options.one_of(FEWER_WORK_CYCLES)
     } else {
         options.clone()
     };

@@ -27,63 +27,29 @@ mod tiers;
 mod trial;
 mod weighing;
 
+use crate::tables::{self, NamedTable};
 use crate::{Error, Options, Report};
 
-type Evaluate = fn(&Options) -> Result<Report, Error>;
-
-const TABLES: [(&str, Evaluate); 10] = [
-    ("conditions", conditions::evaluate),
-    ("sign", sign::evaluate),
-    ("height", height::evaluate),
-    ("tiers", tiers::evaluate),
-    ("robustness", robustness::evaluate),
-    ("remembered", remembered::evaluate),
-    ("calibration", calibration::evaluate),
-    ("observability", observability::evaluate),
-    ("honesty", honesty::evaluate),
-    ("weighing", weighing::evaluate),
+const TABLES: [NamedTable; 10] = [
+    NamedTable::new("conditions", conditions::evaluate),
+    NamedTable::new("sign", sign::evaluate),
+    NamedTable::new("height", height::evaluate),
+    NamedTable::new("tiers", tiers::evaluate),
+    NamedTable::new("robustness", robustness::evaluate),
+    NamedTable::new("remembered", remembered::evaluate),
+    // A machine takes several seconds: three drives, a calibration and nine runs of the estimator.
+    NamedTable::new("calibration", calibration::evaluate).one_of(20),
+    NamedTable::new("observability", observability::evaluate),
+    NamedTable::new("honesty", honesty::evaluate),
+    NamedTable::new("weighing", weighing::evaluate),
 ];
 
-/// One table, whose JSON is that table's; or all of them, whose JSON has one key per table.
+/// The table asked for, or all of them: then the JSON has one key per table.
 ///
 /// # Errors
 /// The table is unknown, or the estimators refuse their settings.
 pub fn evaluate(options: &Options) -> Result<Report, Error> {
-    if let Some(name) = &options.table {
-        let table = TABLES.iter().find(|table| table.0 == name);
-        let known = || TABLES.iter().map(|table| table.0).collect();
-        let (_, evaluate) = table.ok_or_else(|| Error::UnknownTable {
-            name: name.clone(),
-            known: known(),
-        })?;
-        return evaluate(options);
-    }
-    let mut all = Report {
-        text: String::new(),
-        json: serde_json::json!({}),
-        met: true,
-    };
-    for (name, evaluate) in TABLES {
-        // A machine takes several seconds: three drives, a calibration and nine runs of the estimator.
-        let report = if name == "calibration" {
-            evaluate(&fewer(options, 20))?
-        } else {
-            evaluate(options)?
-        };
-        all.text += &report.text;
-        all.text.push('\n');
-        all.json[name] = report.json;
-        all.met &= report.met;
-    }
-    Ok(all)
-}
-
-/// The same options with fewer seeds, for long runs.
-fn fewer(options: &Options, divisor: usize) -> Options {
-    Options {
-        seeds: options.seeds.div_ceil(divisor),
-        ..options.clone()
-    }
+    tables::evaluate(&TABLES, options)
 }
 
 #[cfg(test)]
@@ -94,7 +60,6 @@ mod tests {
         evaluate(&Options {
             table: Some(name.to_owned()),
             seeds,
-            ..Options::default()
         })
         .unwrap()
     }
@@ -122,18 +87,5 @@ mod tests {
             assert!(number(line, "coverage").min(height) > 0.93, "{json}");
             assert_eq!(json[line]["diverged"], 0, "{json}");
         }
-    }
-
-    #[test]
-    fn an_unknown_table_is_an_error_that_names_the_known_ones() {
-        let options = Options {
-            table: Some("weight".to_owned()),
-            ..Options::default()
-        };
-        let message = evaluate(&options).unwrap_err().to_string();
-        assert!(
-            message.contains("weight") && message.contains("conditions"),
-            "{message}"
-        );
     }
 }

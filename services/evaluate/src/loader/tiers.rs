@@ -7,7 +7,7 @@ use sim::loader::{Run, Scenario, Tier};
 
 use super::candidate::Candidate;
 use super::score::{Errors, Summary};
-use super::{fewer, trial};
+use super::trial;
 use crate::text::{Table, verdict};
 use crate::{Error, Options, Report, seeds};
 
@@ -197,7 +197,7 @@ fn run(options: &Options, group: &[Case]) -> Result<Vec<Summary>, Error> {
     let filters: Vec<Candidate> = group.iter().map(|case| case.filter).collect();
     let long = scenario == Scenario::WorkCycle;
     let options = if long {
-        fewer(options, FEWER_WORK_CYCLES)
+        options.one_of(FEWER_WORK_CYCLES)
     } else {
         options.clone()
     };

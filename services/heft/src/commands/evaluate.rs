@@ -55,7 +55,6 @@ pub fn evaluate(args: &EvaluateArgs) -> Result<(), Failure> {
     let options = evaluate::Options {
         table: args.table.clone(),
         seeds: args.seeds,
-        ..Default::default()
     };
     let report = (machines::entry(args.machine).evaluate)(&options);
     let report = report.map_err(|e| {

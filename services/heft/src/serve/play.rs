@@ -80,7 +80,8 @@ pub fn play<S: Sensors>(
     let failed = AtomicBool::new(false);
     let feed = |first: usize, shard: &RemoteShard| {
         let numbers = (first..machines.count).step_by(shards);
-        let players = numbers.map(|n| Player::<S>::new(n, make(&machines.plan(n))?));
+        let players =
+            numbers.map(|n| make(&machines.plan(n)).map(|source| Player::<S>::new(n, source)));
         let players = players.collect::<Result<Vec<_>, _>>();
         failed.fetch_or(players.is_err(), Ordering::Relaxed);
         let stops = || signals.came() || failed.load(Ordering::Relaxed);
@@ -121,13 +122,13 @@ struct Player<S: Sensors> {
 }
 
 impl<S: Sensors> Player<S> {
-    fn new(number: usize, source: AnySource<S>) -> Result<Self, Failure> {
-        Ok(Self {
+    fn new(number: usize, source: AnySource<S>) -> Self {
+        Self {
             number: number as u32,
             source,
             origin: None,
             sample: S::default(),
-        })
+        }
     }
 
     /// Takes the next sample: when it is due, after the first one.

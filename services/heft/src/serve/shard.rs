@@ -125,7 +125,7 @@ impl<E: Estimate> Shard<'_, E> {
         if (member.reported..member.reported + every).contains(&time) {
             return Ok(0);
         }
-        let flags = estimate.bits().0;
+        let flags = estimate.codes().flags;
         if flags & E::REFUSED != 0 {
             return Ok(flags);
         }

@@ -36,7 +36,7 @@ pub enum Show {
 impl Watch {
     /// Draws it, not too often.
     pub(super) fn draw(&mut self) {
-        if self.show == Show::Nothing || self.tallies.is_empty() {
+        if self.show == Show::Nothing || self.tallies().is_empty() {
             return;
         }
         let in_place = self.show == Show::Terminal && std::io::stderr().is_terminal();
@@ -111,10 +111,14 @@ impl Watch {
         let mut parts = vec![format!("{time:5.1} s")];
         parts.extend(self.is_simulated.then(|| "simulated".to_owned()));
         parts.extend(self.headline().map(Tally::short));
-        if self.lost() > 0 {
-            parts.push(format!("lost {}", self.lost()));
+        if self.processes.lost() > 0 {
+            parts.push(format!("lost {}", self.processes.lost()));
         }
-        if let Some(health) = self.pipeline.and_then(|p| self.health(p.main)) {
+        if let Some(health) = self
+            .processes
+            .pipeline()
+            .and_then(|p| self.processes.health(p.main))
+        {
             parts.push(format!(
                 "answers within {:.1} ms",
                 health.age_p99_ns as f64 / 1e6

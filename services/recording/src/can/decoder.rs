@@ -3,9 +3,10 @@
 use super::dbc::{Dbc, Message, Place, Reading, source};
 use super::frame::Frame;
 use crate::Error;
-use crate::map::{Can, CanName, Conversion, Entry, Map, Origin, Rows as When, Term, hint};
-use crate::sampling::{RowTime, Rows, SECOND, Series};
-use crate::signal::{self, Builder, Row, Sensors, Signal};
+use crate::map::{CanName, Entry, Map, Origin, hint};
+use crate::mapped::{MappedRows, Source};
+use crate::sampling::{SECOND, Series};
+use crate::signal::{self, Row, Sensors};
 
 /// A frame so much earlier than the one before is not merely out of order.
 const DISORDER: i64 = SECOND;
@@ -23,40 +24,22 @@ const MOST_REMARKS: usize = 20;
 /// Makes rows of frames. The frames alone decide what the rows are: a bus and its log give the same.
 #[derive(Debug)]
 pub struct Decoder<S: Sensors> {
-    lines: Vec<Line>,
-    /// The values of the terms that come from the bus.
-    series: Vec<Series>,
+    rows: MappedRows<S>,
+    /// The terms that come from the bus, as their series are numbered.
+    terms: Vec<Bus>,
     clock: Clock,
-    rows: Rows,
-    /// Position of the master's first term among the series.
-    master: Option<usize>,
-    builder: Builder<S>,
-    values: Vec<f64>,
     remarks: Vec<String>,
     map: Map,
-}
-
-/// A signal of the map.
-#[derive(Debug)]
-struct Line {
-    entry: Entry,
-    terms: Vec<Source>,
-}
-
-#[derive(Debug)]
-enum Source {
-    Constant(f64),
-    Bus(Box<Bus>),
 }
 
 /// A term that comes from the bus.
 #[derive(Debug)]
 struct Bus {
+    /// The signal that it is part of.
+    entry: Entry,
     name: CanName,
     message: Message,
     place: Place,
-    conversion: Conversion,
-    series: usize,
     /// Who sends it, and when it last sent, where nothing says who should.
     sender: Option<(u8, i64)>,
     has_value: bool,
@@ -86,36 +69,31 @@ impl<S: Sensors> Decoder<S> {
         for message in messages {
             message.j1939 = can.j1939.unwrap_or(message.j1939) && message.extended;
         }
-        let resolver = Resolver {
-            map,
-            can,
-            files: &files,
-        };
-        let (mut lines, mut series) = (Vec::new(), Vec::new());
-        for entry in can.signals.iter().filter(|e| !e.is_nowhere()) {
-            let signal = map.signal(entry, &signals)?;
-            let terms = entry.terms.iter();
-            let terms = terms.map(|t| resolver.source(entry, t, signal, &mut series));
-            lines.push(Line {
-                entry: entry.clone(),
-                terms: terms.collect::<Result<_, _>>()?,
-            });
-        }
-        let (rate, master) = match &can.rows {
-            When::Rate(rate) => (Some(*rate), None),
-            When::Master(name) => (None, Some(master(name, &lines, map)?)),
-        };
-        let used = lines
-            .iter()
-            .filter_map(|l| signals.iter().find(|s| s.name == l.entry.signal));
+        let resolver = Resolver { map, files: &files };
+        let mut terms = Vec::new();
+        let rows = (&can.rows, "the bus");
+        let rows = MappedRows::new(map, &can.signals, rows, |entry, term, target| {
+            let name = match &term.origin {
+                Origin::Can(name) => name,
+                Origin::Constant(value) => {
+                    return Ok(Source::Constant(term.conversion.apply(*value)));
+                }
+                Origin::Column(_) | Origin::Topic(_) | Origin::Nowhere => {
+                    return Ok(Source::Constant(f64::NAN));
+                }
+            };
+            let (bus, unit) = resolver.term(entry, name)?;
+            terms.push(bus);
+            let conversion = map.with_dbc_unit(entry, term.conversion, &unit, target)?;
+            Ok(Source::Series(
+                Series::new(&term.timing, can.hold),
+                conversion,
+            ))
+        })?;
         Ok(Self {
-            builder: Builder::with_all(signals.iter().take(1).chain(used)),
-            lines,
-            series,
+            rows,
+            terms,
             clock: Clock::default(),
-            rows: Rows::new(rate),
-            master,
-            values: Vec::new(),
             remarks: Vec::new(),
             map: map.clone(),
         })
@@ -126,45 +104,35 @@ impl<S: Sensors> Decoder<S> {
         let Some(clock) = self.clock.accept(frame.time_ns, &mut self.remarks) else {
             return;
         };
-        self.rows.pass(clock);
         // What was complete before this frame is not its business.
-        self.build(false);
+        self.rows.pass(clock, |ns| self.clock.absolute(ns));
         let mut accepted = false;
-        for source in self.lines.iter_mut().flat_map(|l| &mut l.terms) {
-            let Source::Bus(bus) = source else { continue };
-            let Some(value) = bus.read(frame, clock, &mut self.remarks) else {
-                continue;
-            };
-            accepted = true;
-            let series = &mut self.series[bus.series];
-            series.push(clock, value);
-            if self.master == Some(bus.series) {
-                self.rows.add(series.measured(clock));
+        for (series, bus) in self.terms.iter_mut().enumerate() {
+            if let Some(value) = bus.read(frame, clock, &mut self.remarks) {
+                accepted = true;
+                self.rows.push(series, clock, value);
             }
         }
         if accepted {
-            self.rows.hear(clock);
+            self.rows.hear(clock, |ns| self.clock.absolute(ns));
         }
-        self.build(false);
     }
 
     /// No frame came until `now_ns`, on the clock of the frames: silence makes rows too.
     pub fn pass(&mut self, now_ns: i64) {
         if let Some(clock) = self.clock.relative(now_ns) {
-            self.rows.pass(clock);
-            self.build(false);
+            self.rows.pass(clock, |ns| self.clock.absolute(ns));
         }
     }
 
     /// No frame will come any more: the rows that wait are complete.
     pub fn finish(&mut self) {
-        self.build(true);
-        self.builder.finish();
+        self.rows.finish(|ns| self.clock.absolute(ns));
     }
 
     /// The next row, if one is complete. Its `measured_ns` is its time on the clock of the frames.
     pub fn row(&mut self) -> Option<Row<S>> {
-        self.builder.next()
+        self.rows.row()
     }
 
     /// The first frame gets the time `seconds` instead of 0.
@@ -183,43 +151,27 @@ impl<S: Sensors> Decoder<S> {
     /// # Errors
     /// One has had none.
     pub fn check_senders(&self, log: &str) -> Result<(), Error> {
-        let is_silent = |s: &Source| matches!(s, Source::Bus(bus) if !bus.has_value);
-        let silent = self.lines.iter().find(|l| l.terms.iter().any(is_silent));
-        silent.map_or(Ok(()), |line| {
-            let long = line.terms.iter().find_map(|source| match source {
-                Source::Bus(bus) if bus.message.j1939 && bus.message.is_long() => Some(bus),
-                _ => None,
-            });
-            let what = format!("{log} has no value of {}", line.entry.signal);
-            let (what, remedy) = match long {
-                None => (what, "check message, source and interface of the entry, or leave it out"),
-                Some(bus) => (
-                    format!(
-                        "{what}: {} is longer than 8 bytes, and heft does not read the transport protocol of J1939 (BAM, RTS/CTS)",
-                        bus.message.name
-                    ),
-                    "map a message of 8 bytes, or have a gateway send the signal in one",
+        let Some(silent) = self.terms.iter().find(|bus| !bus.has_value) else {
+            return Ok(());
+        };
+        let signal = &silent.entry.signal;
+        let is_long = |bus: &&Bus| bus.message.j1939 && bus.message.is_long();
+        let mut own = self.terms.iter().filter(|bus| bus.entry.signal == *signal);
+        let what = format!("{log} has no value of {signal}");
+        let (what, remedy) = match own.find(is_long) {
+            None => (
+                what,
+                "check message, source and interface of the entry, or leave it out",
+            ),
+            Some(bus) => (
+                format!(
+                    "{what}: {} is longer than 8 bytes, and heft does not read the transport protocol of J1939 (BAM, RTS/CTS)",
+                    bus.message.name
                 ),
-            };
-            Err(Error::new(what, self.map.place(&line.entry), remedy))
-        })
-    }
-
-    fn build(&mut self, at_end: bool) {
-        while let Some(RowTime { ns, seconds }) = self.rows.next(&mut self.series, at_end) {
-            self.values.clear();
-            self.values.push(seconds);
-            let series = &self.series;
-            let values = self.lines.iter().map(|line| {
-                let terms = line.terms.iter().map(|source| match source {
-                    Source::Constant(value) => *value,
-                    Source::Bus(bus) => bus.conversion.apply(series[bus.series].at(ns)),
-                });
-                line.entry.combine(terms)
-            });
-            self.values.extend(values);
-            self.builder.push(&self.values, self.clock.absolute(ns));
-        }
+                "map a message of 8 bytes, or have a gateway send the signal in one",
+            ),
+        };
+        Err(Error::new(what, self.map.place(&silent.entry), remedy))
     }
 }
 
@@ -272,49 +224,15 @@ fn remark(remarks: &mut Vec<String>, text: String) {
     }
 }
 
-/// The series whose frames make rows.
-fn master(name: &str, lines: &[Line], map: &Map) -> Result<usize, Error> {
-    let line = lines.iter().find(|l| l.entry.signal == name);
-    let sources = line.iter().flat_map(|l| &l.terms);
-    let mut series = sources.filter_map(|s| match s {
-        Source::Bus(bus) => Some(bus.series),
-        Source::Constant(_) => None,
-    });
-    series.next().ok_or_else(|| {
-        let names = lines.iter().map(|l| l.entry.signal.as_str());
-        Error::new(
-            format!("the master {name} is no signal of the map that comes from the bus"),
-            map.file(),
-            hint(name, names, "its signals are"),
-        )
-    })
-}
-
 /// Finds the terms of a map in DBC files.
 struct Resolver<'a> {
     map: &'a Map,
-    can: &'a Can,
     files: &'a [Dbc],
 }
 
 impl Resolver<'_> {
-    fn source(
-        &self,
-        entry: &Entry,
-        term: &Term,
-        target: &Signal,
-        series: &mut Vec<Series>,
-    ) -> Result<Source, Error> {
-        let name = match &term.origin {
-            Origin::Can(name) => name,
-            Origin::Constant(value) => {
-                self.map.check_unit(entry, term.conversion, target)?;
-                return Ok(Source::Constant(term.conversion.apply(*value)));
-            }
-            Origin::Column(_) | Origin::Topic(_) | Origin::Nowhere => {
-                return Ok(Source::Constant(f64::NAN));
-            }
-        };
+    /// A term, and the unit that its file gives it.
+    fn term(&self, entry: &Entry, name: &CanName) -> Result<(Bus, String), Error> {
         let all = || self.files.iter().flat_map(|f| &f.messages);
         let message = self.files.iter().find_map(|f| f.find(&name.message));
         let message = message.ok_or_else(|| {
@@ -352,19 +270,15 @@ impl Resolver<'_> {
                 "leave out source =, or say j1939 = true under [can]",
             ));
         }
-        let conversion = self
-            .map
-            .with_dbc_unit(entry, term.conversion, &signal.unit, target)?;
-        series.push(Series::new(&term.timing, self.can.hold));
-        Ok(Source::Bus(Box::new(Bus {
+        let bus = Bus {
+            entry: entry.clone(),
             name: name.clone(),
             message: message.clone(),
             place,
-            conversion,
-            series: series.len() - 1,
             sender: None,
             has_value: false,
-        })))
+        };
+        Ok((bus, signal.unit.clone()))
     }
 }
 

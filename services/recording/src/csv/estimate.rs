@@ -83,9 +83,12 @@ pub(crate) const fn extra(quantities: &[Quantity]) -> u32 {
     bits
 }
 
-/// `COLUMNS` and `EXTRA` of a machine from its sheet.
-macro_rules! columns_of {
-    ($machine:ident) => {
+/// An [`Estimate`] of a machine from its sheet.
+macro_rules! estimate_of {
+    ($machine:ident, $bits:ident, $methods:ident, $reasons:ident) => {
+        const REFUSED: u32 = messages::$bits::REFUSED;
+        const METHODS: &'static [&'static str] = messages::$methods;
+        const REASONS: &'static [(&'static str, &'static str)] = messages::$reasons;
         const COLUMNS: &'static [$crate::csv::Column] = &{
             use sheet::Column::Always;
             use sheet::$machine::{FLAGS, QUANTITIES};
@@ -100,13 +103,35 @@ macro_rules! columns_of {
                 columns(QUANTITIES, WhereEstimated, &[]);
             (&COLUMNS, extra(QUANTITIES))
         };
+
+        fn codes(&self) -> $crate::csv::Codes {
+            $crate::csv::Codes {
+                flags: self.flags,
+                estimated: self.estimated,
+                method: self.method,
+                reason: self.reason,
+            }
+        }
     };
 }
-pub(crate) use columns_of;
+pub(crate) use estimate_of;
+
+/// What an estimate says of itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Codes {
+    /// Its flags.
+    pub flags: u32,
+    /// Bits of the estimated quantities.
+    pub estimated: u32,
+    /// Index of the method.
+    pub method: u32,
+    /// Code of the reason.
+    pub reason: u32,
+}
 
 /// An estimate that can be written as a row.
 pub trait Estimate: Message {
-    /// Its columns after the time; the method is last.
+    /// Its columns after the time; method and reason come last.
     const COLUMNS: &'static [Column];
     /// Columns that are added before the method where one of these bits of `estimated` is set.
     const EXTRA: (&'static [Column], u32);
@@ -114,14 +139,19 @@ pub trait Estimate: Message {
     const REFUSED: u32;
     /// Names of the methods.
     const METHODS: &'static [&'static str];
-    /// Names and words of the reasons by their code; the column `reason` comes last, where there are any.
-    const REASONS: &'static [(&'static str, &'static str)] = &[];
-    /// Code of the reason.
-    fn reason(&self) -> u32 {
-        0
+    /// Names and words of the reasons by their code.
+    const REASONS: &'static [(&'static str, &'static str)];
+    /// What it says of itself.
+    fn codes(&self) -> Codes;
+    /// Names of its method and of its reason; "" for one that is not known.
+    fn names(&self) -> [&'static str; 2] {
+        let Codes { method, reason, .. } = self.codes();
+        let reason = Self::REASONS.get(reason as usize);
+        [
+            Self::METHODS.get(method as usize).copied().unwrap_or(""),
+            reason.map_or("", |(name, _)| *name),
+        ]
     }
-    /// Flags, bits of the estimated quantities, index of the method.
-    fn bits(&self) -> (u32, u32, u32);
 }
 
 /// Estimates as rows of text.
@@ -156,14 +186,14 @@ impl<E: Estimate> EstimateRows<E> {
             let (Column::Value(name, _) | Column::Flag(name, _)) = column;
             let _ = write!(row, ",{name}");
         }
-        let reason = if E::REASONS.is_empty() { "" } else { ",reason" };
-        let _ = write!(row, ",method{reason}");
-        row
+        row + ",method,reason"
     }
 
     /// Appends the row of an estimate, without the end of the line; false, and nothing, for a refused one.
     pub fn put(&self, estimate: &E, row: &mut String) -> bool {
-        let (flags, estimated, method) = estimate.bits();
+        let Codes {
+            flags, estimated, ..
+        } = estimate.codes();
         if flags & E::REFUSED != 0 {
             return false;
         }
@@ -180,12 +210,9 @@ impl<E: Estimate> EstimateRows<E> {
                 }
             }
         }
-        row.push(',');
-        row.push_str(E::METHODS.get(method as usize).copied().unwrap_or_default());
-        if !E::REASONS.is_empty() {
-            let reason = E::REASONS.get(estimate.reason() as usize);
+        for name in estimate.names() {
             row.push(',');
-            row.push_str(reason.map_or("", |(name, _)| name));
+            row.push_str(name);
         }
         true
     }
@@ -228,7 +255,9 @@ impl<E: Estimate> EstimateWriter<E> {
     /// # Errors
     /// The file cannot be written.
     pub fn write(&mut self, estimate: &E) -> Result<(), Error> {
-        let (flags, estimated, _) = estimate.bits();
+        let Codes {
+            flags, estimated, ..
+        } = estimate.codes();
         if flags & E::REFUSED != 0 {
             return Ok(());
         }

@@ -14,20 +14,17 @@ use mcap::records::op;
 use self::codec::Codec;
 use self::node::{Step, path};
 use crate::Error;
-use crate::map::{Entry, Map, Origin, Rows as When, TopicName, TopicTime, Topics, hint};
+use crate::map::{Entry, Map, Origin, TopicName, TopicTime, Topics, hint};
+use crate::mapped::{MappedRows, Source};
 use crate::reader::{Lacks, Part, Reader};
 use crate::record;
-use crate::sampling::{RowTime, Rows, Series};
+use crate::sampling::Series;
 use crate::scan::{Damage, Unpacked};
-use crate::signal::{self, Builder, Row, Sensors};
+use crate::signal::{self, Row, Sensors};
 
 /// The rows of a file of others.
 pub(crate) struct TopicRows<S: Sensors> {
-    lines: Vec<Line>,
-    series: Vec<Series>,
-    rows: Rows,
-    master: Option<usize>,
-    builder: Builder<S>,
+    rows: MappedRows<S>,
     /// What was read, latest first: time since the first [ns], series, value.
     waiting: Vec<(i64, usize, f64)>,
     /// Time of the first value [ns].
@@ -35,16 +32,6 @@ pub(crate) struct TopicRows<S: Sensors> {
     has_ended: bool,
     /// What of the file cannot be read.
     pub lacks: Lacks,
-}
-
-struct Line {
-    entry: Entry,
-    terms: Vec<Source>,
-}
-
-enum Source {
-    Constant(f64),
-    Topic(usize),
 }
 
 /// A number that is looked for in the messages of a topic.
@@ -68,27 +55,18 @@ impl<S: Sensors> TopicRows<S> {
         let signals = signal::signals::<S>();
         map.check(&topics.signals, &signals)?;
         map.require::<S>(&topics.signals, "[topics.signals]")?;
-        let (mut lines, mut series, mut wanted) = (Vec::new(), Vec::new(), Vec::new());
-        for entry in topics.signals.iter().filter(|e| !e.is_nowhere()) {
-            let mut terms = Vec::new();
-            for term in &entry.terms {
-                terms.push(match &term.origin {
-                    Origin::Constant(value) => Source::Constant(term.conversion.apply(*value)),
-                    Origin::Topic(name) => {
-                        series.push(Series::new(&term.timing, topics.hold));
-                        wanted.push(wanted_of(map, entry, name)?);
-                        Source::Topic(series.len() - 1)
-                    }
-                    Origin::Column(_) | Origin::Can(_) | Origin::Nowhere => {
-                        Source::Constant(f64::NAN)
-                    }
-                });
-            }
-            lines.push(Line {
-                entry: entry.clone(),
-                terms,
-            });
-        }
+        let mut wanted = Vec::new();
+        let rows = (&topics.rows, "a topic");
+        let rows = MappedRows::new(map, &topics.signals, rows, |entry, term, _| {
+            Ok(match &term.origin {
+                Origin::Constant(value) => Source::Constant(term.conversion.apply(*value)),
+                Origin::Topic(name) => {
+                    wanted.push(wanted_of(map, entry, name)?);
+                    Source::Series(Series::new(&term.timing, topics.hold), term.conversion)
+                }
+                Origin::Column(_) | Origin::Can(_) | Origin::Nowhere => Source::Constant(f64::NAN),
+            })
+        })?;
         let (mut waiting, lacks) = values(file, map, topics, &mut wanted)?;
         waiting.sort_by_key(|(time, ..)| *time); // stable
         let start = waiting.first().map_or(0, |(time, ..)| *time);
@@ -96,19 +74,8 @@ impl<S: Sensors> TopicRows<S> {
             *time -= start;
         }
         waiting.reverse();
-        let (rate, master) = match &topics.rows {
-            When::Rate(rate) => (Some(*rate), None),
-            When::Master(name) => (None, Some(master(name, &lines, map)?)),
-        };
-        let used = lines
-            .iter()
-            .filter_map(|l| signals.iter().find(|s| s.name == l.entry.signal));
         Ok(Self {
-            builder: Builder::with_all(signals.iter().take(1).chain(used)),
-            lines,
-            series,
-            rows: Rows::new(rate),
-            master,
+            rows,
             waiting,
             start,
             has_ended: false,
@@ -119,7 +86,7 @@ impl<S: Sensors> TopicRows<S> {
     /// The next row; nothing at the end.
     pub(crate) fn row(&mut self) -> Option<Row<S>> {
         loop {
-            if let Some(row) = self.builder.next() {
+            if let Some(row) = self.rows.row() {
                 return Some(row);
             }
             if self.has_ended {
@@ -129,8 +96,7 @@ impl<S: Sensors> TopicRows<S> {
                 Some(time) => self.take(time),
                 None => {
                     self.has_ended = true;
-                    self.build(true);
-                    self.builder.finish();
+                    self.rows.finish(absolute(self.start));
                 }
             }
         }
@@ -138,33 +104,18 @@ impl<S: Sensors> TopicRows<S> {
 
     /// Takes all that comes at one time: it belongs to the same row.
     fn take(&mut self, time: i64) {
-        self.rows.pass(time);
         // What was complete before is not its business.
-        self.build(false);
+        self.rows.pass(time, absolute(self.start));
         while let Some((_, series, value)) = self.waiting.pop_if(|next| next.0 == time) {
-            self.series[series].push(time, value);
-            if self.master == Some(series) {
-                self.rows.add(self.series[series].measured(time));
-            }
+            self.rows.push(series, time, value);
         }
-        self.rows.hear(time);
-        self.build(false);
+        self.rows.hear(time, absolute(self.start));
     }
+}
 
-    fn build(&mut self, at_end: bool) {
-        while let Some(RowTime { ns, seconds }) = self.rows.next(&mut self.series, at_end) {
-            let mut values = vec![seconds];
-            values.extend(self.lines.iter().map(|line| {
-                let terms = line.entry.terms.iter().zip(&line.terms);
-                line.entry.combine(terms.map(|(term, source)| match source {
-                    Source::Constant(value) => *value,
-                    Source::Topic(at) => term.conversion.apply(self.series[*at].at(ns)),
-                }))
-            }));
-            let measured = u64::try_from(self.start.saturating_add(ns));
-            self.builder.push(&values, measured.unwrap_or(0));
-        }
-    }
+/// Times on the clock of the file, of those since its first value [ns].
+fn absolute(start: i64) -> impl Fn(i64) -> u64 {
+    move |ns| u64::try_from(start.saturating_add(ns)).unwrap_or(0)
 }
 
 fn wanted_of<'a>(map: &Map, entry: &'a Entry, name: &'a TopicName) -> Result<Wanted<'a>, Error> {
@@ -180,23 +131,6 @@ fn wanted_of<'a>(map: &Map, entry: &'a Entry, name: &'a TopicName) -> Result<Wan
         name,
         path,
         found: false,
-    })
-}
-
-/// The series whose messages make rows.
-fn master(name: &str, lines: &[Line], map: &Map) -> Result<usize, Error> {
-    let line = lines.iter().find(|l| l.entry.signal == name);
-    let mut series = line.iter().flat_map(|l| &l.terms).filter_map(|s| match s {
-        Source::Topic(series) => Some(*series),
-        Source::Constant(_) => None,
-    });
-    series.next().ok_or_else(|| {
-        let names = lines.iter().map(|l| l.entry.signal.as_str());
-        Error::new(
-            format!("the master {name} is no signal of the map that comes from a topic"),
-            map.file(),
-            hint(name, names, "its signals are"),
-        )
     })
 }
 

@@ -4,7 +4,8 @@ use estimation::loads::LoadReport;
 use messages::channels::{Channel, EXCAVATOR_LOADS, LOADER_LOADS};
 use messages::{Envelope, ExcavatorLoads, LoaderLoads, Machine, Message, Stamp};
 
-use super::{LoadCounter, REASON};
+use super::LoadCounter;
+use super::why::REASON;
 
 /// The messages from the rows of the sheet.
 macro_rules! fill {

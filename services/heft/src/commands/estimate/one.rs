@@ -153,8 +153,7 @@ fn most_rows_were_taken(written: usize, rows: usize) -> Result<(), Failure> {
 
 /// Whether a truth says anything.
 fn is_known<T: Message>(truth: &T) -> bool {
-    let known = T::index("known").and_then(|i| truth.get(i));
-    known.is_some_and(|bits| bits.as_f64() != 0.0)
+    truth.bits_of("known") != 0
 }
 
 fn tell(args: &EstimateArgs, output: &Path, written: usize, rows: usize, verdicts: &[String]) {

@@ -1,0 +1,299 @@
+//! Simulated loaders with a lift arm: what is stated of them, and their estimators.
+
+use std::sync::atomic::AtomicBool;
+
+use calibrate::loader::{Input, StatedLoad};
+use estimation::Quantity;
+use estimation::loader::keys::{LiftArm, LiftCylinder};
+use estimation::loader::{CgEstimator, Columns, Method, Sample, Settings};
+use sim::cylinder::Gauges;
+use sim::loader::{Effects, Row, Run, Scenario, Simulation, Size, Tier};
+
+use crate::Error;
+use crate::loader::candidate::Candidate;
+use crate::loader::honesty::scaled;
+
+/// Five cycles of loading [s].
+pub(super) const DURATION: f64 = 130.0;
+/// A full bucket, in masses of the machine.
+pub(super) const RATED: f64 = 0.32;
+/// Standard deviations of the empty machine's ratio on axle scales, and of a height stated to 5 %.
+const SCALES: f64 = 0.01;
+const STATED_HEIGHT: f64 = 0.05;
+/// Load that a calibration lifts, as a share of a full bucket, and how well it was weighed.
+const CALIBRATED: f64 = 0.7;
+const LOAD_STD: f64 = 0.005;
+/// Between the seeds of a machine's recordings.
+const LIFTS: u64 = 100_000;
+
+/// What is stated and measured.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Knowledge {
+    /// No lift arm.
+    Nothing,
+    /// The drawing of the arm; the empty machine of the data sheet.
+    Drawing,
+    /// The empty machine stood on axle scales once.
+    Weighed,
+    /// And slow lifts, empty and with a weighed load.
+    Calibrated,
+    /// The empty machine on axle scales, without wheels: a scale.
+    Scale,
+}
+
+impl Knowledge {
+    pub(super) const ALL: [Self; 5] = [
+        Self::Nothing,
+        Self::Drawing,
+        Self::Weighed,
+        Self::Calibrated,
+        Self::Scale,
+    ];
+
+    pub(super) const fn name(self) -> &'static str {
+        match self {
+            Self::Nothing => "no lift arm",
+            Self::Drawing => "drawing",
+            Self::Weighed => "empty machine weighed",
+            Self::Calibrated => "weighed, lifts calibrated",
+            Self::Scale => "weighed, no wheels",
+        }
+    }
+}
+
+/// The drawing of a simulated machine's arm.
+fn drawing(size: Size) -> (LiftArm, LiftCylinder) {
+    let real = sim::loader::LiftArm::of(&size.machine());
+    let c = real.cylinder;
+    let arm = LiftArm {
+        length: real.length,
+        pivot_x: real.pivot_x,
+        pivot_z: real.pivot_z,
+        mass: real.mass,
+        mass_distance: real.mass_distance,
+        bucket_mass: real.bucket_mass,
+        payload_distance: real.payload_distance,
+        reference_angle: real.reference.lift,
+        reference_tilt: real.reference.bucket - real.reference.lift,
+        ..LiftArm::default()
+    };
+    let cylinder = LiftCylinder {
+        count: c.count,
+        head_area: c.head_area,
+        rod_area: c.rod_area,
+        base_distance: c.base_distance,
+        rod_distance: c.rod_distance,
+        angle: c.angle,
+        friction: c.friction,
+        ..LiftCylinder::default()
+    };
+    (arm, cylinder)
+}
+
+/// What the estimator of a machine is given.
+fn settings(knowledge: Knowledge, run: &Run, simulation: &Simulation, first: &Row) -> Settings {
+    let candidate = Candidate::DATA_SHEET;
+    let mut settings = scaled(candidate.settings(simulation.nominal(), first), run.size);
+    if knowledge == Knowledge::Nothing {
+        return settings;
+    }
+    settings.sensors.angle_offset_std = 0.009;
+    (settings.lift_arm, settings.lift_cylinder) = drawing(run.size);
+    if knowledge != Knowledge::Drawing {
+        let machine = simulation.machine();
+        let mut noise = sim::noise::Noise::channel(run.seed, 900);
+        let arm = &mut settings.lift_arm;
+        arm.empty_mass = machine.mass * (1.0 + 0.005 * noise.normal());
+        arm.empty_mass_std = 0.005 * machine.mass;
+        arm.empty_ratio = machine.cg_ratio + SCALES * noise.normal();
+        arm.empty_ratio_std = SCALES;
+        arm.empty_height = machine.cg_height * (1.0 + STATED_HEIGHT * noise.normal());
+        arm.empty_height_std = STATED_HEIGHT * machine.cg_height;
+    }
+    settings
+}
+
+/// The settings after slow lifts with nothing in the bucket and with a load that was weighed.
+fn calibrated(settings: Settings, run: &Run) -> Result<Settings, Error> {
+    let load = CALIBRATED * RATED * run.size.machine().mass;
+    let mut noise = sim::noise::Noise::channel(run.seed, 901);
+    let mut lifts = |payload: f64, std: f64, number: u64| -> Result<Input, Error> {
+        let lifts = Run {
+            scenario: Scenario::Lifts,
+            payload: Some(payload),
+            machine_seed: Some(run.seed),
+            seed: LIFTS * number + run.seed,
+            duration: None,
+            ..run.clone()
+        };
+        let simulation = Simulation::new(&lifts).map_err(Error::refused)?;
+        let nominal = simulation.clone();
+        Ok(Input {
+            name: format!("{payload:.0} kg"),
+            samples: simulation
+                .map(|row| sample(Knowledge::Calibrated, &nominal, &row))
+                .collect(),
+            stated: StatedLoad::default(),
+            payload: Some(Quantity {
+                value: payload + std * noise.normal(),
+                std,
+            }),
+        })
+    };
+    let inputs = [lifts(0.0, 0.0, 1)?, lifts(load, LOAD_STD * load, 2)?];
+    let description = config::Loader {
+        machine: settings.machine,
+        lift_arm: settings.lift_arm,
+        lift_cylinder: settings.lift_cylinder,
+        sensors: settings.sensors,
+        prior: settings.prior,
+        ..config::Loader::default()
+    };
+    let outcome = calibrate::loader::calibrate(
+        &inputs,
+        &calibrate::loader::Options {
+            description: &description,
+            weighed: StatedLoad::default(),
+            ways: &[],
+            slices: false,
+            free: None,
+            stop: &AtomicBool::new(false),
+            progress: &|_| {},
+        },
+    )
+    .map_err(Error::refused)?;
+    let (found, _) = outcome
+        .description(&description, &[])
+        .ok_or_else(|| Error::refused(outcome.faults.join("; ")))?;
+    Ok(Settings {
+        lift_arm: found.lift_arm,
+        lift_cylinder: found.lift_cylinder,
+        ..settings
+    })
+}
+
+/// What the estimator is given of a row.
+pub(super) fn sample(knowledge: Knowledge, simulation: &Simulation, row: &Row) -> Sample {
+    let mut sample = Candidate::DATA_SHEET.sample(simulation.nominal(), row);
+    if knowledge == Knowledge::Scale {
+        sample = Sample {
+            time: row.time,
+            ..Sample::default()
+        };
+    }
+    if let (false, Some(arm)) = (knowledge == Knowledge::Nothing, row.arm) {
+        sample.lift_angle = Some(arm.lift_angle);
+        sample.tilt_angle = Some(arm.tilt_angle);
+        sample.lift_head_pressure = Some(arm.head_pressure);
+        sample.lift_rod_pressure = Some(arm.rod_pressure);
+    }
+    sample
+}
+
+/// A simulated machine with its estimator.
+pub(super) struct Machine {
+    pub run: Run,
+    pub simulation: Simulation,
+    pub first: Row,
+    pub estimator: CgEstimator,
+}
+
+impl Machine {
+    pub(super) fn new(knowledge: Knowledge, effects: Effects, seed: u64) -> Result<Self, Error> {
+        let run = Run {
+            seed,
+            tier: Tier::B,
+            size: Size::REAL[(seed as usize - 1) % Size::REAL.len()],
+            duration: Some(DURATION),
+            gauges: (knowledge != Knowledge::Nothing).then(Gauges::default),
+            effects,
+            ..Run::new(Scenario::Loading)
+        };
+        let mut simulation = Simulation::new(&run).map_err(Error::refused)?;
+        let first = simulation
+            .next()
+            .ok_or_else(|| Error::refused("a run without rows"))?;
+        let columns = Columns {
+            acceleration: true,
+            mass: first.mass.is_some(),
+            ..Columns::default()
+        };
+        let mut settings = settings(knowledge, &run, &simulation, &first);
+        if knowledge == Knowledge::Calibrated {
+            settings = calibrated(settings, &run)?;
+        }
+        let estimator = CgEstimator::new(&settings, Method::Full, columns);
+        Ok(Self {
+            run,
+            simulation,
+            first,
+            estimator: estimator.map_err(Error::refused)?,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use estimation::loader::Status;
+    use sim::loader::CASES;
+
+    /// With 12 t and a full bucket the rear axle carries a tenth of the weight while the machine sets off in reverse.
+    #[test]
+    fn a_wheel_that_spins_leads_nothing_astray() {
+        let good = CASES.iter().find(|case| case.0 == "good machine");
+        let effects = Effects {
+            spins: true,
+            ..good.expect("a case").2
+        };
+        let mut machine = Machine::new(Knowledge::Drawing, effects, 8).expect("a machine");
+        let radius = machine.run.size.machine().wheel_radius;
+        let mut spun = 0;
+        let mut next = Some(machine.first);
+        while let Some(row) = next {
+            let estimate =
+                machine
+                    .estimator
+                    .step(&sample(Knowledge::Drawing, &machine.simulation, &row));
+            spun += u32::from((radius * row.rear_wheel_speed - row.speed).abs() > 5.0);
+            assert!(
+                (estimate.speed - row.speed).abs() < 1.0,
+                "{row:?} {estimate:?}"
+            );
+            assert!(estimate.slope_bias.is_none_or(|bias| bias.abs() < 0.1));
+            next = machine.simulation.next();
+        }
+        assert!(spun > 20, "{spun}");
+    }
+
+    #[test]
+    fn a_wheel_of_another_radius_does_not_spin_for_ever() {
+        let machine = Machine::new(Knowledge::Nothing, Effects::default(), 1).expect("a machine");
+        let Machine {
+            run,
+            simulation,
+            first,
+            ..
+        } = machine;
+        let mut settings = settings(Knowledge::Nothing, &run, &simulation, &first);
+        settings.machine.wheel_radius *= 1.25;
+        let columns = Columns {
+            acceleration: true,
+            ..Columns::default()
+        };
+        let mut estimator = CgEstimator::new(&settings, Method::Full, columns).expect("settings");
+        let (mut moving, mut trusted, mut set_aside) = (0, 0, 0);
+        let nominal = *simulation.nominal();
+        for row in simulation {
+            let sample = Candidate::DATA_SHEET.sample(&nominal, &row);
+            let estimate = estimator.step(&sample);
+            moving += u32::from(row.speed.abs() > 1.0);
+            trusted += u32::from(estimate.trusted_ratio);
+            set_aside += u32::from(row.speed.abs() > 1.0 && estimate.status == Status::Gap);
+        }
+        assert!(
+            moving > 3000 && set_aside * 2 < moving && trusted == 0,
+            "{set_aside} of {moving}, {trusted}"
+        );
+    }
+}

@@ -1,0 +1,173 @@
+//! What went wrong in a run: what was noted, and what channels and processes tell.
+
+use messages::channels::Channel;
+use messages::fault;
+
+use super::Watch;
+use super::counts::SampleCounts;
+use crate::fault::Fault;
+
+/// The loggers of a run: whether the recording may lack samples that nobody has counted.
+#[derive(Default)]
+pub(super) struct Loggers {
+    /// The latest died, and is not back. One that comes back counts what it could not be handed.
+    is_away: bool,
+    /// It has reported its counts since it came.
+    has_reported: bool,
+    /// One died before it reported its counts.
+    may_lack: bool,
+}
+
+impl Loggers {
+    fn died(&mut self, has_begun: bool) {
+        let was_there = !self.is_away && has_begun;
+        self.may_lack |= was_there && !self.has_reported;
+        self.is_away = true;
+    }
+
+    fn came(&mut self) {
+        (self.is_away, self.has_reported) = (false, false);
+    }
+
+    pub(super) fn reported(&mut self) {
+        self.has_reported = true;
+    }
+
+    fn may_lack(&self, has_begun: bool) -> bool {
+        self.may_lack || self.is_away && has_begun
+    }
+}
+
+impl Watch {
+    /// Notes what went wrong.
+    pub fn note(&mut self, fault: Fault) {
+        let dead = match fault {
+            Fault::Died { service, .. } | Fault::Hung { service, .. } => service,
+            _ => "",
+        };
+        if dead == "logger" {
+            self.loggers.died(self.next_sequence() > 0);
+        }
+        self.faults.push(fault);
+    }
+
+    /// Is notified that a service is there, perhaps again.
+    pub fn is_there(&mut self, service: &str) {
+        if service == "logger" {
+            self.loggers.came();
+        }
+    }
+
+    /// Everything that went wrong.
+    pub fn faults(&self) -> Vec<Fault> {
+        let mut faults = self.faults.clone();
+        let sent = self.sent();
+        let samples = sent.next.saturating_sub(sent.samples + sent.unseen);
+        if samples > 0 {
+            faults.push(Fault::Unmeasured { samples });
+        }
+        let frames = self.processes.counts_of("sensor").lost;
+        if frames > 0 {
+            faults.push(Fault::Dropped { frames });
+        }
+        faults.extend(self.unanswered(sent));
+        let samples = self.processes.counts_of("logger").lost;
+        if samples > 0 || self.loggers.may_lack(sent.next > 0) {
+            faults.push(Fault::Unrecorded { samples });
+        }
+        let logger = self.processes.health("logger");
+        if logger.is_some_and(|health| health.fault == fault::DISK) {
+            faults.push(Fault::Disk);
+        }
+        let late = self.processes.counts();
+        let late = late.filter(|(_, counts)| counts.late > 0);
+        faults.extend(late.map(|(service, counts)| Fault::Late {
+            service,
+            samples: counts.late,
+        }));
+        faults
+    }
+
+    /// Samples that were measured and have no answer, by service.
+    fn unanswered(&self, sent: SampleCounts) -> Vec<Fault> {
+        let Some(pipeline) = self.processes.pipeline() else {
+            return Vec::new();
+        };
+        let known = sent.samples + sent.unseen;
+        let fault = |channel: &'static Channel| {
+            let answers = self.carried.get(channel.name).copied().unwrap_or_default();
+            let samples = known.saturating_sub(answers.samples + answers.unseen);
+            (samples > 0).then_some(Fault::Unanswered {
+                service: pipeline.writer(channel)?.name,
+                samples,
+                of: known,
+            })
+        };
+        pipeline.estimates().filter_map(fault).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use messages::channels::{EXCAVATOR_TRUTH, HEALTH};
+    use messages::{ExcavatorTruth, Health, Machine};
+    use runtime::Sink as _;
+    use steps::stages::Pipeline;
+
+    use super::*;
+    use crate::watch::Show;
+
+    #[test]
+    fn what_may_lack_in_the_recording_is_reported_unless_the_logger_has_counted_it() {
+        let (dies, comes, is_back, tells) = (1, 2, 3, 4);
+        let lost = |story: &[u32]| {
+            let mut watch = Watch::new(Machine::Excavator, None, None, Show::Nothing);
+            for &event in story {
+                if event == dies {
+                    let (service, how) = ("logger", "killed".to_owned());
+                    watch.note(Fault::Died { service, how });
+                } else if event == comes {
+                    watch.accept(&EXCAVATOR_TRUTH, &ExcavatorTruth::default());
+                } else if event == is_back {
+                    watch.is_there("logger");
+                } else {
+                    let names = Pipeline::of(Machine::Excavator);
+                    let process = (0..).find(|i| names.process_name(*i) == "logger");
+                    let mut health = Health::default();
+                    (health.process, health.steps) = (process.expect("a row"), 1);
+                    watch.accept(&HEALTH, &health);
+                }
+            }
+            watch.finish();
+            let faults = watch.faults();
+            faults.iter().any(|f| matches!(f, Fault::Unrecorded { .. }))
+        };
+        assert!(lost(&[is_back, comes, tells, dies, comes]));
+        assert!(!lost(&[is_back, dies]), "nothing came");
+        let whole = [is_back, comes, tells, dies, comes, is_back, comes];
+        assert!(!lost(&whole), "it counts by itself what it lacks");
+        let silent = [&whole[..], &[dies, is_back, tells]].concat();
+        assert!(lost(&silent), "what the second one lacked is not known");
+        let reported = [&whole[..], &[tells, dies, is_back, tells]].concat();
+        assert!(!lost(&reported));
+    }
+
+    #[test]
+    fn a_sample_is_late_only_where_it_was_due_at_a_time() {
+        let mut watch = Watch::new(Machine::Excavator, None, None, Show::Nothing);
+        let health = Health {
+            late: 3,
+            ..Health::default()
+        };
+        watch.accept(&HEALTH, &health);
+        let late = |watch: &Watch| {
+            watch
+                .faults()
+                .iter()
+                .any(|f| matches!(f, Fault::Late { .. }))
+        };
+        assert!(late(&watch));
+        watch.unpaced();
+        assert!(!late(&watch));
+    }
+}

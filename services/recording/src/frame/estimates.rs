@@ -1,0 +1,220 @@
+//! Estimates as columns, and as cells.
+
+use std::marker::PhantomData;
+
+use messages::Value;
+
+use crate::csv::{Codes, Column, Estimate};
+
+/// One column of estimates.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Values {
+    /// Numbers; NaN where the method does not estimate the quantity.
+    Numbers(Vec<f64>),
+    /// Flags.
+    Flags(Vec<bool>),
+    /// Words by their code, which is their place in the list.
+    Words(Vec<u8>, Vec<&'static str>),
+}
+
+/// A column: name, SI unit, values.
+pub type NamedColumn = (&'static str, &'static str, Values);
+
+/// Estimates in columns, as `heft estimate` writes them, without the rows that were refused.
+#[derive(Debug)]
+pub struct Table<E: Estimate> {
+    times: Vec<f64>,
+    columns: Vec<(Column, Option<usize>, Filled)>,
+    /// Whether the method has the quantities that few methods have.
+    has_extra: Option<bool>,
+    methods: Vec<u8>,
+    reasons: Vec<u8>,
+    rows: u32,
+    /// Places of the rows that were refused.
+    refused: Vec<u32>,
+    estimates: PhantomData<E>,
+}
+
+#[derive(Debug)]
+enum Filled {
+    Numbers(Vec<f64>),
+    Flags(Vec<bool>),
+}
+
+impl<E: Estimate> Table<E> {
+    /// An empty table with room for so many rows.
+    #[must_use]
+    pub fn with_capacity(rows: usize) -> Self {
+        let column = |c: &Column| match *c {
+            Column::Flag(..) => (*c, None, Filled::Flags(Vec::with_capacity(rows))),
+            Column::Value(name, _) => (
+                *c,
+                E::index(name),
+                Filled::Numbers(Vec::with_capacity(rows)),
+            ),
+        };
+        Self {
+            times: Vec::with_capacity(rows),
+            has_extra: None,
+            columns: E::COLUMNS.iter().chain(E::EXTRA.0).map(column).collect(),
+            methods: Vec::with_capacity(rows),
+            reasons: Vec::with_capacity(rows),
+            rows: 0,
+            refused: Vec::new(),
+            estimates: PhantomData,
+        }
+    }
+
+    /// Adds a row; one that was refused is noted as such.
+    pub fn push(&mut self, estimate: &E) {
+        let Codes {
+            flags,
+            estimated,
+            method,
+            reason,
+        } = estimate.codes();
+        self.rows += 1;
+        if flags & E::REFUSED != 0 {
+            self.refused.push(self.rows - 1);
+            return;
+        }
+        self.has_extra.get_or_insert(estimated & E::EXTRA.1 != 0);
+        self.times.push(estimate.stamp().time);
+        for (column, index, cells) in &mut self.columns {
+            match (cells, *column) {
+                (Filled::Flags(cells), Column::Flag(_, bit)) => cells.push(flags & bit != 0),
+                (Filled::Numbers(cells), Column::Value(_, bits)) => {
+                    cells.push(number(estimate, *index, estimated & bits == bits));
+                }
+                _ => {}
+            }
+        }
+        self.methods.push(u8::try_from(method).unwrap_or(u8::MAX));
+        self.reasons.push(u8::try_from(reason).unwrap_or(u8::MAX));
+    }
+
+    /// Places of the rows that were refused.
+    #[must_use]
+    pub fn refused(&self) -> &[u32] {
+        &self.refused
+    }
+
+    /// The columns; those of quantities that few methods have, only where this one has them.
+    #[must_use]
+    pub fn finish(self) -> Vec<NamedColumn> {
+        let mut columns = vec![("t", "s", Values::Numbers(self.times))];
+        for (i, (column, index, cells)) in self.columns.into_iter().enumerate() {
+            let (Column::Flag(name, _) | Column::Value(name, _)) = column;
+            let unit = index.map_or("", |i| E::FIELDS[i].unit);
+            if i >= E::COLUMNS.len() && self.has_extra != Some(true) {
+                break;
+            }
+            let values = match cells {
+                Filled::Numbers(cells) => Values::Numbers(cells),
+                Filled::Flags(cells) => Values::Flags(cells),
+            };
+            columns.push((name, unit, values));
+        }
+        columns.push((
+            "method",
+            "",
+            Values::Words(self.methods, E::METHODS.to_vec()),
+        ));
+        let names = E::REASONS.iter().map(|(name, _)| *name);
+        columns.push(("reason", "", Values::Words(self.reasons, names.collect())));
+        columns
+    }
+}
+
+/// A field of an estimate; NaN where it is not estimated.
+fn number<E: Estimate>(estimate: &E, index: Option<usize>, is_estimated: bool) -> f64 {
+    match index.and_then(|i| estimate.get(i)) {
+        Some(Value::F64(x)) if is_estimated => x,
+        _ => f64::NAN,
+    }
+}
+
+/// A cell of an estimate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Cell {
+    /// A number; NaN where the method does not estimate the quantity.
+    Number(f64),
+    /// A flag.
+    Flag(bool),
+    /// A word.
+    Word(&'static str),
+}
+
+/// Name, unit and meaning of every column that an estimate of this kind can have: time, quantities, flags, whether
+/// the row was refused, method and reason.
+#[must_use]
+pub fn header<E: Estimate>() -> Vec<(&'static str, &'static str, Kind)> {
+    let column = |c: &Column| match *c {
+        Column::Flag(name, _) => (name, "", Kind::Flag),
+        Column::Value(name, _) => {
+            let unit = E::index(name).map_or("", |i| E::FIELDS[i].unit);
+            (name, unit, Kind::Number)
+        }
+    };
+    let mut all = vec![("t", "s", Kind::Number)];
+    all.extend(E::COLUMNS.iter().chain(E::EXTRA.0).map(column));
+    all.extend([("refused", "", Kind::Flag), ("method", "", Kind::Method)]);
+    all.push(("reason", "", Kind::Reason));
+    all
+}
+
+/// What a column holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// Numbers.
+    Number,
+    /// Flags.
+    Flag,
+    /// Names of methods.
+    Method,
+    /// Names of reasons.
+    Reason,
+}
+
+/// Takes estimates apart into the cells of [`header`].
+#[derive(Debug)]
+pub struct Cells<E: Estimate> {
+    columns: Vec<(Column, Option<usize>)>,
+    estimates: PhantomData<E>,
+}
+
+impl<E: Estimate> Default for Cells<E> {
+    fn default() -> Self {
+        let column = |c: &Column| match *c {
+            Column::Flag(..) => (*c, None),
+            Column::Value(name, _) => (*c, E::index(name)),
+        };
+        Self {
+            columns: E::COLUMNS.iter().chain(E::EXTRA.0).map(column).collect(),
+            estimates: PhantomData,
+        }
+    }
+}
+
+impl<E: Estimate> Cells<E> {
+    /// Calls `put` with the cells of an estimate in the order of [`header`].
+    pub fn of(&self, estimate: &E, put: &mut dyn FnMut(Cell)) {
+        let Codes {
+            flags, estimated, ..
+        } = estimate.codes();
+        put(Cell::Number(estimate.stamp().time));
+        for (column, index) in &self.columns {
+            put(match *column {
+                Column::Flag(_, bit) => Cell::Flag(flags & bit != 0),
+                Column::Value(_, bits) => {
+                    Cell::Number(number(estimate, *index, estimated & bits == bits))
+                }
+            });
+        }
+        put(Cell::Flag(flags & E::REFUSED != 0));
+        estimate
+            .names()
+            .into_iter()
+            .for_each(|n| put(Cell::Word(n)));
+    }
+}

@@ -1,0 +1,119 @@
+//! What a recording holds, as columns.
+
+use messages::channels::{self, Visitor};
+use messages::{Message, Value, Words};
+
+use super::Values;
+use crate::schema::RecordedField;
+use crate::signal;
+use crate::{Error, Reader};
+
+/// A recorded field over all messages of its channel.
+#[derive(Debug, Clone)]
+pub struct RecordedColumn {
+    /// Name, unit, type.
+    pub field: RecordedField,
+    /// What it means, as this version knows it; "" for a field of another.
+    pub meaning: &'static str,
+    /// One value per message; NaN for a signal that a sample lacks.
+    pub values: Vec<Value>,
+}
+
+/// The columns of a recorded channel.
+///
+/// # Errors
+/// The recording is damaged.
+pub fn channel(reader: &Reader, channel: &str) -> Result<Vec<RecordedColumn>, Error> {
+    let fields = reader.fields(channel);
+    let at = |name: &str| fields.iter().position(|f| f.name == name);
+    // Only messages of sensors have columns.
+    let valid = at("columns").and_then(|_| at("valid"));
+    let bits: Vec<u32> = fields
+        .iter()
+        .map(|f| valid.map_or(0, |_| signal::sensor_bit(channel, &f.name)))
+        .collect();
+    let mut columns: Vec<Vec<Value>> = vec![Vec::new(); fields.len()];
+    reader.for_each_value(channel, |_, values| {
+        let valid = valid.map_or(u32::MAX, |at| values[at].as_f64() as u32);
+        for ((column, value), bit) in columns.iter_mut().zip(values).zip(&bits) {
+            let there = bit & valid == *bit;
+            column.push(if there { *value } else { Value::F64(f64::NAN) });
+        }
+    })?;
+    let meaning = |name: &str| {
+        let known = channels::all().find(|c| c.name == channel);
+        known.map_or("", |c| c.payload.visit(Meaning(name)))
+    };
+    let columns = fields.iter().cloned().zip(columns);
+    Ok(columns
+        .map(|(field, values)| RecordedColumn {
+            meaning: meaning(&field.name),
+            field,
+            values,
+        })
+        .collect())
+}
+
+/// A column of words or flags that is no field of its own.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NamedWords {
+    /// Name; where it is that of a field, it stands in its place.
+    pub name: String,
+    /// What it means.
+    pub meaning: &'static str,
+    /// Flags or words.
+    pub values: Values,
+}
+
+/// The codes of a recorded channel by their names, and its flags.
+#[must_use]
+pub fn verdict(channel: &str, columns: &[RecordedColumn]) -> Vec<NamedWords> {
+    let known = channels::all().find(|c| c.name == channel);
+    known.map_or_else(Vec::new, |c| c.payload.visit(Verdict(columns)))
+}
+
+struct Verdict<'a>(&'a [RecordedColumn]);
+
+impl Visitor for Verdict<'_> {
+    type Output = Vec<NamedWords>;
+    fn visit<M: Message>(self) -> Vec<NamedWords> {
+        let column = |name: &str| self.0.iter().find(|c| c.field.name == name);
+        let number = |value: &Value| value.as_f64() as u32;
+        let codes = M::WORDS.iter().filter_map(|(field, words)| {
+            let (column, Words::Codes(entries)) = (column(field)?, words) else {
+                return None;
+            };
+            // Codes are places in the list; one that is not known is the place behind them.
+            let mut names: Vec<&'static str> = entries.iter().map(|e| e.name).collect();
+            names.push(messages::words::UNKNOWN);
+            let last = u32::try_from(entries.len()).unwrap_or_default();
+            let place = |v: &Value| u8::try_from(number(v).min(last)).unwrap_or(u8::MAX);
+            Some(NamedWords {
+                name: (*field).into(),
+                meaning: column.meaning,
+                values: Values::Words(column.values.iter().map(place).collect(), names),
+            })
+        });
+        let flags = column("flags").into_iter().flat_map(|column| {
+            messages::words::flags::<M>().map(|(name, entry)| {
+                let set = |v: &Value| number(v) & entry.number != 0;
+                NamedWords {
+                    name: name.into_owned(),
+                    meaning: entry.doc,
+                    values: Values::Flags(column.values.iter().map(set).collect()),
+                }
+            })
+        });
+        codes.chain(flags).collect()
+    }
+}
+
+/// What the field of this name means.
+struct Meaning<'a>(&'a str);
+
+impl Visitor for Meaning<'_> {
+    type Output = &'static str;
+    fn visit<M: Message>(self) -> &'static str {
+        M::index(self.0).map_or("", |i| M::FIELDS[i].doc.trim())
+    }
+}

@@ -1,0 +1,62 @@
+//! Why a load is not trusted: reason and flags of its estimate in one number, and in words.
+
+use estimation::loads::Load;
+use messages::{EXCAVATOR_REASONS, LOADER_REASONS, Machine, excavator_bits, loader_bits};
+
+const _: () = {
+    // Reason and flags fit in one number.
+    assert!(EXCAVATOR_REASONS.len() < REASON as usize && LOADER_REASONS.len() < REASON as usize);
+    assert!(excavator_bits::RESTARTED < 1 << 24 && loader_bits::RESTARTED < 1 << 24);
+};
+
+/// Bits of the reason; those of the flags are above.
+pub(super) const REASON: u32 = 0xff;
+
+/// Reason and flags in one number.
+pub(super) fn why(reason: u32, flags: u32, trusted: bool) -> u32 {
+    if trusted {
+        0
+    } else {
+        reason.min(REASON) | flags << 8
+    }
+}
+
+/// Why a load is not trusted, in words; empty where it is.
+#[must_use]
+pub fn why_words(machine: Machine, load: &Load) -> &'static str {
+    if load.trusted {
+        return "";
+    }
+    let (reason, flags) = (load.why & REASON, load.why >> 8);
+    let reasons = match machine {
+        Machine::Excavator => EXCAVATOR_REASONS,
+        Machine::Loader => LOADER_REASONS,
+    };
+    if let Some((_, words)) = reasons.get(reason as usize).filter(|_| reason != 0) {
+        return words;
+    }
+    let missing: &[(u32, &str)] = match machine {
+        Machine::Excavator => &[
+            (excavator_bits::FRESH, "an input is missing or too old"),
+            (
+                excavator_bits::IDENTIFIABLE,
+                "the motion does not determine it yet",
+            ),
+            (
+                excavator_bits::CONSISTENT,
+                "the measurements do not agree with the model",
+            ),
+            (excavator_bits::EXCITED, "the machine did not swing"),
+            (excavator_bits::CONVERGED, "the interval is still wide"),
+        ],
+        Machine::Loader => &[
+            (loader_bits::FRESH, "an input is missing or too old"),
+            (
+                loader_bits::TRUSTED_PAYLOAD,
+                "the load is not weighed closely yet",
+            ),
+        ],
+    };
+    let found = missing.iter().find(|(bit, _)| flags & bit == 0);
+    found.map_or("nothing confirms it", |(_, words)| words)
+}

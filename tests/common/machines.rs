@@ -1,0 +1,47 @@
+//! Machines that are not our simulator: their recordings, what a competent user states of them, and how an estimator is judged on them.
+
+use serde_json::{Map, Value};
+use statistics::judge::Tally;
+
+use super::golden;
+
+/// The machines of a file in `golden`, by the names of their recordings.
+pub fn described(file: &str) -> Map<String, Value> {
+    let text = std::fs::read_to_string(golden(file)).expect("the settings");
+    serde_json::from_str(&text).expect("JSON")
+}
+
+/// What is stated of a machine, `KEY=VALUE` each, as `--set` takes it.
+pub fn sets(stated: &Value) -> Vec<String> {
+    let stated = stated.as_object().expect("settings by key");
+    stated
+        .iter()
+        .map(|(key, value)| format!("{key}={value}"))
+        .collect()
+}
+
+/// How much is trusted, how much of that is wrong, and whether the interval holds all the time.
+pub fn scores(tally: &Tally) -> String {
+    format!(
+        "trusted {:.2} wrong {:.3} rms {:.2} % covered {:.3}",
+        tally.trusted(),
+        tally.wrong(),
+        tally.rms(),
+        tally.covered()
+    )
+}
+
+/// What is asked of an estimator on a machine, from 0 to 1.
+pub struct Limits {
+    /// Least trusted share of the time in motion.
+    pub trusted: f64,
+    /// Least share of all time in which the 95 % interval holds the truth.
+    pub covered: f64,
+}
+
+impl Limits {
+    /// Whether they hold, and at most one trusted row of twenty is wrong.
+    pub fn hold(&self, tally: &Tally) -> bool {
+        tally.trusted() >= self.trusted && tally.wrong() <= 0.05 && tally.covered() >= self.covered
+    }
+}
