@@ -39,7 +39,7 @@ const char *heft_version(void);
 
 /* What a program compiles in: structures, bits, methods. A library of another header answers `init` with
  * HEFT_OTHER_HEADER. */
-#define HEFT_ABI 0x284c55e7u
+#define HEFT_ABI 0xc29951c2u
 
 /* HEFT_ABI of the header that belongs to the library. */
 uint32_t heft_abi(void);
@@ -219,6 +219,9 @@ typedef struct {
     double mass_tolerance; /* Relative standard deviation of the described masses and inertias of boom and arm. */
     double upper_tolerance; /* The same of the upper body's inertia: counterweight, tank, options; "none" takes 7 times mass_tolerance (0.126). */
     double bucket_tolerance; /* The same of the bucket's mass: attachments are changed; "none" takes 11 times mass_tolerance (0.2). */
+    double links_gain_correlation; /* Correlation of the errors of the masses of boom and arm with that of sensors.swing_torque_gain, where `heft calibrate` has found them together; "none": nobody has, and what the lengths do to the inertia comes on top of mass_tolerance. */
+    double upper_gain_correlation; /* The same of the upper body's inertia with that gain. */
+    double upper_links_correlation; /* The same of the upper body's inertia with the masses of boom and arm. */
     double geometry_tolerance; /* Relative standard deviation of the described lengths. */
     double upper_inertia; /* Inertia of the upper body without boom, arm and bucket, about the swing axis (J_u). [kg m^2] */
     double inertia_min; /* Smallest inertia that an estimate may take. [kg m^2] */

@@ -52,7 +52,7 @@ const ELSEWHERE: &[&str] = &[
 
 #[test]
 fn every_key_of_the_excavator_reaches_its_settings_or_is_reported_to_do_nothing() {
-    // A key of the boom's cylinder acts where the cylinder is described.
+    // A key of the boom's cylinder acts where the cylinder is described, correlations where a calibration has found them.
     let described = |description: &Excavator| {
         let mut described = description.clone();
         let cylinder = &mut described.boom_cylinder;
@@ -63,6 +63,7 @@ fn every_key_of_the_excavator_reaches_its_settings_or_is_reported_to_do_nothing(
         ] {
             *needed = if *needed > 0.0 { *needed } else { 0.5 };
         }
+        described.machine.links_gain_correlation.get_or_insert(-0.5);
         excavator::Settings::of(&described)
     };
     let default = excavator::Settings::of(&Excavator::default());

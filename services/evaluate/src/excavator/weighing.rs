@@ -355,10 +355,10 @@ mod tests {
         let case = &cases()[4];
         assert!(case.effects.dumps_swinging && case.knowledge == Knowledge::Scale);
         let mut sums = Sums::default();
-        for seed in 1..=2 {
+        for seed in 1..=4 {
             sums.add(&run(case, seed).expect("a run"));
         }
-        assert!(sums.trusted > sums.rows / 10, "{sums:?}");
+        assert!(10 * sums.trusted > sums.rows, "{sums:?}");
         assert!(20 * sums.wrong <= sums.trusted, "{sums:?}");
         assert!(sums.covered * 100 >= sums.rows * 95, "{sums:?}");
     }
