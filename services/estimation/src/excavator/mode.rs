@@ -140,7 +140,7 @@ impl Core {
         if let Some(onset) = &mut self.onset {
             event |= onset.step(settings, &drive, phase);
         }
-        let scale = self.is_scale(settings, method, &drive);
+        let scale = self.turns_to_scale(settings, method, &drive);
         let (mut state, basis) = self.advance(settings, &drive, (phase, reopen), event, trail);
         let held = match &self.mode {
             Mode::Posture(mode) => mode.held(),
@@ -174,8 +174,8 @@ impl Core {
         }
     }
 
-    /// With the load weighed, posture alone is a scale: the default filter, whose torque is unknown.
-    fn is_scale(&mut self, settings: &Settings, method: Method, drive: &Drive) -> bool {
+    /// With the load weighed, posture alone turns to a scale: the default filter, whose torque is unknown. Whether it has.
+    fn turns_to_scale(&mut self, settings: &Settings, method: Method, drive: &Drive) -> bool {
         let weighs = method == Method::Posture && settings.boom.is_some();
         if weighs
             && settings.doubts.is_some()

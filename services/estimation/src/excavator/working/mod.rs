@@ -445,6 +445,9 @@ impl Working {
     }
 }
 
+/// Correlations are rounded: this share of each keeps the covariance positive.
+const SHARED: f64 = 0.99;
+
 /// What a calibration has found together errs together. It scales boom, arm and bucket by one factor, and the bucket differs by more than
 /// that: it shares that part. The state of the gain is the inverse of the sensor's.
 fn correlate(filter: &mut Filter, doubts: &Doubts, found: Correlations) {
@@ -457,7 +460,7 @@ fn correlate(filter: &mut Filter, doubts: &Doubts, found: Correlations) {
         (UPPER, BUCKET, shared * found.upper_links),
         (LINKS, BUCKET, shared),
     ] {
-        let covariance = correlation * sqrt(filter.p[i][i] * filter.p[j][j]);
+        let covariance = SHARED * correlation * sqrt(filter.p[i][i] * filter.p[j][j]);
         (filter.p[i][j], filter.p[j][i]) = (covariance, covariance);
     }
 }
@@ -493,6 +496,25 @@ mod tests {
             (LINKS, now.links),
         ];
         sqrt(filter.combination(&row).1) / now.empty
+    }
+
+    #[test]
+    fn rounded_correlations_leave_no_combination_without_variance() {
+        let mut d = Description::default();
+        d.machine.links_gain_correlation = Some(1.0);
+        d.machine.upper_gain_correlation = 1.0;
+        d.machine.upper_links_correlation = 0.97;
+        let settings = Settings::of(&d);
+        assert_eq!(settings.check(), Ok(()));
+        let filter = Working::new(&settings, &settings.doubts.expect("doubts")).filter;
+        let share = |i: usize| 1.0 / sqrt(filter.p[i][i]);
+        // The combination that was nearest to none.
+        let row = [(GAIN, -2.0), (LINKS, 1.0), (UPPER, 1.0)].map(|(i, a)| {
+            let sign = if i == GAIN { -1.0 } else { 1.0 };
+            (i, sign * a * share(i))
+        });
+        let (_, variance) = filter.combination(&row);
+        assert!(variance > 0.0, "{variance}");
     }
 
     #[test]
