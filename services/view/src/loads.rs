@@ -28,7 +28,7 @@ pub struct Account {
     pub all: Total,
     /// What would weigh a load and is not there, and what to do.
     pub lacks: Option<&'static str>,
-    /// What really was in the bucket, by the number of the load [kg]; empty where nobody knows it.
+    /// What really was in the bucket, by the number of the load \[kg\]; empty where nobody knows it.
     pub truths: BTreeMap<u32, f64>,
 }
 
