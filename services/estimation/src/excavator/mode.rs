@@ -129,14 +129,14 @@ impl Core {
         self.standstill.count(phase, tick.period);
         let geometry = needs_posture.then_some(&settings.geometry);
         let torque_std = settings.sensors.swing_torque_std;
-        let drive = if needs_torque {
-            self.driver.step(&tick, geometry, torque_std)
+        // A method without torque does not see one that was measured.
+        let torque_age = if needs_torque {
+            tick.torque_age
         } else {
-            // A method without torque does not see one that was measured.
-            let torque_age = f64::INFINITY;
-            let tick = Tick { torque_age, ..tick };
-            self.driver.step(&tick, geometry, torque_std)
+            f64::INFINITY
         };
+        let seen = Tick { torque_age, ..tick };
+        let drive = self.driver.step(&seen, geometry, torque_std);
         if let Some(onset) = &mut self.onset {
             event |= onset.step(settings, &drive, phase);
         }
