@@ -6,6 +6,10 @@ use std::fmt;
 pub const ROOT: &str = "heft/v1";
 /// All streams of all machines.
 pub const STREAMS: &str = "heft/v1/*/*/*/*";
+/// The kind of the streams whose messages Zenoh numbers.
+pub const ESTIMATE: &str = "estimate";
+/// The keys of these streams.
+pub const ESTIMATES: &str = "heft/v1/*/*/estimate/*";
 /// What all machines say of themselves.
 pub const STATUS: &str = "heft/v1/*/*/status";
 /// What a site makes of a machine's samples: `SITE_ESTIMATE/CHANNEL`.

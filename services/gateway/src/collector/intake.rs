@@ -14,7 +14,7 @@ use zenoh::sample::Sample;
 
 use super::strangers::{Contact, MACHINES, leave};
 use crate::downsample::{health_number, streams};
-use crate::key::{MachineId, SITE_ESTIMATE};
+use crate::key::{ESTIMATE, MachineId, SITE_ESTIMATE};
 use crate::label::Label;
 use crate::machine::AnswerSummary;
 use crate::status::Status;
@@ -97,6 +97,14 @@ impl Intake {
         if let Some(event) = self.admitted(&id, |id| check(id, stream, sample)) {
             // What finds no place is asked for again.
             let _ = self.events.try_send(event);
+        }
+    }
+
+    /// A message of a stream that Zenoh does not number, live; those that it numbers come to [`Self::message`].
+    pub(super) fn message_without_number(&self, sample: &Sample) {
+        let stream = MachineId::of(sample.key_expr().as_str()).map(|(_, stream)| stream);
+        if stream.is_some_and(|s| kind(s) != ESTIMATE) {
+            self.message(sample);
         }
     }
 
@@ -244,7 +252,12 @@ pub fn is_stream(name: &str) -> bool {
 
 /// Whether the machine can be asked for what is missing of a stream: it has no recording of what a site makes.
 pub fn can_be_asked(name: &str) -> bool {
-    name.split('/').next() != Some(SITE_ESTIMATE)
+    kind(name) != SITE_ESTIMATE
+}
+
+/// The kind of a stream: what its name begins with.
+fn kind(stream: &str) -> &str {
+    stream.split_once('/').map_or(stream, |(kind, _)| kind)
 }
 
 /// The channel that a stream is selected from.

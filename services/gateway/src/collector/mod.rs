@@ -2,6 +2,10 @@
 //!
 //! Zenoh's threads check what comes and queue it; one thread writes it to SQLite and decides what to ask for;
 //! another serves the page from the same file. Two collectors do not know of each other.
+//!
+//! Only the streams that Zenoh numbers have an advanced subscriber. Of messages without numbers, that one goes by the
+//! router's time stamps: what is stamped earlier and comes later is dropped without a word, whoever sent it. Of 7200
+//! messages that crossed at a router, 3 to 9 were lost so (`tests/crossing.rs`).
 
 mod alarm;
 mod alarm_state;
@@ -34,7 +38,7 @@ pub use alarm::AlarmArgs;
 pub(crate) use intake::decode;
 
 use crate::key::MachineId;
-use crate::key::{STATUS, STREAMS, TOKENS};
+use crate::key::{ESTIMATES, STATUS, STREAMS, TOKENS};
 use crate::link::LinkArgs;
 use intake::{Event, Intake};
 use live::Fleet;
@@ -108,10 +112,16 @@ pub fn run(args: &CollectorArgs, stop: &AtomicBool) -> Result<(), String> {
         )
     };
     let its = Arc::clone(&intake);
-    let _streams = session
-        .declare_subscriber(STREAMS)
+    let _estimates = session
+        .declare_subscriber(ESTIMATES)
         .callback(move |sample| its.message(&sample))
         .recovery(RecoveryConfig::default().heartbeat())
+        .wait()
+        .map_err(failed)?;
+    let its = Arc::clone(&intake);
+    let _streams = session
+        .declare_subscriber(STREAMS)
+        .callback(move |sample| its.message_without_number(&sample))
         .wait()
         .map_err(failed)?;
     let its = Arc::clone(&intake);
