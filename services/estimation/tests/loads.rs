@@ -1,7 +1,7 @@
 //! What counts as a load, and what trucks add up to.
 
 use estimation::Quantity;
-use estimation::loads::{Events, Ledger, Load, Row, Settings, Stage, Truck};
+use estimation::loads::{Events, Ledger, Load, Row, Settings, Stage, Truck, Witness};
 
 const RATED: f64 = 1000.0;
 const DT: f64 = 0.01;
@@ -166,6 +166,49 @@ fn a_load_that_is_dumped_and_replaced_unseen_counts_twice() {
     let loads = site.loads();
     assert_eq!(loads.len(), 2, "{loads:?}");
     assert!(!loads[0].carry_back_weighed && loads[1].carry_back_weighed);
+}
+
+/// A loader pushes its bucket into the pile, which weighs half of the load on the way; drives away and dumps.
+fn push_in(site: &mut Site, way_back: f64) {
+    let mut drive = |seconds: f64, estimate: (f64, f64), speed: f64, changing: bool| {
+        for _ in 0..(seconds / DT) as u32 {
+            site.time += DT;
+            let events = site.ledger.step(&Row {
+                time: site.time,
+                payload: Some(Quantity {
+                    value: estimate.0,
+                    std: estimate.1,
+                }),
+                speed,
+                changing,
+                trusted: !changing,
+                witness: Witness::Pressure,
+                ..Row::default()
+            });
+            site.said.extend(events.load);
+        }
+    };
+    drive(2.0, (0.0, 20.0), 0.0, false);
+    drive(1.0, PRIOR, 0.8, true);
+    drive(0.6, (450.0, 40.0), 0.3, false);
+    drive(1.5, PRIOR, 0.4, true);
+    drive(way_back, PRIOR, -1.5, true);
+    drive(1.0, PRIOR, 0.0, true);
+    drive(way_back, PRIOR, 1.5, true);
+    drive(2.0, (900.0, 30.0), -1.5, false);
+    drive(0.6, PRIOR, 0.0, true);
+    drive(2.0, (10.0, 20.0), 0.0, false);
+}
+
+#[test]
+fn a_bucket_that_is_pushed_in_twice_holds_one_load_and_a_way_to_the_truck_makes_two() {
+    for (way_back, loads) in [(0.0, 1), (3.0, 2)] {
+        let mut site = Site::new(None);
+        push_in(&mut site, way_back);
+        let found = site.loads();
+        assert_eq!(found.len(), loads, "{way_back}: {found:?}");
+        assert!(found[loads - 1].weight.quantity().holds(900.0));
+    }
 }
 
 #[test]

@@ -6,13 +6,14 @@
 //! | it falls clear of the load, or the estimator sees it change | the load leaves |
 //! | it is weighed lower after that | the load is dumped, and this stays in the bucket |
 //! | it is weighed as before, and the machine has not moved meanwhile | the load never left |
-//! | it is weighed higher while loaded | one more scoop |
+//! | the machine has moved as far as from a truck to a pile | it was dumped, and this is the next one |
+//! | it is weighed higher, and the machine has not moved meanwhile | one more scoop |
 
 use super::book::{DAY, Day, Truck};
 use super::level::Level;
 use super::load::{CarryBack, Load, Stage, Weight};
 use super::now::{Holding, Now};
-use super::row::Row;
+use super::row::{Row, Witness};
 use super::total::Total;
 use crate::math::sqrt;
 use crate::{HALF_WIDTH_95, Quantity};
@@ -33,8 +34,6 @@ const SETTLED: f64 = 0.3;
 const REPORTED_AFTER: f64 = 0.4;
 /// The content changes when the estimator has said so for this long [s].
 const CHANGING: f64 = 0.15;
-/// Motion for this long, unweighed, may have been the way back to the pile [s].
-const RETURNED: f64 = 0.5;
 /// More than this share of a load that stays is a load of its own.
 const PARTIAL: f64 = 0.35;
 /// Speed of a machine that moves [rad/s, m/s].
@@ -106,7 +105,16 @@ struct Held {
 struct Open {
     since: f64,
     changing: f64,
-    moved: f64,
+    /// Where the machine is, and the ends of where it has been since then [rad or m].
+    at: f64,
+    ends: [f64; 2],
+}
+
+impl Open {
+    /// Whether the machine may have dumped and filled again: it was as far away as a truck is.
+    fn has_travelled(&self, witness: Witness) -> bool {
+        self.ends[1] - self.ends[0] >= witness.trip()
+    }
 }
 
 /// Counts loads, trucks and days.
@@ -326,10 +334,13 @@ impl Ledger {
         let open = self.open.get_or_insert(Open {
             since: row.time - if dt > GAP { dt } else { 0.0 },
             changing: 0.0,
-            moved: 0.0,
+            at: 0.0,
+            ends: [0.0; 2],
         });
         open.changing += changing;
-        open.moved += if self.moving_since.is_some() { dt } else { 0.0 };
+        let way = row.speed * dt;
+        open.at += if way.is_finite() { way } else { 0.0 };
+        open.ends = [open.ends[0].min(open.at), open.ends[1].max(open.at)];
         let (since, leaves) = (open.since, open.changing >= CHANGING);
         let staying = self.held.as_mut().filter(|held| held.leaving.is_none());
         if let Some(held) = staying.filter(|_| leaves) {
@@ -355,7 +366,7 @@ impl Ledger {
             (self.level, self.open, self.may_be_empty) = (Some(first), None, true);
             return;
         };
-        let returned = self.open.is_some_and(|open| open.moved >= RETURNED);
+        let returned = self.open.is_some_and(|open| open.has_travelled(row.witness));
         let left = self.held.is_some_and(|held| held.leaving.is_some());
         let is_same = level.holds(value, floor) && !(left && returned);
         if is_same {
@@ -414,7 +425,7 @@ impl Ledger {
         let Some(old) = self.level else { return };
         let (before, after) = (old.weight.quantity(), next.weight.quantity());
         let leaving = self.held.and_then(|held| held.leaving);
-        let returned = self.open.is_some_and(|open| open.moved >= RETURNED);
+        let returned = self.open.is_some_and(|open| open.has_travelled(next.witness));
         let fell = self.is_clear(before, after);
         if self.held.is_some() && fell {
             self.dump(leaving.unwrap_or(next.left), Some(next.weight), events);

@@ -35,6 +35,15 @@ impl Witness {
     pub const fn code(self) -> u32 {
         self as u32
     }
+
+    /// Shortest way from a truck to the pile, in the unit of [`Row::speed`]: an excavator swings it, a loader drives it, and pushes
+    /// its bucket in for less \[rad, m\].
+    pub(super) const fn trip(self) -> f64 {
+        match self {
+            Self::Motion | Self::Both => 0.35,
+            Self::Pressure | Self::Scale => 3.0,
+        }
+    }
 }
 
 /// One estimate.

@@ -166,7 +166,7 @@ impl LiftWitness {
         self.last_time = sample.time;
         self.follow([lift, bucket], dt);
         let posture = self.posture(head, sample);
-        Some(self.weigh(&posture, sample.acceleration.is_some(), dt))
+        Some(self.weigh(&posture, sample, dt))
     }
 
     /// The last answer while it is fresh.
@@ -216,15 +216,16 @@ impl LiftWitness {
         }
     }
 
-    fn weigh(&mut self, posture: &Posture, accelerated: bool, dt: f64) -> Weighed {
+    fn weigh(&mut self, posture: &Posture, sample: &Sample, dt: f64) -> Weighed {
         let rod_length = self.drawing.rod_length(posture.arm);
         self.seals.take(rod_length, dt);
         let low = self.drawing.is_low(posture.arm);
-        let motion = self.content.motion(self.rates, low, dt);
+        let motion = self.content.motion(self.rates, low, sample.speed, dt);
         let posture = Posture {
             seals: self.seals.share(),
             ..*posture
         };
+        let accelerated = sample.acceleration.is_some();
         let seals = &self.seals;
         self.scale
             .step(&self.drawing, &posture, seals, &motion, accelerated, dt);
