@@ -1,5 +1,6 @@
 //! CSV in and out, and what is said of files that are not as they should be.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use messages::channels::EXCAVATOR_SENSORS;
@@ -294,8 +295,8 @@ fn the_loaders_estimates_have_the_columns_of_the_contract() {
         "t,speed,front_wheel_speed,rear_wheel_speed,slip_stiffness,slip_stiffness_std,cg_height,\
          cg_height_std,cg_ratio,cg_ratio_std,cg_distance,spade_force_x,spade_force_x_std,slope_bias,\
          front_radius_scale,rear_radius_scale,nis,excited_ratio,excited_height,consistent,fresh,\
-         converged_ratio,converged_height,frozen,reset,trusted_ratio,trusted_height,method,reason\n\
-         0,0,0,0,0,0,0,0,0.45,0,0,,,,,,0,0,0,0,0,0,0,0,0,0,0,full,\n"
+         converged_ratio,converged_height,frozen,reset,trusted_ratio,trusted_height,trusted_payload,method,reason\n\
+         0,0,0,0,0,0,0,0,0.45,0,0,,,,,,0,0,0,0,0,0,0,0,0,0,0,0,full,\n"
     );
 }
 
@@ -389,6 +390,41 @@ fn a_recording_exports_to_tables_and_loads_as_samples() {
         "missing samples stay missing"
     );
     assert!(load::<messages::LoaderSensors>(&run, None).is_err_and(|e| e.what.contains("loader")));
+}
+
+#[test]
+fn an_exported_verdict_has_a_column_for_each_flag_and_words_for_codes() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let run = dir.path().join("run.mcap");
+    let mut writer = Writer::create(&run, &Metadata::new()).expect("a file");
+    let estimate = messages::LoaderEstimate {
+        flags: messages::loader_bits::TRUSTED_PAYLOAD | messages::SIMULATED,
+        reason: 16,
+        method: 4,
+        ..Default::default()
+    };
+    let channel = &messages::channels::LOADER_CG_UKF;
+    writer.write(channel, &estimate).expect("room");
+    writer.finish().expect("room");
+    let reader = Reader::open(&run).expect("a recording");
+    let files = export(&reader, dir.path().join("tables")).expect("room");
+    let text = std::fs::read_to_string(&files[0]).expect("a table");
+    let mut lines = text.lines().map(|line| line.split(','));
+    let (names, cells) = (lines.next().expect("names"), lines.next().expect("a row"));
+    let row: BTreeMap<&str, &str> = names.zip(cells).collect();
+    let bits = estimate.flags.to_string();
+    for (name, wanted) in [
+        ("trusted_payload", "1"),
+        ("trusted_ratio", "0"),
+        ("refused", "0"),
+        ("refused_now", "0"),
+        ("simulated", "1"),
+        ("reason", "load"),
+        ("method", "full-ekf"),
+        ("flags", &bits),
+    ] {
+        assert_eq!(row.get(name), Some(&wanted), "{name}");
+    }
 }
 
 #[test]

@@ -57,7 +57,7 @@ macro_rules! loader_flags {
                 11 DIVERGED diverged (has_diverged()) "The filter diverged (only methods without protection)." {};
                 12 IDENTIFIABLE_RATIO identifiable_ratio (identifiable_ratio) "These inputs can determine the ratio, and it is not at a bound." { frame: Some(8) };
                 13 IDENTIFIABLE_HEIGHT identifiable_height (identifiable_height) "These inputs can determine the height, and it is not at a bound." { frame: Some(9) };
-                15 TRUSTED_PAYLOAD trusted_payload (trusted_payload) "The payload may be believed." {};
+                15 TRUSTED_PAYLOAD trusted_payload (trusted_payload) "The payload may be believed." { column: true, frame: Some(11) };
             }
             process {
                 14 RESTARTED restarted "The service was started again and has not been trusted since." {};
@@ -131,7 +131,8 @@ macro_rules! loader_quantities {
             }
             later {
                 payload (payload.unwrap_or_default().value) [payload_std (payload.unwrap_or_default().std)] "kg" "Payload." {
-                    estimated: PAYLOAD, trusted: TRUSTED_PAYLOAD, shown: 3, label: "Payload", range: POSITIVE, is_load: true, column: Column::WhereEstimated
+                    estimated: PAYLOAD, trusted: TRUSTED_PAYLOAD, shown: 3, label: "Payload", range: POSITIVE, is_load: true,
+                    column: Column::WhereEstimated, frame: frame("payload", 0xff22, 0.01, -1e6)
                 };
             }
         }

@@ -34,6 +34,7 @@ impl Estimate for LoaderEstimate {
         ("height excited", bits::EXCITED_HEIGHT),
         ("height converged", bits::CONVERGED_HEIGHT),
         ("height trusted", bits::TRUSTED_HEIGHT),
+        ("payload trusted", bits::TRUSTED_PAYLOAD),
     ];
     const MOTION_NAME: (&'static str, f64) = ("drive", 0.3);
     const STRETCH: &'static [&'static str] = &["cg_ratio", "cg_height", "payload"];

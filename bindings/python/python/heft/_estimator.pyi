@@ -74,6 +74,7 @@ class LoaderEstimate(NamedTuple):
     reset: bool
     trusted_ratio: bool
     trusted_height: bool
+    trusted_payload: bool
     payload: float  # [kg]
     payload_std: float  # [kg]
     refused: bool

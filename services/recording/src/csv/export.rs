@@ -1,7 +1,9 @@
+use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use messages::Value;
+use messages::channels::{self, Visitor};
+use messages::{Message, Value, Words};
 
 use super::estimate::put_number;
 use crate::output::{Output, first_line};
@@ -9,8 +11,9 @@ use crate::signal::sensor_bit;
 use crate::{Error, Reader, RecordedField};
 
 /// Writes each channel of a recording as a CSV file of its own into a folder, which is created if
-/// need be: `excavator/sensors` becomes `excavator_sensors.csv`. Columns are the recorded fields; a
-/// sample that a sensor did not give is an empty cell.
+/// need be: `excavator/sensors` becomes `excavator_sensors.csv`. Columns are the recorded fields, codes
+/// by their names, and a column of 0 and 1 for each flag behind them; a sample that a sensor did not
+/// give is an empty cell.
 ///
 /// # Errors
 /// The recording is damaged, or the folder cannot be written.
@@ -27,8 +30,10 @@ fn one(reader: &Reader, channel: &str, folder: &Path) -> Result<PathBuf, Error> 
     let path = folder.join(format!("{}.csv", channel.replace('/', "_")));
     let inputs: Vec<&Path> = reader.files().collect();
     let fields = reader.fields(channel);
-    let names: Vec<&str> = fields.iter().map(|f| f.name.as_str()).collect();
-    let header = names.join(",");
+    let meaning = Meaning::of(channel, &fields);
+    let names = fields.iter().map(|f| f.name.as_str());
+    let flags = meaning.flags.iter().map(|(name, _)| name.as_ref());
+    let header = names.chain(flags).collect::<Vec<_>>().join(",");
     // An earlier export, by this version or another one.
     let is_ours = |head: &[u8]| {
         let line = first_line(head).unwrap_or_default();
@@ -45,9 +50,15 @@ fn one(reader: &Reader, channel: &str, folder: &Path) -> Result<PathBuf, Error> 
         let valid = bits.valid.map_or(u32::MAX, |at| values[at].as_f64() as u32);
         for (i, value) in values.iter().enumerate() {
             row.push_str(if i == 0 { "" } else { "," });
-            if bits.of[i] & valid == bits.of[i] {
-                put(&mut row, *value);
+            match (meaning.codes[i], value) {
+                (Some(words), Value::U32(code)) => row.push_str(words.name(*code)),
+                _ if bits.of[i] & valid == bits.of[i] => put(&mut row, *value),
+                _ => {}
             }
+        }
+        let set = meaning.at.map_or(0, |at| values[at].as_f64() as u32);
+        for (_, bit) in &meaning.flags {
+            row.push_str(if set & bit == 0 { ",0" } else { ",1" });
         }
         row.push('\n');
         if outcome.is_ok() {
@@ -76,6 +87,45 @@ fn bits(channel: &str, fields: &[RecordedField]) -> Bits {
     Bits {
         valid,
         of: of.collect(),
+    }
+}
+
+/// What numbers of a channel mean that are codes or bits; nothing where this version does not know the channel.
+struct Meaning {
+    /// For each field the names of its codes.
+    codes: Vec<Option<&'static Words>>,
+    /// Position of the field of flags.
+    at: Option<usize>,
+    /// Name and bit of each flag.
+    flags: Vec<(Cow<'static, str>, u32)>,
+}
+
+impl Meaning {
+    fn of(channel: &str, fields: &[RecordedField]) -> Self {
+        let known = channels::find(channel).map(|c| c.payload.visit(Known));
+        let (words, flags) = known.unwrap_or_default();
+        let codes = |f: &RecordedField| {
+            Words::of_field(words, &f.name).filter(|w| matches!(w, Words::Codes(_)))
+        };
+        let at = fields.iter().position(|f| f.name == "flags");
+        Self {
+            codes: fields.iter().map(codes).collect(),
+            at,
+            flags: if at.is_some() { flags } else { Vec::new() },
+        }
+    }
+}
+
+struct Known;
+
+impl Visitor for Known {
+    type Output = (
+        &'static [(&'static str, Words)],
+        Vec<(Cow<'static, str>, u32)>,
+    );
+    fn visit<M: Message>(self) -> Self::Output {
+        let flags = messages::words::flags::<M>().map(|(name, entry)| (name, entry.number));
+        (M::WORDS, flags.collect())
     }
 }
 

@@ -60,7 +60,7 @@ impl Step for EstimatorStep {
         let bits = Bits {
             restarted: bits::RESTARTED,
             fresh: bits::FRESH,
-            trusted: bits::TRUSTED_RATIO | bits::TRUSTED_HEIGHT,
+            trusted: bits::TRUSTED_RATIO | bits::TRUSTED_HEIGHT | bits::TRUSTED_PAYLOAD,
             reason: Reason::Restarted as u32,
         };
         let time = input.stamp.time;
