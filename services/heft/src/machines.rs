@@ -66,7 +66,7 @@ messages::machines!(entries);
 type Outcome<T = ()> = Result<T, Failure>;
 /// Where the samples of many machines come from.
 type Input = Box<dyn Read>;
-/// What is shown each sample and each estimate.
+/// What is shown each truth, each sample and each estimate.
 type See<'a> = &'a mut dyn FnMut(&Envelope);
 
 /// A machine as the command line sees it: a row of values and functions. What a function fails with, it says in words.
@@ -95,7 +95,7 @@ pub struct Entry {
     pub serve_shard: fn(&Description, &str, f64, Form) -> Outcome,
     /// `heft estimate` of one input: arguments, input, output, description.
     pub estimate: fn(&EstimateArgs, &Path, &Path, &Description) -> Outcome,
-    /// Takes an input through the steps of a method, and shows each sample and its estimate.
+    /// Takes an input through the steps of a method, and shows each truth, its sample and the estimate.
     pub follow: fn(&EstimationArgs, &Path, &Description, See<'_>) -> Outcome,
     /// `heft calibrate`.
     pub calibrate: fn(&CalibrateArgs, &Description) -> Outcome,
@@ -256,7 +256,8 @@ fn follow<M: MachineKind>(
         M::check(description, method, &first)?;
     }
     let mut stages = way(description, method)?;
-    for (sample, _) in samples.rows()? {
+    for (sample, truth) in samples.rows()? {
+        see(&truth.envelope());
         let sample = sample.envelope();
         see(&sample);
         let mut message = Some(sample);

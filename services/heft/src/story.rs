@@ -1,7 +1,6 @@
 //! The story of a run: a line for each load as it is carried and dumped, and a table of them at the end. All numbers are the
 //! ledger's; only the truth stands beside them.
 
-use std::collections::VecDeque;
 use std::fmt::Write;
 
 use estimation::loads::{Load, Stage};
@@ -9,18 +8,15 @@ use evaluate::text::Table;
 use messages::{Envelope, Machine};
 use steps::loads::{LoadCounter, why_words};
 use view::live::SharedLoads;
-use view::loads;
+use view::loads::{self, Truths};
 use view::number;
 
 use crate::quantity;
 
-/// True payloads that are remembered: those of a minute at 100 Hz.
-const REMEMBERED: usize = 6000;
-
 /// Loads with what was really in the bucket.
 #[derive(Debug, Default)]
 pub struct Story {
-    truths: VecDeque<(f64, f64)>,
+    truths: Truths,
     /// Loads that have ended, with their truth.
     ended: Vec<(Load, Option<f64>)>,
 }
@@ -28,32 +24,18 @@ pub struct Story {
 impl Story {
     /// Notes what really is in the bucket.
     pub fn know(&mut self, truth: &Envelope) {
-        let Some(payload) = quantity::truth(truth, "payload") else {
-            return;
-        };
-        if self.truths.len() == REMEMBERED {
-            self.truths.pop_front();
+        if let Some(payload) = quantity::truth(truth, "payload") {
+            self.truths.know(truth.stamp().time, payload);
         }
-        self.truths.push_back((truth.stamp().time, payload));
-    }
-
-    /// What was in the bucket while a load was carried: the most of it [kg].
-    fn truth(&self, load: &Load) -> Option<f64> {
-        let until = load.dumped.unwrap_or(f64::INFINITY);
-        let within = self
-            .truths
-            .iter()
-            .filter(|t| (load.filled..=until).contains(&t.0));
-        within.map(|t| t.1).reduce(f64::max)
     }
 
     /// Takes what the ledger says of a load; a line where it is new.
     pub fn add(&mut self, machine: Machine, load: &Load) -> Option<String> {
-        let truth = self.truth(load);
+        let truth = self.truths.of(load);
         self.ended.retain(|(known, _)| known.number != load.number);
         self.ended.push((*load, truth));
         let time = match load.stage {
-            Stage::Carried => self.truths.back().map_or(load.filled, |t| t.0),
+            Stage::Carried => self.truths.last().map_or(load.filled, |t| t.0),
             Stage::Dumped => load.dumped?,
             Stage::Settled => return None,
         };
@@ -69,7 +51,7 @@ impl Story {
         let now = counter.ledger().now();
         let (value, _) = number::value_and_std(now.kg, now.std);
         let interval = number::interval_95(now.kg, now.std);
-        let truth = self.truths.back();
+        let truth = self.truths.last();
         let time = truth.map_or(0.0, |t| t.0);
         let truth = truth.map_or(String::new(), |t| format!(", true {}", kg(t.1)));
         format!("{time:5.1} s  in the bucket now: {value} kg, 95 %: {interval}{truth}")

@@ -1,9 +1,7 @@
 //! The loads of a recording, counted as `heft loads` counts them.
 
 use std::cmp::Ordering;
-use std::collections::BTreeMap;
 
-use estimation::loads::Load;
 use messages::channels::Channel;
 use messages::{Machine, Message};
 use recording::{Error, Reader, Sensors};
@@ -11,7 +9,7 @@ use steps::loads::{LoadCounter, Options};
 use steps::stages::Pipeline;
 
 use crate::estimate::Estimate;
-use crate::loads::Account;
+use crate::loads::{Account, Truths};
 
 macro_rules! read {
     ($( $machine:ident, $module:ident, $sensors:ident, $truth:ident, $estimate:ident, $others:tt; )*) => {
@@ -54,31 +52,11 @@ fn count<S: Sensors, E: Estimate>(
         trucks.extend(counter.see(&estimate.envelope()).truck);
     }
     trucks.extend(counter.finish().truck);
-    let mut account = Account::of("", &counter, trucks);
-    account.truths = truths::<S, E>(reader, &account)?;
-    Ok(Some(account))
-}
-
-/// The most that really was in the bucket while each load was carried, where the recording knows it.
-fn truths<S: Sensors, E: Estimate>(
-    reader: &Reader,
-    account: &Account,
-) -> Result<BTreeMap<u32, f64>, Error> {
-    let mut most = BTreeMap::new();
-    let Some(payload) = E::PARAMETERS.iter().find(|p| p.is_load) else {
-        return Ok(most);
-    };
-    for truth in reader.stream::<E::Truth>(S::TRUTH.name)? {
-        let (time, kg) = (truth.stamp().time, payload.truth(&truth));
-        let all = account.loads.iter().chain(&account.carried);
-        // NaN where it is not known.
-        let is_carried = |l: &&Load| {
-            kg.is_finite() && (l.filled..=l.dumped.unwrap_or(f64::INFINITY)).contains(&time)
-        };
-        for load in all.filter(is_carried) {
-            let known = most.entry(load.number).or_insert(kg);
-            *known = known.max(kg);
+    let mut truths = Truths::default();
+    if let Some(payload) = E::PARAMETERS.iter().find(|p| p.is_load) {
+        for truth in reader.stream::<E::Truth>(S::TRUTH.name)? {
+            truths.know(truth.stamp().time, payload.truth(&truth));
         }
     }
-    Ok(most)
+    Ok(Some(Account::of("", &counter, trucks, &truths)))
 }

@@ -1,6 +1,6 @@
 //! Loads for people and programs: a table, JSON, a page that a foreman prints.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::fmt::Write;
 
 use estimation::HALF_WIDTH_95;
@@ -32,29 +32,83 @@ pub struct Account {
     pub truths: BTreeMap<u32, f64>,
 }
 
+/// What really was in the bucket over time, of a machine that is simulated.
+#[derive(Debug, Clone, Default)]
+pub struct Truths {
+    /// Times \[s\] at which it became another \[kg\]; the latest ones.
+    changes: VecDeque<(f64, f64)>,
+    /// The last one of all.
+    last: Option<(f64, f64)>,
+}
+
+impl Truths {
+    const REMEMBERED: usize = 1 << 20;
+
+    /// Notes it; NaN where nobody knows it.
+    pub fn know(&mut self, time: f64, kg: f64) {
+        if !kg.is_finite() {
+            return;
+        }
+        if self.last.is_none_or(|(_, last)| last != kg) {
+            if self.changes.len() == Self::REMEMBERED {
+                self.changes.pop_front();
+            }
+            self.changes.push_back((time, kg));
+        }
+        self.last = Some((time, kg));
+    }
+
+    /// Time \[s\] and content \[kg\] of the last that is known.
+    #[must_use]
+    pub fn last(&self) -> Option<(f64, f64)> {
+        self.last
+    }
+
+    /// The most that was in the bucket while a load was carried \[kg\].
+    #[must_use]
+    pub fn of(&self, load: &Load) -> Option<f64> {
+        let ends = self.changes.iter().skip(1).map(|change| change.0);
+        let ends = ends.chain([f64::INFINITY]);
+        let until = load.dumped.unwrap_or(f64::INFINITY);
+        let within = self
+            .changes
+            .iter()
+            .zip(ends)
+            .filter(|(change, end)| change.0 <= until && *end > load.filled);
+        within.map(|(change, _)| change.1).reduce(f64::max)
+    }
+}
+
 impl Account {
     /// An account of what a counter has seen; `trucks`: those that are complete.
     #[must_use]
-    pub fn of(name: &str, counter: &LoadCounter, trucks: Vec<Truck>) -> Self {
+    pub fn of(name: &str, counter: &LoadCounter, trucks: Vec<Truck>, truths: &Truths) -> Self {
+        let dumped = counter.loads().copied().filter(|l| l.dumped.is_some());
+        let (loads, carried): (Vec<_>, _) = (dumped.collect(), counter.ledger().carried());
+        let known = loads.iter().chain(&carried);
+        let truths = known.filter_map(|load| Some((load.number, truths.of(load)?)));
         Self {
             name: name.to_owned(),
             machine: counter.machine(),
-            loads: counter
-                .loads()
-                .copied()
-                .filter(|l| l.dumped.is_some())
-                .collect(),
-            carried: counter.ledger().carried(),
+            truths: truths.collect(),
+            loads,
+            carried,
             trucks,
             all: counter.ledger().all(),
             lacks: counter.lacks(),
-            truths: BTreeMap::new(),
         }
     }
 
-    /// Of the trusted loads whose truth is known: how many intervals hold it, and how many there are.
+    /// How many intervals of the trusted loads hold the truth, in words; nothing where it is known of none.
     #[must_use]
-    pub fn covered(&self) -> (usize, usize) {
+    pub fn covered_words(&self) -> Option<String> {
+        let (held, known) = self.covered();
+        let words =
+            || format!("The truth lies inside {held} of {known} intervals of the trusted loads.");
+        (known > 0).then(words)
+    }
+
+    fn covered(&self) -> (usize, usize) {
         let trusted = self.loads.iter().chain(&self.carried).filter(|l| l.trusted);
         let known = trusted.filter_map(|l| Some((l, self.truths.get(&l.number)?)));
         let held = known.map(|(load, truth)| {

@@ -7,13 +7,13 @@ use evaluate::text::Table;
 use messages::Machine;
 use serde_json::json;
 use steps::loads::{LoadCounter, Options, why_words};
-use view::loads::{self, Account};
-use view::number::{interval_95, value_and_std};
+use view::loads::{self, Account, Truths};
+use view::number::{grouped, interval_95, value_and_std};
 
 use crate::args::{EstimationArgs, described, machine};
 use crate::failure::Failure;
 use crate::results::{self, IsOurs};
-use crate::{machines, many, page};
+use crate::{machines, many, page, quantity};
 
 /// `heft loads`
 #[derive(Debug, Args)]
@@ -131,9 +131,12 @@ fn count(args: &LoadsArgs, input: &Path) -> Result<(Account, Result<(), Failure>
         pause: args.pause,
     };
     let mut counter = LoadCounter::new(&description, options);
-    let mut trucks = Vec::new();
+    let (mut trucks, mut truths) = (Vec::new(), Truths::default());
     let entry = machines::entry(description.machine());
     let read = (entry.follow)(&args.with, input, &description, &mut |message| {
+        if let Some(kg) = quantity::truth(message, "payload") {
+            truths.know(message.stamp().time, kg);
+        }
         trucks.extend(counter.see(message).truck);
     });
     // Of a damaged recording, what is whole counts.
@@ -143,7 +146,7 @@ fn count(args: &LoadsArgs, input: &Path) -> Result<(Account, Result<(), Failure>
     };
     trucks.extend(counter.finish().truck);
     let name = input.display().to_string();
-    let account = Account::of(&name, &counter, trucks);
+    let account = Account::of(&name, &counter, trucks, &truths);
     if account.loads.is_empty() && account.carried.is_none() {
         tell_why_none(&account);
     }
@@ -163,9 +166,12 @@ fn tell_why_none(account: &Account) {
     );
 }
 
+/// The truth of a simulated load stands behind its interval.
+const TRUTH_AT: usize = 5;
+
 fn print(account: &Account) {
     println!("{}", account.name);
-    let header = [
+    let mut header = vec![
         "load",
         "filled",
         "dumped",
@@ -177,6 +183,10 @@ fn print(account: &Account) {
         "by",
         "trusted",
     ];
+    let is_known = !account.truths.is_empty();
+    if is_known {
+        header.insert(TRUTH_AT, "truth");
+    }
     let mut table = Table::new(&header);
     for load in &account.loads {
         let (kg, _) = value_and_std(load.weight.kg, load.weight.std);
@@ -184,7 +194,7 @@ fn print(account: &Account) {
         let delivered = load.delivered();
         let (got, _) = value_and_std(delivered.kg, delivered.std);
         let unweighed = if load.carry_back_weighed { "" } else { "?" };
-        table.row(vec![
+        let mut cells = vec![
             load.number.to_string(),
             loads::clock(load.filled),
             load.dumped.map_or(String::new(), loads::clock),
@@ -198,7 +208,12 @@ fn print(account: &Account) {
                 true => "yes".to_owned(),
                 false => format!("no: {}", why_words(account.machine, load)),
             },
-        ]);
+        ];
+        if is_known {
+            let truth = account.truths.get(&load.number);
+            cells.insert(TRUTH_AT, truth.map_or(String::new(), |t| grouped(*t, 0)));
+        }
+        table.row(cells);
     }
     if account.loads.is_empty() {
         println!("no load");
@@ -213,6 +228,9 @@ fn print(account: &Account) {
     }
     for truck in &account.trucks {
         println!("{}", loads::truck_line(truck));
+    }
+    if let Some(covered) = account.covered_words() {
+        println!("{covered}");
     }
     // Of nothing there is no sum, and no interval of it.
     if account.trucks.len() > 1 {

@@ -21,6 +21,7 @@ pub fn loads_page(accounts: &[Account]) -> String {
             account.machine,
             text(&total_words(&account.all))
         );
+        truth_line(&mut body, account);
         for truck in &account.trucks {
             truck_table(&mut body, account, truck);
         }
@@ -57,18 +58,18 @@ pub(super) fn section(body: &mut String, account: &Account) {
             text(&total_words(&account.all))
         );
     }
-    let (held, known) = account.covered();
-    if known > 0 {
-        let _ = write!(
-            body,
-            "<p>The truth lies inside {held} of {known} intervals of the trusted loads.</p>"
-        );
-    }
+    truth_line(body, account);
     let _ = write!(
         body,
         "{}<p class=\"note\">{DELIVERED} <code>heft loads</code> adds up trucks and days.</p></section>",
         table(account, &rows)
     );
+}
+
+fn truth_line(body: &mut String, account: &Account) {
+    if let Some(covered) = account.covered_words() {
+        let _ = write!(body, "<p>{covered}</p>");
+    }
 }
 
 const DELIVERED: &str = "Delivered is what was in the bucket less what stayed in it.";
@@ -186,6 +187,8 @@ mod tests {
         assert!(!unreported.contains("The truth lies"), "{unreported}");
         account.loads[0].trusted = true;
         assert!(page(&account).contains("inside 1 of 1 intervals"));
+        let printed = loads_page(&[account.clone()]);
+        assert!(printed.contains("inside 1 of 1 intervals"), "{printed}");
         account.truths.insert(1, 1300.0);
         assert!(page(&account).contains("inside 0 of 1 intervals"));
         account.loads[0].number = 2;
