@@ -13,6 +13,8 @@ pub struct Tally {
     pub all: usize,
     /// Those that the ledger has.
     pub found: usize,
+    /// Loads of the ledger that left the bucket and were none.
+    invented: usize,
     trusted: usize,
     covered: usize,
     /// Sum of squared errors [full buckets^2].
@@ -24,6 +26,7 @@ impl Tally {
     pub fn add(&mut self, other: &Self) {
         self.all += other.all;
         self.found += other.found;
+        self.invented += other.invented;
         self.trusted += other.trusted;
         self.covered += other.covered;
         self.squares += other.squares;
@@ -42,6 +45,11 @@ impl Tally {
     /// Share of the true loads that the ledger has.
     pub fn found(&self) -> Option<f64> {
         share(self.found, self.all)
+    }
+
+    /// Loads of the ledger that were none, as a share of the true ones.
+    pub fn invented(&self) -> Option<f64> {
+        share(self.invented, self.all)
     }
 
     /// Share of the true loads that are trusted.
@@ -131,11 +139,20 @@ impl Book {
         let last = self.ledger.finish().load;
         self.note(last);
         let mut tally = Tally::default();
+        let last = self.open.map(|open| True {
+            to: f64::INFINITY,
+            ..open
+        });
         for truth in &self.truths {
-            let during =
-                |l: &&Load| l.filled < truth.to && l.dumped.is_some_and(|t| t > truth.from);
-            tally.load(truth.kg, self.loads.iter().find(during), self.rated);
+            // Of several it is the one that leaves the bucket when the load does.
+            let late = |l: &Load| l.dumped.map_or(f64::INFINITY, |t| (t - truth.to).abs());
+            let during = self.loads.iter().filter(|l| truth.is_with(l));
+            let load = during.min_by(|a, b| late(a).total_cmp(&late(b)));
+            tally.load(truth.kg, load, self.rated);
         }
+        let held = tally.found + usize::from(last.is_some());
+        let left = self.loads.iter().filter(|l| l.dumped.is_some()).count();
+        tally.invented = left.saturating_sub(held);
         tally
     }
 }

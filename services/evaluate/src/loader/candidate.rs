@@ -70,8 +70,6 @@ impl Candidate {
         load_sensitivity_std: Machine::DEFAULT.radius_load_sensitivity_std,
         ..Self::COLD
     };
-    /// The product on tyres whose load exponent was measured.
-    pub const MEASURED: Self = Self::new("full, tyres measured", Method::Full, MEASURED_TYRES);
     /// The product by the model's tangent.
     pub const TANGENT: Self = Self::new("full-ekf, cold", Method::FullEkf, Settings::DEFAULT);
     /// The product with rolling radii known to 5e-4.
@@ -222,14 +220,6 @@ const KNOWN_MACHINE: Settings = Settings {
     ..Settings::TUNED
 };
 
-const MEASURED_TYRES: Settings = Settings {
-    machine: Machine {
-        stiffness_load_exponent_std: LOAD_EXPONENT_STD,
-        ..Machine::DEFAULT
-    },
-    ..Settings::DEFAULT
-};
-
 const CALIBRATED_RADII: Settings = Settings {
     prior: Prior {
         radius_std: 5e-4,
@@ -248,9 +238,8 @@ const WEIGHED: Settings = Settings {
     ..Settings::DEFAULT
 };
 
-/// How well the tables' makers know the load sensitivity of their tyres, and who has measured them the load exponent.
+/// How well the tables' makers know the load sensitivity of their tyres.
 const LOAD_SENSITIVITY_STD: f64 = 0.001;
-const LOAD_EXPONENT_STD: f64 = 0.1;
 
 fn machine(nominal: &Nominal, known: &Machine) -> Machine {
     Machine {

@@ -4,21 +4,17 @@
 //! |---|---|
 //! | `conditions` | ISR-UKF against EKF under the paper's conditions, next to the published errors |
 //! | `sign` | that the printed sign of the load transfer makes a rigid centre of gravity seem to move |
-//! | `height` | when the height is observable, and what the interval says when it is not |
 //! | `tiers` | the targets on a known machine (tier A) and on a real one (tier B) |
 //! | `robustness` | bad input, and runs without divergence |
 //! | `honesty` | how much of what is trusted is wrong on machines that are not the reference plant |
 //! | `remembered` | what a run gains by what an earlier one has learnt (`heft run --state`) |
 //! | `calibration` | what `heft calibrate loader` finds, and what the estimator makes of it |
 //! | `weighing` | what lift pressures and angles add: centre of gravity, loads |
-//! | `observability` | which parameter is weak, along a manoeuvre |
 
 mod calibration;
 mod candidate;
 mod conditions;
-mod height;
 mod honesty;
-mod observability;
 mod remembered;
 mod robustness;
 mod score;
@@ -30,16 +26,14 @@ mod weighing;
 use crate::tables::{self, NamedTable};
 use crate::{Error, Options, Report};
 
-const TABLES: [NamedTable; 10] = [
+const TABLES: [NamedTable; 8] = [
     NamedTable::new("conditions", conditions::evaluate),
     NamedTable::new("sign", sign::evaluate),
-    NamedTable::new("height", height::evaluate),
     NamedTable::new("tiers", tiers::evaluate),
     NamedTable::new("robustness", robustness::evaluate),
     NamedTable::new("remembered", remembered::evaluate),
     // A machine takes several seconds: three drives, a calibration and nine runs of the estimator.
     NamedTable::new("calibration", calibration::evaluate).one_of(20),
-    NamedTable::new("observability", observability::evaluate),
     NamedTable::new("honesty", honesty::evaluate),
     NamedTable::new("weighing", weighing::evaluate),
 ];

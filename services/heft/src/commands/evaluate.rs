@@ -18,7 +18,7 @@ pub struct EvaluateArgs {
     /// The machine
     #[arg(value_parser = machine())]
     pub machine: Machine,
-    /// One table only; an unknown name lists them
+    /// One table only; an unknown name lists them, docs/theory/papers.md says what they show
     #[arg(long)]
     pub table: Option<String>,
     /// Monte-Carlo runs per case
