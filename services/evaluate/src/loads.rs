@@ -13,7 +13,7 @@ pub struct Tally {
     pub all: usize,
     /// Those that the ledger has.
     pub found: usize,
-    /// Loads of the ledger that left the bucket and were none.
+    /// Loads that left the bucket, by the ledger, beyond those.
     invented: usize,
     trusted: usize,
     covered: usize,
@@ -47,7 +47,7 @@ impl Tally {
         share(self.found, self.all)
     }
 
-    /// Loads of the ledger that were none, as a share of the true ones.
+    /// Loads that the ledger has too many, as a share of the true ones.
     pub fn invented(&self) -> Option<f64> {
         share(self.invented, self.all)
     }
@@ -139,20 +139,17 @@ impl Book {
         let last = self.ledger.finish().load;
         self.note(last);
         let mut tally = Tally::default();
-        let last = self.open.map(|open| True {
-            to: f64::INFINITY,
-            ..open
-        });
         for truth in &self.truths {
-            // Of several it is the one that leaves the bucket when the load does.
-            let late = |l: &Load| l.dumped.map_or(f64::INFINITY, |t| (t - truth.to).abs());
-            let during = self.loads.iter().filter(|l| truth.is_with(l));
-            let load = during.min_by(|a, b| late(a).total_cmp(&late(b)));
+            let during =
+                |l: &&Load| l.filled < truth.to && l.dumped.is_some_and(|t| t > truth.from);
+            // Of several it is the one that leaves the bucket when the true one does.
+            let apart = |l: &Load| l.dumped.map_or(f64::INFINITY, |t| (t - truth.to).abs());
+            let candidates = self.loads.iter().filter(during);
+            let load = candidates.min_by(|a, b| apart(a).total_cmp(&apart(b)));
             tally.load(truth.kg, load, self.rated);
         }
-        let held = tally.found + usize::from(last.is_some());
-        let left = self.loads.iter().filter(|l| l.dumped.is_some()).count();
-        tally.invented = left.saturating_sub(held);
+        let dumped = self.loads.iter().filter(|l| l.dumped.is_some()).count();
+        tally.invented = dumped.saturating_sub(tally.found);
         tally
     }
 }
@@ -160,6 +157,7 @@ impl Book {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use estimation::Quantity;
 
     #[test]
     fn true_loads_are_those_that_leave_the_bucket() {
@@ -177,5 +175,35 @@ mod tests {
         let tally = book.judge();
         assert_eq!((tally.all, tally.found), (1, 0), "nothing was weighed");
         assert_eq!((tally.found(), tally.rms()), (Some(0.0), None));
+    }
+
+    #[test]
+    fn a_load_that_the_ledger_has_twice_is_invented_once() {
+        let mut book = Book::new(1000.0);
+        let mut time = 0.0;
+        for (truth, shown, seconds) in [
+            (0.0, 0.0, 2),
+            (900.0, 900.0, 2),
+            (900.0, 0.0, 2),
+            (900.0, 880.0, 2),
+            (0.0, 0.0, 2),
+        ] {
+            for _ in 0..100 * seconds {
+                time += 0.01;
+                let row = Row {
+                    time,
+                    payload: Some(Quantity {
+                        value: shown,
+                        std: 15.0,
+                    }),
+                    trusted: true,
+                    ..Row::default()
+                };
+                book.row(&row, truth);
+            }
+        }
+        let tally = book.judge();
+        assert_eq!((tally.all, tally.found, tally.invented), (1, 1, 1));
+        assert_eq!((tally.invented(), tally.covered()), (Some(1.0), Some(1.0)));
     }
 }

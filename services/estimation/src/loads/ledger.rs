@@ -366,7 +366,9 @@ impl Ledger {
             (self.level, self.open, self.may_be_empty) = (Some(first), None, true);
             return;
         };
-        let returned = self.open.is_some_and(|open| open.has_travelled(row.witness));
+        let returned = self
+            .open
+            .is_some_and(|open| open.has_travelled(row.witness));
         let left = self.held.is_some_and(|held| held.leaving.is_some());
         let is_same = level.holds(value, floor) && !(left && returned);
         if is_same {
@@ -425,7 +427,9 @@ impl Ledger {
         let Some(old) = self.level else { return };
         let (before, after) = (old.weight.quantity(), next.weight.quantity());
         let leaving = self.held.and_then(|held| held.leaving);
-        let returned = self.open.is_some_and(|open| open.has_travelled(next.witness));
+        let returned = self
+            .open
+            .is_some_and(|open| open.has_travelled(next.witness));
         let fell = self.is_clear(before, after);
         if self.held.is_some() && fell {
             self.dump(leaving.unwrap_or(next.left), Some(next.weight), events);

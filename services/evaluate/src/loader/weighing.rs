@@ -6,7 +6,7 @@ mod machine;
 
 use estimation::Quantity;
 use estimation::loader::Reason;
-use estimation::loads::Row as Weighing;
+use estimation::loads::{Row as Weighing, Witness};
 use sim::loader::{CASES, Effects};
 use statistics::judge::{is_covered, is_wrong};
 
@@ -100,6 +100,7 @@ fn run(knowledge: Knowledge, effects: Effects, seed: u64) -> Result<Sums, Error>
             speed: estimate.speed,
             changing: estimate.reason == Reason::Load,
             trusted: estimate.trusted_payload,
+            witness: Witness::Pressure,
             ..Weighing::default()
         };
         book.row(&weighed, truth.payload);
@@ -109,7 +110,7 @@ fn run(knowledge: Knowledge, effects: Effects, seed: u64) -> Result<Sums, Error>
     Ok(sums)
 }
 
-const COLUMNS: [Column; 11] = [
+const COLUMNS: [Column; 12] = [
     Column::share("ratio_trusted", "ratio", 2),
     Column::share("ratio_wrong_of_trusted", "wrong", 3),
     Column::share("ratio_covered", "covered", 2),
@@ -119,16 +120,18 @@ const COLUMNS: [Column; 11] = [
     Column::share("height_covered", "covered", 2),
     Column::error("height_rms_carrying", "rms %"),
     Column::share("loads_trusted", "loads", 2),
+    Column::share("loads_invented", "invented", 2),
     Column::share("loads_covered", "covered", 2),
     Column::error("load_rms_of_rated", "rms, % rated"),
 ];
 
-fn line(machine: &'static str, knowledge: Knowledge, sums: &Sums) -> Line<11> {
+fn line(machine: &'static str, knowledge: Knowledge, sums: &Sums) -> Line<12> {
     let [a, b, c, d] = sums.ratio.numbers();
     let [e, f, g, h] = sums.height.numbers();
     let loads = &sums.loads;
-    let (i, j, k) = (loads.trusted(), loads.covered(), loads.rms());
-    let numbers = [a, b, c, d, e, f, g, h, i, j, k];
+    let (i, j) = (loads.trusted(), loads.invented());
+    let (k, l) = (loads.covered(), loads.rms());
+    let numbers = [a, b, c, d, e, f, g, h, i, j, k, l];
     Line {
         machine,
         stated: knowledge.name(),
@@ -166,7 +169,7 @@ pub(super) fn evaluate(options: &Options) -> Result<Report, Error> {
             lines.push(line(name, knowledge, &sums));
         }
     }
-    let json = |line: &Line<11>| line.json(&COLUMNS, options.seeds);
+    let json = |line: &Line<12>| line.json(&COLUMNS, options.seeds);
     Ok(Report {
         text: format!(
             "Loaders that weigh their loads by the lift cylinders, {} seeds of {DURATION} s: trusted of all time, wrong of trusted, \

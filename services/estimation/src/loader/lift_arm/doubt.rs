@@ -10,6 +10,12 @@
 //! ```
 //! with c the covariance of payload and lam, as of every jointly normal pair. The maximum is what is added: a d beyond sigma says that
 //! a number is off by more than it claims, nobody says which, and what goes with it is uncertain in proportion.
+//!
+//! An emptied bucket is a weight that is known ([`super::tare`]): with the effects t_i of the numbers on what it shows, and e_i on an
+//! answer now,
+//! ```text
+//! answer -= K (shown - left),   variance -= K sum e_i t_i,   K = sum e_i t_i/(sum t_i^2 + sigma_shown^2 + sigma_left^2)
+//! ```
 
 use super::super::layout::Each;
 use super::drawing::{
@@ -19,9 +25,10 @@ use crate::Quantity;
 use crate::math::sqrt;
 use crate::positive::positive;
 
+use super::tare::Tare;
+
 /// What somebody states is a mixture: one number in five is off by three times what it says (scales that were not level, another tyre,
-/// a full tank). Its deviation over the stated one, for the centre of gravity; a payload's interval is as the numbers are stated. Zeros of
-/// angles are as wide as sensors that nobody set already.
+/// a full tank). Its deviation over the stated one. Zeros of angles are as wide as sensors that nobody set already.
 const MISSTATED: f64 = 1.6;
 
 /// Effects of each number on payload, ratio and height.
@@ -33,27 +40,55 @@ pub(super) struct Doubts {
     /// The sums of this round.
     round: Sums,
     next: usize,
+    /// The last emptied bucket.
+    tare: Option<Tared>,
 }
 
-/// Variances of payload, ratio and height, and covariances of the payload with the latter two. Those of the centre hold misstatements.
+/// An emptied bucket, and what the numbers did to it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct Tared {
+    tare: Tare,
+    effects: [f64; NUMBERS],
+    /// Variance of what it shows beyond what is left in it.
+    total: f64,
+}
+
+/// Variances of payload, ratio and height, covariances of the payload with the latter two, and of all with the emptied bucket.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Sums {
     variances: [f64; 3],
     with_payload: [f64; 2],
+    with_tare: [f64; 3],
 }
 
 impl Sums {
-    /// Adds the effects of a number that is `wider` than it was stated, for the centre; takes them away with a `sign` of -1.
-    fn add(mut self, effects: &[f64; 3], wider: f64, sign: f64) -> Self {
-        let scales = [sign, sign * wider * wider, sign * wider * wider];
-        for ((sum, effect), scale) in self.variances.iter_mut().zip(effects).zip(scales) {
-            *sum += scale * effect * effect;
+    /// Adds the effects of a number, `tared` that on the emptied bucket, with a weight.
+    fn add(mut self, effects: &[f64; 3], tared: f64, weight: f64) -> Self {
+        let sums = self.variances.iter_mut().zip(&mut self.with_tare);
+        for ((variance, with_tare), effect) in sums.zip(effects) {
+            *variance += weight * effect * effect;
+            *with_tare += weight * effect * tared;
         }
         for (sum, effect) in self.with_payload.iter_mut().zip(&effects[1..]) {
-            *sum += sign * effects[0] * effect;
+            *sum += weight * effects[0] * effect;
         }
         self
+    }
+
+    /// What is left where the emptied bucket is known, by the variance of what it shows; and by how much the answers move for a unit.
+    fn told(mut self, total: f64) -> (Self, [f64; 3]) {
+        let gains = self.with_tare.map(|covariance| covariance / total);
+        for ((variance, gain), covariance) in
+            self.variances.iter_mut().zip(gains).zip(self.with_tare)
+        {
+            *variance -= gain * covariance;
+        }
+        for (i, sum) in self.with_payload.iter_mut().enumerate() {
+            *sum -= gains[0] * self.with_tare[i + 1];
+        }
+        (self, gains)
     }
 }
 
@@ -68,11 +103,11 @@ pub(super) struct Doubted {
     pub moved: Each<f64>,
 }
 
-/// How much wider than stated a number is.
-fn misstated(number: usize) -> f64 {
+/// By how much the variance of a number is more than stated.
+fn weight(number: usize) -> f64 {
     match number {
         LIFT_ZERO | TILT_ZERO => 1.0,
-        _ => MISSTATED,
+        _ => MISSTATED * MISSTATED,
     }
 }
 
@@ -94,27 +129,61 @@ impl Doubts {
     }
 
     fn put(&mut self, number: usize, effects: [f64; 3]) {
-        let (old, wider) = (self.effects[number], misstated(number));
-        self.sums = self.sums.add(&old, wider, -1.0).add(&effects, wider, 1.0);
-        self.round = self.round.add(&effects, wider, 1.0);
+        let (old, weight) = (self.effects[number], weight(number));
+        let tared = self.tare.map_or(0.0, |t| t.effects[number]);
+        self.sums = self
+            .sums
+            .add(&old, tared, -weight)
+            .add(&effects, tared, weight);
+        self.round = self.round.add(&effects, tared, weight);
         self.effects[number] = effects;
     }
 
-    /// Standard deviation of the payload by all numbers [kg].
-    pub fn payload(&self) -> f64 {
-        sqrt(self.sums.variances[0].max(0.0))
+    /// The bucket has been emptied, and shows this now.
+    pub fn empty(&mut self, tare: Tare) {
+        let effects = self.effects.map(|[payload, ..]| payload);
+        let mut sums = Sums::default();
+        for (i, of) in self.effects.iter().enumerate() {
+            sums = sums.add(of, of[0], weight(i));
+        }
+        self.tare = Some(Tared {
+            tare,
+            effects,
+            total: sums.variances[0] + tare.variance,
+        });
+        // The round that goes on counted with the bucket before.
+        (self.sums, self.round, self.next) = (sums, Sums::default(), 0);
+    }
+
+    /// Nobody knows any more what was in the bucket.
+    pub fn forget(&mut self) {
+        self.tare = None;
+    }
+
+    /// The sums with what an emptied bucket tells, and by how much that moves payload, ratio and height.
+    fn told(&self) -> (Sums, [f64; 3]) {
+        let Some(tared) = &self.tare else {
+            return (self.sums, [0.0; 3]);
+        };
+        let (sums, gains) = self.sums.told(tared.total);
+        (sums, gains.map(|gain| -gain * tared.tare.apart))
     }
 
     /// The answer with all doubts, each `wider` than it was stated. `rows`: what the rows leave open, as effects like those of a number.
     pub fn doubted(&self, payload: f64, centre: Each<f64>, rows: [f64; 3], wider: f64) -> Doubted {
-        let sums = self.sums.add(&rows, 1.0, 1.0);
+        let (sums, moved) = self.told();
+        let sums = sums.add(&rows, 0.0, 1.0);
         let std = |variance: f64| wider * sqrt(variance.max(0.0));
         let of = |i: usize| std(sums.variances[i]);
         let without = |number: usize, i: usize| {
-            let own = misstated(number) * self.effects[number][i];
-            std(sums.variances[i] - own * own)
+            let own = self.effects[number][i];
+            std(sums.variances[i] - weight(number) * own * own)
         };
         let quantity = |value: f64, std: f64| Quantity { value, std };
+        let payload = payload + moved[0];
+        let mut centre = centre;
+        centre.ratio += moved[1];
+        centre.height += moved[2];
         Doubted {
             payload: quantity(payload, of(0)),
             centre: Each {
@@ -130,7 +199,7 @@ impl Doubts {
 
     /// The same, the bucket holding no less than nothing.
     pub fn not_less_than_nothing(&self, doubted: &Doubted, rows: [f64; 3]) -> Doubted {
-        let sums = self.sums.add(&rows, 1.0, 1.0);
+        let sums = self.told().0.add(&rows, 0.0, 1.0);
         let payload = positive(doubted.payload);
         let moved = payload.value - doubted.payload.value;
         let [old, new] = [doubted.payload, payload].map(|p| p.std * p.std);
@@ -144,7 +213,8 @@ impl Doubts {
             value: q.value + gain(i) * moved,
             std: left(q.std, gain(i)),
         };
-        if !gain(0).is_finite() || !gain(1).is_finite() {
+        let is_known = gain(0).is_finite() && gain(1).is_finite();
+        if payload == doubted.payload || !is_known {
             return *doubted;
         }
         let Each { ratio, height } = doubted.centre;
@@ -188,7 +258,7 @@ mod tests {
 
     #[test]
     fn a_full_bucket_is_what_the_pressures_show() {
-        let [shown, widened] = shown(1000.0);
+        let [shown, widened] = shown(2000.0);
         assert_eq!(shown, widened);
         assert!((widened.centre.ratio.std - MISSTATED * 0.02_f64.hypot(0.005)).abs() < 1e-12);
         assert!((widened.moved.ratio - MISSTATED * 0.02).abs() < 1e-12);
@@ -198,29 +268,61 @@ mod tests {
     fn what_an_empty_bucket_tells_of_the_payload_it_tells_of_the_ratio() {
         let [shown, widened] = shown(0.0);
         // Half a normal distribution: mean .798, standard deviation .603.
+        let payload = widened.payload;
         assert!(
-            (widened.payload.value - 79.8).abs() < 0.1 && (widened.payload.std - 60.3).abs() < 0.1
+            (payload.value - 79.8 * MISSTATED).abs() < 0.1,
+            "{payload:?}"
         );
+        assert!((payload.std - 60.3 * MISSTATED).abs() < 0.1, "{payload:?}");
         let Each { ratio, height } = widened.centre;
-        assert!((ratio.value - 0.5 - 2e-4 * widened.payload.value).abs() < 1e-12);
-        // What the payload's own misstatement leaves is not told by an empty bucket.
-        let left = |stated: f64| {
-            let beside = MISSTATED * MISSTATED * stated * stated - 0.02_f64.powi(2);
-            (2e-4 * widened.payload.std).hypot(beside.sqrt())
-        };
-        assert!((ratio.std - left(0.02_f64.hypot(0.005))).abs() < 1e-12);
-        let height_left =
-            (1e-3 * widened.payload.std).hypot(0.1 * (MISSTATED * MISSTATED - 1.0).sqrt());
-        assert!((height.std - height_left).abs() < 1e-12);
+        assert!((ratio.value - 0.5 - 2e-4 * payload.value).abs() < 1e-12);
+        let left = |beside: f64| (2e-4 * payload.std).hypot(MISSTATED * beside);
+        assert!((ratio.std - left(0.005)).abs() < 1e-12);
+        assert!((height.std - 1e-3 * payload.std).abs() < 1e-12);
         assert!(height.std < shown.centre.height.std);
         // As if the load were known otherwise: only its part is left of the machine's centre.
-        assert!((widened.moved.ratio - left(0.02)).abs() < 1e-9);
+        assert!((widened.moved.ratio - left(0.0)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn an_emptied_bucket_takes_its_error_out_of_all_that_it_moves() {
+        let mut told = doubts();
+        told.empty(Tare {
+            apart: 130.0,
+            variance: 900.0,
+        });
+        let variance = (MISSTATED * 100.0).powi(2);
+        let gain = variance / (variance + 900.0);
+        // Numbers go round and do the same to a load: what the bucket told holds on.
+        for _ in 0..3 {
+            told.put(0, [100.0, 0.02, 0.1]);
+        }
+        let centre = Each {
+            ratio: 0.6,
+            height: 1.4,
+        };
+        let answer = told.doubted(2000.0, centre, [0.0; 3], 1.0);
+        assert!((answer.payload.value - 2000.0 + gain * 130.0).abs() < 1e-9);
+        assert!((answer.payload.std - (variance * (1.0 - gain)).sqrt()).abs() < 1e-9);
+        let Each { ratio, height } = answer.centre;
+        assert!((ratio.value - 0.6 + 2e-4 * gain * 130.0).abs() < 1e-12);
+        assert!((height.value - 1.4 + 1e-3 * gain * 130.0).abs() < 1e-12);
+        // The empty machine's ratio is not told by a weight.
+        assert!(ratio.std > MISSTATED * 0.005 && height.std < 0.2 * 0.16);
+        told.forget();
+        assert_eq!(
+            told.doubted(2000.0, centre, [0.0; 3], 1.0).payload.value,
+            2000.0
+        );
     }
 
     #[test]
     fn a_bucket_far_below_zero_leaves_the_ratio_uncertain() {
         let [_, widened] = shown(-300.0);
         let away = (widened.payload.value + 300.0) / 100.0;
-        assert!(away > 3.0 && widened.centre.ratio.std > 0.005 * away);
+        assert!(
+            away > 3.0 && widened.centre.ratio.std > 0.005 * away,
+            "{away}"
+        );
     }
 }

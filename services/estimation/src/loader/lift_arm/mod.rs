@@ -8,6 +8,7 @@
 //! | `content` | when the bucket's content may change, and when the ground carries it |
 //! | `turn` | sine and cosine of an angle, taken once a row |
 //! | `scale` | payload and rest of friction from row to row |
+//! | `tare` | an emptied bucket is a weight that is known |
 //! | `below` | a payload below zero: the description is off by more than it claims |
 //! | [`Lifts`] | the moments of a whole recording, to calibrate |
 //! | `doubt` | what the drawing's doubts do to the answer, one of them a row |
@@ -33,6 +34,7 @@ mod drawing;
 mod lifts;
 mod scale;
 mod seals;
+mod tare;
 mod turn;
 
 use super::cg_model::Loading;
@@ -47,12 +49,15 @@ use drawing::{Drawing, Empty, Posture};
 pub use lifts::{LiftKnown, LiftMoment, Lifts};
 use scale::Scale;
 use seals::Seals;
+use tare::Emptied;
 use turn::Turn;
 
 /// Arm signals older than this say nothing [s].
 const FRESH: f64 = 0.5;
 /// A pressure or angle that never changes for so long while the machine moves is none [s].
 const STUCK: f64 = 3.0;
+/// In a gap of this length the bucket may have become another one [s].
+const CHANGED: f64 = 60.0;
 /// Smoothing of the angles [s].
 const SMOOTH: f64 = 0.12;
 /// Faster than this the machine shakes its sensors [m/s].
@@ -76,6 +81,7 @@ pub(super) struct LiftWitness {
     content: Content,
     scale: Scale,
     doubts: Doubts,
+    emptied: Emptied,
     below: Below,
     answer: Option<Weighed>,
 }
@@ -124,6 +130,7 @@ impl LiftWitness {
             seals: Seals::default(),
             content: Content::default(),
             doubts: Doubts::default(),
+            emptied: Emptied::default(),
             below: Below::default(),
             answer: None,
         })
@@ -157,6 +164,10 @@ impl LiftWitness {
             // The first row, after a gap, or after a clock that was set: nothing is known of what was done meanwhile.
             self.scale.forget(&self.drawing);
             self.content = Content::default();
+            self.emptied = Emptied::default();
+            if !(0.0..CHANGED).contains(&dt) {
+                self.doubts.forget();
+            }
             self.seals.forget();
             self.angles = Some([lift, bucket]);
             self.rates = [0.0; 2];
@@ -240,11 +251,14 @@ impl LiftWitness {
         let empty = self.drawing.empty_at(&self.drawing.values, &posture);
         self.doubts
             .see(&self.drawing, &posture, payload.value, &empty);
-        if !motion.open {
-            let std = crate::math::norm(&[payload.std, self.doubts.payload()]);
-            self.below.see(Quantity { std, ..payload }, dt);
+        let capacity = self.drawing.capacity;
+        if let Some(tare) = self.emptied.see(payload, motion.open, capacity) {
+            self.doubts.empty(tare);
         }
         let answer = self.answer(&empty, payload, motion.open);
+        if !motion.open {
+            self.below.see(answer.payload, dt);
+        }
         self.answer = Some(answer);
         answer
     }
