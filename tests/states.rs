@@ -69,7 +69,7 @@ fn a_state_is_read_again_unless_it_is_damaged_or_the_user_changed_the_descriptio
     write("changed.json", &learnt);
     let changed = ["machine.rated_payload=2100"];
     let said = run_with(folder, "changed", "changed.json", "1", &changed);
-    let why = "the description was changed since: machine.rated_payload;";
+    let why = "the machine file was changed since: machine.rated_payload;";
     assert!(said.contains(why), "{said}");
     assert_eq!(read("changed.json.refused"), learnt);
 

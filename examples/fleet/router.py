@@ -26,9 +26,9 @@ wishes = rule("wishes", "egress", ask, "heft/v1/**")
 for machine in machines:
     subject(machine, [rule(f"only {machine}", "ingress", say, f"heft/v1/{site}/{machine}/**"), wishes])
 subject("collector", [rule("collector asks", "ingress", ask, "heft/v1/**"), rule("collector hears", "egress", say, "heft/v1/**")])
-# `heft fleet serve` hears the samples of all machines, and writes what it makes of them beside what they say themselves.
+# `heft fleet serve` hears the samples of all machines, and writes what it makes of them beside what they say themselves, also when it is asked.
 server = [rule("server asks", "ingress", ask, f"heft/v1/{site}/*/sample/**"), rule("server hears", "egress", say, f"heft/v1/{site}/*/sample/**"),
-          rule("server says", "ingress", ["put"], f"heft/v1/{site}/*/site/*"), wishes]
+          rule("server says", "ingress", ["put", "reply", "declare_queryable"], f"heft/v1/{site}/*/site/*"), wishes]
 subject("server", server)
 print(json.dumps(dict(
     mode="router",

@@ -72,11 +72,11 @@ uint32_t heft_abi(void);
 #define HEFT_EXCAVATOR_REASON_NONE 0 /* nothing to say */
 #define HEFT_EXCAVATOR_REASON_SLOPE 1 /* the ground seems inclined */
 #define HEFT_EXCAVATOR_REASON_LOSSES 2 /* the swing drive seems to lose torque */
-#define HEFT_EXCAVATOR_REASON_FRICTION 3 /* the friction differs from the described one */
+#define HEFT_EXCAVATOR_REASON_FRICTION 3 /* the friction differs from that of the machine file */
 #define HEFT_EXCAVATOR_REASON_GAIN 4 /* the torque reads too high or too low by a factor */
 #define HEFT_EXCAVATOR_REASON_DELAY 5 /* velocity and torque do not arrive together */
 #define HEFT_EXCAVATOR_REASON_OFFSET 6 /* the torque seems to have an offset */
-#define HEFT_EXCAVATOR_REASON_DAMPING 7 /* the damping differs from the described one */
+#define HEFT_EXCAVATOR_REASON_DAMPING 7 /* the damping differs from that of the machine file */
 #define HEFT_EXCAVATOR_REASON_UNEXPLAINED 8 /* the motion does not follow the model */
 #define HEFT_EXCAVATOR_REASON_DISAGREEMENT 9 /* swings disagree by more than they claim */
 #define HEFT_EXCAVATOR_REASON_LIMIT 10 /* the estimate is at the end of its range */
@@ -88,7 +88,7 @@ uint32_t heft_abi(void);
 #define HEFT_EXCAVATOR_REASON_JUMP 16 /* a joint angle has jumped further than a joint moves */
 #define HEFT_EXCAVATOR_REASON_CONTRADICTION 17 /* an emptied bucket or the friction contradicts what a sensor says */
 #define HEFT_EXCAVATOR_REASON_HANGING 18 /* the load hangs or swings */
-#define HEFT_EXCAVATOR_REASON_ATTACHMENT 19 /* the bucket weighs otherwise than described */
+#define HEFT_EXCAVATOR_REASON_ATTACHMENT 19 /* the bucket's mass differs from that of the machine file */
 
 /* Name of a reason; empty for none. */
 static inline const char *heft_excavator_reason(uint32_t code) {

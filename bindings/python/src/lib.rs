@@ -73,7 +73,7 @@ fn described(machine: Machine, text: Option<&str>, settings: &[String]) -> PyRes
     if description.machine() != machine {
         let other = description.machine().name();
         return Err(refused(format!(
-            "the description is for a {other}, not a {}",
+            "the machine file is for a {other}, not a {}",
             machine.name()
         )));
     }

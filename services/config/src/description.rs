@@ -117,7 +117,7 @@ impl Description {
 fn unclear(file_name: &str) -> Error {
     let kinds = Machine::ALL.map(|m| format!("kind = \"{m}\"")).join(" or ");
     Error {
-        what: "the description does not say which machine it is for".into(),
+        what: "the machine file does not say which machine it is for".into(),
         file: file_name.into(),
         line: None,
         key: "machine.kind".into(),

@@ -198,11 +198,11 @@ fn explain<M: Keyed>(defect: Defect, path: &str, file: &str, line: Option<usize>
     let (what, remedy) = match (defect, key) {
         (Defect::OtherMachine, _) => (
             format!(
-                "machine.kind is not \"{}\", for which the description is read",
+                "machine.kind is not \"{}\", for which the machine file is read",
                 M::MACHINE
             ),
             format!(
-                "write kind = \"{}\" or use the description with the other machine",
+                "write kind = \"{}\" or use the machine file with the other machine",
                 M::MACHINE
             ),
         ),

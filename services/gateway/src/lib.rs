@@ -6,7 +6,7 @@
 //!
 //! | module | what |
 //! |---|---|
-//! | [`key`], [`label`], [`status`] | the words of the protocol: keys, attachments, what a machine says of itself |
+//! | [`key`], [`label`], [`status`], [`question`] | the words of the protocol: keys, attachments, what a machine says of itself, questions for what is missing |
 //! | [`schema`] | what the messages mean |
 //! | [`downsample`], [`load`] | which messages are sent; the same rule, live and from a recording |
 //! | [`link`] | sessions and routers of Zenoh |
@@ -21,6 +21,7 @@ pub mod label;
 pub mod link;
 pub mod load;
 pub mod machine;
+pub mod question;
 pub mod schema;
 pub mod site;
 pub mod status;

@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use common::{Collector, Router, collector, sleep, until};
 use gateway::label::Label;
-use gateway::machine::{AnswerSummary, END};
+use gateway::question::{AnswerSummary, END};
 use gateway::status::{Status, Stream};
 use gateway::wall_ms;
 use messages::ExcavatorEstimate;

@@ -33,6 +33,12 @@ fn keys(folder: &Path, listen: &str, days: &str, machines: &[&str]) {
     );
 }
 
+/// Where a router can listen.
+fn address() -> String {
+    let listener = TcpListener::bind("127.0.0.1:0").and_then(|l| l.local_addr());
+    format!("tls/127.0.0.1:{}", listener.expect("a port").port())
+}
+
 /// A session, if the router lets it in within some seconds.
 fn client(address: &str, config: PathBuf) -> Option<Session> {
     let link = LinkArgs {
@@ -67,11 +73,7 @@ fn say(session: &Session, machine: &str) {
 
 #[test]
 fn a_machine_writes_its_own_keys_only_and_one_without_a_valid_certificate_none() {
-    let port = TcpListener::bind("127.0.0.1:0")
-        .and_then(|l| l.local_addr())
-        .expect("a port")
-        .port();
-    let address = format!("tls/127.0.0.1:{port}");
+    let address = address();
     let folder = tempfile::tempdir().expect("a folder");
     let at = |name: &str| folder.path().join(format!("{name}.json5"));
     // Valid for no day: over at once.
@@ -117,11 +119,7 @@ fn a_machine_writes_its_own_keys_only_and_one_without_a_valid_certificate_none()
 
 #[test]
 fn a_gateway_sends_answers_and_recovers_behind_such_a_router() {
-    let port = TcpListener::bind("127.0.0.1:0")
-        .and_then(|l| l.local_addr())
-        .expect("a port")
-        .port();
-    let address = format!("tls/127.0.0.1:{port}");
+    let address = address();
     let folder = tempfile::tempdir().expect("a folder");
     let at = |name: &str| folder.path().join(format!("{name}.json5"));
     keys(folder.path(), &address, "30", &["ex-1"]);
@@ -153,4 +151,31 @@ fn a_gateway_sends_answers_and_recovers_behind_such_a_router() {
     centre.until_whole("ex-1", UKF, whole.len());
     assert_eq!(centre.numbers("ex-1", UKF), whole);
     assert_eq!(centre.account("ex-1"), (0, 0));
+}
+
+#[test]
+fn a_site_behind_such_a_router_is_asked_for_its_estimates_and_for_nothing_else() {
+    let address = address();
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(format!("{name}.json5"));
+    keys(folder.path(), &address, "30", &["ex-1"]);
+    let _router = link::router(None, Some(&at("router"))).expect("the router starts");
+    let site = client(&address, at("server")).expect("it is let in");
+    let centre = client(&address, at("collector")).expect("it is let in");
+    let its = ["site/inertia_ukf", "estimate/inertia_ukf"];
+    let _answers = its.map(|stream| {
+        let answer = move |query: zenoh::query::Query| {
+            let _ = query.reply(query.key_expr().clone(), "here").wait();
+        };
+        let key = format!("heft/v1/north/*/{stream}");
+        let queryable = site.declare_queryable(key).callback(answer).wait();
+        queryable.expect("declared")
+    });
+    let answers = |stream: &str| {
+        let asked = centre.get(format!("heft/v1/north/ex-1/{stream}"));
+        let replies = asked.timeout(Duration::from_secs(2)).wait().expect("asked");
+        replies.iter().filter(|r| r.result().is_ok()).count()
+    };
+    until("the site answers", || answers(its[0]) == 1);
+    assert_eq!(answers(its[1]), 0, "it spoke for the machine");
 }

@@ -39,6 +39,18 @@ fn processes() -> BTreeMap<u32, (u32, String)> {
     all.filter_map(look).collect()
 }
 
+/// A site that estimates every sample, in two processes.
+fn site(heft: &Path, router: &Router) -> common::Process {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_heft-fleet"));
+    command.args(["serve", "excavator", "--site", "north", "--every", "0"]);
+    command
+        .args(["--connect", &router.address, "--heft"])
+        .arg(heft);
+    command.args(["--", "--shards", "2"]);
+    let site = command.stderr(Stdio::piped()).spawn().expect("it starts");
+    common::Process(site)
+}
+
 /// The shards of the site: children of its `heft serve`.
 fn shards(site: &Child) -> Vec<u32> {
     let all = processes();
@@ -100,14 +112,7 @@ fn the_site_estimates_what_heft_estimate_does_bit_for_bit_also_when_its_processe
     let router = Router::start();
     let folder = tempfile::tempdir().expect("a folder");
     let centre = collector(&router.address, &folder.path().join("fleet.sqlite"), &[]);
-    let mut command = Command::new(env!("CARGO_BIN_EXE_heft-fleet"));
-    command.args(["serve", "excavator", "--site", "north", "--every", "0"]);
-    command
-        .args(["--connect", &router.address, "--heft"])
-        .arg(&heft);
-    command.args(["--", "--shards", "2"]);
-    let site = command.stderr(Stdio::piped()).spawn().expect("it starts");
-    let mut site = common::Process(site);
+    let mut site = site(&heft, &router);
     let files = ["excavator_input_two_swings.csv", "excavator_input_drop.csv"];
     let files = files.map(|f| of_repository("tests/golden").join(f));
     // The longer one takes 17 s.
@@ -173,6 +178,58 @@ fn the_site_estimates_what_heft_estimate_does_bit_for_bit_also_when_its_processe
         format!("2 machines, {rows_in_all} samples, {rows_in_all} estimates; 0 samples missing");
     assert!(said.contains(&counted), "{said}");
     assert!(said.contains("2 processes replaced"), "{said}");
+}
+
+#[test]
+fn a_collector_that_was_away_asks_the_site_for_its_estimates() {
+    let Some(heft) = heft() else { return };
+    let router = Router::start();
+    let folder = tempfile::tempdir().expect("a folder");
+    let db = folder.path().join("fleet.sqlite");
+    let centre = collector(&router.address, &db, &[]);
+    let _site = site(&heft, &router);
+    let file = of_repository("tests/golden/excavator_input_drop.csv");
+    let machine = machine_with_samples(100.0, 15.0, &file);
+    let _gateway = gateway_with(&machine, "ex-1", &router.address, &["--samples"]);
+    until("it answers", || centre.numbers("ex-1", STREAM).len() > 50);
+    drop(centre);
+    let machine = machine.until_it_ends();
+    let expected = alone(&heft, &machine);
+    let count = rows(&expected).len();
+    // All that is still to come: the last estimate, said again, and what the site is asked for.
+    let centre = collector(&router.address, &db, &[]);
+    let before = centre.numbers("ex-1", STREAM).len();
+    assert!(before < count, "{before}: it was away in vain");
+    until("the site has answered", || {
+        centre.numbers("ex-1", STREAM).len() >= count
+    });
+    until("nothing is missing", || centre.account("ex-1") == (0, 0));
+}
+
+#[test]
+fn what_a_site_did_not_estimate_while_it_was_away_is_a_hole_in_the_history() {
+    let Some(heft) = heft() else { return };
+    let router = Router::start();
+    let folder = tempfile::tempdir().expect("a folder");
+    let centre = collector(&router.address, &folder.path().join("fleet.sqlite"), &[]);
+    let file = of_repository("tests/golden/excavator_input_two_swings.csv");
+    let machine = machine_with_samples(100.0, 20.0, &file);
+    let _gateway = gateway_with(&machine, "ex-1", &router.address, &["--samples"]);
+    let first = site(&heft, &router);
+    until("it answers", || centre.numbers("ex-1", STREAM).len() > 50);
+    assert_eq!(centre.account("ex-1").0, 0);
+    drop(first);
+    let before = centre.numbers("ex-1", STREAM).len();
+    common::sleep(2.0);
+    let _second = site(&heft, &router);
+    until("another goes on", || {
+        centre.numbers("ex-1", STREAM).len() > before + 50
+    });
+    until("the hole is counted", || centre.account("ex-1") == (1, 0));
+    until("the page says so", || {
+        let page = centre.get("/north/ex-1", "localhost");
+        page.contains("not complete: 1 messages lost")
+    });
 }
 
 #[test]

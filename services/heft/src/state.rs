@@ -302,7 +302,7 @@ mod tests {
             ("another method", &mut || {
                 Memory::open(&file, &mut loader(), &other).unwrap().1
             }),
-            ("description was changed since: machine.mass;", &mut || {
+            ("machine file was changed since: machine.mass;", &mut || {
                 Memory::open(&file, &mut changed, &other).unwrap().1
             }),
             ("of the machine loader", &mut || {
@@ -426,7 +426,7 @@ mod tests {
             assert!(said.contains("restored slip_stiffness"), "{said}");
         }
         let said = said_of(&text, &loader());
-        let key = "description was changed since: sensors.slope_acceleration_sensitivity;";
+        let key = "machine file was changed since: sensors.slope_acceleration_sensitivity;";
         assert!(said.contains(key), "{said}");
 
         let newer = resealed(&text.replace("\"format\": 2", "\"format\": 3"));

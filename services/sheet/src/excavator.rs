@@ -121,11 +121,11 @@ macro_rules! excavator_reasons {
             0 None "" "";
             1 Slope "slope" "the ground seems inclined";
             2 Loss "losses" "the swing drive seems to lose torque";
-            3 Friction "friction" "the friction differs from the described one";
+            3 Friction "friction" "the friction differs from that of the machine file";
             4 Gain "gain" "the torque reads too high or too low by a factor";
             5 Delay "delay" "velocity and torque do not arrive together";
             6 Offset "offset" "the torque seems to have an offset";
-            7 Damping "damping" "the damping differs from the described one";
+            7 Damping "damping" "the damping differs from that of the machine file";
             8 Unexplained "unexplained" "the motion does not follow the model";
             9 Disagreement "disagreement" "swings disagree by more than they claim";
             10 Limit "limit" "the estimate is at the end of its range";
@@ -137,7 +137,7 @@ macro_rules! excavator_reasons {
             16 Jump "jump" "a joint angle has jumped further than a joint moves";
             17 Contradiction "contradiction" "an emptied bucket or the friction contradicts what a sensor says";
             18 Hanging "hanging" "the load hangs or swings";
-            19 Attachment "attachment" "the bucket weighs otherwise than described";
+            19 Attachment "attachment" "the bucket's mass differs from that of the machine file";
         }
     };
 }

@@ -300,13 +300,13 @@ def _run(arguments: Iterable[str]) -> str:
 
 
 def _description(config: Config) -> tuple[Optional[str], list[str]]:
-    """Text of a description, and keys that are set one by one."""
+    """Text of a machine file, and keys that are set one by one."""
     if config is None:
         return None, []
     if isinstance(config, Mapping):
         return None, [f"{key}={_value(value)}" for key, value in config.items()]
     if not isinstance(config, (str, os.PathLike)):
-        raise HeftError(f"{type(config).__name__} is no description; give the path of a TOML file, or a mapping of keys")
+        raise HeftError(f"{type(config).__name__} is no machine file; give the path of a TOML file, or a mapping of keys")
     return Path(config).read_text(encoding="utf-8"), []
 
 

@@ -9,7 +9,7 @@ _CALIBRATED = "# calibrated, ±"
 
 
 class Parameter(NamedTuple):
-    """A parameter that was found: its key, value, standard deviation, and the value described before."""
+    """A parameter that was found: its key, value, standard deviation, and the value of the machine file before."""
 
     key: str
     value: float
@@ -23,7 +23,7 @@ class Calibration(Mapping[str, Parameter]):
     def __init__(self, text: str, output: Path) -> None:
         self._text = text
         self.output = output
-        """The description that was written."""
+        """The machine file that was written."""
         found = parameters(output.read_text(encoding="utf-8"))
         self._parameters = {parameter.key: parameter for parameter in found}
 
@@ -47,7 +47,7 @@ class Calibration(Mapping[str, Parameter]):
 
 
 def parameters(description: str) -> list[Parameter]:
-    """The parameters that a calibrated description says were found."""
+    """The parameters that a calibrated machine file says were found."""
     found, table = [], ""
     for line in map(str.strip, description.splitlines()):
         if line.startswith("[") and line.endswith("]"):

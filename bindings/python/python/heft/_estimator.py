@@ -86,7 +86,7 @@ class Estimator:
         return self._row(self._native.step(t, values))
 
     def state(self) -> bytes:
-        """The complete state with description, method and signals; see ``from_state``."""
+        """The complete state with machine file, method and signals; see ``from_state``."""
         return self._native.state()  # type: ignore[no-any-return]
 
     @classmethod
@@ -116,7 +116,7 @@ class Estimator:
 
     @property
     def description(self) -> str:
-        """The description in full (TOML)."""
+        """The machine file in full (TOML)."""
         return self._native.description  # type: ignore[no-any-return]
 
     def __reduce__(self) -> Any:

@@ -69,7 +69,7 @@ pub fn learn(d: &Description, inputs: &[Input]) -> Option<Result<CylinderFit, St
         .any(|sign| moved(sign) < LEAST_MOTION)
     {
         return Some(Err(
-            "the boom's cylinders stay as described: lift and lower the boom slowly and fully, twice, while the upper body stands"
+            "the boom's cylinders keep the values of the machine file: lift and lower the boom slowly and fully, twice, while the upper body stands"
                 .into(),
         ));
     }
@@ -115,7 +115,7 @@ fn fit(
     let full_force = c.count * c.head_area * FULL_PRESSURE;
     let learnt = CylinderFit::of(&solution, &before, friction, full_force);
     if learnt.friction.std > IDENTIFIED * friction_std {
-        return Err("the boom's cylinders stay as described: their friction cannot be distinguished from the zeros of the sensors; lift and lower the boom more often"
+        return Err("the boom's cylinders keep the values of the machine file: their friction cannot be distinguished from the zeros of the sensors; lift and lower the boom more often"
             .into());
     }
     Ok(learnt)

@@ -186,11 +186,17 @@ fn held(swings: &Swings, free: Option<&[String]>) -> Result<Vec<bool>, String> {
 fn answers(own: &str, key: &str) -> bool {
     own == key
         || match own {
-            "machine.geometry" => key.starts_with("machine.geometry.") && key.ends_with("mass"),
-            "sensors.delay" => {
+            // The names before the star are those of version 0.3.
+            "machine.geometry.*_mass" => {
+                key == "machine.geometry"
+                    || key.starts_with("machine.geometry.") && key.ends_with("_mass")
+            }
+            "sensors.*_delay" => {
                 matches!(
                     key,
-                    "sensors.swing_torque_delay" | "sensors.swing_velocity_delay"
+                    "sensors.delay"
+                        | "sensors.swing_torque_delay"
+                        | "sensors.swing_velocity_delay"
                 )
             }
             "prior.inertia" => key == "machine.upper_inertia",

@@ -279,7 +279,7 @@ fn parameters(
         all.extend(ground(series, d));
         let lever = 2.0 * lengths(d);
         if lever > 0.0 {
-            let words = "the place of a load in the bucket (inertia over described)";
+            let words = "the place of a load in the bucket (inertia over that of the machine file)";
             let lever = Parameter::described("load inertia", words, "", 1.0, lever, (0.1, 10.0));
             all.push((Role::Lever, lever));
         }
@@ -307,7 +307,7 @@ fn of_motion(torque: f64, d: &Description) -> Vec<(Role, Parameter)> {
             m.coulomb_friction, friction_std, (0.0, 1e6);
         Role::Offset, "sensors.swing_torque_offset", "the offset of the torque", "N m",
             stated("sensors.swing_torque_offset"), offset_std, (-1e6, 1e6);
-        Role::Delay, "sensors.delay", "the delay between torque and velocity", "s",
+        Role::Delay, "sensors.*_delay", "the delay between torque and velocity", "s",
             delay, DELAY_STD, (-DELAY_MAX, DELAY_MAX);
     };
     rows.into()
@@ -326,7 +326,7 @@ fn of_posture(d: &Description) -> Vec<(Role, Parameter)> {
             stated("sensors.swing_torque_gain", 1.0), gain_std, (0.2, 5.0);
         Role::Inertia, "machine.upper_inertia", "the inertia of the upper body", "kg m^2",
             upper, UPPER_INERTIA_STD * upper, (0.0, 1e9);
-        Role::Links, "machine.geometry", "the masses of boom, arm and bucket over described", "",
+        Role::Links, "machine.geometry.*_mass", "the masses of boom, arm and bucket over those of the machine file", "",
             1.0, LINKS_STD, (0.2, 5.0);
     };
     rows.into()

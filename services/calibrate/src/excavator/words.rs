@@ -153,7 +153,7 @@ pub fn masses(
     let by = p.value(place) / p.mean - 1.0;
     (tolerance > 0.0 && by.abs() > OTHER_MASSES * std).then(|| {
         format!(
-            "{} would be {:+.1} % from the described ones, which are stated within {:.1} %: another load was in the bucket than stated, or the description is of another machine; weigh the load again, or state a larger machine.mass_tolerance",
+            "{} would be {:+.1} % from those of the machine file, which are stated within {:.1} %: another load was in the bucket than stated, or the machine file is of another machine; weigh the load again, or state a larger machine.mass_tolerance",
             p.words,
             100.0 * by,
             100.0 * tolerance

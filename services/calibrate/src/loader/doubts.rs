@@ -46,7 +46,7 @@ pub fn doubts(drives: &Drives, task: &Task<'_, Drives>, fit: &Fit) -> Vec<String
                 .map(|(drive, _)| drive.name.as_str())
                 .collect();
             sentences.push(format!(
-                "the mass in {} was stated as {:.0} kg, but with the torques as described it is {found:.0} ± {std:.0} kg; weigh it again, or check which recording is which",
+                "the mass in {} was stated as {:.0} kg, but with the torques of the machine file it is {found:.0} ± {std:.0} kg; weigh it again, or check which recording is which",
                 names.join(", "),
                 stated.value
             ));

@@ -121,11 +121,11 @@ pub fn learn(d: &Description, inputs: &[Input]) -> Option<Result<CylinderFit, St
 }
 
 /// What is said where there are pressures and no drawing.
-const NO_ARM: &str = "lift pressures are recorded, but no lift arm is described: its cylinders cannot be calibrated; measure the lengths of machine.lift_arm and machine.lift_arm.cylinder (docs/your-data.md)";
+const NO_ARM: &str = "lift pressures are recorded, but the machine file has no lift arm: its cylinders cannot be calibrated; measure the lengths of machine.lift_arm and machine.lift_arm.cylinder (docs/your-data.md)";
 /// What is said where the arm hardly moves.
-const NO_LIFTS: &str = "the lift cylinders stay as described: lift and lower the arm slowly and fully, twice, while the machine stands and the bucket is off the ground";
+const NO_LIFTS: &str = "the lift cylinders keep the values of the machine file: lift and lower the arm slowly and fully, twice, while the machine stands and the bucket is off the ground";
 /// What is said where no load is known.
-const NO_LOAD: &str = "the lift cylinders stay as described: the loads of the recordings with lifts are not known; state them: --payload empty.mcap=0 --payload loaded.mcap=KG±KG";
+const NO_LOAD: &str = "the lift cylinders keep the values of the machine file: the loads of the recordings with lifts are not known; state them: --payload empty.mcap=0 --payload loaded.mcap=KG±KG";
 /// Loads differ clearly beyond so many standard deviations.
 const CLEARLY: f64 = 5.0;
 /// What is said where the span is not determined by the loads.
@@ -146,12 +146,12 @@ fn one_load(runs: &[Run<'_>]) -> String {
     let differ = |a| runs.iter().any(|b| loads_differ(a, b));
     if runs.iter().any(differ) {
         return format!(
-            "the lift cylinders stay as described: the loads ({}) differ, and still the areas cannot be distinguished from the weight of the arm; check that all recordings are of one machine and that its arm was lifted slowly and fully, twice",
+            "the lift cylinders keep the values of the machine file: the loads ({}) differ, and still the areas cannot be distinguished from the weight of the arm; check that all recordings are of one machine and that its arm was lifted slowly and fully, twice",
             loads.join(", ")
         );
     }
     format!(
-        "the lift cylinders stay as described: the loads ({}) are too much alike, or not known well enough, to distinguish the areas from the weight of the arm; record slow lifts with the bucket empty and with a weighed load, and state both: --payload FILE=KG±KG",
+        "the lift cylinders keep the values of the machine file: the loads ({}) are too much alike, or not known well enough, to distinguish the areas from the weight of the arm; record slow lifts with the bucket empty and with a weighed load, and state both: --payload FILE=KG±KG",
         loads.join(", ")
     )
 }
@@ -217,7 +217,7 @@ fn fit(d: &Description, known: &LiftKnown, runs: &[Run<'_>]) -> Result<CylinderF
         return Err(one_load(runs));
     }
     if unknown(learnt.friction, friction.std, KNOWN[0] * known.full_force) {
-        return Err("the lift cylinders stay as described: their friction cannot be distinguished from the zeros of the sensors; lift and lower the arm more often".into());
+        return Err("the lift cylinders keep the values of the machine file: their friction cannot be distinguished from the zeros of the sensors; lift and lower the arm more often".into());
     }
     Ok(learnt)
 }
@@ -244,7 +244,7 @@ fn doubt(run: &Run<'_>, before: &Solution, runs: usize) -> f64 {
 fn contradicted(run: &Run<'_>) -> String {
     let Run { name, load, .. } = run;
     format!(
-        "the lift cylinders stay as described: the load of {name} was stated as {:.0} kg, but as described they carry {:.0} kg; weigh it again, check which recording is which, and the areas and distances of machine.lift_arm",
+        "the lift cylinders keep the values of the machine file: the load of {name} was stated as {:.0} kg, but by the machine file they carry {:.0} kg; weigh it again, check which recording is which, and the areas and distances of machine.lift_arm",
         load.value,
         weighed(middle(run))
     )

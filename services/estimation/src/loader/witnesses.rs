@@ -20,7 +20,7 @@ const MEMORY: f64 = 5.0;
 /// Mean z^2 beyond which the witnesses differ: 1 in 100 by chance.
 const DIFFER: f64 = 6.6;
 /// Standard deviation of a payload that may be believed, as a share of the machine's mass.
-const KNOWN_PAYLOAD: f64 = 0.02;
+const KNOWN_PAYLOAD: f64 = 0.03;
 
 /// Memory of the comparison.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -1,4 +1,4 @@
-//! Questions to machines for what did not arrive.
+//! Questions to machines, and to sites for their estimates, for what did not arrive.
 //!
 //! A thread of its own asks: Zenoh may end a question on the thread that asks it, and the end is reported through a queue
 //! that the collector's thread alone empties. That thread calls nothing of Zenoh while it works.
@@ -13,7 +13,7 @@ use zenoh::{Session, Wait};
 
 use super::intake::{Answer, Event, Intake};
 use crate::key::MachineId;
-use crate::machine::{AnswerSummary, END};
+use crate::question::{AnswerSummary, END, OVER};
 
 /// Questions at a time.
 const AT_A_TIME: usize = 8;
@@ -156,14 +156,7 @@ impl Open {
                 served.map_or(Answer::None, Answer::Whole)
             }
             Ok(sample) => return self.intake.answer(sample),
-            Err(error)
-                if error
-                    .payload()
-                    .to_bytes()
-                    .starts_with(b"that was another run") =>
-            {
-                Answer::Over
-            }
+            Err(error) if error.payload().to_bytes().starts_with(OVER.as_bytes()) => Answer::Over,
             Err(_) => Answer::None,
         };
         *self.answer.lock().unwrap_or_else(PoisonError::into_inner) = said;

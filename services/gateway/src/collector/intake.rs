@@ -16,7 +16,7 @@ use super::strangers::{Contact, MACHINES, leave};
 use crate::downsample::{health_number, streams};
 use crate::key::{ESTIMATE, MachineId, SITE_ESTIMATE};
 use crate::label::Label;
-use crate::machine::AnswerSummary;
+use crate::question::AnswerSummary;
 use crate::status::Status;
 
 /// Largest message [bytes].
@@ -58,9 +58,9 @@ pub enum Event {
 /// How a question ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Answer {
-    /// The machine has reported what it has.
+    /// Who answers has reported what it has.
     Whole(AnswerSummary),
-    /// The machine is in another run: that one is over.
+    /// Who answers has nothing more of that run.
     Over,
     /// Nothing came, or not all of it.
     None,
@@ -250,9 +250,9 @@ pub fn is_stream(name: &str) -> bool {
     channel(name).is_some()
 }
 
-/// Whether the machine can be asked for what is missing of a stream: it has no recording of what a site makes.
-pub fn can_be_asked(name: &str) -> bool {
-    kind(name) != SITE_ESTIMATE
+/// Whether a stream is what a site makes: the site answers for it, not the machine.
+pub fn is_of_site(name: &str) -> bool {
+    kind(name) == SITE_ESTIMATE
 }
 
 /// The kind of a stream: what its name begins with.

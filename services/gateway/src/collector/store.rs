@@ -361,7 +361,7 @@ impl Store {
             stream.newest = stream.newest.max(number);
             stream.head = stream.head.max(number);
             stream.is_written = false;
-            if number > stream.good && label.after.is_some_and(|after| after <= stream.good) {
+            if number > stream.good && stream.follows(label.after) {
                 stream.good = number;
                 if !is_newest {
                     self.advance(id)?;

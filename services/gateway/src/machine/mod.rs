@@ -26,7 +26,6 @@ use crate::{error, wall_ms};
 pub use full::LONGEST;
 pub use plan::Plan;
 pub use publish::{publisher, publishes};
-pub use store::{AnswerSummary, END};
 
 /// Messages that may wait for Zenoh: ten minutes of a machine.
 const QUEUE: usize = 8192;

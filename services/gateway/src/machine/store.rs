@@ -1,8 +1,6 @@
 //! Store and forward: what did not arrive is selected again from the machine's own recording.
 //!
-//! A question goes to the key of the stream: `?run=E;after=A;upto=B` with the last number that the collector
-//! has (its acknowledgement) and the last that it knows of. The answers are the messages as they were sent,
-//! then one that says how far they go. The recording is bounded by `heft run --keep`; what it has dropped is
+//! What a question says: [`crate::question`]. The recording is bounded by `heft run --keep`; what it has dropped is
 //! counted here, and by the collector.
 
 use std::sync::Arc;
@@ -12,31 +10,13 @@ use std::sync::mpsc::{Receiver, sync_channel};
 use messages::Message;
 use messages::channels::{Channel, Visitor};
 use recording::Reader;
-use serde::{Deserialize, Serialize};
 use zenoh::query::Query;
 use zenoh::{Session, Wait};
 
 use super::Shared;
 use crate::downsample::Selection;
 use crate::label::{lost, lost_behind};
-
-/// Answers to one question; the rest is asked for again.
-pub const MOST: u64 = 5000;
-/// Questions that may wait.
-const WAITING: usize = 64;
-/// The attachment of the answer that says how far the others go.
-pub const END: &[u8] = b"end";
-
-/// How far the answers to a question go.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct AnswerSummary {
-    /// Everything up to this number that can be had was sent, -1 for nothing.
-    pub upto: i64,
-    /// Messages sent.
-    pub messages: u64,
-    /// Messages that the recording does not hold any more.
-    pub lost: u64,
-}
+use crate::question::{AnswerSummary, Asked, MOST, OVER, WAITING, end};
 
 /// Answers questions until what is returned is dropped.
 pub(super) fn declare(
@@ -70,15 +50,11 @@ fn serve(shared: &Shared, questions: &Receiver<Query>) {
 
 fn answer(shared: &Shared, query: &Query, stream: usize) {
     let key = query.key_expr().clone();
-    let parameters = query.parameters();
-    let number = |name: &str| parameters.get(name).and_then(|v| v.parse::<i64>().ok());
-    let (Some(run), Some(after), Some(upto)) = (number("run"), number("after"), number("upto"))
-    else {
-        let _ = query.reply_err("run, after and upto are numbers").wait();
+    let Some(Asked { run, after, upto }) = Asked::of(query) else {
         return;
     };
     if run != shared.plan.run as i64 {
-        let _ = query.reply_err("that was another run").wait();
+        let _ = query.reply_err(OVER).wait();
         return;
     }
     let Ok(reader) = Reader::open(&shared.plan.recording) else {
@@ -103,8 +79,7 @@ fn answer(shared: &Shared, query: &Query, stream: usize) {
     if shared.counted[stream].fetch_max(served.upto, Ordering::Relaxed) <= after {
         shared.lost.fetch_add(served.lost, Ordering::Relaxed);
     }
-    let end = serde_json::to_vec(&served).unwrap_or_default();
-    let _ = query.reply(key, end).attachment(END).wait();
+    end(query, &served);
 }
 
 /// Selects from the recording what a question asks for.

@@ -1,4 +1,5 @@
-//! The estimates of `heft serve`, published as those of the site under the key of their machine.
+//! The estimates of `heft serve`, published as those of the site under the key of their machine, and kept for whoever asks
+//! for them again.
 
 use std::collections::{HashMap, VecDeque};
 use std::io::BufRead;
@@ -13,7 +14,8 @@ use zenoh::pubsub::Publisher;
 use zenoh::qos::{CongestionControl, Priority};
 use zenoh::{Session, Wait};
 
-use super::intake::Intake;
+use super::intake::{Answered, Intake};
+use super::kept::{Answer, Kept};
 use super::machine::run_of;
 use crate::collector::decode;
 use crate::error;
@@ -28,6 +30,24 @@ const RUNS: usize = 8;
 /// Time between two looks for machines that are gone.
 const LOOK: Duration = Duration::from_secs(60);
 
+/// The stream of a site's estimates.
+pub(super) fn stream(channel: &Channel) -> String {
+    let last = channel.name.rsplit('/').next().unwrap_or_default();
+    format!("{SITE_ESTIMATE}/{last}")
+}
+
+/// Says the last answers again that may not have arrived.
+pub(super) fn say_again(session: &Session, site: &str, stream: &str, kept: &Kept) {
+    for answer in kept.due(Instant::now()) {
+        let Some(id) = MachineId::new(site, &answer.label.machine) else {
+            continue;
+        };
+        let put = session.put(id.key(stream), answer.payload.as_slice());
+        let put = put.attachment(answer.label.to_string());
+        let _ = put.congestion_control(CongestionControl::Drop).wait();
+    }
+}
+
 /// Publishes.
 pub(super) struct Answers {
     session: Session,
@@ -36,6 +56,7 @@ pub(super) struct Answers {
     stream: String,
     encoding: Encoding,
     intake: Arc<Intake>,
+    kept: Arc<Kept>,
     machines: HashMap<String, Relay>,
 }
 
@@ -47,16 +68,18 @@ struct Relay {
 }
 
 impl Relay {
-    /// Notes an estimate of a run; returns the number of the one before, -1 before the first.
-    fn follow(&mut self, run: u64, number: i64) -> i64 {
+    /// Notes an estimate of a run; returns the number of the one before, -1 before the first; `None` where samples are missing
+    /// in between, or before the first.
+    fn follow(&mut self, run: u64, number: i64, is_after_gap: bool) -> Option<i64> {
         if let Some((_, last)) = self.last.iter_mut().find(|(id, _)| *id == run) {
-            return std::mem::replace(last, number);
+            let before = std::mem::replace(last, number);
+            return (!is_after_gap).then_some(before);
         }
         if self.last.len() >= RUNS {
             self.last.pop_front();
         }
         self.last.push_back((run, number));
-        -1
+        (!is_after_gap).then_some(-1)
     }
 }
 
@@ -66,14 +89,15 @@ impl Answers {
         site: &str,
         channel: &'static Channel,
         intake: Arc<Intake>,
+        kept: Arc<Kept>,
     ) -> Self {
-        let last = channel.name.rsplit('/').next().unwrap_or_default();
         Self {
             session: session.clone(),
             site: site.to_owned(),
-            stream: format!("{SITE_ESTIMATE}/{last}"),
+            stream: stream(channel),
             encoding: Encoding::APPLICATION_PROTOBUF.with_schema(schema::name(channel)),
             intake,
+            kept,
             machines: HashMap::new(),
         }
     }
@@ -94,7 +118,7 @@ impl Answers {
             let run = std::str::from_utf8(&name).ok().and_then(run_of);
             let envelope = decode(&self.stream, &message);
             if let (Some((machine, run)), Some(envelope)) = (run, envelope) {
-                self.put(machine, run, envelope.stamp(), &message)?;
+                self.put(machine, run, envelope.stamp(), std::mem::take(&mut message))?;
             }
             if looked.elapsed() >= LOOK {
                 looked = Instant::now();
@@ -109,9 +133,13 @@ impl Answers {
         machine: &str,
         run: u64,
         stamp: &Stamp,
-        message: &[u8],
+        payload: Vec<u8>,
     ) -> Result<(), String> {
-        let Some(wall_ms) = self.intake.answered(machine, run, stamp.measured_ns) else {
+        let Some(Answered {
+            wall_ms,
+            is_after_gap,
+        }) = self.intake.answered(machine, run, stamp)
+        else {
             return Ok(());
         };
         if !self.machines.contains_key(machine) {
@@ -129,12 +157,15 @@ impl Answers {
             machine: machine.to_owned(),
             run,
             number: stamp.sequence,
-            after: Some(relay.follow(run, stamp.sequence as i64)),
+            after: relay.follow(run, stamp.sequence as i64, is_after_gap),
             wall_ms,
         };
-        let put = relay.publisher.put(message).attachment(label.to_string());
-        // A link that is gone shows as a gap where somebody collects.
-        let _ = put.wait();
+        let answer = Arc::new(Answer { label, payload });
+        // First: whoever learns of it may ask for it.
+        self.kept.keep(Arc::clone(&answer), Instant::now());
+        let put = relay.publisher.put(answer.payload.as_slice());
+        // What is lost with the link, or by congestion, is asked for again.
+        let _ = put.attachment(answer.label.to_string()).wait();
         Ok(())
     }
 

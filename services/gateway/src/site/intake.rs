@@ -7,7 +7,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use messages::channels::{Channel, Visitor};
-use messages::{Message, Value};
+use messages::{Message, Stamp, Value};
 use recording::payload::{decode, take_delimited};
 use zenoh::sample::Sample;
 
@@ -21,6 +21,15 @@ const LARGEST: usize = 80_000;
 const MACHINES: usize = 20_000;
 /// A machine that was silent for so long is forgotten.
 const SILENT: Duration = Duration::from_secs(600);
+
+/// What is known of an estimate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Answered {
+    /// When it was measured, by the machine's wall clock [ms since 1970].
+    pub wall_ms: u64,
+    /// Samples are missing between the estimate before and this one.
+    pub is_after_gap: bool,
+}
 
 /// Checks and hands on.
 pub struct Intake {
@@ -76,20 +85,27 @@ impl Intake {
         let sent = lock(&self.batches).as_ref().map(|b| b.try_send(records));
         match sent {
             Some(Ok(())) => machine.counts.samples += count,
-            Some(Err(TrySendError::Full(_))) => machine.counts.late += count,
+            Some(Err(TrySendError::Full(_))) => {
+                machine.counts.late += count;
+                machine.cut(label.run);
+            }
             Some(Err(TrySendError::Disconnected(_))) | None => {}
         }
     }
 
-    /// When an estimate of a run was measured, by the machine's wall clock [ms since 1970]; `None` for a run that is over.
-    pub(super) fn answered(&self, machine: &str, run: u64, measured_ns: u64) -> Option<u64> {
+    /// Notes an estimate; `None` for one of a run that is over.
+    pub(super) fn answered(&self, machine: &str, run: u64, stamp: &Stamp) -> Option<Answered> {
         let mut machines = lock(&self.machines);
         let machine = machines.get_mut(machine)?;
-        let offset_ms = machine.runs.iter().find(|r| r.id == run)?.wall_offset_ms;
+        let run = machine.runs.iter_mut().find(|r| r.id == run)?;
+        let is_after_gap = run.passes_gap(i64::try_from(stamp.sequence).ok()?);
+        let measured_ms = i64::try_from(stamp.measured_ns / 1_000_000).ok()?;
+        let wall_ms = measured_ms.saturating_add(run.wall_offset_ms);
         machine.counts.estimates += 1;
-        let measured_ms = i64::try_from(measured_ns / 1_000_000).ok()?;
-        let wall_ms = measured_ms.saturating_add(offset_ms);
-        Some(u64::try_from(wall_ms).unwrap_or(0))
+        Some(Answered {
+            wall_ms: u64::try_from(wall_ms).unwrap_or(0),
+            is_after_gap,
+        })
     }
 
     /// Whether a machine is known.
@@ -264,8 +280,47 @@ mod tests {
         let all: Vec<_> = waiting.try_iter().flat_map(|r| names(&r)).collect();
         assert_eq!(all, ["ex-1 7", "ex-1 2", "ex-1 7", "ex-1 2"]);
         assert_eq!(run_of("ex-1 2"), Some(("ex-1", 2)));
-        assert_eq!(intake.answered("ex-1", 1, 0), None);
-        assert_eq!(intake.answered("ex-1", 2, 3_000_000), Some(8));
+        let stamp = Stamp {
+            measured_ns: 3_000_000,
+            ..Stamp::default()
+        };
+        assert_eq!(intake.answered("ex-1", 1, &stamp), None);
+        let wall_ms = intake.answered("ex-1", 2, &stamp).map(|a| a.wall_ms);
+        assert_eq!(wall_ms, Some(8));
+    }
+
+    #[test]
+    fn the_first_estimate_behind_each_gap_in_the_samples_says_so() {
+        let (batches, waiting) = sync_channel(3);
+        let intake = Intake::new(&EXCAVATOR_SENSORS, batches);
+        let take = |numbers| intake.take(&id(), label("ex-1", 1), Some(&batch(numbers, 0.1)));
+        take(0..3);
+        take(5..9);
+        take(12..15);
+        // No place: too late, and the next ones are behind a gap too.
+        take(15..17);
+        assert_eq!(waiting.try_iter().count(), 3);
+        take(17..20);
+        let gaps = [0, 2, 5, 6, 13, 14, 18, 19].map(|sequence| {
+            let stamp = Stamp {
+                sequence,
+                ..Stamp::default()
+            };
+            intake
+                .answered("ex-1", 1, &stamp)
+                .expect("the run")
+                .is_after_gap
+        });
+        assert_eq!(gaps, [false, false, true, false, true, false, true, false]);
+        // A site that joins a run on its way has not seen what was before.
+        let (joined, _waiting) = self::intake();
+        joined.take(&id(), label("ex-1", 1), Some(&batch(7..9, 0.1)));
+        let stamp = Stamp {
+            sequence: 7,
+            ..Stamp::default()
+        };
+        let first = joined.answered("ex-1", 1, &stamp);
+        assert!(first.expect("the run").is_after_gap);
     }
 
     #[test]

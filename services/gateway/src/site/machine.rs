@@ -1,5 +1,6 @@
 //! A machine that sends samples, as the site sees it: which run, how far, how much it may still send.
 
+use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
 use recording::payload::put_delimited;
@@ -30,6 +31,9 @@ pub struct Counts {
 /// Runs of a machine that are estimated at a time: the one that ends, the one that begins, and room for what is forged.
 const AT_A_TIME: usize = 4;
 
+/// Gaps of a run whose estimates are to come: the oldest one makes way.
+const GAPS: usize = 256;
+
 /// A run of a machine.
 pub struct Run {
     /// Its id.
@@ -37,6 +41,10 @@ pub struct Run {
     heard: Instant,
     /// Number of its last sample, -1 before the first.
     last: i64,
+    /// What came last did not go on.
+    is_cut: bool,
+    /// Samples before which others are missing, whose estimates are to come.
+    gaps: VecDeque<i64>,
     /// The machine's wall clock minus its monotonic clock [ms].
     pub wall_offset_ms: i64,
 }
@@ -68,6 +76,22 @@ pub fn name(machine: &str, run: u64) -> String {
 pub fn run_of(name: &str) -> Option<(&str, u64)> {
     let (machine, run) = name.rsplit_once(' ')?;
     Some((machine, run.parse().ok()?))
+}
+
+impl Run {
+    fn note_gap(&mut self, number: i64) {
+        if self.gaps.len() >= GAPS {
+            self.gaps.pop_front();
+        }
+        self.gaps.push_back(number);
+    }
+
+    /// Whether samples are missing between the estimate before and that of this sample.
+    pub fn passes_gap(&mut self, number: i64) -> bool {
+        let waiting = self.gaps.len();
+        self.gaps.retain(|gap| *gap > number);
+        self.gaps.len() < waiting
+    }
 }
 
 impl Machine {
@@ -103,9 +127,18 @@ impl Machine {
             id: label.run,
             heard: now,
             last: -1,
+            is_cut: false,
+            gaps: VecDeque::new(),
             wall_offset_ms: 0,
         });
         self.runs.last_mut()
+    }
+
+    /// Notes that what a run sent last did not go on.
+    pub fn cut(&mut self, run: u64) {
+        if let Some(run) = self.runs.iter_mut().find(|r| r.id == run) {
+            run.is_cut = true;
+        }
     }
 
     /// The records of samples for `heft serve`, and how many; `None` if they may not be sent now.
@@ -135,6 +168,10 @@ impl Machine {
             }
             if run.last >= 0 {
                 missing += (number - run.last - 1) as u64;
+            }
+            let is_cut = std::mem::take(&mut run.is_cut);
+            if is_cut || number != run.last + 1 {
+                run.note_gap(number);
             }
             run.last = number;
             count += 1;

@@ -5,11 +5,13 @@
 //! ```
 //! `heft serve` is a process of its own, which shares the machines among processes, one a core, and replaces one that
 //! dies. What a machine is called there is its name and the start of its run: a new run begins with nothing known.
-//! Live at most once: a sample that is lost on the way is counted here, and the estimators see the time that is missing.
+//! A sample goes on at most once: one that is lost on the way is counted here, the estimators see the time that is missing,
+//! and the label of the first estimate behind the gap says so. An estimate is sent once, and again for whoever asks: [`kept`].
 
 mod answers;
 mod child;
 mod intake;
+mod kept;
 mod machine;
 
 use std::path::PathBuf;
@@ -28,6 +30,7 @@ use crate::key::{MachineId, ROOT, SITE_ESTIMATE};
 use crate::link::{LinkArgs, client_unless};
 use answers::Answers;
 use intake::Intake;
+use kept::Kept;
 
 /// Batches of samples that may wait for `heft serve`.
 const QUEUE: usize = 4096;
@@ -119,11 +122,15 @@ pub fn serve(args: &ServeArgs, stop: &AtomicBool) -> Result<(), String> {
     let subscriber = subscriber.callback(move |sample| its.batch(&sample)).wait();
     let subscriber = subscriber.map_err(failed)?;
     let writer = std::thread::spawn(move || child::feed(input, &waiting));
-    let answers = Answers::new(&session, &args.site, way.estimate, Arc::clone(&intake));
+    let (stream, kept) = (answers::stream(way.estimate), Arc::new(Kept::default()));
+    let questions = kept::declare(&session, &args.site, &stream, &kept).map_err(failed)?;
+    let its = (Arc::clone(&intake), Arc::clone(&kept));
+    let answers = Answers::new(&session, &args.site, way.estimate, its.0, its.1);
     let reader = std::thread::spawn(move || answers.publish(output));
     let mut looked = Instant::now();
     while !stops() && !reader.is_finished() && !writer.is_finished() {
         std::thread::sleep(Duration::from_millis(100));
+        answers::say_again(&session, &args.site, &stream, &kept);
         if looked.elapsed() >= LOOK {
             looked = Instant::now();
             intake.forget_silent();
@@ -139,6 +146,7 @@ pub fn serve(args: &ServeArgs, stop: &AtomicBool) -> Result<(), String> {
     for line in intake.losses() {
         eprintln!("{line}");
     }
+    drop(questions);
     let _ = session.close().wait();
     if let (Ok(()), Ok(Err(why))) = joined {
         tracing::warn!("{why}");

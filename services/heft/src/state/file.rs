@@ -188,7 +188,7 @@ fn fits(
     if old.format == FIRST_FORMAT {
         // It cannot be told whether the user changed the description, or heft its keys.
         if old.description_sha256 != recording::sha256(description.to_toml()) {
-            return Err("the description was changed since, or heft's defaults: \
+            return Err("the machine file was changed since, or heft's defaults: \
                  an older heft wrote it, which did not say what was stated"
                 .into());
         }
@@ -196,7 +196,7 @@ fn fits(
         let changed = description.changed_since(&old.stated);
         if !changed.is_empty() {
             let keys = changed.join(", ");
-            return Err(format!("the description was changed since: {keys}"));
+            return Err(format!("the machine file was changed since: {keys}"));
         }
     }
     if old.methods != *methods {

@@ -1,5 +1,5 @@
 //! What is missing of a stream. The store knows up to where each is whole (`good`); what lies behind a gap waits there
-//! until the machine has answered, and then what is still missing is counted as lost.
+//! until the machine has answered, or the site for what it makes itself, and then what is still missing is counted as lost.
 
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
@@ -8,7 +8,7 @@ use rusqlite::params;
 
 use super::{Store, failed};
 use crate::collector::ask::Question;
-use crate::collector::intake::{Answer, can_be_asked};
+use crate::collector::intake::{Answer, is_of_site};
 use crate::collector::live::Account;
 use crate::key::MachineId;
 use crate::label::{Label, lost, lost_behind};
@@ -22,6 +22,8 @@ const LONGEST_PAUSE: Duration = Duration::from_secs(60);
 /// 20 s. A machine that must read a long recording first gets twice the time at each attempt.
 const PATIENCE: Duration = Duration::from_secs(5);
 const LONGEST_PATIENCE: Duration = Duration::from_secs(60);
+/// Questions to a site without an answer, after which it has gone for good: it keeps nothing beyond its process.
+const SITE_ATTEMPTS: u32 = 5;
 
 /// A stream of one run.
 pub(super) struct Stream {
@@ -44,6 +46,9 @@ pub(super) struct Stream {
     next: Instant,
     pause: Duration,
     patience: Duration,
+    /// Questions in a row without an answer.
+    unanswered: u32,
+    is_of_site: bool,
 }
 
 impl Store {
@@ -61,7 +66,7 @@ impl Store {
         let mut rows = query.query(params![id, stream.good]).map_err(failed)?;
         while let Some(row) = rows.next().map_err(failed)? {
             let after: Option<i64> = row.get(1).map_err(failed)?;
-            if after.is_none_or(|after| after > stream.good) {
+            if !stream.follows(after) {
                 break;
             }
             stream.good = row.get(0).map_err(failed)?;
@@ -69,7 +74,7 @@ impl Store {
         Ok(())
     }
 
-    /// What to ask the machines that are here: gaps that did not close by themselves.
+    /// What to ask the machines that are here, and their site: gaps that did not close by themselves.
     pub fn questions(&mut self, here: &[MachineId], most: usize) -> Vec<Question> {
         let now = Instant::now();
         let mut questions = Vec::new();
@@ -79,11 +84,9 @@ impl Store {
                 continue;
             }
             let since = *stream.gap.get_or_insert(now);
-            let is_due = !stream.asked
-                && now >= stream.next
-                && now.duration_since(since) >= GRACE
-                && can_be_asked(&stream.name);
-            if is_due && questions.len() < most && here.binary_search(&stream.machine).is_ok() {
+            let is_due = !stream.asked && now >= stream.next && now.duration_since(since) >= GRACE;
+            let is_here = || stream.is_of_site || here.binary_search(&stream.machine).is_ok();
+            if is_due && questions.len() < most && is_here() {
                 stream.asked = true;
                 questions.push(Question {
                     stream: *id,
@@ -99,14 +102,12 @@ impl Store {
         questions
     }
 
-    /// Counts as lost what nobody can be asked for.
+    /// Counts as lost what a site that does not answer has not sent.
     ///
     /// # Errors
     /// The disk takes no more.
     pub fn settle(&mut self) -> Result<(), String> {
-        let is_due = |s: &Stream| {
-            s.gap.is_some_and(|since| since.elapsed() >= GRACE) && !can_be_asked(&s.name)
-        };
+        let is_due = |s: &Stream| s.is_of_site && s.unanswered >= SITE_ATTEMPTS;
         let due = self.streams.iter().filter(|(_, s)| is_due(s));
         let due: Vec<i64> = due.map(|(id, _)| *id).collect();
         due.into_iter()
@@ -124,6 +125,9 @@ impl Store {
         stream.asked = false;
         if answer == Answer::None {
             stream.patience = (stream.patience * 2).min(LONGEST_PATIENCE);
+            stream.unanswered += 1;
+        } else {
+            stream.unanswered = 0;
         }
         let upto = match answer {
             Answer::Whole(served) => served.upto.min(stream.head),
@@ -154,7 +158,8 @@ impl Store {
         while let Some(row) = rows.next().map_err(failed)? {
             let number = row.get(0).map_err(failed)?;
             let next = label(number, row.get(1).map_err(failed)?);
-            stream.lose(lost(stream.good, &next, stream.per_period));
+            let least = u64::from(stream.is_of_site && !stream.follows(next.after));
+            stream.lose(lost(stream.good, &next, stream.per_period).max(least));
             stream.good = number;
         }
         if upto > stream.good {
@@ -189,6 +194,7 @@ impl Stream {
     pub fn new(machine: MachineId, name: String, run: i64) -> Self {
         Self {
             machine,
+            is_of_site: is_of_site(&name),
             name,
             run,
             good: -1,
@@ -202,6 +208,16 @@ impl Stream {
             next: Instant::now(),
             pause: PAUSE,
             patience: PATIENCE,
+            unanswered: 0,
+        }
+    }
+
+    /// Whether nothing is missing between what is here and a message that names `after` as the one before it. Where a site
+    /// has joined a run on its way, nothing of its own was before.
+    pub fn follows(&self, after: Option<i64>) -> bool {
+        match after {
+            Some(after) => after <= self.good,
+            None => self.is_of_site && self.good < 0,
         }
     }
 

@@ -85,9 +85,9 @@ fn options(args: &CalibrateArgs, folder: &Path) -> Vec<String> {
     for (name, stated) in [("--payload", &args.payload), ("--mass", &args.mass)] {
         all.extend(stated.iter().filter(is_here).map(|t| format!("{name}={t}")));
     }
-    let ways = args.there_and_back.iter();
-    let own_ways = ways.filter(|text| text.split(',').all(is_meant));
-    all.extend(own_ways.map(|text| format!("--out-and-back={text}")));
+    let pairs = args.there_and_back.iter();
+    let own_pairs = pairs.filter(|text| text.split(',').all(is_meant));
+    all.extend(own_pairs.map(|text| format!("--out-and-back={text}")));
     // Scales of this name in the folder of the machine, or else the file that is named.
     all.extend(args.weigh.iter().filter(is_here).map(|text| {
         let (file, named) = scales(text);

@@ -154,7 +154,7 @@ fn text(summary: &Summary<'_>) -> String {
             continue;
         };
         let held = if summary.fixed[i] {
-            "  (as described)"
+            "  (of the machine file)"
         } else {
             ""
         };

@@ -122,7 +122,7 @@ fn values(body: &mut String, summary: &Summary<'_>, found: &FitResult) {
             };
             let noise = p.value_std(found.fit.place[i], found.uncertainty.noise[i]);
             let held = if summary.fixed[i] {
-                " (as described)"
+                " (of the machine file)"
             } else {
                 ""
             };
@@ -172,7 +172,7 @@ fn unseen(body: &mut String, summary: &Summary<'_>, found: &FitResult) {
             "correlation with the next",
             "inside 95 %, %",
         ],
-        &[row("as described", before), row("calibrated", after)],
+        &[row("machine file", before), row("calibrated", after)],
     );
 }
 
