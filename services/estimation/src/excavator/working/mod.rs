@@ -2,15 +2,18 @@
 //!
 //! One filter carries everything that the machine may differ by ([`filter`]); what no state explains raises
 //! the noise of the torque until the innovations are white again ([`noise`]); what the bucket holds is
-//! unknown as soon as it could have changed ([`bucket`], [`tare`]). Sensors that go wrong are contradicted ([`contradiction`], [`parallel`]);
+//! unknown as soon as it could have changed ([`bucket`], [`tare`]). Sensors that go wrong are contradicted ([`contradiction`], [`parallel`]),
+//! and then the load is that of the pressures alone, where there are any ([`scale`]);
 //! the interval and the reasons are in [`verdict`].
 
 mod agreement;
 mod bucket;
 mod contradiction;
+mod correlations;
 mod filter;
 mod noise;
 mod parallel;
+mod scale;
 mod smoother;
 mod states;
 mod tare;
@@ -27,17 +30,18 @@ use self::filter::{
 };
 use self::noise::Noise;
 use self::parallel::ParallelFilter;
+use self::scale::Scale;
 pub use self::smoother::{Smoothed, Smoother};
 pub use self::trail::Trail;
 use self::weigh::Weigh;
-use super::doubts::{Correlations, Doubts};
+use super::doubts::Doubts;
 use super::drive::Drive;
 use super::settings::Settings;
 use super::standstill::Phase;
 use super::state::State;
 use crate::consistency::Cusum;
 use crate::kalman::Innovation;
-use crate::math::{exp, sin_cos, sqrt};
+use crate::math::{exp, sin_cos};
 
 /// Random walk of the torque's gain: weights of zero all err alike, and must not add up [1/sqrt(s)].
 const GAIN_DRIFT: f64 = 0.001;
@@ -110,6 +114,8 @@ pub(super) struct Working {
     contradiction: Contradiction,
     /// The boom's cylinders, where they are described.
     weigh: Option<Weigh>,
+    /// The load by them alone.
+    scale: Scale,
     /// The upper body hardly moves for this time [s]; its velocity a tick ago [rad/s] and what it gains, smoothed [rad/s^2].
     slow_for: f64,
     before: f64,
@@ -154,10 +160,11 @@ impl Working {
         }
         let mut filter = Filter::new(x, &std);
         if let Some(found) = doubts.found {
-            correlate(&mut filter, doubts, found);
+            correlations::correlate(&mut filter, doubts, found);
         }
         Self {
             parallel: ParallelFilter::new(&filter),
+            scale: Scale::new(&filter),
             filter,
             torque_share: doubts.torque_share,
             form_share: doubts.form_share,
@@ -247,6 +254,7 @@ impl Working {
         (content, stands): (Content, bool),
         trail: &mut Option<Trail>,
     ) -> bool {
+        let anything = self.anything();
         let Some(weigh) = &mut self.weigh else {
             return false;
         };
@@ -254,12 +262,14 @@ impl Working {
         let opens = self.bucket.is_open() || self.bucket.is_settling();
         let moment = weigh.step(settings, drive, motion, (content, opens));
         let parallel = &mut self.parallel.filter;
-        weigh.begin(drive, [&mut self.filter, parallel], trail);
+        let filters = [&mut self.filter, &mut *parallel, &mut self.scale.filter];
+        weigh.begin(drive, filters, trail);
         let Some(moment) = moment else {
             return false;
         };
         let said = weigh.measure(settings, &moment, &mut self.filter, trail);
         let other = weigh.measure(settings, &moment, parallel, &mut None);
+        self.scale.weigh(weigh, settings, &moment, anything);
         let load = (self.filter.x[M], self.rated);
         if moment.touches {
             return weigh.sets_down(said, load);
@@ -327,6 +337,7 @@ impl Working {
         }
         let (width, gate) = (s.estimator.friction_width, s.estimator.gate);
         self.parallel.set_off(&self.filter);
+        self.scale.leave(&input);
         self.filter.predict(&input, width, s.inertia_min, trail);
         self.turn += self.filter.x[W] * drive.period;
         let mut innovation = Innovation::default();
@@ -419,6 +430,7 @@ impl Working {
         let input = self.input(s, drive);
         self.filter.leave(&input, trail);
         self.parallel.filter.leave(&input, &mut None);
+        self.scale.leave(&input);
         self.tare(s.estimator.gate, &drive.now, trail);
         Innovation::default()
     }
@@ -428,6 +440,8 @@ impl Working {
     fn incline(&mut self, [pitch, roll]: [f64; 2], trail: &mut Option<Trail>) {
         let (sin, cos) = sin_cos(self.turn);
         let slopes = [roll * cos - pitch * sin, -roll * sin - pitch * cos];
+        self.scale
+            .incline(slopes, MOUNTING * MOUNTING, INCLINOMETER * INCLINOMETER);
         for (i, slope) in (SLOPE..).zip(slopes) {
             if self.filter.p[i][i] > MOUNTING * MOUNTING {
                 let value = slope - self.filter.x[i];
@@ -441,86 +455,6 @@ impl Working {
     }
 
     pub(super) fn is_sound(&self) -> bool {
-        self.filter.is_sound() && self.parallel.is_sound()
-    }
-}
-
-/// Correlations are rounded: this share of each keeps the covariance positive.
-const SHARED: f64 = 0.99;
-
-/// What a calibration has found together errs together. It scales boom, arm and bucket by one factor, and the bucket differs by more than
-/// that: it shares that part. The state of the gain is the inverse of the sensor's.
-fn correlate(filter: &mut Filter, doubts: &Doubts, found: Correlations) {
-    let shared = (doubts.links_share / doubts.bucket_share.max(f64::MIN_POSITIVE)).min(1.0);
-    for (i, j, correlation) in [
-        (GAIN, LINKS, -found.links_gain),
-        (GAIN, UPPER, -found.upper_gain),
-        (GAIN, BUCKET, -shared * found.links_gain),
-        (UPPER, LINKS, found.upper_links),
-        (UPPER, BUCKET, shared * found.upper_links),
-        (LINKS, BUCKET, shared),
-    ] {
-        let covariance = SHARED * correlation * sqrt(filter.p[i][i] * filter.p[j][j]);
-        (filter.p[i][j], filter.p[j][i]) = (covariance, covariance);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::excavator::keys::Description;
-
-    /// Relative standard deviation of the inertia of the empty machine over the gain of the torque.
-    fn of_the_ratio(correlated: bool) -> f64 {
-        let mut d = Description::default();
-        d.machine.mass_tolerance = 0.02;
-        d.machine.upper_tolerance = Some(0.02);
-        d.machine.bucket_tolerance = Some(0.02);
-        d.sensors.swing_torque_gain_std = Some(0.02);
-        if correlated {
-            d.machine.links_gain_correlation = Some(-0.97);
-            d.machine.upper_gain_correlation = -0.94;
-            d.machine.upper_links_correlation = 0.85;
-        } else {
-            d.machine.geometry_tolerance = 0.0;
-        }
-        let settings = Settings::of(&d);
-        let doubts = settings.doubts.expect("doubts");
-        let filter = Working::new(&settings, &doubts).filter;
-        let now = settings.geometry.inertia([0.6, -1.8, -0.5]);
-        // T (1 + k) = J w'.
-        let row = [
-            (GAIN, -now.empty),
-            (UPPER, 1.0),
-            (BUCKET, now.per_bucket),
-            (LINKS, now.links),
-        ];
-        sqrt(filter.combination(&row).1) / now.empty
-    }
-
-    #[test]
-    fn rounded_correlations_leave_no_combination_without_variance() {
-        let mut d = Description::default();
-        d.machine.links_gain_correlation = Some(1.0);
-        d.machine.upper_gain_correlation = 1.0;
-        d.machine.upper_links_correlation = 0.97;
-        let settings = Settings::of(&d);
-        assert_eq!(settings.check(), Ok(()));
-        let filter = Working::new(&settings, &settings.doubts.expect("doubts")).filter;
-        let share = |i: usize| 1.0 / sqrt(filter.p[i][i]);
-        // The combination that was nearest to none.
-        let row = [(GAIN, -2.0), (LINKS, 1.0), (UPPER, 1.0)].map(|(i, a)| {
-            let sign = if i == GAIN { -1.0 } else { 1.0 };
-            (i, sign * a * share(i))
-        });
-        let (_, variance) = filter.combination(&row);
-        assert!(variance > 0.0, "{variance}");
-    }
-
-    #[test]
-    fn masses_and_gain_that_were_found_together_err_together() {
-        // The swings that were calibrated on tell the inertia over the gain far better than either.
-        assert!(of_the_ratio(true) < 0.4 * of_the_ratio(false));
-        assert!(of_the_ratio(false) > 0.02);
+        self.filter.is_sound() && self.parallel.is_sound() && self.scale.filter.is_sound()
     }
 }

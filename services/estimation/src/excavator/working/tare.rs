@@ -47,6 +47,7 @@ impl Working {
         }
         self.filter.set(M, value, std * std, trail);
         self.parallel.filter.set(M, value, std * std, &mut None);
+        self.scale.hold(value, std);
         self.tared = content == Content::Emptied;
         self.tares += f64::from(u8::from(self.tared));
     }
@@ -113,6 +114,7 @@ impl Working {
         }
         if !core::mem::replace(&mut self.tared, true) {
             let row = [(M, 1.0)];
+            self.scale.tare(empty, std * std, gate);
             let said = self.filter.measure(row, value, std * std, gate, trail);
             let parallel = &mut self.parallel.filter;
             let other = parallel.measure(row, other, std * std, gate, &mut None);

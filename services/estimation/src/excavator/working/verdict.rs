@@ -63,15 +63,24 @@ impl Working {
         };
         let inertia = self.filter.inertia(&drive.now, payload);
         let parallel = self.parallel.variances(payload, inertia, &drive.now);
-        let payload_std = sqrt(p[M][M].max(0.0) * factor + parallel[0] + anything);
         let form = self.form(&drive.now);
         let g = drive.now.per_payload;
+        let weighs = self.weigh.as_ref().is_some_and(Weigh::is_there);
+        let [payload, inertia] = if contradicted && weighs {
+            self.scale.answer(&drive.now, anything)
+        } else {
+            [
+                (payload, p[M][M].max(0.0) * factor + parallel[0] + anything),
+                (
+                    inertia,
+                    inertia_variance * factor + parallel[1] + anything * g * g,
+                ),
+            ]
+        };
         State {
-            inertia,
-            inertia_std: sqrt(
-                inertia_variance * factor + parallel[1] + anything * g * g + form * form,
-            ),
-            payload: Some((payload, payload_std)),
+            inertia: inertia.0,
+            inertia_std: sqrt(inertia.1 + form * form),
+            payload: Some((payload.0, sqrt(payload.1))),
             damping: Some((x[DAMPING], std(DAMPING))),
             offset: Some((x[OFFSET], std(OFFSET))),
             velocity: x[W],

@@ -100,7 +100,7 @@ impl Weigh {
     pub(super) fn begin(
         &mut self,
         drive: &Drive,
-        filters: [&mut Filter; 2],
+        filters: [&mut Filter; 3],
         trail: &mut Option<Trail>,
     ) {
         if self.begun || drive.boom_pressure.is_none() {
@@ -108,17 +108,20 @@ impl Weigh {
         }
         self.begun = true;
         let c = &self.cylinder;
-        let [one, other] = filters;
-        for (i, std) in [
-            (SPAN, c.span_std),
-            (ZERO, c.zero_std),
-            (REST, c.friction[0]),
-        ] {
-            one.set(i, 0.0, std * std, trail);
-            other.set(i, 0.0, std * std, &mut None);
-        }
         let together = c.correlation * c.span_std * c.zero_std;
-        for filter in [one, other] {
+        let mut first = trail.as_mut();
+        for filter in filters {
+            for (i, std) in [
+                (SPAN, c.span_std),
+                (ZERO, c.zero_std),
+                (REST, c.friction[0]),
+            ] {
+                filter.set(i, 0.0, std * std, &mut None);
+                if let Some(trail) = &mut first {
+                    trail.set(i);
+                }
+            }
+            first = None;
             (filter.p[SPAN][ZERO], filter.p[ZERO][SPAN]) = (together, together);
         }
     }
@@ -223,6 +226,11 @@ impl Weigh {
             filter.measure(row, value, m.variance, GATE, trail);
         }
         innovation
+    }
+
+    /// Whether a measurement with this innovation is one of the load that is expected.
+    pub(super) fn fits(&self, innovation: Innovation) -> bool {
+        innovation.nis() < GATE * GATE
     }
 
     /// A load that hangs or sloshes swings on while the machine stands; friction, drawing and noise do not waver from block to block.

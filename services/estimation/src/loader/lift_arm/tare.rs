@@ -45,7 +45,7 @@ impl Emptied {
         }
         let left = LEFT.1 * capacity;
         let is_known = shown.std < left && shown.value.abs() < EMPTIED * capacity;
-        (self.empty && is_known).then(|| Tare {
+        (self.empty && is_known).then_some(Tare {
             apart: shown.value - LEFT.0 * capacity,
             variance: shown.std * shown.std + left * left,
         })

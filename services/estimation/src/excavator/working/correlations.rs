@@ -1,0 +1,87 @@
+//! What a calibration has found together errs together.
+
+use super::filter::{BUCKET, Filter, GAIN, LINKS, UPPER};
+use crate::excavator::doubts::{Correlations, Doubts};
+use crate::math::sqrt;
+
+/// Correlations are rounded: this share of each keeps the covariance positive.
+const SHARED: f64 = 0.99;
+
+/// What a calibration has found together errs together. It scales boom, arm and bucket by one factor, and the bucket differs by more than
+/// that: it shares that part. The state of the gain is the inverse of the sensor's.
+pub(super) fn correlate(filter: &mut Filter, doubts: &Doubts, found: Correlations) {
+    let shared = (doubts.links_share / doubts.bucket_share.max(f64::MIN_POSITIVE)).min(1.0);
+    for (i, j, correlation) in [
+        (GAIN, LINKS, -found.links_gain),
+        (GAIN, UPPER, -found.upper_gain),
+        (GAIN, BUCKET, -shared * found.links_gain),
+        (UPPER, LINKS, found.upper_links),
+        (UPPER, BUCKET, shared * found.upper_links),
+        (LINKS, BUCKET, shared),
+    ] {
+        let covariance = SHARED * correlation * sqrt(filter.p[i][i] * filter.p[j][j]);
+        (filter.p[i][j], filter.p[j][i]) = (covariance, covariance);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::excavator::keys::Description;
+    use crate::excavator::settings::Settings;
+    use crate::excavator::working::Working;
+
+    /// Relative standard deviation of the inertia of the empty machine over the gain of the torque.
+    fn of_the_ratio(correlated: bool) -> f64 {
+        let mut d = Description::default();
+        d.machine.mass_tolerance = 0.02;
+        d.machine.upper_tolerance = Some(0.02);
+        d.machine.bucket_tolerance = Some(0.02);
+        d.sensors.swing_torque_gain_std = Some(0.02);
+        if correlated {
+            d.machine.links_gain_correlation = Some(-0.97);
+            d.machine.upper_gain_correlation = -0.94;
+            d.machine.upper_links_correlation = 0.85;
+        } else {
+            d.machine.geometry_tolerance = 0.0;
+        }
+        let settings = Settings::of(&d);
+        let doubts = settings.doubts.expect("doubts");
+        let filter = Working::new(&settings, &doubts).filter;
+        let now = settings.geometry.inertia([0.6, -1.8, -0.5]);
+        // T (1 + k) = J w'.
+        let row = [
+            (GAIN, -now.empty),
+            (UPPER, 1.0),
+            (BUCKET, now.per_bucket),
+            (LINKS, now.links),
+        ];
+        sqrt(filter.combination(&row).1) / now.empty
+    }
+
+    #[test]
+    fn rounded_correlations_leave_no_combination_without_variance() {
+        let mut d = Description::default();
+        d.machine.links_gain_correlation = Some(1.0);
+        d.machine.upper_gain_correlation = 1.0;
+        d.machine.upper_links_correlation = 0.97;
+        let settings = Settings::of(&d);
+        assert_eq!(settings.check(), Ok(()));
+        let filter = Working::new(&settings, &settings.doubts.expect("doubts")).filter;
+        let share = |i: usize| 1.0 / sqrt(filter.p[i][i]);
+        // The combination that was nearest to none.
+        let row = [(GAIN, -2.0), (LINKS, 1.0), (UPPER, 1.0)].map(|(i, a)| {
+            let sign = if i == GAIN { -1.0 } else { 1.0 };
+            (i, sign * a * share(i))
+        });
+        let (_, variance) = filter.combination(&row);
+        assert!(variance > 0.0, "{variance}");
+    }
+
+    #[test]
+    fn masses_and_gain_that_were_found_together_err_together() {
+        // The swings that were calibrated on tell the inertia over the gain far better than either.
+        assert!(of_the_ratio(true) < 0.4 * of_the_ratio(false));
+        assert!(of_the_ratio(false) > 0.02);
+    }
+}

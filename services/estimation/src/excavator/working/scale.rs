@@ -1,0 +1,157 @@
+//! The load by the boom's pressures alone, beside the filter that has the torque too.
+//!
+//! Where torque and load contradict each other, the filter of both is wrong, and which of them is nobody knows. Then this one answers: the
+//! torque, which is the one that mostly errs, has never touched it. In [`ERRS`] of such cases the pressures err, and the bucket may hold
+//! anything.
+//!
+//! It has no motion, so a tick costs nothing: it takes a measurement with each block of the pressures.
+
+use super::super::measurements::boom_moment::Moment;
+use super::super::settings::Settings;
+use super::filter::{Filter, Input, M, SLOPE, inertia_row};
+use super::weigh::Weigh;
+use crate::excavator::geometry::Inertia;
+
+/// Probability that the pressures are wrong where torque and load contradict each other.
+const ERRS: f64 = 0.1;
+/// So many blocks in a row that do not fit are another load.
+const LASTS: u32 = 5;
+
+/// A filter without motion.
+#[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Scale {
+    pub(super) filter: Filter,
+    strange: u32,
+}
+
+impl Scale {
+    /// That knows what this one knows.
+    pub(super) fn new(filter: &Filter) -> Self {
+        Self {
+            filter: filter.clone(),
+            strange: 0,
+        }
+    }
+
+    /// The bucket holds this from now on [kg].
+    pub(super) fn hold(&mut self, value: f64, std: f64) {
+        self.filter.set(M, value, std * std, &mut None);
+        self.strange = 0;
+    }
+
+    /// Part of the load leaves.
+    pub(super) fn leave(&mut self, input: &Input) {
+        self.filter.leave(input, &mut None);
+    }
+
+    /// The slope that the inclinometer shows, unless it is known to this variance; and the variance of a sample.
+    pub(super) fn incline(&mut self, slopes: [f64; 2], known: f64, variance: f64) {
+        for (i, slope) in (SLOPE..).zip(slopes) {
+            if self.filter.p[i][i] > known {
+                let value = slope - self.filter.x[i];
+                self.filter
+                    .measure([(i, 1.0)], value, variance, 1e3, &mut None);
+            }
+        }
+    }
+
+    /// A block of the pressures; `anything`: variance of a load of which nothing is known [kg^2].
+    pub(super) fn weigh(
+        &mut self,
+        weigh: &Weigh,
+        settings: &Settings,
+        moment: &Moment,
+        anything: f64,
+    ) {
+        let said = weigh.measure(settings, moment, &mut self.filter, &mut None);
+        if moment.touches || weigh.fits(said) {
+            self.strange = 0;
+            return;
+        }
+        self.strange += 1;
+        if self.strange == LASTS {
+            self.filter.p[M][M] += anything;
+            self.strange = 0;
+        }
+    }
+
+    /// An emptied bucket holds this, with this variance [kg, kg^2].
+    pub(super) fn tare(&mut self, left: f64, variance: f64, gate: f64) {
+        let value = left - self.filter.x[M];
+        self.filter
+            .measure([(M, 1.0)], value, variance, gate, &mut None);
+    }
+
+    /// Payload and inertia at a posture, with variances; `anything`: that of a bucket that may hold anything [kg^2].
+    pub(super) fn answer(&self, now: &Inertia, anything: f64) -> [(f64, f64); 2] {
+        let filter = &self.filter;
+        let (payload, wrong) = (filter.x[M], ERRS * anything);
+        let (_, variance) = filter.combination(&inertia_row(now));
+        let g = now.per_payload;
+        [
+            (payload, filter.p[M][M].max(0.0) + wrong),
+            (filter.inertia(now, payload), variance + wrong * g * g),
+        ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::filter::N;
+    use super::*;
+    use crate::excavator::cylinder::Cylinder;
+    use crate::excavator::keys::Description;
+
+    const ANYTHING: f64 = 500.0 * 500.0;
+
+    /// A scale that takes blocks of a moment, 40 N m for each kilogram of load.
+    fn weigh(scale: &mut Scale, load: f64, blocks: u32) -> f64 {
+        let mut d = Description::default();
+        let c = &mut d.boom_cylinder;
+        (c.count, c.head_area, c.rod_area) = (1.0, 0.01, 0.007);
+        (c.base_distance, c.rod_distance) = (0.6, 1.3);
+        let weigh = Weigh::new(Cylinder::of_boom(&d).expect("a cylinder"));
+        let moment = Moment {
+            empty: 70e3,
+            measured: 70e3 + 40.0 * load,
+            per_payload: 40.0,
+            lever: 0.5,
+            variance: 1e6,
+            period: 0.2,
+            ..Moment::default()
+        };
+        let settings = Settings::of(&d);
+        (0..blocks).for_each(|_| scale.weigh(&weigh, &settings, &moment, ANYTHING));
+        scale.filter.x[M]
+    }
+
+    #[test]
+    fn another_load_is_taken_when_it_lasts() {
+        let mut std = [0.0; N];
+        std[M] = 300.0;
+        let mut scale = Scale::new(&Filter::new([0.0; N], &std));
+        assert!((weigh(&mut scale, 400.0, 50) - 400.0).abs() < 40.0);
+        scale.filter.p[M][M] = 100.0;
+        let kept = weigh(&mut scale, 1100.0, LASTS - 1);
+        assert!((kept - 400.0).abs() < 40.0, "{kept}");
+        let other = weigh(&mut scale, 1100.0, 60);
+        assert!((other - 1100.0).abs() < 60.0, "{other}");
+    }
+
+    #[test]
+    fn one_time_in_ten_the_bucket_may_hold_anything() {
+        let mut std = [0.0; N];
+        std[M] = 50.0;
+        let mut scale = Scale::new(&Filter::new([0.0; N], &std));
+        scale.hold(700.0, 50.0);
+        let now = Inertia {
+            empty: 40e3,
+            per_payload: 30.0,
+            ..Inertia::default()
+        };
+        let [payload, inertia] = scale.answer(&now, ANYTHING);
+        assert_eq!(payload, (700.0, 2500.0 + ERRS * ANYTHING));
+        assert_eq!(inertia, (61e3, 900.0 * payload.1));
+    }
+}
