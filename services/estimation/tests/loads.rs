@@ -212,6 +212,33 @@ fn a_bucket_that_is_pushed_in_twice_holds_one_load_and_a_way_to_the_truck_makes_
 }
 
 #[test]
+fn a_load_that_is_driven_through_a_gap_is_one_load() {
+    let mut site = Site::new(None);
+    let mut drive = |seconds: f64, weighed: Option<f64>| {
+        for _ in 0..(seconds / DT) as u32 {
+            site.time += DT;
+            let events = site.ledger.step(&Row {
+                time: site.time,
+                payload: weighed.map(|value| Quantity { value, std: 30.0 }),
+                speed: 5.0,
+                trusted: true,
+                witness: Witness::Pressure,
+                ..Row::default()
+            });
+            site.said.extend(events.load);
+        }
+    };
+    drive(2.0, Some(10.0));
+    drive(2.0, Some(900.0));
+    for _ in 0..4 {
+        drive(1.0, None);
+        drive(2.0, Some(890.0));
+    }
+    drive(2.0, Some(10.0));
+    assert_eq!(site.loads().len(), 1);
+}
+
+#[test]
 fn a_scale_that_rises_slowly_fills_one_load_and_scoops_add_to_it() {
     let mut site = Site::new(None);
     site.stand(2.0, (0.0, 15.0));

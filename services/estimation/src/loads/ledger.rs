@@ -36,6 +36,8 @@ const REPORTED_AFTER: f64 = 0.4;
 const CHANGING: f64 = 0.15;
 /// More than this share of a load that stays is a load of its own.
 const PARTIAL: f64 = 0.35;
+/// Dumping, the way back and filling again take so long at least [s].
+const ROUND_TRIP: f64 = 4.0;
 /// Speed of a machine that moves [rad/s, m/s].
 const MOVING: f64 = 0.05;
 /// A longer step between rows is a gap [s].
@@ -111,9 +113,10 @@ struct Open {
 }
 
 impl Open {
-    /// Whether the machine may have dumped and filled again: it was as far away as a truck is.
-    fn has_travelled(&self, witness: Witness) -> bool {
-        self.ends[1] - self.ends[0] >= witness.trip()
+    /// Whether the machine may have dumped and filled again by now: it was as far away as a truck is.
+    fn has_travelled(&self, now: f64, witness: Witness) -> bool {
+        let far = self.ends[1] - self.ends[0] >= witness.trip();
+        far && now - self.since >= ROUND_TRIP
     }
 }
 
@@ -368,7 +371,7 @@ impl Ledger {
         };
         let returned = self
             .open
-            .is_some_and(|open| open.has_travelled(row.witness));
+            .is_some_and(|open| open.has_travelled(row.time, row.witness));
         let left = self.held.is_some_and(|held| held.leaving.is_some());
         let is_same = level.holds(value, floor) && !(left && returned);
         if is_same {
@@ -429,7 +432,7 @@ impl Ledger {
         let leaving = self.held.and_then(|held| held.leaving);
         let returned = self
             .open
-            .is_some_and(|open| open.has_travelled(next.witness));
+            .is_some_and(|open| open.has_travelled(next.to, next.witness));
         let fell = self.is_clear(before, after);
         if self.held.is_some() && fell {
             self.dump(leaving.unwrap_or(next.left), Some(next.weight), events);
