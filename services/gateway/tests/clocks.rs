@@ -174,7 +174,7 @@ fn a_run_is_kept_whatever_its_clock_says() {
     // Of the runs 7 and 8 nothing came: that is not complete.
     until("runs that were not heard are counted", || {
         let page = centre.get("/north/ex-9", "localhost");
-        page.contains("not complete") && page.contains("2 runs unheard")
+        page.contains("not complete") && page.contains("2 runs not received")
     });
 }
 

@@ -21,7 +21,7 @@ pub fn machine() -> impl TypedValueParser<Value = Machine> {
         .try_map(|name| Machine::from_name(&name).ok_or("there is no such machine"))
 }
 
-/// The machine's description.
+/// What is known of the machine.
 #[derive(Debug, Clone, Args)]
 pub struct DescriptionArgs {
     /// Machine file (TOML)
@@ -69,7 +69,7 @@ pub struct EstimationArgs {
     pub map: Option<PathBuf>,
     #[arg(long, help = methods())]
     pub method: Option<String>,
-    /// The machine's description
+    /// What is known of the machine
     #[command(flatten)]
     pub description: DescriptionArgs,
 }

@@ -56,7 +56,7 @@ impl Head {
         let refused: u64 = machine.refused.values().sum();
         let is_complete = account == live::Account::default() && refused == 0;
         let history = format!(
-            "{}{} messages lost, {} streams with a gap, {} runs unheard, {refused} messages refused",
+            "{}{} messages lost, {} streams with a gap, {} runs not received, {refused} messages refused",
             if is_complete {
                 "complete: "
             } else {

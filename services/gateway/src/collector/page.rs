@@ -194,7 +194,7 @@ fn body(fleet: &Fleet) -> String {
         "alarms",
         "lost",
         "gaps",
-        "runs unheard",
+        "runs not received",
         "refused",
         "version",
     ];
@@ -215,7 +215,7 @@ fn body(fleet: &Fleet) -> String {
     }
     out.push_str(
         "<p class=\"note\">age: since the machine last spoke. lost: messages that nobody has any more. gaps: streams of which something \
-         is missing and is being asked for. runs unheard: whole runs that the machine has counted and of which nothing came. refused: messages under the machine's keys that were not taken.</p>",
+         is missing and is being asked for. runs not received: whole runs that the machine has counted and of which nothing came. refused: messages under the machine's keys that were not taken.</p>",
     );
     out
 }

@@ -26,10 +26,10 @@ pub struct LoadsArgs {
     /// Recordings (.mcap), tables (.csv), CAN logs (.log), or folders of them
     #[arg(required = true)]
     pub files: Vec<PathBuf>,
-    /// The machine; a recording of heft says it itself
+    /// The machine; a recording of heft names it
     #[arg(long, value_parser = machine())]
     pub machine: Option<Machine>,
-    /// What estimates are made with; a recording of heft brings its description
+    /// What estimates are made with; a recording of heft brings its machine file
     #[command(flatten)]
     pub with: EstimationArgs,
     /// What a truck shall hold, in kg

@@ -21,7 +21,7 @@ pub const SCALE_STD: f64 = 0.005;
 pub struct WeighArgs {
     /// CSV with the columns pitch, in rad, front_load and rear_load, in N
     pub file: PathBuf,
-    /// Description of the loader
+    /// What is known of the loader
     #[command(flatten)]
     pub description: DescriptionArgs,
     /// Write the result as JSON

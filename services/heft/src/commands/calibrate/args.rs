@@ -50,7 +50,7 @@ pub struct CalibrateArgs {
     /// Signal map (TOML)
     #[arg(long)]
     pub map: Option<PathBuf>,
-    /// The machine's description
+    /// What is known of the machine
     #[command(flatten)]
     pub description: DescriptionArgs,
     /// Machine file to write (TOML)

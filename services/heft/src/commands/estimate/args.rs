@@ -17,10 +17,10 @@ pub struct EstimateArgs {
     /// Recorded data: .csv, .mcap, or .log (candump); without --output many of them, and folders of them
     #[arg(required = true)]
     pub files: Vec<PathBuf>,
-    /// The machine; a recording of heft says it itself
+    /// The machine; a recording of heft names it
     #[arg(long, value_parser = machine())]
     pub machine: Option<Machine>,
-    /// What they are made with; a recording of heft brings its description
+    /// What they are made with; a recording of heft brings its machine file
     #[command(flatten)]
     pub with: EstimationArgs,
     /// Estimates, one row per accepted row of the input (CSV); if absent NAME.estimates.csv beside each input, with a summary in NAME.estimates.json

@@ -69,7 +69,7 @@ pub struct RunArgs {
     /// What a truck shall hold, in kg: loads are counted, reported as they come, and shown at `/loads` of the live page
     #[arg(long, value_name = "KG", value_parser = crate::commands::loads::positive)]
     pub target: Option<f64>,
-    /// The machine's description
+    /// What is known of the machine
     #[command(flatten)]
     pub description: DescriptionArgs,
     /// Method of the main estimate; the usual one if absent (`heft estimate --help` lists them)
