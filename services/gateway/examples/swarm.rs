@@ -169,10 +169,8 @@ impl Machine {
         let said = plain(&session, id.key("status"));
         let token = session.liveliness().declare_token(id.key("alive"));
         let token = token.wait().expect("a token");
-        let answers = ["*/*", "schema/*", "control/full"].map(|keys| {
-            let queryable = session.declare_queryable(id.key(keys)).callback(drop);
-            queryable.wait().expect("a queryable")
-        });
+        let answers = session.declare_queryable(id.key("*/*")).callback(drop);
+        let answers = answers.wait().expect("a queryable");
         Self {
             id,
             estimates: Estimates::Advanced(publishers),

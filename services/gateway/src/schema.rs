@@ -6,6 +6,7 @@ use messages::channels::{Channel, Visitor};
 use messages::{Machine, Message};
 use steps::stages::Pipeline;
 use zenoh::key_expr::KeyExpr;
+use zenoh::query::Query;
 use zenoh::{Session, Wait};
 
 use crate::downsample::streams;
@@ -33,6 +34,15 @@ pub fn name(channel: &Channel) -> String {
 /// # Errors
 /// Zenoh refuses the key.
 pub fn serve(session: &Session, prefix: &str) -> zenoh::Result<impl Sized + use<>> {
+    let answer = answers(prefix);
+    session
+        .declare_queryable(format!("{prefix}/schema/*"))
+        .callback(move |query| answer(&query))
+        .wait()
+}
+
+/// What answers questions for `PREFIX/schema/NAME`; it leaves others alone.
+pub fn answers(prefix: &str) -> impl Fn(&Query) + Send + Sync + use<> {
     let machines = Machine::ALL.into_iter().map(Pipeline::of);
     let channels = machines
         .flat_map(|p| streams(p, 1.0, 1.0))
@@ -44,16 +54,13 @@ pub fn serve(session: &Session, prefix: &str) -> zenoh::Result<impl Sized + use<
             Some((KeyExpr::new(format!("{prefix}/schema/{name}")).ok()?, bytes))
         })
         .collect();
-    session
-        .declare_queryable(format!("{prefix}/schema/*"))
-        .callback(move |query| {
-            for (key, schema) in own
-                .iter()
-                .filter(|(key, _)| query.key_expr().intersects(key))
-            {
-                // Who asked may be gone.
-                let _ = query.reply(key.clone(), schema.as_slice()).wait();
-            }
-        })
-        .wait()
+    move |query| {
+        for (key, schema) in own
+            .iter()
+            .filter(|(key, _)| query.key_expr().intersects(key))
+        {
+            // Who asked may be gone.
+            let _ = query.reply(key.clone(), schema.as_slice()).wait();
+        }
+    }
 }

@@ -11,7 +11,9 @@ use messages::channels::{Channel, Rate};
 use messages::{Carries, Message};
 use recording::payload::put_delimited;
 use rtrb::{Consumer, Producer};
+use zenoh::key_expr::KeyExpr;
 use zenoh::qos::{CongestionControl, Priority};
+use zenoh::query::Query;
 use zenoh::{Session, Wait};
 
 use super::Shared;
@@ -44,38 +46,37 @@ pub(super) fn push<M: Message>(
 pub(super) struct Full {
     session: Session,
     shared: Arc<Shared>,
-    _control: Box<dyn std::any::Any>,
+}
+
+/// What takes `control/full`; it leaves other questions alone.
+pub(super) fn control(shared: &Arc<Shared>) -> zenoh::Result<impl Fn(&Query) + use<>> {
+    let key = KeyExpr::new(shared.id.key("control/full"))?;
+    let shared = Arc::clone(shared);
+    Ok(move |query: &Query| {
+        if !query.key_expr().intersects(&key) {
+            return;
+        }
+        let seconds = query.parameters().get("for");
+        let seconds = seconds.and_then(|v| v.parse::<f64>().ok());
+        let answer = match seconds.filter(|s| (0.0..=LONGEST).contains(s)) {
+            Some(seconds) => {
+                let until = runtime::now_ns() + (seconds * 1e9) as u64;
+                shared.full_until.store(until, Ordering::Relaxed);
+                query.reply(key.clone(), format!("{seconds}")).wait()
+            }
+            None => query.reply_err(format!("for: 0 to {LONGEST} s")).wait(),
+        };
+        // Who asked is gone.
+        let _ = answer;
+    })
 }
 
 impl Full {
-    pub(super) fn declare(session: &Session, shared: &Arc<Shared>) -> zenoh::Result<Self> {
-        let its = Arc::clone(shared);
-        let control = session
-            .declare_queryable(shared.id.key("control/full"))
-            .callback(move |query| {
-                let seconds = query
-                    .parameters()
-                    .get("for")
-                    .and_then(|v| v.parse::<f64>().ok());
-                let answer = match seconds.filter(|s| (0.0..=LONGEST).contains(s)) {
-                    Some(seconds) => {
-                        let until = runtime::now_ns() + (seconds * 1e9) as u64;
-                        its.full_until.store(until, Ordering::Relaxed);
-                        query
-                            .reply(query.key_expr().clone(), format!("{seconds}"))
-                            .wait()
-                    }
-                    None => query.reply_err(format!("for: 0 to {LONGEST} s")).wait(),
-                };
-                // Who asked is gone.
-                let _ = answer;
-            })
-            .wait()?;
-        Ok(Self {
+    pub(super) fn new(session: &Session, shared: &Arc<Shared>) -> Self {
+        Self {
             session: session.clone(),
             shared: Arc::clone(shared),
-            _control: Box::new(control),
-        })
+        }
     }
 
     pub(super) fn send(&self, queue: &mut Consumer<Sample>) {

@@ -76,9 +76,7 @@ fn publish(
     let token = session.liveliness().declare_token(shared.id.key("alive"));
     let token = token.wait().map_err(failed)?;
     let _answers = store::declare(&session, shared).map_err(failed)?;
-    let _schemas =
-        schema::serve(&session, shared.id.key("").trim_end_matches('/')).map_err(failed)?;
-    let full = full::Full::declare(&session, shared).map_err(failed)?;
+    let full = full::Full::new(&session, shared);
     let samples = sensors.map(|s| Samples::declare(&session, shared, s));
     let mut samples = samples.transpose().map_err(failed)?;
     let mut last_report = Instant::now() - PERIOD;

@@ -13,12 +13,14 @@ use recording::Reader;
 use zenoh::query::Query;
 use zenoh::{Session, Wait};
 
-use super::Shared;
+use super::{Shared, full};
 use crate::downsample::Selection;
 use crate::label::{lost, lost_behind};
 use crate::question::{AnswerSummary, Asked, MOST, OVER, WAITING, end};
+use crate::schema;
 
-/// Answers questions until what is returned is dropped.
+/// Answers all questions to the machine until what is returned is dropped. They share a queryable: a router compares what is
+/// declared with every key that it knows.
 pub(super) fn declare(
     session: &Session,
     shared: &Arc<Shared>,
@@ -26,11 +28,15 @@ pub(super) fn declare(
     let (questions, waiting) = sync_channel(WAITING);
     let its = Arc::clone(shared);
     std::thread::spawn(move || serve(&its, &waiting));
+    let key = shared.id.key("*/*");
+    let schemas = schema::answers(key.trim_end_matches("/*/*"));
+    let full = full::control(shared)?;
     let callback = move |query| {
+        schemas(&query);
+        full(&query);
         // Beyond the bound the question ends without an answer, and is asked again.
         let _ = questions.try_send(query);
     };
-    let key = shared.id.key("*/*");
     session.declare_queryable(key).callback(callback).wait()
 }
 
