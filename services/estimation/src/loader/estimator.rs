@@ -3,9 +3,7 @@
 use super::cg_model::Loading;
 use super::estimate::{Estimate, Status};
 use super::filter::{Belief, CgFilter, RowReport};
-use super::layout::{
-    CG_HEIGHT, CG_RATIO, Each, FRONT_WHEEL, Layout, REAR_WHEEL, SLIP_STIFFNESS, SPEED,
-};
+use super::layout::{CG_HEIGHT, CG_RATIO, Each, FRONT_WHEEL, Layout, REAR_WHEEL, SPEED};
 use super::lift_arm::{LiftWitness, Weighed};
 use super::payload::Payload;
 #[cfg(not(feature = "every-method"))]
@@ -352,7 +350,7 @@ fn report<const N: usize, const M: usize, B: Belief<N, M>>(
         speed: x[SPEED],
         front_wheel_speed: x[FRONT_WHEEL],
         rear_wheel_speed: x[REAR_WHEEL],
-        slip_stiffness: quantity(SLIP_STIFFNESS),
+        slip_stiffness: filter.slip_stiffness(),
         cg_height: Quantity {
             value: centre.height,
             std: reported.height,

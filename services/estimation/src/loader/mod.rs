@@ -65,6 +65,7 @@ mod reason;
 mod relearning;
 mod sample;
 pub mod settings;
+mod shared_slip;
 mod slip_fluctuation;
 mod slope;
 mod stuck;

@@ -1,5 +1,6 @@
 //! The estimator on a fixed number of states: what happens with one row.
 
+use crate::Quantity;
 use crate::loader::Method;
 use crate::loader::cg_model::{CgModel, Integration, Loading};
 use crate::loader::conditions::{Conditions, Monitor};
@@ -21,6 +22,7 @@ use crate::loader::quantisation::Quantisation;
 use crate::loader::relearning::Relearning;
 use crate::loader::sample::Sample;
 use crate::loader::settings::{Inputs as Driven, Settings};
+use crate::loader::shared_slip::SharedSlip;
 use crate::loader::slope::SlopeError;
 use crate::loader::stuck::{Stuck, Witness};
 use crate::loader::verdict::{Evidence, RATIO_PER_SENSITIVITY};
@@ -124,6 +126,7 @@ pub(super) struct CgFilter<const N: usize, const M: usize, B: Belief<N, M>> {
     pub(in crate::loader) evidence: Evidence,
     clock: TimeBase,
     windup: Windup,
+    shared_slip: SharedSlip,
     quantisation: Quantisation,
     stuck: Stuck,
     disturbance: Disturbance,
@@ -196,6 +199,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             evidence: Evidence::new(M > 3),
             clock: TimeBase::default(),
             windup: Windup::default(),
+            shared_slip: SharedSlip::default(),
             quantisation: Quantisation::default(),
             stuck: Stuck::default(),
             disturbance: Disturbance::default(),
@@ -232,6 +236,20 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     /// Standard deviation of a state.
     pub fn std(&self, i: usize) -> f64 {
         self.belief.std(i)
+    }
+
+    /// Slip stiffness with what the slips share.
+    pub(in crate::loader) fn slip_stiffness(&self) -> Quantity {
+        let quantity = |value: f64, std: f64| Quantity { value, std };
+        let prior = &self.settings.prior;
+        let own = quantity(
+            self.belief.state()[SLIP_STIFFNESS],
+            self.std(SLIP_STIFFNESS),
+        );
+        let expected = quantity(prior.slip_stiffness, prior.slip_stiffness_std);
+        let range = self.settings.bounds()[0];
+        let std = self.shared_slip.std(own, expected, range.high - range.low);
+        quantity(own.value, std)
     }
 
     pub(in crate::loader) fn last_time(&self) -> Option<f64> {
@@ -320,11 +338,11 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let step = self.hold.advance(sample, midpoint, at_work);
         self.spade_force_x = step.inputs.spade_force_x;
         self.dynamics.mass = self.mass();
-        self.evidence.advance(
-            dt,
-            step.inputs.front_torque + step.inputs.rear_torque,
-            self.free_acceleration(&step),
-        );
+        let acceleration = self.free_acceleration(&step);
+        let torque = step.inputs.front_torque + step.inputs.rear_torque;
+        self.evidence.advance(dt, torque, acceleration);
+        let speed = self.belief.state()[SPEED];
+        self.shared_slip.see(speed, acceleration.unwrap_or(0.0), dt);
         self.evidence.receive(sample);
         self.evidence.stuck = self.stuck.first();
         self.boom_reported |= sample.boom_moving;
