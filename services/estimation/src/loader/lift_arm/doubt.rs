@@ -11,11 +11,13 @@
 //! with c the covariance of payload and lam, as of every jointly normal pair. The maximum is what is added: a d beyond sigma says that
 //! a number is off by more than it claims, nobody says which, and what goes with it is uncertain in proportion.
 //!
-//! An emptied bucket is a weight that is known ([`super::tare`]): with the effects t_i of the numbers on what it shows, and e_i on an
-//! answer now,
+//! An emptied bucket is a weight that is known ([`super::tare`]): with the effects t_i of the numbers on what it shows, and e_i on a
+//! payload now,
 //! ```text
-//! answer -= K (shown - left),   variance -= K sum e_i t_i,   K = sum e_i t_i/(sum t_i^2 + sigma_shown^2 + sigma_left^2)
+//! m_p -= K (shown - left),   variance -= K sum e_i t_i,   K = sum e_i t_i/(sum t_i^2 + sigma_shown^2 + sigma_left^2)
 //! ```
+//! The centre of gravity stays as it is: a bucket that is heavier than described moves it as a load does, a zero does not. By the same
+//! formula for lam and h it was off by more (1.9 for 1.7 % on six loaders), and on 40 others wrong twice as often.
 
 use super::super::layout::Each;
 use super::drawing::{
@@ -77,18 +79,15 @@ impl Sums {
         self
     }
 
-    /// What is left where the emptied bucket is known, by the variance of what it shows; and by how much the answers move for a unit.
-    fn told(mut self, total: f64) -> (Self, [f64; 3]) {
-        let gains = self.with_tare.map(|covariance| covariance / total);
-        for ((variance, gain), covariance) in
-            self.variances.iter_mut().zip(gains).zip(self.with_tare)
-        {
-            *variance -= gain * covariance;
+    /// What is left where the emptied bucket is known, by the variance of what it shows; and by how much the payload moves for a unit.
+    fn told(mut self, total: f64) -> (Self, f64) {
+        let [of_payload, of_centre @ ..] = self.with_tare;
+        let gain = of_payload / total;
+        self.variances[0] -= gain * of_payload;
+        for (sum, covariance) in self.with_payload.iter_mut().zip(of_centre) {
+            *sum -= gain * covariance;
         }
-        for (i, sum) in self.with_payload.iter_mut().enumerate() {
-            *sum -= gains[0] * self.with_tare[i + 1];
-        }
-        (self, gains)
+        (self, gain)
     }
 }
 
@@ -160,18 +159,23 @@ impl Doubts {
         self.tare = None;
     }
 
-    /// The sums with what an emptied bucket tells, and by how much that moves payload, ratio and height.
-    fn told(&self) -> (Sums, [f64; 3]) {
+    /// Standard deviation of what the pressures show of the payload, by all numbers [kg].
+    pub fn shown(&self) -> f64 {
+        sqrt(self.sums.variances[0].max(0.0))
+    }
+
+    /// The sums with what an emptied bucket tells, and by how much the payload is off by that [kg].
+    fn told(&self) -> (Sums, f64) {
         let Some(tared) = &self.tare else {
-            return (self.sums, [0.0; 3]);
+            return (self.sums, 0.0);
         };
-        let (sums, gains) = self.sums.told(tared.total);
-        (sums, gains.map(|gain| -gain * tared.tare.apart))
+        let (sums, gain) = self.sums.told(tared.total);
+        (sums, gain * tared.tare.apart)
     }
 
     /// The answer with all doubts, each `wider` than it was stated. `rows`: what the rows leave open, as effects like those of a number.
     pub fn doubted(&self, payload: f64, centre: Each<f64>, rows: [f64; 3], wider: f64) -> Doubted {
-        let (sums, moved) = self.told();
+        let (sums, error) = self.told();
         let sums = sums.add(&rows, 0.0, 1.0);
         let std = |variance: f64| wider * sqrt(variance.max(0.0));
         let of = |i: usize| std(sums.variances[i]);
@@ -180,12 +184,11 @@ impl Doubts {
             std(sums.variances[i] - weight(number) * own * own)
         };
         let quantity = |value: f64, std: f64| Quantity { value, std };
-        let payload = payload + moved[0];
-        let mut centre = centre;
-        centre.ratio += moved[1];
-        centre.height += moved[2];
+        // What an emptied bucket has shown below nothing is in the payload already.
+        let payload_wider = if self.tare.is_some() { 1.0 } else { wider };
+        let payload_std = payload_wider * sqrt(sums.variances[0].max(0.0));
         Doubted {
-            payload: quantity(payload, of(0)),
+            payload: quantity(payload - error, payload_std),
             centre: Each {
                 ratio: quantity(centre.ratio, of(1)),
                 height: quantity(centre.height, of(2)),
@@ -285,7 +288,7 @@ mod tests {
     }
 
     #[test]
-    fn an_emptied_bucket_takes_its_error_out_of_all_that_it_moves() {
+    fn an_emptied_bucket_takes_its_error_out_of_the_payload() {
         let mut told = doubts();
         told.empty(Tare {
             apart: 130.0,
@@ -304,11 +307,9 @@ mod tests {
         let answer = told.doubted(2000.0, centre, [0.0; 3], 1.0);
         assert!((answer.payload.value - 2000.0 + gain * 130.0).abs() < 1e-9);
         assert!((answer.payload.std - (variance * (1.0 - gain)).sqrt()).abs() < 1e-9);
-        let Each { ratio, height } = answer.centre;
-        assert!((ratio.value - 0.6 + 2e-4 * gain * 130.0).abs() < 1e-12);
-        assert!((height.value - 1.4 + 1e-3 * gain * 130.0).abs() < 1e-12);
-        // The empty machine's ratio is not told by a weight.
-        assert!(ratio.std > MISSTATED * 0.005 && height.std < 0.2 * 0.16);
+        let untold = doubts().doubted(2000.0, centre, [0.0; 3], 1.0);
+        assert!(answer.centre.ratio.value == 0.6 && answer.centre.height.value == 1.4);
+        assert!((answer.centre.ratio.std - untold.centre.ratio.std).abs() < 1e-12);
         told.forget();
         assert_eq!(
             told.doubted(2000.0, centre, [0.0; 3], 1.0).payload.value,

@@ -255,10 +255,11 @@ impl LiftWitness {
         if let Some(tare) = self.emptied.see(payload, motion.open, capacity) {
             self.doubts.empty(tare);
         }
-        let answer = self.answer(&empty, payload, motion.open);
         if !motion.open {
-            self.below.see(answer.payload, dt);
+            let std = crate::math::norm(&[payload.std, self.doubts.shown()]);
+            self.below.see(Quantity { std, ..payload }, dt);
         }
+        let answer = self.answer(&empty, payload, motion.open);
         self.answer = Some(answer);
         answer
     }
