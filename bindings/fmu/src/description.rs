@@ -285,7 +285,8 @@ fn outputs<M: Words>(all: &mut Vec<Variable>) {
         "Enumeration",
         "estimate.reason".to_owned(),
         REASON,
-        "Why it is not trusted, or what the machine does that its machine file does not say.".to_owned(),
+        "Why it is not trusted, or what the machine does that its machine file does not say."
+            .to_owned(),
         " declaredType=\"Reason\"".to_owned(),
     ));
 }

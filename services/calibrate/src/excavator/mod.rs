@@ -194,9 +194,7 @@ fn answers(own: &str, key: &str) -> bool {
             "sensors.*_delay" => {
                 matches!(
                     key,
-                    "sensors.delay"
-                        | "sensors.swing_torque_delay"
-                        | "sensors.swing_velocity_delay"
+                    "sensors.delay" | "sensors.swing_torque_delay" | "sensors.swing_velocity_delay"
                 )
             }
             "prior.inertia" => key == "machine.upper_inertia",
