@@ -83,10 +83,16 @@ impl Scale {
             .measure([(M, 1.0)], value, variance, gate, &mut None);
     }
 
-    /// Payload and inertia at a posture, with variances; `anything`: that of a bucket that may hold anything [kg^2].
-    pub(super) fn answer(&self, now: &Inertia, anything: f64) -> [(f64, f64); 2] {
+    /// Payload, within what a bucket may hold \[kg\], and inertia at a posture, with variances; `anything`: that of a bucket that may hold
+    /// anything [kg^2].
+    pub(super) fn answer(
+        &self,
+        now: &Inertia,
+        [least, most]: [f64; 2],
+        anything: f64,
+    ) -> [(f64, f64); 2] {
         let filter = &self.filter;
-        let (payload, wrong) = (filter.x[M], ERRS * anything);
+        let (payload, wrong) = (filter.x[M].clamp(least, most), ERRS * anything);
         let (_, variance) = filter.combination(&inertia_row(now));
         let g = now.per_payload;
         [
@@ -150,8 +156,9 @@ mod tests {
             per_payload: 30.0,
             ..Inertia::default()
         };
-        let [payload, inertia] = scale.answer(&now, ANYTHING);
+        let [payload, inertia] = scale.answer(&now, [0.0, 1500.0], ANYTHING);
         assert_eq!(payload, (700.0, 2500.0 + ERRS * ANYTHING));
         assert_eq!(inertia, (61e3, 900.0 * payload.1));
+        assert_eq!(scale.answer(&now, [0.0, 500.0], ANYTHING)[0].0, 500.0);
     }
 }

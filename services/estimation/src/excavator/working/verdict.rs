@@ -67,7 +67,7 @@ impl Working {
         let g = drive.now.per_payload;
         let weighs = self.weigh.as_ref().is_some_and(Weigh::is_there);
         let [payload, inertia] = if contradicted && weighs {
-            self.scale.answer(&drive.now, anything)
+            self.scale.answer(&drive.now, [least, most], anything)
         } else {
             [
                 (payload, p[M][M].max(0.0) * factor + parallel[0] + anything),
