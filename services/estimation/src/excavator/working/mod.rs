@@ -337,7 +337,9 @@ impl Working {
         }
         let (width, gate) = (s.estimator.friction_width, s.estimator.gate);
         self.parallel.set_off(&self.filter);
-        self.scale.leave(&input);
+        if weighed {
+            self.scale.leave(&input);
+        }
         self.filter.predict(&input, width, s.inertia_min, trail);
         self.turn += self.filter.x[W] * drive.period;
         let mut innovation = Innovation::default();
@@ -455,6 +457,7 @@ impl Working {
     }
 
     pub(super) fn is_sound(&self) -> bool {
-        self.filter.is_sound() && self.parallel.is_sound() && self.scale.filter.is_sound()
+        let weighs = self.weigh.is_none() || self.scale.filter.is_sound();
+        self.filter.is_sound() && self.parallel.is_sound() && weighs
     }
 }
