@@ -22,7 +22,7 @@ use crate::math::{exp, norm, sqrt};
 /// How far apart in time signals come that say the same [s]: a frame of a CAN bus and a task of a controller.
 const APART: f64 = 1e-3;
 /// So many machines have a larger error in both slips. Chosen on 52 loaders of a plant of others: the interval covers K for .94 of their
-/// time, for .94 on 60 that were drawn afterwards, and for .51 to .62 without either term.
+/// time at least, for .93 on 60 that were drawn afterwards, and for .51 to .62 without either term.
 const SHARED: f64 = 0.3;
 /// Slower than this wheels say nothing [m/s].
 const SLOWEST: f64 = 0.5;

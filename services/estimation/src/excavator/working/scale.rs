@@ -9,13 +9,11 @@
 use super::super::measurements::boom_moment::Moment;
 use super::super::settings::Settings;
 use super::filter::{Filter, Input, M, SLOPE, inertia_row};
-use super::weigh::Weigh;
+use super::weigh::{LASTS, Weigh, fits};
 use crate::excavator::geometry::Inertia;
 
 /// Probability that the pressures are wrong where torque and load contradict each other.
 const ERRS: f64 = 0.1;
-/// So many blocks in a row that do not fit are another load.
-const LASTS: u32 = 5;
 
 /// A filter without motion.
 #[derive(Debug, Clone)]
@@ -65,7 +63,7 @@ impl Scale {
         anything: f64,
     ) {
         let said = weigh.measure(settings, moment, &mut self.filter, &mut None);
-        if moment.touches || weigh.fits(said) {
+        if moment.touches || fits(said) {
             self.strange = 0;
             return;
         }

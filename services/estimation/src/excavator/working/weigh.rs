@@ -21,7 +21,7 @@ const LASTING: f64 = 3600.0;
 /// Innovations beyond this many standard deviations are no load; so many in a row are another one, however it came: a hook takes it
 /// without a joint that digs.
 const GATE: f64 = 4.0;
-const LASTS: u32 = 5;
+pub(super) const LASTS: u32 = 5;
 /// What a measurement says holds for so long \[s\].
 const HOLDS: f64 = 1.0;
 /// A moment that wavers by this share while the machine stands is that of a load that swings (loads that do not: at most .0015, one on
@@ -33,6 +33,11 @@ const SETTLES: u32 = 3;
 const STILL: f64 = 0.02;
 /// Share of the rated payload below which nothing is in the bucket, or on the hook, that could swing.
 const EMPTY: f64 = 0.1;
+
+/// Whether a measurement with this innovation is one of the load that is expected.
+pub(super) fn fits(innovation: Innovation) -> bool {
+    innovation.nis() < GATE * GATE
+}
 
 /// The moment while the machine stands.
 #[derive(Debug, Clone, Copy, Default)]
@@ -109,19 +114,17 @@ impl Weigh {
         self.begun = true;
         let c = &self.cylinder;
         let together = c.correlation * c.span_std * c.zero_std;
-        let mut first = trail.as_mut();
+        // The trail is that of the first filter.
+        let (mut trail, mut none) = (trail, None);
         for filter in filters {
             for (i, std) in [
                 (SPAN, c.span_std),
                 (ZERO, c.zero_std),
                 (REST, c.friction[0]),
             ] {
-                filter.set(i, 0.0, std * std, &mut None);
-                if let Some(trail) = &mut first {
-                    trail.set(i);
-                }
+                filter.set(i, 0.0, std * std, trail);
             }
-            first = None;
+            trail = &mut none;
             (filter.p[SPAN][ZERO], filter.p[ZERO][SPAN]) = (together, together);
         }
     }
@@ -222,15 +225,10 @@ impl Weigh {
             value,
             variance: total,
         };
-        if !m.touches && innovation.nis() < GATE * GATE {
+        if !m.touches && fits(innovation) {
             filter.measure(row, value, m.variance, GATE, trail);
         }
         innovation
-    }
-
-    /// Whether a measurement with this innovation is one of the load that is expected.
-    pub(super) fn fits(&self, innovation: Innovation) -> bool {
-        innovation.nis() < GATE * GATE
     }
 
     /// A load that hangs or sloshes swings on while the machine stands; friction, drawing and noise do not waver from block to block.
@@ -258,7 +256,7 @@ impl Weigh {
             return;
         }
         // A jump is no swing.
-        if innovation.nis() > GATE * GATE {
+        if !fits(innovation) {
             return;
         }
         let begun = watched.payload.is_some();
@@ -296,7 +294,7 @@ impl Weigh {
         innovation: Innovation,
         (payload, rated): (f64, f64),
     ) -> bool {
-        let lighter = innovation.value < 0.0 && innovation.nis() > GATE * GATE;
+        let lighter = innovation.value < 0.0 && !fits(innovation);
         if !lighter || payload < EMPTY * rated {
             self.strange = 0;
             return false;
@@ -307,7 +305,7 @@ impl Weigh {
 
     /// The innovation of a measurement; whether the load must be another one. Where less is carried, the ground may carry the rest.
     pub(super) fn renews(&mut self, innovation: Innovation) -> bool {
-        if innovation.nis() < GATE * GATE {
+        if fits(innovation) {
             self.age = 0.0;
             self.strange = 0;
         } else {

@@ -338,11 +338,12 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let step = self.hold.advance(sample, midpoint, at_work);
         self.spade_force_x = step.inputs.spade_force_x;
         self.dynamics.mass = self.mass();
-        let acceleration = self.free_acceleration(&step);
         let torque = step.inputs.front_torque + step.inputs.rear_torque;
-        self.evidence.advance(dt, torque, acceleration);
+        self.evidence
+            .advance(dt, torque, self.free_acceleration(&step));
         let speed = self.belief.state()[SPEED];
-        self.shared_slip.see(speed, acceleration.unwrap_or(0.0), dt);
+        let force = torque / (self.dynamics.wheel_radius * self.dynamics.mass);
+        self.shared_slip.see(speed, force, dt);
         self.evidence.receive(sample);
         self.evidence.stuck = self.stuck.first();
         self.boom_reported |= sample.boom_moving;
