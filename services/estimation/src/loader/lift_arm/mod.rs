@@ -252,9 +252,8 @@ impl LiftWitness {
         self.doubts
             .see(&self.drawing, &posture, payload.value, &empty);
         let capacity = self.drawing.capacity;
-        if let Some(tare) = self.emptied.see(payload, motion.open, capacity) {
-            self.doubts.empty(tare);
-        }
+        let tare = self.emptied.see(payload, &motion, capacity);
+        self.doubts.empty(tare);
         if !motion.open {
             let std = crate::math::norm(&[payload.std, self.doubts.shown()]);
             self.below.see(Quantity { std, ..payload }, dt);

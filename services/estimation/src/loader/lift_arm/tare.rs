@@ -1,15 +1,16 @@
 //! An emptied bucket is a weight that is known: what it shows beyond what usually stays in it is an error of the drawing.
 //!
 //! Every weighing system on a machine has its zero set with an empty bucket. Here the machine does it at each dump: where a load has
-//! left the bucket, what is weighed then is `left`, .01 +- .02 of the capacity, give or take the rows' own noise.
+//! left the bucket, what is weighed then is `left`, .015 +- .03 of the capacity, give or take the rows' own noise.
 
+use super::content::Motion;
 use crate::Quantity;
 
 /// From this share of the capacity on a bucket holds a load, and up to this share it may be an emptied one.
 const LOADED: f64 = 0.2;
 const EMPTIED: f64 = 0.1;
 /// What stays in an emptied bucket, as a share of the capacity, and its standard deviation.
-const LEFT: (f64, f64) = (0.01, 0.02);
+const LEFT: (f64, f64) = (0.015, 0.03);
 
 /// What an emptied bucket shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,6 +20,8 @@ pub(super) struct Tare {
     pub apart: f64,
     /// Variance of that without the drawing's [kg^2].
     pub variance: f64,
+    /// The bucket still is where it was emptied: that tells of later loads, which are weighed as high.
+    pub high: bool,
 }
 
 /// Memory of the bucket.
@@ -27,27 +30,31 @@ pub(super) struct Tare {
 pub(super) struct Emptied {
     /// It held a load when it opened.
     was_loaded: bool,
-    /// It has been emptied since.
+    /// It has been emptied since, and has not turned since.
     empty: bool,
+    high: bool,
 }
 
 impl Emptied {
-    /// Takes what the rows show of the payload, and whether the content may be changing; what an emptied bucket tells.
-    pub fn see(&mut self, shown: Quantity, open: bool, capacity: f64) -> Option<Tare> {
-        if open {
-            self.empty = false;
+    /// Takes what the rows show of the payload, and what arm and bucket do; what an emptied bucket tells. One that turns in the air
+    /// stays empty: only the ground fills it.
+    pub fn see(&mut self, shown: Quantity, motion: &Motion, capacity: f64) -> Option<Tare> {
+        self.empty &= !motion.held;
+        if motion.open {
+            self.high = false;
             return None;
         }
         if shown.value - 2.0 * shown.std > LOADED * capacity {
             (self.was_loaded, self.empty) = (true, false);
         } else if core::mem::take(&mut self.was_loaded) {
-            self.empty = true;
+            (self.empty, self.high) = (true, true);
         }
         let left = LEFT.1 * capacity;
         let is_known = shown.std < left && shown.value.abs() < EMPTIED * capacity;
         (self.empty && is_known).then_some(Tare {
             apart: shown.value - LEFT.0 * capacity,
             variance: shown.std * shown.std + left * left,
+            high: self.high,
         })
     }
 }
@@ -57,46 +64,62 @@ mod tests {
     use super::*;
 
     const CAPACITY: f64 = 5000.0;
+    const STILL: Motion = Motion {
+        turning: false,
+        lifting: false,
+        settling: false,
+        held: false,
+        open: false,
+    };
+    const OPEN: Motion = Motion {
+        turning: true,
+        open: true,
+        ..STILL
+    };
+    const IN_THE_GROUND: Motion = Motion { held: true, ..OPEN };
 
-    /// What the bucket tells after it held `before`, and was opened or not.
-    fn told(before: f64, opened: bool, after: f64) -> Option<Tare> {
+    /// What the bucket tells after it has shown these payloads [kg] in these motions.
+    fn told(rows: &[(f64, &Motion)]) -> Option<Tare> {
         let mut bucket = Emptied::default();
-        let mut see = |value: f64, open: bool| {
+        let see = |&(value, motion): &(f64, &Motion)| {
             let shown = Quantity { value, std: 40.0 };
-            bucket.see(shown, open, CAPACITY)
+            bucket.see(shown, motion, CAPACITY)
         };
-        assert_eq!(see(before, false), None);
-        if opened {
-            assert_eq!(see(before, true), None);
-        }
-        see(after, false)
+        rows.iter().map(see).last().flatten()
+    }
+
+    /// The same of a bucket that is opened with a load and shows `after`.
+    fn dumped(before: f64, after: f64) -> Option<Tare> {
+        told(&[(before, &STILL), (before, &OPEN), (after, &STILL)])
     }
 
     #[test]
     fn only_a_bucket_that_was_loaded_and_opened_is_an_empty_one() {
-        let tare = told(3000.0, true, 250.0).expect("it was dumped");
-        assert!((tare.apart - 200.0).abs() < 1e-9);
-        assert!((tare.variance - 40.0 * 40.0 - 100.0 * 100.0).abs() < 1e-9);
+        let tare = dumped(3000.0, 250.0).expect("it was dumped");
+        assert!((tare.apart - 175.0).abs() < 1e-9);
+        assert!((tare.variance - 40.0 * 40.0 - 150.0 * 150.0).abs() < 1e-9);
         assert_eq!(
-            told(100.0, true, 250.0),
+            dumped(100.0, 250.0),
             None,
             "it may never have held anything"
         );
-        assert_eq!(told(3000.0, true, 2500.0), None, "a part is left");
-        assert_eq!(told(3000.0, true, 800.0), None, "too much for what sticks");
+        assert_eq!(dumped(3000.0, 2500.0), None, "a part is left");
+        assert_eq!(dumped(3000.0, 800.0), None, "too much for what sticks");
     }
 
     #[test]
-    fn a_small_load_after_an_emptied_bucket_is_no_empty_one() {
-        let mut bucket = Emptied::default();
-        let mut see = |value: f64, open: bool| {
-            let shown = Quantity { value, std: 40.0 };
-            bucket.see(shown, open, CAPACITY)
+    fn an_emptied_bucket_stays_empty_until_it_turns_in_the_ground() {
+        let after = |motion, shown| {
+            told(&[
+                (3000.0, &STILL),
+                (3000.0, &OPEN),
+                (20.0, &STILL),
+                (20.0, motion),
+                (shown, &STILL),
+            ])
         };
-        see(3000.0, false);
-        see(3000.0, true);
-        assert!(see(20.0, false).is_some());
-        see(20.0, true);
-        assert_eq!(see(400.0, false), None);
+        assert!(after(&OPEN, 60.0).is_some());
+        assert_eq!(after(&IN_THE_GROUND, 60.0), None);
+        assert_eq!(after(&OPEN, 600.0), None, "somebody filled it");
     }
 }
