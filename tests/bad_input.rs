@@ -71,6 +71,82 @@ fn text_in_a_number_is_named_with_row_and_column() {
 }
 
 #[test]
+fn what_a_cell_should_be_is_said_where_it_is_something_else() {
+    let refused = |content: &str, words: &[&str]| estimate("excavator", "in.csv", content, words);
+    // The day of an American date may be its month.
+    let date = "t,swing_velocity\n03/04/2026 12:59:50 PM,0.1\n";
+    refused(date, &["03/04/2026", "2026-11-21 16:00:00.25"]);
+    let thousands = "t,swing_velocity,swing_torque\n0,0,\"1,250.5\"\n";
+    refused(thousands, &["1,250.5", "decimal point"]);
+    let twice = "t,swing_velocity\n0,0\n0.01,0\nt,swing_velocity\n0,0\n";
+    refused(twice, &["in.csv:4", "header stands here once more"]);
+    let preface = "Logger 2.1\nMachine: EX-22\nt,swing_velocity\n0,0\n";
+    refused(preface, &["Logger 2.1", "delete what stands above"]);
+    let blanks = "t swing_velocity\n0 0\n";
+    refused(blanks, &["t swing_velocity", "separate the columns by"]);
+}
+
+#[test]
+fn a_pipe_is_named_and_not_half_read() {
+    use std::process::Stdio;
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = folder.path().join("out.csv");
+    let estimate = |input: &str| {
+        let rows = fs::File::open(golden("excavator_input_base_case1.csv")).expect("rows");
+        let mut cat = std::process::Command::new("cat");
+        let mut cat = cat.stdin(rows).stdout(Stdio::piped()).spawn().expect("cat");
+        let pipe = cat.stdout.take().expect("its rows");
+        let result = common::heft()
+            .args(["estimate", input, "--machine", "excavator", "-o"])
+            .arg(&output)
+            .stdin(pipe)
+            .output()
+            .expect("heft");
+        cat.wait().expect("cat");
+        result
+    };
+    for input in ["/dev/stdin", "-"] {
+        let result = estimate(input);
+        let text = both(&result);
+        assert_eq!(result.status.code(), Some(2), "{text}");
+        assert!(text.contains("heft serve"), "{text}");
+    }
+    assert!(!output.exists());
+}
+
+#[test]
+fn estimates_on_standard_output_are_rows_and_nothing_else() {
+    let input = golden("excavator_input_base_case1.csv");
+    let args = [
+        "estimate",
+        input.to_str().expect("a path"),
+        "--machine",
+        "excavator",
+    ];
+    let estimates = |output: &str| run(&[&args[..], &["-o", output]].concat());
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("out.csv");
+    let whole = estimates(file.to_str().expect("a path"));
+    assert!(!whole.stdout.is_empty(), "words");
+    let rows = fs::read(&file).expect("rows");
+    for output in ["-", "/dev/stdout"] {
+        let result = estimates(output);
+        assert!(result.stdout == rows, "{output}");
+        assert!(both(&result).contains("The swing inertia is"), "{output}");
+    }
+    assert!(!Path::new("-").exists());
+    // A file behind the device's name is written, and takes nothing's place.
+    let behind = folder.path().join("behind.csv");
+    let status = common::heft()
+        .args(args)
+        .args(["-o", "/dev/fd/1"])
+        .stdout(fs::File::create(&behind).expect("a file"))
+        .status();
+    assert_eq!(status.expect("heft").code(), whole.status.code());
+    assert!(fs::read(&behind).expect("rows") == rows);
+}
+
+#[test]
 fn empty_files_and_headers_without_rows_are_refused() {
     estimate("excavator", "in.csv", "", &["empty"]);
     estimate("excavator", "in.csv", "t,swing_velocity\n", &["no rows"]);

@@ -45,7 +45,7 @@ impl Failure {
             return Self::input(
                 format!("cannot {action} the file: no such file or folder"),
                 path.display(),
-                "check the name and the folder",
+                recording::Error::where_to_look(path),
             );
         }
         let remedy = match error.kind() {

@@ -117,7 +117,7 @@ fn walk(folder: &Path, tables: bool, found: &mut Vec<PathBuf>) -> std::io::Resul
             continue;
         } else if kind?.is_dir() {
             folders.push(path);
-        } else if tables && is_table(&path) {
+        } else if tables && is_table(&path) && path.is_file() {
             recordings.push(path);
         }
     }

@@ -34,10 +34,10 @@ impl Error {
     pub(crate) fn system(doing: &str, path: &Path, error: &io::Error) -> Self {
         use io::ErrorKind as Kind;
         let remedy = match error.kind() {
-            Kind::NotFound => "check the name and the folder",
+            Kind::NotFound => Self::where_to_look(path),
             Kind::PermissionDenied => "check the rights of the file and of its folder",
             Kind::StorageFull | Kind::QuotaExceeded | Kind::FileTooLarge => {
-                "make room, or choose another folder with --out"
+                "make room, or choose another folder"
             }
             Kind::IsADirectory => "give a file, not a folder",
             Kind::InvalidData | Kind::InvalidInput => {
@@ -54,6 +54,15 @@ impl Error {
             place: path.display().to_string(),
             remedy: remedy.into(),
             io: Some(error.kind()),
+        }
+    }
+
+    /// What to do where there is no such file; `-` stands for a pipe elsewhere.
+    #[must_use]
+    pub fn where_to_look(path: &Path) -> &'static str {
+        match path == Path::new("-") {
+            true => "name a file; `heft serve` and `heft run --input -` read pipes",
+            false => "check the name and the folder",
         }
     }
 

@@ -112,6 +112,13 @@ impl Kind {
         if path.is_dir() {
             return Ok(Self::Recording);
         }
+        if std::fs::metadata(path).is_ok_and(|there| !there.is_file()) {
+            return Err(Error::new(
+                "this is a pipe or a device, and heft reads a file more than once",
+                path.display().to_string(),
+                "write it to a file (a packed .csv.gz is read as it is); `heft serve` and `heft run --input -` read pipes",
+            ));
+        }
         let mut head = Vec::new();
         let begin = File::open(path).and_then(|f| f.take(HEAD).read_to_end(&mut head));
         begin.map_err(|e| Error::system("read the data", path, &e))?;
@@ -190,6 +197,19 @@ mod tests {
         assert_eq!(of("trace", frame).ok(), Some(Kind::Log));
         assert_eq!(of("a.log", frame).ok(), Some(Kind::Log));
         assert_eq!(of("run.csv", b"\x89MCAP0\r\n").ok(), Some(Kind::Recording));
+    }
+
+    #[test]
+    fn a_pipe_is_refused_and_not_waited_for() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("rows.csv");
+        let made = std::process::Command::new("mkfifo").arg(&path).status();
+        assert!(made.is_ok_and(|status| status.success()));
+        let error = Kind::of(&path).expect_err("a pipe").to_string();
+        assert!(
+            error.contains("pipe") && error.contains("heft serve"),
+            "{error}"
+        );
     }
 
     #[test]

@@ -3,6 +3,7 @@
 
 use std::fs::File;
 use std::io::{self, BufWriter, ErrorKind, Read, Write};
+use std::os::fd::AsFd;
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
@@ -34,8 +35,10 @@ impl Output {
     ) -> Result<Self, Error> {
         check(path, inputs, is_ours)?;
         let fail = |e| Error::system(doing, path, &e);
-        let device = path.exists() && !path.is_file();
-        let (beside, file) = if device {
+        let (beside, file) = if is_standard_output(path) {
+            let owned = io::stdout().as_fd().try_clone_to_owned();
+            (None, owned.map_err(fail)?.into())
+        } else if is_device(path) {
             (None, File::options().write(true).open(path).map_err(fail)?)
         } else {
             let (beside, file) = beside(path).map_err(fail)?;
@@ -82,6 +85,20 @@ impl Drop for Output {
     }
 }
 
+/// Whether a result goes to standard output, which then holds nothing else.
+#[must_use]
+pub fn is_standard_output(path: &Path) -> bool {
+    ["-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"]
+        .map(Path::new)
+        .contains(&path)
+}
+
+/// Whether nothing can take the place of what is there: a device, a pipe, or a name that stands for an open file.
+fn is_device(path: &Path) -> bool {
+    let is_open_file = ["/dev", "/proc"].iter().any(|top| path.starts_with(top));
+    path.exists() && (is_open_file && !path.starts_with("/dev/shm") || !path.is_file())
+}
+
 /// A new file beside `path`.
 fn beside(path: &Path) -> io::Result<(PathBuf, File)> {
     for number in 0.. {
@@ -100,6 +117,9 @@ fn beside(path: &Path) -> io::Result<(PathBuf, File)> {
 /// # Errors
 /// It may not; the error says why.
 pub fn check(path: &Path, inputs: &[&Path], is_ours: impl Fn(&[u8]) -> bool) -> Result<(), Error> {
+    if is_standard_output(path) {
+        return Ok(());
+    }
     let Ok(there) = std::fs::metadata(path) else {
         return Ok(());
     };

@@ -157,9 +157,14 @@ fn is_known<T: Message>(truth: &T) -> bool {
 }
 
 fn tell(args: &EstimateArgs, output: &Path, written: usize, rows: usize, verdicts: &[String]) {
+    // With the estimates on standard output, words would be rows among them.
+    let say = |line: &str| match recording::output::is_standard_output(output) {
+        true => eprintln!("{line}"),
+        false => println!("{line}"),
+    };
     for verdict in verdicts {
         for line in view::words::wrapped(verdict, 79) {
-            println!("{line}");
+            say(&line);
         }
     }
     let refused = rows.saturating_sub(written);
@@ -168,9 +173,12 @@ fn tell(args: &EstimateArgs, output: &Path, written: usize, rows: usize, verdict
     } else {
         format!(" ({refused} rows refused: their time is missing or does not increase)")
     };
-    println!("{written} estimates in {}{refused}", output.display());
+    say(&format!(
+        "{written} estimates in {}{refused}",
+        output.display()
+    ));
     if let Some(report) = &args.report {
-        println!("report in {}", report.display());
+        say(&format!("report in {}", report.display()));
     }
 }
 
