@@ -12,6 +12,7 @@ use steps::loads::{LoadCounter, Options};
 use steps::stages::Pipeline;
 use view::live::{Server, SharedLoads};
 
+use self::args::Pace;
 pub use self::args::RunArgs;
 pub use self::plan::folder;
 use self::plan::{absolute, pipeline_plan};
@@ -169,7 +170,7 @@ pub fn run(args: &RunArgs) -> Result<(), Failure> {
     if !args.live_lines {
         tell_loads(&loads);
     }
-    verdict(&end, &watch, args.require_trust)
+    verdict(&end, &watch, args)
 }
 
 /// What was carried, where anything was.
@@ -188,7 +189,7 @@ fn tell_loads(loads: &SharedLoads) {
     }
 }
 
-fn verdict(end: &End, watch: &Watch, require_trust: bool) -> Result<(), Failure> {
+fn verdict(end: &End, watch: &Watch, args: &RunArgs) -> Result<(), Failure> {
     if let End::Failed(reason) = end {
         return Err(Failure::answer_is_no(format!(
             "the run ended early: {reason}\n  where: the supervisor\n  what to do: see the messages above; the recording holds what was seen"
@@ -201,12 +202,19 @@ fn verdict(end: &End, watch: &Watch, require_trust: bool) -> Result<(), Failure>
         .map(Fault::words)
         .collect();
     if !lost.is_empty() {
+        let is_hurried =
+            args.input.as_deref() == Some(Path::new("-")) && args.pace == Pace::Realtime;
+        let remedy = if is_hurried {
+            "standard input that comes faster than real time, such as a file, needs --pace max; "
+        } else {
+            ""
+        };
         return Err(Failure::answer_is_no(format!(
-            "the run lost something: {}\n  where: this run\n  what to do: see `docs/reliability.md`; estimates and recording are good but for that",
+            "the run lost something: {}\n  where: this run\n  what to do: {remedy}see `docs/reliability.md`; estimates and recording are good but for that",
             lost.join("; ")
         )));
     }
-    if require_trust {
+    if args.require_trust {
         summary::require_trust(summary::trust_age(watch))?;
     }
     Ok(())

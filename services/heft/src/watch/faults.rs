@@ -96,9 +96,12 @@ impl Watch {
         let known = sent.samples + sent.unseen;
         let fault = |channel: &'static Channel| {
             let answers = self.carried.get(channel.name).copied().unwrap_or_default();
+            let service = pipeline.writer(channel)?.name;
+            // What the supervisor did not see may never have been: what a service did not receive, it counts itself.
             let samples = known.saturating_sub(answers.samples + answers.unseen);
+            let samples = samples.max(self.processes.counts_of(service).lost.min(known));
             (samples > 0).then_some(Fault::Unanswered {
-                service: pipeline.writer(channel)?.name,
+                service,
                 samples,
                 of: known,
             })
@@ -110,7 +113,7 @@ impl Watch {
 #[cfg(test)]
 mod tests {
     use messages::channels::{EXCAVATOR_TRUTH, HEALTH};
-    use messages::{ExcavatorTruth, Health, Machine};
+    use messages::{ExcavatorEstimate, ExcavatorTruth, Health, Machine};
     use runtime::Sink as _;
     use steps::stages::Pipeline;
 
@@ -150,6 +153,35 @@ mod tests {
         assert!(lost(&silent), "what the second one lacked is not known");
         let reported = [&whole[..], &[tells, dies, is_back, tells]].concat();
         assert!(!lost(&reported));
+    }
+
+    #[test]
+    fn what_a_service_did_not_receive_is_unanswered_though_the_supervisor_missed_the_answers_too() {
+        let lost = |count: u64| {
+            let mut watch = Watch::new(Machine::Excavator, None, None, Show::Nothing);
+            watch.accept(&EXCAVATOR_TRUTH, &ExcavatorTruth::default());
+            for estimates in Pipeline::of(Machine::Excavator).estimates() {
+                watch.accept(estimates, &ExcavatorEstimate::default());
+            }
+            let names = Pipeline::of(Machine::Excavator);
+            let process = (0..).find(|i| names.process_name(*i) == "rls");
+            let mut health = Health::default();
+            (health.process, health.steps) = (process.expect("a row"), 1);
+            health.lost = count;
+            watch.accept(&HEALTH, &health);
+            watch.finish();
+            watch.faults()
+        };
+        assert_eq!(lost(0), []);
+        let (service, samples, of) = ("rls", 1, 1);
+        assert_eq!(
+            lost(270),
+            [Fault::Unanswered {
+                service,
+                samples,
+                of
+            }]
+        );
     }
 
     #[test]

@@ -21,9 +21,13 @@ pub fn unknown_key(e: String) -> Failure {
     )
 }
 
+/// Set by the first interruption; a second one ends the command where it is: one step of a long recording lasts minutes.
 pub fn interrupt() -> Result<Arc<AtomicBool>, Failure> {
     let stop = Arc::new(AtomicBool::new(false));
     for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
+        let again = Arc::clone(&stop);
+        signal_hook::flag::register_conditional_shutdown(signal, 128 + signal, again)
+            .map_err(Failure::internal)?;
         signal_hook::flag::register(signal, Arc::clone(&stop)).map_err(Failure::internal)?;
     }
     Ok(stop)
