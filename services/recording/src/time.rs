@@ -34,7 +34,13 @@ fn digits(text: &str) -> Option<i64> {
     plain.then(|| text.parse().ok())?
 }
 
-/// `YYYY-MM-DD[T ]hh:mm[:ss[.fraction]][zone]`; also with `/` for `-` and with `DD.MM.YYYY`.
+/// Nanoseconds of a time in a table: a date with a time, or the time of day alone, with its seconds.
+pub(crate) fn in_table(text: &str) -> Option<i64> {
+    let clock = || (text.matches(':').count() == 2).then(|| of_day(text));
+    date(text).or_else(|| clock()?)
+}
+
+/// `YYYY-MM-DD[T ]hh:mm[:ss[.fraction]][ AM| PM][zone]`; also with `/` for `-` and with `DD.MM.YYYY`.
 pub(crate) fn date(text: &str) -> Option<i64> {
     let (day, clock) = text.split_once(['T', ' '])?;
     let separator = day.chars().find(|c| !c.is_ascii_digit())?;
@@ -46,17 +52,36 @@ pub(crate) fn date(text: &str) -> Option<i64> {
         _ => return None,
     };
     let (clock, zone) = zone(clock.trim())?;
+    let day = days(digits(year)?, digits(month)?, digits(of_month)?)?;
+    let minutes = day * 1440 - zone;
+    minutes
+        .checked_mul(60_000_000_000)?
+        .checked_add(of_day(clock)?)
+}
+
+/// Nanoseconds since midnight: `hh:mm[:ss[.fraction]]`, also of a clock of twelve hours with its AM or PM.
+fn of_day(clock: &str) -> Option<i64> {
+    let upper = clock.to_ascii_uppercase();
+    let half = |mark| Some(upper.strip_suffix(mark)?.trim_end());
+    let (clock, hours, noon) = match (half("AM"), half("PM")) {
+        (Some(clock), _) => (clock, 1..13, 0),
+        (_, Some(clock)) => (clock, 1..13, 12),
+        (None, None) => (clock, 0..24, 0),
+    };
     let mut parts = clock.split(':');
     let (hour, minute) = (digits(parts.next()?)?, digits(parts.next()?)?);
     let second = seconds(parts.next().unwrap_or("0"))?;
-    let day = days(digits(year)?, digits(month)?, digits(of_month)?)?;
-    let in_day = (0..24).contains(&hour)
+    let in_day = hours.contains(&hour)
         && (0..60).contains(&minute)
         && (0..61_000_000_000).contains(&second)
         && parts.next().is_none();
-    in_day.then_some(())?;
-    let minutes = day * 1440 + hour * 60 + minute - zone;
-    minutes.checked_mul(60_000_000_000)?.checked_add(second)
+    // Of twelve hours the twelfth is the first.
+    let hour = if hours.end == 13 {
+        hour % 12 + noon
+    } else {
+        hour
+    };
+    in_day.then_some((hour * 60 + minute) * 60_000_000_000 + second)
 }
 
 /// The clock without its zone, and the zone's minutes ahead of UTC.
@@ -142,6 +167,8 @@ mod tests {
             "2014-04-10T17:00:09.47-0430",
             "10.04.2014 21:30:09,47",
             "2014/04/10 21:30:09.47",
+            "2014-04-10 09:30:09.47 PM",
+            "10.04.2014 9:30:09,47pm",
         ] {
             assert_eq!(nanoseconds(text), instant, "{text}");
         }
@@ -150,8 +177,22 @@ mod tests {
             nanoseconds("2000-02-29 00:00:00"),
             Some(951_782_400_000_000_000)
         );
+        let noon = nanoseconds("2000-02-29 12:00:00 PM");
+        assert_eq!(noon, nanoseconds("2000-02-29 12:00:00"));
+        let midnight = nanoseconds("2000-02-29 12:00:00 AM");
+        assert_eq!(midnight, nanoseconds("2000-02-29 00:00:00"));
         assert_eq!(nanoseconds("-0.5"), Some(-500_000_000));
         assert_eq!(nanoseconds("000.0000000019"), Some(1));
+    }
+
+    #[test]
+    fn in_a_table_the_time_of_day_is_a_time() {
+        assert_eq!(in_table("00:00:01,5"), Some(1_500_000_000));
+        assert_eq!(in_table("11:00:00.5 PM"), Some(82_800_500_000_000));
+        assert_eq!(in_table("2014-04-10 21:30:09"), date("2014-04-10 21:30:09"));
+        for text in ["12:30", "1:2:3:4", "25:00:00", "1,5"] {
+            assert_eq!(in_table(text), None, "{text}");
+        }
     }
 
     #[test]
@@ -166,6 +207,10 @@ mod tests {
             "2014-04-10 21:30:09+019223372036854775807",
             "2014-13-01 00:00",
             "2014-01-01 24:00",
+            "2014-01-01 13:00 PM",
+            "2014-01-01 00:00 AM",
+            "04/10/2014 9:30:09 PM",
+            "12:30:00",
             "2014-01-01 00:61",
             "2014-01-01",
             "é-01-01 00:00",

@@ -1,9 +1,16 @@
 //! Times that are in another unit than seconds.
 
-const UNITS: [(&str, f64); 3] = [("ms", 1e3), ("us", 1e6), ("ns", 1e9)];
+/// Units of time, and how many of each are in a second.
+const UNITS: [(&str, f64); 5] = [
+    ("ms", 1e3),
+    ("us", 1e6),
+    ("ns", 1e9),
+    ("min", 1.0 / 60.0),
+    ("day", 1.0 / 86400.0),
+];
 
-/// The usual step of these times \[s\] and the unit that they seem to be in: the rows are some power of thousand further
-/// apart than the rate of the sensors \[Hz\] says.
+/// The usual step of these times \[s\] and the unit that they seem to be in: the rows are as much further apart, or closer,
+/// than the rate of the sensors \[Hz\] says as this unit is shorter, or longer, than a second.
 #[must_use]
 pub fn time_unit(times: &[f64], rate: f64) -> Option<(f64, &'static str)> {
     let mut steps: Vec<f64> = times.windows(2).map(|w| w[1] - w[0]).collect();
@@ -15,5 +22,31 @@ pub fn time_unit(times: &[f64], rate: f64) -> Option<(f64, &'static str)> {
     let (unit, _) = UNITS
         .into_iter()
         .find(|(_, factor)| (0.3..=3.0).contains(&(apart / factor)))?;
-    Some((step, unit))
+    Some((rounded(step), unit))
+}
+
+/// A step with three digits.
+pub(crate) fn rounded(step: f64) -> f64 {
+    format!("{step:.2e}").parse().unwrap_or(step)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_unit_is_that_in_which_the_rows_are_as_far_apart_as_the_sensors_say() {
+        let times = |step: f64| (0..50).map(|i| f64::from(i) * step).collect::<Vec<_>>();
+        let unit = |step| time_unit(&times(step), 100.0).map(|(_, unit)| unit);
+        for (step, expected) in [
+            (10.0, Some("ms")),
+            (1e4, Some("us")),
+            (0.01 / 60.0, Some("min")),
+            (0.01 / 86_400.0, Some("day")),
+            (0.01, None),
+            (0.1, None),
+        ] {
+            assert_eq!(unit(step), expected, "{step}");
+        }
+    }
 }

@@ -37,6 +37,7 @@ pub(crate) const UNITS: &[Unit] = &[
     ),
     unit("ns", "s", 1e-9, &["nsec", "nanos", "nanoseconds"]),
     unit("min", "s", 60.0, &["minutes"]),
+    unit("day", "s", 86400.0, &["days"]),
     unit("rad", "rad", 1.0, &["radian", "radians"]),
     unit("mrad", "rad", 1e-3, &[]),
     unit("deg", "rad", PI / 180.0, &["degree", "degrees", "°", "º"]),

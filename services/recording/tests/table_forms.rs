@@ -167,3 +167,27 @@ fn numbers_without_names_and_words_of_missing_samples() {
     let rows = csv::read::<ExcavatorSensors>(&path, None).expect("rows");
     assert_eq!(rows.len(), 3);
 }
+
+/// Map and times of the rows of a table whose column `when` is the time.
+fn timed(when: &str, times: &[&str]) -> (String, Vec<f64>) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let rows = times.iter().map(|time| format!("{time};0,1\n"));
+    let table = format!("{when};Swing rate\n{}", rows.collect::<String>());
+    let path = written(folder.path(), "a.csv", table.as_bytes());
+    let machine = Some(messages::Machine::Excavator);
+    let text = recording::suggest(&path, &[], machine).expect("a map");
+    let map = recording::Map::parse(&text, "a.toml").expect("a map");
+    let samples = recording::load::<ExcavatorSensors>(&path, Some(&map)).expect("rows");
+    (text, samples.iter().map(|(s, _)| s.stamp.time).collect())
+}
+
+#[test]
+fn serial_dates_of_a_sheet_and_times_of_day_are_times() {
+    let (map, days) = timed("Date", &["46110,5", "46110,50000023148", "46110,50000046296"]);
+    assert!(map.contains("unit = \"day\""), "{map}");
+    for (day, seconds) in days.iter().zip([0.0, 0.02, 0.04]) {
+        assert!((day - days[0] - seconds).abs() < 1e-4, "{days:?}");
+    }
+    let (_, clock) = timed("Time", &["11:59:59.99 AM", "12:00:00.01 PM"]);
+    assert!((clock[1] - clock[0] - 0.02).abs() < 1e-9, "{clock:?}");
+}

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use ::csv::ByteRecord;
 
-use super::dialect::Dialect;
+use super::dialect::{self, Dialect};
 use crate::Error;
 use crate::map::{Conversion, Entry, Map, Origin, Timing, are_absent, hint};
 use crate::sampling::{Rows, Series};
@@ -48,6 +48,43 @@ enum Part {
 pub(crate) struct NoNumber {
     pub text: String,
     pub column: String,
+    /// Whether it is that of the time.
+    pub is_time: bool,
+    /// Whether it is the column's own name: the header stands here once more.
+    pub is_header: bool,
+}
+
+impl NoNumber {
+    /// That in a cell of this column.
+    pub(super) fn of(cell: &[u8], column: &str, is_time: bool) -> Self {
+        Self {
+            text: dialect::text(cell),
+            column: column.to_owned(),
+            is_time,
+            is_header: dialect::text(cell) == column,
+        }
+    }
+
+    /// As an error.
+    pub(super) fn at(self, line: usize, file: &str) -> Error {
+        let remedy = match () {
+            () if self.is_header => {
+                "the header stands here once more: make a file of each recording, or delete the line"
+            }
+            () if self.is_time => {
+                "write seconds, or dates like 2026-11-21 16:00:00.25 (or 21.11.2026 16:00:00.25)"
+            }
+            () if self.text.contains(',') => {
+                "write it with a decimal point and without marks between thousands, or separate the columns by ;"
+            }
+            () => "write a number, or leave the cell empty where the sample is missing",
+        };
+        Error::new(
+            format!("\"{}\" is no number", self.text),
+            format!("{file}:{line}, column {}", self.column),
+            remedy,
+        )
+    }
 }
 
 impl<S: Sensors> Columns<S> {
@@ -125,11 +162,10 @@ impl<S: Sensors> Columns<S> {
                         match self.dialect.number(cell) {
                             Some(x) => conversion.apply(x),
                             None => {
-                                let date = std::str::from_utf8(cell).ok().and_then(time::date);
+                                let date = std::str::from_utf8(cell).ok().and_then(time::in_table);
                                 let date = date.filter(|_| line.is_time);
-                                let ns = date.ok_or_else(|| NoNumber {
-                                    text: String::from_utf8_lossy(cell).into_owned(),
-                                    column: self.header[*at].clone(),
+                                let ns = date.ok_or_else(|| {
+                                    NoNumber::of(cell, &self.header[*at], line.is_time)
                                 })?;
                                 ns.saturating_sub(*self.date.get_or_insert(ns)) as f64 / 1e9
                             }
@@ -288,6 +324,10 @@ fn require<S: Sensors>(
 pub(super) fn absent(names: &[&str], of: &str, header: &[String], file: &str) -> Error {
     let similar = config::nearest(names[0], header.iter().map(String::as_str));
     let remedy = match similar {
+        _ if header.len() < 2 => format!(
+            "separate the columns by , ; | or tabs, and delete what stands above their names, or mark it by #; the first line is {}",
+            header.concat().chars().take(80).collect::<String>()
+        ),
         Some(name) => format!("rename column {name}, or name it in a signal map (--map)"),
         None => format!(
             "add the column, or name another in a signal map (--map; `heft map FILE` writes a first one); the file has {}",

@@ -3,12 +3,12 @@
 /// Separator and decimal mark of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Dialect {
-    /// `,`, `;` or a tab.
+    /// `,`, `;`, `|` or a tab.
     pub separator: u8,
 }
 
 impl Dialect {
-    /// That of a header, or of the line `sep=;` that Excel writes before it. A semicolon or a tab
+    /// That of a header, or of the line `sep=;` that Excel writes before it. A semicolon, a tab or a bar
     /// outside of quotes says that commas do not separate.
     pub(crate) fn of(line: &[u8]) -> Self {
         if let Some(separator) = separator_line(line) {
@@ -21,17 +21,12 @@ impl Dialect {
         });
         let plain: Vec<u8> = plain.copied().collect();
         let count = |separator: u8| plain.iter().filter(|b| **b == separator).count();
-        let other = if count(b';') >= count(b'\t') {
-            b';'
-        } else {
-            b'\t'
-        };
-        let separator = if count(other) > count(b',') || (count(other) > 0 && count(b',') == 0) {
-            other
-        } else {
-            b','
-        };
-        Self { separator }
+        // Of equals the last; a lone one of them counts where there is no comma.
+        let most = [b',', b'|', b'\t', b';'].into_iter();
+        let most = most.max_by_key(|separator| (count(*separator), *separator == b','));
+        Self {
+            separator: most.filter(|s| count(*s) > 0).unwrap_or(b','),
+        }
     }
 
     /// The number in a cell, NaN where it is empty or says that there is none; `None` where it is text. Where commas do
@@ -42,8 +37,17 @@ impl Dialect {
         }
         // Reads bytes as the standard library reads text, of which a cell need not be.
         let number = fast_float2::parse(cell).ok();
-        let number = number.or_else(|| self.with_decimal_comma(std::str::from_utf8(cell).ok()?));
+        let number = number.or_else(|| self.as_typeset(std::str::from_utf8(cell).ok()?));
         number.or_else(|| is_missing(cell).then_some(f64::NAN))
+    }
+
+    /// A number as sheets show it: a decimal comma, a minus sign that is no hyphen, thousands grouped by thin blanks or
+    /// apostrophes.
+    fn as_typeset(self, text: &str) -> Option<f64> {
+        let groups = ['\u{a0}', '\u{202f}', '\u{2009}', '\'', '\u{2019}'];
+        let plain = text.replace(groups, "").replace('\u{2212}', "-");
+        let number = plain.parse().ok().filter(|_| plain != text);
+        number.or_else(|| self.with_decimal_comma(&plain))
     }
 
     fn with_decimal_comma(self, text: &str) -> Option<f64> {
@@ -55,9 +59,11 @@ impl Dialect {
     }
 }
 
-/// How others write that a sample is missing, in any capitals: as pandas reads it, and German Excel's `#NV`.
-const MISSING: [&str; 9] = [
-    "na", "n/a", "#n/a", "#na", "#nv", "<na>", "null", "none", "missing",
+/// How others write that a sample is missing, in any capitals: as pandas reads it, German Excel's `#NV`, the errors of a
+/// sheet's formulas, dashes of a logger.
+const MISSING: [&str; 21] = [
+    "na", "n/a", "#n/a", "#na", "#nv", "<na>", "null", "none", "missing", "-", "--", "---", "?",
+    "nil", "#div/0!", "#value!", "#ref!", "#num!", "#name?", "1.#qnan", "-1.#ind",
 ];
 
 fn is_missing(cell: &[u8]) -> bool {
@@ -111,6 +117,8 @@ mod tests {
             ("t;\"speed, wheels\";slope", b';'),
             ("\"a;b\",t,speed", b','),
             ("t", b','),
+            ("t|speed", b'|'),
+            ("t|speed, wheels|slope", b'|'),
             ("sep=;", b';'),
             ("sep=\t", b'\t'),
         ] {
@@ -155,7 +163,6 @@ mod tests {
             "NaN",
             "-nan",
             ".",
-            "-",
             "+",
             "e5",
             "1e",
@@ -198,9 +205,25 @@ mod tests {
     }
 
     #[test]
+    fn a_number_is_read_as_sheets_show_it() {
+        let (german, english) = (Dialect { separator: b';' }, Dialect { separator: b',' });
+        assert_eq!(
+            english.number("\u{2212}2.5e\u{2212}1".as_bytes()),
+            Some(-0.25)
+        );
+        assert_eq!(english.number("12\u{202f}345.5".as_bytes()), Some(12345.5));
+        assert_eq!(german.number("\u{2212}12'345,5".as_bytes()), Some(-12345.5));
+        // Between comma and comma it may be either mark.
+        assert_eq!(english.number(b"12,345"), None);
+        assert_eq!(english.number(b"12 345"), None);
+    }
+
+    #[test]
     fn a_word_for_a_missing_sample_is_an_empty_cell() {
         let english = Dialect { separator: b',' };
-        for word in ["NA", "n/a", "NULL", "None", "#N/A", "#NV"] {
+        for word in [
+            "NA", "n/a", "NULL", "None", "#N/A", "#NV", "-", "--", "#DIV/0!",
+        ] {
             let number = english.number(word.as_bytes());
             assert!(number.is_some_and(f64::is_nan), "{word}");
         }

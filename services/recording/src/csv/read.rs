@@ -39,7 +39,8 @@ pub fn read_weighings(path: impl AsRef<Path>) -> Result<Vec<[f64; 3]>, Error> {
                 .number(cell)
                 .filter(|x| x.is_finite())
                 .ok_or_else(|| {
-                    no_number(cell, &header[at], table.line(records.start()), &table.file)
+                    NoNumber::of(cell, &header[at], false)
+                        .at(table.line(records.start()), &table.file)
                 })?;
         }
         rows.push(row);
@@ -291,9 +292,7 @@ impl<S: Sensors> TableRows<S> {
             return self
                 .columns
                 .take(record)
-                .map_err(|NoNumber { text, column }| {
-                    no_number(text.as_bytes(), &column, table.line(start), &table.file)
-                });
+                .map_err(|cell| cell.at(table.line(start), &table.file));
         }
         if self.count == 0 {
             let remedy = "give a file with a row per sample below the header";
@@ -408,12 +407,4 @@ fn check_width(
         ));
     }
     Ok(())
-}
-
-fn no_number(cell: &[u8], column: &str, line: usize, file: &str) -> Error {
-    Error::new(
-        format!("\"{}\" is no number", String::from_utf8_lossy(cell)),
-        format!("{file}:{line}, column {column}"),
-        "write a number, or leave the cell empty where the sample is missing",
-    )
 }

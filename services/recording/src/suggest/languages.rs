@@ -5,6 +5,8 @@
 const WORDS: &[(&str, &str)] = &[
     // German.
     ("schwenk", "swing"),
+    ("drehgeschwindigkeit", "swing vel"),
+    ("drehwinkel", "swing angle"),
     ("oberwagen", "swing"),
     ("drehmoment", "torque"),
     ("winkelgeschwindigkeit", "vel"),
@@ -146,6 +148,7 @@ mod tests {
         for (signal, name) in [
             ("swing_torque", "Schwenkmoment [kNm]"),
             ("swing_velocity", "Schwenkgeschwindigkeit [°/s]"),
+            ("swing_velocity", "Drehgeschwindigkeit [°/s]"),
             ("boom_angle", "Auslegerwinkel"),
             ("arm_angle", "Stielwinkel [deg]"),
             ("bucket_angle", "Löffelwinkel"),

@@ -31,6 +31,8 @@ const WORDS: &[(&str, &[&[&str]])] = &[
             &["=stamp"],
             &["=epoch"],
             &["=clock"],
+            &["=date"],
+            &["=datum"],
         ],
     ),
     (
@@ -41,6 +43,7 @@ const WORDS: &[(&str, &[&[&str]])] = &[
             &["swing", "speed"],
             &["slew", "speed"],
             &["slew", "vel"],
+            &["slew", "rate"],
             &["swing", "omega"],
             &["gyro", "z"],
             &["yaw", "rate"],
@@ -282,6 +285,7 @@ mod tests {
             ("t", "t [s]"),
             ("swing_torque", "torque_Nm"),
             ("swing_velocity", "omega_rad_s"),
+            ("swing_velocity", "Slew rate (rpm)"),
             ("speed", "Speed (km/h)"),
             ("lift_angle", "boom_angle_deg"),
         ] {

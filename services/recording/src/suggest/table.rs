@@ -9,6 +9,7 @@ use super::{lacking, opening, quoted, shown, unit_of};
 use crate::Error;
 use crate::csv::{self, Look};
 use crate::signal::Sensors;
+use crate::time_unit::rounded;
 use crate::unit::{self, Unit};
 
 /// Rows that are looked at.
@@ -129,8 +130,14 @@ fn unit(signal: &str, si: &str, name: &str, values: &[f64]) -> Guess {
     }
     let finite: Vec<f64> = values.iter().copied().filter(|x| x.is_finite()).collect();
     if finite.is_empty() {
-        let reason = "by its name; no number in it (dates are read as they are)".into();
-        return Guess { unit: None, reason };
+        let reason = match signal {
+            "t" => "by its name; no number in it (dates are read as they are)",
+            _ => "by its name; no number in it: check it",
+        };
+        return Guess {
+            unit: None,
+            reason: reason.into(),
+        };
     }
     if signal == "t" {
         return time(&finite);
@@ -144,9 +151,13 @@ fn unit(signal: &str, si: &str, name: &str, values: &[f64]) -> Guess {
         ("front_wheel_speed" | "rear_wheel_speed", _) => (40.0, "rpm"),
         ("mass", _) => return mass(&finite),
         _ => {
+            let taken = match si {
+                "" => String::new(),
+                si => format!("taken as {si}: "),
+            };
             return Guess {
                 unit: None,
-                reason: format!("by its name; taken as {si}: check it"),
+                reason: format!("by its name; {taken}check it"),
             };
         }
     };
@@ -165,7 +176,7 @@ fn unit(signal: &str, si: &str, name: &str, values: &[f64]) -> Guess {
     }
 }
 
-/// Times by their step: a machine is sampled each 0.1 ms to 1 s.
+/// Times by their step: a machine is sampled each 0.1 ms to 1 s. In the days of a sheet that is less than 1e-5.
 fn time(times: &[f64]) -> Guess {
     let mut steps: Vec<f64> = times
         .windows(2)
@@ -183,13 +194,19 @@ fn time(times: &[f64]) -> Guess {
         s if s > 1e6 => "ns",
         s if s > 1e3 => "us",
         s if s >= 1.0 => "ms",
+        s if s < 1.0 / 86_400.0 && is_serial_date(times) => "day",
         _ => "s",
     };
-    let reason = format!("median step {}: {name}?", (step * 1e6).round() / 1e6);
+    let reason = format!("median step {}: {name}?", rounded(*step));
     Guess {
         unit: unit::find(name).filter(|u| u.factor != 1.0),
         reason,
     }
+}
+
+/// Whether these are days since 1900, as a sheet counts them: of 1982 to 2119.
+fn is_serial_date(times: &[f64]) -> bool {
+    times.iter().all(|day| (30_000.0..80_000.0).contains(day))
 }
 
 fn mass(values: &[f64]) -> Guess {
