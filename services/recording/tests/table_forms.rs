@@ -183,7 +183,10 @@ fn timed(when: &str, times: &[&str]) -> (String, Vec<f64>) {
 
 #[test]
 fn serial_dates_of_a_sheet_and_times_of_day_are_times() {
-    let (map, days) = timed("Date", &["46110,5", "46110,50000023148", "46110,50000046296"]);
+    let (map, days) = timed(
+        "Date",
+        &["46110,5", "46110,50000023148", "46110,50000046296"],
+    );
     assert!(map.contains("unit = \"day\""), "{map}");
     for (day, seconds) in days.iter().zip([0.0, 0.02, 0.04]) {
         assert!((day - days[0] - seconds).abs() < 1e-4, "{days:?}");
