@@ -147,6 +147,26 @@ fn estimates_on_standard_output_are_rows_and_nothing_else() {
 }
 
 #[test]
+fn an_estimate_that_is_interrupted_leaves_nothing_behind() {
+    use std::os::unix::process::ExitStatusExt as _;
+    let folder = tempfile::tempdir().expect("a folder");
+    let (input, output) = (folder.path().join("in.csv"), folder.path().join("out.csv"));
+    let rows = (0..1_000_000).map(|i| format!("{}.{:03},0.1,0\n", i / 1000, i % 1000));
+    let table = "t,swing_velocity,swing_torque\n".to_owned() + &rows.collect::<String>();
+    fs::write(&input, table).expect("a file");
+    let mut heft = common::heft();
+    let heft = heft.args(["estimate", "--machine", "excavator", "-o"]);
+    let mut heft = heft.arg(&output).arg(&input).spawn().expect("heft");
+    let files = || fs::read_dir(folder.path()).expect("the folder").count();
+    let limit = std::time::Duration::from_secs(20);
+    common::wait_until("a file in the making", limit, || files() > 1);
+    common::kill(heft.id(), rustix::process::Signal::INT);
+    let status = heft.wait().expect("an end");
+    assert_eq!(status.signal(), Some(2), "{status}");
+    assert_eq!(files(), 1, "the input");
+}
+
+#[test]
 fn empty_files_and_headers_without_rows_are_refused() {
     estimate("excavator", "in.csv", "", &["empty"]);
     estimate("excavator", "in.csv", "t,swing_velocity\n", &["no rows"]);

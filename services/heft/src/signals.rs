@@ -9,6 +9,29 @@ use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
 use crate::failure::Failure;
 
+/// What a signal ends from now on leaves no file in the making behind. A signal that is ignored stays ignored.
+pub fn leave_nothing() -> Result<(), Failure> {
+    let wanted = [SIGINT, SIGTERM, SIGHUP]
+        .into_iter()
+        .filter(|s| !is_ignored(*s));
+    let mut signals = signal_hook::iterator::Signals::new(wanted).map_err(Failure::internal)?;
+    std::thread::spawn(move || {
+        for signal in &mut signals {
+            recording::output::abandon();
+            let _ = signal_hook::low_level::emulate_default_handler(signal);
+        }
+    });
+    Ok(())
+}
+
+/// Whether whoever started this wants it to outlive a signal (`nohup`, `&` in a script).
+fn is_ignored(signal: i32) -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let mask = mask.and_then(|hex| u64::from_str_radix(hex.trim(), 16).ok());
+    mask.is_some_and(|mask| mask >> (signal - 1) & 1 == 1)
+}
+
 /// Notes these signals instead of dying of them.
 pub struct Signals {
     came: Arc<AtomicBool>,

@@ -6,8 +6,19 @@ use std::io::{self, BufWriter, ErrorKind, Read, Write};
 use std::os::fd::AsFd;
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 
 use crate::Error;
+
+/// The files in the making, for one who ends without an end of their own.
+static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// Removes every file that is in the making: for a command that a signal ends, in which nothing is dropped.
+pub fn abandon() {
+    for beside in UNFINISHED.lock().iter().flat_map(|all| all.iter()) {
+        let _ = std::fs::remove_file(beside);
+    }
+}
 
 /// A file in the making. It is written beside its place and moved there by [`Output::finish`]; one
 /// that was not finished leaves nothing behind.
@@ -62,6 +73,7 @@ impl Output {
         if let Some(beside) = &self.beside {
             self.out.get_ref().sync_all().map_err(fail)?;
             std::fs::rename(beside, &self.path).map_err(fail)?;
+            forget(beside);
             self.beside = None;
         }
         Ok(())
@@ -81,7 +93,21 @@ impl Drop for Output {
     fn drop(&mut self) {
         if let Some(beside) = &self.beside {
             let _ = std::fs::remove_file(beside);
+            forget(beside);
         }
+    }
+}
+
+/// Notes a file in the making, for [`abandon`].
+pub fn begun(beside: &Path) {
+    if let Ok(mut all) = UNFINISHED.lock() {
+        all.push(beside.to_owned());
+    }
+}
+
+fn forget(beside: &Path) {
+    if let Ok(mut all) = UNFINISHED.lock() {
+        all.retain(|other| other != beside);
     }
 }
 
@@ -106,7 +132,12 @@ fn beside(path: &Path) -> io::Result<(PathBuf, File)> {
         name.push(format!(".partial-{}-{number}", std::process::id()));
         match File::create_new(&name) {
             Err(e) if e.kind() == ErrorKind::AlreadyExists => {}
-            file => return Ok((name.into(), file?)),
+            file => {
+                let beside = PathBuf::from(name);
+                let file = file?;
+                begun(&beside);
+                return Ok((beside, file));
+            }
         }
     }
     Err(ErrorKind::AlreadyExists.into())

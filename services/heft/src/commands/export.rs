@@ -19,6 +19,7 @@ pub struct ExportArgs {
 
 /// `heft export`
 pub fn export(args: &ExportArgs) -> Result<(), Failure> {
+    crate::signals::leave_nothing()?;
     let folder = &args.output;
     let reader = parts::open(&args.file)?;
     parts::has_content(&reader)?;

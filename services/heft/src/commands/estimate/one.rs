@@ -16,7 +16,7 @@ use super::many;
 use crate::args::tell_idle_keys;
 use crate::failure::Failure;
 use crate::way::{Way, method, way};
-use crate::{page, parts, summary};
+use crate::{page, parts, signals, summary};
 
 /// Takes sample after sample through the stages, so that the length of the data does not matter; `put` may say of a
 /// row's estimate what later rows know.
@@ -28,6 +28,7 @@ pub fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
     mut look: impl Look<S>,
     put: impl Fn(usize, &mut E),
 ) -> Result<(), Failure> {
+    signals::leave_nothing()?;
     samples.on_progress(parts::progress());
     let method = method(description.machine(), args.with.method.as_deref());
     let mut way = way(description, method)?;
@@ -214,6 +215,7 @@ impl Notes {
         let mut name = report.as_os_str().to_owned();
         name.push(format!(".partial-{}", std::process::id()));
         let file = PathBuf::from(name);
+        recording::output::begun(&file);
         let writer = Some(Writer::create(&file, metadata)?);
         Ok(Self { file, writer })
     }
