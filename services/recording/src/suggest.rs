@@ -3,7 +3,7 @@
 
 mod absolute;
 mod languages;
-mod names;
+pub(crate) mod names;
 pub(crate) mod table;
 
 use std::collections::BTreeMap;
@@ -64,7 +64,7 @@ macro_rules! guesses {
 messages::machines!(guesses);
 
 /// A text as a TOML string.
-fn quoted(text: &str) -> String {
+pub(crate) fn quoted(text: &str) -> String {
     let mut out = String::from("\"");
     for c in text.chars() {
         let _ = match c {

@@ -92,7 +92,15 @@ fn what_is_not_there_is_named_with_what_is() {
         "{topic}"
     );
     let joint = reported("swing_joint", "arm_joint");
-    assert!(joint.contains("arm_joint"), "{joint}");
+    assert!(
+        joint.contains("its places are boom, swing_joint"),
+        "{joint}"
+    );
+    let drive = "[topics]\nrate = 100\ntime = \"header\"\n[topics.signals]\nswing_velocity = { topic = \"/drive\", field = \"swing.rate_deg\" }\n";
+    let header = self::rows("json.lz4.mcap", drive)
+        .expect_err("no header")
+        .to_string();
+    assert!(header.contains("leave out time"), "{header}");
     let field = reported("fluid_pressure", "fluid_presure");
     assert!(field.contains("did you mean fluid_pressure?"), "{field}");
     assert!(reported("field = \"velocity\"", "field = \"velo..city\"").contains("no path"));
@@ -110,7 +118,9 @@ fn the_first_map_lists_topics_numbers_and_joints() {
         "#     velocity[1] = 0",
         "#     names of places: boom, swing_joint",
         "#     fluid_pressure = 100000",
-        "# swing_velocity = { topic = \"/...\", field = \"...\" }  # [rad/s]; other units by unit = ...",
+        "swing_velocity = { topic = \"/joint_states\", field = \"velocity\", name = \"swing_joint\" }  # by its name: check it; [rad/s]; other units by unit = ...",
+        // Its speed is there, its angle is not.
+        "# boom_angle = { topic = \"/...\", field = \"...\" }  # [rad]; other units by unit = ...",
     ] {
         assert!(text.contains(line), "{line} in\n{text}");
     }

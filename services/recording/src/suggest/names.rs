@@ -251,7 +251,7 @@ fn stem(name: &str) -> &str {
 
 /// Position of the name that fits a signal best and is not taken: heft's own name, else the first
 /// that has the words.
-pub(super) fn fitting(signal: &str, names: &[&str], taken: &[usize]) -> Option<usize> {
+pub(crate) fn fitting(signal: &str, names: &[&str], taken: &[usize]) -> Option<usize> {
     let free = |at: &usize| !taken.contains(at);
     let lower: Vec<String> = names.iter().map(|n| n.to_lowercase()).collect();
     let own = lower

@@ -12,6 +12,8 @@ use super::node::Node;
 use crate::Error;
 use crate::reader::Reader;
 use crate::signal::signals_of;
+use crate::suggest::names::fitting;
+use crate::suggest::quoted;
 
 /// Numbers of a topic that are listed.
 const MOST: usize = 60;
@@ -26,16 +28,60 @@ struct Topic {
     names: Vec<String>,
 }
 
-/// The numbers of a topic, by their paths.
-pub(crate) fn fields_of(reader: &Reader, topic: &str) -> Vec<String> {
-    let mut topics = topics(reader);
-    match topics.remove(topic).map(|t| t.numbers) {
-        Some(Ok(numbers)) => numbers.into_iter().map(|(path, _)| path).collect(),
-        _ => Vec::new(),
-    }
+/// The numbers of a topic, by their paths, and the names of its places.
+pub(crate) fn fields_of(reader: &Reader, topic: &str) -> (Vec<String>, Vec<String>) {
+    let Some(topic) = topics(reader).remove(topic) else {
+        return Default::default();
+    };
+    let numbers = topic.numbers.unwrap_or_default().into_iter();
+    (numbers.map(|(path, _)| path).collect(), topic.names)
 }
 
-/// The beginning of a map for a file of others: its topics and numbers as comments, and lines to fill in.
+/// A number that a line of a map may name.
+struct Place {
+    /// By which it is found: the field, or its place's name and what the list holds.
+    label: String,
+    /// The same behind the topic's name.
+    whole: String,
+    /// Unit, where it is known.
+    unit: Option<&'static str>,
+    line: String,
+}
+
+/// The lists of a `sensor_msgs/JointState`, what they hold, and in which unit.
+const JOINTS: [(&str, &str, &str); 3] = [
+    ("position", "angle", "rad"),
+    ("velocity", "velocity", "rad/s"),
+    ("effort", "torque", "N m"),
+];
+
+/// The numbers of all topics, with those of joints by their names.
+fn places(topics: &BTreeMap<String, Topic>) -> Vec<Place> {
+    let mut all = Vec::new();
+    for (name, topic) in topics {
+        let place = |unit, label: String, field: &str, more: String| Place {
+            unit,
+            whole: format!("{name} {label}"),
+            label,
+            line: format!("topic = {}, field = {}{more}", quoted(name), quoted(field)),
+        };
+        let numbers = topic.numbers.as_deref().unwrap_or_default();
+        for (list, what, unit) in JOINTS {
+            let of_joint = |joint: &String| {
+                let more = format!(", name = {}", quoted(joint));
+                place(Some(unit), format!("{joint} {what}"), list, more)
+            };
+            let is_there = numbers.iter().any(|(path, _)| path.starts_with(list));
+            all.extend(topic.names.iter().filter(|_| is_there).map(of_joint));
+        }
+        let by_field = |(path, _): &(String, f64)| place(None, path.clone(), path, String::new());
+        all.extend(numbers.iter().map(by_field));
+    }
+    all
+}
+
+/// The beginning of a map for a file of others: its topics and numbers as comments, and a line for each signal, filled in where a
+/// number's name fits.
 pub(crate) fn map(path: &Path, machine: Machine) -> Result<String, Error> {
     let reader = Reader::open(path)?;
     let file = path
@@ -47,6 +93,7 @@ pub(crate) fn map(path: &Path, machine: Machine) -> Result<String, Error> {
          # Then: heft estimate {file} --machine {machine} --map THIS_FILE -o out.csv\n#\n"
     );
     let topics = topics(&reader);
+    let places = places(&topics);
     for lack in reader.lacks().all() {
         tracing::warn!("{lack}");
     }
@@ -80,17 +127,28 @@ pub(crate) fn map(path: &Path, machine: Machine) -> Result<String, Error> {
         .filter(|s| s.name != "t" && !s.name.starts_with("true_"));
     text += "\n[topics]\nrate = 100          # rows a second, or master = \"a signal\": a row for each of its messages\n";
     text += "# time = \"header\"    # times of the messages' own headers, instead of their arrival\n\n[topics.signals]\n";
+    let mut taken = Vec::new();
     for signal in signals {
-        let unit = if signal.unit.is_empty() {
-            String::new()
-        } else {
-            format!("  # [{}]; other units by unit = ...", signal.unit)
+        let find = |label: fn(&Place) -> &str| {
+            let fits = |place: &&Place| place.unit.is_none_or(|unit| unit == signal.unit);
+            let labels = places
+                .iter()
+                .map(|p| Some(p).filter(fits).map_or("", label));
+            fitting(&signal.name, &labels.collect::<Vec<_>>(), &taken)
         };
-        let _ = writeln!(
-            text,
-            "# {} = {{ topic = \"/...\", field = \"...\" }}{unit}",
-            signal.name
-        );
+        let found = find(|place| &place.label).or_else(|| find(|place| &place.whole));
+        taken.extend(found);
+        let (mark, line) = match found {
+            Some(at) => ("", places[at].line.as_str()),
+            None => ("# ", "topic = \"/...\", field = \"...\""),
+        };
+        let guess = found.map_or("", |_| "by its name: check it; ");
+        let unit = match signal.unit {
+            "" => "a number".to_owned(),
+            unit => format!("[{unit}]; other units by unit = ..."),
+        };
+        let name = &signal.name;
+        let _ = writeln!(text, "{mark}{name} = {{ {line} }}  # {guess}{unit}");
     }
     Ok(text)
 }
@@ -102,6 +160,7 @@ fn topics(reader: &Reader) -> BTreeMap<String, Topic> {
         for channel in part.scan.channels.values() {
             let schema = part.scan.schemas.get(&channel.schema_id);
             let codec = Codec::of(channel, schema);
+            let schema = schema.filter(|s| !s.name.is_empty());
             let kind = schema.map_or(String::new(), |s| format!("{}, ", s.name));
             topics.entry(channel.topic.clone()).or_insert(Topic {
                 kind: format!("{kind}{}", channel.encoding),

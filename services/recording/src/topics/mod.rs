@@ -192,6 +192,11 @@ fn check_topics(reader: &Reader, map: &Map, wanted: &[Wanted<'_>]) -> Result<(),
     })
 }
 
+/// Whether this stands behind the name of a number or of a list of numbers.
+fn is_place(rest: &str) -> bool {
+    rest.is_empty() || rest.starts_with('[')
+}
+
 fn check_found(
     reader: &Reader,
     map: &Map,
@@ -208,15 +213,28 @@ fn check_found(
             TopicTime::Header => " with a time in its header",
             TopicTime::Log | TopicTime::Publish => "",
         };
-        let fields = list::fields_of(reader, &w.name.topic);
-        let remedy = if fields.is_empty() {
-            "check the topic: none of its messages could be read".into()
-        } else {
-            hint(
-                &w.name.field,
-                fields.iter().map(String::as_str),
-                "its numbers are",
-            )
+        let (fields, names) = list::fields_of(reader, &w.name.topic);
+        let field = &w.name.field;
+        let is_there = |field: &String| {
+            fields
+                .iter()
+                .any(|f| f.strip_prefix(field).is_some_and(is_place))
+        };
+        let absent_name = w.name.name.as_ref().filter(|name| !names.contains(name));
+        let remedy = match absent_name {
+            _ if fields.is_empty() => "check the topic: none of its messages could be read".into(),
+            _ if !is_there(field) => {
+                hint(field, fields.iter().map(String::as_str), "its numbers are")
+            }
+            Some(name) => hint(
+                name,
+                names.iter().map(String::as_str),
+                "the names of its places are",
+            ),
+            None if topics.time == TopicTime::Header => {
+                "its messages have no header.stamp: leave out time = \"header\"".into()
+            }
+            None => hint(field, fields.iter().map(String::as_str), "its numbers are"),
         };
         Err(Error::new(
             format!("no message has a number {what}{stamp}"),
