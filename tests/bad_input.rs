@@ -87,6 +87,20 @@ fn what_a_cell_should_be_is_said_where_it_is_something_else() {
 }
 
 #[test]
+fn a_map_that_lacks_what_is_needed_says_so() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let input = folder.path().join("in.csv");
+    fs::write(&input, "Time [s],Boom [deg],A7\n0,1,2\n").expect("a file");
+    let input = input.to_str().expect("a path");
+    let result = run(&["map", input, "--machine", "excavator"]);
+    let words = String::from_utf8_lossy(&result.stderr).into_owned();
+    assert!(
+        words.contains("needed: swing_velocity, swing_angle;"),
+        "{words}"
+    );
+}
+
+#[test]
 fn a_pipe_is_named_and_not_half_read() {
     use std::process::Stdio;
     let folder = tempfile::tempdir().expect("a folder");

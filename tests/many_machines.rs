@@ -333,4 +333,18 @@ fn what_cannot_be_served_is_said() {
         "{}",
         both(&output)
     );
+    let folder = run(&[
+        "serve",
+        "excavator",
+        folder.path().to_str().expect("a path"),
+    ]);
+    assert!(both(&folder).contains("not a folder"), "{}", both(&folder));
+    let full = std::fs::File::options().write(true).open("/dev/full");
+    let full = common::heft()
+        .args(["serve", "excavator", path])
+        .stdout(full.expect("a full disk"))
+        .output()
+        .expect("heft");
+    assert_eq!(full.status.code(), Some(2));
+    assert!(both(&full).contains("No space left"), "{}", both(&full));
 }

@@ -50,5 +50,18 @@ pub fn map(args: &MapArgs) -> Result<(), Failure> {
             );
         }
     }
+    let unfound: Vec<&str> = text.lines().filter_map(unfound).collect();
+    if !unfound.is_empty() {
+        eprintln!(
+            "no name fits these, which are needed: {}; fill them in",
+            unfound.join(", ")
+        );
+    }
     Ok(())
+}
+
+/// The signal of a line that nothing was found for.
+fn unfound(line: &str) -> Option<&str> {
+    let (signal, _) = line.strip_prefix("# ")?.split_once(" = ")?;
+    line.contains("needed, and no").then_some(signal)
 }

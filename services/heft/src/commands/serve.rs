@@ -63,6 +63,10 @@ pub fn serve(args: &ServeArgs) -> Result<(), Failure> {
     tell_idle_keys(&description, &[method]);
     let map = sources::map(args.with.map.as_deref())?;
     let input: Box<dyn Read> = match &args.file {
+        Some(folder) if folder.is_dir() => {
+            let error = std::io::ErrorKind::IsADirectory.into();
+            return Err(Failure::file("read", folder, &error));
+        }
         Some(file) => Box::new(File::open(file).map_err(|e| Failure::file("read", file, &e))?),
         None => Box::new(stdin().lock()),
     };

@@ -30,7 +30,7 @@ impl Out {
 
     fn put(&mut self, bytes: &[u8]) -> Result<(), String> {
         match self {
-            Self::Standard(out) => out.write_all(bytes).map_err(nobody_reads),
+            Self::Standard(out) => out.write_all(bytes).map_err(not_written),
             Self::File(out) => out.put(bytes).map_err(|e| e.to_string()),
         }
     }
@@ -45,8 +45,11 @@ pub enum Form {
     Messages,
 }
 
-fn nobody_reads(_: std::io::Error) -> String {
-    "nobody reads the estimates".into()
+fn not_written(error: std::io::Error) -> String {
+    match error.kind() {
+        std::io::ErrorKind::BrokenPipe => "nobody reads the estimates".into(),
+        _ => format!("cannot write the estimates: {error}"),
+    }
 }
 
 /// A machine and what was counted of its rows.
@@ -131,7 +134,7 @@ impl Rows {
     /// Lets nothing wait in the buffer where somebody reads as it comes.
     pub fn flush(&self) -> Result<(), String> {
         match &mut *lock(&self.out) {
-            Out::Standard(out) => out.flush().map_err(nobody_reads),
+            Out::Standard(out) => out.flush().map_err(not_written),
             Out::File(_) => Ok(()),
         }
     }
