@@ -98,6 +98,12 @@ fn a_map_that_lacks_what_is_needed_says_so() {
         words.contains("needed: swing_velocity, swing_angle;"),
         "{words}"
     );
+    // A preface is no header.
+    fs::write(input, "Logger 2.1\nTime [s],Boom [deg],A7\n0,1,2\n").expect("a file");
+    let result = run(&["map", input, "--machine", "excavator"]);
+    let words = both(&result);
+    assert_eq!(result.status.code(), Some(2), "{words}");
+    assert!(words.contains("delete what stands above"), "{words}");
 }
 
 #[test]

@@ -34,10 +34,32 @@ fn digits(text: &str) -> Option<i64> {
     plain.then(|| text.parse().ok())?
 }
 
-/// Nanoseconds of a time in a table: a date with a time, or the time of day alone, with its seconds.
-pub(crate) fn in_table(text: &str) -> Option<i64> {
-    let clock = || (text.matches(':').count() == 2).then(|| of_day(text));
-    date(text).or_else(|| clock()?)
+/// The times in a table, one after the other, that are no numbers: dates with a time, or the time of day alone, with its
+/// seconds, which goes on behind midnight.
+#[derive(Debug, Default)]
+pub(crate) struct Dates {
+    first: Option<i64>,
+    /// Time of day, and the midnights before it.
+    last: i64,
+    midnights: i64,
+}
+
+impl Dates {
+    /// Seconds since the first of them.
+    pub(crate) fn seconds(&mut self, text: &str) -> Option<f64> {
+        let ns = date(text).or_else(|| self.clock(text))?;
+        let first = *self.first.get_or_insert(ns);
+        Some(ns.saturating_sub(first) as f64 / 1e9)
+    }
+
+    fn clock(&mut self, text: &str) -> Option<i64> {
+        const DAY: i64 = 86_400_000_000_000;
+        let clock = (text.matches(':').count() == 2).then(|| of_day(text))??;
+        // A clock that was set by less is no midnight.
+        self.midnights += i64::from(clock < self.last - DAY / 2);
+        self.last = clock;
+        Some(self.midnights * DAY + clock)
+    }
 }
 
 /// `YYYY-MM-DD[T ]hh:mm[:ss[.fraction]][ AM| PM][zone]`; also with `/` for `-` and with `DD.MM.YYYY`.
@@ -187,11 +209,18 @@ mod tests {
 
     #[test]
     fn in_a_table_the_time_of_day_is_a_time() {
-        assert_eq!(in_table("00:00:01,5"), Some(1_500_000_000));
-        assert_eq!(in_table("11:00:00.5 PM"), Some(82_800_500_000_000));
-        assert_eq!(in_table("2014-04-10 21:30:09"), date("2014-04-10 21:30:09"));
+        let mut dates = Dates::default();
+        for (text, seconds) in [
+            ("23:59:58,5", 0.0),
+            ("11:59:59.5 PM", 1.0),
+            ("00:00:00.5", 2.0),
+            ("23:59:59", 86_400.5),
+            ("23:59:58", 86_399.5),
+        ] {
+            assert_eq!(dates.seconds(text), Some(seconds), "{text}");
+        }
         for text in ["12:30", "1:2:3:4", "25:00:00", "1,5"] {
-            assert_eq!(in_table(text), None, "{text}");
+            assert_eq!(dates.seconds(text), None, "{text}");
         }
     }
 

@@ -9,7 +9,7 @@ use crate::Error;
 use crate::map::{Conversion, Entry, Map, Origin, Timing, are_absent, hint};
 use crate::sampling::{Rows, Series};
 use crate::signal::{self, Builder, Row, Sensors};
-use crate::time;
+use crate::time::Dates;
 
 /// Age limit of a value that is held or interpolated, where the map has none [s].
 const HOLD: f64 = 1.0;
@@ -22,8 +22,7 @@ pub(crate) struct Columns<S: Sensors> {
     lines: Vec<Line>,
     builder: Builder<S>,
     values: Vec<f64>,
-    /// The first date, where the time is one [ns].
-    date: Option<i64>,
+    dates: Dates,
     sampler: Option<Sampler>,
 }
 
@@ -134,7 +133,7 @@ impl<S: Sensors> Columns<S> {
             builder: Builder::new(used),
             values: vec![0.0; lines.len()],
             lines,
-            date: None,
+            dates: Dates::default(),
             sampler: is_timed.then(|| Sampler::new(&timings)),
         })
     }
@@ -162,12 +161,12 @@ impl<S: Sensors> Columns<S> {
                         match self.dialect.number(cell) {
                             Some(x) => conversion.apply(x),
                             None => {
-                                let date = std::str::from_utf8(cell).ok().and_then(time::in_table);
-                                let date = date.filter(|_| line.is_time);
-                                let ns = date.ok_or_else(|| {
+                                let text = std::str::from_utf8(cell).ok();
+                                let text = text.filter(|_| line.is_time);
+                                let date = text.and_then(|text| self.dates.seconds(text));
+                                date.ok_or_else(|| {
                                     NoNumber::of(cell, &self.header[*at], line.is_time)
-                                })?;
-                                ns.saturating_sub(*self.date.get_or_insert(ns)) as f64 / 1e9
+                                })?
                             }
                         }
                     }

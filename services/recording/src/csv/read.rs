@@ -370,6 +370,9 @@ pub(crate) struct Look {
 pub(crate) fn look(path: &Path, most: usize) -> Result<Look, Error> {
     let table = Table::open(path)?;
     let (mut records, header) = table.records()?;
+    if header.len() < 2 {
+        return Err(absent(&["t"], "any machine", &header, &table.file));
+    }
     let mut columns = vec![Vec::new(); header.len()];
     for _ in 0..most {
         if !table.advance(&mut records)? {
