@@ -1,5 +1,5 @@
 //! A short share of the battery's fuzzing, with everything that was found before: every target returns, within its memory.
-//! The gate asks for a longer one, with another seed each time.
+//! The gate asks for a longer one, with one seed each time.
 
 use std::collections::VecDeque;
 use std::process::Command;
