@@ -18,7 +18,7 @@ use crate::can::dbc::Dbc;
 use crate::can::{Line, parse};
 use crate::signal::{self, Sensors};
 use crate::{Error, Kind};
-use names::{Wanted, fitting, wanted};
+use names::{Wanted, fitting, quoted, wanted};
 use table::LINKS;
 
 /// A first map for the table, CAN log or MCAP file of others `path`; a log needs the DBC files that describe it. Without
@@ -62,19 +62,6 @@ macro_rules! guesses {
 }
 
 messages::machines!(guesses);
-
-/// A text as a TOML string.
-pub(crate) fn quoted(text: &str) -> String {
-    let mut out = String::from("\"");
-    for c in text.chars() {
-        let _ = match c {
-            '"' | '\\' => write!(out, "\\{c}"),
-            c if c.is_control() => write!(out, "\\u{:04X}", u32::from(c)),
-            c => write!(out, "{c}"),
-        };
-    }
-    out + "\""
-}
 
 /// A text within a comment: what could end the comment, or cannot stand in one, becomes a mark.
 fn shown(text: &str) -> String {

@@ -1,9 +1,24 @@
 //! What others call heft's signals.
 
+use std::fmt::Write;
+
 use crate::signal::{self, Sensors};
 use crate::unit;
 
 use super::languages::english;
+
+/// A text as a TOML string.
+pub(crate) fn quoted(text: &str) -> String {
+    let mut out = String::from("\"");
+    for c in text.chars() {
+        let _ = match c {
+            '"' | '\\' => write!(out, "\\{c}"),
+            c if c.is_control() => write!(out, "\\u{:04X}", u32::from(c)),
+            c => write!(out, "{c}"),
+        };
+    }
+    out + "\""
+}
 
 /// A signal of heft that a map may name.
 pub(super) struct Wanted {

@@ -12,8 +12,7 @@ use super::node::Node;
 use crate::Error;
 use crate::reader::Reader;
 use crate::signal::signals_of;
-use crate::suggest::names::fitting;
-use crate::suggest::quoted;
+use crate::suggest::names::{fitting, quoted};
 
 /// Numbers of a topic that are listed.
 const MOST: usize = 60;
