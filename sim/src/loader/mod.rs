@@ -18,12 +18,14 @@
 //! # Ok::<(), sim::loader::InvalidRun>(())
 //! ```
 
+mod acts;
 mod arm;
 mod cases;
 mod chance;
 mod cycle;
 mod driver;
 mod effects;
+mod faults;
 mod lifts;
 mod loading;
 mod payload;
@@ -43,6 +45,7 @@ mod golden;
 pub use arm::{LiftArm, Seen, Stance};
 pub use cases::CASES;
 pub use effects::{Bend, Effects, PayloadReport};
+pub use faults::CHANNELS;
 pub use payload::{Payload, loaded};
 pub use plant::{GRAVITY, Inputs, Machine, Motion, Plant, State};
 pub use road::{Phases, Road, Surface};
@@ -50,5 +53,5 @@ pub use row::{Row, Truth};
 pub use run::{InvalidRun, Run};
 pub use scenario::Scenario;
 pub use sensors::Grade;
-pub use simulation::{CHANNELS, Simulation};
+pub use simulation::Simulation;
 pub use tier::{Nominal, Size, Tier};

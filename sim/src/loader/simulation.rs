@@ -1,10 +1,12 @@
 //! A run: the plant driven through a scenario and what its sensors report.
 
+use super::acts::Acts;
 use super::arm::{ArmSensors, LiftArm, Seen, Shaken};
 use super::driver::Driver;
-use super::effects::{self, Effects, Gears, Inclinometer, Late, PayloadReport};
+use super::effects::{self, Gears, Inclinometer, Late, PayloadReport};
+use super::faults::{CHANNELS, damage};
 use super::payload::Payload;
-use super::plant::{GRAVITY, Inputs, Machine, Plant, State};
+use super::plant::{GRAVITY, Machine, Plant};
 use super::road::{Phases, Road};
 use super::row::{Row, Truth};
 use super::run::{InvalidRun, Run};
@@ -13,25 +15,6 @@ use super::tier::{self, Calibration, Nominal, Tier};
 use crate::fault::Injector;
 use crate::noise::Noise;
 
-/// The channels that a [`Fault`](crate::fault::Fault) can name.
-pub const CHANNELS: &[&str] = &[
-    "time",
-    "speed",
-    "front_wheel_speed",
-    "rear_wheel_speed",
-    "front_torque",
-    "rear_torque",
-    "slope",
-    "acceleration",
-    "mass",
-    "spade_force_x",
-    "spade_force_z",
-    "lift_angle",
-    "tilt_angle",
-    "lift_head_pressure",
-    "lift_rod_pressure",
-];
-
 /// Streams of [`Noise::channel`]: the sensors take 1 to 7.
 const MACHINE_STREAM: u64 = 10;
 const ROAD_STREAM: u64 = 11;
@@ -39,41 +22,6 @@ const DRIVER_STREAM: u64 = 12;
 const JITTER_STREAM: u64 = 13;
 /// Time stamps that jitter are at least this far apart [s].
 const SHORTEST_ROW: f64 = 1e-4;
-
-/// What acts on the plant: the driver's wishes, and what the machine makes of them.
-#[derive(Clone, Debug)]
-struct Acts {
-    effects: Effects,
-    machine: Machine,
-    gears: Gears,
-}
-
-impl Acts {
-    fn inputs(&mut self, driver: &mut Driver, t: f64, state: &State) -> Inputs {
-        let mut inputs = driver.inputs(t, state[0]);
-        if driver.loads() && !self.effects.spins {
-            let held = |torque, wheel| effects::held(&self.machine, torque, state[0], wheel);
-            inputs.front_torque = held(inputs.front_torque, state[1]);
-            inputs.rear_torque = held(inputs.rear_torque, state[2]);
-        }
-        if self.effects == Effects::default() {
-            return inputs;
-        }
-        if self.effects.gear_delay > 0.0 {
-            self.gears.follow(t, state[0]);
-            let share = self.gears.share(t);
-            inputs.front_torque *= share;
-            inputs.rear_torque *= share;
-        }
-        let torques = [inputs.front_torque, inputs.rear_torque];
-        let (brake, drive) = self.effects.brake(torques, state[2]);
-        [inputs.front_torque, inputs.rear_torque] = drive;
-        [inputs.front_brake, inputs.rear_brake] = brake;
-        (inputs.bend_gain, inputs.bend_offset) =
-            effects::front_speed(&self.machine, &self.effects.bend(t));
-        inputs
-    }
-}
 
 /// The rows of a run, one after the other.
 #[derive(Clone, Debug)]
@@ -308,49 +256,6 @@ impl Simulation {
             reach: payload.reach + known.payload_reach_error,
         }
     }
-
-    fn damage(&mut self, row: &mut Row) {
-        let time = row.time;
-        let faults = &mut self.faults;
-        let required = [
-            &mut row.time,
-            &mut row.speed,
-            &mut row.front_wheel_speed,
-            &mut row.rear_wheel_speed,
-            &mut row.front_torque,
-            &mut row.rear_torque,
-            &mut row.slope,
-            &mut row.acceleration,
-        ];
-        let count = required.len();
-        for (channel, value) in required.into_iter().enumerate() {
-            *value = faults
-                .apply(channel, time, Some(*value))
-                .unwrap_or(f64::NAN);
-        }
-        for (channel, value) in [
-            &mut row.mass,
-            &mut row.spade_force_x,
-            &mut row.spade_force_z,
-        ]
-        .into_iter()
-        .enumerate()
-        {
-            *value = faults.apply(count + channel, time, *value);
-        }
-        let of_arm = row.arm.iter_mut().flat_map(|arm| {
-            [
-                &mut arm.lift_angle,
-                &mut arm.tilt_angle,
-                &mut arm.head_pressure,
-                &mut arm.rod_pressure,
-            ]
-        });
-        for (channel, value) in of_arm.enumerate() {
-            let seen = faults.apply(count + 3 + channel, time, Some(*value));
-            *value = seen.unwrap_or(f64::NAN);
-        }
-    }
 }
 
 impl Iterator for Simulation {
@@ -367,7 +272,7 @@ impl Iterator for Simulation {
             self.next += 1;
             let mut row = self.measure(time);
             let lost = self.faults.loses_row(time);
-            self.damage(&mut row);
+            damage(&mut row, &mut self.faults);
             if !lost {
                 return Some(row);
             }
