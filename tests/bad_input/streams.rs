@@ -1,0 +1,91 @@
+//! Pipes in the place of files, and what an interruption leaves.
+
+use std::fs;
+use std::path::Path;
+
+use crate::common::{self, both, golden, run};
+
+#[test]
+fn a_pipe_is_named_and_not_half_read() {
+    use std::process::Stdio;
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = folder.path().join("out.csv");
+    let estimate = |input: &str| {
+        let rows = fs::File::open(golden("excavator_input_base_case1.csv")).expect("rows");
+        let mut cat = std::process::Command::new("cat");
+        let mut cat = cat.stdin(rows).stdout(Stdio::piped()).spawn().expect("cat");
+        let pipe = cat.stdout.take().expect("its rows");
+        let result = common::heft()
+            .args(["estimate", input, "--machine", "excavator", "-o"])
+            .arg(&output)
+            .stdin(pipe)
+            .output()
+            .expect("heft");
+        cat.wait().expect("cat");
+        result
+    };
+    for input in ["/dev/stdin", "-"] {
+        let result = estimate(input);
+        let text = both(&result);
+        assert_eq!(result.status.code(), Some(2), "{text}");
+        assert!(text.contains("heft serve"), "{text}");
+    }
+    assert!(!output.exists());
+}
+
+#[test]
+fn estimates_on_standard_output_are_rows_and_nothing_else() {
+    let input = golden("excavator_input_base_case1.csv");
+    let args = [
+        "estimate",
+        input.to_str().expect("a path"),
+        "--machine",
+        "excavator",
+    ];
+    let estimates = |output: &str| run(&[&args[..], &["-o", output]].concat());
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("out.csv");
+    let whole = estimates(file.to_str().expect("a path"));
+    assert!(!whole.stdout.is_empty(), "words");
+    let rows = fs::read(&file).expect("rows");
+    for output in ["-", "/dev/stdout"] {
+        let result = estimates(output);
+        assert!(result.stdout == rows, "{output}");
+        assert!(both(&result).contains("The swing inertia is"), "{output}");
+    }
+    assert!(!Path::new("-").exists());
+    // A file behind the device's name is written, and takes nothing's place.
+    let behind = folder.path().join("behind.csv");
+    let status = common::heft()
+        .args(args)
+        .args(["-o", "/dev/fd/1"])
+        .stdout(fs::File::create(&behind).expect("a file"))
+        .status();
+    assert_eq!(status.expect("heft").code(), whole.status.code());
+    assert!(fs::read(&behind).expect("rows") == rows);
+}
+
+#[test]
+fn an_estimate_that_is_interrupted_leaves_nothing_behind() {
+    use std::os::unix::process::ExitStatusExt as _;
+    let folder = tempfile::tempdir().expect("a folder");
+    let (input, output) = (folder.path().join("in.csv"), folder.path().join("out.csv"));
+    let rows = (0..1_000_000).map(|i| format!("{}.{:03},0.1,0\n", i / 1000, i % 1000));
+    let table = "t,swing_velocity,swing_torque\n".to_owned() + &rows.collect::<String>();
+    fs::write(&input, table).expect("a file");
+    let files = || fs::read_dir(folder.path()).expect("the folder").count();
+    let limit = std::time::Duration::from_secs(20);
+    // On a busy host an estimate may be done before the signal comes: then another one is interrupted.
+    let interrupted = (0..20).any(|_| {
+        _ = fs::remove_file(&output);
+        let mut heft = common::heft();
+        let heft = heft.args(["estimate", "--machine", "excavator", "-o"]);
+        let mut heft = heft.arg(&output).arg(&input).spawn().expect("heft");
+        common::wait_until("a file in the making", limit, || files() > 1);
+        common::kill(heft.id(), rustix::process::Signal::INT);
+        let status = heft.wait().expect("an end");
+        status.signal() == Some(2)
+    });
+    assert!(interrupted, "each was done before");
+    assert_eq!(files(), 1, "the input");
+}
