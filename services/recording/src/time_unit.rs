@@ -1,13 +1,9 @@
 //! Times that are in another unit than seconds.
 
-/// Units of time, and how many of each are in a second.
-const UNITS: [(&str, f64); 5] = [
-    ("ms", 1e3),
-    ("us", 1e6),
-    ("ns", 1e9),
-    ("min", 1.0 / 60.0),
-    ("day", 1.0 / 86400.0),
-];
+use crate::unit;
+
+/// Units that others give times in.
+const UNITS: [&str; 5] = ["ms", "us", "ns", "min", "day"];
 
 /// The usual step of these times \[s\] and the unit that they seem to be in: the rows are as much further apart, or closer,
 /// than the rate of the sensors \[Hz\] says as this unit is shorter, or longer, than a second.
@@ -19,10 +15,11 @@ pub fn time_unit(times: &[f64], rate: f64) -> Option<(f64, &'static str)> {
     let step = *steps.get(steps.len() / 2)?;
     let apart = step * rate;
     // Sensors of a third to three times the described rate.
-    let (unit, _) = UNITS
+    let unit = UNITS
         .into_iter()
-        .find(|(_, factor)| (0.3..=3.0).contains(&(apart / factor)))?;
-    Some((rounded(step), unit))
+        .filter_map(unit::find)
+        .find(|unit| (0.3..=3.0).contains(&(apart * unit.factor)))?;
+    Some((rounded(step), unit.name))
 }
 
 /// A step with three digits.

@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 
 use config::Description;
 use estimation::Quantity;
-use estimation::loader::Reason;
+use estimation::loader::{RATED_SHARE, Reason};
 use estimation::loads::{Events, Ledger, Load, Row, Settings, Witness};
 use messages::{
     Envelope, ExcavatorEstimate, ExcavatorSensors, LoaderEstimate, LoaderSensors, Machine,
@@ -26,8 +26,6 @@ pub use why::why_words;
 const REMEMBERED: usize = 1000;
 /// Payload of a full bucket: prior mean plus so many prior standard deviations, as the estimator means it.
 const RATED_STDS: f64 = 1.25;
-/// Rated payload of a wheel loader in machine masses: .29 to .33 for machines of 5 to 25 t (makers' sheets).
-const RATED_SHARE: f64 = 0.32;
 
 /// What the counter is given beside the description.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -85,3 +85,6 @@ pub use payload::Payload;
 pub use reason::Reason;
 pub use sample::{Columns, Sample};
 pub use settings::{LoadTransfer, Machine, MustBe, Prior, Sensors, Settings, SettingsError};
+
+/// Rated payload in machine masses, half of what tips a loader (ISO 14397-1): .29 to .33 for machines of 5 to 25 t (makers' sheets).
+pub const RATED_SHARE: f64 = 0.32;

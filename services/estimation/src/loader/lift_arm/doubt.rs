@@ -154,7 +154,7 @@ impl Doubts {
     /// The bucket is empty and shows this now, or nobody knows what is in it.
     pub fn empty(&mut self, tare: Option<Tare>) {
         self.now = tare;
-        if let Some(tare) = tare.filter(|tare| tare.high) {
+        if let Some(tare) = tare.filter(|tare| tare.at_dump) {
             self.sums = self.sums.tared();
             self.round = self.round.tared();
             self.last = Some(Tared {
@@ -309,7 +309,7 @@ mod tests {
         told.empty(Some(Tare {
             apart: 130.0,
             variance: 900.0,
-            high: true,
+            at_dump: true,
         }));
         let variance = (MISSTATED * 100.0).powi(2);
         let gain = variance / (variance + 900.0);

@@ -1,5 +1,6 @@
 //! The described arm, bucket, cylinder and empty machine, each number with its doubt, and what follows by geometry.
 
+use super::super::RATED_SHARE;
 use super::super::keys::{LiftArm, LiftCylinder, Machine, Prior, Sensors};
 use super::super::layout::Each;
 use super::super::wheel_dynamics::GRAVITY;
@@ -52,8 +53,6 @@ pub(super) const USUAL_ROD_PRESSURE: f64 = 0.6e6;
 const UNKNOWN_BUCKET: f64 = 0.4;
 /// A bucket is changed in minutes: one machine in nine carries one that is 25 % heavier or lighter than the stated. Share of its mass.
 const OTHER_BUCKET: f64 = 0.08;
-/// Half of what tips a loader is what it may carry (ISO 14397-1): of 4 to 40 t machines about this share of their own mass.
-const RATED: f64 = 0.35;
 /// Least lever of the load, as a share of the arm's length: an arm that stands upright weighs nothing.
 const LEAST_LEVER: f64 = 0.2;
 /// The ground can carry the bucket while its pin is below this share of the arm's length.
@@ -375,10 +374,10 @@ fn full_force(count: f64, v: &[f64; NUMBERS]) -> f64 {
     count * v[HEAD_AREA] * FULL_PRESSURE
 }
 
-/// The payload whose weight the cylinders hold with a level arm at full pressure, or that does not tip the machine [kg].
+/// The payload whose weight the cylinders hold with a level arm at full pressure, at most the rated one [kg].
 fn capacity(count: f64, v: &[f64; NUMBERS]) -> f64 {
     let (base, eye) = (v[BASE], v[EYE]);
     let lever = base * eye / sqrt(base * base + eye * eye);
     let held = full_force(count, v) * lever / ((v[LENGTH] + v[LOAD_DISTANCE]) * GRAVITY);
-    held.min(RATED * v[EMPTY_MASS])
+    held.min(RATED_SHARE * v[EMPTY_MASS])
 }

@@ -20,8 +20,8 @@ pub(super) struct Tare {
     pub apart: f64,
     /// Variance of that without the drawing's [kg^2].
     pub variance: f64,
-    /// The bucket still is where it was emptied: that tells of later loads, which are weighed as high.
-    pub high: bool,
+    /// The bucket has not turned since: it tells of later loads, which are weighed as high.
+    pub at_dump: bool,
 }
 
 /// Memory of the bucket.
@@ -30,9 +30,10 @@ pub(super) struct Tare {
 pub(super) struct Emptied {
     /// It held a load when it opened.
     was_loaded: bool,
-    /// It has been emptied since, and has not turned since.
+    /// It has been emptied since, and the ground has not filled it.
     empty: bool,
-    high: bool,
+    /// It has not turned since it was emptied.
+    at_dump: bool,
 }
 
 impl Emptied {
@@ -41,20 +42,20 @@ impl Emptied {
     pub fn see(&mut self, shown: Quantity, motion: &Motion, capacity: f64) -> Option<Tare> {
         self.empty &= !motion.held;
         if motion.open {
-            self.high = false;
+            self.at_dump = false;
             return None;
         }
         if shown.value - 2.0 * shown.std > LOADED * capacity {
             (self.was_loaded, self.empty) = (true, false);
         } else if core::mem::take(&mut self.was_loaded) {
-            (self.empty, self.high) = (true, true);
+            (self.empty, self.at_dump) = (true, true);
         }
         let left = LEFT.1 * capacity;
         let is_known = shown.std < left && shown.value.abs() < EMPTIED * capacity;
         (self.empty && is_known).then_some(Tare {
             apart: shown.value - LEFT.0 * capacity,
             variance: shown.std * shown.std + left * left,
-            high: self.high,
+            at_dump: self.at_dump,
         })
     }
 }
