@@ -21,6 +21,10 @@ const SPAN: f64 = 0.1;
 /// Swinging from this velocity on; no excavator swings faster than the second [rad/s].
 const SWINGS: f64 = 0.1;
 const FASTEST: f64 = 4.0;
+/// No excavator swings at this many revolutions per minute: a faster one is in degrees per second.
+const FASTEST_RPM: f64 = 15.0;
+/// No excavator swings on a steeper ground [rad], 30 degrees: makers allow half of it.
+const STEEPEST: f64 = 0.52;
 /// Swinging for this many spans tells something: 10 s.
 const ENOUGH: f64 = 100.0;
 /// At least this share of the torque's mean square is explained.
@@ -34,8 +38,8 @@ const SLOPE: f64 = 0.07;
 const MODEL: f64 = 0.1;
 /// Another torque or payload than stated, and masses of the class, stay within.
 const ALIKE: [f64; 2] = [0.5, 2.2];
-/// Factors of a torque in kN m, about.
-const KILO: [f64; 2] = [0.0003, 0.003];
+/// A torque in kN m, in MN m, has a factor within this range of a thousandth, a millionth.
+const UNIT: [f64; 2] = [0.3, 3.0];
 /// A joint that moves by this much in a span moves [rad]; another that follows within this share of it moves along.
 const MOVES: f64 = 0.02;
 const ALONG: f64 = 0.1;
@@ -54,12 +58,18 @@ const OFTEN: u32 = 4;
 pub enum Mismatch {
     /// The velocity is in degrees per second.
     Degrees,
+    /// The velocity is in revolutions per minute.
+    Revolutions,
     /// The joint angles are in degrees.
     AngleDegrees,
+    /// Pitch and roll of the ground are in degrees.
+    SlopeDegrees,
     /// Torque and acceleration have opposite signs.
     Sign,
-    /// The torque is in kilonewton metres.
-    Kilonewtons,
+    /// The torque is in kilonewton metres, or the machine has this many times the inertia that is described.
+    Kilonewtons(f64),
+    /// The torque is in meganewton metres.
+    Meganewtons,
     /// Boom and arm are exchanged.
     Exchanged,
     /// The angle of the arm, of the bucket, is against the horizontal.
@@ -77,15 +87,22 @@ impl core::fmt::Display for Mismatch {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.write_str(match self {
             Self::Size(ratio) => {
-                return write!(
-                    f,
-                    "data and machine file are of different machines: the torque moves {ratio:.2} times the described inertia"
-                );
+                f.write_str("data and machine file are of different machines: the torque moves ")?;
+                return if *ratio < 0.1 {
+                    write!(f, "1/{:.0} of the described inertia", ratio.recip())
+                } else {
+                    write!(f, "{ratio:.2} times the described inertia")
+                };
             }
             Self::Degrees => "swing_velocity seems to be in degrees per second",
+            Self::Revolutions => "swing_velocity seems to be in revolutions per minute",
             Self::AngleDegrees => "the joint angles seem to be in degrees",
-            Self::Kilonewtons => {
+            Self::SlopeDegrees => "pitch and roll of the ground seem to be in degrees",
+            Self::Kilonewtons(_) => {
                 "swing_torque seems to be in kN m: the machine accelerates a thousand times more than it"
+            }
+            Self::Meganewtons => {
+                "swing_torque seems to be in MN m: the machine accelerates a million times more than it"
             }
             Self::Sign => "swing_torque and swing_velocity seem to have opposite signs",
             Self::Exchanged => {
@@ -114,7 +131,10 @@ pub struct Plausible {
     turn: f64,
     spans: f64,
     fast: f64,
+    /// Sum of the swinging speeds, in the unit of the data.
+    speeds: f64,
     large: [f64; 2],
+    steep: f64,
     exchanged: f64,
     normal: SMatrix<f64, N, N>,
     product: SVector<f64, N>,
@@ -169,7 +189,9 @@ impl Plausible {
             turn: 0.0,
             spans: 0.0,
             fast: 0.0,
+            speeds: 0.0,
             large: [0.0; 2],
+            steep: 0.0,
             exchanged: 0.0,
             normal: SMatrix::zeros(),
             product: SVector::zeros(),
@@ -200,7 +222,7 @@ impl Plausible {
         }
         if span < 2.0 * SPAN {
             self.follow(joints, posture);
-            self.swing(span, [before, velocity], posture);
+            self.swing(span, [before, velocity], posture, sample.inclination);
         }
         self.begin(sample.time, velocity, posture);
     }
@@ -217,7 +239,13 @@ impl Plausible {
         }
     }
 
-    fn swing(&mut self, span: f64, [before, now]: [f64; 2], posture: [f64; 3]) {
+    fn swing(
+        &mut self,
+        span: f64,
+        [before, now]: [f64; 2],
+        posture: [f64; 3],
+        inclination: [Option<f64>; 2],
+    ) {
         let velocity = 0.5 * (before + now);
         self.turn = (self.turn + velocity * span) % core::f64::consts::TAU;
         if velocity.abs() < SWINGS || before * now <= 0.0 {
@@ -236,6 +264,9 @@ impl Plausible {
         ]);
         self.spans += 1.0;
         self.fast += f64::from(u8::from(velocity.abs() > FASTEST));
+        self.speeds += velocity.abs();
+        let steep = |angle: Option<f64>| angle.is_some_and(|a| a.abs() > STEEPEST);
+        self.steep += f64::from(u8::from(inclination.into_iter().any(steep)));
         self.large[0] += f64::from(u8::from(posture[0].abs() > FASTEST));
         self.large[1] += f64::from(u8::from(posture[1].abs() > FASTEST));
         self.exchanged += f64::from(u8::from(posture[0] < -0.3 && posture[1] > 0.0));
@@ -255,7 +286,14 @@ impl Plausible {
             return Some(Mismatch::AngleDegrees);
         }
         if most(self.fast) {
-            return Some(Mismatch::Degrees);
+            return Some(if self.speeds > FASTEST_RPM * self.spans {
+                Mismatch::Degrees
+            } else {
+                Mismatch::Revolutions
+            });
+        }
+        if most(self.steep) {
+            return Some(Mismatch::SlopeDegrees);
         }
         if self.exchanged > 0.9 * self.spans {
             return Some(Mismatch::Exchanged);
@@ -285,12 +323,13 @@ impl Plausible {
         if left < LEFT || left < RATHER_OTHER * (1.0 - explained) {
             return None;
         }
-        let within = |[low, high]: [f64; 2]| (low..=high).contains(&ratio);
-        match ratio {
-            _ if ratio < 0.0 => Some(Mismatch::Sign),
-            _ if within(KILO) => Some(Mismatch::Kilonewtons),
-            _ => Some(Mismatch::Size(ratio)),
-        }
+        let about = |unit: f64| (UNIT[0]..=UNIT[1]).contains(&(ratio / unit));
+        Some(match ratio {
+            _ if ratio < 0.0 => Mismatch::Sign,
+            _ if about(1e-3) => Mismatch::Kilonewtons(ratio),
+            _ if about(1e-6) => Mismatch::Meganewtons,
+            _ => Mismatch::Size(ratio),
+        })
     }
 }
 
@@ -311,6 +350,7 @@ impl<I: Iterator<Item = Option<f64>>> CollectArray for I {
 
 #[cfg(test)]
 mod tests {
+    extern crate std;
     use super::*;
     use crate::math::tanh;
 
@@ -348,20 +388,37 @@ mod tests {
     fn what_is_of_another_unit_sign_order_or_machine_is_named() {
         assert_eq!(said(|_| {}), None);
         assert_eq!(said(|s| times(&mut s.torque, 1.25)), None);
-        assert_eq!(
-            said(|s| times(&mut s.torque, 1e-3)),
-            Some(Mismatch::Kilonewtons)
+        let kilo = said(|s| times(&mut s.torque, 1e-3));
+        assert!(
+            matches!(kilo, Some(Mismatch::Kilonewtons(ratio)) if (0.5e-3..2e-3).contains(&ratio))
         );
+        let mega = said(|s| times(&mut s.torque, 1e-6));
+        assert_eq!(mega, Some(Mismatch::Meganewtons));
         assert_eq!(said(|s| times(&mut s.torque, -1.0)), Some(Mismatch::Sign));
         assert_eq!(
             said(|s| times(&mut s.velocity, 57.3)),
             Some(Mismatch::Degrees)
         );
+        let revolutions = said(|s| times(&mut s.velocity, 9.55));
+        assert_eq!(revolutions, Some(Mismatch::Revolutions));
+        let slope = |s: &mut Sample, unit: f64| {
+            let turned = unit * 0.07;
+            s.inclination = [Some(turned), Some(-0.5 * turned)];
+        };
+        assert_eq!(said(|s| slope(s, 1.0)), None);
+        assert_eq!(said(|s| slope(s, 57.3)), Some(Mismatch::SlopeDegrees));
         let degrees = |s: &mut Sample| s.posture.iter_mut().for_each(|q| times(q, 57.3));
         assert_eq!(said(degrees), Some(Mismatch::AngleDegrees));
         assert_eq!(said(|s| s.posture.swap(0, 1)), Some(Mismatch::Exchanged));
         let larger = said(|s| times(&mut s.torque, 14.0));
         assert!(matches!(larger, Some(Mismatch::Size(ratio)) if (12.0..22.0).contains(&ratio)));
+    }
+
+    #[test]
+    fn a_small_ratio_is_written_as_a_fraction() {
+        let words = |ratio| std::format!("{}", Mismatch::Size(ratio));
+        assert!(words(4e-4).ends_with("moves 1/2500 of the described inertia"));
+        assert!(words(14.0).ends_with("moves 14.00 times the described inertia"));
     }
 
     #[test]

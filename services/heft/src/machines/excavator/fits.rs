@@ -55,8 +55,17 @@ fn remedy(mismatch: Mismatch, mass: f64) -> String {
     let map = |column: &str, line: &str| format!("write {line} for {column} in a signal map");
     match mismatch {
         Mismatch::Degrees => map("swing_velocity", "`unit = \"deg/s\"`"),
+        Mismatch::Revolutions => map("swing_velocity", "`unit = \"rpm\"`"),
+        Mismatch::SlopeDegrees => map("pitch and roll", "`unit = \"deg\"`"),
         Mismatch::AngleDegrees => map("boom_angle, arm_angle and bucket_angle", "`unit = \"deg\"`"),
-        Mismatch::Kilonewtons => map("swing_torque", "`unit = \"kNm\"`"),
+        Mismatch::Kilonewtons(ratio) => {
+            let unit = map("swing_torque", "`unit = \"kNm\"`");
+            match tonnes(mass, ratio) {
+                Some(tonnes) => format!("{unit}; or the machine is wrong: one of about {tonnes:.0} t would fit as well (--class {tonnes:.0}t)"),
+                None => unit,
+            }
+        }
+        Mismatch::Meganewtons => map("swing_torque", "`unit = \"MNm\"`"),
         Mismatch::Sign => map("swing_torque", "`sign = -1`"),
         Mismatch::Exchanged => "exchange the two in the signal map".into(),
         Mismatch::Absolute { .. } => "give the angle to the link before: in the signal map subtract the angle of that link, as with `heft map`".into(),
@@ -64,15 +73,19 @@ fn remedy(mismatch: Mismatch, mass: f64) -> String {
     }
 }
 
-/// Machines are alike: inertia grows with the mass to the power of 5/3.
-fn size(mass: f64, ratio: f64) -> String {
+/// Mass of a machine with this many times the inertia \[t\], if there are such. Machines are alike: inertia grows with the mass to the
+/// power of 5/3.
+fn tonnes(mass: f64, ratio: f64) -> Option<f64> {
     let tonnes = mass * ratio.abs().powf(0.6) / 1000.0;
-    if (0.5..300.0).contains(&tonnes) {
-        format!(
+    (0.75..300.0).contains(&tonnes).then_some(tonnes)
+}
+
+fn size(mass: f64, ratio: f64) -> String {
+    match tonnes(mass, ratio) {
+        Some(tonnes) => format!(
             "describe your machine: an excavator of about {tonnes:.0} t would fit: --class {tonnes:.0}t, or machine.operating_mass in the machine file"
-        )
-    } else {
-        "check the unit of swing_torque, and whether it is the torque at the swing bearing and not at the motor".into()
+        ),
+        None => "check the unit of swing_torque, and whether it is the torque at the swing bearing and not at the motor".into(),
     }
 }
 
@@ -85,5 +98,12 @@ mod tests {
         let words = size(REFERENCE, 14.0);
         assert!(words.contains("--class 27t"), "{words}");
         assert!(size(REFERENCE, 1e-6).contains("bearing"));
+    }
+
+    #[test]
+    fn a_thousandth_is_a_unit_or_another_machine() {
+        let words = |mass| remedy(Mismatch::Kilonewtons(1.7e-3), mass);
+        assert!(words(1e6).contains("--class 22t"), "{}", words(1e6));
+        assert!(!words(22e3).contains("--class"), "{}", words(22e3));
     }
 }
