@@ -28,7 +28,7 @@ pub struct Output {
     /// What it holds: "write the estimates" fails, or does not.
     doing: &'static str,
     /// Where it is written until then; none where the name is that of a device or a pipe.
-    beside: Option<PathBuf>,
+    beside: Option<Beside>,
     out: BufWriter<File>,
 }
 
@@ -52,7 +52,7 @@ impl Output {
         } else if is_device(path) {
             (None, File::options().write(true).open(path).map_err(fail)?)
         } else {
-            let (beside, file) = beside(path).map_err(fail)?;
+            let (beside, file) = Beside::create(path).map_err(fail)?;
             (Some(beside), file)
         };
         Ok(Self {
@@ -72,9 +72,7 @@ impl Output {
         self.out.flush().map_err(fail)?;
         if let Some(beside) = &self.beside {
             self.out.get_ref().sync_all().map_err(fail)?;
-            std::fs::rename(beside, &self.path).map_err(fail)?;
-            forget(beside);
-            self.beside = None;
+            std::fs::rename(&beside.0, &self.path).map_err(fail)?;
         }
         Ok(())
     }
@@ -89,25 +87,49 @@ impl Output {
     }
 }
 
-impl Drop for Output {
-    fn drop(&mut self) {
-        if let Some(beside) = &self.beside {
-            let _ = std::fs::remove_file(beside);
-            forget(beside);
+/// A file beside a result, for as long as this lives.
+#[derive(Debug)]
+pub struct Beside(PathBuf);
+
+impl Beside {
+    /// A new one, empty, beside `result`.
+    ///
+    /// # Errors
+    /// It cannot be created.
+    pub fn create(result: &Path) -> io::Result<(Self, File)> {
+        for number in 0.. {
+            let mut name = result.as_os_str().to_owned();
+            name.push(format!(".partial-{}-{number}", std::process::id()));
+            match File::create_new(&name) {
+                Err(e) if e.kind() == ErrorKind::AlreadyExists => {}
+                file => {
+                    let beside = Self(name.into());
+                    let file = file?;
+                    UNFINISHED
+                        .lock()
+                        .iter_mut()
+                        .for_each(|all| all.push(beside.0.clone()));
+                    return Ok((beside, file));
+                }
+            }
         }
+        Err(ErrorKind::AlreadyExists.into())
+    }
+
+    /// Its name.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.0
     }
 }
 
-/// Notes a file in the making, for [`abandon`].
-pub fn begun(beside: &Path) {
-    if let Ok(mut all) = UNFINISHED.lock() {
-        all.push(beside.to_owned());
-    }
-}
-
-fn forget(beside: &Path) {
-    if let Ok(mut all) = UNFINISHED.lock() {
-        all.retain(|other| other != beside);
+impl Drop for Beside {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_file(&self.0);
+        UNFINISHED
+            .lock()
+            .iter_mut()
+            .for_each(|all| all.retain(|other| *other != self.0));
     }
 }
 
@@ -123,24 +145,6 @@ pub fn is_standard_output(path: &Path) -> bool {
 fn is_device(path: &Path) -> bool {
     let is_open_file = ["/dev", "/proc"].iter().any(|top| path.starts_with(top));
     path.exists() && (is_open_file && !path.starts_with("/dev/shm") || !path.is_file())
-}
-
-/// A new file beside `path`.
-fn beside(path: &Path) -> io::Result<(PathBuf, File)> {
-    for number in 0.. {
-        let mut name = path.as_os_str().to_owned();
-        name.push(format!(".partial-{}-{number}", std::process::id()));
-        match File::create_new(&name) {
-            Err(e) if e.kind() == ErrorKind::AlreadyExists => {}
-            file => {
-                let beside = PathBuf::from(name);
-                let file = file?;
-                begun(&beside);
-                return Ok((beside, file));
-            }
-        }
-    }
-    Err(ErrorKind::AlreadyExists.into())
 }
 
 /// Whether a result may be written to `path`, see [`Output::create`].

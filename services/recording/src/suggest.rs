@@ -16,46 +16,72 @@ use messages::Machine;
 
 use crate::can::dbc::Dbc;
 use crate::can::{Line, parse};
+use crate::reader::Reader;
 use crate::signal::{self, Sensors};
+use crate::topics::list;
 use crate::{Error, Kind};
-use names::{Wanted, fitting, quoted, wanted};
+use names::{fitting, quoted, wanted};
 use table::LINKS;
+
+/// A first map of a file.
+#[derive(Debug)]
+pub struct Suggestion {
+    /// The map.
+    pub text: String,
+    /// Signals that the machine needs and nothing was found for: of each group, one.
+    pub missing: Vec<&'static [&'static str]>,
+    /// How many signals were found.
+    pub(crate) found: usize,
+}
 
 /// A first map for the table, CAN log or MCAP file of others `path`; a log needs the DBC files that describe it. Without
 /// a machine, the one whose signals fit best.
 ///
 /// # Errors
 /// A file cannot be read, or is neither a table nor a log.
-pub fn suggest(path: &Path, dbc: &[PathBuf], machine: Option<Machine>) -> Result<String, Error> {
-    let kind = Kind::of(path)?;
-    if kind == Kind::Recording {
-        return crate::topics::list::map(path, machine.unwrap_or(Machine::Excavator));
-    }
-    let is_log = kind == Kind::Log;
-    let of = |machine| guess(machine, path, is_log.then_some(dbc));
-    let guesses = match machine {
-        Some(machine) => vec![of(machine)?],
-        None => Machine::ALL.into_iter().map(of).collect::<Result<_, _>>()?,
+pub fn suggest(
+    path: &Path,
+    dbc: &[PathBuf],
+    machine: Option<Machine>,
+) -> Result<Suggestion, Error> {
+    let file = match Kind::of(path)? {
+        Kind::Table => Foreign::Table,
+        Kind::Log => Foreign::Log(dbc),
+        Kind::Recording => Foreign::Topics(Box::new(list::open(path)?)),
     };
+    let machines = machine.map_or(Machine::ALL.to_vec(), |machine| vec![machine]);
+    let guesses = machines
+        .into_iter()
+        .map(|machine| guess(machine, path, &file));
+    let guesses = guesses.collect::<Result<Vec<_>, _>>()?;
     // Of equals the last.
-    let best = guesses.into_iter().max_by_key(|(found, _)| *found);
-    match best {
-        Some((found, text)) if found > 0 || machine.is_some() => Ok(text),
-        _ => Err(Error::new(
-            "nothing in this file has a name like a signal of a machine",
-            path.display().to_string(),
-            "give --machine for a map to fill in by hand; it lists the columns",
-        )),
-    }
+    let best = guesses.into_iter().max_by_key(|guess| guess.found);
+    best.filter(|best| best.found > 0 || machine.is_some())
+        .ok_or_else(|| {
+            Error::new(
+                "nothing in this file has a name like a signal of a machine",
+                path.display().to_string(),
+                "give --machine for a map to fill in by hand; it lists what the file holds",
+            )
+        })
+}
+
+/// What a file that heft did not write holds.
+enum Foreign<'a> {
+    Table,
+    /// With its DBC files.
+    Log(&'a [PathBuf]),
+    Topics(Box<Reader>),
 }
 
 macro_rules! guesses {
     ($( $machine:ident, $module:ident, $sensors:ident, $truth:ident, $estimate:ident, $others:tt; )*) => {
-        /// A map for a machine with the number of signals that it names, from a CAN log with its DBC files or from a table.
-        fn guess(machine: Machine, path: &Path, dbc: Option<&[PathBuf]>) -> Result<(usize, String), Error> {
-            match (machine, dbc) {
-                $( (Machine::$machine, Some(dbc)) => log::<messages::$sensors>(path, dbc),
-                (Machine::$machine, None) => table::suggest::<messages::$sensors>(path), )*
+        /// A map for a machine.
+        fn guess(machine: Machine, path: &Path, file: &Foreign) -> Result<Suggestion, Error> {
+            match (machine, file) {
+                $( (Machine::$machine, Foreign::Table) => table::suggest::<messages::$sensors>(path),
+                (Machine::$machine, Foreign::Log(dbc)) => log::<messages::$sensors>(path, dbc),
+                (Machine::$machine, Foreign::Topics(reader)) => Ok(list::map::<messages::$sensors>(path, reader)), )*
             }
         }
     };
@@ -117,8 +143,8 @@ fn present(counts: &Frames, dbc: &[PathBuf]) -> Result<Vec<(String, String, u32)
     Ok(present)
 }
 
-/// A map for a CAN log, and how many signals were found.
-pub(crate) fn log<S: Sensors>(path: &Path, dbc: &[PathBuf]) -> Result<(usize, String), Error> {
+/// A map for a CAN log.
+fn log<S: Sensors>(path: &Path, dbc: &[PathBuf]) -> Result<Suggestion, Error> {
     if dbc.is_empty() {
         return Err(Error::new(
             "a CAN log says nothing without the DBC file that describes it",
@@ -144,7 +170,7 @@ pub(crate) fn log<S: Sensors>(path: &Path, dbc: &[PathBuf]) -> Result<(usize, St
     let names: Vec<&str> = present.iter().map(|(name, ..)| name.as_str()).collect();
     let (mut found, mut taken) = (Vec::new(), Vec::new());
     let mut links = [const { None }; LINKS.len()];
-    for Wanted { signal, .. } in wanted::<S>().into_iter().filter(|w| w.signal != "t") {
+    for signal in wanted::<S>().into_iter().filter(|signal| signal != "t") {
         let Some(at) = fitting(&signal, &names, &taken) else {
             continue;
         };
@@ -175,22 +201,31 @@ pub(crate) fn log<S: Sensors>(path: &Path, dbc: &[PathBuf]) -> Result<(usize, St
         }
         found.push(signal);
     }
-    out += &lacking::<S>(&found, "{ message = \"...\", signal = \"...\" }");
+    let missing = missing::<S>(&found);
+    out += &lacking::<S>(&found, &missing, "{ message = \"...\", signal = \"...\" }");
     let unseen = if present.is_empty() {
         "; no message of the DBC is in the log".to_owned()
     } else {
         format!(": {}", shown(&names.join(", ")))
     };
     let _ = writeln!(out, "\n# Sensors of the DBC that the log carries{unseen}");
-    Ok((found.len(), out))
+    Ok(Suggestion {
+        text: out,
+        missing,
+        found: found.len(),
+    })
+}
+
+/// Groups of signals that a machine needs one of, and none was found.
+pub(crate) fn missing<S: Sensors>(found: &[String]) -> Vec<&'static [&'static str]> {
+    let is_missing = |group: &&[&str]| !group.iter().any(|s| found.iter().any(|f| f == s));
+    S::REQUIRED.iter().copied().filter(is_missing).collect()
 }
 
 /// What was not found: lines to be filled in for what the machine needs, `blank` behind each name, and the rest by name.
-fn lacking<S: Sensors>(found: &[String], blank: &str) -> String {
-    let is_found = |signal: &str| found.iter().any(|f| f == signal);
+fn lacking<S: Sensors>(found: &[String], missing: &[&[&str]], blank: &str) -> String {
     let mut out = String::new();
-    let groups = S::REQUIRED.iter();
-    for group in groups.filter(|group| !group.iter().any(|s| is_found(s))) {
+    for group in missing {
         let one = if group.len() > 1 {
             "one of these is "
         } else {
@@ -204,8 +239,8 @@ fn lacking<S: Sensors>(found: &[String], blank: &str) -> String {
         }
     }
     let is_required = |signal: &str| S::REQUIRED.iter().any(|group| group.contains(&signal));
-    let more = wanted::<S>().into_iter().map(|w| w.signal);
-    let more = more.filter(|s| s != "t" && !is_found(s) && !is_required(s));
+    let more = wanted::<S>().into_iter();
+    let more = more.filter(|s| s != "t" && !found.contains(s) && !is_required(s));
     let more = more.map(|s| match unit_of::<S>(&s) {
         "" => s,
         unit => format!("{s} [{unit}]"),
@@ -242,7 +277,9 @@ mod tests {
         let header = names.map(|n| format!("\"{}\"", n.replace('"', "\"\"")));
         let text = format!("t,{}\n0,1,2\n", header.join(","));
         std::fs::write(&file, text).expect("writable");
-        let text = suggest(&file, &[], Some(Machine::Loader)).expect("a table");
+        let text = suggest(&file, &[], Some(Machine::Loader))
+            .expect("a table")
+            .text;
         let map = crate::Map::parse(&text, "m.toml").expect("a map");
         let slope = map.columns.iter().find(|e| e.signal == "slope");
         let origin = slope.map(|e| &e.terms[0].origin);
@@ -259,18 +296,21 @@ mod tests {
             std::fs::write(&file, format!("{header}\n0,1,2\n")).expect("writable");
             suggest(&file, &[], Some(machine)).expect("a table")
         };
-        let text = of("t,swing_rate,p_motor", Machine::Excavator);
+        let Suggestion { text, missing, .. } = of("t,swing_rate,p_motor", Machine::Excavator);
+        assert!(missing.is_empty(), "{missing:?}");
         assert!(!text.contains("swing_angle"), "the rate will do: {text}");
         assert!(
             text.contains("helps: swing_torque [N m], boom_angle [rad]"),
             "{text}"
         );
-        let text = of("t,x,y", Machine::Excavator);
+        let Suggestion { text, missing, .. } = of("x,y,z", Machine::Excavator);
+        assert_eq!(missing, [&["t"][..], &["swing_velocity", "swing_angle"]]);
         for signal in ["swing_velocity", "swing_angle"] {
             let line = format!("# {signal} = \"...\"  # one of these is needed");
             assert!(text.contains(&line), "{text}");
         }
-        let text = of("t,speed,slope", Machine::Loader);
+        let Suggestion { text, missing, .. } = of("t,speed,slope", Machine::Loader);
+        assert!(missing.contains(&&["front_torque"][..]), "{missing:?}");
         assert!(
             text.contains("# front_torque = \"...\"  # needed"),
             "{text}"

@@ -175,7 +175,7 @@ fn timed(when: &str, times: &[&str]) -> (String, Vec<f64>) {
     let table = format!("{when};Swing rate\n{}", rows.collect::<String>());
     let path = written(folder.path(), "a.csv", table.as_bytes());
     let machine = Some(messages::Machine::Excavator);
-    let text = recording::suggest(&path, &[], machine).expect("a map");
+    let text = recording::suggest(&path, &[], machine).expect("a map").text;
     let map = recording::Map::parse(&text, "a.toml").expect("a map");
     let samples = recording::load::<ExcavatorSensors>(&path, Some(&map)).expect("rows");
     (text, samples.iter().map(|(s, _)| s.stamp.time).collect())

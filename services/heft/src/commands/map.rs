@@ -38,30 +38,26 @@ pub fn map(args: &MapArgs) -> Result<(), Failure> {
             "name the table of sensors that it was made from",
         ));
     }
-    let text = recording::suggest(&args.file, &args.dbc, args.machine)?;
+    let suggestion = recording::suggest(&args.file, &args.dbc, args.machine)?;
+    let text = &suggestion.text;
     match &args.output {
         None => print!("{text}"),
         Some(path) => {
             // Somebody may have worked on an earlier one.
-            results::text("write the map", path, &[&args.file], |_| false, &text)?;
+            results::text("write the map", path, &[&args.file], |_| false, text)?;
             println!(
                 "{}: read every line of it, then give it with --map",
                 path.display()
             );
         }
     }
-    let unfound: Vec<&str> = text.lines().filter_map(unfound).collect();
-    if !unfound.is_empty() {
+    let missing = suggestion.missing.iter().map(|group| group.join(" or "));
+    let missing: Vec<String> = missing.collect();
+    if !missing.is_empty() {
         eprintln!(
             "no name fits these, which are needed: {}; fill them in",
-            unfound.join(", ")
+            missing.join(", ")
         );
     }
     Ok(())
-}
-
-/// The signal of a line that nothing was found for.
-fn unfound(line: &str) -> Option<&str> {
-    let (signal, _) = line.strip_prefix("# ")?.split_once(" = ")?;
-    line.contains("needed, and no").then_some(signal)
 }

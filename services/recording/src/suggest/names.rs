@@ -20,16 +20,10 @@ pub(crate) fn quoted(text: &str) -> String {
     out + "\""
 }
 
-/// A signal of heft that a map may name.
-pub(super) struct Wanted {
-    pub signal: String,
-}
-
 /// The signals of a machine that sensors measure, the time first.
-pub(super) fn wanted<S: Sensors>() -> Vec<Wanted> {
-    let signals = signal::signals::<S>().into_iter();
-    let measured = signals.filter(|s| !s.name.starts_with("true_"));
-    measured.map(|s| Wanted { signal: s.name }).collect()
+pub(super) fn wanted<S: Sensors>() -> Vec<String> {
+    let names = signal::signals::<S>().into_iter().map(|s| s.name);
+    names.filter(|name| !name.starts_with("true_")).collect()
 }
 
 /// For each signal, words of which a name must have all, in the order of trust: `^word` only where a word of the name begins,

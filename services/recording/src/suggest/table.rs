@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::absolute::is_absolute;
 use super::names::{fitting, wanted};
-use super::{lacking, opening, quoted, shown, unit_of};
+use super::{Suggestion, lacking, missing, opening, quoted, shown, unit_of};
 use crate::Error;
 use crate::csv::{self, Look};
 use crate::signal::Sensors;
@@ -15,8 +15,8 @@ use crate::unit::{self, Unit};
 /// Rows that are looked at.
 const LOOK: usize = 20_000;
 
-/// A map for a table, and how many signals were found.
-pub(crate) fn suggest<S: Sensors>(path: &Path) -> Result<(usize, String), Error> {
+/// A map for a table.
+pub(super) fn suggest<S: Sensors>(path: &Path) -> Result<Suggestion, Error> {
     let Look {
         header,
         units,
@@ -27,11 +27,8 @@ pub(crate) fn suggest<S: Sensors>(path: &Path) -> Result<(usize, String), Error>
     out.push_str("\n[columns]\n");
     let (mut found, mut taken) = (Vec::new(), Vec::new());
     let mut links = [const { None }; LINKS.len()];
-    for signal in wanted::<S>().into_iter().map(|w| w.signal) {
+    for signal in wanted::<S>() {
         let Some(at) = fitting(&signal, &names, &taken) else {
-            if signal == "t" {
-                out.push_str("# t = \"...\"  # needed, and no column fits by its name\n");
-            }
             continue;
         };
         taken.push(at);
@@ -79,7 +76,11 @@ pub(crate) fn suggest<S: Sensors>(path: &Path) -> Result<(usize, String), Error>
         };
         found.push(signal);
     }
-    out += &lacking::<S>(&found, "\"...\"");
+    let mut missing = missing::<S>(&found);
+    if !found.iter().any(|signal| signal == "t") {
+        missing.insert(0, &["t"]);
+    }
+    out += &lacking::<S>(&found, &missing, "\"...\"");
     let rest: Vec<&str> = (0..names.len())
         .filter(|at| !taken.contains(at))
         .map(|at| names[at])
@@ -89,7 +90,11 @@ pub(crate) fn suggest<S: Sensors>(path: &Path) -> Result<(usize, String), Error>
         "\n# Columns that fit nothing: {}",
         shown(&rest.join(", "))
     );
-    Ok((found.len(), out))
+    Ok(Suggestion {
+        text: out,
+        missing,
+        found: found.len(),
+    })
 }
 
 /// Angles of links, each from the one before it.

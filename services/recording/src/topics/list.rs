@@ -4,15 +4,14 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 
-use messages::Machine;
-
 use super::codec::Codec;
 use super::for_each_message;
 use super::node::Node;
 use crate::Error;
 use crate::reader::Reader;
-use crate::signal::signals_of;
+use crate::signal::{Sensors, signals};
 use crate::suggest::names::{fitting, quoted};
+use crate::suggest::{Suggestion, missing};
 
 /// Numbers of a topic that are listed.
 const MOST: usize = 60;
@@ -79,10 +78,19 @@ fn places(topics: &BTreeMap<String, Topic>) -> Vec<Place> {
     all
 }
 
+/// A file of others; what it lacks is told.
+pub(crate) fn open(path: &Path) -> Result<Reader, Error> {
+    let reader = Reader::open(path)?;
+    for lack in reader.lacks().all() {
+        tracing::warn!("{lack}");
+    }
+    Ok(reader)
+}
+
 /// The beginning of a map for a file of others: its topics and numbers as comments, and a line for each signal, filled in where a
 /// number's name fits.
-pub(crate) fn map(path: &Path, machine: Machine) -> Result<String, Error> {
-    let reader = Reader::open(path)?;
+pub(crate) fn map<S: Sensors>(path: &Path, reader: &Reader) -> Suggestion {
+    let machine = S::MACHINE;
     let file = path
         .display()
         .to_string()
@@ -91,11 +99,8 @@ pub(crate) fn map(path: &Path, machine: Machine) -> Result<String, Error> {
         "# Topics and numbers of {file}: fill in topic and field of each signal of the {machine}.\n\
          # Then: heft estimate {file} --machine {machine} --map THIS_FILE -o out.csv\n#\n"
     );
-    let topics = topics(&reader);
+    let topics = topics(reader);
     let places = places(&topics);
-    for lack in reader.lacks().all() {
-        tracing::warn!("{lack}");
-    }
     for (name, topic) in topics {
         let name = name.replace(char::is_control, "\u{fffd}");
         let _ = writeln!(
@@ -120,13 +125,13 @@ pub(crate) fn map(path: &Path, machine: Machine) -> Result<String, Error> {
             let _ = writeln!(text, "#     names of places: {}", topic.names.join(", "));
         }
     }
-    let signals = signals_of(machine);
+    let signals = signals::<S>();
     let signals = signals
         .iter()
         .filter(|s| s.name != "t" && !s.name.starts_with("true_"));
     text += "\n[topics]\nrate = 100          # rows a second, or master = \"a signal\": a row for each of its messages\n";
     text += "# time = \"header\"    # times of the messages' own headers, instead of their arrival\n\n[topics.signals]\n";
-    let mut taken = Vec::new();
+    let (mut found_all, mut taken) = (Vec::new(), Vec::new());
     for signal in signals {
         let find = |label: fn(&Place) -> &str| {
             let fits = |place: &&Place| place.unit.is_none_or(|unit| unit == signal.unit);
@@ -137,6 +142,7 @@ pub(crate) fn map(path: &Path, machine: Machine) -> Result<String, Error> {
         };
         let found = find(|place| &place.label).or_else(|| find(|place| &place.whole));
         taken.extend(found);
+        found_all.extend(found.map(|_| signal.name.clone()));
         let (mark, line) = match found {
             Some(at) => ("", places[at].line.as_str()),
             None => ("# ", "topic = \"/...\", field = \"...\""),
@@ -149,7 +155,11 @@ pub(crate) fn map(path: &Path, machine: Machine) -> Result<String, Error> {
         let name = &signal.name;
         let _ = writeln!(text, "{mark}{name} = {{ {line} }}  # {guess}{unit}");
     }
-    Ok(text)
+    Suggestion {
+        text,
+        missing: missing::<S>(&found_all),
+        found: taken.len(),
+    }
 }
 
 fn topics(reader: &Reader) -> BTreeMap<String, Topic> {

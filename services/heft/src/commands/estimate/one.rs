@@ -1,10 +1,11 @@
 //! Estimates of one input, row after row.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use config::Description;
 use messages::channels::Channel;
 use messages::{Envelope, Message, Receiver};
+use recording::output::Beside;
 use recording::{EstimateWriter, Metadata, Reader, Samples, Writer};
 use steps::stages::{Pipeline, Role};
 use view::estimate::Estimate;
@@ -206,18 +207,16 @@ fn metadata(args: &EstimateArgs, description: &Description) -> Metadata {
 
 /// A report is made from a recording, here from one that exists only for it.
 struct Notes {
-    file: PathBuf,
-    writer: Option<Writer>,
+    writer: Writer,
+    file: Beside,
 }
 
 impl Notes {
-    fn create(report: &Path, metadata: &Metadata) -> Result<Self, recording::Error> {
-        let mut name = report.as_os_str().to_owned();
-        name.push(format!(".partial-{}", std::process::id()));
-        let file = PathBuf::from(name);
-        recording::output::begun(&file);
-        let writer = Some(Writer::create(&file, metadata)?);
-        Ok(Self { file, writer })
+    fn create(report: &Path, metadata: &Metadata) -> Result<Self, Failure> {
+        let failed = |e| Failure::file("write the page", report, &e);
+        let (file, _) = Beside::create(report).map_err(failed)?;
+        let writer = Writer::create(file.path(), metadata)?;
+        Ok(Self { writer, file })
     }
 
     fn add(&mut self, channel: &Channel, message: &Envelope) -> Result<(), recording::Error> {
@@ -231,8 +230,7 @@ impl Notes {
             }
         }
 
-        let writer = self.writer.as_mut();
-        writer.map_or(Ok(()), |writer| message.open(Write(writer, channel)))
+        message.open(Write(&mut self.writer, channel))
     }
 
     /// A sample and, where it is known, the truth.
@@ -257,15 +255,9 @@ impl Notes {
         Ok(())
     }
 
-    fn report(mut self, page: &Path) -> Result<(), Failure> {
-        self.writer.take().map_or(Ok(()), Writer::finish)?;
-        page::write(&Reader::open(&self.file)?, page)
-    }
-}
-
-impl Drop for Notes {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_file(&self.file);
+    fn report(self, page: &Path) -> Result<(), Failure> {
+        self.writer.finish()?;
+        page::write(&Reader::open(self.file.path())?, page)
     }
 }
 
