@@ -97,7 +97,7 @@ fn a_map_that_lacks_what_is_needed_says_so() {
     let result = run(&["map", input, "--machine", "excavator"]);
     let words = String::from_utf8_lossy(&result.stderr).into_owned();
     assert!(
-        words.contains("needed: swing_velocity, swing_angle;"),
+        words.contains("needed: swing_velocity or swing_angle;"),
         "{words}"
     );
     // A preface is no header.
