@@ -71,7 +71,8 @@ pub fn lines(input: &[u8]) {
 
 /// A map that is suggested is a map, be it an empty one.
 fn suggest(file: &str, dbc: &[PathBuf]) {
-    let Ok(text) = recording::suggest(Path::new(file), dbc, None) else {
+    let Ok(recording::Suggestion { text, .. }) = recording::suggest(Path::new(file), dbc, None)
+    else {
         return;
     };
     if let Err(error) = Map::parse(&text, "suggested.toml") {
