@@ -4,6 +4,7 @@
 mod absolute;
 mod languages;
 pub(crate) mod names;
+pub(crate) mod suggestion;
 pub(crate) mod table;
 
 use std::collections::BTreeMap;
@@ -21,18 +22,9 @@ use crate::signal::{self, Sensors};
 use crate::topics::list;
 use crate::{Error, Kind};
 use names::{fitting, quoted, wanted};
+pub use suggestion::Suggestion;
+use suggestion::missing;
 use table::LINKS;
-
-/// A first map of a file.
-#[derive(Debug)]
-pub struct Suggestion {
-    /// The map.
-    pub text: String,
-    /// Signals that the machine needs and nothing was found for: of each group, one.
-    pub missing: Vec<&'static [&'static str]>,
-    /// How many signals were found.
-    pub(crate) found: usize,
-}
 
 /// A first map for the table, CAN log or MCAP file of others `path`; a log needs the DBC files that describe it. Without
 /// a machine, the one whose signals fit best.
@@ -214,12 +206,6 @@ fn log<S: Sensors>(path: &Path, dbc: &[PathBuf]) -> Result<Suggestion, Error> {
         missing,
         found: found.len(),
     })
-}
-
-/// Groups of signals that a machine needs one of, and none was found.
-pub(crate) fn missing<S: Sensors>(found: &[String]) -> Vec<&'static [&'static str]> {
-    let is_missing = |group: &&[&str]| !group.iter().any(|s| found.iter().any(|f| f == s));
-    S::REQUIRED.iter().copied().filter(is_missing).collect()
 }
 
 /// What was not found: lines to be filled in for what the machine needs, `blank` behind each name, and the rest by name.

@@ -5,7 +5,8 @@ use std::path::Path;
 
 use super::absolute::is_absolute;
 use super::names::{fitting, wanted};
-use super::{Suggestion, lacking, missing, opening, quoted, shown, unit_of};
+use super::suggestion::{Suggestion, missing};
+use super::{lacking, opening, quoted, shown, unit_of};
 use crate::Error;
 use crate::csv::{self, Look};
 use crate::signal::Sensors;

@@ -11,7 +11,7 @@ use crate::Error;
 use crate::reader::Reader;
 use crate::signal::{Sensors, signals};
 use crate::suggest::names::{fitting, quoted};
-use crate::suggest::{Suggestion, missing};
+use crate::suggest::suggestion::{Suggestion, missing};
 
 /// Numbers of a topic that are listed.
 const MOST: usize = 60;
