@@ -2,6 +2,7 @@
 
 mod calibrate;
 mod figures;
+mod fits;
 
 use config::Description;
 use messages::{LoaderSensors, LoaderTruth};
@@ -20,7 +21,7 @@ pub(super) struct Loader;
 impl MachineKind for Loader {
     type Sensors = LoaderSensors;
     type Estimate = messages::LoaderEstimate;
-    type Look = ();
+    type Look = fits::Fits;
     const USUAL: &'static str = "work-cycle";
     const SHOWN: &'static str = "loading";
     // The empty machine stood on axle scales once, to 1 % of its weight; its height is stated to 5 %. That of seed 1 has 0.472 and 0.964 m.

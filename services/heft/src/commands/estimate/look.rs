@@ -7,16 +7,11 @@ pub trait Look<S> {
     /// For a description.
     fn of(description: &Description) -> Self;
     /// Takes a sample.
-    fn add(&mut self, _sample: &S) {}
+    fn add(&mut self, sample: &S);
     /// Says so.
     fn tell(&self) {}
     /// Why data and description cannot be of one machine, and what to do.
     fn fault(&self) -> Option<String> {
         None
     }
-}
-
-/// Nothing is looked for.
-impl<S> Look<S> for () {
-    fn of(_: &Description) {}
 }
