@@ -113,6 +113,8 @@ impl Filter {
         let steep = dissipated.max(0.0) * (1.0 - direction * direction) / width;
 
         let step = dt / inertia;
+        // The noise is that of the measured torque.
+        let of_torque = step * (1.0 + x[GAIN]);
         let mut row = [0.0; N];
         row[W] = exp(-step * (x[DAMPING] + rate + steep));
         let heavier = |radius, rate, inertia| step * (lean * radius - rate * w - f * inertia);
@@ -136,7 +138,7 @@ impl Filter {
         }
 
         let column = self.along(row.into_iter().enumerate());
-        let variance = dot(&column, &row) + input.torque_variance * step * step;
+        let variance = dot(&column, &row) + input.torque_variance * of_torque * of_torque;
         for (i, &covariance) in column.iter().enumerate() {
             self.p[W][i] = covariance;
             self.p[i][W] = covariance;
@@ -315,6 +317,35 @@ pub(super) fn dot(a: &Vector, b: &Vector) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_torque_in_another_unit_is_another_gain_and_nothing_else() {
+        let velocity = |torque: f64| {
+            let input = Input {
+                period: 0.01,
+                torque: 2000.0 * torque,
+                torque_variance: 9e4 * torque * torque,
+                inertia: Inertia {
+                    empty: 6000.0,
+                    per_payload: 9.0,
+                    ..Inertia::default()
+                },
+                ..Input::default()
+            };
+            let mut x = [0.0; N];
+            x[GAIN] = 1.0 / torque - 1.0;
+            let mut filter = Filter::new(x, &[0.0; N]);
+            (0..100).for_each(|_| filter.predict(&input, 0.01, 1000.0, &mut None));
+            (filter.x[W], filter.p[W][W])
+        };
+        let (value, variance) = velocity(1.0);
+        let (other, its_variance) = velocity(1.25);
+        assert!((other / value - 1.0).abs() < 1e-12, "{other} {value}");
+        assert!(
+            (its_variance / variance - 1.0).abs() < 1e-12,
+            "{its_variance} {variance}"
+        );
+    }
 
     #[test]
     fn a_covariance_that_is_no_number_anywhere_shows_with_the_next_motion() {
