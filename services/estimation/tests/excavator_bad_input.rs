@@ -287,6 +287,39 @@ fn bias_noise_outliers_and_saturation_are_dealt_with() {
 }
 
 #[test]
+fn what_no_upper_body_and_no_drive_can_do_is_as_if_it_were_missing() {
+    type Fault = fn(&mut Sample, Option<f64>);
+    let signals: [(Fault, &[f64]); 2] = [
+        (|row, word| row.velocity = word, &[3.0, -2.0, 4.9]),
+        (
+            |row, word| row.torque = word,
+            &[65_535.0, -1e6, 6.5e7, 1e12],
+        ),
+    ];
+    for method in [Method::Auto, Method::Torque, Method::PostureTorque] {
+        for (fault, words) in signals {
+            let with = |word: Option<f64>| {
+                let mut estimator =
+                    SwingEstimator::new(&Settings::calibrated(), method, COLUMNS).unwrap();
+                let rows = base().into_iter().enumerate().map(|(k, mut row)| {
+                    // A row, a moment, a third of a second.
+                    if k == 150 || (220..225).contains(&k) || (300..333).contains(&k) {
+                        fault(&mut row, word);
+                    }
+                    let estimate = estimator.step(&row);
+                    (estimate.inertia, estimate.inertia_std)
+                });
+                rows.collect::<Vec<_>>()
+            };
+            let missing = with(None);
+            for word in words {
+                assert_eq!(with(Some(*word)), missing, "{method:?} {word}");
+            }
+        }
+    }
+}
+
+#[test]
 fn a_large_outlier_at_rest_neither_sets_the_machine_off_nor_hides_that_it_stands() {
     for method in [Method::Torque, Method::Posture, Method::PostureTorque] {
         for first in [3, 20, 41] {

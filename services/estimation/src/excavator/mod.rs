@@ -14,7 +14,7 @@
 //! | `estimate`, `settings`, [`keys`] | what goes in and comes out; the keys of a description |
 //! | `size` | a description from the operating mass and a few more numbers |
 //! | `plausible` | whether data and description are of one machine |
-//! | `input` | rows on a grid, missing, late, held, noisy and coarse values, an encoder, a sensor that is frozen or jumps, standstill |
+//! | `input` | rows on a grid, missing, late, held, noisy and coarse values, an encoder, a sensor that is frozen, jumps or leaps, standstill |
 //! | `align`, `consider` | stated delays taken out; what is taken as known and is not |
 //! | `regression` | the paper's way: motion in, inertia out, by recursive least squares |
 //! | `swing`, `mode` | the state-space way: one step for all; the modes by the columns that exist |
@@ -43,7 +43,7 @@ mod verdict;
 mod working;
 
 use input::{
-    angle, calibration, delay, encoder, frozen, grid, hold, jump, lag, motion, quantisation,
+    angle, calibration, delay, encoder, frozen, grid, hold, jump, lag, leap, motion, quantisation,
     screen, standstill, swing_angle,
 };
 use mode::{drive, onset, posture, posture_torque, state, torque, unknown_torque, velocity};

@@ -1,7 +1,8 @@
 //! A joint angle that jumps further than a joint can move.
 //!
 //! A joint moves on by its rate; what steps further between two values, and does not step back, is not the joint:
-//! a slipped or exchanged encoder, another zero, unit, sign or range. Where the joint really is cannot be known then.
+//! a slipped or exchanged encoder, another zero, unit, sign or range. Where the joint really is cannot be known then. One that only
+//! repeats a single value until it steps back to where the joint may have moved was a bus that dropped out.
 
 use core::f64::consts::{PI, TAU};
 
@@ -36,6 +37,10 @@ pub(in crate::excavator) struct Jump {
     rough: f64,
     /// Sum of the steps that no joint makes [rad].
     displaced: f64,
+    /// The last angle before it was displaced, the time since then [s], and whether it has said a single value since.
+    before: f64,
+    away: f64,
+    single: bool,
 }
 
 impl Jump {
@@ -47,26 +52,38 @@ impl Jump {
         if step == 0.0 {
             self.held += self.gap;
         } else {
-            self.change(step);
+            self.change(value, step);
             self.held = 0.0;
         }
-        self.gap = 0.0;
+        self.away += core::mem::take(&mut self.gap);
+        if !self.has_jumped() {
+            (self.before, self.away, self.single) = (value, 0.0, true);
+        }
         (!self.has_jumped()).then_some(value)
     }
 
-    fn change(&mut self, step: f64) {
+    fn change(&mut self, value: f64, step: f64) {
         let off = self.held.min(SET_OFF);
-        let moved = RATE * self.gap
+        let at_once = RATE * self.gap + COARSE + NOISE * sqrt(self.rough / 6.0);
+        let possible = at_once
             + 2.0 * self.rate.unwrap_or(RATE).min(RATE) * self.held.min(HELD)
             + 0.5 * ACCELERATION * off * off;
-        let possible = moved + COARSE + NOISE * sqrt(self.rough / 6.0);
+        if self.has_jumped() && self.single && step.abs() > at_once {
+            let within = RATE * (self.away + self.gap) + COARSE;
+            if turned(value - self.before).abs() <= within {
+                self.displaced = 0.0;
+                return;
+            }
+        }
         if step.abs() <= possible {
             let bend = step - self.step;
             self.rough += MEMORY * (bend * bend - self.rough);
             self.step = step;
             self.rate = Some(step.abs() / (self.held + self.gap));
+            self.single = false;
             return;
         }
+        self.single = !self.has_jumped();
         self.displaced = turned(self.displaced + step);
         if self.displaced.abs() <= possible {
             self.displaced = 0.0;
@@ -125,6 +142,10 @@ mod tests {
                 Some(angle + if (200..230).contains(&k) { 0.15 } else { 0.0 })
             });
             assert_eq!(back, (370, false), "{rate}");
+            let word = passed(rate, |k, angle| {
+                Some(if (200..230).contains(&k) { -2.7 } else { angle })
+            });
+            assert_eq!(word, (370, false), "{rate}: a bus that drops out");
             let spikes = passed(rate, |k, angle| {
                 Some(angle + if k % 20 == 19 { 0.5 } else { 0.0 })
             });

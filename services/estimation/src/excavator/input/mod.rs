@@ -1,4 +1,4 @@
-//! What comes in: rows on a grid, missing, late, held, noisy and coarse values, an encoder, a sensor that is frozen or jumps, rest.
+//! What comes in: rows on a grid, missing, late, held, noisy and coarse values, an encoder, a sensor that is frozen, jumps or leaps, rest.
 
 pub(in crate::excavator) mod angle;
 pub(in crate::excavator) mod calibration;
@@ -9,6 +9,7 @@ pub(in crate::excavator) mod grid;
 pub(in crate::excavator) mod hold;
 pub(in crate::excavator) mod jump;
 pub(in crate::excavator) mod lag;
+pub(in crate::excavator) mod leap;
 pub(in crate::excavator) mod motion;
 pub(in crate::excavator) mod quantisation;
 pub(in crate::excavator) mod screen;

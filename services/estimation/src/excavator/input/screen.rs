@@ -7,6 +7,7 @@ use crate::excavator::frozen::Repetition;
 use crate::excavator::grid::LONG_GAP;
 use crate::excavator::hold::{Hold, Joined};
 use crate::excavator::jump::Jump;
+use crate::excavator::leap::{SteadyTorque, SteadyVelocity};
 use crate::excavator::quantisation::Quantisation;
 use crate::excavator::settings::Sensors;
 use crate::excavator::swing_angle::{Followed, SwingAngle};
@@ -14,6 +15,8 @@ use crate::time_base::{Tick, TimeBase};
 
 /// No machine works on a steeper slope [rad].
 const INCLINATION_LIMIT: f64 = 0.8;
+/// Beyond this a torque is no measurement [N m]: four times that of the largest machines (800 t).
+const TORQUE_LIMIT: f64 = 2e7;
 /// Beyond this a pressure is no measurement [Pa]: five times that of mobile hydraulics (40 MPa).
 const PRESSURE_LIMIT: f64 = 2e8;
 
@@ -36,6 +39,7 @@ pub(in crate::excavator) struct Screen {
     first_period: f64,
     velocity_limit: f64,
     velocity_std: f64,
+    torque_std: f64,
     angle_limit: f64,
     torque_gain: f64,
     torque_offset: f64,
@@ -46,6 +50,8 @@ pub(in crate::excavator) struct Screen {
     pressures: [Repetition; 2],
     jumps: [Jump; 3],
     angles: [Angle; 3],
+    steady_velocity: SteadyVelocity,
+    steady_torque: SteadyTorque,
     velocity: Hold,
     quantisation: Quantisation,
     torque: Joined,
@@ -59,6 +65,7 @@ impl Screen {
             first_period: 1.0 / sensors.rate,
             velocity_limit: sensors.swing_velocity_limit,
             velocity_std: sensors.swing_velocity_std,
+            torque_std: sensors.swing_torque_std,
             angle_limit: sensors.angle_limit,
             torque_gain: sensors.swing_torque_gain,
             torque_offset: sensors.swing_torque_offset,
@@ -67,6 +74,8 @@ impl Screen {
             pressures: [Repetition::default(); 2],
             jumps: [Jump::default(); 3],
             angles: [Angle::new(sensors.angle_std); 3],
+            steady_velocity: SteadyVelocity::default(),
+            steady_torque: SteadyTorque::default(),
             velocity: Hold::default(),
             quantisation: Quantisation::default(),
             torque: Joined::default(),
@@ -146,8 +155,11 @@ impl Screen {
         let mut posture = sample.posture;
         let checks = joints.iter_mut().zip(&mut self.jumps).zip(&mut self.angles);
         for (value, ((repetition, jump), angle)) in posture.iter_mut().zip(checks) {
-            *value = within(repetition.pass(*value), self.angle_limit);
-            *value = angle.pass(jump.pass(*value, period), period);
+            let measured = within(*value, self.angle_limit);
+            let moving = repetition.pass(measured);
+            // A single value that is repeated elsewhere is a jump that may come back, and no frozen sensor.
+            let joint = if jump.has_jumped() { measured } else { moving };
+            *value = angle.pass(jump.pass(joint, period), period);
         }
         let [head, rod] = &mut self.pressures;
         let sample = Sample {
@@ -156,9 +168,15 @@ impl Screen {
             ..*sample
         };
         let velocity = within(velocity.pass(sample.velocity), self.velocity_limit);
+        let velocity = self
+            .steady_velocity
+            .pass(velocity, self.velocity_std, period);
         let new = self.velocity.push(velocity);
         self.quantisation.push(velocity);
-        let torque = within(torque.pass(sample.torque), 1e12)
+        let torque = within(torque.pass(sample.torque), TORQUE_LIMIT);
+        let torque = self
+            .steady_torque
+            .pass(torque, self.torque_std, period)
             .map(|t| (t - self.torque_offset) / self.torque_gain);
         Sample {
             time: sample.time,
