@@ -284,6 +284,22 @@ impl Filter {
         self.p[i][i] = variance;
     }
 
+    /// Mean and covariance of the mixture with another filter of this probability.
+    pub(super) fn mixed(mut self, other: &Self, probability: f64) -> Self {
+        let mut apart = [0.0; N];
+        for (i, apart) in apart.iter_mut().enumerate() {
+            *apart = other.x[i] - self.x[i];
+            self.x[i] += probability * *apart;
+        }
+        let spread = probability * (1.0 - probability);
+        for (i, column) in self.p.iter_mut().enumerate() {
+            for (j, p) in column.iter_mut().enumerate() {
+                *p += probability * (other.p[i][j] - *p) + spread * apart[i] * apart[j];
+            }
+        }
+        self
+    }
+
     /// Whether every state and variance is a number, and no variance negative.
     pub(super) fn is_sound(&self) -> bool {
         // What is not finite beside the diagonal shows in the states with the next motion.

@@ -3,9 +3,9 @@
 //! A torque that is wrong by a factor, and a velocity that is by its inverse, look like another inertia: what the bucket holds is
 //! not known, and neither are upper body and bucket exactly. So a second filter runs in parallel with the gain opened, does all that the
 //! first does, and the likelihoods of the innovations of both distinguish them (Bayes; a generalised likelihood ratio: Willsky,
-//! Jones 1976). With each swing it is at least as probable as a sensor that has just broken. As long as it lies within the interval,
-//! it keeps what it has learnt: the first filter has taken the same motions for another machine. Otherwise it begins anew. The
-//! interval is that of the mixture, and the filter that is far more probable is the estimate.
+//! Jones 1976). It may be as wrong as before, or a sensor has just broken: with each swing the second filter begins as the mixture of
+//! both (moments of a mixture: generalised pseudo-Bayes of first order; Blom, Bar-Shalom 1988). The interval is that of the mixture
+//! with the first, and the filter that is far more probable is the estimate.
 
 use super::super::geometry::Inertia;
 use super::filter::{Filter, GAIN, Input, M};
@@ -20,8 +20,6 @@ const PRIOR_LOG_ODDS: f64 = -7.0;
 const UNCALIBRATED_LOG_ODDS: f64 = -2.5;
 /// A gain that is stated more closely than this was calibrated.
 const CALIBRATED_GAIN_STD: f64 = 0.01;
-/// Logarithm of the odds of one in twenty: what is less probable lies outside a 95 % interval.
-const KEPT_LOG_ODDS: f64 = -2.944;
 /// Logarithm of the odds at which it is the estimate: what the model leaves out makes the innovations say more than they know.
 const ACCEPTED_LOG_ODDS: f64 = 5.0;
 /// One measurement says no more than this.
@@ -54,10 +52,9 @@ impl ParallelFilter {
     /// The machine moves: what was known of the sensors may have changed while it stood.
     pub(super) fn set_off(&mut self, filter: &Filter) {
         if core::mem::take(&mut self.idle) {
-            if self.odds < KEPT_LOG_ODDS {
-                self.filter = opened(filter);
-            }
-            self.odds = self.odds.max(PRIOR_LOG_ODDS);
+            let [kept, broken] = [self.odds, PRIOR_LOG_ODDS].map(exp);
+            self.filter = opened(filter).mixed(&self.filter, kept / (kept + broken));
+            self.odds = ln(kept + broken);
         }
     }
 
