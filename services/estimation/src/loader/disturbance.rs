@@ -18,7 +18,7 @@ use super::accelerometer::Shaking;
 use super::inertia::{Force, Inertia, Push};
 use super::inputs::StepInputs;
 use super::unreported_load::{BETWEEN, BETWEEN_STATED, SLOW, UnreportedLoad};
-use super::wheel_dynamics::{GRAVITY, WheelDynamics};
+use super::wheel_dynamics::{GRAVITY, ROLLING_WIDTH, WheelDynamics};
 use crate::math::{exp, sqrt, tanh};
 
 /// How long a disturbance outlasts its cause [s].
@@ -258,10 +258,10 @@ impl Disturbance {
         dt: f64,
     ) {
         let u = &step.inputs;
-        let radius = machine.wheel_radius;
-        let inertia = machine.mass + 2.0 * machine.axle_inertia / (radius * radius);
-        let pull = (u.front_torque + u.rear_torque) / (radius * inertia);
-        let rolling = machine.rolling_resistance * tanh(speed / 0.05) * machine.mass * GRAVITY;
+        let inertia = machine.rolling_mass();
+        let pull = (u.front_torque + u.rear_torque) / (machine.wheel_radius * inertia);
+        let fade = tanh(speed / ROLLING_WIDTH);
+        let rolling = machine.rolling_resistance * fade * machine.mass * GRAVITY;
         let needed = measured + (rolling + u.spade_force_x) / inertia;
         let drives = pull * speed > 0.0 && u.spade_force_x == 0.0 && !step.brake;
         if drives && pull.abs() < LARGEST && needed.abs() < LARGEST {

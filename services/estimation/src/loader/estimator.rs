@@ -1,6 +1,5 @@
 //! The estimator of the centre of gravity: one row in, one answer out.
 
-use super::cg_model::Loading;
 use super::estimate::{Estimate, Status};
 use super::filter::{Belief, CgFilter, RowReport};
 use super::layout::{CG_HEIGHT, CG_RATIO, Each, FRONT_WHEEL, Layout, REAR_WHEEL, SPEED};
@@ -115,7 +114,8 @@ impl CgEstimator {
             (8, true) => Filter::EightByTangent(CgFilter::new(settings, method)),
             (states, tangent) => other(settings, method, states, tangent)?,
         };
-        let mut last = each!(&filter, f => report(f, settings, method, &waiting()));
+        let waiting = Status::Waiting;
+        let mut last = each!(&filter, f => report(f, settings, method, &RowReport::without_update(waiting, false)));
         let lift = LiftWitness::new(
             &settings.lift_arm,
             &settings.lift_cylinder,
@@ -196,7 +196,7 @@ impl CgEstimator {
     /// From the first payload on, prior and states mean the empty machine, so tell it from the first row (mass 0 when
     /// empty). The reported values stay those of the loaded machine.
     pub fn set_payload(&mut self, payload: Option<Payload>) {
-        each!(&mut self.filter, f => f.set_payload(payload));
+        each!(&mut self.filter, f => f.known_load.report(payload));
     }
 
     /// The method.
@@ -249,17 +249,6 @@ fn other(_: &Settings, method: Method, _: usize, _: bool) -> Result<Filter, Sett
     })
 }
 
-fn waiting<const M: usize>() -> RowReport<M> {
-    RowReport {
-        status: Status::Waiting,
-        nis: 0.0,
-        accepted: [false; M],
-        deweighted: [false; M],
-        frozen: false,
-        set_aside: false,
-    }
-}
-
 fn step<const N: usize, const M: usize, B: Belief<N, M>>(
     filter: &mut CgFilter<N, M, B>,
     settings: &Settings,
@@ -286,7 +275,7 @@ fn intervals<const N: usize, const M: usize, B: Belief<N, M>>(
         ratio: filter.std(CG_RATIO),
         height: filter.std(CG_HEIGHT),
     };
-    let (centre, loaded_std) = loaded(filter, settings, own, std);
+    let (centre, loaded_std) = filter.known_load.loaded(&settings.machine, own, std);
     let beyond = doubt.beyond;
     let reported = with_floors(
         settings,
@@ -389,40 +378,4 @@ fn report<const N: usize, const M: usize, B: Belief<N, M>>(
         resets: filter.evidence.resets,
         refused: 0,
     }
-}
-
-/// Centre of gravity and its standard deviations with a known payload added.
-fn loaded<const N: usize, const M: usize, B: Belief<N, M>>(
-    filter: &CgFilter<N, M, B>,
-    settings: &Settings,
-    empty: Each<f64>,
-    std: Each<f64>,
-) -> (Each<f64>, Each<f64>) {
-    if let Some(weighed) = filter.weighed() {
-        let Loading {
-            share,
-            height,
-            ratio,
-        } = weighed.loading;
-        let centre = Each {
-            ratio: share * empty.ratio + ratio,
-            height: share * empty.height + height,
-        };
-        let [of_ratio, of_height] = weighed.loading_std;
-        let std = Each {
-            ratio: norm(&[share * std.ratio, share * filter.left_by_loads(), of_ratio]),
-            height: norm(&[share * std.height, of_height]),
-        };
-        return (centre, std);
-    }
-    let Some(payload) = filter.payload() else {
-        return (empty, std);
-    };
-    let (mass, wheelbase) = (settings.machine.mass, settings.machine.wheelbase);
-    let loading = payload.loading(mass, wheelbase);
-    let centre = Each {
-        ratio: loading.share * empty.ratio + loading.ratio,
-        height: loading.share * empty.height + loading.height,
-    };
-    (centre, payload.loaded_std(mass, wheelbase, centre, std))
 }

@@ -15,7 +15,8 @@
 //! | `layout` | where each stands in the state |
 //! | `tangent` | the derivatives of the process |
 //! | `windup` | tyres wind up under a growing torque |
-//! | `load` | a load that is weighed |
+//! | `load` | a load that the mass tells |
+//! | `known_load` | a load that is reported, or weighed by the lift pressure |
 //! | `inclinometer` | a slope sensor that is late and follows the acceleration |
 //! | `slope` | how far the slope sensor is to be believed |
 //! | `manoeuvres` | independent manoeuvres must agree |
@@ -53,6 +54,7 @@ mod inclinometer;
 mod inertia;
 mod inputs;
 pub mod keys;
+mod known_load;
 mod layout;
 mod lift_arm;
 mod load;

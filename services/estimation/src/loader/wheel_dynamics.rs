@@ -23,6 +23,7 @@ use super::LoadTransfer;
 use super::axle_loads::{axle_loads, unfloored_axle_loads};
 use super::layout::{CG_HEIGHT, CG_RATIO, FRONT_WHEEL, Layout, REAR_WHEEL, SLIP_STIFFNESS, SPEED};
 pub use super::machine::{GRAVITY, Road, Tyres, WheelDynamics};
+use crate::math::tanh;
 use crate::scalar::Scalar;
 
 /// Width of the rolling resistance at standstill [m/s].
@@ -241,6 +242,19 @@ impl WheelDynamics {
             - drag;
         let spin = |radius: T| T::constant(self.axle_inertia) / (radius * radius);
         force / (spin(radius_front) + spin(radius_rear) + self.mass)
+    }
+
+    /// Mass with the inertia of the axles at their rims [kg].
+    pub(super) fn rolling_mass(&self) -> f64 {
+        self.mass + 2.0 * self.axle_inertia / (self.wheel_radius * self.wheel_radius)
+    }
+
+    /// Acceleration that the torques would give without slip on this slope, at nominal radii [m/s^2].
+    pub(super) fn free_acceleration(&self, u: &Inputs, speed: f64, sine: f64) -> f64 {
+        let pull = (u.front_torque + u.rear_torque) / self.wheel_radius;
+        let weight = self.mass * GRAVITY;
+        let rolling = self.rolling_resistance * tanh(speed / ROLLING_WIDTH) * weight;
+        (pull - rolling - weight * sine - u.spade_force_x) / self.rolling_mass()
     }
 
     /// Rolling resistance and slope: forces against forward motion that do not depend on slip [N].

@@ -2,10 +2,7 @@
 
 use super::{Belief, CgFilter};
 use crate::keys::Range;
-use crate::loader::coupling::Turning;
-use crate::loader::layout::{
-    CG_HEIGHT, CG_RATIO, Each, FRONT_WHEEL, Layout, REAR_WHEEL, SLIP_STIFFNESS, SPEED,
-};
+use crate::loader::layout::{CG_HEIGHT, CG_RATIO, Each, Layout, SLIP_STIFFNESS, SPEED};
 use crate::loader::load::HEIGHT_SPREAD;
 use crate::loader::reason::Reason;
 use crate::loader::verdict::{Doubt, RATIO_PER_SENSITIVITY};
@@ -54,7 +51,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         };
         let expected = self.expected_centre();
         // A payload that is reported in full may be stated wrongly.
-        let [height, ratio] = if self.knows_its_load() {
+        let [height, ratio] = if self.known_load.is_some() {
             [0.0; 2]
         } else {
             [
@@ -173,9 +170,8 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let state = self.belief.state();
         let lighter = self.disturbance.lighter();
         // A load that nobody tells sits ahead of the front axle; a torque that is one axle's moves the ratio twice as far.
-        let reach = self.settings.machine.bucket_reach / self.dynamics.wheelbase;
         let off = self.disturbance.off();
-        let ahead = (1.0 + LOAD_ARM * reach - state[CG_RATIO]).abs();
+        let ahead = (1.0 + LOAD_ARM * self.reach() - state[CG_RATIO]).abs();
         let ratio = match lighter {
             0.0 => ratio,
             x if x < 0.0 => ratio + off * ahead,
@@ -183,7 +179,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         };
         // After a load that nobody reported, what slips and radii mean is known again only in part.
         let unreported = self.disturbance.since_load() < AFTER_UNREPORTED;
-        let ratio = if unreported && !self.knows_its_load() {
+        let ratio = if unreported && !self.known_load.is_some() {
             ratio + UNREPORTED * state[CG_RATIO]
         } else {
             ratio
@@ -199,7 +195,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let floor = self.settings.estimator.cg_ratio_floor * state[CG_RATIO];
         let named = norm(&[torque, self.by_shared_slip(), self.curves.ratio_std()]);
         let ratio = norm(&[ratio, sqrt((named * named - floor * floor).max(0.0))]);
-        if self.knows_its_load() {
+        if self.known_load.is_some() {
             return Each { ratio, height };
         }
         // The bucket may have been filled or emptied since: a mixture of both.
@@ -211,29 +207,6 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             ratio: norm(&[ratio, other * ahead]),
             height: norm(&[height, by_load * state[CG_HEIGHT]]),
         }
-    }
-
-    /// Adds a row whose wheels were accepted to what is known of the centre drive; `noise` is the variance of each that is no
-    /// other row's.
-    pub(super) fn compare_axles(
-        &mut self,
-        measured: &[f64; M],
-        innovation: &[f64; M],
-        expected: &B::Expected,
-        process: &[f64; N],
-        noise: [f64; 2],
-        dt: f64,
-    ) {
-        let [front, rear] = [FRONT_WHEEL, REAR_WHEEL];
-        let squares = |std: &[f64]| std[front] * std[front] + std[rear] * std[rear];
-        self.coupling.see(&Turning {
-            difference: measured[front] - measured[rear],
-            innovation: innovation[front] - innovation[rear],
-            predicted: B::difference_variance(expected, [front, rear]),
-            process: squares(process),
-            noise: noise[0] + noise[1],
-            dt,
-        });
     }
 
     /// Curves that nobody reports are more than the ratio's interval may be.
