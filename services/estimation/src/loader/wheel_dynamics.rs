@@ -29,6 +29,9 @@ use crate::scalar::Scalar;
 /// Width of the rolling resistance at standstill [m/s].
 pub(super) const ROLLING_WIDTH: f64 = 0.05;
 
+/// Use of the friction limit beyond which a tyre saturates no further: at 1 it would slip without end.
+pub(super) const MOST_USED: f64 = 0.995;
+
 /// Loads and friction are inserted into the step this often.
 const PASSES: usize = 2;
 
@@ -309,7 +312,7 @@ impl WheelDynamics {
         }
         let demand = (-(acceleration * self.axle_inertia / radius) + torque).abs()
             / (radius * load * self.friction);
-        let use_of_friction = demand.min(T::constant(0.995));
+        let use_of_friction = demand.min(T::constant(MOST_USED));
         slip_stiffness * use_of_friction.per_atanh()
     }
 
