@@ -23,7 +23,8 @@
 //! | `quantisation` | wheel speeds in steps |
 //! | `slip_fluctuation` | slips that fluctuate: rough roads |
 //! | `accelerometer` | its noise where it is mounted |
-//! | `inertia` | a load that nobody tells: force over acceleration |
+//! | `inertia` | force over acceleration |
+//! | `stated_mass` | whether the machine is as heavy as stated: a load that nobody tells |
 //! | `unreported_load` | how probable it is that the bucket was filled or emptied since |
 //! | `stuck` | a sensor whose value never changes |
 //! | `relearning` | what was learnt wrongly: the start, the radii under another load |
@@ -70,6 +71,7 @@ pub mod settings;
 mod shared_slip;
 mod slip_fluctuation;
 mod slope;
+mod stated_mass;
 mod stuck;
 mod tangent;
 mod unreported_load;

@@ -122,12 +122,12 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
 
     /// The first cause of doubt.
     fn cause(&self, signs: &Signs) -> Reason {
-        let lighter = self.disturbance.lighter();
+        let lighter = self.disturbance.mass.lighter();
         if self.coupling.locked() > 0.5 {
             Reason::Locked
         } else if self.disturbance.torques_misfit()
             || lighter > 0.0
-            || self.disturbance.axle_torque().0 > 0.5
+            || self.disturbance.mass.axle_torque().0 > 0.5
         {
             Reason::Torque
         } else if signs.late {
@@ -168,9 +168,9 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     /// What a load that nobody reported, or may have stated wrongly, adds to the doubt of height and ratio.
     fn with_other_load(&self, Each { ratio, height }: Each<f64>) -> Each<f64> {
         let state = self.belief.state();
-        let lighter = self.disturbance.lighter();
+        let lighter = self.disturbance.mass.lighter();
         // A load that nobody tells sits ahead of the front axle; a torque that is one axle's moves the ratio twice as far.
-        let off = self.disturbance.off();
+        let off = self.disturbance.mass.off();
         let ahead = (1.0 + LOAD_ARM * self.reach() - state[CG_RATIO]).abs();
         let ratio = match lighter {
             0.0 => ratio,
@@ -178,7 +178,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             _ => ratio + 2.0 * off * (1.0 - state[CG_RATIO]) * state[CG_RATIO],
         };
         // After a load that nobody reported, what slips and radii mean is known again only in part.
-        let unreported = self.disturbance.since_load() < AFTER_UNREPORTED;
+        let unreported = self.disturbance.mass.since_load() < AFTER_UNREPORTED;
         let ratio = if unreported && !self.known_load.is_some() {
             ratio + UNREPORTED * state[CG_RATIO]
         } else {
@@ -190,7 +190,8 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             height + off * state[CG_HEIGHT]
         };
         // A torque that is one axle's is taken for a load on the other.
-        let torque = self.disturbance.axle_torque().1 * state[CG_RATIO] * (1.0 - state[CG_RATIO]);
+        let torque =
+            self.disturbance.mass.axle_torque().1 * state[CG_RATIO] * (1.0 - state[CG_RATIO]);
         // The floor is what no doubt has a name for: those that have one take its place.
         let floor = self.settings.estimator.cg_ratio_floor * state[CG_RATIO];
         let named = norm(&[torque, self.by_shared_slip(), self.curves.ratio_std()]);
@@ -199,9 +200,9 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             return Each { ratio, height };
         }
         // The bucket may have been filled or emptied since: a mixture of both.
-        let other = self.disturbance.other_load();
+        let other = self.disturbance.mass.other_load();
         // Whatever it carries may be lifted; who tells that the boom moves does not tell how far.
-        let lifted = LIFTED * self.disturbance.carried().max(self.load.share());
+        let lifted = LIFTED * self.disturbance.mass.carried().max(self.load.share());
         let by_load = norm(&[other * HEIGHT_SPREAD, lifted]);
         Each {
             ratio: norm(&[ratio, other * ahead]),

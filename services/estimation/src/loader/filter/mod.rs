@@ -258,7 +258,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let at = [SPEED, SLIP_STIFFNESS].map(|i| self.belief.state()[i]);
         self.effect = self.disturbance.update(&self.dynamics, step, at, dt);
         let known = self.known_load.is_some() || !self.relearning.settled();
-        if at_work && self.disturbance.load_stepped() && !known {
+        if at_work && self.disturbance.mass.load_stepped() && !known {
             // A load came or went that nobody reported, and was taken for another stiffness and other radii.
             self.changed = 0.0;
             self.reopens = true;

@@ -81,7 +81,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         let mut conditions = self
             .monitor
             .conditions(&self.settings, state[SPEED], force, dt);
-        let other_mass = self.settings.at_work() && self.disturbance.lighter() != 0.0;
+        let other_mass = self.settings.at_work() && self.disturbance.mass.lighter() != 0.0;
         if self.known_load.is_open() || other_mass {
             // Neither the mass nor where it sits is known.
             (conditions.frozen, conditions.weak_wheels) = (true, true);
