@@ -83,6 +83,16 @@ pub(super) struct Each<T> {
     pub height: T,
 }
 
+impl<T> Each<T> {
+    /// From what stands in their places of the state.
+    pub fn of(place: impl Fn(usize) -> T) -> Self {
+        Self {
+            ratio: place(CG_RATIO),
+            height: place(CG_HEIGHT),
+        }
+    }
+}
+
 /// One value for each state.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ByState {

@@ -36,11 +36,14 @@
 //! | `witnesses` | slips and weight: the sharper answers, the other checks it |
 //! | `inputs`, `conditions` | inputs between rows; freezing and wheel noise |
 //! | `filter`, `estimator` | one row |
+//! | `answer` | what is said after it |
 //! | `verdict`, `reason` | whether to believe it, and why not |
+//! | `floors` | errors that cannot be learnt on line |
 //! | [`payload`] | a load that is known |
 //! | [`weigh`] | the static reference |
 
 mod accelerometer;
+mod answer;
 pub mod axle_loads;
 pub mod cg_model;
 mod conditions;
@@ -51,6 +54,7 @@ mod disturbance;
 mod estimate;
 mod estimator;
 mod filter;
+mod floors;
 mod inclinometer;
 mod inertia;
 mod inputs;

@@ -2,14 +2,17 @@
 
 use super::{Belief, CgFilter};
 use crate::keys::Range;
+use crate::loader::floors::RATIO_PER_SENSITIVITY;
 use crate::loader::layout::{CG_HEIGHT, CG_RATIO, Each, Layout, SLIP_STIFFNESS, SPEED};
-use crate::loader::load::HEIGHT_SPREAD;
+use crate::loader::load::{Centre, HEIGHT_SPREAD};
 use crate::loader::reason::Reason;
-use crate::loader::verdict::{Doubt, RATIO_PER_SENSITIVITY};
+use crate::loader::verdict::Doubt;
 use crate::math::{norm, sqrt};
 
 /// Standard deviations of the prior within which an estimate is as expected; twice as far it contradicts it by one more.
 const EXPECTED: f64 = 2.0;
+/// A state within this share of a bound is at it.
+const NEAR: f64 = 0.02;
 /// Standard deviations of the prior beyond which the delay of the speed is no sensor's.
 const LATEST: f64 = 4.0;
 /// Birge ratio beyond which the manoeuvres disagree.
@@ -42,62 +45,86 @@ struct Signs {
     contradicted: bool,
 }
 
+/// By how much a value lies beyond what is expected.
+fn beyond(value: f64, (centre, std): (f64, f64)) -> f64 {
+    ((value - centre).abs() - EXPECTED * std).max(0.0)
+}
+
 impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     /// What makes the estimate doubtful beside its own covariance.
     pub(in crate::loader) fn doubt(&self) -> Doubt {
-        let (prior, state) = (&self.settings.prior, self.belief.state());
-        let beyond = |value: f64, (centre, std): (f64, f64)| {
-            ((value - centre).abs() - EXPECTED * std).max(0.0)
-        };
-        let expected = self.expected_centre();
-        // A payload that is reported in full may be stated wrongly.
-        let [height, ratio] = if self.known_load.is_some() {
-            [0.0; 2]
-        } else {
-            [
-                beyond(state[CG_HEIGHT], expected[0]),
-                beyond(state[CG_RATIO], expected[1]),
-            ]
-        };
-        let stiffness = beyond(
-            state[SLIP_STIFFNESS],
-            (prior.slip_stiffness, prior.slip_stiffness_std),
-        );
-        let bounds = self.settings.bounds();
-        let at = |i: usize| {
-            let Range { low, high } = bounds[i - SLIP_STIFFNESS];
-            state[i] <= 1.02 * low || state[i] >= 0.98 * high
-        };
-        let at_limit = Each {
-            ratio: at(CG_RATIO),
-            height: at(CG_HEIGHT),
-        };
+        let at_limit = Each::of(|i| self.is_at_limit(i));
         if !self.settings.at_work() {
             return Doubt {
                 at_limit,
                 ..Doubt::NONE
             };
         }
-        let delay = const { Layout::of(N) }
-            .speed_delay
-            .map_or(0.0, |i| state[i]);
-        let sensors = &self.settings.sensors;
-        let late = (delay - sensors.speed_delay).abs() > LATEST * sensors.speed_delay_std;
-        let locked = self.coupling.locked();
-        let contradicted = height > expected[0].1 || ratio > expected[1].1;
-        let reason = self.cause(&Signs {
-            late,
-            at_limit: at_limit.ratio || at_limit.height || at(SLIP_STIFFNESS),
+        let prior = &self.settings.prior;
+        let expected = self.expected_centre();
+        let away = self.away(expected);
+        let stiffness = beyond(
+            self.belief.state()[SLIP_STIFFNESS],
+            (prior.slip_stiffness, prior.slip_stiffness_std),
+        );
+        let signs = Signs {
+            late: self.is_late(),
+            at_limit: at_limit.ratio || at_limit.height || self.is_at_limit(SLIP_STIFFNESS),
             stiffness: stiffness > prior.slip_stiffness_std,
-            contradicted,
-        });
-        // Where the model does not hold, nothing is known but what was known before: a mixture of both.
+            contradicted: away.height > expected[0].1 || away.ratio > expected[1].1,
+        };
+        let reason = self.cause(&signs);
+        // Where the model does not hold, nothing is known but what was known before.
         let doubted = match reason {
             Reason::Locked | Reason::Torque | Reason::AtLimit | Reason::Stiffness => 1.0,
-            _ if contradicted => 1.0,
-            _ => locked,
+            _ if signs.contradicted => 1.0,
+            _ => self.coupling.locked(),
         };
-        let Each { ratio, height } = self.with_other_load(Each { ratio, height });
+        Doubt {
+            birge: self.manoeuvres.ratio(),
+            wavering: self.monitor.wavering(&self.settings.estimator),
+            beyond: self.mixed(away, stiffness, doubted, expected),
+            at_limit,
+            unknown_height: self.lifts_unreported(),
+            reason,
+            acts: self.acts(),
+            one_way: self.wants_a_drive_back(),
+        }
+    }
+
+    /// By how much height and ratio lie beyond what is expected; a payload that is reported in full may be stated wrongly.
+    fn away(&self, [height, ratio]: Centre) -> Each<f64> {
+        let state = self.belief.state();
+        if self.known_load.is_some() {
+            return Each::default();
+        }
+        Each {
+            ratio: beyond(state[CG_RATIO], ratio),
+            height: beyond(state[CG_HEIGHT], height),
+        }
+    }
+
+    /// A state is at one of its bounds, or nearly.
+    fn is_at_limit(&self, i: usize) -> bool {
+        let Range { low, high } = self.settings.bounds()[i - SLIP_STIFFNESS];
+        let value = self.belief.state()[i];
+        value <= (1.0 + NEAR) * low || value >= (1.0 - NEAR) * high
+    }
+
+    /// The speed comes later than a sensor may be.
+    fn is_late(&self) -> bool {
+        let delay = const { Layout::of(N) }
+            .speed_delay
+            .map_or(0.0, |i| self.belief.state()[i]);
+        let sensors = &self.settings.sensors;
+        (delay - sensors.speed_delay).abs() > LATEST * sensors.speed_delay_std
+    }
+
+    /// How far height and ratio may be off: a mixture of what lies beyond what was known, and of that itself where the estimate is
+    /// `doubted`.
+    fn mixed(&self, away: Each<f64>, stiffness: f64, doubted: f64, expected: Centre) -> Each<f64> {
+        let state = self.belief.state();
+        let Each { ratio, height } = self.with_other_load(away);
         // Slips that a stiffness beyond its prior explains are not understood to that share, nor is the height that they tell.
         let unknown_slip = stiffness / state[SLIP_STIFFNESS];
         let height = norm(&[height, state[CG_HEIGHT] * unknown_slip]);
@@ -105,18 +132,9 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             let moved = value - centre;
             sqrt(away * away + doubted * (moved * moved + std * std))
         };
-        Doubt {
-            birge: self.manoeuvres.ratio(),
-            wavering: self.monitor.wavering(&self.settings.estimator),
-            beyond: Each {
-                ratio: mixed(ratio, state[CG_RATIO], expected[1]),
-                height: mixed(height, state[CG_HEIGHT], expected[0]),
-            },
-            at_limit,
-            unknown_height: self.lifts_unreported(),
-            reason,
-            acts: self.acts(),
-            one_way: self.wants_a_drive_back(),
+        Each {
+            ratio: mixed(ratio, state[CG_RATIO], expected[1]),
+            height: mixed(height, state[CG_HEIGHT], expected[0]),
         }
     }
 

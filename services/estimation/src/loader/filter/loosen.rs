@@ -2,8 +2,8 @@
 
 use super::{Belief, CgFilter};
 use crate::loader::directions::BothDirections;
+use crate::loader::floors::RATIO_PER_SENSITIVITY;
 use crate::loader::layout::{ByState, CG_HEIGHT, CG_RATIO, Layout, SLIP_STIFFNESS};
-use crate::loader::verdict::RATIO_PER_SENSITIVITY;
 use crate::math::sqrt;
 
 /// A load sensitivity that is learnt may differ by as much, whatever is stated: a guess costs nothing then.
