@@ -15,11 +15,11 @@
 //! tyres and body settle.
 
 use super::accelerometer::Shaking;
-use super::inertia::{Force, Inertia, Push};
+use super::inertia::Push;
 use super::inputs::StepInputs;
-use super::unreported_load::{BETWEEN, BETWEEN_STATED, SLOW, UnreportedLoad};
-use super::wheel_dynamics::{GRAVITY, WheelDynamics};
-use crate::math::{exp, sqrt, tanh};
+use super::stated_mass::{Kind, StatedMass};
+use super::wheel_dynamics::{GRAVITY, ROLLING_WIDTH, WheelDynamics};
+use crate::math::tanh;
 
 /// How long a disturbance outlasts its cause [s].
 const HOLD: f64 = 0.25;
@@ -35,7 +35,8 @@ const UNREPORTED: f64 = 0.15;
 const TURN_WEIGHT: f64 = 1.0;
 /// Averaging time of the speed at which the machine bends [s].
 const BENDING: f64 = 0.05;
-/// Share of what bending does that averaging, tyres and an unknown hinge leave. Without it the worst of 18 good machines covers .86 of its rows, with it .93.
+/// Share of what bending does that averaging, tyres and an unknown hinge leave. Without it the worst of 18 good machines covers .86 of
+/// its rows, with it .93.
 const BENDING_LEFT: f64 = 0.3;
 /// The gain is learnt over this many m/s^2 squared times seconds of driving, and starts with a tenth of it.
 const GAIN_MEMORY: f64 = 10.0;
@@ -47,14 +48,6 @@ const LEAST_SPEED: f64 = 0.5;
 const STRAIGHT: f64 = 0.1;
 /// A gain beyond these is no tolerance of mass and torque.
 const GAIN_RANGE: (f64, f64) = (0.75, 1.33);
-
-/// A reported mass that changes by this share is weighed.
-const WEIGHS: f64 = 0.01;
-/// Tolerances of mass, rolling radius and both torques together, as a standard deviation of kappa.
-const USUAL_GAIN: f64 = 0.035;
-/// How often one axle's torque is off whatever its tolerance says (a gear ratio, a motor's constant, a displacement), and by how much. How often was
-/// chosen as `SHARED_SLIP` was.
-const ONE_AXLE: (f64, f64) = (0.015, 0.15);
 
 /// The largest value of the last quarter second.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -84,16 +77,12 @@ pub(super) struct Disturbance {
     force: Peak,
     /// The angle between the bodies, [`BENDING`] late [rad].
     late_angle: f64,
+    /// The specific force that the torques do not explain, smoothed over [`TIME`] [m/s^2].
     fast: f64,
-    /// Mass of the first row [kg], and whether a reported one has changed since: then it is weighed, and not only stated.
-    first_mass: f64,
-    mass_told: bool,
     /// Sums of the gain: force times pull, pull squared, per mass squared.
     sums: [f64; 2],
-    /// Whether the machine is as heavy as stated: by all rows, and by those in which the torques drive.
-    inertia: Inertia,
-    driven: Inertia,
-    unreported_load: UnreportedLoad,
+    /// Whether the machine is as heavy as stated.
+    pub mass: StatedMass,
     /// What the accelerometer shows beside it.
     pub shaking: Shaking,
     /// Smoothed specific force that the torques do not explain, forward positive [m/s^2].
@@ -114,20 +103,6 @@ pub(super) struct Effect {
     pub force: f64,
 }
 
-/// Bayes' rule on kappa - 1: tolerances of mass, radius and both torques together, or one axle's torque, which moves it half as far.
-fn one_axle(force: &Force) -> (f64, f64) {
-    let away = force.state[0] - 1.0;
-    let usual = USUAL_GAIN * USUAL_GAIN + force.covariance[0][0];
-    let own = ONE_AXLE.1 * ONE_AXLE.1;
-    let other = usual + 0.25 * own;
-    let odds = (1.0 - ONE_AXLE.0) / ONE_AXLE.0
-        * sqrt(other / usual)
-        * exp(0.5 * away * away * (1.0 / other - 1.0 / usual));
-    let (probability, gain) = (1.0 / (1.0 + odds), 0.5 * own / other);
-    let square = gain * gain * away * away + own - 0.5 * gain * own;
-    (probability, sqrt(probability * square))
-}
-
 impl Default for Disturbance {
     fn default() -> Self {
         Self {
@@ -136,12 +111,8 @@ impl Default for Disturbance {
             force: Peak::default(),
             late_angle: 0.0,
             fast: 0.0,
-            first_mass: 0.0,
-            mass_told: false,
             sums: [0.1 * GAIN_MEMORY; 2],
-            inertia: Inertia::default(),
-            driven: Inertia::default(),
-            unreported_load: UnreportedLoad::default(),
+            mass: StatedMass::default(),
             shaking: Shaking::default(),
             unexplained: 0.0,
         }
@@ -203,53 +174,16 @@ impl Disturbance {
         !(GAIN_RANGE.0..=GAIN_RANGE.1).contains(&gain)
     }
 
-    /// By how much the machine is lighter (or its torques larger) than stated, beyond tolerances and chance; negative where it is
-    /// heavier. Brakes that nobody tells make it look lighter while it brakes, and leave it as it is while it drives.
-    pub fn lighter(&self) -> f64 {
-        let all = self.inertia.excess();
-        all.min(self.driven.excess().max(0.0))
+    /// A row in which the torques drive shows the force that they need for it [m/s^2].
+    fn learn_gain(&mut self, needed: f64, pull: f64, dt: f64) {
+        if pull.abs() < LARGEST && needed.abs() < LARGEST {
+            let forget = 1.0 - (pull * pull * dt / GAIN_MEMORY).min(1.0);
+            self.sums[0] = forget * self.sums[0] + needed * pull * dt;
+            self.sums[1] = forget * self.sums[1] + pull * pull * dt;
+        }
     }
 
-    /// By how much stated and true mass differ, as a share, whatever tolerances explain.
-    pub fn off(&self) -> f64 {
-        let by = if self.lighter() > 0.0 {
-            &self.driven
-        } else {
-            &self.inertia
-        };
-        (1.0 - by.gain()).abs()
-    }
-
-    /// Whether the torque of one axle is off: probability, and what the mixture makes of its relative error, as a standard deviation.
-    pub fn axle_torque(&self) -> (f64, f64) {
-        let filter = if self.inertia.gain() > 1.0 {
-            &self.driven
-        } else {
-            &self.inertia
-        };
-        one_axle(filter.known())
-    }
-
-    /// What force and acceleration show of a load that nobody reported, as a share of the machine with it.
-    pub fn carried(&self) -> f64 {
-        (1.0 - self.inertia.gain()).max(0.0)
-    }
-
-    /// A load came or went with this row, and nobody reported it.
-    pub fn load_stepped(&self) -> bool {
-        self.inertia.stepped()
-    }
-
-    /// By how much the load is another one than that under which the ratio was learnt, as a share of the machine, as far as that is probable.
-    pub fn other_load(&self) -> f64 {
-        self.unreported_load.share()
-    }
-
-    /// Time since then [s].
-    pub fn since_load(&self) -> f64 {
-        self.inertia.since_step()
-    }
-
+    /// Takes the measured specific force: what of it the torques do not explain.
     fn explain(
         &mut self,
         machine: &WheelDynamics,
@@ -258,79 +192,34 @@ impl Disturbance {
         dt: f64,
     ) {
         let u = &step.inputs;
-        let radius = machine.wheel_radius;
-        let inertia = machine.mass + 2.0 * machine.axle_inertia / (radius * radius);
-        let pull = (u.front_torque + u.rear_torque) / (radius * inertia);
-        let rolling = machine.rolling_resistance * tanh(speed / 0.05) * machine.mass * GRAVITY;
+        let inertia = machine.rolling_mass();
+        let pull = (u.front_torque + u.rear_torque) / (machine.wheel_radius * inertia);
+        let fade = tanh(speed / ROLLING_WIDTH);
+        let rolling = machine.rolling_resistance * fade * machine.mass * GRAVITY;
         let needed = measured + (rolling + u.spade_force_x) / inertia;
-        let drives = pull * speed > 0.0 && u.spade_force_x == 0.0 && !step.brake;
-        if drives && pull.abs() < LARGEST && needed.abs() < LARGEST {
-            let forget = 1.0 - (pull * pull * dt / GAIN_MEMORY).min(1.0);
-            self.sums[0] = forget * self.sums[0] + needed * pull * dt;
-            self.sums[1] = forget * self.sums[1] + pull * pull * dt;
+        let alone = u.spade_force_x == 0.0 && !step.brake;
+        let drives = alone && pull * speed > 0.0;
+        if drives {
+            self.learn_gain(needed, pull, dt);
         }
         let residual = needed - self.gain() * pull;
         let straight = step.turning(speed, machine.wheelbase).abs() < STRAIGHT;
-        let free = u.spade_force_x == 0.0 && !step.brake && speed.abs() > LEAST_SPEED;
+        let free = alone && speed.abs() > LEAST_SPEED;
         self.shaking.see(residual, free, dt);
-        if self.first_mass == 0.0 {
-            self.first_mass = machine.mass;
-        }
-        let changed = (machine.mass - self.first_mass).abs() > WEIGHS * machine.mass;
-        self.mass_told |= step.tells_mass && changed;
-        if self.mass_told {
-            self.inertia.mass_is_told();
-            self.driven.mass_is_told();
-        }
-        let tells = free && straight && pull.abs() < LARGEST && measured.abs() < LARGEST;
         let row = Push {
             acceleration: measured,
             pull,
             speed,
         };
-        self.driven.see(&row, tells && drives, true, dt);
-        let lighter = self.driven.excess() > 0.0;
-        self.inertia.see(&row, tells, lighter, dt);
-        if self.mass_told || self.inertia.stepped() {
-            self.unreported_load.settle();
-        } else {
-            let (signals, known) = (self.inertia.signals(), self.inertia.known());
-            let pushes = self.fast.abs() > UNREPORTED + EXPLAINED.0 + EXPLAINED.1 * measured.abs();
-            // Who has carried a load that nobody reported may do so whenever it is slow.
-            let carries = self.inertia.since_step().is_finite();
-            let slow = speed.abs() < SLOW;
-            let idle = speed.abs() < LEAST_SPEED || slow && (pushes || carries);
-            let tells = tells && !(slow && carries);
-            let between = if step.tells_mass {
-                BETWEEN_STATED
-            } else {
-                BETWEEN
-            };
-            let idle = if idle { (dt / between).min(1.0) } else { 0.0 };
-            self.unreported_load.see(signals, known, idle, tells, dt);
-        }
+        let kind = Kind {
+            states_mass: step.tells_mass,
+            tells: free && straight && pull.abs() < LARGEST && measured.abs() < LARGEST,
+            drives,
+            stands: speed.abs() < LEAST_SPEED,
+            pushes: self.fast.abs() > UNREPORTED + EXPLAINED.0 + EXPLAINED.1 * measured.abs(),
+        };
+        self.mass.see(machine.mass, &row, &kind, dt);
         self.fast += (dt / TIME).min(1.0) * (residual - self.fast);
         self.unexplained += (dt / HOLD).min(1.0) * (residual - self.unexplained);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_torque_that_reads_low_on_one_axle_is_likelier_the_further_force_and_acceleration_are_apart()
-     {
-        let at = |kappa: f64| {
-            let mut force = Force::default();
-            force.state[0] = kappa;
-            force.covariance[0][0] = 4e-4;
-            one_axle(&force)
-        };
-        let [sound, off, far] = [1.01, 1.08, 1.15].map(at);
-        assert!(sound.0 < 0.02 && sound.1 < 0.02, "{sound:?}");
-        assert!(off.1 > 0.025 && off.1 > 2.0 * sound.1, "{off:?}");
-        assert!(far.0 > 0.5 && far.1 > 0.15, "{far:?}");
-        assert!(at(0.85).0 > 0.5);
     }
 }

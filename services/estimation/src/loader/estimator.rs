@@ -1,20 +1,16 @@
 //! The estimator of the centre of gravity: one row in, one answer out.
 
-use super::cg_model::Loading;
+use super::answer::answer;
 use super::estimate::{Estimate, Status};
 use super::filter::{Belief, CgFilter, RowReport};
-use super::layout::{CG_HEIGHT, CG_RATIO, Each, FRONT_WHEEL, Layout, REAR_WHEEL, SPEED};
 use super::lift_arm::{LiftWitness, Weighed};
 use super::payload::Payload;
 #[cfg(not(feature = "every-method"))]
 use super::settings::MustBe;
 use super::settings::{Settings, SettingsError};
-use super::verdict::{Doubt, Intervals, Learns, with_floors};
 use super::witnesses::Witnesses;
 use super::{Columns, Method, Reason, Sample};
-use crate::Quantity;
 use crate::ekf::Ekf;
-use crate::math::norm;
 #[cfg(feature = "every-method")]
 use crate::srukf::SquareRootUkf;
 
@@ -91,8 +87,8 @@ pub struct CgEstimator {
 impl CgEstimator {
     /// An estimator that waits for its first row.
     ///
-    /// `full` and `full-ekf` need the acceleration column for their 10 states (11 with the delay of the speed) and run on 8 (9)
-    /// without it.
+    /// `full` and `full-ekf` need the acceleration column for their 12 states and run on 9 without it; on 10 and 8 where the machine is
+    /// not taken for one at work.
     ///
     /// # Errors
     /// Names the first setting that cannot be used.
@@ -102,20 +98,24 @@ impl CgEstimator {
         columns: Columns,
     ) -> Result<Self, SettingsError> {
         settings.check()?;
-        let late = usize::from(settings.at_work());
-        let states = match (method.has_six_states(), columns.acceleration) {
-            (true, _) => 6,
-            (false, false) => 8 + late,
-            (false, true) => 10 + late,
+        let states = match (columns.acceleration, settings.at_work()) {
+            _ if method.has_six_states() => 6,
+            (false, false) => 8,
+            (false, true) => 9,
+            (true, false) => 10,
+            (true, true) => 12,
         };
         let filter = match (states, method.takes_tangent()) {
-            (11, true) => Filter::TwelveByTangent(CgFilter::new(settings, method)),
+            (12, true) => Filter::TwelveByTangent(CgFilter::new(settings, method)),
             (10, true) => Filter::TenByTangent(CgFilter::new(settings, method)),
             (9, true) => Filter::NineByTangent(CgFilter::new(settings, method)),
             (8, true) => Filter::EightByTangent(CgFilter::new(settings, method)),
             (states, tangent) => other(settings, method, states, tangent)?,
         };
-        let mut last = each!(&filter, f => report(f, settings, method, &waiting()));
+        let mut last = each!(&filter, f => {
+            let row = RowReport::without_update(Status::Waiting, false);
+            answer(f, settings, method, &row)
+        });
         let lift = LiftWitness::new(
             &settings.lift_arm,
             &settings.lift_cylinder,
@@ -196,7 +196,7 @@ impl CgEstimator {
     /// From the first payload on, prior and states mean the empty machine, so tell it from the first row (mass 0 when
     /// empty). The reported values stay those of the loaded machine.
     pub fn set_payload(&mut self, payload: Option<Payload>) {
-        each!(&mut self.filter, f => f.set_payload(payload));
+        each!(&mut self.filter, f => f.known_load.report(payload));
     }
 
     /// The method.
@@ -231,7 +231,7 @@ fn other(
 ) -> Result<Filter, SettingsError> {
     Ok(match (states, tangent) {
         (_, true) => Filter::SixByTangent(CgFilter::new(settings, method)),
-        (11, false) => Filter::Twelve(CgFilter::new(settings, method)),
+        (12, false) => Filter::Twelve(CgFilter::new(settings, method)),
         (10, false) => Filter::Ten(CgFilter::new(settings, method)),
         (9, false) => Filter::Nine(CgFilter::new(settings, method)),
         (8, false) => Filter::Eight(CgFilter::new(settings, method)),
@@ -249,17 +249,6 @@ fn other(_: &Settings, method: Method, _: usize, _: bool) -> Result<Filter, Sett
     })
 }
 
-fn waiting<const M: usize>() -> RowReport<M> {
-    RowReport {
-        status: Status::Waiting,
-        nis: 0.0,
-        accepted: [false; M],
-        deweighted: [false; M],
-        frozen: false,
-        set_aside: false,
-    }
-}
-
 fn step<const N: usize, const M: usize, B: Belief<N, M>>(
     filter: &mut CgFilter<N, M, B>,
     settings: &Settings,
@@ -267,162 +256,5 @@ fn step<const N: usize, const M: usize, B: Belief<N, M>>(
     sample: Sample,
 ) -> Estimate {
     let row = filter.step(sample);
-    report(filter, settings, method, &row)
-}
-
-/// Centre of gravity with its load, and the deviations of filter and report.
-fn intervals<const N: usize, const M: usize, B: Belief<N, M>>(
-    filter: &CgFilter<N, M, B>,
-    settings: &Settings,
-    doubt: &Doubt,
-) -> (Each<f64>, Intervals) {
-    let x = filter.state();
-    let layout = const { Layout::of(N) };
-    let own = Each {
-        ratio: x[CG_RATIO],
-        height: x[CG_HEIGHT],
-    };
-    let std = Each {
-        ratio: filter.std(CG_RATIO),
-        height: filter.std(CG_HEIGHT),
-    };
-    let (centre, loaded_std) = loaded(filter, settings, own, std);
-    let beyond = doubt.beyond;
-    let reported = with_floors(
-        settings,
-        Learns {
-            radii: layout.radii.is_some(),
-            load_sensitivity: filter.sensitivity_left(),
-            acceleration: M > 3,
-        },
-        centre,
-        Each {
-            ratio: norm(&[
-                doubt.birge * loaded_std.ratio,
-                beyond.ratio,
-                doubt.wavering * centre.ratio,
-            ]),
-            height: norm(&[
-                doubt.birge * loaded_std.height,
-                beyond.height,
-                doubt.wavering * centre.height,
-            ]),
-        },
-    );
-    let intervals = Intervals {
-        filter: Each {
-            ratio: doubt.birge * std.ratio,
-            height: doubt.birge * std.height,
-        },
-        reported,
-        ratio: centre.ratio,
-    };
-    (centre, intervals)
-}
-
-/// Values, intervals and verdict after a row.
-fn report<const N: usize, const M: usize, B: Belief<N, M>>(
-    filter: &CgFilter<N, M, B>,
-    settings: &Settings,
-    method: Method,
-    row: &RowReport<M>,
-) -> Estimate {
-    let x = filter.state();
-    let layout = const { Layout::of(N) };
-    let doubt = filter.doubt();
-    let (centre, intervals) = intervals(filter, settings, &doubt);
-    let reported = intervals.reported;
-    let verdict = filter
-        .evidence
-        .verdict(settings, &intervals, &doubt, row.frozen);
-    let sound = verdict.consistent && verdict.fresh && !verdict.reset;
-    let (excited, identifiable, converged) =
-        (verdict.excited, verdict.identifiable, verdict.converged);
-    let quantity = |i: usize| Quantity {
-        value: x[i],
-        std: filter.std(i),
-    };
-    let scale = |wheel: usize| layout.radii.map(|radii| 1.0 + x[radii[wheel]]);
-    let used = row.accepted.iter().filter(|a| **a).count().max(1);
-    Estimate {
-        started: filter.last_time().is_some(),
-        time: filter.last_time().unwrap_or(0.0),
-        speed: x[SPEED],
-        front_wheel_speed: x[FRONT_WHEEL],
-        rear_wheel_speed: x[REAR_WHEEL],
-        slip_stiffness: filter.slip_stiffness(),
-        cg_height: Quantity {
-            value: centre.height,
-            std: reported.height,
-        },
-        cg_ratio: Quantity {
-            value: centre.ratio,
-            std: reported.ratio,
-        },
-        cg_distance: (1.0 - centre.ratio) * settings.machine.wheelbase,
-        spade_force_x: layout.spade_force.map(|i| Quantity {
-            value: filter.spade_force_x + x[i],
-            std: filter.std(i),
-        }),
-        payload: None,
-        trusted_payload: false,
-        slope_bias: layout.slope_bias.map(|i| x[i]),
-        front_radius_scale: scale(0),
-        rear_radius_scale: scale(1),
-        speed_delay: layout.speed_delay.map(quantity),
-        nis: row.nis / used as f64,
-        excited_ratio: excited.ratio,
-        excited_height: excited.height,
-        consistent: verdict.consistent,
-        fresh: verdict.fresh,
-        identifiable_ratio: identifiable.ratio,
-        identifiable_height: identifiable.height,
-        converged_ratio: converged.ratio,
-        converged_height: converged.height,
-        frozen: row.frozen,
-        reset: verdict.reset,
-        trusted_ratio: sound && excited.ratio && identifiable.ratio && converged.ratio,
-        trusted_height: sound && excited.height && identifiable.height && converged.height,
-        reason: verdict.reason,
-        status: row.status,
-        method,
-        resets: filter.evidence.resets,
-        refused: 0,
-    }
-}
-
-/// Centre of gravity and its standard deviations with a known payload added.
-fn loaded<const N: usize, const M: usize, B: Belief<N, M>>(
-    filter: &CgFilter<N, M, B>,
-    settings: &Settings,
-    empty: Each<f64>,
-    std: Each<f64>,
-) -> (Each<f64>, Each<f64>) {
-    if let Some(weighed) = filter.weighed() {
-        let Loading {
-            share,
-            height,
-            ratio,
-        } = weighed.loading;
-        let centre = Each {
-            ratio: share * empty.ratio + ratio,
-            height: share * empty.height + height,
-        };
-        let [of_ratio, of_height] = weighed.loading_std;
-        let std = Each {
-            ratio: norm(&[share * std.ratio, share * filter.left_by_loads(), of_ratio]),
-            height: norm(&[share * std.height, of_height]),
-        };
-        return (centre, std);
-    }
-    let Some(payload) = filter.payload() else {
-        return (empty, std);
-    };
-    let (mass, wheelbase) = (settings.machine.mass, settings.machine.wheelbase);
-    let loading = payload.loading(mass, wheelbase);
-    let centre = Each {
-        ratio: loading.share * empty.ratio + loading.ratio,
-        height: loading.share * empty.height + loading.height,
-    };
-    (centre, payload.loaded_std(mass, wheelbase, centre, std))
+    answer(filter, settings, method, &row)
 }

@@ -7,6 +7,9 @@ use crate::math::sin_cos;
 /// A mass holds for so long after the last row that stated it: then a bucket may have been filled or emptied \[s\].
 const HOLDS: f64 = 10.0;
 
+/// Slower than this a yaw rate does not tell how the machine bends [m/s].
+const SLOWEST: f64 = 0.5;
+
 /// The last finite input of each kind, the mass, and the last specific force.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -42,7 +45,7 @@ pub(super) struct StepInputs {
 impl StepInputs {
     /// Angle between front and rear body: measured, or from the yaw rate, or 0 [rad].
     pub fn turning(&self, speed: f64, wheelbase: f64) -> f64 {
-        let by_yaw = |rate: f64| rate * wheelbase / speed.abs().max(0.5);
+        let by_yaw = |rate: f64| rate * wheelbase / speed.abs().max(SLOWEST);
         self.articulation
             .or(self.yaw_rate.map(by_yaw))
             .unwrap_or(0.0)

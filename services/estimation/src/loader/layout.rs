@@ -24,6 +24,8 @@ pub(super) const SLIP_STIFFNESS: usize = 3;
 pub(super) const CG_HEIGHT: usize = 4;
 /// Share lam of the weight in front.
 pub(super) const CG_RATIO: usize = 5;
+/// Height and ratio, as a [`Centre`](super::load::Centre) has them.
+pub(super) const CENTRE: [usize; 2] = [CG_HEIGHT, CG_RATIO];
 
 /// The states that not every filter has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -79,4 +81,46 @@ pub(super) struct Each<T> {
     pub ratio: T,
     /// Of the height of the centre of gravity.
     pub height: T,
+}
+
+impl<T> Each<T> {
+    /// From what stands in their places of the state.
+    pub fn of(place: impl Fn(usize) -> T) -> Self {
+        Self {
+            ratio: place(CG_RATIO),
+            height: place(CG_HEIGHT),
+        }
+    }
+}
+
+/// One value for each state.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct ByState {
+    /// Of v, w_f, w_r.
+    pub motion: [f64; 3],
+    /// Of K, h, lam.
+    pub parameters: [f64; 3],
+    pub spade_force: f64,
+    /// Of both radii.
+    pub radius: f64,
+    pub slope_bias: f64,
+    pub speed_delay: f64,
+    pub load_sensitivity: f64,
+}
+
+impl ByState {
+    /// The values where their states stand; what the filter does not have is left out.
+    #[inline(always)]
+    pub fn state<const N: usize>(self) -> [f64; N] {
+        let layout = const { Layout::of(N) };
+        core::array::from_fn(|i| match i {
+            SPEED..=REAR_WHEEL => self.motion[i],
+            SLIP_STIFFNESS..=CG_RATIO => self.parameters[i - SLIP_STIFFNESS],
+            _ if layout.spade_force == Some(i) => self.spade_force,
+            _ if layout.slope_bias == Some(i) => self.slope_bias,
+            _ if layout.speed_delay == Some(i) => self.speed_delay,
+            _ if layout.load_sensitivity == Some(i) => self.load_sensitivity,
+            _ => self.radius,
+        })
+    }
 }

@@ -14,6 +14,9 @@
 //! tells when the boom moves, the height of a loaded machine stays uncertain. When the mass comes back to that of the empty
 //! machine, so does its centre of gravity.
 
+use super::keys::Prior;
+use crate::math::sqrt;
+
 /// Mean and standard deviation of the load's way ahead of the front axle, in bucket reaches.
 const ARM: (f64, f64) = (0.75, 0.2);
 /// Standard deviation of the load's height over that of the machine.
@@ -27,6 +30,16 @@ const SAME: f64 = 0.02;
 
 /// Centre of gravity of the empty machine: height, ratio, and their standard deviations.
 pub(super) type Centre = [(f64, f64); 2];
+
+impl Prior {
+    /// The centre of gravity of the empty machine.
+    pub(super) fn centre(&self) -> Centre {
+        [
+            (self.cg_height, self.cg_height_std),
+            (self.cg_ratio, self.cg_ratio_std),
+        ]
+    }
+}
 
 /// Memory of the mass.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -107,10 +120,7 @@ impl Load {
         let loaded = |(centre, std): (f64, f64), load: f64, load_std: f64| {
             let (std, load_std) = ((1.0 - share) * std, share * load_std);
             let variance = std * std + load_std * load_std;
-            (
-                centre + share * (load - centre),
-                crate::math::sqrt(variance),
-            )
+            (centre + share * (load - centre), sqrt(variance))
         };
         [
             loaded(height, height.0, HEIGHT_SPREAD * height.0),
@@ -131,12 +141,12 @@ impl Shift {
     /// The ratio after the shift, and the standard deviation that comes with it; `reach` is that of the bucket in wheelbases.
     pub fn ratio(&self, ratio: f64, reach: f64) -> (f64, f64) {
         let arm = 1.0 + ARM.0 * reach;
-        let std = ARM.1 * reach * crate::math::sqrt(self.variance);
+        let std = ARM.1 * reach * sqrt(self.variance);
         (ratio + self.share * (arm - ratio), std)
     }
 
     /// Standard deviation that comes with the shift of the height.
     pub fn height_std(&self, height: f64) -> f64 {
-        HEIGHT_SPREAD * height * crate::math::sqrt(self.variance)
+        HEIGHT_SPREAD * height * sqrt(self.variance)
     }
 }

@@ -1,6 +1,6 @@
 //! The machine as the process model knows it, and the road under it.
 
-use super::LoadTransfer;
+use super::settings::{LoadTransfer, Settings};
 use crate::scalar::Scalar;
 
 /// Gravity [m/s^2].
@@ -32,6 +32,30 @@ pub struct WheelDynamics {
     pub load_transfer: LoadTransfer,
     /// How the tyres of the axles differ.
     pub tyres: Tyres,
+}
+
+impl WheelDynamics {
+    /// The empty machine of the settings, which must have been checked.
+    pub(super) fn of(settings: &Settings) -> Self {
+        let (machine, keys) = (&settings.machine, &settings.estimator);
+        Self {
+            mass: machine.mass,
+            wheel_radius: machine.wheel_radius,
+            axle_inertia: machine.axle_inertia,
+            wheelbase: machine.wheelbase,
+            bucket_reach: machine.bucket_reach,
+            rolling_resistance: machine.rolling_resistance,
+            friction: settings.friction(),
+            radius_load_sensitivity: if settings.real_tyre() {
+                machine.radius_load_sensitivity
+            } else {
+                0.0
+            },
+            minimum_speed: keys.v_min,
+            load_transfer: keys.load_transfer,
+            tyres: Tyres::new(machine.stiffness_ratio, machine.stiffness_load_exponent),
+        }
+    }
 }
 
 /// How the slip stiffness of an axle differs from K, as a calibration finds it (`heft calibrate`):

@@ -15,14 +15,16 @@
 //! | `layout` | where each stands in the state |
 //! | `tangent` | the derivatives of the process |
 //! | `windup` | tyres wind up under a growing torque |
-//! | `load` | a load that is weighed |
+//! | `load` | a load that the mass tells |
+//! | `known_load` | a load that is reported, or weighed by the lift pressure |
 //! | `inclinometer` | a slope sensor that is late and follows the acceleration |
 //! | `slope` | how far the slope sensor is to be believed |
 //! | `manoeuvres` | independent manoeuvres must agree |
 //! | `quantisation` | wheel speeds in steps |
 //! | `slip_fluctuation` | slips that fluctuate: rough roads |
 //! | `accelerometer` | its noise where it is mounted |
-//! | `inertia` | a load that nobody tells: force over acceleration |
+//! | `inertia` | force over acceleration |
+//! | `stated_mass` | whether the machine is as heavy as stated: a load that nobody tells |
 //! | `unreported_load` | how probable it is that the bucket was filled or emptied since |
 //! | `stuck` | a sensor whose value never changes |
 //! | `relearning` | what was learnt wrongly: the start, the radii under another load |
@@ -34,11 +36,14 @@
 //! | `witnesses` | slips and weight: the sharper answers, the other checks it |
 //! | `inputs`, `conditions` | inputs between rows; freezing and wheel noise |
 //! | `filter`, `estimator` | one row |
+//! | `answer` | what is said after it |
 //! | `verdict`, `reason` | whether to believe it, and why not |
+//! | `floors` | errors that cannot be learnt on line |
 //! | [`payload`] | a load that is known |
 //! | [`weigh`] | the static reference |
 
 mod accelerometer;
+mod answer;
 pub mod axle_loads;
 pub mod cg_model;
 mod conditions;
@@ -49,10 +54,12 @@ mod disturbance;
 mod estimate;
 mod estimator;
 mod filter;
+mod floors;
 mod inclinometer;
 mod inertia;
 mod inputs;
 pub mod keys;
+mod known_load;
 mod layout;
 mod lift_arm;
 mod load;
@@ -68,6 +75,7 @@ pub mod settings;
 mod shared_slip;
 mod slip_fluctuation;
 mod slope;
+mod stated_mass;
 mod stuck;
 mod tangent;
 mod unreported_load;

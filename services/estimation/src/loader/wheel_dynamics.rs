@@ -23,10 +23,14 @@ use super::LoadTransfer;
 use super::axle_loads::{axle_loads, unfloored_axle_loads};
 use super::layout::{CG_HEIGHT, CG_RATIO, FRONT_WHEEL, Layout, REAR_WHEEL, SLIP_STIFFNESS, SPEED};
 pub use super::machine::{GRAVITY, Road, Tyres, WheelDynamics};
+use crate::math::tanh;
 use crate::scalar::Scalar;
 
 /// Width of the rolling resistance at standstill [m/s].
 pub(super) const ROLLING_WIDTH: f64 = 0.05;
+
+/// Use of the friction limit beyond which a tyre saturates no further: at 1 it would slip without end.
+pub(super) const MOST_USED: f64 = 0.995;
 
 /// Loads and friction are inserted into the step this often.
 const PASSES: usize = 2;
@@ -243,6 +247,19 @@ impl WheelDynamics {
         force / (spin(radius_front) + spin(radius_rear) + self.mass)
     }
 
+    /// Mass with the inertia of the axles at their rims [kg].
+    pub(super) fn rolling_mass(&self) -> f64 {
+        self.mass + 2.0 * self.axle_inertia / (self.wheel_radius * self.wheel_radius)
+    }
+
+    /// Acceleration that the torques would give without slip on this slope, at nominal radii [m/s^2].
+    pub(super) fn free_acceleration(&self, u: &Inputs, speed: f64, sine: f64) -> f64 {
+        let pull = (u.front_torque + u.rear_torque) / self.wheel_radius;
+        let weight = self.mass * GRAVITY;
+        let rolling = self.rolling_resistance * tanh(speed / ROLLING_WIDTH) * weight;
+        (pull - rolling - weight * sine - u.spade_force_x) / self.rolling_mass()
+    }
+
     /// Rolling resistance and slope: forces against forward motion that do not depend on slip [N].
     #[inline(always)]
     fn drag<T: Scalar>(&self, speed: T, u: &Inputs, road: &Road<T>) -> T {
@@ -295,7 +312,7 @@ impl WheelDynamics {
         }
         let demand = (-(acceleration * self.axle_inertia / radius) + torque).abs()
             / (radius * load * self.friction);
-        let use_of_friction = demand.min(T::constant(0.995));
+        let use_of_friction = demand.min(T::constant(MOST_USED));
         slip_stiffness * use_of_friction.per_atanh()
     }
 

@@ -6,8 +6,13 @@
 //! | file | what |
 //! |---|---|
 //! | `row` | what it reads: one estimate |
+//! | `settings`, `events` | what it is given, and what a row brings about |
+//! | `clock` | which rows are in time |
 //! | `level` | a content of the bucket that stays: the best estimate of it |
+//! | `open` | a content that is not known for a while |
+//! | `content` | what the bucket holds from row to row, and the empty bucket |
 //! | `ledger` | from levels to loads: filled, carried, dumped, weighed empty again |
+//! | `accounts` | what was dumped, and to which truck and day it goes |
 //! | `load` | one load, its weight and what stays in the bucket |
 //! | `total` | sums with errors that loads share and errors that they do not |
 //! | `book` | trucks and days |
@@ -34,19 +39,27 @@
 //! assert!((truck.total.kg - 880.0).abs() < 30.0, "20 kg stay in the bucket");
 //! ```
 
+mod accounts;
 mod book;
+mod clock;
+mod content;
+mod events;
 mod ledger;
 mod level;
 mod load;
 mod now;
+mod open;
 mod report;
 mod row;
+mod settings;
 mod total;
 
 pub use book::{Day, Truck};
-pub use ledger::{Events, Ledger, Settings};
+pub use events::Events;
+pub use ledger::Ledger;
 pub use load::{Load, Stage, Weight};
 pub use now::Now;
 pub use report::LoadReport;
 pub use row::{Row, Witness};
+pub use settings::Settings;
 pub use total::Total;

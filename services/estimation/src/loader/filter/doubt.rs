@@ -2,17 +2,17 @@
 
 use super::{Belief, CgFilter};
 use crate::keys::Range;
-use crate::loader::coupling::Turning;
-use crate::loader::layout::{
-    CG_HEIGHT, CG_RATIO, Each, FRONT_WHEEL, Layout, REAR_WHEEL, SLIP_STIFFNESS, SPEED,
-};
-use crate::loader::load::HEIGHT_SPREAD;
+use crate::loader::floors::RATIO_PER_SENSITIVITY;
+use crate::loader::layout::{CG_HEIGHT, CG_RATIO, Each, Layout, SLIP_STIFFNESS, SPEED};
+use crate::loader::load::{Centre, HEIGHT_SPREAD};
 use crate::loader::reason::Reason;
-use crate::loader::verdict::{Doubt, RATIO_PER_SENSITIVITY};
+use crate::loader::verdict::Doubt;
 use crate::math::{norm, sqrt};
 
 /// Standard deviations of the prior within which an estimate is as expected; twice as far it contradicts it by one more.
 const EXPECTED: f64 = 2.0;
+/// A state within this share of a bound is at it.
+const NEAR: f64 = 0.02;
 /// Standard deviations of the prior beyond which the delay of the speed is no sensor's.
 const LATEST: f64 = 4.0;
 /// Birge ratio beyond which the manoeuvres disagree.
@@ -45,76 +45,45 @@ struct Signs {
     contradicted: bool,
 }
 
+/// By how much a value lies beyond what is expected.
+fn beyond(value: f64, (centre, std): (f64, f64)) -> f64 {
+    ((value - centre).abs() - EXPECTED * std).max(0.0)
+}
+
 impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     /// What makes the estimate doubtful beside its own covariance.
     pub(in crate::loader) fn doubt(&self) -> Doubt {
-        let (prior, state) = (&self.settings.prior, self.belief.state());
-        let beyond = |value: f64, (centre, std): (f64, f64)| {
-            ((value - centre).abs() - EXPECTED * std).max(0.0)
-        };
-        let expected = self.expected_centre();
-        // A payload that is reported in full may be stated wrongly.
-        let [height, ratio] = if self.knows_its_load() {
-            [0.0; 2]
-        } else {
-            [
-                beyond(state[CG_HEIGHT], expected[0]),
-                beyond(state[CG_RATIO], expected[1]),
-            ]
-        };
-        let stiffness = beyond(
-            state[SLIP_STIFFNESS],
-            (prior.slip_stiffness, prior.slip_stiffness_std),
-        );
-        let bounds = self.settings.bounds();
-        let at = |i: usize| {
-            let Range { low, high } = bounds[i - SLIP_STIFFNESS];
-            state[i] <= 1.02 * low || state[i] >= 0.98 * high
-        };
-        let at_limit = Each {
-            ratio: at(CG_RATIO),
-            height: at(CG_HEIGHT),
-        };
+        let at_limit = Each::of(|i| self.is_at_limit(i));
         if !self.settings.at_work() {
             return Doubt {
                 at_limit,
                 ..Doubt::NONE
             };
         }
-        let delay = const { Layout::of(N) }
-            .speed_delay
-            .map_or(0.0, |i| state[i]);
-        let sensors = &self.settings.sensors;
-        let late = (delay - sensors.speed_delay).abs() > LATEST * sensors.speed_delay_std;
-        let locked = self.coupling.locked();
-        let contradicted = height > expected[0].1 || ratio > expected[1].1;
-        let reason = self.cause(&Signs {
-            late,
-            at_limit: at_limit.ratio || at_limit.height || at(SLIP_STIFFNESS),
+        let prior = &self.settings.prior;
+        let expected = self.expected_centre();
+        let away = self.away(expected);
+        let stiffness = beyond(
+            self.belief.state()[SLIP_STIFFNESS],
+            (prior.slip_stiffness, prior.slip_stiffness_std),
+        );
+        let signs = Signs {
+            late: self.is_late(),
+            at_limit: at_limit.ratio || at_limit.height || self.is_at_limit(SLIP_STIFFNESS),
             stiffness: stiffness > prior.slip_stiffness_std,
-            contradicted,
-        });
-        // Where the model does not hold, nothing is known but what was known before: a mixture of both.
+            contradicted: away.height > expected[0].1 || away.ratio > expected[1].1,
+        };
+        let reason = self.cause(&signs);
+        // Where the model does not hold, nothing is known but what was known before.
         let doubted = match reason {
             Reason::Locked | Reason::Torque | Reason::AtLimit | Reason::Stiffness => 1.0,
-            _ if contradicted => 1.0,
-            _ => locked,
-        };
-        let Each { ratio, height } = self.with_other_load(Each { ratio, height });
-        // Slips that a stiffness beyond its prior explains are not understood to that share, nor is the height that they tell.
-        let unknown_slip = stiffness / state[SLIP_STIFFNESS];
-        let height = norm(&[height, state[CG_HEIGHT] * unknown_slip]);
-        let mixed = |away: f64, value: f64, (centre, std): (f64, f64)| {
-            let moved = value - centre;
-            sqrt(away * away + doubted * (moved * moved + std * std))
+            _ if signs.contradicted => 1.0,
+            _ => self.coupling.locked(),
         };
         Doubt {
             birge: self.manoeuvres.ratio(),
             wavering: self.monitor.wavering(&self.settings.estimator),
-            beyond: Each {
-                ratio: mixed(ratio, state[CG_RATIO], expected[1]),
-                height: mixed(height, state[CG_HEIGHT], expected[0]),
-            },
+            beyond: self.mixed(away, stiffness, doubted, expected),
             at_limit,
             unknown_height: self.lifts_unreported(),
             reason,
@@ -123,14 +92,60 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         }
     }
 
+    /// By how much height and ratio lie beyond what is expected; a payload that is reported in full may be stated wrongly.
+    fn away(&self, [height, ratio]: Centre) -> Each<f64> {
+        let state = self.belief.state();
+        if self.known_load.is_some() {
+            return Each::default();
+        }
+        Each {
+            ratio: beyond(state[CG_RATIO], ratio),
+            height: beyond(state[CG_HEIGHT], height),
+        }
+    }
+
+    /// A state is at one of its bounds, or nearly.
+    fn is_at_limit(&self, i: usize) -> bool {
+        let Range { low, high } = self.settings.bounds()[i - SLIP_STIFFNESS];
+        let value = self.belief.state()[i];
+        value <= (1.0 + NEAR) * low || value >= (1.0 - NEAR) * high
+    }
+
+    /// The speed comes later than a sensor may be.
+    fn is_late(&self) -> bool {
+        let delay = const { Layout::of(N) }
+            .speed_delay
+            .map_or(0.0, |i| self.belief.state()[i]);
+        let sensors = &self.settings.sensors;
+        (delay - sensors.speed_delay).abs() > LATEST * sensors.speed_delay_std
+    }
+
+    /// How far height and ratio may be off: a mixture of what lies beyond what was known, and of that itself where the estimate is
+    /// `doubted`.
+    fn mixed(&self, away: Each<f64>, stiffness: f64, doubted: f64, expected: Centre) -> Each<f64> {
+        let state = self.belief.state();
+        let Each { ratio, height } = self.with_other_load(away);
+        // Slips that a stiffness beyond its prior explains are not understood to that share, nor is the height that they tell.
+        let unknown_slip = stiffness / state[SLIP_STIFFNESS];
+        let height = norm(&[height, state[CG_HEIGHT] * unknown_slip]);
+        let mixed = |away: f64, value: f64, (centre, std): (f64, f64)| {
+            let moved = value - centre;
+            sqrt(away * away + doubted * (moved * moved + std * std))
+        };
+        Each {
+            ratio: mixed(ratio, state[CG_RATIO], expected[1]),
+            height: mixed(height, state[CG_HEIGHT], expected[0]),
+        }
+    }
+
     /// The first cause of doubt.
     fn cause(&self, signs: &Signs) -> Reason {
-        let lighter = self.disturbance.lighter();
+        let lighter = self.disturbance.mass.lighter();
         if self.coupling.locked() > 0.5 {
             Reason::Locked
         } else if self.disturbance.torques_misfit()
             || lighter > 0.0
-            || self.disturbance.axle_torque().0 > 0.5
+            || self.disturbance.mass.axle_torque().0 > 0.5
         {
             Reason::Torque
         } else if signs.late {
@@ -171,19 +186,18 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
     /// What a load that nobody reported, or may have stated wrongly, adds to the doubt of height and ratio.
     fn with_other_load(&self, Each { ratio, height }: Each<f64>) -> Each<f64> {
         let state = self.belief.state();
-        let lighter = self.disturbance.lighter();
+        let lighter = self.disturbance.mass.lighter();
         // A load that nobody tells sits ahead of the front axle; a torque that is one axle's moves the ratio twice as far.
-        let reach = self.settings.machine.bucket_reach / self.dynamics.wheelbase;
-        let off = self.disturbance.off();
-        let ahead = (1.0 + LOAD_ARM * reach - state[CG_RATIO]).abs();
+        let off = self.disturbance.mass.off();
+        let ahead = (1.0 + LOAD_ARM * self.reach() - state[CG_RATIO]).abs();
         let ratio = match lighter {
             0.0 => ratio,
             x if x < 0.0 => ratio + off * ahead,
             _ => ratio + 2.0 * off * (1.0 - state[CG_RATIO]) * state[CG_RATIO],
         };
         // After a load that nobody reported, what slips and radii mean is known again only in part.
-        let unreported = self.disturbance.since_load() < AFTER_UNREPORTED;
-        let ratio = if unreported && !self.knows_its_load() {
+        let unreported = self.disturbance.mass.since_load() < AFTER_UNREPORTED;
+        let ratio = if unreported && !self.known_load.is_some() {
             ratio + UNREPORTED * state[CG_RATIO]
         } else {
             ratio
@@ -194,46 +208,24 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             height + off * state[CG_HEIGHT]
         };
         // A torque that is one axle's is taken for a load on the other.
-        let torque = self.disturbance.axle_torque().1 * state[CG_RATIO] * (1.0 - state[CG_RATIO]);
+        let torque =
+            self.disturbance.mass.axle_torque().1 * state[CG_RATIO] * (1.0 - state[CG_RATIO]);
         // The floor is what no doubt has a name for: those that have one take its place.
         let floor = self.settings.estimator.cg_ratio_floor * state[CG_RATIO];
         let named = norm(&[torque, self.by_shared_slip(), self.curves.ratio_std()]);
         let ratio = norm(&[ratio, sqrt((named * named - floor * floor).max(0.0))]);
-        if self.knows_its_load() {
+        if self.known_load.is_some() {
             return Each { ratio, height };
         }
         // The bucket may have been filled or emptied since: a mixture of both.
-        let other = self.disturbance.other_load();
+        let other = self.disturbance.mass.other_load();
         // Whatever it carries may be lifted; who tells that the boom moves does not tell how far.
-        let lifted = LIFTED * self.disturbance.carried().max(self.load.share());
+        let lifted = LIFTED * self.disturbance.mass.carried().max(self.load.share());
         let by_load = norm(&[other * HEIGHT_SPREAD, lifted]);
         Each {
             ratio: norm(&[ratio, other * ahead]),
             height: norm(&[height, by_load * state[CG_HEIGHT]]),
         }
-    }
-
-    /// Adds a row whose wheels were accepted to what is known of the centre drive; `noise` is the variance of each that is no
-    /// other row's.
-    pub(super) fn compare_axles(
-        &mut self,
-        measured: &[f64; M],
-        innovation: &[f64; M],
-        expected: &B::Expected,
-        process: &[f64; N],
-        noise: [f64; 2],
-        dt: f64,
-    ) {
-        let [front, rear] = [FRONT_WHEEL, REAR_WHEEL];
-        let squares = |std: &[f64]| std[front] * std[front] + std[rear] * std[rear];
-        self.coupling.see(&Turning {
-            difference: measured[front] - measured[rear],
-            innovation: innovation[front] - innovation[rear],
-            predicted: B::difference_variance(expected, [front, rear]),
-            process: squares(process),
-            noise: noise[0] + noise[1],
-            dt,
-        });
     }
 
     /// Curves that nobody reports are more than the ratio's interval may be.

@@ -1,10 +1,15 @@
 //! Which measurements are used, and how much.
 
+use super::report::RowReport;
+use super::{Belief, CgFilter};
+use crate::loader::estimate::Status;
+use crate::loader::layout::{FRONT_WHEEL, REAR_WHEEL};
+use crate::loader::sample::Sample;
 use crate::loader::settings::Settings;
 use crate::math::sqrt;
 
 /// Whether a measurement is used, and whether it was de-weighted; `std` grows in that case.
-pub(super) fn gate(
+fn gate(
     settings: &Settings,
     innovation: f64,
     std: &mut f64,
@@ -27,4 +32,32 @@ pub(super) fn gate(
         *std += innovation.abs() / keys.gate;
     }
     (true, soft)
+}
+
+impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
+    /// Gates every measurement of a row, and sets wheels aside that brakes move.
+    pub(super) fn gates(
+        &self,
+        sample: &Sample,
+        innovation: &[f64; M],
+        std: &mut [f64; M],
+        expected: &B::Expected,
+    ) -> RowReport<M> {
+        let mut report = RowReport::without_update(Status::Updated, false);
+        for j in 0..M {
+            (report.accepted[j], report.deweighted[j]) =
+                gate(&self.settings, innovation[j], &mut std[j], || {
+                    B::measurement_std(expected, j)
+                });
+        }
+        if self.settings.at_work() {
+            // A held torque is of another time, and a wheel without its torque tells nothing.
+            let driven = sample.front_torque.is_some() && sample.rear_torque.is_some();
+            let (braking, accepted) = (self.effect.braking, &mut report.accepted);
+            report.set_aside = driven && braking && accepted[FRONT_WHEEL] && accepted[REAR_WHEEL];
+            accepted[FRONT_WHEEL] &= driven && !braking;
+            accepted[REAR_WHEEL] &= driven && !braking;
+        }
+        report
+    }
 }

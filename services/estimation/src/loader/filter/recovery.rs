@@ -1,4 +1,4 @@
-//! When the filter lost its way: gaps, restarts, bounds.
+//! When the filter starts, and when it lost its way: gaps, restarts, bounds.
 
 use super::{Belief, CgFilter, RowReport};
 use crate::loader::conditions::Conditions;
@@ -6,7 +6,7 @@ use crate::loader::coupling::Coupling;
 use crate::loader::curves::Curves;
 use crate::loader::directions::Directions;
 use crate::loader::estimate::Status;
-use crate::loader::layout::{CG_HEIGHT, CG_RATIO, REAR_WHEEL, SLIP_STIFFNESS};
+use crate::loader::layout::{CENTRE, CG_RATIO, FRONT_WHEEL, REAR_WHEEL, SLIP_STIFFNESS, SPEED};
 use crate::loader::relearning::Relearning;
 use crate::loader::sample::Sample;
 use crate::loader::windup::Windup;
@@ -27,6 +27,20 @@ const HOLD_OFF: f64 = 3.0;
 const ENDLESS: f64 = 1e50;
 
 impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
+    /// The first row with a time starts the filter.
+    pub(super) fn first(&mut self, sample: &Sample) -> RowReport<M> {
+        self.hold.advance(sample, false, false);
+        self.evidence.receive(sample);
+        self.spade_force_x = sample.spade_force_x.unwrap_or(0.0);
+        let speed = sample.speed.unwrap_or(0.0);
+        let rim = speed / self.dynamics.wheel_radius;
+        let state = self.belief.state_mut();
+        state[SPEED] = speed;
+        state[FRONT_WHEEL] = sample.front_wheel_speed.unwrap_or(rim);
+        state[REAR_WHEEL] = sample.rear_wheel_speed.unwrap_or(rim);
+        RowReport::without_update(Status::First, false)
+    }
+
     /// Counts the row, and restarts a filter that lost its way.
     pub(super) fn finish(
         &mut self,
@@ -35,7 +49,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         dt: f64,
     ) -> RowReport<M> {
         self.frozen = report.frozen;
-        let centre = [CG_HEIGHT, CG_RATIO].map(|i| self.belief.state()[i]);
+        let centre = CENTRE.map(|i| self.belief.state()[i]);
         let endless = centre.iter().any(|x| x.abs() > ENDLESS);
         if endless || !self.belief.is_sound() || !report.nis.is_finite() {
             *self.belief.state_mut() = self.prior_state();

@@ -1,0 +1,115 @@
+//! What is said after a row: values, intervals and verdict.
+
+use super::Method;
+use super::estimate::Estimate;
+use super::filter::{Belief, CgFilter, RowReport};
+use super::floors::{Learns, with_floors};
+use super::layout::{Each, FRONT_WHEEL, Layout, REAR_WHEEL, SPEED};
+use super::settings::Settings;
+use super::verdict::{Doubt, Intervals};
+use crate::Quantity;
+use crate::math::norm;
+
+/// Centre of gravity with its load, and the deviations of filter and report.
+fn intervals<const N: usize, const M: usize, B: Belief<N, M>>(
+    filter: &CgFilter<N, M, B>,
+    settings: &Settings,
+    doubt: &Doubt,
+) -> (Each<f64>, Intervals) {
+    let x = filter.state();
+    let layout = const { Layout::of(N) };
+    let (own, std) = (Each::of(|i| x[i]), Each::of(|i| filter.std(i)));
+    let (centre, loaded_std) = filter.known_load.loaded(&settings.machine, own, std);
+    let learns = Learns {
+        radii: layout.radii.is_some(),
+        load_sensitivity: filter.sensitivity_left(),
+        acceleration: M > 3,
+    };
+    let doubted = |std: f64, beyond: f64, centre: f64| {
+        norm(&[doubt.birge * std, beyond, doubt.wavering * centre])
+    };
+    let doubted = Each {
+        ratio: doubted(loaded_std.ratio, doubt.beyond.ratio, centre.ratio),
+        height: doubted(loaded_std.height, doubt.beyond.height, centre.height),
+    };
+    let intervals = Intervals {
+        filter: Each {
+            ratio: doubt.birge * std.ratio,
+            height: doubt.birge * std.height,
+        },
+        reported: with_floors(settings, learns, centre, doubted),
+        ratio: centre.ratio,
+    };
+    (centre, intervals)
+}
+
+/// Values, intervals and verdict after a row.
+pub(super) fn answer<const N: usize, const M: usize, B: Belief<N, M>>(
+    filter: &CgFilter<N, M, B>,
+    settings: &Settings,
+    method: Method,
+    row: &RowReport<M>,
+) -> Estimate {
+    let x = filter.state();
+    let layout = const { Layout::of(N) };
+    let doubt = filter.doubt();
+    let (centre, intervals) = intervals(filter, settings, &doubt);
+    let reported = intervals.reported;
+    let verdict = filter
+        .evidence
+        .verdict(settings, &intervals, &doubt, row.frozen);
+    let sound = verdict.consistent && verdict.fresh && !verdict.reset;
+    let (excited, identifiable, converged) =
+        (verdict.excited, verdict.identifiable, verdict.converged);
+    let quantity = |i: usize| Quantity {
+        value: x[i],
+        std: filter.std(i),
+    };
+    let scale = |wheel: usize| layout.radii.map(|radii| 1.0 + x[radii[wheel]]);
+    let used = row.accepted.iter().filter(|a| **a).count().max(1);
+    Estimate {
+        started: filter.last_time().is_some(),
+        time: filter.last_time().unwrap_or(0.0),
+        speed: x[SPEED],
+        front_wheel_speed: x[FRONT_WHEEL],
+        rear_wheel_speed: x[REAR_WHEEL],
+        slip_stiffness: filter.slip_stiffness(),
+        cg_height: Quantity {
+            value: centre.height,
+            std: reported.height,
+        },
+        cg_ratio: Quantity {
+            value: centre.ratio,
+            std: reported.ratio,
+        },
+        cg_distance: (1.0 - centre.ratio) * settings.machine.wheelbase,
+        spade_force_x: layout.spade_force.map(|i| Quantity {
+            value: filter.spade_force_x + x[i],
+            std: filter.std(i),
+        }),
+        payload: None,
+        trusted_payload: false,
+        slope_bias: layout.slope_bias.map(|i| x[i]),
+        front_radius_scale: scale(0),
+        rear_radius_scale: scale(1),
+        speed_delay: layout.speed_delay.map(quantity),
+        nis: row.nis / used as f64,
+        excited_ratio: excited.ratio,
+        excited_height: excited.height,
+        consistent: verdict.consistent,
+        fresh: verdict.fresh,
+        identifiable_ratio: identifiable.ratio,
+        identifiable_height: identifiable.height,
+        converged_ratio: converged.ratio,
+        converged_height: converged.height,
+        frozen: row.frozen,
+        reset: verdict.reset,
+        trusted_ratio: sound && excited.ratio && identifiable.ratio && converged.ratio,
+        trusted_height: sound && excited.height && identifiable.height && converged.height,
+        reason: verdict.reason,
+        status: row.status,
+        method,
+        resets: filter.evidence.resets,
+        refused: 0,
+    }
+}

@@ -1,0 +1,94 @@
+//! What the machine carries: a load that is known, or a mass that steps and moves the centre of gravity.
+
+use super::{Belief, CgFilter};
+use crate::loader::cg_model::Loading;
+use crate::loader::layout::{CENTRE, CG_HEIGHT, CG_RATIO, Each};
+use crate::loader::lift_arm::Weighed;
+use crate::loader::load::Centre;
+
+/// Share of the mass from which on the machine is loaded.
+const LEAST_LOAD: f64 = 0.04;
+
+impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
+    /// Takes what the lift pressure says of the next row; `empty` is what it knows of the empty machine.
+    pub(in crate::loader) fn set_weighed(
+        &mut self,
+        weighed: Option<Weighed>,
+        empty: Each<(f64, f64)>,
+    ) {
+        let prior = &self.settings.prior;
+        if let Some(centre) = self.known_load.weigh(weighed, prior, empty) {
+            self.restore(centre);
+        }
+    }
+
+    /// The row has informed the ratio, whose variance was `predicted`, under the present load.
+    pub(super) fn learn_under_load(&mut self, predicted: f64) {
+        let variance = || self.belief.variance(CG_RATIO);
+        self.known_load
+            .learn(|| (1.0 - variance() / predicted).clamp(0.0, 1.0));
+    }
+
+    pub(super) fn loading(&self) -> Loading {
+        self.known_load.loading(&self.settings.machine)
+    }
+
+    /// Mass with its load [kg].
+    pub(super) fn mass(&self) -> f64 {
+        let known = self.known_load.mass(&self.settings.machine);
+        known.unwrap_or(self.hold.mass)
+    }
+
+    /// The machine carries a load, as its mass tells.
+    pub(super) fn is_loaded(&self) -> bool {
+        self.load.share() > LEAST_LOAD
+    }
+
+    /// The machine is loaded, and nobody would say if the boom moved.
+    pub(in crate::loader) fn lifts_unreported(&self) -> bool {
+        self.settings.at_work() && !self.boom_reported && self.is_loaded()
+    }
+
+    /// Reach of the bucket in wheelbases.
+    pub(super) fn reach(&self) -> f64 {
+        self.settings.machine.bucket_reach / self.dynamics.wheelbase
+    }
+
+    /// Height and ratio as they may be under the present load, where the motion has shown nothing.
+    pub(super) fn expected_centre(&self) -> Centre {
+        self.load
+            .expected(self.settings.prior.centre(), self.reach())
+    }
+
+    /// A step of the mass moves the centre of gravity and makes it uncertain.
+    pub(super) fn weigh(&mut self, dt: f64) {
+        let state = *self.belief.state();
+        let centre = CENTRE.map(|i| (state[i], self.belief.std(i)));
+        let Some(shift) = self.load.weigh(self.hold.mass, centre, dt) else {
+            return;
+        };
+        if let Some(centre) = shift.restored {
+            self.restore(centre);
+            return;
+        }
+        let (ratio, ratio_std) = shift.ratio(state[CG_RATIO], self.reach());
+        self.belief.state_mut()[CG_RATIO] = ratio;
+        self.loosen_by(CG_HEIGHT, shift.height_std(state[CG_HEIGHT]));
+        self.loosen_by(CG_RATIO, ratio_std);
+        // The bucket was dug full, and what it holds is weighed: no longer anything.
+        for (i, (_, most)) in CENTRE.into_iter().zip(self.expected_centre()) {
+            if self.belief.std(i) > most {
+                self.belief.separate(&[(i, most)], &[0.0; N]);
+            }
+        }
+        self.clamp();
+    }
+
+    /// Height and ratio are again what they were; of their correlation with other states nothing is kept.
+    fn restore(&mut self, [height, ratio]: Centre) {
+        self.belief
+            .separate(&[(CG_HEIGHT, height.1), (CG_RATIO, ratio.1)], &[0.0; N]);
+        let state = self.belief.state_mut();
+        (state[CG_HEIGHT], state[CG_RATIO]) = (height.0, ratio.0);
+    }
+}

@@ -1,0 +1,125 @@
+//! What the next step may change more than usual: what must be learnt again, and what cannot be learnt yet.
+
+use super::{Belief, CgFilter};
+use crate::loader::directions::BothDirections;
+use crate::loader::floors::RATIO_PER_SENSITIVITY;
+use crate::loader::layout::{ByState, CG_HEIGHT, CG_RATIO, Layout, SLIP_STIFFNESS};
+use crate::math::sqrt;
+
+/// A load sensitivity that is learnt may differ by as much, whatever is stated: a guess costs nothing then.
+const LEARNT_STD: f64 = 0.005;
+
+impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
+    /// Load sensitivity of the radii and its variance; 0 where it is no state.
+    pub(super) fn sensitivity(&self) -> (f64, f64) {
+        const { Layout::of(N) }
+            .load_sensitivity
+            .map_or((0.0, 0.0), |i| {
+                (self.belief.state()[i], self.belief.variance(i))
+            })
+    }
+
+    /// Says what the next step may change more than usual; `sensitivity` is what it was before the row.
+    pub(super) fn loosen(
+        &mut self,
+        sensitivity: (f64, f64),
+        process_std: &[f64; N],
+        speed: f64,
+        dt: f64,
+    ) {
+        let layout = const { Layout::of(N) };
+        self.loosened = self.relearnt();
+        let slowest = self.settings.estimator.v_freeze;
+        let driven = self.directions.drive(speed, slowest, dt);
+        if let Some(i) = layout.load_sensitivity {
+            match driven {
+                BothDirections::NotYet | BothDirections::LongAgo => {
+                    self.consider(i, sensitivity, process_std[i])
+                }
+                BothDirections::JustNow => self.open_sensitivity(i),
+                BothDirections::Recently => {}
+            }
+        }
+        if self.changed == 0.0 {
+            let prior = &self.settings.prior;
+            self.loosened[CG_HEIGHT] = prior.cg_height_std;
+            self.loosened[CG_RATIO] = prior.cg_ratio_std;
+            if core::mem::take(&mut self.reopens) {
+                self.loosened[SLIP_STIFFNESS] = prior.slip_stiffness_std;
+                for i in layout.radii.into_iter().flatten() {
+                    self.loosened[i] = prior.radius_std;
+                }
+            }
+        }
+    }
+
+    /// Process noise beyond the usual, for what must be learnt again.
+    fn relearnt(&mut self) -> [f64; N] {
+        let (prior, state) = (&self.settings.prior, self.belief.state());
+        let (mut share, mut radius) = (0.0, 0.0);
+        if self.settings.at_work() {
+            let ratio_std = self.belief.std(CG_RATIO);
+            share = self.relearning.loosening(
+                self.settings.estimator.relearn,
+                prior,
+                [state[SLIP_STIFFNESS], state[CG_RATIO]],
+                ratio_std,
+            );
+            let loading = self.loading();
+            let ratio = loading.share * state[CG_RATIO] + loading.ratio;
+            let sensitivity_std = self.settings.machine.radius_load_sensitivity_std;
+            radius = self.relearning.radius_std(sensitivity_std, ratio);
+        }
+        let learnt = prior.radius_std * share;
+        let parameters = [
+            prior.slip_stiffness_std,
+            prior.cg_height_std,
+            prior.cg_ratio_std,
+        ];
+        ByState {
+            parameters: parameters.map(|std| std * share),
+            radius: sqrt(learnt * learnt + radius * radius),
+            ..ByState::default()
+        }
+        .state()
+    }
+
+    /// State `i` keeps its value and its variance of before the row, with its process noise; what the row would have shown of it
+    /// comes back with the next step's. What the row tells of the others takes its variance into account.
+    fn consider(&mut self, i: usize, (value, variance): (f64, f64), process_std: f64) {
+        self.belief.state_mut()[i] = value;
+        let lost = variance + process_std * process_std - self.belief.variance(i);
+        self.loosened[i] = sqrt(lost.max(0.0));
+    }
+
+    /// The load sensitivity can be learnt from now on: it may be what tyres are, the ratio what goes with it, and the height what
+    /// leaves its product with the sensitivity, which moves the radii, as it is. One that is known exactly opens nothing.
+    fn open_sensitivity(&mut self, i: usize) {
+        let stated = self.settings.load_sensitivity_std();
+        if stated == 0.0 {
+            return;
+        }
+        let std = stated.max(LEARNT_STD);
+        let state = self.belief.state();
+        let ratio = RATIO_PER_SENSITIVITY * std * state[CG_RATIO];
+        let height = (state[CG_HEIGHT] * std / state[i]).abs();
+        let height = self.settings.prior.cg_height_std.min(height);
+        for (i, std) in [(i, std), (CG_RATIO, ratio), (CG_HEIGHT, height)] {
+            self.loosen_by(i, std);
+        }
+    }
+
+    /// The next step may change state `i` by so much more, as a standard deviation.
+    pub(super) fn loosen_by(&mut self, i: usize, std: f64) {
+        self.loosened[i] = sqrt(self.loosened[i] * self.loosened[i] + std * std);
+    }
+
+    /// Standard deviation of the load sensitivity of the rolling radii that the covariance does not hold.
+    pub(in crate::loader) fn sensitivity_left(&self) -> f64 {
+        let before = self.settings.load_sensitivity_std();
+        match const { Layout::of(N) }.load_sensitivity {
+            Some(_) => self.directions.left(before, self.manoeuvres.ratio()),
+            None => before,
+        }
+    }
+}

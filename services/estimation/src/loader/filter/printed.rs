@@ -1,0 +1,44 @@
+//! The step as the paper prints it; only held inputs and missing measurements are treated beyond it.
+
+use super::report::RowReport;
+use super::update::measurements;
+use super::{Belief, CgFilter};
+use crate::loader::cg_model::CgModel;
+use crate::loader::conditions::Conditions;
+use crate::loader::estimate::Status;
+use crate::loader::sample::Sample;
+
+/// Measurement noise that stands for "not measured".
+const NOT_MEASURED_STD: f64 = 1e6;
+
+impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
+    pub(super) fn step_printed(&mut self, sample: &Sample, model: &CgModel) -> RowReport<M> {
+        let process_std = self.process_std(&Conditions::default(), false, model.dt);
+        let measured = measurements::<M>(sample, None);
+        let accepted = measured.map(f64::is_finite);
+        let mut std = self.sensor_std();
+        for (std, accepted) in std.iter_mut().zip(accepted) {
+            if !accepted {
+                *std = NOT_MEASURED_STD;
+            }
+        }
+        let Some(filter) = self.belief.sigma_points() else {
+            return RowReport::without_update(Status::Diverged, false);
+        };
+        let printed = filter.step_printed(model, &process_std, &std, |predicted| {
+            core::array::from_fn(|j| {
+                if accepted[j] {
+                    measured[j] - predicted[j]
+                } else {
+                    0.0
+                }
+            })
+        });
+        self.clamp();
+        RowReport {
+            nis: printed.nis,
+            accepted,
+            ..RowReport::without_update(Status::Updated, false)
+        }
+    }
+}

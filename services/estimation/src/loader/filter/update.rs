@@ -1,0 +1,136 @@
+//! The consistent step with every rule: predict, doubt, absorb.
+
+use super::report::RowReport;
+use super::wheels::Seen;
+use super::{Belief, CgFilter};
+use crate::loader::cg_model::CgModel;
+use crate::loader::conditions::Conditions;
+use crate::loader::inputs::StepInputs;
+use crate::loader::layout::{CG_RATIO, FRONT_WHEEL, Layout, REAR_WHEEL, SLIP_STIFFNESS, SPEED};
+use crate::loader::sample::Sample;
+
+/// The measurements of a row; NaN where missing.
+pub(super) fn measurements<const M: usize>(sample: &Sample, acceleration: Option<f64>) -> [f64; M] {
+    let all = [
+        sample.speed,
+        sample.front_wheel_speed,
+        sample.rear_wheel_speed,
+        acceleration,
+    ];
+    core::array::from_fn(|j| all[j].unwrap_or(f64::NAN))
+}
+
+impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
+    pub(super) fn update(
+        &mut self,
+        model: &CgModel,
+        sample: &Sample,
+        step: &StepInputs,
+    ) -> RowReport<M> {
+        let mut ahead = self.belief.ahead(model);
+        let (before, sensitivity) = (self.before(), self.sensitivity());
+        let state = *B::state_ahead(&ahead);
+        let conditions = self.conditions(&state, step, model.dt);
+        let process_std = self.process_std(&conditions, sample.boom_moving, model.dt);
+        let measured = measurements::<M>(sample, step.acceleration);
+        self.quantisation
+            .see([measured[FRONT_WHEEL], measured[REAR_WHEEL]]);
+        let mut std = self.measurement_std(&state, &conditions, model);
+        let mut expected = self.belief.predict(&mut ahead, model, &process_std);
+        let innovation = self.innovation(&measured, &state, &expected, model);
+        let noise = if self.settings.at_work() {
+            self.doubt_hops(&innovation, &expected, state[SPEED], &mut std)
+        } else {
+            [0.0; 2]
+        };
+        let gated = self.gates(sample, &innovation, &mut std, &expected);
+        let accepted = gated.accepted;
+        let both = accepted[FRONT_WHEEL] && accepted[REAR_WHEEL] && !conditions.frozen;
+        if self.settings.at_work() && both {
+            let seen = Seen {
+                before,
+                state: &state,
+                process_std: &process_std,
+                measured: &measured,
+                innovation: &innovation,
+                std: &std,
+                noise,
+                sine: step.sine,
+            };
+            self.learn_from_wheels(&seen, &expected, model);
+        }
+        let nis = self
+            .belief
+            .update(&mut expected, &innovation, &std, &accepted);
+        let walked = process_std[CG_RATIO] * process_std[CG_RATIO];
+        self.learn_under_load(before.ratio_variance + walked);
+        self.clamp();
+        self.loosen(sensitivity, &process_std, state[SPEED], model.dt);
+        RowReport {
+            nis,
+            frozen: conditions.frozen,
+            ..gated
+        }
+    }
+
+    /// Under which a row is taken.
+    fn conditions(&mut self, state: &[f64; N], step: &StepInputs, dt: f64) -> Conditions {
+        let place = const { Layout::of(N) }.spade_force;
+        let unknown_force = place.map_or(0.0, |i| state[i]);
+        let force = step.inputs.spade_force_x + unknown_force;
+        let mut conditions = self
+            .monitor
+            .conditions(&self.settings, state[SPEED], force, dt);
+        let other_mass = self.settings.at_work() && self.disturbance.mass.lighter() != 0.0;
+        if self.known_load.is_open() || other_mass {
+            // Neither the mass nor where it sits is known.
+            (conditions.frozen, conditions.weak_wheels) = (true, true);
+        }
+        conditions
+    }
+
+    /// What was measured beyond the prediction; of the wheels at work without what winds up the tyres and what bends the machine.
+    fn innovation(
+        &mut self,
+        measured: &[f64; M],
+        state: &[f64; N],
+        expected: &B::Expected,
+        model: &CgModel,
+    ) -> [f64; M] {
+        let predicted = B::measurement(expected);
+        let mut innovation: [f64; M] = core::array::from_fn(|j| measured[j] - predicted[j]);
+        if self.settings.at_work() {
+            let windup = self.windup.wheel_speeds(
+                self.settings.machine.relaxation_length,
+                &model.dynamics,
+                &model.inputs,
+                model.dt,
+                [state[SLIP_STIFFNESS], state[CG_RATIO]],
+            );
+            // Nobody says on which body the speed is measured: half of it each.
+            let closing = 0.5 * self.effect.closing / self.dynamics.wheel_radius;
+            innovation[FRONT_WHEEL] += closing - windup[0];
+            innovation[REAR_WHEEL] -= closing + windup[1];
+        }
+        innovation
+    }
+
+    /// Makes wheels that hop count less; the variance of each wheel that is no other row's [rad^2/s^2].
+    fn doubt_hops(
+        &self,
+        innovation: &[f64; M],
+        expected: &B::Expected,
+        speed: f64,
+        std: &mut [f64; M],
+    ) -> [f64; 2] {
+        let keys = &self.settings.estimator;
+        let disturbed = self.disturbed_slip(speed);
+        for (wheel, j) in [FRONT_WHEEL, REAR_WHEEL].into_iter().enumerate() {
+            let predicted = B::measurement_std(expected, j);
+            let more = predicted * predicted + disturbed * disturbed;
+            std[j] *= self.monitor.far(keys, wheel, innovation[j], more);
+        }
+        let rows = self.monitor.row_variance(keys);
+        rows.map(|row| disturbed * disturbed + row)
+    }
+}

@@ -1,0 +1,111 @@
+//! What a row in which both wheels count shows beside the state: whether slips fluctuate and manoeuvres agree, whether the machine
+//! turns, and whether its centre drive is locked.
+
+use super::{Belief, CgFilter};
+use crate::loader::cg_model::CgModel;
+use crate::loader::coupling::Turning;
+use crate::loader::curves::Difference;
+use crate::loader::layout::{CG_HEIGHT, CG_RATIO, FRONT_WHEEL, REAR_WHEEL, SLIP_STIFFNESS, SPEED};
+use crate::loader::manoeuvres::Slip;
+use crate::loader::wheel_dynamics::GRAVITY;
+
+/// What held before the row.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Before {
+    pub speed: f64,
+    pub ratio_variance: f64,
+}
+
+/// A row in which both wheels count.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Seen<'a, const N: usize, const M: usize> {
+    pub before: Before,
+    /// Predicted state.
+    pub state: &'a [f64; N],
+    pub process_std: &'a [f64; N],
+    pub measured: &'a [f64; M],
+    pub innovation: &'a [f64; M],
+    pub std: &'a [f64; M],
+    /// Variance of each wheel that is no other row's [rad^2/s^2].
+    pub noise: [f64; 2],
+    /// Sine of the slope.
+    pub sine: f64,
+}
+
+impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
+    pub(super) fn before(&self) -> Before {
+        Before {
+            speed: self.belief.state()[SPEED],
+            ratio_variance: self.belief.variance(CG_RATIO),
+        }
+    }
+
+    pub(super) fn learn_from_wheels(
+        &mut self,
+        seen: &Seen<N, M>,
+        expected: &B::Expected,
+        model: &CgModel,
+    ) {
+        let wheel = |i: usize| (seen.innovation[i], B::measurement_std(expected, i));
+        let wheels = [wheel(FRONT_WHEEL), wheel(REAR_WHEEL)];
+        self.monitor.see(&self.settings.estimator, wheels, model.dt);
+        let slip = self.slip(seen, model);
+        let disagrees = self
+            .manoeuvres
+            .take(&slip, seen.before.ratio_variance, model.dt);
+        if disagrees && self.relearning.settled() {
+            // A leg that lies far off reopens height and ratio.
+            self.changed = 0.0;
+        }
+        let predicted = || B::difference_variance(expected, [FRONT_WHEEL, REAR_WHEEL]);
+        if !self.turning_reported {
+            let variances = [predicted(), seen.noise[0] + seen.noise[1]];
+            self.watch_curves(&slip, seen.state[SPEED], variances, model.dt);
+        }
+        let difference = |of: &[f64; M]| of[FRONT_WHEEL] - of[REAR_WHEEL];
+        let [front, rear] = [FRONT_WHEEL, REAR_WHEEL].map(|i| seen.process_std[i]);
+        self.coupling.see(&Turning {
+            difference: difference(seen.measured),
+            innovation: difference(seen.innovation),
+            predicted: predicted(),
+            process: front * front + rear * rear,
+            noise: seen.noise[0] + seen.noise[1],
+            dt: model.dt,
+        });
+    }
+
+    /// What a row shows of the difference of the rim speeds.
+    fn slip(&self, seen: &Seen<N, M>, model: &CgModel) -> Slip {
+        let (machine, inputs) = (&self.dynamics, &model.inputs);
+        let radius = machine.wheel_radius;
+        let [speed, stiffness, height, ratio] =
+            [SPEED, SLIP_STIFFNESS, CG_HEIGHT, CG_RATIO].map(|i| seen.state[i]);
+        let acceleration = (speed - seen.before.speed) / model.dt;
+        let lift = acceleration + GRAVITY * seen.sine;
+        let front = (ratio - height * lift / (GRAVITY * machine.wheelbase)).clamp(0.1, 0.9);
+        let per_weight = 1.0 / (radius * stiffness * machine.mass * GRAVITY);
+        let slip = |torque: f64, share: f64| torque * per_weight / (share * share);
+        let moved = slip(inputs.front_torque, front) + slip(inputs.rear_torque, 1.0 - front);
+        let [front, rear] = [FRONT_WHEEL, REAR_WHEEL].map(|i| seen.std[i]);
+        Slip {
+            innovation: radius * (seen.innovation[FRONT_WHEEL] - seen.innovation[REAR_WHEEL]),
+            variance: radius * radius * (front * front + rear * rear),
+            by_share: -speed.abs() * moved,
+            driving: (inputs.front_torque + inputs.rear_torque) * speed > 0.0,
+        }
+    }
+
+    /// A row of a machine of which nobody says how it turns; `variances` are those of prediction and row [rad^2/s^2].
+    fn watch_curves(&mut self, slip: &Slip, speed: f64, variances: [f64; 2], dt: f64) {
+        let per_speed = 1.0 / speed.abs().max(self.settings.estimator.v_freeze);
+        let radius = self.dynamics.wheel_radius * per_speed;
+        let [predicted, noise] = variances.map(|variance| radius * radius * variance);
+        let row = Difference {
+            innovation: slip.innovation * per_speed,
+            predicted,
+            noise,
+            by_share: slip.by_share * per_speed,
+        };
+        self.curves.see(&row, dt);
+    }
+}

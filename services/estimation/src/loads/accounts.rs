@@ -1,0 +1,140 @@
+//! What was dumped: when its weight is final, and to which truck and day it goes.
+
+use super::book::{DAY, Day, Truck};
+use super::events::Events;
+use super::load::{CarryBack, Load, Stage, Weight};
+use super::settings::Settings;
+use super::total::Total;
+
+/// Trucks and days, and the load that is still to be booked.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Accounts {
+    settings: Settings,
+    pub carry_back: CarryBack,
+    /// Dumped, and what stays in the bucket is still being weighed.
+    pub pending: Option<Load>,
+    /// Loads so far.
+    pub loads: u32,
+    pub truck: Truck,
+    pub day: Day,
+    /// The day has counted this truck.
+    day_has_truck: bool,
+    pub all: Total,
+}
+
+impl Accounts {
+    pub fn new(settings: Settings) -> Self {
+        Self {
+            settings,
+            carry_back: CarryBack::new(settings.rated),
+            pending: None,
+            loads: 0,
+            truck: Truck {
+                number: 1,
+                target: settings.target,
+                ..Truck::default()
+            },
+            day: Day::default(),
+            day_has_truck: false,
+            all: Total::default(),
+        }
+    }
+
+    /// Today with one more load.
+    pub fn day_with(&self, load: Option<&Load>) -> Day {
+        let mut day = self.day;
+        day.trucks += u32::from(!self.day_has_truck && load.is_some());
+        day.total = day.total.with(load);
+        day
+    }
+
+    /// Another value of the signal begins another truck.
+    pub fn call_truck(&mut self, signal: f64, events: &mut Events) {
+        if self.truck.signal.is_some_and(|known| known != signal) {
+            self.change_truck(Some(signal), events);
+        }
+        self.truck.signal = Some(signal);
+    }
+
+    /// What is dumped from now on goes to another truck, unless this one is empty.
+    pub fn change_truck(&mut self, signal: Option<f64>, events: &mut Events) {
+        self.settle(events);
+        if self.truck.total.loads > 0 {
+            events.truck = Some(self.truck);
+            self.truck = self.truck.next(signal);
+        }
+        self.truck.signal = signal;
+        self.day_has_truck = false;
+    }
+
+    fn change_day(&mut self, time: f64, events: &mut Events) {
+        let days = (time - self.settings.midnight) / DAY;
+        // Rounds down, for times before that midnight too.
+        let number = days as i64 - i64::from(days < 0.0);
+        if number != self.day.number {
+            events.day = Some(self.day).filter(|d| d.total.loads > 0);
+            self.day = Day {
+                number,
+                ..Day::default()
+            };
+            self.day_has_truck = false;
+        }
+    }
+
+    /// A load has left at `time`; `rest` is what stays in the bucket. Returns it with its truck and its day.
+    pub fn dump(
+        &mut self,
+        load: Load,
+        time: f64,
+        rest: Option<Weight>,
+        events: &mut Events,
+    ) -> Load {
+        self.loads = load.number;
+        self.change_day(time, events);
+        let pause = self.settings.pause;
+        if pause > 0.0 && self.truck.to.is_some_and(|last| time - last > pause) {
+            self.change_truck(self.truck.signal, events);
+        }
+        let dumped = Load {
+            truck: self.truck.number,
+            day: self.day.number,
+            carry_back: rest.unwrap_or(load.carry_back),
+            carry_back_weighed: rest.is_some(),
+            ..load
+        };
+        self.pending = Some(dumped);
+        dumped
+    }
+
+    /// What stays in the bucket is weighed better.
+    pub fn weigh_rest(&mut self, weight: Weight) {
+        if let Some(load) = self.pending.as_mut().filter(|l| l.carry_back_weighed) {
+            load.carry_back = weight;
+        }
+    }
+
+    /// Nothing more will be known of what stayed in the bucket.
+    pub fn settle(&mut self, events: &mut Events) {
+        let Some(mut load) = self.pending.take() else {
+            return;
+        };
+        if load.carry_back_weighed {
+            self.carry_back.add(&load.carry_back);
+        }
+        load.stage = Stage::Settled;
+        self.truck.add(&load);
+        self.all.add(&load);
+        self.day.total.add(&load);
+        self.day.trucks += u32::from(!self.day_has_truck);
+        self.day_has_truck = true;
+        events.load = Some(load);
+    }
+
+    /// The last load, truck and day.
+    pub fn close(&mut self, events: &mut Events) {
+        self.settle(events);
+        events.truck = Some(self.truck).filter(|t| t.total.loads > 0);
+        events.day = Some(self.day).filter(|d| d.total.loads > 0);
+    }
+}

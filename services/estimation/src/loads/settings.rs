@@ -1,0 +1,40 @@
+//! What the ledger is given.
+
+/// What the ledger is given.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Settings {
+    /// Payload of a full bucket, roughly \[kg\].
+    pub rated: f64,
+    /// What a truck shall hold \[kg\].
+    pub target: Option<f64>,
+    /// A load this long after the one before goes to another truck; 0 never \[s\].
+    pub pause: f64,
+    /// Time of a midnight, from which days are counted \[s\].
+    pub midnight: f64,
+}
+
+impl Settings {
+    /// No target, a new truck after five minutes, days from time 0.
+    pub fn with_rated(rated: f64) -> Self {
+        Self {
+            rated,
+            target: None,
+            pause: 300.0,
+            midnight: 0.0,
+        }
+    }
+
+    /// The same with a rated payload and a target that can be used.
+    pub(super) fn usable(self) -> Self {
+        Self {
+            rated: if self.rated.is_finite() {
+                self.rated.max(1e-3)
+            } else {
+                1.0
+            },
+            target: self.target.filter(|t| t.is_finite()),
+            ..self
+        }
+    }
+}
