@@ -285,3 +285,39 @@ fn of_a_folder_what_can_be_read_is_counted_and_the_rest_is_named() {
     let of_whole = rows.lines().filter(|l| l.contains("whole.mcap")).count();
     assert_eq!(of_whole, 2, "{rows}");
 }
+
+#[test]
+fn loads_of_data_that_cannot_be_true_are_in_doubt() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let table = common::path_in(folder.path(), "in.csv");
+    let rows = |row: fn(f64) -> String| (0..500).map(|k| row(0.01 * f64::from(k))).collect();
+    let header = "t,swing_velocity,swing_torque";
+    let cases: [(String, i32, &str); 3] = [
+        (
+            rows(|t| format!("{},0.1,100\n", 5.0 - t)),
+            1,
+            "499 of 500 rows were refused",
+        ),
+        (
+            rows(|t| format!("{t},nan,\n")),
+            1,
+            "nothing was measured: no row has a value",
+        ),
+        (
+            rows(|t| format!("{},0.1,100\n", 1000.0 * t)),
+            0,
+            "is the time in ms?",
+        ),
+    ];
+    for (rows, status, words) in cases {
+        std::fs::write(&table, format!("{header}\n{rows}")).expect("a table");
+        let out = common::path_in(folder.path(), "out.csv");
+        let estimated: &[&str] = &["estimate", &table, "--machine", "excavator", "-o", &out];
+        for args in [&["loads", &table, "--machine", "excavator"], estimated] {
+            let output = run(args);
+            let said = both(&output);
+            assert_eq!(output.status.code(), Some(status), "{args:?}: {said}");
+            assert!(said.contains(words), "{args:?}: {said}");
+        }
+    }
+}

@@ -19,6 +19,7 @@ use crate::commands::calibrate::args::CalibrateArgs;
 use crate::commands::estimate::args::EstimateArgs;
 use crate::commands::estimate::look::Look;
 use crate::commands::estimate::one;
+use crate::doubts::Doubts;
 use crate::failure::Failure;
 use crate::plan::Plan;
 use crate::serve::{self, Form, Machines, Out, Played, Rows};
@@ -144,7 +145,7 @@ trait MachineKind {
     /// What the demonstration states beside the defaults.
     const SHOWN_SETTINGS: &'static [&'static str];
     /// What looks at its samples.
-    type Look: Look<Self::Sensors>;
+    type Look: Look<Sensors = Self::Sensors>;
 
     /// The cylinders of the simulated machine, as `KEY=VALUE` of its description.
     fn simulated_cylinders() -> Vec<String> {
@@ -234,13 +235,13 @@ fn estimate<M: MachineKind>(
         M::check(description, method, &first)?;
     }
     samples.check()?;
-    let look = M::Look::of(description);
+    let doubts = Doubts::<M::Look>::of(description);
     if !args.smooth {
         let put = |_, _: &mut M::Estimate| {};
-        return one::run(args, output, description, samples, look, put);
+        return one::run(args, output, description, samples, doubts, put);
     }
     let put = M::past(description, method, samples.rows()?.map(|(row, _)| row))?;
-    one::run(args, output, description, samples, look, put)
+    one::run(args, output, description, samples, doubts, put)
 }
 
 fn follow<M: MachineKind>(
@@ -251,25 +252,27 @@ fn follow<M: MachineKind>(
 ) -> Result<(), Failure> {
     let map = sources::map(with.map.as_deref())?;
     let samples = recording::open::<M::Sensors>(file, map.as_ref())?;
+    hint_at_names::<M::Sensors>(file, map.as_ref());
     let method = method(description.machine(), with.method.as_deref());
     if let Some((first, _)) = samples.rows()?.next() {
         M::check(description, method, &first)?;
     }
     let mut stages = way(description, method)?;
+    let mut doubts = Doubts::<M::Look>::of(description);
     for (sample, truth) in samples.rows()? {
         see(&truth.envelope());
-        let sample = sample.envelope();
-        see(&sample);
-        let mut message = Some(sample);
+        let mut message = Some(sample.envelope());
+        message.iter().for_each(&mut *see);
         for (_, step) in &mut stages {
             message = message.and_then(|m| step.answer(&m));
         }
-        if let Some(estimate) = message {
-            see(&estimate);
-        }
+        message.iter().for_each(&mut *see);
+        let estimate = message.as_ref().and_then(M::Estimate::inside);
+        doubts.add(&sample, estimate.is_some_and(csv::Estimate::is_refused));
     }
     samples.check()?;
-    crate::parts::tell_lacks(&samples.lacks())
+    doubts.tell();
+    doubts.judge(&samples.lacks())
 }
 
 /// Speaks of columns of a table that are left out and look like signals that it lacks.
