@@ -287,37 +287,33 @@ fn of_a_folder_what_can_be_read_is_counted_and_the_rest_is_named() {
 }
 
 #[test]
-fn loads_of_data_that_cannot_be_true_are_in_doubt() {
+fn rows_that_give_no_result_leave_an_earlier_one_alone_and_another_unit_of_time_is_named() {
     let folder = tempfile::tempdir().expect("a folder");
-    let table = common::path_in(folder.path(), "in.csv");
-    let rows = |row: fn(f64) -> String| (0..500).map(|k| row(0.01 * f64::from(k))).collect();
-    let header = "t,swing_velocity,swing_torque";
-    let cases: [(String, i32, &str); 3] = [
-        (
-            rows(|t| format!("{},0.1,100\n", 5.0 - t)),
-            1,
-            "499 of 500 rows were refused",
-        ),
-        (
-            rows(|t| format!("{t},nan,\n")),
-            1,
-            "nothing was measured: no row has a value",
-        ),
-        (
-            rows(|t| format!("{},0.1,100\n", 1000.0 * t)),
-            0,
-            "is the time in ms?",
-        ),
+    let [table, out, loads] =
+        ["in.csv", "out.csv", "loads.csv"].map(|name| common::path_in(folder.path(), name));
+    let commands: [&[&str]; 2] = [
+        &["loads", &table, "--machine", "excavator", "-o", &loads],
+        &["estimate", &table, "--machine", "excavator", "-o", &out],
     ];
-    for (rows, status, words) in cases {
-        std::fs::write(&table, format!("{header}\n{rows}")).expect("a table");
-        let out = common::path_in(folder.path(), "out.csv");
-        let estimated: &[&str] = &["estimate", &table, "--machine", "excavator", "-o", &out];
-        for args in [&["loads", &table, "--machine", "excavator"], estimated] {
-            let output = run(args);
-            let said = both(&output);
-            assert_eq!(output.status.code(), Some(status), "{args:?}: {said}");
-            assert!(said.contains(words), "{args:?}: {said}");
-        }
+    let run_on = |row: fn(f64) -> String, args: &[&str]| {
+        let rows: String = (0..500).map(|k| row(0.01 * f64::from(k))).collect();
+        let text = format!("t,swing_velocity,swing_torque\n{rows}");
+        std::fs::write(&table, text).expect("a table");
+        let output = run(args);
+        (output.status.code(), both(&output))
+    };
+    for args in commands {
+        let file = args.last().expect("a result");
+        let (status, said) = run_on(|t| format!("{},0.1,100\n", 1000.0 * t), args);
+        assert_eq!(status, Some(0), "{said}");
+        assert!(said.contains("is the time in ms?"), "{said}");
+        let before = std::fs::read(file).expect("a result");
+        let (status, said) = run_on(|t| format!("{},0.1,100\n", 5.0 - t), args);
+        assert_eq!(status, Some(2), "{said}");
+        assert!(said.contains("499 of 500 rows were refused"), "{said}");
+        let (status, said) = run_on(|t| format!("{t},nan,\n"), args);
+        assert_eq!(status, Some(2), "{said}");
+        assert!(said.contains("nothing was measured"), "{said}");
+        assert_eq!(std::fs::read(file).expect("a result"), before, "{args:?}");
     }
 }

@@ -54,15 +54,21 @@ impl<L: Look> Doubts<L> {
         self.look.tell();
     }
 
-    /// What is surely wrong: most rows were refused or all are empty, what was read is damaged, or it is of another machine.
-    pub fn judge(&self, lacks: &Lacks) -> Result<(), Failure> {
+    /// Whether these rows can give a result: most were taken, and something was measured.
+    pub fn has_rows(&self) -> Result<(), Failure> {
         most_rows_were_taken(self.refused, self.rows)?;
         if self.rows > 0 && !self.is_measured {
-            return Err(Failure::answer_is_no(
-                "nothing was measured: no row has a value beside the time\n  where: the columns that are used\n  \
-                 what to do: check that the sensors were on, and the columns of the signal map",
+            return Err(Failure::input(
+                "nothing was measured: no row has a value beside the time",
+                "the columns that are used",
+                "check that the sensors were on, and the columns of the signal map",
             ));
         }
+        Ok(())
+    }
+
+    /// What is surely wrong with a result: what was read is damaged, or it is of another machine.
+    pub fn judge(&self, lacks: &Lacks) -> Result<(), Failure> {
         parts::tell_lacks(lacks)?;
         self.look
             .fault()
@@ -83,10 +89,13 @@ fn most_rows_were_taken(refused: usize, rows: usize) -> Result<(), Failure> {
     if 2 * refused <= rows {
         return Ok(());
     }
-    Err(Failure::answer_is_no(format!(
-        "{refused} of {rows} rows were refused: their time is missing or does not increase\n  where: the time `t`\n  \
-         what to do: sort the rows by time, or map `t` to the column that increases"
-    )))
+    Err(Failure::input(
+        format!(
+            "{refused} of {rows} rows were refused: their time is missing or does not increase"
+        ),
+        "the time `t`",
+        "sort the rows by time, or map `t` to the column that increases",
+    ))
 }
 
 #[cfg(test)]

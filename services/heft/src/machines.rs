@@ -272,6 +272,7 @@ fn follow<M: MachineKind>(
     }
     samples.check()?;
     doubts.tell();
+    doubts.has_rows()?;
     doubts.judge(&samples.lacks())
 }
 

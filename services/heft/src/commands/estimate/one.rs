@@ -58,6 +58,7 @@ pub fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
         doubts.add(&sample, estimate.is_some_and(E::is_refused));
     }
     samples.check()?;
+    doubts.has_rows()?;
     let written = writer.finish()?;
     if let (Some(notes), Some(report)) = (notes, &args.report) {
         notes.report(report)?;
