@@ -149,15 +149,9 @@ fn comments_and_units_above_the_rows_change_nothing() {
     assert_eq!(by_machine(&found), by_machine(&plain));
 }
 
-#[test]
-fn each_machine_gets_what_it_would_get_alone() {
-    let lines = table();
-    let (text, said) = serve(&lines, &[]);
-    assert!(
-        said.contains(&format!("{MACHINES} machines, {} samples", lines.len() - 1)),
-        "{said}"
-    );
-    let found = by_machine(&text);
+/// Each machine has the rows that `heft estimate` gives it alone, with these settings.
+fn each_has_what_it_has_alone(text: &str, settings: &[&str]) {
+    let found = by_machine(text);
     assert_eq!(found.len(), MACHINES);
     let header: Vec<&str> = text
         .lines()
@@ -171,16 +165,9 @@ fn each_machine_gets_what_it_would_get_alone() {
         let out = folder.path().join(format!("{machine}.csv"));
         let input = golden(plays(machine));
         let path = |p: &Path| p.to_str().expect("a path").to_owned();
-        run_ok(&[
-            "estimate",
-            &path(&input),
-            "--machine",
-            "excavator",
-            "--set",
-            "prior.inertia=6000",
-            "-o",
-            &path(&out),
-        ]);
+        let (input, to) = (path(&input), path(&out));
+        let args = ["estimate", &input, "--machine", "excavator", "-o", &to];
+        run_ok(&[&args[..], settings].concat());
         let alone = std::fs::read_to_string(out).expect("estimates");
         let own: Vec<&str> = alone.lines().next().expect("a header").split(',').collect();
         // Alone there are no columns for what the method does not estimate.
@@ -204,6 +191,17 @@ fn each_machine_gets_what_it_would_get_alone() {
             assert_eq!(shared, rows, "{machine}");
         }
     }
+}
+
+#[test]
+fn each_machine_gets_what_it_would_get_alone() {
+    let lines = table();
+    let (text, said) = serve(&lines, &[]);
+    assert!(
+        said.contains(&format!("{MACHINES} machines, {} samples", lines.len() - 1)),
+        "{said}"
+    );
+    each_has_what_it_has_alone(&text, &["--set", "prior.inertia=6000"]);
 }
 
 #[test]
@@ -301,6 +299,17 @@ fn rows_come_no_more_often_than_asked() {
         reported.windows(2).all(|w| w[1] - w[0] >= 1.0),
         "{reported:?}"
     );
+}
+
+#[test]
+fn the_size_of_the_machines_counts_as_for_one() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let input = folder.path().join("in.csv");
+    std::fs::write(&input, table().join("\n")).expect("a file");
+    let input = input.to_str().expect("a path");
+    let class = ["--class", "13.5t"];
+    let text = run_ok(&[&["serve", "excavator", input], &class[..]].concat());
+    each_has_what_it_has_alone(&text, &class);
 }
 
 #[test]

@@ -95,6 +95,9 @@ pub fn shard_arguments(
     ];
     let mut all: Vec<OsString> = fixed.map(Into::into).into();
     all.push(every.to_string().into());
+    if let Some(mass) = description.class {
+        all.extend(["--class".into(), format!("{mass}kg").into()]);
+    }
     for set in &description.set {
         all.extend(["--set".into(), set.into()]);
     }
