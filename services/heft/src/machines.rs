@@ -4,7 +4,6 @@ mod excavator;
 mod loader;
 
 use std::ffi::OsString;
-use std::io::Read;
 use std::path::Path;
 
 use config::Description;
@@ -22,7 +21,7 @@ use crate::commands::estimate::one;
 use crate::doubts::Doubts;
 use crate::failure::Failure;
 use crate::plan::Plan;
-use crate::serve::{self, Form, Machines, Out, Played, Rows};
+use crate::serve::{self, Form, Input, Machines, Out, Played, Rows};
 use crate::signals::Signals;
 use crate::sources;
 use crate::way::{method, way};
@@ -65,8 +64,6 @@ messages::machines!(entries);
 
 /// `Ok`, or why not.
 type Outcome<T = ()> = Result<T, Failure>;
-/// Where the samples of many machines come from.
-type Input = Box<dyn Read>;
 /// What is shown each truth, each sample and each estimate.
 type See<'a> = &'a mut dyn FnMut(&Envelope);
 
