@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use crate::Error;
 use crate::can::{Decoder, Line, parse};
-use crate::csv::{self, Cells, Columns, Dialect, GZIP};
+use crate::csv::{self, Cells, Columns, Dialect};
 use crate::map::Map;
+use crate::packed::GZIP;
 use crate::signal::{Row, Sensors};
 
 /// Longest line; what is longer is none of ours.

@@ -156,6 +156,29 @@ impl<S: Sensors> Decoder<S> {
         std::mem::take(&mut self.remarks)
     }
 
+    /// Whether there were frames, in the order of their times.
+    ///
+    /// # Errors
+    /// There was none, or most are earlier than one before them.
+    pub fn check_times(&self, log: &str) -> Result<(), Error> {
+        let Clock { frames, early, .. } = self.clock;
+        if frames == 0 {
+            return Err(Error::new(
+                "there is no frame in the file",
+                log,
+                "give a log of candump -L, or of candump -ta with its times",
+            ));
+        }
+        if 2 * early > frames {
+            return Err(Error::new(
+                format!("{early} of {frames} frames are earlier than one before them"),
+                log,
+                "record with candump -L or -ta: the times of -td are differences; or sort the lines by time",
+            ));
+        }
+        Ok(())
+    }
+
     /// Whether every signal of the map has had a value.
     ///
     /// # Errors
@@ -325,6 +348,9 @@ struct Clock {
     shift: i64,
     strange: Option<i64>,
     strangers: u32,
+    /// Frames, and those that are earlier than one before them.
+    frames: u64,
+    early: u64,
 }
 
 impl Clock {
@@ -336,6 +362,8 @@ impl Clock {
             self.last = time;
         }
         let ahead = time.saturating_sub(self.last);
+        self.frames += 1;
+        self.early += u64::from(ahead < 0);
         if (-DISORDER..=JUMP).contains(&ahead) {
             if self.strangers > 0 {
                 let text = "frames with a wrong time were left out";
