@@ -263,6 +263,14 @@ fn wrong_keys_and_values_of_a_description_are_reported_with_line_and_suggestion(
     let text = both(&result);
     assert_eq!(result.status.code(), Some(2), "{text}");
     assert!(text.contains("m.toml:2") && text.contains("rate"), "{text}");
+    fs::write(&file, "[machine]\nkind = \"loader\"\n").expect("a file");
+    let result = run(&["check", f, "--machine", "excavator"]);
+    let text = both(&result);
+    assert_eq!(result.status.code(), Some(2), "{text}");
+    assert!(
+        text.contains("is for the loader, not for the excavator"),
+        "{text}"
+    );
 }
 
 #[test]

@@ -285,3 +285,35 @@ fn of_a_folder_what_can_be_read_is_counted_and_the_rest_is_named() {
     let of_whole = rows.lines().filter(|l| l.contains("whole.mcap")).count();
     assert_eq!(of_whole, 2, "{rows}");
 }
+
+#[test]
+fn rows_that_give_no_result_leave_an_earlier_one_alone_and_another_unit_of_time_is_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [table, out, loads] =
+        ["in.csv", "out.csv", "loads.csv"].map(|name| common::path_in(folder.path(), name));
+    let commands: [&[&str]; 2] = [
+        &["loads", &table, "--machine", "excavator", "-o", &loads],
+        &["estimate", &table, "--machine", "excavator", "-o", &out],
+    ];
+    let run_on = |row: fn(f64) -> String, args: &[&str]| {
+        let rows: String = (0..500).map(|k| row(0.01 * f64::from(k))).collect();
+        let text = format!("t,swing_velocity,swing_torque\n{rows}");
+        std::fs::write(&table, text).expect("a table");
+        let output = run(args);
+        (output.status.code(), both(&output))
+    };
+    for args in commands {
+        let file = args.last().expect("a result");
+        let (status, said) = run_on(|t| format!("{},0.1,100\n", 1000.0 * t), args);
+        assert_eq!(status, Some(0), "{said}");
+        assert!(said.contains("is the time in ms?"), "{said}");
+        let before = std::fs::read(file).expect("a result");
+        let (status, said) = run_on(|t| format!("{},0.1,100\n", 5.0 - t), args);
+        assert_eq!(status, Some(2), "{said}");
+        assert!(said.contains("499 of 500 rows were refused"), "{said}");
+        let (status, said) = run_on(|t| format!("{t},nan,\n"), args);
+        assert_eq!(status, Some(2), "{said}");
+        assert!(said.contains("nothing was measured"), "{said}");
+        assert_eq!(std::fs::read(file).expect("a result"), before, "{args:?}");
+    }
+}

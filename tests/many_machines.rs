@@ -149,15 +149,9 @@ fn comments_and_units_above_the_rows_change_nothing() {
     assert_eq!(by_machine(&found), by_machine(&plain));
 }
 
-#[test]
-fn each_machine_gets_what_it_would_get_alone() {
-    let lines = table();
-    let (text, said) = serve(&lines, &[]);
-    assert!(
-        said.contains(&format!("{MACHINES} machines, {} samples", lines.len() - 1)),
-        "{said}"
-    );
-    let found = by_machine(&text);
+/// Each machine has the rows that `heft estimate` gives it alone, with these settings.
+fn each_has_what_it_has_alone(text: &str, settings: &[&str]) {
+    let found = by_machine(text);
     assert_eq!(found.len(), MACHINES);
     let header: Vec<&str> = text
         .lines()
@@ -171,16 +165,9 @@ fn each_machine_gets_what_it_would_get_alone() {
         let out = folder.path().join(format!("{machine}.csv"));
         let input = golden(plays(machine));
         let path = |p: &Path| p.to_str().expect("a path").to_owned();
-        run_ok(&[
-            "estimate",
-            &path(&input),
-            "--machine",
-            "excavator",
-            "--set",
-            "prior.inertia=6000",
-            "-o",
-            &path(&out),
-        ]);
+        let (input, to) = (path(&input), path(&out));
+        let args = ["estimate", &input, "--machine", "excavator", "-o", &to];
+        run_ok(&[&args[..], settings].concat());
         let alone = std::fs::read_to_string(out).expect("estimates");
         let own: Vec<&str> = alone.lines().next().expect("a header").split(',').collect();
         // Alone there are no columns for what the method does not estimate.
@@ -204,6 +191,17 @@ fn each_machine_gets_what_it_would_get_alone() {
             assert_eq!(shared, rows, "{machine}");
         }
     }
+}
+
+#[test]
+fn each_machine_gets_what_it_would_get_alone() {
+    let lines = table();
+    let (text, said) = serve(&lines, &[]);
+    assert!(
+        said.contains(&format!("{MACHINES} machines, {} samples", lines.len() - 1)),
+        "{said}"
+    );
+    each_has_what_it_has_alone(&text, &["--set", "prior.inertia=6000"]);
 }
 
 #[test]
@@ -304,6 +302,17 @@ fn rows_come_no_more_often_than_asked() {
 }
 
 #[test]
+fn the_size_of_the_machines_counts_as_for_one() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let input = folder.path().join("in.csv");
+    std::fs::write(&input, table().join("\n")).expect("a file");
+    let input = input.to_str().expect("a path");
+    let class = ["--class", "13.5t"];
+    let text = run_ok(&[&["serve", "excavator", input], &class[..]].concat());
+    each_has_what_it_has_alone(&text, &class);
+}
+
+#[test]
 fn what_cannot_be_served_is_said() {
     let folder = tempfile::tempdir().expect("a folder");
     let input = folder.path().join("in.csv");
@@ -312,27 +321,33 @@ fn what_cannot_be_served_is_said() {
         ("", "without a header"),
         ("t,swing_velocity\n0,1\n", "there is no column machine"),
         ("machine,t\na,1\n", "swing_velocity"),
+        ("machine,t,swing_velocity\n", "ended without a sample"),
+        (
+            "machine,t,swing_velocity\n\u{1b}[31m,0,1\n",
+            "line 2 of IN names no machine",
+        ),
     ] {
         std::fs::write(&input, text).expect("a file");
         let output = run(&["serve", "excavator", path]);
-        assert_eq!(output.status.code(), Some(2), "{text:?}: {}", both(&output));
-        assert!(both(&output).contains(words), "{text:?}: {}", both(&output));
+        let said = both(&output).replace(path, "IN");
+        assert_eq!(output.status.code(), Some(2), "{text:?}: {said}");
+        assert!(said.contains(words), "{text:?}: {said}");
+        assert!(said.contains("where: IN"), "{text:?}: {said}");
     }
-    let rows =
-        "machine,t,swing_velocity,swing_torque\na,0,0,0\n,0.01,0,0\na,0.02,x,0\na,0.03,0,0\n";
+    let rows = "machine,t,swing_velocity,swing_torque\na,0,0,0\n,0.01,0,0\nb,0,0,0\na,0.02,x,0\na,0.03,0,0\nb,0,0,0\n";
     std::fs::write(&input, rows).expect("a file");
     let output = run(&["serve", "excavator", path]);
     assert!(output.status.success(), "{}", both(&output));
-    assert!(
-        both(&output).contains("1 machines, 2 samples"),
-        "{}",
-        both(&output)
-    );
-    assert!(
-        both(&output).contains("2 lines left out"),
-        "{}",
-        both(&output)
-    );
+    let said = both(&output).replace(path, "IN");
+    for words in [
+        "2 machines, 4 samples",
+        "2 lines left out",
+        "line 3 of IN names no machine",
+        "line 5 of IN is no row",
+        "1 samples were refused",
+    ] {
+        assert!(said.contains(words), "{words}: {said}");
+    }
     let folder = run(&[
         "serve",
         "excavator",

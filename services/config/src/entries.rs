@@ -28,7 +28,8 @@ pub(crate) fn document(text: &str, file: &str) -> Result<Document<String>, Error
     })
 }
 
-fn line_of(text: &str, span: &Span<usize>) -> usize {
+/// The line on which a span begins, counted from 1.
+pub(crate) fn line_of(text: &str, span: &Span<usize>) -> usize {
     let before = text.get(..span.start).unwrap_or(text);
     before.matches('\n').count() + 1
 }

@@ -4,7 +4,7 @@ use toml_edit::Item;
 
 use messages::Machine;
 
-use crate::entries::{all_keys, document, entries, find, table_names};
+use crate::entries::{all_keys, document, entries, find, line_of, table_names};
 use crate::renamed::today;
 use crate::{Error, Errors, Keyed, Numbers, Table, Value, known, nearest, print};
 
@@ -114,9 +114,12 @@ fn set_one<M: Keyed>(machine: &mut M, assignment: &str) -> Result<(), Error> {
 pub(crate) fn machine(text: &str, file: &str) -> Result<Option<Machine>, Errors> {
     let document = document(text, file)?;
     let named = document.get("machine").and_then(|m| m.get("kind"));
-    let named = named.and_then(Item::as_str).and_then(Machine::from_name);
-    if named.is_some() {
-        return Ok(named);
+    if let Some(kind) = named {
+        let machine = kind.as_str().and_then(Machine::from_name);
+        return match machine {
+            Some(machine) => Ok(Some(machine)),
+            None => Err(no_machine(kind, text, file).into()),
+        };
     }
     let mut known = Machine::ALL.map(|machine| {
         let keys = known::known_keys(machine, &document, text, file);
@@ -127,6 +130,20 @@ pub(crate) fn machine(text: &str, file: &str) -> Result<Option<Machine>, Errors>
         [.., (second, _), (most, machine)] if most > second => Some(machine),
         _ => None,
     })
+}
+
+/// A machine file for something that heft does not know.
+fn no_machine(kind: &Item, text: &str, file: &str) -> Error {
+    let kinds = Machine::ALL.map(|m| format!("kind = \"{m}\"")).join(" or ");
+    let span = kind.span();
+    let written = span.clone().and_then(|span| text.get(span));
+    Error {
+        what: format!("there is no machine {}", written.unwrap_or("of this kind")),
+        file: file.into(),
+        line: span.map(|span| line_of(text, &span)),
+        key: "machine.kind".into(),
+        remedy: format!("write {kinds}"),
+    }
 }
 
 /// The value of an item, or what it is instead.

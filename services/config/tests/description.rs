@@ -236,7 +236,7 @@ fn limits_can_be_moved_together() {
 
 #[test]
 fn a_description_finds_out_for_which_machine_it_is() {
-    let of = |text| Description::parse(text, "x", None).map(|d| d.machine());
+    let of = |text: &str| Description::parse(text, "x", None).map(|d| d.machine());
     assert_eq!(of("machine.kind = \"loader\""), Ok(Machine::Loader));
     assert_eq!(
         of("[machine]\nwheelbase = 2.0\n[sensors]\nrate = 100"),
@@ -252,7 +252,15 @@ fn a_description_finds_out_for_which_machine_it_is() {
     let printed = Description::default_of(Machine::Loader).to_toml();
     assert_eq!(of(&printed), Ok(Machine::Loader));
     assert!(Excavator::parse(&printed, "x").is_err());
-    assert!(of("machine.kind = \"crane\"\nmachine.wheelbase = 2.0").is_err());
+    for kind in ["\"crane\"", "3"] {
+        let refused = of(&format!("machine.kind = {kind}\nmachine.wheelbase = 2.0"));
+        let said = refused.expect_err("no machine").to_string();
+        assert!(
+            said.contains(&format!("there is no machine {kind}")),
+            "{said}"
+        );
+        assert!(said.contains("x:1, key machine.kind"), "{said}");
+    }
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! The arguments that commands share, and what they are read into.
 
+use std::fmt::Display;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
@@ -95,19 +96,8 @@ pub fn description(machine: Machine, args: &DescriptionArgs) -> Result<Descripti
             Description::parse(&text, &path.display().to_string(), Some(machine))?
         }
     };
-    if description.machine() != machine {
-        return Err(Failure::input(
-            format!(
-                "the machine file is for the {}, not for the {machine}",
-                description.machine()
-            ),
-            args.config
-                .as_deref()
-                .unwrap_or(Path::new("--config"))
-                .display(),
-            "give the file of this machine, or name the other machine",
-        ));
-    }
+    let file = args.config.as_deref().unwrap_or(Path::new("--config"));
+    is_for(machine, &description, file.display())?;
     let class = args.class.map(|mass| config::class(machine, mass));
     let sets: Vec<&String> = class.iter().flatten().chain(&args.set).collect();
     let keys = args.set.iter().filter_map(|set| set.split_once('='));
@@ -115,6 +105,23 @@ pub fn description(machine: Machine, args: &DescriptionArgs) -> Result<Descripti
     tell_old_names(&keys.collect::<Vec<_>>());
     description.set_all(&sets)?;
     Ok(description)
+}
+
+/// Refuses a machine file of another machine.
+pub fn is_for(
+    machine: Machine,
+    description: &Description,
+    file: impl Display,
+) -> Result<(), Failure> {
+    let its = description.machine();
+    if its == machine {
+        return Ok(());
+    }
+    Err(Failure::input(
+        format!("the machine file is for the {its}, not for the {machine}"),
+        file,
+        "give the file of this machine, or name the other machine",
+    ))
 }
 
 /// The description of an input's machine: of a recording of heft, unless `--config` or `--class` say another, its own with

@@ -4,7 +4,6 @@ mod excavator;
 mod loader;
 
 use std::ffi::OsString;
-use std::io::Read;
 use std::path::Path;
 
 use config::Description;
@@ -19,9 +18,10 @@ use crate::commands::calibrate::args::CalibrateArgs;
 use crate::commands::estimate::args::EstimateArgs;
 use crate::commands::estimate::look::Look;
 use crate::commands::estimate::one;
+use crate::doubts::Doubts;
 use crate::failure::Failure;
 use crate::plan::Plan;
-use crate::serve::{self, Form, Machines, Out, Played, Rows};
+use crate::serve::{self, Form, Input, Machines, Out, Played, Rows};
 use crate::signals::Signals;
 use crate::sources;
 use crate::way::{method, way};
@@ -64,8 +64,6 @@ messages::machines!(entries);
 
 /// `Ok`, or why not.
 type Outcome<T = ()> = Result<T, Failure>;
-/// Where the samples of many machines come from.
-type Input = Box<dyn Read>;
 /// What is shown each truth, each sample and each estimate.
 type See<'a> = &'a mut dyn FnMut(&Envelope);
 
@@ -144,7 +142,7 @@ trait MachineKind {
     /// What the demonstration states beside the defaults.
     const SHOWN_SETTINGS: &'static [&'static str];
     /// What looks at its samples.
-    type Look: Look<Self::Sensors>;
+    type Look: Look<Sensors = Self::Sensors>;
 
     /// The cylinders of the simulated machine, as `KEY=VALUE` of its description.
     fn simulated_cylinders() -> Vec<String> {
@@ -234,13 +232,13 @@ fn estimate<M: MachineKind>(
         M::check(description, method, &first)?;
     }
     samples.check()?;
-    let look = M::Look::of(description);
+    let doubts = Doubts::<M::Look>::of(description);
     if !args.smooth {
         let put = |_, _: &mut M::Estimate| {};
-        return one::run(args, output, description, samples, look, put);
+        return one::run(args, output, description, samples, doubts, put);
     }
     let put = M::past(description, method, samples.rows()?.map(|(row, _)| row))?;
-    one::run(args, output, description, samples, look, put)
+    one::run(args, output, description, samples, doubts, put)
 }
 
 fn follow<M: MachineKind>(
@@ -251,25 +249,28 @@ fn follow<M: MachineKind>(
 ) -> Result<(), Failure> {
     let map = sources::map(with.map.as_deref())?;
     let samples = recording::open::<M::Sensors>(file, map.as_ref())?;
+    hint_at_names::<M::Sensors>(file, map.as_ref());
     let method = method(description.machine(), with.method.as_deref());
     if let Some((first, _)) = samples.rows()?.next() {
         M::check(description, method, &first)?;
     }
     let mut stages = way(description, method)?;
+    let mut doubts = Doubts::<M::Look>::of(description);
     for (sample, truth) in samples.rows()? {
         see(&truth.envelope());
-        let sample = sample.envelope();
-        see(&sample);
-        let mut message = Some(sample);
+        let mut message = Some(sample.envelope());
+        message.iter().for_each(&mut *see);
         for (_, step) in &mut stages {
             message = message.and_then(|m| step.answer(&m));
         }
-        if let Some(estimate) = message {
-            see(&estimate);
-        }
+        message.iter().for_each(&mut *see);
+        let estimate = message.as_ref().and_then(M::Estimate::inside);
+        doubts.add(&sample, estimate.is_some_and(csv::Estimate::is_refused));
     }
     samples.check()?;
-    crate::parts::tell_lacks(&samples.lacks())
+    doubts.tell();
+    doubts.has_rows()?;
+    doubts.judge(&samples.lacks())
 }
 
 /// Speaks of columns of a table that are left out and look like signals that it lacks.

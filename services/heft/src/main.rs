@@ -10,6 +10,7 @@ mod build;
 mod cli;
 mod commands;
 mod compare;
+mod doubts;
 mod failure;
 mod fault;
 mod fleet;

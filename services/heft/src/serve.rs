@@ -13,6 +13,7 @@ use std::collections::HashMap;
 use std::ffi::OsString;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::{BufRead, BufReader, Read};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use recording::{LineDecoder, MAX_LINE, Map, NameColumn, NamedLine, Sensors};
@@ -37,10 +38,20 @@ const LONGEST_NAME: usize = 200;
 pub struct Served {
     /// Samples that they answered.
     pub answered: u64,
+    /// Of these, those that were refused.
+    pub refused: u64,
     /// Processes that died and were replaced.
     pub replaced: u32,
     /// Their processor time; zero where the system does not tell.
     pub processor: Duration,
+}
+
+/// What samples are read from, and its name in what is said of it.
+pub struct Input {
+    /// Such as a file's.
+    pub name: Arc<str>,
+    /// What is in it.
+    pub content: Box<dyn Read>,
 }
 
 /// Starts shards, has them fed, and waits until they have answered.
@@ -63,6 +74,7 @@ fn with_shards<T>(
     }
     let served = Served {
         answered: shards.iter().map(RemoteShard::answered).sum(),
+        refused: shards.iter().map(RemoteShard::refused).sum(),
         replaced: shards.iter().map(RemoteShard::restarts).sum(),
         processor: shards.iter().map(RemoteShard::processor_time).sum(),
     };
@@ -71,7 +83,7 @@ fn with_shards<T>(
 
 /// Reads the samples of many machines from `input` and writes their estimates as `rows`.
 pub fn route<S: Sensors>(
-    input: impl Read,
+    input: Input,
     form: Form,
     map: Option<&Map>,
     count: usize,
@@ -79,10 +91,14 @@ pub fn route<S: Sensors>(
     rows: Rows,
 ) -> Result<(), Failure> {
     let began = Instant::now();
-    let ((samples, refused), served) = with_shards(count, arguments, &rows, |shards| match form {
-        Form::Table => Router::<S>::new(map, shards, &rows).take_all(input),
-        Form::Messages => Records::new(shards, &rows).take_all::<S>(input),
-    })?;
+    let name = Arc::clone(&input.name);
+    let ((samples, left_out), served) =
+        with_shards(count, arguments, &rows, |shards| match form {
+            Form::Table => {
+                Router::<S>::new(&input.name, map, shards, &rows).take_all(input.content)
+            }
+            Form::Messages => Records::new(&input.name, shards, &rows).take_all::<S>(input.content),
+        })?;
     // A name whose every line was left out is no machine.
     let members = rows.finish()?;
     let machines = members.iter().filter(|member| member.rows > 0).count();
@@ -92,9 +108,24 @@ pub fn route<S: Sensors>(
         Form::Messages => "messages",
     };
     eprintln!(
-        "{machines} machines, {samples} samples in {seconds:.1} s by {count} processes; {refused} {parts} left out, {} processes replaced",
+        "{machines} machines, {samples} samples in {seconds:.1} s by {count} processes; {left_out} {parts} left out, {} processes replaced",
         served.replaced
     );
+    if served.refused > 0 {
+        eprintln!(
+            "{} samples were refused: their time is missing or does not increase",
+            served.refused
+        );
+    }
+    if form == Form::Table && samples == 0 {
+        return Err(Failure::input(
+            "the input ended without a sample",
+            name,
+            format!(
+                "give a table with the columns {NAME}, t and the signals, and a row per sample"
+            ),
+        ));
+    }
     Ok(())
 }
 
@@ -105,13 +136,14 @@ fn shard_of(name: &str, shards: usize) -> usize {
     (hasher.finish() % shards as u64) as usize
 }
 
-fn unreadable(error: &std::io::Error) -> Failure {
+fn unreadable(input: &str, error: &std::io::Error) -> Failure {
     let what = format!("cannot read: {error}");
-    Failure::input(what, "standard input", "check what writes to it")
+    Failure::input(what, input, "check what writes to it")
 }
 
 /// Sends each row to the shard of its machine.
 struct Router<'a, S: Sensors> {
+    input: &'a Arc<str>,
     map: Option<&'a Map>,
     shards: &'a [RemoteShard<'a>],
     rows: &'a Rows,
@@ -119,20 +151,29 @@ struct Router<'a, S: Sensors> {
     numbers: HashMap<String, usize>,
     decoders: Vec<(LineDecoder<S>, usize)>,
     bytes: Vec<u8>,
+    /// Lines read.
+    lines: u64,
     samples: u64,
     refused: u64,
 }
 
 impl<'a, S: Sensors> Router<'a, S> {
-    fn new(map: Option<&'a Map>, shards: &'a [RemoteShard<'a>], rows: &'a Rows) -> Self {
+    fn new(
+        input: &'a Arc<str>,
+        map: Option<&'a Map>,
+        shards: &'a [RemoteShard<'a>],
+        rows: &'a Rows,
+    ) -> Self {
         Self {
+            input,
             map,
             shards,
             rows,
-            column: NameColumn::new(NAME),
+            column: NameColumn::new(NAME, Arc::clone(input)),
             numbers: HashMap::new(),
             decoders: Vec::new(),
             bytes: Vec::new(),
+            lines: 0,
             samples: 0,
             refused: 0,
         }
@@ -153,9 +194,10 @@ impl<'a, S: Sensors> Router<'a, S> {
             line.clear();
             let most = MAX_LINE as u64 + 1;
             let read = (&mut input).take(most).read_until(b'\n', &mut line);
-            if read.map_err(|e| unreadable(&e))? == 0 {
+            if read.map_err(|e| unreadable(self.input, &e))? == 0 {
                 break;
             }
+            self.lines += 1;
             if line.len() > MAX_LINE {
                 input.skip_until(b'\n').map_err(Failure::internal)?;
                 self.refuse("is too long");
@@ -166,8 +208,8 @@ impl<'a, S: Sensors> Router<'a, S> {
         if !self.column.is_found() {
             return Err(Failure::input(
                 "the input ended without a header",
-                "standard input",
-                format!("pipe a table with the columns {NAME}, t and the signals into it"),
+                self.input,
+                format!("give a table with the columns {NAME}, t and the signals"),
             ));
         }
         for number in 0..self.decoders.len() {
@@ -192,7 +234,9 @@ impl<'a, S: Sensors> Router<'a, S> {
             }
         };
         let Some(name) = name.filter(|n| n.len() <= LONGEST_NAME) else {
-            self.refuse("names no machine");
+            self.refuse(
+                "names no machine, or by more than 200 bytes, a quote or a control character",
+            );
             return Ok(());
         };
         let number = match self.numbers.get(&name) {
@@ -203,13 +247,15 @@ impl<'a, S: Sensors> Router<'a, S> {
             }
             None => self.add(name)?,
         };
-        self.decoders[number].0.take(line, 0)?;
+        let decoder = &mut self.decoders[number].0;
+        decoder.skip_to(self.lines - 1);
+        decoder.take(line, 0)?;
         self.send(number);
         Ok(())
     }
 
     fn decoder(&self) -> Result<LineDecoder<S>, Failure> {
-        let mut decoder = LineDecoder::new(self.map.cloned())?;
+        let mut decoder = LineDecoder::new(self.map.cloned())?.of(Arc::clone(self.input));
         for line in self.column.above() {
             decoder.take(line, 0)?;
         }
@@ -244,7 +290,7 @@ impl<'a, S: Sensors> Router<'a, S> {
     fn refuse(&mut self, why: &str) {
         self.refused += 1;
         if self.refused <= 5 {
-            tracing::warn!("a line {why}; left out");
+            tracing::warn!("line {} of {} {why}; left out", self.lines, self.input);
         }
     }
 }

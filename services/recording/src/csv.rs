@@ -17,7 +17,7 @@ pub(crate) use estimate::{columns, count, count_flags, estimate_of, extra};
 pub use export::export;
 pub(crate) use front::{Line, Lines, comment};
 pub(crate) use header::{check_units, header};
-pub(crate) use read::{GZIP, Look, TableRows, look};
+pub(crate) use read::{Look, TableRows, look};
 pub use read::{misspelt, read, read_weighings};
 
 /// A cell of a CSV, in quotes where it must be.

@@ -6,13 +6,14 @@ use std::path::Path;
 
 use crate::Error;
 use crate::can::parse;
+use crate::packed::GZIP;
 
 /// What samples are read from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// A table with a header, as it is or packed by gzip.
     Table,
-    /// Lines of candump.
+    /// Lines of candump, as they are or packed by gzip.
     Log,
     /// An MCAP file, of heft or of others, or the folder of a run.
     Recording,
@@ -24,9 +25,8 @@ const LOG: &str = "log";
 const RECORDING: &str = "mcap";
 const PACKED: &str = "gz";
 
-/// First bytes of an MCAP file, and of gzip.
+/// First bytes of an MCAP file.
 const MCAP: &[u8] = b"\x89MCAP";
-const GZIP: &[u8] = b"\x1f\x8b";
 /// Byte order marks of text in two bytes a character.
 const WIDE: [&[u8]; 2] = [b"\xff\xfe", b"\xfe\xff"];
 
@@ -91,15 +91,18 @@ impl Kind {
         if path.is_dir() {
             return Some(Self::Recording);
         }
-        let ending = |path: &Path| path.extension().map(|e| e.to_string_lossy().to_lowercase());
-        let is_table = |ending: &str| TABLES.contains(&ending);
-        match ending(path)?.as_str() {
+        Self::by_ending(path)
+    }
+
+    fn by_ending(path: &Path) -> Option<Self> {
+        let ending = path.extension()?.to_string_lossy().to_lowercase();
+        match ending.as_str() {
             LOG => Some(Self::Log),
             RECORDING => Some(Self::Recording),
-            PACKED => ending(Path::new(path.file_stem()?))
-                .filter(|e| is_table(e))
-                .map(|_| Self::Table),
-            other => is_table(other).then_some(Self::Table),
+            PACKED => {
+                Self::by_ending(Path::new(path.file_stem()?)).filter(|k| *k != Self::Recording)
+            }
+            other => TABLES.contains(&other).then_some(Self::Table),
         }
     }
 
@@ -125,8 +128,8 @@ impl Kind {
         if head.starts_with(MCAP) {
             return Ok(Self::Recording);
         }
-        if let Some(named @ (Self::Log | Self::Recording)) = named {
-            return Ok(named);
+        if named == Some(Self::Recording) {
+            return Ok(Self::Recording);
         }
         let place = || path.display().to_string();
         let text = head.trim_ascii_start();
@@ -138,6 +141,9 @@ impl Kind {
                 *remedy,
             ));
         }
+        if named == Some(Self::Log) {
+            return Ok(Self::Log);
+        }
         if text.starts_with(b"{") || text.starts_with(b"[{") {
             return Err(Error::new(
                 "this is JSON, which heft does not read",
@@ -145,7 +151,7 @@ impl Kind {
                 PYTHON,
             ));
         }
-        if named.is_some() || head.starts_with(GZIP) {
+        if named.is_some() || head.starts_with(&GZIP) {
             return Ok(Self::Table);
         }
         let is_wide = WIDE.iter().any(|mark| head.starts_with(mark));
@@ -187,7 +193,7 @@ mod tests {
                 "{name}"
             );
         }
-        assert_eq!(of("a.csv.gz", GZIP).ok(), Some(Kind::Table));
+        assert_eq!(of("a.csv.gz", &GZIP).ok(), Some(Kind::Table));
         assert_eq!(of("a", b"\xff\xfet\0;\0a\0\n\0").ok(), Some(Kind::Table));
     }
 
@@ -196,6 +202,9 @@ mod tests {
         let frame = b"(1700000000.000000) can0 123#0011223344556677\n";
         assert_eq!(of("trace", frame).ok(), Some(Kind::Log));
         assert_eq!(of("a.log", frame).ok(), Some(Kind::Log));
+        assert_eq!(of("a.log.gz", &GZIP).ok(), Some(Kind::Log));
+        let named_so = of("a.log", b"LOGG\x90\0").expect_err("BLF");
+        assert!(named_so.what.contains("BLF"), "{named_so}");
         assert_eq!(of("run.csv", b"\x89MCAP0\r\n").ok(), Some(Kind::Recording));
     }
 

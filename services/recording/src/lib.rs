@@ -24,6 +24,7 @@ mod machines;
 mod map;
 mod mapped;
 pub mod output;
+mod packed;
 mod parts;
 pub mod payload;
 mod reader;

@@ -1,9 +1,12 @@
 //! Samples out of lines as they come: candump's, or the rows of a table.
 
+use std::sync::Arc;
+
 use crate::Error;
 use crate::can::{Decoder, Line, parse};
-use crate::csv::{self, Cells, Columns, Dialect, GZIP};
+use crate::csv::{self, Cells, Columns, Dialect};
 use crate::map::Map;
+use crate::packed::GZIP;
 use crate::signal::{Row, Sensors};
 
 /// Longest line; what is longer is none of ours.
@@ -14,6 +17,8 @@ const MOST_REMARKS: u64 = 5;
 /// Makes rows of lines. Which kind they are is given by the map (`[can]`) and the first line.
 #[derive(Debug)]
 pub struct LineDecoder<S: Sensors> {
+    /// Its name in what is said of lines.
+    input: Arc<str>,
     map: Option<Map>,
     kind: Kind<S>,
     /// What the lines of a table are.
@@ -44,6 +49,7 @@ impl<S: Sensors> LineDecoder<S> {
             _ => Kind::Headless,
         };
         Ok(Self {
+            input: INPUT.into(),
             map,
             kind,
             lines: csv::Lines::default(),
@@ -52,6 +58,17 @@ impl<S: Sensors> LineDecoder<S> {
             remarks: Vec::new(),
             last: None,
         })
+    }
+
+    /// The lines are of this input instead of standard input.
+    #[must_use]
+    pub fn of(self, input: Arc<str>) -> Self {
+        Self { input, ..self }
+    }
+
+    /// So many lines of the input went elsewhere or were taken: the next one is counted behind them.
+    pub fn skip_to(&mut self, line: u64) {
+        self.count = line;
     }
 
     /// Takes a line that came at `now_ns`. A line that says nothing is left out and reported.
@@ -95,7 +112,7 @@ impl<S: Sensors> LineDecoder<S> {
             }
             csv::Line::Units(units) => {
                 if let Kind::Table(columns, _) = &self.kind {
-                    let place = || format!("{INPUT}:{}", self.count);
+                    let place = || format!("{}:{}", self.input, self.count);
                     csv::check_units::<S>(columns.header(), &units, self.map.as_ref(), place)?;
                 }
             }
@@ -106,8 +123,8 @@ impl<S: Sensors> LineDecoder<S> {
 
     /// Begins a table with this header.
     fn begin(&mut self, line: &[u8], dialect: Dialect) -> Result<(), Error> {
-        let (cells, header) = head(line, dialect)?;
-        let columns = Columns::choose(header, dialect, self.map.as_ref(), INPUT)?;
+        let (cells, header) = head(line, dialect, &self.input)?;
+        let columns = Columns::choose(header, dialect, self.map.as_ref(), &self.input)?;
         self.kind = Kind::Table(Box::new(columns), Box::new(cells));
         Ok(())
     }
@@ -167,23 +184,24 @@ impl<S: Sensors> LineDecoder<S> {
     fn refuse(&mut self, why: &str) {
         self.refused += 1;
         if self.refused <= MOST_REMARKS {
+            let (line, input) = (self.count, &self.input);
             self.remarks
-                .push(format!("line {} of {INPUT} {why}; left out", self.count));
+                .push(format!("line {line} of {input} {why}; left out"));
         }
     }
 }
 
 /// The cells of a header, and the names in it.
-fn head(line: &[u8], dialect: Dialect) -> Result<(Cells, Vec<String>), Error> {
+fn head(line: &[u8], dialect: Dialect, input: &str) -> Result<(Cells, Vec<String>), Error> {
     if line.starts_with(&GZIP) {
         return Err(Error::new(
             "the input is packed by gzip",
-            INPUT,
+            input,
             "unpack it on its way: zcat FILE | heft ...",
         ));
     }
     let mut cells = Cells::new(dialect);
-    let header = csv::header(cells.split(line), dialect, INPUT, || INPUT.to_owned())?;
+    let header = csv::header(cells.split(line), dialect, input, || input.to_owned())?;
     Ok((cells, header))
 }
 
@@ -191,6 +209,7 @@ fn head(line: &[u8], dialect: Dialect) -> Result<(Cells, Vec<String>), Error> {
 #[derive(Debug)]
 pub struct NameColumn {
     name: &'static str,
+    input: Arc<str>,
     lines: csv::Lines,
     /// What a decoder of the rows is to be given before them.
     above: Vec<Vec<u8>>,
@@ -207,11 +226,12 @@ pub enum NamedLine {
 }
 
 impl NameColumn {
-    /// The column of this name.
+    /// The column of this name in an input.
     #[must_use]
-    pub fn new(name: &'static str) -> Self {
+    pub fn new(name: &'static str, input: Arc<str>) -> Self {
         Self {
             name,
+            input,
             lines: csv::Lines::default(),
             above: Vec::new(),
             found: None,
@@ -253,11 +273,11 @@ impl NameColumn {
     }
 
     fn find(&mut self, header: &[u8], dialect: Dialect) -> Result<(), Error> {
-        let (cells, names) = head(header, dialect)?;
+        let (cells, names) = head(header, dialect, &self.input)?;
         let at = names.iter().position(|n| n == self.name).ok_or_else(|| {
             let what = format!("there is no column {}", self.name);
             let remedy = format!("add it; the table has {}", names.join(", "));
-            Error::new(what, format!("{INPUT}:1"), remedy)
+            Error::new(what, format!("{}:1", self.input), remedy)
         })?;
         self.found = Some((cells, at));
         Ok(())
@@ -273,5 +293,5 @@ impl NameColumn {
     }
 }
 
-/// The name of the input in errors.
+/// The usual input.
 const INPUT: &str = "standard input";

@@ -62,7 +62,8 @@ impl fmt::Display for Recovered {
 /// never changed.
 ///
 /// # Errors
-/// The recording cannot be read, or is still being written; the new file exists or cannot be written.
+/// The recording cannot be read, or is still being written; nothing is left of it; the new file exists or cannot be
+/// written.
 pub fn recover(path: impl AsRef<Path>, output: Option<&Path>) -> Result<Recovered, Error> {
     let path = path.as_ref();
     let reader = Reader::open(path)?;
@@ -81,15 +82,20 @@ pub fn recover(path: impl AsRef<Path>, output: Option<&Path>) -> Result<Recovere
         lost_bytes: reader.lost_bytes(),
         damage: reader.damage(),
     };
-    let is_lost = recovered.lost_bytes > 0 || !recovered.damage.is_empty();
-    if messages == 0 && is_lost && reader.metadata().is_empty() {
+    let is_whole = reader.is_complete() && recovered.damage.is_empty();
+    if messages == 0 && !is_whole {
+        let remedy = if reader.metadata().is_empty() {
+            "look whether it is packed or encoded in a way that heft does not know"
+        } else {
+            "look for another copy of the recording"
+        };
         return Err(Error::new(
             "no message of this file can be read: a copy would be empty",
             path.display().to_string(),
-            "look whether it is packed or encoded in a way that heft does not know",
+            remedy,
         ));
     }
-    if !reader.is_complete() || recovered.parts > 1 || !recovered.damage.is_empty() {
+    if !is_whole || recovered.parts > 1 {
         let file = match output {
             Some(file) => file.to_owned(),
             None => free_name(&reader),

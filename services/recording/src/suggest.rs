@@ -9,7 +9,6 @@ pub(crate) mod table;
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 
@@ -20,7 +19,7 @@ use crate::can::{Line, parse};
 use crate::reader::Reader;
 use crate::signal::{self, Sensors};
 use crate::topics::list;
-use crate::{Error, Kind};
+use crate::{Error, Kind, packed};
 use names::{fitting, quoted, wanted};
 pub use suggestion::Suggestion;
 use suggestion::missing;
@@ -99,7 +98,7 @@ type Frames = BTreeMap<(u32, bool), u32>;
 
 fn frames(path: &Path) -> Result<Frames, Error> {
     let failed = |e| Error::system("read the CAN log", path, &e);
-    let log = BufReader::new(File::open(path).map_err(failed)?);
+    let log = BufReader::new(packed::open(path).map_err(failed)?);
     let mut counts = BTreeMap::new();
     for line in log.split(b'\n') {
         let line = line.map_err(failed)?;

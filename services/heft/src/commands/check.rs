@@ -6,7 +6,7 @@ use clap::Args;
 use config::Description;
 use messages::Machine;
 
-use crate::args::{machine, tell_old_names};
+use crate::args::{is_for, machine, tell_old_names};
 use crate::failure::Failure;
 use crate::small_file;
 
@@ -16,7 +16,7 @@ pub struct CheckArgs {
     /// The machine file (TOML); with --print the reference machine if absent
     #[arg(required_unless_present = "print")]
     pub file: Option<PathBuf>,
-    /// Machine, where the file does not say
+    /// The machine that it is for; needed where the file does not say
     #[arg(long, value_parser = machine())]
     pub machine: Option<Machine>,
     /// Print the complete machine file, every key with its unit, range and meaning
@@ -32,6 +32,9 @@ pub fn check(args: &CheckArgs) -> Result<(), Failure> {
     let name = args.file.as_ref().map(|file| file.display().to_string());
     let name = name.unwrap_or_else(|| "--print".to_owned());
     let description = Description::parse(&text, &name, args.machine)?;
+    if let Some(machine) = args.machine {
+        is_for(machine, &description, &name)?;
+    }
     if args.print {
         print!("{}", description.to_toml());
     } else {

@@ -108,12 +108,12 @@ fn judge(mut ends: Vec<Result<(), Failure>>) -> Result<(), Failure> {
     }
     let all = ends.len();
     let statuses = ends.iter().filter_map(|end| end.as_ref().err());
-    let (damaged, failed): (Vec<u8>, Vec<u8>) =
+    let (doubtful, failed): (Vec<u8>, Vec<u8>) =
         statuses.map(|f| f.status).partition(|status| *status == 1);
-    match (failed.len(), damaged.len()) {
+    match (failed.len(), doubtful.len()) {
         (0, 0) => Ok(()),
-        (0, damaged) => Err(Failure::answer_is_no(format!(
-            "{damaged} of {all} inputs are damaged; what is whole in them was counted"
+        (0, doubtful) => Err(Failure::answer_is_no(format!(
+            "{doubtful} of {all} inputs are in doubt, for what is said above; what could be read in them was counted"
         ))),
         (failed, _) => Err(Failure::input(
             format!("{failed} of {all} inputs could not be counted"),
@@ -139,7 +139,7 @@ fn count(args: &LoadsArgs, input: &Path) -> Result<(Account, Result<(), Failure>
         }
         trucks.extend(counter.see(message).truck);
     });
-    // Of a damaged recording, what is whole counts.
+    // Of a damaged recording what is whole counts, and so does what is found in data that are in doubt.
     let read = match read {
         Err(failure) if failure.status != 1 => return Err(failure),
         read => read,

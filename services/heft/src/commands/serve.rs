@@ -2,7 +2,7 @@
 
 use std::ffi::OsString;
 use std::fs::File;
-use std::io::{Read, stdin};
+use std::io::stdin;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
@@ -11,7 +11,7 @@ use messages::Machine;
 
 use crate::args::{DescriptionArgs, EstimationArgs, description, machine, tell_idle_keys};
 use crate::failure::Failure;
-use crate::serve::Form;
+use crate::serve::{Form, Input};
 use crate::way::{method, way};
 use crate::{machines, sources};
 
@@ -62,13 +62,19 @@ pub fn serve(args: &ServeArgs) -> Result<(), Failure> {
     way(&description, method)?;
     tell_idle_keys(&description, &[method]);
     let map = sources::map(args.with.map.as_deref())?;
-    let input: Box<dyn Read> = match &args.file {
+    let input = match &args.file {
         Some(folder) if folder.is_dir() => {
             let error = std::io::ErrorKind::IsADirectory.into();
             return Err(Failure::file("read", folder, &error));
         }
-        Some(file) => Box::new(File::open(file).map_err(|e| Failure::file("read", file, &e))?),
-        None => Box::new(stdin().lock()),
+        Some(file) => Input {
+            name: file.display().to_string().into(),
+            content: Box::new(File::open(file).map_err(|e| Failure::file("read", file, &e))?),
+        },
+        None => Input {
+            name: "standard input".into(),
+            content: Box::new(stdin().lock()),
+        },
     };
     let shards = args.shards.map_or_else(usual_shards, NonZeroUsize::get);
     let mut arguments = shard_arguments(args.machine, method, &args.with.description, args.every);
@@ -95,6 +101,9 @@ pub fn shard_arguments(
     ];
     let mut all: Vec<OsString> = fixed.map(Into::into).into();
     all.push(every.to_string().into());
+    if let Some(mass) = description.class {
+        all.extend(["--class".into(), format!("{mass}kg").into()]);
+    }
     for set in &description.set {
         all.extend(["--set".into(), set.into()]);
     }

@@ -19,6 +19,7 @@ const REPORTED: u64 = 5;
 
 /// Sends each sample to the shard of its machine.
 pub struct Records<'a> {
+    input: &'a str,
     shards: &'a [RemoteShard<'a>],
     rows: &'a Rows,
     /// Number and shard of each machine that is here.
@@ -30,8 +31,9 @@ pub struct Records<'a> {
 }
 
 impl<'a> Records<'a> {
-    pub fn new(shards: &'a [RemoteShard<'a>], rows: &'a Rows) -> Self {
+    pub fn new(input: &'a str, shards: &'a [RemoteShard<'a>], rows: &'a Rows) -> Self {
         Self {
+            input,
             shards,
             rows,
             machines: HashMap::new(),
@@ -53,7 +55,9 @@ impl<'a> Records<'a> {
                     return Err(failure);
                 }
             }
-            if !record(&mut input, &mut name, &mut message).map_err(|e| unreadable(&e))? {
+            if !record(&mut input, &mut name, &mut message)
+                .map_err(|e| unreadable(self.input, &e))?
+            {
                 return Ok((self.samples, self.refused));
             }
             let Some(name) = std::str::from_utf8(&name).ok().filter(|n| !n.is_empty()) else {

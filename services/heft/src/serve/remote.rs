@@ -45,6 +45,8 @@ struct Output {
     machines: u64,
     /// Samples whose rows were written.
     written: u64,
+    /// Of these, those that have no row because they were refused.
+    refused: u64,
     deaths: u32,
     restarts: u32,
     /// Processor time of the processes that ended.
@@ -150,6 +152,11 @@ impl<'a> RemoteShard<'a> {
         lock(&self.output).written
     }
 
+    /// Of the answered samples, those that were refused.
+    pub fn refused(&self) -> u64 {
+        lock(&self.output).refused
+    }
+
     /// Processor time of its processes that have ended.
     pub fn processor_time(&self) -> Duration {
         lock(&self.output).processor
@@ -201,9 +208,11 @@ impl<'a> RemoteShard<'a> {
                     let is_new = count > output.written;
                     output.written = output.written.max(count);
                     output.deaths = if is_new { 0 } else { output.deaths };
-                    drop(output);
                     let number = u32::from_le_bytes(*number);
                     let flags = u32::from_le_bytes([*f0, *f1, *f2, *f3]);
+                    // A sample that is only not reported has no flags.
+                    output.refused += u64::from(is_new && row.is_empty() && flags != 0);
+                    drop(output);
                     if is_new
                         && !row.is_empty()
                         && let Err(why) = self.rows.put(number, flags, row)

@@ -40,9 +40,19 @@ struct Bus {
     name: CanName,
     message: Message,
     place: Place,
-    /// Who sends it, and when it last sent, where nothing says who should.
-    sender: Option<(u8, i64)>,
+    /// Who sends it.
+    sender: Option<Sender>,
     has_value: bool,
+}
+
+/// A place on a bus.
+#[derive(Debug)]
+struct Sender {
+    interface: String,
+    /// Source address of J1939.
+    address: Option<u8>,
+    /// When it last sent.
+    last: i64,
 }
 
 impl<S: Sensors> Decoder<S> {
@@ -146,6 +156,29 @@ impl<S: Sensors> Decoder<S> {
         std::mem::take(&mut self.remarks)
     }
 
+    /// Whether there were frames, in the order of their times.
+    ///
+    /// # Errors
+    /// There was none, or most are earlier than one before them.
+    pub fn check_times(&self, log: &str) -> Result<(), Error> {
+        let Clock { frames, early, .. } = self.clock;
+        if frames == 0 {
+            return Err(Error::new(
+                "there is no frame in the file",
+                log,
+                "give a log of candump -L, or of candump -ta with its times",
+            ));
+        }
+        if 2 * early > frames {
+            return Err(Error::new(
+                format!("{early} of {frames} frames are earlier than one before them"),
+                log,
+                "record with candump -L or -ta: the times of -td are differences; or sort the lines by time",
+            ));
+        }
+        Ok(())
+    }
+
     /// Whether every signal of the map has had a value.
     ///
     /// # Errors
@@ -189,31 +222,55 @@ impl Bus {
             Reading::Missing => f64::NAN,
             Reading::Value(value) => value,
         };
-        let sender = source(frame.id);
-        let is_accepted = match self.name.source {
-            Some(wanted) => wanted == sender,
-            None => !self.message.j1939 || self.is_accepted(sender, clock, remarks),
-        };
+        let is_accepted = self.is_accepted(frame, clock, remarks);
         self.has_value |= is_accepted && value.is_finite();
         is_accepted.then_some(value)
     }
 
-    /// Two senders of one parameter group measure at two places: only the first counts.
-    fn is_accepted(&mut self, sender: u8, clock: i64, remarks: &mut Vec<String>) -> bool {
-        match self.sender {
-            Some((first, last)) if first != sender && clock - last < SENDER_TIMEOUT => {
+    /// Two senders of one message measure at two places, and so do two buses: only the first counts.
+    fn is_accepted(&mut self, frame: &Frame, clock: i64, remarks: &mut Vec<String>) -> bool {
+        let address = self.message.j1939.then(|| source(frame.id));
+        if self.name.source.is_some() && self.name.source != address {
+            return false;
+        }
+        match &mut self.sender {
+            Some(first) if first.interface == frame.interface && first.address == address => {
+                first.last = clock;
+                true
+            }
+            Some(first) if clock - first.last < SENDER_TIMEOUT => {
                 let text = format!(
-                    "{}.{} comes from {first:#04x} and from {sender:#04x}; only {first:#04x} counts: say source = ... in the map",
-                    self.name.message, self.name.signal
+                    "{}.{} comes from {}",
+                    self.name.message,
+                    self.name.signal,
+                    first.beside(frame, address)
                 );
                 remark(remarks, text);
                 false
             }
-            _ => {
-                self.sender = Some((sender, clock));
+            none_or_silent => {
+                *none_or_silent = Some(Sender {
+                    interface: frame.interface.to_owned(),
+                    address,
+                    last: clock,
+                });
                 true
             }
         }
+    }
+}
+
+impl Sender {
+    /// What is said where another one sends the same.
+    fn beside(&self, frame: &Frame, address: Option<u8>) -> String {
+        let hex = |address: Option<u8>| format!("{:#04x}", address.unwrap_or_default());
+        let (first, other, key) = if self.interface == frame.interface {
+            (hex(self.address), hex(address), "source")
+        } else {
+            let (first, other) = (&self.interface, frame.interface);
+            (first.clone(), other.to_owned(), "interface")
+        };
+        format!("{first} and from {other}; only {first} counts: say {key} = ... in the map")
     }
 }
 
@@ -291,6 +348,9 @@ struct Clock {
     shift: i64,
     strange: Option<i64>,
     strangers: u32,
+    /// Frames, and those that are earlier than one before them.
+    frames: u64,
+    early: u64,
 }
 
 impl Clock {
@@ -302,6 +362,8 @@ impl Clock {
             self.last = time;
         }
         let ahead = time.saturating_sub(self.last);
+        self.frames += 1;
+        self.early += u64::from(ahead < 0);
         if (-DISORDER..=JUMP).contains(&ahead) {
             if self.strangers > 0 {
                 let text = "frames with a wrong time were left out";

@@ -1,18 +1,17 @@
 //! Logs of candump.
 
-use std::fs::File;
-use std::io::{BufRead, BufReader, Read};
+use std::io::{BufRead, BufReader, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
 use super::{Decoder, Line, parse};
 use crate::map::Map;
 use crate::signal::{Row, Sensors};
-use crate::{Error, MAX_LINE};
+use crate::{Error, MAX_LINE, packed};
 
 /// The rows of a log, one after the other.
 pub(crate) struct Log<S: Sensors> {
     path: PathBuf,
-    file: BufReader<File>,
+    file: BufReader<Box<dyn Read>>,
     decoder: Decoder<S>,
     line: Vec<u8>,
     number: usize,
@@ -26,7 +25,7 @@ impl<S: Sensors> Log<S> {
     pub(crate) fn open(path: &Path, map: &Map) -> Result<Self, Error> {
         let failed = |e| Error::system("read the CAN log", path, &e);
         Ok(Self {
-            file: BufReader::new(File::open(path).map_err(failed)?),
+            file: BufReader::new(packed::open(path).map_err(failed)?),
             path: path.to_owned(),
             decoder: Decoder::new(map)?,
             line: Vec::new(),
@@ -48,7 +47,16 @@ impl<S: Sensors> Log<S> {
             self.line.clear();
             let mut file = (&mut self.file).take(MAX_LINE as u64);
             let read = file.read_until(b'\n', &mut self.line);
-            let read = read.map_err(|e| Error::system("read the CAN log", &self.path, &e))?;
+            let read = match read {
+                Err(e) if self.number > 0 && e.kind() == ErrorKind::UnexpectedEof => {
+                    let log = self.path.display();
+                    tracing::warn!(
+                        "{log}: the packed file was cut off; the frames before the cut were read"
+                    );
+                    0
+                }
+                read => read.map_err(|e| Error::system("read the CAN log", &self.path, &e))?,
+            };
             self.read += read as u64;
             if read == 0 {
                 self.end()?;
@@ -90,6 +98,7 @@ impl<S: Sensors> Log<S> {
         self.has_ended = true;
         self.decoder.finish();
         let log = self.path.display();
+        self.decoder.check_times(&log.to_string())?;
         for remark in self.decoder.take_remarks() {
             tracing::warn!("{log}: {remark}");
         }

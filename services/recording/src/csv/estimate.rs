@@ -143,6 +143,10 @@ pub trait Estimate: Message {
     const REASONS: &'static [(&'static str, &'static str)];
     /// What it says of itself.
     fn codes(&self) -> Codes;
+    /// Whether its row was refused.
+    fn is_refused(&self) -> bool {
+        self.codes().flags & Self::REFUSED != 0
+    }
     /// Names of its method and of its reason; "" for one that is not known.
     fn names(&self) -> [&'static str; 2] {
         let Codes { method, reason, .. } = self.codes();
@@ -255,13 +259,10 @@ impl<E: Estimate> EstimateWriter<E> {
     /// # Errors
     /// The file cannot be written.
     pub fn write(&mut self, estimate: &E) -> Result<(), Error> {
-        let Codes {
-            flags, estimated, ..
-        } = estimate.codes();
-        if flags & E::REFUSED != 0 {
+        if estimate.is_refused() {
             return Ok(());
         }
-        self.rows(estimated);
+        self.rows(estimate.codes().estimated);
         if let Some(rows) = &self.rows {
             rows.put(estimate, &mut self.row);
         }

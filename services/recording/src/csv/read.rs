@@ -3,7 +3,6 @@ use std::io::{self, BufReader, Cursor, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use ::csv::ByteRecord;
-use flate2::bufread::MultiGzDecoder;
 
 use super::cells::Records;
 use super::columns::{Columns, NoNumber, absent};
@@ -12,6 +11,7 @@ use super::front::Front;
 use super::header::{check_units, header};
 use crate::Error;
 use crate::map::Map;
+use crate::packed::{self, GZIP};
 use crate::signal::{Row, Sensors};
 
 /// Reads axle weights on level and tilted ground: `pitch` [rad, nose up positive], `front_load`
@@ -89,7 +89,7 @@ impl Table {
             Storage::Plain
         };
         let mut head = Vec::new();
-        let mut content = content(path, &storage).map_err(failed)?;
+        let mut content = packed::open(path).map_err(failed)?;
         match content.by_ref().take(HEAD).read_to_end(&mut head) {
             // A packed file that was cut off within its head still has a head.
             Err(e) if e.kind() != io::ErrorKind::UnexpectedEof => return Err(failed(e)),
@@ -127,7 +127,7 @@ impl Table {
             let rest = bytes.get(start..).unwrap_or_default();
             return Ok(Box::new(Cursor::new(rest.to_vec())));
         }
-        let mut content = content(&self.path, &self.storage).map_err(failed)?;
+        let mut content = packed::open(&self.path).map_err(failed)?;
         let before = &mut content.by_ref().take(start as u64);
         std::io::copy(before, &mut std::io::sink()).map_err(failed)?;
         Ok(content)
@@ -193,19 +193,6 @@ fn last_byte(path: &Path) -> io::Result<Option<u8>> {
     file.seek(SeekFrom::End(-1))?;
     file.read_exact(&mut last)?;
     Ok(Some(last[0]))
-}
-
-/// First bytes of what gzip packs.
-pub(crate) const GZIP: [u8; 2] = [0x1f, 0x8b];
-
-/// The text of a file from its beginning.
-fn content(path: &Path, storage: &Storage) -> io::Result<Box<dyn Read>> {
-    let file = File::open(path)?;
-    Ok(match storage {
-        // Several packed one after the other are one text, as `cat` makes of them.
-        Storage::Packed => Box::new(MultiGzDecoder::new(BufReader::new(file))),
-        Storage::Plain | Storage::Converted(_) => Box::new(file),
-    })
 }
 
 /// The rows of a table, one after the other.

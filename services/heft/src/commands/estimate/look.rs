@@ -1,13 +1,16 @@
-//! What a machine sees in the samples of `heft estimate`.
+//! What a machine sees in the samples that estimates are made of.
 
 use config::Description;
+use messages::Message;
 
-/// Looks at the samples of `heft estimate`, and says at the end what is strange about them.
-pub trait Look<S> {
+/// Looks at samples, and says at the end what is strange about them.
+pub trait Look {
+    /// What the sensors of the machine measure.
+    type Sensors: Message;
     /// For a description.
     fn of(description: &Description) -> Self;
     /// Takes a sample.
-    fn add(&mut self, sample: &S);
+    fn add(&mut self, sample: &Self::Sensors);
     /// Says so.
     fn tell(&self) {}
     /// Why data and description cannot be of one machine, and what to do.

@@ -15,6 +15,7 @@ use super::found::InputSummary;
 use super::look::Look;
 use super::many;
 use crate::args::tell_idle_keys;
+use crate::doubts::Doubts;
 use crate::failure::Failure;
 use crate::way::{Way, method, way};
 use crate::{page, parts, signals, summary};
@@ -26,7 +27,7 @@ pub fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
     output: &Path,
     description: &Description,
     mut samples: Samples<S, T>,
-    mut look: impl Look<S>,
+    mut doubts: Doubts<impl Look<Sensors = S>>,
     put: impl Fn(usize, &mut E),
 ) -> Result<(), Failure> {
     signals::leave_nothing()?;
@@ -40,14 +41,9 @@ pub fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
     let report = args.report.as_deref();
     let mut notes = report.map(|r| Notes::create(r, &metadata)).transpose()?;
     let (mut rows, mut last, mut trusted) = (0, E::default(), None);
-    let mut times = Vec::new();
     for (sample, truth) in samples.rows()? {
         rows += 1;
-        if times.len() < LOOKED_AT {
-            times.push(sample.stamp().time);
-        }
         let message = sample.envelope();
-        look.add(&sample);
         if let Some(notes) = &mut notes {
             notes.add_sample(description, &message, &truth)?;
         }
@@ -58,8 +54,11 @@ pub fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
             last = *estimate;
             trusted = Some(last).filter(Estimate::trusted).or(trusted);
         }
+        let estimate = E::inside(&message);
+        doubts.add(&sample, estimate.is_some_and(E::is_refused));
     }
     samples.check()?;
+    doubts.has_rows()?;
     let written = writer.finish()?;
     if let (Some(notes), Some(report)) = (notes, &args.report) {
         notes.report(report)?;
@@ -79,17 +78,11 @@ pub fn run<S: Message, T: Message, E: Estimate + recording::csv::Estimate>(
         rows,
         &in_words(&last, trusted.zip(age)),
     );
-    if let Some(hint) = time_hint(&times, description.rate()) {
-        eprintln!("{hint}");
-    }
-    look.tell();
+    doubts.tell();
     if args.require_trust {
         summary::require_trust(age)?;
     }
-    most_rows_were_taken(written, rows)?;
-    parts::tell_lacks(&samples.lacks())?;
-    look.fault()
-        .map_or(Ok(()), |fault| Err(Failure::answer_is_no(fault)))
+    doubts.judge(&samples.lacks())
 }
 
 /// Takes a sample through the stages, and notes what each answers.
@@ -128,29 +121,6 @@ fn in_words<E: Estimate>(last: &E, trusted: Option<(E, f64)>) -> Vec<String> {
             format!("At the end: {}", view::words::verdict(last)),
         ],
     }
-}
-
-/// Rows by which the unit of the time is judged.
-const LOOKED_AT: usize = 1000;
-
-/// Words on times that seem to be in another unit.
-fn time_hint(times: &[f64], rate: f64) -> Option<String> {
-    let (step, unit) = recording::time_unit(times, rate)?;
-    Some(format!(
-        "the rows are {step} s apart, and sensors.rate is {rate} Hz: is the time in {unit}? write t = {{ column = \"t\", unit = \"{unit}\" }} in a signal map"
-    ))
-}
-
-/// A table in which most rows were refused is no result: its times run backwards, or another column is the time.
-fn most_rows_were_taken(written: usize, rows: usize) -> Result<(), Failure> {
-    if 2 * written >= rows.max(1) {
-        return Ok(());
-    }
-    Err(Failure::answer_is_no(format!(
-        "{} of {rows} rows were refused: their time is missing or does not increase\n  where: the time `t`\n  \
-         what to do: sort the rows by time, or map `t` to the column that increases",
-        rows - written
-    )))
 }
 
 /// Whether a truth says anything.
@@ -258,21 +228,5 @@ impl Notes {
     fn report(self, page: &Path) -> Result<(), Failure> {
         self.writer.finish()?;
         page::write(&Reader::open(self.file.path())?, page)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn times_in_milliseconds_are_named_and_slow_sensors_are_not() {
-        let every = |step: f64| (0..50).map(|i| f64::from(i) * step).collect::<Vec<_>>();
-        assert!(time_hint(&every(10.0), 100.0).is_some_and(|h| h.contains("\"ms\"")));
-        assert!(time_hint(&every(1e4), 100.0).is_some_and(|h| h.contains("\"us\"")));
-        for step in [0.001, 0.01, 0.1, 1.0] {
-            assert_eq!(time_hint(&every(step), 100.0), None, "{step} s");
-        }
-        assert_eq!(time_hint(&[], 100.0), None);
     }
 }

@@ -29,7 +29,8 @@ impl Boom {
 
     pub(super) fn tell(&self) {
         if self.all >= Self::FEWEST && 10 * self.down > 9 * self.all {
-            println!(
+            // On standard output the estimates may stand.
+            eprintln!(
                 "boom_angle seems to have the other sign: the boom points into the ground while the machine swings\n  what to do: \
                  turn it with `sign = -1` in a signal map (up is positive)"
             );

@@ -17,7 +17,9 @@ pub(in crate::machines) struct Fits {
     mass: f64,
 }
 
-impl Look<ExcavatorSensors> for Fits {
+impl Look for Fits {
+    type Sensors = ExcavatorSensors;
+
     fn of(description: &Description) -> Self {
         let described = match description {
             Description::Excavator(described) => Some(described),

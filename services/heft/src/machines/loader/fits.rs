@@ -30,7 +30,9 @@ impl Fits {
     }
 }
 
-impl Look<LoaderSensors> for Fits {
+impl Look for Fits {
+    type Sensors = LoaderSensors;
+
     fn of(_: &Description) -> Self {
         Self::default()
     }

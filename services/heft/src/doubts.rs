@@ -1,0 +1,115 @@
+//! What is strange about an input whose rows were taken: said at the end, wherever estimates are made of it.
+
+use config::Description;
+use messages::Message;
+use recording::Lacks;
+
+use crate::commands::estimate::look::Look;
+use crate::failure::Failure;
+use crate::parts;
+
+/// Looks at the rows of an input.
+pub struct Doubts<L> {
+    look: L,
+    rate: f64,
+    times: Vec<f64>,
+    rows: usize,
+    refused: usize,
+    /// Whether any signal had a value.
+    is_measured: bool,
+}
+
+/// Rows by which the unit of the time is judged.
+const LOOKED_AT: usize = 1000;
+
+impl<L: Look> Doubts<L> {
+    /// For a description.
+    pub fn of(description: &Description) -> Self {
+        Self {
+            look: L::of(description),
+            rate: description.rate(),
+            times: Vec::new(),
+            rows: 0,
+            refused: 0,
+            is_measured: false,
+        }
+    }
+
+    /// Takes a sample, and whether its row was refused.
+    pub fn add(&mut self, sample: &L::Sensors, is_refused: bool) {
+        self.rows += 1;
+        self.refused += usize::from(is_refused);
+        if self.times.len() < LOOKED_AT {
+            self.times.push(sample.stamp().time);
+        }
+        self.is_measured |= sample.bits_of("valid") != 0;
+        self.look.add(sample);
+    }
+
+    /// Says what may be wrong.
+    pub fn tell(&self) {
+        if let Some(hint) = time_hint(&self.times, self.rate) {
+            eprintln!("{hint}");
+        }
+        self.look.tell();
+    }
+
+    /// Whether these rows can give a result: most were taken, and something was measured.
+    pub fn has_rows(&self) -> Result<(), Failure> {
+        most_rows_were_taken(self.refused, self.rows)?;
+        if self.rows > 0 && !self.is_measured {
+            return Err(Failure::input(
+                "nothing was measured: no row has a value beside the time",
+                "the columns that are used",
+                "check that the sensors were on, and the columns of the signal map",
+            ));
+        }
+        Ok(())
+    }
+
+    /// What is surely wrong with a result: what was read is damaged, or it is of another machine.
+    pub fn judge(&self, lacks: &Lacks) -> Result<(), Failure> {
+        parts::tell_lacks(lacks)?;
+        self.look
+            .fault()
+            .map_or(Ok(()), |fault| Err(Failure::answer_is_no(fault)))
+    }
+}
+
+/// Words on times that seem to be in another unit.
+fn time_hint(times: &[f64], rate: f64) -> Option<String> {
+    let (step, unit) = recording::time_unit(times, rate)?;
+    Some(format!(
+        "the rows are {step} s apart, and sensors.rate is {rate} Hz: is the time in {unit}? write t = {{ column = \"t\", unit = \"{unit}\" }} in a signal map"
+    ))
+}
+
+/// A table in which most rows were refused is no result: its times run backwards, or another column is the time.
+fn most_rows_were_taken(refused: usize, rows: usize) -> Result<(), Failure> {
+    if 2 * refused <= rows {
+        return Ok(());
+    }
+    Err(Failure::input(
+        format!(
+            "{refused} of {rows} rows were refused: their time is missing or does not increase"
+        ),
+        "the time `t`",
+        "sort the rows by time, or map `t` to the column that increases",
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_in_milliseconds_are_named_and_slow_sensors_are_not() {
+        let every = |step: f64| (0..50).map(|i| f64::from(i) * step).collect::<Vec<_>>();
+        assert!(time_hint(&every(10.0), 100.0).is_some_and(|h| h.contains("\"ms\"")));
+        assert!(time_hint(&every(1e4), 100.0).is_some_and(|h| h.contains("\"us\"")));
+        for step in [0.001, 0.01, 0.1, 1.0] {
+            assert_eq!(time_hint(&every(step), 100.0), None, "{step} s");
+        }
+        assert_eq!(time_hint(&[], 100.0), None);
+    }
+}
