@@ -69,6 +69,7 @@ pub mod excavator;
 pub mod images;
 pub mod kalman;
 pub mod keys;
+mod leap;
 pub mod loader;
 pub mod loads;
 pub mod math;

@@ -43,8 +43,8 @@ mod verdict;
 mod working;
 
 use input::{
-    angle, calibration, delay, encoder, frozen, grid, hold, jump, lag, leap, motion, quantisation,
-    screen, standstill, swing_angle,
+    angle, calibration, delay, encoder, frozen, grid, hold, jump, lag, motion, quantisation,
+    screen, standstill, steady, swing_angle,
 };
 use mode::{drive, onset, posture, posture_torque, state, torque, unknown_torque, velocity};
 use payload::{change, changing_payload, drop_mixture, opening};

@@ -76,6 +76,7 @@ mod shared_slip;
 mod slip_fluctuation;
 mod slope;
 mod stated_mass;
+mod steady;
 mod stuck;
 mod tangent;
 mod unreported_load;

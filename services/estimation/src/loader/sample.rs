@@ -67,13 +67,17 @@ const ACCELERATION_LIMIT: f64 = 1000.0;
 /// Beyond this a yaw rate is no measurement [rad/s].
 const YAW_LIMIT: f64 = 10.0;
 /// Beyond this a slope is no measurement [rad].
-pub(super) const SLOPE_LIMIT: f64 = 1.5;
+pub(super) const SLOPE_LIMIT: f64 = 0.8;
+/// Beyond this the angle between front and rear body is no measurement [rad].
+const ARTICULATION_LIMIT: f64 = 1.5;
 /// Beyond this the angle of a joint is no measurement [rad]: a full turn.
 const ANGLE_LIMIT: f64 = core::f64::consts::TAU;
 /// Beyond this a pressure is no measurement [Pa]: five times that of mobile hydraulics (40 MPa).
 const PRESSURE_LIMIT: f64 = 2e8;
-/// Beyond this multiple of the weight a force on wheels or bucket is no measurement.
+/// Beyond this multiple of the weight a force on the bucket is no measurement.
 const FORCE_LIMIT: f64 = 10.0;
+/// Beyond this multiple of the weight the pull of an axle is no measurement: tyres hold once the weight.
+const PULL_LIMIT: f64 = 3.0;
 /// Beyond this factor of the machine's mass a mass is no measurement.
 const MASS_LIMIT: f64 = 20.0;
 
@@ -84,22 +88,23 @@ impl Sample {
     /// restarts) and keeps every later number finite: what is not a finite number is not plausible either.
     pub(super) fn plausible(&self, mass: f64, radius: f64) -> Self {
         let within = |value: Option<f64>, limit: f64| value.filter(|v| v.abs() <= limit);
-        let force = FORCE_LIMIT * mass * super::wheel_dynamics::GRAVITY;
+        let weight = mass * super::wheel_dynamics::GRAVITY;
+        let (force, pull) = (FORCE_LIMIT * weight, PULL_LIMIT * weight);
         let mass_range = mass / MASS_LIMIT..=mass * MASS_LIMIT;
         Self {
             time: self.time,
             speed: within(self.speed, SPEED_LIMIT),
             front_wheel_speed: within(self.front_wheel_speed, WHEEL_SPEED_LIMIT),
             rear_wheel_speed: within(self.rear_wheel_speed, WHEEL_SPEED_LIMIT),
-            front_torque: within(self.front_torque, force * radius),
-            rear_torque: within(self.rear_torque, force * radius),
+            front_torque: within(self.front_torque, pull * radius),
+            rear_torque: within(self.rear_torque, pull * radius),
             slope: within(self.slope, SLOPE_LIMIT),
             acceleration: within(self.acceleration, ACCELERATION_LIMIT),
             mass: self.mass.filter(|m| mass_range.contains(m)),
             spade_force_x: within(self.spade_force_x, force),
             spade_force_z: within(self.spade_force_z, force),
             boom_moving: self.boom_moving,
-            articulation: within(self.articulation, SLOPE_LIMIT),
+            articulation: within(self.articulation, ARTICULATION_LIMIT),
             yaw_rate: within(self.yaw_rate, YAW_LIMIT),
             brake: self.brake,
             lift_angle: within(self.lift_angle, ANGLE_LIMIT),

@@ -7,9 +7,9 @@ use crate::excavator::frozen::Repetition;
 use crate::excavator::grid::LONG_GAP;
 use crate::excavator::hold::{Hold, Joined};
 use crate::excavator::jump::Jump;
-use crate::excavator::leap::{SteadyTorque, SteadyVelocity};
 use crate::excavator::quantisation::Quantisation;
 use crate::excavator::settings::Sensors;
+use crate::excavator::steady::Steady;
 use crate::excavator::swing_angle::{Followed, SwingAngle};
 use crate::time_base::{Tick, TimeBase};
 
@@ -50,8 +50,7 @@ pub(in crate::excavator) struct Screen {
     pressures: [Repetition; 2],
     jumps: [Jump; 3],
     angles: [Angle; 3],
-    steady_velocity: SteadyVelocity,
-    steady_torque: SteadyTorque,
+    steady: Steady,
     velocity: Hold,
     quantisation: Quantisation,
     torque: Joined,
@@ -74,8 +73,7 @@ impl Screen {
             pressures: [Repetition::default(); 2],
             jumps: [Jump::default(); 3],
             angles: [Angle::new(sensors.angle_std); 3],
-            steady_velocity: SteadyVelocity::default(),
-            steady_torque: SteadyTorque::default(),
+            steady: Steady::default(),
             velocity: Hold::default(),
             quantisation: Quantisation::default(),
             torque: Joined::default(),
@@ -168,15 +166,13 @@ impl Screen {
             ..*sample
         };
         let velocity = within(velocity.pass(sample.velocity), self.velocity_limit);
-        let velocity = self
-            .steady_velocity
-            .pass(velocity, self.velocity_std, period);
+        let velocity = self.steady.velocity(velocity, self.velocity_std, period);
         let new = self.velocity.push(velocity);
         self.quantisation.push(velocity);
         let torque = within(torque.pass(sample.torque), TORQUE_LIMIT);
         let torque = self
-            .steady_torque
-            .pass(torque, self.torque_std, period)
+            .steady
+            .torque(torque, self.torque_std, period)
             .map(|t| (t - self.torque_offset) / self.torque_gain);
         Sample {
             time: sample.time,

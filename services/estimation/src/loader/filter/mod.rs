@@ -37,6 +37,7 @@ use super::sample::Sample;
 use super::settings::{Inputs as Driven, Settings};
 use super::shared_slip::SharedSlip;
 use super::slope::SlopeError;
+use super::steady::Steady;
 use super::stuck::Stuck;
 use super::verdict::Evidence;
 use super::wheel_dynamics::{GRAVITY, Inputs, WheelDynamics};
@@ -83,6 +84,7 @@ pub(super) struct CgFilter<const N: usize, const M: usize, B: Belief<N, M>> {
     windup: Windup,
     shared_slip: SharedSlip,
     quantisation: Quantisation,
+    steady: Steady,
     stuck: Stuck,
     disturbance: Disturbance,
     /// What it does to the wheels in this row.
@@ -134,6 +136,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             windup: Windup::default(),
             shared_slip: SharedSlip::default(),
             quantisation: Quantisation::default(),
+            steady: Steady::default(),
             stuck: Stuck::default(),
             disturbance: Disturbance::default(),
             effect: Effect::default(),
@@ -199,6 +202,7 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         };
         let at_work = self.settings.at_work();
         if at_work {
+            self.drop_leaps(&mut sample, dt);
             self.drop_stuck(&mut sample, dt);
         }
         self.level(&mut sample, dt);

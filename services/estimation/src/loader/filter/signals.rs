@@ -1,4 +1,4 @@
-//! A row's signals made true before they are used: known gains and offsets, values that are stuck, the slope of the road.
+//! A row's signals made true before they are used: known gains and offsets, values that leap or are stuck, the slope of the road.
 
 use super::{Belief, CgFilter};
 use crate::loader::layout::{Layout, SPEED};
@@ -29,6 +29,13 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
         sample.slope = self
             .inclinometer
             .road(&self.settings.sensors, bias, sample, dt);
+    }
+
+    /// Takes the values that leap out of a row.
+    pub(super) fn drop_leaps(&mut self, sample: &mut Sample, dt: f64) {
+        let machine = &self.settings.machine;
+        self.steady
+            .watch(sample, machine.mass, machine.wheel_radius, dt);
     }
 
     /// Takes the values that are stuck out of a row.

@@ -1,0 +1,116 @@
+//! A value that leaps further than what it measures can change.
+//!
+//! A loose contact, a bus that drops out or a gateway that fills gaps says 0 or the end of a range for some rows. What is too far from
+//! the last value is missing, and so is the same word again. With time every value comes within reach, so that a shock or a
+//! sensor that begins anew is believed a moment later.
+
+/// A sensor that says the same word for so long means it [s].
+const MEANT: f64 = 2.0;
+
+/// Values without their leaps.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct Leap {
+    last: Option<f64>,
+    /// Time since it was new [s].
+    age: f64,
+    /// What was not believed since then.
+    refused: Option<f64>,
+}
+
+impl Leap {
+    /// The value of a row as it counts: missing where it leaps by more than may `change` in a second, and the `noise`. Where
+    /// neither is known, all counts.
+    pub(crate) fn pass(
+        &mut self,
+        value: Option<f64>,
+        change: f64,
+        noise: f64,
+        period: f64,
+    ) -> Option<f64> {
+        self.age += period;
+        let value = value?;
+        let reach = change * self.age + noise;
+        let leaps = |last: f64| reach > 0.0 && (value - last).abs() > reach;
+        let again = self.refused == Some(value) && self.age < MEANT;
+        if again || self.last.is_some_and(leaps) {
+            self.refused = Some(value);
+            return None;
+        }
+        self.refused = None;
+        if self.last.replace(value) != Some(value) {
+            self.age = 0.0;
+        }
+        Some(value)
+    }
+}
+
+/// No drive goes faster from nothing to its largest torque [1/s]; twice what was recorded of excavators and loaders.
+const RISE: f64 = 30.0;
+
+/// A torque without its leaps.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct SteadyTorque {
+    leap: Leap,
+    /// Largest torque so far [N m].
+    largest: f64,
+}
+
+impl SteadyTorque {
+    /// The torque of a row as it counts. The drive reaches `least` at least, and what steps by `noise` is noise [N m].
+    pub(crate) fn pass(
+        &mut self,
+        torque: Option<f64>,
+        [least, noise]: [f64; 2],
+        period: f64,
+    ) -> Option<f64> {
+        let change = RISE * self.largest.max(least);
+        let believed = self.leap.pass(torque, change, noise, period);
+        self.largest = self.largest.max(believed.unwrap_or(0.0).abs());
+        believed
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Values at 100 Hz: the rows that are missing.
+    fn missing(rows: u32, mut passes: impl FnMut(u32) -> bool) -> (u32, u32) {
+        let mut missing = (0..rows).filter(|&k| !passes(k));
+        let first = missing.next().unwrap_or(rows);
+        (first, 1 + missing.count() as u32)
+    }
+
+    fn noise(k: u32) -> f64 {
+        f64::from(k * 7919 % 13) / 13.0
+    }
+
+    #[test]
+    fn a_torque_that_drops_out_is_missing_and_one_that_rises_as_drives_do_is_not() {
+        let mut sensor = SteadyTorque::default();
+        let drops = 150..170;
+        let found = missing(400, |k| {
+            let rises = f64::from(k.min(20)) * 500.0 + 10.0 * noise(k);
+            let said = if drops.contains(&k) { 0.0 } else { rises };
+            sensor.pass(Some(said), [2000.0, 10.0], 0.01).is_some()
+        });
+        assert_eq!(found, (drops.start, drops.len() as u32));
+    }
+
+    #[test]
+    fn what_stays_elsewhere_is_believed_soon_with_noise_and_after_two_seconds_without() {
+        for (its_noise, rows) in [(0.01, 8..13), (0.0, 198..202)] {
+            let mut sensor = Leap::default();
+            let (first, count) = missing(400, |k| {
+                let said = match k {
+                    ..100 => 0.01 * noise(k),
+                    _ => 1.0 + its_noise * noise(k),
+                };
+                sensor.pass(Some(said), 10.0, 0.0, 0.01).is_some()
+            });
+            assert!(first == 100 && rows.contains(&count), "{first} {count}");
+        }
+    }
+}
