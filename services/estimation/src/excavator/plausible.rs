@@ -11,7 +11,9 @@ use nalgebra::{SMatrix, SVector};
 
 use super::estimate::Sample;
 use super::geometry::Geometry;
+use super::joints;
 use super::measurements::boom_moment::GRAVITY;
+use super::mismatch::Mismatch;
 use crate::math::sin_cos;
 
 /// Summands of the torque.
@@ -46,80 +48,14 @@ const ALONG: f64 = 0.1;
 /// Joints that an operator, or a program, moves together have any ratio of rates: where 1 is chance, ratios off by up to
 /// this share are as frequent as those within ALONG.
 const BESIDE: f64 = 2.0 * ALONG;
+/// A joint that is where none turns to in one of so many swinging spans has another sign or zero.
+const OFTEN_BEYOND: f64 = 4.0;
 /// Spans in which one moves along, in so many motions: one motion of two joints at the same rate is chance.
 const FOLLOWS: u32 = 15;
 const MOTIONS: u32 = 4;
 /// So many times more of them than of those in which it stays, or has a rate beside the link's, and at least one of so many in which the link before moves.
 const RATHER: u32 = 4;
 const OFTEN: u32 = 4;
-
-/// What does not fit.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Mismatch {
-    /// The velocity is in degrees per second.
-    Degrees,
-    /// The velocity is in revolutions per minute.
-    Revolutions,
-    /// The joint angles are in degrees.
-    AngleDegrees,
-    /// Pitch and roll of the ground are in degrees.
-    SlopeDegrees,
-    /// Torque and acceleration have opposite signs.
-    Sign,
-    /// The torque is in kilonewton metres, or the machine has this many times the inertia that is described.
-    Kilonewtons(f64),
-    /// The torque is in meganewton metres.
-    Meganewtons,
-    /// Boom and arm are exchanged.
-    Exchanged,
-    /// The angle of the arm, of the bucket, is against the horizontal.
-    Absolute {
-        /// The arm's.
-        arm: bool,
-        /// The bucket's.
-        bucket: bool,
-    },
-    /// The machine has this many times the inertia that is described.
-    Size(f64),
-}
-
-impl core::fmt::Display for Mismatch {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str(match self {
-            Self::Size(ratio) => {
-                f.write_str("data and machine file are of different machines: the torque moves ")?;
-                return if *ratio < 0.1 {
-                    write!(f, "1/{:.0} of the described inertia", ratio.recip())
-                } else {
-                    write!(f, "{ratio:.2} times the described inertia")
-                };
-            }
-            Self::Degrees => "swing_velocity seems to be in degrees per second",
-            Self::Revolutions => "swing_velocity seems to be in revolutions per minute",
-            Self::AngleDegrees => "the joint angles seem to be in degrees",
-            Self::SlopeDegrees => "pitch and roll of the ground seem to be in degrees",
-            Self::Kilonewtons(_) => {
-                "swing_torque seems to be in kN m: the machine accelerates a thousand times more than it"
-            }
-            Self::Meganewtons => {
-                "swing_torque seems to be in MN m: the machine accelerates a million times more than it"
-            }
-            Self::Sign => "swing_torque and swing_velocity seem to have opposite signs",
-            Self::Exchanged => {
-                "boom_angle and arm_angle seem to be exchanged: the boom points down and the arm up in all swings"
-            }
-            Self::Absolute { arm: true, bucket: true } => {
-                "arm_angle and bucket_angle seem absolute, to the horizontal: each moves along with the link before it"
-            }
-            Self::Absolute { arm: true, .. } => {
-                "arm_angle seems absolute, to the horizontal: each moves along with the link before it"
-            }
-            Self::Absolute { .. } => {
-                "bucket_angle seems absolute, to the horizontal: each moves along with the link before it"
-            }
-        })
-    }
-}
 
 /// Looks at the rows of a recording.
 #[derive(Debug, Clone)]
@@ -136,6 +72,8 @@ pub struct Plausible {
     large: [f64; 2],
     steep: f64,
     exchanged: f64,
+    /// Boom, arm, bucket where no joint turns to.
+    beyond: [f64; 3],
     normal: SMatrix<f64, N, N>,
     product: SVector<f64, N>,
     square: f64,
@@ -193,6 +131,7 @@ impl Plausible {
             large: [0.0; 2],
             steep: 0.0,
             exchanged: 0.0,
+            beyond: [0.0; 3],
             normal: SMatrix::zeros(),
             product: SVector::zeros(),
             square: 0.0,
@@ -270,6 +209,9 @@ impl Plausible {
         self.large[0] += f64::from(u8::from(posture[0].abs() > FASTEST));
         self.large[1] += f64::from(u8::from(posture[1].abs() > FASTEST));
         self.exchanged += f64::from(u8::from(posture[0] < -0.3 && posture[1] > 0.0));
+        for (beyond, possible) in self.beyond.iter_mut().zip(joints::possible(posture)) {
+            *beyond += f64::from(u8::from(!possible));
+        }
         self.normal += x * x.transpose();
         self.product += x * torque;
         self.square += torque * torque;
@@ -297,6 +239,10 @@ impl Plausible {
         }
         if self.exchanged > 0.9 * self.spans {
             return Some(Mismatch::Exchanged);
+        }
+        let [_, arm, bucket] = self.beyond.map(|count| OFTEN_BEYOND * count > self.spans);
+        if arm || bucket {
+            return Some(Mismatch::Beyond { arm, bucket });
         }
         let [arm, bucket] = self.pairs.map(|pair| pair.is_absolute());
         if arm || bucket {

@@ -45,6 +45,7 @@
 mod accelerometer;
 mod answer;
 pub mod axle_loads;
+mod carriage;
 pub mod cg_model;
 mod conditions;
 mod coupling;
@@ -86,6 +87,7 @@ pub mod wheel_dynamics;
 mod windup;
 mod witnesses;
 
+pub use carriage::Carriage;
 pub use estimate::{Estimate, Status};
 pub use estimator::CgEstimator;
 pub use lift_arm::{LiftKnown, LiftMoment, Lifts};

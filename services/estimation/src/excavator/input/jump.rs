@@ -4,8 +4,7 @@
 //! a slipped or exchanged encoder, another zero, unit, sign or range. Where the joint really is cannot be known then. One that only
 //! repeats a single value until it steps back to where the joint may have moved was a bus that dropped out.
 
-use core::f64::consts::{PI, TAU};
-
+use crate::excavator::joints::turned;
 use crate::math::sqrt;
 
 /// No joint is faster [rad/s].
@@ -96,23 +95,10 @@ impl Jump {
     }
 }
 
-/// The same angle within half a turn.
-fn turned(angle: f64) -> f64 {
-    if angle.abs() <= PI {
-        return angle;
-    }
-    let angle = angle % TAU;
-    if angle > PI {
-        angle - TAU
-    } else if angle < -PI {
-        angle + TAU
-    } else {
-        angle
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use core::f64::consts::{PI, TAU};
+
     use super::*;
 
     /// Values at 100 Hz of a joint that moves by `rate`, changed by `wrong`; how many pass, and whether it has jumped.

@@ -6,6 +6,7 @@ use crate::excavator::estimate::Sample;
 use crate::excavator::frozen::Repetition;
 use crate::excavator::grid::LONG_GAP;
 use crate::excavator::hold::{Hold, Joined};
+use crate::excavator::joints;
 use crate::excavator::jump::Jump;
 use crate::excavator::quantisation::Quantisation;
 use crate::excavator::settings::Sensors;
@@ -152,8 +153,10 @@ impl Screen {
         let [velocity, torque, joints @ ..] = &mut self.repetitions;
         let mut posture = sample.posture;
         let checks = joints.iter_mut().zip(&mut self.jumps).zip(&mut self.angles);
-        for (value, ((repetition, jump), angle)) in posture.iter_mut().zip(checks) {
-            let measured = within(*value, self.angle_limit);
+        let possible = joints::possible(posture.map(|angle| angle.unwrap_or(0.0)));
+        let values = posture.iter_mut().zip(possible);
+        for ((value, possible), ((repetition, jump), angle)) in values.zip(checks) {
+            let measured = within(*value, self.angle_limit).filter(|_| possible);
             let moving = repetition.pass(measured);
             // A single value that is repeated elsewhere is a jump that may come back, and no frozen sensor.
             let joint = if jump.has_jumped() { measured } else { moving };

@@ -63,7 +63,14 @@ impl Working {
         };
         let inertia = self.filter.inertia(&drive.now, payload);
         let parallel = self.parallel.variances(payload, inertia, &drive.now);
-        let form = self.form(&drive.now);
+        let mut form = self.form(&drive.now);
+        if down {
+            // A boom that points down may be one with the other sign.
+            let [boom, arm, bucket] = drive.posture;
+            let other = settings.geometry.inertia([-boom, arm, bucket]);
+            let apart = other.with_payload(payload) - drive.now.with_payload(payload);
+            form = sqrt(form * form + apart * apart);
+        }
         let g = drive.now.per_payload;
         let weighs = self.weigh.as_ref().is_some_and(Weigh::is_there);
         let [payload, inertia] = if contradicted && weighs {

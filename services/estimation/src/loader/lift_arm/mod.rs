@@ -37,6 +37,7 @@ mod seals;
 mod tare;
 mod turn;
 
+use super::carriage::Carriage;
 use super::cg_model::Loading;
 use super::keys::{LiftArm, LiftCylinder, Machine, Prior, Sensors};
 use super::layout::Each;
@@ -77,6 +78,7 @@ pub(super) struct LiftWitness {
     still: [f64; 2],
     /// Rod pressure and specific force, held.
     rod: f64,
+    carriage: Carriage,
     seals: Seals,
     content: Content,
     scale: Scale,
@@ -127,6 +129,7 @@ impl LiftWitness {
             held: [f64::NAN; 2],
             still: [0.0; 2],
             rod: drawing::USUAL_ROD_PRESSURE,
+            carriage: Carriage::default(),
             seals: Seals::default(),
             content: Content::default(),
             doubts: Doubts::default(),
@@ -153,7 +156,10 @@ impl LiftWitness {
         };
         let dt = sample.time - self.last_time;
         self.watch([head, lift], sample, dt);
-        if self.still.iter().any(|time| *time > STUCK) {
+        if let (Some(speed), Some(tilt)) = (sample.speed, sample.tilt_angle) {
+            self.carriage.see(speed, [lift, tilt], dt);
+        }
+        if self.carriage.is_odd() || self.still.iter().any(|time| *time > STUCK) {
             self.answer = None;
             return None;
         }

@@ -69,6 +69,7 @@ fn remedy(mismatch: Mismatch, mass: f64) -> String {
         }
         Mismatch::Meganewtons => map("swing_torque", "`unit = \"MNm\"`"),
         Mismatch::Sign => map("swing_torque", "`sign = -1`"),
+        Mismatch::Beyond { .. } => "in the signal map: `sign = -1`, or `offset`; the angles are drawn in docs/signs-excavator.svg".into(),
         Mismatch::Exchanged => "exchange the two in the signal map".into(),
         Mismatch::Absolute { .. } => "give the angle to the link before: in the signal map subtract the angle of that link, as with `heft map`".into(),
         Mismatch::Size(ratio) => size(mass, ratio),

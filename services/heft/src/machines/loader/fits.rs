@@ -1,6 +1,7 @@
-//! Are the data in the units that are meant?
+//! Are the data in the units and signs that are meant?
 
 use config::Description;
+use estimation::loader::Carriage;
 use messages::LoaderSensors;
 
 use crate::commands::estimate::look::Look;
@@ -10,11 +11,13 @@ const STEEPEST: f64 = 0.61;
 /// Nor does a sensor show one for more than this share of the rows.
 const OFTEN: f64 = 0.1;
 
-/// Looks at the slope.
+/// Looks at the slope, and at how the bucket is carried.
 #[derive(Default)]
 pub(in crate::machines) struct Fits {
     rows: u64,
     steep: u64,
+    carriage: Carriage,
+    last: Option<f64>,
 }
 
 impl Fits {
@@ -38,15 +41,27 @@ impl Look for Fits {
     }
 
     fn add(&mut self, s: &LoaderSensors) {
-        self.see(steps::loader::sample(s).slope);
+        let sample = steps::loader::sample(s);
+        self.see(sample.slope);
+        let last = self.last.replace(sample.time);
+        if let (Some(last), Some(speed), Some(lift), Some(tilt)) =
+            (last, sample.speed, sample.lift_angle, sample.tilt_angle)
+        {
+            self.carriage.see(speed, [lift, tilt], sample.time - last);
+        }
     }
 
     fn fault(&self) -> Option<String> {
-        self.is_in_degrees().then(|| {
+        let said = if self.is_in_degrees() {
             "slope seems to be in degrees: no loader drives on such hills\n  \
              what to do: write `unit = \"deg\"` for slope in a signal map"
-                .into()
-        })
+        } else if self.carriage.is_odd() {
+            "lift_angle or tilt_angle seems to have the other sign, or another zero: no loader drives with its bucket like that\n  \
+             what to do: in the signal map `sign = -1`, or `offset`; the angles are drawn in docs/signs-loader.svg"
+        } else {
+            return None;
+        };
+        Some(said.into())
     }
 }
 

@@ -1,0 +1,69 @@
+//! How a loader carries its bucket while it drives: flat or turned in. Where it mostly seems to hang down, or to be turned over, the
+//! angle of the lift arm or of the bucket has the other sign, or another zero.
+
+use core::f64::consts::TAU;
+
+/// Faster than this it drives [m/s].
+const DRIVES: f64 = 1.0;
+/// Angles of the bucket's floor to the horizontal, from a levelling one to a full one: -40 to 57 degrees; -16 to 47 were recorded [rad].
+const CARRIED: [f64; 2] = [-0.7, 1.0];
+/// Driving for so long tells something [s].
+const ENOUGH: f64 = 2.0;
+/// A longer time between two rows is a gap [s].
+const GAP: f64 = 0.5;
+
+/// How the bucket was carried so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Carriage {
+    /// Time of driving, and of that with the bucket as none is carried [s].
+    driven: f64,
+    odd: f64,
+}
+
+impl Carriage {
+    /// A row `dt` [s] after the one before: speed [m/s], angles of the lift arm to the horizontal and of the bucket to the arm \[rad\].
+    pub fn see(&mut self, speed: f64, [lift, tilt]: [f64; 2], dt: f64) {
+        if !((0.0..GAP).contains(&dt) && speed.abs() > DRIVES) {
+            return;
+        }
+        let floor = (lift + tilt) % TAU;
+        self.driven += dt;
+        if !(CARRIED[0]..CARRIED[1]).contains(&floor) {
+            self.odd += dt;
+        }
+    }
+
+    /// Whether no bucket is carried so.
+    #[must_use]
+    pub fn is_odd(&self) -> bool {
+        self.driven > ENOUGH && 2.0 * self.odd > self.driven
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sign_that_is_wrong_shows_in_how_the_bucket_is_carried() {
+        // Filling, carrying turned in, dumping, driving back with a flat bucket.
+        let cycle = [
+            (0.5, -0.7, 0.7),
+            (3.0, -0.5, 1.25),
+            (0.3, 0.6, -1.3),
+            (3.0, -0.6, 0.6),
+        ];
+        let odd = |signs: [f64; 2]| {
+            let mut carriage = Carriage::default();
+            for (speed, lift, tilt) in cycle {
+                (0..1000)
+                    .for_each(|_| carriage.see(speed, [signs[0] * lift, signs[1] * tilt], 0.01));
+            }
+            carriage.is_odd()
+        };
+        assert!(!odd([1.0, 1.0]));
+        assert!(odd([-1.0, 1.0]) && odd([1.0, -1.0]));
+        assert!(!Carriage::default().is_odd());
+    }
+}
