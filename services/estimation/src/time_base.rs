@@ -16,7 +16,7 @@ const LITTLE: f64 = 10.0;
 const CONVINCING_A_LITTLE: f64 = 0.2;
 
 /// A longer gap tells no more [s], 30 years: what was known is forgotten, and no power of it overflows.
-const LONGEST: f64 = 1e9;
+pub(crate) const LONGEST: f64 = 1e9;
 
 /// What a row's time means.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -16,6 +16,7 @@ use super::now::{Holding, Now};
 use super::row::{Row, Witness};
 use super::total::Total;
 use crate::math::sqrt;
+use crate::time_base::LONGEST;
 use crate::{HALF_WIDTH_95, Quantity};
 
 /// A payload is weighed where its 95 % interval is narrower than this to either side, in rated payloads.
@@ -62,6 +63,9 @@ pub struct Settings {
 }
 
 impl Settings {
+    /// No bucket holds less or more \[kg\].
+    pub const RATED: [f64; 2] = [1e-3, 1e7];
+
     /// No target, a new truck after five minutes, days from time 0.
     pub fn with_rated(rated: f64) -> Self {
         Self {
@@ -150,7 +154,7 @@ impl Ledger {
     /// An empty book.
     pub fn new(settings: Settings) -> Self {
         let rated = if settings.rated.is_finite() {
-            settings.rated.max(1e-3)
+            settings.rated.clamp(Settings::RATED[0], Settings::RATED[1])
         } else {
             1.0
         };
@@ -286,7 +290,7 @@ impl Ledger {
         }
         self.behind = 0;
         self.time = Some(time);
-        Some(dt.max(0.0))
+        Some(dt.clamp(0.0, LONGEST))
     }
 
     /// Another value of the signal begins another truck.
@@ -313,7 +317,7 @@ impl Ledger {
     fn change_day(&mut self, time: f64, events: &mut Events) {
         let days = (time - self.settings.midnight) / DAY;
         // Rounds down, for times before that midnight too.
-        let number = days as i64 - i64::from(days < 0.0);
+        let number = (days as i64).saturating_sub(i64::from(days < 0.0));
         if number != self.day.number {
             events.day = Some(self.day).filter(|d| d.total.loads > 0);
             self.day = Day {
