@@ -284,6 +284,8 @@ fn unknown_methods_scenarios_and_domains_name_the_choices() {
             "a/b",
         ),
         (vec!["run", "excavator", "--rate", "1e9"], "rate"),
+        (vec!["tail", "--rate", "0"], "above 0"),
+        (vec!["tail", "--rate", "nan"], "no number"),
         (
             vec![
                 "evaluate",

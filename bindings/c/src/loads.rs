@@ -40,7 +40,8 @@ impl Loads {
             pause: present(pause).unwrap_or(usual.pause),
             ..usual
         };
-        let fits = rated.is_finite() && rated > 0.0;
+        let [least, most] = Settings::RATED;
+        let fits = (least..=most).contains(&rated);
         let fits = fits && can_be_target(settings.target);
         let fits = fits && settings.pause >= 0.0 && settings.pause.is_finite();
         fits.then(|| Self {

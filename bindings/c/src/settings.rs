@@ -130,11 +130,11 @@ impl fmt::Display for Unfit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "{}.{} cannot be {}",
+            "{}.{} cannot be {:?}",
             self.place.table, self.place.key.name, self.number
         )?;
         match self.place.key.range {
-            Some(range) => write!(f, ", but {} to {}", range.low, range.high),
+            Some(range) => write!(f, ", but {:?} to {:?}", range.low, range.high),
             None => Ok(()),
         }
     }

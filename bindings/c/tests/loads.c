@@ -23,6 +23,7 @@ int main(void)
     CHECK(heft_loads_init(memory, 8, 1000.0, NAN, NAN) == HEFT_MEMORY);
     CHECK(heft_loads_init(NULL, sizeof memory, 1000.0, NAN, NAN) == HEFT_NULL);
     CHECK(heft_loads_init(memory, sizeof memory, -1.0, NAN, NAN) == HEFT_REFUSED);
+    CHECK(heft_loads_init(memory, sizeof memory, 1e160, NAN, NAN) == HEFT_REFUSED);
     CHECK(heft_loads_step(memory, &row, &loads) == HEFT_NOT_INITIALISED);
     CHECK(heft_loads_init(memory, sizeof memory, 1000.0, 2500.0, NAN) == HEFT_OK);
     CHECK(heft_loads_step(memory, NULL, &loads) == HEFT_NULL);

@@ -48,6 +48,9 @@ int main(void)
     settings.machine.mass = NAN;
     assert(heft_loader_init(memory, sizeof memory, &settings, 0, columns) == HEFT_REFUSED);
     assert(strstr(heft_loader_error(memory), "machine.mass"));
+    settings.machine.mass = 1e308;
+    assert(heft_loader_init(memory, sizeof memory, &settings, 0, columns) == HEFT_REFUSED);
+    assert(strstr(heft_loader_error(memory), "machine.mass cannot be 1e308, but 0.001 to 1000000.0"));
     assert(heft_loader_step(memory, &sample, &estimate) == HEFT_NOT_INITIALISED);
 
     /* Another machine's memory. */

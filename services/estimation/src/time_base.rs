@@ -15,12 +15,15 @@ const CONVINCING: f64 = 1.0;
 const LITTLE: f64 = 10.0;
 const CONVINCING_A_LITTLE: f64 = 0.2;
 
+/// A longer gap tells no more [s], 30 years: what was known is forgotten, and no power of it overflows.
+pub(crate) const LONGEST: f64 = 1e9;
+
 /// What a row's time means.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Tick {
     /// The first row with a time.
     First,
-    /// Measured so much later than the row before [s].
+    /// Measured so much later than the row before [s], at most [`LONGEST`].
     Later(f64),
     /// Not later, or no time at all.
     Refused,
@@ -71,7 +74,7 @@ impl TimeBase {
                     back: self.back,
                     ..Self::beginning(time)
                 };
-                return Tick::Later(time - last);
+                return Tick::Later((time - last).min(LONGEST));
             }
             let before = self.cadence.time();
             self.last = Some(time);
@@ -143,7 +146,7 @@ mod tests {
     fn one_stamp_far_ahead_costs_no_row_after_it() {
         for ahead in [10.0, 1e9, f64::MAX] {
             let mut base = ticking(100);
-            assert!(matches!(base.tick(ahead, GAP), Tick::Later(_)));
+            assert!(matches!(base.tick(ahead, GAP), Tick::Later(dt) if dt <= LONGEST));
             assert!(matches!(base.tick(1.0, GAP), Tick::Later(dt) if (dt - 0.01).abs() < 1e-9));
             assert!(matches!(base.tick(1.01, GAP), Tick::Later(dt) if (dt - 0.01).abs() < 1e-9));
         }

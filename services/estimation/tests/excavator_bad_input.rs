@@ -395,6 +395,42 @@ fn auto_gives_up_a_column_that_never_has_a_value() {
     assert_eq!(estimator.method(), Method::Posture);
 }
 
+/// The velocity alone tells the inertia by the damping: of a machine without damping it is no way out.
+#[test]
+fn without_damping_the_velocity_does_not_serve_in_place_of_silent_columns() {
+    let mut settings = golden_settings();
+    settings.nominal_damping = 0.0;
+    let mut estimator = SwingEstimator::new(&settings, Method::Auto, COLUMNS).unwrap();
+    for mut row in base() {
+        (row.torque, row.posture) = (None, [None; 3]);
+        let e = estimator.step(&row);
+        assert!(e.inertia.is_finite() && e.inertia_std.is_finite() && !e.flags.trusted());
+    }
+    assert_ne!(estimator.method(), Method::Velocity);
+}
+
+#[test]
+fn a_gap_of_any_length_leaves_numbers() {
+    for method in STATE_SPACE {
+        for gap in [1e9, 1e154, 1e308] {
+            let settings = golden_settings();
+            let mut estimator = SwingEstimator::new(&settings, method, COLUMNS).unwrap();
+            for k in 0..65 {
+                let at = |n: f64| (0.05 * f64::from(k) * n).sin();
+                let row = Sample {
+                    time: if k < 64 { 0.01 * f64::from(k) } else { gap },
+                    velocity: Some(at(2.0)),
+                    torque: Some(at(4.0)),
+                    posture: [Some(at(5.0)), Some(at(6.0)), Some(at(7.0))],
+                    ..Sample::default()
+                };
+                let e = estimator.step(&row);
+                check(&e, &settings, method, &format!("{gap} row {k}"));
+            }
+        }
+    }
+}
+
 #[test]
 fn a_missing_column_is_an_error_that_names_it() {
     let columns = Columns {

@@ -363,7 +363,13 @@ fn nothing_that_comes_in_lets_a_number_out_that_is_none() {
         0.0,
         -1.0,
     ];
-    for rated in [RATED, 0.0, f64::NAN] {
+    for (rated, latest) in [
+        (RATED, 1e12),
+        (RATED, f64::MAX),
+        (0.0, 1e12),
+        (f64::NAN, 1e12),
+        (1e160, 1e12),
+    ] {
         let mut ledger = Ledger::new(Settings::with_rated(rated));
         let mut seed = 1_u64;
         let mut time = 0.0;
@@ -378,7 +384,7 @@ fn nothing_that_comes_in_lets_a_number_out_that_is_none() {
                 }
             };
             time += any(2, 0.01);
-            if !time.is_finite() || time.abs() > 1e12 {
+            if !time.is_finite() || time.abs() > latest {
                 time = f64::from(i);
             }
             let row = Row {

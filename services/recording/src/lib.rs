@@ -39,6 +39,7 @@ mod time;
 mod time_unit;
 mod topics;
 mod unit;
+mod whole;
 mod wire;
 mod writer;
 

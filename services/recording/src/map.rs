@@ -52,7 +52,7 @@ use config::nearest;
 
 use crate::signal::Signal;
 use crate::unit::Unit;
-use crate::{Error, unit};
+use crate::{Error, unit, whole};
 
 /// A signal map.
 #[derive(Debug, Clone, PartialEq)]
@@ -237,8 +237,14 @@ impl Map {
     /// # Errors
     /// The file cannot be read or is no map.
     pub fn read(path: &Path) -> Result<Self, Error> {
-        let text = std::fs::read_to_string(path)
-            .map_err(|e| Error::system("read the signal map", path, &e))?;
+        let text = String::from_utf8(whole::read(path, "signal map")?);
+        let text = text.map_err(|_| {
+            Error::new(
+                "the signal map is no text in UTF-8",
+                path.display().to_string(),
+                "save it as UTF-8; `heft map` writes a first one",
+            )
+        })?;
         Self::parse(&text, path)
     }
 

@@ -143,7 +143,8 @@ fn master(name: &str, lines: &[Line], map: &Map, origin: &str) -> Result<usize, 
         Part::Constant(_) => None,
     });
     series.next().ok_or_else(|| {
-        let names = lines.iter().map(|l| l.entry.signal.as_str());
+        let comes = |l: &&Line| l.terms.iter().any(|t| matches!(t, Part::Series(..)));
+        let names = lines.iter().filter(comes).map(|l| l.entry.signal.as_str());
         Error::new(
             format!("the master {name} is no signal of the map that comes from {origin}"),
             map.file(),

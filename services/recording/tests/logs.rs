@@ -9,6 +9,31 @@ use recording::{Error, Map, load};
 
 const DBC: &str = "BO_ 100 Swing: 8 X\n SG_ rate : 0|16@1- (0.001,0) [0|0] \"rad/s\" X\n";
 
+/// What is wrong with a map whose DBC file is this, or whose master is that.
+fn refused(dbc: &[u8], master: &str) -> Error {
+    let dir = tempfile::tempdir().expect("a folder");
+    let path = dir.path().join("run.log");
+    std::fs::write(&path, "(0.0) can0 064#E803\n").expect("writable");
+    std::fs::write(dir.path().join("swing.dbc"), dbc).expect("writable");
+    let text = format!(
+        "[can]\ndbc = \"swing.dbc\"\nmaster = \"{master}\"\n[can.signals]\n\
+         swing_velocity = {{ message = \"Swing\", signal = \"rate\" }}\nboom_angle = {{ constant = 0.5 }}\n"
+    );
+    let map = Map::parse(&text, dir.path().join("map.toml")).expect("a map");
+    load::<ExcavatorSensors>(&path, Some(&map)).expect_err("no rows")
+}
+
+#[test]
+fn a_file_without_messages_and_a_master_that_is_constant_are_named() {
+    let wide: Vec<u8> = DBC.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    for dbc in [b"".as_slice(), b"\0\0", &wide] {
+        let error = refused(dbc, "swing_velocity");
+        assert!(error.what.contains("no message in the DBC file"), "{error}");
+    }
+    let error = refused(DBC.as_bytes(), "boom_angle");
+    assert_eq!(error.remedy, "its signals are swing_velocity");
+}
+
 /// The swing velocities of a log of this name, read by an entry with these keys.
 fn velocities(name: &str, keys: &str, content: &[u8]) -> Result<Vec<f64>, Error> {
     let dir = tempfile::tempdir().expect("a folder");

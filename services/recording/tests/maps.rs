@@ -113,6 +113,11 @@ fn a_map_that_says_nonsense_is_refused_with_its_line() {
             2,
             "scale is no number",
         ),
+        (
+            "[columns]\nt = { column = \"x\", scale = 0 }\n",
+            2,
+            "scale is 0",
+        ),
         ("[can]\nmaster = \"t\"\n", 1, "[can] names no DBC file"),
         ("[can]\ndbc = \"x.dbc\"\nrate = 1e300\n", 3, "rate is 1"),
         (
@@ -124,6 +129,11 @@ fn a_map_that_says_nonsense_is_refused_with_its_line() {
             "[can]\ndbc = \"x.dbc\"\n",
             1,
             "[can] does not say when there is a row",
+        ),
+        (
+            "[can]\ndbc = \"x.dbc\"\nrate = 10\nmaster = \"t\"\n",
+            1,
+            "[can] says twice when there is a row",
         ),
         (
             "[can]\ndbc = \"x.dbc\"\nrate = 10\n",

@@ -468,6 +468,7 @@ fn weighings_are_read_and_refused_like_other_tables() {
         error.place.ends_with("data.csv:2, column front_load"),
         "{error}"
     );
+    assert!(!error.remedy.contains("leave the cell empty"), "{error}");
     let (_dir, path) = file("pitch,rear,front_load\n0,1,2\n");
     assert!(read_weighings(&path).is_err_and(|e| e.what.contains("rear_load")));
 }

@@ -75,11 +75,7 @@ impl SwingEstimator {
         } else {
             method
         };
-        check_columns(method, columns)?;
-        if settings.nominal_damping < LEAST_DAMPING && method == Method::Velocity {
-            let (key, value) = ("machine.nominal_damping", settings.nominal_damping);
-            return Err(SettingsError::OutOfRange { key, value });
-        }
+        check_method(settings, method, columns)?;
         let e = &settings.estimator;
         Ok(Self {
             settings: *settings,
@@ -355,7 +351,7 @@ impl SwingEstimator {
         columns.torque &= self.grid.torque().is_some();
         columns.posture &= self.grid.has_posture();
         let method = Method::for_columns(columns);
-        if method == self.method || check_columns(method, columns).is_err() {
+        if method == self.method || check_method(&self.settings, method, columns).is_err() {
             return false;
         }
         self.columns = columns;
@@ -502,6 +498,20 @@ fn stated_lag(settings: &Settings, delays: [f64; 2], unsaid: f64) -> Option<[f64
 
 fn quantity((value, std): (f64, f64)) -> Quantity {
     Quantity { value, std }
+}
+
+/// Whether a method can work with these columns, of a machine that is described so.
+fn check_method(
+    settings: &Settings,
+    method: Method,
+    columns: Columns,
+) -> Result<(), SettingsError> {
+    check_columns(method, columns)?;
+    if settings.nominal_damping < LEAST_DAMPING && method == Method::Velocity {
+        let (key, value) = ("machine.nominal_damping", settings.nominal_damping);
+        return Err(SettingsError::OutOfRange { key, value });
+    }
+    Ok(())
 }
 
 fn check_columns(method: Method, columns: Columns) -> Result<(), SettingsError> {

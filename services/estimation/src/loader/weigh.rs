@@ -99,7 +99,7 @@ impl fmt::Display for WeighError {
             Self::Loads(front, rear) => {
                 write!(
                     f,
-                    "the axle loads are {front} and {rear}, both must be positive"
+                    "the axle loads are {front:?} and {rear:?}, both must be positive numbers"
                 )
             }
             Self::NoReadings => f.write_str("there is no reading"),

@@ -71,7 +71,7 @@ impl Accounts {
     fn change_day(&mut self, time: f64, events: &mut Events) {
         let days = (time - self.settings.midnight) / DAY;
         // Rounds down, for times before that midnight too.
-        let number = days as i64 - i64::from(days < 0.0);
+        let number = (days as i64).saturating_sub(i64::from(days < 0.0));
         if number != self.day.number {
             events.day = Some(self.day).filter(|d| d.total.loads > 0);
             self.day = Day {

@@ -1,5 +1,7 @@
 //! Which rows are in time.
 
+use crate::time_base::LONGEST;
+
 /// So many rows behind the clock: it was set back.
 const SET_BACK: u32 = 5;
 
@@ -41,7 +43,7 @@ impl Clock {
         if is_behind {
             Tick::SetBack
         } else {
-            Tick::Later(dt)
+            Tick::Later(dt.min(LONGEST))
         }
     }
 }

@@ -15,6 +15,9 @@ pub struct Settings {
 }
 
 impl Settings {
+    /// No bucket holds less or more \[kg\].
+    pub const RATED: [f64; 2] = [1e-3, 1e7];
+
     /// No target, a new truck after five minutes, days from time 0.
     pub fn with_rated(rated: f64) -> Self {
         Self {
@@ -29,7 +32,7 @@ impl Settings {
     pub(super) fn usable(self) -> Self {
         Self {
             rated: if self.rated.is_finite() {
-                self.rated.max(1e-3)
+                self.rated.clamp(Self::RATED[0], Self::RATED[1])
             } else {
                 1.0
             },

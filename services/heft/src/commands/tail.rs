@@ -13,6 +13,7 @@ use recording::can::Outgoing;
 use runtime::Sink;
 
 use crate::attached::find;
+use crate::commands::loads::positive;
 use crate::failure::Failure;
 use crate::signals::Signals;
 
@@ -43,7 +44,7 @@ pub struct TailArgs {
     #[arg(long, value_enum, default_value = "json")]
     pub format: Format,
     /// At most so many samples a second; all if absent
-    #[arg(long, value_name = "HZ")]
+    #[arg(long, value_name = "HZ", value_parser = positive)]
     pub rate: Option<f64>,
     /// With --format candump: which estimates, in which frames (TOML)
     #[arg(long, value_name = "FILE")]
@@ -95,7 +96,7 @@ pub fn tail(args: &TailArgs) -> Result<(), Failure> {
         format: args.format,
         tags,
         frames,
-        period: args.rate.filter(|r| *r > 0.0).map_or(0.0, |r| 1.0 / r),
+        period: args.rate.map_or(0.0, |r| 1.0 / r),
         last: f64::NEG_INFINITY,
         has_header: false,
         text: String::new(),

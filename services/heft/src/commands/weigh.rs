@@ -77,7 +77,8 @@ fn text(r: &Reference) -> String {
     out += &match r.cg_height {
         Some(height) => line("height of the centre of gravity", height, " m"),
         None => {
-            "height of the centre of gravity      unknown: no readings on tilted ground\n".into()
+            "height of the centre of gravity      unknown: all readings are at the same pitch\n"
+                .into()
         }
     };
     out + &format!(

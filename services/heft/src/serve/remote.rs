@@ -77,7 +77,13 @@ fn start(arguments: &[OsString]) -> Result<Started, Failure> {
     // A group of its own: Ctrl-C reaches whoever feeds it, at whose end it ends.
     command.args(arguments).process_group(0);
     command.stdin(Stdio::piped()).stdout(Stdio::piped());
-    let mut child = command.spawn().map_err(Failure::internal)?;
+    let mut child = command.spawn().map_err(|e| {
+        Failure::input(
+            format!("cannot start a process: {e}"),
+            "this computer",
+            "ask for fewer (--shards), or end others",
+        )
+    })?;
     let pipes = child.stdin.take().zip(child.stdout.take());
     let (pipe, answers) = pipes.ok_or_else(|| Failure::internal("no pipe"))?;
     Ok(Started {

@@ -5,8 +5,8 @@ mod parse;
 use std::path::Path;
 
 use super::layout::Layout;
-use crate::Error;
 use crate::map::hint;
+use crate::{Error, whole};
 
 /// The messages of a DBC file.
 #[derive(Debug, Default)]
@@ -72,11 +72,18 @@ pub(crate) struct Place {
 impl Dbc {
     /// Reads the messages of a file; text that is not UTF-8 is taken as Latin-1.
     pub(crate) fn open(path: &Path) -> Result<Self, Error> {
-        let bytes =
-            std::fs::read(path).map_err(|e| Error::system("read the DBC file", path, &e))?;
+        let bytes = whole::read(path, "DBC file")?;
         let text = String::from_utf8(bytes)
             .unwrap_or_else(|e| e.as_bytes().iter().map(|b| char::from(*b)).collect());
-        Self::parse(&text, path)
+        let dbc = Self::parse(&text, path)?;
+        if dbc.messages.is_empty() {
+            return Err(Error::new(
+                "there is no message in the DBC file",
+                path.display().to_string(),
+                "give a DBC file: a text in UTF-8 or Latin-1 with lines BO_ and SG_",
+            ));
+        }
+        Ok(dbc)
     }
 
     /// The message called `name`.

@@ -39,8 +39,11 @@ pub fn read_weighings(path: impl AsRef<Path>) -> Result<Vec<[f64; 3]>, Error> {
                 .number(cell)
                 .filter(|x| x.is_finite())
                 .ok_or_else(|| {
-                    NoNumber::of(cell, &header[at], false)
-                        .at(table.line(records.start()), &table.file)
+                    let line = table.line(records.start());
+                    let error = NoNumber::of(cell, &header[at], false).at(line, &table.file);
+                    // No number of a weighing can be missing.
+                    let remedy = "write a number, or delete the row";
+                    Error::new(error.what, error.place, remedy)
                 })?;
         }
         rows.push(row);

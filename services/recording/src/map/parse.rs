@@ -212,9 +212,14 @@ impl Parser<'_> {
             let line = self.line(fields, "sign");
             return Err(self.error(line, format!("sign is {sign}"), "give 1 or -1"));
         }
+        let scale = self.number(fields, "scale")?;
+        if scale == Some(0.0) {
+            let remedy = "give another number; a signal that is always 0 is { constant = 0.0 }";
+            return Err(self.error(self.line(fields, "scale"), "scale is 0", remedy));
+        }
         Ok(Conversion {
             unit,
-            scale: self.number(fields, "scale")?,
+            scale,
             offset: self.number(fields, "offset")?.unwrap_or(0.0),
             sign,
         })
@@ -283,8 +288,11 @@ impl Parser<'_> {
         match (self.word(table, "master")?, rate) {
             (Some(master), None) => Ok(Rows::Master(master)),
             (None, Some(rate)) => Ok(Rows::Rate(rate)),
-            _ => {
-                let what = format!("{name} does not say when there is a row");
+            (master, _) => {
+                let what = match master {
+                    Some(_) => format!("{name} says twice when there is a row: master and rate"),
+                    None => format!("{name} does not say when there is a row"),
+                };
                 let remedy =
                     "write master = \"a signal\" (a row for each of its values) or rate = 100 (Hz)";
                 Err(self.error(line, what, remedy))

@@ -1,0 +1,39 @@
+//! Files that people write by hand, read whole: up to a size, so that a device or a wrong file is an error and not a wait.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use crate::Error;
+
+/// No signal map and no DBC file is so large \[bytes\].
+const LARGEST: u64 = 50_000_000;
+
+/// The content of a file; `what` it should be, in words.
+pub(crate) fn read(path: &Path, what: &str) -> Result<Vec<u8>, Error> {
+    let mut content = Vec::new();
+    let read = File::open(path).and_then(|f| f.take(LARGEST + 1).read_to_end(&mut content));
+    read.map_err(|e| Error::system(&format!("read the {what}"), path, &e))?;
+    if content.len() as u64 > LARGEST {
+        return Err(Error::new(
+            format!("the file has more than {LARGEST} bytes: no {what} is so large"),
+            path.display().to_string(),
+            format!("name a {what}, which is a text"),
+        ));
+    }
+    Ok(content)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_device_without_end_is_refused() {
+        let endless = read(Path::new("/dev/zero"), "DBC file").expect_err("too large");
+        assert!(
+            endless.what.contains("no DBC file is so large"),
+            "{endless}"
+        );
+    }
+}
