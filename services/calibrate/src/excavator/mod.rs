@@ -22,7 +22,7 @@ pub use series::{Load, Measured, Series, Swing};
 pub use swings::{Role, Swings};
 pub use torque::{Impulse, Torque};
 
-use crate::fit::{EXACT, Progress, Task};
+use crate::fit::{EXACT, Progress, Task, UNSTOPPED};
 use crate::honesty;
 use crate::model::Model;
 use crate::outcome::{FitResult, Summary};
@@ -49,6 +49,19 @@ pub struct Options<'a> {
     pub stop: &'a AtomicBool,
     /// Hears of every step.
     pub progress: &'a (dyn Fn(Progress) + Sync),
+}
+
+impl<'a> Options<'a> {
+    /// The usual keys, and a fit that nobody stops or hears of.
+    #[must_use]
+    pub fn of(description: &'a Description) -> Self {
+        Self {
+            description,
+            free: None,
+            stop: &UNSTOPPED,
+            progress: &|_| {},
+        }
+    }
 }
 
 /// What came out.
@@ -297,7 +310,7 @@ fn sort_loads(swings: &mut Swings, fixed: &[bool]) -> Option<String> {
             blocks: &empty,
             fixed,
             least_gain: EXACT,
-            stop: &AtomicBool::new(false),
+            stop: &UNSTOPPED,
             progress: &|_| {},
         };
         task.run(&start::start(swings, &empty, fixed)).place

@@ -33,7 +33,7 @@ pub use lift::CylinderFit;
 use noise::Noises;
 pub use role::{Role, StatedLoad};
 
-use crate::fit::{EXACT, Progress, Task, values};
+use crate::fit::{EXACT, Progress, Task, UNSTOPPED, values};
 use crate::honesty;
 use crate::model::Model;
 use crate::outcome::{FitResult, Summary};
@@ -71,6 +71,22 @@ pub struct Options<'a> {
     pub stop: &'a AtomicBool,
     /// Hears of every step.
     pub progress: &'a (dyn Fn(Progress) + Sync),
+}
+
+impl<'a> Options<'a> {
+    /// The usual keys of a machine that was not weighed, and a fit that nobody stops or hears of.
+    #[must_use]
+    pub fn of(description: &'a Description) -> Self {
+        Self {
+            description,
+            weighed: StatedLoad::default(),
+            ways: &[],
+            slices: false,
+            free: None,
+            stop: &UNSTOPPED,
+            progress: &|_| {},
+        }
+    }
 }
 
 /// What came out.
