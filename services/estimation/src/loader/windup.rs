@@ -20,7 +20,7 @@ use super::wheel_dynamics::{GRAVITY, Inputs, WheelDynamics};
 const LEAST_TIME: f64 = 0.01;
 
 /// Least share of the weight on an axle that counts.
-const LEAST_SHARE: f64 = 0.1;
+pub(super) const LEAST_SHARE: f64 = 0.1;
 
 /// Memory of the torques.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -8,6 +8,7 @@ use crate::loader::curves::Difference;
 use crate::loader::layout::{CG_HEIGHT, CG_RATIO, FRONT_WHEEL, REAR_WHEEL, SLIP_STIFFNESS, SPEED};
 use crate::loader::manoeuvres::Slip;
 use crate::loader::wheel_dynamics::GRAVITY;
+use crate::loader::windup::LEAST_SHARE;
 
 /// What held before the row.
 #[derive(Clone, Copy, Debug)]
@@ -82,7 +83,8 @@ impl<const N: usize, const M: usize, B: Belief<N, M>> CgFilter<N, M, B> {
             [SPEED, SLIP_STIFFNESS, CG_HEIGHT, CG_RATIO].map(|i| seen.state[i]);
         let acceleration = (speed - seen.before.speed) / model.dt;
         let lift = acceleration + GRAVITY * seen.sine;
-        let front = (ratio - height * lift / (GRAVITY * machine.wheelbase)).clamp(0.1, 0.9);
+        let front = ratio - height * lift / (GRAVITY * machine.wheelbase);
+        let front = front.clamp(LEAST_SHARE, 1.0 - LEAST_SHARE);
         let per_weight = 1.0 / (radius * stiffness * machine.mass * GRAVITY);
         let slip = |torque: f64, share: f64| torque * per_weight / (share * share);
         let moved = slip(inputs.front_torque, front) + slip(inputs.rear_torque, 1.0 - front);

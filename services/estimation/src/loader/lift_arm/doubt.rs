@@ -21,14 +21,13 @@
 //! the covariances say how much of the error is whose.
 
 use super::super::layout::Each;
-use super::drawing::{
-    Drawing, EMPTY_HEIGHT, EMPTY_RATIO, Empty, LIFT_ZERO, NUMBERS, Posture, TILT_ZERO,
-};
+use super::drawing::Drawing;
+use super::geometry::{Empty, Posture};
+use super::numbers::{EMPTY_HEIGHT, EMPTY_RATIO, LIFT_ZERO, NUMBERS, TILT_ZERO};
+use super::tare::Tare;
 use crate::Quantity;
 use crate::math::sqrt;
 use crate::positive::positive;
-
-use super::tare::Tare;
 
 /// What somebody states is a mixture: one number in five is off by three times what it says (scales that were not level, another tyre,
 /// a full tank). Its deviation over the stated one. Zeros of angles are as wide as sensors that nobody set already.

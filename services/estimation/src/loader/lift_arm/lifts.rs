@@ -9,9 +9,10 @@ use super::super::sample::Sample;
 use super::super::settings::Settings;
 use super::super::wheel_dynamics::GRAVITY;
 use super::Quantity;
-use super::drawing::{
-    BASE, CYLINDER_ANGLE, Drawing, EYE, FRICTION, FULL_PRESSURE, HEAD_AREA, HEAD_ZERO, OFFSET,
-    Posture, ROD_AREA, ROD_ZERO, SPAN, USUAL_ROD_PRESSURE, turns,
+use super::drawing::{Drawing, FULL_PRESSURE};
+use super::geometry::{Posture, USUAL_ROD_PRESSURE, turns};
+use super::numbers::{
+    BASE, CYLINDER_ANGLE, EYE, FRICTION, HEAD_AREA, HEAD_ZERO, OFFSET, ROD_AREA, ROD_ZERO, SPAN,
 };
 use super::seals::Seals;
 use super::turn::Turn;
@@ -22,6 +23,8 @@ const BLOCK: f64 = 0.2;
 const GAP: f64 = 0.25;
 /// A machine slower than this stands [m/s].
 const STANDS: f64 = 0.1;
+/// A cylinder with less lever tells nothing [m].
+const LEAST_LEVER: f64 = 1e-3;
 /// Rates of a bucket that turns, and of an arm that moves [rad/s].
 const TURNS: f64 = 0.05;
 const MOVES: f64 = 0.01;
@@ -137,7 +140,7 @@ impl Lifts {
         let posture = Posture {
             arm: Turn::of(0.0),
             bucket: Turn::of(0.0),
-            head: 10e6,
+            head: 0.5 * FULL_PRESSURE,
             rod: 0.0,
             gravity: GRAVITY,
             acceleration: 0.0,
@@ -285,7 +288,7 @@ impl Lifts {
             DRAWN * measured / lever,
         ];
         let noise = self.drawing.force_std();
-        (lever.abs() > 1e-3).then_some(LiftMoment {
+        (lever.abs() > LEAST_LEVER).then_some(LiftMoment {
             lever,
             measured,
             empty,

@@ -6,6 +6,9 @@ use crate::loader::axle_loads::{LEAST_LOAD, axle_loads};
 use crate::loader::layout::Layout;
 use crate::loader::wheel_dynamics::{GRAVITY, MOST_USED, WheelDynamics};
 
+/// Use of the friction limit below which a tyre does not bend.
+const LEAST_USED: f64 = 1e-6;
+
 /// Load of an axle and its derivatives; they vanish where the floor holds it.
 #[derive(Clone, Copy)]
 pub(super) struct Load {
@@ -166,7 +169,7 @@ impl Step<'_> {
         }
         let borne = torque - acceleration * m.axle_inertia / radius;
         let used = borne.abs() / (radius * load * m.friction);
-        if !(1e-6..MOST_USED).contains(&used) {
+        if !(LEAST_USED..MOST_USED).contains(&used) {
             return (0.0, 0.0);
         }
         (1.0 - phi / (1.0 - used * used), 1.0 / borne)
