@@ -116,14 +116,7 @@ impl CgEstimator {
             let row = RowReport::without_update(Status::Waiting, false);
             answer(f, settings, method, &row)
         });
-        let lift = LiftWitness::new(
-            &settings.lift_arm,
-            &settings.lift_cylinder,
-            &settings.machine,
-            &settings.sensors,
-            &settings.prior,
-        )
-        .filter(|_| settings.at_work());
+        let lift = LiftWitness::new(settings).filter(|_| settings.at_work());
         last.payload = lift.as_ref().map(LiftWitness::unknown);
         Ok(Self {
             settings: *settings,

@@ -1,8 +1,8 @@
 //! The described numbers of the lift arm and of the machine, each with its doubt.
 
 use super::super::RATED_SHARE;
-use super::super::keys::{LiftArm, LiftCylinder, Machine, Prior, Sensors};
 use super::super::layout::Each;
+use super::super::settings::Settings;
 use super::super::wheel_dynamics::GRAVITY;
 use super::numbers::{
     BASE, CYLINDER_ANGLE, EMPTY_HEIGHT, EMPTY_MASS, EMPTY_RATIO, EXCHANGED, EYE, FRICTION,
@@ -66,13 +66,8 @@ pub(super) struct Drawing {
 
 impl Drawing {
     /// None where the arm or its cylinder is not described.
-    pub fn of(
-        arm: &LiftArm,
-        cylinder: &LiftCylinder,
-        machine: &Machine,
-        sensors: &Sensors,
-        prior: &Prior,
-    ) -> Option<Self> {
+    pub fn of(settings: &Settings) -> Option<Self> {
+        let (arm, cylinder) = (&settings.lift_arm, &settings.lift_cylinder);
         let needed = [
             arm.length,
             cylinder.head_area,
@@ -82,7 +77,7 @@ impl Drawing {
         if needed.iter().any(|x| *x <= 0.0) {
             return None;
         }
-        let both = described(arm, cylinder, machine, sensors, prior);
+        let both = described(settings);
         let std = both.map(|(_, std)| std);
         let (span, offset) = (cylinder.span_std > 0.0, cylinder.force_offset_std > 0.0);
         let values = both.map(|(value, _)| value);
@@ -95,13 +90,13 @@ impl Drawing {
             correlation: cylinder.span_offset_correlation,
             missed: [arm.arm_cos, arm.arm_sin, arm.bucket_cos, arm.bucket_sin],
             count: cylinder.count,
-            wheelbase: machine.wheelbase,
+            wheelbase: settings.machine.wheelbase,
             reference: [
                 Turn::of(arm.reference_angle),
                 Turn::of(arm.reference_angle + arm.reference_tilt),
             ],
             cylinder: Turn::of(cylinder.angle),
-            pressure_std: sensors.pressure_std,
+            pressure_std: settings.sensors.pressure_std,
         })
     }
 
@@ -131,13 +126,15 @@ impl Drawing {
 }
 
 /// Each number with its standard deviation.
-fn described(
-    arm: &LiftArm,
-    cylinder: &LiftCylinder,
-    machine: &Machine,
-    sensors: &Sensors,
-    prior: &Prior,
-) -> [(f64, f64); NUMBERS] {
+fn described(settings: &Settings) -> [(f64, f64); NUMBERS] {
+    let Settings {
+        machine,
+        lift_arm: arm,
+        lift_cylinder: cylinder,
+        sensors,
+        prior,
+        ..
+    } = settings;
     let or = |stated: f64, usual: f64| if stated > 0.0 { stated } else { usual };
     let by = |value: f64, std: f64, share: f64| (value, or(std, share * value.abs()));
     [

@@ -116,13 +116,7 @@ impl Lifts {
     /// None where no lift arm is described.
     #[must_use]
     pub fn new(settings: &Settings) -> Option<Self> {
-        let drawing = Drawing::of(
-            &settings.lift_arm,
-            &settings.lift_cylinder,
-            &settings.machine,
-            &settings.sensors,
-            &settings.prior,
-        )?;
+        let drawing = Drawing::of(settings)?;
         Some(Self {
             drawing,
             seals: Seals::default(),

@@ -41,9 +41,9 @@ mod tare;
 mod turn;
 
 use super::cg_model::Loading;
-use super::keys::{LiftArm, LiftCylinder, Machine, Prior, Sensors};
 use super::layout::Each;
 use super::sample::Sample;
+use super::settings::Settings;
 use crate::Quantity;
 use below::Below;
 use content::Content;
@@ -115,14 +115,8 @@ pub(super) struct Weighed {
 
 impl LiftWitness {
     /// The witness that a description allows; none where no arm is described.
-    pub fn new(
-        arm: &LiftArm,
-        cylinder: &LiftCylinder,
-        machine: &Machine,
-        sensors: &Sensors,
-        prior: &Prior,
-    ) -> Option<Self> {
-        let drawing = Drawing::of(arm, cylinder, machine, sensors, prior)?;
+    pub fn new(settings: &Settings) -> Option<Self> {
+        let drawing = Drawing::of(settings)?;
         Some(Self {
             scale: Scale::new(&drawing),
             drawing,
