@@ -100,8 +100,8 @@ impl Directions {
         let pairs = f64::from(self.drives[0].min(self.drives[1]));
         let pair = PAIR_STD * birge.max(1.0);
         // n pairs tell it as well as one with the error sqrt(pair^2/n + common^2).
-        let told = before * before * pairs / (pair * pair + pairs * COMMON_STD * COMMON_STD);
-        before / sqrt(1.0 + told)
+        let information = before * before * pairs / (pair * pair + pairs * COMMON_STD * COMMON_STD);
+        before / sqrt(1.0 + information)
     }
 }
 

@@ -212,7 +212,7 @@ impl Disturbance {
             speed,
         };
         let kind = Kind {
-            states_mass: step.tells_mass,
+            states_mass: step.states_mass,
             tells: free && straight && pull.abs() < LARGEST && measured.abs() < LARGEST,
             drives,
             stands: speed.abs() < LEAST_SPEED,

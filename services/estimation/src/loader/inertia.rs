@@ -113,7 +113,7 @@ pub(super) struct Inertia {
     /// Time since the last step [s].
     since: f64,
     /// The mass has been reported with its load.
-    mass_told: bool,
+    mass_reported: bool,
 }
 
 impl Default for Inertia {
@@ -124,7 +124,7 @@ impl Default for Inertia {
             anchor: 1.0,
             stepped: false,
             since: f64::INFINITY,
-            mass_told: false,
+            mass_reported: false,
         }
     }
 }
@@ -156,14 +156,14 @@ impl Inertia {
         if !counts {
             return;
         }
-        self.force.walk(self.mass_told, dt);
+        self.force.walk(self.mass_reported, dt);
         let [innovation, _] = self.force.see(self.smooth, dt);
         if innovation.abs() > LARGEST {
             // What was found was of bad rows, or of a force that begins: anew.
             let Self {
                 smooth,
                 since,
-                mass_told,
+                mass_reported,
                 ..
             } = *self;
             *self = Self {
@@ -171,8 +171,8 @@ impl Inertia {
                 since,
                 ..Self::default()
             };
-            if mass_told {
-                self.mass_is_told();
+            if mass_reported {
+                self.mass_is_reported();
             }
             return;
         }
@@ -186,11 +186,11 @@ impl Inertia {
     }
 
     /// The mass is reported with its load.
-    pub fn mass_is_told(&mut self) {
-        if !self.mass_told {
+    pub fn mass_is_reported(&mut self) {
+        if !self.mass_reported {
             self.force.open_zero();
         }
-        self.mass_told = true;
+        self.mass_reported = true;
     }
 
     /// What was found fades to what is usual: nothing is remembered for ever.

@@ -35,7 +35,7 @@ pub(super) struct StepInputs {
     /// Friction brakes act.
     pub brake: bool,
     /// The mass with its load is stated.
-    pub tells_mass: bool,
+    pub states_mass: bool,
     /// Angle between front and rear body, where it is measured [rad].
     pub articulation: Option<f64>,
     /// Yaw rate, where it is measured [rad/s].
@@ -120,7 +120,7 @@ impl InputHold {
             sine: sin_cos(slope).0,
             acceleration: mean,
             brake: sample.brake,
-            tells_mass: sample.time - self.weighed < HOLDS,
+            states_mass: sample.time - self.weighed < HOLDS,
             articulation: sample.articulation,
             yaw_rate: sample.yaw_rate,
         }

@@ -53,8 +53,8 @@ impl SharedSlip {
         } else {
             1.0 / SLOWEST
         };
-        let told = (1.0 - k.std * k.std / (prior.std * prior.std)).max(0.0);
-        let timing = told * k.value * k.value * GRAVITY * APART * per_speed;
+        let learnt = (1.0 - k.std * k.std / (prior.std * prior.std)).max(0.0);
+        let timing = learnt * k.value * k.value * GRAVITY * APART * per_speed;
         let away = k.value - prior.value;
         let spread = norm(&[prior.std, k.std, timing]);
         let z = away / spread;

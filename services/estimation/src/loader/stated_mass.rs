@@ -66,8 +66,8 @@ impl StatedMass {
         let changed = (mass - self.first).abs() > WEIGHS * mass;
         self.is_weighed |= kind.states_mass && changed;
         if self.is_weighed {
-            self.inertia.mass_is_told();
-            self.driven.mass_is_told();
+            self.inertia.mass_is_reported();
+            self.driven.mass_is_reported();
         }
         self.driven.see(row, kind.tells && kind.drives, true, dt);
         let lighter = self.driven.excess() > 0.0;
